@@ -1,0 +1,31 @@
+//! Expressions: a hash-consed graph and the calculus on it. No mechanics here.
+//!
+//! An [`Expr`] is a `Copy` handle into a [`Graph`]; operators on handles build nodes. Equal expressions are one node, and
+//! operands come before what is made of them, so that a pass over the graph is a loop over node numbers. Nothing
+//! recurses on the depth of an expression.
+//!
+//! - [`number`]: exact constants;
+//! - [`graph`]: the arena, [`Node`], and the constructors with their local rules;
+//! - [`function`]: sin, cos, … with derivative and value side by side;
+//! - [`tangent`]: directional derivatives by a forward sweep;
+//! - [`adjoint`]: gradients by a reverse sweep;
+//! - [`hessian`]: second derivatives by edge pushing;
+//! - [`vector`]: vectors and matrices over expressions;
+//! - [`display`]: infix printing.
+
+pub mod adjoint;
+pub mod display;
+pub mod function;
+pub mod graph;
+pub mod hessian;
+pub mod number;
+pub mod tangent;
+pub mod vector;
+
+pub use adjoint::gradient;
+pub use function::{Binary, Function};
+pub use graph::{Expr, Graph, HalfInteger, Id, Node, Symbol};
+pub use hessian::hessian;
+pub use number::Number;
+pub use tangent::Tangent;
+pub use vector::{Matrix, Vector};

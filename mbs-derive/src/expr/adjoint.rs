@@ -1,0 +1,159 @@
+//! Reverse sweep: the gradient of one expression at a small multiple of its own cost.
+
+use super::graph::{Expr, Graph, Id, IdMap, Node, Symbol};
+use super::tangent::power_derivative;
+
+/// `∂root/∂symbol` for each symbol.
+///
+/// Source: Griewank & Walther, *Evaluating Derivatives*, 2nd ed. 2008, section 3.2.
+pub fn gradient<'g>(root: Expr<'g>, symbols: &[Symbol]) -> Vec<Expr<'g>> {
+    gradient_of_combination(&[(root, root.graph().integer(1))], symbols)
+}
+
+/// `Σ weight · ∂root/∂symbol` for each symbol: one sweep for several roots.
+pub fn gradient_of_combination<'g>(roots: &[(Expr<'g>, Expr<'g>)], symbols: &[Symbol]) -> Vec<Expr<'g>> {
+    let graph = roots.first().expect("at least one root").0.graph();
+    let order = active(graph, roots.iter().map(|(root, _)| root.id()), |symbol| symbols.contains(&symbol));
+    let mut adjoints = Adjoints::new(graph, &order);
+    for &(root, weight) in roots {
+        adjoints.add(root.id(), weight);
+    }
+    for &id in order.iter().rev() {
+        if let Some(adjoint) = adjoints.get(id) {
+            for (operand, partial) in partials(graph.expr(id)) {
+                adjoints.add_product(operand, partial, adjoint);
+            }
+        }
+    }
+    symbols
+        .iter()
+        .map(|&symbol| adjoints.get(graph.symbol(symbol).id()).unwrap_or_else(|| graph.integer(0)))
+        .collect()
+}
+
+/// The nodes of the roots that depend on a chosen symbol, operands first.
+pub(super) fn active(graph: &Graph, roots: impl Iterator<Item = Id>, chosen: impl Fn(Symbol) -> bool) -> Vec<Id> {
+    let mut depends: IdMap<()> = IdMap::default();
+    let mut order = graph.reachable(roots);
+    order.retain(|&id| {
+        let active = match graph.node(id) {
+            Node::Symbol(symbol) => chosen(symbol),
+            node => node.operands().any(|operand| depends.contains_key(&operand)),
+        };
+        if active {
+            depends.insert(id, ());
+        }
+        active
+    });
+    order
+}
+
+/// The adjoints of the active nodes; contributions to others are dropped.
+pub(super) struct Adjoints<'g> {
+    values: IdMap<Option<Expr<'g>>>,
+    graph: &'g Graph,
+}
+
+impl<'g> Adjoints<'g> {
+    pub(super) fn new(graph: &'g Graph, active: &[Id]) -> Self {
+        Adjoints { values: active.iter().map(|&id| (id, None)).collect(), graph }
+    }
+
+    pub(super) fn get(&self, id: Id) -> Option<Expr<'g>> {
+        self.values.get(&id).copied().flatten()
+    }
+
+    pub(super) fn add(&mut self, id: Id, contribution: Expr<'g>) {
+        if let Some(value) = self.values.get_mut(&id) {
+            *value = Some(match *value {
+                Some(sum) => sum + contribution,
+                None => contribution,
+            });
+        }
+    }
+
+    pub(super) fn is_active(&self, id: Id) -> bool {
+        self.values.contains_key(&id)
+    }
+
+    pub(super) fn add_product(&mut self, id: Id, partial: Partial<'g>, adjoint: Expr<'g>) {
+        if self.is_active(id) {
+            self.add(id, partial.times(self.graph, adjoint));
+        }
+    }
+}
+
+/// `∂node/∂operand`, made only where it is wanted.
+#[derive(Clone, Copy)]
+pub(super) enum Partial<'g> {
+    One,
+    MinusOne,
+    /// Another operand.
+    Factor(Expr<'g>),
+    /// That of the node's first (0) or second (1) operand.
+    Derivative(Expr<'g>, usize),
+}
+
+impl<'g> Partial<'g> {
+    /// `∂node/∂operand · weight`
+    pub(super) fn times(self, graph: &'g Graph, weight: Expr<'g>) -> Expr<'g> {
+        match self {
+            Partial::One => weight,
+            Partial::MinusOne => -weight,
+            Partial::Factor(other) => other * weight,
+            Partial::Derivative(expr, which) => {
+                let derivative = match expr.node() {
+                    Node::Power(a, n) => power_derivative(graph.expr(a), n),
+                    Node::Call(function, a) => function.derivative(graph.expr(a), expr),
+                    Node::Call2(function, a, b) => function.derivative(graph.expr(a), graph.expr(b), expr)[which],
+                    node => unreachable!("{node:?} has constant partial derivatives"),
+                };
+                derivative * weight
+            }
+        }
+    }
+}
+
+/// The operands of a node, each with the node's derivative in it.
+pub(super) fn partials<'g>(expr: Expr<'g>) -> impl Iterator<Item = (Id, Partial<'g>)> {
+    let graph = expr.graph();
+    let (first, second) = match expr.node() {
+        Node::Constant(_) | Node::Symbol(_) => (None, None),
+        Node::Rate(_) => unreachable!("time derivatives are carried out before others"),
+        Node::Neg(a) => (Some((a, Partial::MinusOne)), None),
+        Node::Add(a, b) => (Some((a, Partial::One)), Some((b, Partial::One))),
+        Node::Sub(a, b) => (Some((a, Partial::One)), Some((b, Partial::MinusOne))),
+        Node::Mul(a, b) => {
+            (Some((a, Partial::Factor(graph.expr(b)))), Some((b, Partial::Factor(graph.expr(a)))))
+        }
+        Node::Power(a, _) | Node::Call(_, a) => (Some((a, Partial::Derivative(expr, 0))), None),
+        Node::Call2(_, a, b) => {
+            (Some((a, Partial::Derivative(expr, 0))), Some((b, Partial::Derivative(expr, 1))))
+        }
+    };
+    first.into_iter().chain(second)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn gradient_of_a_product() {
+        let graph = Graph::new();
+        let symbols = [0, 1, 2].map(Symbol::Coordinate);
+        let [x, y, z] = symbols.map(|s| graph.symbol(s));
+        let f = x * y * z.sin();
+        assert_eq!(gradient(f, &symbols), [y * z.sin(), x * z.sin(), x * y * z.cos()]);
+    }
+
+    #[test]
+    fn a_doubling_chain_stays_linear() {
+        let graph = Graph::new();
+        let x = graph.symbol(Symbol::Coordinate(0));
+        let f = (0..60).fold(x, |e, _| (e * e + x).sin());
+        let before = graph.len();
+        gradient(f, &[Symbol::Coordinate(0)]);
+        assert!(graph.len() < 10 * before);
+    }
+}

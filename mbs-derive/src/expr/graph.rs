@@ -1,0 +1,769 @@
+//! The arena of expressions; its constructors, the only way to make a node, apply the local rules.
+//!
+//! Rules are local: they look at a node's operands and at what those are made of, never further. Nothing is expanded or
+//! flattened, because the shape of the recursion that was written is what keeps the generated code short.
+
+use std::cell::RefCell;
+use std::collections::HashMap;
+use std::fmt;
+use std::hash::{BuildHasherDefault, Hasher};
+use std::ops::{Add, Div, Mul, Neg, Sub};
+
+use super::function::{Binary, Function};
+use super::number::Number;
+
+/// Number of a node in its graph; operands have smaller numbers than what is made of them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct Id(pub(crate) u32);
+
+impl Id {
+    /// For tables over all nodes.
+    pub fn index(self) -> usize {
+        self.0 as usize
+    }
+}
+
+/// What an expression may depend on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Symbol {
+    /// Time `t`.
+    Time,
+    /// Generalized coordinate `q_i`.
+    Coordinate(u32),
+    /// Generalized velocity `q̇_i`.
+    Velocity(u32),
+    /// Generalized acceleration `q̈_i`.
+    Acceleration(u32),
+    /// Parameter, constant in time.
+    Parameter(u32),
+    /// Input, given from outside at each instant.
+    Input(u32),
+}
+
+/// An exponent that is a multiple of one half: a power, a square root, or their reciprocal.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct HalfInteger(i32);
+
+impl HalfInteger {
+    /// 1/2
+    pub const HALF: HalfInteger = HalfInteger(1);
+    /// −1
+    pub const MINUS_ONE: HalfInteger = HalfInteger(-2);
+
+    /// `n/2`
+    pub const fn halves(n: i32) -> HalfInteger {
+        HalfInteger(n)
+    }
+
+    /// `n`
+    pub const fn integer(n: i32) -> HalfInteger {
+        HalfInteger(2 * n)
+    }
+
+    /// Twice its value.
+    pub const fn to_halves(self) -> i32 {
+        self.0
+    }
+
+    /// Its value, where it is an integer.
+    pub const fn to_integer(self) -> Option<i32> {
+        if self.0 % 2 == 0 { Some(self.0 / 2) } else { None }
+    }
+
+    /// Its value.
+    pub fn to_number(self) -> Number {
+        Number::integer(i64::from(self.0)).mul(Number::rational(1, 2).expect("one half"))
+    }
+}
+
+/// One node. Quotients are products with a reciprocal, square roots are powers with exponent one half.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Node {
+    /// A constant.
+    Constant(Number),
+    /// A symbol.
+    Symbol(Symbol),
+    /// Total time derivative, not yet carried out; only in a verbatim graph.
+    Rate(Id),
+    /// `−a`
+    Neg(Id),
+    /// `a + b`
+    Add(Id, Id),
+    /// `a − b`
+    Sub(Id, Id),
+    /// `a · b`
+    Mul(Id, Id),
+    /// `a^n`
+    Power(Id, HalfInteger),
+    /// `f(a)`
+    Call(Function, Id),
+    /// `f(a, b)`
+    Call2(Binary, Id, Id),
+}
+
+impl Node {
+    /// The operands, in order.
+    pub fn operands(self) -> impl Iterator<Item = Id> {
+        let (first, second) = match self {
+            Node::Constant(_) | Node::Symbol(_) => (None, None),
+            Node::Rate(a) | Node::Neg(a) | Node::Power(a, _) | Node::Call(_, a) => (Some(a), None),
+            Node::Add(a, b) | Node::Sub(a, b) | Node::Mul(a, b) | Node::Call2(_, a, b) => (Some(a), Some(b)),
+        };
+        first.into_iter().chain(second)
+    }
+}
+
+/// An arena in which equal expressions are one node.
+pub struct Graph {
+    arena: RefCell<Arena>,
+    verbatim: bool,
+}
+
+#[derive(Default)]
+struct Arena {
+    nodes: Vec<Node>,
+    /// A hash of what a node says, whatever else the graph holds: the order of operands must not depend on history.
+    keys: Vec<u64>,
+    ids: HashMap<Node, Id, BuildHasherDefault<MixHasher>>,
+}
+
+impl Graph {
+    /// A graph whose constructors apply the local rules.
+    #[allow(clippy::new_without_default)]
+    pub fn new() -> Graph {
+        Graph { arena: RefCell::default(), verbatim: false }
+    }
+
+    /// A graph that keeps expressions as they were written, time derivatives included.
+    pub fn verbatim() -> Graph {
+        Graph { arena: RefCell::default(), verbatim: true }
+    }
+
+    /// How many nodes there are.
+    pub fn len(&self) -> usize {
+        self.arena.borrow().nodes.len()
+    }
+
+    /// Whether there is no node.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The node with this number.
+    pub fn node(&self, id: Id) -> Node {
+        self.arena.borrow().nodes[id.index()]
+    }
+
+    /// A handle to the node with this number.
+    pub fn expr(&self, id: Id) -> Expr<'_> {
+        Expr { graph: self, id }
+    }
+
+    /// A constant.
+    pub fn constant(&self, value: Number) -> Expr<'_> {
+        if value.is_negative() && !self.verbatim {
+            return -self.intern(Node::Constant(value.neg()));
+        }
+        self.intern(Node::Constant(value))
+    }
+
+    /// An integer constant.
+    pub fn integer(&self, value: i64) -> Expr<'_> {
+        self.constant(Number::integer(value))
+    }
+
+    /// A symbol.
+    pub fn symbol(&self, symbol: Symbol) -> Expr<'_> {
+        self.intern(Node::Symbol(symbol))
+    }
+
+    /// The nodes that the roots are made of, operands first.
+    pub fn reachable(&self, roots: impl IntoIterator<Item = Id>) -> Vec<Id> {
+        let arena = self.arena.borrow();
+        let mut stack: Vec<Id> = roots.into_iter().collect();
+        let mut marked = vec![false; stack.iter().map(|id| id.index() + 1).max().unwrap_or(0)];
+        while let Some(id) = stack.pop() {
+            if !std::mem::replace(&mut marked[id.index()], true) {
+                stack.extend(arena.nodes[id.index()].operands());
+            }
+        }
+        (0..marked.len()).filter(|&i| marked[i]).map(|i| Id(i as u32)).collect()
+    }
+
+    fn intern(&self, node: Node) -> Expr<'_> {
+        let mut arena = self.arena.borrow_mut();
+        let id = match arena.ids.get(&node) {
+            Some(&id) => id,
+            None => {
+                let id = Id(u32::try_from(arena.nodes.len()).expect("fewer than 2^32 nodes"));
+                let key = arena.key(node);
+                arena.nodes.push(node);
+                arena.keys.push(key);
+                arena.ids.insert(node, id);
+                id
+            }
+        };
+        Expr { graph: self, id }
+    }
+
+    /// Whether `a` comes before `b` in the order of operands.
+    fn precedes(&self, a: Id, b: Id) -> bool {
+        let arena = self.arena.borrow();
+        (arena.keys[a.index()], a) < (arena.keys[b.index()], b)
+    }
+}
+
+impl Arena {
+    fn key(&self, node: Node) -> u64 {
+        let mut hasher = MixHasher::default();
+        let mut write = |tag: u64, operands: &[Id]| {
+            hasher.write_u64(tag);
+            operands.iter().for_each(|id| hasher.write_u64(self.keys[id.index()]));
+        };
+        match node {
+            Node::Constant(value) => write(1 ^ value.to_f64().to_bits(), &[]),
+            Node::Symbol(symbol) => write(2 + symbol_key(symbol), &[]),
+            Node::Rate(a) => write(3, &[a]),
+            Node::Neg(a) => write(4, &[a]),
+            Node::Add(a, b) => write(5, &[a, b]),
+            Node::Sub(a, b) => write(6, &[a, b]),
+            Node::Mul(a, b) => write(7, &[a, b]),
+            Node::Power(a, n) => write(8 + ((n.0 as u64) << 8), &[a]),
+            Node::Call(function, a) => write(9 + ((function as u64) << 8), &[a]),
+            Node::Call2(function, a, b) => write(10 + ((function as u64) << 8), &[a, b]),
+        }
+        hasher.finish()
+    }
+}
+
+fn symbol_key(symbol: Symbol) -> u64 {
+    let (kind, index) = match symbol {
+        Symbol::Time => (1, 0),
+        Symbol::Coordinate(i) => (2, i),
+        Symbol::Velocity(i) => (3, i),
+        Symbol::Acceleration(i) => (4, i),
+        Symbol::Parameter(i) => (5, i),
+        Symbol::Input(i) => (6, i),
+    };
+    (kind << 40) + (u64::from(index) << 8)
+}
+
+/// A table over some of the nodes.
+pub(crate) type IdMap<V> = HashMap<Id, V, BuildHasherDefault<MixHasher>>;
+
+/// A small hash with a fixed start, so that every process finds the same order.
+#[derive(Default)]
+pub(crate) struct MixHasher(u64);
+
+impl Hasher for MixHasher {
+    fn finish(&self) -> u64 {
+        self.0
+    }
+    fn write(&mut self, bytes: &[u8]) {
+        bytes.iter().for_each(|&byte| self.write_u64(u64::from(byte)));
+    }
+    fn write_u8(&mut self, value: u8) {
+        self.write_u64(u64::from(value));
+    }
+    fn write_u32(&mut self, value: u32) {
+        self.write_u64(u64::from(value));
+    }
+    fn write_i32(&mut self, value: i32) {
+        self.write_u64(value as u64);
+    }
+    fn write_i8(&mut self, value: i8) {
+        self.write_u64(value as u64);
+    }
+    fn write_isize(&mut self, value: isize) {
+        self.write_u64(value as u64);
+    }
+    fn write_i128(&mut self, value: i128) {
+        self.write_u64(value as u64);
+        self.write_u64((value >> 64) as u64);
+    }
+    fn write_u64(&mut self, value: u64) {
+        // The finalizer of splitmix64 (Steele, Lea, Flood, Fast splittable pseudorandom number generators, 2014).
+        let mut z = (self.0 ^ value).wrapping_add(0x9e37_79b9_7f4a_7c15);
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        self.0 = z ^ (z >> 31);
+    }
+}
+
+impl fmt::Debug for Graph {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "Graph of {} nodes", self.len())
+    }
+}
+
+/// A handle to a node; operators build new nodes in the same graph.
+#[derive(Clone, Copy)]
+pub struct Expr<'g> {
+    graph: &'g Graph,
+    id: Id,
+}
+
+impl<'g> Expr<'g> {
+    /// The graph that it lives in.
+    pub fn graph(self) -> &'g Graph {
+        self.graph
+    }
+
+    /// Its number.
+    pub fn id(self) -> Id {
+        self.id
+    }
+
+    /// Its node.
+    pub fn node(self) -> Node {
+        self.graph.node(self.id)
+    }
+
+    /// Its value, where it is a constant.
+    pub fn as_constant(self) -> Option<Number> {
+        match self.node() {
+            Node::Constant(value) => Some(value),
+            Node::Neg(a) => match self.graph.node(a) {
+                Node::Constant(value) => Some(value.neg()),
+                _ => None,
+            },
+            _ => None,
+        }
+    }
+
+    /// Whether it is the constant 0.
+    pub fn is_zero(self) -> bool {
+        matches!(self.node(), Node::Constant(value) if value.is_zero())
+    }
+
+    /// Whether it is the constant 1.
+    pub fn is_one(self) -> bool {
+        matches!(self.node(), Node::Constant(value) if value.is_one())
+    }
+
+    /// `dt(self)`, in a verbatim graph.
+    pub fn rate(self) -> Expr<'g> {
+        assert!(self.graph.verbatim, "time derivatives are carried out, not written, in a graph with rules");
+        self.graph.intern(Node::Rate(self.id))
+    }
+
+    /// `self^n`
+    pub fn powi(self, n: i32) -> Expr<'g> {
+        self.power(HalfInteger::integer(n))
+    }
+
+    /// The square root.
+    pub fn sqrt(self) -> Expr<'g> {
+        self.power(HalfInteger::HALF)
+    }
+
+    /// The sine.
+    pub fn sin(self) -> Expr<'g> {
+        self.call(Function::Sin)
+    }
+
+    /// The cosine.
+    pub fn cos(self) -> Expr<'g> {
+        self.call(Function::Cos)
+    }
+
+    /// `self^n` for a multiple of one half.
+    pub fn power(self, n: HalfInteger) -> Expr<'g> {
+        let graph = self.graph;
+        if graph.verbatim {
+            return graph.intern(Node::Power(self.id, n));
+        }
+        match (self.node(), n.0) {
+            (_, 0) => graph.integer(1),
+            (_, 2) => self,
+            (Node::Constant(value), halves) => match value.power(halves) {
+                Some(folded) => graph.constant(folded),
+                None => graph.intern(Node::Power(self.id, n)),
+            },
+            (Node::Neg(a), halves) if halves % 2 == 0 => {
+                let power = graph.expr(a).power(n);
+                if halves % 4 == 0 { power } else { -power }
+            }
+            // (x^a)^b = x^(a b) holds for an integer b wherever the left side exists.
+            (Node::Power(a, inner), halves) if halves % 2 == 0 => graph.expr(a).power(HalfInteger(inner.0 * halves / 2)),
+            (Node::Mul(c, x), halves) if halves % 2 == 0 && graph.is_constant(c) => {
+                graph.expr(c).power(n) * graph.expr(x).power(n)
+            }
+            _ => graph.intern(Node::Power(self.id, n)),
+        }
+    }
+
+    /// `function(self)`
+    pub fn call(self, function: Function) -> Expr<'g> {
+        let graph = self.graph;
+        if graph.verbatim {
+            return graph.intern(Node::Call(function, self.id));
+        }
+        if let Some(value) = self.as_constant() {
+            let folded = exact_value(function, value).unwrap_or_else(|| Number::real(function.folded(value.to_f64())));
+            if folded.to_f64().is_finite() {
+                return graph.constant(folded);
+            }
+        }
+        match (self.node(), function) {
+            (Node::Neg(a), f) if f.is_even() => graph.expr(a).call(f),
+            (Node::Neg(a), f) if f.is_odd() => -graph.expr(a).call(f),
+            (Node::Add(c, x) | Node::Add(x, c) | Node::Sub(c, x) | Node::Sub(x, c), Function::Sin | Function::Cos)
+                if graph.quarter_turns(c).is_some() =>
+            {
+                self.turned(function, c, x)
+            }
+            _ => graph.intern(Node::Call(function, self.id)),
+        }
+    }
+
+    /// sin or cos of `x ± c` or `c − x`, where `c` is a number of quarter turns.
+    fn turned(self, function: Function, c: Id, x: Id) -> Expr<'g> {
+        let graph = self.graph;
+        let (quarters, x) = match self.node() {
+            Node::Sub(a, _) if a == x => (-graph.quarter_turns(c).unwrap_or(0), graph.expr(x)),
+            Node::Sub(..) => (graph.quarter_turns(c).unwrap_or(0), -graph.expr(x)),
+            _ => (graph.quarter_turns(c).unwrap_or(0), graph.expr(x)),
+        };
+        // sin(x + k π/2), with cos x = sin(x + π/2)
+        let k = quarters + i64::from(function == Function::Cos);
+        match k.rem_euclid(4) {
+            0 => x.sin(),
+            1 => x.cos(),
+            2 => -x.sin(),
+            _ => -x.cos(),
+        }
+    }
+
+    /// `function(self, other)`
+    pub fn call2(self, function: Binary, other: Expr<'g>) -> Expr<'g> {
+        let graph = self.graph;
+        if !graph.verbatim
+            && let (Some(a), Some(b)) = (self.as_constant(), other.as_constant())
+        {
+            let folded = function.folded(a.to_f64(), b.to_f64());
+            if folded.is_finite() {
+                return graph.constant(Number::real(folded));
+            }
+        }
+        graph.intern(Node::Call2(function, self.id, other.id))
+    }
+
+    /// Splits `c · x` into `(c, x)`; c is 1 where no constant stands in front.
+    fn split_coefficient(self) -> (Number, Expr<'g>) {
+        match self.node() {
+            Node::Mul(c, x) => match self.graph.node(c) {
+                Node::Constant(value) => (value, self.graph.expr(x)),
+                _ => (Number::ONE, self),
+            },
+            _ => (Number::ONE, self),
+        }
+    }
+}
+
+impl Graph {
+    fn is_constant(&self, id: Id) -> bool {
+        matches!(self.node(id), Node::Constant(_))
+    }
+
+    fn quarter_turns(&self, id: Id) -> Option<i64> {
+        self.expr(id).as_constant()?.quarter_turns()
+    }
+
+    /// `c · x` for a positive constant; constants stand first.
+    fn scaled<'g>(&'g self, c: Number, x: Expr<'g>) -> Expr<'g> {
+        self.constant(c) * x
+    }
+}
+
+/// Values of trigonometric functions that are rational.
+fn exact_value(function: Function, argument: Number) -> Option<Number> {
+    let sine = |quarters: i64| Number::integer([0, 1, 0, -1][quarters.rem_euclid(4) as usize]);
+    match function {
+        Function::Sin => argument.quarter_turns().map(sine),
+        Function::Cos => argument.quarter_turns().map(|quarters| sine(quarters + 1)),
+        Function::Tan | Function::Asin | Function::Atan | Function::Sinh | Function::Tanh if argument.is_zero() => {
+            Some(Number::ZERO)
+        }
+        Function::Exp | Function::Cosh if argument.is_zero() => Some(Number::ONE),
+        Function::Abs => Some(if argument.is_negative() { argument.neg() } else { argument }),
+        _ => None,
+    }
+}
+
+impl<'g> Neg for Expr<'g> {
+    type Output = Expr<'g>;
+
+    fn neg(self) -> Expr<'g> {
+        let graph = self.graph;
+        match self.node() {
+            Node::Neg(a) if !graph.verbatim => graph.expr(a),
+            Node::Constant(value) if value.is_zero() => self,
+            _ => graph.intern(Node::Neg(self.id)),
+        }
+    }
+}
+
+impl<'g> Add for Expr<'g> {
+    type Output = Expr<'g>;
+
+    fn add(self, other: Expr<'g>) -> Expr<'g> {
+        let graph = self.graph;
+        if graph.verbatim {
+            return graph.intern(Node::Add(self.id, other.id));
+        }
+        if let (Some(a), Some(b)) = (self.as_constant(), other.as_constant()) {
+            return graph.constant(a.add(b));
+        }
+        match (self.node(), other.node()) {
+            (Node::Constant(c), _) if c.is_zero() => other,
+            (_, Node::Constant(c)) if c.is_zero() => self,
+            (Node::Neg(a), Node::Neg(b)) => -(graph.expr(a) + graph.expr(b)),
+            (_, Node::Neg(b)) => self - graph.expr(b),
+            (Node::Neg(a), _) => other - graph.expr(a),
+            // (a − b) + b = a
+            (Node::Sub(a, b), _) if b == other.id => graph.expr(a),
+            (_, Node::Sub(a, b)) if b == self.id => graph.expr(a),
+            _ => self.sum_of_like_terms(other).unwrap_or_else(|| {
+                let (a, b) = if graph.precedes(self.id, other.id) { (self, other) } else { (other, self) };
+                graph.intern(Node::Add(a.id, b.id))
+            }),
+        }
+    }
+}
+
+impl<'g> Expr<'g> {
+    /// `c·x + d·x = (c + d)·x`, `sin²x + cos²x = 1`
+    fn sum_of_like_terms(self, other: Expr<'g>) -> Option<Expr<'g>> {
+        let ((c, x), (d, y)) = (self.split_coefficient(), other.split_coefficient());
+        if x.id == y.id {
+            return Some(self.graph.scaled(c.add(d), x));
+        }
+        if c == d && x.is_square_of_sine_beside_cosine(y) {
+            return Some(self.graph.constant(c));
+        }
+        None
+    }
+
+    fn is_square_of_sine_beside_cosine(self, other: Expr<'g>) -> bool {
+        let squared = |e: Expr<'g>| match e.node() {
+            Node::Power(base, n) if n == HalfInteger::integer(2) => match e.graph.node(base) {
+                Node::Call(function @ (Function::Sin | Function::Cos), x) => Some((function, x)),
+                _ => None,
+            },
+            _ => None,
+        };
+        matches!((squared(self), squared(other)), (Some((f, x)), Some((g, y))) if f != g && x == y)
+    }
+}
+
+impl<'g> Sub for Expr<'g> {
+    type Output = Expr<'g>;
+
+    fn sub(self, other: Expr<'g>) -> Expr<'g> {
+        let graph = self.graph;
+        if graph.verbatim {
+            return graph.intern(Node::Sub(self.id, other.id));
+        }
+        if let (Some(a), Some(b)) = (self.as_constant(), other.as_constant()) {
+            return graph.constant(a.add(b.neg()));
+        }
+        if self.id == other.id {
+            return graph.integer(0);
+        }
+        match (self.node(), other.node()) {
+            (Node::Constant(c), _) if c.is_zero() => -other,
+            (_, Node::Constant(c)) if c.is_zero() => self,
+            (Node::Neg(a), Node::Neg(b)) => graph.expr(b) - graph.expr(a),
+            (_, Node::Neg(b)) => self + graph.expr(b),
+            (Node::Neg(a), _) => -(graph.expr(a) + other),
+            // (a + b) − b = a, a − (a + b) = −b, (a − b) − a = −b, a − (a − b) = b
+            (Node::Add(a, b), _) if b == other.id => graph.expr(a),
+            (Node::Add(a, b), _) if a == other.id => graph.expr(b),
+            (_, Node::Add(a, b)) if a == self.id => -graph.expr(b),
+            (_, Node::Add(a, b)) if b == self.id => -graph.expr(a),
+            (Node::Sub(a, b), _) if a == other.id => -graph.expr(b),
+            (_, Node::Sub(a, b)) if a == self.id => graph.expr(b),
+            _ => {
+                let ((c, x), (d, y)) = (self.split_coefficient(), other.split_coefficient());
+                if x.id == y.id {
+                    return graph.scaled(c.add(d.neg()), x);
+                }
+                // One sign for a difference and its negative, whichever was built first.
+                if graph.precedes(self.id, other.id) {
+                    graph.intern(Node::Sub(self.id, other.id))
+                } else {
+                    -graph.intern(Node::Sub(other.id, self.id))
+                }
+            }
+        }
+    }
+}
+
+impl<'g> Mul for Expr<'g> {
+    type Output = Expr<'g>;
+
+    fn mul(self, other: Expr<'g>) -> Expr<'g> {
+        let graph = self.graph;
+        if graph.verbatim {
+            return graph.intern(Node::Mul(self.id, other.id));
+        }
+        match (self.node(), other.node()) {
+            (Node::Neg(a), Node::Neg(b)) => return graph.expr(a) * graph.expr(b),
+            (Node::Neg(a), _) => return -(graph.expr(a) * other),
+            (_, Node::Neg(b)) => return -(self * graph.expr(b)),
+            (Node::Constant(a), Node::Constant(b)) => return graph.constant(a.mul(b)),
+            (_, Node::Constant(_)) => return other * self,
+            (Node::Constant(c), _) if c.is_zero() => return self,
+            (Node::Constant(c), _) if c.is_one() => return other,
+            _ => {}
+        }
+        // Constants are pulled to the front.
+        let ((c, x), (d, y)) = match self.node() {
+            Node::Constant(value) => ((value, graph.integer(1)), other.split_coefficient()),
+            _ => (self.split_coefficient(), other.split_coefficient()),
+        };
+        let product = if x.is_one() { y } else { x.product_of_powers(y) };
+        let coefficient = c.mul(d);
+        if coefficient.is_one() {
+            return product;
+        }
+        match product.node() {
+            Node::Constant(value) => graph.constant(coefficient.mul(value)),
+            Node::Neg(a) => -graph.scaled(coefficient, graph.expr(a)),
+            Node::Mul(e, z) if graph.is_constant(e) => {
+                graph.scaled(coefficient, graph.expr(e)) * graph.expr(z)
+            }
+            _ => graph.intern(Node::Mul(graph.constant(coefficient).id, product.id)),
+        }
+    }
+}
+
+impl<'g> Expr<'g> {
+    /// `x^a · x^b = x^(a + b)`
+    fn product_of_powers(self, other: Expr<'g>) -> Expr<'g> {
+        let graph = self.graph;
+        let power = |e: Expr<'g>| match e.node() {
+            Node::Power(base, n) => (base, n.0),
+            _ => (e.id, 2),
+        };
+        let ((x, a), (y, b)) = (power(self), power(other));
+        if x == y && !(a + b == 0 && a != 0 && !graph.is_constant(x) && (a % 2 != 0)) {
+            return graph.expr(x).power(HalfInteger(a + b));
+        }
+        let (a, b) = if graph.precedes(self.id, other.id) { (self, other) } else { (other, self) };
+        graph.intern(Node::Mul(a.id, b.id))
+    }
+}
+
+impl<'g> Div for Expr<'g> {
+    type Output = Expr<'g>;
+
+    fn div(self, other: Expr<'g>) -> Expr<'g> {
+        self * other.power(HalfInteger::MINUS_ONE)
+    }
+}
+
+macro_rules! operators_with_integers {
+    ($($operator:ident $method:ident),*) => {$(
+        impl<'g> $operator<i64> for Expr<'g> {
+            type Output = Expr<'g>;
+            fn $method(self, other: i64) -> Expr<'g> {
+                self.$method(self.graph.integer(other))
+            }
+        }
+        impl<'g> $operator<Expr<'g>> for i64 {
+            type Output = Expr<'g>;
+            fn $method(self, other: Expr<'g>) -> Expr<'g> {
+                other.graph.integer(self).$method(other)
+            }
+        }
+    )*};
+}
+operators_with_integers!(Add add, Sub sub, Mul mul, Div div);
+
+impl PartialEq for Expr<'_> {
+    fn eq(&self, other: &Self) -> bool {
+        std::ptr::eq(self.graph, other.graph) && self.id == other.id
+    }
+}
+
+impl Eq for Expr<'_> {}
+
+impl fmt::Debug for Expr<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{self}")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn symbols(graph: &Graph) -> [Expr<'_>; 3] {
+        [0, 1, 2].map(|i| graph.symbol(Symbol::Coordinate(i)))
+    }
+
+    #[test]
+    fn equal_expressions_are_one_node() {
+        let graph = Graph::new();
+        let [x, y, z] = symbols(&graph);
+        assert_eq!(x * y + z, z + y * x);
+        assert_eq!((x - y) + (y - x), graph.integer(0));
+        assert_eq!(-(x - y), y - x);
+        assert_eq!(2 * x + 3 * x, 5 * x);
+        assert_eq!((2 * x) * (3 * y), 6 * (x * y));
+        assert_eq!(x * x * x, x.powi(3));
+        assert_eq!(x / y * y, x / y * y);
+        assert_eq!((x + y) - y, x);
+        assert_eq!(y - (x + y), -x);
+        assert_eq!((-2 * x).powi(3), -8 * x.powi(3));
+    }
+
+    #[test]
+    fn square_roots_cancel_before_they_are_differentiated() {
+        let graph = Graph::new();
+        let [x, y, _] = symbols(&graph);
+        let norm = (x.powi(2) + y.powi(2)).sqrt();
+        assert_eq!(norm.powi(2), x.powi(2) + y.powi(2));
+        assert_eq!(norm * norm, x.powi(2) + y.powi(2));
+        assert_ne!(x.powi(2).sqrt(), x);
+    }
+
+    #[test]
+    fn trigonometry_of_constants_is_exact() {
+        let graph = Graph::new();
+        let [x, ..] = symbols(&graph);
+        let right_angle = graph.constant(Number::PI) / graph.integer(2);
+        assert!((-right_angle).cos().is_zero());
+        assert_eq!((-right_angle).sin(), graph.integer(-1));
+        assert_eq!((x - right_angle).sin(), -x.cos());
+        assert_eq!((right_angle - x).sin(), x.cos());
+        assert_eq!((x + right_angle).cos(), -x.sin());
+        assert_eq!((right_angle - x).cos(), x.sin());
+        assert_eq!((-x).sin(), -x.sin());
+        assert_eq!(x.sin().powi(2) + x.cos().powi(2), graph.integer(1));
+        assert_eq!(3 * x.cos().powi(2) + 3 * x.sin().powi(2), graph.integer(3));
+    }
+
+    #[test]
+    fn the_sign_of_a_difference_does_not_depend_on_history() {
+        let build = |first_y: bool| {
+            let graph = Graph::new();
+            if first_y {
+                graph.symbol(Symbol::Coordinate(1));
+            }
+            let [x, y, _] = symbols(&graph);
+            matches!((x - y).node(), Node::Neg(_))
+        };
+        assert_eq!(build(false), build(true));
+    }
+
+    #[test]
+    fn a_verbatim_graph_keeps_what_was_written() {
+        let graph = Graph::verbatim();
+        let [x, ..] = symbols(&graph);
+        assert_eq!((x + graph.integer(0)).to_string(), "q_0 + 0");
+        assert_eq!((x * x).rate().to_string(), "dt(q_0 * q_0)");
+    }
+}

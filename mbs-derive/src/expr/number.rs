@@ -1,0 +1,343 @@
+//! Exact constants: rationals, and rationals times a power of π; `f64` only where exactness ends.
+
+use std::fmt;
+
+/// A constant of the graph.
+///
+/// `Exact` is `numerator / denominator · π^pi`, in lowest terms with a positive denominator. What cannot be held so
+/// (a square root of two, an overflow) is `Real`. Equality and hashing are by bits, so that numbers can be hash-consed.
+#[derive(Clone, Copy, Debug)]
+pub enum Number {
+    /// `numerator / denominator · π^pi`
+    Exact {
+        /// Carries the sign.
+        numerator: i128,
+        /// Positive.
+        denominator: i128,
+        /// Power of π.
+        pi: i8,
+    },
+    /// A double; never a value that `Exact` holds by construction.
+    Real(f64),
+}
+
+impl Number {
+    /// 0
+    pub const ZERO: Number = Number::integer(0);
+    /// 1
+    pub const ONE: Number = Number::integer(1);
+    /// π
+    pub const PI: Number = Number::Exact { numerator: 1, denominator: 1, pi: 1 };
+
+    /// An integer.
+    pub const fn integer(value: i64) -> Number {
+        Number::Exact { numerator: value as i128, denominator: 1, pi: 0 }
+    }
+
+    /// `numerator / denominator`; `None` where the denominator is zero.
+    pub fn rational(numerator: i128, denominator: i128) -> Option<Number> {
+        Self::exact(numerator, denominator, 0)
+    }
+
+    fn exact(numerator: i128, denominator: i128, pi: i8) -> Option<Number> {
+        if denominator == 0 || numerator == i128::MIN || denominator == i128::MIN {
+            return None;
+        }
+        let divisor = gcd(numerator.unsigned_abs(), denominator.unsigned_abs()) as i128;
+        let sign = if denominator < 0 { -1 } else { 1 };
+        Some(Number::Exact {
+            numerator: sign * numerator / divisor,
+            denominator: sign * denominator / divisor,
+            pi: if numerator == 0 { 0 } else { pi },
+        })
+    }
+
+    /// A decimal as written (`9.81`, `1e-3`), exactly; the nearest double where digits or exponent are too many.
+    /// `None` if it is not a decimal or not finite.
+    pub fn parse_decimal(text: &str) -> Option<Number> {
+        let nearest: f64 = text.parse().ok().filter(|x: &f64| x.is_finite())?;
+        let exactly = || {
+            let (mantissa, exponent) = match text.find(['e', 'E']) {
+                Some(at) => (&text[..at], text[at + 1..].parse::<i32>().ok()?),
+                None => (text, 0),
+            };
+            let (whole, fraction) = mantissa.split_once('.').unwrap_or((mantissa, ""));
+            let digits: i128 = format!("{whole}{fraction}").parse().ok()?;
+            let exponent = exponent.checked_sub(i32::try_from(fraction.len()).ok()?)?;
+            let scale = 10i128.checked_pow(exponent.unsigned_abs())?;
+            if exponent >= 0 { Self::rational(digits.checked_mul(scale)?, 1) } else { Self::rational(digits, scale) }
+        };
+        Some(exactly().unwrap_or(Number::Real(nearest)))
+    }
+
+    /// The shortest decimal that reads back as `value`, exactly; `None` if it is not finite.
+    pub fn from_f64(value: f64) -> Option<Number> {
+        Self::parse_decimal(&format!("{value:e}"))
+    }
+
+    /// The nearest double.
+    pub fn to_f64(self) -> f64 {
+        match self {
+            Number::Real(value) => value,
+            Number::Exact { numerator, denominator, pi } => {
+                let ratio = divide_correctly_rounded(numerator, denominator);
+                (0..pi.unsigned_abs()).fold(ratio, |value, _| {
+                    if pi > 0 { value * std::f64::consts::PI } else { value / std::f64::consts::PI }
+                })
+            }
+        }
+    }
+
+    /// Whether it is 0.
+    pub fn is_zero(self) -> bool {
+        self.to_f64() == 0.0
+    }
+
+    /// Whether it is 1.
+    pub fn is_one(self) -> bool {
+        self == Number::ONE
+    }
+
+    /// Whether it is below 0.
+    pub fn is_negative(self) -> bool {
+        match self {
+            Number::Exact { numerator, .. } => numerator < 0,
+            Number::Real(value) => value < 0.0,
+        }
+    }
+
+    /// `self + other`
+    pub fn add(self, other: Number) -> Number {
+        let exactly = || match (self, other) {
+            (
+                Number::Exact { numerator: a, denominator: b, pi: p },
+                Number::Exact { numerator: c, denominator: d, pi: q },
+            ) if p == q || a == 0 || c == 0 => {
+                let pi = if a == 0 { q } else { p };
+                let sum = a.checked_mul(d)?.checked_add(c.checked_mul(b)?)?;
+                Self::exact(sum, b.checked_mul(d)?, pi)
+            }
+            _ => None,
+        };
+        exactly().unwrap_or_else(|| Self::real(self.to_f64() + other.to_f64()))
+    }
+
+    /// `self · other`
+    pub fn mul(self, other: Number) -> Number {
+        let exactly = || match (self, other) {
+            (
+                Number::Exact { numerator: a, denominator: b, pi: p },
+                Number::Exact { numerator: c, denominator: d, pi: q },
+            ) => Self::exact(a.checked_mul(c)?, b.checked_mul(d)?, p.checked_add(q)?),
+            _ => None,
+        };
+        exactly().unwrap_or_else(|| Self::real(self.to_f64() * other.to_f64()))
+    }
+
+    /// `−self`
+    pub fn neg(self) -> Number {
+        match self {
+            Number::Exact { numerator, denominator, pi } => Number::Exact { numerator: -numerator, denominator, pi },
+            Number::Real(value) => Number::Real(-value),
+        }
+    }
+
+    /// `self^(halves/2)`; `None` where that is not a finite real number.
+    pub fn power(self, halves: i32) -> Option<Number> {
+        if self.is_zero() {
+            return (halves > 0).then_some(Number::ZERO);
+        }
+        if halves % 2 != 0 {
+            return self.sqrt()?.power(2 * halves);
+        }
+        let exponent = halves / 2;
+        let exactly = || match self {
+            Number::Exact { numerator, denominator, pi } => {
+                let n = exponent.unsigned_abs();
+                let (n1, n2) = (numerator.checked_pow(n)?, denominator.checked_pow(n)?);
+                let pi = i32::from(pi).checked_mul(exponent)?.try_into().ok()?;
+                if exponent >= 0 { Self::exact(n1, n2, pi) } else { Self::exact(n2, n1, pi) }
+            }
+            Number::Real(_) => None,
+        };
+        let value = exactly().unwrap_or_else(|| Self::real(integer_power(self.to_f64(), exponent)));
+        value.to_f64().is_finite().then_some(value)
+    }
+
+    fn sqrt(self) -> Option<Number> {
+        if self.is_negative() {
+            return None;
+        }
+        let exactly = || match self {
+            Number::Exact { numerator, denominator, pi: 0 } => {
+                Self::exact(exact_square_root(numerator)?, exact_square_root(denominator)?, 0)
+            }
+            _ => None,
+        };
+        Some(exactly().unwrap_or_else(|| Number::Real(libm::sqrt(self.to_f64()))))
+    }
+
+    /// A double, held exactly where it is a small integer (0 and 1 above all).
+    pub fn real(value: f64) -> Number {
+        if value.fract() == 0.0 && value.abs() < 1e9 { Number::integer(value as i64) } else { Number::Real(value) }
+    }
+
+    /// For `r π` with `2 r` an integer: that integer modulo 4, the number of quarter turns.
+    pub fn quarter_turns(self) -> Option<i64> {
+        match self {
+            Number::Exact { numerator: 0, .. } => Some(0),
+            Number::Exact { numerator, denominator, pi: 1 } if denominator <= 2 => {
+                Some((numerator * (2 / denominator)).rem_euclid(4) as i64)
+            }
+            _ => None,
+        }
+    }
+}
+
+impl PartialEq for Number {
+    fn eq(&self, other: &Number) -> bool {
+        self.bits() == other.bits()
+    }
+}
+
+impl Eq for Number {}
+
+impl std::hash::Hash for Number {
+    fn hash<H: std::hash::Hasher>(&self, state: &mut H) {
+        self.bits().hash(state);
+    }
+}
+
+impl Number {
+    fn bits(self) -> (i128, i128, i8) {
+        match self {
+            Number::Exact { numerator, denominator, pi } => (numerator, denominator, pi),
+            Number::Real(value) => (i128::from(value.to_bits()), 0, 0),
+        }
+    }
+}
+
+/// `2`, `3/4`, `pi/180`, `1.4142135623730951`
+impl fmt::Display for Number {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match *self {
+            Number::Real(value) => write!(f, "{value:?}"),
+            Number::Exact { numerator, denominator, pi } => {
+                match (numerator, pi) {
+                    (n, 0) => write!(f, "{n}")?,
+                    (1, 1) => f.write_str("pi")?,
+                    (-1, 1) => f.write_str("-pi")?,
+                    (n, 1) => write!(f, "{n}*pi")?,
+                    (n, p) => write!(f, "{n}*pi^{p}")?,
+                }
+                if denominator == 1 { Ok(()) } else { write!(f, "/{denominator}") }
+            }
+        }
+    }
+}
+
+fn gcd(mut a: u128, mut b: u128) -> u128 {
+    while b != 0 {
+        (a, b) = (b, a % b);
+    }
+    a.max(1)
+}
+
+fn exact_square_root(value: i128) -> Option<i128> {
+    let root = value.isqrt();
+    (root * root == value).then_some(root)
+}
+
+/// The double nearest to `numerator / denominator`. Decimals are such quotients, and must print as they were written.
+fn divide_correctly_rounded(numerator: i128, denominator: i128) -> f64 {
+    const EXACT: u128 = 1 << 53;
+    if numerator.unsigned_abs() <= EXACT && denominator.unsigned_abs() <= EXACT {
+        return numerator as f64 / denominator as f64; // one rounding
+    }
+    // Long division to 64 significant bits, the last of them sticky; then one rounding.
+    let (mut remainder, divisor) = (numerator.unsigned_abs(), denominator.unsigned_abs());
+    let mut quotient = remainder / divisor;
+    remainder %= divisor;
+    let mut exponent = 0;
+    while quotient < 1 << 63 && exponent < 1200 {
+        let doubled = remainder.checked_mul(2);
+        let (bit, rest) = match doubled {
+            Some(twice) => (u128::from(twice >= divisor), if twice >= divisor { twice - divisor } else { twice }),
+            // 2 r overflows only if r ≥ 2^127 > divisor/2, so the bit is 1.
+            None => (1, remainder - (divisor - remainder)),
+        };
+        quotient = 2 * quotient + bit;
+        remainder = rest;
+        exponent += 1;
+    }
+    let sticky = u128::from(remainder != 0);
+    let magnitude = scale_by_power_of_two((quotient | sticky) as f64, -exponent);
+    if numerator < 0 { -magnitude } else { magnitude }
+}
+
+fn scale_by_power_of_two(value: f64, exponent: i32) -> f64 {
+    libm::scalbn(value, exponent)
+}
+
+/// By repeated squaring, so that every machine gets the same bits.
+fn integer_power(base: f64, exponent: i32) -> f64 {
+    let (mut result, mut square, mut n) = (1.0, base, exponent.unsigned_abs());
+    while n > 0 {
+        if n % 2 == 1 {
+            result *= square;
+        }
+        square *= square;
+        n /= 2;
+    }
+    if exponent < 0 { 1.0 / result } else { result }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn decimals_are_exact_and_read_back() {
+        for text in ["9.81", "0.1", "-0.295242", "1e-3", "2.5e4", "123456789.123456789", "1e30", "5e-324", "1.7e308"] {
+            let number = Number::parse_decimal(text).unwrap();
+            assert_eq!(number.to_f64(), text.parse::<f64>().unwrap(), "{text}");
+        }
+        assert_eq!(Number::parse_decimal("0.25"), Number::rational(1, 4));
+        assert_eq!(Number::parse_decimal("1e400"), None);
+        assert_eq!(Number::parse_decimal("abc"), None);
+    }
+
+    #[test]
+    fn rational_arithmetic_is_exact() {
+        let third = Number::rational(1, 3).unwrap();
+        assert_eq!(third.add(third).add(third), Number::ONE);
+        assert_eq!(third.mul(Number::integer(3)), Number::ONE);
+        assert_eq!(Number::rational(9, 4).unwrap().power(1), Number::rational(3, 2));
+        assert_eq!(Number::rational(9, 4).unwrap().power(-3), Number::rational(8, 27));
+        assert_eq!(Number::integer(-1).power(1), None);
+        assert_eq!(Number::ZERO.power(-2), None);
+    }
+
+    #[test]
+    fn overflow_falls_back_to_a_double() {
+        let big = Number::parse_decimal("1e30").unwrap();
+        assert_eq!(big.mul(big).to_f64(), 1e30 * 1e30);
+        assert_eq!(big.add(Number::parse_decimal("1e-30").unwrap()).to_f64(), 1e30);
+    }
+
+    #[test]
+    fn quarter_turns_of_degrees() {
+        let degree = Number::PI.mul(Number::rational(1, 180).unwrap());
+        let turns = |degrees| Number::integer(degrees).mul(degree).quarter_turns();
+        assert_eq!([turns(-90), turns(0), turns(90), turns(180), turns(450)], [Some(3), Some(0), Some(1), Some(2), Some(1)]);
+        assert_eq!(turns(45), None);
+    }
+
+    #[test]
+    fn long_quotients_are_rounded_once() {
+        let number = Number::rational(1234567890123456789012345678, 9876543210987654321098765).unwrap();
+        assert_eq!(number.to_f64(), 124.9999988609375);
+        let small = Number::rational(1, 10i128.pow(38)).unwrap();
+        assert_eq!(small.to_f64(), 1e-38);
+    }
+}

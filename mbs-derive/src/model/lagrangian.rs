@@ -1,0 +1,221 @@
+//! What a mechanism is: coordinates, energies, forces, outputs, and the bodies and frames they were declared with.
+//!
+//! The expressions live in a verbatim graph, as declared, time derivatives not yet carried out; `derive` works on a copy
+//! with the local rules applied, and `verify` proves the result against the verbatim one.
+
+use crate::expr::{Expr, Graph, Matrix, Number, Symbol, Vector};
+
+use super::frame::{FrameId, Frames};
+
+/// A coordinate, parameter or input: one, or an array of them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Variable {
+    /// As declared.
+    pub name: String,
+    /// Doc comments.
+    pub docs: Vec<String>,
+    /// Its unit as written (`kg`, `N*m`, `1`), in SI base or derived units without prefixes.
+    pub unit: String,
+    /// How many, where it is an array.
+    pub length: Option<usize>,
+    /// The number of its first component among all components of its kind.
+    pub first: usize,
+    /// Default values of parameters in SI units, one per component; empty for coordinates and inputs.
+    pub defaults: Vec<Number>,
+}
+
+impl Variable {
+    /// How many components.
+    pub fn count(&self) -> usize {
+        self.length.unwrap_or(1)
+    }
+
+    /// The names of the components: `x`, or `q_0`, `q_1`, ….
+    pub fn component_names(&self) -> Vec<String> {
+        match self.length {
+            None => vec![self.name.clone()],
+            Some(n) => (0..n).map(|i| format!("{}_{i}", self.name)).collect(),
+        }
+    }
+}
+
+/// The names of all components of some variables, flattened in declaration order.
+pub fn component_names(variables: &[Variable]) -> Vec<String> {
+    variables.iter().flat_map(Variable::component_names).collect()
+}
+
+/// A rigid body, or a particle (a body without rotational inertia), whose kinetic energy is part of T.
+#[derive(Clone, Debug)]
+pub struct Body<'g> {
+    /// Its mass.
+    pub mass: Expr<'g>,
+    /// Its mass centre in the axes of its frame.
+    pub com: Vector<'g>,
+    /// Its inertia about the mass centre in the axes of its frame; `None` for a particle.
+    pub inertia: Option<Matrix<'g>>,
+    /// The frame it is fixed in.
+    pub frame: FrameId,
+}
+
+/// What an output is.
+#[derive(Clone, Debug)]
+pub enum OutputValue<'g> {
+    /// One number.
+    Scalar(Expr<'g>),
+    /// Several numbers: a vector's components in world axes, or an array.
+    Array(Vec<Expr<'g>>),
+    /// Rows of numbers.
+    Matrix(Vec<Vec<Expr<'g>>>),
+    /// Position and attitude of a frame in the world.
+    Pose(FrameId),
+}
+
+/// A named output.
+#[derive(Clone, Debug)]
+pub struct Output<'g> {
+    /// As declared.
+    pub name: String,
+    /// Doc comments.
+    pub docs: Vec<String>,
+    /// Its unit in SI base units, for documentation.
+    pub unit: String,
+    /// Its value.
+    pub value: OutputValue<'g>,
+}
+
+/// A mechanism as declared: `L = T − V + Σ lagrangian terms`, with `D`, `Q` and outputs.
+#[derive(Clone, Debug)]
+pub struct Lagrangian<'g> {
+    /// The verbatim graph of all expressions below.
+    pub graph: &'g Graph,
+    /// In upper camel case, as declared.
+    pub name: String,
+    /// Doc comments.
+    pub docs: Vec<String>,
+    /// Generalized coordinates q.
+    pub coordinates: Vec<Variable>,
+    /// Parameters, constant in time.
+    pub parameters: Vec<Variable>,
+    /// Inputs u.
+    pub inputs: Vec<Variable>,
+    /// The terms of T.
+    pub kinetic: Vec<Expr<'g>>,
+    /// The terms of V.
+    pub potential: Vec<Expr<'g>>,
+    /// The terms of Rayleigh's D.
+    pub dissipation: Vec<Expr<'g>>,
+    /// Terms of L that are neither T nor −V.
+    pub lagrangian: Vec<Expr<'g>>,
+    /// Generalized forces: coordinate number and force; several on one coordinate add up.
+    pub forces: Vec<(usize, Expr<'g>)>,
+    /// Outputs in declaration order.
+    pub outputs: Vec<Output<'g>>,
+    /// The frames, with their twists.
+    pub frames: Frames<'g>,
+    /// The bodies whose energies are among `kinetic`, in the order of declaration.
+    pub bodies: Vec<Body<'g>>,
+}
+
+impl<'g> Lagrangian<'g> {
+    /// An empty mechanism, to be built up by the methods below.
+    pub fn new(graph: &'g Graph, name: &str) -> Self {
+        Lagrangian {
+            graph,
+            name: name.to_string(),
+            docs: Vec::new(),
+            coordinates: Vec::new(),
+            parameters: Vec::new(),
+            inputs: Vec::new(),
+            kinetic: Vec::new(),
+            potential: Vec::new(),
+            dissipation: Vec::new(),
+            lagrangian: Vec::new(),
+            forces: Vec::new(),
+            outputs: Vec::new(),
+            frames: Frames::new(graph),
+            bodies: Vec::new(),
+        }
+    }
+
+    /// Number of coordinates.
+    pub fn dof(&self) -> usize {
+        self.coordinates.iter().map(Variable::count).sum()
+    }
+
+    /// Adds a coordinate, or an array of them.
+    pub fn coordinate(&mut self, name: &str, unit: &str, length: Option<usize>) -> Vec<Expr<'g>> {
+        declare(self.graph, &mut self.coordinates, name, unit, length, Vec::new(), Symbol::Coordinate)
+    }
+
+    /// Adds an input, or an array of them.
+    pub fn input(&mut self, name: &str, unit: &str, length: Option<usize>) -> Vec<Expr<'g>> {
+        declare(self.graph, &mut self.inputs, name, unit, length, Vec::new(), Symbol::Input)
+    }
+
+    /// Adds a parameter with its default.
+    pub fn parameter(&mut self, name: &str, unit: &str, default: Number) -> Expr<'g> {
+        declare(self.graph, &mut self.parameters, name, unit, None, vec![default], Symbol::Parameter)[0]
+    }
+
+    /// Adds an array of parameters with their defaults.
+    pub fn parameter_array(&mut self, name: &str, unit: &str, defaults: Vec<Number>) -> Vec<Expr<'g>> {
+        let length = Some(defaults.len());
+        declare(self.graph, &mut self.parameters, name, unit, length, defaults, Symbol::Parameter)
+    }
+
+    /// Adds a rigid body's kinetic energy `½ m |v_c|² + ½ ωᵀ I ω` to T, and the body to the list of bodies.
+    pub fn rigid_body(&mut self, mass: Expr<'g>, com: Vector<'g>, inertia: Matrix<'g>, frame: FrameId) {
+        let body = Body { mass, com, inertia: Some(inertia), frame };
+        self.kinetic.push(self.kinetic_energy_of(&body));
+        self.bodies.push(body);
+    }
+
+    /// Adds the kinetic energy `½ m |v|²` of a particle at `point` of `frame` to T, and the particle to the bodies.
+    pub fn particle(&mut self, mass: Expr<'g>, point: Vector<'g>, frame: FrameId) {
+        let body = Body { mass, com: point, inertia: None, frame };
+        self.kinetic.push(self.kinetic_energy_of(&body));
+        self.bodies.push(body);
+    }
+
+    /// `½ m |v_c|² + ½ ωᵀ I ω`, in the axes of the body's frame.
+    pub fn kinetic_energy_of(&self, body: &Body<'g>) -> Expr<'g> {
+        let half = 1 / self.graph.integer(2);
+        let frame = self.frames.get(body.frame);
+        let w = frame.angular_velocity;
+        let v = self.velocity(body.com, body.frame);
+        let translation = half * body.mass * v.norm_squared();
+        match body.inertia {
+            None => translation,
+            Some(inertia) => translation + half * w.dot(inertia * w),
+        }
+    }
+
+    /// Velocity of a point given in the axes of `frame`, in those axes: `v + ω × c + ċ`.
+    pub fn velocity(&self, point: Vector<'g>, frame: FrameId) -> Vector<'g> {
+        let moving = self.frames.get(frame);
+        moving.velocity + moving.angular_velocity.cross(point) + point.map(Expr::rate)
+    }
+
+    /// Position of a point given in the axes of `frame`, in world axes: `p + R c`.
+    pub fn position(&self, point: Vector<'g>, frame: FrameId) -> Vector<'g> {
+        let moving = self.frames.get(frame);
+        moving.position + moving.rotation * point
+    }
+}
+
+fn declare<'g>(
+    graph: &'g Graph,
+    variables: &mut Vec<Variable>,
+    name: &str,
+    unit: &str,
+    length: Option<usize>,
+    defaults: Vec<Number>,
+    symbol: fn(u32) -> Symbol,
+) -> Vec<Expr<'g>> {
+    let first = variables.iter().map(Variable::count).sum();
+    let variable =
+        Variable { name: name.to_string(), docs: Vec::new(), unit: unit.to_string(), length, first, defaults };
+    let numbers = first..first + variable.count();
+    variables.push(variable);
+    numbers.map(|i| graph.symbol(symbol(i as u32))).collect()
+}

@@ -1,0 +1,3 @@
+//! Pass 1: text → [`Declaration`](syntax::Declaration).
+
+pub mod syntax;

@@ -1,0 +1,195 @@
+//! The declaration as it was written; every part keeps its byte range in the source.
+
+use std::ops::Range;
+
+/// Byte range in the source text.
+pub type Span = Range<usize>;
+
+/// A name with its place.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Name {
+    /// The identifier's text.
+    pub text: String,
+    /// Where it stands.
+    pub span: Span,
+}
+
+/// One source file: `#![…]` attributes, then one mechanism.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Declaration {
+    /// `#![dimensionless]`: no dimensional analysis.
+    pub dimensionless: bool,
+    /// The mechanism's name.
+    pub name: Name,
+    /// Doc comments before `mechanism`, one line each, markers and the first space removed.
+    pub docs: Vec<String>,
+    /// What stands between the braces.
+    pub statements: Vec<Statement>,
+}
+
+/// One statement of a mechanism.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Statement {
+    /// What it says.
+    pub kind: StatementKind,
+    /// From its first token to its semicolon or closing brace.
+    pub span: Span,
+}
+
+/// What a statement says.
+#[derive(Clone, Debug, PartialEq)]
+pub enum StatementKind {
+    /// `param mass[6]: kg = 1.0;`
+    Param(Quantity),
+    /// `coord q[6]: rad;`
+    Coord(Quantity),
+    /// `input tau[6]: N*m;`
+    Input(Quantity),
+    /// `const d[6]: m = [0.78, …];`: fixed at build time.
+    Const(Quantity),
+    /// `let name = value;`, `let mut name = value;`
+    Let {
+        /// May be assigned again.
+        mutable: bool,
+        /// The local name.
+        name: Name,
+        /// Its value.
+        value: Expression,
+    },
+    /// `name = value;`: a `let mut` takes a new value.
+    Assign {
+        /// The local name.
+        name: Name,
+        /// Its new value.
+        value: Expression,
+    },
+    /// `kinetic += value;` and its like.
+    Energy {
+        /// Which of the mechanism's scalar functions grows.
+        term: EnergyTerm,
+        /// By what.
+        value: Expression,
+    },
+    /// `force q[i] += value;`: a generalized force on a coordinate.
+    Force {
+        /// The coordinate.
+        coordinate: Name,
+        /// Its index, where it is an array.
+        index: Option<Expression>,
+        /// The generalized force.
+        value: Expression,
+    },
+    /// `output name = value;`
+    Output {
+        /// Doc comments before it.
+        docs: Vec<String>,
+        /// Its name.
+        name: Name,
+        /// What is put out.
+        value: Expression,
+    },
+    /// `for i in 0..6 { … }`
+    For {
+        /// The loop variable.
+        variable: Name,
+        /// First value.
+        start: Expression,
+        /// One past the last value.
+        end: Expression,
+        /// The statements repeated.
+        body: Vec<Statement>,
+    },
+}
+
+/// The scalar functions that a mechanism is made of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum EnergyTerm {
+    /// `kinetic`
+    Kinetic,
+    /// `potential`
+    Potential,
+    /// `dissipation`: Rayleigh's function.
+    Dissipation,
+    /// `lagrangian`: terms that are neither kinetic nor potential energy.
+    Lagrangian,
+}
+
+/// `name[length]: unit = value`: what `param`, `coord`, `input` and `const` declare.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Quantity {
+    /// Doc comments before it.
+    pub docs: Vec<String>,
+    /// Its name.
+    pub name: Name,
+    /// How many, where it is an array.
+    pub length: Option<Expression>,
+    /// Its unit; absent where none was written.
+    pub unit: Option<Unit>,
+    /// Its default or value; absent where none was written.
+    pub value: Option<Expression>,
+}
+
+/// A unit as written: a product of powers of named units. `1` is the empty product.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Unit {
+    /// Its factors in source order.
+    pub factors: Vec<UnitFactor>,
+    /// Where it stands.
+    pub span: Span,
+}
+
+/// `m^2`; a factor after `/` has its exponent negated.
+#[derive(Clone, Debug, PartialEq)]
+pub struct UnitFactor {
+    /// The unit's name.
+    pub name: Name,
+    /// Numerator and denominator of its exponent.
+    pub exponent: (i32, i32),
+}
+
+/// An expression with its place.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Expression {
+    /// What it is.
+    pub kind: ExpressionKind,
+    /// Where it stands.
+    pub span: Span,
+}
+
+/// What an expression is.
+#[derive(Clone, Debug, PartialEq)]
+pub enum ExpressionKind {
+    /// `2`, `9.81`, `1e-3`: the decimal as written, underscores removed; it is an exact rational.
+    Number(String),
+    /// `x`
+    Name(String),
+    /// `-x`
+    Negate(Box<Expression>),
+    /// `x + y` and its like.
+    Binary(BinaryOperator, Box<Expression>, Box<Expression>),
+    /// `f(x, y)`
+    Call(Name, Vec<Expression>),
+    /// `x.f(y)`
+    Method(Box<Expression>, Name, Vec<Expression>),
+    /// `v.z`
+    Field(Box<Expression>, Name),
+    /// `q[i]`
+    Index(Box<Expression>, Box<Expression>),
+    /// `[x, y, z]`
+    Array(Vec<Expression>),
+}
+
+/// The binary operators.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BinaryOperator {
+    /// `+`
+    Add,
+    /// `-`
+    Sub,
+    /// `*`
+    Mul,
+    /// `/`
+    Div,
+    /// `^`, right-associative, binds tighter than unary minus on its left.
+    Pow,
+}
