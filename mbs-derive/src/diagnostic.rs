@@ -1,6 +1,23 @@
 //! What is wrong with a declaration, where, and what to write instead.
 //!
-//! A pass collects its errors in a [`Diagnostics`] in source order and stops at its end if there are any.
+//! A pass collects its errors in a [`Diagnostics`] and stops at its end if there are any:
+//!
+//! ```
+//! # use mbs_derive::diagnostic::Diagnostics;
+//! let source = "param length = 1.0;\n";
+//! let mut errors = Diagnostics::default();
+//! errors.error(0..12, "`param length` needs a unit").help("write `param length: m = …;`");
+//! assert_eq!(errors.render("arm.mbs", source), "\
+//! error: `param length` needs a unit
+//!  --> arm.mbs:1:1
+//!   |
+//! 1 | param length = 1.0;
+//!   | ^^^^^^^^^^^^
+//!   = help: write `param length: m = …;`
+//! ");
+//! ```
+
+use std::fmt;
 
 use crate::parse::syntax::Span;
 
@@ -34,26 +51,31 @@ impl Diagnostic {
     }
 }
 
-/// The messages of a pass, in the order they were found.
+/// The messages of a pass, in source order.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Diagnostics {
+    /// Sorted by where they begin; of two at one place the one found first comes first.
     messages: Vec<Diagnostic>,
 }
 
 impl Diagnostics {
+    /// How many messages a report shows before it says "… and N more".
+    const SHOWN: usize = 20;
+
     /// Notes an error and returns it, so that a help can be added.
     pub fn error(&mut self, span: Span, message: impl Into<String>) -> &mut Diagnostic {
-        self.push(Severity::Error, span, message.into())
+        self.insert(Severity::Error, span, message.into())
     }
 
     /// Notes a warning and returns it, so that a help can be added.
     pub fn warning(&mut self, span: Span, message: impl Into<String>) -> &mut Diagnostic {
-        self.push(Severity::Warning, span, message.into())
+        self.insert(Severity::Warning, span, message.into())
     }
 
-    fn push(&mut self, severity: Severity, span: Span, message: String) -> &mut Diagnostic {
-        self.messages.push(Diagnostic { severity, message, span, help: None });
-        self.messages.last_mut().expect("just pushed")
+    fn insert(&mut self, severity: Severity, span: Span, message: String) -> &mut Diagnostic {
+        let place = self.messages.partition_point(|m| m.span.start <= span.start);
+        self.messages.insert(place, Diagnostic { severity, message, span, help: None });
+        &mut self.messages[place]
     }
 
     /// Whether any message is an error.
@@ -61,8 +83,348 @@ impl Diagnostics {
         self.messages.iter().any(|m| m.severity == Severity::Error)
     }
 
+    /// A pass's last line: `value` where nothing was wrong with it, else the messages.
+    pub fn finish<T>(self, value: T) -> Result<T, Self> {
+        if self.has_errors() { Err(self) } else { Ok(value) }
+    }
+
     /// The messages in source order.
     pub fn iter(&self) -> impl Iterator<Item = &Diagnostic> {
         self.messages.iter()
+    }
+
+    /// The report as a person reads it: every message with its place and the line of `source` that it is about.
+    pub fn render(&self, file_name: &str, source: &str) -> String {
+        let shown = self.messages.iter().take(Self::SHOWN);
+        let mut blocks: Vec<String> = shown.map(|m| block(m, file_name, source)).collect();
+        if self.messages.len() > Self::SHOWN {
+            blocks.push(format!("… and {} more\n", self.messages.len() - Self::SHOWN));
+        }
+        blocks.join("\n")
+    }
+}
+
+impl fmt::Display for Severity {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Severity::Error => "error",
+            Severity::Warning => "warning",
+        })
+    }
+}
+
+/// One line without a place: `error: …; help: …`. [`Diagnostics::render`] shows the place.
+impl fmt::Display for Diagnostic {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}: {}", self.severity, self.message)?;
+        match &self.help {
+            Some(help) => write!(f, "; help: {help}"),
+            None => Ok(()),
+        }
+    }
+}
+
+/// One line a message, without places: for where the source is no longer at hand.
+impl fmt::Display for Diagnostics {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (i, message) in self.messages.iter().enumerate() {
+            if i > 0 {
+                f.write_str("\n")?;
+            }
+            write!(f, "{message}")?;
+        }
+        Ok(())
+    }
+}
+
+impl std::error::Error for Diagnostics {}
+
+fn block(message: &Diagnostic, file_name: &str, source: &str) -> String {
+    let Excerpt { line, column, text, indent, width } = excerpt(source, &message.span);
+    let (number, gutter) = (line.to_string(), " ".repeat(line.to_string().len()));
+    let (severity, what) = (message.severity, &message.message);
+    let underline = format!("{}{}", " ".repeat(indent), "^".repeat(width));
+    let mut block = format!("{severity}: {what}\n{gutter}--> {file_name}:{line}:{column}\n{gutter} |\n");
+    block += format!("{number} | {text}").trim_end();
+    block += &format!("\n{gutter} | {underline}\n");
+    if let Some(help) = &message.help {
+        block += &format!("{gutter} = help: {}\n", help.replace('\n', &format!("\n{gutter}         ")));
+    }
+    block
+}
+
+/// The line that a span begins on, ready to be printed.
+struct Excerpt {
+    /// Counted from 1.
+    line: usize,
+    /// Counted from 1, in characters.
+    column: usize,
+    /// The line, or the part of it around the span.
+    text: String,
+    /// Columns of `text` before the span.
+    indent: usize,
+    /// Columns of the span, at least one.
+    width: usize,
+}
+
+/// Columns shown of a line; of a longer one the part around the span is shown.
+const WIDTH: usize = 120;
+
+fn excerpt(source: &str, span: &Span) -> Excerpt {
+    let start = boundary(source, span.start);
+    let end = boundary(source, span.end).max(start);
+    let line_start = source[..start].rfind('\n').map_or(0, |newline| newline + 1);
+    let line_end = source[start..].find('\n').map_or(source.len(), |newline| start + newline);
+    let marked = source[start..end.min(line_end)].trim_end();
+    let marked_end = start + marked.len();
+
+    let before = source[line_start..start].chars().flat_map(printable);
+    let mut shown: Vec<char> = before.collect();
+    let from = shown.len();
+    shown.extend(marked.chars().flat_map(printable));
+    let to = shown.len();
+    shown.extend(source[marked_end..line_end].trim_end().chars().flat_map(printable));
+
+    let first = if shown.len() <= WIDTH { 0 } else { window(shown.len(), from, to) };
+    let last = shown.len().min(first + WIDTH);
+    let left = if first > 0 { "…" } else { "" };
+    let right = if last < shown.len() { "…" } else { "" };
+    Excerpt {
+        line: source[..line_start].matches('\n').count() + 1,
+        column: source[line_start..start].chars().count() + 1,
+        text: format!("{left}{}{right}", String::from_iter(&shown[first..last])),
+        indent: left.chars().count() + columns(&shown[first..from]),
+        width: columns(&shown[from..to.min(last)]).max(1),
+    }
+}
+
+/// The nearest place at or before `offset` where a character begins.
+fn boundary(source: &str, offset: usize) -> usize {
+    let mut offset = offset.min(source.len());
+    while !source.is_char_boundary(offset) {
+        offset -= 1;
+    }
+    offset
+}
+
+/// A tab as four spaces; what would disturb a terminal as a replacement character.
+fn printable(c: char) -> impl Iterator<Item = char> {
+    let bidirectional = matches!(c, '\u{200e}'..='\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
+    let (c, count) = match c {
+        '\t' => (' ', 4),
+        c if c.is_control() || bidirectional => (char::REPLACEMENT_CHARACTER, 1),
+        c => (c, 1),
+    };
+    std::iter::repeat_n(c, count)
+}
+
+/// Where to begin so that `from..to` stands in the middle of `WIDTH` columns, or its head where it is longer.
+fn window(length: usize, from: usize, to: usize) -> usize {
+    let margin = WIDTH.saturating_sub(to - from) / 2;
+    from.saturating_sub(margin.max(WIDTH / 10)).min(length - WIDTH)
+}
+
+/// Columns that characters take on a terminal: combining marks (q̇) take none.
+fn columns(text: &[char]) -> usize {
+    text.iter().filter(|c| !matches!(c, '\u{300}'..='\u{36f}')).count()
+}
+
+/// The candidate that `name` was probably meant to be, if any is close: case aside, at most one slip in three letters.
+///
+/// A slip is a letter too many, one missing, one wrong, or two neighbours exchanged. The first of equally close
+/// candidates is taken.
+///
+/// ```
+/// # use mbs_derive::diagnostic::nearest;
+/// assert_eq!(nearest("lenght", ["mass", "length"]), Some("length"));
+/// assert_eq!(nearest("theta", ["mass", "length"]), None);
+/// ```
+pub fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    let name: Vec<char> = name.chars().flat_map(char::to_lowercase).collect();
+    let allowed = name.len().max(3) / 3;
+    let close = candidates.into_iter().filter_map(|candidate| {
+        let letters: Vec<char> = candidate.chars().flat_map(char::to_lowercase).collect();
+        let worth_it = letters.len().abs_diff(name.len()) <= allowed && name.len() <= 64;
+        let slips = if worth_it { slips(&name, &letters) } else { usize::MAX };
+        (slips <= allowed && slips < letters.len()).then_some((slips, candidate))
+    });
+    close.min_by_key(|&(slips, _)| slips).map(|(_, candidate)| candidate)
+}
+
+/// Optimal string alignment distance: Levenshtein's, and an exchange of neighbours counts once.
+fn slips(a: &[char], b: &[char]) -> usize {
+    let mut distance = vec![vec![0; b.len() + 1]; a.len() + 1];
+    for i in 0..=a.len() {
+        for j in 0..=b.len() {
+            distance[i][j] = if i == 0 || j == 0 {
+                i + j
+            } else {
+                let replaced = distance[i - 1][j - 1] + usize::from(a[i - 1] != b[j - 1]);
+                let exchanged = if i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1] {
+                    distance[i - 2][j - 2] + 1
+                } else {
+                    usize::MAX
+                };
+                replaced.min(exchanged).min(distance[i - 1][j] + 1).min(distance[i][j - 1] + 1)
+            };
+        }
+    }
+    distance[a.len()][b.len()]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn rendered(source: &str, span: Span) -> String {
+        let mut errors = Diagnostics::default();
+        errors.error(span, "wrong");
+        errors.render("a.mbs", source)
+    }
+
+    /// The excerpt's text and underline, without gutters.
+    fn excerpt_lines(source: &str, span: Span) -> (String, String) {
+        let report = rendered(source, span);
+        let lines: Vec<&str> = report.lines().collect();
+        let content = |line: &str| line.split_once('|').unwrap().1.strip_prefix(' ').unwrap_or("").to_string();
+        (content(lines[3]), content(lines[4]))
+    }
+
+    #[test]
+    fn looks_as_in_the_style_guide() {
+        let line = "kinetic += 1/2 * m * l * dt(theta);";
+        let source = format!("{}{line}\n}}\n", "\n".repeat(8));
+        let mut errors = Diagnostics::default();
+        errors
+            .error(8 + 11..8 + 34, "kinetic energy must be an energy (kg·m²/s²), this term is kg·m/s")
+            .help("a speed enters squared: did you mean `1/2 * m * (l * dt(theta))^2`?");
+        let expected = "\
+error: kinetic energy must be an energy (kg·m²/s²), this term is kg·m/s
+ --> mechanisms/pendulum.mbs:9:12
+  |
+9 | kinetic += 1/2 * m * l * dt(theta);
+  |            ^^^^^^^^^^^^^^^^^^^^^^^
+  = help: a speed enters squared: did you mean `1/2 * m * (l * dt(theta))^2`?
+";
+        assert_eq!(errors.render("mechanisms/pendulum.mbs", &source), expected);
+    }
+
+    #[test]
+    fn gutter_is_as_wide_as_the_line_number() {
+        let source = format!("{}x", "\n".repeat(99));
+        let expected = "error: wrong\n   --> a.mbs:100:1\n    |\n100 | x\n    | ^\n";
+        assert_eq!(rendered(&source, 99..100), expected);
+    }
+
+    #[test]
+    fn messages_come_in_source_order_with_a_line_between() {
+        let mut errors = Diagnostics::default();
+        errors.error(2..3, "second");
+        errors.warning(0..1, "first").help("one\ntwo");
+        errors.error(2..3, "third");
+        let expected = "\
+warning: first
+ --> a.mbs:1:1
+  |
+1 | a b
+  | ^
+  = help: one
+          two
+
+error: second
+ --> a.mbs:1:3
+  |
+1 | a b
+  |   ^
+
+error: third
+ --> a.mbs:1:3
+  |
+1 | a b
+  |   ^
+";
+        assert_eq!(errors.render("a.mbs", "a b"), expected);
+        assert_eq!(errors.to_string(), "warning: first; help: one\ntwo\nerror: second\nerror: third");
+    }
+
+    #[test]
+    fn twenty_messages_are_enough() {
+        let mut errors = Diagnostics::default();
+        for i in 0..23 {
+            errors.error(i..i + 1, format!("number {i}"));
+        }
+        let report = errors.render("a.mbs", &"x".repeat(23));
+        assert_eq!(report.matches("error: ").count(), 20);
+        assert!(report.ends_with("\n\n… and 3 more\n"), "{report}");
+    }
+
+    #[test]
+    fn columns_count_characters() {
+        // Two Greek letters of two bytes each stand before the `x`.
+        assert_eq!(rendered("θω x", 5..6), "error: wrong\n --> a.mbs:1:4\n  |\n1 | θω x\n  |    ^\n");
+        assert_eq!(excerpt_lines("q\u{307}*x", 4..5), ("q\u{307}*x".into(), "  ^".into()));
+    }
+
+    #[test]
+    fn tabs_are_four_spaces_and_control_characters_are_harmless() {
+        assert_eq!(excerpt_lines("\tx\t= y", 1..5), ("    x    = y".into(), "    ^^^^^^".into()));
+        assert!(rendered("\tx", 1..2).contains("a.mbs:1:2\n"));
+        assert_eq!(excerpt_lines("\u{1b}[31m\u{202e}x", 8..9).0, "\u{fffd}[31m\u{fffd}x");
+    }
+
+    #[test]
+    fn several_lines_are_shown_by_the_first() {
+        assert_eq!(excerpt_lines("a + \r\n b;", 0..9), ("a +".into(), "^^^".into()));
+    }
+
+    #[test]
+    fn end_of_file_is_a_place() {
+        assert_eq!(rendered("", 0..0), "error: wrong\n --> a.mbs:1:1\n  |\n1 |\n  | ^\n");
+        assert_eq!(rendered("ab", 2..2), "error: wrong\n --> a.mbs:1:3\n  |\n1 | ab\n  |   ^\n");
+        assert_eq!(rendered("ab\n", 3..3), "error: wrong\n --> a.mbs:2:1\n  |\n2 |\n  | ^\n");
+        assert_eq!(rendered("ab\n", 2..3), "error: wrong\n --> a.mbs:1:3\n  |\n1 | ab\n  |   ^\n");
+    }
+
+    #[test]
+    fn long_lines_are_trimmed_around_the_span() {
+        let source = format!("{}abc{}", "x".repeat(500), "y".repeat(500));
+        let (text, underline) = excerpt_lines(&source, 500..503);
+        assert!(text.starts_with("…x") && text.ends_with("y…") && text.chars().count() == WIDTH + 2, "{text}");
+        assert_eq!(text.find("abc").map(|at| text[..at].chars().count()), underline.find('^'));
+        assert_eq!(underline.matches('^').count(), 3);
+
+        let (text, underline) = excerpt_lines(&source, 0..1003);
+        assert!(text.starts_with('x') && underline.len() == WIDTH, "{text}\n{underline}");
+        let (text, underline) = excerpt_lines(&source, 1003..1003);
+        assert!(text.ends_with('y') && underline.len() == WIDTH + 2, "{text}\n{underline}");
+    }
+
+    #[test]
+    fn any_span_is_rendered() {
+        for source in ["", "é", "a\né\n", "\r\n\r\n", "\u{feff}x"] {
+            for start in 0..8 {
+                for end in 0..8 {
+                    assert!(rendered(source, start..end).contains("^"));
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn nearest_finds_slips() {
+        let candidates = ["param", "potential", "coord", "m_cart", "x", "t"];
+        let check = |name: &str, expected: Option<&str>| assert_eq!(nearest(name, candidates), expected, "{name}");
+        check("parm", Some("param"));
+        check("papam", Some("param"));
+        check("apram", Some("param"));
+        check("Param", Some("param"));
+        check("potentail", Some("potential"));
+        check("potintiel", Some("potential"));
+        check("cord", Some("coord"));
+        check("m_crat", Some("m_cart"));
+        check("y", None);
+        check("inertia", None);
+        check("", None);
+        check(&"x".repeat(100_000), None);
     }
 }

@@ -10,22 +10,28 @@
 //! - [`tangent`]: directional derivatives by a forward sweep;
 //! - [`adjoint`]: gradients by a reverse sweep;
 //! - [`hessian`]: second derivatives by edge pushing;
+//! - [`substitute`]: copies with symbols replaced or time derivatives carried out;
+//! - [`evaluate`]: numerical values, over doubles or dual numbers;
 //! - [`vector`]: vectors and matrices over expressions;
 //! - [`display`]: infix printing.
 
 pub mod adjoint;
 pub mod display;
+pub mod evaluate;
 pub mod function;
 pub mod graph;
 pub mod hessian;
 pub mod number;
+pub mod substitute;
 pub mod tangent;
 pub mod vector;
 
-pub use adjoint::gradient;
+pub use adjoint::{gradient, gradient_of_combination};
+pub use evaluate::{Value, evaluate};
 pub use function::{Binary, Function};
 pub use graph::{Expr, Graph, HalfInteger, Id, Node, Symbol};
 pub use hessian::hessian;
 pub use number::Number;
+pub use substitute::{carry_out, substitute};
 pub use tangent::Tangent;
 pub use vector::{Matrix, Vector};

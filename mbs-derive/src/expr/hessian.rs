@@ -18,7 +18,7 @@ pub fn hessian<'g>(root: Expr<'g>, symbols: &[Symbol]) -> Vec<Vec<Expr<'g>>> {
     let order = active(graph, std::iter::once(root.id()), |symbol| symbols.contains(&symbol));
     let mut adjoints = Adjoints::new(graph, &order);
     adjoints.add(root.id(), graph.integer(1));
-    let mut edges = Edges::default();
+    let mut edges = Edges { graph, rows: IdMap::default() };
     for &id in order.iter().rev() {
         if matches!(graph.node(id), Node::Symbol(_)) {
             continue;
@@ -122,9 +122,9 @@ fn curvature<'g>(function: Function, x: Expr<'g>, value: Expr<'g>) -> Expr<'g> {
     function.second_derivative(x, value)
 }
 
-/// Symmetric weights, kept at the later of the two nodes.
-#[derive(Default)]
+/// Symmetric weights, kept at the node that is eliminated first: the later one, and symbols last of all.
 struct Edges<'g> {
+    graph: &'g Graph,
     rows: IdMap<BTreeMap<Id, Expr<'g>>>,
 }
 
@@ -133,12 +133,19 @@ impl<'g> Edges<'g> {
         if weight.is_zero() {
             return;
         }
-        let row = self.rows.entry(i.max(j)).or_default();
-        row.entry(i.min(j)).and_modify(|sum| *sum = *sum + weight).or_insert(weight);
+        let (first, last) = self.by_elimination(i, j);
+        let row = self.rows.entry(first).or_default();
+        row.entry(last).and_modify(|sum| *sum = *sum + weight).or_insert(weight);
     }
 
     fn get(&self, i: Id, j: Id) -> Option<Expr<'g>> {
-        self.rows.get(&i.max(j))?.get(&i.min(j)).copied()
+        let (first, last) = self.by_elimination(i, j);
+        self.rows.get(&first)?.get(&last).copied()
+    }
+
+    fn by_elimination(&self, i: Id, j: Id) -> (Id, Id) {
+        let rank = |id: Id| (!matches!(self.graph.node(id), Node::Symbol(_)), id);
+        if rank(i) >= rank(j) { (i, j) } else { (j, i) }
     }
 
     fn take(&mut self, i: Id) -> impl Iterator<Item = (Id, Expr<'g>)> + use<'g> {
@@ -169,6 +176,18 @@ mod tests {
                 assert!((a - b).abs() < 1e-12, "{a} {b}");
             }
         }
+    }
+
+    #[test]
+    fn symbols_made_late_are_eliminated_last() {
+        let graph = Graph::new();
+        let symbols = [0, 1].map(Symbol::Velocity);
+        let x = graph.symbol(symbols[0]);
+        let early = 3 * x;
+        let late = graph.symbol(symbols[1]);
+        let rows = hessian((early + late).powi(2), &symbols);
+        assert_eq!(rows[0][1], graph.integer(6));
+        assert_eq!(rows[1][0], graph.integer(6));
     }
 
     /// Plain evaluation of a polynomial.

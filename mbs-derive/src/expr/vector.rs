@@ -35,6 +35,11 @@ impl<'g> Vector<'g> {
         Vector([b * z - c * y, c * x - a * z, a * y - b * x])
     }
 
+    /// `a bᵀ`
+    pub fn outer(self, other: Self) -> Matrix<'g> {
+        Matrix(self.0.map(|a| other.0.map(|b| a * b)))
+    }
+
     /// `|a|²`
     pub fn norm_squared(self) -> Expr<'g> {
         let [a, b, c] = self.0.map(|x| x.powi(2));
@@ -62,6 +67,11 @@ impl<'g> Matrix<'g> {
     pub fn diagonal(entries: [Expr<'g>; 3]) -> Self {
         let zero = entries[0].graph().integer(0);
         Matrix([0, 1, 2].map(|i| [0, 1, 2].map(|j| if i == j { entries[i] } else { zero })))
+    }
+
+    /// `s A`
+    pub fn scale(self, s: Expr<'g>) -> Self {
+        Matrix(self.0.map(|row| row.map(|x| s * x)))
     }
 
     /// Its transpose.

@@ -1,0 +1,147 @@
+//! Pass 3: [`Lagrangian`] → [`Equations`]: mechanics, still symbolic.
+//!
+//! With `L = T − V + Σ lagrangian terms = ½ q̇ᵀ M q̇ + aᵀ q̇ + L₀`, an overdot the total time derivative, and D Rayleigh's
+//! dissipation function, Lagrange's equations are
+//!
+//! ```text
+//! M q̈ + C q̇ + G + ∂D/∂q̇ = Q
+//! ```
+//!
+//! - [`lagrange`]: momenta, mass matrix, Christoffel form, gravity, bias, inverse dynamics;
+//! - [`solve`]: forward dynamics by LDLᵀ, unrolled or left to the runtime;
+//! - [`linearize`]: Jacobians of the equations of motion;
+//! - [`conserved`]: cyclic coordinates and the energy integral;
+//! - [`output`]: outputs, their velocities and Jacobians.
+
+pub mod conserved;
+pub mod lagrange;
+pub mod linearize;
+pub mod output;
+pub mod solve;
+
+use crate::expr::{Expr, Graph, Symbol, carry_out};
+use crate::model::Lagrangian;
+
+pub use conserved::Conserved;
+pub use lagrange::Lagrange;
+pub use linearize::{InverseDynamicsJacobian, Linearization};
+pub use output::OutputEquations;
+pub use solve::ForwardDynamics;
+
+/// Rows of expressions.
+pub type Rows<'g> = Vec<Vec<Expr<'g>>>;
+
+/// The symbols of a mechanism, by kind and in order.
+#[derive(Clone, Debug)]
+pub struct Symbols {
+    /// q
+    pub q: Vec<Symbol>,
+    /// q̇
+    pub qd: Vec<Symbol>,
+    /// q̈
+    pub qdd: Vec<Symbol>,
+    /// u
+    pub u: Vec<Symbol>,
+    /// parameters
+    pub parameters: Vec<Symbol>,
+}
+
+impl Symbols {
+    fn of(lagrangian: &Lagrangian<'_>) -> Symbols {
+        let n = lagrangian.dof() as u32;
+        let count = |variables: &[crate::model::Variable]| variables.iter().map(|v| v.count() as u32).sum::<u32>();
+        Symbols {
+            q: (0..n).map(Symbol::Coordinate).collect(),
+            qd: (0..n).map(Symbol::Velocity).collect(),
+            qdd: (0..n).map(Symbol::Acceleration).collect(),
+            u: (0..count(&lagrangian.inputs)).map(Symbol::Input).collect(),
+            parameters: (0..count(&lagrangian.parameters)).map(Symbol::Parameter).collect(),
+        }
+    }
+}
+
+/// Everything that is generated for a mechanism, as roots in one graph.
+#[derive(Clone, Debug)]
+pub struct Equations<'g> {
+    /// The symbols that the roots depend on.
+    pub symbols: Symbols,
+    /// T, V, p, M, C, G, h and inverse dynamics.
+    pub lagrange: Lagrange<'g>,
+    /// q̈
+    pub forward_dynamics: ForwardDynamics<'g>,
+    /// Derivatives of inverse dynamics.
+    pub inverse_dynamics_jacobian: InverseDynamicsJacobian<'g>,
+    /// Derivatives of forward dynamics.
+    pub linearization: Linearization<'g>,
+    /// First integrals.
+    pub conserved: Vec<Conserved<'g>>,
+    /// Outputs with their velocities and Jacobians.
+    pub outputs: Vec<OutputEquations<'g>>,
+}
+
+/// Derives the equations of motion into `graph`.
+pub fn equations_of_motion<'g>(lagrangian: &Lagrangian<'_>, graph: &'g Graph) -> Equations<'g> {
+    let symbols = Symbols::of(lagrangian);
+    let energies = Energies::carried_out(lagrangian, graph);
+    let lagrange = lagrange::equations(&energies, &symbols);
+    let forward_dynamics = solve::forward_dynamics(&lagrange);
+    let inverse_dynamics_jacobian = linearize::inverse_dynamics_jacobian(&lagrange, &symbols);
+    let linearization = linearize::linearization(&lagrange, &forward_dynamics, &symbols);
+    let conserved = conserved::conserved(&lagrange, &energies, &symbols, lagrangian);
+    let outputs = output::outputs(lagrangian, graph, &symbols);
+    Equations {
+        symbols,
+        lagrange,
+        forward_dynamics,
+        inverse_dynamics_jacobian,
+        linearization,
+        conserved,
+        outputs,
+    }
+}
+
+/// The declared scalars with their time derivatives carried out and the local rules applied.
+#[derive(Clone, Debug)]
+pub struct Energies<'g> {
+    /// T
+    pub kinetic: Expr<'g>,
+    /// V
+    pub potential: Expr<'g>,
+    /// D
+    pub dissipation: Expr<'g>,
+    /// `L = T − V + Σ lagrangian terms`
+    pub lagrangian: Expr<'g>,
+    /// Q, one per coordinate.
+    pub forces: Vec<Expr<'g>>,
+}
+
+impl<'g> Energies<'g> {
+    fn carried_out(lagrangian: &Lagrangian<'_>, graph: &'g Graph) -> Self {
+        let sum = |terms: &[Expr<'_>]| {
+            let terms = carry_out(terms, graph, |symbol| time_derivative(symbol, graph));
+            terms.into_iter().fold(graph.integer(0), |sum, term| sum + term)
+        };
+        let (kinetic, potential) = (sum(&lagrangian.kinetic), sum(&lagrangian.potential));
+        let force = |i: usize| {
+            let terms: Vec<_> = lagrangian.forces.iter().filter(|(c, _)| *c == i).map(|(_, force)| *force).collect();
+            sum(&terms)
+        };
+        Energies {
+            kinetic,
+            potential,
+            dissipation: sum(&lagrangian.dissipation),
+            lagrangian: kinetic - potential + sum(&lagrangian.lagrangian),
+            forces: (0..lagrangian.dof()).map(force).collect(),
+        }
+    }
+}
+
+/// `dq = q̇ dt`, `dq̇ = q̈ dt`
+pub(crate) fn time_derivative<'g>(symbol: Symbol, graph: &'g Graph) -> Option<Expr<'g>> {
+    match symbol {
+        Symbol::Time => Some(graph.integer(1)),
+        Symbol::Coordinate(i) => Some(graph.symbol(Symbol::Velocity(i))),
+        Symbol::Velocity(i) => Some(graph.symbol(Symbol::Acceleration(i))),
+        Symbol::Acceleration(_) | Symbol::Parameter(_) | Symbol::Input(_) => None,
+    }
+}

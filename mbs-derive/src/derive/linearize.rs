@@ -1,0 +1,81 @@
+//! First derivatives of the dynamics.
+//!
+//! With `r(q, q̇, q̈, u) = M q̈ + h + ∂D/∂q̇ − Q`, which forward dynamics makes zero,
+//! `∂q̈/∂x = −M⁻¹ ∂r/∂x` at that q̈ (implicit differentiation): no derivative of a factorization is needed.
+
+use crate::expr::{Expr, Symbol, substitute};
+
+use super::lagrange::{Lagrange, jacobian, jacobian_by_rows, sub, transpose};
+use super::solve::{Factorization, ForwardDynamics};
+use super::{Rows, Symbols};
+
+/// `∂τ/∂q` and `∂τ/∂q̇` of `τ = M q̈ + C q̇ + G + ∂D/∂q̇`.
+#[derive(Clone, Debug)]
+pub struct InverseDynamicsJacobian<'g> {
+    /// `∂τ/∂q`
+    pub q: Rows<'g>,
+    /// `∂τ/∂q̇`
+    pub qd: Rows<'g>,
+}
+
+/// Derivatives of q̈; rows are accelerations.
+#[derive(Clone, Debug)]
+pub struct Linearization<'g> {
+    /// `∂q̈/∂q`, `∂q̈/∂q̇`, `∂q̈/∂u`, where the factorization is unrolled; else `−∂r/∂x`, to be solved with M, with q̈
+    /// left as symbols.
+    pub state: [Rows<'g>; 3],
+    /// `∂q̈/∂parameters`, likewise.
+    pub parameters: Rows<'g>,
+}
+
+/// One reverse sweep per generalized force.
+pub fn inverse_dynamics_jacobian<'g>(lagrange: &Lagrange<'g>, symbols: &Symbols) -> InverseDynamicsJacobian<'g> {
+    let x: Vec<Symbol> = symbols.q.iter().chain(&symbols.qd).copied().collect();
+    let rows = jacobian_by_rows(&lagrange.inverse_dynamics, &x);
+    let n = symbols.q.len();
+    InverseDynamicsJacobian {
+        q: rows.iter().map(|row| row[..n].to_vec()).collect(),
+        qd: rows.iter().map(|row| row[n..].to_vec()).collect(),
+    }
+}
+
+/// `∂q̈/∂x = −M⁻¹ ∂r/∂x`
+pub fn linearization<'g>(
+    lagrange: &Lagrange<'g>,
+    forward: &ForwardDynamics<'g>,
+    symbols: &Symbols,
+) -> Linearization<'g> {
+    let residual = sub(&lagrange.inverse_dynamics, &lagrange.generalized_force);
+    let slope = |x: &[Symbol]| negative(&jacobian_by_rows(&residual, x));
+    let [q, qd] = [slope(&symbols.q), slope(&symbols.qd)];
+    let u = negative(&jacobian(&residual, &symbols.u));
+    let parameters = slope(&symbols.parameters);
+    let Some(qdd) = &forward.unrolled else {
+        return Linearization { state: [q, qd, u], parameters };
+    };
+    let factorization = Factorization::new(&forward.mass_matrix);
+    let finish = |rows: Rows<'g>| solve_columns(&factorization, &at_acceleration(&rows, qdd));
+    Linearization { state: [finish(q), finish(qd), finish(u)], parameters: finish(parameters) }
+}
+
+/// The expressions with forward dynamics in the place of q̈.
+fn at_acceleration<'g>(rows: &Rows<'g>, qdd: &[Expr<'g>]) -> Rows<'g> {
+    let replacement = |symbol| match symbol {
+        Symbol::Acceleration(i) => Some(qdd[i as usize]),
+        _ => None,
+    };
+    let width = rows[0].len();
+    let flat: Vec<_> = rows.iter().flatten().copied().collect();
+    let replaced = substitute(&flat, replacement);
+    (0..rows.len()).map(|i| replaced[i * width..(i + 1) * width].to_vec()).collect()
+}
+
+fn solve_columns<'g>(factorization: &Factorization<'g>, rows: &Rows<'g>) -> Rows<'g> {
+    let columns = transpose(rows, rows[0].len());
+    let solved = columns.iter().map(|column| factorization.solve(column)).collect();
+    transpose(&solved, rows.len())
+}
+
+fn negative<'g>(rows: &Rows<'g>) -> Rows<'g> {
+    rows.iter().map(|row| row.iter().map(|&e| -e).collect()).collect()
+}

@@ -1,0 +1,95 @@
+//! Outputs: values, velocities, Jacobians.
+
+use crate::expr::{Expr, Graph, Symbol, Tangent, carry_out, gradient};
+use crate::model::{Lagrangian, OutputValue};
+
+use super::{Rows, Symbols, time_derivative};
+
+/// An output's equations.
+#[derive(Clone, Debug)]
+pub struct OutputEquations<'g> {
+    /// As declared.
+    pub name: String,
+    /// Its shape.
+    pub shape: OutputShape,
+    /// Its components, row by row; for a pose the position and then the rows of the rotation.
+    pub value: Vec<Expr<'g>>,
+    /// Its time derivative; for a pose the velocity of its origin and the angular velocity, in world axes.
+    /// Absent where the value depends on velocities or inputs.
+    pub velocity: Option<Vec<Expr<'g>>>,
+    /// `∂velocity/∂q̇`, one row per component; of a value that depends on velocities `∂value/∂q`.
+    pub jacobian: Rows<'g>,
+}
+
+/// The shape of an output.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum OutputShape {
+    /// One number.
+    Scalar,
+    /// So many numbers.
+    Array(usize),
+    /// Rows and columns.
+    Matrix(usize, usize),
+    /// Position and rotation.
+    Pose,
+}
+
+/// Carries out all outputs.
+pub fn outputs<'g>(lagrangian: &Lagrangian<'_>, graph: &'g Graph, symbols: &Symbols) -> Vec<OutputEquations<'g>> {
+    lagrangian
+        .outputs
+        .iter()
+        .map(|output| {
+            let (shape, value) = flatten(lagrangian, &output.value);
+            let value = carry_out(&value, graph, |symbol| time_derivative(symbol, graph));
+            let velocity = match &output.value {
+                OutputValue::Pose(frame) => Some(twist(lagrangian, *frame, graph)),
+                _ => positional(&value).then(|| rates(&value)),
+            };
+            let jacobian = match &velocity {
+                Some(velocity) => velocity.iter().map(|&v| gradient(v, &symbols.qd)).collect(),
+                None => value.iter().map(|&v| gradient(v, &symbols.q)).collect(),
+            };
+            OutputEquations { name: output.name.clone(), shape, value, velocity, jacobian }
+        })
+        .collect()
+}
+
+fn flatten<'v>(lagrangian: &Lagrangian<'v>, value: &OutputValue<'v>) -> (OutputShape, Vec<Expr<'v>>) {
+    match value {
+        OutputValue::Scalar(e) => (OutputShape::Scalar, vec![*e]),
+        OutputValue::Array(entries) => (OutputShape::Array(entries.len()), entries.clone()),
+        OutputValue::Matrix(rows) => {
+            let columns = rows.first().map_or(0, Vec::len);
+            (OutputShape::Matrix(rows.len(), columns), rows.iter().flatten().copied().collect())
+        }
+        OutputValue::Pose(id) => {
+            let frame = lagrangian.frames.get(*id);
+            let rotation = frame.rotation.0.into_iter().flatten();
+            (OutputShape::Pose, frame.position.0.into_iter().chain(rotation).collect())
+        }
+    }
+}
+
+/// Velocity of the origin and angular velocity, turned into world axes.
+fn twist<'g>(lagrangian: &Lagrangian<'_>, id: crate::model::FrameId, graph: &'g Graph) -> Vec<Expr<'g>> {
+    let frame = lagrangian.frames.get(id);
+    let (v, w) = (frame.rotation * frame.velocity, frame.rotation * frame.angular_velocity);
+    let components: Vec<_> = v.0.into_iter().chain(w.0).collect();
+    carry_out(&components, graph, |symbol| time_derivative(symbol, graph))
+}
+
+fn positional(value: &[Expr<'_>]) -> bool {
+    let Some(first) = value.first() else { return true };
+    let graph = first.graph();
+    graph.reachable(value.iter().map(|e| e.id())).into_iter().all(|id| match graph.node(id) {
+        crate::expr::Node::Symbol(symbol) => matches!(symbol, Symbol::Coordinate(_) | Symbol::Time | Symbol::Parameter(_)),
+        _ => true,
+    })
+}
+
+fn rates<'g>(value: &[Expr<'g>]) -> Vec<Expr<'g>> {
+    let Some(first) = value.first() else { return Vec::new() };
+    let graph = first.graph();
+    Tangent::new(|symbol| time_derivative(symbol, graph)).of_all(value)
+}

@@ -1,0 +1,75 @@
+//! Forward dynamics: `q̈ = M⁻¹ (Q − h − ∂D/∂q̇)` by a factorization, never by an inverse.
+
+use crate::expr::Expr;
+
+use super::Rows;
+use super::lagrange::{Lagrange, add, sub};
+
+/// Up to this many coordinates the factorization is unrolled in the generated function; beyond, the runtime's loop
+/// takes the mass matrix, because `n³/6` statements would be slower than a loop.
+pub const LARGEST_UNROLLED: usize = 8;
+
+/// How accelerations are found.
+#[derive(Clone, Debug)]
+pub struct ForwardDynamics<'g> {
+    /// M
+    pub mass_matrix: Rows<'g>,
+    /// `Q − h − ∂D/∂q̇`
+    pub right_side: Vec<Expr<'g>>,
+    /// q̈, where the factorization is unrolled.
+    pub unrolled: Option<Vec<Expr<'g>>>,
+}
+
+/// Sets up `M q̈ = Q − h − ∂D/∂q̇`, and solves it where the mechanism is small.
+pub fn forward_dynamics<'g>(lagrange: &Lagrange<'g>) -> ForwardDynamics<'g> {
+    let loads = add(&lagrange.bias, &lagrange.dissipation_force);
+    let right_side = sub(&lagrange.generalized_force, &loads);
+    let m = &lagrange.mass_matrix;
+    let unrolled = (m.len() <= LARGEST_UNROLLED).then(|| Factorization::new(m).solve(&right_side));
+    ForwardDynamics { mass_matrix: m.clone(), right_side, unrolled }
+}
+
+/// `M = L D Lᵀ` with unit lower triangular L.
+///
+/// Source: Golub & Van Loan, *Matrix Computations*, 4th ed. 2013, algorithm 4.1.1.
+pub struct Factorization<'g> {
+    /// The strictly lower part of L.
+    lower: Rows<'g>,
+    /// The reciprocals of D.
+    reciprocal: Vec<Expr<'g>>,
+}
+
+impl<'g> Factorization<'g> {
+    /// Factorizes the lower triangle of `m`.
+    pub fn new(m: &Rows<'g>) -> Self {
+        let mut lower: Rows<'g> = Vec::new();
+        let mut reciprocal: Vec<Expr<'g>> = Vec::new();
+        for i in 0..m.len() {
+            // (L D)ᵢⱼ = Mᵢⱼ − Σₖ (L D)ᵢₖ Lⱼₖ, k < j < i
+            let mut scaled: Vec<Expr<'g>> = Vec::new();
+            for j in 0..i {
+                scaled.push((0..j).fold(m[i][j], |sum, k| sum - scaled[k] * lower[j][k]));
+            }
+            let row: Vec<_> = (0..i).map(|j| scaled[j] * reciprocal[j]).collect();
+            // Dᵢ = Mᵢᵢ − Σₖ (L D)ᵢₖ Lᵢₖ
+            let pivot = (0..i).fold(m[i][i], |sum, k| sum - scaled[k] * row[k]);
+            reciprocal.push(pivot.powi(-1));
+            lower.push(row);
+        }
+        Factorization { lower, reciprocal }
+    }
+
+    /// `M⁻¹ b`: forward substitution, scaling, back substitution.
+    pub fn solve(&self, b: &[Expr<'g>]) -> Vec<Expr<'g>> {
+        let n = b.len();
+        let mut x: Vec<Expr<'g>> = Vec::new();
+        for i in 0..n {
+            x.push((0..i).fold(b[i], |sum, k| sum - self.lower[i][k] * x[k]));
+        }
+        let mut x: Vec<_> = x.iter().zip(&self.reciprocal).map(|(&x, &d)| x * d).collect();
+        for i in (0..n).rev() {
+            x[i] = (i + 1..n).fold(x[i], |sum, k| sum - self.lower[k][i] * x[k]);
+        }
+        x
+    }
+}

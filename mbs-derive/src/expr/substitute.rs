@@ -1,0 +1,56 @@
+//! Copies expressions, replacing symbols, into the same or another graph; the target's local rules apply.
+
+use super::graph::{Expr, Graph, Id, IdMap, Node, Symbol};
+use super::tangent::Tangent;
+
+/// The expressions with each symbol replaced as `replacement` says; `None` leaves it.
+pub fn substitute<'g>(roots: &[Expr<'g>], replacement: impl Fn(Symbol) -> Option<Expr<'g>>) -> Vec<Expr<'g>> {
+    let Some(first) = roots.first() else { return Vec::new() };
+    let graph = first.graph();
+    let mut copies: IdMap<Expr<'g>> = IdMap::default();
+    for id in graph.reachable(roots.iter().map(|root| root.id())) {
+        let copy = match graph.node(id) {
+            Node::Symbol(symbol) => replacement(symbol).unwrap_or(graph.expr(id)),
+            node => rebuild(graph, node, |operand| copies[&operand]),
+        };
+        copies.insert(id, copy);
+    }
+    roots.iter().map(|root| copies[&root.id()]).collect()
+}
+
+/// Copies verbatim expressions into `graph`, carrying out the time derivatives along `direction`.
+pub fn carry_out<'v, 'g>(
+    roots: &[Expr<'v>],
+    graph: &'g Graph,
+    direction: impl Fn(Symbol) -> Option<Expr<'g>>,
+) -> Vec<Expr<'g>> {
+    let Some(first) = roots.first() else { return Vec::new() };
+    let verbatim = first.graph();
+    let mut dt = Tangent::new(direction);
+    let mut copies: IdMap<Expr<'g>> = IdMap::default();
+    for id in verbatim.reachable(roots.iter().map(|root| root.id())) {
+        let copy = match verbatim.node(id) {
+            Node::Symbol(symbol) => graph.symbol(symbol),
+            Node::Rate(a) => dt.of(copies[&a]),
+            node => rebuild(graph, node, |operand| copies[&operand]),
+        };
+        copies.insert(id, copy);
+    }
+    roots.iter().map(|root| copies[&root.id()]).collect()
+}
+
+/// The same operation on new operands.
+fn rebuild<'g>(graph: &'g Graph, node: Node, new: impl Fn(Id) -> Expr<'g>) -> Expr<'g> {
+    match node {
+        Node::Constant(value) => graph.constant(value),
+        Node::Symbol(symbol) => graph.symbol(symbol),
+        Node::Rate(a) => new(a).rate(),
+        Node::Neg(a) => -new(a),
+        Node::Add(a, b) => new(a) + new(b),
+        Node::Sub(a, b) => new(a) - new(b),
+        Node::Mul(a, b) => new(a) * new(b),
+        Node::Power(a, n) => new(a).power(n),
+        Node::Call(function, a) => new(a).call(function),
+        Node::Call2(function, a, b) => new(a).call2(function, new(b)),
+    }
+}

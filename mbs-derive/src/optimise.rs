@@ -1,0 +1,366 @@
+//! Pass 4: [`Equations`] → [`Derivation`]: one straight-line [`Program`] per function, scheduled from its own roots.
+//!
+//! - [`program`]: what a Program is;
+//! - [`lower`]: graph nodes → instructions; powers become products, quotients and square roots;
+//! - [`schedule`]: order, and hoisting of what depends on parameters alone;
+//! - [`cost`]: operation counts, the figures quoted in docs, snapshots and commits.
+//!
+//! Mechanics ends here: this pass only preserves values.
+
+pub mod cost;
+pub mod lower;
+pub mod program;
+pub mod schedule;
+
+use crate::derive::output::OutputShape;
+use crate::derive::{Equations, Rows};
+use crate::expr::{Expr, Symbol};
+use crate::model::{Lagrangian, Variable};
+
+pub use cost::Operations;
+pub use program::{Instruction, Program, Value};
+
+use schedule::Hoisting;
+
+/// A mechanism ready to be proved, emitted or interpreted.
+#[derive(Clone, Debug)]
+pub struct Derivation {
+    /// In upper camel case, as declared.
+    pub name: String,
+    /// Doc comments.
+    pub docs: Vec<String>,
+    /// Generalized coordinates.
+    pub coordinates: Vec<Variable>,
+    /// Parameters.
+    pub parameters: Vec<Variable>,
+    /// Inputs.
+    pub inputs: Vec<Variable>,
+    /// Whether any function depends on t; then all of them take it.
+    pub depends_on_time: bool,
+    /// From parameters to the values that depend on them alone, computed once.
+    pub constructor: Program,
+    /// The generated functions, in the order of the documentation.
+    pub functions: Vec<Function>,
+}
+
+/// One generated function.
+#[derive(Clone, Debug)]
+pub struct Function {
+    /// Its name in the generated code, in `mbs ops` and in `mbs eval`.
+    pub name: String,
+    /// What it computes.
+    pub kind: FunctionKind,
+    /// Which arguments it takes beside t.
+    pub arguments: Vec<Argument>,
+    /// What it returns: one value, or named ones.
+    pub results: Vec<ResultPart>,
+    /// How it is computed; one value per component of the results, row by row, lower triangle for symmetric matrices.
+    pub program: Program,
+    /// What is still to be done with the program's values.
+    pub completion: Completion,
+    /// What one call costs.
+    pub operations: Operations,
+}
+
+/// What a function computes.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum FunctionKind {
+    /// T
+    KineticEnergy,
+    /// V
+    PotentialEnergy,
+    /// `p = ∂L/∂q̇`
+    Momentum,
+    /// `M = ∂²L/∂q̇²`
+    MassMatrix,
+    /// C
+    CoriolisMatrix,
+    /// G
+    Gravity,
+    /// `h = C q̇ + G`
+    Bias,
+    /// `∂D/∂q̇`
+    DissipationForce,
+    /// Q
+    GeneralizedForce,
+    /// `M q̈ + C q̇ + G + ∂D/∂q̇`
+    InverseDynamics,
+    /// q̈
+    ForwardDynamics,
+    /// `∂q̈/∂q`, `∂q̈/∂q̇`, `∂q̈/∂u`
+    Linearize,
+    /// `∂q̈/∂parameters`
+    LinearizeParameters,
+    /// `∂τ/∂q`, `∂τ/∂q̇`
+    InverseDynamicsJacobian,
+    /// First integrals, with their names.
+    Conserved(Vec<String>),
+    /// The value of the output with this number.
+    Output(usize),
+    /// The velocity of the output with this number.
+    OutputVelocity(usize),
+    /// The Jacobian of the output with this number.
+    OutputJacobian(usize),
+}
+
+/// An argument of a generated function.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Argument {
+    /// q
+    Q,
+    /// q̇
+    Qd,
+    /// q̈
+    Qdd,
+    /// u
+    U,
+}
+
+/// A returned value and its shape.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ResultPart {
+    /// Its name where a function returns several; empty where it returns one.
+    pub name: &'static str,
+    /// Its shape.
+    pub shape: Shape,
+}
+
+/// The shape of a returned value.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Shape {
+    /// One number.
+    Scalar,
+    /// So many numbers.
+    Vector(usize),
+    /// Rows and columns.
+    Matrix(usize, usize),
+    /// A square matrix of this size, of which the program gives the lower triangle.
+    Symmetric(usize),
+    /// A position, then the rows of a rotation.
+    Pose,
+}
+
+impl Shape {
+    /// How many values the program gives for it.
+    pub fn count(self) -> usize {
+        match self {
+            Shape::Scalar => 1,
+            Shape::Vector(n) => n,
+            Shape::Matrix(rows, columns) => rows * columns,
+            Shape::Symmetric(n) => n * (n + 1) / 2,
+            Shape::Pose => 12,
+        }
+    }
+}
+
+/// What is still to be done with a program's values.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Completion {
+    /// Nothing: they are the results.
+    None,
+    /// They are the lower triangle of M and then right sides, `N` rows of each result part in turn; the results are the
+    /// solutions, found by the runtime's LDLᵀ. Where the program depends on q̈, forward dynamics is called first.
+    Solve,
+}
+
+/// Makes the Programs.
+pub fn straight_line(lagrangian: &Lagrangian<'_>, equations: &Equations<'_>) -> Derivation {
+    let roots = functions(equations);
+    let hoisting = Hoisting::of(roots.iter().map(|f| f.roots.as_slice()));
+    let functions: Vec<Function> = roots.into_iter().map(|f| f.into_function(&hoisting)).collect();
+    let depends_on_time = functions.iter().any(|f| f.program.uses(|symbol| symbol == Symbol::Time));
+    Derivation {
+        name: lagrangian.name.clone(),
+        docs: lagrangian.docs.clone(),
+        coordinates: lagrangian.coordinates.clone(),
+        parameters: lagrangian.parameters.clone(),
+        inputs: lagrangian.inputs.clone(),
+        depends_on_time,
+        constructor: hoisting.constructor,
+        functions,
+    }
+}
+
+impl Derivation {
+    /// Number of coordinates.
+    pub fn dof(&self) -> usize {
+        self.coordinates.iter().map(Variable::count).sum()
+    }
+
+    /// The function with this name.
+    pub fn function(&self, name: &str) -> Option<&Function> {
+        self.functions.iter().find(|f| f.name == name)
+    }
+}
+
+/// A function before it is scheduled.
+struct Roots<'g> {
+    name: String,
+    kind: FunctionKind,
+    arguments: Vec<Argument>,
+    results: Vec<ResultPart>,
+    roots: Vec<Expr<'g>>,
+    completion: Completion,
+}
+
+impl<'g> Roots<'g> {
+    fn new(name: &str, kind: FunctionKind, arguments: &[Argument], shape: Shape, roots: Vec<Expr<'g>>) -> Self {
+        let results = vec![ResultPart { name: "", shape }];
+        let arguments = arguments.to_vec();
+        Roots { name: name.to_string(), kind, arguments, results, roots, completion: Completion::None }
+    }
+
+    fn into_function(self, hoisting: &Hoisting) -> Function {
+        let program = lower::program(&self.roots, hoisting);
+        let mut operations = cost::operations(&program);
+        if self.completion == Completion::Solve {
+            operations = operations + cost::solve(&self.results);
+        }
+        let Roots { name, kind, arguments, results, completion, .. } = self;
+        Function { name, kind, arguments, results, program, completion, operations }
+    }
+}
+
+/// The functions of a mechanism, in the order of the documentation.
+fn functions<'g>(equations: &Equations<'g>) -> Vec<Roots<'g>> {
+    use Argument::{Q, Qd, Qdd, U};
+    use FunctionKind as Kind;
+    let n = equations.symbols.q.len();
+    let e = &equations.lagrange;
+    let vector = Shape::Vector(n);
+    let mut functions = vec![
+        Roots::new("kinetic_energy", Kind::KineticEnergy, &[Q, Qd], Shape::Scalar, vec![e.kinetic_energy]),
+        Roots::new("potential_energy", Kind::PotentialEnergy, &[Q], Shape::Scalar, vec![e.potential_energy]),
+        Roots::new("momentum", Kind::Momentum, &[Q, Qd], vector, e.momentum.clone()),
+        Roots::new("mass_matrix", Kind::MassMatrix, &[Q], Shape::Symmetric(n), lower_triangle(&e.mass_matrix)),
+        Roots::new("coriolis_matrix", Kind::CoriolisMatrix, &[Q, Qd], Shape::Matrix(n, n), e.coriolis_matrix.concat()),
+        Roots::new("gravity", Kind::Gravity, &[Q], vector, e.gravity.clone()),
+        Roots::new("bias", Kind::Bias, &[Q, Qd], vector, e.bias.clone()),
+        Roots::new("dissipation_force", Kind::DissipationForce, &[Q, Qd], vector, e.dissipation_force.clone()),
+        Roots::new("generalized_force", Kind::GeneralizedForce, &[Q, Qd, U], vector, e.generalized_force.clone()),
+        Roots::new("inverse_dynamics", Kind::InverseDynamics, &[Q, Qd, Qdd], vector, e.inverse_dynamics.clone()),
+        forward_dynamics(equations),
+    ];
+    functions.extend(linearizations(equations));
+    functions.push(inverse_dynamics_jacobian(equations));
+    functions.push(conserved(equations));
+    functions.extend((0..equations.outputs.len()).flat_map(|i| output(equations, i)));
+    functions
+}
+
+fn lower_triangle<'g>(m: &Rows<'g>) -> Vec<Expr<'g>> {
+    m.iter().enumerate().flat_map(|(i, row)| row[..=i].to_vec()).collect()
+}
+
+fn forward_dynamics<'g>(equations: &Equations<'g>) -> Roots<'g> {
+    let forward = &equations.forward_dynamics;
+    let arguments = [Argument::Q, Argument::Qd, Argument::U];
+    let shape = Shape::Vector(forward.right_side.len());
+    let (roots, completion) = match &forward.unrolled {
+        Some(qdd) => (qdd.clone(), Completion::None),
+        None => ([lower_triangle(&forward.mass_matrix), forward.right_side.clone()].concat(), Completion::Solve),
+    };
+    let function = Roots::new("forward_dynamics", FunctionKind::ForwardDynamics, &arguments, shape, roots);
+    Roots { completion, ..function }
+}
+
+fn linearizations<'g>(equations: &Equations<'g>) -> Vec<Roots<'g>> {
+    let forward = &equations.forward_dynamics;
+    let completion = if forward.unrolled.is_some() { Completion::None } else { Completion::Solve };
+    let leading = if completion == Completion::Solve { lower_triangle(&forward.mass_matrix) } else { Vec::new() };
+    let part = |name, rows: &Rows<'g>| ResultPart { name, shape: Shape::Matrix(rows.len(), rows[0].len()) };
+    let [q, qd, u] = &equations.linearization.state;
+    let parameters = &equations.linearization.parameters;
+    let arguments = vec![Argument::Q, Argument::Qd, Argument::U];
+    let state = Roots {
+        name: "linearize".to_string(),
+        kind: FunctionKind::Linearize,
+        arguments: arguments.clone(),
+        results: vec![part("q", q), part("qd", qd), part("u", u)],
+        roots: [leading.clone(), q.concat(), qd.concat(), u.concat()].concat(),
+        completion,
+    };
+    let parameters = (!parameters[0].is_empty()).then(|| Roots {
+        name: "linearize_parameters".to_string(),
+        kind: FunctionKind::LinearizeParameters,
+        arguments,
+        results: vec![part("", parameters)],
+        roots: [leading, parameters.concat()].concat(),
+        completion,
+    });
+    [state].into_iter().chain(parameters).collect()
+}
+
+fn inverse_dynamics_jacobian<'g>(equations: &Equations<'g>) -> Roots<'g> {
+    let jacobian = &equations.inverse_dynamics_jacobian;
+    let n = jacobian.q.len();
+    let part = |name| ResultPart { name, shape: Shape::Matrix(n, n) };
+    Roots {
+        name: "inverse_dynamics_jacobian".to_string(),
+        kind: FunctionKind::InverseDynamicsJacobian,
+        arguments: vec![Argument::Q, Argument::Qd, Argument::Qdd],
+        results: vec![part("q"), part("qd")],
+        roots: [jacobian.q.concat(), jacobian.qd.concat()].concat(),
+        completion: Completion::None,
+    }
+}
+
+fn conserved<'g>(equations: &Equations<'g>) -> Roots<'g> {
+    let (names, values): (Vec<_>, Vec<_>) = equations.conserved.iter().map(|c| (c.name.clone(), c.value)).unzip();
+    let shape = Shape::Vector(values.len());
+    Roots::new("conserved", FunctionKind::Conserved(names), &[Argument::Q, Argument::Qd], shape, values)
+}
+
+/// An output's value, velocity and Jacobian; each takes the arguments that it depends on, and q in any case.
+fn output<'g>(equations: &Equations<'g>, number: usize) -> Vec<Roots<'g>> {
+    let output = &equations.outputs[number];
+    let name = &output.name;
+    let shape = match output.shape {
+        OutputShape::Scalar => Shape::Scalar,
+        OutputShape::Array(n) => Shape::Vector(n),
+        OutputShape::Matrix(rows, columns) => Shape::Matrix(rows, columns),
+        OutputShape::Pose => Shape::Pose,
+    };
+    let function = |name: &str, kind, shape, roots: Vec<Expr<'g>>| {
+        let arguments = arguments_of(&roots);
+        Roots::new(name, kind, &arguments, shape, roots)
+    };
+    let rate_shape = if shape == Shape::Pose { Shape::Vector(6) } else { shape };
+    let mut functions = vec![function(name, FunctionKind::Output(number), shape, output.value.clone())];
+    if let Some(velocity) = &output.velocity {
+        let kind = FunctionKind::OutputVelocity(number);
+        functions.push(function(&format!("{name}_velocity"), kind, rate_shape, velocity.clone()));
+    }
+    let jacobian = &output.jacobian;
+    let jacobian_shape = Shape::Matrix(jacobian.len(), equations.symbols.q.len());
+    let kind = FunctionKind::OutputJacobian(number);
+    functions.push(function(&format!("{name}_jacobian"), kind, jacobian_shape, jacobian.concat()));
+    functions
+}
+
+fn arguments_of(roots: &[Expr<'_>]) -> Vec<Argument> {
+    let mut arguments = vec![Argument::Q];
+    if let Some(first) = roots.first() {
+        let graph = first.graph();
+        for id in graph.reachable(roots.iter().map(|root| root.id())) {
+            arguments.extend(match graph.node(id) {
+                crate::expr::Node::Symbol(symbol) => argument_of(symbol),
+                _ => None,
+            });
+        }
+    }
+    arguments.sort();
+    arguments.dedup();
+    arguments
+}
+
+/// The argument that a symbol is a component of; time and parameters are not among them.
+pub fn argument_of(symbol: Symbol) -> Option<Argument> {
+    match symbol {
+        Symbol::Coordinate(_) => Some(Argument::Q),
+        Symbol::Velocity(_) => Some(Argument::Qd),
+        Symbol::Acceleration(_) => Some(Argument::Qdd),
+        Symbol::Input(_) => Some(Argument::U),
+        Symbol::Time | Symbol::Parameter(_) => None,
+    }
+}

@@ -1,0 +1,214 @@
+//! Graph nodes → instructions, in the order in which the roots need them.
+
+use std::collections::HashMap;
+
+use crate::expr::graph::IdMap;
+use crate::expr::{Expr, Graph, HalfInteger, Id, Node, Number};
+
+use super::program::{Instruction, Program, Value};
+use super::schedule::Hoisting;
+
+/// The program that computes `roots`.
+pub fn program(roots: &[Expr<'_>], hoisting: &Hoisting) -> Program {
+    let Some(first) = roots.first() else { return Program::default() };
+    let mut lowering = Lowering::new(first.graph(), roots, hoisting);
+    let results = roots.iter().map(|root| lowering.value(root.id())).collect();
+    Program { instructions: lowering.instructions, results }
+}
+
+struct Lowering<'a> {
+    graph: &'a Graph,
+    hoisting: &'a Hoisting,
+    /// How often each node is used, by nodes that are computed here and as a root.
+    uses: IdMap<usize>,
+    instructions: Vec<Instruction>,
+    /// Equal instructions are one.
+    known: HashMap<Instruction, Value>,
+    values: IdMap<Value>,
+}
+
+/// How a node is computed from the values of other nodes.
+#[derive(Clone, Copy)]
+enum Recipe {
+    Leaf(Instruction),
+    Neg(Id),
+    Binary(fn(Value, Value) -> Instruction, Id, Id),
+    Power(Id, i32),
+    Call(crate::expr::Function, Id),
+    Call2(crate::expr::Binary, Id, Id),
+}
+
+impl Recipe {
+    fn operands(self) -> impl Iterator<Item = Id> {
+        let (first, second) = match self {
+            Recipe::Leaf(_) => (None, None),
+            Recipe::Neg(a) | Recipe::Power(a, _) | Recipe::Call(_, a) => (Some(a), None),
+            Recipe::Binary(_, a, b) | Recipe::Call2(_, a, b) => (Some(a), Some(b)),
+        };
+        first.into_iter().chain(second)
+    }
+}
+
+impl<'a> Lowering<'a> {
+    fn new(graph: &'a Graph, roots: &[Expr<'_>], hoisting: &'a Hoisting) -> Self {
+        let mut uses: IdMap<usize> = IdMap::default();
+        let mut stack: Vec<Id> = Vec::new();
+        let mut count = |id: Id, stack: &mut Vec<Id>| {
+            let uses = uses.entry(id).or_insert(0);
+            *uses += 1;
+            if *uses == 1 {
+                stack.push(id);
+            }
+        };
+        roots.iter().for_each(|root| count(root.id(), &mut stack));
+        while let Some(id) = stack.pop() {
+            if hoisting.number(id).is_none() {
+                graph.node(id).operands().for_each(|operand| count(operand, &mut stack));
+            }
+        }
+        Lowering {
+            graph,
+            hoisting,
+            uses,
+            instructions: Vec::new(),
+            known: HashMap::new(),
+            values: IdMap::default(),
+        }
+    }
+
+    /// The value of a node, after those that it needs, depth first.
+    fn value(&mut self, root: Id) -> Value {
+        let mut stack = vec![root];
+        while let Some(&id) = stack.last() {
+            if self.values.contains_key(&id) {
+                stack.pop();
+                continue;
+            }
+            let recipe = self.recipe(id);
+            let before = stack.len();
+            stack.extend(recipe.operands().filter(|operand| !self.values.contains_key(operand)));
+            stack[before..].reverse();
+            if stack.len() == before {
+                let value = self.follow(recipe);
+                self.values.insert(id, value);
+                stack.pop();
+            }
+        }
+        self.values[&root]
+    }
+
+    fn recipe(&self, id: Id) -> Recipe {
+        if let Some(number) = self.hoisting.number(id) {
+            return Recipe::Leaf(Instruction::Hoisted(number));
+        }
+        match self.graph.node(id) {
+            Node::Constant(value) => Recipe::Leaf(Instruction::Constant(value)),
+            Node::Symbol(symbol) => Recipe::Leaf(Instruction::Symbol(symbol)),
+            Node::Rate(_) => unreachable!("time derivatives were carried out by derive"),
+            // −(a − b) is b − a where nobody else wants a − b.
+            Node::Neg(a) => match self.graph.node(a) {
+                Node::Sub(x, y) if self.uses[&a] == 1 && self.hoisting.number(a).is_none() => {
+                    Recipe::Binary(Instruction::Sub, y, x)
+                }
+                _ => Recipe::Neg(a),
+            },
+            Node::Add(a, b) => Recipe::Binary(Instruction::Add, a, b),
+            Node::Sub(a, b) => Recipe::Binary(Instruction::Sub, a, b),
+            Node::Mul(a, b) => match (self.divisor(a), self.divisor(b)) {
+                (_, Some(divisor)) => Recipe::Binary(Instruction::Div, a, divisor),
+                (Some(divisor), None) => Recipe::Binary(Instruction::Div, b, divisor),
+                (None, None) => Recipe::Binary(Instruction::Mul, a, b),
+            },
+            Node::Power(a, n) => Recipe::Power(a, n.to_halves()),
+            Node::Call(function, a) => Recipe::Call(function, a),
+            Node::Call2(function, a, b) => Recipe::Call2(function, a, b),
+        }
+    }
+
+    /// The base of a reciprocal that is used once: multiplying by it is a division.
+    fn divisor(&self, id: Id) -> Option<Id> {
+        match self.graph.node(id) {
+            Node::Power(base, n)
+                if n == HalfInteger::MINUS_ONE && self.uses[&id] == 1 && self.hoisting.number(id).is_none() =>
+            {
+                Some(base)
+            }
+            _ => None,
+        }
+    }
+
+    fn follow(&mut self, recipe: Recipe) -> Value {
+        let instruction = match recipe {
+            Recipe::Leaf(instruction) => instruction,
+            Recipe::Neg(a) => Instruction::Neg(self.values[&a]),
+            Recipe::Binary(operation, a, b) => operation(self.values[&a], self.values[&b]),
+            Recipe::Power(a, halves) => return self.power(self.values[&a], halves),
+            Recipe::Call(function, a) => Instruction::Call(function, self.values[&a]),
+            Recipe::Call2(function, a, b) => Instruction::Call2(function, self.values[&a], self.values[&b]),
+        };
+        self.push(instruction)
+    }
+
+    /// `x^(halves/2)` by products, a square root and a division; partial powers are shared.
+    fn power(&mut self, x: Value, halves: i32) -> Value {
+        if halves < 0 {
+            let positive = self.power(x, -halves);
+            let one = self.push(Instruction::Constant(Number::ONE));
+            return self.push(Instruction::Div(one, positive));
+        }
+        match halves {
+            0 => self.push(Instruction::Constant(Number::ONE)),
+            1 => self.push(Instruction::Sqrt(x)),
+            2 => x,
+            odd if odd % 2 == 1 => {
+                let (whole, root) = (self.power(x, odd - 1), self.power(x, 1));
+                self.push(Instruction::Mul(whole, root))
+            }
+            _ => {
+                // xⁿ = (x^⌊n/2⌋)² · x^(n mod 2)
+                let n = halves / 2;
+                let half = self.power(x, 2 * (n / 2));
+                let square = self.push(Instruction::Mul(half, half));
+                if n % 2 == 0 { square } else { self.push(Instruction::Mul(square, x)) }
+            }
+        }
+    }
+
+    fn push(&mut self, instruction: Instruction) -> Value {
+        *self.known.entry(instruction).or_insert_with(|| {
+            self.instructions.push(instruction);
+            Value(self.instructions.len() as u32 - 1)
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::expr::Symbol;
+
+    fn lowered(build: impl Fn(Expr<'_>, Expr<'_>) -> Vec<Id>) -> String {
+        let graph = Graph::new();
+        let [x, y] = [0, 1].map(|i| graph.symbol(Symbol::Coordinate(i)));
+        let roots: Vec<_> = build(x, y).into_iter().map(|id| graph.expr(id)).collect();
+        program(&roots, &Hoisting::none()).to_string()
+    }
+
+    #[test]
+    fn a_reciprocal_used_once_is_a_division() {
+        assert_eq!(lowered(|x, y| vec![(x / y).id()]), "v0 = q_0\nv1 = q_1\nv2 = v0 / v1\nreturn v2\n");
+    }
+
+    #[test]
+    fn powers_are_products_and_share_what_they_can() {
+        let text = lowered(|x, _| vec![x.powi(2).id(), x.powi(3).id(), x.power(HalfInteger::halves(-3)).id()]);
+        let expected = "v0 = q_0\nv1 = v0 * v0\nv2 = v1 * v0\nv3 = sqrt(v0)\nv4 = v0 * v3\nv5 = 1\nv6 = v5 / v4\n";
+        assert_eq!(text, format!("{expected}return v1, v2, v6\n"));
+    }
+
+    #[test]
+    fn the_sign_of_a_difference_costs_nothing() {
+        let text = lowered(|x, y| vec![(x - y).id()]) + &lowered(|x, y| vec![(y - x).id()]);
+        assert!(!text.contains("= -"), "{text}");
+    }
+}
