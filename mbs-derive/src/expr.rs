@@ -12,11 +12,13 @@
 //! - [`hessian`]: second derivatives by edge pushing;
 //! - [`substitute`]: copies with symbols replaced or time derivatives carried out;
 //! - [`evaluate`]: numerical values, over doubles or dual numbers;
+//! - [`dual`]: dual numbers, the witness of the symbolic sweeps;
 //! - [`vector`]: vectors and matrices over expressions;
 //! - [`display`]: infix printing.
 
 pub mod adjoint;
 pub mod display;
+pub mod dual;
 pub mod evaluate;
 pub mod function;
 pub mod graph;
@@ -27,7 +29,8 @@ pub mod tangent;
 pub mod vector;
 
 pub use adjoint::{gradient, gradient_of_combination};
-pub use evaluate::{Value, evaluate};
+pub use dual::Dual;
+pub use evaluate::{Tape, Value, evaluate};
 pub use function::{Binary, Function};
 pub use graph::{Expr, Graph, HalfInteger, Id, Node, Symbol};
 pub use hessian::hessian;

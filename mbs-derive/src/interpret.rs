@@ -1,29 +1,29 @@
 //! Runs Programs in process: the command line, the proofs and the tests evaluate the very code that is emitted.
 
-use crate::expr::{Number, Symbol};
+use crate::expr::{Number, Symbol, Value};
 use crate::optimise::{Argument, Completion, Derivation, Function, Instruction, Program, ResultPart, Shape};
 
 /// The arguments of a mechanism's functions, flattened in declaration order.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct State {
+pub struct State<V = f64> {
     /// Time.
-    pub t: f64,
+    pub t: V,
     /// Coordinates.
-    pub q: Vec<f64>,
+    pub q: Vec<V>,
     /// Velocities.
-    pub qd: Vec<f64>,
+    pub qd: Vec<V>,
     /// Accelerations.
-    pub qdd: Vec<f64>,
+    pub qdd: Vec<V>,
     /// Inputs.
-    pub u: Vec<f64>,
+    pub u: Vec<V>,
 }
 
-/// A mechanism with values for its parameters.
+/// A mechanism with values for its parameters: doubles, or dual numbers that carry derivatives.
 #[derive(Clone, Debug)]
-pub struct Interpreter<'d> {
+pub struct Interpreter<'d, V = f64> {
     derivation: &'d Derivation,
-    parameters: Vec<f64>,
-    hoisted: Vec<f64>,
+    parameters: Vec<V>,
+    hoisted: Vec<V>,
 }
 
 impl<'d> Interpreter<'d> {
@@ -32,10 +32,13 @@ impl<'d> Interpreter<'d> {
         let defaults = derivation.parameters.iter().flat_map(|p| &p.defaults);
         Self::with_parameters(derivation, defaults.copied().map(Number::to_f64).collect())
     }
+}
 
+impl<'d, V: Value> Interpreter<'d, V> {
     /// With these parameters, flattened in declaration order.
-    pub fn with_parameters(derivation: &'d Derivation, parameters: Vec<f64>) -> Self {
-        let state = State::default();
+    pub fn with_parameters(derivation: &'d Derivation, parameters: Vec<V>) -> Self {
+        let t = V::constant(0.0);
+        let state = State { t, q: Vec::new(), qd: Vec::new(), qdd: Vec::new(), u: Vec::new() };
         let hoisted = Run { state: &state, parameters: &parameters, hoisted: &[] }.results(&derivation.constructor);
         Interpreter { derivation, parameters, hoisted }
     }
@@ -46,18 +49,18 @@ impl<'d> Interpreter<'d> {
     }
 
     /// The parameters, flattened in declaration order.
-    pub fn parameters(&self) -> &[f64] {
+    pub fn parameters(&self) -> &[V] {
         &self.parameters
     }
 
     /// The results of the function with this name, part by part and row by row, symmetric matrices in full.
     /// `None` if there is no such function.
-    pub fn call(&self, name: &str, state: &State) -> Option<Vec<f64>> {
+    pub fn call(&self, name: &str, state: &State<V>) -> Option<Vec<V>> {
         self.derivation.function(name).map(|function| self.evaluate(function, state))
     }
 
     /// The results of one of the mechanism's functions, part by part and row by row, symmetric matrices in full.
-    pub fn evaluate(&self, function: &Function, state: &State) -> Vec<f64> {
+    pub fn evaluate(&self, function: &Function, state: &State<V>) -> Vec<V> {
         match function.completion {
             Completion::None => {
                 let values = self.run(&function.program, state);
@@ -67,12 +70,12 @@ impl<'d> Interpreter<'d> {
         }
     }
 
-    fn run(&self, program: &Program, state: &State) -> Vec<f64> {
+    fn run(&self, program: &Program, state: &State<V>) -> Vec<V> {
         Run { state, parameters: &self.parameters, hoisted: &self.hoisted }.results(program)
     }
 
     /// `M x = b` for each column b, as the runtime does it.
-    fn solve(&self, function: &Function, state: &State) -> Vec<f64> {
+    fn solve(&self, function: &Function, state: &State<V>) -> Vec<V> {
         let n = self.derivation.dof();
         let needs_acceleration = !function.arguments.contains(&Argument::Qdd)
             && function.program.uses(|symbol| matches!(symbol, Symbol::Acceleration(_)));
@@ -92,41 +95,42 @@ impl<'d> Interpreter<'d> {
     }
 }
 
-fn expand_symmetric(results: &[ResultPart], values: Vec<f64>) -> Vec<f64> {
+fn expand_symmetric<V: Value>(results: &[ResultPart], values: Vec<V>) -> Vec<V> {
     let [ResultPart { shape: Shape::Symmetric(n), .. }] = results else { return values };
     let entry = |i: usize, j: usize| values[i.max(j) * (i.max(j) + 1) / 2 + i.min(j)];
     (0..*n).flat_map(|i| (0..*n).map(move |j| (i, j))).map(|(i, j)| entry(i, j)).collect()
 }
 
-struct Run<'a> {
-    state: &'a State,
-    parameters: &'a [f64],
-    hoisted: &'a [f64],
+struct Run<'a, V> {
+    state: &'a State<V>,
+    parameters: &'a [V],
+    hoisted: &'a [V],
 }
 
-impl Run<'_> {
-    fn results(&self, program: &Program) -> Vec<f64> {
-        let mut values: Vec<f64> = Vec::with_capacity(program.instructions.len());
+impl<V: Value> Run<'_, V> {
+    fn results(&self, program: &Program) -> Vec<V> {
+        let mut values: Vec<V> = Vec::with_capacity(program.instructions.len());
         for instruction in &program.instructions {
+            let v = |operand: crate::optimise::Value| values[operand.index()];
             let value = match *instruction {
-                Instruction::Constant(number) => number.to_f64(),
+                Instruction::Constant(number) => V::constant(number.to_f64()),
                 Instruction::Symbol(symbol) => self.symbol(symbol),
                 Instruction::Hoisted(k) => self.hoisted[k as usize],
-                Instruction::Neg(a) => -values[a.index()],
-                Instruction::Add(a, b) => values[a.index()] + values[b.index()],
-                Instruction::Sub(a, b) => values[a.index()] - values[b.index()],
-                Instruction::Mul(a, b) => values[a.index()] * values[b.index()],
-                Instruction::Div(a, b) => values[a.index()] / values[b.index()],
-                Instruction::Sqrt(a) => values[a.index()].sqrt(),
-                Instruction::Call(function, a) => function.value(values[a.index()]),
-                Instruction::Call2(function, a, b) => function.value(values[a.index()], values[b.index()]),
+                Instruction::Neg(a) => v(a).neg(),
+                Instruction::Add(a, b) => v(a).add(v(b)),
+                Instruction::Sub(a, b) => v(a).sub(v(b)),
+                Instruction::Mul(a, b) => v(a).mul(v(b)),
+                Instruction::Div(a, b) => v(a).div(v(b)),
+                Instruction::Sqrt(a) => v(a).power(1),
+                Instruction::Call(function, a) => v(a).call(function),
+                Instruction::Call2(function, a, b) => v(a).call2(function, v(b)),
             };
             values.push(value);
         }
         program.results.iter().map(|v| values[v.index()]).collect()
     }
 
-    fn symbol(&self, symbol: Symbol) -> f64 {
+    fn symbol(&self, symbol: Symbol) -> V {
         match symbol {
             Symbol::Time => self.state.t,
             Symbol::Coordinate(i) => self.state.q[i as usize],
@@ -139,40 +143,40 @@ impl Run<'_> {
 }
 
 /// `M = L D Lᵀ` in the order of operations of the runtime's `Ldlt`, so that the results are the same bits.
-struct Factors {
-    lower: Vec<Vec<f64>>,
-    reciprocal: Vec<f64>,
+struct Factors<V> {
+    lower: Vec<Vec<V>>,
+    reciprocal: Vec<V>,
 }
 
-impl Factors {
-    fn new(n: usize, triangle: &[f64]) -> Self {
+impl<V: Value> Factors<V> {
+    fn new(n: usize, triangle: &[V]) -> Self {
         let m = |i: usize, j: usize| triangle[i * (i + 1) / 2 + j];
-        let mut lower: Vec<Vec<f64>> = Vec::new();
-        let mut reciprocal: Vec<f64> = Vec::new();
+        let mut lower: Vec<Vec<V>> = Vec::new();
+        let mut reciprocal: Vec<V> = Vec::new();
         for i in 0..n {
-            let mut scaled: Vec<f64> = Vec::new();
+            let mut scaled: Vec<V> = Vec::new();
             for j in 0..i {
-                scaled.push((0..j).fold(m(i, j), |sum, k| sum - scaled[k] * lower[j][k]));
+                scaled.push((0..j).fold(m(i, j), |sum, k| sum.sub(scaled[k].mul(lower[j][k]))));
             }
-            let row: Vec<f64> = (0..i).map(|j| scaled[j] * reciprocal[j]).collect();
-            let pivot = (0..i).fold(m(i, i), |sum, k| sum - scaled[k] * row[k]);
-            reciprocal.push(1.0 / pivot);
+            let row: Vec<V> = (0..i).map(|j| scaled[j].mul(reciprocal[j])).collect();
+            let pivot = (0..i).fold(m(i, i), |sum, k| sum.sub(scaled[k].mul(row[k])));
+            reciprocal.push(V::constant(1.0).div(pivot));
             lower.push(row);
         }
         Factors { lower, reciprocal }
     }
 
     /// Solves in place for the column whose components stand at `at(0)`, `at(1)`, ….
-    fn solve(&self, at: impl Fn(usize) -> usize, x: &mut [f64]) {
+    fn solve(&self, at: impl Fn(usize) -> usize, x: &mut [V]) {
         let n = self.reciprocal.len();
         for i in 0..n {
-            x[at(i)] = (0..i).fold(x[at(i)], |sum, k| sum - self.lower[i][k] * x[at(k)]);
+            x[at(i)] = (0..i).fold(x[at(i)], |sum, k| sum.sub(self.lower[i][k].mul(x[at(k)])));
         }
         for i in 0..n {
-            x[at(i)] *= self.reciprocal[i];
+            x[at(i)] = x[at(i)].mul(self.reciprocal[i]);
         }
         for i in (0..n).rev() {
-            x[at(i)] = (i + 1..n).fold(x[at(i)], |sum, k| sum - self.lower[k][i] * x[at(k)]);
+            x[at(i)] = (i + 1..n).fold(x[at(i)], |sum, k| sum.sub(self.lower[k][i].mul(x[at(k)])));
         }
     }
 }

@@ -1,9 +1,149 @@
-//! Derives equations of motion from energies.
+//! Derives a mechanism's equations of motion from its energies, proves them, and emits them as Rust.
+//!
+//! A mechanism is a file of energies in a small language; [`generate`] turns its text into a module of readable `no_std`
+//! Rust. Build scripts call [`compile`] or [`Config`], which do the same for files:
+//!
+//! ```no_run
+//! // build.rs
+//! mbs_derive::compile("mechanisms/cart_pole.mbs");
+//! ```
+//!
+//! and the crate includes the module with `mbs_runtime::include_mechanism!("cart_pole");`.
+//!
+//! The generator is a straight pipeline; each pass is a function from the former one's result to its own:
+//!
+//! ```text
+//! text ──parse──▶ Declaration ──model──▶ Lagrangian ──derive──▶ Equations ──optimise──▶ Derivation (Programs)
+//!      ──verify──▶ the Programs proved against the energies ──emit──▶ Rust
+//!                                                           └─interpret──▶ numbers, in process
+//! ```
+//!
+//! - [`expr`]: the calculus: a hash-consed expression graph with exact constants, and its derivatives;
+//! - [`parse`], [`model`]: the language, and the builder API that stands under it ([`model::Lagrangian`]);
+//! - [`derive`](mod@derive): mechanics: Lagrange's equations, still symbolic;
+//! - [`optimise`]: straight-line programs and their operation counts;
+//! - [`verify`]: the proof; [`interpret`]: Programs run in process; [`emit`]: Rust;
+//! - [`diagnostic`]: what is wrong with a declaration, where, and what to write instead;
+//! - [`cargo`]: build scripts, the only input and output.
 
+pub mod cargo;
 pub mod derive;
 pub mod diagnostic;
+pub mod emit;
 pub mod expr;
 pub mod interpret;
 pub mod model;
 pub mod optimise;
 pub mod parse;
+pub mod verify;
+
+use std::fmt;
+
+pub use cargo::{Config, compile};
+use diagnostic::Diagnostics;
+use expr::Graph;
+use model::Lagrangian;
+use optimise::Derivation;
+
+/// A generated module.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Generated {
+    /// The module's name, snake case of the mechanism's.
+    pub module: String,
+    /// The mechanism's name.
+    pub name: String,
+    /// Number of coordinates.
+    pub dof: usize,
+    /// Number of inputs.
+    pub inputs: usize,
+    /// The module's text.
+    pub code: String,
+    /// Warnings, rendered with the source underlined; empty where there are none.
+    pub warnings: String,
+}
+
+/// Why nothing was generated.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Error {
+    /// The declaration is wrong.
+    Declaration(Diagnostics),
+    /// The derivation could not be proved.
+    Proof(verify::Failure),
+}
+
+impl Error {
+    /// The report for people: file, line, column, the text underlined, and what to write instead.
+    pub fn render(&self, file_name: &str, source: &str) -> String {
+        match self {
+            Error::Declaration(diagnostics) => diagnostics.render(file_name, source),
+            Error::Proof(failure) => format!("error: {failure}\n --> {file_name}:1:1\n"),
+        }
+    }
+}
+
+impl fmt::Display for Error {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Error::Declaration(diagnostics) => diagnostics.fmt(f),
+            Error::Proof(failure) => failure.fmt(f),
+        }
+    }
+}
+
+impl std::error::Error for Error {}
+
+impl From<Diagnostics> for Error {
+    fn from(diagnostics: Diagnostics) -> Self {
+        Error::Declaration(diagnostics)
+    }
+}
+
+impl From<verify::Failure> for Error {
+    fn from(failure: verify::Failure) -> Self {
+        Error::Proof(failure)
+    }
+}
+
+/// The text of a mechanism → a module of Rust, proved.
+///
+/// `file_name` is what the module's first line and the reports call the source.
+///
+/// # Errors
+/// [`Error::Declaration`] if the text is not a mechanism, [`Error::Proof`] if the derived code disagrees with the energies.
+pub fn generate(file_name: &str, source: &str, options: &emit::Options) -> Result<Generated, Error> {
+    let graph = Graph::verbatim();
+    let (lagrangian, warnings) = declared(source, &graph, &options.freeze)?;
+    let derivation = derived(&lagrangian);
+    verify::against_energies(&lagrangian, &derivation)?;
+    Ok(Generated {
+        module: emit::module_name(&derivation),
+        name: derivation.name.clone(),
+        dof: derivation.dof(),
+        inputs: model::sample::count(&derivation.inputs),
+        code: emit::rust(&derivation, file_name, options),
+        warnings: warnings.render(file_name, source),
+    })
+}
+
+/// `parse` and `model`: the text of a mechanism → its Lagrangian, and warnings. The parameters named in `freeze` become
+/// constants.
+///
+/// # Errors
+/// All mistakes of the first pass that finds any.
+pub fn declared<'g>(
+    source: &str,
+    graph: &'g Graph,
+    freeze: &[String],
+) -> Result<(Lagrangian<'g>, Diagnostics), Diagnostics> {
+    let mut declaration = parse::declaration(source)?;
+    declaration.freeze(freeze)?;
+    model::resolve(&declaration, graph)
+}
+
+/// `derive` and `optimise`: a Lagrangian → its Programs, not yet proved.
+pub fn derived(lagrangian: &Lagrangian<'_>) -> Derivation {
+    let graph = Graph::new();
+    let equations = derive::equations_of_motion(lagrangian, &graph);
+    optimise::straight_line(lagrangian, &equations)
+}

@@ -1,1 +1,7 @@
-//! Placeholder.
+//! The mechanisms of mbs, each described once by its energies in `mechanisms/*.mbs` and generated at build time.
+//!
+//! A new mechanism is one new file there. [`SOURCES`] lists the declarations; [`for_each_mechanism!`] hands every
+//! mechanism to a macro, which is how the property tests reach all of them.
+#![no_std]
+
+include!(concat!(env!("OUT_DIR"), "/mechanisms.rs"));

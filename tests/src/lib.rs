@@ -1,1 +1,9 @@
-//! Placeholder.
+//! What the generated code is checked against.
+//!
+//! - [`random`]: seeded states, with exact zeros and straight arms among them;
+//! - [`compare`]: one error measure for numbers, vectors and matrices;
+//! - [`mod@reference`]: equations of motion derived another way, with no generator in sight.
+
+pub mod compare;
+pub mod random;
+pub mod reference;

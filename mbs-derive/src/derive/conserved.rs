@@ -101,8 +101,14 @@ impl crate::expr::Value for Magnitude {
     fn add(self, other: Self) -> Self {
         Magnitude(self.0 + other.0)
     }
+    fn sub(self, other: Self) -> Self {
+        Magnitude(self.0 + other.0)
+    }
     fn mul(self, other: Self) -> Self {
         Magnitude(self.0 * other.0)
+    }
+    fn div(self, other: Self) -> Self {
+        Magnitude(self.0 / other.0)
     }
     fn power(self, halves: i32) -> Self {
         Magnitude(self.0.powf(f64::from(halves) / 2.0).max(1.0))

@@ -3,7 +3,7 @@
 use super::function::{Binary, Function};
 use super::graph::{Expr, Id, IdMap, Node, Symbol};
 
-/// What a graph can be evaluated over.
+/// What expressions can be evaluated over.
 pub trait Value: Copy {
     /// An exact constant, rounded.
     fn constant(value: f64) -> Self;
@@ -11,8 +11,12 @@ pub trait Value: Copy {
     fn neg(self) -> Self;
     /// `a + b`
     fn add(self, other: Self) -> Self;
+    /// `a − b`
+    fn sub(self, other: Self) -> Self;
     /// `a · b`
     fn mul(self, other: Self) -> Self;
+    /// `a / b`
+    fn div(self, other: Self) -> Self;
     /// `a^(halves/2)`
     fn power(self, halves: i32) -> Self;
     /// `f(a)`
@@ -33,11 +37,21 @@ impl Value for f64 {
     fn add(self, other: f64) -> f64 {
         self + other
     }
+    fn sub(self, other: f64) -> f64 {
+        self - other
+    }
     fn mul(self, other: f64) -> f64 {
         self * other
     }
+    fn div(self, other: f64) -> f64 {
+        self / other
+    }
     fn power(self, halves: i32) -> f64 {
-        if halves % 2 == 0 { self.powi(halves / 2) } else { self.sqrt().powi(halves) }
+        match halves {
+            1 => self.sqrt(),
+            even if even % 2 == 0 => self.powi(even / 2),
+            odd => self.sqrt().powi(odd),
+        }
     }
     fn call(self, function: Function) -> f64 {
         function.value(self)
@@ -50,26 +64,59 @@ impl Value for f64 {
     }
 }
 
+/// Expressions in order of evaluation, to be evaluated many times.
+pub struct Tape {
+    /// Operands are positions on the tape.
+    steps: Vec<Node>,
+    roots: Vec<usize>,
+}
+
+impl Tape {
+    /// A tape for these expressions.
+    pub fn new(roots: &[Expr<'_>]) -> Self {
+        let Some(first) = roots.first() else { return Tape { steps: Vec::new(), roots: Vec::new() } };
+        let graph = first.graph();
+        let order = graph.reachable(roots.iter().map(|root| root.id()));
+        let positions: IdMap<u32> = order.iter().enumerate().map(|(i, &id)| (id, i as u32)).collect();
+        let at = |id: Id| Id(positions[&id]);
+        let steps = order.iter().map(|&id| match graph.node(id) {
+            Node::Rate(a) => Node::Rate(at(a)),
+            Node::Neg(a) => Node::Neg(at(a)),
+            Node::Add(a, b) => Node::Add(at(a), at(b)),
+            Node::Sub(a, b) => Node::Sub(at(a), at(b)),
+            Node::Mul(a, b) => Node::Mul(at(a), at(b)),
+            Node::Power(a, n) => Node::Power(at(a), n),
+            Node::Call(function, a) => Node::Call(function, at(a)),
+            Node::Call2(function, a, b) => Node::Call2(function, at(a), at(b)),
+            leaf @ (Node::Constant(_) | Node::Symbol(_)) => leaf,
+        });
+        Tape { steps: steps.collect(), roots: roots.iter().map(|root| at(root.id()).index()).collect() }
+    }
+
+    /// The values of the roots where each symbol has the value that `point` gives it.
+    pub fn run<V: Value>(&self, point: impl Fn(Symbol) -> V) -> Vec<V> {
+        let mut values: Vec<V> = Vec::with_capacity(self.steps.len());
+        for step in &self.steps {
+            let v = |operand: Id| values[operand.index()];
+            let value = match *step {
+                Node::Constant(value) => V::constant(value.to_f64()),
+                Node::Symbol(symbol) => point(symbol),
+                Node::Rate(a) => v(a).rate(),
+                Node::Neg(a) => v(a).neg(),
+                Node::Add(a, b) => v(a).add(v(b)),
+                Node::Sub(a, b) => v(a).sub(v(b)),
+                Node::Mul(a, b) => v(a).mul(v(b)),
+                Node::Power(a, n) => v(a).power(n.to_halves()),
+                Node::Call(function, a) => v(a).call(function),
+                Node::Call2(function, a, b) => v(a).call2(function, v(b)),
+            };
+            values.push(value);
+        }
+        self.roots.iter().map(|&root| values[root]).collect()
+    }
+}
+
 /// The values of `roots` where each symbol has the value that `point` gives it.
 pub fn evaluate<V: Value>(roots: &[Expr<'_>], point: impl Fn(Symbol) -> V) -> Vec<V> {
-    let Some(first) = roots.first() else { return Vec::new() };
-    let graph = first.graph();
-    let mut values: IdMap<V> = IdMap::default();
-    for id in graph.reachable(roots.iter().map(|root| root.id())) {
-        let v = |operand: Id| values[&operand];
-        let value = match graph.node(id) {
-            Node::Constant(value) => V::constant(value.to_f64()),
-            Node::Symbol(symbol) => point(symbol),
-            Node::Rate(a) => v(a).rate(),
-            Node::Neg(a) => v(a).neg(),
-            Node::Add(a, b) => v(a).add(v(b)),
-            Node::Sub(a, b) => v(a).add(v(b).neg()),
-            Node::Mul(a, b) => v(a).mul(v(b)),
-            Node::Power(a, n) => v(a).power(n.to_halves()),
-            Node::Call(function, a) => v(a).call(function),
-            Node::Call2(function, a, b) => v(a).call2(function, v(b)),
-        };
-        values.insert(id, value);
-    }
-    roots.iter().map(|root| values[&root.id()]).collect()
+    Tape::new(roots).run(point)
 }

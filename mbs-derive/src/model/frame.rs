@@ -38,6 +38,16 @@ pub enum Edge<'g> {
     Translation(Vector<'g>),
 }
 
+impl Edge<'_> {
+    /// The motion of the parent in the frame.
+    pub fn reversed(self) -> Self {
+        match self {
+            Edge::Rotation { axis, angle } => Edge::Rotation { axis, angle: -angle },
+            Edge::Translation(t) => Edge::Translation(-t),
+        }
+    }
+}
+
 /// One frame of the tree.
 #[derive(Clone, Copy, Debug)]
 pub struct Frame<'g> {
@@ -59,6 +69,8 @@ pub struct Frame<'g> {
 #[derive(Clone, Debug)]
 pub struct Frames<'g> {
     frames: Vec<Frame<'g>>,
+    /// Of each frame those that are attached to it.
+    children: Vec<Vec<FrameId>>,
 }
 
 impl<'g> Frames<'g> {
@@ -73,7 +85,7 @@ impl<'g> Frames<'g> {
             angular_velocity: zero,
             velocity: zero,
         };
-        Frames { frames: vec![world] }
+        Frames { frames: vec![world], children: vec![Vec::new()] }
     }
 
     /// One frame.
@@ -88,12 +100,14 @@ impl<'g> Frames<'g> {
 
     /// A frame that moves in `parent` as `edge` says; the same edge on the same parent is the same frame.
     pub fn attach(&mut self, parent: FrameId, edge: Edge<'g>) -> FrameId {
-        let known = self.frames.iter().position(|f| f.parent == Some(parent) && f.edge == Some(edge));
-        FrameId(known.unwrap_or_else(|| {
-            let frame = self.moved(parent, edge);
+        let known = self.children[parent.0].iter().find(|child| self.get(**child).edge == Some(edge));
+        known.copied().unwrap_or_else(|| {
+            let (id, frame) = (FrameId(self.frames.len()), self.moved(parent, edge));
             self.frames.push(frame);
-            self.frames.len() - 1
-        }))
+            self.children.push(Vec::new());
+            self.children[parent.0].push(id);
+            id
+        })
     }
 
     /// The frame that moves in `base` as `frame` moves in the world: composition of poses.
@@ -103,11 +117,7 @@ impl<'g> Frames<'g> {
 
     /// The frame that moves in the world as the world moves in `frame`: the inverse pose.
     pub fn inverse(&mut self, frame: FrameId) -> FrameId {
-        let reversed = self.path(frame).into_iter().rev().map(|edge| match edge {
-            Edge::Rotation { axis, angle } => Edge::Rotation { axis, angle: -angle },
-            Edge::Translation(t) => Edge::Translation(-t),
-        });
-        reversed.collect::<Vec<_>>().into_iter().fold(FrameId::WORLD, |parent, edge| self.attach(parent, edge))
+        self.path(frame).into_iter().rev().fold(FrameId::WORLD, |parent, edge| self.attach(parent, edge.reversed()))
     }
 
     /// The edges from the world to `frame`.

@@ -1,5 +1,6 @@
 //! The declaration as it was written; every part keeps its byte range in the source.
 
+use std::mem;
 use std::ops::Range;
 
 /// Byte range in the source text.
@@ -154,6 +155,43 @@ pub struct Expression {
     pub kind: ExpressionKind,
     /// Where it stands.
     pub span: Span,
+}
+
+impl Expression {
+    /// The leftmost operand of a chain of operators, then every operator with its right operand, in source order.
+    ///
+    /// `a*b + c - d` is `a`, then `* b`, `+ c`, `- d`: computing from left to right needs no recursion. A sum of many
+    /// terms is as deep as it is long, on its left side; everything else is at most a few hundred levels deep.
+    pub fn left_spine(&self) -> (&Expression, Vec<(BinaryOperator, &Expression)>) {
+        let (mut first, mut steps) = (self, Vec::new());
+        while let ExpressionKind::Binary(operator, left, right) = &first.kind {
+            steps.push((*operator, &**right));
+            first = left;
+        }
+        steps.reverse();
+        (first, steps)
+    }
+
+    /// Takes the left operand out of a chain.
+    fn take_left(&mut self) -> Option<Expression> {
+        match &mut self.kind {
+            ExpressionKind::Binary(_, left, _) if matches!(left.kind, ExpressionKind::Binary(..)) => {
+                let nothing = Expression { kind: ExpressionKind::Name(String::new()), span: 0..0 };
+                Some(mem::replace(left, nothing))
+            }
+            _ => None,
+        }
+    }
+}
+
+/// A sum of many terms is dropped term by term: the compiler's way would recurse over all of them.
+impl Drop for Expression {
+    fn drop(&mut self) {
+        let mut rest = self.take_left();
+        while let Some(mut chain) = rest {
+            rest = chain.take_left();
+        }
+    }
 }
 
 /// What an expression is.

@@ -1,0 +1,3 @@
+fn main() {
+    mbs_derive::compile("mechanisms/crane.mbs");
+}

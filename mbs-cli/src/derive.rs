@@ -1,0 +1,52 @@
+//! `mbs derive`: the generated code.
+//!
+//! - [`json`]: the programs as data.
+
+mod json;
+
+use std::path::{Path, PathBuf};
+
+use crate::failure::Failure;
+use crate::{mechanism, output};
+
+/// Derive and prove the equations of motion, and print them as code.
+#[derive(clap::Args)]
+pub(crate) struct Arguments {
+    /// The mechanism.
+    #[arg(value_name = "FILE.mbs")]
+    file: PathBuf,
+    /// What to print.
+    #[arg(long, value_enum, default_value_t = Emit::Rust)]
+    emit: Emit,
+    /// Write to a file instead of standard output.
+    #[arg(long, value_name = "FILE")]
+    out: Option<PathBuf>,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+enum Emit {
+    /// A module of Rust, as build scripts generate it.
+    Rust,
+    /// Textbook equations.
+    Latex,
+    /// The programs, one instruction a line, with names, shapes and operation counts.
+    Json,
+}
+
+/// Prints or writes the code.
+pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let text = match arguments.emit {
+        Emit::Rust => rust(&arguments.file)?,
+        Emit::Latex => return Err(Failure::new("`--emit latex` is not there yet; `--emit rust` and `--emit json` are")),
+        Emit::Json => json::programs(&mechanism::read(&arguments.file)?.derivation),
+    };
+    match &arguments.out {
+        None => output::print(&text),
+        Some(path) => output::write(path, text.as_bytes()),
+    }
+}
+
+fn rust(file: &Path) -> Result<String, Failure> {
+    let derivation = mechanism::read(file)?.derivation;
+    Ok(mbs_derive::emit::rust(&derivation, &file.display().to_string(), &mbs_derive::emit::Options::default()))
+}

@@ -1,0 +1,127 @@
+//! The programs of a mechanism as data.
+//!
+//! ```json
+//! {
+//!   "mechanism": "Pendulum",
+//!   "coordinates": [{"name": "theta", "unit": "rad", "length": null}],
+//!   "parameters": [{"name": "m", "unit": "kg", "length": null, "defaults": [1.0]}],
+//!   "inputs": [],
+//!   "depends_on_time": false,
+//!   "constructor": {"instructions": [["parameter", 0], …], "results": [3]},
+//!   "functions": {"mass_matrix": {
+//!     "arguments": ["q"], "returns": [{"name": "", "shape": ["symmetric", 1]}], "completion": "none",
+//!     "operations": {"add": 0, …}, "instructions": [["hoisted", 0]], "results": [0]}, …}
+//! }
+//! ```
+//!
+//! An instruction is its name and the numbers of the earlier instructions that it works on; `constant` holds its value,
+//! `q`, `qd`, `qdd`, `u` and `parameter` the number of the component, `hoisted` the number of the constructor's result.
+//! Shapes are `["scalar"]`, `["vector", n]`, `["matrix", rows, columns]`, `["symmetric", n]` (lower triangle, row by row)
+//! and `["pose"]` (position, then the rows of the rotation). With the completion `solve` the results are the lower triangle
+//! of M and then right sides, to be solved.
+
+use mbs_derive::expr::Symbol;
+use mbs_derive::model::Variable;
+use mbs_derive::optimise::{Argument, Completion, Derivation, Function, Instruction, Program, Shape};
+use serde_json::{Map, Value, json};
+
+use crate::{ops, output};
+
+/// All programs of a mechanism, one instruction a line.
+pub(crate) fn programs(derivation: &Derivation) -> String {
+    let functions: Map<String, Value> =
+        derivation.functions.iter().map(|function| (function.name.clone(), of_function(function))).collect();
+    let object = json!({
+        "mechanism": derivation.name,
+        "coordinates": variables(&derivation.coordinates),
+        "parameters": derivation.parameters.iter().map(parameter).collect::<Vec<_>>(),
+        "inputs": variables(&derivation.inputs),
+        "depends_on_time": derivation.depends_on_time,
+        "constructor": program(&derivation.constructor),
+        "functions": functions,
+    });
+    output::json(&object)
+}
+
+fn variables(variables: &[Variable]) -> Vec<Value> {
+    variables.iter().map(|v| json!({ "name": v.name, "unit": v.unit, "length": v.length })).collect()
+}
+
+fn parameter(variable: &Variable) -> Value {
+    let Variable { name, unit, length, defaults, .. } = variable;
+    let defaults: Vec<f64> = defaults.iter().map(|number| number.to_f64()).collect();
+    json!({ "name": name, "unit": unit, "length": length, "defaults": defaults })
+}
+
+fn of_function(function: &Function) -> Value {
+    let arguments: Vec<&str> = function.arguments.iter().map(|&a| argument(a)).collect();
+    let returns: Vec<Value> =
+        function.results.iter().map(|part| json!({ "name": part.name, "shape": shape(part.shape) })).collect();
+    let completion = match function.completion {
+        Completion::None => "none",
+        Completion::Solve => "solve",
+    };
+    let Program { instructions, results } = &function.program;
+    json!({
+        "arguments": arguments,
+        "returns": returns,
+        "completion": completion,
+        "operations": ops::counts(function.operations),
+        "instructions": instructions.iter().map(|&i| instruction(i)).collect::<Vec<_>>(),
+        "results": results.iter().map(|v| v.index()).collect::<Vec<_>>(),
+    })
+}
+
+fn program(program: &Program) -> Value {
+    let Program { instructions, results } = program;
+    json!({
+        "instructions": instructions.iter().map(|&i| instruction(i)).collect::<Vec<_>>(),
+        "results": results.iter().map(|v| v.index()).collect::<Vec<_>>(),
+    })
+}
+
+fn argument(argument: Argument) -> &'static str {
+    match argument {
+        Argument::Q => "q",
+        Argument::Qd => "qd",
+        Argument::Qdd => "qdd",
+        Argument::U => "u",
+    }
+}
+
+fn shape(shape: Shape) -> Value {
+    match shape {
+        Shape::Scalar => json!(["scalar"]),
+        Shape::Vector(n) => json!(["vector", n]),
+        Shape::Matrix(rows, columns) => json!(["matrix", rows, columns]),
+        Shape::Symmetric(n) => json!(["symmetric", n]),
+        Shape::Pose => json!(["pose"]),
+    }
+}
+
+fn instruction(instruction: Instruction) -> Value {
+    match instruction {
+        Instruction::Constant(value) => json!(["constant", value.to_f64()]),
+        Instruction::Symbol(symbol) => of_symbol(symbol),
+        Instruction::Hoisted(k) => json!(["hoisted", k]),
+        Instruction::Neg(a) => json!(["neg", a.index()]),
+        Instruction::Add(a, b) => json!(["add", a.index(), b.index()]),
+        Instruction::Sub(a, b) => json!(["sub", a.index(), b.index()]),
+        Instruction::Mul(a, b) => json!(["mul", a.index(), b.index()]),
+        Instruction::Div(a, b) => json!(["div", a.index(), b.index()]),
+        Instruction::Sqrt(a) => json!(["sqrt", a.index()]),
+        Instruction::Call(function, a) => json!([function.name(), a.index()]),
+        Instruction::Call2(function, a, b) => json!([function.name(), a.index(), b.index()]),
+    }
+}
+
+fn of_symbol(symbol: Symbol) -> Value {
+    match symbol {
+        Symbol::Time => json!(["t"]),
+        Symbol::Coordinate(i) => json!(["q", i]),
+        Symbol::Velocity(i) => json!(["qd", i]),
+        Symbol::Acceleration(i) => json!(["qdd", i]),
+        Symbol::Parameter(i) => json!(["parameter", i]),
+        Symbol::Input(i) => json!(["u", i]),
+    }
+}

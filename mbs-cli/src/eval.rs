@@ -1,0 +1,129 @@
+//! `mbs eval`: the value of every function at given states.
+
+use std::path::PathBuf;
+
+use mbs_derive::interpret::Interpreter;
+use mbs_derive::optimise::{Derivation, Function, FunctionKind, ResultPart, Shape};
+use serde_json::{Map, Value, json};
+
+use crate::failure::Failure;
+use crate::state::{self, Point, Request};
+use crate::{mechanism, output};
+
+/// Evaluate every function of a mechanism at one state, or at each of many.
+///
+/// It is algebra at the given state: what is singular there is printed as null, with a warning.
+#[derive(clap::Args)]
+pub(crate) struct Arguments {
+    /// The mechanism.
+    #[arg(value_name = "FILE.mbs")]
+    file: PathBuf,
+    /// A file with a JSON object, or an array of them: {"t": 0, "q": […], "qd": […], "qdd": […], "u": […], "params": {…}},
+    /// all but q optional. `-` is standard input; JSON itself is taken, too.
+    #[arg(long, value_name = "STATE.json")]
+    state: String,
+}
+
+/// Prints one JSON object for a state, an array of them for an array of states.
+pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let derivation = mechanism::read(&arguments.file)?.derivation;
+    let evaluations = match state::read(&arguments.state, &derivation)? {
+        Request::One(point) => evaluation(&derivation, &point, "the state"),
+        Request::Many(points) => {
+            points.iter().enumerate().map(|(i, point)| evaluation(&derivation, point, &format!("state {i}"))).collect()
+        }
+    };
+    output::print(&output::json(&evaluations))
+}
+
+/// All functions at one point, in the order of the documentation.
+fn evaluation(derivation: &Derivation, point: &Point, place: &str) -> Value {
+    let interpreter = Interpreter::with_parameters(derivation, point.parameters.clone());
+    let evaluated = |function: &Function| interpreter.evaluate(function, &point.state);
+    let value = |name: &str| derivation.function(name).map_or(Value::Null, |f| shaped(f, &evaluated(f)));
+    let mut linearize = value("linearize");
+    linearize["params"] = match derivation.function("linearize_parameters") {
+        Some(function) => shaped(function, &evaluated(function)),
+        None => vec![json!([]); derivation.dof()].into(),
+    };
+    let evaluation = json!({
+        "mass_matrix": value("mass_matrix"),
+        "coriolis_matrix": value("coriolis_matrix"),
+        "gravity": value("gravity"),
+        "bias": value("bias"),
+        "dissipation_force": value("dissipation_force"),
+        "generalized_force": value("generalized_force"),
+        "inverse_dynamics": value("inverse_dynamics"),
+        "inverse_dynamics_jacobian": value("inverse_dynamics_jacobian"),
+        "forward_dynamics": value("forward_dynamics"),
+        "linearize": linearize,
+        "multipliers": [],
+        "kinetic_energy": value("kinetic_energy"),
+        "potential_energy": value("potential_energy"),
+        "conserved": conserved(derivation, evaluated),
+        "outputs": outputs(derivation, evaluated),
+    });
+    warn_of_nulls(&evaluation, place);
+    evaluation
+}
+
+/// First integrals by name.
+fn conserved(derivation: &Derivation, evaluated: impl Fn(&Function) -> Vec<f64>) -> Map<String, Value> {
+    let named = derivation.functions.iter().filter_map(|function| match &function.kind {
+        FunctionKind::Conserved(names) => Some(names.iter().cloned().zip(evaluated(function).into_iter().map(Value::from))),
+        _ => None,
+    });
+    named.flatten().collect()
+}
+
+/// Values of the outputs by name.
+fn outputs(derivation: &Derivation, evaluated: impl Fn(&Function) -> Vec<f64>) -> Map<String, Value> {
+    let outputs = derivation.functions.iter().filter(|function| matches!(function.kind, FunctionKind::Output(_)));
+    outputs.map(|function| (function.name.clone(), shaped(function, &evaluated(function)))).collect()
+}
+
+/// A function's results in their shape: one value, or an object of named ones.
+fn shaped(function: &Function, values: &[f64]) -> Value {
+    if let [ResultPart { name: "", shape }] = function.results.as_slice() {
+        return in_shape(*shape, values);
+    }
+    let mut start = 0;
+    let parts = function.results.iter().map(|part| {
+        let part_values = &values[start..start + part.shape.count()];
+        start += part.shape.count();
+        (part.name.to_string(), in_shape(part.shape, part_values))
+    });
+    Value::Object(parts.collect())
+}
+
+fn in_shape(shape: Shape, values: &[f64]) -> Value {
+    match shape {
+        Shape::Scalar => json!(values[0]),
+        Shape::Vector(_) => json!(values),
+        Shape::Matrix(height, width) => rows(values, height, width),
+        Shape::Symmetric(n) => rows(values, n, n),
+        Shape::Pose => json!({ "position": values[..3], "rotation": rows(&values[3..], 3, 3) }),
+    }
+}
+
+fn rows(values: &[f64], height: usize, width: usize) -> Value {
+    (0..height).map(|i| json!(values[i * width..(i + 1) * width])).collect()
+}
+
+fn warn_of_nulls(evaluation: &Value, place: &str) {
+    let entries = evaluation.as_object().into_iter().flatten();
+    let names: Vec<&str> = entries.filter(|(_, value)| holds_null(value)).map(|(name, _)| name.as_str()).collect();
+    if !names.is_empty() {
+        let names = names.join(", ");
+        output::report(&format!("warning: infinite or NaN at {place}, printed as null: {names}\n"));
+    }
+}
+
+fn holds_null(value: &Value) -> bool {
+    match value {
+        Value::Null => true,
+        Value::Array(items) => items.iter().any(holds_null),
+        Value::Object(items) => items.values().any(holds_null),
+        Value::Bool(_) | Value::Number(_) | Value::String(_) => false,
+    }
+}

@@ -1,0 +1,265 @@
+//! Reading states: what a mechanism is to be evaluated at, or to move from.
+//!
+//! ```json
+//! {"t": 0, "q": [0.1, 0.2], "qd": [0, 0], "qdd": [0, 0], "u": [1.5], "params": {"m": 2.0, "length": [1, 1]},
+//!  "prescribed": {}}
+//! ```
+//!
+//! All but `q` may be left out: zero, or the declared default. Arrays are flattened in declaration order. A parameter is
+//! given by its name, an array parameter as an array or component by component (`length_0`). All that is wrong with a
+//! state is reported at once.
+
+use std::fs;
+use std::io;
+
+use mbs_derive::diagnostic::{Diagnostics, nearest};
+use mbs_derive::expr::Number;
+use mbs_derive::interpret::State;
+use mbs_derive::model::Variable;
+use mbs_derive::model::lagrangian::component_names;
+use mbs_derive::optimise::Derivation;
+use serde_json::{Map, Value};
+
+use crate::check::{abridged, plural};
+use crate::failure::Failure;
+
+/// What a state file asks for.
+#[derive(Clone, Debug)]
+pub(crate) enum Request {
+    /// An object.
+    One(Point),
+    /// An array of objects.
+    Many(Vec<Point>),
+}
+
+/// A state and the parameters that hold there.
+#[derive(Clone, Debug)]
+pub(crate) struct Point {
+    /// Time, coordinates, velocities, accelerations, inputs.
+    pub(crate) state: State,
+    /// All parameters, flattened in declaration order.
+    pub(crate) parameters: Vec<f64>,
+}
+
+const KEYS: [&str; 7] = ["t", "q", "qd", "qdd", "u", "params", "prescribed"];
+
+/// Reads the states that the argument `--state` stands for: a file, `-` for standard input, or JSON itself.
+pub(crate) fn read(argument: &str, derivation: &Derivation) -> Result<Request, Failure> {
+    let (name, text) = if argument.trim_start().starts_with(['{', '[']) {
+        ("--state".to_string(), argument.to_string())
+    } else if argument == "-" {
+        ("standard input".to_string(), text("standard input", io::read_to_string(io::stdin()))?)
+    } else {
+        (argument.to_string(), text(argument, fs::read_to_string(argument))?)
+    };
+    let json = parse(&name, text.trim_start_matches('\u{feff}'))?;
+    request(&name, &json, derivation)
+}
+
+fn text(name: &str, content: io::Result<String>) -> Result<String, Failure> {
+    content.map_err(|error| match error.kind() {
+        io::ErrorKind::InvalidData => Failure::new(format_args!("{name} is not UTF-8 text")),
+        _ => Failure::new(format_args!("cannot read {name}: {error}")),
+    })
+}
+
+/// JSON, and beyond it the words `NaN` and `Infinity`, as strings, so that the key they stand under can be named.
+fn parse(name: &str, text: &str) -> Result<Value, Failure> {
+    serde_json::from_str(text).or_else(|error| {
+        let quoted = with_words_quoted(text);
+        serde_json::from_str(&quoted).ok().filter(|_| quoted != text).ok_or_else(|| syntax_error(name, text, &error))
+    })
+}
+
+fn with_words_quoted(text: &str) -> String {
+    const WORDS: [&str; 3] = ["NaN", "-Infinity", "Infinity"];
+    let mut quoted = String::new();
+    let (mut in_string, mut escaped) = (false, false);
+    let mut rest = text;
+    while let Some(c) = rest.chars().next() {
+        let word = WORDS.into_iter().find(|word| !in_string && rest.starts_with(word));
+        match word {
+            Some(word) => quoted += &format!("\"{word}\""),
+            None => quoted.push(c),
+        }
+        if c == '"' && !escaped {
+            in_string = !in_string;
+        }
+        escaped = in_string && c == '\\' && !escaped;
+        rest = &rest[word.map_or(c.len_utf8(), str::len)..];
+    }
+    quoted
+}
+
+/// The parser's message with the place underlined.
+fn syntax_error(name: &str, text: &str, error: &serde_json::Error) -> Failure {
+    let message = error.to_string();
+    let message = message.split(" at line ").next().unwrap_or(&message);
+    let line_start: usize = text.split_inclusive('\n').take(error.line().saturating_sub(1)).map(str::len).sum();
+    let place = line_start + error.column().saturating_sub(1);
+    let mut diagnostics = Diagnostics::default();
+    diagnostics.error(place..place + 1, format!("this is not JSON: {message}"));
+    Failure::rendered(diagnostics.render(name, text))
+}
+
+fn request(name: &str, json: &Value, derivation: &Derivation) -> Result<Request, Failure> {
+    let mut errors = Vec::new();
+    let mut point = |json: &Value, place: String| {
+        let mut reader = Reader { derivation, place, errors: Vec::new() };
+        let point = reader.point(json);
+        errors.append(&mut reader.errors);
+        point
+    };
+    let request = match json {
+        Value::Array(items) => Request::Many(
+            items.iter().enumerate().map(|(i, item)| point(item, format!("{name}: state {i}"))).collect(),
+        ),
+        _ => Request::One(point(json, name.to_string())),
+    };
+    if errors.is_empty() { Ok(request) } else { Err(Failure::several(&errors)) }
+}
+
+/// Matches one JSON object with a mechanism.
+struct Reader<'a> {
+    derivation: &'a Derivation,
+    /// Which file and which of its states.
+    place: String,
+    errors: Vec<String>,
+}
+
+impl Reader<'_> {
+    fn error(&mut self, message: String) {
+        self.errors.push(format!("{}: {message}", self.place));
+    }
+
+    fn point(&mut self, json: &Value) -> Point {
+        let empty = Map::new();
+        let object = json.as_object().unwrap_or(&empty);
+        if !json.is_object() {
+            self.error(format!("a state is an object {{\"q\": […], …}}, found {}", kind(json)));
+        } else if !object.contains_key("q") {
+            let names = component_names(&self.derivation.coordinates);
+            self.error(format!("\"q\" is missing: {}", expected(&names)));
+        }
+        for key in object.keys().filter(|key| !KEYS.contains(&key.as_str())) {
+            let hint = hint(key, KEYS.map(String::from).as_slice(), "keys");
+            self.error(format!("unknown key {}{hint}", Value::from(key.as_str())));
+        }
+        let coordinates = component_names(&self.derivation.coordinates);
+        let inputs = component_names(&self.derivation.inputs);
+        let state = State {
+            t: object.get("t").map_or(0.0, |json| self.number("\"t\"", json)),
+            q: self.numbers_or_zeros(object, "q", &coordinates),
+            qd: self.numbers_or_zeros(object, "qd", &coordinates),
+            qdd: self.numbers_or_zeros(object, "qdd", &coordinates),
+            u: self.numbers_or_zeros(object, "u", &inputs),
+        };
+        self.prescribed(object.get("prescribed"));
+        Point { state, parameters: self.parameters(object.get("params")) }
+    }
+
+    fn numbers_or_zeros(&mut self, object: &Map<String, Value>, key: &str, names: &[String]) -> Vec<f64> {
+        match object.get(key) {
+            Some(json) => self.numbers(&format!("\"{key}\""), json, names),
+            None => vec![0.0; names.len()],
+        }
+    }
+
+    /// An array with one number for each name.
+    fn numbers(&mut self, key: &str, json: &Value, names: &[String]) -> Vec<f64> {
+        match json.as_array() {
+            None => self.error(format!("{key} must be an array of {}, found {}", expected(names), kind(json))),
+            Some(items) if items.len() != names.len() => {
+                self.error(format!("{key} must hold {}, found {}", expected(names), items.len()));
+            }
+            Some(items) => {
+                let named = items.iter().zip(names).enumerate();
+                return named.map(|(i, (item, name))| self.number(&format!("{key}[{i}] ({name})"), item)).collect();
+            }
+        }
+        vec![0.0; names.len()]
+    }
+
+    fn number(&mut self, key: &str, json: &Value) -> f64 {
+        let number = json.as_f64().filter(|number| number.is_finite());
+        if number.is_none() {
+            self.error(format!("{key} must be a finite number, found {}", kind(json)));
+        }
+        number.unwrap_or_default()
+    }
+
+    fn parameters(&mut self, json: Option<&Value>) -> Vec<f64> {
+        let declared = &self.derivation.parameters;
+        let mut values: Vec<f64> = declared.iter().flat_map(|p| &p.defaults).map(|&n| Number::to_f64(n)).collect();
+        let Some(json) = json else { return values };
+        let Some(given) = json.as_object() else {
+            self.error(format!("\"params\" must be an object {{name: value}}, found {}", kind(json)));
+            return values;
+        };
+        let components = component_names(declared);
+        for (name, json) in given {
+            let key = format!("\"params\".{}", Value::from(name.as_str()));
+            if let Some(variable) = declared.iter().find(|p| p.name == *name) {
+                let numbers = self.parameter(&key, json, variable);
+                values[variable.first..variable.first + variable.count()].copy_from_slice(&numbers);
+            } else if let Some(component) = components.iter().position(|component| component == name) {
+                values[component] = self.number(&key, json);
+            } else {
+                let names: Vec<String> = declared.iter().map(|p| p.name.clone()).collect();
+                self.error(format!("unknown parameter {key}{}", hint(name, &names, "parameters")));
+            }
+        }
+        values
+    }
+
+    fn parameter(&mut self, key: &str, json: &Value, variable: &Variable) -> Vec<f64> {
+        match variable.length {
+            None => vec![self.number(key, json)],
+            Some(_) => self.numbers(key, json, &variable.component_names()),
+        }
+    }
+
+    fn prescribed(&mut self, json: Option<&Value>) {
+        match json {
+            None => {}
+            Some(Value::Object(given)) => {
+                for name in given.keys() {
+                    let name = Value::from(name.as_str());
+                    self.error(format!("unknown signal \"prescribed\".{name}; the mechanism has no prescribed signals"));
+                }
+            }
+            Some(json) => {
+                let found = kind(json);
+                self.error(format!("\"prescribed\" must be an object {{name: [value, rate, acceleration]}}, found {found}"));
+            }
+        }
+    }
+}
+
+/// `2 numbers (x, theta)`
+fn expected(names: &[String]) -> String {
+    let count = plural(names.len(), "number", "numbers");
+    if names.is_empty() { count } else { format!("{count} ({})", abridged(names)) }
+}
+
+/// What to write instead of an unknown name.
+fn hint(name: &str, known: &[String], what: &str) -> String {
+    match nearest(name, known.iter().map(String::as_str)) {
+        Some(near) => format!("; did you mean {}?", Value::from(near)),
+        None if known.is_empty() => format!("; the mechanism has no {what}"),
+        None => format!("; the {what} are {}", abridged(known)),
+    }
+}
+
+/// What stands in the place of what should.
+fn kind(json: &Value) -> String {
+    match json {
+        Value::Null => "null".to_string(),
+        Value::Bool(_) => "a truth value".to_string(),
+        Value::Number(number) => format!("the number {number}"),
+        Value::String(word) if matches!(word.as_str(), "NaN" | "Infinity" | "-Infinity") => word.clone(),
+        Value::String(_) => "a string".to_string(),
+        Value::Array(_) => "an array".to_string(),
+        Value::Object(_) => "an object".to_string(),
+    }
+}

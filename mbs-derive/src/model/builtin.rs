@@ -1,0 +1,440 @@
+//! The functions and methods of the language: two tables, then one Rust function an entry.
+
+use super::dimension::Dimension;
+use super::evaluate::{Argument, Refused, Resolved, Resolver};
+use super::frame::{Edge, FrameId};
+use super::value::{Free, Point, Pose, Scalar, Shape, Tensor, Value, shared};
+use crate::diagnostic::nearest;
+use crate::expr::{Binary, Expr, Function, HalfInteger, Matrix, Number, Vector};
+use crate::parse::syntax::{Name, Span};
+
+/// Names that stand for values in every mechanism.
+pub(super) const CONSTANTS: [&str; 4] = ["pi", "deg", "t", "world"];
+
+/// One function or method.
+struct Builtin {
+    name: &'static str,
+    /// As it is called; for messages.
+    form: &'static str,
+    /// How many arguments it may have; a method's receiver counts.
+    arguments: &'static [usize],
+    apply: Apply,
+}
+
+#[derive(Clone, Copy)]
+enum Apply {
+    /// A function of `f64`, argument and value plain numbers.
+    Elementary(Function),
+    /// Anything else.
+    With(for<'d, 'g> fn(&mut Resolver<'d, 'g>, &Call<'_, 'g>) -> Resolved<Value<'g>>),
+}
+
+/// The arguments of a call, as many as the table says, and where it stands.
+struct Call<'c, 'g> {
+    arguments: &'c [Argument<'g>],
+    span: &'c Span,
+}
+
+const fn entry(name: &'static str, form: &'static str, arguments: &'static [usize], apply: Apply) -> Builtin {
+    Builtin { name, form, arguments, apply }
+}
+
+use Apply::{Elementary, With};
+
+#[rustfmt::skip]
+const FUNCTIONS: &[Builtin] = &[
+    entry("dt",    "dt(x)",       &[1], With(rate)),
+    entry("sin",   "sin(x)",      &[1], Elementary(Function::Sin)),
+    entry("cos",   "cos(x)",      &[1], Elementary(Function::Cos)),
+    entry("tan",   "tan(x)",      &[1], Elementary(Function::Tan)),
+    entry("asin",  "asin(x)",     &[1], Elementary(Function::Asin)),
+    entry("acos",  "acos(x)",     &[1], Elementary(Function::Acos)),
+    entry("atan",  "atan(x)",     &[1], Elementary(Function::Atan)),
+    entry("sinh",  "sinh(x)",     &[1], Elementary(Function::Sinh)),
+    entry("cosh",  "cosh(x)",     &[1], Elementary(Function::Cosh)),
+    entry("tanh",  "tanh(x)",     &[1], Elementary(Function::Tanh)),
+    entry("exp",   "exp(x)",      &[1], Elementary(Function::Exp)),
+    entry("ln",    "ln(x)",       &[1], Elementary(Function::Ln)),
+    entry("abs",   "abs(x)",      &[1], With(abs)),
+    entry("signum", "signum(x)",  &[1], With(signum)),
+    entry("sqrt",  "sqrt(x)",     &[1], With(sqrt)),
+    entry("atan2", "atan2(y, x)", &[2], With(atan2)),
+    entry("hypot", "hypot(x, y)", &[2], With(hypot)),
+    entry("dot",   "dot(a, b)",   &[2], With(dot)),
+    entry("cross", "cross(a, b)", &[2], With(cross)),
+    entry("rot_x", "rot_x(angle)", &[1], With(rot_x)),
+    entry("rot_y", "rot_y(angle)", &[1], With(rot_y)),
+    entry("rot_z", "rot_z(angle)", &[1], With(rot_z)),
+    entry("rotation",    "rotation([x, y, z], angle)",  &[2], With(rotation)),
+    entry("translation", "translation([x, y, z])",      &[1, 3], With(translation)),
+    entry("dh",          "dh(theta, d, a, alpha)",      &[4], With(dh)),
+    entry("angular_velocity", "angular_velocity(pose)", &[1], With(angular_velocity)),
+    entry("diag",        "diag(xx, yy, zz)",            &[3], With(diagonal)),
+    entry("inertia",     "inertia(xx, yy, zz, xy, xz, yz)", &[3, 6], With(inertia)),
+    entry("particle",    "particle(mass, position)",    &[2], With(particle)),
+    entry("rigid_body",  "rigid_body(mass, com, inertia, pose)", &[4], With(rigid_body)),
+];
+
+#[rustfmt::skip]
+const METHODS: &[Builtin] = &[
+    entry("dot",          "a.dot(b)",               &[2], With(dot)),
+    entry("cross",        "a.cross(b)",             &[2], With(cross)),
+    entry("norm",         "v.norm()",               &[1], With(norm)),
+    entry("norm_squared", "v.norm_squared()",       &[1], With(norm_squared)),
+    entry("transpose",    "matrix.transpose()",     &[1], With(transpose)),
+    entry("inverse",      "pose.inverse()",         &[1], With(inverse)),
+    entry("point",        "pose.point([x, y, z])",  &[2], With(point)),
+    entry("origin",       "pose.origin()",          &[1], With(origin)),
+    entry("rotation",     "pose.rotation()",        &[1], With(rotation_matrix)),
+];
+
+/// How the function of this name is called, if there is one.
+pub(super) fn form_of_function(name: &str) -> Option<&'static str> {
+    FUNCTIONS.iter().find(|f| f.name == name).map(|f| f.form)
+}
+
+/// How the method of this name is called, if there is one.
+pub(super) fn form_of_method(name: &str) -> Option<&'static str> {
+    METHODS.iter().find(|f| f.name == name).map(|f| f.form)
+}
+
+/// The value of `name(arguments)`.
+pub(super) fn function<'g>(
+    resolver: &mut Resolver<'_, 'g>,
+    name: &Name,
+    arguments: Resolved<Vec<Argument<'g>>>,
+    span: &Span,
+) -> Resolved<Value<'g>> {
+    let Some(function) = FUNCTIONS.iter().find(|f| f.name == name.text) else {
+        return Err(unknown_function(resolver, name));
+    };
+    apply(resolver, function, name, &arguments?, span)
+}
+
+/// The value of `receiver.name(arguments)`.
+pub(super) fn method<'g>(
+    resolver: &mut Resolver<'_, 'g>,
+    name: &Name,
+    receiver: Resolved<Argument<'g>>,
+    arguments: Resolved<Vec<Argument<'g>>>,
+    span: &Span,
+) -> Resolved<Value<'g>> {
+    let Some(method) = METHODS.iter().find(|f| f.name == name.text) else {
+        return Err(unknown_method(resolver, name));
+    };
+    let mut all = vec![receiver?];
+    all.extend(arguments?);
+    apply(resolver, method, name, &all, span)
+}
+
+fn apply<'g>(
+    resolver: &mut Resolver<'_, 'g>,
+    builtin: &Builtin,
+    name: &Name,
+    arguments: &[Argument<'g>],
+    span: &Span,
+) -> Resolved<Value<'g>> {
+    if !builtin.arguments.contains(&arguments.len()) {
+        return Err(wrong_count(resolver, builtin, name, arguments.len()));
+    }
+    match builtin.apply {
+        Apply::With(apply) => apply(resolver, &Call { arguments, span }),
+        Apply::Elementary(function) => {
+            let what = format!("the argument of `{}`", builtin.name);
+            let x = resolver.of_dimension(&arguments[0], &what, Dimension::ONE)?;
+            Ok(Value::Scalar(Scalar::plain(x.call(function))))
+        }
+    }
+}
+
+fn wrong_count(resolver: &mut Resolver<'_, '_>, builtin: &Builtin, name: &Name, found: usize) -> Refused {
+    let is_method = !FUNCTIONS.iter().any(|f| std::ptr::eq(f, builtin));
+    let less = usize::from(is_method);
+    let counts: Vec<String> = builtin.arguments.iter().map(|n| (n - less).to_string()).collect();
+    let noun = if counts == ["1"] { "argument" } else { "arguments" };
+    let (wanted, found) = (counts.join(" or "), found - less);
+    let message = format!("`{}` takes {wanted} {noun}, {found} {} given", builtin.name, if found == 1 { "is" } else { "are" });
+    resolver.refuse(&name.span, message, format!("write `{}`", builtin.form))
+}
+
+fn unknown_function(resolver: &mut Resolver<'_, '_>, name: &Name) -> Refused {
+    let text = &name.text;
+    if let Some(form) = form_of_method(text) {
+        return resolver.refuse(&name.span, format!("`{text}` is a method"), format!("write `{form}`"));
+    }
+    if resolver.scope.get(text).is_some() || CONSTANTS.contains(&text.as_str()) {
+        return resolver.refuse(&name.span, format!("`{text}` is not a function"), "write `*` for a product");
+    }
+    let help = match nearest(text, FUNCTIONS.iter().map(|f| f.name)) {
+        Some(meant) => format!("did you mean `{}`?", form_of_function(meant).unwrap_or(meant)),
+        None => format!("the functions are {}", list(FUNCTIONS)),
+    };
+    resolver.refuse(&name.span, format!("there is no function `{text}`"), help)
+}
+
+fn unknown_method(resolver: &mut Resolver<'_, '_>, name: &Name) -> Refused {
+    let text = &name.text;
+    let help = match (form_of_function(text), nearest(text, METHODS.iter().map(|f| f.name))) {
+        (Some(form), _) => format!("it is a function: write `{form}`"),
+        (None, Some(meant)) => format!("did you mean `{}`?", form_of_method(meant).unwrap_or(meant)),
+        (None, None) => format!("the methods are {}", list(METHODS)),
+    };
+    resolver.refuse(&name.span, format!("there is no method `{text}`"), help)
+}
+
+fn list(builtins: &[Builtin]) -> String {
+    let names: Vec<String> = builtins.iter().map(|f| format!("`{}`", f.name)).collect();
+    names.join(", ")
+}
+
+// ---- numbers
+
+fn rate<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) -> Resolved<Value<'g>> {
+    resolver.rate(&call.arguments[0])
+}
+
+fn abs<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) -> Resolved<Value<'g>> {
+    let x = resolver.scalar(&call.arguments[0])?;
+    Ok(Value::Scalar(Scalar::new(x.expr.call(Function::Abs), x.dimension)))
+}
+
+fn signum<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) -> Resolved<Value<'g>> {
+    let x = resolver.scalar(&call.arguments[0])?;
+    Ok(Value::Scalar(Scalar::plain(x.expr.call(Function::Signum))))
+}
+
+fn sqrt<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) -> Resolved<Value<'g>> {
+    let x = resolver.scalar(&call.arguments[0])?;
+    let dimension = resolver.bounded(x.dimension.power(1, 2), call.span)?;
+    Ok(Value::Scalar(Scalar::new(x.expr.sqrt(), dimension)))
+}
+
+/// Two numbers of one dimension.
+fn pair<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) -> Resolved<(Expr<'g>, Expr<'g>, Dimension)> {
+    let (a, b) = (resolver.scalar(&call.arguments[0]), resolver.scalar(&call.arguments[1]));
+    let (a, b) = (a?, b?);
+    match shared(a.fit(), b.fit()) {
+        Some(dimension) => Ok((a.expr, b.expr, dimension)),
+        None => {
+            let message = format!("the arguments need equal dimensions, these are {} and {}", a.dimension, b.dimension);
+            Err(resolver.refuse(call.span, message, ""))
+        }
+    }
+}
+
+fn atan2<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) -> Resolved<Value<'g>> {
+    let (y, x, _) = pair(resolver, call)?;
+    Ok(Value::Scalar(Scalar::plain(y.call2(Binary::Atan2, x))))
+}
+
+fn hypot<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) -> Resolved<Value<'g>> {
+    let (x, y, dimension) = pair(resolver, call)?;
+    Ok(Value::Scalar(Scalar::new((x.powi(2) + y.powi(2)).sqrt(), dimension)))
+}
+
+// ---- vectors
+
+/// Two vectors in common axes, and the dimension of their product.
+struct Aligned<'g> {
+    a: Vector<'g>,
+    b: Vector<'g>,
+    frame: FrameId,
+    dimension: Dimension,
+}
+
+fn aligned<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) -> Resolved<Aligned<'g>> {
+    let (a, b) = (resolver.vector(&call.arguments[0]), resolver.vector(&call.arguments[1]));
+    let (a, b) = (a?, b?);
+    let dimension = resolver.bounded(a.dimension.times(b.dimension), call.span)?;
+    let (a, b, frame) = resolver.aligned(a, b);
+    Ok(Aligned { a, b, frame, dimension })
+}
+
+fn dot<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) -> Resolved<Value<'g>> {
+    let Aligned { a, b, dimension, .. } = aligned(resolver, call)?;
+    Ok(Value::Scalar(Scalar::new(a.dot(b), dimension)))
+}
+
+fn cross<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) -> Resolved<Value<'g>> {
+    let Aligned { a, b, frame, dimension } = aligned(resolver, call)?;
+    Ok(Value::Vector(Free { components: a.cross(b), frame, dimension }))
+}
+
+fn norm_squared<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) -> Resolved<Value<'g>> {
+    let v = resolver.vector(&call.arguments[0])?;
+    let dimension = resolver.bounded(v.dimension.power(2, 1), call.span)?;
+    Ok(Value::Scalar(Scalar::new(v.components.norm_squared(), dimension)))
+}
+
+fn norm<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) -> Resolved<Value<'g>> {
+    let v = resolver.vector(&call.arguments[0])?;
+    Ok(Value::Scalar(Scalar::new(v.components.norm_squared().sqrt(), v.dimension)))
+}
+
+// ---- poses
+
+fn pose<'g>(edges: impl IntoIterator<Item = Option<Edge<'g>>>) -> Resolved<Value<'g>> {
+    Ok(Value::Pose(Pose { base: FrameId::WORLD, edges: edges.into_iter().flatten().collect() }))
+}
+
+fn turn<'g>(resolver: &mut Resolver<'_, 'g>, axis: usize, angle: &Argument<'g>) -> Resolved<Option<Edge<'g>>> {
+    let axis = Vector::unit(resolver.graph, axis);
+    let expr = resolver.of_dimension(angle, "an angle", Dimension::ONE)?;
+    resolver.edge(Edge::Rotation { axis, angle: expr }, &angle.span)
+}
+
+fn rot_x<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) -> Resolved<Value<'g>> {
+    pose([turn(resolver, 0, &call.arguments[0])?])
+}
+
+fn rot_y<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) -> Resolved<Value<'g>> {
+    pose([turn(resolver, 1, &call.arguments[0])?])
+}
+
+fn rot_z<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) -> Resolved<Value<'g>> {
+    pose([turn(resolver, 2, &call.arguments[0])?])
+}
+
+fn rotation<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) -> Resolved<Value<'g>> {
+    let [axis, angle] = call.arguments else { return Err(Refused) };
+    let numbers = constant_axis(resolver, axis);
+    let expr = resolver.of_dimension(angle, "an angle", Dimension::ONE);
+    let (numbers, expr) = (numbers?, expr?);
+    // Turning about −x by an angle is turning about x by its negative.
+    let single = numbers.iter().filter(|n| !n.is_zero()).count() == 1;
+    let reversed = single && numbers.iter().any(|n| n.is_negative());
+    let component = |n: Number| resolver.graph.constant(if reversed { n.neg() } else { n });
+    let unit = Vector(numbers.map(component));
+    pose([resolver.edge(Edge::Rotation { axis: unit, angle: if reversed { -expr } else { expr } }, &angle.span)?])
+}
+
+/// A unit vector of constants, exact where its length is rational.
+fn constant_axis<'g>(resolver: &mut Resolver<'_, 'g>, axis: &Argument<'g>) -> Resolved<[Number; 3]> {
+    let vector = resolver.vector(axis)?;
+    if vector.frame != FrameId::WORLD {
+        let message = "an axis is given in the axes of the pose that is turned";
+        return Err(resolver.refuse(&axis.span, message, "write its components: `[x, y, z]`"));
+    }
+    let mut numbers = [Number::ZERO; 3];
+    for (number, component) in numbers.iter_mut().zip(vector.components.0) {
+        let Some(value) = resolver.facts.constant(component) else {
+            let help = "compose rotations about constant axes: `rot_z(a) * rot_x(b)`";
+            return Err(resolver.refuse(&axis.span, "an axis must be constant", help));
+        };
+        *number = value;
+    }
+    let squared = numbers.iter().map(|n| n.mul(*n)).reduce(Number::add).unwrap_or(Number::ZERO);
+    match squared.power(HalfInteger::halves(-1).to_halves()) {
+        Some(inverse) if squared.to_f64() > 0.0 => Ok(numbers.map(|n| n.mul(inverse))),
+        _ => Err(resolver.refuse(&axis.span, "an axis must have a direction, this is zero", "")),
+    }
+}
+
+fn translation<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) -> Resolved<Value<'g>> {
+    let vector = match call.arguments {
+        [by] => resolver.vector(by)?,
+        several => {
+            let values = several.iter().map(|a| a.value.clone()).collect();
+            let value = resolver.array(values, call.span)?;
+            resolver.vector(&Argument { value, span: call.span.clone() })?
+        }
+    };
+    let span = &call.arguments[0].span;
+    resolver.check_dimension(vector.fit(), "a translation", Dimension::LENGTH, span)?;
+    pose([resolver.edge(Edge::Translation(resolver.in_world(vector)), span)?])
+}
+
+/// Denavit & Hartenberg, standard form: `Rz(θ) · T(a, 0, d) · Rx(α)`.
+fn dh<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) -> Resolved<Value<'g>> {
+    let [theta, d, a, alpha] = call.arguments else { return Err(Refused) };
+    let first = turn(resolver, 2, theta);
+    let along_z = resolver.of_dimension(d, "the offset d", Dimension::LENGTH);
+    let along_x = resolver.of_dimension(a, "the length a", Dimension::LENGTH);
+    let last = turn(resolver, 0, alpha);
+    let shift = Vector([along_x?, resolver.graph.integer(0), along_z?]);
+    pose([first?, resolver.edge(Edge::Translation(shift), &(d.span.start..a.span.end))?, last?])
+}
+
+fn inverse<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) -> Resolved<Value<'g>> {
+    match &call.arguments[0].value {
+        Value::Pose(pose) => resolver.inverse(pose, call.span).map(Value::Pose),
+        _ => Err(resolver.wrong_shape(&call.arguments[0], Shape::Pose)),
+    }
+}
+
+fn point<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) -> Resolved<Value<'g>> {
+    let [pose, place] = call.arguments else { return Err(Refused) };
+    let frame = resolver.frame(pose)?;
+    let vector = resolver.components_in(place, frame, "this vector")?;
+    resolver.check_dimension(vector.fit(), "a place", Dimension::LENGTH, &place.span)?;
+    Ok(Value::Point(Point { coordinates: vector.components, frame }))
+}
+
+fn origin<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) -> Resolved<Value<'g>> {
+    let frame = resolver.frame(&call.arguments[0])?;
+    Ok(Value::Point(Point { coordinates: Vector::zero(resolver.graph), frame }))
+}
+
+fn rotation_matrix<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) -> Resolved<Value<'g>> {
+    let frame = resolver.frame(&call.arguments[0])?;
+    let entries = resolver.lagrangian.frames.get(frame).rotation;
+    Ok(Value::Matrix(Tensor { entries, dimension: Dimension::ONE }))
+}
+
+fn angular_velocity<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) -> Resolved<Value<'g>> {
+    let frame = resolver.frame(&call.arguments[0])?;
+    let components = resolver.lagrangian.frames.get(frame).angular_velocity;
+    let dimension = resolver.dimension(Dimension::ANGULAR_VELOCITY);
+    Ok(Value::Vector(Free { components, frame, dimension }))
+}
+
+// ---- matrices and bodies
+
+/// Numbers that share a dimension.
+fn entries<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) -> Resolved<(Vec<Expr<'g>>, Dimension)> {
+    let mut common = (Dimension::ONE, true);
+    let mut exprs = Vec::new();
+    for argument in call.arguments {
+        let entry = resolver.scalar(argument)?;
+        let Some(dimension) = shared(common, entry.fit()) else {
+            let message = format!("the entries of a matrix share one dimension, these are {} and {}", common.0, entry.dimension);
+            return Err(resolver.refuse(&argument.span, message, ""));
+        };
+        common = (dimension, common.1 && entry.fit().1);
+        exprs.push(entry.expr);
+    }
+    Ok((exprs, common.0))
+}
+
+fn diagonal<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) -> Resolved<Value<'g>> {
+    let (entries, dimension) = entries(resolver, call)?;
+    let &[x, y, z] = entries.as_slice() else { return Err(Refused) };
+    Ok(Value::Matrix(Tensor { entries: Matrix::diagonal([x, y, z]), dimension }))
+}
+
+fn inertia<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) -> Resolved<Value<'g>> {
+    let (entries, dimension) = entries(resolver, call)?;
+    match *entries.as_slice() {
+        [x, y, z] => Ok(Value::Matrix(Tensor { entries: Matrix::diagonal([x, y, z]), dimension })),
+        [xx, yy, zz, xy, xz, yz] => {
+            let entries = Matrix([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]);
+            Ok(Value::Matrix(Tensor { entries, dimension }))
+        }
+        _ => Err(Refused),
+    }
+}
+
+fn transpose<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) -> Resolved<Value<'g>> {
+    let matrix = resolver.matrix(&call.arguments[0])?;
+    Ok(Value::Matrix(Tensor { entries: matrix.entries.transpose(), ..matrix }))
+}
+
+fn particle<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) -> Resolved<Value<'g>> {
+    let [mass, position] = call.arguments else { return Err(Refused) };
+    resolver.particle(mass, position)
+}
+
+fn rigid_body<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) -> Resolved<Value<'g>> {
+    let [mass, com, inertia, pose] = call.arguments else { return Err(Refused) };
+    resolver.rigid_body(mass, com, inertia, pose)
+}

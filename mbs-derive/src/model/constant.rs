@@ -1,0 +1,186 @@
+//! What is known of the nodes of a verbatim graph: what each depends on, and the exact values of constants.
+
+use crate::expr::graph::IdMap;
+use crate::expr::{Expr, Graph, Id, Node, Number, Symbol};
+
+/// What an expression depends on: a set.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct Dependence(u8);
+
+impl Dependence {
+    pub(super) const TIME: Dependence = Dependence(1);
+    pub(super) const COORDINATE: Dependence = Dependence(2);
+    pub(super) const PARAMETER: Dependence = Dependence(4);
+    pub(super) const INPUT: Dependence = Dependence(8);
+    /// Holds a time derivative, of whatever.
+    pub(super) const RATE: Dependence = Dependence(16);
+    /// Holds a time derivative of something that coordinates move.
+    pub(super) const VELOCITY: Dependence = Dependence(32);
+    /// Holds a constant that is not a finite real number.
+    pub(super) const UNDEFINED: Dependence = Dependence(64);
+
+    /// Whether there is anything of `other` in it.
+    pub(super) fn on(self, other: Dependence) -> bool {
+        self.0 & other.0 != 0
+    }
+
+    pub(super) fn or(self, other: Dependence) -> Dependence {
+        Dependence(self.0 | other.0)
+    }
+
+    /// Whether there is anything in it that changes in time.
+    pub(super) fn moves(self) -> bool {
+        let Dependence(moving) = Self::TIME.or(Self::COORDINATE).or(Self::INPUT).or(Self::VELOCITY);
+        self.0 & moving != 0
+    }
+}
+
+/// Operands come before what is made of them, so that one loop over the new nodes keeps the table complete.
+#[derive(Default)]
+pub(super) struct Facts {
+    dependence: Vec<Dependence>,
+    constants: IdMap<Number>,
+    calculator: Calculator,
+}
+
+impl Facts {
+    /// What `expr` depends on.
+    pub(super) fn dependence(&mut self, expr: Expr<'_>) -> Dependence {
+        self.complete(expr.graph());
+        self.dependence[expr.id().index()]
+    }
+
+    /// The value of an expression of numbers alone.
+    pub(super) fn constant(&mut self, expr: Expr<'_>) -> Option<Number> {
+        self.complete(expr.graph());
+        self.constants.get(&expr.id()).copied()
+    }
+
+    /// The value of an expression of numbers alone, where it is an integer.
+    pub(super) fn integer(&mut self, expr: Expr<'_>) -> Option<i64> {
+        match self.constant(expr)? {
+            Number::Exact { numerator, denominator: 1, pi: 0 } => i64::try_from(numerator).ok(),
+            _ => None,
+        }
+    }
+
+    fn complete(&mut self, graph: &Graph) {
+        for index in self.dependence.len()..graph.len() {
+            let id = Id(index as u32);
+            let node = graph.node(id);
+            let mut dependence = self.local(node);
+            if dependence == Dependence::default() {
+                match self.fold(node).filter(|value| value.to_f64().is_finite()) {
+                    Some(value) => drop(self.constants.insert(id, value)),
+                    None => dependence = Dependence::UNDEFINED,
+                }
+            }
+            self.dependence.push(dependence);
+        }
+    }
+
+    fn local(&self, node: Node) -> Dependence {
+        let operands = node.operands().map(|a| self.dependence[a.index()]).fold(Dependence::default(), Dependence::or);
+        match node {
+            Node::Symbol(Symbol::Time) => Dependence::TIME,
+            Node::Symbol(Symbol::Coordinate(_)) => Dependence::COORDINATE,
+            Node::Symbol(Symbol::Velocity(_) | Symbol::Acceleration(_)) => Dependence::VELOCITY.or(Dependence::RATE),
+            Node::Symbol(Symbol::Parameter(_)) => Dependence::PARAMETER,
+            Node::Symbol(Symbol::Input(_)) => Dependence::INPUT,
+            Node::Rate(_) if operands.on(Dependence::COORDINATE) => {
+                operands.or(Dependence::RATE).or(Dependence::VELOCITY)
+            }
+            Node::Rate(_) if operands != Dependence::default() => operands.or(Dependence::RATE),
+            Node::Rate(_)
+            | Node::Constant(_)
+            | Node::Neg(_)
+            | Node::Add(..)
+            | Node::Sub(..)
+            | Node::Mul(..)
+            | Node::Power(..)
+            | Node::Call(..)
+            | Node::Call2(..) => operands,
+        }
+    }
+
+    /// The value of a node whose operands are constants; `None` where it has none.
+    fn fold(&self, node: Node) -> Option<Number> {
+        let value = |id: Id| self.constants[&id];
+        match node {
+            Node::Constant(value) => Some(value),
+            Node::Symbol(_) => None,
+            Node::Rate(_) => Some(Number::ZERO),
+            Node::Neg(a) => Some(value(a).neg()),
+            Node::Add(a, b) => Some(value(a).add(value(b))),
+            Node::Sub(a, b) => Some(value(a).add(value(b).neg())),
+            Node::Mul(a, b) => Some(value(a).mul(value(b))),
+            Node::Power(_, n) if n.to_halves() == 0 => Some(Number::ONE),
+            Node::Power(a, n) => value(a).power(n.to_halves()),
+            Node::Call(function, a) => self.calculator.number(value(a)).call(function).as_constant(),
+            Node::Call2(function, a, b) => {
+                self.calculator.number(value(a)).call2(function, self.calculator.number(value(b))).as_constant()
+            }
+        }
+    }
+}
+
+/// A graph with rules: functions of constants fold in it as they will in the finished equations.
+struct Calculator(Graph);
+
+impl Calculator {
+    fn number(&self, value: Number) -> Expr<'_> {
+        self.0.constant(value)
+    }
+}
+
+impl Default for Calculator {
+    fn default() -> Self {
+        Calculator(Graph::new())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::expr::{Binary, Function};
+
+    #[test]
+    fn constants_fold_exactly() {
+        let graph = Graph::verbatim();
+        let mut facts = Facts::default();
+        let half = 1 / graph.integer(2);
+        let right_angle = graph.constant(Number::PI) * half;
+        assert_eq!(facts.constant(half), Number::rational(1, 2));
+        assert_eq!(facts.constant(-right_angle.cos() + half), Number::rational(1, 2));
+        assert_eq!(facts.constant(graph.integer(16).sqrt()), Some(Number::integer(4)));
+        assert_eq!(facts.constant(graph.integer(1).call2(Binary::Powf, half)), Some(Number::ONE));
+        assert_eq!(facts.constant(half.rate()), Some(Number::ZERO));
+        assert_eq!(facts.integer(graph.integer(7) - graph.integer(4)), Some(3));
+        assert_eq!(facts.integer(half), None);
+        assert_eq!(facts.constant(graph.symbol(Symbol::Parameter(0))), None);
+    }
+
+    #[test]
+    fn what_has_no_finite_value_is_undefined() {
+        let graph = Graph::verbatim();
+        let mut facts = Facts::default();
+        let zero = graph.integer(0);
+        let huge = graph.constant(Number::Real(1e300));
+        for expr in [1 / zero, zero.call(Function::Ln), graph.integer(-1).sqrt(), huge * huge, (1 / zero) * 2] {
+            assert_eq!(facts.constant(expr), None);
+            assert!(facts.dependence(expr).on(Dependence::UNDEFINED), "{expr}");
+        }
+    }
+
+    #[test]
+    fn dependences_add_up() {
+        let graph = Graph::verbatim();
+        let mut facts = Facts::default();
+        let [q, p, t] = [Symbol::Coordinate(0), Symbol::Parameter(0), Symbol::Time].map(|s| graph.symbol(s));
+        assert!(!facts.dependence(p * 2).moves());
+        assert!(facts.dependence(p * t).moves());
+        assert!(facts.dependence((p * q).rate()).on(Dependence::VELOCITY));
+        assert!(!facts.dependence(t.sin().rate()).on(Dependence::VELOCITY));
+        assert!(facts.dependence(t.sin().rate()).on(Dependence::RATE));
+    }
+}

@@ -1,0 +1,609 @@
+//! Expressions → values: literals, names, components, elements; and what values are used as.
+//!
+//! A function that cannot go on notes why and answers [`Refused`]. What is made of a refused value is refused without a
+//! word, and both sides of an operator are looked at before it is given up, so that one run reports all mistakes.
+
+use std::collections::{BTreeMap, HashSet};
+use std::rc::Rc;
+
+use super::builtin::{self, CONSTANTS};
+use super::check::Physical;
+use super::constant::{Dependence, Facts};
+use super::dimension::Dimension;
+use super::frame::{Edge, FrameId};
+use super::lagrangian::Lagrangian;
+use super::scope::Scope;
+use super::value::{Array, Free, Point, Pose, Scalar, Shape, Tensor, Term, Value, shared};
+use crate::diagnostic::{Diagnostics, nearest};
+use crate::expr::{Expr, Graph, Matrix, Number, Symbol, Vector};
+use crate::parse::syntax::{Expression, ExpressionKind, Name, Span};
+
+/// The expression is given up; why has been noted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Refused;
+
+pub(super) type Resolved<T> = Result<T, Refused>;
+
+/// A value with its place.
+#[derive(Clone, Debug)]
+pub(super) struct Argument<'g> {
+    pub(super) value: Value<'g>,
+    pub(super) span: Span,
+}
+
+/// Larger mechanisms have run away: the six-joint arm takes two thousand nodes.
+const MAX_NODES: usize = 2_000_000;
+
+/// The parser allows 256 levels; what was built by hand may be deeper.
+const MAX_DEPTH: usize = 300;
+
+/// Everything that is known while the statements are gone through.
+pub(super) struct Resolver<'d, 'g> {
+    pub(super) graph: &'g Graph,
+    pub(super) lagrangian: Lagrangian<'g>,
+    pub(super) scope: Scope<'g>,
+    pub(super) facts: Facts,
+    pub(super) errors: Diagnostics,
+    /// What has been said, and where: loops would repeat it.
+    said: HashSet<(usize, usize, String)>,
+    pub(super) dimensionless: bool,
+    /// The mechanism's own names, with what they are defined by.
+    pub(super) definitions: BTreeMap<&'d str, Option<&'d Expression>>,
+    /// The name that is being defined.
+    pub(super) defining: Option<&'d str>,
+    /// Masses and inertias, to be looked at when all is known.
+    pub(super) physical: Vec<Physical<'g>>,
+    /// Turns of loops so far.
+    pub(super) turns: usize,
+    depth: usize,
+    exhausted: bool,
+}
+
+// ---- messages and limits
+
+impl<'d, 'g> Resolver<'d, 'g> {
+    pub(super) fn new(graph: &'g Graph, name: &str, dimensionless: bool) -> Self {
+        Resolver {
+            graph,
+            lagrangian: Lagrangian::new(graph, name),
+            scope: Scope::new(),
+            facts: Facts::default(),
+            errors: Diagnostics::default(),
+            said: HashSet::new(),
+            dimensionless,
+            definitions: BTreeMap::new(),
+            defining: None,
+            physical: Vec::new(),
+            turns: 0,
+            depth: 0,
+            exhausted: false,
+        }
+    }
+
+    /// Notes an error, once.
+    pub(super) fn refuse(&mut self, span: &Span, message: impl Into<String>, help: impl Into<String>) -> Refused {
+        let (message, help) = (message.into(), help.into());
+        if self.said.insert((span.start, span.end, message.clone())) {
+            let error = self.errors.error(span.clone(), message);
+            if !help.is_empty() {
+                error.help(help);
+            }
+        }
+        Refused
+    }
+
+    /// Whether the mechanism has outgrown its limit; says so once.
+    pub(super) fn exhausted(&mut self, span: &Span) -> bool {
+        if !self.exhausted && self.graph.len() > MAX_NODES {
+            self.exhausted = true;
+            let message = format!("the expressions of this mechanism grow beyond {MAX_NODES} nodes");
+            self.refuse(span, message, "do loops repeat more than was meant, or do values double in each turn?");
+        }
+        self.exhausted
+    }
+
+    /// The dimension, where dimensions are looked at.
+    pub(super) fn dimension(&self, dimension: Dimension) -> Dimension {
+        if self.dimensionless { Dimension::ONE } else { dimension }
+    }
+
+    /// A dimension that may have run away.
+    pub(super) fn bounded(&mut self, dimension: Option<Dimension>, span: &Span) -> Resolved<Dimension> {
+        dimension.ok_or_else(|| self.refuse(span, "the exponents of this dimension are out of range", ""))
+    }
+}
+
+// ---- expressions
+
+impl<'d, 'g> Resolver<'d, 'g> {
+    /// The value of an expression.
+    pub(super) fn expression(&mut self, expression: &Expression) -> Resolved<Value<'g>> {
+        if self.exhausted(&expression.span) {
+            return Err(Refused);
+        }
+        if self.depth == MAX_DEPTH {
+            let message = format!("this is nested deeper than {MAX_DEPTH} levels");
+            return Err(self.refuse(&expression.span, message, "name the inner values with `let`"));
+        }
+        self.depth += 1;
+        let (first, steps) = expression.left_spine();
+        let mut value = self.operand(first);
+        for (operator, right) in steps {
+            let right_value = self.expression(right);
+            let span = first.span.start..right.span.end;
+            value = match (value, right_value) {
+                (Ok(left), Ok(value)) => {
+                    let left = Argument { value: left, span: first.span.start..right.span.start };
+                    let right = Argument { value, span: right.span.clone() };
+                    self.binary(operator, left, right, &span).and_then(|value| self.defined(value, &span))
+                }
+                _ => Err(Refused),
+            };
+        }
+        self.depth -= 1;
+        value
+    }
+
+    /// The value of an expression, with its place.
+    pub(super) fn argument(&mut self, expression: &Expression) -> Resolved<Argument<'g>> {
+        Ok(Argument { value: self.expression(expression)?, span: expression.span.clone() })
+    }
+
+    /// The values of all expressions; all are looked at before any is given up.
+    fn arguments(&mut self, expressions: &[Expression]) -> Resolved<Vec<Argument<'g>>> {
+        let values: Vec<_> = expressions.iter().map(|e| self.argument(e)).collect();
+        values.into_iter().collect()
+    }
+
+    fn operand(&mut self, expression: &Expression) -> Resolved<Value<'g>> {
+        let span = &expression.span;
+        match &expression.kind {
+            ExpressionKind::Number(text) => self.number(text, span),
+            ExpressionKind::Name(name) => self.name(name, span),
+            ExpressionKind::Negate(inner) => {
+                let value = self.argument(inner)?;
+                self.negative(value)
+            }
+            // The left spine has taken these apart.
+            ExpressionKind::Binary(..) => self.expression(expression),
+            ExpressionKind::Call(name, arguments) => {
+                let arguments = self.arguments(arguments);
+                let value = builtin::function(self, name, arguments, span)?;
+                self.defined(value, span)
+            }
+            ExpressionKind::Method(receiver, name, arguments) => {
+                let receiver = self.argument(receiver);
+                let arguments = self.arguments(arguments);
+                builtin::method(self, name, receiver, arguments, span)
+            }
+            ExpressionKind::Field(value, field) => {
+                let value = self.argument(value)?;
+                self.component(&value, field)
+            }
+            ExpressionKind::Index(array, index) => {
+                let (array, index) = (self.argument(array), self.argument(index));
+                self.element(&array?, &index?)
+            }
+            ExpressionKind::Array(elements) => {
+                let elements = self.arguments(elements)?;
+                self.array(elements.into_iter().map(|e| e.value).collect(), span)
+            }
+        }
+    }
+
+    fn number(&mut self, text: &str, span: &Span) -> Resolved<Value<'g>> {
+        match Number::parse_decimal(text) {
+            Some(value) => Ok(Value::Scalar(Scalar::plain(self.graph.constant(value)))),
+            None => Err(self.refuse(span, format!("`{text}` is not a number"), "")),
+        }
+    }
+
+    pub(super) fn array(&mut self, values: Vec<Value<'g>>, span: &Span) -> Resolved<Value<'g>> {
+        if values.is_empty() {
+            return Err(self.refuse(span, "an array has at least one element", ""));
+        }
+        match Array::new(values) {
+            Some(array) => Ok(Value::Array(array)),
+            None => Err(self.refuse(span, "this array is too large or nested too deeply", "")),
+        }
+    }
+
+    /// A number, if it is one: `sqrt(-2)` and the like are not.
+    fn defined(&mut self, value: Value<'g>, span: &Span) -> Resolved<Value<'g>> {
+        match value {
+            Value::Scalar(scalar) if self.facts.dependence(scalar.expr).on(Dependence::UNDEFINED) => {
+                Err(self.refuse(span, "this is not a finite real number", ""))
+            }
+            value => Ok(value),
+        }
+    }
+}
+
+// ---- names
+
+impl<'d, 'g> Resolver<'d, 'g> {
+    fn name(&mut self, name: &str, span: &Span) -> Resolved<Value<'g>> {
+        if let Some(binding) = self.scope.get(name) {
+            return binding.value.clone().ok_or(Refused);
+        }
+        match name {
+            "pi" => Ok(Value::Scalar(Scalar::plain(self.graph.constant(Number::PI)))),
+            "deg" => {
+                let degree = Number::rational(1, 180).unwrap_or(Number::ONE).mul(Number::PI);
+                Ok(Value::Scalar(Scalar::plain(self.graph.constant(degree))))
+            }
+            "t" => Ok(Value::Scalar(Scalar::new(self.graph.symbol(Symbol::Time), self.dimension(Dimension::TIME)))),
+            "world" => Ok(Value::Pose(Pose { base: FrameId::WORLD, edges: Vec::new() })),
+            _ => Err(self.unknown(name, span)),
+        }
+    }
+
+    fn unknown(&mut self, name: &str, span: &Span) -> Refused {
+        if let Some(cycle) = self.cycle(name) {
+            let message = format!("`{name}` is defined by itself: {}", cycle.join(" → "));
+            return self.refuse(span, message, "a `let mut` can take a new value made of its old one: `x = x + …;`");
+        }
+        if self.definitions.contains_key(name) {
+            let message = format!("`{name}` is declared further down");
+            return self.refuse(span, message, "names are known from their declaration on: move it up");
+        }
+        if let Some(form) = builtin::form_of_function(name) {
+            return self.refuse(span, format!("`{name}` is a function"), format!("write `{form}`"));
+        }
+        let known = self.scope.names().map(|(name, _)| name).chain(CONSTANTS);
+        let help = match nearest(name, known) {
+            Some(meant) => format!("did you mean `{meant}`?"),
+            None => format!("declare it: `param {name}: m = …;` or `let {name} = …;`"),
+        };
+        self.refuse(span, format!("`{name}` is not declared"), help)
+    }
+
+    /// From the name that is being defined through `name` back to it, where its definition leads there.
+    fn cycle(&self, name: &str) -> Option<Vec<String>> {
+        let start = self.defining?;
+        let (&name, _) = self.definitions.get_key_value(name)?;
+        let mut reached_from: BTreeMap<&str, &str> = BTreeMap::from([(name, start)]);
+        let mut waiting = vec![name];
+        while let Some(at) = waiting.pop() {
+            if at == start {
+                let mut back = std::iter::successors(Some(start), |at| reached_from.get(at).copied());
+                let mut path: Vec<String> = back.next().into_iter().map(str::to_string).collect();
+                for step in back {
+                    path.push(step.to_string());
+                    if step == start {
+                        break;
+                    }
+                }
+                path.reverse();
+                return Some(path);
+            }
+            for next in self.definitions.get(at).copied().flatten().map(names_in).unwrap_or_default() {
+                if let Some((&next, _)) = self.definitions.get_key_value(next)
+                    && !reached_from.contains_key(next)
+                {
+                    reached_from.insert(next, at);
+                    waiting.push(next);
+                }
+            }
+        }
+        None
+    }
+}
+
+/// The names that an expression uses.
+fn names_in(expression: &Expression) -> Vec<&str> {
+    let (mut names, mut waiting) = (Vec::new(), vec![expression]);
+    while let Some(expression) = waiting.pop() {
+        match &expression.kind {
+            ExpressionKind::Number(_) => {}
+            ExpressionKind::Name(name) => names.push(name.as_str()),
+            ExpressionKind::Negate(a) | ExpressionKind::Field(a, _) => waiting.push(a),
+            ExpressionKind::Binary(_, a, b) | ExpressionKind::Index(a, b) => waiting.extend([&**a, &**b]),
+            ExpressionKind::Call(_, arguments) | ExpressionKind::Array(arguments) => waiting.extend(arguments),
+            ExpressionKind::Method(a, _, arguments) => {
+                waiting.push(a);
+                waiting.extend(arguments);
+            }
+        }
+    }
+    names
+}
+
+// ---- components and elements
+
+impl<'d, 'g> Resolver<'d, 'g> {
+    /// `v.x`: the component along a world axis; only that one is turned.
+    fn component(&mut self, value: &Argument<'g>, field: &Name) -> Resolved<Value<'g>> {
+        let Some(axis) = ["x", "y", "z"].iter().position(|axis| *axis == field.text) else {
+            let help = match builtin::form_of_method(&field.text) {
+                Some(form) => format!("write `{form}`"),
+                None => "vectors and points have `.x`, `.y` and `.z`, along the axes of the world".to_string(),
+            };
+            return Err(self.refuse(&field.span, format!("there is no component `{}`", field.text), help));
+        };
+        if let Value::Point(Point { coordinates, frame }) = value.value {
+            let place = self.lagrangian.frames.get(frame);
+            let turned = self.turned(coordinates, frame, axis);
+            let offset = self.lagrangian.frames.get(frame).position.0[axis];
+            let expr = if place.position.0.iter().all(|p| p.is_zero()) { turned } else { offset + turned };
+            return Ok(Value::Scalar(Scalar::new(expr, self.dimension(Dimension::LENGTH))));
+        }
+        let Free { components, frame, dimension } = self.vector(value)?;
+        Ok(Value::Scalar(Scalar::new(self.turned(components, frame, axis), dimension)))
+    }
+
+    /// One component in world axes.
+    fn turned(&self, v: Vector<'g>, frame: FrameId, axis: usize) -> Expr<'g> {
+        match self.same_axes(frame, FrameId::WORLD) {
+            true => v.0[axis],
+            false => Vector(self.lagrangian.frames.get(frame).rotation.0[axis]).dot(v),
+        }
+    }
+
+    fn element(&mut self, array: &Argument<'g>, index: &Argument<'g>) -> Resolved<Value<'g>> {
+        if let Value::Array(array) = &array.value {
+            let number = self.index(index, array.values().len())?;
+            return Ok(array.values()[number].clone());
+        }
+        let elements = self.elements(array)?;
+        let number = self.index(index, elements.len())?;
+        Ok(elements[number].clone())
+    }
+
+    /// What can be picked by an index.
+    pub(super) fn elements(&mut self, array: &Argument<'g>) -> Resolved<Vec<Value<'g>>> {
+        let dimension = |dimension| move |expr| Value::Scalar(Scalar::new(expr, dimension));
+        match &array.value {
+            Value::Array(array) => Ok(array.values().to_vec()),
+            Value::Vector(_) | Value::Point(_) => {
+                let vector = self.vector(array)?;
+                Ok(self.in_world(vector).0.map(dimension(vector.dimension)).to_vec())
+            }
+            Value::Matrix(Tensor { entries, dimension: of_entries }) => {
+                let rows = entries.0.map(|row| Array::new(row.map(dimension(*of_entries)).to_vec()));
+                Ok(rows.into_iter().flatten().map(Value::Array).collect())
+            }
+            other => {
+                let message = format!("{} has no elements", other.described());
+                Err(self.refuse(&array.span, message, "arrays are declared with their length: `param mass[6]: kg = 1;`"))
+            }
+        }
+    }
+
+    /// A constant integer below `length`.
+    pub(super) fn index(&mut self, index: &Argument<'g>, length: usize) -> Resolved<usize> {
+        let value = self.integer(index, "an index")?;
+        match usize::try_from(value) {
+            Ok(number) if number < length => Ok(number),
+            _ => {
+                let message = format!("the index {value} is out of range: there are {length} elements");
+                Err(self.refuse(&index.span, message, format!("indices run from 0 to {}", length - 1)))
+            }
+        }
+    }
+
+    /// A constant integer.
+    pub(super) fn integer(&mut self, argument: &Argument<'g>, what: &str) -> Resolved<i64> {
+        let Scalar { expr, dimension } = self.scalar(argument)?;
+        match self.facts.integer(expr).filter(|_| dimension == Dimension::ONE || expr.is_zero()) {
+            Some(value) => Ok(value),
+            None => {
+                let help = "it is made of numbers, constants and loop variables";
+                Err(self.refuse(&argument.span, format!("{what} must be a constant integer"), help))
+            }
+        }
+    }
+}
+
+// ---- what values are used as
+
+impl<'d, 'g> Resolver<'d, 'g> {
+    pub(super) fn wrong_shape(&mut self, argument: &Argument<'g>, wanted: Shape) -> Refused {
+        let message = format!("expected {}, found {}", wanted.described(), argument.value.described());
+        let help = match (wanted, argument.value.shape()) {
+            (Shape::Number, Shape::Vector) => "of a vector, `.x`, `.norm()` and `.dot(v)` are numbers",
+            (Shape::Vector, Shape::Pose) => "the place of a pose is `pose.origin()`",
+            (Shape::Vector, Shape::Number) => "a vector is written `[x, y, z]`",
+            (Shape::Pose, _) => "poses are made by `rot_z(angle)`, `translation([x, y, z])`, `dh(theta, d, a, alpha)`",
+            _ => "",
+        };
+        self.refuse(&argument.span, message, help)
+    }
+
+    pub(super) fn scalar(&mut self, argument: &Argument<'g>) -> Resolved<Scalar<'g>> {
+        match &argument.value {
+            Value::Scalar(scalar) => Ok(*scalar),
+            Value::Energy(terms) => Ok(Scalar::new(self.sum_of(terms), self.dimension(Dimension::ENERGY))),
+            _ => Err(self.wrong_shape(argument, Shape::Number)),
+        }
+    }
+
+    fn sum_of(&self, terms: &Rc<[Term<'g>]>) -> Expr<'g> {
+        let of = |term: &Term<'g>| match term {
+            Term::Body(body) => self.lagrangian.kinetic_energy_of(body),
+            Term::Other(expr) => *expr,
+        };
+        terms.iter().map(of).reduce(|sum, term| sum + term).unwrap_or_else(|| self.graph.integer(0))
+    }
+
+    /// A number of the dimension wanted; `what` begins the message.
+    pub(super) fn of_dimension(&mut self, argument: &Argument<'g>, what: &str, wanted: Dimension) -> Resolved<Expr<'g>> {
+        let scalar = self.scalar(argument)?;
+        self.check_dimension(scalar.fit(), what, wanted, &argument.span)?;
+        Ok(scalar.expr)
+    }
+
+    /// `what` begins the message.
+    pub(super) fn check_dimension(
+        &mut self,
+        found: (Dimension, bool),
+        what: &str,
+        wanted: Dimension,
+        span: &Span,
+    ) -> Resolved<()> {
+        let wanted = self.dimension(wanted);
+        if shared((wanted, false), found).is_some() {
+            return Ok(());
+        }
+        let help = match (wanted, found.0) {
+            (Dimension::ONE, _) => "divide by a quantity of the same dimension".to_string(),
+            (_, Dimension::ONE) => "a number has no unit of its own: declare it, `const name: unit = value;`".to_string(),
+            _ => String::new(),
+        };
+        Err(self.refuse(span, format!("{what} must be {}, this is {}", in_words(wanted), in_words(found.0)), help))
+    }
+
+    /// A vector in any axes; a point stands for its place in the world.
+    pub(super) fn vector(&mut self, argument: &Argument<'g>) -> Resolved<Free<'g>> {
+        match &argument.value {
+            Value::Vector(vector) => Ok(*vector),
+            Value::Point(point) => Ok(self.position(*point)),
+            Value::Array(array) if argument.value.shape() == Shape::Vector => {
+                let (exprs, dimension) = self.numbers(array.values(), "the components of a vector", &argument.span)?;
+                Ok(Free { components: Vector(exprs), frame: FrameId::WORLD, dimension })
+            }
+            _ => Err(self.wrong_shape(argument, Shape::Vector)),
+        }
+    }
+
+    /// Three numbers of one dimension.
+    fn numbers(&mut self, values: &[Value<'g>], what: &str, span: &Span) -> Resolved<([Expr<'g>; 3], Dimension)> {
+        let mut exprs = [self.graph.integer(0); 3];
+        let mut common = (Dimension::ONE, true);
+        for (expr, value) in exprs.iter_mut().zip(values) {
+            let number = self.scalar(&Argument { value: value.clone(), span: span.clone() })?;
+            *expr = number.expr;
+            let Some(dimension) = shared(common, number.fit()) else {
+                let message =
+                    format!("{what} share one dimension, these are {} and {}", common.0, number.dimension);
+                return Err(self.refuse(span, message, ""));
+            };
+            common = (dimension, common.1 && number.expr.is_zero());
+        }
+        Ok((exprs, common.0))
+    }
+
+    pub(super) fn matrix(&mut self, argument: &Argument<'g>) -> Resolved<Tensor<'g>> {
+        match &argument.value {
+            Value::Matrix(matrix) => Ok(*matrix),
+            Value::Array(array) if argument.value.shape() == Shape::Matrix => {
+                let mut rows = [[self.graph.integer(0); 3]; 3];
+                let mut common = (Dimension::ONE, true);
+                for (row, value) in rows.iter_mut().zip(array.values()) {
+                    let found = self.vector(&Argument { value: value.clone(), span: argument.span.clone() })?;
+                    *row = self.in_world(found).0;
+                    let Some(dimension) = shared(common, found.fit()) else {
+                        let message = "the entries of a matrix share one dimension";
+                        return Err(self.refuse(&argument.span, message, ""));
+                    };
+                    common = (dimension, common.1 && found.fit().1);
+                }
+                Ok(Tensor { entries: Matrix(rows), dimension: common.0 })
+            }
+            _ => Err(self.wrong_shape(argument, Shape::Matrix)),
+        }
+    }
+
+    /// The frame of a pose.
+    pub(super) fn frame(&mut self, argument: &Argument<'g>) -> Resolved<FrameId> {
+        match &argument.value {
+            Value::Pose(pose) => self.attached(pose, &argument.span),
+            _ => Err(self.wrong_shape(argument, Shape::Pose)),
+        }
+    }
+
+    /// The frame of a pose.
+    pub(super) fn attached(&mut self, pose: &Pose<'g>, span: &Span) -> Resolved<FrameId> {
+        let mut frame = pose.base;
+        for &edge in &pose.edges {
+            if self.exhausted(span) {
+                return Err(Refused);
+            }
+            frame = self.lagrangian.frames.attach(frame, edge);
+        }
+        Ok(frame)
+    }
+}
+
+// ---- axes
+
+impl<'d, 'g> Resolver<'d, 'g> {
+    /// Whether components in the one frame are components in the other.
+    pub(super) fn same_axes(&self, a: FrameId, b: FrameId) -> bool {
+        let frames = &self.lagrangian.frames;
+        a == b || frames.get(a).rotation == frames.get(b).rotation
+    }
+
+    pub(super) fn in_world(&self, vector: Free<'g>) -> Vector<'g> {
+        match self.same_axes(vector.frame, FrameId::WORLD) {
+            true => vector.components,
+            false => self.lagrangian.frames.get(vector.frame).rotation * vector.components,
+        }
+    }
+
+    /// From the origin of the world, in its axes.
+    pub(super) fn position(&self, Point { coordinates, frame }: Point<'g>) -> Free<'g> {
+        let dimension = self.dimension(Dimension::LENGTH);
+        let components = match frame {
+            FrameId::WORLD => coordinates,
+            frame => self.lagrangian.position(coordinates, frame),
+        };
+        Free { components, frame: FrameId::WORLD, dimension }
+    }
+
+    /// Two vectors in common axes: their own where they share them, else those of the world.
+    pub(super) fn aligned(&self, a: Free<'g>, b: Free<'g>) -> (Vector<'g>, Vector<'g>, FrameId) {
+        if self.same_axes(a.frame, b.frame) || b.fit().1 {
+            (a.components, b.components, a.frame)
+        } else if a.fit().1 {
+            (a.components, b.components, b.frame)
+        } else {
+            (self.in_world(a), self.in_world(b), FrameId::WORLD)
+        }
+    }
+
+    /// Components in the axes of `frame`, of a plain `[x, y, z]` or a vector of that frame.
+    pub(super) fn components_in(&mut self, argument: &Argument<'g>, frame: FrameId, what: &str) -> Resolved<Free<'g>> {
+        let vector = match argument.value {
+            Value::Point(Point { coordinates, frame }) => {
+                Free { components: coordinates, frame, dimension: self.dimension(Dimension::LENGTH) }
+            }
+            _ => self.vector(argument)?,
+        };
+        let is_point = matches!(argument.value, Value::Point(_));
+        let plain = vector.frame == FrameId::WORLD && !is_point;
+        let of_frame = if is_point { vector.frame == frame } else { self.same_axes(vector.frame, frame) };
+        if plain || of_frame {
+            return Ok(Free { frame, ..vector });
+        }
+        let message = format!("{what} belongs to another pose");
+        Err(self.refuse(&argument.span, message, "write its components in the axes of this pose: `[x, y, z]`"))
+    }
+
+    /// An edge of a pose; `None` where it does nothing.
+    pub(super) fn edge(&mut self, edge: Edge<'g>, span: &Span) -> Resolved<Option<Edge<'g>>> {
+        let motion: Vec<Expr<'g>> = match edge {
+            Edge::Rotation { angle, .. } => vec![angle],
+            Edge::Translation(t) => t.0.to_vec(),
+        };
+        let dependence = motion.iter().map(|e| self.facts.dependence(*e)).fold(Dependence::default(), Dependence::or);
+        if dependence.on(Dependence::INPUT) {
+            let help = "the rate of an input is not known: make it a coordinate or a formula of `t`";
+            return Err(self.refuse(span, "a pose cannot depend on an input", help));
+        }
+        if dependence.on(Dependence::RATE) {
+            let help = "its own velocity would be an acceleration";
+            return Err(self.refuse(span, "a pose cannot depend on a time derivative", help));
+        }
+        let still = motion.iter().all(|e| self.facts.constant(*e).is_some_and(Number::is_zero));
+        Ok((!still).then_some(edge))
+    }
+}
+
+/// A dimension for messages.
+pub(super) fn in_words(dimension: Dimension) -> String {
+    match dimension {
+        Dimension::ONE => "a plain number".to_string(),
+        dimension => dimension.to_string(),
+    }
+}

@@ -1,0 +1,381 @@
+//! `+ - * / ^` and the sign, on every pair of values that has one.
+
+use super::constant::Dependence;
+use super::dimension::Dimension;
+use super::evaluate::{Argument, Refused, Resolved, Resolver, in_words};
+use super::frame::FrameId;
+use super::value::{Free, Point, Pose, Scalar, Shape, Tensor, Term, Value, shared};
+use crate::expr::{Binary, Expr, HalfInteger, Matrix, Number};
+use crate::parse::syntax::{BinaryOperator, Span};
+
+/// Exponents beyond this are a slip of the pen.
+const LARGEST_EXPONENT: i128 = 100;
+
+/// A longer sum of bodies becomes one number: in loops it could double.
+const MAX_TERMS: usize = 10_000;
+
+/// A longer pose becomes a frame.
+const MAX_EDGES: usize = 16;
+
+impl<'d, 'g> Resolver<'d, 'g> {
+    /// `left operator right`
+    pub(super) fn binary(
+        &mut self,
+        operator: BinaryOperator,
+        left: Argument<'g>,
+        right: Argument<'g>,
+        span: &Span,
+    ) -> Resolved<Value<'g>> {
+        match operator {
+            BinaryOperator::Add => self.sum(left, right, false, span),
+            BinaryOperator::Sub => self.sum(left, right, true, span),
+            BinaryOperator::Mul => self.product(left, right, span),
+            BinaryOperator::Div => self.quotient(left, right, span),
+            BinaryOperator::Pow => self.power(left, right, span),
+        }
+    }
+
+    /// `−a`
+    pub(super) fn negative(&mut self, a: Argument<'g>) -> Resolved<Value<'g>> {
+        match a.value.shape() {
+            Shape::Number => {
+                let a = self.scalar(&a)?;
+                Ok(Value::Scalar(Scalar::new(-a.expr, a.dimension)))
+            }
+            Shape::Vector => {
+                let a = self.vector(&a)?;
+                Ok(Value::Vector(Free { components: -a.components, ..a }))
+            }
+            Shape::Matrix => {
+                let a = self.matrix(&a)?;
+                Ok(Value::Matrix(Tensor { entries: Matrix(a.entries.0.map(|row| row.map(|x| -x))), ..a }))
+            }
+            Shape::Pose => Err(self.refuse(&a.span, "a pose has no sign", "the inverse of a pose is `pose.inverse()`")),
+            Shape::Array => Err(self.no_array_arithmetic(&a)),
+        }
+    }
+
+    fn no_array_arithmetic(&mut self, a: &Argument<'g>) -> Refused {
+        let message = format!("{} cannot be calculated with as a whole", a.value.described());
+        self.refuse(&a.span, message, "only vectors can, arrays of three numbers: use its elements, `a[0]`")
+    }
+
+    fn no_operator(&mut self, sign: &str, left: &Argument<'g>, right: &Argument<'g>, span: &Span) -> Refused {
+        for side in [left, right] {
+            if side.value.shape() == Shape::Array {
+                return self.no_array_arithmetic(side);
+            }
+        }
+        let message = format!("no `{sign}` between {} and {}", left.value.described(), right.value.described());
+        let help = match (sign, left.value.shape(), right.value.shape()) {
+            ("*", Shape::Vector, Shape::Vector) => "write `a.dot(b)` or `a.cross(b)`",
+            ("^", Shape::Vector, _) => "the square of a vector is `v.norm_squared()`",
+            ("*", Shape::Vector, Shape::Pose | Shape::Matrix) => "the vector stands behind what turns it: `pose * v`",
+            ("+" | "-", Shape::Pose, Shape::Pose) => "poses are composed by `*`",
+            ("+" | "-", Shape::Pose, _) => "a shifted pose is `pose * translation([x, y, z])`",
+            ("/", _, Shape::Pose) => "the inverse of a pose is `pose.inverse()`",
+            ("/", _, Shape::Vector) => "divide by its length, `v.norm()`",
+            _ => "",
+        };
+        self.refuse(span, message, help)
+    }
+}
+
+// ---- sums
+
+impl<'d, 'g> Resolver<'d, 'g> {
+    fn sum(&mut self, a: Argument<'g>, b: Argument<'g>, minus: bool, span: &Span) -> Resolved<Value<'g>> {
+        match (a.value.shape(), b.value.shape()) {
+            (Shape::Number, Shape::Number) if !minus => self.sum_of_terms(a, b, span),
+            (Shape::Number, Shape::Number) => {
+                let (a, b) = (self.scalar(&a)?, self.scalar(&b)?);
+                let dimension = self.common(a.fit(), b.fit(), span)?;
+                Ok(Value::Scalar(Scalar::new(a.expr - b.expr, dimension)))
+            }
+            (Shape::Vector, Shape::Vector) => self.sum_of_vectors(a, b, minus, span),
+            (Shape::Matrix, Shape::Matrix) => {
+                let (a, b) = (self.matrix(&a)?, self.matrix(&b)?);
+                let dimension = self.common(a.fit(), b.fit(), span)?;
+                let entries = if minus { a.entries - b.entries } else { a.entries + b.entries };
+                Ok(Value::Matrix(Tensor { entries, dimension }))
+            }
+            _ => Err(self.no_operator(if minus { "-" } else { "+" }, &a, &b, span)),
+        }
+    }
+
+    fn common(&mut self, a: (Dimension, bool), b: (Dimension, bool), span: &Span) -> Resolved<Dimension> {
+        shared(a, b).ok_or_else(|| {
+            let message = format!("a sum needs equal dimensions, these are {} and {}", in_words(a.0), in_words(b.0));
+            self.refuse(span, message, "")
+        })
+    }
+
+    /// Bodies stay visible in a sum.
+    fn sum_of_terms(&mut self, a: Argument<'g>, b: Argument<'g>, span: &Span) -> Resolved<Value<'g>> {
+        let (left, right) = (self.scalar(&a)?, self.scalar(&b)?);
+        let dimension = self.common(left.fit(), right.fit(), span)?;
+        let terms: Vec<Term<'g>> = match (&a.value, &b.value) {
+            (Value::Energy(a), Value::Energy(b)) => a.iter().chain(b.iter()).copied().collect(),
+            (Value::Energy(energy), Value::Scalar(other)) | (Value::Scalar(other), Value::Energy(energy)) => {
+                let other = (!other.expr.is_zero()).then_some(Term::Other(other.expr));
+                energy.iter().copied().chain(other).collect()
+            }
+            _ => Vec::new(),
+        };
+        if terms.is_empty() || terms.len() > MAX_TERMS {
+            return Ok(Value::Scalar(Scalar::new(left.expr + right.expr, dimension)));
+        }
+        Ok(Value::Energy(terms.into()))
+    }
+
+    /// A point moved by a vector in its own axes stays a point of its frame; two of its points differ by a vector in them.
+    fn sum_of_vectors(&mut self, a: Argument<'g>, b: Argument<'g>, minus: bool, span: &Span) -> Resolved<Value<'g>> {
+        let (left, right) = (self.vector(&a)?, self.vector(&b)?);
+        let dimension = self.common(left.fit(), right.fit(), span)?;
+        match (&a.value, &b.value) {
+            (Value::Point(p), Value::Point(q)) if minus && p.frame == q.frame => {
+                let components = p.coordinates - q.coordinates;
+                return Ok(Value::Vector(Free { components, frame: p.frame, dimension }));
+            }
+            (Value::Point(_), Value::Point(_)) => {}
+            (Value::Point(p), _) if self.same_axes(p.frame, right.frame) => {
+                let moved = if minus { p.coordinates - right.components } else { p.coordinates + right.components };
+                return Ok(Value::Point(Point { coordinates: moved, ..*p }));
+            }
+            (_, Value::Point(p)) if !minus && self.same_axes(p.frame, left.frame) => {
+                return Ok(Value::Point(Point { coordinates: left.components + p.coordinates, ..*p }));
+            }
+            _ => {}
+        }
+        let (u, v, frame) = self.aligned(left, right);
+        Ok(Value::Vector(Free { components: if minus { u - v } else { u + v }, frame, dimension }))
+    }
+}
+
+// ---- products
+
+impl<'d, 'g> Resolver<'d, 'g> {
+    fn product(&mut self, a: Argument<'g>, b: Argument<'g>, span: &Span) -> Resolved<Value<'g>> {
+        match (a.value.shape(), b.value.shape()) {
+            (Shape::Number, Shape::Number) => {
+                let (a, b) = (self.scalar(&a)?, self.scalar(&b)?);
+                let dimension = self.bounded(a.dimension.times(b.dimension), span)?;
+                Ok(Value::Scalar(Scalar::new(a.expr * b.expr, dimension)))
+            }
+            (Shape::Number, Shape::Vector | Shape::Matrix) => {
+                let factor = self.scalar(&a)?;
+                self.scaled(factor, &b, span)
+            }
+            (Shape::Vector | Shape::Matrix, Shape::Number) => {
+                let factor = self.scalar(&b)?;
+                self.scaled(factor, &a, span)
+            }
+            (Shape::Matrix, Shape::Matrix) => {
+                let (a, b) = (self.matrix(&a)?, self.matrix(&b)?);
+                let dimension = self.bounded(a.dimension.times(b.dimension), span)?;
+                Ok(Value::Matrix(Tensor { entries: a.entries * b.entries, dimension }))
+            }
+            (Shape::Matrix, Shape::Vector) => {
+                let (a, v) = (self.matrix(&a)?, self.vector(&b)?);
+                let dimension = self.bounded(a.dimension.times(v.dimension), span)?;
+                Ok(Value::Vector(Free { components: a.entries * v.components, frame: v.frame, dimension }))
+            }
+            (Shape::Pose, Shape::Pose | Shape::Vector) => self.posed(a, b),
+            _ => Err(self.no_operator("*", &a, &b, span)),
+        }
+    }
+
+    fn scaled(&mut self, factor: Scalar<'g>, b: &Argument<'g>, span: &Span) -> Resolved<Value<'g>> {
+        if b.value.shape() == Shape::Matrix {
+            let matrix = self.matrix(b)?;
+            let dimension = self.bounded(factor.dimension.times(matrix.dimension), span)?;
+            return Ok(Value::Matrix(Tensor { entries: matrix.entries.scale(factor.expr), dimension }));
+        }
+        let vector = self.vector(b)?;
+        let dimension = self.bounded(factor.dimension.times(vector.dimension), span)?;
+        Ok(Value::Vector(Free { components: vector.components.scale(factor.expr), dimension, ..vector }))
+    }
+
+    /// A pose moves poses and points, and turns vectors.
+    fn posed(&mut self, a: Argument<'g>, b: Argument<'g>) -> Resolved<Value<'g>> {
+        let Value::Pose(pose) = &a.value else { return Err(self.wrong_shape(&a, Shape::Pose)) };
+        match &b.value {
+            Value::Pose(inner) => self.composed(pose, inner, &a.span).map(Value::Pose),
+            Value::Point(Point { coordinates, frame }) => {
+                let frame = self.moved(pose, *frame, &a.span)?;
+                Ok(Value::Point(Point { coordinates: *coordinates, frame }))
+            }
+            _ => {
+                let vector = self.vector(&b)?;
+                let frame = self.moved(pose, vector.frame, &a.span)?;
+                Ok(Value::Vector(Free { frame, ..vector }))
+            }
+        }
+    }
+
+    /// The frame that moves in `pose` as `frame` moves in the world.
+    fn moved(&mut self, pose: &Pose<'g>, frame: FrameId, span: &Span) -> Resolved<FrameId> {
+        let edges = self.lagrangian.frames.path(frame);
+        self.attached(&Pose { base: self.attached(pose, span)?, edges }, span)
+    }
+
+    fn composed(&mut self, a: &Pose<'g>, b: &Pose<'g>, span: &Span) -> Resolved<Pose<'g>> {
+        let mut edges = self.lagrangian.frames.path(b.base);
+        edges.extend_from_slice(&b.edges);
+        let mut pose = a.clone();
+        if a.edges.len() + edges.len() > MAX_EDGES {
+            pose = Pose { base: self.attached(a, span)?, edges: Vec::new() };
+        }
+        if edges.len() > MAX_EDGES {
+            pose = Pose { base: self.attached(&Pose { base: pose.base, edges }, span)?, edges: Vec::new() };
+        } else {
+            pose.edges.extend(edges);
+        }
+        Ok(pose)
+    }
+
+    /// The inverse pose.
+    pub(super) fn inverse(&mut self, pose: &Pose<'g>, span: &Span) -> Resolved<Pose<'g>> {
+        let mut edges = self.lagrangian.frames.path(pose.base);
+        edges.extend_from_slice(&pose.edges);
+        let edges: Vec<_> = edges.into_iter().rev().map(|edge| edge.reversed()).collect();
+        let inverse = Pose { base: FrameId::WORLD, edges };
+        if inverse.edges.len() <= MAX_EDGES {
+            return Ok(inverse);
+        }
+        Ok(Pose { base: self.attached(&inverse, span)?, edges: Vec::new() })
+    }
+}
+
+// ---- quotients and powers
+
+impl<'d, 'g> Resolver<'d, 'g> {
+    fn quotient(&mut self, a: Argument<'g>, b: Argument<'g>, span: &Span) -> Resolved<Value<'g>> {
+        if b.value.shape() != Shape::Number || !matches!(a.value.shape(), Shape::Number | Shape::Vector | Shape::Matrix) {
+            return Err(self.no_operator("/", &a, &b, span));
+        }
+        let divisor = self.scalar(&b)?;
+        if self.facts.constant(divisor.expr).is_some_and(Number::is_zero) {
+            return Err(self.refuse(&b.span, "division by zero", ""));
+        }
+        let inverse = Scalar {
+            expr: divisor.expr.power(HalfInteger::MINUS_ONE),
+            dimension: self.bounded(divisor.dimension.power(-1, 1), span)?,
+        };
+        if a.value.shape() != Shape::Number {
+            return self.scaled(inverse, &a, span);
+        }
+        let a = self.scalar(&a)?;
+        let dimension = self.bounded(a.dimension.times(inverse.dimension), span)?;
+        Ok(Value::Scalar(Scalar::new(a.expr * inverse.expr, dimension)))
+    }
+
+    fn power(&mut self, a: Argument<'g>, b: Argument<'g>, span: &Span) -> Resolved<Value<'g>> {
+        if (a.value.shape(), b.value.shape()) != (Shape::Number, Shape::Number) {
+            return Err(self.no_operator("^", &a, &b, span));
+        }
+        let base = self.scalar(&a)?;
+        let exponent = self.of_dimension(&b, "an exponent", Dimension::ONE)?;
+        let constant = self.facts.constant(exponent);
+        if let Some(Number::Exact { numerator, denominator: denominator @ (1 | 2), pi: 0 }) = constant {
+            return self.rational_power(base, numerator, denominator, (&a.span, &b.span), span);
+        }
+        if base.dimension != Dimension::ONE {
+            let message = format!("a power of {} needs an exponent such as 2, -1 or 1/2", base.dimension);
+            return Err(self.refuse(&b.span, message, "other exponents are for plain numbers only"));
+        }
+        if self.facts.constant(base.expr).is_some_and(Number::is_negative) {
+            let message = "a negative number has no power with this exponent";
+            return Err(self.refuse(&a.span, message, "integers and halves are exponents for any base"));
+        }
+        Ok(Value::Scalar(Scalar::plain(base.expr.call2(Binary::Powf, exponent))))
+    }
+
+    fn rational_power(
+        &mut self,
+        base: Scalar<'g>,
+        numerator: i128,
+        denominator: i128,
+        (at_base, at_exponent): (&Span, &Span),
+        span: &Span,
+    ) -> Resolved<Value<'g>> {
+        if numerator.abs() > LARGEST_EXPONENT * denominator {
+            let message = format!("an exponent is at most {LARGEST_EXPONENT}");
+            return Err(self.refuse(at_exponent, message, "`exp(n * ln(x))` takes any"));
+        }
+        if numerator < 0 && self.facts.constant(base.expr).is_some_and(Number::is_zero) {
+            return Err(self.refuse(at_base, "division by zero", ""));
+        }
+        let (n, d) = (numerator as i32, denominator as i32);
+        let dimension = self.bounded(base.dimension.power(n, d), span)?;
+        Ok(Value::Scalar(Scalar::new(base.expr.power(HalfInteger::halves(2 / d * n)), dimension)))
+    }
+}
+
+// ---- time derivatives
+
+impl<'d, 'g> Resolver<'d, 'g> {
+    /// The total time derivative: of vectors with `ω × v`, in the axes that they are in.
+    pub(super) fn rate(&mut self, a: &Argument<'g>) -> Resolved<Value<'g>> {
+        match &a.value {
+            Value::Scalar(_) | Value::Energy(_) => {
+                let Scalar { expr, dimension } = self.scalar(a)?;
+                let dimension = self.per_second(dimension, &a.span)?;
+                Ok(Value::Scalar(Scalar::new(self.rate_of(expr, &a.span)?, dimension)))
+            }
+            Value::Point(Point { coordinates, frame }) => {
+                coordinates.0.iter().try_for_each(|&c| self.check_rate(c, &a.span))?;
+                let components = self.lagrangian.velocity(*coordinates, *frame);
+                let dimension = self.dimension(Dimension::VELOCITY);
+                Ok(Value::Vector(Free { components, frame: *frame, dimension }))
+            }
+            Value::Vector(Free { components, frame, dimension }) => {
+                components.0.iter().try_for_each(|&c| self.check_rate(c, &a.span))?;
+                let dimension = self.per_second(*dimension, &a.span)?;
+                let mut rate = components.map(Expr::rate);
+                let w = self.lagrangian.frames.get(*frame).angular_velocity;
+                if !w.0.iter().all(|c| c.is_zero()) {
+                    rate = w.cross(*components) + rate;
+                }
+                Ok(Value::Vector(Free { components: rate, frame: *frame, dimension }))
+            }
+            Value::Matrix(Tensor { entries, dimension }) => {
+                entries.0.iter().flatten().try_for_each(|&c| self.check_rate(c, &a.span))?;
+                let dimension = self.per_second(*dimension, &a.span)?;
+                Ok(Value::Matrix(Tensor { entries: Matrix(entries.0.map(|row| row.map(Expr::rate))), dimension }))
+            }
+            Value::Array(array) => {
+                let of = |value: &Value<'g>| Argument { value: value.clone(), span: a.span.clone() };
+                let rates: Resolved<Vec<_>> = array.values().iter().map(|value| self.rate(&of(value))).collect();
+                self.array(rates?, &a.span)
+            }
+            Value::Pose(_) => {
+                let help = "its velocities are `angular_velocity(pose)` and `dt(pose.origin())`";
+                Err(self.refuse(&a.span, "a pose has no time derivative", help))
+            }
+        }
+    }
+
+    pub(super) fn rate_of(&mut self, expr: Expr<'g>, span: &Span) -> Resolved<Expr<'g>> {
+        self.check_rate(expr, span)?;
+        Ok(expr.rate())
+    }
+
+    fn check_rate(&mut self, expr: Expr<'g>, span: &Span) -> Resolved<()> {
+        let dependence = self.facts.dependence(expr);
+        if dependence.on(Dependence::RATE) {
+            let help = "energies and forces are made of positions and velocities";
+            return Err(self.refuse(span, "accelerations cannot enter: this is a time derivative already", help));
+        }
+        if dependence.on(Dependence::INPUT) {
+            let help = "make it a coordinate or a formula of `t`";
+            return Err(self.refuse(span, "the rate of an input is not known", help));
+        }
+        Ok(())
+    }
+
+    fn per_second(&mut self, dimension: Dimension, span: &Span) -> Resolved<Dimension> {
+        let second = self.dimension(Dimension::TIME);
+        self.bounded(dimension.over(second), span)
+    }
+}

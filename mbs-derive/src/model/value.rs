@@ -1,0 +1,244 @@
+//! What expressions of the language stand for.
+
+use std::rc::Rc;
+
+use super::dimension::Dimension;
+use super::frame::{Edge, FrameId};
+use super::lagrangian::Body;
+use crate::expr::{Expr, Matrix, Vector};
+
+/// The value of an expression.
+#[derive(Clone, Debug)]
+pub(super) enum Value<'g> {
+    /// One number.
+    Scalar(Scalar<'g>),
+    /// A free vector.
+    Vector(Free<'g>),
+    /// A place that knows its frame.
+    Point(Point<'g>),
+    /// Three by three numbers, of no frame.
+    Matrix(Tensor<'g>),
+    /// Position and attitude in the world.
+    Pose(Pose<'g>),
+    /// Several values; three numbers are a vector in world axes wherever one is wanted, three rows of three a matrix.
+    Array(Array<'g>),
+    /// A sum with the energies of bodies among its terms; one number wherever one is wanted.
+    Energy(Rc<[Term<'g>]>),
+}
+
+/// One number with its dimension. The literal 0 fits every dimension.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Scalar<'g> {
+    pub(super) expr: Expr<'g>,
+    pub(super) dimension: Dimension,
+}
+
+/// A vector's components in the axes of `frame`; those of the world for a plain `[x, y, z]`.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Free<'g> {
+    pub(super) components: Vector<'g>,
+    pub(super) frame: FrameId,
+    pub(super) dimension: Dimension,
+}
+
+/// A place: its coordinates in `frame`.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Point<'g> {
+    pub(super) coordinates: Vector<'g>,
+    pub(super) frame: FrameId,
+}
+
+/// A matrix with the dimension that its entries share.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Tensor<'g> {
+    pub(super) entries: Matrix<'g>,
+    pub(super) dimension: Dimension,
+}
+
+/// A frame, and what moves from there on: frames are made only of poses that something stands on.
+#[derive(Clone, Debug)]
+pub(super) struct Pose<'g> {
+    pub(super) base: FrameId,
+    pub(super) edges: Vec<Edge<'g>>,
+}
+
+/// Values in a row.
+#[derive(Clone, Debug)]
+pub(super) struct Array<'g> {
+    values: Rc<[Value<'g>]>,
+    /// How many values that are no arrays there are in it, all levels together.
+    leaves: usize,
+    /// Levels of arrays.
+    depth: usize,
+}
+
+/// One term of an energy.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Term<'g> {
+    /// The kinetic energy of a body.
+    Body(Body<'g>),
+    /// Any other.
+    Other(Expr<'g>),
+}
+
+/// What a value can be used as.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Shape {
+    Number,
+    Vector,
+    Matrix,
+    Pose,
+    Array,
+}
+
+impl<'g> Value<'g> {
+    pub(super) fn shape(&self) -> Shape {
+        match self {
+            Value::Scalar(_) | Value::Energy(_) => Shape::Number,
+            Value::Vector(_) | Value::Point(_) => Shape::Vector,
+            Value::Matrix(_) => Shape::Matrix,
+            Value::Pose(_) => Shape::Pose,
+            Value::Array(array) if array.values.len() != 3 => Shape::Array,
+            Value::Array(array) if array.values.iter().all(|v| v.shape() == Shape::Number) => Shape::Vector,
+            Value::Array(array) if array.values.iter().all(|v| v.shape() == Shape::Vector) => Shape::Matrix,
+            Value::Array(_) => Shape::Array,
+        }
+    }
+
+    /// With an article, for messages.
+    pub(super) fn described(&self) -> String {
+        match self {
+            Value::Scalar(_) | Value::Energy(_) => "a number".to_string(),
+            Value::Vector(_) => "a vector".to_string(),
+            Value::Point(_) => "a point".to_string(),
+            Value::Matrix(_) => "a matrix".to_string(),
+            Value::Pose(_) => "a pose".to_string(),
+            Value::Array(array) => match self.shape() {
+                Shape::Vector => "a vector".to_string(),
+                Shape::Matrix => "a matrix".to_string(),
+                _ => format!("an array of {}", array.values.len()),
+            },
+        }
+    }
+}
+
+impl Shape {
+    /// With an article, for messages.
+    pub(super) fn described(self) -> &'static str {
+        match self {
+            Shape::Number => "a number",
+            Shape::Vector => "a vector",
+            Shape::Matrix => "a matrix",
+            Shape::Pose => "a pose",
+            Shape::Array => "an array",
+        }
+    }
+}
+
+impl<'g> Array<'g> {
+    /// More numbers than any mechanism has.
+    const MAX_LEAVES: usize = 100_000;
+    /// More indices than any mechanism needs.
+    const MAX_DEPTH: usize = 6;
+
+    /// `None` where that is more than any mechanism needs: loops could make arrays without end.
+    pub(super) fn new(values: Vec<Value<'g>>) -> Option<Self> {
+        let (mut leaves, mut depth) = (0usize, 0);
+        for value in &values {
+            match value {
+                Value::Array(inner) => {
+                    leaves = leaves.saturating_add(inner.leaves);
+                    depth = depth.max(inner.depth);
+                }
+                _ => leaves += 1,
+            }
+        }
+        let array = Array { values: values.into(), leaves, depth: depth + 1 };
+        (leaves <= Self::MAX_LEAVES && array.depth <= Self::MAX_DEPTH).then_some(array)
+    }
+
+    pub(super) fn values(&self) -> &[Value<'g>] {
+        &self.values
+    }
+}
+
+impl<'g> Scalar<'g> {
+    pub(super) fn new(expr: Expr<'g>, dimension: Dimension) -> Self {
+        Scalar { expr, dimension }
+    }
+
+    /// A plain number.
+    pub(super) fn plain(expr: Expr<'g>) -> Self {
+        Scalar { expr, dimension: Dimension::ONE }
+    }
+}
+
+/// Which dimension two values share; a zero fits every dimension.
+pub(super) fn shared(a: (Dimension, bool), b: (Dimension, bool)) -> Option<Dimension> {
+    match (a, b) {
+        ((a, _), (_, true)) => Some(a),
+        ((_, true), (b, _)) => Some(b),
+        ((a, _), (b, _)) => (a == b).then_some(a),
+    }
+}
+
+impl Scalar<'_> {
+    /// For [`shared`].
+    pub(super) fn fit(&self) -> (Dimension, bool) {
+        (self.dimension, self.expr.is_zero())
+    }
+}
+
+impl Free<'_> {
+    /// For [`shared`].
+    pub(super) fn fit(&self) -> (Dimension, bool) {
+        (self.dimension, self.components.0.iter().all(|c| c.is_zero()))
+    }
+}
+
+impl Tensor<'_> {
+    /// For [`shared`].
+    pub(super) fn fit(&self) -> (Dimension, bool) {
+        (self.dimension, self.entries.0.iter().flatten().all(|c| c.is_zero()))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::expr::Graph;
+
+    #[test]
+    fn arrays_of_three_are_vectors_and_of_three_rows_matrices() {
+        let graph = Graph::verbatim();
+        let number = || Value::Scalar(Scalar::plain(graph.integer(1)));
+        let array = |values| Value::Array(Array::new(values).unwrap());
+        let row = || array(vec![number(), number(), number()]);
+        assert_eq!(row().described(), "a vector");
+        assert_eq!(array(vec![row(), row(), row()]).described(), "a matrix");
+        assert_eq!(array(vec![number(), row(), row()]).described(), "an array of 3");
+        assert_eq!(array(vec![number(), number()]).described(), "an array of 2");
+    }
+
+    #[test]
+    fn arrays_do_not_grow_without_end() {
+        let graph = Graph::verbatim();
+        let mut value = Value::Scalar(Scalar::plain(graph.integer(1)));
+        let mut levels = 0;
+        while let Some(array) = Array::new(vec![value.clone()]) {
+            value = Value::Array(array);
+            levels += 1;
+        }
+        assert_eq!(levels, Array::MAX_DEPTH);
+        assert!(Array::new(vec![value; Array::MAX_LEAVES + 1]).is_none());
+    }
+
+    #[test]
+    fn zero_fits_every_dimension() {
+        let (m, kg) = (Dimension::LENGTH, Dimension::MASS);
+        assert_eq!(shared((m, false), (m, false)), Some(m));
+        assert_eq!(shared((m, false), (kg, true)), Some(m));
+        assert_eq!(shared((Dimension::ONE, true), (kg, false)), Some(kg));
+        assert_eq!(shared((m, false), (kg, false)), None);
+    }
+}

@@ -1,0 +1,445 @@
+//! What must be right before the text is cut into tokens: characters, comments, brackets.
+//!
+//! Two reasons. The tokenizer and syn recurse over brackets, so that deep ones would overflow the stack; and of all
+//! this they say no more than "cannot parse". Outside comments only ASCII without quotes gets past here.
+
+use super::MAX_DEPTH;
+use crate::diagnostic::Diagnostics;
+
+/// Offsets of tokens are 32 bits wide; no declaration is near this long.
+const MAX_BYTES: usize = 1 << 26;
+
+/// Reports what cannot be cut into tokens safely.
+pub(super) fn check(source: &str) -> Result<(), Diagnostics> {
+    let mut guard = Guard { source, at: 0, open: Vec::new(), counted: (0, 0), errors: Diagnostics::default() };
+    if source.len() > MAX_BYTES {
+        guard.errors.error(0..0, "this file is larger than 64 MiB").help("write one mechanism a file");
+    } else {
+        guard.file();
+    }
+    guard.errors.finish(())
+}
+
+struct Guard<'s> {
+    source: &'s str,
+    /// How far the text has been looked at; always where a character begins.
+    at: usize,
+    /// Where the brackets that are open begin.
+    open: Vec<usize>,
+    /// The lines that end before an offset; counted so far.
+    counted: (usize, usize),
+    errors: Diagnostics,
+}
+
+impl<'s> Guard<'s> {
+    fn file(&mut self) {
+        self.at += if self.source.starts_with('\u{feff}') { '\u{feff}'.len_utf8() } else { 0 };
+        while let Some(c) = self.rest().chars().next() {
+            match c {
+                '/' if self.rest().starts_with("//") => self.line_comment(),
+                '/' if self.rest().starts_with("/*") => self.block_comment(),
+                '"' => self.quotation(self.at, 1, "\"", true),
+                '\'' => self.apostrophe(),
+                '(' | '[' | '{' if self.open.len() == MAX_DEPTH => return self.too_deep(),
+                '(' | '[' | '{' => self.opening(),
+                ')' | ']' | '}' => self.closing(c),
+                ';' => self.semicolon(),
+                '0'..='9' => self.number(),
+                c if begins_word(c) => self.word(),
+                c if is_space(c) || SIGNS.contains(c) => self.at += c.len_utf8(),
+                c => self.stranger(c),
+            }
+        }
+        if let Some(&innermost) = self.open.last() {
+            self.report_unclosed(innermost, "the end of the file");
+        }
+    }
+
+    fn rest(&self) -> &'s str {
+        &self.source[self.at..]
+    }
+
+    fn line_comment(&mut self) {
+        let line = self.rest().split_inclusive('\n').next().unwrap_or_default();
+        let text = line.strip_suffix("\r\n").or(line.strip_suffix('\n')).unwrap_or(line);
+        let documents = (text.starts_with("///") && !text.starts_with("////")) || text.starts_with("//!");
+        self.carriage_returns(text, documents);
+        self.at += line.len();
+    }
+
+    fn block_comment(&mut self) {
+        let Some(length) = block_comment_length(self.rest().as_bytes()) else {
+            let error = self.errors.error(self.at..self.at + 2, "this comment is never closed");
+            error.help("write `*/` where it ends");
+            return self.give_up();
+        };
+        let text = &self.rest()[..length];
+        let plain = text == "/**/" || text.starts_with("/***");
+        self.carriage_returns(text, !plain && (text.starts_with("/**") || text.starts_with("/*!")));
+        self.at += length;
+    }
+
+    /// Where text is not closed, whatever else is open or wrong may be meant as part of it.
+    fn give_up(&mut self) {
+        self.open.clear();
+        self.at = self.source.len();
+    }
+
+    /// The tokenizer refuses a documentation comment with a carriage return that ends no line.
+    fn carriage_returns(&mut self, text: &str, documents: bool) {
+        let stray = text.match_indices('\r').find(|(i, _)| !text[i + 1..].starts_with('\n'));
+        if let (Some((i, _)), true) = (stray, documents) {
+            let message = "a carriage return without a line feed stands in this documentation comment";
+            self.errors.error(self.at + i..self.at + i + 1, message).help("end its lines with `\\n` or `\\r\\n`");
+        }
+    }
+
+    /// Quoted text that begins at `start` and whose opening quote is the `opening` bytes from here on.
+    fn quotation(&mut self, start: usize, opening: usize, closing: &str, escapes: bool) {
+        self.at += opening;
+        let length = quotation_length(self.rest(), closing, escapes);
+        let (message, help) = match length {
+            Some(length) => {
+                self.at += length;
+                ("quoted text has no meaning in a mechanism", "write a comment after `//`, documentation after `///`")
+            }
+            None => ("this quotation mark is never closed", "leave it out: quoted text has no meaning in a mechanism"),
+        };
+        self.errors.error(start..self.at, message).help(help);
+        if length.is_none() {
+            self.give_up();
+        }
+    }
+
+    /// `'x'` is quoted text; any other `'` was probably meant as a derivative.
+    fn apostrophe(&mut self) {
+        let quoted = self.rest()[1..].split(['\'', '\n']).next().unwrap_or_default();
+        let closed = self.rest()[1 + quoted.len()..].starts_with('\'');
+        if closed && (quoted.chars().count() == 1 || quoted.starts_with('\\')) {
+            return self.quotation(self.at, 1, "'", true);
+        }
+        let error = self.errors.error(self.at..self.at + 1, "`'` has no meaning in a mechanism");
+        error.help("write `dt(x)` for the time derivative of `x`");
+        self.at += 1;
+    }
+
+    fn too_deep(&mut self) {
+        let error = self.errors.error(self.at..self.at + 1, format!("this is nested deeper than {MAX_DEPTH} levels"));
+        error.help("name the inner values with `let`");
+    }
+
+    fn opening(&mut self) {
+        self.open.push(self.at);
+        self.at += 1;
+    }
+
+    fn closing(&mut self, close: char) {
+        let here = self.at;
+        self.at += 1;
+        let matching = self.open.iter().rposition(|&open| closer(self.bracket(open)) == close);
+        // Within braces `)` and `]` belong to brackets within the same braces.
+        let braces = self.open.iter().rposition(|&open| self.bracket(open) == '{');
+        let innermost = self.open.last().copied();
+        match (matching, innermost) {
+            (Some(matching), Some(innermost)) if braces <= Some(matching) => {
+                if matching + 1 < self.open.len() {
+                    let place = self.place(here);
+                    self.report_unclosed(innermost, &format!("the `{close}` {place}"));
+                }
+                self.open.truncate(matching);
+            }
+            (_, Some(innermost)) if braces.is_none_or(|i| i + 1 < self.open.len()) => {
+                let (open, place) = (self.bracket(innermost), self.place(here));
+                let error = self.errors.error(innermost..innermost + 1, format!("this `{open}` is closed by a `{close}`"));
+                error.help(format!("write `{}` instead of the `{close}` {place}", closer(open)));
+                self.open.pop();
+            }
+            _ => {
+                let error = self.errors.error(here..here + 1, format!("this `{close}` closes nothing"));
+                error.help("leave it out, or write what it is to close");
+            }
+        }
+    }
+
+    /// No parenthesis or bracket goes on over the end of a statement.
+    fn semicolon(&mut self) {
+        let here = self.at;
+        self.at += 1;
+        let Some(&innermost) = self.open.last() else { return };
+        let open = self.bracket(innermost);
+        let line = self.rest().split([';', '\n']).next().unwrap_or_default();
+        if open == '{' || line.contains(closer(open)) {
+            return;
+        }
+        let place = self.place(here);
+        self.report_unclosed(innermost, &format!("the `;` {place}"));
+        let braces = self.open.iter().rposition(|&open| self.bracket(open) == '{');
+        self.open.truncate(braces.map_or(0, |braces| braces + 1));
+    }
+
+    fn report_unclosed(&mut self, open: usize, before: &str) {
+        let bracket = self.bracket(open);
+        let error = self.errors.error(open..open + 1, format!("this `{bracket}` is not closed"));
+        error.help(format!("write `{}` before {before}", closer(bracket)));
+    }
+
+    fn bracket(&self, open: usize) -> char {
+        char::from(self.source.as_bytes()[open])
+    }
+
+    /// "on line 3", for the help of a message about another place. Places are asked for in source order.
+    fn place(&mut self, at: usize) -> String {
+        let (before, lines) = self.counted;
+        self.counted = (at, lines + self.source[before..at].matches('\n').count());
+        format!("on line {}", self.counted.1 + 1)
+    }
+
+    fn number(&mut self) {
+        let is_part = |c: char| c.is_ascii_alphanumeric() || c == '_';
+        self.at += self.rest().find(|c| !is_part(c)).unwrap_or(self.rest().len());
+    }
+
+    fn word(&mut self) {
+        let start = self.at;
+        let word = &self.rest()[..self.rest().find(|c| !continues_word(c)).unwrap_or(self.rest().len())];
+        self.at += word.len();
+        let hashes = self.rest().len() - self.rest().trim_start_matches('#').len();
+        if matches!(word, "r" | "br" | "cr") && self.rest()[hashes..].starts_with('"') {
+            return self.quotation(start, hashes + 1, &format!("\"{}", "#".repeat(hashes)), false);
+        }
+        if !word.is_ascii() {
+            let error = self.errors.error(start..self.at, "names are made of ASCII letters, digits and `_`");
+            error.help(match transliterated(word) {
+                Some(ascii) => format!("write `{ascii}`"),
+                None => "write it in Latin letters without accents".to_string(),
+            });
+        }
+    }
+
+    fn stranger(&mut self, c: char) {
+        let span = self.at..self.at + c.len_utf8();
+        let shown = if c.is_control() { format!("U+{:04X}", u32::from(c)) } else { c.to_string() };
+        let error = self.errors.error(span, format!("the character `{shown}` has no meaning in a mechanism"));
+        match LOOKALIKES.iter().find(|(symbols, _)| symbols.contains(c)) {
+            Some((_, ascii)) => error.help(format!("write `{ascii}`")),
+            None => error.help("leave it out"),
+        };
+        self.at += c.len_utf8();
+    }
+}
+
+/// Every sign that tokens are made of, brackets and quotes aside.
+const SIGNS: &str = "~!@#$%^&*-=+|;:,<.>/?";
+
+/// Symbols of mathematics and what they are in the language.
+const LOOKALIKES: [(&str, &str); 17] = [
+    ("·×⋅∙∗", "*"),
+    ("÷∕⁄", "/"),
+    ("−–—‐‑‒", "-"),
+    ("⁰", "^0"),
+    ("¹", "^1"),
+    ("²", "^2"),
+    ("³", "^3"),
+    ("⁴", "^4"),
+    ("⁻", "^-"),
+    ("½", "1/2"),
+    ("⅓", "1/3"),
+    ("¼", "1/4"),
+    ("¾", "3/4"),
+    ("√", "sqrt(…)"),
+    ("°", "deg"),
+    ("′´‘’", "dt(x)"),
+    ("∂∇∫", "dt(x)"),
+];
+
+/// Letters and their names, in the order of Unicode from alpha on; the final sigma has its own place.
+const GREEK: [&str; 25] = [
+    "alpha", "beta", "gamma", "delta", "epsilon", "zeta", "eta", "theta", "iota", "kappa", "lambda", "mu", "nu", "xi",
+    "omicron", "pi", "rho", "sigma", "sigma", "tau", "upsilon", "phi", "chi", "psi", "omega",
+];
+
+/// `θ1` as `theta1`, `q̇` as `dt(q)`; nothing for letters that are neither ASCII nor Greek.
+fn transliterated(word: &str) -> Option<String> {
+    let (mut ascii, mut derivatives) = (String::new(), 0);
+    for c in word.chars() {
+        match c {
+            c if c.is_ascii() => ascii.push(c),
+            '\u{307}' => derivatives += 1,
+            '\u{308}' => derivatives += 2,
+            'µ' => ascii.push_str("mu"),
+            'ϑ' => ascii.push_str("theta"),
+            'ϕ' => ascii.push_str("phi"),
+            'ϵ' => ascii.push_str("epsilon"),
+            'α'..='ω' => ascii.push_str(GREEK[(u32::from(c) - u32::from('α')) as usize]),
+            'Α'..='Ω' => {
+                let name = GREEK[(u32::from(c) - u32::from('Α')) as usize];
+                ascii.push_str(&name[..1].to_uppercase());
+                ascii.push_str(&name[1..]);
+            }
+            '₀'..='₉' => ascii.extend(char::from_digit(u32::from(c) - u32::from('₀'), 10)),
+            _ => return None,
+        }
+    }
+    (0..derivatives).for_each(|_| ascii = format!("dt({ascii})"));
+    Some(ascii)
+}
+
+fn begins_word(c: char) -> bool {
+    c == '_' || (c.is_alphabetic() && !is_lookalike(c))
+}
+
+/// Combining marks are part of the letter before them.
+fn continues_word(c: char) -> bool {
+    c == '_' || matches!(c, '\u{300}'..='\u{36f}') || (c.is_alphanumeric() && !is_lookalike(c))
+}
+
+fn is_lookalike(c: char) -> bool {
+    !c.is_ascii() && LOOKALIKES.iter().any(|(symbols, _)| symbols.contains(c))
+}
+
+/// What the tokenizer skips: white space, and the marks that set the direction of writing.
+fn is_space(c: char) -> bool {
+    c.is_whitespace() || matches!(c, '\u{200e}' | '\u{200f}')
+}
+
+fn closer(open: char) -> char {
+    match open {
+        '(' => ')',
+        '[' => ']',
+        _ => '}',
+    }
+}
+
+/// Comments nest.
+fn block_comment_length(text: &[u8]) -> Option<usize> {
+    let (mut depth, mut end) = (0, 0);
+    loop {
+        match text[end..] {
+            [b'/', b'*', ..] => (depth, end) = (depth + 1, end + 2),
+            [b'*', b'/', ..] => (depth, end) = (depth - 1, end + 2),
+            [_, ..] => end += 1,
+            [] => return None,
+        }
+        if depth == 0 {
+            return Some(end);
+        }
+    }
+}
+
+/// How much is quoted, the closing quote included.
+fn quotation_length(text: &str, closing: &str, escapes: bool) -> Option<usize> {
+    let mut end = 0;
+    while end < text.len() {
+        let escaped = escapes && text.as_bytes()[end] == b'\\';
+        if text.as_bytes()[end..].starts_with(closing.as_bytes()) {
+            return Some(end + closing.len());
+        }
+        end += if escaped { 2 } else { 1 };
+    }
+    None
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Every message with the text that it points at: `text: message; help`.
+    fn report(source: &str) -> Vec<String> {
+        let errors = check(source).err().unwrap_or_default();
+        let line = |m: &crate::diagnostic::Diagnostic| {
+            format!("{}..{}: {}; {}", m.span.start, m.span.end, m.message, m.help.as_deref().unwrap_or("no help"))
+        };
+        errors.iter().map(line).collect()
+    }
+
+    fn accepted(source: &str) {
+        assert_eq!(report(source), [""; 0], "{source}");
+    }
+
+    #[test]
+    fn plain_text_passes() {
+        accepted("");
+        accepted("\u{feff}mechanism A { let x = [1.5e-3, f(a[2])]; }");
+        accepted("a ~ ! @ # $ % ^ & * - = + | ; : , < . > / ?\u{a0}\u{200e}b");
+        accepted("[0; 3]");
+    }
+
+    #[test]
+    fn comments_hold_anything() {
+        accepted("// it's ((( \" θ\nx");
+        accepted("/// q̇ {{{");
+        accepted("/* /* ( */ \" ' */ /**/ /***/ /****/ x");
+        accepted("/** ( */ /*! [ */ //! {");
+        accepted("// carriage \r return\r\n/* \r */ /// doc\r\n");
+        accepted("x // \"");
+    }
+
+    #[test]
+    fn open_comments_are_reported_where_they_begin() {
+        assert_eq!(report("x { /* a /* b */"), ["4..6: this comment is never closed; write `*/` where it ends"]);
+        assert_eq!(report("/*/"), ["0..2: this comment is never closed; write `*/` where it ends"]);
+        assert_eq!(report("/*").len(), 1);
+        assert_eq!(report("/// a\rb").len(), 1);
+        assert_eq!(report("/// a\r").len(), 1);
+        assert_eq!(report("/** a\rb */").len(), 1);
+    }
+
+    #[test]
+    fn brackets_are_reported_where_they_open() {
+        let check = |source: &str, expected: &str| assert_eq!(report(source), [expected], "{source}");
+        check("a { b", "2..3: this `{` is not closed; write `}` before the end of the file");
+        check("{ let x = (a + b; }", "10..11: this `(` is not closed; write `)` before the `;` on line 1");
+        check("{\n\nf(a[1); }", "6..7: this `[` is not closed; write `]` before the `)` on line 3");
+        check("{ f(a }", "3..4: this `(` is not closed; write `)` before the `}` on line 1");
+        check("{ f(a]; }", "3..4: this `(` is closed by a `]`; write `)` instead of the `]` on line 1");
+        check("( }", "0..1: this `(` is closed by a `}`; write `)` instead of the `}` on line 1");
+        check("{ a); }", "3..4: this `)` closes nothing; leave it out, or write what it is to close");
+        check("} x", "0..1: this `}` closes nothing; leave it out, or write what it is to close");
+        assert_eq!(report("{ f(a; g[b; h(c }").len(), 3);
+    }
+
+    #[test]
+    fn quotes_are_refused_but_skipped() {
+        let quoted = "quoted text has no meaning in a mechanism; write a comment after `//`, documentation after `///`";
+        let check = |source: &str, place: &str| assert_eq!(report(source), [format!("{place}: {quoted}")], "{source}");
+        check("\"(((\" x", "0..5");
+        check("\"a\\\"(\"", "0..6");
+        check("'(' x", "0..3");
+        check("'\\'' x", "0..4");
+        check("r\"\\\" x", "0..4");
+        check("r##\"(\"# (\"## x", "0..12");
+        check("\"θ\" x", "0..4");
+        assert_eq!(report("\"abc").len(), 1);
+        assert_eq!(report("\"abc\\").len(), 1);
+        assert_eq!(report("x'"), ["1..2: `'` has no meaning in a mechanism; write `dt(x)` for the time derivative of `x`"]);
+        assert_eq!(report("r'").len(), 1);
+        assert_eq!(report("'a").len(), 1);
+    }
+
+    #[test]
+    fn other_alphabets_are_refused_with_what_to_write() {
+        let help = |source: &str| report(source).iter().map(|r| r.split("; ").last().unwrap().to_string()).collect::<Vec<_>>();
+        assert_eq!(help("θ1 + x"), ["write `theta1`"]);
+        assert_eq!(help("Δ"), ["write `Delta`"]);
+        assert_eq!(help("ω"), ["write `omega`"]);
+        assert_eq!(help("q\u{307}"), ["write `dt(q)`"]);
+        assert_eq!(help("θ\u{308}"), ["write `dt(dt(theta))`"]);
+        assert_eq!(help("kg·m²"), ["write `*`", "write `^2`"]);
+        assert_eq!(help("½"), ["write `1/2`"]);
+        assert_eq!(help("2π"), ["write `pi`"]);
+        assert_eq!(help("größe"), ["write it in Latin letters without accents"]);
+        assert_eq!(help("\0 \\ 🦀"), ["leave it out"; 3]);
+        assert_eq!(report("x²"), ["1..3: the character `²` has no meaning in a mechanism; write `^2`"]);
+    }
+
+    #[test]
+    fn depth_is_limited() {
+        for (open, close) in [("(", ")"), ("[", "]"), ("{", "}")] {
+            accepted(&[open.repeat(MAX_DEPTH), close.repeat(MAX_DEPTH)].concat());
+            let deep = [open.repeat(MAX_DEPTH + 1), close.repeat(MAX_DEPTH + 1)].concat();
+            let expected = "256..257: this is nested deeper than 256 levels; name the inner values with `let`";
+            assert_eq!(report(&deep), [expected]);
+            assert_eq!(report(&open.repeat(100_000)), [expected]);
+        }
+    }
+}

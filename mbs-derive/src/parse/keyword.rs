@@ -1,0 +1,57 @@
+//! The words that cannot be names.
+
+/// What a statement begins with.
+pub(super) const STATEMENTS: [&str; 12] = [
+    "param", "coord", "input", "const", "let", "for", "kinetic", "potential", "dissipation", "lagrangian", "force",
+    "output",
+];
+
+/// Parts of statements.
+const PARTS: [&str; 3] = ["mechanism", "mut", "in"];
+
+/// Reserved: the language will use them.
+pub(super) const RESERVED: [&str; 6] = ["prescribed", "constraint", "fn", "if", "else", "import"];
+
+/// Names that every mechanism knows from the start.
+const BUILT_IN: [(&str, &str); 4] =
+    [("t", "the time"), ("world", "the frame at rest"), ("pi", "the number π"), ("deg", "the degree")];
+
+/// Keywords of Rust, strict and reserved: the generated code could not use them as names.
+const RUST: [&str; 52] = [
+    "Self", "abstract", "as", "async", "await", "become", "box", "break", "const", "continue", "crate", "do", "dyn",
+    "else", "enum", "extern", "false", "final", "fn", "for", "gen", "if", "impl", "in", "let", "loop", "macro",
+    "match", "mod", "move", "mut", "override", "priv", "pub", "ref", "return", "self", "static", "struct", "super",
+    "trait", "true", "try", "type", "typeof", "unsafe", "unsized", "use", "virtual", "where", "while", "yield",
+];
+
+/// What `word` is, if it is a keyword, as the end of a sentence: `param` is "a keyword of the language".
+pub(super) fn keyword(word: &str) -> Option<&'static str> {
+    if STATEMENTS.contains(&word) || PARTS.contains(&word) || RESERVED.contains(&word) {
+        Some("a keyword of the language")
+    } else if RUST.contains(&word) {
+        Some("a keyword of Rust")
+    } else {
+        None
+    }
+}
+
+/// What `word` is, if it cannot be declared: a keyword or a name that every mechanism knows.
+pub(super) fn taken(word: &str) -> Option<&'static str> {
+    let built_in = || BUILT_IN.iter().find(|(name, _)| *name == word).map(|&(_, what)| what);
+    keyword(word).or_else(built_in)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tells_keywords_from_names() {
+        assert_eq!(keyword("force"), Some("a keyword of the language"));
+        assert_eq!(keyword("match"), Some("a keyword of Rust"));
+        assert_eq!(keyword("t"), None);
+        assert_eq!(taken("t"), Some("the time"));
+        assert_eq!(taken("theta"), None);
+        assert_eq!(taken("union"), None);
+    }
+}

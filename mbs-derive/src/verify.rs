@@ -1,0 +1,134 @@
+//! Pass 5: the Programs proved against the energies.
+//!
+//! At random states, exact zeros among them, each optimised Program is interpreted and compared with the declared energies
+//! evaluated by nested dual numbers: no symbolic derivative, no rewrite, no structure of the generator is shared. An error
+//! here is a bug of the generator, whatever the declaration says; it stops the build and prints the state.
+//!
+//! - [`witness`]: Lagrange's equations from the verbatim energies, by dual numbers;
+//! - [`claim`]: what is compared, one function per generated function and identity.
+
+pub mod claim;
+pub mod witness;
+
+use std::fmt;
+
+use crate::interpret::State;
+use crate::model::Lagrangian;
+use crate::model::sample::{Random, count, default_parameters};
+use crate::optimise::Derivation;
+
+use claim::Trial;
+use witness::Witness;
+
+/// So many generic states must agree.
+pub const STATES: usize = 20;
+
+/// Largest difference, relative to the terms that are compared.
+pub const TOLERANCE: f64 = 1e-9;
+
+/// What was proved.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Proof {
+    /// At how many states, those with exact zeros included.
+    pub states: usize,
+}
+
+/// Why there is no proof.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Failure {
+    /// The energies are finite at so few of the sampled states that nothing can be said.
+    TooFewStates {
+        /// At how many they are.
+        finite: usize,
+        /// How many were tried.
+        tried: usize,
+    },
+    /// The generated code and the energies disagree.
+    Disagreement(Box<Disagreement>),
+}
+
+/// A difference between generated code and declared energies: a bug of the generator.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Disagreement {
+    /// What was claimed.
+    pub claim: &'static str,
+    /// Which component.
+    pub component: usize,
+    /// What the Program gives.
+    pub found: f64,
+    /// What the energies give.
+    pub expected: f64,
+    /// Where.
+    pub state: State,
+    /// With which parameters.
+    pub parameters: Vec<f64>,
+}
+
+impl fmt::Display for Failure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Failure::TooFewStates { finite, tried } => write!(
+                f,
+                "the energies are finite at only {finite} of {tried} sampled states, too few to prove the equations \
+                 (coordinates, velocities and inputs of order one, parameters near their defaults)"
+            ),
+            Failure::Disagreement(d) => write!(
+                f,
+                "the derived code disagrees with the declared energies; this is a bug of the generator, please report it\n  \
+                 claim: {}, component {}\n  found {:?}, expected {:?}\n  at t = {:?}\n     q = {:?}\n    qd = {:?}\n   \
+                 qdd = {:?}\n     u = {:?}\n  parameters = {:?}",
+                d.claim, d.component, d.found, d.expected, d.state.t, d.state.q, d.state.qd, d.state.qdd, d.state.u,
+                d.parameters
+            ),
+        }
+    }
+}
+
+impl std::error::Error for Failure {}
+
+/// Proves every Program of a derivation.
+///
+/// # Errors
+/// [`Failure::Disagreement`] is a bug of the generator; [`Failure::TooFewStates`] concerns the declaration.
+pub fn against_energies(lagrangian: &Lagrangian<'_>, derivation: &Derivation) -> Result<Proof, Failure> {
+    let witness = Witness::new(lagrangian);
+    let mut random = Random::new(0x6d62_7300);
+    let mut states = 0;
+    for (state, parameters) in states_with_zeros(lagrangian, &mut random) {
+        if witness.is_finite(&state, &parameters) {
+            Trial::new(&witness, derivation, &state, &parameters).prove()?;
+            states += 1;
+        }
+    }
+    let tried = 100 * STATES;
+    let mut generic = 0;
+    for attempt in 0..tried {
+        let state = random.state(lagrangian.dof(), count(&lagrangian.inputs));
+        let defaults = default_parameters(lagrangian);
+        let parameters = if attempt % 2 == 0 { defaults } else { random.parameters_near(&defaults) };
+        if witness.is_finite(&state, &parameters) {
+            Trial::new(&witness, derivation, &state, &parameters).prove()?;
+            generic += 1;
+        }
+        if generic == STATES {
+            return Ok(Proof { states: states + generic });
+        }
+    }
+    Err(Failure::TooFewStates { finite: generic, tried })
+}
+
+/// All zero, at the origin, at rest, and each coordinate zero by itself: where a derivative by rule would be 0/0.
+fn states_with_zeros(lagrangian: &Lagrangian<'_>, random: &mut Random) -> Vec<(State, Vec<f64>)> {
+    let (n, inputs) = (lagrangian.dof(), count(&lagrangian.inputs));
+    let zero = State { t: 0.0, q: vec![0.0; n], qd: vec![0.0; n], qdd: vec![0.0; n], u: vec![0.0; inputs] };
+    let mut states = vec![zero];
+    states.push(State { q: vec![0.0; n], ..random.state(n, inputs) });
+    states.push(State { qd: vec![0.0; n], ..random.state(n, inputs) });
+    for i in 0..n.min(8) {
+        let mut state = random.state(n, inputs);
+        (state.q[i], state.qd[i]) = (0.0, 0.0);
+        states.push(state);
+    }
+    let parameters = default_parameters(lagrangian);
+    states.into_iter().map(|state| (state, parameters.clone())).collect()
+}

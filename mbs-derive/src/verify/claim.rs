@@ -1,0 +1,367 @@
+//! What is proved at one state: each generated function and identity against the witness.
+
+use crate::expr::{Dual, Symbol};
+use crate::interpret::{Interpreter, State};
+use crate::model::degree::eliminate;
+use crate::optimise::{Derivation, Function, FunctionKind};
+
+use super::witness::{LagrangeTerms, Witness, lift, lift_all, path};
+use super::{Disagreement, Failure, TOLERANCE};
+
+/// One state at which a derivation is tried.
+pub struct Trial<'a> {
+    witness: &'a Witness<'a, 'a>,
+    derivation: &'a Derivation,
+    state: &'a State,
+    parameters: &'a [f64],
+    interpreter: Interpreter<'a>,
+    dual: Interpreter<'a, Dual<f64>>,
+    terms: Vec<LagrangeTerms>,
+}
+
+/// A number that should be another, and the size of the terms that it is made of.
+#[derive(Clone, Copy)]
+struct Pair {
+    found: f64,
+    expected: f64,
+    scale: f64,
+}
+
+impl<'a> Trial<'a> {
+    /// Evaluates the witness.
+    pub fn new(
+        witness: &'a Witness<'a, 'a>,
+        derivation: &'a Derivation,
+        state: &'a State,
+        parameters: &'a [f64],
+    ) -> Self {
+        let n = derivation.dof();
+        Trial {
+            witness,
+            derivation,
+            state,
+            parameters,
+            interpreter: Interpreter::with_parameters(derivation, parameters.to_vec()),
+            dual: Interpreter::with_parameters(derivation, lift_all(parameters)),
+            terms: (0..n).map(|i| witness.lagrange(i, state, parameters)).collect(),
+        }
+    }
+
+    /// Compares everything.
+    pub fn prove(&self) -> Result<(), Failure> {
+        self.energies()?;
+        self.twists_of_frames()?;
+        self.momentum_and_forces()?;
+        self.inverse_dynamics()?;
+        self.kinetic_form()?;
+        self.mass_matrix_is_that_of_inverse_dynamics()?;
+        self.coriolis_matrix()?;
+        self.inverse_dynamics_jacobian()?;
+        if self.mass_matrix_is_regular() {
+            self.forward_dynamics()?;
+            self.linearization()?;
+            self.conserved()?;
+        }
+        self.outputs()
+    }
+
+    fn n(&self) -> usize {
+        self.derivation.dof()
+    }
+
+    fn call(&self, name: &str) -> Vec<f64> {
+        self.interpreter.call(name, self.state).unwrap_or_default()
+    }
+
+    /// The derivative of a Program's results in a direction of the state.
+    fn slope(&self, name: &str, direction: impl Fn(Symbol) -> f64) -> Vec<f64> {
+        let state = lift(self.state, direction);
+        self.dual.call(name, &state).unwrap_or_default().iter().map(|v| v.derivative).collect()
+    }
+
+    /// Compares component by component with one scale for all: that of the largest terms.
+    fn equal(&self, claim: &'static str, found: &[f64], expected: &[f64], terms: &[f64]) -> Result<(), Failure> {
+        let scale = found.iter().chain(expected).chain(terms).filter(|x| x.is_finite()).fold(0.0, |s: f64, x| s.max(x.abs()));
+        assert_eq!(found.len(), expected.len(), "{claim}");
+        let pairs = found.iter().zip(expected).map(|(&found, &expected)| Pair { found, expected, scale });
+        self.check(claim, pairs)
+    }
+
+    fn check(&self, claim: &'static str, pairs: impl Iterator<Item = Pair>) -> Result<(), Failure> {
+        for (component, pair) in pairs.enumerate() {
+            let agrees = (pair.found - pair.expected).abs() <= TOLERANCE * pair.scale;
+            // Where the witness itself is 0/0 (a derivative at a corner) it says nothing.
+            if !agrees && pair.expected.is_finite() {
+                return Err(Failure::Disagreement(Box::new(Disagreement {
+                    claim,
+                    component,
+                    found: pair.found,
+                    expected: pair.expected,
+                    state: self.state.clone(),
+                    parameters: self.parameters.to_vec(),
+                })));
+            }
+        }
+        Ok(())
+    }
+
+    fn energies(&self) -> Result<(), Failure> {
+        let [_, kinetic, potential, _] = self.witness.energies(self.state, self.parameters);
+        self.equal("kinetic energy", &self.call("kinetic_energy"), &[kinetic], &[])?;
+        self.equal("potential energy", &self.call("potential_energy"), &[potential], &[])
+    }
+
+    /// `[ω]× = Rᵀ Ṙ` and `v = Rᵀ ṗ`: the recursion of twists against the time derivative of the poses.
+    fn twists_of_frames(&self) -> Result<(), Failure> {
+        for values in self.witness.frames(self.state, self.parameters).chunks(18) {
+            let (r, p) = (|i: usize, j: usize| values[3 * i + j], |i: usize| values[9 + i]);
+            let spin = |i: usize, j: usize| (0..3).map(|k| r(k, i).value * r(k, j).derivative).sum::<f64>();
+            let velocity = |i: usize| (0..3).map(|k| r(k, i).value * p(k).derivative).sum::<f64>();
+            let expected = [spin(2, 1), spin(0, 2), spin(1, 0), velocity(0), velocity(1), velocity(2)];
+            let found: Vec<f64> = values[12..18].iter().map(|v| v.value).collect();
+            self.equal("twist of a frame", &found, &expected, &[])?;
+        }
+        Ok(())
+    }
+
+    fn momentum_and_forces(&self) -> Result<(), Failure> {
+        let of = |f: fn(&LagrangeTerms) -> f64| self.terms.iter().map(f).collect::<Vec<_>>();
+        self.equal("momentum = ∂L/∂q̇", &self.call("momentum"), &of(|t| t.momentum), &[])?;
+        let force = of(|t| t.dissipation_force);
+        self.equal("dissipation force = ∂D/∂q̇", &self.call("dissipation_force"), &force, &[])?;
+        let declared = self.witness.forces(self.state, self.parameters);
+        self.equal("generalized force", &self.call("generalized_force"), &declared, &[])
+    }
+
+    /// `d/dt ∂L/∂q̇ − ∂L/∂q + ∂D/∂q̇`
+    fn inverse_dynamics(&self) -> Result<(), Failure> {
+        let terms: Vec<f64> = self.terms.iter().flat_map(|t| [t.momentum_rate, t.position_gradient]).collect();
+        let expected = self.terms.iter().map(|t| t.momentum_rate - t.position_gradient + t.dissipation_force);
+        self.equal("inverse dynamics = Lagrange's equations", &self.call("inverse_dynamics"), &expected.collect::<Vec<_>>(), &terms)
+    }
+
+    /// `q̇ᵀ M q̇ = L(q̇) + L(−q̇) − 2 L(0)`
+    fn kinetic_form(&self) -> Result<(), Failure> {
+        let with = |sign: f64| {
+            let qd = self.state.qd.iter().map(|v| sign * v).collect();
+            self.witness.energies(&State { qd, ..self.state.clone() }, self.parameters)[0]
+        };
+        let (forward, backward, rest) = (with(1.0), with(-1.0), with(0.0));
+        let form = quadratic_form(&self.call("mass_matrix"), &self.state.qd);
+        self.equal("q̇ᵀ M q̇ = 2 L₂", &[form], &[forward + backward - 2.0 * rest], &[forward, rest])
+    }
+
+    /// `M q̈ + h + ∂D/∂q̇`, which ties the mass matrix and the bias to inverse dynamics.
+    fn mass_matrix_is_that_of_inverse_dynamics(&self) -> Result<(), Failure> {
+        let (m, bias, d) = (self.call("mass_matrix"), self.call("bias"), self.call("dissipation_force"));
+        let product = times(&m, &self.state.qdd);
+        let sum: Vec<f64> = (0..self.n()).map(|i| product[i] + bias[i] + d[i]).collect();
+        self.equal("M q̈ + h + ∂D/∂q̇ = inverse dynamics", &sum, &self.call("inverse_dynamics"), &[product, bias].concat())
+    }
+
+    /// `C q̇ + G = h`, and `Ṁ + ∂M/∂t − 2 C` skew-symmetric.
+    fn coriolis_matrix(&self) -> Result<(), Failure> {
+        let n = self.n();
+        let (c, g) = (self.call("coriolis_matrix"), self.call("gravity"));
+        let product = times(&c, &self.state.qd);
+        let sum: Vec<f64> = product.iter().zip(&g).map(|(a, b)| a + b).collect();
+        self.equal("C q̇ + G = h", &sum, &self.call("bias"), &[product, g].concat())?;
+        let m_dot = self.slope("mass_matrix", |symbol| path(self.state, symbol));
+        let m_t = self.slope("mass_matrix", |symbol| f64::from(u8::from(symbol == Symbol::Time)));
+        let twice: Vec<f64> = (0..n * n).map(|k| c[k] + c[k % n * n + k / n]).collect();
+        let expected: Vec<f64> = m_dot.iter().zip(&m_t).map(|(a, b)| a + b).collect();
+        self.equal("Ṁ + ∂M/∂t − 2 C skew", &twice, &expected, &c)
+    }
+
+    fn inverse_dynamics_jacobian(&self) -> Result<(), Failure> {
+        let n = self.n();
+        let found = self.call("inverse_dynamics_jacobian");
+        for j in 0..n {
+            for (part, symbol) in [Symbol::Coordinate(j as u32), Symbol::Velocity(j as u32)].into_iter().enumerate() {
+                let column: Vec<f64> = (0..n).map(|i| found[part * n * n + i * n + j]).collect();
+                let expected = self.slope("inverse_dynamics", |other| f64::from(u8::from(other == symbol)));
+                self.equal("inverse dynamics Jacobian", &column, &expected, &found)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether accelerations are determined at this state: the reciprocal condition of M, rows and columns scaled to a
+    /// unit diagonal, is not small.
+    fn mass_matrix_is_regular(&self) -> bool {
+        eliminate(&self.call("mass_matrix"), self.n()).smallest > 1e-6
+    }
+
+    fn forward_dynamics(&self) -> Result<(), Failure> {
+        let (m, qdd) = (self.call("mass_matrix"), self.call("forward_dynamics"));
+        let product = times(&m, &qdd);
+        let (h, d, q) = (self.call("bias"), self.call("dissipation_force"), self.call("generalized_force"));
+        let residual: Vec<f64> = (0..self.n()).map(|i| product[i] + h[i] + d[i]).collect();
+        self.equal("M q̈ + h + ∂D/∂q̇ = Q", &residual, &q, &[product, h, d].concat())
+    }
+
+    fn linearization(&self) -> Result<(), Failure> {
+        let n = self.n();
+        let found = self.call("linearize");
+        let inputs = self.state.u.len();
+        let blocks: [(usize, fn(u32) -> Symbol); 3] =
+            [(n, Symbol::Coordinate), (n, Symbol::Velocity), (inputs, Symbol::Input)];
+        let mut start = 0;
+        for (width, symbol) in blocks {
+            for j in 0..width {
+                let column: Vec<f64> = (0..n).map(|i| found[start + i * width + j]).collect();
+                let expected = self.slope("forward_dynamics", |other| f64::from(u8::from(other == symbol(j as u32))));
+                self.equal("linearization", &column, &expected, &found)?;
+            }
+            start += n * width;
+        }
+        self.linearization_in_parameters()
+    }
+
+    fn linearization_in_parameters(&self) -> Result<(), Failure> {
+        let (n, width) = (self.n(), self.parameters.len());
+        let found = self.call("linearize_parameters");
+        let state = lift(self.state, |_| 0.0);
+        for j in 0..width {
+            let mut parameters = lift_all(self.parameters);
+            parameters[j].derivative = 1.0;
+            let varied = Interpreter::with_parameters(self.derivation, parameters);
+            let expected = varied.call("forward_dynamics", &state).unwrap_or_default();
+            let expected: Vec<f64> = expected.iter().map(|v| v.derivative).collect();
+            let column: Vec<f64> = (0..n).map(|i| found[i * width + j]).collect();
+            self.equal("linearization in the parameters", &column, &expected, &found)?;
+        }
+        Ok(())
+    }
+
+    /// First integrals keep their values along the motion with `u = 0`, `D = 0`; and with everything on, the energy
+    /// balance `d/dt (q̇·∂L/∂q̇ − L) = q̇·(Q − ∂D/∂q̇) − ∂L/∂t`.
+    fn conserved(&self) -> Result<(), Failure> {
+        let n = self.n();
+        let free = State { u: vec![0.0; self.state.u.len()], ..self.state.clone() };
+        let d = self.call("dissipation_force");
+        let forced = |state: &State, undamped: bool| {
+            // D is taken away by adding its force to the inputs' side: M q̈ = Q − h.
+            let qdd = self.interpreter.call("forward_dynamics", state).unwrap_or_default();
+            if undamped { add(&qdd, &self.solve_mass_matrix(&d)) } else { qdd }
+        };
+        let free = State { qdd: forced(&free, true), ..free };
+        let along = lift(&free, |symbol| path(&free, symbol));
+        let rates = self.dual.call("conserved", &along).unwrap_or_default();
+        let rates: Vec<f64> = rates.iter().map(|v| v.derivative).collect();
+        let p_dot: Vec<f64> = self.terms.iter().flat_map(|t| [t.momentum_rate, t.position_gradient]).collect();
+        let power: Vec<f64> = self.power_terms(&free);
+        self.equal("conserved quantities", &rates, &vec![0.0; rates.len()], &[p_dot, power].concat())?;
+
+        let real = State { qdd: forced(self.state, false), ..self.state.clone() };
+        let along = lift(&real, |symbol| path(&real, symbol));
+        let momentum = self.dual.call("momentum", &along).unwrap_or_default();
+        let parameters = lift_all(self.parameters);
+        let [l, ..] = self.witness.energies(&along, &parameters);
+        let by_time = lift(&real, |symbol| f64::from(u8::from(symbol == Symbol::Time)));
+        let [l_t, ..] = self.witness.energies(&by_time, &parameters);
+        let action_rate: f64 = (0..n).map(|i| real.qdd[i] * momentum[i].value + real.qd[i] * momentum[i].derivative).sum();
+        let force = self.call("generalized_force");
+        let power: f64 = (0..n).map(|i| real.qd[i] * (force[i] - d[i])).sum();
+        let terms = [action_rate, l.derivative, l_t.derivative, self.power_terms(&real).iter().sum()];
+        self.equal("energy balance", &[action_rate - l.derivative], &[power - l_t.derivative], &terms)
+    }
+
+    /// The sizes of `q̇ᵢ ṗᵢ` and its like: what the rate of an energy is made of.
+    fn power_terms(&self, state: &State) -> Vec<f64> {
+        let tau = self.interpreter.call("inverse_dynamics", state).unwrap_or_default();
+        let h = self.interpreter.call("bias", state).unwrap_or_default();
+        let product = times(&self.call("mass_matrix"), &state.qdd);
+        (0..self.n()).map(|i| (state.qd[i] * (tau[i].abs() + h[i].abs() + product[i].abs())).abs()).collect()
+    }
+
+    fn solve_mass_matrix(&self, b: &[f64]) -> Vec<f64> {
+        solve(&self.call("mass_matrix"), b)
+    }
+
+    fn outputs(&self) -> Result<(), Failure> {
+        let declared = self.witness.outputs(self.state, self.parameters);
+        let mut start = 0;
+        for function in &self.derivation.functions {
+            if matches!(function.kind, FunctionKind::Output(_)) {
+                let count = function.program.results.len();
+                self.output(function, &declared[start..start + count])?;
+                start += count;
+            }
+        }
+        Ok(())
+    }
+
+    /// Value, velocity (of a pose: of the origin, and the angular velocity) and Jacobian of one output.
+    fn output(&self, function: &Function, declared: &[Dual<f64>]) -> Result<(), Failure> {
+        let value: Vec<f64> = declared.iter().map(|v| v.value).collect();
+        self.equal("output", &self.interpreter.evaluate(function, self.state), &value, &[])?;
+        let jacobian = self.call(&format!("{}_jacobian", function.name));
+        let Some(found) = self.interpreter.call(&format!("{}_velocity", function.name), self.state) else {
+            return self.jacobian_of_a_velocity(function, &jacobian);
+        };
+        let pose = function.results[0].shape == crate::optimise::Shape::Pose;
+        let velocity = if pose { spatial_velocity(declared) } else { declared.iter().map(|v| v.derivative).collect() };
+        self.equal("velocity of an output", &found, &velocity, &[])?;
+        // The velocity is J q̇ + ∂/∂t.
+        let at_rest = State { qd: vec![0.0; self.n()], ..self.state.clone() };
+        let drift = self.interpreter.call(&format!("{}_velocity", function.name), &at_rest).unwrap_or_default();
+        let product = rows_times(&jacobian, &self.state.qd);
+        self.equal("Jacobian of an output", &add(&product, &drift), &velocity, &product)
+    }
+
+    /// `∂output/∂q` of an output that depends on velocities.
+    fn jacobian_of_a_velocity(&self, function: &Function, jacobian: &[f64]) -> Result<(), Failure> {
+        let n = self.n();
+        for j in 0..n {
+            let state = lift(self.state, |symbol| f64::from(u8::from(symbol == Symbol::Coordinate(j as u32))));
+            let expected: Vec<f64> = self.dual.evaluate(function, &state).iter().map(|v| v.derivative).collect();
+            let column: Vec<f64> = (0..expected.len()).map(|i| jacobian[i * n + j]).collect();
+            self.equal("Jacobian of an output", &column, &expected, jacobian)?;
+        }
+        Ok(())
+    }
+}
+
+/// Velocity of the origin and angular velocity in world axes, `[ω]× = Ṙ Rᵀ`, from a pose and its rate.
+fn spatial_velocity(pose: &[Dual<f64>]) -> Vec<f64> {
+    let r = |i: usize, j: usize| pose[3 + 3 * i + j];
+    let spin = |i: usize, j: usize| (0..3).map(|k| r(i, k).derivative * r(j, k).value).sum::<f64>();
+    let position = pose[..3].iter().map(|p| p.derivative);
+    position.chain([spin(2, 1), spin(0, 2), spin(1, 0)]).collect()
+}
+
+fn add(a: &[f64], b: &[f64]) -> Vec<f64> {
+    a.iter().zip(b).map(|(a, b)| a + b).collect()
+}
+
+/// `M x` for a square matrix given row by row.
+fn times(m: &[f64], x: &[f64]) -> Vec<f64> {
+    rows_times(m, x)
+}
+
+fn rows_times(rows: &[f64], x: &[f64]) -> Vec<f64> {
+    rows.chunks(x.len()).map(|row| row.iter().zip(x).map(|(a, b)| a * b).sum()).collect()
+}
+
+fn quadratic_form(m: &[f64], x: &[f64]) -> f64 {
+    times(m, x).iter().zip(x).map(|(a, b)| a * b).sum()
+}
+
+/// Elimination without pivoting, on a positive definite matrix.
+fn solve(m: &[f64], b: &[f64]) -> Vec<f64> {
+    let n = b.len();
+    let (mut m, mut x) = (m.to_vec(), b.to_vec());
+    for k in 0..n {
+        for i in k + 1..n {
+            let factor = m[i * n + k] / m[k * n + k];
+            (k..n).for_each(|j| m[i * n + j] -= factor * m[k * n + j]);
+            x[i] -= factor * x[k];
+        }
+    }
+    for i in (0..n).rev() {
+        let rest: f64 = (i + 1..n).map(|j| m[i * n + j] * x[j]).sum();
+        x[i] = (x[i] - rest) / m[i * n + i];
+    }
+    x
+}

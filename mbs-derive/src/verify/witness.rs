@@ -1,0 +1,157 @@
+//! Lagrange's equations from the energies as declared, by nested dual numbers.
+
+use crate::expr::{Dual, Expr, Symbol, Tape, Value};
+use crate::interpret::State;
+use crate::model::{Lagrangian, OutputValue};
+
+/// The declared scalars, ready to be evaluated over any kind of number.
+pub struct Witness<'l, 'g> {
+    /// The mechanism.
+    pub lagrangian: &'l Lagrangian<'g>,
+    energies: Tape,
+    forces: Tape,
+    outputs: Tape,
+    frames: Tape,
+}
+
+/// `∂L/∂q̇`, its time derivative, `∂L/∂q` and `∂D/∂q̇` for one coordinate.
+#[derive(Clone, Copy, Debug)]
+pub struct LagrangeTerms {
+    /// `∂L/∂q̇`
+    pub momentum: f64,
+    /// `d/dt ∂L/∂q̇`
+    pub momentum_rate: f64,
+    /// `∂L/∂q`
+    pub position_gradient: f64,
+    /// `∂D/∂q̇`
+    pub dissipation_force: f64,
+}
+
+impl<'l, 'g> Witness<'l, 'g> {
+    /// Tapes for everything declared.
+    pub fn new(lagrangian: &'l Lagrangian<'g>) -> Self {
+        let graph = lagrangian.graph;
+        let sum = |terms: &[Expr<'g>]| terms.iter().fold(graph.integer(0), |sum, &term| sum + term);
+        let kinetic = sum(&lagrangian.kinetic);
+        let potential = sum(&lagrangian.potential);
+        let l = kinetic - potential + sum(&lagrangian.lagrangian);
+        let force = |i: usize| {
+            let terms = lagrangian.forces.iter().filter(|(coordinate, _)| *coordinate == i);
+            sum(&terms.map(|(_, force)| *force).collect::<Vec<_>>())
+        };
+        let outputs: Vec<_> = lagrangian.outputs.iter().flat_map(|o| output_components(lagrangian, &o.value)).collect();
+        let frames = lagrangian.frames.iter().flat_map(|frame| {
+            let rotation = frame.rotation.0.into_iter().flatten();
+            let vectors = [frame.position, frame.angular_velocity, frame.velocity];
+            rotation.chain(vectors.into_iter().flat_map(|v| v.0)).collect::<Vec<_>>()
+        });
+        Witness {
+            lagrangian,
+            energies: Tape::new(&[l, kinetic, potential, sum(&lagrangian.dissipation)]),
+            forces: Tape::new(&(0..lagrangian.dof()).map(force).collect::<Vec<_>>()),
+            outputs: Tape::new(&outputs),
+            frames: Tape::new(&frames.collect::<Vec<_>>()),
+        }
+    }
+
+    /// Whether the energies and their slopes along the motion are finite.
+    pub fn is_finite(&self, state: &State, parameters: &[f64]) -> bool {
+        let along_path = lift(state, |symbol| path(state, symbol));
+        let energies = self.energies(&along_path, &lift_all(parameters));
+        let forces = self.forces(state, parameters);
+        energies.iter().all(|e| e.value.is_finite() && e.derivative.is_finite()) && forces.iter().all(|q| q.is_finite())
+    }
+
+    /// L, T, V, D.
+    pub fn energies<V: Value>(&self, state: &State<V>, parameters: &[V]) -> [V; 4] {
+        let values = self.energies.run(moving(state, parameters));
+        [0, 1, 2, 3].map(|i| values[i].value)
+    }
+
+    /// Q
+    pub fn forces(&self, state: &State, parameters: &[f64]) -> Vec<f64> {
+        self.forces.run(moving(state, parameters)).iter().map(|q| q.value).collect()
+    }
+
+    /// The outputs' components with their time derivatives, in the order of declaration.
+    pub fn outputs(&self, state: &State, parameters: &[f64]) -> Vec<Dual<f64>> {
+        self.outputs.run(moving(state, parameters))
+    }
+
+    /// For each frame rotation (9), position (3), angular velocity (3) and velocity (3), with their time derivatives.
+    pub fn frames(&self, state: &State, parameters: &[f64]) -> Vec<Dual<f64>> {
+        self.frames.run(moving(state, parameters))
+    }
+
+    /// The terms of Lagrange's equation of coordinate `i`.
+    pub fn lagrange(&self, i: usize, state: &State, parameters: &[f64]) -> LagrangeTerms {
+        let i = i as u32;
+        let unit = |chosen: Symbol| move |symbol: Symbol| f64::from(u8::from(symbol == chosen));
+        let once = lift_all(parameters);
+        // ε along the motion, then δ along q̇ᵢ: the coefficient of εδ is d/dt ∂L/∂q̇ᵢ.
+        let along_path = lift(state, |symbol| path(state, symbol));
+        let twice = lift(&along_path, |symbol| Dual::fixed(unit(Symbol::Velocity(i))(symbol)));
+        let [l, _, _, d] = self.energies(&twice, &lift_all(&once));
+        let varied = lift(state, unit(Symbol::Coordinate(i)));
+        let [l_varied, ..] = self.energies(&varied, &once);
+        LagrangeTerms {
+            momentum: l.derivative.value,
+            momentum_rate: l.derivative.derivative,
+            position_gradient: l_varied.derivative,
+            dissipation_force: d.derivative.value,
+        }
+    }
+}
+
+/// How the symbols change along the motion.
+pub fn path(state: &State, symbol: Symbol) -> f64 {
+    match symbol {
+        Symbol::Time => 1.0,
+        Symbol::Coordinate(i) => state.qd[i as usize],
+        Symbol::Velocity(i) => state.qdd[i as usize],
+        Symbol::Acceleration(_) | Symbol::Parameter(_) | Symbol::Input(_) => 0.0,
+    }
+}
+
+/// The state with a derivative in some direction.
+pub fn lift<V: Value>(state: &State<V>, direction: impl Fn(Symbol) -> V) -> State<Dual<V>> {
+    let all = |values: &[V], symbol: fn(u32) -> Symbol| {
+        values.iter().enumerate().map(|(i, &v)| Dual::new(v, direction(symbol(i as u32)))).collect()
+    };
+    State {
+        t: Dual::new(state.t, direction(Symbol::Time)),
+        q: all(&state.q, Symbol::Coordinate),
+        qd: all(&state.qd, Symbol::Velocity),
+        qdd: all(&state.qdd, Symbol::Acceleration),
+        u: all(&state.u, Symbol::Input),
+    }
+}
+
+/// Values that do not change.
+pub fn lift_all<V: Value>(values: &[V]) -> Vec<Dual<V>> {
+    values.iter().map(|&v| Dual::fixed(v)).collect()
+}
+
+/// The symbols with their time derivatives, for the declared `dt`.
+fn moving<V: Value>(state: &State<V>, parameters: &[V]) -> impl Fn(Symbol) -> Dual<V> {
+    move |symbol| match symbol {
+        Symbol::Time => Dual::new(state.t, V::constant(1.0)),
+        Symbol::Coordinate(i) => Dual::new(state.q[i as usize], state.qd[i as usize]),
+        Symbol::Velocity(i) => Dual::new(state.qd[i as usize], state.qdd[i as usize]),
+        Symbol::Acceleration(i) => Dual::fixed(state.qdd[i as usize]),
+        Symbol::Parameter(i) => Dual::fixed(parameters[i as usize]),
+        Symbol::Input(i) => Dual::fixed(state.u[i as usize]),
+    }
+}
+
+fn output_components<'g>(lagrangian: &Lagrangian<'g>, value: &OutputValue<'g>) -> Vec<Expr<'g>> {
+    match value {
+        OutputValue::Scalar(e) => vec![*e],
+        OutputValue::Array(entries) => entries.clone(),
+        OutputValue::Matrix(rows) => rows.concat(),
+        OutputValue::Pose(id) => {
+            let frame = lagrangian.frames.get(*id);
+            frame.position.0.into_iter().chain(frame.rotation.0.into_iter().flatten()).collect()
+        }
+    }
+}

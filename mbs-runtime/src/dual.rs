@@ -1,0 +1,320 @@
+//! Dual numbers: a value and its derivative along one direction.
+
+use core::ops::{Add, Div, Mul, Neg, Sub};
+
+use crate::scalar::Scalar;
+
+/// `value + derivative · ε` with `ε² = 0`: a number that carries its derivative along one direction.
+///
+/// Generated code evaluated in dual numbers gives its own exact derivative, an oracle for the Jacobians it also
+/// emits. `Dual<Dual<T>>` carries second derivatives.
+///
+/// ```
+/// use mbs_runtime::{Dual, Scalar};
+///
+/// let x = Dual::variable(2.0);
+/// let y = x * x * x;
+/// assert_eq!((y.value, y.derivative), (8.0, 12.0));
+/// ```
+///
+/// Comparisons ([`Scalar::less`] and the others) look at the value alone: each side of a branch is differentiated by
+/// itself. `==` compares both parts. `|x|` has the derivative 0 at 0, `√x` an infinite or undefined one.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Dual<T> {
+    /// The number itself.
+    pub value: T,
+    /// Its derivative.
+    pub derivative: T,
+}
+
+impl<T: Scalar> Dual<T> {
+    /// The number that the derivative is taken by: `x' = 1`.
+    #[inline]
+    pub fn variable(value: T) -> Self {
+        Self { value, derivative: T::one() }
+    }
+
+    /// A number that does not depend on it: `c' = 0`.
+    #[inline]
+    pub fn constant(value: T) -> Self {
+        Self { value, derivative: T::zero() }
+    }
+
+    /// `f(x)' = slope · x'`, where `slope` is `∂f/∂x` at the value of `self`.
+    #[inline]
+    fn chain(self, value: T, slope: T) -> Self {
+        Self { value, derivative: slope * self.derivative }
+    }
+}
+
+impl<T: Scalar> Add for Dual<T> {
+    type Output = Self;
+
+    #[inline]
+    fn add(self, other: Self) -> Self {
+        Self { value: self.value + other.value, derivative: self.derivative + other.derivative }
+    }
+}
+
+impl<T: Scalar> Sub for Dual<T> {
+    type Output = Self;
+
+    #[inline]
+    fn sub(self, other: Self) -> Self {
+        Self { value: self.value - other.value, derivative: self.derivative - other.derivative }
+    }
+}
+
+impl<T: Scalar> Mul for Dual<T> {
+    type Output = Self;
+
+    #[inline]
+    fn mul(self, other: Self) -> Self {
+        Self {
+            value: self.value * other.value,
+            derivative: self.derivative * other.value + self.value * other.derivative,
+        }
+    }
+}
+
+impl<T: Scalar> Div for Dual<T> {
+    type Output = Self;
+
+    #[inline]
+    fn div(self, other: Self) -> Self {
+        let value = self.value / other.value;
+        Self { value, derivative: (self.derivative - value * other.derivative) / other.value }
+    }
+}
+
+impl<T: Scalar> Neg for Dual<T> {
+    type Output = Self;
+
+    #[inline]
+    fn neg(self) -> Self {
+        Self { value: -self.value, derivative: -self.derivative }
+    }
+}
+
+impl<T: Scalar> Scalar for Dual<T> {
+    type Mask = T::Mask;
+
+    #[inline]
+    fn from_f64(value: f64) -> Self {
+        Self::constant(T::from_f64(value))
+    }
+
+    #[inline]
+    fn sin(self) -> Self {
+        self.sin_cos().0
+    }
+
+    #[inline]
+    fn cos(self) -> Self {
+        self.sin_cos().1
+    }
+
+    #[inline]
+    fn sin_cos(self) -> (Self, Self) {
+        let (sin, cos) = self.value.sin_cos();
+        (self.chain(sin, cos), self.chain(cos, -sin))
+    }
+
+    #[inline]
+    fn tan(self) -> Self {
+        let tan = self.value.tan();
+        self.chain(tan, T::one() + tan * tan)
+    }
+
+    #[inline]
+    fn asin(self) -> Self {
+        let slope = T::one() / (T::one() - self.value * self.value).sqrt();
+        self.chain(self.value.asin(), slope)
+    }
+
+    #[inline]
+    fn acos(self) -> Self {
+        let slope = T::one() / (T::one() - self.value * self.value).sqrt();
+        self.chain(self.value.acos(), -slope)
+    }
+
+    #[inline]
+    fn atan(self) -> Self {
+        self.chain(self.value.atan(), T::one() / (T::one() + self.value * self.value))
+    }
+
+    /// `(x y' − y x') / (x² + y²)`.
+    #[inline]
+    fn atan2(self, x: Self) -> Self {
+        let y = self;
+        Self {
+            value: y.value.atan2(x.value),
+            derivative: (x.value * y.derivative - y.value * x.derivative) / (x.value * x.value + y.value * y.value),
+        }
+    }
+
+    #[inline]
+    fn sinh(self) -> Self {
+        self.chain(self.value.sinh(), self.value.cosh())
+    }
+
+    #[inline]
+    fn cosh(self) -> Self {
+        self.chain(self.value.cosh(), self.value.sinh())
+    }
+
+    #[inline]
+    fn tanh(self) -> Self {
+        let tanh = self.value.tanh();
+        self.chain(tanh, T::one() - tanh * tanh)
+    }
+
+    #[inline]
+    fn exp(self) -> Self {
+        let exp = self.value.exp();
+        self.chain(exp, exp)
+    }
+
+    #[inline]
+    fn ln(self) -> Self {
+        self.chain(self.value.ln(), T::one() / self.value)
+    }
+
+    #[inline]
+    fn sqrt(self) -> Self {
+        let sqrt = self.value.sqrt();
+        self.chain(sqrt, T::one() / (sqrt + sqrt))
+    }
+
+    /// `n xⁿ⁻¹ x' + xⁿ ln x · n'`; the second term is left out where `n' = 0`, so that a constant power of a negative
+    /// number has its derivative.
+    #[inline]
+    fn powf(self, exponent: Self) -> Self {
+        let (x, n) = (self.value, exponent.value);
+        let power = x.powf(n);
+        let by_base = self.chain(power, n * x.powf(n - T::one()));
+        if exponent.derivative == T::zero() {
+            by_base
+        } else {
+            Self { derivative: by_base.derivative + power * x.ln() * exponent.derivative, ..by_base }
+        }
+    }
+
+    #[inline]
+    fn abs(self) -> Self {
+        self.chain(self.value.abs(), self.value.signum())
+    }
+
+    #[inline]
+    fn signum(self) -> Self {
+        Self::constant(self.value.signum())
+    }
+
+    #[inline]
+    fn mul_add(self, factor: Self, summand: Self) -> Self {
+        Self {
+            value: self.value.mul_add(factor.value, summand.value),
+            derivative: self.derivative * factor.value + self.value * factor.derivative + summand.derivative,
+        }
+    }
+
+    #[inline]
+    fn is_finite(self) -> bool {
+        self.value.is_finite() && self.derivative.is_finite()
+    }
+
+    #[inline]
+    fn less(self, other: Self) -> Self::Mask {
+        self.value.less(other.value)
+    }
+
+    #[inline]
+    fn less_equal(self, other: Self) -> Self::Mask {
+        self.value.less_equal(other.value)
+    }
+
+    #[inline]
+    fn equal(self, other: Self) -> Self::Mask {
+        self.value.equal(other.value)
+    }
+
+    #[inline]
+    fn blend(mask: Self::Mask, then: Self, otherwise: Self) -> Self {
+        Self {
+            value: T::blend(mask, then.value, otherwise.value),
+            derivative: T::blend(mask, then.derivative, otherwise.derivative),
+        }
+    }
+}
+
+#[cfg(all(test, any(feature = "std", feature = "libm")))]
+mod tests {
+    use super::*;
+
+    type Function = fn(Dual<Dual<f64>>) -> Dual<Dual<f64>>;
+
+    /// First and second derivative against central differences of the derivative one order lower.
+    fn check(name: &str, f: Function, x: f64) {
+        let at = |x: f64| f(Dual { value: Dual::variable(x), derivative: Dual::constant(1.0) });
+        let step = 1e-5;
+        let (left, here, right) = (at(x - step), at(x), at(x + step));
+        let slope = (right.value.value - left.value.value) / (2.0 * step);
+        let curvature = (right.value.derivative - left.value.derivative) / (2.0 * step);
+        // A central difference over 1e-5 is good to 1e-10 times the third derivative.
+        assert!((here.value.derivative - slope).abs() < 1e-8 * (1.0 + slope.abs()), "{name}: first");
+        assert_eq!(here.value.derivative, here.derivative.value, "{name}: the two first derivatives");
+        assert!((here.derivative.derivative - curvature).abs() < 1e-8 * (1.0 + curvature.abs()), "{name}: second");
+    }
+
+    #[test]
+    fn derivatives_agree_with_differences() {
+        let c = Dual::<Dual<f64>>::from_f64;
+        let _ = c;
+        let functions: [(&str, Function); 23] = [
+            ("sin", |x| x.sin()),
+            ("cos", |x| x.cos()),
+            ("tan", |x| x.tan()),
+            ("asin", |x| x.asin()),
+            ("acos", |x| x.acos()),
+            ("atan", |x| x.atan()),
+            ("sinh", |x| x.sinh()),
+            ("cosh", |x| x.cosh()),
+            ("tanh", |x| x.tanh()),
+            ("exp", |x| x.exp()),
+            ("ln", |x| x.ln()),
+            ("sqrt", |x| x.sqrt()),
+            ("abs", |x| (-x).abs()),
+            ("signum", |x| x.signum()),
+            ("constant power", |x| x.powf(Scalar::from_f64(2.5))),
+            ("constant base", |x| Dual::from_f64(2.5).powf(x)),
+            ("power", |x| x.powf(x)),
+            ("atan2, above", |x| x.atan2(Scalar::from_f64(-2.0))),
+            ("atan2, below", |x| Dual::from_f64(-2.0).atan2(x)),
+            ("mul_add", |x| x.mul_add(x.sin(), x.exp())),
+            ("quotient", |x| x.sin() / (x + x * x)),
+            ("difference", |x| x - x.cos()),
+            ("select", |x| Dual::select(x.less(Dual::one()), || x * x * x, || -x)),
+        ];
+        for (name, f) in functions {
+            for x in [0.3, 0.71] {
+                check(name, f, x);
+            }
+        }
+    }
+
+    #[test]
+    fn the_angle_of_a_point() {
+        // On the unit circle the angle grows as fast as the point moves.
+        let angle: f64 = 2.5;
+        let t = Dual::variable(angle);
+        let turned = t.sin().atan2(t.cos());
+        assert!((turned.value - angle).abs() < 1e-15 && (turned.derivative - 1.0).abs() < 1e-15);
+    }
+
+    #[test]
+    fn a_constant_power_of_a_negative_number() {
+        let y = Dual::variable(-2.0).powf(Dual::constant(3.0));
+        assert_eq!((y.value, y.derivative), (-8.0, 12.0));
+    }
+}

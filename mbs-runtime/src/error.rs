@@ -1,0 +1,167 @@
+//! What can go wrong, one small enum or struct per operation, with the numbers that matter.
+
+use core::error::Error;
+use core::fmt;
+
+/// Why an integration ended before its time.
+///
+/// The caller's state is then the last accepted one, at [`time`](IntegrationError::time): it can be looked at, or
+/// integrated further with other settings. An error without a time refuses what was asked for; the state is the last
+/// accepted one all the same, which is the initial one if the arguments themselves are at fault.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum IntegrationError {
+    /// A tolerance is not a positive finite number.
+    InvalidTolerance {
+        /// The relative tolerance given.
+        relative: f64,
+        /// The absolute tolerance given.
+        absolute: f64,
+    },
+    /// A fixed step, or a limit of the step, is zero, negative or NaN.
+    InvalidStep {
+        /// The step given [s].
+        step: f64,
+    },
+    /// A time is not finite, an output time lies before its predecessor, or an observer asked for a time outside the
+    /// step.
+    InvalidTime {
+        /// The time refused [s].
+        time: f64,
+    },
+    /// `q` and `q̇` are of different length.
+    DimensionMismatch {
+        /// The number of coordinates.
+        coordinates: usize,
+        /// The number of velocities.
+        velocities: usize,
+    },
+    /// No step longer than the smallest one satisfies the tolerances: they ask for more than the arithmetic holds, or
+    /// the solution ends here.
+    StepTooSmall {
+        /// The time of the last accepted state [s].
+        time: f64,
+        /// The step that was refused [s].
+        step: f64,
+    },
+    /// The state or its acceleration is infinite or NaN, however short the step from here.
+    NonFiniteState {
+        /// The time of the last accepted state [s].
+        time: f64,
+    },
+    /// The mass matrix has no inverse, however short the step from here.
+    SingularMassMatrix {
+        /// The time of the last accepted state [s].
+        time: f64,
+        /// The pivot that is not positive, in the units of the mass matrix.
+        pivot: f64,
+        /// The row of the pivot, counted from 0.
+        index: usize,
+    },
+    /// The allowed number of steps was used up.
+    TooManySteps {
+        /// The time of the last accepted state [s].
+        time: f64,
+        /// The number of steps allowed, rejected ones included.
+        steps: usize,
+    },
+}
+
+impl IntegrationError {
+    /// The time of the state that the integrator left [s]; `None` where it refused what was asked for.
+    #[must_use]
+    pub fn time(&self) -> Option<f64> {
+        match *self {
+            Self::InvalidTolerance { .. }
+            | Self::InvalidStep { .. }
+            | Self::InvalidTime { .. }
+            | Self::DimensionMismatch { .. } => None,
+            Self::StepTooSmall { time, .. }
+            | Self::NonFiniteState { time }
+            | Self::SingularMassMatrix { time, .. }
+            | Self::TooManySteps { time, .. } => Some(time),
+        }
+    }
+}
+
+impl fmt::Display for IntegrationError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match *self {
+            Self::InvalidTolerance { relative, absolute } => {
+                write!(f, "tolerances must be positive and finite, found relative {relative}, absolute {absolute}")
+            }
+            Self::InvalidStep { step } => write!(f, "a step must be positive, found {step} s"),
+            Self::InvalidTime { time } => {
+                write!(f, "{time} s is not finite, out of order, or outside the step asked")
+            }
+            Self::DimensionMismatch { coordinates, velocities } => {
+                write!(f, "{coordinates} coordinates, but {velocities} velocities")
+            }
+            Self::StepTooSmall { time, step } => {
+                write!(f, "the tolerances are not met at t = {time} s even by a step of {step} s")
+            }
+            Self::NonFiniteState { time } => {
+                write!(f, "state or acceleration become infinite or NaN right after t = {time} s")
+            }
+            Self::SingularMassMatrix { time, pivot, index } => {
+                write!(f, "singular mass matrix right after t = {time} s: pivot {index} is {pivot}")
+            }
+            Self::TooManySteps { time, steps } => write!(f, "{steps} steps used up at t = {time} s"),
+        }
+    }
+}
+
+impl Error for IntegrationError {}
+
+/// A mass matrix that is not positive definite: a massless coordinate, coordinates that are singular in this place
+/// (the poles of Euler angles), or an argument that is not finite.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SingularMassMatrix {
+    /// The pivot of the factorization that is not positive beyond rounding, in the units of the mass matrix.
+    pub pivot: f64,
+    /// Its row, counted from 0: the first coordinate without inertia of its own.
+    pub index: usize,
+}
+
+impl fmt::Display for SingularMassMatrix {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "mass matrix is not positive definite: pivot {} is {}", self.index, self.pivot)
+    }
+}
+
+impl Error for SingularMassMatrix {}
+
+/// A row of another length than the trajectory holds, or tables of different lengths.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct DimensionMismatch {
+    /// The length it should have.
+    pub expected: usize,
+    /// The length it has.
+    pub found: usize,
+}
+
+impl fmt::Display for DimensionMismatch {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "expected {} numbers, found {}", self.expected, self.found)
+    }
+}
+
+impl Error for DimensionMismatch {}
+
+#[cfg(all(test, feature = "std"))]
+mod tests {
+    use super::*;
+    use std::string::ToString;
+
+    #[test]
+    fn messages_name_the_numbers() {
+        let error = IntegrationError::StepTooSmall { time: 1.5, step: 1e-17 };
+        assert_eq!(
+            error.to_string(),
+            "the tolerances are not met at t = 1.5 s even by a step of 0.00000000000000001 s"
+        );
+        let error = IntegrationError::SingularMassMatrix { time: 0.0, pivot: -2.0, index: 3 };
+        assert_eq!(error.to_string(), "singular mass matrix right after t = 0 s: pivot 3 is -2");
+        assert_eq!(error.time(), Some(0.0));
+        assert_eq!(IntegrationError::InvalidStep { step: 0.0 }.time(), None);
+    }
+}

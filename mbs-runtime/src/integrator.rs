@@ -1,0 +1,604 @@
+//! Integration of `q̈ = f(t, q, q̇)` over time.
+//!
+//! An [`Integrator`] is a small set of settings; one method per file:
+//!
+//! | method                     | step                                                | file         |
+//! |----------------------------|-----------------------------------------------------|--------------|
+//! | [`Rk4`](crate::Rk4)        | fixed; order 4; any [`Scalar`], lanes too           | `rk4.rs`     |
+//! | [`Dop853`](crate::Dop853)  | by error control; order 8, dense output of order 7  | `dop853.rs`  |
+//!
+//! The right-hand side is a closure `|t, q, qd, qdd|` that writes the accelerations into its last argument. It returns
+//! nothing, or a `Result<(), SingularMassMatrix>`. Time is `f64` whatever the scalar, so that a long run of `f32` keeps
+//! its clock; the closure gets it as a scalar.
+//!
+//! After each accepted step an observer sees the [`Step`]: its two ends, and the solution between them. It goes on with
+//! `ControlFlow::Continue(())`, or ends the integration at a time of its choice inside the step with
+//! `ControlFlow::Break(time)`.
+//!
+//! Whatever happens, the caller's [`State`] is the last accepted one afterwards. Nothing is allocated in a step: what
+//! an integrator needs is cloned from the initial state when it starts.
+
+use core::ops::ControlFlow;
+
+use crate::error::{IntegrationError, SingularMassMatrix};
+use crate::scalar::Scalar;
+use crate::state::{Coordinates, State};
+
+pub(crate) mod dop853;
+pub(crate) mod rk4;
+
+/// A method that integrates `q̈ = f(t, q, q̇)`.
+pub trait Integrator<T: Scalar> {
+    /// Carries `state` from the time `t` to `t_end`, which may lie before `t`; the last step ends exactly there.
+    ///
+    /// | argument       | meaning                                                    | unit |
+    /// |----------------|------------------------------------------------------------|------|
+    /// | `acceleration` | writes `q̈ = f(t, q, q̇)` into its last argument             |      |
+    /// | `t`, `t_end`   | first and last time                                        | s    |
+    /// | `state`        | `(q, q̇)` at `t`, afterwards at [`Summary::time`]           |      |
+    /// | `observer`     | called after each accepted step; `Break(time)` ends at `time` |   |
+    ///
+    /// ```
+    /// use core::ops::ControlFlow;
+    /// use mbs_runtime::{Dop853, Integrator, State};
+    ///
+    /// // A stone falls from 20 m; where is it when it is 5 m above the ground?
+    /// let mut stone = State::new([20.0], [0.0]);
+    /// let summary = Dop853::new(1e-10, 1e-12)
+    ///     .integrate(
+    ///         |_, _, _, qdd| qdd[0] = -9.81,
+    ///         0.0,
+    ///         3.0,
+    ///         &mut stone,
+    ///         |step| match step.state().q[0] < 5.0 {
+    ///             // The height is a parabola within the step; a real event searches for its root.
+    ///             true => ControlFlow::Break((2.0_f64 * 15.0 / 9.81).sqrt()),
+    ///             false => ControlFlow::Continue(()),
+    ///         },
+    ///     )
+    ///     .unwrap();
+    /// assert!(summary.stopped && (stone.q[0] - 5.0).abs() < 1e-12);
+    /// ```
+    ///
+    /// # Errors
+    /// [`IntegrationError`]; `state` is then the last accepted one.
+    fn integrate<V, F, R, O>(
+        &self,
+        acceleration: F,
+        t: f64,
+        t_end: f64,
+        state: &mut State<V>,
+        observer: O,
+    ) -> Result<Summary, IntegrationError>
+    where
+        V: Coordinates<Scalar = T>,
+        F: FnMut(T, &V, &V, &mut V) -> R,
+        R: Outcome,
+        O: FnMut(&mut dyn Step<V>) -> ControlFlow<f64>;
+
+    /// Carries `state` from the time `t` to the last of `times` and hands out the solution at each of them.
+    ///
+    /// `times` go one way from `t`, forwards or backwards; one that is repeated is handed out again. They do not limit
+    /// the step: what lies inside a step is interpolated.
+    ///
+    /// ```
+    /// use mbs_runtime::{Dop853, Integrator, State};
+    ///
+    /// let mut heights = [0.0; 3];
+    /// let mut i = 0;
+    /// Dop853::new(1e-10, 1e-12)
+    ///     .sample(|_, _, _, qdd| qdd[0] = -10.0, 0.0, &[0.0, 1.0, 2.0], &mut State::new([20.0], [0.0]), |_, stone| {
+    ///         heights[i] = stone.q[0];
+    ///         i += 1;
+    ///     })
+    ///     .unwrap();
+    /// assert!(heights.iter().zip([20.0, 15.0, 0.0]).all(|(x, y): (&f64, f64)| (x - y).abs() < 1e-12));
+    /// ```
+    ///
+    /// # Errors
+    /// [`IntegrationError::InvalidTime`] if `times` turn back; otherwise as [`integrate`](Integrator::integrate).
+    fn sample<V, F, R>(
+        &self,
+        acceleration: F,
+        t: f64,
+        times: &[f64],
+        state: &mut State<V>,
+        mut output: impl FnMut(f64, &State<V>),
+    ) -> Result<Summary, IntegrationError>
+    where
+        V: Coordinates<Scalar = T>,
+        F: FnMut(T, &V, &V, &mut V) -> R,
+        R: Outcome,
+    {
+        let t_end = times.last().copied().unwrap_or(t);
+        check_input(t, t_end, state)?;
+        check_order(t, times, t_end)?;
+        let mut sampled = state.clone();
+        let mut times = times.iter().copied().peekable();
+        while times.next_if_eq(&t).is_some() {
+            output(t, state);
+        }
+        self.integrate(acceleration, t, t_end, state, |step| {
+            let end = step.time();
+            while let Some(time) = times.next_if(|&time| is_between(t, time, end)) {
+                if step.interpolate(time, &mut sampled).is_err() {
+                    return ControlFlow::Break(end);
+                }
+                output(time, &sampled);
+            }
+            ControlFlow::Continue(())
+        })
+    }
+}
+
+/// One accepted step, as an observer sees it.
+pub trait Step<V: Coordinates> {
+    /// The time at which the step began [s].
+    fn previous_time(&self) -> f64;
+
+    /// The time at which the step ends [s].
+    fn time(&self) -> f64;
+
+    /// The state at the beginning.
+    fn previous_state(&self) -> &State<V>;
+
+    /// The state at the end.
+    fn state(&self) -> &State<V>;
+
+    /// Writes the solution at the time `t` inside the step; exact at both ends.
+    ///
+    /// The first call in a step evaluates what the interpolant needs: three accelerations for
+    /// [`Dop853`](crate::Dop853); for [`Rk4`](crate::Rk4) the one that the next step begins with.
+    ///
+    /// # Errors
+    /// [`IntegrationError::InvalidTime`] if `t` is not inside the step; [`IntegrationError::NonFiniteState`] or
+    /// [`IntegrationError::SingularMassMatrix`] if there is no acceleration where the interpolant needs one. `state` is
+    /// then untouched. The integration ends with this error, too, when the observer returns, whatever it returns.
+    fn interpolate(&mut self, t: f64, state: &mut State<V>) -> Result<(), IntegrationError>;
+
+    /// Goes on from `state` instead of the end of the step: for a projection onto constraints, or a jump.
+    ///
+    /// The solution inside the step stays what it was. `Break(time)` with a time before the end drops it.
+    fn replace(&mut self, state: &State<V>);
+}
+
+/// What an integration did.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Summary {
+    /// The time of the final state [s].
+    pub time: f64,
+    /// True where the observer ended the integration.
+    pub stopped: bool,
+    /// The number of accelerations evaluated, those of the interpolant included.
+    pub evaluations: usize,
+    /// The number of accepted steps.
+    pub accepted: usize,
+    /// The number of rejected steps.
+    pub rejected: usize,
+    /// A good length of the first step for whoever goes on from here, positive [s]; 0 where no step was made.
+    pub next_step: f64,
+}
+
+/// What an acceleration closure returns: nothing, or whether it could be computed.
+pub trait Outcome {
+    /// The same as a `Result`.
+    ///
+    /// # Errors
+    /// [`SingularMassMatrix`] if there is no acceleration.
+    fn into_result(self) -> Result<(), SingularMassMatrix>;
+}
+
+impl Outcome for () {
+    #[inline]
+    fn into_result(self) -> Result<(), SingularMassMatrix> {
+        Ok(())
+    }
+}
+
+impl Outcome for Result<(), SingularMassMatrix> {
+    #[inline]
+    fn into_result(self) -> Result<(), SingularMassMatrix> {
+        self
+    }
+}
+
+/// Why a step is refused.
+#[derive(Clone, Copy, Debug)]
+enum Fault {
+    Inaccurate,
+    NonFinite,
+    Singular(SingularMassMatrix),
+}
+
+impl Fault {
+    /// The error to end with, at the last accepted `time`, when a step of length `step` could not be made.
+    fn at(self, time: f64, step: f64) -> IntegrationError {
+        match self {
+            Self::Inaccurate => IntegrationError::StepTooSmall { time, step },
+            Self::NonFinite => IntegrationError::NonFiniteState { time },
+            Self::Singular(SingularMassMatrix { pivot, index }) => {
+                IntegrationError::SingularMassMatrix { time, pivot, index }
+            }
+        }
+    }
+}
+
+/// The right-hand side, and how often it was evaluated.
+struct System<F> {
+    acceleration: F,
+    evaluations: usize,
+}
+
+impl<F> System<F> {
+    fn new(acceleration: F) -> Self {
+        Self { acceleration, evaluations: 0 }
+    }
+
+    /// `q̈ = f(t, q, q̇)`, finite.
+    #[inline]
+    fn evaluate<V, R>(&mut self, t: f64, q: &V, qd: &V, qdd: &mut V) -> Result<(), Fault>
+    where
+        V: Coordinates,
+        F: FnMut(V::Scalar, &V, &V, &mut V) -> R,
+        R: Outcome,
+    {
+        self.evaluations += 1;
+        (self.acceleration)(V::Scalar::from_f64(t), q, qd, qdd).into_result().map_err(Fault::Singular)?;
+        if qdd.is_finite() { Ok(()) } else { Err(Fault::NonFinite) }
+    }
+}
+
+/// The two ends of an accepted step.
+struct Span<'a, V> {
+    start: f64,
+    end: f64,
+    old: &'a State<V>,
+    new: &'a State<V>,
+}
+
+/// How a method continues its solution into the step that it has just made.
+trait Interpolant<V: Coordinates> {
+    /// Evaluates and stores what [`interpolate`](Self::interpolate) needs.
+    fn prepare<F, R>(&mut self, system: &mut System<F>, span: &Span<'_, V>) -> Result<(), Fault>
+    where
+        F: FnMut(V::Scalar, &V, &V, &mut V) -> R,
+        R: Outcome;
+
+    /// The solution at the fraction `theta` of the step.
+    fn interpolate(&self, span: &Span<'_, V>, theta: V::Scalar, state: &mut State<V>);
+}
+
+/// A step on its way through the observer.
+struct Accepted<'a, V, F, M> {
+    span: Span<'a, V>,
+    system: &'a mut System<F>,
+    method: &'a mut M,
+    replacement: &'a mut State<V>,
+    prepared: bool,
+    replaced: bool,
+    fault: Option<IntegrationError>,
+}
+
+impl<V, F, R, M> Accepted<'_, V, F, M>
+where
+    V: Coordinates,
+    F: FnMut(V::Scalar, &V, &V, &mut V) -> R,
+    R: Outcome,
+    M: Interpolant<V>,
+{
+    /// Shows the step to the observer; how the integration goes on.
+    fn observe<O>(mut self, observer: &mut O) -> Result<Onward, IntegrationError>
+    where
+        O: FnMut(&mut dyn Step<V>) -> ControlFlow<f64>,
+    {
+        let answer = observer(&mut self);
+        if let Some(error) = self.fault {
+            return Err(error);
+        }
+        match answer {
+            ControlFlow::Continue(()) => {
+                Ok(Onward { stopped_at: None, prepared: self.prepared, replaced: self.replaced })
+            }
+            ControlFlow::Break(time) => {
+                if time != self.span.end {
+                    let mut state = self.replacement.clone();
+                    self.interpolate(time, &mut state)?;
+                    self.replace(&state);
+                }
+                Ok(Onward { stopped_at: Some(time), prepared: self.prepared, replaced: self.replaced })
+            }
+        }
+    }
+
+    fn try_interpolate(&mut self, t: f64, state: &mut State<V>) -> Result<(), IntegrationError> {
+        let Span { start, end, old, new } = self.span;
+        if t == end {
+            state.copy_from(new);
+        } else if t == start {
+            state.copy_from(old);
+        } else if is_between(start, t, end) {
+            if !self.prepared {
+                self.method.prepare(self.system, &self.span).map_err(|fault| fault.at(end, end - start))?;
+                self.prepared = true;
+            }
+            let theta = V::Scalar::from_f64((t - start) / (end - start));
+            self.method.interpolate(&self.span, theta, state);
+        } else {
+            return Err(IntegrationError::InvalidTime { time: t });
+        }
+        Ok(())
+    }
+}
+
+impl<V, F, R, M> Step<V> for Accepted<'_, V, F, M>
+where
+    V: Coordinates,
+    F: FnMut(V::Scalar, &V, &V, &mut V) -> R,
+    R: Outcome,
+    M: Interpolant<V>,
+{
+    fn previous_time(&self) -> f64 {
+        self.span.start
+    }
+
+    fn time(&self) -> f64 {
+        self.span.end
+    }
+
+    fn previous_state(&self) -> &State<V> {
+        self.span.old
+    }
+
+    fn state(&self) -> &State<V> {
+        self.span.new
+    }
+
+    fn interpolate(&mut self, t: f64, state: &mut State<V>) -> Result<(), IntegrationError> {
+        self.try_interpolate(t, state).inspect_err(|&error| self.fault = Some(error))
+    }
+
+    fn replace(&mut self, state: &State<V>) {
+        self.replacement.copy_from(state);
+        self.replaced = true;
+    }
+}
+
+/// What the observer wants.
+struct Onward {
+    /// Where it ended the integration.
+    stopped_at: Option<f64>,
+    /// Whether the interpolant was prepared.
+    prepared: bool,
+    /// Whether the integration goes on from the replacement.
+    replaced: bool,
+}
+
+/// Refuses what no method can start from.
+fn check_input<V: Coordinates>(t: f64, t_end: f64, state: &State<V>) -> Result<(), IntegrationError> {
+    for time in [t, t_end] {
+        if !time.is_finite() {
+            return Err(IntegrationError::InvalidTime { time });
+        }
+    }
+    let (coordinates, velocities) = (state.q.as_slice().len(), state.qd.as_slice().len());
+    if coordinates != velocities {
+        return Err(IntegrationError::DimensionMismatch { coordinates, velocities });
+    }
+    if state.is_finite() { Ok(()) } else { Err(IntegrationError::NonFiniteState { time: t }) }
+}
+
+/// Refuses output times that do not go one way from `t` to `t_end`.
+fn check_order(t: f64, times: &[f64], t_end: f64) -> Result<(), IntegrationError> {
+    let mut previous = t;
+    for &time in times {
+        if !is_between(previous, time, t_end) {
+            return Err(IntegrationError::InvalidTime { time });
+        }
+        previous = time;
+    }
+    Ok(())
+}
+
+/// True where `time` is on the way from `start` to `end`, both included; false for NaN.
+fn is_between(start: f64, time: f64, end: f64) -> bool {
+    if start <= end { start <= time && time <= end } else { end <= time && time <= start }
+}
+
+#[cfg(all(test, any(feature = "std", feature = "libm")))]
+mod tests {
+    use super::*;
+    use crate::{Dop853, Rk4};
+
+    fn oscillate(_: f64, q: &[f64; 1], _: &[f64; 1], qdd: &mut [f64; 1]) {
+        qdd[0] = -q[0];
+    }
+
+    /// The largest deviation from a cosine at the times asked for, and the number of answers.
+    fn check_samples(integrator: &impl Integrator<f64>, times: &[f64], tolerance: f64) {
+        let mut seen = 0;
+        let mut state = State::new([1.0], [0.0]);
+        let summary = integrator
+            .sample(oscillate, 0.0, times, &mut state, |t, state| {
+                assert_eq!(t, times[seen]);
+                assert!((state.q[0] - Scalar::cos(t)).abs() < tolerance, "q at {t}");
+                assert!((state.qd[0] + Scalar::sin(t)).abs() < tolerance, "q̇ at {t}");
+                seen += 1;
+            })
+            .unwrap();
+        assert_eq!(seen, times.len());
+        assert_eq!(summary.time, times.last().copied().unwrap_or(0.0));
+    }
+
+    #[test]
+    fn samples_forwards_backwards_repeated_and_none() {
+        let (dop853, rk4) = (Dop853::new(1e-10, 1e-12), Rk4::new(0.01));
+        for times in [
+            &[0.0, 0.0, 0.1, 0.1, 0.5, 3.0, 7.0][..],
+            &[1e-9, 20.0],
+            &[-0.1, -0.2, -3.0],
+            &[0.0, -1.0, -1.0],
+            &[0.0],
+            &[],
+        ] {
+            check_samples(&dop853, times, 1e-9);
+            check_samples(&rk4, times, 1e-8);
+        }
+    }
+
+    #[test]
+    fn output_times_that_turn_back_are_refused() {
+        for (times, bad) in [(&[1.0, 0.5, 2.0][..], 0.5), (&[-1.0, 1.0], -1.0), (&[2.0, 1.0], 2.0)] {
+            let mut state = State::new([1.0], [0.0]);
+            let result = Rk4::new(0.1).sample(oscillate, 0.0, times, &mut state, |_, _| {});
+            assert_eq!(result, Err(IntegrationError::InvalidTime { time: bad }));
+            assert_eq!(state, State::new([1.0], [0.0]));
+        }
+        let result = Rk4::new(0.1).sample(oscillate, 0.0, &[0.5, f64::NAN, 1.0], &mut State::default(), |_, _| {});
+        assert!(matches!(result, Err(IntegrationError::InvalidTime { time }) if time.is_nan()));
+    }
+
+    /// The observer's powers, for any method.
+    fn check_observer(integrator: &impl Integrator<f64>) {
+        // Ends inside a step, where asked.
+        let mut state = State::new([1.0], [0.0]);
+        let stop = |step: &mut dyn Step<[f64; 1]>| {
+            if step.time() > 1.0 { ControlFlow::Break(1.0) } else { ControlFlow::Continue(()) }
+        };
+        let summary = integrator.integrate(oscillate, 0.0, 5.0, &mut state, stop).unwrap();
+        assert_eq!((summary.time, summary.stopped), (1.0, true));
+        assert!((state.q[0] - Scalar::cos(1.0)).abs() < 1e-8);
+
+        // A time outside the step is an error, and the state the last accepted one.
+        let mut end = f64::NAN;
+        let mut last = State::default();
+        let result = integrator.integrate(oscillate, 0.0, 5.0, &mut state, |step| {
+            (end, last) = (step.time(), *step.state());
+            ControlFlow::Break(-1.0)
+        });
+        assert_eq!(result, Err(IntegrationError::InvalidTime { time: -1.0 }));
+        assert!(end > 0.0 && state == last);
+
+        // Both ends are exact, the inside continuous.
+        let mut state = State::new([1.0], [0.0]);
+        let mut previous = state;
+        integrator
+            .integrate(oscillate, 0.0, 5.0, &mut state, |step| {
+                let mut there = State::default();
+                assert_eq!(*step.previous_state(), previous);
+                step.interpolate(step.previous_time(), &mut there).unwrap();
+                assert_eq!(there, previous);
+                step.interpolate(step.time(), &mut there).unwrap();
+                assert_eq!(there, *step.state());
+                let almost = step.time() - 1e-9 * (step.time() - step.previous_time());
+                step.interpolate(almost, &mut there).unwrap();
+                assert!((there.q[0] - step.state().q[0]).abs() < 1e-8);
+                previous = *step.state();
+                ControlFlow::Continue(())
+            })
+            .unwrap();
+        assert_eq!(state, previous);
+
+        // Going on from a replaced state: reversed in mid-flight, an oscillator comes back.
+        let mut state = State::new([1.0], [0.5]);
+        let mut turned = None;
+        integrator
+            .integrate(oscillate, 0.0, 2.0, &mut state, |step| {
+                if turned.is_none() {
+                    turned = Some(step.time());
+                    let State { q, qd } = *step.state();
+                    step.replace(&State::new(q, [-qd[0]]));
+                } else if step.time() >= 2.0 * turned.unwrap() {
+                    return ControlFlow::Break(2.0 * turned.unwrap());
+                }
+                ControlFlow::Continue(())
+            })
+            .unwrap();
+        assert!((state.q[0] - 1.0).abs() < 1e-8 && (state.qd[0] + 0.5).abs() < 1e-8, "{state:?}");
+    }
+
+    #[test]
+    fn an_observer_stops_interpolates_and_replaces() {
+        check_observer(&Dop853::new(1e-11, 1e-12));
+        check_observer(&Rk4::new(0.01));
+    }
+
+    fn check_bad_input(integrator: &impl Integrator<f64>) {
+        let go = |t, t_end, state: State<[f64; 1]>| {
+            let mut left = state;
+            let result = integrator.integrate(oscillate, t, t_end, &mut left, |_| ControlFlow::Continue(()));
+            assert!(left == state || result.is_ok() || !state.is_finite());
+            result
+        };
+        let state = State::new([1.0], [0.0]);
+        assert!(matches!(go(f64::NAN, 1.0, state), Err(IntegrationError::InvalidTime { .. })));
+        assert!(matches!(go(0.0, f64::NAN, state), Err(IntegrationError::InvalidTime { .. })));
+        assert!(matches!(go(0.0, f64::INFINITY, state), Err(IntegrationError::InvalidTime { .. })));
+        let nan = State::new([f64::NAN], [0.0]);
+        assert_eq!(go(2.0, 3.0, nan), Err(IntegrationError::NonFiniteState { time: 2.0 }));
+        assert!(go(-1e308, 1e308, state).is_err());
+        let nothing = go(1.0, 1.0, state).unwrap();
+        assert_eq!((nothing.time, nothing.evaluations, nothing.accepted), (1.0, 0, 0));
+        assert_eq!(go(0.0, 1e-300, state).unwrap().time, 1e-300);
+        assert_eq!(go(1.0, 1.0 + f64::EPSILON, state).unwrap().time, 1.0 + f64::EPSILON);
+    }
+
+    #[test]
+    fn bad_input_is_an_error() {
+        check_bad_input(&Dop853 { max_steps: 1000, ..Dop853::new(1e-9, 1e-9) });
+        check_bad_input(&Rk4 { max_steps: 1000, ..Rk4::new(0.01) });
+    }
+
+    fn check_failures(integrator: &impl Integrator<f64>) {
+        // Free fall into a wall at q = 0, behind which there are no numbers.
+        let mut state = State::new([1.0], [-1.0]);
+        let wall = |_: f64, q: &[f64; 1], _: &[f64; 1], qdd: &mut [f64; 1]| {
+            qdd[0] = if q[0] > 0.0 { 0.0 } else { f64::NAN };
+        };
+        let result = integrator.integrate(wall, 0.0, 2.0, &mut state, |_| ControlFlow::Continue(()));
+        let Err(IntegrationError::NonFiniteState { time }) = result else { panic!("{result:?}") };
+        assert!(time > 0.9 && state.q[0] > 0.0 && (state.q[0] - (1.0 - time)).abs() < 1e-12, "{state:?}");
+
+        // The same with a mass that vanishes there.
+        let mut state = State::new([1.0], [-1.0]);
+        let massless = |_: f64, q: &[f64; 1], _: &[f64; 1], qdd: &mut [f64; 1]| {
+            qdd[0] = 0.0;
+            if q[0] > 0.0 { Ok(()) } else { Err(SingularMassMatrix { pivot: q[0], index: 0 }) }
+        };
+        let result = integrator.integrate(massless, 0.0, 2.0, &mut state, |_| ControlFlow::Continue(()));
+        let Err(IntegrationError::SingularMassMatrix { time, pivot, index: 0 }) = result else { panic!("{result:?}") };
+        assert!(time > 0.9 && state.q[0] > 0.0 && pivot <= 0.0);
+
+        // Nothing to start from.
+        let mut state = State::new([-1.0], [0.0]);
+        let result = integrator.integrate(wall, 3.0, 4.0, &mut state, |_| ControlFlow::Continue(()));
+        assert_eq!(result, Err(IntegrationError::NonFiniteState { time: 3.0 }));
+    }
+
+    #[test]
+    fn failures_leave_the_last_good_state() {
+        check_failures(&Dop853::new(1e-9, 1e-9));
+        check_failures(&Rk4::new(0.01));
+    }
+
+    #[cfg(feature = "std")]
+    #[test]
+    fn vectors_and_arrays_give_the_same_bits() {
+        let (mut array, mut vector) =
+            (State::new([1.0, 0.2], [0.0, 0.1]), State::new(std::vec![1.0, 0.2], std::vec![0.0, 0.1]));
+        fn pull(q: &[f64], qdd: &mut [f64]) {
+            qdd[0] = -q[0] + 0.1 * q[1].sin();
+            qdd[1] = -2.0 * q[1] * q[0];
+        }
+        let dop853 = Dop853::new(1e-9, 1e-9);
+        let go_on = |_: &mut dyn Step<_>| ControlFlow::Continue(());
+        let a = dop853.integrate(|_, q: &[f64; 2], _, qdd| pull(q, qdd), 0.0, 10.0, &mut array, go_on);
+        let b = dop853.integrate(|_, q, _, qdd| pull(q, qdd), 0.0, 10.0, &mut vector, |_| ControlFlow::Continue(()));
+        assert_eq!(a, b);
+        assert_eq!((&array.q[..], &array.qd[..]), (&vector.q[..], &vector.qd[..]));
+        vector.q.push(0.0);
+        let result =
+            dop853.integrate(|_, q, _, qdd| pull(q, qdd), 0.0, 1.0, &mut vector, |_| ControlFlow::Continue(()));
+        assert_eq!(result, Err(IntegrationError::DimensionMismatch { coordinates: 3, velocities: 2 }));
+    }
+}

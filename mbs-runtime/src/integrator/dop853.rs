@@ -1,0 +1,669 @@
+//! The explicit Runge–Kutta method of order 8(5,3) by Dormand and Prince, with step control and dense output.
+//!
+//! Source: P. J. Prince and J. R. Dormand, *High order embedded Runge–Kutta formulae*, 1981, as modified in E. Hairer,
+//! S. P. Nørsett and G. Wanner, *Solving Ordinary Differential Equations I*, 2nd ed. 1993, section II.5 (formulas),
+//! II.4 (step control, initial step), II.6 (dense output), and in their code DOP853.
+//!
+//! Where we differ from that code: the end of a step is evaluated before the step is accepted, so that a state without
+//! an acceleration is never handed out; a step into infinities or NaN is rejected and shortened; the third-order error
+//! is taken in the same norm over `q` and `q̇` together; the mass of details for Fortran's `IOUT`, stiffness and `NRD`
+//! is left out.
+
+use core::ops::ControlFlow;
+
+use super::{Accepted, Fault, Integrator, Interpolant, Outcome, Span, Step, Summary, System, check_input};
+use crate::error::IntegrationError;
+use crate::scalar::{Real, Scalar};
+use crate::state::{Coordinates, State};
+
+mod tableau;
+
+use tableau::{A1, A2, A3, A4, A5, A6, A7, A8, A9, A10, A11, A13, A14, A15, B, D4, D5, D6, D7, E3, E5, NODES, Weight};
+
+/// The stages of a step, those of the dense output included.
+const STAGES: usize = 16;
+/// The stage at the end of the step, which is the first one of the next.
+const END: usize = 12;
+
+/// How much of the step that would just do is taken.
+const SAFETY: f64 = 0.9;
+/// How far the next step may be shorter or longer than this one.
+const FACTORS: [f64; 2] = [1.0 / 3.0, 6.0];
+
+/// Dormand and Prince's method of order 8 with error control: twelve evaluations a step, smooth problems, tight
+/// tolerances.
+///
+/// The pair `(q, q̇)` is integrated as a system of `2N` equations of first order. A step is accepted if
+///
+/// ```text
+/// error = |h| e₅² / √(e₅² + e₃²/100) ≤ 1,    eₖ² = mean of (errorₖ / scale)² over q and q̇,
+/// scale = atol + rtol · max(|y₀|, |y₁|)
+/// ```
+///
+/// with the errors of the embedded formulas of order 5 and 3, and the next one is `0.9 error^(−1/8)` times as long,
+/// from a third to six times, not longer right after a rejected step.
+///
+/// ```
+/// use mbs_runtime::Dop853;
+///
+/// let integrator = Dop853 { max_step: 0.5, ..Dop853::new(1e-9, 1e-12) };
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Dop853 {
+    /// Relative tolerance of each number in `q` and `q̇`, positive.
+    pub rtol: f64,
+    /// Absolute tolerance, positive, in the units of `q` and `q̇` alike.
+    pub atol: f64,
+    /// The length of the first step, positive [s]; `None` to have it chosen (Hairer, section II.4).
+    pub first_step: Option<f64>,
+    /// The shortest step that may be tried, the last one excepted [s]. Steps below the resolution of `t` (16 units in
+    /// the last place) are not tried either way.
+    pub min_step: f64,
+    /// The longest step, positive [s]; infinity for no limit.
+    pub max_step: f64,
+    /// The number of steps allowed in one integration, rejected ones included.
+    pub max_steps: usize,
+}
+
+impl Dop853 {
+    /// These tolerances; the first step chosen, no limits of the step, a million steps.
+    #[must_use]
+    pub const fn new(rtol: f64, atol: f64) -> Self {
+        Self { rtol, atol, first_step: None, min_step: 0.0, max_step: f64::INFINITY, max_steps: 1_000_000 }
+    }
+
+    fn check(&self) -> Result<(), IntegrationError> {
+        let positive = |x: f64| x > 0.0 && x.is_finite();
+        if !(positive(self.rtol) && positive(self.atol)) {
+            return Err(IntegrationError::InvalidTolerance { relative: self.rtol, absolute: self.atol });
+        }
+        let first = self.first_step.unwrap_or(1.0);
+        for (step, good) in [
+            (first, positive(first)),
+            (self.min_step, self.min_step == 0.0 || positive(self.min_step)),
+            (self.max_step, self.max_step > 0.0),
+        ] {
+            if !good {
+                return Err(IntegrationError::InvalidStep { step });
+            }
+        }
+        Ok(())
+    }
+
+    /// The shortest step to try at the time `t`.
+    fn shortest<T: Real>(&self, t: f64) -> f64 {
+        self.min_step.max(16.0 * f64::EPSILON * t.abs()).max(T::MIN_POSITIVE.to_f64())
+    }
+}
+
+impl<T: Real> Integrator<T> for Dop853 {
+    /// # Errors
+    /// [`IntegrationError`]: a tolerance or a limit of the step is bad; the tolerances cannot be met; there is no
+    /// finite acceleration from some time on; the steps are used up.
+    fn integrate<V, F, R, O>(
+        &self,
+        acceleration: F,
+        t: f64,
+        t_end: f64,
+        state: &mut State<V>,
+        mut observer: O,
+    ) -> Result<Summary, IntegrationError>
+    where
+        V: Coordinates<Scalar = T>,
+        F: FnMut(T, &V, &V, &mut V) -> R,
+        R: Outcome,
+        O: FnMut(&mut dyn Step<V>) -> ControlFlow<f64>,
+    {
+        check_input(t, t_end, state)?;
+        self.check()?;
+        let mut summary = Summary { time: t, stopped: false, evaluations: 0, accepted: 0, rejected: 0, next_step: 0.0 };
+        if t == t_end {
+            return Ok(summary);
+        }
+        let direction = if t_end > t { 1.0 } else { -1.0 };
+        let mut system = System::new(acceleration);
+        let mut stages = Stages::new(state, T::from_f64(self.rtol), T::from_f64(self.atol));
+        let mut new = state.clone();
+        let mut replacement = state.clone();
+        stages.begin(&mut system, t, state).map_err(|fault| fault.at(t, 0.0))?;
+        let mut step = match self.first_step {
+            Some(step) => step,
+            None => stages.initial_step(&mut system, t, direction, (t_end - t).abs().min(self.max_step), state),
+        };
+        let mut rejected = false;
+        loop {
+            let start = summary.time;
+            if summary.accepted + summary.rejected == self.max_steps {
+                return Err(IntegrationError::TooManySteps { time: start, steps: self.max_steps });
+            }
+            let shortest = self.shortest::<T>(start);
+            step = step.min(self.max_step).max(shortest);
+            let remaining = (t_end - start).abs();
+            // A rest of less than a hundredth of a step is worth no step of its own.
+            let last = 1.01 * step >= remaining && remaining <= self.max_step * 1.01;
+            let (end, length) = if last { (t_end, remaining) } else { (start + direction * step, step) };
+
+            let error = match stages.advance(&mut system, start, end - start, state, &mut new) {
+                Ok(error) if error <= T::one() => error,
+                refused => {
+                    let (fault, factor) = match refused {
+                        Ok(error) => (Fault::Inaccurate, factor(error)),
+                        Err(fault) => (fault, FACTORS[0]),
+                    };
+                    if length <= shortest {
+                        return Err(fault.at(start, length));
+                    }
+                    summary.rejected += 1;
+                    rejected = true;
+                    step = length * factor.min(SAFETY);
+                    continue;
+                }
+            };
+
+            let onward = Accepted {
+                span: Span { start, end, old: state, new: &new },
+                system: &mut system,
+                method: &mut stages,
+                replacement: &mut replacement,
+                prepared: false,
+                replaced: false,
+                fault: None,
+            }
+            .observe(&mut observer);
+            state.copy_from(&new);
+            let onward = onward?;
+            let proposed = length * if rejected { factor(error).min(1.0) } else { factor(error) };
+            // A last step that was cut short says little about the next one.
+            step = if last { proposed.max(step) } else { proposed };
+            rejected = false;
+            summary.accepted += 1;
+            summary.time = end;
+            summary.next_step = step.min(self.max_step);
+            if onward.replaced {
+                state.copy_from(&replacement);
+            }
+            if let Some(time) = onward.stopped_at {
+                (summary.time, summary.stopped) = (time, true);
+            }
+            summary.evaluations = system.evaluations;
+            if last || summary.stopped {
+                return Ok(summary);
+            }
+            if onward.replaced {
+                stages.begin(&mut system, end, state).map_err(|fault| fault.at(end, step))?;
+            } else {
+                stages.proceed();
+            }
+        }
+    }
+}
+
+/// How much longer the step may be for this error: `0.9 error^(−1/8)` within bounds, the shortest for NaN.
+fn factor<T: Real>(error: T) -> f64 {
+    if error.is_finite() {
+        // An error of zero gives infinity, and so the upper bound.
+        (SAFETY * error.powf(T::from_f64(-1.0 / 8.0)).to_f64()).clamp(FACTORS[0], FACTORS[1])
+    } else {
+        FACTORS[0]
+    }
+}
+
+/// What the steps of one integration work in.
+struct Stages<V: Coordinates> {
+    /// `q̇` of the stages: the slopes of `q`.
+    v: [V; STAGES],
+    /// `q̈` of the stages: the slopes of `q̇`.
+    a: [V; STAGES],
+    /// The coordinates of the stage at hand.
+    q: V,
+    /// The parts of the dense output, `r₁` to `r₇`.
+    parts: [State<V>; 7],
+    rtol: V::Scalar,
+    atol: V::Scalar,
+}
+
+impl<V: Coordinates<Scalar: Real>> Stages<V> {
+    fn new(like: &State<V>, rtol: V::Scalar, atol: V::Scalar) -> Self {
+        Self {
+            v: core::array::from_fn(|_| like.q.clone()),
+            a: core::array::from_fn(|_| like.q.clone()),
+            q: like.q.clone(),
+            parts: core::array::from_fn(|_| like.clone()),
+            rtol,
+            atol,
+        }
+    }
+
+    /// The first stage of the first step.
+    fn begin<F, R>(&mut self, system: &mut System<F>, t: f64, state: &State<V>) -> Result<(), Fault>
+    where
+        F: FnMut(V::Scalar, &V, &V, &mut V) -> R,
+        R: Outcome,
+    {
+        self.v[0].copy_from(&state.qd);
+        system.evaluate(t, &state.q, &state.qd, &mut self.a[0])
+    }
+
+    /// The first stage of a later step is the end of the one before.
+    fn proceed(&mut self) {
+        self.v.swap(0, END);
+        self.a.swap(0, END);
+    }
+
+    /// All stages of a step, its end and its error in units of the tolerance, all finite.
+    fn advance<F, R>(
+        &mut self,
+        system: &mut System<F>,
+        t: f64,
+        length: f64,
+        old: &State<V>,
+        new: &mut State<V>,
+    ) -> Result<V::Scalar, Fault>
+    where
+        F: FnMut(V::Scalar, &V, &V, &mut V) -> R,
+        R: Outcome,
+    {
+        self.stage(system, t, length, old, 1, &A1)?;
+        self.stage(system, t, length, old, 2, &A2)?;
+        self.stage(system, t, length, old, 3, &A3)?;
+        self.stage(system, t, length, old, 4, &A4)?;
+        self.stage(system, t, length, old, 5, &A5)?;
+        self.stage(system, t, length, old, 6, &A6)?;
+        self.stage(system, t, length, old, 7, &A7)?;
+        self.stage(system, t, length, old, 8, &A8)?;
+        self.stage(system, t, length, old, 9, &A9)?;
+        self.stage(system, t, length, old, 10, &A10)?;
+        self.stage(system, t, length, old, 11, &A11)?;
+        let h = V::Scalar::from_f64(length);
+        combine(&mut new.q, &old.q, h, &B, &self.v);
+        combine(&mut new.qd, &old.qd, h, &B, &self.a);
+        let error = self.error(h, old, new);
+        if !(error.is_finite() && new.is_finite()) {
+            return Err(Fault::NonFinite);
+        }
+        if error <= V::Scalar::one() {
+            self.v[END].copy_from(&new.qd);
+            system.evaluate(t + length, &new.q, &new.qd, &mut self.a[END])?;
+        }
+        Ok(error)
+    }
+
+    /// Stage `s`: `y₀ + h Σ a[s][j] k[j]` and the acceleration there.
+    #[inline]
+    fn stage<F, R, const S: usize>(
+        &mut self,
+        system: &mut System<F>,
+        t: f64,
+        length: f64,
+        old: &State<V>,
+        s: usize,
+        row: &[Weight; S],
+    ) -> Result<(), Fault>
+    where
+        F: FnMut(V::Scalar, &V, &V, &mut V) -> R,
+        R: Outcome,
+    {
+        let h = V::Scalar::from_f64(length);
+        combine(&mut self.q, &old.q, h, row, &self.v);
+        combine(&mut self.v[s], &old.qd, h, row, &self.a);
+        system.evaluate(t + NODES[s] * length, &self.q, &self.v[s], &mut self.a[s])
+    }
+
+    /// The error of the step in units of the tolerance: of order 5, damped where the one of order 3 is larger.
+    fn error(&self, h: V::Scalar, old: &State<V>, new: &State<V>) -> V::Scalar {
+        let (mut fifth, mut third) = (V::Scalar::zero(), V::Scalar::zero());
+        for (slopes, y0, y1) in [(&self.v, &old.q, &new.q), (&self.a, &old.qd, &new.qd)] {
+            let slopes: [&[V::Scalar]; STAGES] = slopes.each_ref().map(V::as_slice);
+            let (y0, y1) = (y0.as_slice(), y1.as_slice());
+            for i in 0..y0.len() {
+                let scale = self.atol + self.rtol * y0[i].abs().maximum(y1[i].abs());
+                let (e5, e3) = (weighted(&E5, &slopes, i) / scale, weighted(&E3, &slopes, i) / scale);
+                fifth = fifth + e5 * e5;
+                third = third + e3 * e3;
+            }
+        }
+        let damped = fifth + V::Scalar::from_f64(0.01) * third;
+        if damped == V::Scalar::zero() {
+            return damped;
+        }
+        let count = V::Scalar::from_f64(2.0 * old.q.as_slice().len() as f64);
+        h.abs() * fifth / (damped * count).sqrt()
+    }
+
+    /// Hairer's choice of the first step (section II.4), positive [s].
+    ///
+    /// One explicit Euler step, a hundredth of `|y|/|y'|` long, estimates the second derivative; then the step is such
+    /// that `hᵖ max(|y'|, |y''|) = 1/100`, in the norm of the tolerances.
+    fn initial_step<F, R>(
+        &mut self,
+        system: &mut System<F>,
+        t: f64,
+        direction: f64,
+        longest: f64,
+        state: &State<V>,
+    ) -> f64
+    where
+        F: FnMut(V::Scalar, &V, &V, &mut V) -> R,
+        R: Outcome,
+    {
+        let small = V::Scalar::from_f64(1e-5);
+        let (d0, d1) = (self.norm(state, &state.q, &state.qd), self.norm(state, &self.v[0], &self.a[0]));
+        let guess = if d0 < small || d1 < small { 1e-6 } else { 0.01 * (d0 / d1).to_f64() };
+        // Infinite norms (of f32) make NaN here, and `min` drops it.
+        let guess = guess.min(longest);
+
+        let h = V::Scalar::from_f64(direction * guess);
+        combine(&mut self.q, &state.q, h, &[(0, 1.0)], &self.v);
+        combine(&mut self.v[1], &state.qd, h, &[(0, 1.0)], &self.a);
+        if system.evaluate(t + direction * guess, &self.q, &self.v[1], &mut self.a[1]).is_err() {
+            return guess;
+        }
+        for stages in [&mut self.v, &mut self.a] {
+            let [first, second, ..] = stages;
+            for (x, x0) in second.as_mut_slice().iter_mut().zip(first.as_slice()) {
+                *x = *x - *x0;
+            }
+        }
+        let d2 = self.norm(state, &self.v[1], &self.a[1]) / h.abs();
+        let steepest = d1.maximum(d2);
+        let step = if steepest <= V::Scalar::from_f64(1e-15) {
+            (guess * 1e-3).max(1e-6)
+        } else {
+            (V::Scalar::from_f64(0.01) / steepest).powf(V::Scalar::from_f64(1.0 / 8.0)).to_f64()
+        };
+        step.min(100.0 * guess).min(longest)
+    }
+
+    /// The root mean square of `(x, y)` in units of the tolerance at `state`.
+    fn norm(&self, state: &State<V>, x: &V, y: &V) -> V::Scalar {
+        let mut sum = V::Scalar::zero();
+        for (at, x) in [(&state.q, x), (&state.qd, y)] {
+            for (at, x) in at.as_slice().iter().zip(x.as_slice()) {
+                let scaled = *x / (self.atol + self.rtol * at.abs());
+                sum = sum + scaled * scaled;
+            }
+        }
+        let count = (2 * x.as_slice().len()).max(1);
+        (sum / V::Scalar::from_f64(count as f64)).sqrt()
+    }
+}
+
+/// `base + h Σ weight · slope`.
+#[inline]
+fn combine<V: Coordinates, const S: usize>(
+    out: &mut V,
+    base: &V,
+    h: V::Scalar,
+    row: &[Weight; S],
+    slopes: &[V; STAGES],
+) {
+    let slopes = slopes.each_ref().map(V::as_slice);
+    let (out, base) = (out.as_mut_slice(), base.as_slice());
+    for i in 0..out.len() {
+        out[i] = base[i] + h * weighted(row, &slopes, i);
+    }
+}
+
+/// `Σ weight · slope` of the number `i`.
+#[inline]
+fn weighted<T: Scalar, const S: usize>(row: &[Weight; S], slopes: &[&[T]; STAGES], i: usize) -> T {
+    let mut sum = T::zero();
+    for &(stage, weight) in row {
+        sum = sum + T::from_f64(weight) * slopes[stage][i];
+    }
+    sum
+}
+
+impl<V: Coordinates<Scalar: Real>> Interpolant<V> for Stages<V> {
+    /// `r₁ = Δy`, `r₂ = h y₀' − Δy`, `r₃ = 2Δy − h (y₀' + y₁')`, `r₄ … r₇ = h Σ d k`.
+    fn prepare<F, R>(&mut self, system: &mut System<F>, span: &Span<'_, V>) -> Result<(), Fault>
+    where
+        F: FnMut(V::Scalar, &V, &V, &mut V) -> R,
+        R: Outcome,
+    {
+        let Span { start, end, old, new } = *span;
+        let length = end - start;
+        self.stage(system, start, length, old, 13, &A13)?;
+        self.stage(system, start, length, old, 14, &A14)?;
+        self.stage(system, start, length, old, 15, &A15)?;
+        let h = V::Scalar::from_f64(length);
+        for (slopes, y0, y1, part) in [
+            (&self.v, &old.q, &new.q, (|state| &mut state.q) as fn(&mut State<V>) -> &mut V),
+            (&self.a, &old.qd, &new.qd, |state| &mut state.qd),
+        ] {
+            let slopes: [&[V::Scalar]; STAGES] = slopes.each_ref().map(V::as_slice);
+            let (y0, y1) = (y0.as_slice(), y1.as_slice());
+            let parts = self.parts.each_mut().map(|state| part(state).as_mut_slice());
+            for i in 0..y0.len() {
+                let rise = y1[i] - y0[i];
+                let first = h * slopes[0][i] - rise;
+                parts[0][i] = rise;
+                parts[1][i] = first;
+                parts[2][i] = rise - h * slopes[END][i] - first;
+                parts[3][i] = h * weighted(&D4, &slopes, i);
+                parts[4][i] = h * weighted(&D5, &slopes, i);
+                parts[5][i] = h * weighted(&D6, &slopes, i);
+                parts[6][i] = h * weighted(&D7, &slopes, i);
+            }
+        }
+        Ok(())
+    }
+
+    /// `y₀ + θ (r₁ + (1−θ) (r₂ + θ (r₃ + (1−θ) (r₄ + θ (r₅ + (1−θ) (r₆ + θ r₇))))))`.
+    fn interpolate(&self, span: &Span<'_, V>, theta: V::Scalar, state: &mut State<V>) {
+        let rest = V::Scalar::one() - theta;
+        let at = |y0: V::Scalar, r: [V::Scalar; 7]| {
+            let inner = r[3] + theta * (r[4] + rest * (r[5] + theta * r[6]));
+            y0 + theta * (r[0] + rest * (r[1] + theta * (r[2] + rest * inner)))
+        };
+        let (q, qd) = (state.q.as_mut_slice(), state.qd.as_mut_slice());
+        let parts = self.parts.each_ref().map(|part| (part.q.as_slice(), part.qd.as_slice()));
+        for i in 0..q.len() {
+            q[i] = at(span.old.q.as_slice()[i], parts.map(|(part, _)| part[i]));
+            qd[i] = at(span.old.qd.as_slice()[i], parts.map(|(_, part)| part[i]));
+        }
+    }
+}
+
+#[cfg(all(test, any(feature = "std", feature = "libm")))]
+mod tests {
+    use super::*;
+
+    const TAU: f64 = core::f64::consts::TAU;
+
+    fn go_on<V: Coordinates>(_: &mut dyn Step<V>) -> ControlFlow<f64> {
+        ControlFlow::Continue(())
+    }
+
+    /// `r̈ = −r/|r|³` in the plane.
+    fn kepler<T: Scalar>(_: T, q: &[T; 2], _: &[T; 2], qdd: &mut [T; 2]) {
+        let squared = q[0] * q[0] + q[1] * q[1];
+        let cubed = squared * squared.sqrt();
+        *qdd = [-q[0] / cubed, -q[1] / cubed];
+    }
+
+    /// Periapsis of an orbit of semi-major axis 1; its period is 2π.
+    fn periapsis(eccentricity: f64) -> State<[f64; 2]> {
+        let speed = Scalar::sqrt((1.0 + eccentricity) / (1.0 - eccentricity));
+        State::new([1.0 - eccentricity, 0.0], [0.0, speed])
+    }
+
+    fn distance(a: &State<[f64; 2]>, b: &State<[f64; 2]>) -> f64 {
+        let differences = [a.q[0] - b.q[0], a.q[1] - b.q[1], a.qd[0] - b.qd[0], a.qd[1] - b.qd[1]];
+        differences.into_iter().fold(0.0, |largest, x: f64| largest.max(x.abs()))
+    }
+
+    /// Steps of the length `h` only, whatever their error.
+    fn fixed(h: f64) -> Dop853 {
+        Dop853 { first_step: Some(h), max_step: h, ..Dop853::new(1e9, 1e9) }
+    }
+
+    /// The errors of a linear oscillator, forced: at the end, and within a step.
+    fn errors(h: f64) -> [f64; 2] {
+        // q = cos t + sin(2t)/2 solves q̈ = −q − (3/2) sin 2t.
+        let forced = |t: f64, q: &[f64; 1], _: &[f64; 1], qdd: &mut [f64; 1]| {
+            qdd[0] = -q[0] - 1.5 * Scalar::sin(2.0 * t);
+        };
+        let exact = |t: f64| Scalar::cos(t) + 0.5 * Scalar::sin(2.0 * t);
+        let mut state = State::new([1.0], [1.0]);
+        let mut within: f64 = 0.0;
+        fixed(h)
+            .integrate(forced, 0.0, 4.0, &mut state, |step| {
+                for theta in [0.2, 0.35, 0.5, 0.65, 0.8] {
+                    let t = step.previous_time() + theta * (step.time() - step.previous_time());
+                    let mut there = State::default();
+                    step.interpolate(t, &mut there).unwrap();
+                    // Leave out the error at the beginning of the step: it is of order 8.
+                    let carried = step.previous_state().q[0] - exact(step.previous_time());
+                    within = within.max((there.q[0] - exact(t) - carried).abs());
+                }
+                ControlFlow::Continue(())
+            })
+            .unwrap();
+        [(state.q[0] - exact(4.0)).abs(), within]
+    }
+
+    #[test]
+    fn the_order_is_eight_and_seven_between() {
+        let (coarse, fine) = (errors(0.5), errors(0.25));
+        let orders = [0, 1].map(|i| Scalar::ln(coarse[i] / fine[i]) / core::f64::consts::LN_2);
+        assert!((7.6..9.3).contains(&orders[0]), "orders {orders:?}");
+        // A polynomial of order 7 deviates by h⁸ within one step.
+        assert!((7.5..8.7).contains(&orders[1]), "orders {orders:?}");
+    }
+
+    #[test]
+    fn an_eccentric_orbit_closes() {
+        for (tolerance, allowed) in [(1e-6, 1e-3), (1e-9, 1e-6), (1e-12, 1e-9)] {
+            let initial = periapsis(0.6);
+            let mut state = initial;
+            let dop853 = Dop853::new(tolerance, tolerance);
+            let summary = dop853.integrate(kepler, 0.0, 5.0 * TAU, &mut state, go_on).unwrap();
+            assert!(distance(&state, &initial) < allowed, "{tolerance}: {}", distance(&state, &initial));
+            assert_eq!(summary.time, 5.0 * TAU);
+            // And back again.
+            dop853.integrate(kepler, 5.0 * TAU, 0.0, &mut state, go_on).unwrap();
+            assert!(distance(&state, &initial) < allowed);
+        }
+    }
+
+    #[test]
+    fn energy_stays() {
+        let energy = |s: &State<[f64; 2]>| {
+            0.5 * (s.qd[0] * s.qd[0] + s.qd[1] * s.qd[1]) - 1.0 / Scalar::sqrt(s.q[0] * s.q[0] + s.q[1] * s.q[1])
+        };
+        let mut state = periapsis(0.3);
+        let initial = energy(&state);
+        let mut drift: f64 = 0.0;
+        Dop853::new(1e-13, 1e-14)
+            .integrate(kepler, 0.0, 100.0 * TAU, &mut state, |step| {
+                drift = drift.max((energy(step.state()) - initial).abs());
+                ControlFlow::Continue(())
+            })
+            .unwrap();
+        assert!(drift < 1e-11, "{drift}");
+    }
+
+    #[test]
+    fn work_is_what_the_method_promises() {
+        let mut state = State::new([1.0], [0.0]);
+        let summary = Dop853::new(1e-10, 1e-12)
+            .integrate(|_, q: &[f64; 1], _, qdd: &mut [f64; 1]| qdd[0] = -q[0], 0.0, 10.0 * TAU, &mut state, go_on)
+            .unwrap();
+        assert!((state.q[0] - 1.0).abs() < 1e-8);
+        assert!(summary.accepted < 110 && summary.rejected < 10, "{summary:?}");
+        // Two for the first step, twelve for each other, eleven for a rejected one.
+        assert_eq!(summary.evaluations, 2 + 12 * summary.accepted + 11 * summary.rejected);
+        assert!(summary.next_step > 0.1 && summary.next_step < 5.0);
+    }
+
+    #[test]
+    fn single_precision() {
+        let initial = periapsis(0.3);
+        let mut state = State::new(initial.q.map(|x| x as f32), initial.qd.map(|x| x as f32));
+        Dop853::new(1e-5, 1e-5).integrate(kepler, 0.0, TAU, &mut state, go_on).unwrap();
+        let state = State::new(state.q.map(f64::from), state.qd.map(f64::from));
+        assert!(distance(&state, &initial) < 1e-3, "{state:?}");
+    }
+
+    #[test]
+    fn steps_keep_within_limits() {
+        let mut state = periapsis(0.6);
+        let limited = Dop853 { max_step: 0.05, ..Dop853::new(1e-6, 1e-6) };
+        let summary = limited
+            .integrate(kepler, 0.0, 3.0, &mut state, |step| {
+                assert!(step.time() - step.previous_time() <= 0.05 * 1.02);
+                ControlFlow::Continue(())
+            })
+            .unwrap();
+        assert!((60..65).contains(&summary.accepted), "{summary:?}");
+        let hurried = Dop853 { min_step: 1.0, ..Dop853::new(1e-12, 1e-12) };
+        let result = hurried.integrate(kepler, 0.0, 6.0, &mut periapsis(0.6), go_on);
+        assert_eq!(result, Err(IntegrationError::StepTooSmall { time: 0.0, step: 1.0 }));
+        let few = Dop853 { max_steps: 10, ..Dop853::new(1e-12, 1e-12) };
+        let result = few.integrate(kepler, 0.0, 6.0, &mut periapsis(0.6), go_on);
+        assert!(matches!(result, Err(IntegrationError::TooManySteps { steps: 10, time }) if time > 0.0));
+    }
+
+    #[test]
+    fn bad_settings_are_refused() {
+        let go = |dop853: Dop853| dop853.integrate(kepler, 0.0, 1.0, &mut periapsis(0.1), go_on).unwrap_err();
+        for bad in [0.0, -1e-9, f64::NAN, f64::INFINITY] {
+            assert!(matches!(go(Dop853::new(bad, 1e-9)), IntegrationError::InvalidTolerance { .. }));
+            assert!(matches!(go(Dop853::new(1e-9, bad)), IntegrationError::InvalidTolerance { .. }));
+            let good = Dop853::new(1e-9, 1e-9);
+            let first_step = Some(bad);
+            assert!(matches!(go(Dop853 { first_step, ..good }), IntegrationError::InvalidStep { .. }));
+            if bad != 0.0 {
+                assert!(matches!(go(Dop853 { min_step: bad, ..good }), IntegrationError::InvalidStep { .. }));
+            }
+            if bad != f64::INFINITY {
+                assert!(matches!(go(Dop853 { max_step: bad, ..good }), IntegrationError::InvalidStep { .. }));
+            }
+        }
+    }
+
+    #[test]
+    fn a_collision_is_an_error_and_not_a_hang() {
+        // Falls into the centre at t = π/√8, where the acceleration is infinite.
+        let mut state = State::new([1.0, 0.0], [0.0, 0.0]);
+        let error = Dop853::new(1e-10, 1e-12).integrate(kepler, 0.0, 2.0, &mut state, go_on).unwrap_err();
+        let time = error.time().unwrap();
+        assert!((time - core::f64::consts::PI / Scalar::sqrt(8.0)).abs() < 1e-6, "{error}");
+        assert!(state.is_finite() && state.q[0].abs() < 1e-3);
+    }
+
+    #[test]
+    fn tolerances_below_rounding_end() {
+        let dop853 = Dop853 { max_steps: 20_000, ..Dop853::new(1e-30, 1e-30) };
+        let result = dop853.integrate(kepler, 1.0, 2.0, &mut periapsis(0.5), go_on);
+        assert!(result.is_err());
+    }
+
+    #[test]
+    fn interpolation_costs_three_evaluations() {
+        let count = |watch: bool| {
+            Dop853::new(1e-9, 1e-9)
+                .integrate(kepler, 0.0, 5.0, &mut periapsis(0.3), |step| {
+                    if watch {
+                        for theta in [0.1, 0.9] {
+                            let t = step.previous_time() + theta * (step.time() - step.previous_time());
+                            step.interpolate(t, &mut periapsis(0.0)).unwrap();
+                        }
+                    }
+                    ControlFlow::Continue(())
+                })
+                .unwrap()
+        };
+        let (watched, alone) = (count(true), count(false));
+        assert_eq!(watched.accepted, alone.accepted);
+        assert_eq!(watched.evaluations, alone.evaluations + 3 * alone.accepted);
+    }
+
+    #[test]
+    fn the_motion_without_coordinates_goes_on() {
+        let mut state = State::new([0.0_f64; 0], []);
+        let summary = Dop853::new(1e-9, 1e-9).integrate(|_, _, _, _| {}, 0.0, 1.0, &mut state, go_on).unwrap();
+        assert_eq!(summary.time, 1.0);
+    }
+}

@@ -1,0 +1,194 @@
+//! What generated code implements: the equations of motion of one mechanism as functions of its state.
+
+use nalgebra::{Isometry3, IsometryMatrix3, RealField, Rotation3, Translation3, UnitQuaternion};
+
+use crate::matrix::to_matrix;
+use crate::scalar::Scalar;
+
+/// A mechanism with `N` coordinates and `U` inputs:
+///
+/// ```text
+/// M(q, t) q̈ + C(q, q̇, t) q̇ + G(q, t) + ∂D/∂q̇ = Q(q, q̇, u, t)
+/// ```
+///
+/// | argument         | meaning                                | shape | unit                           |
+/// |------------------|----------------------------------------|-------|--------------------------------|
+/// | `t`              | time                                   |       | s                              |
+/// | `q`, `qd`, `qdd` | coordinates, velocities, accelerations | `N`   | as declared, per s, per s²     |
+/// | `u`              | inputs                                 | `U`   | as declared                    |
+///
+/// Forces are conjugate to the coordinates: N for a coordinate in m, N·m for one in rad. Matrices are arrays of rows,
+/// `m[row][column]`. Functions are algebra: they give infinity or NaN where the equations do (a singular mass matrix),
+/// and never panic.
+///
+/// The [front page](crate) implements it by hand for a pendulum.
+pub trait Mechanism<const N: usize, const U: usize> {
+    /// The numbers it is evaluated in.
+    type Scalar: Scalar;
+
+    /// The mechanism's name as declared.
+    const NAME: &'static str;
+    /// The names of the coordinates; those of an array `q` are `q_0`, `q_1` ….
+    const COORDINATES: [&'static str; N];
+    /// The names of the inputs, flattened in the same way.
+    const INPUTS: [&'static str; U];
+
+    /// Kinetic energy `T` [J].
+    fn kinetic_energy(&self, t: Self::Scalar, q: &[Self::Scalar; N], qd: &[Self::Scalar; N]) -> Self::Scalar;
+
+    /// Potential energy `V` [J].
+    fn potential_energy(&self, t: Self::Scalar, q: &[Self::Scalar; N]) -> Self::Scalar;
+
+    /// Generalized momenta `p = ∂L/∂q̇` [force · s].
+    fn momentum(&self, t: Self::Scalar, q: &[Self::Scalar; N], qd: &[Self::Scalar; N]) -> [Self::Scalar; N];
+
+    /// Mass matrix `M = ∂²L/∂q̇²`, symmetric, both triangles filled [force per acceleration].
+    fn mass_matrix(&self, t: Self::Scalar, q: &[Self::Scalar; N]) -> [[Self::Scalar; N]; N];
+
+    /// Coriolis matrix `C` in Christoffel's form: `Ṁ + ∂M/∂t − 2C` is skew-symmetric [force per velocity].
+    fn coriolis_matrix(&self, t: Self::Scalar, q: &[Self::Scalar; N], qd: &[Self::Scalar; N])
+    -> [[Self::Scalar; N]; N];
+
+    /// Gravity and other forces of position `G = −∂L₀/∂q + ∂a/∂t`, which is `∂V/∂q` in the plain case [force].
+    fn gravity(&self, t: Self::Scalar, q: &[Self::Scalar; N]) -> [Self::Scalar; N];
+
+    /// Bias `h = C q̇ + G`, without forming `C` [force].
+    fn bias(&self, t: Self::Scalar, q: &[Self::Scalar; N], qd: &[Self::Scalar; N]) -> [Self::Scalar; N];
+
+    /// `∂D/∂q̇`, the force that Rayleigh's dissipation function takes from the motion, on the side of `M q̈` [force].
+    fn dissipation_force(&self, t: Self::Scalar, q: &[Self::Scalar; N], qd: &[Self::Scalar; N]) -> [Self::Scalar; N];
+
+    /// Generalized force `Q` of the inputs and of the declared forces [force].
+    fn generalized_force(
+        &self,
+        t: Self::Scalar,
+        q: &[Self::Scalar; N],
+        qd: &[Self::Scalar; N],
+        u: &[Self::Scalar; U],
+    ) -> [Self::Scalar; N];
+
+    /// `M q̈ + C q̇ + G + ∂D/∂q̇`: the generalized force that makes the mechanism move so; `Q` is not subtracted [force].
+    fn inverse_dynamics(
+        &self,
+        t: Self::Scalar,
+        q: &[Self::Scalar; N],
+        qd: &[Self::Scalar; N],
+        qdd: &[Self::Scalar; N],
+    ) -> [Self::Scalar; N];
+
+    /// Accelerations `q̈ = M⁻¹ (Q − C q̇ − G − ∂D/∂q̇)`.
+    fn forward_dynamics(
+        &self,
+        t: Self::Scalar,
+        q: &[Self::Scalar; N],
+        qd: &[Self::Scalar; N],
+        u: &[Self::Scalar; U],
+    ) -> [Self::Scalar; N];
+
+    /// Derivatives of [`forward_dynamics`](Self::forward_dynamics) at this state.
+    fn linearize(
+        &self,
+        t: Self::Scalar,
+        q: &[Self::Scalar; N],
+        qd: &[Self::Scalar; N],
+        u: &[Self::Scalar; U],
+    ) -> Linearization<Self::Scalar, N, U>;
+
+    /// Derivatives of [`inverse_dynamics`](Self::inverse_dynamics) at this state; the one by `q̈` is `M`.
+    fn inverse_dynamics_jacobian(
+        &self,
+        t: Self::Scalar,
+        q: &[Self::Scalar; N],
+        qd: &[Self::Scalar; N],
+        qdd: &[Self::Scalar; N],
+    ) -> InverseDynamicsJacobian<Self::Scalar, N>;
+}
+
+/// The accelerations of `mechanism` under `control`, in the form that an [`Integrator`](crate::Integrator) takes.
+///
+/// `control(t, q, q̇)` gives the inputs `u`; `|_, _, _| []` where there are none.
+pub fn accelerations<M, const N: usize, const U: usize>(
+    mechanism: &M,
+    mut control: impl FnMut(M::Scalar, &[M::Scalar; N], &[M::Scalar; N]) -> [M::Scalar; U],
+) -> impl FnMut(M::Scalar, &[M::Scalar; N], &[M::Scalar; N], &mut [M::Scalar; N])
+where
+    M: Mechanism<N, U>,
+{
+    move |t, q, qd, qdd| {
+        let u = control(t, q, qd);
+        *qdd = mechanism.forward_dynamics(t, q, qd, &u);
+    }
+}
+
+/// First derivatives of the accelerations `q̈(t, q, q̇, u)`; rows are accelerations.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Linearization<T, const N: usize, const U: usize> {
+    /// `∂q̈/∂q`.
+    pub q: [[T; N]; N],
+    /// `∂q̈/∂q̇`.
+    pub qd: [[T; N]; N],
+    /// `∂q̈/∂u`.
+    pub u: [[T; U]; N],
+}
+
+/// First derivatives of the inverse dynamics `τ = M q̈ + C q̇ + G + ∂D/∂q̇`; rows are forces. `∂τ/∂q̈` is `M`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct InverseDynamicsJacobian<T, const N: usize> {
+    /// `∂τ/∂q`.
+    pub q: [[T; N]; N],
+    /// `∂τ/∂q̇`.
+    pub qd: [[T; N]; N],
+}
+
+/// Where a body is and how it is turned: a point `x` of the body is at `position + rotation · x` in the world.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Pose<T> {
+    /// The origin of the body's axes in the world [m].
+    pub position: [T; 3],
+    /// Turns body axes to world axes: rows, so that column `j` is the body's axis `j` seen in the world.
+    pub rotation: [[T; 3]; 3],
+}
+
+impl<T: Scalar> Pose<T> {
+    /// The point of the world at which the body's point `x` is: `position + rotation · x` [m].
+    #[must_use]
+    pub fn transform_point(&self, x: [T; 3]) -> [T; 3] {
+        let [p, r] = [&self.position, &self.rotation.map(|row| row[0] * x[0] + row[1] * x[1] + row[2] * x[2])];
+        core::array::from_fn(|i| p[i] + r[i])
+    }
+}
+
+/// Exact: the rotation stays a matrix.
+impl<T: RealField> From<Pose<T>> for IsometryMatrix3<T> {
+    fn from(pose: Pose<T>) -> Self {
+        let rotation = Rotation3::from_matrix_unchecked(to_matrix(&pose.rotation));
+        Self::from_parts(Translation3::from(pose.position), rotation)
+    }
+}
+
+/// The rotation becomes a unit quaternion, up to rounding.
+impl<T: RealField> From<Pose<T>> for Isometry3<T> {
+    fn from(pose: Pose<T>) -> Self {
+        let rotation = Rotation3::from_matrix_unchecked(to_matrix(&pose.rotation));
+        Self::from_parts(Translation3::from(pose.position), UnitQuaternion::from_rotation_matrix(&rotation))
+    }
+}
+
+#[cfg(all(test, any(feature = "std", feature = "libm")))]
+mod tests {
+    use super::*;
+    use nalgebra::Point3;
+
+    #[test]
+    fn a_pose_and_its_isometries_agree() {
+        // A quarter turn about z: the body's x axis is the world's y axis.
+        let pose = Pose { position: [1.0, 2.0, 3.0], rotation: [[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]] };
+        assert_eq!(pose.transform_point([1.0, 0.0, 0.0]), [1.0, 3.0, 3.0]);
+        let point = Point3::new(0.5, -0.25, 4.0);
+        let expected = Point3::from(pose.transform_point([0.5, -0.25, 4.0]));
+        let (by_matrix, by_quaternion) = (IsometryMatrix3::from(pose), Isometry3::from(pose));
+        assert_eq!(by_matrix * point, expected);
+        assert!((by_quaternion * point - expected).norm() < 1e-15);
+    }
+}

@@ -1,0 +1,183 @@
+//! The numbers that equations of motion are evaluated in.
+//!
+//! Generated code is generic over [`Scalar`]: `f64` and `f32`, lanes of them ([`wide`](https://docs.rs/wide), feature
+//! `wide`), and [`Dual`](crate::Dual) numbers over any of these. What controls errors or writes results needs
+//! [`Real`], a scalar with an order and a value as `f64`.
+//!
+//! The elementary functions of `f32` and `f64` come from the standard library with the feature `std`, from the libm
+//! crate with the feature `libm` alone, and with neither of them `f32` and `f64` are not scalars.
+
+use core::fmt::Debug;
+use core::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
+
+#[cfg(any(feature = "std", feature = "libm"))]
+mod float;
+#[cfg(feature = "wide")]
+mod lanes;
+
+/// A number, or several numbers in lockstep, that mechanics can be computed with.
+///
+/// The names are those of `f64`. Where a concrete `f32` or `f64` has a method of the same name, the inherent method
+/// wins in method syntax; all but [`signum`](Scalar::signum) and [`mul_add`](Scalar::mul_add) agree with it to the bit
+/// where the feature `std` is on.
+///
+/// Angles are in radians. A branch of a model is written with a [`Mask`] and [`select`](Scalar::select), because lanes
+/// may have to go both ways:
+///
+/// ```
+/// use mbs_runtime::Scalar;
+///
+/// /// Square root of the positive part of `x`.
+/// fn root<T: Scalar>(x: T) -> T {
+///     T::select(T::zero().less(x), || x.sqrt(), || T::zero())
+/// }
+/// assert_eq!(root(4.0), 2.0);
+/// assert_eq!(root(-4.0), 0.0);
+/// ```
+pub trait Scalar:
+    Copy
+    + Clone
+    + Debug
+    + PartialEq
+    + 'static
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+    + Neg<Output = Self>
+{
+    /// What a comparison gives: `bool`, or one truth value per lane.
+    type Mask: Mask;
+
+    /// The constant nearest to `value`, in every lane.
+    fn from_f64(value: f64) -> Self;
+
+    /// 0.
+    #[inline]
+    fn zero() -> Self {
+        Self::from_f64(0.0)
+    }
+
+    /// 1.
+    #[inline]
+    fn one() -> Self {
+        Self::from_f64(1.0)
+    }
+
+    /// Sine.
+    fn sin(self) -> Self;
+    /// Cosine.
+    fn cos(self) -> Self;
+    /// Sine and cosine, the same bits as [`sin`](Scalar::sin) and [`cos`](Scalar::cos) give.
+    fn sin_cos(self) -> (Self, Self);
+    /// Tangent.
+    fn tan(self) -> Self;
+    /// Arc sine, in `[−π/2, π/2]`.
+    fn asin(self) -> Self;
+    /// Arc cosine, in `[0, π]`.
+    fn acos(self) -> Self;
+    /// Arc tangent, in `(−π/2, π/2)`.
+    fn atan(self) -> Self;
+    /// The angle of the point `(x, self)`, in `[−π, π]`: `y.atan2(x)` as in `f64`.
+    fn atan2(self, x: Self) -> Self;
+    /// Hyperbolic sine.
+    fn sinh(self) -> Self;
+    /// Hyperbolic cosine.
+    fn cosh(self) -> Self;
+    /// Hyperbolic tangent.
+    fn tanh(self) -> Self;
+    /// `e` to the power of `self`.
+    fn exp(self) -> Self;
+    /// Natural logarithm.
+    fn ln(self) -> Self;
+    /// Square root.
+    fn sqrt(self) -> Self;
+    /// `self` to the power of `exponent`.
+    fn powf(self, exponent: Self) -> Self;
+    /// Absolute value.
+    fn abs(self) -> Self;
+
+    /// −1, 0 or 1: the derivative of `|x|`. `signum(±0) = 0`, where `f64::signum` gives `±1`; NaN for NaN.
+    ///
+    /// Concrete code writes `Scalar::signum(x)`, because `x.signum()` is the inherent method of `f64`.
+    fn signum(self) -> Self;
+
+    /// `self · factor + summand`.
+    ///
+    /// Fused, with one rounding, where the target has the instruction (`cfg!(target_feature = "fma")`); otherwise a
+    /// product and a sum, because the library's function takes three times as long.
+    #[inline]
+    fn mul_add(self, factor: Self, summand: Self) -> Self {
+        self * factor + summand
+    }
+
+    /// True where every lane, and every part of a dual number, is neither infinite nor NaN.
+    fn is_finite(self) -> bool;
+
+    /// `self < other`, lane by lane.
+    fn less(self, other: Self) -> Self::Mask;
+    /// `self ≤ other`, lane by lane.
+    fn less_equal(self, other: Self) -> Self::Mask;
+    /// `self = other`, lane by lane; a dual number compares its value alone.
+    fn equal(self, other: Self) -> Self::Mask;
+
+    /// `then` in the lanes where `mask` is true, `otherwise` in the others.
+    ///
+    /// A NaN or an infinity in a lane that is not chosen leaves no trace.
+    fn blend(mask: Self::Mask, then: Self, otherwise: Self) -> Self;
+
+    /// `then()` where `mask` is true, `otherwise()` elsewhere; a side that no lane takes is not evaluated.
+    #[inline]
+    fn select(mask: Self::Mask, then: impl FnOnce() -> Self, otherwise: impl FnOnce() -> Self) -> Self {
+        if mask.all() {
+            then()
+        } else if mask.any() {
+            Self::blend(mask, then(), otherwise())
+        } else {
+            otherwise()
+        }
+    }
+}
+
+/// The result of comparing two [`Scalar`]s: a truth value per lane. `&`, `|` and `!` work lane by lane.
+pub trait Mask: Copy + Debug + BitAnd<Output = Self> + BitOr<Output = Self> + Not<Output = Self> {
+    /// True where all lanes are.
+    fn all(self) -> bool;
+    /// True where one lane at least is.
+    fn any(self) -> bool;
+}
+
+impl Mask for bool {
+    #[inline]
+    fn all(self) -> bool {
+        self
+    }
+
+    #[inline]
+    fn any(self) -> bool {
+        self
+    }
+}
+
+/// A [`Scalar`] that is one real number: `f32` or `f64`. Error control compares and reports such numbers.
+pub trait Real: Scalar<Mask = bool> + PartialOrd {
+    /// The distance from 1 to the next larger number.
+    const EPSILON: Self;
+    /// The smallest positive normal number.
+    const MIN_POSITIVE: Self;
+
+    /// The same number as `f64`.
+    fn to_f64(self) -> f64;
+
+    /// The larger of the two, and NaN where one of them is NaN (`f64::max` would drop it).
+    #[inline]
+    fn maximum(self, other: Self) -> Self {
+        if self > other || self.is_nan() { self } else { other }
+    }
+
+    /// True for NaN alone.
+    #[inline]
+    fn is_nan(self) -> bool {
+        self.partial_cmp(&self).is_none()
+    }
+}

@@ -1,0 +1,161 @@
+//! SIMD lanes: four `f64` or eight `f32` that go through the same equations together.
+//!
+//! The elementary functions are those of the crate `wide`: vectorised, and up to a few units in the last place away
+//! from those of the standard library; sin and cos are meant for arguments below 10⁶ or so.
+
+use wide::{CmpEq, CmpLe, CmpLt, f32x8, f64x4};
+
+use super::{Mask, Scalar};
+
+macro_rules! lanes {
+    ($lanes:ty, $float:ty) => {
+        impl Mask for $lanes {
+            #[inline]
+            fn all(self) -> bool {
+                <$lanes>::all(self)
+            }
+
+            #[inline]
+            fn any(self) -> bool {
+                <$lanes>::any(self)
+            }
+        }
+
+        impl Scalar for $lanes {
+            /// All bits of a lane are set where it is true.
+            type Mask = $lanes;
+
+            #[inline]
+            fn from_f64(value: f64) -> Self {
+                <$lanes>::splat(value as $float)
+            }
+
+            lanes!(@unary $lanes: sin cos tan asin acos atan sinh cosh tanh exp ln sqrt abs);
+
+            #[inline]
+            fn sin_cos(self) -> (Self, Self) {
+                <$lanes>::sin_cos(self)
+            }
+
+            #[inline]
+            fn atan2(self, x: Self) -> Self {
+                <$lanes>::atan2(self, x)
+            }
+
+            #[inline]
+            fn powf(self, exponent: Self) -> Self {
+                <$lanes>::powf_simd(self, exponent)
+            }
+
+            #[inline]
+            fn signum(self) -> Self {
+                // A zero stays as it is; +0 and −0 are the same number.
+                self.simd_eq(Self::zero()).select(Self::zero(), <$lanes>::signum(self))
+            }
+
+            #[inline]
+            fn mul_add(self, factor: Self, summand: Self) -> Self {
+                if cfg!(target_feature = "fma") {
+                    <$lanes>::mul_add(self, factor, summand)
+                } else {
+                    self * factor + summand
+                }
+            }
+
+            #[inline]
+            fn is_finite(self) -> bool {
+                <$lanes>::is_finite(self).all()
+            }
+
+            #[inline]
+            fn less(self, other: Self) -> Self {
+                self.simd_lt(other)
+            }
+
+            #[inline]
+            fn less_equal(self, other: Self) -> Self {
+                self.simd_le(other)
+            }
+
+            #[inline]
+            fn equal(self, other: Self) -> Self {
+                self.simd_eq(other)
+            }
+
+            #[inline]
+            fn blend(mask: Self, then: Self, otherwise: Self) -> Self {
+                mask.select(then, otherwise)
+            }
+        }
+    };
+    (@unary $lanes:ty: $($name:ident)+) => {
+        $(
+            #[inline]
+            fn $name(self) -> Self {
+                <$lanes>::$name(self)
+            }
+        )+
+    };
+}
+
+lanes!(f64x4, f64);
+lanes!(f32x8, f32);
+
+#[cfg(all(test, any(feature = "std", feature = "libm")))]
+mod tests {
+    use super::*;
+
+    const X: [f64; 4] = [0.3, -0.7, 0.999, -0.05];
+
+    /// The largest relative error of `lanes` against `scalar`, in units of `f64::EPSILON`.
+    fn error(lanes: fn(f64x4) -> f64x4, scalar: fn(f64) -> f64, scale: f64, shift: f64) -> f64 {
+        let x = X.map(|x| scale * x + shift);
+        let values = lanes(f64x4::from(x)).to_array();
+        (0..4).map(|i| ((values[i] - scalar(x[i])) / scalar(x[i])).abs() / f64::EPSILON).fold(0.0, f64::max)
+    }
+
+    #[test]
+    fn functions_agree_with_those_of_one_number() {
+        macro_rules! check {
+            ($($name:ident * $scale:literal + $shift:literal),+ $(,)?) => {
+                $(
+                    let e = error(Scalar::$name, Scalar::$name, $scale, $shift);
+                    // The polynomials of wide are good to a few units; more is a wrong function.
+                    assert!(e < 16.0, "{}: {e}", stringify!($name));
+                )+
+            };
+        }
+        check!(sin * 3.0 + 0.0, cos * 1.5 + 0.0, tan * 1.5 + 0.0, asin * 1.0 + 0.0, acos * 0.9 + 0.0);
+        check!(atan * 5.0 + 0.0, sinh * 2.0 + 0.0, cosh * 2.0 + 0.0, tanh * 2.0 + 0.0, exp * 3.0 + 0.0);
+        check!(ln * 1.0 + 4.0, sqrt * 1.0 + 4.0, abs * 1.0 + 0.0);
+    }
+
+    #[test]
+    fn functions_of_two_arguments_keep_their_order() {
+        let y = f64x4::from([1.0, -1.0, 0.5, 0.0]);
+        let x = f64x4::from([0.0, 1.0, -2.0, -1.0]);
+        let angles = Scalar::atan2(y, x).to_array();
+        for (i, (y, x)) in [(1.0, 0.0), (-1.0, 1.0), (0.5, -2.0), (0.0, -1.0)].into_iter().enumerate() {
+            assert!((angles[i] - Scalar::atan2(y, x)).abs() < 1e-15);
+        }
+        let power = Scalar::powf(f64x4::splat(2.0), f64x4::from([0.0, 1.0, -2.0, 0.5])).to_array();
+        for (i, expected) in [1.0, 2.0, 0.25, core::f64::consts::SQRT_2].into_iter().enumerate() {
+            assert!((power[i] - expected).abs() < 1e-15, "{power:?}");
+        }
+    }
+
+    #[test]
+    fn a_nan_on_the_side_not_taken_does_not_leak() {
+        let x = f64x4::from([4.0, -4.0, 9.0, -9.0]);
+        let root = f64x4::select(f64x4::zero().less(x), || x.sqrt(), f64x4::zero);
+        assert_eq!(root.to_array(), [2.0, 0.0, 3.0, 0.0]);
+    }
+
+    #[test]
+    fn sign_and_finiteness() {
+        let x = f32x8::from([0.0, -0.0, 2.0, -3.0, 1.0, -1.0, 5.0, -5.0]);
+        assert_eq!(Scalar::signum(x).to_array(), [0.0, 0.0, 1.0, -1.0, 1.0, -1.0, 1.0, -1.0]);
+        assert!(Scalar::is_finite(x));
+        assert!(!Scalar::is_finite(x / f32x8::zero()));
+    }
+}

@@ -1,0 +1,180 @@
+//! What every mechanism satisfies at random states, straight arms and exact zeros among them, in the compiled code; and
+//! that the compiled code is what the interpreter runs.
+
+use mbs_derive::expr::Graph;
+use mbs_derive::interpret::{self, Interpreter};
+use mbs_derive::optimise::Derivation;
+use mbs_derive::{declared, derived};
+use mbs_runtime::{Dual, Mechanism};
+use mbs_tests::compare::error;
+use mbs_tests::random::{Random, State, states};
+
+macro_rules! check_every_mechanism {
+    ($($module:ident $name:ident $n:literal $u:literal;)*) => {$(
+        mod $module {
+            use super::*;
+            use mbs_models::$module::$name;
+
+            #[test]
+            fn equations_fit_together() {
+                identities::<$n, $u>(&$name::default());
+            }
+
+            #[test]
+            fn derivatives_are_those_of_dual_numbers() {
+                derivatives::<$n, $u>(&$name::default(), &$name::default());
+            }
+
+            #[test]
+            fn compiled_code_is_what_the_interpreter_runs() {
+                compiled_is_interpreted::<$n, $u>(stringify!($module), &$name::default());
+            }
+        }
+    )*};
+}
+mbs_models::for_each_mechanism!(check_every_mechanism);
+
+/// `M` symmetric and positive semidefinite, `q̇ᵀ M q̇ = 2 T` where T is homogeneous, `C q̇ + G = h`,
+/// inverse ∘ forward = identity, `p = M q̇` there.
+fn identities<const N: usize, const U: usize>(mechanism: &impl Mechanism<N, U, Scalar = f64>) {
+    let mut random = Random::new(7);
+    for State { q, qd, qdd } in states::<N>(1, 60) {
+        let (t, u) = (0.7, random.array::<U>(-5.0..5.0));
+        let m = mechanism.mass_matrix(t, &q);
+        for i in 0..N {
+            for j in 0..i {
+                assert_eq!(m[i][j].to_bits(), m[j][i].to_bits(), "M is symmetric to the bit");
+            }
+            assert!(m[i][i] >= 0.0);
+        }
+        let h = mechanism.bias(t, &q, &qd);
+        let g = mechanism.gravity(t, &q);
+        let c_qd = times(&mechanism.coriolis_matrix(t, &q, &qd), &qd);
+        close("C q̇ + G = h", &sum(&c_qd, &g), &h, &[&c_qd, &g]);
+
+        let d = mechanism.dissipation_force(t, &q, &qd);
+        let tau = mechanism.inverse_dynamics(t, &q, &qd, &qdd);
+        let m_qdd = times(&m, &qdd);
+        close("M q̈ + h + ∂D/∂q̇ = τ", &sum(&sum(&m_qdd, &h), &d), &tau, &[&m_qdd, &h]);
+
+        let accelerations = mechanism.forward_dynamics(t, &q, &qd, &u);
+        if accelerations.iter().all(|a| a.is_finite()) && well_conditioned(&m) {
+            let force = mechanism.generalized_force(t, &q, &qd, &u);
+            let back = mechanism.inverse_dynamics(t, &q, &qd, &accelerations);
+            let m_qdd = times(&m, &accelerations);
+            close("inverse dynamics of forward dynamics", &back, &force, &[&m_qdd, &h]);
+        }
+    }
+}
+
+/// `linearize` and `inverse_dynamics_jacobian` against the same generated code run on dual numbers.
+fn derivatives<const N: usize, const U: usize>(
+    mechanism: &impl Mechanism<N, U, Scalar = f64>,
+    dual: &impl Mechanism<N, U, Scalar = Dual<f64>>,
+) {
+    let mut random = Random::new(11);
+    for State { q, qd, qdd } in states::<N>(2, 12) {
+        let (t, u) = (0.7, random.array::<U>(-5.0..5.0));
+        let fixed = |x: f64| Dual::constant(x);
+        let jacobian = mechanism.inverse_dynamics_jacobian(t, &q, &qd, &qdd);
+        let linearization = mechanism.linearize(t, &q, &qd, &u);
+        let regular = well_conditioned(&mechanism.mass_matrix(t, &q));
+        for j in 0..N {
+            for (of_tau, of_qdd, in_velocity) in
+                [(&jacobian.q, &linearization.q, false), (&jacobian.qd, &linearization.qd, true)]
+            {
+                let (mut dq, mut dqd) = (q.map(fixed), qd.map(fixed));
+                if in_velocity {
+                    dqd[j].derivative = 1.0
+                } else {
+                    dq[j].derivative = 1.0
+                }
+                let tau = dual.inverse_dynamics(fixed(t), &dq, &dqd, &qdd.map(fixed)).map(|x| x.derivative);
+                close("∂τ/∂x", &of_tau.map(|row| row[j]), &tau, &[&of_tau.concat()]);
+                if regular {
+                    let qdd = dual.forward_dynamics(fixed(t), &dq, &dqd, &u.map(fixed)).map(|x| x.derivative);
+                    close("∂q̈/∂x", &of_qdd.map(|row| row[j]), &qdd, &[&of_qdd.concat()]);
+                }
+            }
+        }
+        for j in 0..U {
+            let mut du = u.map(fixed);
+            du[j].derivative = 1.0;
+            let qdd = dual.forward_dynamics(fixed(t), &q.map(fixed), &qd.map(fixed), &du).map(|x| x.derivative);
+            if regular {
+                close("∂q̈/∂u", &linearization.u.map(|row| row[j]), &qdd, &[&linearization.u.concat()]);
+            }
+        }
+    }
+}
+
+/// Bit for bit; to 1e-12 where the target has a fused multiply–add.
+fn compiled_is_interpreted<const N: usize, const U: usize>(
+    module: &str,
+    mechanism: &impl Mechanism<N, U, Scalar = f64>,
+) {
+    let derivation = derivation_of(module);
+    let interpreter = Interpreter::new(&derivation);
+    let mut random = Random::new(13);
+    for State { q, qd, qdd } in states::<N>(3, 30) {
+        let (t, u) = (0.7, random.array::<U>(-5.0..5.0));
+        let state = interpret::State { t, q: q.to_vec(), qd: qd.to_vec(), qdd: qdd.to_vec(), u: u.to_vec() };
+        let same = |name: &str, compiled: &[f64]| {
+            let interpreted = interpreter.call(name, &state).expect("generated for every mechanism");
+            assert_eq!(interpreted.len(), compiled.len(), "{module}::{name}");
+            for (a, b) in compiled.iter().zip(&interpreted) {
+                let equal = if cfg!(target_feature = "fma") {
+                    (a - b).abs() <= 1e-12 * (1.0 + interpreted.iter().fold(0.0, |s: f64, x| s.max(x.abs())))
+                } else {
+                    a.to_bits() == b.to_bits() || (a.is_nan() && b.is_nan())
+                };
+                assert!(equal, "{module}::{name}: compiled {a:?}, interpreted {b:?} at {state:?}");
+            }
+        };
+        same("kinetic_energy", &[mechanism.kinetic_energy(t, &q, &qd)]);
+        same("potential_energy", &[mechanism.potential_energy(t, &q)]);
+        same("momentum", &mechanism.momentum(t, &q, &qd));
+        same("mass_matrix", &mechanism.mass_matrix(t, &q).concat());
+        same("coriolis_matrix", &mechanism.coriolis_matrix(t, &q, &qd).concat());
+        same("gravity", &mechanism.gravity(t, &q));
+        same("bias", &mechanism.bias(t, &q, &qd));
+        same("dissipation_force", &mechanism.dissipation_force(t, &q, &qd));
+        same("generalized_force", &mechanism.generalized_force(t, &q, &qd, &u));
+        same("inverse_dynamics", &mechanism.inverse_dynamics(t, &q, &qd, &qdd));
+        same("forward_dynamics", &mechanism.forward_dynamics(t, &q, &qd, &u));
+        let linearization = mechanism.linearize(t, &q, &qd, &u);
+        let blocks = [linearization.q.concat(), linearization.qd.concat(), linearization.u.concat()];
+        same("linearize", &blocks.concat());
+        let jacobian = mechanism.inverse_dynamics_jacobian(t, &q, &qd, &qdd);
+        same("inverse_dynamics_jacobian", &[jacobian.q.concat(), jacobian.qd.concat()].concat());
+    }
+}
+
+fn derivation_of(module: &str) -> Derivation {
+    let (_, source) = mbs_models::SOURCES.iter().find(|(name, _)| *name == module).expect("a file of this name");
+    let graph = Graph::verbatim();
+    let (lagrangian, _) = declared(source, &graph, &[]).expect("a mechanism of the repository");
+    derived(&lagrangian)
+}
+
+/// To 1e-10 of the largest of the terms that are added up.
+#[track_caller]
+fn close(what: &str, found: &[f64], expected: &[f64], terms: &[&[f64]]) {
+    let scale = terms.iter().flat_map(|t| t.iter()).fold(1.0, |s: f64, x| s.max(x.abs()));
+    let scaled = |values: &[f64]| values.iter().map(|x| x / scale).collect::<Vec<_>>();
+    let error = error(&scaled(found), &scaled(expected));
+    assert!(error <= 1e-10, "{what}: {error:e}\n{found:?}\n{expected:?}");
+}
+
+fn times<const N: usize>(m: &[[f64; N]; N], x: &[f64; N]) -> [f64; N] {
+    m.map(|row| row.iter().zip(x).map(|(a, b)| a * b).sum())
+}
+
+fn sum<const N: usize>(a: &[f64; N], b: &[f64; N]) -> [f64; N] {
+    std::array::from_fn(|i| a[i] + b[i])
+}
+
+/// Whether the accelerations can be trusted: no pivot of M, scaled to a unit diagonal, is below 1e-4.
+fn well_conditioned<const N: usize>(m: &[[f64; N]; N]) -> bool {
+    mbs_derive::model::degree::eliminate(&m.concat(), N).smallest > 1e-4
+}
