@@ -68,7 +68,7 @@ impl Config {
     }
 
     /// Generates every `.mbs` file of a folder, sorted by name, and `mechanisms.rs`, which includes them all, lists their
-    /// sources in `SOURCES` and hands every mechanism to a macro of your choice:
+    /// texts in `SOURCES` and `GENERATED`, and hands every mechanism to a macro of your choice:
     /// `for_each_mechanism!(callback)` becomes `callback! { cart_pole CartPole 2 1; … }`, module, type, number of
     /// coordinates and of inputs.
     ///
@@ -139,6 +139,12 @@ fn index(generated: &[(Generated, PathBuf)]) -> String {
     for (mechanism, file) in generated {
         let path = format!("/{}", file.display());
         text += &format!("    ({:?}, include_str!(concat!(env!(\"CARGO_MANIFEST_DIR\"), {path:?}))),\n", mechanism.module);
+    }
+    text += "];\n\n/// The generated code of all mechanisms: module and text, for snapshots.\n";
+    text += "pub const GENERATED: &[(&str, &str)] = &[\n";
+    for (mechanism, _) in generated {
+        let module = &mechanism.module;
+        text += &format!("    ({module:?}, include_str!(concat!(env!(\"OUT_DIR\"), \"/{module}.rs\"))),\n");
     }
     text += "];\n\n/// Calls a macro with every mechanism: module, type, number of coordinates and of inputs.\n";
     text += "#[macro_export]\nmacro_rules! for_each_mechanism {\n    ($callback:ident) => {\n        $callback! {\n";

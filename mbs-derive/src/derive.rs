@@ -8,6 +8,7 @@
 //! ```
 //!
 //! - [`lagrange`]: momenta, mass matrix, Christoffel form, gravity, bias, inverse dynamics;
+//! - [`textbook`]: the same in multiple-angle normal form, for small mechanisms;
 //! - [`solve`]: forward dynamics by LDLᵀ, unrolled or left to the runtime;
 //! - [`linearize`]: Jacobians of the equations of motion;
 //! - [`conserved`]: cyclic coordinates and the energy integral;
@@ -18,6 +19,7 @@ pub mod lagrange;
 pub mod linearize;
 pub mod output;
 pub mod solve;
+pub mod textbook;
 
 use crate::expr::{Expr, Graph, Symbol, carry_out};
 use crate::model::Lagrangian;
@@ -79,18 +81,33 @@ pub struct Equations<'g> {
     pub outputs: Vec<OutputEquations<'g>>,
 }
 
-/// Derives the equations of motion into `graph`.
-pub fn equations_of_motion<'g>(lagrangian: &Lagrangian<'_>, graph: &'g Graph) -> Equations<'g> {
+/// Derives the equations of motion into `graph`, by every route that applies; the first is Lagrange's, plain.
+///
+/// The routes are equal in value, each function of a mechanism may take another: the cheapest is chosen by `optimise`.
+pub fn routes<'g>(lagrangian: &Lagrangian<'_>, graph: &'g Graph) -> Vec<Equations<'g>> {
     let symbols = Symbols::of(lagrangian);
     let energies = Energies::carried_out(lagrangian, graph);
-    let lagrange = lagrange::equations(&energies, &symbols);
+    let plain = lagrange::equations(&energies, &symbols);
+    let textbook = textbook::normal_form(&plain);
+    let lagranges = std::iter::once(plain).chain(textbook);
+    lagranges.map(|lagrange| equations(lagrange, &energies, &symbols, lagrangian, graph)).collect()
+}
+
+/// Everything that follows from Lagrange's equations.
+fn equations<'g>(
+    lagrange: Lagrange<'g>,
+    energies: &Energies<'g>,
+    symbols: &Symbols,
+    lagrangian: &Lagrangian<'_>,
+    graph: &'g Graph,
+) -> Equations<'g> {
     let forward_dynamics = solve::forward_dynamics(&lagrange);
-    let inverse_dynamics_jacobian = linearize::inverse_dynamics_jacobian(&lagrange, &symbols);
-    let linearization = linearize::linearization(&lagrange, &forward_dynamics, &symbols);
-    let conserved = conserved::conserved(&lagrange, &energies, &symbols, lagrangian);
-    let outputs = output::outputs(lagrangian, graph, &symbols);
+    let inverse_dynamics_jacobian = linearize::inverse_dynamics_jacobian(&lagrange, symbols);
+    let linearization = linearize::linearization(&lagrange, &forward_dynamics, symbols);
+    let conserved = conserved::conserved(&lagrange, energies, symbols, lagrangian);
+    let outputs = output::outputs(lagrangian, graph, symbols);
     Equations {
-        symbols,
+        symbols: symbols.clone(),
         lagrange,
         forward_dynamics,
         inverse_dynamics_jacobian,

@@ -144,6 +144,5 @@ pub fn declared<'g>(
 /// `derive` and `optimise`: a Lagrangian → its Programs, not yet proved.
 pub fn derived(lagrangian: &Lagrangian<'_>) -> Derivation {
     let graph = Graph::new();
-    let equations = derive::equations_of_motion(lagrangian, &graph);
-    optimise::straight_line(lagrangian, &equations)
+    optimise::straight_line(lagrangian, &derive::routes(lagrangian, &graph))
 }

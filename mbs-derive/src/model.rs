@@ -1,10 +1,59 @@
-//! Pass 2: [`Declaration`](crate::parse::syntax::Declaration) → [`Lagrangian`]; a user's mistakes end here.
+//! Pass 2: [`Declaration`] → [`Lagrangian`]; a user's mistakes end here.
+//!
+//! [`resolve`] goes through the statements in order and builds the expressions of the mechanism as they were written.
+//! In reading order:
 //!
 //! - [`frame`]: the tree of frames, each with its pose and its twist;
-//! - [`lagrangian`]: the result, and the builder API that stands under the language.
+//! - [`lagrangian`]: the result, and the builder API that stands under the language;
+//! - [`dimension`]: SI dimensions and units;
+//! - `value`: what expressions stand for; `scope`: what names stand for; `constant`: what is known of an expression;
+//! - `statement`: statements in order; `declare`: parameters, coordinates, inputs, constants; `energy`: energies, forces;
+//! - `evaluate`: expressions → values; `operator`: `+ - * / ^` and `dt`; `builtin`: functions and methods; `body`: bodies;
+//! - `check`: what must hold of the finished mechanism;
+//! - [`sample`]: random states; [`degree`]: what must hold of the energies there.
 
+mod body;
+mod builtin;
+mod check;
+mod constant;
+mod declare;
+pub mod degree;
+pub mod dimension;
+mod energy;
+mod evaluate;
 pub mod frame;
 pub mod lagrangian;
+mod operator;
+pub mod sample;
+mod scope;
+mod statement;
+#[cfg(test)]
+mod trial;
+mod value;
+
+use crate::diagnostic::Diagnostics;
+use crate::expr::Graph;
+use crate::parse::syntax::Declaration;
+use evaluate::Resolver;
 
 pub use frame::{Edge, Frame, FrameId, Frames};
 pub use lagrangian::{Body, Lagrangian, Output, OutputValue, Variable};
+
+/// What a declaration means, in the verbatim `graph`, and warnings about it.
+///
+/// # Errors
+/// Every mistake in the declaration, in source order.
+pub fn resolve<'g>(
+    declaration: &Declaration,
+    graph: &'g Graph,
+) -> Result<(Lagrangian<'g>, Diagnostics), Diagnostics> {
+    let mut resolver = Resolver::new(graph, &declaration.name.text, declaration.dimensionless);
+    resolver.lagrangian.docs = declaration.docs.clone();
+    resolver.survey(&declaration.statements);
+    resolver.statements(&declaration.statements);
+    if !resolver.errors.has_errors() {
+        resolver.check(&declaration.name);
+    }
+    let Resolver { lagrangian, errors, .. } = resolver;
+    if errors.has_errors() { Err(errors) } else { Ok((lagrangian, errors)) }
+}

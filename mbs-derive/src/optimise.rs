@@ -163,9 +163,9 @@ pub enum Completion {
     Solve,
 }
 
-/// Makes the Programs.
-pub fn straight_line(lagrangian: &Lagrangian<'_>, equations: &Equations<'_>) -> Derivation {
-    let roots = functions(equations);
+/// Makes the Programs, each function by its cheapest route; the routes are equal in value, the first wins a draw.
+pub fn straight_line(lagrangian: &Lagrangian<'_>, routes: &[Equations<'_>]) -> Derivation {
+    let roots = cheapest(routes.iter().map(functions).collect());
     let hoisting = Hoisting::of(roots.iter().map(|f| f.roots.as_slice()));
     let functions: Vec<Function> = roots.into_iter().map(|f| f.into_function(&hoisting)).collect();
     let depends_on_time = functions.iter().any(|f| f.program.uses(|symbol| symbol == Symbol::Time));
@@ -210,6 +210,12 @@ impl<'g> Roots<'g> {
         Roots { name: name.to_string(), kind, arguments, results, roots, completion: Completion::None }
     }
 
+    /// What a call would cost if nothing else were generated.
+    fn cost(&self) -> usize {
+        let hoisting = Hoisting::of([self.roots.as_slice()].into_iter());
+        cost::operations(&lower::program(&self.roots, &hoisting)).weight()
+    }
+
     fn into_function(self, hoisting: &Hoisting) -> Function {
         let program = lower::program(&self.roots, hoisting);
         let mut operations = cost::operations(&program);
@@ -219,6 +225,20 @@ impl<'g> Roots<'g> {
         let Roots { name, kind, arguments, results, completion, .. } = self;
         Function { name, kind, arguments, results, program, completion, operations }
     }
+}
+
+/// The cheapest of several ways to compute each function.
+fn cheapest<'g>(routes: Vec<Vec<Roots<'g>>>) -> Vec<Roots<'g>> {
+    let mut routes = routes.into_iter();
+    let mut best = routes.next().unwrap_or_default();
+    for route in routes {
+        for (one, other) in best.iter_mut().zip(route) {
+            if other.cost() < one.cost() {
+                *one = other;
+            }
+        }
+    }
+    best
 }
 
 /// The functions of a mechanism, in the order of the documentation.

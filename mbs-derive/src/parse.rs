@@ -5,12 +5,21 @@
 //!
 //! - [`syntax`]: the declaration as it was written, what the next pass is given;
 //! - `guard`: comments, brackets and characters, before the text is cut into tokens;
-//! - `grammar`: one function a construct;
-//! - `keyword`: the words that cannot be names.
+//! - `grammar`: the file and its statements, one function a construct;
+//! - `quantity`: what a declaration declares: names, units, values;
+//! - `expression`: operators, calls, arrays, numbers;
+//! - `reader`: tokens and refusals, what the three are written with;
+//! - `keyword`: the words that cannot be names;
+//! - `display`: the declaration as text again.
 
+mod display;
+mod expression;
+mod freeze;
 mod grammar;
 mod guard;
 mod keyword;
+mod quantity;
+mod reader;
 pub mod syntax;
 
 use crate::diagnostic::Diagnostics;
@@ -29,4 +38,65 @@ pub(crate) const MAX_DEPTH: usize = 256;
 pub fn declaration(source: &str) -> Result<Declaration, Diagnostics> {
     guard::check(source)?;
     grammar::declaration(source)
+}
+
+/// What the tests of this pass ask with.
+#[cfg(test)]
+mod check {
+    use super::declaration;
+    use super::syntax::{BinaryOperator, Expression, ExpressionKind, Statement, StatementKind};
+
+    /// The statements between the braces of a mechanism.
+    fn statements(body: &str) -> Vec<Statement> {
+        let source = format!("mechanism A {{ {body} }}");
+        match declaration(&source) {
+            Ok(declaration) => declaration.statements.clone(),
+            Err(errors) => panic!("{}", errors.render("test", &source)),
+        }
+    }
+
+    pub(super) fn statement(text: &str) -> StatementKind {
+        let mut statements = statements(text);
+        assert_eq!(statements.len(), 1, "{text}");
+        statements.remove(0).kind
+    }
+
+    /// With the operator before its operands, as in `(+ a (* b c))`.
+    pub(super) fn prefix(expression: &Expression) -> String {
+        let all = |values: &[Expression]| values.iter().map(prefix).collect::<Vec<_>>().join(" ");
+        match &expression.kind {
+            ExpressionKind::Number(text) | ExpressionKind::Name(text) => text.clone(),
+            ExpressionKind::Negate(value) => format!("(neg {})", prefix(value)),
+            ExpressionKind::Binary(operator, left, right) => {
+                let sign = match operator {
+                    BinaryOperator::Add => "+",
+                    BinaryOperator::Sub => "-",
+                    BinaryOperator::Mul => "*",
+                    BinaryOperator::Div => "/",
+                    BinaryOperator::Pow => "^",
+                };
+                format!("({sign} {} {})", prefix(left), prefix(right))
+            }
+            ExpressionKind::Call(name, values) => format!("{}({})", name.text, all(values)),
+            ExpressionKind::Method(value, name, values) => format!("{}.{}({})", prefix(value), name.text, all(values)),
+            ExpressionKind::Field(value, name) => format!("{}.{}", prefix(value), name.text),
+            ExpressionKind::Index(value, index) => format!("{}[{}]", prefix(value), prefix(index)),
+            ExpressionKind::Array(values) => format!("[{}]", all(values)),
+        }
+    }
+
+    /// Every message with the text that it points at: `text: message; help`.
+    pub(super) fn report(source: &str) -> Vec<String> {
+        let errors = declaration(source).err().unwrap_or_default();
+        let line = |m: &crate::diagnostic::Diagnostic| {
+            format!("{}: {}; {}", &source[m.span.clone()], m.message, m.help.as_deref().unwrap_or("no help"))
+        };
+        errors.iter().map(line).collect()
+    }
+
+    /// The one error in the statements `body`.
+    #[track_caller]
+    pub(super) fn refused(body: &str, expected: &str) {
+        assert_eq!(report(&format!("mechanism A {{\n{body}\n}}")), [expected], "{body}");
+    }
 }

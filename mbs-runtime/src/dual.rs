@@ -269,8 +269,6 @@ mod tests {
 
     #[test]
     fn derivatives_agree_with_differences() {
-        let c = Dual::<Dual<f64>>::from_f64;
-        let _ = c;
         let functions: [(&str, Function); 23] = [
             ("sin", |x| x.sin()),
             ("cos", |x| x.cos()),

@@ -243,8 +243,9 @@ mod tests {
 
     #[test]
     fn no_coordinates_no_work() {
-        assert_eq!(ldlt_solve::<f64, 0>([], []), []);
-        assert_eq!(ldlt_solve_many::<f64, 2, 0>([[1.0, 0.0], [0.0, 1.0]], [[], []]), [[], []]);
+        let nothing: [f64; 0] = [];
+        assert_eq!(ldlt_solve([], nothing), nothing);
+        assert_eq!(ldlt_solve_many([[1.0, 0.0], [0.0, 1.0]], [nothing; 2]), [nothing; 2]);
     }
 
     #[test]

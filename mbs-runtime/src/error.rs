@@ -19,13 +19,13 @@ pub enum IntegrationError {
     },
     /// A fixed step, or a limit of the step, is zero, negative or NaN.
     InvalidStep {
-        /// The step given [s].
+        /// The step given \[s\].
         step: f64,
     },
     /// A time is not finite, an output time lies before its predecessor, or an observer asked for a time outside the
     /// step.
     InvalidTime {
-        /// The time refused [s].
+        /// The time refused \[s\].
         time: f64,
     },
     /// `q` and `q̇` are of different length.
@@ -38,19 +38,19 @@ pub enum IntegrationError {
     /// No step longer than the smallest one satisfies the tolerances: they ask for more than the arithmetic holds, or
     /// the solution ends here.
     StepTooSmall {
-        /// The time of the last accepted state [s].
+        /// The time of the last accepted state \[s\].
         time: f64,
-        /// The step that was refused [s].
+        /// The step that was refused \[s\].
         step: f64,
     },
     /// The state or its acceleration is infinite or NaN, however short the step from here.
     NonFiniteState {
-        /// The time of the last accepted state [s].
+        /// The time of the last accepted state \[s\].
         time: f64,
     },
     /// The mass matrix has no inverse, however short the step from here.
     SingularMassMatrix {
-        /// The time of the last accepted state [s].
+        /// The time of the last accepted state \[s\].
         time: f64,
         /// The pivot that is not positive, in the units of the mass matrix.
         pivot: f64,
@@ -59,7 +59,7 @@ pub enum IntegrationError {
     },
     /// The allowed number of steps was used up.
     TooManySteps {
-        /// The time of the last accepted state [s].
+        /// The time of the last accepted state \[s\].
         time: f64,
         /// The number of steps allowed, rejected ones included.
         steps: usize,
@@ -67,7 +67,7 @@ pub enum IntegrationError {
 }
 
 impl IntegrationError {
-    /// The time of the state that the integrator left [s]; `None` where it refused what was asked for.
+    /// The time of the state that the integrator left \[s\]; `None` where it refused what was asked for.
     #[must_use]
     pub fn time(&self) -> Option<f64> {
         match *self {

@@ -26,8 +26,7 @@
 //! A generated module implements [`Mechanism`]; an [`Integrator`] carries its [`State`] through time. Generated or, as
 //! here, by hand, for a pendulum of length `l` that hangs down at `q = 0`, turned by a torque `u`:
 //!
-#![cfg_attr(feature = "std", doc = "```")]
-#![cfg_attr(not(feature = "std"), doc = "```ignore")]
+//! ```
 //! use core::ops::ControlFlow;
 //! use mbs_runtime::*;
 //!

@@ -33,32 +33,32 @@ pub trait Mechanism<const N: usize, const U: usize> {
     /// The names of the inputs, flattened in the same way.
     const INPUTS: [&'static str; U];
 
-    /// Kinetic energy `T` [J].
+    /// Kinetic energy `T` \[J\].
     fn kinetic_energy(&self, t: Self::Scalar, q: &[Self::Scalar; N], qd: &[Self::Scalar; N]) -> Self::Scalar;
 
-    /// Potential energy `V` [J].
+    /// Potential energy `V` \[J\].
     fn potential_energy(&self, t: Self::Scalar, q: &[Self::Scalar; N]) -> Self::Scalar;
 
-    /// Generalized momenta `p = ∂L/∂q̇` [force · s].
+    /// Generalized momenta `p = ∂L/∂q̇` \[force · s\].
     fn momentum(&self, t: Self::Scalar, q: &[Self::Scalar; N], qd: &[Self::Scalar; N]) -> [Self::Scalar; N];
 
-    /// Mass matrix `M = ∂²L/∂q̇²`, symmetric, both triangles filled [force per acceleration].
+    /// Mass matrix `M = ∂²L/∂q̇²`, symmetric, both triangles filled \[force per acceleration\].
     fn mass_matrix(&self, t: Self::Scalar, q: &[Self::Scalar; N]) -> [[Self::Scalar; N]; N];
 
-    /// Coriolis matrix `C` in Christoffel's form: `Ṁ + ∂M/∂t − 2C` is skew-symmetric [force per velocity].
+    /// Coriolis matrix `C` in Christoffel's form: `Ṁ + ∂M/∂t − 2C` is skew-symmetric \[force per velocity\].
     fn coriolis_matrix(&self, t: Self::Scalar, q: &[Self::Scalar; N], qd: &[Self::Scalar; N])
     -> [[Self::Scalar; N]; N];
 
-    /// Gravity and other forces of position `G = −∂L₀/∂q + ∂a/∂t`, which is `∂V/∂q` in the plain case [force].
+    /// Gravity and other forces of position `G = −∂L₀/∂q + ∂a/∂t`, which is `∂V/∂q` in the plain case \[force\].
     fn gravity(&self, t: Self::Scalar, q: &[Self::Scalar; N]) -> [Self::Scalar; N];
 
-    /// Bias `h = C q̇ + G`, without forming `C` [force].
+    /// Bias `h = C q̇ + G`, without forming `C` \[force\].
     fn bias(&self, t: Self::Scalar, q: &[Self::Scalar; N], qd: &[Self::Scalar; N]) -> [Self::Scalar; N];
 
-    /// `∂D/∂q̇`, the force that Rayleigh's dissipation function takes from the motion, on the side of `M q̈` [force].
+    /// `∂D/∂q̇`, the force that Rayleigh's dissipation function takes from the motion, on the side of `M q̈` \[force\].
     fn dissipation_force(&self, t: Self::Scalar, q: &[Self::Scalar; N], qd: &[Self::Scalar; N]) -> [Self::Scalar; N];
 
-    /// Generalized force `Q` of the inputs and of the declared forces [force].
+    /// Generalized force `Q` of the inputs and of the declared forces \[force\].
     fn generalized_force(
         &self,
         t: Self::Scalar,
@@ -67,7 +67,7 @@ pub trait Mechanism<const N: usize, const U: usize> {
         u: &[Self::Scalar; U],
     ) -> [Self::Scalar; N];
 
-    /// `M q̈ + C q̇ + G + ∂D/∂q̇`: the generalized force that makes the mechanism move so; `Q` is not subtracted [force].
+    /// `M q̈ + C q̇ + G + ∂D/∂q̇`: the generalized force that makes the mechanism move so; `Q` is not subtracted \[force\].
     fn inverse_dynamics(
         &self,
         t: Self::Scalar,
@@ -107,6 +107,7 @@ pub trait Mechanism<const N: usize, const U: usize> {
 /// The accelerations of `mechanism` under `control`, in the form that an [`Integrator`](crate::Integrator) takes.
 ///
 /// `control(t, q, q̇)` gives the inputs `u`; `|_, _, _| []` where there are none.
+#[allow(clippy::type_complexity)] // it is the signature of a closure, and cannot be named otherwise
 pub fn accelerations<M, const N: usize, const U: usize>(
     mechanism: &M,
     mut control: impl FnMut(M::Scalar, &[M::Scalar; N], &[M::Scalar; N]) -> [M::Scalar; U],
@@ -144,14 +145,14 @@ pub struct InverseDynamicsJacobian<T, const N: usize> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Pose<T> {
-    /// The origin of the body's axes in the world [m].
+    /// The origin of the body's axes in the world \[m\].
     pub position: [T; 3],
     /// Turns body axes to world axes: rows, so that column `j` is the body's axis `j` seen in the world.
     pub rotation: [[T; 3]; 3],
 }
 
 impl<T: Scalar> Pose<T> {
-    /// The point of the world at which the body's point `x` is: `position + rotation · x` [m].
+    /// The point of the world at which the body's point `x` is: `position + rotation · x` \[m\].
     #[must_use]
     pub fn transform_point(&self, x: [T; 3]) -> [T; 3] {
         let [p, r] = [&self.position, &self.rotation.map(|row| row[0] * x[0] + row[1] * x[1] + row[2] * x[2])];

@@ -122,7 +122,7 @@ mod tests {
         assert!(State::new([1.0, 2.0], [3.0, 4.0]).is_finite());
         assert!(!State::new([1.0, f64::NAN], [3.0, 4.0]).is_finite());
         assert!(!State::new([1.0, 2.0], [f64::INFINITY, 4.0]).is_finite());
-        assert!(State::new(nalgebra::vector![1.0_f32], nalgebra::vector![2.0]).is_finite());
+        assert!(State::new(nalgebra::Vector1::new(1.0_f32), nalgebra::Vector1::new(2.0)).is_finite());
     }
 
     #[test]

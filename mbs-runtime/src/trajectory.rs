@@ -44,7 +44,7 @@ pub struct Trajectory<T = f64> {
 /// One instant of a [`Trajectory`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Row<'a, T = f64> {
-    /// Time [s].
+    /// Time \[s\].
     pub t: f64,
     /// Coordinates.
     pub q: &'a [T],
@@ -97,7 +97,7 @@ impl<T: Copy> Trajectory<T> {
         self.t.is_empty()
     }
 
-    /// The times of all rows [s].
+    /// The times of all rows \[s\].
     #[must_use]
     pub fn times(&self) -> &[f64] {
         &self.t

@@ -106,3 +106,80 @@ impl<'d, 'g> Resolver<'d, 'g> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::trial::{mechanism, near, refused, refusals, values};
+
+    /// The kinetic energy that some statements add, at the trial state.
+    fn kinetic(statements: &str) -> (f64, usize) {
+        mechanism(statements, |lagrangian| (values(&lagrangian.kinetic)[1..].iter().sum(), lagrangian.bodies.len()))
+    }
+
+    /// Two ways to write a kinetic energy, and how many bodies the first one has.
+    fn equal(a: &str, bodies: usize, b: &str) {
+        let ((t, count), (expected, _)) = (kinetic(a), kinetic(b));
+        near(&[t], &[expected], a);
+        assert_eq!(count, bodies, "{a}");
+    }
+
+    #[test]
+    fn particles() {
+        equal("kinetic += particle(m, [x, y*theta, l]);", 0, "kinetic += 1/2*m*(dt(x)^2 + dt(y*theta)^2);");
+        let pose = "let a = rot_z(theta) * rot_x(q[0]) * translation([l, 0, l]);";
+        let written = "let p = a.point([l, l, x]); kinetic += 1/2*m*(dt(p.x)^2 + dt(p.y)^2 + dt(p.z)^2);";
+        equal(&format!("{pose} kinetic += particle(m, a.point([l, l, x]));"), 1, &format!("{pose} {written}"));
+        equal("kinetic += particle(m, world.point([x, y, z]));", 1, "kinetic += particle(m, [x, y, z]);");
+        let free = "let v = rot_z(theta) * [x, l, 0];";
+        equal(&format!("{free} kinetic += particle(m, v);"), 0, &format!("{free} kinetic += particle(m, [v.x, v.y, v.z]);"));
+    }
+
+    #[test]
+    fn rigid_bodies() {
+        let pose = "let a = rot_z(theta) * rot_x(q[0]) * translation([l, x, l]); let w = angular_velocity(a); let i = inertia(3*m*l^2, 4*m*l^2, 5*m*l^2, m*l^2, -m*l^2, m*l^2/2);";
+        let written = "let c = a.point([l, l, 0]); kinetic += 1/2*m*dt(c).norm_squared() + 1/2*w.dot(i*w);";
+        equal(&format!("{pose} kinetic += rigid_body(m, [l, l, 0], i, a);"), 1, &format!("{pose} {written}"));
+        equal(&format!("{pose} kinetic += rigid_body(m, a.point([l, l, 0]), i, a);"), 1, &format!("{pose} {written}"));
+        equal(&format!("{pose} kinetic += rigid_body(m, a * [l, l, 0], i, a);"), 1, &format!("{pose} {written}"));
+        // A mass centre that moves in its pose gets a frame of its own.
+        let moving = "let c = a.point([y, l, 0]); kinetic += 1/2*m*dt(c).norm_squared() + 1/2*w.dot(i*w);";
+        equal(&format!("{pose} kinetic += rigid_body(m, [y, l, 0], i, a);"), 1, &format!("{pose} {moving}"));
+        // Plane motion against the textbook: ½ m ẋ² + ½ J θ̇².
+        let disc = "kinetic += rigid_body(m, [0, 0, 0], diag(1, 1, 2)*m*l^2, translation([x, 0, 0]) * rot_y(theta));";
+        equal(disc, 1, "kinetic += 1/2*m*dt(x)^2 + 1/2*m*l^2*dt(theta)^2;");
+        let nested = "let i = [[2*m*l^2, 0, m*l^2], [0, 2*m*l^2, 0], [m*l^2, 0, 2*m*l^2]];";
+        equal(&format!("{nested} kinetic += rigid_body(m, [0, 0, 0], i, rot_z(theta));"), 1, "kinetic += m*l^2*dt(theta)^2;");
+    }
+
+    #[test]
+    fn bodies_stay_visible_in_sums() {
+        let two = "particle(m, world.point([x, y, z])) + particle(2*m, world.point([x, 0, 0]))";
+        equal(&format!("kinetic += {two} + 1/2*k*t^2*dt(x)^2;"), 2, &format!("kinetic += 1*({two}) + 1/2*k*t^2*dt(x)^2;"));
+        equal(&format!("let e = {two}; kinetic += e;"), 2, &format!("kinetic += {two};"));
+        equal(&format!("kinetic += 2*({two});"), 0, &format!("kinetic += {two}; kinetic += {two};"));
+        equal("let mut e = 0; for i in 0..3 { e = e + particle(m, world.point([x, y, z])); } kinetic += e;", 3, "kinetic += 3*particle(m, [x, y, z]);");
+    }
+
+    #[test]
+    fn wrong_bodies() {
+        refused("kinetic += particle(l, [x, y, z]);", "l: a mass must be kg, this is m");
+        refused("kinetic += particle(2, [x, y, z]);", "2: a mass must be kg, this is a plain number; a number has no unit of its own: declare it, `const name: unit = value;`");
+        refused("kinetic += particle(m*cos(theta), [x, y, z]);", "m*cos(theta): a mass must be constant in time; for anything else write the kinetic energy out: `1/2 * m * dt(r).norm_squared()`");
+        refused("kinetic += particle(m, [theta, 0, 0]);", "[theta, 0, 0]: the place of a particle must be m, this is a plain number; a number has no unit of its own: declare it, `const name: unit = value;`");
+        refused("kinetic += particle(m, [dt(x)*t, 0, 0]);", "[dt(x)*t, 0, 0]: accelerations cannot enter: this is a time derivative already; energies and forces are made of positions and velocities");
+        refused("kinetic += particle(m, x);", "x: expected a vector, found a number; a vector is written `[x, y, z]`");
+        refused("kinetic += particle(m, rot_z(theta));", "rot_z(theta): expected a vector, found a pose; the place of a pose is `pose.origin()`");
+        refused("kinetic += rigid_body(m, [0, 0, 0], diag(m, m, m), world);", "diag(m, m, m): an inertia must be kg·m², this is kg");
+        refused("kinetic += rigid_body(m, [0, 0, 0], m*l^2, world);", "m*l^2: expected a matrix, found a number");
+        refused(
+            "kinetic += rigid_body(m, [0, 0, 0], [[m*l^2, m*l^2, 0], [0, m*l^2, 0], [0, 0, m*l^2]], world);",
+            "[[m*l^2, m*l^2, 0], [0, m*l^2, 0], [0, 0, m*l^2]]: an inertia is symmetric, here the entries [0][1] and [1][0] differ; write `inertia(xx, yy, zz, xy, xz, yz)`",
+        );
+        refused(
+            "kinetic += rigid_body(m, rot_x(theta).origin(), diag(1, 1, 1)*m*l^2, world);",
+            "rot_x(theta).origin(): this mass centre belongs to another pose; write its components in the axes of this pose: `[x, y, z]`",
+        );
+        // All four arguments are looked at.
+        assert_eq!(refusals("kinetic += rigid_body(l, [0, 0, 0], diag(m, m, m), x);").len(), 3);
+    }
+}

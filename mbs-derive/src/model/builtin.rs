@@ -438,3 +438,95 @@ fn rigid_body<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) -> Resol
     let [mass, com, inertia, pose] = call.arguments else { return Err(Refused) };
     resolver.rigid_body(mass, com, inertia, pose)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::trial::{mechanism, near, refused, same, value, value_with_unit};
+    use super::*;
+
+    #[test]
+    fn the_tables_agree_with_themselves() {
+        for function in FUNCTIONS {
+            assert!(function.form.starts_with(&format!("{}(", function.name)), "{}", function.form);
+        }
+        for method in METHODS {
+            assert!(method.form.contains(&format!(".{}(", method.name)), "{}", method.form);
+        }
+        for function in Function::ALL {
+            assert!(form_of_function(function.name()).is_some(), "{}", function.name());
+        }
+    }
+
+    #[test]
+    fn functions_of_numbers() {
+        let check = |expression: &str, expected: f64| near(&value("", expression), &[expected], expression);
+        check("sin(theta)", 0.4f64.sin());
+        check("atan2(y, x)", (-0.7f64).atan2(0.3));
+        check("hypot(3*x, 4*x)", 1.5);
+        check("tanh(theta) + ln(m/(m/2)) + exp(0)", 0.4f64.tanh() + 2f64.ln() + 1.0);
+        assert_eq!(value_with_unit("", "abs(y)"), (vec![0.7], "m".to_string()));
+        assert_eq!(value_with_unit("", "signum(y)"), (vec![-1.0], "1".to_string()));
+        refused("let a = sin(x);", "x: the argument of `sin` must be a plain number, this is m; divide by a quantity of the same dimension");
+        refused("let a = atan2(y, m);", "atan2(y, m): the arguments need equal dimensions, these are m and kg");
+        refused("let a = sin([x, y, z]/l);", "[x, y, z]/l: expected a number, found a vector; of a vector, `.x`, `.norm()` and `.dot(v)` are numbers");
+    }
+
+    #[test]
+    fn wrong_calls_are_shown_the_right_form() {
+        refused("let a = atan2(x);", "atan2: `atan2` takes 2 arguments, 1 is given; write `atan2(y, x)`");
+        refused("let a = sin();", "sin: `sin` takes 1 argument, 0 are given; write `sin(x)`");
+        refused("let a = [x, y, z].norm(2);", "norm: `norm` takes 0 arguments, 1 is given; write `v.norm()`");
+        refused("let a = inertia(m, m);", "inertia: `inertia` takes 3 or 6 arguments, 2 are given; write `inertia(xx, yy, zz, xy, xz, yz)`");
+        refused("let a = sine(x);", "sine: there is no function `sine`; did you mean `sin(x)`?");
+        refused("let a = norm([x, y, z]);", "norm: `norm` is a method; write `v.norm()`");
+        refused("let a = theta.sin();", "sin: there is no method `sin`; it is a function: write `sin(x)`");
+        refused("let a = [x, y, z].norm_sqared();", "norm_sqared: there is no method `norm_sqared`; did you mean `v.norm_squared()`?");
+        refused("let a = m(l + x);", "m: `m` is not a function; write `*` for a product");
+        refused("let a = x.origin();", "x: expected a pose, found a number; poses are made by `rot_z(angle)`, `translation([x, y, z])`, `dh(theta, d, a, alpha)`");
+    }
+
+    #[test]
+    fn rotations_turn_by_the_right_hand() {
+        near(&value("", "rot_x(pi/2) * [1, 2, 3]"), &[1.0, -3.0, 2.0], "about x");
+        near(&value("", "rot_y(pi/2) * [1, 2, 3]"), &[3.0, 2.0, -1.0], "about y");
+        near(&value("", "rot_z(pi/2) * [1, 2, 3]"), &[-2.0, 1.0, 3.0], "about z");
+        same("", "rotation([0, 0, 2], theta)", "rot_z(theta)");
+        same("", "rotation([0, -1, 0], theta)", "rot_y(-theta)");
+        same("", "rotation([1, 1, 1], 2*pi/3) * [1, 2, 3]", "[3, 1, 2]");
+        same("", "rotation([x, 0, 0]/x*0 + [2, 3, 6], theta) * [2, 3, 6]", "[2, 3, 6]");
+        refused("let a = rotation([0, 0, 0], theta);", "[0, 0, 0]: an axis must have a direction, this is zero");
+        refused("let a = rotation([x, y, z], theta);", "[x, y, z]: an axis must be constant; compose rotations about constant axes: `rot_z(a) * rot_x(b)`");
+        refused("let a = rot_z(x);", "x: an angle must be a plain number, this is m; divide by a quantity of the same dimension");
+        refused("let a = translation([1, 2, 3]);", "[1, 2, 3]: a translation must be m, this is a plain number; a number has no unit of its own: declare it, `const name: unit = value;`");
+    }
+
+    #[test]
+    fn a_rational_axis_is_exact() {
+        mechanism("output r = rotation([2, 3, 6], theta);", |lagrangian| {
+            let Some(Edge::Rotation { axis, .. }) = lagrangian.frames.iter().last().unwrap().edge else { panic!("turned") };
+            let seventh = |n| Number::rational(n, 7);
+            assert_eq!(axis.0.map(|e| e.as_constant()), [seventh(2), seventh(3), seventh(6)]);
+        });
+    }
+
+    #[test]
+    fn denavit_hartenberg() {
+        let lengths = "const d: m = 2; const a: m = 3;";
+        same(lengths, "dh(theta, d, a, q[0])", "rot_z(theta) * translation([0, 0, d]) * translation([a, 0, 0]) * rot_x(q[0])");
+        near(&value(lengths, "dh(90*deg, d, a, -90*deg).point([d, a, a])"), &[-3.0, 5.0, -1.0], "of constants");
+        // What does nothing is no frame.
+        let edges = |pose: &str| mechanism(&format!("{lengths} output r = {pose};"), |l| l.frames.iter().count() - 1);
+        assert_eq!(edges("dh(theta, d, a, pi/2)"), 3);
+        assert_eq!(edges("dh(theta, 0, 0, pi - pi)"), 1);
+        assert_eq!(edges("dh(0, 0, 0, 0)"), 0);
+    }
+
+    #[test]
+    fn places_belong_to_their_pose() {
+        let poses = "let a = rot_z(theta); let b = rot_x(theta);";
+        refused(&format!("{poses} let p = a.point(b * [x, y, z]);"), "b * [x, y, z]: this vector belongs to another pose; write its components in the axes of this pose: `[x, y, z]`");
+        refused(&format!("{poses} let p = a.point(b.point([x, y, z]));"), "b.point([x, y, z]): this vector belongs to another pose; write its components in the axes of this pose: `[x, y, z]`");
+        refused("let p = world.point([1, 0, 0]);", "[1, 0, 0]: a place must be m, this is a plain number; a number has no unit of its own: declare it, `const name: unit = value;`");
+        same(poses, "a.point(a * [x, y, z])", "a.point([x, y, z])");
+    }
+}

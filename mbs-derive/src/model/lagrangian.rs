@@ -45,7 +45,7 @@ pub fn component_names(variables: &[Variable]) -> Vec<String> {
 }
 
 /// A rigid body, or a particle (a body without rotational inertia), whose kinetic energy is part of T.
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug)]
 pub struct Body<'g> {
     /// Its mass.
     pub mass: Expr<'g>,

@@ -30,6 +30,11 @@ impl Operations {
     pub fn flops(self) -> usize {
         self.add + self.mul
     }
+
+    /// All operations in units of an addition: a division 4, a square root 6, a function 20.
+    pub fn weight(self) -> usize {
+        self.flops() + 4 * self.div + 6 * self.sqrt + 20 * (self.sincos + self.other)
+    }
 }
 
 impl Add for Operations {

@@ -150,7 +150,8 @@ impl<'s> Guard<'s> {
             }
             (_, Some(innermost)) if braces.is_none_or(|i| i + 1 < self.open.len()) => {
                 let (open, place) = (self.bracket(innermost), self.place(here));
-                let error = self.errors.error(innermost..innermost + 1, format!("this `{open}` is closed by a `{close}`"));
+                let error =
+                    self.errors.error(innermost..innermost + 1, format!("this `{open}` is closed by a `{close}`"));
                 error.help(format!("write `{}` instead of the `{close}` {place}", closer(open)));
                 self.open.pop();
             }
@@ -411,14 +412,18 @@ mod tests {
         check("\"θ\" x", "0..4");
         assert_eq!(report("\"abc").len(), 1);
         assert_eq!(report("\"abc\\").len(), 1);
-        assert_eq!(report("x'"), ["1..2: `'` has no meaning in a mechanism; write `dt(x)` for the time derivative of `x`"]);
+        assert_eq!(
+            report("x'"),
+            ["1..2: `'` has no meaning in a mechanism; write `dt(x)` for the time derivative of `x`"]
+        );
         assert_eq!(report("r'").len(), 1);
         assert_eq!(report("'a").len(), 1);
     }
 
     #[test]
     fn other_alphabets_are_refused_with_what_to_write() {
-        let help = |source: &str| report(source).iter().map(|r| r.split("; ").last().unwrap().to_string()).collect::<Vec<_>>();
+        let help =
+            |source: &str| report(source).iter().map(|r| r.split("; ").last().unwrap().to_string()).collect::<Vec<_>>();
         assert_eq!(help("θ1 + x"), ["write `theta1`"]);
         assert_eq!(help("Δ"), ["write `Delta`"]);
         assert_eq!(help("ω"), ["write `omega`"]);

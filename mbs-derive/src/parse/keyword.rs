@@ -2,7 +2,17 @@
 
 /// What a statement begins with.
 pub(super) const STATEMENTS: [&str; 12] = [
-    "param", "coord", "input", "const", "let", "for", "kinetic", "potential", "dissipation", "lagrangian", "force",
+    "param",
+    "coord",
+    "input",
+    "const",
+    "let",
+    "for",
+    "kinetic",
+    "potential",
+    "dissipation",
+    "lagrangian",
+    "force",
     "output",
 ];
 

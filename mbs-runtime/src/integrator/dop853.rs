@@ -54,12 +54,12 @@ pub struct Dop853 {
     pub rtol: f64,
     /// Absolute tolerance, positive, in the units of `q` and `q̇` alike.
     pub atol: f64,
-    /// The length of the first step, positive [s]; `None` to have it chosen (Hairer, section II.4).
+    /// The length of the first step, positive \[s\]; `None` to have it chosen (Hairer, section II.4).
     pub first_step: Option<f64>,
-    /// The shortest step that may be tried, the last one excepted [s]. Steps below the resolution of `t` (16 units in
+    /// The shortest step that may be tried, the last one excepted \[s\]. Steps below the resolution of `t` (16 units in
     /// the last place) are not tried either way.
     pub min_step: f64,
-    /// The longest step, positive [s]; infinity for no limit.
+    /// The longest step, up to rounding, positive \[s\]; infinity for no limit.
     pub max_step: f64,
     /// The number of steps allowed in one integration, rejected ones included.
     pub max_steps: usize,
@@ -140,7 +140,7 @@ impl<T: Real> Integrator<T> for Dop853 {
             step = step.min(self.max_step).max(shortest);
             let remaining = (t_end - start).abs();
             // A rest of less than a hundredth of a step is worth no step of its own.
-            let last = 1.01 * step >= remaining && remaining <= self.max_step * 1.01;
+            let last = 1.01 * step >= remaining && remaining <= (1.0 + 1e-9) * self.max_step;
             let (end, length) = if last { (t_end, remaining) } else { (start + direction * step, step) };
 
             let error = match stages.advance(&mut system, start, end - start, state, &mut new) {
@@ -313,11 +313,10 @@ impl<V: Coordinates<Scalar: Real>> Stages<V> {
     fn error(&self, h: V::Scalar, old: &State<V>, new: &State<V>) -> V::Scalar {
         let (mut fifth, mut third) = (V::Scalar::zero(), V::Scalar::zero());
         for (slopes, y0, y1) in [(&self.v, &old.q, &new.q), (&self.a, &old.qd, &new.qd)] {
-            let slopes: [&[V::Scalar]; STAGES] = slopes.each_ref().map(V::as_slice);
             let (y0, y1) = (y0.as_slice(), y1.as_slice());
             for i in 0..y0.len() {
                 let scale = self.atol + self.rtol * y0[i].abs().maximum(y1[i].abs());
-                let (e5, e3) = (weighted(&E5, &slopes, i) / scale, weighted(&E3, &slopes, i) / scale);
+                let (e5, e3) = (weighted(&E5, slopes, i) / scale, weighted(&E3, slopes, i) / scale);
                 fifth = fifth + e5 * e5;
                 third = third + e3 * e3;
             }
@@ -330,7 +329,7 @@ impl<V: Coordinates<Scalar: Real>> Stages<V> {
         h.abs() * fifth / (damped * count).sqrt()
     }
 
-    /// Hairer's choice of the first step (section II.4), positive [s].
+    /// Hairer's choice of the first step (section II.4), positive \[s\].
     ///
     /// One explicit Euler step, a hundredth of `|y|/|y'|` long, estimates the second derivative; then the step is such
     /// that `hᵖ max(|y'|, |y''|) = 1/100`, in the norm of the tolerances.
@@ -389,7 +388,7 @@ impl<V: Coordinates<Scalar: Real>> Stages<V> {
 }
 
 /// `base + h Σ weight · slope`.
-#[inline]
+#[inline(always)] // the row is a constant: with it in sight the loop over the stages unrolls
 fn combine<V: Coordinates, const S: usize>(
     out: &mut V,
     base: &V,
@@ -397,19 +396,18 @@ fn combine<V: Coordinates, const S: usize>(
     row: &[Weight; S],
     slopes: &[V; STAGES],
 ) {
-    let slopes = slopes.each_ref().map(V::as_slice);
     let (out, base) = (out.as_mut_slice(), base.as_slice());
     for i in 0..out.len() {
-        out[i] = base[i] + h * weighted(row, &slopes, i);
+        out[i] = base[i] + h * weighted(row, slopes, i);
     }
 }
 
 /// `Σ weight · slope` of the number `i`.
-#[inline]
-fn weighted<T: Scalar, const S: usize>(row: &[Weight; S], slopes: &[&[T]; STAGES], i: usize) -> T {
-    let mut sum = T::zero();
+#[inline(always)]
+fn weighted<V: Coordinates, const S: usize>(row: &[Weight; S], slopes: &[V; STAGES], i: usize) -> V::Scalar {
+    let mut sum = V::Scalar::zero();
     for &(stage, weight) in row {
-        sum = sum + T::from_f64(weight) * slopes[stage][i];
+        sum = sum + V::Scalar::from_f64(weight) * slopes[stage].as_slice()[i];
     }
     sum
 }
@@ -431,19 +429,18 @@ impl<V: Coordinates<Scalar: Real>> Interpolant<V> for Stages<V> {
             (&self.v, &old.q, &new.q, (|state| &mut state.q) as fn(&mut State<V>) -> &mut V),
             (&self.a, &old.qd, &new.qd, |state| &mut state.qd),
         ] {
-            let slopes: [&[V::Scalar]; STAGES] = slopes.each_ref().map(V::as_slice);
             let (y0, y1) = (y0.as_slice(), y1.as_slice());
             let parts = self.parts.each_mut().map(|state| part(state).as_mut_slice());
             for i in 0..y0.len() {
                 let rise = y1[i] - y0[i];
-                let first = h * slopes[0][i] - rise;
+                let first = h * slopes[0].as_slice()[i] - rise;
                 parts[0][i] = rise;
                 parts[1][i] = first;
-                parts[2][i] = rise - h * slopes[END][i] - first;
-                parts[3][i] = h * weighted(&D4, &slopes, i);
-                parts[4][i] = h * weighted(&D5, &slopes, i);
-                parts[5][i] = h * weighted(&D6, &slopes, i);
-                parts[6][i] = h * weighted(&D7, &slopes, i);
+                parts[2][i] = rise - h * slopes[END].as_slice()[i] - first;
+                parts[3][i] = h * weighted(&D4, slopes, i);
+                parts[4][i] = h * weighted(&D5, slopes, i);
+                parts[5][i] = h * weighted(&D6, slopes, i);
+                parts[6][i] = h * weighted(&D7, slopes, i);
             }
         }
         Ok(())
@@ -534,16 +531,18 @@ mod tests {
 
     #[test]
     fn an_eccentric_orbit_closes() {
-        for (tolerance, allowed) in [(1e-6, 1e-3), (1e-9, 1e-6), (1e-12, 1e-9)] {
+        // SciPy 1.17 ends 2.396e-3, 2.525e-6 and 1.57e-9 away, after 73, 153 and 335 steps.
+        for (tolerance, allowed, steps) in [(1e-6, 2.4e-3, 73), (1e-9, 2.6e-6, 153), (1e-12, 1.6e-9, 335)] {
             let initial = periapsis(0.6);
             let mut state = initial;
             let dop853 = Dop853::new(tolerance, tolerance);
             let summary = dop853.integrate(kepler, 0.0, 5.0 * TAU, &mut state, go_on).unwrap();
             assert!(distance(&state, &initial) < allowed, "{tolerance}: {}", distance(&state, &initial));
             assert_eq!(summary.time, 5.0 * TAU);
-            // And back again.
+            assert!(summary.accepted.abs_diff(steps) <= 2, "{summary:?}");
+            // And back again, with the error of the way there and as much of its own, amplified by the orbit.
             dop853.integrate(kepler, 5.0 * TAU, 0.0, &mut state, go_on).unwrap();
-            assert!(distance(&state, &initial) < allowed);
+            assert!(distance(&state, &initial) < 4.0 * allowed, "{tolerance}: {}", distance(&state, &initial));
         }
     }
 
@@ -571,7 +570,8 @@ mod tests {
             .integrate(|_, q: &[f64; 1], _, qdd: &mut [f64; 1]| qdd[0] = -q[0], 0.0, 10.0 * TAU, &mut state, go_on)
             .unwrap();
         assert!((state.q[0] - 1.0).abs() < 1e-8);
-        assert!(summary.accepted < 110 && summary.rejected < 10, "{summary:?}");
+        // SciPy 1.17 takes as many.
+        assert_eq!((summary.accepted, summary.evaluations), (198, 2378));
         // Two for the first step, twelve for each other, eleven for a rejected one.
         assert_eq!(summary.evaluations, 2 + 12 * summary.accepted + 11 * summary.rejected);
         assert!(summary.next_step > 0.1 && summary.next_step < 5.0);
@@ -592,7 +592,7 @@ mod tests {
         let limited = Dop853 { max_step: 0.05, ..Dop853::new(1e-6, 1e-6) };
         let summary = limited
             .integrate(kepler, 0.0, 3.0, &mut state, |step| {
-                assert!(step.time() - step.previous_time() <= 0.05 * 1.02);
+                assert!(step.time() - step.previous_time() <= 0.05 * (1.0 + 1e-8));
                 ControlFlow::Continue(())
             })
             .unwrap();

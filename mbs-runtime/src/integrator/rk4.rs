@@ -26,7 +26,7 @@ use crate::state::{Coordinates, State};
 /// single steps.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rk4 {
-    /// The longest step [s]. The steps are equal and as many as needed, so that the last one ends where it should.
+    /// The longest step \[s\]. The steps are equal and as many as needed, so that the last one ends where it should.
     pub step: f64,
     /// The number of steps allowed in one integration.
     pub max_steps: usize,
@@ -39,7 +39,7 @@ impl Rk4 {
         Self { step, max_steps: usize::MAX }
     }
 
-    /// How many steps it takes over `duration` [s].
+    /// How many steps it takes over `duration` \[s\].
     fn count(&self, t: f64, duration: f64) -> Result<usize, IntegrationError> {
         // 0.3/0.1 is not 3: what is beyond a whole number by rounding alone makes no step of its own.
         let ratio = duration.abs() / self.step * (1.0 - 4.0 * f64::EPSILON);

@@ -146,9 +146,9 @@ mod tests {
 
     #[test]
     fn only_the_side_taken_is_evaluated() {
-        let taken = f64::select(1.0.less(2.0), || 5.0, || panic!("the other side"));
+        let taken = f64::select(1.0_f64.less(2.0), || 5.0, || panic!("the other side"));
         assert_eq!(taken, 5.0);
-        let taken = f64::select(!1.0.less_equal(1.0), || panic!("the other side"), || 6.0);
+        let taken = f64::select(!1.0_f64.less_equal(1.0), || panic!("the other side"), || 6.0);
         assert_eq!(taken, 6.0);
     }
 

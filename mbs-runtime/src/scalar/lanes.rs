@@ -3,7 +3,7 @@
 //! The elementary functions are those of the crate `wide`: vectorised, and up to a few units in the last place away
 //! from those of the standard library; sin and cos are meant for arguments below 10⁶ or so.
 
-use wide::{CmpEq, CmpLe, CmpLt, f32x8, f64x4};
+use wide::{f32x8, f64x4};
 
 use super::{Mask, Scalar};
 
@@ -147,7 +147,7 @@ mod tests {
     #[test]
     fn a_nan_on_the_side_not_taken_does_not_leak() {
         let x = f64x4::from([4.0, -4.0, 9.0, -9.0]);
-        let root = f64x4::select(f64x4::zero().less(x), || x.sqrt(), f64x4::zero);
+        let root = <f64x4 as Scalar>::select(f64x4::zero().less(x), || x.sqrt(), f64x4::zero);
         assert_eq!(root.to_array(), [2.0, 0.0, 3.0, 0.0]);
     }
 

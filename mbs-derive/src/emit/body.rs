@@ -1,0 +1,545 @@
+//! One function body: bindings, then the result.
+//!
+//! A value that is used once is written where it is used, as long as that stays short; one that is used more often gets
+//! a `let`, and a name that says what it is where there is one: `sin_theta`, `m_1_0`, else `t12`.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use proc_macro2::TokenStream;
+use quote::quote;
+
+use crate::expr::{Function, Symbol};
+use crate::model::Variable;
+use crate::optimise::{Derivation, Instruction, Program, Value};
+
+use super::expression::{self, Leaves, Tree, literal};
+use super::name::{Names, Scope, ident};
+
+/// Operations and characters that one expression has at most.
+const LONGEST: (usize, usize) = (6, 72);
+
+/// Operations of a component that is written in the result without a name, where there are few components or many.
+const IN_RESULT: [usize; 2] = [4, 2];
+
+/// Constants with names, bound where they are used.
+const FAMILIAR: [(f64, &str); 8] = [
+    (0.0, "zero"),
+    (1.0, "one"),
+    (2.0, "two"),
+    (3.0, "three"),
+    (4.0, "four"),
+    (0.5, "half"),
+    (0.25, "quarter"),
+    (1.0 / 3.0, "third"),
+];
+
+/// So many other constants are written out; more are `c(0.295242)` with `let c = T::from_f64`.
+const WRITTEN_OUT: usize = 3;
+
+/// A component of a result.
+#[derive(Clone, Debug)]
+pub(super) enum Component {
+    /// The program's result with this number, and a name that it would have as a local; empty for none.
+    Result(usize, String),
+    /// 0
+    Zero,
+}
+
+/// A step of a body.
+#[derive(Clone, Debug)]
+pub(super) enum Statement {
+    /// `let local = tree;`
+    Let(usize, Tree),
+    /// `let (sin, cos) = angle.sin_cos();`
+    SinCos(usize, usize, Tree),
+}
+
+impl Statement {
+    /// The expression on its right.
+    pub(super) fn tree(&self) -> &Tree {
+        match self {
+            Statement::Let(_, tree) | Statement::SinCos(_, _, tree) => tree,
+        }
+    }
+
+    /// The locals that it binds.
+    pub(super) fn binds(&self) -> impl Iterator<Item = usize> {
+        let (first, second) = match *self {
+            Statement::Let(local, _) => (local, None),
+            Statement::SinCos(sin, cos, _) => (sin, Some(cos)),
+        };
+        std::iter::once(first).chain(second)
+    }
+}
+
+/// A body before it is printed.
+#[derive(Clone, Debug)]
+pub(super) struct Body<'n> {
+    names: &'n Names,
+    scope: Scope,
+    /// The names of the locals.
+    pub(super) locals: Vec<String>,
+    pub(super) statements: Vec<Statement>,
+    /// In the order of the components.
+    pub(super) results: Vec<Tree>,
+}
+
+impl<'n> Body<'n> {
+    /// Of the statements that `components` of a program's results need.
+    pub(super) fn new(program: &Program, components: &[Component], names: &'n Names) -> Self {
+        let mut scope = names.function_scope();
+        for (_, name) in FAMILIAR {
+            scope.unique(name);
+        }
+        scope.unique("c");
+        let body = Body { names, scope, locals: Vec::new(), statements: Vec::new(), results: Vec::new() };
+        let mut writer = Writer::new(program, components, body);
+        writer.write();
+        writer.finish(components)
+    }
+
+    /// Statements, then results: all trees.
+    pub(super) fn trees(&self) -> impl Iterator<Item = &Tree> {
+        self.statements.iter().map(Statement::tree).chain(&self.results)
+    }
+
+    fn bind(&mut self, tree: Tree, wish: Option<String>) -> Tree {
+        let local = self.local(wish);
+        self.statements.push(Statement::Let(local, tree));
+        Tree::Local(local)
+    }
+
+    fn local(&mut self, wish: Option<String>) -> usize {
+        let wished = wish.and_then(|name| self.scope.exactly(&name));
+        let name = wished.unwrap_or_else(|| {
+            let numbered = (self.locals.len()..).map(|i| format!("t{i}"));
+            numbered.into_iter().find_map(|name| self.scope.exactly(&name)).expect("there are enough numbers")
+        });
+        self.locals.push(name);
+        self.locals.len() - 1
+    }
+
+    fn name(&self, leaf: &Tree) -> &str {
+        match leaf {
+            Tree::Symbol(symbol) => self.names.symbol(*symbol),
+            Tree::Hoisted(k) => &self.names.hoisted[*k as usize],
+            Tree::Local(i) => &self.locals[*i],
+            Tree::Constant(_)
+            | Tree::Neg(_)
+            | Tree::Add(..)
+            | Tree::Sub(..)
+            | Tree::Mul(..)
+            | Tree::Div(..)
+            | Tree::Method(..) => unreachable!("only leaves have names"),
+        }
+    }
+
+    /// About how many characters a tree takes.
+    fn width(&self, tree: &Tree) -> usize {
+        let own = match tree {
+            Tree::Constant(value) => if familiar(*value).is_some() { 4 } else { format!("c({value:?})").len() },
+            Tree::Symbol(_) | Tree::Hoisted(_) | Tree::Local(_) => self.name(tree).len(),
+            Tree::Neg(_) => 1,
+            Tree::Add(..) | Tree::Sub(..) | Tree::Mul(..) | Tree::Div(..) => 3,
+            Tree::Method(name, _, arguments) => name.len() + 3 + 2 * arguments.len().saturating_sub(1),
+        };
+        own + tree.children().into_iter().map(|child| self.width(child)).sum::<usize>()
+    }
+
+    fn is_short(&self, tree: &Tree) -> bool {
+        tree.operations() <= LONGEST.0 && self.width(tree) <= LONGEST.1
+    }
+
+    /// Words for a short expression, for use in a name.
+    fn describe(&self, tree: &Tree) -> Option<String> {
+        let words = match tree {
+            Tree::Symbol(_) | Tree::Hoisted(_) | Tree::Local(_) => self.name(tree).to_string(),
+            Tree::Constant(value) if value.fract() == 0.0 && (0.0..100.0).contains(value) => format!("{value}"),
+            Tree::Constant(_) | Tree::Div(..) => return None,
+            Tree::Neg(a) => format!("minus_{}", self.describe(a)?),
+            Tree::Add(a, b) => format!("{}_plus_{}", self.describe(a)?, self.describe(b)?),
+            Tree::Sub(a, b) => format!("{}_minus_{}", self.describe(a)?, self.describe(b)?),
+            Tree::Mul(a, b) => format!("{}_{}", self.describe(a)?, self.describe(b)?),
+            Tree::Method("mul_add", a, rest) => {
+                format!("{}_{}_plus_{}", self.describe(a)?, self.describe(&rest[0])?, self.describe(&rest[1])?)
+            }
+            Tree::Method(name, a, rest) if rest.is_empty() => format!("{name}_{}", self.describe(a)?),
+            Tree::Method(..) => return None,
+        };
+        (words.len() <= 32).then_some(words)
+    }
+}
+
+/// Writes the instructions of a program as statements.
+struct Writer<'p, 'n> {
+    program: &'p Program,
+    /// How often each value is used by what the components need; a sine and a cosine of one angle use it once.
+    uses: Vec<usize>,
+    /// The sine and the cosine of an angle, where both are needed.
+    pairs: BTreeMap<Value, (Value, Value)>,
+    /// Names that values would have as results.
+    wishes: BTreeMap<Value, String>,
+    /// The values that are known and not used up.
+    trees: Vec<Option<Tree>>,
+    body: Body<'n>,
+}
+
+impl<'p, 'n> Writer<'p, 'n> {
+    fn new(program: &'p Program, components: &[Component], body: Body<'n>) -> Self {
+        let mut uses = vec![0; program.instructions.len()];
+        let mut wishes = BTreeMap::new();
+        for component in components {
+            if let Component::Result(number, wish) = component {
+                let value = program.results[*number];
+                uses[value.index()] += 1;
+                if !wish.is_empty() {
+                    wishes.entry(value).or_insert_with(|| wish.clone());
+                }
+            }
+        }
+        let mut angles: BTreeMap<Value, [Option<Value>; 2]> = BTreeMap::new();
+        for (i, instruction) in program.instructions.iter().enumerate().rev() {
+            if uses[i] == 0 {
+                continue;
+            }
+            instruction.operands().for_each(|operand| uses[operand.index()] += 1);
+            match *instruction {
+                Instruction::Call(Function::Sin, angle) => angles.entry(angle).or_default()[0] = Some(value(i)),
+                Instruction::Call(Function::Cos, angle) => angles.entry(angle).or_default()[1] = Some(value(i)),
+                _ => {}
+            }
+        }
+        let both = |(angle, [sin, cos]): (Value, [Option<Value>; 2])| Some((angle, (sin?, cos?)));
+        let pairs: BTreeMap<_, _> = angles.into_iter().filter_map(both).collect();
+        pairs.keys().for_each(|angle| uses[angle.index()] -= 1);
+        Writer { program, uses, pairs, wishes, trees: vec![None; program.instructions.len()], body }
+    }
+
+    fn write(&mut self) {
+        for (i, &instruction) in self.program.instructions.iter().enumerate() {
+            if self.uses[i] == 0 || self.trees[i].is_some() {
+                continue;
+            }
+            if let Instruction::Call(Function::Sin | Function::Cos, angle) = instruction
+                && let Some(&(sin, cos)) = self.pairs.get(&angle)
+            {
+                self.sin_cos(angle, sin, cos);
+                continue;
+            }
+            let tree = self.tree(instruction);
+            let shared = self.uses[i] > 1 && !tree.is_free();
+            self.trees[i] = Some(if shared { self.bind(value(i), tree) } else { tree });
+        }
+    }
+
+    /// One call for both.
+    fn sin_cos(&mut self, angle: Value, sin: Value, cos: Value) {
+        let angle = self.take(angle);
+        let words = self.body.describe(&angle);
+        let [first, second] = [Function::Sin, Function::Cos].map(|function| {
+            let wish = words.as_ref().map(|words| format!("{}_{words}", function.name()));
+            self.body.local(wish)
+        });
+        self.body.statements.push(Statement::SinCos(first, second, angle));
+        self.trees[sin.index()] = Some(Tree::Local(first));
+        self.trees[cos.index()] = Some(Tree::Local(second));
+    }
+
+    fn tree(&mut self, instruction: Instruction) -> Tree {
+        match instruction {
+            Instruction::Constant(number) => Tree::Constant(number.to_f64()),
+            Instruction::Symbol(symbol) => Tree::Symbol(symbol),
+            Instruction::Hoisted(k) => Tree::Hoisted(k),
+            Instruction::Neg(a) => Tree::neg(self.take(a)),
+            Instruction::Add(a, b) => self.combine(Tree::add, a, b),
+            Instruction::Sub(a, b) => self.combine(Tree::sub, a, b),
+            Instruction::Mul(a, b) => self.combine(Tree::mul, a, b),
+            Instruction::Div(a, b) => self.combine(Tree::div, a, b),
+            Instruction::Sqrt(a) => self.call("sqrt", a),
+            Instruction::Call(function, a) => self.call(function.name(), a),
+            Instruction::Call2(function, a, b) => {
+                self.combine(|a, b| Tree::Method(function.name(), Box::new(a), vec![b]), a, b)
+            }
+        }
+    }
+
+    fn call(&mut self, name: &'static str, a: Value) -> Tree {
+        let argument = self.take(a);
+        let tree = |argument: Tree| Tree::Method(name, Box::new(argument), Vec::new());
+        if self.body.is_short(&tree(argument.clone())) {
+            return tree(argument);
+        }
+        let local = self.bind(a, argument);
+        tree(local)
+    }
+
+    /// An operation of two values; where that gets too long, they are bound first: terms before products, which are to
+    /// be fused into sums, and else the longer one.
+    fn combine(&mut self, operation: impl Fn(Tree, Tree) -> Tree, a: Value, b: Value) -> Tree {
+        let [mut first, mut second] = [self.take(a), self.take(b)];
+        loop {
+            let tree = operation(first.clone(), second.clone());
+            if self.body.is_short(&tree) {
+                return tree;
+            }
+            let weight = |tree: &Tree| match tree {
+                tree if tree.is_free() => 0,
+                Tree::Mul(..) => tree.operations(),
+                tree => 100 + tree.operations(),
+            };
+            match (weight(&first), weight(&second)) {
+                (0, 0) => return tree,
+                (x, y) if x > y => first = self.bind(a, first),
+                _ => second = self.bind(b, second),
+            }
+        }
+    }
+
+    /// A value's tree: for good where it is used once.
+    fn take(&mut self, value: Value) -> Tree {
+        let tree = &mut self.trees[value.index()];
+        let taken = if self.uses[value.index()] == 1 { tree.take() } else { tree.clone() };
+        taken.expect("operands come before what is made of them")
+    }
+
+    fn bind(&mut self, value: Value, tree: Tree) -> Tree {
+        let wish = self.wishes.get(&value).cloned().or_else(|| match &tree {
+            Tree::Method(_, _, rest) if rest.is_empty() => self.body.describe(&tree),
+            Tree::Mul(a, b) if a == b => self.body.describe(a).map(|words| format!("{words}_squared")),
+            _ => None,
+        });
+        self.body.bind(tree, wish)
+    }
+
+    /// The results: short ones as they are.
+    fn finish(mut self, components: &[Component]) -> Body<'n> {
+        let longest = match components.len() {
+            1 => usize::MAX,
+            2..=9 => IN_RESULT[0],
+            _ => IN_RESULT[1],
+        };
+        for component in components {
+            let tree = match component {
+                Component::Zero => Tree::Constant(0.0),
+                Component::Result(number, _) => {
+                    let value = self.program.results[*number];
+                    let tree = self.take(value);
+                    if tree.operations() > longest { self.bind(value, tree) } else { tree }
+                }
+            };
+            self.body.results.push(tree);
+        }
+        self.body
+    }
+}
+
+fn value(index: usize) -> Value {
+    Value(u32::try_from(index).expect("programs are shorter than 2³² instructions"))
+}
+
+fn familiar(value: f64) -> Option<&'static str> {
+    FAMILIAR.iter().find(|(number, _)| *number == value.abs()).map(|(_, name)| *name)
+}
+
+/// A body with its constants counted, ready to be printed.
+pub(super) struct Text<'b, 'n> {
+    body: &'b Body<'n>,
+    /// Familiar constants that are bound.
+    bound: BTreeSet<&'static str>,
+    /// Whether other constants are `c(…)`.
+    abbreviated: bool,
+}
+
+impl<'b, 'n> Text<'b, 'n> {
+    /// For these trees of a body.
+    pub(super) fn new<'t>(body: &'b Body<'n>, trees: impl Iterator<Item = &'t Tree>) -> Self {
+        let mut familiar_uses: BTreeMap<&'static str, usize> = BTreeMap::new();
+        let mut others = 0;
+        each_leaf(trees, &mut |leaf| {
+            if let Tree::Constant(value) = leaf {
+                match familiar(*value) {
+                    Some(name) => *familiar_uses.entry(name).or_insert(0) += 1,
+                    None => others += 1,
+                }
+            }
+        });
+        let by_name = |(name, uses): (&'static str, usize)| {
+            (uses > 1 || !matches!(name, "zero" | "one")).then_some(name)
+        };
+        let bound = familiar_uses.into_iter().filter_map(by_name).collect();
+        Text { body, bound, abbreviated: others > WRITTEN_OUT }
+    }
+
+    /// The tokens of an expression.
+    pub(super) fn tree(&self, tree: &Tree) -> TokenStream {
+        expression::print(tree, self)
+    }
+
+    /// `let half = T::from_f64(0.5);`, …
+    pub(super) fn constants(&self) -> TokenStream {
+        let bound = FAMILIAR.iter().filter(|(_, name)| self.bound.contains(name)).map(|&(value, name)| {
+            let (local, value) = (ident(name), written_out(value));
+            quote!(let #local = #value;)
+        });
+        let abbreviation = self.abbreviated.then(|| quote!(let c = T::from_f64;));
+        quote!(#(#bound)* #abbreviation)
+    }
+
+    /// A statement.
+    pub(super) fn statement(&self, statement: &Statement) -> TokenStream {
+        let local = |i: &usize| ident(&self.body.locals[*i]);
+        match statement {
+            Statement::Let(i, tree) => {
+                let (local, tree) = (local(i), self.tree(tree));
+                quote!(let #local = #tree;)
+            }
+            Statement::SinCos(sin, cos, angle) => {
+                let (sin, cos) = (local(sin), local(cos));
+                let pair = self.tree(&Tree::Method("sin_cos", Box::new(angle.clone()), Vec::new()));
+                quote!(let (#sin, #cos) = #pair;)
+            }
+        }
+    }
+}
+
+impl Leaves for Text<'_, '_> {
+    fn constant(&self, value: f64) -> TokenStream {
+        match familiar(value) {
+            Some(name) => {
+                let sign = self.is_signed(value).then(|| quote!(-));
+                let name = if self.bound.contains(name) {
+                    let name = ident(name);
+                    quote!(#name)
+                } else {
+                    written_out(value.abs())
+                };
+                quote!(#sign #name)
+            }
+            None if self.abbreviated => {
+                let value = number(value);
+                quote!(c(#value))
+            }
+            None => written_out(value),
+        }
+    }
+
+    fn is_signed(&self, value: f64) -> bool {
+        value.is_sign_negative() && familiar(value).is_some()
+    }
+
+    fn name(&self, leaf: &Tree) -> &str {
+        self.body.name(leaf)
+    }
+}
+
+/// `T::from_f64(0.295242)`
+pub(super) fn written_out(value: f64) -> TokenStream {
+    if value == 0.0 && value.is_sign_positive() {
+        quote!(T::zero())
+    } else if value == 1.0 {
+        quote!(T::one())
+    } else {
+        let value = number(value);
+        quote!(T::from_f64(#value))
+    }
+}
+
+/// A literal, or π.
+pub(super) fn number(value: f64) -> TokenStream {
+    if value == std::f64::consts::PI { quote!(::core::f64::consts::PI) } else { literal(value) }
+}
+
+/// Calls `found` with every leaf.
+pub(super) fn each_leaf<'t>(trees: impl Iterator<Item = &'t Tree>, found: &mut impl FnMut(&'t Tree)) {
+    for tree in trees {
+        match tree {
+            Tree::Constant(_) | Tree::Symbol(_) | Tree::Hoisted(_) | Tree::Local(_) => found(tree),
+            Tree::Neg(_) | Tree::Add(..) | Tree::Sub(..) | Tree::Mul(..) | Tree::Div(..) | Tree::Method(..) => {
+                each_leaf(tree.children().into_iter(), found);
+            }
+        }
+    }
+}
+
+/// `let [x, theta] = *q;`, …: the arguments and fields that these trees read, taken apart.
+///
+/// `qdd` is what the accelerations are taken from; parameters come from `params`.
+pub(super) fn arguments<'t>(
+    derivation: &Derivation,
+    names: &Names,
+    trees: impl Iterator<Item = &'t Tree>,
+    params: &TokenStream,
+) -> TokenStream {
+    let (mut symbols, mut hoisted) = (BTreeSet::new(), BTreeSet::new());
+    each_leaf(trees, &mut |leaf| match leaf {
+        Tree::Symbol(symbol) => drop(symbols.insert(*symbol)),
+        Tree::Hoisted(k) => drop(hoisted.insert(*k)),
+        _ => {}
+    });
+    let component = |symbol: Symbol| symbols.contains(&symbol).then(|| names.symbol(symbol));
+    let n = derivation.dof();
+    let inputs = derivation.inputs.iter().map(Variable::count).sum();
+    let array = |count: usize, symbol: fn(u32) -> Symbol, argument: &str| {
+        pattern((0..count).map(|i| component(symbol(i as u32)))).map(|pattern| {
+            let argument = ident(argument);
+            quote!(let #pattern = *#argument;)
+        })
+    };
+    let q = array(n, Symbol::Coordinate, "q");
+    let qd = array(n, Symbol::Velocity, "qd");
+    let qdd = array(n, Symbol::Acceleration, "qdd");
+    let u = array(inputs, Symbol::Input, "u");
+    let fields = hoisted.iter().map(|k| ident(&names.hoisted[*k as usize]));
+    let own = (!hoisted.is_empty()).then(|| quote!(let Self { #(#fields,)* .. } = *self;));
+    let parameters = parameters(derivation, names, component).map(|pattern| quote!(let #pattern = #params;));
+    quote!(#q #qd #qdd #u #own #parameters)
+}
+
+/// `[x, _]`; `None` where no component is named.
+fn pattern<'a>(components: impl Iterator<Item = Option<&'a str>>) -> Option<TokenStream> {
+    let components: Vec<_> = components.collect();
+    let read = components.iter().rposition(Option::is_some)? + 1;
+    let unread = components.len() - read;
+    let shown = components[..read].iter().map(|component| match component {
+        Some(name) => {
+            let name = ident(name);
+            quote!(#name)
+        }
+        None => quote!(_),
+    });
+    let rest = match unread {
+        0 => None,
+        1 => Some(quote!(_)),
+        _ => Some(quote!(..)),
+    };
+    let shown = shown.chain(rest);
+    Some(quote!([#(#shown),*]))
+}
+
+/// `Params { m, length, .. }`
+fn parameters<'a>(
+    derivation: &Derivation,
+    names: &Names,
+    component: impl Fn(Symbol) -> Option<&'a str>,
+) -> Option<TokenStream> {
+    let mut fields = Vec::new();
+    for (parameter, field) in derivation.parameters.iter().zip(&names.fields) {
+        let symbol = |i: usize| Symbol::Parameter((parameter.first + i) as u32);
+        let name = ident(field);
+        fields.extend(match parameter.length {
+            None => component(symbol(0)).map(|local| {
+                if local == field {
+                    quote!(#name)
+                } else {
+                    let local = ident(local);
+                    quote!(#name: #local)
+                }
+            }),
+            Some(count) => {
+                pattern((0..count).map(|i| component(symbol(i)))).map(|pattern| quote!(#name: #pattern))
+            }
+        });
+    }
+    let rest = (fields.len() < derivation.parameters.len()).then(|| quote!(..));
+    (!fields.is_empty()).then(|| quote!(Params { #(#fields,)* #rest }))
+}

@@ -1,0 +1,318 @@
+//! How values are written.
+//!
+//! A [`Tree`] is an expression as it will stand in the text. The constructors choose among the ways to write the same
+//! bits: factors and terms may change places (`a·b = b·a`, `a + b = b + a`), signs may move (`−(a·b) = (−a)·b`,
+//! `a − b = a + (−b)`), but nothing is associated anew. A product that only a sum uses becomes `mul_add`, which is a
+//! product and a sum, unless the target has them in one instruction.
+
+use proc_macro2::{Literal, TokenStream};
+use quote::quote;
+
+use crate::expr::Symbol;
+
+use super::name::ident;
+
+/// An expression.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Tree {
+    Constant(f64),
+    Symbol(Symbol),
+    /// A field of the mechanism.
+    Hoisted(u32),
+    /// A local of the function.
+    Local(usize),
+    /// `−a`
+    Neg(Box<Tree>),
+    Add(Box<Tree>, Box<Tree>),
+    Sub(Box<Tree>, Box<Tree>),
+    Mul(Box<Tree>, Box<Tree>),
+    Div(Box<Tree>, Box<Tree>),
+    /// `a.method(arguments)`
+    Method(&'static str, Box<Tree>, Vec<Tree>),
+}
+
+/// How tightly an expression holds together.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Precedence {
+    Any,
+    Sum,
+    Product,
+    Sign,
+    Method,
+}
+
+impl Tree {
+    /// `−a`
+    pub(super) fn neg(a: Tree) -> Tree {
+        match a {
+            Tree::Constant(value) => Tree::Constant(-value),
+            Tree::Neg(a) => *a,
+            Tree::Mul(a, b) => Tree::Mul(Box::new(Tree::neg(*a)), b),
+            Tree::Div(a, b) => Tree::Div(Box::new(Tree::neg(*a)), b),
+            other => Tree::Neg(Box::new(other)),
+        }
+    }
+
+    /// `a · b`, constants and parameters first, then in the order of the declaration.
+    pub(super) fn mul(a: Tree, b: Tree) -> Tree {
+        match (a, b) {
+            (Tree::Neg(a), Tree::Neg(b)) => Tree::mul(*a, *b),
+            (Tree::Neg(a), b) | (b, Tree::Neg(a)) => match Tree::mul(*a, b) {
+                Tree::Mul(a, b) => Tree::Mul(Box::new(Tree::neg(*a)), b),
+                other => Tree::neg(other),
+            },
+            (a, b) => {
+                let keep = match (a.is_product(), b.is_product()) {
+                    // `k * (x * y)`, but `x * y * z` for `z * (x * y)`.
+                    (false, true) => a.key() < b.key(),
+                    (true, false) => b.key() >= a.key(),
+                    (true, true) | (false, false) => a.key() <= b.key(),
+                };
+                let (a, b) = if keep { (a, b) } else { (b, a) };
+                Tree::Mul(Box::new(a), Box::new(b))
+            }
+        }
+    }
+
+    /// `a / b`
+    pub(super) fn div(a: Tree, b: Tree) -> Tree {
+        match (a, b) {
+            (Tree::Neg(a), Tree::Neg(b)) => Tree::div(*a, *b),
+            (a, Tree::Neg(b)) => Tree::div(Tree::neg(a), *b),
+            (a, b) => Tree::Div(Box::new(a), Box::new(b)),
+        }
+    }
+
+    /// `a + b`
+    pub(super) fn add(a: Tree, b: Tree) -> Tree {
+        match (a, b) {
+            (a, Tree::Neg(b)) | (Tree::Neg(b), a) => Tree::sub(a, *b),
+            (Tree::Mul(a, b), c) | (c, Tree::Mul(a, b)) => Tree::mul_add(*a, *b, c),
+            (a, b) if b.is_sum() && !a.is_sum() => Tree::Add(Box::new(b), Box::new(a)),
+            (a, b) => Tree::Add(Box::new(a), Box::new(b)),
+        }
+    }
+
+    /// `a − b`
+    pub(super) fn sub(a: Tree, b: Tree) -> Tree {
+        match (a, b) {
+            (a, Tree::Neg(b)) => Tree::add(a, *b),
+            (Tree::Mul(a, b), c) => Tree::mul_add(*a, *b, Tree::neg(c)),
+            (c, Tree::Mul(a, b)) if b.takes_sign() && !a.takes_sign() => Tree::mul_add(*a, Tree::neg(*b), c),
+            (c, Tree::Mul(a, b)) => Tree::mul_add(Tree::neg(*a), *b, c),
+            (a, b) => Tree::Sub(Box::new(a), Box::new(b)),
+        }
+    }
+
+    /// `a · b + c`
+    fn mul_add(a: Tree, b: Tree, c: Tree) -> Tree {
+        let (a, b) = if a.is_compound() && !b.is_compound() { (b, a) } else { (a, b) };
+        Tree::Method("mul_add", Box::new(a), vec![b, c])
+    }
+
+    /// Whether a sign before it disappears in it.
+    fn takes_sign(&self) -> bool {
+        matches!(self, Tree::Constant(_) | Tree::Neg(_))
+    }
+
+    fn is_sum(&self) -> bool {
+        matches!(self, Tree::Add(..) | Tree::Sub(..))
+    }
+
+    fn is_product(&self) -> bool {
+        matches!(self, Tree::Mul(..) | Tree::Div(..))
+    }
+
+    /// Whether it would need parentheses before a method.
+    fn is_compound(&self) -> bool {
+        self.is_sum() || self.is_product() || matches!(self, Tree::Neg(_))
+    }
+
+    /// Whether it costs nothing to write it more than once.
+    pub(super) fn is_free(&self) -> bool {
+        match self {
+            Tree::Constant(_) | Tree::Symbol(_) | Tree::Hoisted(_) | Tree::Local(_) => true,
+            Tree::Neg(a) => a.is_free(),
+            Tree::Add(..) | Tree::Sub(..) | Tree::Mul(..) | Tree::Div(..) | Tree::Method(..) => false,
+        }
+    }
+
+    /// Its parts.
+    pub(super) fn children(&self) -> Vec<&Tree> {
+        match self {
+            Tree::Constant(_) | Tree::Symbol(_) | Tree::Hoisted(_) | Tree::Local(_) => Vec::new(),
+            Tree::Neg(a) => vec![a],
+            Tree::Add(a, b) | Tree::Sub(a, b) | Tree::Mul(a, b) | Tree::Div(a, b) => vec![a, b],
+            Tree::Method(_, a, rest) => std::iter::once(&**a).chain(rest).collect(),
+        }
+    }
+
+    /// Number of operations; signs are free.
+    pub(super) fn operations(&self) -> usize {
+        let own = match self {
+            Tree::Constant(_) | Tree::Symbol(_) | Tree::Hoisted(_) | Tree::Local(_) | Tree::Neg(_) => 0,
+            Tree::Add(..) | Tree::Sub(..) | Tree::Mul(..) | Tree::Div(..) => 1,
+            Tree::Method(_, _, arguments) => arguments.len().max(1),
+        };
+        own + self.children().into_iter().map(Tree::operations).sum::<usize>()
+    }
+
+    /// Where it stands among factors: by its first part.
+    fn key(&self) -> (u8, u64) {
+        match self {
+            Tree::Constant(_) => (0, 0),
+            Tree::Symbol(Symbol::Parameter(i)) => (1, u64::from(*i)),
+            Tree::Hoisted(k) => (1, (1 << 32) + u64::from(*k)),
+            Tree::Symbol(Symbol::Time) => (2, 0),
+            Tree::Symbol(Symbol::Coordinate(i)) => (2, (1 << 32) + u64::from(*i)),
+            Tree::Symbol(Symbol::Velocity(i)) => (2, (2 << 32) + u64::from(*i)),
+            Tree::Symbol(Symbol::Acceleration(i)) => (2, (3 << 32) + u64::from(*i)),
+            Tree::Symbol(Symbol::Input(i)) => (2, (4 << 32) + u64::from(*i)),
+            Tree::Local(i) => (3, *i as u64),
+            Tree::Neg(a) | Tree::Mul(a, _) | Tree::Div(a, _) => a.key(),
+            Tree::Method(..) => (4, 0),
+            Tree::Add(..) | Tree::Sub(..) => (5, 0),
+        }
+    }
+}
+
+/// How the leaves of a tree are written.
+pub(super) trait Leaves {
+    /// A constant's tokens, a method may follow; a negative one may come out as its sign and the positive one.
+    fn constant(&self, value: f64) -> TokenStream;
+    /// Whether a negative constant comes out with its sign in front.
+    fn is_signed(&self, value: f64) -> bool;
+    /// The name of a symbol, a hoisted value or a local.
+    fn name(&self, leaf: &Tree) -> &str;
+}
+
+/// The tokens of an expression.
+pub(super) fn print(tree: &Tree, leaves: &impl Leaves) -> TokenStream {
+    within(tree, leaves, Precedence::Any)
+}
+
+fn within(tree: &Tree, leaves: &impl Leaves, least: Precedence) -> TokenStream {
+    let (precedence, tokens) = match tree {
+        Tree::Constant(value) => {
+            let signed = leaves.is_signed(*value);
+            (if signed { Precedence::Sign } else { Precedence::Method }, leaves.constant(*value))
+        }
+        Tree::Symbol(_) | Tree::Hoisted(_) | Tree::Local(_) => {
+            let name = ident(leaves.name(tree));
+            (Precedence::Method, quote!(#name))
+        }
+        Tree::Neg(a) => {
+            let a = within(a, leaves, Precedence::Method);
+            (Precedence::Sign, quote!(-#a))
+        }
+        Tree::Add(a, b) => {
+            let (a, b) = (within(a, leaves, Precedence::Sum), within(b, leaves, Precedence::Product));
+            (Precedence::Sum, quote!(#a + #b))
+        }
+        Tree::Sub(a, b) => {
+            let (a, b) = (within(a, leaves, Precedence::Sum), within(b, leaves, Precedence::Product));
+            (Precedence::Sum, quote!(#a - #b))
+        }
+        Tree::Mul(a, b) => {
+            let (a, b) = (within(a, leaves, Precedence::Product), within(b, leaves, Precedence::Sign));
+            (Precedence::Product, quote!(#a * #b))
+        }
+        Tree::Div(a, b) => {
+            let (a, b) = (within(a, leaves, Precedence::Product), within(b, leaves, Precedence::Sign));
+            (Precedence::Product, quote!(#a / #b))
+        }
+        Tree::Method(name, a, arguments) => {
+            let (name, a) = (ident(name), within(a, leaves, Precedence::Method));
+            let arguments = arguments.iter().map(|argument| print(argument, leaves));
+            (Precedence::Method, quote!(#a.#name(#(#arguments),*)))
+        }
+    };
+    if precedence < least { quote!((#tokens)) } else { tokens }
+}
+
+/// The shortest literal that reads back as `value`, its sign in front.
+pub(super) fn literal(value: f64) -> TokenStream {
+    assert!(value.is_finite(), "constants are finite");
+    let digits: Literal = format!("{:?}", value.abs()).parse().expect("Rust's floats print as literals");
+    if value.is_sign_negative() { quote!(-#digits) } else { quote!(#digits) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    struct Plain;
+
+    impl Leaves for Plain {
+        fn constant(&self, value: f64) -> TokenStream {
+            literal(value)
+        }
+        fn is_signed(&self, value: f64) -> bool {
+            value.is_sign_negative()
+        }
+        fn name(&self, leaf: &Tree) -> &str {
+            match leaf {
+                Tree::Local(0) => "a",
+                Tree::Local(1) => "b",
+                Tree::Local(2) => "c",
+                Tree::Local(3) => "d",
+                _ => "k",
+            }
+        }
+    }
+
+    #[track_caller]
+    fn check(tree: Tree, expected: &str) {
+        let expected: TokenStream = expected.parse().unwrap();
+        assert_eq!(print(&tree, &Plain).to_string(), expected.to_string());
+    }
+
+    #[test]
+    fn association_is_kept_and_parentheses_are_few() {
+        let [a, b, c, d] = [0, 1, 2, 3].map(Tree::Local);
+        let k = || Tree::Hoisted(0);
+        check(Tree::mul(c.clone(), Tree::mul(b.clone(), a.clone())), "a * b * c");
+        check(Tree::mul(Tree::mul(b.clone(), a.clone()), k()), "k * (a * b)");
+        check(Tree::mul(Tree::mul(a.clone(), b.clone()), Tree::mul(c.clone(), d.clone())), "a * b * (c * d)");
+        check(Tree::mul(Tree::add(a.clone(), b.clone()), c.clone()), "c * (a + b)");
+        check(Tree::sub(a.clone(), Tree::sub(b.clone(), c.clone())), "a - (b - c)");
+        check(Tree::add(a.clone(), Tree::sub(b.clone(), c.clone())), "b - c + a");
+        check(Tree::div(a.clone(), Tree::mul(b.clone(), c.clone())), "a / (b * c)");
+        check(Tree::Method("sqrt", Box::new(Tree::sub(a, b)), Vec::new()), "(a - b).sqrt()");
+    }
+
+    #[test]
+    fn signs_move_where_they_cost_nothing() {
+        let [a, b, c, _] = [0, 1, 2, 3].map(Tree::Local);
+        let minus = |x: &Tree| Tree::neg(x.clone());
+        check(Tree::mul(minus(&a), minus(&b)), "a * b");
+        check(Tree::mul(a.clone(), minus(&b)), "-a * b");
+        check(Tree::add(a.clone(), minus(&b)), "a - b");
+        check(Tree::sub(a.clone(), minus(&b)), "a + b");
+        check(Tree::neg(Tree::div(a.clone(), b.clone())), "-a / b");
+        check(Tree::neg(Tree::sub(a, b)), "-(a - b)");
+        check(Tree::mul(Tree::Constant(-2.0), c), "-2.0 * c");
+    }
+
+    #[test]
+    fn a_product_in_a_sum_is_fused() {
+        let [a, b, c, d] = [0, 1, 2, 3].map(Tree::Local);
+        let ab = || Tree::mul(a.clone(), b.clone());
+        check(Tree::add(ab(), c.clone()), "a.mul_add(b, c)");
+        check(Tree::add(c.clone(), ab()), "a.mul_add(b, c)");
+        check(Tree::sub(ab(), c.clone()), "a.mul_add(b, -c)");
+        check(Tree::sub(c.clone(), ab()), "(-a).mul_add(b, c)");
+        check(Tree::sub(ab(), Tree::mul(c.clone(), d.clone())), "a.mul_add(b, -c * d)");
+        check(Tree::sub(d.clone(), Tree::mul(c.clone(), ab())), "c.mul_add(-a * b, d)");
+        check(Tree::sub(c, Tree::mul(Tree::Constant(2.0), a)), "(-2.0).mul_add(a, c)");
+    }
+
+    #[test]
+    fn literals_are_shortest_and_read_back() {
+        for (value, expected) in [(0.5, "0.5"), (2.0, "2.0"), (1e300, "1e300"), (5e-324, "5e-324"), (0.295242, "0.295242")] {
+            assert_eq!(literal(value).to_string(), expected);
+            assert_eq!(expected.parse(), Ok(value));
+        }
+        assert_eq!(literal(-0.1).to_string(), "- 0.1");
+    }
+}

@@ -1,0 +1,257 @@
+//! Identifiers: those of the declaration where there is one, never a keyword, never the same twice.
+
+use std::collections::BTreeSet;
+
+use proc_macro2::{Ident, Span};
+
+use crate::expr::{Number, Symbol};
+use crate::model::Variable;
+use crate::model::lagrangian::component_names;
+use crate::optimise::{Derivation, Instruction, Program, Value};
+
+/// Names that a local may not take: generics, parameters of functions, and what patterns would take for constants.
+const RESERVED: [&str; 12] =
+    ["T", "t", "params", "None", "Some", "Ok", "Err", "CONSERVED", "PARAMETERS", "mass_matrix", "right_side", "factors"];
+
+/// Arguments that a component may shadow where it is destructured after all others that are read.
+const ARGUMENTS: [&str; 4] = ["q", "qd", "qdd", "u"];
+
+/// Names of methods that generated functions may not take.
+const METHODS: [&str; 4] = ["new", "params", "default", "clone"];
+
+/// Longest name that is made up from a formula.
+const LONGEST: usize = 24;
+
+/// The identifier for a name: as it is, where Rust allows it.
+pub(super) fn identifier(name: &str) -> String {
+    let plain: String = name.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect();
+    let plain = if plain.starts_with(|c: char| c.is_ascii_digit()) { format!("_{plain}") } else { plain };
+    let valid = plain != "gen" && syn::parse_str::<syn::Ident>(&plain).is_ok();
+    if valid { plain } else { format!("{plain}_") }
+}
+
+/// Tokens of an identifier.
+pub(super) fn ident(name: &str) -> Ident {
+    Ident::new(name, Span::call_site())
+}
+
+/// `CartPole` → `cart_pole`, `Arm6` → `arm6`, `NPendulum` → `n_pendulum`, `SCARA` → `scara`.
+pub(super) fn snake_case(name: &str) -> String {
+    let letters: Vec<char> = name.chars().collect();
+    let mut snake = String::new();
+    for (i, c) in letters.iter().enumerate() {
+        let before = i.checked_sub(1).map(|i| letters[i]);
+        let after = letters.get(i + 1);
+        let word_ends = before.is_some_and(|b| b.is_ascii_lowercase() || b.is_ascii_digit());
+        let acronym_ends = before.is_some_and(|b| b.is_ascii_uppercase()) && after.is_some_and(char::is_ascii_lowercase);
+        if c.is_ascii_uppercase() && (word_ends || acronym_ends) {
+            snake.push('_');
+        }
+        snake.push(c.to_ascii_lowercase());
+    }
+    snake
+}
+
+/// Names in use.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Scope {
+    taken: BTreeSet<String>,
+}
+
+impl Scope {
+    fn with(names: &[&str]) -> Self {
+        Scope { taken: names.iter().map(ToString::to_string).collect() }
+    }
+
+    /// `wish` if it is free, else the first free one of `wish_2`, `wish_3`, …; taken from now on.
+    pub(super) fn unique(&mut self, wish: &str) -> String {
+        let wish = identifier(wish);
+        let numbered = (2..).map(|i| format!("{wish}_{i}"));
+        let free = std::iter::once(wish.clone()).chain(numbered).find(|name| !self.taken.contains(name));
+        let name = free.expect("there are more numbers than names");
+        self.taken.insert(name.clone());
+        name
+    }
+
+    /// The name, if it is free; taken from now on.
+    pub(super) fn exactly(&mut self, name: &str) -> Option<String> {
+        let free = identifier(name) == name && !self.taken.contains(name);
+        free.then(|| self.unique(name))
+    }
+}
+
+/// All names of a mechanism but those of the locals of one function.
+#[derive(Clone, Debug)]
+pub(super) struct Names {
+    /// The mechanism's struct.
+    pub(super) mechanism: String,
+    /// The fields of `Params`, one per declared parameter.
+    pub(super) fields: Vec<String>,
+    /// The methods, one per function.
+    pub(super) functions: Vec<String>,
+    /// The fields that hold hoisted values.
+    pub(super) hoisted: Vec<String>,
+    /// Components as locals, by kind.
+    coordinates: Vec<String>,
+    velocities: Vec<String>,
+    accelerations: Vec<String>,
+    inputs: Vec<String>,
+    parameters: Vec<String>,
+    /// What is taken in every function.
+    scope: Scope,
+}
+
+impl Names {
+    pub(super) fn of(derivation: &Derivation) -> Self {
+        let mut scope = Scope::with(&RESERVED);
+        // A coordinate may be called `q`, for `let [q] = *q` is the first binding; inputs come after all coordinates.
+        let coordinates = components(&derivation.coordinates, &mut scope, &["qd", "qdd", "u"]);
+        let inputs = components(&derivation.inputs, &mut scope, &[]);
+        let parameters = components(&derivation.parameters, &mut scope, &[]);
+        for argument in ARGUMENTS {
+            scope.taken.insert(argument.to_string());
+        }
+        let rates = |suffix: &str, scope: &mut Scope| -> Vec<String> {
+            coordinates.iter().map(|name| scope.unique(&format!("{name}_{suffix}"))).collect()
+        };
+        let velocities = rates("dot", &mut scope);
+        let accelerations = rates("ddot", &mut scope);
+        let described = described(&derivation.constructor, &parameters);
+        let hoisted = derivation.constructor.results.iter().enumerate().map(|(i, value)| {
+            let name = described[value.index()].as_ref().and_then(|name| scope.exactly(name));
+            name.unwrap_or_else(|| scope.unique(&format!("k{i}")))
+        });
+        let hoisted = hoisted.collect();
+        let mut fields = Scope::default();
+        let mut methods = Scope::with(&METHODS);
+        let mechanism = identifier(&derivation.name);
+        let clashes = ["Params", "Self", "T"].contains(&derivation.name.as_str());
+        Names {
+            mechanism: if clashes { format!("{}Mechanism", derivation.name) } else { mechanism },
+            fields: derivation.parameters.iter().map(|p| fields.unique(&p.name)).collect(),
+            functions: derivation.functions.iter().map(|f| methods.unique(&f.name)).collect(),
+            hoisted,
+            coordinates,
+            velocities,
+            accelerations,
+            inputs,
+            parameters,
+            scope,
+        }
+    }
+
+    /// The local that holds a symbol.
+    pub(super) fn symbol(&self, symbol: Symbol) -> &str {
+        match symbol {
+            Symbol::Time => "t",
+            Symbol::Coordinate(i) => &self.coordinates[i as usize],
+            Symbol::Velocity(i) => &self.velocities[i as usize],
+            Symbol::Acceleration(i) => &self.accelerations[i as usize],
+            Symbol::Parameter(i) => &self.parameters[i as usize],
+            Symbol::Input(i) => &self.inputs[i as usize],
+        }
+    }
+
+    /// Where the locals of a function get their names.
+    pub(super) fn function_scope(&self) -> Scope {
+        self.scope.clone()
+    }
+}
+
+/// The components of some variables, none of them called like an argument that is `read_later`.
+fn components(variables: &[Variable], scope: &mut Scope, read_later: &[&str]) -> Vec<String> {
+    let name = |name: String| {
+        let wish = if read_later.contains(&name.as_str()) { format!("{name}_") } else { name };
+        scope.unique(&wish)
+    };
+    component_names(variables).into_iter().map(name).collect()
+}
+
+/// How much of a formula a name says.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Grade {
+    Atom,
+    Product,
+    Sum,
+}
+
+/// A name for each value that depends on parameters alone: `m_bob_length`, `m_cart_plus_m_bob`. `None` where it would be
+/// long or could be misread.
+fn described(program: &Program, parameters: &[String]) -> Vec<Option<String>> {
+    let mut names: Vec<Option<(String, Grade)>> = Vec::new();
+    for instruction in &program.instructions {
+        let name = grade(*instruction, &names, parameters);
+        names.push(name.filter(|(name, _)| name.len() <= LONGEST));
+    }
+    names.into_iter().map(|name| name.map(|(name, _)| name)).collect()
+}
+
+fn grade(instruction: Instruction, names: &[Option<(String, Grade)>], parameters: &[String]) -> Option<(String, Grade)> {
+    let at_most = |value: Value, limit: Grade| {
+        names[value.index()].as_ref().filter(|(_, grade)| *grade <= limit).map(|(name, _)| name)
+    };
+    let both = |a: Value, b: Value, limit: Grade, between: &str| {
+        Some(format!("{}{between}{}", at_most(a, limit)?, at_most(b, limit)?))
+    };
+    match instruction {
+        Instruction::Constant(number) => Some((factor(number)?.to_string(), Grade::Atom)),
+        Instruction::Symbol(Symbol::Parameter(i)) => Some((parameters[i as usize].clone(), Grade::Atom)),
+        Instruction::Mul(a, b) if a == b => Some((format!("{}_squared", at_most(a, Grade::Atom)?), Grade::Product)),
+        Instruction::Mul(a, b) => Some((both(a, b, Grade::Product, "_")?, Grade::Product)),
+        Instruction::Div(a, b) => Some((both(a, b, Grade::Atom, "_per_")?, Grade::Sum)),
+        Instruction::Add(a, b) => Some((both(a, b, Grade::Product, "_plus_")?, Grade::Sum)),
+        Instruction::Sub(a, b) => Some((both(a, b, Grade::Product, "_minus_")?, Grade::Sum)),
+        Instruction::Symbol(_)
+        | Instruction::Hoisted(_)
+        | Instruction::Neg(_)
+        | Instruction::Sqrt(_)
+        | Instruction::Call(..)
+        | Instruction::Call2(..) => None,
+    }
+}
+
+fn factor(number: Number) -> Option<&'static str> {
+    let names = [(0.5, "half"), (1.0, "one"), (2.0, "two"), (3.0, "three"), (4.0, "four")];
+    names.into_iter().find(|(value, _)| *value == number.to_f64()).map(|(_, name)| name)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn modules_are_in_snake_case() {
+        let cases = [
+            ("CartPole", "cart_pole"),
+            ("Arm6", "arm6"),
+            ("Arm6Params", "arm6_params"),
+            ("NPendulum", "n_pendulum"),
+            ("SCARA", "scara"),
+            ("XYTable", "xy_table"),
+            ("Match", "match"),
+        ];
+        for (name, expected) in cases {
+            assert_eq!(snake_case(name), expected);
+        }
+    }
+
+    #[test]
+    fn identifiers_are_never_keywords() {
+        for (name, expected) in
+            [("theta", "theta"), ("match", "match_"), ("gen", "gen_"), ("self", "self_"), ("2nd", "_2nd"), ("µ", "__")]
+        {
+            assert_eq!(identifier(name), expected);
+        }
+    }
+
+    #[test]
+    fn names_are_never_the_same_twice() {
+        let mut scope = Scope::with(&["t"]);
+        assert_eq!(scope.unique("t"), "t_2");
+        assert_eq!(scope.unique("x"), "x");
+        assert_eq!(scope.unique("x"), "x_2");
+        assert_eq!(scope.exactly("x"), None);
+        assert_eq!(scope.exactly("if"), None);
+        assert_eq!(scope.exactly("y").as_deref(), Some("y"));
+    }
+}

@@ -1,0 +1,318 @@
+//! What must hold of the finished mechanism: bodies are physical, every coordinate has inertia, everything is used.
+//!
+//! What the energies must be as functions of the velocities is tried at random states, by [`degree`](super::degree).
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use super::degree::{self, Problem};
+use super::evaluate::Resolver;
+use super::lagrangian::{OutputValue, Variable};
+use crate::expr::{Expr, Matrix, Node, Symbol, evaluate};
+use crate::parse::syntax::{Name, Span};
+
+/// Mass and inertia of a body, with their places.
+#[derive(Clone, Debug)]
+pub(super) struct Physical<'g> {
+    pub(super) mass: Expr<'g>,
+    pub(super) mass_span: Span,
+    pub(super) inertia: Option<(Matrix<'g>, Span)>,
+}
+
+/// Where each term of an energy stands.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Places {
+    pub(super) kinetic: Vec<Span>,
+    pub(super) potential: Vec<Span>,
+    pub(super) lagrangian: Vec<Span>,
+}
+
+/// Principal moments are rounded in data sheets.
+const TRIANGLE_TOLERANCE: f64 = 1e-3;
+
+impl<'d, 'g> Resolver<'d, 'g> {
+    /// Looks at the finished mechanism; `name` is where what concerns all of it is reported.
+    pub(super) fn check(&mut self, name: &Name) {
+        self.check_names();
+        self.check_bodies();
+        if self.lagrangian.dof() == 0 {
+            let message = format!("`{}` has no coordinates", name.text);
+            self.refuse(&name.span, message, "declare one: `coord theta: rad;`");
+        } else if self.lagrangian.kinetic.is_empty() && self.lagrangian.lagrangian.is_empty() {
+            let message = format!("`{}` has no kinetic energy", name.text);
+            self.refuse(&name.span, message, "write `kinetic += 1/2 * m * dt(x)^2;` or `kinetic += particle(m, r);`");
+        } else {
+            self.check_inertia();
+        }
+        self.check_use();
+        if !self.errors.has_errors() {
+            self.check_degree(name);
+        }
+    }
+
+    /// Each problem where the term or the coordinate stands that it is about.
+    fn check_degree(&mut self, name: &Name) {
+        for problem in degree::problems(&self.lagrangian) {
+            let place = match &problem {
+                Problem::KineticNotQuadratic(term) => self.places.kinetic.get(*term).cloned(),
+                Problem::LagrangianNotQuadratic(term) => self.places.lagrangian.get(*term).cloned(),
+                Problem::PotentialDependsOnVelocity(term) => self.places.potential.get(*term).cloned(),
+                Problem::NoInertia(coordinate) | Problem::NegativeInertia(coordinate) => self.place_of(*coordinate),
+                Problem::DependentInertia(coordinates) => coordinates.first().and_then(|c| self.place_of(*c)),
+                Problem::NeverFinite => None,
+            };
+            let (message, help) = (problem.message(&self.lagrangian), problem.help(&self.lagrangian));
+            self.refuse(&place.unwrap_or(name.span.clone()), message, help);
+        }
+    }
+
+    /// Where the coordinate with this number is declared.
+    fn place_of(&self, number: usize) -> Option<Span> {
+        let holds = |variable: &&Variable| (variable.first..variable.first + variable.count()).contains(&number);
+        self.lagrangian.coordinates.iter().find(holds).map(|variable| self.span_of(&variable.name))
+    }
+
+    /// The components of arrays have names too: `q_0`.
+    fn check_names(&mut self) {
+        let lagrangian = &self.lagrangian;
+        let variables = [&lagrangian.coordinates, &lagrangian.parameters, &lagrangian.inputs].into_iter().flatten();
+        let mut known: BTreeMap<String, String> = BTreeMap::new();
+        let mut doubles = Vec::new();
+        for variable in variables {
+            for component in variable.component_names() {
+                if let Some(other) = known.insert(component.clone(), variable.name.clone()) {
+                    doubles.push((variable.name.clone(), component, other));
+                }
+            }
+        }
+        for (name, component, other) in doubles {
+            let message = format!("`{name}` and `{other}` both have a component called `{component}`");
+            self.refuse(&self.span_of(&name), message, "choose another name");
+        }
+    }
+
+    fn span_of(&self, name: &str) -> Span {
+        self.scope.get(name).map_or(0..0, |binding| binding.span.clone())
+    }
+}
+
+// ---- bodies
+
+impl<'d, 'g> Resolver<'d, 'g> {
+    /// Masses and inertias, at the default values of the parameters.
+    fn check_bodies(&mut self) {
+        let bodies = std::mem::take(&mut self.physical);
+        let roots = |body: &Physical<'g>| {
+            let inertia = body.inertia.iter().flat_map(|(matrix, _)| matrix.0.into_iter().flatten());
+            std::iter::once(body.mass).chain(inertia).collect::<Vec<_>>()
+        };
+        let all: Vec<Expr<'g>> = bodies.iter().flat_map(roots).collect();
+        let defaults: Vec<f64> =
+            self.lagrangian.parameters.iter().flat_map(|p| p.defaults.iter().map(|d| d.to_f64())).collect();
+        let mut values = evaluate(&all, |symbol| match symbol {
+            Symbol::Parameter(i) => defaults.get(i as usize).copied().unwrap_or(f64::NAN),
+            _ => f64::NAN,
+        })
+        .into_iter();
+        for body in &bodies {
+            let mass = values.next().unwrap_or(f64::NAN);
+            let entries: Vec<f64> = body.inertia.iter().flat_map(|_| values.by_ref().take(9).collect::<Vec<_>>()).collect();
+            self.check_mass(body, mass, &entries);
+            if let (Some((_, span)), Some(inertia)) = (&body.inertia, symmetric(&entries)) {
+                self.check_moments(principal_moments(inertia), span);
+            }
+        }
+    }
+
+    fn check_mass(&mut self, body: &Physical<'g>, mass: f64, inertia: &[f64]) {
+        let by_default = match self.facts.constant(body.mass) {
+            Some(_) => "",
+            None => "this is so by the default values of the parameters",
+        };
+        if mass < 0.0 {
+            self.refuse(&body.mass_span, format!("a mass is not negative, this is {mass} kg"), by_default);
+        }
+        if mass == 0.0 && inertia.iter().all(|&entry| entry == 0.0) {
+            let help = if by_default.is_empty() { "leave it out" } else { by_default };
+            self.refuse(&body.mass_span, "a body without mass and inertia has no kinetic energy", help);
+        }
+    }
+
+    /// `0 ≤ a ≤ b ≤ c ≤ a + b`: the moments of some distribution of mass.
+    fn check_moments(&mut self, [a, b, c]: [f64; 3], span: &Span) {
+        let shown = format!("its principal moments are {}, {} and {}", shown(a), shown(b), shown(c));
+        if a < -1e-9 * c.abs().max(b.abs()).max(a.abs()) {
+            self.refuse(span, "an inertia has no negative principal moment", shown);
+        } else if a + b < c * (1.0 - TRIANGLE_TOLERANCE) {
+            let message = "no body has this inertia: a principal moment is greater than the sum of the other two";
+            let help = format!("{shown}; where a body turns about one axis only, any two others will do, such as equal ones");
+            self.refuse(span, message, help);
+        }
+    }
+}
+
+fn shown(moment: f64) -> String {
+    let scale = 10f64.powi(3 - moment.abs().max(f64::MIN_POSITIVE).log10().floor() as i32);
+    let rounded = (moment * scale).round() / scale;
+    if rounded.is_finite() { rounded.to_string() } else { moment.to_string() }
+}
+
+fn symmetric(entries: &[f64]) -> Option<[[f64; 3]; 3]> {
+    let &[a, b, c, d, e, f, g, h, i] = entries else { return None };
+    Some([[a, b, c], [d, e, f], [g, h, i]])
+}
+
+/// The eigenvalues of a symmetric matrix, ascending.
+///
+/// Source: Smith, *Eigenvalues of a symmetric 3 × 3 matrix*, Communications of the ACM 4:4, 1961.
+fn principal_moments(m: [[f64; 3]; 3]) -> [f64; 3] {
+    let mean = (m[0][0] + m[1][1] + m[2][2]) / 3.0;
+    let centred = |i: usize, j: usize| m[i][j] - if i == j { mean } else { 0.0 };
+    let squares: f64 = (0..3).flat_map(|i| (0..3).map(move |j| centred(i, j).powi(2))).sum();
+    let spread = (squares / 6.0).sqrt();
+    if spread <= 1e-300 {
+        return [mean; 3];
+    }
+    let b = |i: usize, j: usize| centred(i, j) / spread;
+    let determinant = b(0, 0) * (b(1, 1) * b(2, 2) - b(1, 2) * b(2, 1))
+        - b(0, 1) * (b(1, 0) * b(2, 2) - b(1, 2) * b(2, 0))
+        + b(0, 2) * (b(1, 0) * b(2, 1) - b(1, 1) * b(2, 0));
+    let angle = libm::acos((determinant / 2.0).clamp(-1.0, 1.0)) / 3.0;
+    let third_turn = 2.0 * std::f64::consts::FRAC_PI_3;
+    let largest = mean + 2.0 * spread * libm::cos(angle);
+    let smallest = mean + 2.0 * spread * libm::cos(angle + third_turn);
+    [smallest, 3.0 * mean - largest - smallest, largest]
+}
+
+// ---- coordinates and parameters
+
+impl<'d, 'g> Resolver<'d, 'g> {
+    /// A coordinate whose rate enters neither T nor the Lagrangian has a mass of zero.
+    fn check_inertia(&mut self) {
+        let graph = self.graph;
+        let energies = self.lagrangian.kinetic.iter().chain(&self.lagrangian.lagrangian);
+        let rates = graph.reachable(energies.map(|e| e.id())).into_iter().filter_map(|id| match graph.node(id) {
+            Node::Rate(a) => Some(a),
+            _ => None,
+        });
+        let moving = self.symbols(rates.map(|id| graph.expr(id)).collect());
+        let missing = |variable: &Variable| {
+            let numbers = variable.first..variable.first + variable.count();
+            let names = variable.component_names().into_iter().zip(numbers);
+            let massless = names.filter(|(_, i)| !moving.contains(&Symbol::Coordinate(*i as u32)));
+            massless.map(|(component, _)| (variable.name.clone(), component)).collect::<Vec<_>>()
+        };
+        let massless: Vec<_> = self.lagrangian.coordinates.iter().flat_map(missing).collect();
+        for (name, component) in massless {
+            let message = format!("`{component}` has no inertia: its rate is in no kinetic energy");
+            self.refuse(&self.span_of(&name), message, format!("write `kinetic += …` with `dt({name})`, or leave it out"));
+        }
+    }
+
+    /// Parameters and inputs that nothing depends on are probably forgotten somewhere.
+    fn check_use(&mut self) {
+        let lagrangian = &self.lagrangian;
+        let energies = [&lagrangian.kinetic, &lagrangian.potential, &lagrangian.dissipation, &lagrangian.lagrangian];
+        let mut roots: Vec<Expr<'g>> = energies.into_iter().flatten().copied().collect();
+        roots.extend(lagrangian.forces.iter().map(|(_, force)| *force));
+        for output in &lagrangian.outputs {
+            match &output.value {
+                OutputValue::Scalar(expr) => roots.push(*expr),
+                OutputValue::Array(exprs) => roots.extend(exprs),
+                OutputValue::Matrix(rows) => roots.extend(rows.iter().flatten()),
+                OutputValue::Pose(frame) => {
+                    let frame = lagrangian.frames.get(*frame);
+                    roots.extend(frame.position.0.iter().chain(frame.rotation.0.iter().flatten()));
+                }
+            }
+        }
+        let used = self.symbols(roots);
+        let unused = |variables: &[Variable], symbol: fn(u32) -> Symbol| {
+            let of = |variable: &&Variable| {
+                let mut numbers = variable.first..variable.first + variable.count();
+                !numbers.any(|i| used.contains(&symbol(i as u32)))
+            };
+            variables.iter().filter(of).map(|variable| variable.name.clone()).collect::<Vec<_>>()
+        };
+        let parameters = unused(&self.lagrangian.parameters, Symbol::Parameter);
+        for name in parameters.into_iter().chain(unused(&self.lagrangian.inputs, Symbol::Input)) {
+            let warning = self.errors.warning(self.span_of(&name), format!("`{name}` is not used"));
+            warning.help("it is in no energy, force or output");
+        }
+    }
+
+    /// The symbols that some expressions depend on.
+    fn symbols(&self, roots: Vec<Expr<'g>>) -> BTreeSet<Symbol> {
+        let graph = self.graph;
+        let nodes = graph.reachable(roots.into_iter().map(|root| root.id())).into_iter().map(|id| graph.node(id));
+        nodes.filter_map(|node| if let Node::Symbol(symbol) = node { Some(symbol) } else { None }).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::trial::{messages, refused};
+    use super::*;
+
+    #[test]
+    fn principal_moments_of_some_matrices() {
+        let check = |matrix: [[f64; 3]; 3], expected: [f64; 3]| {
+            let found = principal_moments(matrix);
+            assert!(found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-12), "{found:?}");
+        };
+        check([[3.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 2.0]], [1.0, 2.0, 3.0]);
+        check([[2.0, 0.0, 0.0], [0.0, 2.0, 0.0], [0.0, 0.0, 2.0]], [2.0, 2.0, 2.0]);
+        check([[2.0, 1.0, 0.0], [1.0, 2.0, 0.0], [0.0, 0.0, 5.0]], [1.0, 3.0, 5.0]);
+        check([[0.0; 3]; 3], [0.0; 3]);
+    }
+
+    #[test]
+    fn bodies_must_be_possible() {
+        let body = |mass: &str, inertia: &str| {
+            format!("const i: kg*m^2 = 1; const n: kg = {mass}; kinetic += rigid_body(n, [0, 0, 0], {inertia}, rot_z(theta));")
+        };
+        refused(&body("-1", "diag(i, i, i)"), "n: a mass is not negative, this is -1 kg");
+        refused(&body("0", "diag(0, 0, 0)"), "n: a body without mass and inertia has no kinetic energy; leave it out");
+        refused(&body("1", "diag(i, i, 3*i)"), "diag(i, i, 3*i): no body has this inertia: a principal moment is greater than the sum of the other two; its principal moments are 1, 1 and 3; where a body turns about one axis only, any two others will do, such as equal ones");
+        refused(&body("1", "inertia(i, i, i, 2*i, 0, 0)"), "inertia(i, i, i, 2*i, 0, 0): an inertia has no negative principal moment; its principal moments are -1, 1 and 3");
+        refused("param n: kg = -3; kinetic += particle(n, [x, y, z]);", "n: a mass is not negative, this is -3 kg; this is so by the default values of the parameters");
+        refused("param n: kg = 0; kinetic += particle(n, [x, y, z]);", "n: a body without mass and inertia has no kinetic energy; this is so by the default values of the parameters");
+        assert!(super::super::trial::refusals(&body("0", "diag(i, i, 2*i)")).is_empty());
+        assert!(super::super::trial::refusals(&body("1", "diag(0, i, i)")).is_empty());
+    }
+
+    #[test]
+    fn a_mechanism_has_coordinates_and_kinetic_energy() {
+        let check = |statements: &str, message: &str| {
+            assert_eq!(messages(&format!("mechanism A {{ {statements} }}")), [message], "{statements}");
+        };
+        check("", "A: `A` has no coordinates; declare one: `coord theta: rad;`");
+        check("coord x: m;", "A: `A` has no kinetic energy; write `kinetic += 1/2 * m * dt(x)^2;` or `kinetic += particle(m, r);`");
+        check(
+            "param m: kg = 1; coord x: m; coord y: m; kinetic += 1/2*m*dt(x)^2; potential += m*y^2/t^2;",
+            "y: `y` has no inertia: its rate is in no kinetic energy; write `kinetic += …` with `dt(y)`, or leave it out",
+        );
+        check(
+            "param m: kg = 1; coord q[2]: m; kinetic += 1/2*m*dt(q[0])^2;",
+            "q: `q_1` has no inertia: its rate is in no kinetic energy; write `kinetic += …` with `dt(q)`, or leave it out",
+        );
+    }
+
+    #[test]
+    fn the_degree_of_each_term_is_tried() {
+        let check = |statements: &str, place: &str| {
+            let text = format!("mechanism A {{ param m: kg = 1; coord x: m; coord y: m; {statements} }}");
+            let found = messages(&text);
+            assert!(found.len() == 1 && found[0].starts_with(&format!("{place}: ")), "{found:?}");
+        };
+        check("kinetic += m*(dt(x)^2 + dt(y)^2); kinetic += m*abs(dt(x))^3*t/(x^2 + y^2)^0.5;", "m*abs(dt(x))^3*t/(x^2 + y^2)^0.5");
+        check("kinetic += m*(dt(x)^2 + dt(y)^2); lagrangian += m*dt(x)^4*t^2/y^2;", "m*dt(x)^4*t^2/y^2");
+        check("kinetic += m*(dt(x) + dt(y))^2;", "x");
+    }
+
+    #[test]
+    fn what_is_not_used_is_told() {
+        let text = "mechanism A { param m: kg = 1; param mu: 1 = 2; input u[2]: N; coord x: m; kinetic += m*dt(x)^2; let a = mu; }";
+        let help = "it is in no energy, force or output";
+        assert_eq!(messages(text), [format!("mu: `mu` is not used; {help}"), format!("u: `u` is not used; {help}")]);
+    }
+}

@@ -1,0 +1,344 @@
+//! `param`, `coord`, `input` and `const`: quantities with units.
+
+use super::dimension::{Dimension, Measure, measure};
+use super::evaluate::{Argument, Resolved, Resolver, in_words};
+use super::lagrangian::Variable;
+use super::scope::Origin;
+use super::value::{Array, Free, Scalar, Tensor, Value};
+use crate::expr::{Expr, Matrix, Number, Vector};
+use crate::parse::syntax::{Quantity, Span};
+
+/// Longer arrays are a slip of the pen.
+const MAX_LENGTH: i64 = 10_000;
+
+impl<'d, 'g> Resolver<'d, 'g> {
+    /// `param length: m = 0.5;`
+    pub(super) fn parameter(&mut self, quantity: &'d Quantity) -> Resolved<()> {
+        let (length, measure) = (self.length(quantity), self.measure(quantity, "param"));
+        let value = self.default_of(quantity, measure.as_ref().ok(), length);
+        let (Ok(length), Ok(measure)) = (length, measure) else {
+            return self.declare(&quantity.name, Origin::Parameter, None);
+        };
+        // A wrong default has been reported; the parameter is there all the same.
+        let defaults = value.unwrap_or_else(|_| vec![Number::ZERO; length.unwrap_or(1)]);
+        let name = &quantity.name.text;
+        let symbols = match length {
+            None => vec![self.lagrangian.parameter(name, &measure.si, defaults[0])],
+            Some(_) => self.lagrangian.parameter_array(name, &measure.si, defaults),
+        };
+        document(&mut self.lagrangian.parameters, quantity);
+        self.declare_symbols(quantity, Origin::Parameter, symbols, measure.dimension, length)
+    }
+
+    /// `coord theta: rad;`
+    pub(super) fn coordinate(&mut self, quantity: &'d Quantity) -> Resolved<()> {
+        let (length, measure) = (self.length(quantity), self.unscaled(quantity, "coord"));
+        let first = self.lagrangian.dof();
+        let (Ok(length), Ok(measure)) = (length, measure) else {
+            return self.declare(&quantity.name, Origin::Coordinate(first), None);
+        };
+        let symbols = self.lagrangian.coordinate(&quantity.name.text, &measure.si, length);
+        document(&mut self.lagrangian.coordinates, quantity);
+        self.declare_symbols(quantity, Origin::Coordinate(first), symbols, measure.dimension, length)
+    }
+
+    /// `input push: N;`
+    pub(super) fn input(&mut self, quantity: &'d Quantity) -> Resolved<()> {
+        let (length, measure) = (self.length(quantity), self.unscaled(quantity, "input"));
+        let (Ok(length), Ok(measure)) = (length, measure) else {
+            return self.declare(&quantity.name, Origin::Input, None);
+        };
+        let symbols = self.lagrangian.input(&quantity.name.text, &measure.si, length);
+        document(&mut self.lagrangian.inputs, quantity);
+        self.declare_symbols(quantity, Origin::Input, symbols, measure.dimension, length)
+    }
+
+    /// `const d[6]: m = [0.78, …];`
+    pub(super) fn constant(&mut self, quantity: &'d Quantity) -> Resolved<()> {
+        let (length, measure) = (self.length(quantity), self.measure_if_any(quantity));
+        let value = self.value_of_constant(quantity, measure, length);
+        self.declare(&quantity.name, Origin::Constant, value.ok())
+    }
+
+    fn declare_symbols(
+        &mut self,
+        quantity: &Quantity,
+        origin: Origin,
+        symbols: Vec<Expr<'g>>,
+        dimension: Dimension,
+        length: Option<usize>,
+    ) -> Resolved<()> {
+        let dimension = self.dimension(dimension);
+        let mut values: Vec<_> = symbols.iter().map(|&s| Value::Scalar(Scalar::new(s, dimension))).collect();
+        let value = match length {
+            None => values.pop(),
+            Some(_) => self.array(values, &quantity.name.span).ok(),
+        };
+        self.declare(&quantity.name, origin, value)
+    }
+}
+
+fn document(variables: &mut [Variable], quantity: &Quantity) {
+    if let Some(variable) = variables.last_mut() {
+        variable.docs = quantity.docs.clone();
+    }
+}
+
+// ---- lengths and units
+
+impl<'d, 'g> Resolver<'d, 'g> {
+    fn length(&mut self, quantity: &Quantity) -> Resolved<Option<usize>> {
+        let Some(length) = &quantity.length else { return Ok(None) };
+        let argument = self.argument(length)?;
+        match self.integer(&argument, "the length of an array")? {
+            n @ 1..=MAX_LENGTH => Ok(Some(n as usize)),
+            n => {
+                let message = format!("an array has from 1 to {MAX_LENGTH} elements, not {n}");
+                Err(self.refuse(&length.span, message, ""))
+            }
+        }
+    }
+
+    fn measure_if_any(&mut self, quantity: &Quantity) -> Resolved<Option<Measure>> {
+        let Some(unit) = &quantity.unit else { return Ok(None) };
+        match measure(unit) {
+            Ok(measure) => Ok(Some(measure)),
+            Err(error) => Err(self.refuse(&error.span, error.message, error.help.unwrap_or_default())),
+        }
+    }
+
+    fn measure(&mut self, quantity: &Quantity, keyword: &str) -> Resolved<Measure> {
+        if let Some(measure) = self.measure_if_any(quantity)? {
+            return Ok(measure);
+        }
+        let name = &quantity.name.text;
+        let help = format!("write `{keyword} {name}: m`, `1` for a plain number");
+        Err(self.refuse(&quantity.name.span, format!("`{name}` needs a unit"), help))
+    }
+
+    /// States and inputs are given at run time, in SI units: no other may be declared.
+    fn unscaled(&mut self, quantity: &Quantity, keyword: &str) -> Resolved<Measure> {
+        let measure = self.measure(quantity, keyword)?;
+        if measure.scale.is_one() {
+            return Ok(measure);
+        }
+        let name = &quantity.name.text;
+        let span = quantity.unit.as_ref().map_or(&quantity.name.span, |unit| &unit.span);
+        let message = format!("`{name}` is given at run time, in SI units");
+        Err(self.refuse(span, message, format!("write `{keyword} {name}: {};`", measure.si)))
+    }
+}
+
+// ---- values
+
+impl<'d, 'g> Resolver<'d, 'g> {
+    /// The defaults of a parameter in SI units, one for each component.
+    fn default_of(
+        &mut self,
+        quantity: &'d Quantity,
+        measure: Option<&Measure>,
+        length: Resolved<Option<usize>>,
+    ) -> Resolved<Vec<Number>> {
+        let name = &quantity.name;
+        let Some(expression) = &quantity.value else {
+            let message = format!("the parameter `{}` needs a default", name.text);
+            let help = "parameters can be set at run time; the default is what they are until then";
+            return Err(self.refuse(&name.span, message, help));
+        };
+        let value = self.definition(name, expression)?;
+        let (measure, length) = (measure.ok_or(super::evaluate::Refused)?, length?);
+        let value = self.in_unit(&value, Some(measure), &expression.span, "the default of a parameter")?;
+        let scalar = |resolver: &mut Self, value: &Value<'g>| {
+            let scalar = resolver.scalar(&Argument { value: value.clone(), span: expression.span.clone() })?;
+            resolver.facts.constant(scalar.expr).ok_or(super::evaluate::Refused)
+        };
+        match (&value, length) {
+            (Value::Array(array), Some(length)) => {
+                self.check_length(array, length, &expression.span)?;
+                array.values().iter().map(|value| scalar(self, value)).collect()
+            }
+            (Value::Array(array), None) => {
+                let message = format!("`{}` is one number, this is {}", name.text, value.described());
+                let help = format!("write `param {}[{}]`", name.text, array.values().len());
+                Err(self.refuse(&expression.span, message, help))
+            }
+            (_, length) => scalar(self, &value).map(|number| vec![number; length.unwrap_or(1)]),
+        }
+    }
+
+    fn value_of_constant(
+        &mut self,
+        quantity: &'d Quantity,
+        measure: Resolved<Option<Measure>>,
+        length: Resolved<Option<usize>>,
+    ) -> Resolved<Value<'g>> {
+        let Some(expression) = &quantity.value else {
+            let message = format!("the constant `{}` needs a value", quantity.name.text);
+            return Err(self.refuse(&quantity.name.span, message, "write `= …`, or make it a `param`"));
+        };
+        let value = self.definition(&quantity.name, expression)?;
+        let value = self.in_unit(&value, measure?.as_ref(), &expression.span, "a `const`")?;
+        match (&value, length?) {
+            (Value::Array(array), Some(length)) => self.check_length(array, length, &expression.span).map(|()| value),
+            (_, Some(length)) => self.array(vec![value; length], &expression.span),
+            (_, None) => Ok(value),
+        }
+    }
+
+    fn check_length(&mut self, array: &Array<'g>, length: usize, span: &Span) -> Resolved<()> {
+        match array.values().len() {
+            found if found == length => Ok(()),
+            found => {
+                let message = format!("this array has {found} elements, {length} are declared");
+                Err(self.refuse(span, message, "one value without brackets stands for all elements"))
+            }
+        }
+    }
+
+    /// Every number in a value folded to a constant; plain ones are so many of the unit.
+    fn in_unit(
+        &mut self,
+        value: &Value<'g>,
+        measure: Option<&Measure>,
+        span: &Span,
+        what: &str,
+    ) -> Resolved<Value<'g>> {
+        let argument = |value: &Value<'g>| Argument { value: value.clone(), span: span.clone() };
+        match value {
+            Value::Scalar(_) | Value::Energy(_) => {
+                let scalar = self.scalar(&argument(value))?;
+                self.number_in_unit(scalar, measure, span, what).map(Value::Scalar)
+            }
+            Value::Array(array) => {
+                let values: Resolved<Vec<_>> =
+                    array.values().iter().map(|value| self.in_unit(value, measure, span, what)).collect();
+                self.array(values?, span)
+            }
+            Value::Vector(_) | Value::Point(_) => {
+                let vector @ Free { dimension, .. } = self.vector(&argument(value))?;
+                let number = |expr| self.number_in_unit(Scalar::new(expr, dimension), measure, span, what);
+                let [x, y, z] = vector.components.0.map(number);
+                let (x, y, z) = (x?, y?, z?);
+                let components = Vector([x.expr, y.expr, z.expr]);
+                Ok(Value::Vector(Free { components, dimension: x.dimension, ..vector }))
+            }
+            Value::Matrix(Tensor { entries, dimension }) => {
+                let mut rows = entries.0;
+                let mut found = *dimension;
+                for entry in rows.iter_mut().flatten() {
+                    let number = self.number_in_unit(Scalar::new(*entry, *dimension), measure, span, what)?;
+                    (*entry, found) = (number.expr, number.dimension);
+                }
+                Ok(Value::Matrix(Tensor { entries: Matrix(rows), dimension: found }))
+            }
+            Value::Pose(_) => {
+                let message = format!("{what} is made of numbers, this is a pose");
+                Err(self.refuse(span, message, "write `let` for anything else"))
+            }
+        }
+    }
+
+    fn number_in_unit(
+        &mut self,
+        Scalar { expr, dimension }: Scalar<'g>,
+        measure: Option<&Measure>,
+        span: &Span,
+        what: &str,
+    ) -> Resolved<Scalar<'g>> {
+        let Some(number) = self.facts.constant(expr) else {
+            let help = "it is made of numbers, `pi` and other constants";
+            return Err(self.refuse(span, format!("{what} must be known at build time"), help));
+        };
+        let Some(measure) = measure else {
+            return Ok(Scalar::new(self.graph.constant(number), dimension));
+        };
+        let wanted = self.dimension(measure.dimension);
+        if dimension != Dimension::ONE && dimension != wanted {
+            let message = format!("{} is declared, this is {}", in_words(wanted), in_words(dimension));
+            return Err(self.refuse(span, message, "a plain number is taken in the declared unit"));
+        }
+        let plain = dimension == Dimension::ONE || self.dimensionless;
+        let in_radians = matches!((number, measure.scale), (Number::Exact { pi: 1.. , .. }, Number::Exact { pi: 1.., .. }));
+        if plain && in_radians {
+            let help = "declare it in `rad`, or write the number of degrees alone";
+            return Err(self.refuse(span, "this angle is in radians already, as its `pi` or `deg` shows", help));
+        }
+        let number = if plain { number.mul(measure.scale) } else { number };
+        Ok(Scalar::new(self.graph.constant(number), wanted))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::trial::{mechanism, messages, near, refusals, refused, value, value_with_unit};
+    use crate::expr::Number;
+
+    #[test]
+    fn plain_numbers_are_in_the_declared_unit() {
+        let check = |declaration: &str, expected: Option<Number>, unit: &str| {
+            mechanism(declaration, |lagrangian| {
+                let parameter = lagrangian.parameters.last().unwrap();
+                assert_eq!((parameter.defaults.last().copied(), parameter.unit.as_str()), (expected, unit), "{declaration}");
+            });
+        };
+        check("param a: m = 0.5;", Number::rational(1, 2), "m");
+        check("param a: mm = 0.5;", Number::rational(1, 2000), "m");
+        check("param a: kN*mm = 3;", Number::rational(3, 1), "N*m");
+        check("param a: deg = -90;", Some(Number::PI.mul(Number::rational(-1, 2).unwrap())), "rad");
+        check("param a: rad = 90*deg;", Some(Number::PI.mul(Number::rational(1, 2).unwrap())), "rad");
+        check("param a: 1 = 2^-2;", Number::rational(1, 4), "1");
+        check("const b: mm = 4; param a: mm = 2*b;", Number::rational(1, 125), "m");
+        check("param a[3]: kg = [1, 2, 3];", Number::rational(3, 1), "kg");
+        check("param a[3]: kg = 1/3;", Number::rational(1, 3), "kg");
+        check("const n = 3; param a[2*n]: kg = 0;", Number::rational(0, 1), "kg");
+    }
+
+    #[test]
+    fn constants_of_any_shape() {
+        assert_eq!(value_with_unit("const a: mm = 5;", "a"), (vec![0.005], "m".to_string()));
+        assert_eq!(value_with_unit("const a = 2; const b = a^2;", "b"), (vec![4.0], "1".to_string()));
+        assert_eq!(value_with_unit("const a: m = 2; const b = a^2;", "b"), (vec![4.0], "m²".to_string()));
+        near(&value("const com[2]: mm = [[1, 2, 3], [4, 5, 6]];", "com[1]"), &[0.004, 0.005, 0.006], "vectors");
+        assert_eq!(value_with_unit("const a: m = [1, 0, 0];", "2*a").1, "m");
+        assert_eq!(value_with_unit("const i: kg*m^2 = inertia(1, 2, 3);", "i").1, "kg·m²");
+        near(&value("const alpha[3]: deg = [90, 0, -45];", "alpha[2]"), &[-std::f64::consts::FRAC_PI_4], "degrees");
+        assert_eq!(value("for i in 0..2 { const c = 2*i; }", "x"), [0.3]);
+    }
+
+    #[test]
+    fn documentation_and_units_are_kept() {
+        mechanism("/// How\n/// heavy.\nparam a: kg = 1; coord w[2]: m; kinetic += a*dt(w[0])^2 + m*dt(w[1])^2;", |lagrangian| {
+            let parameter = lagrangian.parameters.last().unwrap();
+            assert_eq!(parameter.docs, ["How", "heavy."]);
+            let w = lagrangian.coordinates.last().unwrap();
+            assert_eq!((w.first, w.length, w.unit.as_str()), (6, Some(2), "m"));
+        });
+    }
+
+    #[test]
+    fn wrong_quantities() {
+        refused("param a: m;", "a: the parameter `a` needs a default; parameters can be set at run time; the default is what they are until then");
+        refused("param a: m = l;", "l: the default of a parameter must be known at build time; it is made of numbers, `pi` and other constants");
+        refused("const a: m = 2*x;", "2*x: a `const` must be known at build time; it is made of numbers, `pi` and other constants");
+        refused("const b: kg = 1; param a: m = 2*b;", "2*b: m is declared, this is kg; a plain number is taken in the declared unit");
+        refused("param a: furlong = 1;", "furlong: `furlong` is not a unit");
+        refused("param a: Nm = 1;", "Nm: `Nm` is not a unit; did you mean `N*m`?");
+        refused("param a: deg = pi/2;", "pi/2: this angle is in radians already, as its `pi` or `deg` shows; declare it in `rad`, or write the number of degrees alone");
+        refused("param a[3]: kg = [1, 2];", "[1, 2]: this array has 2 elements, 3 are declared; one value without brackets stands for all elements");
+        refused("param a: kg = [1, 2];", "[1, 2]: `a` is one number, this is an array of 2; write `param a[2]`");
+        refused("param a: kg = world;", "world: the default of a parameter is made of numbers, this is a pose; write `let` for anything else");
+        refused("param a[0]: kg = 1;", "0: an array has from 1 to 10000 elements, not 0");
+        refused("param a[100000]: kg = 1;", "100000: an array has from 1 to 10000 elements, not 100000");
+        refused("param a[m]: kg = 1;", "m: the length of an array must be a constant integer; it is made of numbers, constants and loop variables");
+        refused("coord w: deg;", "deg: `w` is given at run time, in SI units; write `coord w: rad;`");
+        refused("input w: kN*mm^2;", "kN*mm^2: `w` is given at run time, in SI units; write `input w: N*m^2;`");
+        // A wrong declaration declares its name all the same.
+        assert_eq!(refusals("param a: furlong = 1; let b = a + 1; param c: m; let d = c + l;").len(), 2);
+    }
+
+    #[test]
+    fn names_of_components_are_names() {
+        let text = "mechanism A { coord q[2]: m; param q_1: kg = 1; kinetic += 1/2*q_1*(dt(q[0])^2 + dt(q[1])^2); }";
+        assert_eq!(messages(text), ["q_1: `q_1` and `q` both have a component called `q_1`; choose another name"]);
+    }
+}

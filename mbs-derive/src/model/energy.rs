@@ -1,0 +1,325 @@
+//! `kinetic += …` and its like, and generalized forces.
+
+use super::check::Places;
+use super::constant::Dependence;
+use super::dimension::Dimension;
+use super::evaluate::{Argument, Resolved, Resolver, in_words};
+use super::scope::Origin;
+use super::value::{Shape, Term, Value, shared};
+use crate::diagnostic::nearest;
+use crate::expr::Expr;
+use crate::parse::syntax::{BinaryOperator, EnergyTerm, Expression, ExpressionKind, Name};
+
+impl EnergyTerm {
+    /// As messages call it, with its dimension.
+    fn described(self) -> (&'static str, &'static str, Dimension) {
+        match self {
+            EnergyTerm::Kinetic => ("kinetic energy", "an energy", Dimension::ENERGY),
+            EnergyTerm::Potential => ("potential energy", "an energy", Dimension::ENERGY),
+            EnergyTerm::Dissipation => ("dissipation", "a power", Dimension::POWER),
+            EnergyTerm::Lagrangian => ("a term of the Lagrangian", "an energy", Dimension::ENERGY),
+        }
+    }
+}
+
+impl<'d, 'g> Resolver<'d, 'g> {
+    /// `kinetic += value;`
+    pub(super) fn energy(&mut self, term: EnergyTerm, expression: &Expression) -> Resolved<()> {
+        let value = self.argument(expression)?;
+        let scalar = self.scalar(&value)?;
+        let (name, kind, wanted) = term.described();
+        let wanted = self.dimension(wanted);
+        if shared((wanted, false), scalar.fit()).is_none() {
+            let message =
+                format!("{name} must be {kind} ({wanted}), this term is {}", in_words(scalar.dimension));
+            let help = self.missing_factor(expression, wanted, scalar.dimension);
+            return Err(self.refuse(&expression.span, message, help));
+        }
+        self.check_dependence(term, scalar.expr, expression)?;
+        match (term, value.value) {
+            (EnergyTerm::Kinetic, Value::Energy(terms)) => terms.iter().for_each(|term| self.kinetic_term(*term)),
+            (EnergyTerm::Kinetic, _) => self.lagrangian.kinetic.push(scalar.expr),
+            (EnergyTerm::Potential, _) => self.lagrangian.potential.push(scalar.expr),
+            (EnergyTerm::Dissipation, _) => self.lagrangian.dissipation.push(scalar.expr),
+            (EnergyTerm::Lagrangian, _) => self.lagrangian.lagrangian.push(scalar.expr),
+        }
+        let Places { kinetic, potential, lagrangian } = &mut self.places;
+        kinetic.resize(self.lagrangian.kinetic.len(), expression.span.clone());
+        potential.resize(self.lagrangian.potential.len(), expression.span.clone());
+        lagrangian.resize(self.lagrangian.lagrangian.len(), expression.span.clone());
+        Ok(())
+    }
+
+    fn kinetic_term(&mut self, term: Term<'g>) {
+        match term {
+            Term::Other(expr) => self.lagrangian.kinetic.push(expr),
+            Term::Body(body) => match body.inertia {
+                Some(inertia) => self.lagrangian.rigid_body(body.mass, body.com, inertia, body.frame),
+                None => self.lagrangian.particle(body.mass, body.com, body.frame),
+            },
+        }
+    }
+
+    /// The momenta `∂L/∂q̇` are differentiated in time: what enters L must have a known rate.
+    fn check_dependence(&mut self, term: EnergyTerm, expr: Expr<'g>, expression: &Expression) -> Resolved<()> {
+        let dependence = self.facts.dependence(expr);
+        if dependence.on(Dependence::INPUT) && term != EnergyTerm::Dissipation {
+            let help = "inputs act through forces: `force q += u;`";
+            return Err(self.refuse(&expression.span, "an energy cannot depend on an input", help));
+        }
+        if dependence.on(Dependence::VELOCITY) && term == EnergyTerm::Potential {
+            let help = "a velocity-dependent potential U is a term of the Lagrangian: `lagrangian += -U;`";
+            return Err(self.refuse(&expression.span, "potential energy cannot depend on velocities", help));
+        }
+        Ok(())
+    }
+}
+
+// ---- what is missing
+
+/// Longer terms are not written out again in a suggestion.
+const LONGEST_SUGGESTION: usize = 60;
+
+impl<'d, 'g> Resolver<'d, 'g> {
+    fn missing_factor(&mut self, term: &Expression, wanted: Dimension, found: Dimension) -> String {
+        let Some(missing) = wanted.over(found) else { return String::new() };
+        match self.squared_speed(term, missing) {
+            Some(meant) => format!("a speed enters squared: did you mean `{meant}`?"),
+            None => format!("it lacks a factor of {missing}"),
+        }
+    }
+
+    /// The term with its last factors squared, where they are a speed of the dimension that is missing.
+    fn squared_speed(&mut self, term: &Expression, missing: Dimension) -> Option<String> {
+        if size(term) > LONGEST_SUGGESTION {
+            return None;
+        }
+        let (first, steps) = term.left_spine();
+        if steps.iter().any(|(op, _)| matches!(op, BinaryOperator::Add | BinaryOperator::Sub | BinaryOperator::Pow)) {
+            return None;
+        }
+        let mut product = Dimension::ONE;
+        let mut speed = false;
+        for k in (0..=steps.len()).rev() {
+            let (operator, factor) = if k == 0 { (BinaryOperator::Mul, first) } else { steps[k - 1] };
+            let value = self.argument(factor).ok()?;
+            let scalar = self.scalar(&value).ok()?;
+            if operator != BinaryOperator::Mul {
+                return None;
+            }
+            product = product.times(scalar.dimension)?;
+            speed |= self.facts.dependence(scalar.expr).on(Dependence::RATE);
+            if speed && product == missing {
+                return Some(with_square(first, &steps, k));
+            }
+        }
+        None
+    }
+}
+
+/// The product with its factors from number k on squared as one.
+fn with_square(first: &Expression, steps: &[(BinaryOperator, &Expression)], k: usize) -> String {
+    let mut text = String::new();
+    let single = k == steps.len();
+    for at in 0..=steps.len() {
+        let (operator, factor) = if at == 0 { ("", first) } else { (sign(steps[at - 1].0), steps[at - 1].1) };
+        text += operator;
+        if at == k && !single {
+            text.push('(');
+        }
+        text += &written(factor, if single && at == k { 4 } else { 2 });
+    }
+    text + if single { "^2" } else { ")^2" }
+}
+
+fn sign(operator: BinaryOperator) -> &'static str {
+    match operator {
+        BinaryOperator::Add => " + ",
+        BinaryOperator::Sub => " - ",
+        BinaryOperator::Mul => " * ",
+        BinaryOperator::Div => "/",
+        BinaryOperator::Pow => "^",
+    }
+}
+
+fn binding(operator: BinaryOperator) -> u8 {
+    match operator {
+        BinaryOperator::Add | BinaryOperator::Sub => 0,
+        BinaryOperator::Mul | BinaryOperator::Div => 1,
+        BinaryOperator::Pow => 3,
+    }
+}
+
+/// The expression as one would write it, in brackets unless it binds at least so tightly.
+fn written(expression: &Expression, least: u8) -> String {
+    let list = |values: &[Expression]| values.iter().map(|v| written(v, 0)).collect::<Vec<_>>().join(", ");
+    let (tight, text) = match &expression.kind {
+        ExpressionKind::Number(text) | ExpressionKind::Name(text) => (5, text.clone()),
+        ExpressionKind::Negate(a) => (2, format!("-{}", written(a, 2))),
+        ExpressionKind::Binary(operator, a, b) => {
+            let tight = binding(*operator);
+            let (left, right) = if *operator == BinaryOperator::Pow { (4, 3) } else { (tight, tight + 1) };
+            (tight, format!("{}{}{}", written(a, left), sign(*operator), written(b, right)))
+        }
+        ExpressionKind::Call(name, arguments) => (5, format!("{}({})", name.text, list(arguments))),
+        ExpressionKind::Method(a, name, arguments) => {
+            (5, format!("{}.{}({})", written(a, 5), name.text, list(arguments)))
+        }
+        ExpressionKind::Field(a, name) => (5, format!("{}.{}", written(a, 5), name.text)),
+        ExpressionKind::Index(a, index) => (5, format!("{}[{}]", written(a, 5), written(index, 0))),
+        ExpressionKind::Array(values) => (5, format!("[{}]", list(values))),
+    };
+    if tight < least { format!("({text})") } else { text }
+}
+
+/// How many parts an expression has.
+fn size(expression: &Expression) -> usize {
+    let (mut count, mut waiting) = (0, vec![expression]);
+    while let Some(part) = waiting.pop() {
+        count += 1;
+        match &part.kind {
+            ExpressionKind::Number(_) | ExpressionKind::Name(_) => {}
+            ExpressionKind::Negate(a) | ExpressionKind::Field(a, _) => waiting.push(a),
+            ExpressionKind::Binary(_, a, b) | ExpressionKind::Index(a, b) => waiting.extend([&**a, &**b]),
+            ExpressionKind::Call(_, values) | ExpressionKind::Array(values) => waiting.extend(values),
+            ExpressionKind::Method(a, _, values) => {
+                waiting.push(a);
+                waiting.extend(values);
+            }
+        }
+    }
+    count
+}
+
+// ---- forces
+
+impl<'d, 'g> Resolver<'d, 'g> {
+    /// `force q[i] += value;`; without an index on an array, one force for each of its components.
+    pub(super) fn force(&mut self, name: &Name, index: Option<&Expression>, value: &Expression) -> Resolved<()> {
+        let targets = self.targets(name, index);
+        let value = self.argument(value)?;
+        let targets = targets?;
+        if index.is_some() || targets.len() == 1 && value.value.shape() == Shape::Number {
+            return targets.first().map_or(Ok(()), |target| self.force_on(target, &value));
+        }
+        let values = self.elements(&value)?;
+        if values.len() != targets.len() {
+            let message = format!("`{}` has {} components, this is {}", name.text, targets.len(), value.value.described());
+            return Err(self.refuse(&value.span, message, format!("write `force {}[i] += …;` for one component", name.text)));
+        }
+        let pairs = targets.iter().zip(values);
+        pairs.map(|(target, value_of)| (target, Argument { value: value_of, span: value.span.clone() })).try_for_each(
+            |(target, value)| self.force_on(target, &value),
+        )
+    }
+
+    fn force_on(&mut self, target: &Target, value: &Argument<'g>) -> Resolved<()> {
+        let energy = self.dimension(Dimension::ENERGY);
+        let wanted = self.bounded(energy.over(target.dimension), &value.span)?;
+        let force = self.of_dimension(value, &format!("the force on `{}`", target.name), wanted)?;
+        self.lagrangian.forces.push((target.number, force));
+        Ok(())
+    }
+
+    /// The components of a coordinate that a force acts on.
+    fn targets(&mut self, name: &Name, index: Option<&Expression>) -> Resolved<Vec<Target>> {
+        let index = index.map(|index| self.argument(index));
+        let coordinates = || self.scope.names().filter(|(_, b)| matches!(b.origin, Origin::Coordinate(_))).map(|(n, _)| n);
+        let Some(binding) = self.scope.get(&name.text) else {
+            let help = match nearest(&name.text, coordinates()) {
+                Some(meant) => format!("did you mean `{meant}`?"),
+                None => "a force acts on a coordinate".to_string(),
+            };
+            return Err(self.refuse(&name.span, format!("there is no coordinate `{}`", name.text), help));
+        };
+        let Origin::Coordinate(first) = binding.origin else {
+            let message = format!("`{}` is {}, not a coordinate", name.text, binding.origin.described());
+            let help = match coordinates().next() {
+                Some(coordinate) => format!("a force acts on a coordinate: `force {coordinate} += …;`"),
+                None => "a force acts on a coordinate".to_string(),
+            };
+            return Err(self.refuse(&name.span, message, help));
+        };
+        let value = binding.value.clone().ok_or(super::evaluate::Refused)?;
+        let array = Argument { value, span: name.span.clone() };
+        let components = match &array.value {
+            Value::Scalar(_) => vec![array.value.clone()],
+            _ => self.elements(&array)?,
+        };
+        let range = match (index, &array.value) {
+            (None, _) => 0..components.len(),
+            (Some(index), Value::Scalar(_)) => {
+                let message = format!("`{}` is one coordinate, it has no index", name.text);
+                return Err(self.refuse(&index?.span, message, "leave the index out"));
+            }
+            (Some(index), _) => {
+                let number = self.index(&index?, components.len())?;
+                number..number + 1
+            }
+        };
+        let single = components.len() == 1 && matches!(array.value, Value::Scalar(_));
+        range
+            .map(|i| {
+                let coordinate = self.scalar(&Argument { value: components[i].clone(), span: name.span.clone() })?;
+                let name = if single { name.text.clone() } else { format!("{}[{i}]", name.text) };
+                Ok(Target { number: first + i, name, dimension: coordinate.dimension })
+            })
+            .collect()
+    }
+}
+
+/// One component of a coordinate.
+struct Target {
+    number: usize,
+    name: String,
+    dimension: Dimension,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::trial::{mechanism, near, refusals, refused, values};
+
+    #[test]
+    fn energies_must_be_energies() {
+        let energy = |term: &str, message: &str, help: &str| {
+            refused(&format!("kinetic += {term};"), &format!("{term}: kinetic energy must be an energy (kg·m²/s²), this term is {message}; {help}"));
+        };
+        let meant = |meant: &str| format!("a speed enters squared: did you mean `{meant}`?");
+        energy("1/2 * m * l * dt(theta)", "kg·m/s", &meant("1/2 * m * (l * dt(theta))^2"));
+        energy("1/2*m*dt(x)", "kg·m/s", &meant("1/2 * m * dt(x)^2"));
+        energy("m*(x + l)*dt(theta)", "kg·m/s", &meant("m * ((x + l) * dt(theta))^2"));
+        energy("m*l", "kg·m", "it lacks a factor of m/s²");
+        energy("m*l*dt(theta)^2", "kg·m/s²", "it lacks a factor of m");
+        energy("dt(x)", "m/s", "it lacks a factor of kg·m/s");
+        energy("3", "a plain number", "it lacks a factor of kg·m²/s²");
+        refused("potential += m*l;", "m*l: potential energy must be an energy (kg·m²/s²), this term is kg·m; it lacks a factor of m/s²");
+        refused("dissipation += k*dt(x);", "k*dt(x): dissipation must be a power (kg·m²/s³), this term is kg·m/s³; it lacks a factor of m");
+        refused("lagrangian += m;", "m: a term of the Lagrangian must be an energy (kg·m²/s²), this term is kg; it lacks a factor of m²/s²");
+        refused("kinetic += m*dt([x, y, z]);", "m*dt([x, y, z]): expected a number, found a vector; of a vector, `.x`, `.norm()` and `.dot(v)` are numbers");
+    }
+
+    #[test]
+    fn energies_depend_on_what_they_may() {
+        refused("potential += u*x;", "u*x: an energy cannot depend on an input; inputs act through forces: `force q += u;`");
+        refused("potential += m*x/t*dt(y);", "m*x/t*dt(y): potential energy cannot depend on velocities; a velocity-dependent potential U is a term of the Lagrangian: `lagrangian += -U;`");
+        assert!(refusals("dissipation += u*dt(x)^2/(2*dt(t)*l*t/t)*t; lagrangian += m*x/t*dt(y); potential += m*x*dt(t*l/t)/t^2*t;").is_empty());
+    }
+
+    #[test]
+    fn forces_act_on_coordinates() {
+        mechanism("force theta += u*l; force q[1] += 2*u*l; force q += [u*l, 0]; force x += u; force x += 0;", |lagrangian| {
+            let numbers: Vec<usize> = lagrangian.forces.iter().map(|f| f.0).collect();
+            assert_eq!(numbers, [0, 3, 5, 4, 5, 0, 0]);
+            let forces: Vec<_> = lagrangian.forces.iter().map(|f| f.1).collect();
+            near(&values(&forces), &[1.5, 4.5, 9.0, 4.5, 0.0, 1.5, 0.0], "forces");
+        });
+        refused("force thetta += u*l;", "thetta: there is no coordinate `thetta`; did you mean `theta`?");
+        refused("force m += u;", "m: `m` is a parameter, not a coordinate; a force acts on a coordinate: `force q += …;`");
+        refused("force theta += u;", "u: the force on `theta` must be kg·m²/s², this is kg·m/s²");
+        refused("force q[1] += u;", "u: the force on `q[1]` must be kg·m²/s², this is kg·m/s²");
+        refused("force q[2] += u*l;", "2: the index 2 is out of range: there are 2 elements; indices run from 0 to 1");
+        refused("force x[0] += u;", "0: `x` is one coordinate, it has no index; leave the index out");
+        refused("force q += u*l;", "u*l: a number has no elements; arrays are declared with their length: `param mass[6]: kg = 1;`");
+        refused("force q += [0, 0, 0];", "[0, 0, 0]: `q` has 2 components, this is a vector; write `force q[i] += …;` for one component");
+    }
+}

@@ -1,0 +1,306 @@
+//! A declaration as text again: what is read from it is the same declaration, places aside.
+
+use std::fmt::{self, Display, Formatter};
+
+use super::syntax::{
+    BinaryOperator, Declaration, EnergyTerm, Expression, ExpressionKind, Quantity, Statement, StatementKind, Unit,
+};
+
+impl Display for Declaration {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        if self.dimensionless {
+            writeln!(f, "#![dimensionless]")?;
+        }
+        docs(f, &self.docs, 0)?;
+        writeln!(f, "mechanism {} {{", self.name.text)?;
+        self.statements.iter().try_for_each(|statement| lines(f, statement, 1))?;
+        writeln!(f, "}}")
+    }
+}
+
+impl Display for Statement {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        lines(f, self, 0)
+    }
+}
+
+const INDENT: &str = "    ";
+
+fn lines(f: &mut Formatter<'_>, statement: &Statement, depth: usize) -> fmt::Result {
+    let indent = INDENT.repeat(depth);
+    match &statement.kind {
+        StatementKind::Param(quantity) => declared(f, "param", quantity, depth),
+        StatementKind::Coord(quantity) => declared(f, "coord", quantity, depth),
+        StatementKind::Input(quantity) => declared(f, "input", quantity, depth),
+        StatementKind::Const(quantity) => declared(f, "const", quantity, depth),
+        StatementKind::Let { mutable, name, value } => {
+            writeln!(f, "{indent}let {}{} = {value};", if *mutable { "mut " } else { "" }, name.text)
+        }
+        StatementKind::Assign { name, value } => writeln!(f, "{indent}{} = {value};", name.text),
+        StatementKind::Energy { term, value } => writeln!(f, "{indent}{term} += {value};"),
+        StatementKind::Force { coordinate, index: Some(index), value } => {
+            writeln!(f, "{indent}force {}[{index}] += {value};", coordinate.text)
+        }
+        StatementKind::Force { coordinate, index: None, value } => {
+            writeln!(f, "{indent}force {} += {value};", coordinate.text)
+        }
+        StatementKind::Output { docs: about, name, value } => {
+            docs(f, about, depth)?;
+            writeln!(f, "{indent}output {} = {value};", name.text)
+        }
+        StatementKind::For { variable, start, end, body } => {
+            writeln!(f, "{indent}for {} in {start}..{end} {{", variable.text)?;
+            body.iter().try_for_each(|statement| lines(f, statement, depth + 1))?;
+            writeln!(f, "{indent}}}")
+        }
+    }
+}
+
+fn declared(f: &mut Formatter<'_>, keyword: &str, quantity: &Quantity, depth: usize) -> fmt::Result {
+    docs(f, &quantity.docs, depth)?;
+    write!(f, "{}{keyword} {}", INDENT.repeat(depth), quantity.name.text)?;
+    if let Some(length) = &quantity.length {
+        write!(f, "[{length}]")?;
+    }
+    if let Some(unit) = &quantity.unit {
+        write!(f, ": {unit}")?;
+    }
+    if let Some(value) = &quantity.value {
+        write!(f, " = {value}")?;
+    }
+    writeln!(f, ";")
+}
+
+fn docs(f: &mut Formatter<'_>, docs: &[String], depth: usize) -> fmt::Result {
+    let indent = INDENT.repeat(depth);
+    docs.iter().try_for_each(|line| writeln!(f, "{}", format!("{indent}/// {line}").trim_end()))
+}
+
+impl Display for EnergyTerm {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            EnergyTerm::Kinetic => "kinetic",
+            EnergyTerm::Potential => "potential",
+            EnergyTerm::Dissipation => "dissipation",
+            EnergyTerm::Lagrangian => "lagrangian",
+        })
+    }
+}
+
+impl Display for Unit {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        if self.factors.is_empty() {
+            return f.write_str("1");
+        }
+        for (i, factor) in self.factors.iter().enumerate() {
+            let times = if i > 0 { "*" } else { "" };
+            write!(f, "{times}{}", factor.name.text)?;
+            match factor.exponent {
+                (1, 1) => {}
+                (n, 1) => write!(f, "^{n}")?,
+                (n, d) => write!(f, "^({n}/{d})")?,
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Display for BinaryOperator {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            BinaryOperator::Add => " + ",
+            BinaryOperator::Sub => " - ",
+            BinaryOperator::Mul => "*",
+            BinaryOperator::Div => "/",
+            BinaryOperator::Pow => "^",
+        })
+    }
+}
+
+/// How tightly the parts of an expression hang together: a sum least, a value most.
+const SUM: u8 = 1;
+const PRODUCT: u8 = 2;
+const SIGNED: u8 = 3;
+const POWER: u8 = 4;
+const VALUE: u8 = 5;
+
+/// With no more parentheses than it needs.
+impl Display for Expression {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        match &self.kind {
+            // As text it keeps what stands next to it from being read as digits.
+            ExpressionKind::Number(text) if text.ends_with('.') => write!(f, "{text}0"),
+            ExpressionKind::Number(text) | ExpressionKind::Name(text) => f.write_str(text),
+            ExpressionKind::Negate(value) => {
+                f.write_str("-")?;
+                at_least(f, SIGNED, value)
+            }
+            ExpressionKind::Binary(..) => chain(f, self),
+            ExpressionKind::Call(name, arguments) => {
+                f.write_str(&name.text)?;
+                list(f, '(', arguments, ')')
+            }
+            ExpressionKind::Method(value, name, arguments) => {
+                at_least(f, VALUE, value)?;
+                write!(f, ".{}", name.text)?;
+                list(f, '(', arguments, ')')
+            }
+            ExpressionKind::Field(value, name) => {
+                at_least(f, VALUE, value)?;
+                write!(f, ".{}", name.text)
+            }
+            ExpressionKind::Index(value, index) => {
+                at_least(f, VALUE, value)?;
+                write!(f, "[{index}]")
+            }
+            ExpressionKind::Array(elements) => list(f, '[', elements, ']'),
+        }
+    }
+}
+
+/// `a*b + c`: a parenthesis around the left operand of an operator opens at the very beginning.
+fn chain(f: &mut Formatter<'_>, expression: &Expression) -> fmt::Result {
+    let (first, steps) = expression.left_spine();
+    let parenthesized = |i: usize| {
+        let left = if i == 0 { tightness(first) } else { operator_tightness(steps[i - 1].0).0 };
+        left < operator_tightness(steps[i].0).1
+    };
+    (0..steps.len()).filter(|&i| parenthesized(i)).try_for_each(|_| f.write_str("("))?;
+    write!(f, "{first}")?;
+    for (i, (operator, right)) in steps.iter().enumerate() {
+        write!(f, "{}{operator}", if parenthesized(i) { ")" } else { "" })?;
+        at_least(f, operator_tightness(*operator).2, right)?;
+    }
+    Ok(())
+}
+
+fn at_least(f: &mut Formatter<'_>, tight: u8, expression: &Expression) -> fmt::Result {
+    if tightness(expression) < tight { write!(f, "({expression})") } else { write!(f, "{expression}") }
+}
+
+fn list(f: &mut Formatter<'_>, open: char, values: &[Expression], close: char) -> fmt::Result {
+    write!(f, "{open}")?;
+    for (i, value) in values.iter().enumerate() {
+        write!(f, "{}{value}", if i > 0 { ", " } else { "" })?;
+    }
+    write!(f, "{close}")
+}
+
+fn tightness(expression: &Expression) -> u8 {
+    match &expression.kind {
+        ExpressionKind::Negate(_) => SIGNED,
+        ExpressionKind::Binary(operator, ..) => operator_tightness(*operator).0,
+        ExpressionKind::Number(_)
+        | ExpressionKind::Name(_)
+        | ExpressionKind::Call(..)
+        | ExpressionKind::Method(..)
+        | ExpressionKind::Field(..)
+        | ExpressionKind::Index(..)
+        | ExpressionKind::Array(_) => VALUE,
+    }
+}
+
+/// Of what the operator makes, and what its left and right operands need at least.
+fn operator_tightness(operator: BinaryOperator) -> (u8, u8, u8) {
+    match operator {
+        BinaryOperator::Add | BinaryOperator::Sub => (SUM, SUM, PRODUCT),
+        BinaryOperator::Mul | BinaryOperator::Div => (PRODUCT, PRODUCT, SIGNED),
+        BinaryOperator::Pow => (POWER, VALUE, SIGNED),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::declaration;
+
+    /// Printed as written.
+    fn check(source: &str) {
+        let printed = |source: &str| match declaration(source) {
+            Ok(declaration) => declaration.to_string(),
+            Err(errors) => panic!("{}", errors.render("test", source)),
+        };
+        assert_eq!(printed(source), source);
+    }
+
+    #[test]
+    fn statements_are_printed_as_written() {
+        check(
+            "\
+#![dimensionless]
+/// A pendulum.
+///
+/// On a cart.
+mechanism Pendulum {
+    /// Its mass.
+    param m[2]: kg = [1.0, 2e-3];
+    coord q: rad;
+    input tau: kg*m^2*s^-2;
+    const n = 6;
+    const w: m^(1/2) = 1;
+    param free: 1;
+    let mut x = 1;
+    x = 2;
+    for i in 0..2*n {
+        kinetic += 1/2*m[i]*dt(q)^2;
+        for j in 0.0..1 {
+        }
+    }
+    potential += 1;
+    dissipation += 1;
+    lagrangian += 1;
+    force q += tau;
+    force q[n + 1] += -tau;
+    /// The tip.
+    output tip = [q, 0, -q.x];
+}
+",
+        );
+    }
+
+    #[test]
+    fn expressions_have_the_parentheses_they_need() {
+        for value in [
+            "a + b*c",
+            "(a + b)*c",
+            "a - (b - c)",
+            "a - b - c",
+            "a/(b*c)",
+            "a/b*c",
+            "-x^2",
+            "(-x)^2",
+            "x^-2",
+            "x^y^z",
+            "(x^y)^z",
+            "((a + b)*c + d)^2",
+            "-(a + b)",
+            "-a*b",
+            "a*-b",
+            "--a",
+            "(a + b).norm()",
+            "(-a)[0]",
+            "1.5.sin()",
+            "f()",
+            "[[1, 2], [3, 4]][0].x.f(a, b)",
+            "a*(b + c)",
+            "a^(b*c)",
+            "a^(b + c)",
+            "1.sin()",
+            "-(a*b)",
+            "-(-a)^2",
+        ] {
+            check(&format!("mechanism A {{\n    let x = {value};\n}}\n"));
+        }
+        assert!(declaration("mechanism A { let x = 1.; }").unwrap().to_string().contains("x = 1.0;"));
+    }
+
+    #[test]
+    fn long_sums_are_printed_without_recursion() {
+        let sum = " + x*y".repeat(100_000);
+        std::thread::Builder::new()
+            .stack_size(2 << 20)
+            .spawn(move || check(&format!("mechanism A {{\n    let x = 1{sum};\n}}\n")))
+            .unwrap()
+            .join()
+            .unwrap();
+    }
+}

@@ -1,0 +1,550 @@
+//! Expressions: operators, what stands behind values, numbers.
+
+use proc_macro2::Delimiter;
+use syn::parse::ParseStream;
+
+use super::keyword::{RESERVED, keyword};
+use super::reader::{Parsed, Reader, Refused, opens, sign, word};
+use super::syntax::{BinaryOperator, Expression, ExpressionKind, Name, Span};
+
+/// An operator whose right operand is still to come.
+enum Pending {
+    /// The sign, and where it stands.
+    Negate(Span),
+    /// The operator and its left operand.
+    Binary(BinaryOperator, Box<Expression>),
+}
+
+impl Pending {
+    /// Whether it takes the operand on its right before `next`, which stands behind that operand, does.
+    fn precedes(&self, next: Option<BinaryOperator>) -> bool {
+        let (tightness, leftward) = match self {
+            Pending::Negate(_) => (3, true),
+            Pending::Binary(operator, _) => (tightness(*operator), *operator != BinaryOperator::Pow),
+        };
+        next.is_none_or(|next| tightness > self::tightness(next) || tightness == self::tightness(next) && leftward)
+    }
+
+    fn apply(self, value: Box<Expression>) -> Box<Expression> {
+        let end = value.span.end;
+        let (kind, start) = match self {
+            Pending::Negate(sign) => (ExpressionKind::Negate(value), sign.start),
+            Pending::Binary(operator, left) => {
+                let start = left.span.start;
+                (ExpressionKind::Binary(operator, left, value), start)
+            }
+        };
+        Box::new(Expression { kind, span: start..end })
+    }
+
+    /// Whether it makes the expression deeper on the right.
+    fn nests(&self) -> bool {
+        matches!(self, Pending::Negate(_) | Pending::Binary(BinaryOperator::Pow, _))
+    }
+}
+
+/// How tightly an operator binds; a sign, at 3, binds more loosely than a power: `-x^2` is `-(x^2)`.
+fn tightness(operator: BinaryOperator) -> u8 {
+    match operator {
+        BinaryOperator::Add | BinaryOperator::Sub => 1,
+        BinaryOperator::Mul | BinaryOperator::Div => 2,
+        BinaryOperator::Pow => 4,
+    }
+}
+
+/// Values are boxed and refusals made in functions of their own, because debug builds have large stack frames and
+/// these functions may call one another 256 levels deep.
+impl Reader<'_> {
+    /// As [`Reader::operators`], unboxed.
+    pub(super) fn expression(&mut self, input: ParseStream<'_>) -> Parsed<Expression> {
+        Ok(*self.operators(input)?)
+    }
+
+    /// `expression := sum`, `sum := product (("+" | "-") product)*`, `product := signed (("*" | "/") signed)*`,
+    /// `signed := "-" signed | postfix ("^" signed)?`
+    fn operators(&mut self, input: ParseStream<'_>) -> Parsed<Box<Expression>> {
+        // Every operator here binds more tightly than those before it.
+        let mut pending: Vec<Pending> = Vec::new();
+        loop {
+            while let Some(sign) = self.eat(input, "-") {
+                self.push(&mut pending, Pending::Negate(sign))?;
+            }
+            let mut value = self.postfix(input)?;
+            let next = self.operator(input)?;
+            while let Some(operator) = pending.pop_if(|operator| operator.precedes(next)) {
+                self.depth -= usize::from(operator.nests());
+                value = operator.apply(value);
+            }
+            match next {
+                Some(operator) => self.push(&mut pending, Pending::Binary(operator, value))?,
+                None => return Ok(value),
+            }
+        }
+    }
+
+    fn push(&mut self, pending: &mut Vec<Pending>, operator: Pending) -> Parsed<()> {
+        if operator.nests() {
+            self.enter(&(self.last - 1..self.last))?;
+        }
+        pending.push(operator);
+        Ok(())
+    }
+
+    /// The binary operator that stands next, if one does.
+    fn operator(&mut self, input: ParseStream<'_>) -> Parsed<Option<BinaryOperator>> {
+        let operator = match sign(input.cursor()) {
+            Some(("+", _)) => BinaryOperator::Add,
+            Some(("-", _)) => BinaryOperator::Sub,
+            Some(("*", _)) => BinaryOperator::Mul,
+            Some(("/", _)) => BinaryOperator::Div,
+            Some(("^", _)) => BinaryOperator::Pow,
+            Some(("**", _)) => return Err(self.double_star(input)),
+            _ => return Ok(None),
+        };
+        self.skip(input);
+        Ok(Some(operator))
+    }
+
+    /// `postfix := primary ("." name | "." name "(" arguments ")" | "[" expression "]")*`
+    fn postfix(&mut self, input: ParseStream<'_>) -> Parsed<Box<Expression>> {
+        let (mut value, depth) = (self.primary(input)?, self.depth);
+        while opens(input, Delimiter::Bracket) || self.peek(input, ".") {
+            let here = self.last..self.last;
+            value = if opens(input, Delimiter::Bracket) {
+                let index = self.bracketed(input)?;
+                self.behind(value, |value| ExpressionKind::Index(value, index))
+            } else {
+                self.member(input, value)?
+            };
+            self.enter(&here)?;
+        }
+        self.depth = depth;
+        if opens(input, Delimiter::Parenthesis) && !self.begins_line(input) {
+            return Err(self.no_function(input));
+        }
+        Ok(value)
+    }
+
+    /// What `value` has become together with what was read behind it.
+    fn behind(&self, value: Box<Expression>, kind: impl FnOnce(Box<Expression>) -> ExpressionKind) -> Box<Expression> {
+        let start = value.span.start;
+        Box::new(Expression { kind: kind(value), span: start..self.last })
+    }
+
+    /// A `.` and behind it a component or a method.
+    fn member(&mut self, input: ParseStream<'_>, value: Box<Expression>) -> Parsed<Box<Expression>> {
+        self.eat(input, ".");
+        if input.cursor().literal().is_some() {
+            return Err(self.no_component(input));
+        }
+        let name = self.name(input, "`.`")?;
+        if opens(input, Delimiter::Parenthesis) {
+            let arguments = self.arguments(input)?;
+            return Ok(self.behind(value, |value| ExpressionKind::Method(value, name, arguments)));
+        }
+        if let ExpressionKind::Number(number) = &value.kind {
+            let message = format!("a number has no component `{}`", name.text);
+            return Err(self.refuse(name.span, message, format!("write a digit behind the point: `{number}.0`")));
+        }
+        Ok(self.behind(value, |value| ExpressionKind::Field(value, name)))
+    }
+
+    /// `primary := number | name | name "(" arguments ")" | "[" arguments "]" | "(" expression ")"`
+    fn primary(&mut self, input: ParseStream<'_>) -> Parsed<Box<Expression>> {
+        if opens(input, Delimiter::Parenthesis) {
+            self.parenthesized(input)
+        } else if opens(input, Delimiter::Bracket) {
+            let start = self.next(input).start;
+            let kind = ExpressionKind::Array(self.arguments(input)?);
+            Ok(Box::new(Expression { kind, span: start..self.last }))
+        } else if word(input.cursor()).is_some() {
+            let name = self.value_name(input)?;
+            if opens(input, Delimiter::Parenthesis) && !self.begins_line(input) {
+                self.call(input, name)
+            } else {
+                Ok(Box::new(Expression { kind: ExpressionKind::Name(name.text), span: name.span }))
+            }
+        } else {
+            self.number(input)
+        }
+    }
+
+    fn call(&mut self, input: ParseStream<'_>, name: Name) -> Parsed<Box<Expression>> {
+        let (start, arguments) = (name.span.start, self.arguments(input)?);
+        Ok(Box::new(Expression { kind: ExpressionKind::Call(name, arguments), span: start..self.last }))
+    }
+
+    /// Its place includes the parentheses.
+    fn parenthesized(&mut self, input: ParseStream<'_>) -> Parsed<Box<Expression>> {
+        let start = self.next(input).start;
+        let group = self.group(input)?;
+        let mut value = self.operators(&group.content)?;
+        if !group.content.is_empty() {
+            return Err(self.stray(&group.content));
+        }
+        self.close(group);
+        value.span = start..self.last;
+        Ok(value)
+    }
+
+    /// `arguments := (expression ("," expression)* ","?)?`, between brackets of any kind.
+    pub(super) fn arguments(&mut self, input: ParseStream<'_>) -> Parsed<Vec<Expression>> {
+        let (group, mut values) = (self.group(input)?, Vec::new());
+        while !group.content.is_empty() {
+            values.push(self.expression(&group.content)?);
+            if !group.content.is_empty() && self.eat(&group.content, ",").is_none() {
+                return Err(self.stray(&group.content));
+            }
+        }
+        self.close(group);
+        Ok(values)
+    }
+
+    /// `("[" expression "]")?`: an array's length, or an index.
+    pub(super) fn index(&mut self, input: ParseStream<'_>) -> Parsed<Option<Expression>> {
+        match opens(input, Delimiter::Bracket) {
+            true => Ok(Some(*self.bracketed(input)?)),
+            false => Ok(None),
+        }
+    }
+
+    /// `"[" expression "]"`
+    fn bracketed(&mut self, input: ParseStream<'_>) -> Parsed<Box<Expression>> {
+        let group = self.group(input)?;
+        let index = self.operators(&group.content)?;
+        if self.peek(&group.content, ",") {
+            let span = self.next(&group.content);
+            return Err(self.refuse(span, "an index is one number", "write `a[i][j]` for an element of a matrix"));
+        }
+        if !group.content.is_empty() {
+            return Err(self.stray(&group.content));
+        }
+        self.close(group);
+        Ok(index)
+    }
+
+    /// `number := digits ("." digits?)? (("e" | "E") ("+" | "-")? digits)?`, as large as an `f64` can be.
+    fn number(&mut self, input: ParseStream<'_>) -> Parsed<Box<Expression>> {
+        let Some(text) = self.literal(input) else { return Err(self.no_value(input)) };
+        let span = self.last - text.len()..self.last;
+        let digits: String = text.chars().filter(|&c| c != '_').collect();
+        let decimal = digits[..decimal_length(&digits)].to_string();
+        if let Some((message, help)) = no_number(&text, &decimal, &digits[decimal.len()..]) {
+            return Err(self.refuse(span, message, help));
+        }
+        Ok(Box::new(Expression { kind: ExpressionKind::Number(decimal), span }))
+    }
+
+    pub(super) fn double_star(&mut self, input: ParseStream<'_>) -> Refused {
+        let span = self.next(input);
+        self.refuse(span, "`**` is not an operator", "write `^` for a power: `x^2`")
+    }
+
+    /// A name that is not a keyword.
+    fn value_name(&mut self, input: ParseStream<'_>) -> Parsed<Name> {
+        let name = self.name(input, "this")?;
+        match keyword(&name.text) {
+            Some(_) if RESERVED.contains(&&*name.text) => Err(self.reserved(name.span, &name.text)),
+            Some(what) => {
+                let message = format!("`{}` is {what}, not a value", name.text);
+                Err(self.refuse(name.span, message, "write a value here"))
+            }
+            None => Ok(name),
+        }
+    }
+
+    fn no_function(&mut self, input: ParseStream<'_>) -> Refused {
+        let here = self.next(input);
+        self.refuse(here, "only a function's name can stand before `(`", "write `*` for a product")
+    }
+
+    fn no_component(&mut self, input: ParseStream<'_>) -> Refused {
+        let (here, found) = (self.next(input), self.literal(input).unwrap_or_default());
+        let help = "write `[0]` for the first component, `[1]` for the second";
+        self.refuse(here, format!("`.{found}` is not a component"), help)
+    }
+
+    /// Where a value must begin, something else does.
+    fn no_value(&mut self, input: ParseStream<'_>) -> Refused {
+        let here = self.next(input);
+        match sign(input.cursor()) {
+            Some(("+", _)) => self.refuse(here, "a `+` before a value says nothing", "leave it out"),
+            Some(("*", _)) if self.source[..here.start].trim_end().ends_with('*') => self.double_star(input),
+            Some((".", behind)) if behind.literal().is_some() => {
+                let (number, _) = behind.literal().expect("just seen");
+                self.refuse(here, "a number begins with a digit", format!("write `0.{number}`"))
+            }
+            _ => {
+                let help = "a value is a number, a name, a call `f(x)`, an array `[x, y, z]` or `( … )`";
+                self.unexpected(input, "a value", help)
+            }
+        }
+    }
+
+    /// Behind a complete value stands what neither continues nor ends it.
+    pub(super) fn stray(&mut self, input: ParseStream<'_>) -> Refused {
+        let (here, found) = (self.next(input), self.found(input));
+        let (message, help) = match sign(input.cursor()) {
+            Some(("=" | "+=" | "-=" | "*=" | "/=", _)) => {
+                (format!("{found} cannot stand behind a value"), "end the statement before with `;`")
+            }
+            Some(("==" | "!=" | "<" | "<=" | ">" | ">=", _)) => {
+                ("comparisons are not part of the language yet".to_string(), "leave it out")
+            }
+            Some((",", _)) => (format!("{found} cannot stand here"), "write a vector as `[x, y, z]`"),
+            Some((";", _)) => (format!("{found} cannot stand within brackets"), "write `,` between values"),
+            Some((".." | "..=", _)) => ("a range stands behind `in` only".to_string(), "write `for i in 0..6 { … }`"),
+            Some((":", _)) => {
+                let help = "units belong to declarations, as in `param length: m = 2;`";
+                ("a value has no unit of its own".to_string(), help)
+            }
+            Some(_) => (format!("{found} is not an operator"), "the operators are `+`, `-`, `*`, `/` and `^`"),
+            None if opens(input, Delimiter::Brace) => {
+                (format!("{found} cannot stand behind a value"), "end the statement with `;`")
+            }
+            None => match word(input.cursor()) {
+                Some((text, _)) if RESERVED.contains(&&*text) => return self.reserved(here, &text),
+                _ => (format!("an operator is missing before {found}"), "write `*` for a product"),
+            },
+        };
+        self.refuse(here, message, help)
+    }
+}
+
+/// Why `text`, of which `decimal` and then `suffix` are left without underscores, is not a number, and what to write.
+fn no_number(text: &str, decimal: &str, suffix: &str) -> Option<(String, String)> {
+    const TYPES: [&str; 8] = ["f32", "f64", "i32", "i64", "u32", "u64", "usize", "isize"];
+    if decimal.is_empty() {
+        return Some((format!("`{text}` is not a value"), "write a number".to_string()));
+    }
+    if decimal.len() > 100 {
+        return Some(("this number is longer than 100 characters".to_string(), "an `f64` has 17 digits".to_string()));
+    }
+    if decimal == "0" && suffix.starts_with(['x', 'o', 'b']) {
+        return Some((format!("`{text}` is not a decimal number"), "write it with digits 0 to 9".to_string()));
+    }
+    if TYPES.contains(&suffix) {
+        return Some(("a number has no type".to_string(), format!("write `{decimal}`")));
+    }
+    if !suffix.is_empty() {
+        let help = format!(
+            "write `{decimal} * {suffix}` for a product; \
+             units belong to declarations, as in `param length: m = {decimal};`"
+        );
+        return Some((format!("`{text}` is neither a number nor a name"), help));
+    }
+    let mantissa = decimal.split(['e', 'E']).next().unwrap_or_default();
+    let zero = !mantissa.contains(|c: char| ('1'..='9').contains(&c));
+    match decimal.parse::<f64>() {
+        Ok(value) if value.is_finite() && (value != 0.0 || zero) => None,
+        _ => Some((format!("`{text}` is beyond the range of an `f64`"), "choose other units".to_string())),
+    }
+}
+
+/// How much of `text` is a decimal number.
+fn decimal_length(text: &str) -> usize {
+    let digits = |from: usize| text[from..].bytes().take_while(u8::is_ascii_digit).count();
+    let mut end = digits(0);
+    if text[end..].starts_with('.') {
+        end += 1 + digits(end + 1);
+    }
+    let sign = usize::from(text[end..].get(1..).is_some_and(|rest| rest.starts_with(['+', '-'])));
+    if text[end..].starts_with(['e', 'E']) && digits(end + 1 + sign) > 0 {
+        end += 1 + sign + digits(end + 1 + sign);
+    }
+    end
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::check::{prefix, refused, report, statement};
+    use super::super::declaration;
+    use super::super::syntax::StatementKind;
+
+    fn expression(text: &str) -> String {
+        match statement(&format!("let x = {text};")) {
+            StatementKind::Let { value, .. } => prefix(&value),
+            other => panic!("{other:?}"),
+        }
+    }
+
+    /// Runs `test` on a thread with the stack of a test thread, whatever `RUST_MIN_STACK` says.
+    fn in_two_mebibytes(test: impl FnOnce() + Send + 'static) {
+        std::thread::Builder::new().stack_size(2 << 20).spawn(test).unwrap().join().unwrap();
+    }
+
+    #[test]
+    fn operators_bind_as_in_textbooks() {
+        let check = |text: &str, expected: &str| assert_eq!(expression(text), expected, "{text}");
+        check("a + b * c", "(+ a (* b c))");
+        check("a - b - c + d", "(+ (- (- a b) c) d)");
+        check("a / b / c * d", "(* (/ (/ a b) c) d)");
+        check("1/2 * m * v^2", "(* (* (/ 1 2) m) (^ v 2))");
+        check("-x^2", "(neg (^ x 2))");
+        check("(-x)^2", "(^ (neg x) 2)");
+        check("x^-2", "(^ x (neg 2))");
+        check("x^-y^z", "(^ x (neg (^ y z)))");
+        check("a^b^c", "(^ a (^ b c))");
+        check("(a^b)^c", "(^ (^ a b) c)");
+        check("-a * b", "(* (neg a) b)");
+        check("a * -b", "(* a (neg b))");
+        check("a - -b", "(- a (neg b))");
+        check("a--b", "(- a (neg b))");
+        check("- -a", "(neg (neg a))");
+        check("2^x.y", "(^ 2 x.y)");
+        check("-q[0]^2", "(neg (^ q[0] 2))");
+        check("(a + b) * c", "(* (+ a b) c)");
+    }
+
+    #[test]
+    fn reads_what_stands_behind_values() {
+        let check = |text: &str, expected: &str| assert_eq!(expression(text), expected, "{text}");
+        check("v.z", "v.z");
+        check("x.y.z", "x.y.z");
+        check("a.cross(b).norm()", "a.cross(b).norm()");
+        check("a.dot(b, c,)", "a.dot(b c)");
+        check("m[1][2]", "m[1][2]");
+        check("[a, b][0]", "[a b][0]");
+        check("[[1, 0], [0, 1],]", "[[1 0] [0 1]]");
+        check("[]", "[]");
+        check("f()", "f()");
+        check("f(a)", "f(a)");
+        check("dt(dt(x))", "dt(dt(x))");
+        check("(a + b).norm()", "(+ a b).norm()");
+        check("t + world.x + m", "(+ (+ t world.x) m)");
+    }
+
+    #[test]
+    fn reads_numbers_next_to_points() {
+        let check = |text: &str, expected: &str| assert_eq!(expression(text), expected, "{text}");
+        check("1.sin()", "1.sin()");
+        check("1.0.sin()", "1.0.sin()");
+        check("1_000.5", "1000.5");
+        check("1.", "1.");
+        check("1e-3", "1e-3");
+        check("1.5E+3", "1.5E+3");
+        check("1e5", "1e5");
+        check("0", "0");
+        check("0.0e-999", "0.0e-999");
+        check("2.-1.", "(- 2. 1.)");
+        assert!(matches!(statement("for i in 0..6 {}"), StatementKind::For { .. }));
+        assert!(matches!(statement("for i in 0. .. 6. {}"), StatementKind::For { .. }));
+        assert!(matches!(statement("for i in 0.0..6.0 {}"), StatementKind::For { .. }));
+    }
+
+    #[test]
+    fn values_are_formulas() {
+        let check = |value: &str, expected: &str| refused(&format!("let x = {value};"), expected);
+        let value = "a value is a number, a name, a call `f(x)`, an array `[x, y, z]` or `( … )`";
+        check("a b", "b: an operator is missing before `b`; write `*` for a product");
+        check("2 (a)", "(: only a function's name can stand before `(`; write `*` for a product");
+        check("a ** 2", "**: `**` is not an operator; write `^` for a power: `x^2`");
+        check("a * * 2", "*: `**` is not an operator; write `^` for a power: `x^2`");
+        check("+a", "+: a `+` before a value says nothing; leave it out");
+        check("a + + b", "+: a `+` before a value says nothing; leave it out");
+        check("a +", &format!(";: expected a value, found `;`; {value}"));
+        check("f(a", "(: this `(` is not closed; write `)` before the `;` on line 2");
+        check("f(, a)", &format!(",: expected a value, found `,`; {value}"));
+        check("()", &format!("): expected a value, found `)`; {value}"));
+        check("!a", &format!("!: expected a value, found `!`; {value}"));
+        check("{ a }", &format!("{{: expected a value, found `{{`; {value}"));
+        check("(a, b)", ",: `,` cannot stand here; write a vector as `[x, y, z]`");
+        check("[0; 3]", ";: `;` cannot stand within brackets; write `,` between values");
+        check("[a b]", "b: an operator is missing before `b`; write `*` for a product");
+        check("a % b", "%: `%` is not an operator; the operators are `+`, `-`, `*`, `/` and `^`");
+        check("a < b", "<: comparisons are not part of the language yet; leave it out");
+        check("a == b", "==: comparisons are not part of the language yet; leave it out");
+        check("a = b", "=: `=` cannot stand behind a value; end the statement before with `;`");
+        check("a..b", "..: a range stands behind `in` only; write `for i in 0..6 { … }`");
+        check("2 : m", ":: a value has no unit of its own; units belong to declarations, as in `param length: m = 2;`");
+        check("a {}", "{: `{` cannot stand behind a value; end the statement with `;`");
+        let reserved = "if: `if` is reserved: it is not part of the language yet; see the language's documentation for what it has";
+        check("if a", reserved);
+        check("a if b", reserved);
+        check("force", "force: `force` is a keyword of the language, not a value; write a value here");
+        check("true", "true: `true` is a keyword of Rust, not a value; write a value here");
+        check("q.0", "0: `.0` is not a component; write `[0]` for the first component, `[1]` for the second");
+        check("q.", ";: expected a name after `.`, found `;`; a name begins with a letter");
+        check("1.e5", "e5: a number has no component `e5`; write a digit behind the point: `1.0`");
+        check(".5", ".: a number begins with a digit; write `0.5`");
+        check("1.0f64", "1.0f64: a number has no type; write `1.0`");
+        let units = "units belong to declarations, as in `param length: m = 2;`";
+        check("2m", &format!("2m: `2m` is neither a number nor a name; write `2 * m` for a product; {units}"));
+        check("0x10", "0x10: `0x10` is not a decimal number; write it with digits 0 to 9");
+        check("1e400", "1e400: `1e400` is beyond the range of an `f64`; choose other units");
+        check("1e-400", "1e-400: `1e-400` is beyond the range of an `f64`; choose other units");
+        check("r#a", "r#a: `r#a` is not a name; write `a_`");
+        check("x'", "': `'` has no meaning in a mechanism; write `dt(x)` for the time derivative of `x`");
+        check("(/*ERROR*/)", "(/*ERROR*/): `(/*ERROR*/)` is not a value; write a number");
+    }
+
+    #[test]
+    fn nesting_is_limited() {
+        in_two_mebibytes(|| {
+            let kinds = [
+                ("(", "x", ")"),
+                ("[", "x", "]"),
+                ("f(", "x", ")"),
+                ("-", "x", ""),
+                ("- ", "x", ""),
+                ("x^", "x", ""),
+                ("x^-", "x", ""),
+                ("-(", "x", ")"),
+                ("a + b*x^(", "x", ")"),
+                ("a[", "x", "]"),
+                ("", "x", ".a"),
+                ("", "x", ".f()"),
+                ("", "x", "[1]"),
+                ("x.f(", "1", ")"),
+                ("{", "x", "}"),
+            ];
+            for (before, middle, after) in kinds {
+                let nested = |n| format!("mechanism A {{ let x = {}{middle}{}; }}", before.repeat(n), after.repeat(n));
+                if before != "{" {
+                    assert_eq!(report(&nested(100)), [""; 0], "{before}");
+                }
+                for n in [255, 256, 257, 1000, 100_000] {
+                    let _ = report(&nested(n));
+                }
+                let errors = report(&nested(1000));
+                assert!(before == "{" || errors[0].contains("nested deeper than 256 levels"), "{before} {errors:?}");
+            }
+            let loops = |n: usize| format!("mechanism A {{ {} {} }}", "for i in 0..1 { ".repeat(n), "}".repeat(n));
+            assert_eq!(report(&loops(255)), [""; 0]);
+            assert_eq!(
+                report(&loops(256)),
+                ["{: this is nested deeper than 256 levels; name the inner values with `let`"]
+            );
+            let units = |n: usize| format!("mechanism A {{ coord x: {}m{}; }}", "1/(".repeat(n), ")".repeat(n));
+            assert_eq!(report(&units(255)), [""; 0]);
+            assert_eq!(report(&units(100_000)).len(), 1);
+        });
+    }
+
+    #[test]
+    fn the_deepest_expressions_are_read() {
+        in_two_mebibytes(|| {
+            // One level is the mechanism's braces.
+            for (before, after) in [("(", ")"), ("-", ""), ("x^", ""), ("[", "]"), ("a + b*f(", ")")] {
+                let nested = |n| format!("mechanism A {{ let x = {}x{}; }}", before.repeat(n), after.repeat(n));
+                assert_eq!(report(&nested(255)), [""; 0], "{before}");
+                assert_eq!(report(&nested(256)).len(), 1, "{before}");
+            }
+        });
+    }
+
+    #[test]
+    fn long_sums_need_no_stack() {
+        in_two_mebibytes(|| {
+            for term in [" + x", " - x", " * x", " / x", " + 2 * x^2"] {
+                let source = format!("mechanism A {{ let y = x{}; }}", term.repeat(100_000));
+                let declaration = declaration(&source).unwrap();
+                let StatementKind::Let { value, .. } = &declaration.statements[0].kind else { panic!() };
+                assert_eq!(value.left_spine().1.len(), 100_000);
+                assert_eq!(value.span, 22..source.len() - 3);
+            }
+            let source = format!("mechanism A {{ let y = x{} x; }}", " + x".repeat(100_000));
+            assert_eq!(report(&source).len(), 1);
+        });
+    }
+}

@@ -1,0 +1,142 @@
+//! The user's promise: a crate of one's own, made from the README, builds and runs; a new `.mbs` beside the others builds,
+//! runs, and shows up as one new snapshot and nothing else.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+const ROOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/..");
+
+/// The text of the README's code block whose opening fence is this.
+fn block(fence: &str) -> String {
+    let readme = fs::read_to_string(format!("{ROOT}/README.md")).expect("the README");
+    let start = readme.find(&format!("```{fence}\n")).unwrap_or_else(|| panic!("no block ```{fence}"));
+    let text = &readme[start + fence.len() + 4..];
+    text[..text.find("```").expect("a closing fence")].to_string()
+}
+
+/// A crate in a temporary folder; its target folder lies in the workspace's, so that a second run is quick.
+struct Downstream {
+    folder: tempfile::TempDir,
+}
+
+impl Downstream {
+    fn new(dependencies: &str) -> Self {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let root = fs::canonicalize(ROOT).expect("the workspace");
+        let dependencies = dependencies.replace("../mbs", &root.to_string_lossy());
+        let manifest = format!(
+            "[package]\nname = \"promise\"\nversion = \"0.1.0\"\nedition = \"2024\"\n\n{dependencies}\n[workspace]\n"
+        );
+        let downstream = Downstream { folder };
+        downstream.write("Cargo.toml", &manifest);
+        // The versions that the workspace was tested with; no look at a registry.
+        fs::copy(root.join("Cargo.lock"), downstream.path("Cargo.lock")).expect("the lockfile");
+        downstream
+    }
+
+    fn path(&self, file: &str) -> PathBuf {
+        self.folder.path().join(file)
+    }
+
+    fn write(&self, file: &str, text: &str) {
+        let path = self.path(file);
+        fs::create_dir_all(path.parent().expect("a folder")).expect("a temporary folder");
+        fs::write(path, text).expect("a temporary folder");
+    }
+
+    fn cargo(&self, arguments: &[&str]) -> Output {
+        let target = Path::new(env!("CARGO_TARGET_TMPDIR")).join("downstream");
+        Command::new(env!("CARGO"))
+            .args(arguments)
+            .current_dir(&self.folder)
+            .env("CARGO_TARGET_DIR", target)
+            .env("CARGO_NET_OFFLINE", "true")
+            .env_remove("CI")
+            .env("INSTA_UPDATE", "new")
+            .env("INSTA_WORKSPACE_ROOT", self.folder.path())
+            .output()
+            .expect("cargo runs")
+    }
+
+    fn pending_snapshots(&self) -> Vec<String> {
+        let Ok(entries) = fs::read_dir(self.path("tests/snapshots")) else { return Vec::new() };
+        let names = entries.map(|e| e.expect("an entry").file_name().to_string_lossy().into_owned());
+        let mut pending: Vec<String> = names.filter(|name| name.ends_with(".snap.new")).collect();
+        pending.sort();
+        pending
+    }
+}
+
+fn text(output: &Output) -> String {
+    format!("{}{}", String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr))
+}
+
+#[test]
+fn the_readme_makes_a_crate() {
+    let crate_ = Downstream::new(&block("toml"));
+    crate_.write("mechanisms/cart_pole.mbs", &block("mbs"));
+    crate_.write("build.rs", &block("rust,build.rs"));
+    crate_.write("src/main.rs", &block("rust,main.rs"));
+    let run = crate_.cargo(&["run"]);
+    assert!(run.status.success(), "{}", text(&run));
+    assert!(text(&run).contains("accelerations"), "{}", text(&run));
+
+    // A mistake stops the build with file, line, column and the text underlined, not with a panic.
+    crate_.write("mechanisms/cart_pole.mbs", &block("mbs").replace("dt(x)^2", "dt(y)^2"));
+    let wrong = crate_.cargo(&["build"]);
+    assert!(!wrong.status.success());
+    let report = text(&wrong);
+    assert!(report.contains("mechanisms/cart_pole.mbs:13:"), "{report}");
+    assert!(!report.contains("panicked"), "{report}");
+}
+
+#[test]
+fn a_new_mechanism_is_one_new_snapshot() {
+    let dependencies = block("toml").replace("[build-dependencies]", "insta = \"1\"\n\n[build-dependencies]");
+    let crate_ = Downstream::new(&dependencies);
+    crate_.write("build.rs", "fn main() { mbs_derive::Config::new().compile_folder(\"mechanisms\"); }\n");
+    crate_.write("src/lib.rs", "include!(concat!(env!(\"OUT_DIR\"), \"/mechanisms.rs\"));\n");
+    crate_.write(
+        "tests/generated.rs",
+        r#"
+#[test]
+fn modules() {
+    for (module, code) in promise::GENERATED {
+        insta::assert_snapshot!(*module, code);
+    }
+}
+
+macro_rules! run {
+    ($($module:ident $name:ident $n:literal $u:literal;)*) => {$(
+        #[test]
+        fn $module() {
+            use mbs_runtime::Mechanism;
+            let mechanism = promise::$module::$name::<f64>::default();
+            let q = Mechanism::forward_dynamics(&mechanism, 0.0, &[0.3; $n], &[0.1; $n], &[0.2; $u]);
+            assert!(q.iter().all(|x| x.is_finite()));
+        }
+    )*};
+}
+promise::for_each_mechanism!(run);
+"#,
+    );
+    crate_.write("mechanisms/cart_pole.mbs", &block("mbs"));
+    let first = crate_.cargo(&["test"]);
+    assert_eq!(crate_.pending_snapshots(), ["generated__cart_pole.snap.new"], "{}", text(&first));
+    let accepted = crate_.path("tests/snapshots/generated__cart_pole.snap");
+    fs::rename(crate_.path("tests/snapshots/generated__cart_pole.snap.new"), &accepted).expect("accepted");
+    let accepted_text = fs::read_to_string(&accepted).expect("accepted");
+
+    let bead = "mechanism Bead { param m: kg = 1.0; param k: N/m = 5.0; coord s: m; \
+                kinetic += 1/2*m*dt(s)^2; potential += 1/2*k*s^2; }\n";
+    crate_.write("mechanisms/bead.mbs", bead);
+    let second = crate_.cargo(&["test"]);
+    assert_eq!(crate_.pending_snapshots(), ["generated__bead.snap.new"], "{}", text(&second));
+    assert_eq!(fs::read_to_string(&accepted).expect("still there"), accepted_text, "the other one did not move");
+    fs::rename(crate_.path("tests/snapshots/generated__bead.snap.new"), crate_.path("tests/snapshots/generated__bead.snap"))
+        .expect("accepted");
+    let third = crate_.cargo(&["test"]);
+    assert!(third.status.success(), "{}", text(&third));
+    assert!(text(&third).contains("test bead ... ok"), "{}", text(&third));
+}
