@@ -40,7 +40,7 @@ fn ten_links_keep_their_energy_over_10_seconds() {
 #[test]
 fn heavy_top_keeps_its_momenta() {
     let top = HeavyTop::<f64>::default();
-    assert_eq!(HeavyTop::<f64>::CONSERVED, ["energy_integral", "p_phi", "p_psi"]);
+    assert_eq!(mbs_models::heavy_top::CONSERVED, ["energy_integral", "p_phi", "p_psi"]);
     let start = State { q: [0.0, 0.4, 0.0], qd: [0.0, 0.0, 200.0] };
     let mut state = start;
     let motion = accelerations(&top, |_, _, _| []);

@@ -70,7 +70,9 @@ fn evaluation(derivation: &Derivation, point: &Point, place: &str) -> Value {
 /// First integrals by name.
 fn conserved(derivation: &Derivation, evaluated: impl Fn(&Function) -> Vec<f64>) -> Map<String, Value> {
     let named = derivation.functions.iter().filter_map(|function| match &function.kind {
-        FunctionKind::Conserved(names) => Some(names.iter().cloned().zip(evaluated(function).into_iter().map(Value::from))),
+        FunctionKind::Conserved(names) => {
+            Some(names.iter().cloned().zip(evaluated(function).into_iter().map(Value::from)))
+        }
         _ => None,
     });
     named.flatten().collect()

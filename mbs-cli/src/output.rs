@@ -16,12 +16,12 @@ pub(crate) fn report(text: &str) {
 /// Writes a result to standard output. A reader that has seen enough (`mbs … | head`) is no error.
 pub(crate) fn print(text: &str) -> Result<(), Failure> {
     let mut stdout = io::stdout().lock();
-    match stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()) {
-        Err(error) if error.kind() != ErrorKind::BrokenPipe => {
-            Err(Failure::new(format_args!("cannot write to standard output: {error}")))
-        }
-        _ => Ok(()),
-    }
+    let written = stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush());
+    unless_unread(written).map_err(|error| Failure::new(format_args!("cannot write to standard output: {error}")))
+}
+
+fn unless_unread(written: io::Result<()>) -> io::Result<()> {
+    written.or_else(|error| if error.kind() == ErrorKind::BrokenPipe { Ok(()) } else { Err(error) })
 }
 
 /// JSON for people and programs: indented, except what holds no further object or list, which stays on its line.
@@ -80,8 +80,7 @@ enum Content {
 impl Staged {
     /// Writes `content` to a temporary sibling of `path`.
     pub(crate) fn new(path: &Path, content: &[u8]) -> Result<Self, Failure> {
-        let staged = Self::try_new(path, content).map_err(|error| cannot_write(path, &error))?;
-        Ok(staged)
+        Self::try_new(path, content).map_err(|error| cannot_write(path, &error))
     }
 
     fn try_new(path: &Path, content: &[u8]) -> io::Result<Self> {
@@ -104,7 +103,7 @@ impl Staged {
         let done = match self.content {
             Content::Sibling(temporary) => fs::rename(&temporary.path, &temporary.target),
             Content::Bytes(bytes) => match fs::OpenOptions::new().write(true).open(&self.path) {
-                Ok(mut file) => file.write_all(&bytes),
+                Ok(mut file) => unless_unread(file.write_all(&bytes)),
                 Err(error) => Err(error),
             },
         };

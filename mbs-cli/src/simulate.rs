@@ -2,7 +2,7 @@
 //!
 //! - [`motion`]: integration, and what is recorded of it;
 //! - [`progress`]: the progress bar;
-//! - [`table`]: CSV;
+//! - [`table`][]: CSV;
 //! - [`figure`]: SVG and PNG.
 
 mod figure;
@@ -16,9 +16,9 @@ use figure::Format;
 use motion::{Method, Motion};
 
 use crate::failure::Failure;
+use crate::mechanism;
 use crate::output::{self, Staged};
 use crate::state::{self, Point, Request};
-use crate::mechanism;
 
 /// Integrate a mechanism's equations of motion from a state; inputs and parameters stay as they are.
 ///
@@ -39,12 +39,12 @@ pub(crate) struct Arguments {
     /// Integration method.
     #[arg(long, value_enum, default_value_t = Method::Dop853)]
     method: Method,
-    /// Relative tolerance of dop853.
-    #[arg(long, value_parser = positive, default_value = "1e-10", allow_negative_numbers = true)]
-    rtol: f64,
-    /// Absolute tolerance of dop853.
-    #[arg(long, value_parser = positive, default_value = "1e-12", allow_negative_numbers = true)]
-    atol: f64,
+    /// Relative tolerance of dop853 [default: 1e-10].
+    #[arg(long, value_parser = positive, allow_negative_numbers = true)]
+    rtol: Option<f64>,
+    /// Absolute tolerance of dop853 [default: 1e-12].
+    #[arg(long, value_parser = positive, allow_negative_numbers = true)]
+    atol: Option<f64>,
     /// Time between rows [s], and the step of rk4; a thousandth of the duration if not given.
     #[arg(long, value_name = "S", value_parser = positive, allow_negative_numbers = true)]
     dt: Option<f64>,
@@ -62,11 +62,18 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let point = match state::read(&arguments.state, &derivation)? {
         Request::One(point) => point,
         Request::Many(points) => {
-            return Err(Failure::new(format_args!("a motion starts from one state, found an array of {}", points.len())));
+            return Err(Failure::new(format_args!(
+                "a motion starts from one state, found an array of {}",
+                points.len()
+            )));
         }
     };
     let times = times(&point, arguments)?;
-    let motion = Motion::integrate(&derivation, &point, &times, arguments.method, arguments.rtol, arguments.atol)?;
+    if arguments.method == Method::Rk4 && (arguments.rtol.is_some() || arguments.atol.is_some()) {
+        output::report("warning: rk4 has no error control, --rtol and --atol do nothing\n");
+    }
+    let (relative, absolute) = (arguments.rtol.unwrap_or(1e-10), arguments.atol.unwrap_or(1e-12));
+    let motion = Motion::integrate(&derivation, &point, &times, arguments.method, relative, absolute)?;
     deliver(&motion, arguments)
 }
 

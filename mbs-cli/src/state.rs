@@ -98,7 +98,7 @@ fn syntax_error(name: &str, text: &str, error: &serde_json::Error) -> Failure {
     let line_start: usize = text.split_inclusive('\n').take(error.line().saturating_sub(1)).map(str::len).sum();
     let place = line_start + error.column().saturating_sub(1);
     let mut diagnostics = Diagnostics::default();
-    diagnostics.error(place..place + 1, format!("this is not JSON: {message}"));
+    diagnostics.error(place..place + 1, format!("unreadable JSON: {message}"));
     Failure::rendered(diagnostics.render(name, text))
 }
 
@@ -111,9 +111,9 @@ fn request(name: &str, json: &Value, derivation: &Derivation) -> Result<Request,
         point
     };
     let request = match json {
-        Value::Array(items) => Request::Many(
-            items.iter().enumerate().map(|(i, item)| point(item, format!("{name}: state {i}"))).collect(),
-        ),
+        Value::Array(items) => {
+            Request::Many(items.iter().enumerate().map(|(i, item)| point(item, format!("{name}: state {i}"))).collect())
+        }
         _ => Request::One(point(json, name.to_string())),
     };
     if errors.is_empty() { Ok(request) } else { Err(Failure::several(&errors)) }
@@ -225,12 +225,16 @@ impl Reader<'_> {
             Some(Value::Object(given)) => {
                 for name in given.keys() {
                     let name = Value::from(name.as_str());
-                    self.error(format!("unknown signal \"prescribed\".{name}; the mechanism has no prescribed signals"));
+                    self.error(format!(
+                        "unknown signal \"prescribed\".{name}; the mechanism has no prescribed signals"
+                    ));
                 }
             }
             Some(json) => {
                 let found = kind(json);
-                self.error(format!("\"prescribed\" must be an object {{name: [value, rate, acceleration]}}, found {found}"));
+                self.error(format!(
+                    "\"prescribed\" must be an object {{name: [value, rate, acceleration]}}, found {found}"
+                ));
             }
         }
     }
@@ -261,5 +265,17 @@ fn kind(json: &Value) -> String {
         Value::String(_) => "a string".to_string(),
         Value::Array(_) => "an array".to_string(),
         Value::Object(_) => "an object".to_string(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::with_words_quoted;
+
+    #[test]
+    fn words_in_strings_stay_as_they_are() {
+        let text = r#"{"NaN": [NaN, -Infinity, Infinity], "say \"NaN": 1, "q̇\\": NaN}"#;
+        let quoted = r#"{"NaN": ["NaN", "-Infinity", "Infinity"], "say \"NaN": 1, "q̇\\": "NaN"}"#;
+        assert_eq!(with_words_quoted(text), quoted);
     }
 }

@@ -180,11 +180,8 @@ fn of_components(
 /// All rows, or the extremes of buckets of rows.
 fn line(motion: &Motion, name: &str, value: impl Fn(&Row) -> f64) -> Line {
     let all: Vec<(f64, f64)> = motion.rows.iter().map(|row| (row.t, value(row))).collect();
-    let points = if all.len() <= POINTS {
-        all
-    } else {
-        all.chunks(all.len().div_ceil(POINTS / 2)).flat_map(extremes).collect()
-    };
+    let points =
+        if all.len() <= POINTS { all } else { all.chunks(all.len().div_ceil(POINTS / 2)).flat_map(extremes).collect() };
     Line { name: name.to_string(), points }
 }
 
@@ -289,5 +286,34 @@ fn tick(value: f64, range: &Range<f64>) -> String {
     match text.contains('.') {
         true => text.trim_end_matches('0').trim_end_matches('.').to_string(),
         false => text,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ticks_have_the_digits_that_tell_them_apart() {
+        assert_eq!(tick(0.30000000000000004, &(0.0..1.0)), "0.3");
+        assert_eq!(tick(-1e-17, &(-1.0..1.0)), "0");
+        assert_eq!(tick(2000.0, &(0.0..8000.0)), "2000");
+        assert_eq!(tick(1000.0002, &(1000.0..1000.001)), "1000.0002");
+        assert_eq!(tick(2.5e-7, &(0.0..1e-6)), "2.50e-7");
+        assert_eq!(tick(3e8, &(0.0..1e9)), "3.00e8");
+    }
+
+    #[test]
+    fn peaks_survive_where_rows_are_many() {
+        let quiet = |i: usize| (i as f64, if i == 70_000 { 5.0 } else { 0.0 });
+        let points: Vec<_> = (0..100_000).map(quiet).collect();
+        let drawn: Vec<_> = points.chunks(50).flat_map(extremes).collect();
+        assert_eq!((drawn.len(), drawn.contains(&(70_000.0, 5.0))), (4000, true));
+        assert!(drawn.is_sorted_by(|a, b| a.0 <= b.0));
+    }
+
+    #[test]
+    fn units_of_rates() {
+        assert_eq!(["rad", "1", "m/s"].map(rate_unit), ["rad/s", "1/s", "(m/s)/s"]);
     }
 }

@@ -16,7 +16,7 @@ use super::expression::{self, Leaves, Tree, literal};
 use super::name::{Names, Scope, ident};
 
 /// Operations and characters that one expression has at most.
-const LONGEST: (usize, usize) = (6, 72);
+const LONGEST: (usize, usize) = (6, 60);
 
 /// Operations of a component that is written in the result without a name, where there are few components or many.
 const IN_RESULT: [usize; 2] = [4, 2];
@@ -77,6 +77,10 @@ impl Statement {
 pub(super) struct Body<'n> {
     names: &'n Names,
     scope: Scope,
+    /// What the familiar constants are called.
+    familiar: [String; FAMILIAR.len()],
+    /// What `T::from_f64` is called.
+    convert: String,
     /// The names of the locals.
     pub(super) locals: Vec<String>,
     pub(super) statements: Vec<Statement>,
@@ -85,14 +89,12 @@ pub(super) struct Body<'n> {
 }
 
 impl<'n> Body<'n> {
-    /// Of the statements that `components` of a program's results need.
-    pub(super) fn new(program: &Program, components: &[Component], names: &'n Names) -> Self {
-        let mut scope = names.function_scope();
-        for (_, name) in FAMILIAR {
-            scope.unique(name);
-        }
-        scope.unique("c");
-        let body = Body { names, scope, locals: Vec::new(), statements: Vec::new(), results: Vec::new() };
+    /// Of the statements that `components` of a program's results need; the locals get their names from `scope`.
+    pub(super) fn new(program: &Program, components: &[Component], names: &'n Names, mut scope: Scope) -> Self {
+        let familiar = FAMILIAR.map(|(_, name)| scope.unique(name));
+        let convert = scope.unique("c");
+        let (locals, statements, results) = (Vec::new(), Vec::new(), Vec::new());
+        let body = Body { names, scope, familiar, convert, locals, statements, results };
         let mut writer = Writer::new(program, components, body);
         writer.write();
         writer.finish(components)
@@ -337,15 +339,16 @@ fn value(index: usize) -> Value {
     Value(u32::try_from(index).expect("programs are shorter than 2³² instructions"))
 }
 
-fn familiar(value: f64) -> Option<&'static str> {
-    FAMILIAR.iter().find(|(number, _)| *number == value.abs()).map(|(_, name)| *name)
+/// Its number among the familiar constants, but for its sign.
+fn familiar(value: f64) -> Option<usize> {
+    FAMILIAR.iter().position(|(number, _)| *number == value.abs())
 }
 
 /// A body with its constants counted, ready to be printed.
 pub(super) struct Text<'b, 'n> {
     body: &'b Body<'n>,
-    /// Familiar constants that are bound.
-    bound: BTreeSet<&'static str>,
+    /// Which of the familiar constants are bound.
+    bound: [bool; FAMILIAR.len()],
     /// Whether other constants are `c(…)`.
     abbreviated: bool,
 }
@@ -353,21 +356,15 @@ pub(super) struct Text<'b, 'n> {
 impl<'b, 'n> Text<'b, 'n> {
     /// For these trees of a body.
     pub(super) fn new<'t>(body: &'b Body<'n>, trees: impl Iterator<Item = &'t Tree>) -> Self {
-        let mut familiar_uses: BTreeMap<&'static str, usize> = BTreeMap::new();
-        let mut others = 0;
+        let (mut uses, mut others) = ([0; FAMILIAR.len()], 0);
         each_leaf(trees, &mut |leaf| {
             if let Tree::Constant(value) = leaf {
-                match familiar(*value) {
-                    Some(name) => *familiar_uses.entry(name).or_insert(0) += 1,
-                    None => others += 1,
-                }
+                *familiar(*value).map_or(&mut others, |i| &mut uses[i]) += 1;
             }
         });
-        let by_name = |(name, uses): (&'static str, usize)| {
-            (uses > 1 || !matches!(name, "zero" | "one")).then_some(name)
-        };
-        let bound = familiar_uses.into_iter().filter_map(by_name).collect();
-        Text { body, bound, abbreviated: others > WRITTEN_OUT }
+        // `T::zero()` and `T::one()` speak for themselves.
+        let is_bound = |i: usize| uses[i] > 1 || (uses[i] == 1 && !matches!(FAMILIAR[i].0, 0.0 | 1.0));
+        Text { body, bound: std::array::from_fn(is_bound), abbreviated: others > WRITTEN_OUT }
     }
 
     /// The tokens of an expression.
@@ -377,11 +374,12 @@ impl<'b, 'n> Text<'b, 'n> {
 
     /// `let half = T::from_f64(0.5);`, …
     pub(super) fn constants(&self) -> TokenStream {
-        let bound = FAMILIAR.iter().filter(|(_, name)| self.bound.contains(name)).map(|&(value, name)| {
-            let (local, value) = (ident(name), written_out(value));
+        let bound = (0..FAMILIAR.len()).filter(|&i| self.bound[i]).map(|i| {
+            let (local, value) = (ident(&self.body.familiar[i]), written_out(FAMILIAR[i].0));
             quote!(let #local = #value;)
         });
-        let abbreviation = self.abbreviated.then(|| quote!(let c = T::from_f64;));
+        let convert = ident(&self.body.convert);
+        let abbreviation = self.abbreviated.then(|| quote!(let #convert = T::from_f64;));
         quote!(#(#bound)* #abbreviation)
     }
 
@@ -405,19 +403,19 @@ impl<'b, 'n> Text<'b, 'n> {
 impl Leaves for Text<'_, '_> {
     fn constant(&self, value: f64) -> TokenStream {
         match familiar(value) {
-            Some(name) => {
+            Some(i) => {
                 let sign = self.is_signed(value).then(|| quote!(-));
-                let name = if self.bound.contains(name) {
-                    let name = ident(name);
-                    quote!(#name)
+                if self.bound[i] {
+                    let name = ident(&self.body.familiar[i]);
+                    quote!(#sign #name)
                 } else {
-                    written_out(value.abs())
-                };
-                quote!(#sign #name)
+                    let value = written_out(value.abs());
+                    quote!(#sign #value)
+                }
             }
             None if self.abbreviated => {
-                let value = number(value);
-                quote!(c(#value))
+                let (convert, value) = (ident(&self.body.convert), number(value));
+                quote!(#convert(#value))
             }
             None => written_out(value),
         }

@@ -98,8 +98,9 @@ impl Tree {
         match (a, b) {
             (a, Tree::Neg(b)) => Tree::add(a, *b),
             (Tree::Mul(a, b), c) => Tree::mul_add(*a, *b, Tree::neg(c)),
-            (c, Tree::Mul(a, b)) if b.takes_sign() && !a.takes_sign() => Tree::mul_add(*a, Tree::neg(*b), c),
-            (c, Tree::Mul(a, b)) => Tree::mul_add(Tree::neg(*a), *b, c),
+            (c, Tree::Mul(a, b)) if a.is_negative() => Tree::mul_add(Tree::neg(*a), *b, c),
+            (c, Tree::Mul(a, b)) if a.is_compound() && !b.is_compound() => Tree::mul_add(*b, Tree::neg(*a), c),
+            (c, Tree::Mul(a, b)) => Tree::mul_add(*a, Tree::neg(*b), c),
             (a, b) => Tree::Sub(Box::new(a), Box::new(b)),
         }
     }
@@ -110,9 +111,14 @@ impl Tree {
         Tree::Method("mul_add", Box::new(a), vec![b, c])
     }
 
-    /// Whether a sign before it disappears in it.
-    fn takes_sign(&self) -> bool {
-        matches!(self, Tree::Constant(_) | Tree::Neg(_))
+    /// Whether it has a sign, which may go.
+    fn is_negative(&self) -> bool {
+        match self {
+            Tree::Constant(value) => *value < 0.0,
+            Tree::Neg(_) => true,
+            Tree::Mul(a, _) | Tree::Div(a, _) => a.is_negative(),
+            Tree::Symbol(_) | Tree::Hoisted(_) | Tree::Local(_) | Tree::Add(..) | Tree::Sub(..) | Tree::Method(..) => false,
+        }
     }
 
     fn is_sum(&self) -> bool {
@@ -125,7 +131,7 @@ impl Tree {
 
     /// Whether it would need parentheses before a method.
     fn is_compound(&self) -> bool {
-        self.is_sum() || self.is_product() || matches!(self, Tree::Neg(_))
+        self.is_sum() || self.is_product() || self.is_negative()
     }
 
     /// Whether it costs nothing to write it more than once.
@@ -301,10 +307,10 @@ mod tests {
         check(Tree::add(ab(), c.clone()), "a.mul_add(b, c)");
         check(Tree::add(c.clone(), ab()), "a.mul_add(b, c)");
         check(Tree::sub(ab(), c.clone()), "a.mul_add(b, -c)");
-        check(Tree::sub(c.clone(), ab()), "(-a).mul_add(b, c)");
+        check(Tree::sub(c.clone(), ab()), "a.mul_add(-b, c)");
         check(Tree::sub(ab(), Tree::mul(c.clone(), d.clone())), "a.mul_add(b, -c * d)");
         check(Tree::sub(d.clone(), Tree::mul(c.clone(), ab())), "c.mul_add(-a * b, d)");
-        check(Tree::sub(c, Tree::mul(Tree::Constant(2.0), a)), "(-2.0).mul_add(a, c)");
+        check(Tree::sub(c, Tree::mul(Tree::Constant(2.0), a)), "2.0.mul_add(-a, c)");
     }
 
     #[test]

@@ -156,6 +156,13 @@ impl Names {
     pub(super) fn function_scope(&self) -> Scope {
         self.scope.clone()
     }
+
+    /// Where the locals of the constructor get theirs: the fields are no locals there.
+    pub(super) fn constructor_scope(&self) -> Scope {
+        let mut scope = self.scope.clone();
+        scope.taken.retain(|name| !self.hoisted.contains(name));
+        scope
+    }
 }
 
 /// The components of some variables, none of them called like an argument that is `read_later`.

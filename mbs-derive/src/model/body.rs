@@ -50,7 +50,8 @@ impl<'d, 'g> Resolver<'d, 'g> {
         let frame = self.frame(pose);
         let (m, tensor, frame) = (m?, tensor?, frame?);
         let Free { components, .. } = self.mass_centre(com, frame)?;
-        let physical = Physical { mass: m, mass_span: mass.span.clone(), inertia: Some((tensor, inertia.span.clone())) };
+        let physical =
+            Physical { mass: m, mass_span: mass.span.clone(), inertia: Some((tensor, inertia.span.clone())) };
         self.physical.push(physical);
         let (com, frame) = self.fixed(components, frame, &com.span)?;
         Ok(Value::Energy(Rc::new([Term::Body(Body { mass: m, com, inertia: Some(tensor), frame })])))
@@ -109,7 +110,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::trial::{mechanism, near, refused, refusals, values};
+    use super::super::trial::{mechanism, near, refusals, refused, values};
 
     /// The kinetic energy that some statements add, at the trial state.
     fn kinetic(statements: &str) -> (f64, usize) {
@@ -131,7 +132,11 @@ mod tests {
         equal(&format!("{pose} kinetic += particle(m, a.point([l, l, x]));"), 1, &format!("{pose} {written}"));
         equal("kinetic += particle(m, world.point([x, y, z]));", 1, "kinetic += particle(m, [x, y, z]);");
         let free = "let v = rot_z(theta) * [x, l, 0];";
-        equal(&format!("{free} kinetic += particle(m, v);"), 0, &format!("{free} kinetic += particle(m, [v.x, v.y, v.z]);"));
+        equal(
+            &format!("{free} kinetic += particle(m, v);"),
+            0,
+            &format!("{free} kinetic += particle(m, [v.x, v.y, v.z]);"),
+        );
     }
 
     #[test]
@@ -148,28 +153,58 @@ mod tests {
         let disc = "kinetic += rigid_body(m, [0, 0, 0], diag(1, 1, 2)*m*l^2, translation([x, 0, 0]) * rot_y(theta));";
         equal(disc, 1, "kinetic += 1/2*m*dt(x)^2 + 1/2*m*l^2*dt(theta)^2;");
         let nested = "let i = [[2*m*l^2, 0, m*l^2], [0, 2*m*l^2, 0], [m*l^2, 0, 2*m*l^2]];";
-        equal(&format!("{nested} kinetic += rigid_body(m, [0, 0, 0], i, rot_z(theta));"), 1, "kinetic += m*l^2*dt(theta)^2;");
+        equal(
+            &format!("{nested} kinetic += rigid_body(m, [0, 0, 0], i, rot_z(theta));"),
+            1,
+            "kinetic += m*l^2*dt(theta)^2;",
+        );
     }
 
     #[test]
     fn bodies_stay_visible_in_sums() {
         let two = "particle(m, world.point([x, y, z])) + particle(2*m, world.point([x, 0, 0]))";
-        equal(&format!("kinetic += {two} + 1/2*k*t^2*dt(x)^2;"), 2, &format!("kinetic += 1*({two}) + 1/2*k*t^2*dt(x)^2;"));
+        equal(
+            &format!("kinetic += {two} + 1/2*k*t^2*dt(x)^2;"),
+            2,
+            &format!("kinetic += 1*({two}) + 1/2*k*t^2*dt(x)^2;"),
+        );
         equal(&format!("let e = {two}; kinetic += e;"), 2, &format!("kinetic += {two};"));
         equal(&format!("kinetic += 2*({two});"), 0, &format!("kinetic += {two}; kinetic += {two};"));
-        equal("let mut e = 0; for i in 0..3 { e = e + particle(m, world.point([x, y, z])); } kinetic += e;", 3, "kinetic += 3*particle(m, [x, y, z]);");
+        equal(
+            "let mut e = 0; for i in 0..3 { e = e + particle(m, world.point([x, y, z])); } kinetic += e;",
+            3,
+            "kinetic += 3*particle(m, [x, y, z]);",
+        );
     }
 
     #[test]
     fn wrong_bodies() {
         refused("kinetic += particle(l, [x, y, z]);", "l: a mass must be kg, this is m");
-        refused("kinetic += particle(2, [x, y, z]);", "2: a mass must be kg, this is a plain number; a number has no unit of its own: declare it, `const name: unit = value;`");
-        refused("kinetic += particle(m*cos(theta), [x, y, z]);", "m*cos(theta): a mass must be constant in time; for anything else write the kinetic energy out: `1/2 * m * dt(r).norm_squared()`");
-        refused("kinetic += particle(m, [theta, 0, 0]);", "[theta, 0, 0]: the place of a particle must be m, this is a plain number; a number has no unit of its own: declare it, `const name: unit = value;`");
-        refused("kinetic += particle(m, [dt(x)*t, 0, 0]);", "[dt(x)*t, 0, 0]: accelerations cannot enter: this is a time derivative already; energies and forces are made of positions and velocities");
+        refused(
+            "kinetic += particle(2, [x, y, z]);",
+            "2: a mass must be kg, this is a plain number; a number has no unit of its own: declare it, `const name: unit = value;`",
+        );
+        refused(
+            "kinetic += particle(m*cos(theta), [x, y, z]);",
+            "m*cos(theta): a mass must be constant in time; for anything else write the kinetic energy out: `1/2 * m * dt(r).norm_squared()`",
+        );
+        refused(
+            "kinetic += particle(m, [theta, 0, 0]);",
+            "[theta, 0, 0]: the place of a particle must be m, this is a plain number; a number has no unit of its own: declare it, `const name: unit = value;`",
+        );
+        refused(
+            "kinetic += particle(m, [dt(x)*t, 0, 0]);",
+            "[dt(x)*t, 0, 0]: accelerations cannot enter: this is a time derivative already; energies and forces are made of positions and velocities",
+        );
         refused("kinetic += particle(m, x);", "x: expected a vector, found a number; a vector is written `[x, y, z]`");
-        refused("kinetic += particle(m, rot_z(theta));", "rot_z(theta): expected a vector, found a pose; the place of a pose is `pose.origin()`");
-        refused("kinetic += rigid_body(m, [0, 0, 0], diag(m, m, m), world);", "diag(m, m, m): an inertia must be kg·m², this is kg");
+        refused(
+            "kinetic += particle(m, rot_z(theta));",
+            "rot_z(theta): expected a vector, found a pose; the place of a pose is `pose.origin()`",
+        );
+        refused(
+            "kinetic += rigid_body(m, [0, 0, 0], diag(m, m, m), world);",
+            "diag(m, m, m): an inertia must be kg·m², this is kg",
+        );
         refused("kinetic += rigid_body(m, [0, 0, 0], m*l^2, world);", "m*l^2: expected a matrix, found a number");
         refused(
             "kinetic += rigid_body(m, [0, 0, 0], [[m*l^2, m*l^2, 0], [0, m*l^2, 0], [0, 0, m*l^2]], world);",

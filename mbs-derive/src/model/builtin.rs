@@ -153,7 +153,8 @@ fn wrong_count(resolver: &mut Resolver<'_, '_>, builtin: &Builtin, name: &Name, 
     let counts: Vec<String> = builtin.arguments.iter().map(|n| (n - less).to_string()).collect();
     let noun = if counts == ["1"] { "argument" } else { "arguments" };
     let (wanted, found) = (counts.join(" or "), found - less);
-    let message = format!("`{}` takes {wanted} {noun}, {found} {} given", builtin.name, if found == 1 { "is" } else { "are" });
+    let message =
+        format!("`{}` takes {wanted} {noun}, {found} {} given", builtin.name, if found == 1 { "is" } else { "are" });
     resolver.refuse(&name.span, message, format!("write `{}`", builtin.form))
 }
 
@@ -378,7 +379,7 @@ fn origin<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) -> Resolved<
 fn rotation_matrix<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) -> Resolved<Value<'g>> {
     let frame = resolver.frame(&call.arguments[0])?;
     let entries = resolver.lagrangian.frames.get(frame).rotation;
-    Ok(Value::Matrix(Tensor { entries, dimension: Dimension::ONE }))
+    Ok(Value::matrix(Tensor { entries, dimension: Dimension::ONE }))
 }
 
 fn angular_velocity<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) -> Resolved<Value<'g>> {
@@ -397,7 +398,8 @@ fn entries<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) -> Resolved
     for argument in call.arguments {
         let entry = resolver.scalar(argument)?;
         let Some(dimension) = shared(common, entry.fit()) else {
-            let message = format!("the entries of a matrix share one dimension, these are {} and {}", common.0, entry.dimension);
+            let message =
+                format!("the entries of a matrix share one dimension, these are {} and {}", common.0, entry.dimension);
             return Err(resolver.refuse(&argument.span, message, ""));
         };
         common = (dimension, common.1 && entry.fit().1);
@@ -409,16 +411,16 @@ fn entries<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) -> Resolved
 fn diagonal<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) -> Resolved<Value<'g>> {
     let (entries, dimension) = entries(resolver, call)?;
     let &[x, y, z] = entries.as_slice() else { return Err(Refused) };
-    Ok(Value::Matrix(Tensor { entries: Matrix::diagonal([x, y, z]), dimension }))
+    Ok(Value::matrix(Tensor { entries: Matrix::diagonal([x, y, z]), dimension }))
 }
 
 fn inertia<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) -> Resolved<Value<'g>> {
     let (entries, dimension) = entries(resolver, call)?;
     match *entries.as_slice() {
-        [x, y, z] => Ok(Value::Matrix(Tensor { entries: Matrix::diagonal([x, y, z]), dimension })),
+        [x, y, z] => Ok(Value::matrix(Tensor { entries: Matrix::diagonal([x, y, z]), dimension })),
         [xx, yy, zz, xy, xz, yz] => {
             let entries = Matrix([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]);
-            Ok(Value::Matrix(Tensor { entries, dimension }))
+            Ok(Value::matrix(Tensor { entries, dimension }))
         }
         _ => Err(Refused),
     }
@@ -426,7 +428,7 @@ fn inertia<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) -> Resolved
 
 fn transpose<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) -> Resolved<Value<'g>> {
     let matrix = resolver.matrix(&call.arguments[0])?;
-    Ok(Value::Matrix(Tensor { entries: matrix.entries.transpose(), ..matrix }))
+    Ok(Value::matrix(Tensor { entries: matrix.entries.transpose(), ..matrix }))
 }
 
 fn particle<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) -> Resolved<Value<'g>> {
@@ -466,9 +468,15 @@ mod tests {
         check("tanh(theta) + ln(m/(m/2)) + exp(0)", 0.4f64.tanh() + 2f64.ln() + 1.0);
         assert_eq!(value_with_unit("", "abs(y)"), (vec![0.7], "m".to_string()));
         assert_eq!(value_with_unit("", "signum(y)"), (vec![-1.0], "1".to_string()));
-        refused("let a = sin(x);", "x: the argument of `sin` must be a plain number, this is m; divide by a quantity of the same dimension");
+        refused(
+            "let a = sin(x);",
+            "x: the argument of `sin` must be a plain number, this is m; divide by a quantity of the same dimension",
+        );
         refused("let a = atan2(y, m);", "atan2(y, m): the arguments need equal dimensions, these are m and kg");
-        refused("let a = sin([x, y, z]/l);", "[x, y, z]/l: expected a number, found a vector; of a vector, `.x`, `.norm()` and `.dot(v)` are numbers");
+        refused(
+            "let a = sin([x, y, z]/l);",
+            "[x, y, z]/l: expected a number, found a vector; of a vector, `.x`, `.norm()` and `.dot(v)` are numbers",
+        );
     }
 
     #[test]
@@ -476,13 +484,22 @@ mod tests {
         refused("let a = atan2(x);", "atan2: `atan2` takes 2 arguments, 1 is given; write `atan2(y, x)`");
         refused("let a = sin();", "sin: `sin` takes 1 argument, 0 are given; write `sin(x)`");
         refused("let a = [x, y, z].norm(2);", "norm: `norm` takes 0 arguments, 1 is given; write `v.norm()`");
-        refused("let a = inertia(m, m);", "inertia: `inertia` takes 3 or 6 arguments, 2 are given; write `inertia(xx, yy, zz, xy, xz, yz)`");
+        refused(
+            "let a = inertia(m, m);",
+            "inertia: `inertia` takes 3 or 6 arguments, 2 are given; write `inertia(xx, yy, zz, xy, xz, yz)`",
+        );
         refused("let a = sine(x);", "sine: there is no function `sine`; did you mean `sin(x)`?");
         refused("let a = norm([x, y, z]);", "norm: `norm` is a method; write `v.norm()`");
         refused("let a = theta.sin();", "sin: there is no method `sin`; it is a function: write `sin(x)`");
-        refused("let a = [x, y, z].norm_sqared();", "norm_sqared: there is no method `norm_sqared`; did you mean `v.norm_squared()`?");
+        refused(
+            "let a = [x, y, z].norm_sqared();",
+            "norm_sqared: there is no method `norm_sqared`; did you mean `v.norm_squared()`?",
+        );
         refused("let a = m(l + x);", "m: `m` is not a function; write `*` for a product");
-        refused("let a = x.origin();", "x: expected a pose, found a number; poses are made by `rot_z(angle)`, `translation([x, y, z])`, `dh(theta, d, a, alpha)`");
+        refused(
+            "let a = x.origin();",
+            "x: expected a pose, found a number; poses are made by `rot_z(angle)`, `translation([x, y, z])`, `dh(theta, d, a, alpha)`",
+        );
     }
 
     #[test]
@@ -493,17 +510,28 @@ mod tests {
         same("", "rotation([0, 0, 2], theta)", "rot_z(theta)");
         same("", "rotation([0, -1, 0], theta)", "rot_y(-theta)");
         same("", "rotation([1, 1, 1], 2*pi/3) * [1, 2, 3]", "[3, 1, 2]");
-        same("", "rotation([x, 0, 0]/x*0 + [2, 3, 6], theta) * [2, 3, 6]", "[2, 3, 6]");
+        same("", "rotation([1, 0, 0]*0 + [2, 3, 6], theta) * [2, 3, 6]", "[2, 3, 6]");
         refused("let a = rotation([0, 0, 0], theta);", "[0, 0, 0]: an axis must have a direction, this is zero");
-        refused("let a = rotation([x, y, z], theta);", "[x, y, z]: an axis must be constant; compose rotations about constant axes: `rot_z(a) * rot_x(b)`");
-        refused("let a = rot_z(x);", "x: an angle must be a plain number, this is m; divide by a quantity of the same dimension");
-        refused("let a = translation([1, 2, 3]);", "[1, 2, 3]: a translation must be m, this is a plain number; a number has no unit of its own: declare it, `const name: unit = value;`");
+        refused(
+            "let a = rotation([x, y, z], theta);",
+            "[x, y, z]: an axis must be constant; compose rotations about constant axes: `rot_z(a) * rot_x(b)`",
+        );
+        refused(
+            "let a = rot_z(x);",
+            "x: an angle must be a plain number, this is m; divide by a quantity of the same dimension",
+        );
+        refused(
+            "let a = translation([1, 2, 3]);",
+            "[1, 2, 3]: a translation must be m, this is a plain number; a number has no unit of its own: declare it, `const name: unit = value;`",
+        );
     }
 
     #[test]
     fn a_rational_axis_is_exact() {
         mechanism("output r = rotation([2, 3, 6], theta);", |lagrangian| {
-            let Some(Edge::Rotation { axis, .. }) = lagrangian.frames.iter().last().unwrap().edge else { panic!("turned") };
+            let Some(Edge::Rotation { axis, .. }) = lagrangian.frames.iter().last().unwrap().edge else {
+                panic!("turned")
+            };
             let seventh = |n| Number::rational(n, 7);
             assert_eq!(axis.0.map(|e| e.as_constant()), [seventh(2), seventh(3), seventh(6)]);
         });
@@ -512,7 +540,11 @@ mod tests {
     #[test]
     fn denavit_hartenberg() {
         let lengths = "const d: m = 2; const a: m = 3;";
-        same(lengths, "dh(theta, d, a, q[0])", "rot_z(theta) * translation([0, 0, d]) * translation([a, 0, 0]) * rot_x(q[0])");
+        same(
+            lengths,
+            "dh(theta, d, a, q[0])",
+            "rot_z(theta) * translation([0, 0, d]) * translation([a, 0, 0]) * rot_x(q[0])",
+        );
         near(&value(lengths, "dh(90*deg, d, a, -90*deg).point([d, a, a])"), &[-3.0, 5.0, -1.0], "of constants");
         // What does nothing is no frame.
         let edges = |pose: &str| mechanism(&format!("{lengths} output r = {pose};"), |l| l.frames.iter().count() - 1);
@@ -524,9 +556,18 @@ mod tests {
     #[test]
     fn places_belong_to_their_pose() {
         let poses = "let a = rot_z(theta); let b = rot_x(theta);";
-        refused(&format!("{poses} let p = a.point(b * [x, y, z]);"), "b * [x, y, z]: this vector belongs to another pose; write its components in the axes of this pose: `[x, y, z]`");
-        refused(&format!("{poses} let p = a.point(b.point([x, y, z]));"), "b.point([x, y, z]): this vector belongs to another pose; write its components in the axes of this pose: `[x, y, z]`");
-        refused("let p = world.point([1, 0, 0]);", "[1, 0, 0]: a place must be m, this is a plain number; a number has no unit of its own: declare it, `const name: unit = value;`");
+        refused(
+            &format!("{poses} let p = a.point(b * [x, y, z]);"),
+            "b * [x, y, z]: this vector belongs to another pose; write its components in the axes of this pose: `[x, y, z]`",
+        );
+        refused(
+            &format!("{poses} let p = a.point(b.point([x, y, z]));"),
+            "b.point([x, y, z]): this vector belongs to another pose; write its components in the axes of this pose: `[x, y, z]`",
+        );
+        refused(
+            "let p = world.point([1, 0, 0]);",
+            "[1, 0, 0]: a place must be m, this is a plain number; a number has no unit of its own: declare it, `const name: unit = value;`",
+        );
         same(poses, "a.point(a * [x, y, z])", "a.point([x, y, z])");
     }
 }

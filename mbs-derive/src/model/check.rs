@@ -115,7 +115,8 @@ impl<'d, 'g> Resolver<'d, 'g> {
         .into_iter();
         for body in &bodies {
             let mass = values.next().unwrap_or(f64::NAN);
-            let entries: Vec<f64> = body.inertia.iter().flat_map(|_| values.by_ref().take(9).collect::<Vec<_>>()).collect();
+            let entries: Vec<f64> =
+                body.inertia.iter().flat_map(|_| values.by_ref().take(9).collect::<Vec<_>>()).collect();
             self.check_mass(body, mass, &entries);
             if let (Some((_, span)), Some(inertia)) = (&body.inertia, symmetric(&entries)) {
                 self.check_moments(principal_moments(inertia), span);
@@ -144,7 +145,8 @@ impl<'d, 'g> Resolver<'d, 'g> {
             self.refuse(span, "an inertia has no negative principal moment", shown);
         } else if a + b < c * (1.0 - TRIANGLE_TOLERANCE) {
             let message = "no body has this inertia: a principal moment is greater than the sum of the other two";
-            let help = format!("{shown}; where a body turns about one axis only, any two others will do, such as equal ones");
+            let help =
+                format!("{shown}; where a body turns about one axis only, any two others will do, such as equal ones");
             self.refuse(span, message, help);
         }
     }
@@ -204,7 +206,11 @@ impl<'d, 'g> Resolver<'d, 'g> {
         let massless: Vec<_> = self.lagrangian.coordinates.iter().flat_map(missing).collect();
         for (name, component) in massless {
             let message = format!("`{component}` has no inertia: its rate is in no kinetic energy");
-            self.refuse(&self.span_of(&name), message, format!("write `kinetic += …` with `dt({name})`, or leave it out"));
+            self.refuse(
+                &self.span_of(&name),
+                message,
+                format!("write `kinetic += …` with `dt({name})`, or leave it out"),
+            );
         }
     }
 
@@ -268,14 +274,28 @@ mod tests {
     #[test]
     fn bodies_must_be_possible() {
         let body = |mass: &str, inertia: &str| {
-            format!("const i: kg*m^2 = 1; const n: kg = {mass}; kinetic += rigid_body(n, [0, 0, 0], {inertia}, rot_z(theta));")
+            format!(
+                "const i: kg*m^2 = 1; const n: kg = {mass}; kinetic += rigid_body(n, [0, 0, 0], {inertia}, rot_z(theta));"
+            )
         };
         refused(&body("-1", "diag(i, i, i)"), "n: a mass is not negative, this is -1 kg");
         refused(&body("0", "diag(0, 0, 0)"), "n: a body without mass and inertia has no kinetic energy; leave it out");
-        refused(&body("1", "diag(i, i, 3*i)"), "diag(i, i, 3*i): no body has this inertia: a principal moment is greater than the sum of the other two; its principal moments are 1, 1 and 3; where a body turns about one axis only, any two others will do, such as equal ones");
-        refused(&body("1", "inertia(i, i, i, 2*i, 0, 0)"), "inertia(i, i, i, 2*i, 0, 0): an inertia has no negative principal moment; its principal moments are -1, 1 and 3");
-        refused("param n: kg = -3; kinetic += particle(n, [x, y, z]);", "n: a mass is not negative, this is -3 kg; this is so by the default values of the parameters");
-        refused("param n: kg = 0; kinetic += particle(n, [x, y, z]);", "n: a body without mass and inertia has no kinetic energy; this is so by the default values of the parameters");
+        refused(
+            &body("1", "diag(i, i, 3*i)"),
+            "diag(i, i, 3*i): no body has this inertia: a principal moment is greater than the sum of the other two; its principal moments are 1, 1 and 3; where a body turns about one axis only, any two others will do, such as equal ones",
+        );
+        refused(
+            &body("1", "inertia(i, i, i, 2*i, 0, 0)"),
+            "inertia(i, i, i, 2*i, 0, 0): an inertia has no negative principal moment; its principal moments are -1, 1 and 3",
+        );
+        refused(
+            "param n: kg = -3; kinetic += particle(n, [x, y, z]);",
+            "n: a mass is not negative, this is -3 kg; this is so by the default values of the parameters",
+        );
+        refused(
+            "param n: kg = 0; kinetic += particle(n, [x, y, z]);",
+            "n: a body without mass and inertia has no kinetic energy; this is so by the default values of the parameters",
+        );
         assert!(super::super::trial::refusals(&body("0", "diag(i, i, 2*i)")).is_empty());
         assert!(super::super::trial::refusals(&body("1", "diag(0, i, i)")).is_empty());
     }
@@ -286,7 +306,10 @@ mod tests {
             assert_eq!(messages(&format!("mechanism A {{ {statements} }}")), [message], "{statements}");
         };
         check("", "A: `A` has no coordinates; declare one: `coord theta: rad;`");
-        check("coord x: m;", "A: `A` has no kinetic energy; write `kinetic += 1/2 * m * dt(x)^2;` or `kinetic += particle(m, r);`");
+        check(
+            "coord x: m;",
+            "A: `A` has no kinetic energy; write `kinetic += 1/2 * m * dt(x)^2;` or `kinetic += particle(m, r);`",
+        );
         check(
             "param m: kg = 1; coord x: m; coord y: m; kinetic += 1/2*m*dt(x)^2; potential += m*y^2/t^2;",
             "y: `y` has no inertia: its rate is in no kinetic energy; write `kinetic += …` with `dt(y)`, or leave it out",
@@ -304,7 +327,10 @@ mod tests {
             let found = messages(&text);
             assert!(found.len() == 1 && found[0].starts_with(&format!("{place}: ")), "{found:?}");
         };
-        check("kinetic += m*(dt(x)^2 + dt(y)^2); kinetic += m*abs(dt(x))^3*t/(x^2 + y^2)^0.5;", "m*abs(dt(x))^3*t/(x^2 + y^2)^0.5");
+        check(
+            "kinetic += m*(dt(x)^2 + dt(y)^2); kinetic += m*abs(dt(x))^3*t/(x^2 + y^2)^0.5;",
+            "m*abs(dt(x))^3*t/(x^2 + y^2)^0.5",
+        );
         check("kinetic += m*(dt(x)^2 + dt(y)^2); lagrangian += m*dt(x)^4*t^2/y^2;", "m*dt(x)^4*t^2/y^2");
         check("kinetic += m*(dt(x) + dt(y))^2;", "x");
     }

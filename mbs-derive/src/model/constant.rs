@@ -70,9 +70,10 @@ impl Facts {
             let node = graph.node(id);
             let mut dependence = self.local(node);
             if dependence == Dependence::default() {
-                match self.fold(node).filter(|value| value.to_f64().is_finite()) {
-                    Some(value) => drop(self.constants.insert(id, value)),
-                    None => dependence = Dependence::UNDEFINED,
+                if let Some(value) = self.fold(node).filter(|value| value.to_f64().is_finite()) {
+                    self.constants.insert(id, value);
+                } else {
+                    dependence = Dependence::UNDEFINED;
                 }
             }
             self.dependence.push(dependence);

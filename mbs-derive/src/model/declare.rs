@@ -16,11 +16,9 @@ impl<'d, 'g> Resolver<'d, 'g> {
     pub(super) fn parameter(&mut self, quantity: &'d Quantity) -> Resolved<()> {
         let (length, measure) = (self.length(quantity), self.measure(quantity, "param"));
         let value = self.default_of(quantity, measure.as_ref().ok(), length);
-        let (Ok(length), Ok(measure)) = (length, measure) else {
+        let (Ok(length), Ok(measure), Ok(defaults)) = (length, measure, value) else {
             return self.declare(&quantity.name, Origin::Parameter, None);
         };
-        // A wrong default has been reported; the parameter is there all the same.
-        let defaults = value.unwrap_or_else(|_| vec![Number::ZERO; length.unwrap_or(1)]);
         let name = &quantity.name.text;
         let symbols = match length {
             None => vec![self.lagrangian.parameter(name, &measure.si, defaults[0])],
@@ -222,14 +220,15 @@ impl<'d, 'g> Resolver<'d, 'g> {
                 let components = Vector([x.expr, y.expr, z.expr]);
                 Ok(Value::Vector(Free { components, dimension: x.dimension, ..vector }))
             }
-            Value::Matrix(Tensor { entries, dimension }) => {
+            Value::Matrix(matrix) => {
+                let Tensor { entries, dimension } = **matrix;
                 let mut rows = entries.0;
-                let mut found = *dimension;
+                let mut found = dimension;
                 for entry in rows.iter_mut().flatten() {
-                    let number = self.number_in_unit(Scalar::new(*entry, *dimension), measure, span, what)?;
+                    let number = self.number_in_unit(Scalar::new(*entry, dimension), measure, span, what)?;
                     (*entry, found) = (number.expr, number.dimension);
                 }
-                Ok(Value::Matrix(Tensor { entries: Matrix(rows), dimension: found }))
+                Ok(Value::matrix(Tensor { entries: Matrix(rows), dimension: found }))
             }
             Value::Pose(_) => {
                 let message = format!("{what} is made of numbers, this is a pose");
@@ -258,7 +257,8 @@ impl<'d, 'g> Resolver<'d, 'g> {
             return Err(self.refuse(span, message, "a plain number is taken in the declared unit"));
         }
         let plain = dimension == Dimension::ONE || self.dimensionless;
-        let in_radians = matches!((number, measure.scale), (Number::Exact { pi: 1.. , .. }, Number::Exact { pi: 1.., .. }));
+        let in_radians =
+            matches!((number, measure.scale), (Number::Exact { pi: 1.., .. }, Number::Exact { pi: 1.., .. }));
         if plain && in_radians {
             let help = "declare it in `rad`, or write the number of degrees alone";
             return Err(self.refuse(span, "this angle is in radians already, as its `pi` or `deg` shows", help));
@@ -278,7 +278,11 @@ mod tests {
         let check = |declaration: &str, expected: Option<Number>, unit: &str| {
             mechanism(declaration, |lagrangian| {
                 let parameter = lagrangian.parameters.last().unwrap();
-                assert_eq!((parameter.defaults.last().copied(), parameter.unit.as_str()), (expected, unit), "{declaration}");
+                assert_eq!(
+                    (parameter.defaults.last().copied(), parameter.unit.as_str()),
+                    (expected, unit),
+                    "{declaration}"
+                );
             });
         };
         check("param a: m = 0.5;", Number::rational(1, 2), "m");
@@ -307,29 +311,56 @@ mod tests {
 
     #[test]
     fn documentation_and_units_are_kept() {
-        mechanism("/// How\n/// heavy.\nparam a: kg = 1; coord w[2]: m; kinetic += a*dt(w[0])^2 + m*dt(w[1])^2;", |lagrangian| {
-            let parameter = lagrangian.parameters.last().unwrap();
-            assert_eq!(parameter.docs, ["How", "heavy."]);
-            let w = lagrangian.coordinates.last().unwrap();
-            assert_eq!((w.first, w.length, w.unit.as_str()), (6, Some(2), "m"));
-        });
+        mechanism(
+            "/// How\n/// heavy.\nparam a: kg = 1; coord w[2]: m; kinetic += a*dt(w[0])^2 + m*dt(w[1])^2;",
+            |lagrangian| {
+                let parameter = lagrangian.parameters.last().unwrap();
+                assert_eq!(parameter.docs, ["How", "heavy."]);
+                let w = lagrangian.coordinates.last().unwrap();
+                assert_eq!((w.first, w.length, w.unit.as_str()), (6, Some(2), "m"));
+            },
+        );
     }
 
     #[test]
     fn wrong_quantities() {
-        refused("param a: m;", "a: the parameter `a` needs a default; parameters can be set at run time; the default is what they are until then");
-        refused("param a: m = l;", "l: the default of a parameter must be known at build time; it is made of numbers, `pi` and other constants");
-        refused("const a: m = 2*x;", "2*x: a `const` must be known at build time; it is made of numbers, `pi` and other constants");
-        refused("const b: kg = 1; param a: m = 2*b;", "2*b: m is declared, this is kg; a plain number is taken in the declared unit");
+        refused(
+            "param a: m;",
+            "a: the parameter `a` needs a default; parameters can be set at run time; the default is what they are until then",
+        );
+        refused(
+            "param a: m = l;",
+            "l: the default of a parameter must be known at build time; it is made of numbers, `pi` and other constants",
+        );
+        refused(
+            "const a: m = 2*x;",
+            "2*x: a `const` must be known at build time; it is made of numbers, `pi` and other constants",
+        );
+        refused(
+            "const b: kg = 1; param a: m = 2*b;",
+            "2*b: m is declared, this is kg; a plain number is taken in the declared unit",
+        );
         refused("param a: furlong = 1;", "furlong: `furlong` is not a unit");
         refused("param a: Nm = 1;", "Nm: `Nm` is not a unit; did you mean `N*m`?");
-        refused("param a: deg = pi/2;", "pi/2: this angle is in radians already, as its `pi` or `deg` shows; declare it in `rad`, or write the number of degrees alone");
-        refused("param a[3]: kg = [1, 2];", "[1, 2]: this array has 2 elements, 3 are declared; one value without brackets stands for all elements");
+        refused(
+            "param a: deg = pi/2;",
+            "pi/2: this angle is in radians already, as its `pi` or `deg` shows; declare it in `rad`, or write the number of degrees alone",
+        );
+        refused(
+            "param a[3]: kg = [1, 2];",
+            "[1, 2]: this array has 2 elements, 3 are declared; one value without brackets stands for all elements",
+        );
         refused("param a: kg = [1, 2];", "[1, 2]: `a` is one number, this is an array of 2; write `param a[2]`");
-        refused("param a: kg = world;", "world: the default of a parameter is made of numbers, this is a pose; write `let` for anything else");
+        refused(
+            "param a: kg = world;",
+            "world: the default of a parameter is made of numbers, this is a pose; write `let` for anything else",
+        );
         refused("param a[0]: kg = 1;", "0: an array has from 1 to 10000 elements, not 0");
         refused("param a[100000]: kg = 1;", "100000: an array has from 1 to 10000 elements, not 100000");
-        refused("param a[m]: kg = 1;", "m: the length of an array must be a constant integer; it is made of numbers, constants and loop variables");
+        refused(
+            "param a[m]: kg = 1;",
+            "m: the length of an array must be a constant integer; it is made of numbers, constants and loop variables",
+        );
         refused("coord w: deg;", "deg: `w` is given at run time, in SI units; write `coord w: rad;`");
         refused("input w: kN*mm^2;", "kN*mm^2: `w` is given at run time, in SI units; write `input w: N*m^2;`");
         // A wrong declaration declares its name all the same.

@@ -19,8 +19,8 @@ pub struct Dimension([Exponent; 7]);
 /// A rational in lowest terms with a positive denominator.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Exponent {
-    numerator: i32,
-    denominator: i32,
+    numerator: i16,
+    denominator: i16,
 }
 
 impl Dimension {
@@ -47,7 +47,7 @@ impl Dimension {
         let mut dimension = [Exponent { numerator: 0, denominator: 1 }; 7];
         let mut i = 0;
         while i < 7 {
-            dimension[i].numerator = exponents[i] as i32;
+            dimension[i].numerator = exponents[i] as i16;
             i += 1;
         }
         Dimension(dimension)
@@ -91,7 +91,7 @@ impl Exponent {
         let divisor = gcd(numerator, denominator) * denominator.signum();
         let (n, d) = (numerator / divisor, denominator / divisor);
         let small = n.abs() <= LARGEST_EXPONENT && d <= LARGEST_EXPONENT;
-        small.then_some(Exponent { numerator: n as i32, denominator: d as i32 })
+        small.then_some(Exponent { numerator: n as i16, denominator: d as i16 })
     }
 }
 
@@ -106,7 +106,7 @@ fn gcd(a: i64, b: i64) -> i64 {
 /// `kg·m²/s²`, `1/s`, `kg/(m·s²)`; a plain number is `1`.
 impl fmt::Display for Dimension {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let factors = |sign: i32| -> Vec<String> {
+        let factors = |sign: i16| -> Vec<String> {
             let wanted = BASE.iter().zip(self.0).filter(|(_, e)| e.numerator.signum() == sign);
             wanted.map(|(base, e)| format!("{base}{}", superscript(e.numerator.abs(), e.denominator))).collect()
         };
@@ -120,12 +120,16 @@ impl fmt::Display for Dimension {
     }
 }
 
-fn superscript(numerator: i32, denominator: i32) -> String {
+fn superscript(numerator: i16, denominator: i16) -> String {
     match (numerator, denominator) {
         (1, 1) => String::new(),
-        (n, 1) => n.to_string().chars().map(|digit| "⁰¹²³⁴⁵⁶⁷⁸⁹".chars().nth(digit as usize - '0' as usize).unwrap_or(digit)).collect(),
+        (n, 1) => n.to_string().chars().map(raised).collect(),
         (n, d) => format!("^({n}/{d})"),
     }
+}
+
+fn raised(digit: char) -> char {
+    digit.to_digit(10).and_then(|value| "⁰¹²³⁴⁵⁶⁷⁸⁹".chars().nth(value as usize)).unwrap_or(digit)
 }
 
 /// A unit that declarations may use.
@@ -139,12 +143,7 @@ struct NamedUnit {
     exponents: [i8; 7],
 }
 
-const fn unit(
-    name: &'static str,
-    coherent: &'static str,
-    multiple: (i64, i64, i8),
-    exponents: [i8; 7],
-) -> NamedUnit {
+const fn unit(name: &'static str, coherent: &'static str, multiple: (i64, i64, i8), exponents: [i8; 7]) -> NamedUnit {
     NamedUnit { name, coherent, multiple, exponents }
 }
 
@@ -287,9 +286,10 @@ fn written(name: &str, n: i32, d: i32, first: bool) -> String {
 }
 
 fn unknown(name: &str, span: &Span) -> UnitError {
+    let other_case = UNITS.iter().map(|unit| unit.name).find(|unit| unit.eq_ignore_ascii_case(name));
     let product = (1..name.len()).filter(|&at| name.is_char_boundary(at)).map(|at| name.split_at(at));
     let product = product.filter(|(a, b)| NamedUnit::find(a).is_some() && NamedUnit::find(b).is_some());
-    let meant = product.map(|(a, b)| format!("{a}*{b}")).next();
+    let meant = other_case.map(str::to_string).or_else(|| product.map(|(a, b)| format!("{a}*{b}")).next());
     let meant = meant.or_else(|| nearest(name, UNITS.iter().map(|unit| unit.name)).map(str::to_string));
     UnitError {
         span: span.clone(),

@@ -30,8 +30,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
         let (name, kind, wanted) = term.described();
         let wanted = self.dimension(wanted);
         if shared((wanted, false), scalar.fit()).is_none() {
-            let message =
-                format!("{name} must be {kind} ({wanted}), this term is {}", in_words(scalar.dimension));
+            let message = format!("{name} must be {kind} ({wanted}), this term is {}", in_words(scalar.dimension));
             let help = self.missing_factor(expression, wanted, scalar.dimension);
             return Err(self.refuse(&expression.span, message, help));
         }
@@ -204,13 +203,18 @@ impl<'d, 'g> Resolver<'d, 'g> {
         }
         let values = self.elements(&value)?;
         if values.len() != targets.len() {
-            let message = format!("`{}` has {} components, this is {}", name.text, targets.len(), value.value.described());
-            return Err(self.refuse(&value.span, message, format!("write `force {}[i] += …;` for one component", name.text)));
+            let message =
+                format!("`{}` has {} components, this is {}", name.text, targets.len(), value.value.described());
+            return Err(self.refuse(
+                &value.span,
+                message,
+                format!("write `force {}[i] += …;` for one component", name.text),
+            ));
         }
         let pairs = targets.iter().zip(values);
-        pairs.map(|(target, value_of)| (target, Argument { value: value_of, span: value.span.clone() })).try_for_each(
-            |(target, value)| self.force_on(target, &value),
-        )
+        pairs
+            .map(|(target, value_of)| (target, Argument { value: value_of, span: value.span.clone() }))
+            .try_for_each(|(target, value)| self.force_on(target, &value))
     }
 
     fn force_on(&mut self, target: &Target, value: &Argument<'g>) -> Resolved<()> {
@@ -224,7 +228,8 @@ impl<'d, 'g> Resolver<'d, 'g> {
     /// The components of a coordinate that a force acts on.
     fn targets(&mut self, name: &Name, index: Option<&Expression>) -> Resolved<Vec<Target>> {
         let index = index.map(|index| self.argument(index));
-        let coordinates = || self.scope.names().filter(|(_, b)| matches!(b.origin, Origin::Coordinate(_))).map(|(n, _)| n);
+        let coordinates =
+            || self.scope.names().filter(|(_, b)| matches!(b.origin, Origin::Coordinate(_))).map(|(n, _)| n);
         let Some(binding) = self.scope.get(&name.text) else {
             let help = match nearest(&name.text, coordinates()) {
                 Some(meant) => format!("did you mean `{meant}`?"),
@@ -282,7 +287,10 @@ mod tests {
     #[test]
     fn energies_must_be_energies() {
         let energy = |term: &str, message: &str, help: &str| {
-            refused(&format!("kinetic += {term};"), &format!("{term}: kinetic energy must be an energy (kg·m²/s²), this term is {message}; {help}"));
+            refused(
+                &format!("kinetic += {term};"),
+                &format!("{term}: kinetic energy must be an energy (kg·m²/s²), this term is {message}; {help}"),
+            );
         };
         let meant = |meant: &str| format!("a speed enters squared: did you mean `{meant}`?");
         energy("1/2 * m * l * dt(theta)", "kg·m/s", &meant("1/2 * m * (l * dt(theta))^2"));
@@ -292,34 +300,64 @@ mod tests {
         energy("m*l*dt(theta)^2", "kg·m/s²", "it lacks a factor of m");
         energy("dt(x)", "m/s", "it lacks a factor of kg·m/s");
         energy("3", "a plain number", "it lacks a factor of kg·m²/s²");
-        refused("potential += m*l;", "m*l: potential energy must be an energy (kg·m²/s²), this term is kg·m; it lacks a factor of m/s²");
-        refused("dissipation += k*dt(x);", "k*dt(x): dissipation must be a power (kg·m²/s³), this term is kg·m/s³; it lacks a factor of m");
-        refused("lagrangian += m;", "m: a term of the Lagrangian must be an energy (kg·m²/s²), this term is kg; it lacks a factor of m²/s²");
-        refused("kinetic += m*dt([x, y, z]);", "m*dt([x, y, z]): expected a number, found a vector; of a vector, `.x`, `.norm()` and `.dot(v)` are numbers");
+        refused(
+            "potential += m*l;",
+            "m*l: potential energy must be an energy (kg·m²/s²), this term is kg·m; it lacks a factor of m/s²",
+        );
+        refused(
+            "dissipation += k*dt(x);",
+            "k*dt(x): dissipation must be a power (kg·m²/s³), this term is kg·m/s³; it lacks a factor of m",
+        );
+        refused(
+            "lagrangian += m;",
+            "m: a term of the Lagrangian must be an energy (kg·m²/s²), this term is kg; it lacks a factor of m²/s²",
+        );
+        refused(
+            "kinetic += m*dt([x, y, z]);",
+            "m*dt([x, y, z]): expected a number, found a vector; of a vector, `.x`, `.norm()` and `.dot(v)` are numbers",
+        );
     }
 
     #[test]
     fn energies_depend_on_what_they_may() {
-        refused("potential += u*x;", "u*x: an energy cannot depend on an input; inputs act through forces: `force q += u;`");
-        refused("potential += m*x/t*dt(y);", "m*x/t*dt(y): potential energy cannot depend on velocities; a velocity-dependent potential U is a term of the Lagrangian: `lagrangian += -U;`");
+        refused(
+            "potential += u*x;",
+            "u*x: an energy cannot depend on an input; inputs act through forces: `force q += u;`",
+        );
+        refused(
+            "potential += m*x/t*dt(y);",
+            "m*x/t*dt(y): potential energy cannot depend on velocities; a velocity-dependent potential U is a term of the Lagrangian: `lagrangian += -U;`",
+        );
         assert!(refusals("dissipation += u*dt(x)^2/(2*dt(t)*l*t/t)*t; lagrangian += m*x/t*dt(y); potential += m*x*dt(t*l/t)/t^2*t;").is_empty());
     }
 
     #[test]
     fn forces_act_on_coordinates() {
-        mechanism("force theta += u*l; force q[1] += 2*u*l; force q += [u*l, 0]; force x += u; force x += 0;", |lagrangian| {
-            let numbers: Vec<usize> = lagrangian.forces.iter().map(|f| f.0).collect();
-            assert_eq!(numbers, [0, 3, 5, 4, 5, 0, 0]);
-            let forces: Vec<_> = lagrangian.forces.iter().map(|f| f.1).collect();
-            near(&values(&forces), &[1.5, 4.5, 9.0, 4.5, 0.0, 1.5, 0.0], "forces");
-        });
+        mechanism(
+            "force theta += u*l; force q[1] += 2*u*l; force q += [u*l, 0]; force x += u; force x += 0;",
+            |lagrangian| {
+                let numbers: Vec<usize> = lagrangian.forces.iter().map(|f| f.0).collect();
+                assert_eq!(numbers, [0, 3, 5, 4, 5, 0, 0]);
+                let forces: Vec<_> = lagrangian.forces.iter().map(|f| f.1).collect();
+                near(&values(&forces), &[1.5, 4.5, 9.0, 4.5, 0.0, 1.5, 0.0], "forces");
+            },
+        );
         refused("force thetta += u*l;", "thetta: there is no coordinate `thetta`; did you mean `theta`?");
-        refused("force m += u;", "m: `m` is a parameter, not a coordinate; a force acts on a coordinate: `force q += …;`");
+        refused(
+            "force m += u;",
+            "m: `m` is a parameter, not a coordinate; a force acts on a coordinate: `force q += …;`",
+        );
         refused("force theta += u;", "u: the force on `theta` must be kg·m²/s², this is kg·m/s²");
         refused("force q[1] += u;", "u: the force on `q[1]` must be kg·m²/s², this is kg·m/s²");
         refused("force q[2] += u*l;", "2: the index 2 is out of range: there are 2 elements; indices run from 0 to 1");
         refused("force x[0] += u;", "0: `x` is one coordinate, it has no index; leave the index out");
-        refused("force q += u*l;", "u*l: a number has no elements; arrays are declared with their length: `param mass[6]: kg = 1;`");
-        refused("force q += [0, 0, 0];", "[0, 0, 0]: `q` has 2 components, this is a vector; write `force q[i] += …;` for one component");
+        refused(
+            "force q += u*l;",
+            "u*l: a number has no elements; arrays are declared with their length: `param mass[6]: kg = 1;`",
+        );
+        refused(
+            "force q += [0, 0, 0];",
+            "[0, 0, 0]: `q` has 2 components, this is a vector; write `force q[i] += …;` for one component",
+        );
     }
 }

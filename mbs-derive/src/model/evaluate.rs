@@ -16,7 +16,7 @@ use super::scope::Scope;
 use super::value::{Array, Free, Point, Pose, Scalar, Shape, Tensor, Term, Value, shared};
 use crate::diagnostic::{Diagnostics, nearest};
 use crate::expr::{Expr, Graph, Matrix, Number, Symbol, Vector};
-use crate::parse::syntax::{Expression, ExpressionKind, Name, Span};
+use crate::parse::syntax::{BinaryOperator, Expression, ExpressionKind, Name, Span};
 
 /// The expression is given up; why has been noted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -34,8 +34,8 @@ pub(super) struct Argument<'g> {
 /// Larger mechanisms have run away: the six-joint arm takes two thousand nodes.
 const MAX_NODES: usize = 2_000_000;
 
-/// The parser allows 256 levels; what was built by hand may be deeper.
-const MAX_DEPTH: usize = 300;
+/// As many levels as the parser allows; what was built by hand may be deeper.
+const MAX_DEPTH: usize = 260;
 
 /// Everything that is known while the statements are gone through.
 pub(super) struct Resolver<'d, 'g> {
@@ -134,20 +134,39 @@ impl<'d, 'g> Resolver<'d, 'g> {
         self.depth += 1;
         let (first, steps) = expression.left_spine();
         let mut value = self.operand(first);
+        let mut end = first.span.end;
         for (operator, right) in steps {
-            let right_value = self.expression(right);
-            let span = first.span.start..right.span.end;
-            value = match (value, right_value) {
-                (Ok(left), Ok(value)) => {
-                    let left = Argument { value: left, span: first.span.start..right.span.start };
-                    let right = Argument { value, span: right.span.clone() };
-                    self.binary(operator, left, right, &span).and_then(|value| self.defined(value, &span))
-                }
-                _ => Err(Refused),
-            };
+            value = self.step(value, operator, right, first.span.start..end);
+            end = right.span.end;
         }
         self.depth -= 1;
         value
+    }
+
+    /// One operator of a chain, with what stands before it.
+    #[inline(never)]
+    fn step(
+        &mut self,
+        left: Resolved<Value<'g>>,
+        operator: BinaryOperator,
+        right: &Expression,
+        place: Span,
+    ) -> Resolved<Value<'g>> {
+        let value = self.expression(right)?;
+        self.combined(left?, operator, Argument { value, span: right.span.clone() }, place)
+    }
+
+    #[inline(never)]
+    fn combined(
+        &mut self,
+        left: Value<'g>,
+        operator: BinaryOperator,
+        right: Argument<'g>,
+        place: Span,
+    ) -> Resolved<Value<'g>> {
+        let span = place.start..right.span.end;
+        let value = self.binary(operator, Argument { value: left, span: place }, right, &span)?;
+        self.defined(value, &span)
     }
 
     /// The value of an expression, with its place.
@@ -161,40 +180,65 @@ impl<'d, 'g> Resolver<'d, 'g> {
         values.into_iter().collect()
     }
 
+    /// One function for each kind: together they would need a stack too large for deep expressions.
     fn operand(&mut self, expression: &Expression) -> Resolved<Value<'g>> {
         let span = &expression.span;
         match &expression.kind {
             ExpressionKind::Number(text) => self.number(text, span),
             ExpressionKind::Name(name) => self.name(name, span),
-            ExpressionKind::Negate(inner) => {
-                let value = self.argument(inner)?;
-                self.negative(value)
-            }
+            ExpressionKind::Negate(inner) => self.negate(inner),
             // The left spine has taken these apart.
             ExpressionKind::Binary(..) => self.expression(expression),
-            ExpressionKind::Call(name, arguments) => {
-                let arguments = self.arguments(arguments);
-                let value = builtin::function(self, name, arguments, span)?;
-                self.defined(value, span)
-            }
-            ExpressionKind::Method(receiver, name, arguments) => {
-                let receiver = self.argument(receiver);
-                let arguments = self.arguments(arguments);
-                builtin::method(self, name, receiver, arguments, span)
-            }
-            ExpressionKind::Field(value, field) => {
-                let value = self.argument(value)?;
-                self.component(&value, field)
-            }
-            ExpressionKind::Index(array, index) => {
-                let (array, index) = (self.argument(array), self.argument(index));
-                self.element(&array?, &index?)
-            }
-            ExpressionKind::Array(elements) => {
-                let elements = self.arguments(elements)?;
-                self.array(elements.into_iter().map(|e| e.value).collect(), span)
-            }
+            ExpressionKind::Call(name, arguments) => self.call(name, arguments, span),
+            ExpressionKind::Method(receiver, name, arguments) => self.method(receiver, name, arguments, span),
+            ExpressionKind::Field(value, field) => self.field(value, field),
+            ExpressionKind::Index(array, index) => self.indexed(array, index),
+            ExpressionKind::Array(elements) => self.elements_in_a_row(elements, span),
         }
+    }
+
+    #[inline(never)]
+    fn negate(&mut self, inner: &Expression) -> Resolved<Value<'g>> {
+        let value = self.argument(inner)?;
+        self.negative(value)
+    }
+
+    #[inline(never)]
+    fn call(&mut self, name: &Name, arguments: &[Expression], span: &Span) -> Resolved<Value<'g>> {
+        let arguments = self.arguments(arguments);
+        let value = builtin::function(self, name, arguments, span)?;
+        self.defined(value, span)
+    }
+
+    #[inline(never)]
+    fn method(
+        &mut self,
+        receiver: &Expression,
+        name: &Name,
+        arguments: &[Expression],
+        span: &Span,
+    ) -> Resolved<Value<'g>> {
+        let receiver = self.argument(receiver);
+        let arguments = self.arguments(arguments);
+        builtin::method(self, name, receiver, arguments, span)
+    }
+
+    #[inline(never)]
+    fn field(&mut self, value: &Expression, field: &Name) -> Resolved<Value<'g>> {
+        let value = self.argument(value)?;
+        self.component(&value, field)
+    }
+
+    #[inline(never)]
+    fn indexed(&mut self, array: &Expression, index: &Expression) -> Resolved<Value<'g>> {
+        let (array, index) = (self.argument(array), self.argument(index));
+        self.element(&array?, &index?)
+    }
+
+    #[inline(never)]
+    fn elements_in_a_row(&mut self, elements: &[Expression], span: &Span) -> Resolved<Value<'g>> {
+        let elements = self.arguments(elements)?;
+        self.array(elements.into_iter().map(|e| e.value).collect(), span)
     }
 
     fn number(&mut self, text: &str, span: &Span) -> Resolved<Value<'g>> {
@@ -365,13 +409,17 @@ impl<'d, 'g> Resolver<'d, 'g> {
                 let vector = self.vector(array)?;
                 Ok(self.in_world(vector).0.map(dimension(vector.dimension)).to_vec())
             }
-            Value::Matrix(Tensor { entries, dimension: of_entries }) => {
-                let rows = entries.0.map(|row| Array::new(row.map(dimension(*of_entries)).to_vec()));
+            Value::Matrix(matrix) => {
+                let rows = matrix.entries.0.map(|row| Array::new(row.map(dimension(matrix.dimension)).to_vec()));
                 Ok(rows.into_iter().flatten().map(Value::Array).collect())
             }
             other => {
                 let message = format!("{} has no elements", other.described());
-                Err(self.refuse(&array.span, message, "arrays are declared with their length: `param mass[6]: kg = 1;`"))
+                Err(self.refuse(
+                    &array.span,
+                    message,
+                    "arrays are declared with their length: `param mass[6]: kg = 1;`",
+                ))
             }
         }
     }
@@ -433,7 +481,12 @@ impl<'d, 'g> Resolver<'d, 'g> {
     }
 
     /// A number of the dimension wanted; `what` begins the message.
-    pub(super) fn of_dimension(&mut self, argument: &Argument<'g>, what: &str, wanted: Dimension) -> Resolved<Expr<'g>> {
+    pub(super) fn of_dimension(
+        &mut self,
+        argument: &Argument<'g>,
+        what: &str,
+        wanted: Dimension,
+    ) -> Resolved<Expr<'g>> {
         let scalar = self.scalar(argument)?;
         self.check_dimension(scalar.fit(), what, wanted, &argument.span)?;
         Ok(scalar.expr)
@@ -453,7 +506,9 @@ impl<'d, 'g> Resolver<'d, 'g> {
         }
         let help = match (wanted, found.0) {
             (Dimension::ONE, _) => "divide by a quantity of the same dimension".to_string(),
-            (_, Dimension::ONE) => "a number has no unit of its own: declare it, `const name: unit = value;`".to_string(),
+            (_, Dimension::ONE) => {
+                "a number has no unit of its own: declare it, `const name: unit = value;`".to_string()
+            }
             _ => String::new(),
         };
         Err(self.refuse(span, format!("{what} must be {}, this is {}", in_words(wanted), in_words(found.0)), help))
@@ -480,8 +535,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
             let number = self.scalar(&Argument { value: value.clone(), span: span.clone() })?;
             *expr = number.expr;
             let Some(dimension) = shared(common, number.fit()) else {
-                let message =
-                    format!("{what} share one dimension, these are {} and {}", common.0, number.dimension);
+                let message = format!("{what} share one dimension, these are {} and {}", common.0, number.dimension);
                 return Err(self.refuse(span, message, ""));
             };
             common = (dimension, common.1 && number.expr.is_zero());
@@ -491,7 +545,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
 
     pub(super) fn matrix(&mut self, argument: &Argument<'g>) -> Resolved<Tensor<'g>> {
         match &argument.value {
-            Value::Matrix(matrix) => Ok(*matrix),
+            Value::Matrix(matrix) => Ok(**matrix),
             Value::Array(array) if argument.value.shape() == Shape::Matrix => {
                 let mut rows = [[self.graph.integer(0); 3]; 3];
                 let mut common = (Dimension::ONE, true);
@@ -618,7 +672,9 @@ pub(super) fn in_words(dimension: Dimension) -> String {
 mod tests {
     use super::super::trial::{messages, near, refusals, refused, same, value, value_with_unit};
     use crate::expr::Graph;
-    use crate::parse::syntax::{BinaryOperator, Declaration, EnergyTerm, Expression, ExpressionKind, Name, Statement, StatementKind};
+    use crate::parse::syntax::{
+        BinaryOperator, Declaration, EnergyTerm, Expression, ExpressionKind, Name, Statement, StatementKind,
+    };
 
     #[test]
     fn numbers_names_and_built_in_constants() {
@@ -643,16 +699,39 @@ mod tests {
         near(&value("", "[x, y, z].y"), &[-0.7], "a component");
         near(&value("", "[[1, 2], [3, 4]][1][0]"), &[3.0], "an element");
         near(&value("const n = 2;", "[x, y, z][n]"), &[1.1], "an element by a constant");
-        same("let pose = translation([l, 0, 0]) * rot_z(theta);", "(pose * [x, y, z]).x", "x*cos(theta) - y*sin(theta)");
-        same("let pose = translation([l, 0, 0]) * rot_z(theta);", "pose.point([x, y, z]).x", "l + x*cos(theta) - y*sin(theta)");
+        same(
+            "let pose = translation([l, 0, 0]) * rot_z(theta);",
+            "(pose * [x, y, z]).x",
+            "x*cos(theta) - y*sin(theta)",
+        );
+        same(
+            "let pose = translation([l, 0, 0]) * rot_z(theta);",
+            "pose.point([x, y, z]).x",
+            "l + x*cos(theta) - y*sin(theta)",
+        );
         same("", "diag(1, 2, 3)[1][1]", "2");
         same("", "translation(x, 0, 0).origin()[0]", "x");
         refused("let a = q[2];", "2: the index 2 is out of range: there are 2 elements; indices run from 0 to 1");
-        refused("let a = q[0 - 1];", "0 - 1: the index -1 is out of range: there are 2 elements; indices run from 0 to 1");
-        refused("let a = q[m/m];", "m/m: an index must be a constant integer; it is made of numbers, constants and loop variables");
-        refused("let a = q[1/2];", "1/2: an index must be a constant integer; it is made of numbers, constants and loop variables");
-        refused("let a = m[0];", "m: a number has no elements; arrays are declared with their length: `param mass[6]: kg = 1;`");
-        refused("let a = [x, y, z].w;", "w: there is no component `w`; vectors and points have `.x`, `.y` and `.z`, along the axes of the world");
+        refused(
+            "let a = q[0 - 1];",
+            "0 - 1: the index -1 is out of range: there are 2 elements; indices run from 0 to 1",
+        );
+        refused(
+            "let a = q[m/m];",
+            "m/m: an index must be a constant integer; it is made of numbers, constants and loop variables",
+        );
+        refused(
+            "let a = q[1/2];",
+            "1/2: an index must be a constant integer; it is made of numbers, constants and loop variables",
+        );
+        refused(
+            "let a = m[0];",
+            "m: a number has no elements; arrays are declared with their length: `param mass[6]: kg = 1;`",
+        );
+        refused(
+            "let a = [x, y, z].w;",
+            "w: there is no component `w`; vectors and points have `.x`, `.y` and `.z`, along the axes of the world",
+        );
         refused("let a = [x, y, z].norm;", "norm: there is no component `norm`; write `v.norm()`");
         refused("let a = x.x;", "x: expected a vector, found a number; a vector is written `[x, y, z]`");
     }
@@ -660,9 +739,15 @@ mod tests {
     #[test]
     fn unknown_names_get_the_nearest() {
         refused("let a = thetta;", "thetta: `thetta` is not declared; did you mean `theta`?");
-        refused("let a = mass_of_it;", "mass_of_it: `mass_of_it` is not declared; declare it: `param mass_of_it: m = …;` or `let mass_of_it = …;`");
+        refused(
+            "let a = mass_of_it;",
+            "mass_of_it: `mass_of_it` is not declared; declare it: `param mass_of_it: m = …;` or `let mass_of_it = …;`",
+        );
         refused("let a = sin;", "sin: `sin` is a function; write `sin(x)`");
-        refused("let a = late; let late = 1;", "late: `late` is declared further down; names are known from their declaration on: move it up");
+        refused(
+            "let a = late; let late = 1;",
+            "late: `late` is declared further down; names are known from their declaration on: move it up",
+        );
         // What is made of a refused value is refused without a word; the rest is looked at.
         assert_eq!(refusals("let a = nothing; let b = a + 1; let c = b * nowhere;").len(), 2);
         assert_eq!(refusals("let a = first_thing + second_thing;").len(), 2);
@@ -672,7 +757,10 @@ mod tests {
     fn definitions_in_a_circle_are_named() {
         let help = "a `let mut` can take a new value made of its old one: `x = x + …;`";
         refused("let a = b; let b = a;", &format!("b: `b` is defined by itself: a → b → a; {help}"));
-        refused("let a = 1 + c; let b = 2*a; let c = -b;", &format!("c: `c` is defined by itself: a → c → b → a; {help}"));
+        refused(
+            "let a = 1 + c; let b = 2*a; let c = -b;",
+            &format!("c: `c` is defined by itself: a → c → b → a; {help}"),
+        );
         refused("let a = a + 1;", &format!("a: `a` is defined by itself: a → a; {help}"));
         refused("param p: m = c; const c = p;", &format!("c: `c` is defined by itself: p → c → p; {help}"));
         assert!(refusals("for i in 0..2 { let m = m + m; kinetic += m*dt(x)^2; }").is_empty());
@@ -700,7 +788,9 @@ mod tests {
         let doubling = "let mut p = world; for i in 0..60 { p = p * rot_z(theta) * p; kinetic += rigid_body(m, [0, 0, 0], diag(1, 1, 1)*m*l^2, p); }";
         assert_eq!(
             refusals(doubling).last().map(|m| m.split_once(": ").unwrap().1.to_string()).as_deref(),
-            Some("the expressions of this mechanism grow beyond 2000000 nodes; do loops repeat more than was meant, or do values double in each turn?")
+            Some(
+                "the expressions of this mechanism grow beyond 2000000 nodes; do loops repeat more than was meant, or do values double in each turn?"
+            )
         );
     }
 

@@ -48,7 +48,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
             }
             Shape::Matrix => {
                 let a = self.matrix(&a)?;
-                Ok(Value::Matrix(Tensor { entries: Matrix(a.entries.0.map(|row| row.map(|x| -x))), ..a }))
+                Ok(Value::matrix(Tensor { entries: Matrix(a.entries.0.map(|row| row.map(|x| -x))), ..a }))
             }
             Shape::Pose => Err(self.refuse(&a.span, "a pose has no sign", "the inverse of a pose is `pose.inverse()`")),
             Shape::Array => Err(self.no_array_arithmetic(&a)),
@@ -97,7 +97,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
                 let (a, b) = (self.matrix(&a)?, self.matrix(&b)?);
                 let dimension = self.common(a.fit(), b.fit(), span)?;
                 let entries = if minus { a.entries - b.entries } else { a.entries + b.entries };
-                Ok(Value::Matrix(Tensor { entries, dimension }))
+                Ok(Value::matrix(Tensor { entries, dimension }))
             }
             _ => Err(self.no_operator(if minus { "-" } else { "+" }, &a, &b, span)),
         }
@@ -173,7 +173,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
             (Shape::Matrix, Shape::Matrix) => {
                 let (a, b) = (self.matrix(&a)?, self.matrix(&b)?);
                 let dimension = self.bounded(a.dimension.times(b.dimension), span)?;
-                Ok(Value::Matrix(Tensor { entries: a.entries * b.entries, dimension }))
+                Ok(Value::matrix(Tensor { entries: a.entries * b.entries, dimension }))
             }
             (Shape::Matrix, Shape::Vector) => {
                 let (a, v) = (self.matrix(&a)?, self.vector(&b)?);
@@ -189,7 +189,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
         if b.value.shape() == Shape::Matrix {
             let matrix = self.matrix(b)?;
             let dimension = self.bounded(factor.dimension.times(matrix.dimension), span)?;
-            return Ok(Value::Matrix(Tensor { entries: matrix.entries.scale(factor.expr), dimension }));
+            return Ok(Value::matrix(Tensor { entries: matrix.entries.scale(factor.expr), dimension }));
         }
         let vector = self.vector(b)?;
         let dimension = self.bounded(factor.dimension.times(vector.dimension), span)?;
@@ -252,7 +252,8 @@ impl<'d, 'g> Resolver<'d, 'g> {
 
 impl<'d, 'g> Resolver<'d, 'g> {
     fn quotient(&mut self, a: Argument<'g>, b: Argument<'g>, span: &Span) -> Resolved<Value<'g>> {
-        if b.value.shape() != Shape::Number || !matches!(a.value.shape(), Shape::Number | Shape::Vector | Shape::Matrix) {
+        if b.value.shape() != Shape::Number || !matches!(a.value.shape(), Shape::Number | Shape::Vector | Shape::Matrix)
+        {
             return Err(self.no_operator("/", &a, &b, span));
         }
         let divisor = self.scalar(&b)?;
@@ -340,10 +341,11 @@ impl<'d, 'g> Resolver<'d, 'g> {
                 }
                 Ok(Value::Vector(Free { components: rate, frame: *frame, dimension }))
             }
-            Value::Matrix(Tensor { entries, dimension }) => {
+            Value::Matrix(matrix) => {
+                let Tensor { entries, dimension } = **matrix;
                 entries.0.iter().flatten().try_for_each(|&c| self.check_rate(c, &a.span))?;
-                let dimension = self.per_second(*dimension, &a.span)?;
-                Ok(Value::Matrix(Tensor { entries: Matrix(entries.0.map(|row| row.map(Expr::rate))), dimension }))
+                let dimension = self.per_second(dimension, &a.span)?;
+                Ok(Value::matrix(Tensor { entries: Matrix(entries.0.map(|row| row.map(Expr::rate))), dimension }))
             }
             Value::Array(array) => {
                 let of = |value: &Value<'g>| Argument { value: value.clone(), span: a.span.clone() };
@@ -400,18 +402,40 @@ mod tests {
         unit("diag(m, m, 0)*[x, 0, l]", "kg·m");
         refused("let a = m + l;", "m + l: a sum needs equal dimensions, these are kg and m");
         refused("let a = l + 1;", "l + 1: a sum needs equal dimensions, these are m and a plain number");
-        refused("let a = [x, y, z] - [m, m, m];", "[x, y, z] - [m, m, m]: a sum needs equal dimensions, these are m and kg");
-        refused("let a = [x, theta, 0] + [x, 0, 0];", "[x, theta, 0]: the components of a vector share one dimension, these are m and 1");
-        refused("let a = 2^l;", "l: an exponent must be a plain number, this is m; divide by a quantity of the same dimension");
-        refused("let a = l^theta;", "theta: a power of m needs an exponent such as 2, -1 or 1/2; other exponents are for plain numbers only");
+        refused(
+            "let a = [x, y, z] - [m, m, m];",
+            "[x, y, z] - [m, m, m]: a sum needs equal dimensions, these are m and kg",
+        );
+        refused(
+            "let a = [x, theta, 0] + [x, 0, 0];",
+            "[x, theta, 0]: the components of a vector share one dimension, these are m and 1",
+        );
+        refused(
+            "let a = 2^l;",
+            "l: an exponent must be a plain number, this is m; divide by a quantity of the same dimension",
+        );
+        refused(
+            "let a = l^theta;",
+            "theta: a power of m needs an exponent such as 2, -1 or 1/2; other exponents are for plain numbers only",
+        );
         refused("let a = l^1000;", "1000: an exponent is at most 100; `exp(n * ln(x))` takes any");
-        refused("let mut a = l/l*m; for i in 0..20 { let b = a^100; let c = b^100; }", "b^100: the exponents of this dimension are out of range");
-        refused("let a = (-2)^0.3;", "(-2): a negative number has no power with this exponent; integers and halves are exponents for any base");
+        refused(
+            "let mut a = l/l*m; for i in 0..20 { let b = a^100; let c = b^100; }",
+            "b^100: the exponents of this dimension are out of range",
+        );
+        refused(
+            "let a = (-2)^0.3;",
+            "(-2): a negative number has no power with this exponent; integers and halves are exponents for any base",
+        );
     }
 
     #[test]
     fn powers() {
-        near(&value("", "[2^3, 2^-1, 2^0.5, 2^0.3, 2^theta]"), &[8.0, 0.5, 2f64.sqrt(), 2f64.powf(0.3), 2f64.powf(0.4)], "powers");
+        near(
+            &value("", "[2^3, 2^-1, 2^0.5, 2^0.3, 2^theta]"),
+            &[8.0, 0.5, 2f64.sqrt(), 2f64.powf(0.3), 2f64.powf(0.4)],
+            "powers",
+        );
     }
 
     #[test]
@@ -419,21 +443,37 @@ mod tests {
         near(&value("", "2*[1, 2, 3] - [1, 1, 1]/2 + -[1, 0, 0]"), &[0.5, 3.5, 5.5], "combination");
         near(&value("", "[1, 2, 3].cross([4, 5, 6])"), &[-3.0, 6.0, -3.0], "cross");
         near(&value("", "dot([1, 2, 3], [4, 5, 6])"), &[32.0], "dot");
-        refused("let a = [x, y, z]*[x, y, z];", "[x, y, z]*[x, y, z]: no `*` between a vector and a vector; write `a.dot(b)` or `a.cross(b)`");
-        refused("let a = [x, y, z]^2;", "[x, y, z]^2: no `^` between a vector and a number; the square of a vector is `v.norm_squared()`");
+        refused(
+            "let a = [x, y, z]*[x, y, z];",
+            "[x, y, z]*[x, y, z]: no `*` between a vector and a vector; write `a.dot(b)` or `a.cross(b)`",
+        );
+        refused(
+            "let a = [x, y, z]^2;",
+            "[x, y, z]^2: no `^` between a vector and a number; the square of a vector is `v.norm_squared()`",
+        );
         refused("let a = [x, y, z] + x;", "[x, y, z] + x: no `+` between a vector and a number");
-        refused("let a = 2*q;", "q: an array of 2 cannot be calculated with as a whole; only vectors can, arrays of three numbers: use its elements, `a[0]`");
+        refused(
+            "let a = 2*q;",
+            "q: an array of 2 cannot be calculated with as a whole; only vectors can, arrays of three numbers: use its elements, `a[0]`",
+        );
     }
 
     #[test]
     fn vectors_of_one_frame_are_not_turned() {
         let poses = "let a = rot_z(theta); let b = a * translation([l, 0, 0]); let c = a * rot_x(q[0]);";
         // In the axes that they share, whatever their origins: the sum has the same components.
-        super::super::trial::mechanism(&format!("{poses} output r = (a*[x, 0, 0] + b*[0, y, 0]).norm_squared();"), |lagrangian| {
-            let super::super::OutputValue::Scalar(expr) = lagrangian.outputs[0].value else { panic!("a number") };
-            assert_eq!(expr.to_string(), "(q_0 + 0)^2 + (0 + q_1)^2 + (0 + 0)^2");
-        });
-        same(poses, "(a*[x, 0, 0]).dot(c*[0, y, 0])", "[x*cos(theta), x*sin(theta), 0].dot(a.rotation() * (rot_x(q[0]).rotation() * [0, y, 0]))");
+        super::super::trial::mechanism(
+            &format!("{poses} output r = (a*[x, 0, 0] + b*[0, y, 0]).norm_squared();"),
+            |lagrangian| {
+                let super::super::OutputValue::Scalar(expr) = lagrangian.outputs[0].value else { panic!("a number") };
+                assert_eq!(expr.to_string(), "(q_0 + 0)^2 + (0 + q_1)^2 + (0 + 0)^2");
+            },
+        );
+        same(
+            poses,
+            "(a*[x, 0, 0]).dot(c*[0, y, 0])",
+            "[x*cos(theta), x*sin(theta), 0].dot(a.rotation() * (rot_x(q[0]).rotation() * [0, y, 0]))",
+        );
         same(poses, "a*[x, y, z] + [l, 0, 0]", "[x*cos(theta) - y*sin(theta) + l, x*sin(theta) + y*cos(theta), z]");
     }
 
@@ -463,9 +503,18 @@ mod tests {
         same(&format!("{poses} let mut c = a; for i in 0..9 {{ c = c * b; }}"), "c * c.inverse()", "world");
         refused("let a = world + world;", "world + world: no `+` between a pose and a pose; poses are composed by `*`");
         refused("let a = -world;", "world: a pose has no sign; the inverse of a pose is `pose.inverse()`");
-        refused("let a = [x, y, z]*world;", "[x, y, z]*world: no `*` between a vector and a pose; the vector stands behind what turns it: `pose * v`");
-        refused("let a = rot_z(u*l/(k*l^2));", "u*l/(k*l^2): a pose cannot depend on an input; the rate of an input is not known: make it a coordinate or a formula of `t`");
-        refused("let a = translation([t*dt(x), 0, 0]);", "[t*dt(x), 0, 0]: a pose cannot depend on a time derivative; its own velocity would be an acceleration");
+        refused(
+            "let a = [x, y, z]*world;",
+            "[x, y, z]*world: no `*` between a vector and a pose; the vector stands behind what turns it: `pose * v`",
+        );
+        refused(
+            "let a = rot_z(u*l/(k*l^2));",
+            "u*l/(k*l^2): a pose cannot depend on an input; the rate of an input is not known: make it a coordinate or a formula of `t`",
+        );
+        refused(
+            "let a = translation([t*dt(x), 0, 0]);",
+            "[t*dt(x), 0, 0]: a pose cannot depend on a time derivative; its own velocity would be an acceleration",
+        );
     }
 
     #[test]
@@ -493,12 +542,25 @@ mod tests {
         same("", "dt([x, y*theta, z])", "[dt(x), dt(y*theta), dt(z)]");
         // In the axes of the pose, and yet the rates of the world components.
         same(pose, "dt(a * [x, y, z])", "[dt((a * [x, y, z]).x), dt((a * [x, y, z]).y), dt((a * [x, y, z]).z)]");
-        same(pose, "dt(a.point([x, y, z]))", "[dt(a.point([x, y, z]).x), dt(a.point([x, y, z]).y), dt(a.point([x, y, z]).z)]");
+        same(
+            pose,
+            "dt(a.point([x, y, z]))",
+            "[dt(a.point([x, y, z]).x), dt(a.point([x, y, z]).y), dt(a.point([x, y, z]).z)]",
+        );
         same(pose, "dt(a.rotation()*[1, 2, 3])", "angular_velocity(a).cross(a * [1, 2, 3])");
         same("", "angular_velocity(rot_z(theta))", "[0, 0, dt(theta)]");
-        refused("let a = dt(dt(x));", "dt(x): accelerations cannot enter: this is a time derivative already; energies and forces are made of positions and velocities");
-        refused("let a = dt(dt([x, y, z]));", "dt([x, y, z]): accelerations cannot enter: this is a time derivative already; energies and forces are made of positions and velocities");
+        refused(
+            "let a = dt(dt(x));",
+            "dt(x): accelerations cannot enter: this is a time derivative already; energies and forces are made of positions and velocities",
+        );
+        refused(
+            "let a = dt(dt([x, y, z]));",
+            "dt([x, y, z]): accelerations cannot enter: this is a time derivative already; energies and forces are made of positions and velocities",
+        );
         refused("let a = dt(u);", "u: the rate of an input is not known; make it a coordinate or a formula of `t`");
-        refused("let a = dt(world);", "world: a pose has no time derivative; its velocities are `angular_velocity(pose)` and `dt(pose.origin())`");
+        refused(
+            "let a = dt(world);",
+            "world: a pose has no time derivative; its velocities are `angular_velocity(pose)` and `dt(pose.origin())`",
+        );
     }
 }

@@ -54,9 +54,15 @@ impl<'d, 'g> Resolver<'d, 'g> {
 
     fn statement(&mut self, statement: &'d Statement) -> Resolved<()> {
         match &statement.kind {
-            StatementKind::Param(quantity) => self.outermost("param", &statement.span).and_then(|()| self.parameter(quantity)),
-            StatementKind::Coord(quantity) => self.outermost("coord", &statement.span).and_then(|()| self.coordinate(quantity)),
-            StatementKind::Input(quantity) => self.outermost("input", &statement.span).and_then(|()| self.input(quantity)),
+            StatementKind::Param(quantity) => {
+                self.outermost("param", &statement.span).and_then(|()| self.parameter(quantity))
+            }
+            StatementKind::Coord(quantity) => {
+                self.outermost("coord", &statement.span).and_then(|()| self.coordinate(quantity))
+            }
+            StatementKind::Input(quantity) => {
+                self.outermost("input", &statement.span).and_then(|()| self.input(quantity))
+            }
             StatementKind::Const(quantity) => self.constant(quantity),
             StatementKind::Let { mutable, name, value } => {
                 let origin = if *mutable { Origin::Mutable } else { Origin::Local };
@@ -165,7 +171,11 @@ impl<'d, 'g> Resolver<'d, 'g> {
             self.turns += 1;
             if self.turns > MAX_TURNS {
                 let message = format!("the loops of this mechanism take more than {MAX_TURNS} turns");
-                return Err(self.refuse(&(start.span.start..end.span.end), message, "is the range meant to be so long?"));
+                return Err(self.refuse(
+                    &(start.span.start..end.span.end),
+                    message,
+                    "is the range meant to be so long?",
+                ));
             }
             // What is wrong in one turn is wrong in the next.
             if !self.turn(variable, number, body) {
@@ -214,7 +224,9 @@ impl<'d, 'g> Resolver<'d, 'g> {
         let text = name.text.as_str();
         let plain = |name: &str| name.strip_suffix("_jacobian").map(str::to_string);
         let taken = self.lagrangian.outputs.iter().find(|output| {
-            output.name == text || plain(text).as_deref() == Some(&output.name) || plain(&output.name).as_deref() == Some(text)
+            output.name == text
+                || plain(text).as_deref() == Some(&output.name)
+                || plain(&output.name).as_deref() == Some(text)
         });
         if let Some(output) = taken {
             let message = format!("there is already an output `{}`, with its `{}_jacobian`", output.name, output.name);
@@ -266,7 +278,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
         Ok((OutputValue::Matrix(rows), unit(dimensions)))
     }
 
-    /// The numbers of an array or vector.
+    /// The numbers of an array or vector, and the dimensions of those that are not 0.
     fn row(&mut self, row: &Argument<'g>) -> Resolved<(Vec<Expr<'g>>, Vec<Dimension>)> {
         let elements = match &row.value {
             Value::Array(array) => array.values().to_vec(),
@@ -277,7 +289,10 @@ impl<'d, 'g> Resolver<'d, 'g> {
                 self.in_world(vector).0.map(number).to_vec()
             }
             other => {
-                let message = format!("an output is a number, vector, matrix, pose, or rows of numbers; here is {}", other.described());
+                let message = format!(
+                    "an output is a number, vector, matrix, pose, or rows of numbers; here is {}",
+                    other.described()
+                );
                 return Err(self.refuse(&row.span, message, "write several outputs"));
             }
         };
@@ -285,14 +300,19 @@ impl<'d, 'g> Resolver<'d, 'g> {
         for element in elements {
             let number = self.scalar(&Argument { value: element, span: row.span.clone() })?;
             numbers.0.push(number.expr);
-            numbers.1.push(number.dimension);
+            if !number.expr.is_zero() {
+                numbers.1.push(number.dimension);
+            }
         }
         Ok(numbers)
     }
 }
 
 /// Of several numbers: the one that they share, else all.
-fn unit(dimensions: Vec<Dimension>) -> String {
+fn unit(mut dimensions: Vec<Dimension>) -> String {
+    if dimensions.is_empty() {
+        dimensions.push(Dimension::ONE);
+    }
     let mut texts: Vec<String> = dimensions.iter().map(Dimension::to_string).collect();
     texts.dedup();
     texts.join(", ")
@@ -307,7 +327,11 @@ mod tests {
     fn blocks_shadow_and_assign() {
         near(&value("let mut a = 1; for i in 0..4 { a = a*2 + i; }", "a"), &[27.0], "assignment from a loop");
         near(&value("let a = 1; for i in 0..4 { let a = 2*i; let b = a; }", "a"), &[1.0], "shadowing");
-        near(&value("let mut v = [0, 0, 0]; for i in 0..3 { for j in 0..i { v = v + [1, i, j]; } }", "v"), &[3.0, 5.0, 1.0], "nested loops");
+        near(
+            &value("let mut v = [0, 0, 0]; for i in 0..3 { for j in 0..i { v = v + [1, i, j]; } }", "v"),
+            &[3.0, 5.0, 1.0],
+            "nested loops",
+        );
         near(&value("let mut a = 7; for i in 3..1 { a = 0; }", "a"), &[7.0], "an empty loop");
         near(&value("for i in 0..2 { let m = i; }", "m"), &[2.0], "a parameter shadowed in a loop");
     }
@@ -315,7 +339,10 @@ mod tests {
     #[test]
     fn names_are_declared_once() {
         refused("let m = 1;", "m: `m` is already a parameter; choose another name");
-        refused("let a = 1; let a = 2;", "a: `a` is already a `let`; declare the first as `let mut` and write `a = …;` here, or choose another name");
+        refused(
+            "let a = 1; let a = 2;",
+            "a: `a` is already a `let`; declare the first as `let mut` and write `a = …;` here, or choose another name",
+        );
         refused("let mut a = 1; let a = 2;", "a: `a` is already a `let mut`; write `a = …;` to give it a new value");
         refused("for i in 0..3 { let i = 1; }", "i: `i` is already a loop variable; choose another name");
         refused("coord x: m;", "x: `x` is already a coordinate; choose another name");
@@ -323,23 +350,50 @@ mod tests {
 
     #[test]
     fn only_let_mut_takes_a_new_value() {
-        refused("let a = 1; a = 2;", "a: `a` is a `let`: it keeps its value; only what is declared by `let mut` takes a new one");
-        refused("m = 2;", "m: `m` is a parameter: it keeps its value; only what is declared by `let mut` takes a new one");
-        refused("for i in 0..9 { i = 2; }", "i: `i` is a loop variable: it keeps its value; only what is declared by `let mut` takes a new one");
+        refused(
+            "let a = 1; a = 2;",
+            "a: `a` is a `let`: it keeps its value; only what is declared by `let mut` takes a new one",
+        );
+        refused(
+            "m = 2;",
+            "m: `m` is a parameter: it keeps its value; only what is declared by `let mut` takes a new one",
+        );
+        refused(
+            "for i in 0..9 { i = 2; }",
+            "i: `i` is a loop variable: it keeps its value; only what is declared by `let mut` takes a new one",
+        );
         refused("a = 2;", "a: `a` is not declared; write `let a = …;`");
-        refused("let mut a = 1; a = [1, 2, 3];", "[1, 2, 3]: `a` is a number, this is a vector; use another name for it");
+        refused(
+            "let mut a = 1; a = [1, 2, 3];",
+            "[1, 2, 3]: `a` is a number, this is a vector; use another name for it",
+        );
         refused("let mut a = m; a = l;", "l: `a` is kg, this is m; use another name for it");
         assert!(refusals("let mut a = 0; a = l; let mut p = world; p = p * rot_z(theta);").is_empty());
     }
 
     #[test]
     fn loops_have_constant_bounds() {
-        refused("for i in 0..m { }", "m: the bound of a loop must be a constant integer; it is made of numbers, constants and loop variables");
-        refused("for i in 0..5/2 { }", "5/2: the bound of a loop must be a constant integer; it is made of numbers, constants and loop variables");
-        refused("for i in 0..400 { for j in 0..400 { } }", "0..400: the loops of this mechanism take more than 100000 turns; is the range meant to be so long?");
+        refused(
+            "for i in 0..m { }",
+            "m: the bound of a loop must be a constant integer; it is made of numbers, constants and loop variables",
+        );
+        refused(
+            "for i in 0..5/2 { }",
+            "5/2: the bound of a loop must be a constant integer; it is made of numbers, constants and loop variables",
+        );
+        refused(
+            "for i in 0..400 { for j in 0..400 { } }",
+            "0..400: the loops of this mechanism take more than 100000 turns; is the range meant to be so long?",
+        );
         // One report, not one for each turn; what was wrong in a loop is unknown behind it.
-        refused("let mut a = 0; for i in 0..5 { a = nothing_like_it; } let b = a;", "nothing_like_it: `nothing_like_it` is not declared; declare it: `param nothing_like_it: m = …;` or `let nothing_like_it = …;`");
-        refused("for i in 0..2 { coord y: m; }", "coord y: m;: `coord` cannot stand in a loop; declare an array before the loop, and use its elements in it");
+        refused(
+            "let mut a = 0; for i in 0..5 { a = nothing_like_it; } let b = a;",
+            "nothing_like_it: `nothing_like_it` is not declared; declare it: `param nothing_like_it: m = …;` or `let nothing_like_it = …;`",
+        );
+        refused(
+            "for i in 0..2 { coord y: m; }",
+            "coord y: m;: `coord` cannot stand in a loop; declare an array before the loop, and use its elements in it",
+        );
         let nested = format!("{}{}", "for i in 0..1 { ".repeat(110), "} ".repeat(110));
         assert_eq!(refusals(&nested), ["i: loops are nested deeper than 100 levels"]);
     }
@@ -351,18 +405,43 @@ mod tests {
         assert_eq!(value_with_unit("", "[x, theta]").1, "m, 1");
         assert_eq!(value_with_unit("", "diag(m, m, m)").1, "kg");
         assert_eq!(value("", "[[1, 2], [3, 4], [5, 6]]"), [1.0, 2.0, 3.0, 4.0, 5.0, 6.0]);
-        near(&value("let a = rot_z(pi/2);", "[a * [1, 2, 3], a * [0, 0, 1]]"), &[-2.0, 1.0, 3.0, 0.0, 0.0, 1.0], "rows in world axes");
-        mechanism("/// Where it ends.\noutput flange = world; output q = q; output a = particle(m, [x, y, z]);", |lagrangian| {
-            assert!(matches!(lagrangian.outputs[0].value, OutputValue::Pose(FrameId::WORLD)));
-            assert_eq!(lagrangian.outputs[0].docs, ["Where it ends."]);
-            assert!(matches!(&lagrangian.outputs[1].value, OutputValue::Array(values) if values.len() == 2));
-            assert!(matches!(lagrangian.outputs[2].value, OutputValue::Scalar(_)));
-        });
-        refused("output a = [[1, 2], [3]];", "[[1, 2], [3]]: the rows of an output have equal lengths; write several outputs");
-        refused("output a = [world, world];", "[world, world]: an output is a number, vector, matrix, pose, or rows of numbers; here is a pose; write several outputs");
-        refused("output a = x; output a = y;", "a: there is already an output `a`, with its `a_jacobian`; choose another name");
-        refused("output a = x; output a_jacobian = y;", "a_jacobian: there is already an output `a`, with its `a_jacobian`; choose another name");
-        refused("output bias = x;", "bias: `bias` is a function of every mechanism; choose another name for this output");
-        refused("for i in 0..2 { output a = x; }", "output a = x;: `output` cannot stand in a loop; declare an array before the loop, and use its elements in it");
+        near(
+            &value("let a = rot_z(pi/2);", "[a * [1, 2, 3], a * [0, 0, 1]]"),
+            &[-2.0, 1.0, 3.0, 0.0, 0.0, 1.0],
+            "rows in world axes",
+        );
+        mechanism(
+            "/// Where it ends.\noutput flange = world; output q = q; output a = particle(m, [x, y, z]);",
+            |lagrangian| {
+                assert!(matches!(lagrangian.outputs[0].value, OutputValue::Pose(FrameId::WORLD)));
+                assert_eq!(lagrangian.outputs[0].docs, ["Where it ends."]);
+                assert!(matches!(&lagrangian.outputs[1].value, OutputValue::Array(values) if values.len() == 2));
+                assert!(matches!(lagrangian.outputs[2].value, OutputValue::Scalar(_)));
+            },
+        );
+        refused(
+            "output a = [[1, 2], [3]];",
+            "[[1, 2], [3]]: the rows of an output have equal lengths; write several outputs",
+        );
+        refused(
+            "output a = [world, world];",
+            "[world, world]: an output is a number, vector, matrix, pose, or rows of numbers; here is a pose; write several outputs",
+        );
+        refused(
+            "output a = x; output a = y;",
+            "a: there is already an output `a`, with its `a_jacobian`; choose another name",
+        );
+        refused(
+            "output a = x; output a_jacobian = y;",
+            "a_jacobian: there is already an output `a`, with its `a_jacobian`; choose another name",
+        );
+        refused(
+            "output bias = x;",
+            "bias: `bias` is a function of every mechanism; choose another name for this output",
+        );
+        refused(
+            "for i in 0..2 { output a = x; }",
+            "output a = x;: `output` cannot stand in a loop; declare an array before the loop, and use its elements in it",
+        );
     }
 }

@@ -40,7 +40,10 @@ pub(super) fn values(exprs: &[Expr<'_>]) -> Vec<f64> {
 }
 
 /// Resolves one whole text and looks at the result.
-pub(super) fn resolved<T>(source: &str, look: impl FnOnce(Result<(Lagrangian<'_>, Diagnostics), Diagnostics>) -> T) -> T {
+pub(super) fn resolved<T>(
+    source: &str,
+    look: impl FnOnce(Result<(Lagrangian<'_>, Diagnostics), Diagnostics>) -> T,
+) -> T {
     let declaration = parse::declaration(source).unwrap_or_else(|e| panic!("{}", e.render("trial", source)));
     let graph = Graph::verbatim();
     look(resolve(&declaration, &graph))

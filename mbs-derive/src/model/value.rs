@@ -17,7 +17,7 @@ pub(super) enum Value<'g> {
     /// A place that knows its frame.
     Point(Point<'g>),
     /// Three by three numbers, of no frame.
-    Matrix(Tensor<'g>),
+    Matrix(Box<Tensor<'g>>),
     /// Position and attitude in the world.
     Pose(Pose<'g>),
     /// Several values; three numbers are a vector in world axes wherever one is wanted, three rows of three a matrix.
@@ -92,6 +92,10 @@ pub(super) enum Shape {
 }
 
 impl<'g> Value<'g> {
+    pub(super) fn matrix(matrix: Tensor<'g>) -> Self {
+        Value::Matrix(Box::new(matrix))
+    }
+
     pub(super) fn shape(&self) -> Shape {
         match self {
             Value::Scalar(_) | Value::Energy(_) => Shape::Number,

@@ -1,0 +1,41 @@
+//! `mbs check`.
+
+use crate::Workshop;
+
+#[test]
+fn a_good_mechanism_is_summed_up_in_a_line() {
+    let workshop = Workshop::new();
+    let pendulum = workshop.good(&["check", "pendulum.mbs"]);
+    let (summary, proof) = pendulum.split_once("; proved at ").unwrap();
+    assert_eq!(summary, "Pendulum: 1 coordinate (theta), 1 input (tau), 4 parameters (m, l, g, b), 0 bodies");
+    assert!(proof.ends_with(" states\n") && proof.lines().count() == 1, "{proof}");
+    let chain = workshop.good(&["check", "chain.mbs"]);
+    assert!(chain.starts_with("Chain: 2 coordinates (x[2]), 0 inputs, 3 parameters (m[2], k), 0 bodies; "), "{chain}");
+}
+
+#[test]
+fn a_mistake_is_underlined_at_its_place() {
+    let workshop = Workshop::new();
+    workshop.write("bad.mbs", crate::PENDULUM.replace("m * g * l * (1", "m * grav * l * (1"));
+    let report = workshop.bad(&["check", "bad.mbs"]);
+    assert!(report.starts_with("error: ") && report.contains("--> bad.mbs:10:22\n"), "{report}");
+    assert!(
+        report.contains("potential += m * grav * l * (1 - cos(theta));\n") && report.contains("^^^^\n"),
+        "{report}"
+    );
+}
+
+/// No command works with a mechanism that is refused.
+#[test]
+fn every_command_refuses_what_check_refuses() {
+    let workshop = Workshop::new();
+    workshop.write("bad.mbs", crate::PENDULUM.replace("kinetic", "potential"));
+    let state = ["--state", "{\"q\": [0]}"];
+    let report = workshop.bad(&["check", "bad.mbs"]);
+    assert!(report.contains("bad.mbs:"), "{report}");
+    assert_eq!(workshop.bad(&["derive", "bad.mbs", "--out", "bad.rs"]), report);
+    assert_eq!(workshop.bad(&["ops", "bad.mbs", "--json"]), report);
+    assert_eq!(workshop.bad(&["eval", "bad.mbs", state[0], state[1]]), report);
+    let simulate = ["simulate", "bad.mbs", state[0], state[1], "--t-end", "1", "--csv", "bad.csv"];
+    assert_eq!(workshop.bad(&simulate), report);
+}

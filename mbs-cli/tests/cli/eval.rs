@@ -1,0 +1,208 @@
+//! `mbs eval`: the JSON of DESIGN section 8 to the letter, and states that are refused.
+
+use serde_json::{Value, json};
+
+use crate::{Workshop, keys};
+
+/// Numbers agree to rounding; everything else is equal.
+fn assert_close(found: &Value, expected: &Value) {
+    match (found, expected) {
+        (Value::Number(found), Value::Number(expected)) => {
+            let (found, expected) = (found.as_f64().unwrap(), expected.as_f64().unwrap());
+            assert!((found - expected).abs() <= 1e-13 * expected.abs().max(1.0), "{found} instead of {expected}");
+        }
+        (Value::Array(found), Value::Array(expected)) => {
+            assert_eq!(found.len(), expected.len());
+            found.iter().zip(expected).for_each(|(found, expected)| assert_close(found, expected));
+        }
+        (Value::Object(entries), Value::Object(expected_entries)) => {
+            assert_eq!(keys(found), keys(expected));
+            entries.values().zip(expected_entries.values()).for_each(|(found, expected)| assert_close(found, expected));
+        }
+        _ => assert_eq!(found, expected),
+    }
+}
+
+#[test]
+fn a_pendulum_by_hand() {
+    let (m, l, g, b): (f64, f64, f64, f64) = (3.0, 2.0, 10.0, 0.5);
+    let (theta, omega, alpha, tau): (f64, f64, f64, f64) = (0.3, 0.7, -0.2, 1.1);
+    let inertia = m * l * l;
+    let gravity = m * g * l * theta.sin();
+    let acceleration = (tau - gravity - b * omega) / inertia;
+    let potential = m * g * l * (1.0 - theta.cos());
+    let expected = json!({
+        "mass_matrix": [[inertia]],
+        "coriolis_matrix": [[0.0]],
+        "gravity": [gravity],
+        "bias": [gravity],
+        "dissipation_force": [b * omega],
+        "generalized_force": [tau],
+        "inverse_dynamics": [inertia * alpha + gravity + b * omega],
+        "inverse_dynamics_jacobian": { "q": [[m * g * l * theta.cos()]], "qd": [[b]] },
+        "forward_dynamics": [acceleration],
+        "linearize": {
+            "q": [[-g / l * theta.cos()]],
+            "qd": [[-b / inertia]],
+            "u": [[1.0 / inertia]],
+            "params": [[
+                -(tau - b * omega) / (inertia * m),
+                -2.0 * (tau - b * omega) / (inertia * l) + gravity / (inertia * l),
+                -theta.sin() / l,
+                -omega / inertia,
+            ]],
+        },
+        "multipliers": [],
+        "kinetic_energy": 0.5 * inertia * omega * omega,
+        "potential_energy": potential,
+        "conserved": { "energy_integral": 0.5 * inertia * omega * omega + potential },
+        "outputs": { "height": l * (1.0 - theta.cos()) },
+    });
+    let state =
+        r#"{"t": 1, "q": [0.3], "qd": [0.7], "qdd": [-0.2], "u": [1.1], "params": {"b": 0.5}, "prescribed": {}}"#;
+    assert_close(&Workshop::new().eval("pendulum.mbs", state), &expected);
+}
+
+#[test]
+fn arrays_matrices_poses_and_conserved_momenta() {
+    let workshop = Workshop::new();
+    let found = workshop.eval("chain.mbs", r#"{"q": [1, 3], "qd": [4, 5], "u": []}"#);
+    assert_close(&found["mass_matrix"], &json!([[1.0, 0.0], [0.0, 2.0]]));
+    assert_close(&found["forward_dynamics"], &json!([10.0, -5.0]));
+    assert_close(&found["linearize"]["u"], &json!([[], []]));
+    assert_close(&found["linearize"]["params"], &json!([[-10.0, 0.0, 2.0], [0.0, 2.5, -1.0]]));
+    assert_close(&found["conserved"], &json!({ "energy_integral": 43.0 }));
+    let hand = json!({ "position": [0.0, 1.0, 1.0], "rotation": [[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]] });
+    assert_close(&found["outputs"], &json!({ "middle": [2.0, 0.0, 1.0], "hand": hand }));
+}
+
+#[test]
+fn parameters_by_name_whole_or_by_component() {
+    let workshop = Workshop::new();
+    let mass_matrix = |params: &str| {
+        let found = workshop.eval("chain.mbs", &format!("{{\"q\": [0, 0], \"params\": {params}}}"));
+        found["mass_matrix"].clone()
+    };
+    assert_close(&mass_matrix("{}"), &json!([[1.0, 0.0], [0.0, 2.0]]));
+    assert_close(&mass_matrix(r#"{"m": [3, 4]}"#), &json!([[3.0, 0.0], [0.0, 4.0]]));
+    assert_close(&mass_matrix(r#"{"m_1": 7}"#), &json!([[1.0, 0.0], [0.0, 7.0]]));
+}
+
+#[test]
+fn an_array_of_states_gives_an_array_of_results() {
+    let workshop = Workshop::new();
+    workshop.write("states.json", r#"[{"q": [0.1]}, {"q": [0.2], "qd": [1]}]"#);
+    let many = workshop.eval("pendulum.mbs", "states.json");
+    assert_eq!(many[0], workshop.eval("pendulum.mbs", r#"{"q": [0.1]}"#));
+    assert_eq!(many[1], workshop.eval("pendulum.mbs", r#"{"q": [0.2], "qd": [1]}"#));
+    assert_eq!(many.as_array().unwrap().len(), 2);
+    assert_eq!(workshop.eval("pendulum.mbs", "[]"), json!([]));
+}
+
+/// A mass that is read and printed again: every digit survives both ways.
+#[test]
+fn numbers_survive_both_ways() {
+    let workshop = Workshop::new();
+    for mass in
+        ["0.1", "1.0000000000000002", "2.2250738585072014e-308", "1.7976931348623157e308", "0.30000000000000004"]
+    {
+        let state = format!(r#"{{"q": [0, 0], "params": {{"m": [{mass}, 2]}}}}"#);
+        let outcome = workshop.mbs(&["eval", "chain.mbs", "--state", &state]);
+        let found: Value = serde_json::from_str(&outcome.stdout).unwrap();
+        let printed = found["mass_matrix"][0][0].to_string();
+        assert_eq!(printed.parse::<f64>().unwrap().to_bits(), mass.parse::<f64>().unwrap().to_bits());
+    }
+}
+
+#[test]
+fn what_is_not_finite_is_null_and_said_so() {
+    let workshop = Workshop::new();
+    let outcome = workshop.mbs(&["eval", "pendulum.mbs", "--state", r#"{"q": [0.5], "params": {"l": 0}}"#]);
+    assert_eq!(outcome.code, 0);
+    let found: Value = serde_json::from_str(&outcome.stdout).unwrap();
+    assert_eq!((&found["forward_dynamics"], &found["mass_matrix"]), (&json!([null]), &json!([[0.0]])));
+    let warning = "warning: infinite or NaN at the state, printed as null: forward_dynamics, linearize\n";
+    assert_eq!(outcome.stderr, warning);
+}
+
+#[test]
+fn wrong_states_are_refused_by_name() {
+    let workshop = Workshop::new();
+    let table = [
+        ("{}", r#""q" is missing: 2 numbers (x_0, x_1)"#),
+        (r#"{"q": [1]}"#, r#""q" must hold 2 numbers (x_0, x_1), found 1"#),
+        (r#"{"q": [1, 2], "qd": [1, 2, 3]}"#, r#""qd" must hold 2 numbers (x_0, x_1), found 3"#),
+        (r#"{"q": [1, 2], "qdd": []}"#, r#""qdd" must hold 2 numbers (x_0, x_1), found 0"#),
+        (r#"{"q": [1, 2], "u": [1]}"#, r#""u" must hold 0 numbers, found 1"#),
+        (r#"{"q": 1}"#, r#""q" must be an array of 2 numbers (x_0, x_1), found the number 1"#),
+        (r#"{"q": [1, NaN]}"#, r#""q"[1] (x_1) must be a finite number, found NaN"#),
+        (r#"{"q": [1, -Infinity]}"#, r#""q"[1] (x_1) must be a finite number, found -Infinity"#),
+        (r#"{"q": [1, "2"]}"#, r#""q"[1] (x_1) must be a finite number, found a string"#),
+        (r#"{"q": [1, null]}"#, r#""q"[1] (x_1) must be a finite number, found null"#),
+        (r#"{"q": [1, 2], "t": []}"#, r#""t" must be a finite number, found an array"#),
+        (r#"{"q": [1, 2], "dq": [1, 2]}"#, r#"unknown key "dq"; did you mean "qd"?"#),
+        (r#"{"q": [1, 2], "speed": 1}"#, r#"unknown key "speed"; the keys are t, q, qd, qdd, u, params, prescribed"#),
+        (r#"{"q": [1, 2], "params": [1]}"#, r#""params" must be an object {name: value}, found an array"#),
+        (r#"{"q": [1, 2], "params": {"K": 1}}"#, r#"unknown parameter "params"."K"; did you mean "k"?"#),
+        (
+            r#"{"q": [1, 2], "params": {"stiffness": 1}}"#,
+            r#"unknown parameter "params"."stiffness"; the parameters are m, k"#,
+        ),
+        (
+            r#"{"q": [1, 2], "params": {"m": 1}}"#,
+            r#""params"."m" must be an array of 2 numbers (m_0, m_1), found the number 1"#,
+        ),
+        (r#"{"q": [1, 2], "params": {"m": [1]}}"#, r#""params"."m" must hold 2 numbers (m_0, m_1), found 1"#),
+        (r#"{"q": [1, 2], "params": {"k": [1]}}"#, r#""params"."k" must be a finite number, found an array"#),
+        (
+            r#"{"q": [1, 2], "prescribed": {"heave": [0, 0, 0]}}"#,
+            r#"unknown signal "prescribed"."heave"; the mechanism has no prescribed signals"#,
+        ),
+        ("7", r#"a state is an object {"q": […], …}, found the number 7"#),
+    ];
+    for (state, message) in table {
+        workshop.write("state.json", state);
+        assert_eq!(
+            workshop.bad(&["eval", "chain.mbs", "--state", "state.json"]),
+            format!("error: state.json: {message}\n")
+        );
+    }
+}
+
+#[test]
+fn every_mistake_of_every_state_is_reported() {
+    let workshop = Workshop::new();
+    let report = workshop.bad(&["eval", "chain.mbs", "--state", r#"[{"q": [1, 2]}, {"q": [1], "z": 0}, 3]"#]);
+    let expected = "\
+error: --state: state 1: unknown key \"z\"; the keys are t, q, qd, qdd, u, params, prescribed
+error: --state: state 1: \"q\" must hold 2 numbers (x_0, x_1), found 1
+error: --state: state 2: a state is an object {\"q\": […], …}, found the number 3
+";
+    assert_eq!(report, expected);
+}
+
+#[test]
+fn broken_files_are_refused_at_their_place() {
+    let workshop = Workshop::new();
+    workshop.write("broken.json", "{\"q\": [1, 2],\n \"qd\": [1 2]}");
+    let report = workshop.bad(&["eval", "chain.mbs", "--state", "broken.json"]);
+    let expected = "\
+error: unreadable JSON: expected `,` or `]`
+ --> broken.json:2:11
+  |
+2 |  \"qd\": [1 2]}
+  |           ^
+";
+    assert_eq!(report, expected);
+    workshop.write("huge.json", "{\"q\": [1, 1e999]}");
+    let report = workshop.bad(&["eval", "chain.mbs", "--state", "huge.json"]);
+    assert!(report.starts_with("error: unreadable JSON: number out of range\n --> huge.json:1:"), "{report}");
+    workshop.write("binary.json", b"\xff\xfe");
+    assert_eq!(
+        workshop.bad(&["eval", "chain.mbs", "--state", "binary.json"]),
+        "error: binary.json is not UTF-8 text\n"
+    );
+    let report = workshop.bad(&["eval", "chain.mbs", "--state", "missing.json"]);
+    assert!(report.starts_with("error: cannot read missing.json: "), "{report}");
+    assert!(workshop.bad(&["eval", "chain.mbs", "--state", "."]).starts_with("error: cannot read .: "));
+}

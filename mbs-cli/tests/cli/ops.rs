@@ -1,0 +1,45 @@
+//! `mbs ops`.
+
+use serde_json::Value;
+
+use crate::{Workshop, keys};
+
+#[test]
+fn json_has_the_shape_of_the_contract() {
+    let workshop = Workshop::new();
+    let json: Value = serde_json::from_str(&workshop.good(&["ops", "pendulum.mbs", "--json"])).unwrap();
+    assert_eq!(keys(&json), ["mechanism", "derive_seconds", "functions"]);
+    assert_eq!(json["mechanism"], "Pendulum");
+    assert!((0.0..60.0).contains(&json["derive_seconds"].as_f64().unwrap()));
+    let required = [
+        "mass_matrix",
+        "coriolis_matrix",
+        "gravity",
+        "bias",
+        "inverse_dynamics",
+        "forward_dynamics",
+        "linearize",
+        "inverse_dynamics_jacobian",
+    ];
+    for name in required {
+        let counts = &json["functions"][name];
+        assert_eq!(keys(counts), ["add", "mul", "div", "sqrt", "sincos", "other", "flops"], "{name}");
+        let count = |key: &str| counts[key].as_u64().unwrap();
+        assert_eq!(count("flops"), count("add") + count("mul"), "{name}");
+    }
+    // m l² is computed once, by the constructor; m g l too, and multiplied by one sine.
+    assert_eq!(json["functions"]["mass_matrix"]["flops"], 0);
+    assert_eq!(json["functions"]["gravity"]["mul"], 1);
+    assert_eq!(json["functions"]["gravity"]["sincos"], 1);
+}
+
+#[test]
+fn the_table_is_aligned() {
+    let workshop = Workshop::new();
+    let table = workshop.good(&["ops", "chain.mbs"]);
+    let rows: Vec<&str> = table.lines().skip(2).collect();
+    assert!(table.starts_with("Chain: 2 coordinates, derived in "), "{table}");
+    assert!(rows[0].starts_with("function ") && rows[0].ends_with(" flops"), "{table}");
+    assert!(rows.iter().any(|row| row.starts_with("forward_dynamics ")), "{table}");
+    assert!(rows.iter().all(|row| row.len() == rows[0].len()), "{table}");
+}

@@ -1,0 +1,135 @@
+//! `mbs simulate`.
+
+use crate::{Outcome, Workshop};
+
+/// Header and rows of a CSV.
+fn table(csv: &str) -> (Vec<&str>, Vec<Vec<f64>>) {
+    let mut lines = csv.lines();
+    let header = lines.next().unwrap().split(',').collect();
+    let rows = lines.map(|line| line.split(',').map(|number| number.parse().unwrap()).collect()).collect();
+    (header, rows)
+}
+
+/// The chain's masses 1 and 2 on a spring of 5 swing at `√(5/1 + 5/2)` against each other; their centre stays.
+fn chain_at(t: f64) -> [f64; 4] {
+    let omega = 7.5_f64.sqrt();
+    let (stretch, rate) = (3.0 * (omega * t).cos(), -3.0 * omega * (omega * t).sin());
+    [-2.0 / 3.0 * stretch, 1.0 / 3.0 * stretch, -2.0 / 3.0 * rate, 1.0 / 3.0 * rate]
+}
+
+const CHAIN_START: &str = r#"{"q": [-2, 1]}"#;
+
+fn check_chain(arguments: &[&str], tolerance: f64, times: &[f64]) {
+    let workshop = Workshop::new();
+    let all = [&["simulate", "chain.mbs", "--state", CHAIN_START], arguments].concat();
+    let csv = workshop.good(&all);
+    let (header, rows) = table(&csv);
+    assert_eq!(header, ["t", "x_0", "x_1", "x_0_dot", "x_1_dot", "energy"]);
+    assert_eq!(rows.iter().map(|row| row[0]).collect::<Vec<_>>(), times);
+    for row in rows {
+        for (found, expected) in row[1..5].iter().zip(chain_at(row[0])) {
+            assert!((found - expected).abs() < tolerance, "{found} instead of {expected} at {}", row[0]);
+        }
+        assert!((row[5] - 22.5).abs() < 10.0 * tolerance);
+    }
+}
+
+#[test]
+fn rows_every_dt_and_one_at_the_end() {
+    let times = [0.0, 0.25, 0.5, 0.75, 1.0, 1.1];
+    check_chain(&["--t-end", "1.1", "--dt", "0.25"], 1e-9, &times);
+    // 0.3/0.1 is not 3 in binary: the last row comes once, at the time asked for.
+    check_chain(&["--t-end", "0.3", "--dt", "0.1", "--method", "dop853"], 1e-9, &[0.0, 0.1, 0.2, 0.3]);
+    let fine: Vec<f64> = (0..1000).map(|i| f64::from(i) * 0.002).chain([2.0]).collect();
+    check_chain(&["--t-end", "2"], 1e-9, &fine);
+}
+
+#[test]
+fn rk4_steps_by_dt() {
+    check_chain(&["--t-end", "0.5", "--method", "rk4", "--dt", "0.125"], 1e-2, &[0.0, 0.125, 0.25, 0.375, 0.5]);
+    let fine: Vec<f64> = (0..512).map(|i| f64::from(i) / 1024.0).chain([0.5]).collect();
+    check_chain(&["--t-end", "0.5", "--method", "rk4", "--dt", "0.0009765625"], 1e-11, &fine);
+}
+
+#[test]
+fn tolerances_are_heeded() {
+    let workshop = Workshop::new();
+    let last = |tolerances: &[&str]| {
+        let all = [&["simulate", "chain.mbs", "--state", CHAIN_START, "--t-end", "20"], tolerances].concat();
+        let csv = workshop.good(&all);
+        (table(&csv).1.last().unwrap()[1] - chain_at(20.0)[0]).abs()
+    };
+    let (coarse, fine) = (last(&["--rtol", "1e-4", "--atol", "1e-4"]), last(&["--rtol", "1e-12", "--atol", "1e-14"]));
+    assert!(fine < 1e-10 && coarse > 100.0 * fine, "{coarse:e} {fine:e}");
+}
+
+#[test]
+fn the_state_says_when_and_with_what() {
+    let workshop = Workshop::new();
+    let state = r#"{"t": 2, "q": [0.5], "qd": [0.1], "u": [7], "params": {"g": 0, "b": 0}}"#;
+    let csv = workshop.good(&["simulate", "pendulum.mbs", "--state", state, "--t-end", "3", "--dt", "0.5"]);
+    let (header, rows) = table(&csv);
+    assert_eq!(header, ["t", "theta", "theta_dot", "energy"]);
+    // Weightless and without friction: θ̈ = tau / m l².
+    for row in &rows {
+        let t = row[0] - 2.0;
+        assert!((row[1] - (0.5 + 0.1 * t + 7.0 / 12.0 * t * t / 2.0)).abs() < 1e-9);
+        assert!((row[2] - (0.1 + 7.0 / 12.0 * t)).abs() < 1e-9);
+    }
+    assert_eq!(rows.iter().map(|row| row[0]).collect::<Vec<_>>(), [2.0, 2.5, 3.0]);
+    let once = workshop.good(&["simulate", "pendulum.mbs", "--state", state, "--t-end", "2"]);
+    assert_eq!(table(&once).1.len(), 1);
+}
+
+#[test]
+fn files_get_what_standard_output_would() {
+    let workshop = Workshop::new();
+    let run = ["simulate", "chain.mbs", "--state", CHAIN_START, "--t-end", "1"];
+    let csv = workshop.good(&run);
+    let files = ["--csv", "motion.csv", "--plot", "motion.svg"];
+    assert_eq!(workshop.good(&[run.as_slice(), &files].concat()), "");
+    assert_eq!(workshop.read("motion.csv"), csv);
+    let svg = workshop.read("motion.svg");
+    assert!(svg.starts_with("<svg") && svg.trim_end().ends_with("</svg>"), "{svg}");
+    for text in ["Chain", "t [s]", "coordinates [m]", "velocities [m/s]", "energy [J]", "x_1", "dx_0/dt", "T + V"] {
+        assert!(svg.contains(text), "{text}");
+    }
+    assert_eq!(workshop.good(&[run.as_slice(), &["--plot", "motion.png"]].concat()), csv);
+    let png = std::fs::read(workshop.path("motion.png")).unwrap();
+    assert!(png.starts_with(b"\x89PNG\r\n\x1a\n") && png.len() > 10_000);
+    assert_eq!(workshop.files(), ["chain.mbs", "motion.csv", "motion.png", "motion.svg", "pendulum.mbs"]);
+}
+
+#[test]
+fn what_cannot_be_simulated_is_refused() {
+    let workshop = Workshop::new();
+    let bad = |state: &str, rest: &[&str]| {
+        let all = [&["simulate", "pendulum.mbs", "--state", state, "--csv", "motion.csv", "--t-end"], rest].concat();
+        workshop.bad(&all)
+    };
+    assert_eq!(bad("{}", &["1"]), "error: --state: \"q\" is missing: 1 number (theta)\n");
+    assert_eq!(bad(r#"[{"q": [0]}]"#, &["1"]), "error: a motion starts from one state, found an array of 1\n");
+    assert_eq!(bad(r#"{"q": [0], "t": 1}"#, &["0.5"]), "error: --t-end 0.5 lies before the state's t = 1\n");
+    assert_eq!(bad(r#"{"q": [0]}"#, &["-1"]), "error: --t-end -1 lies before the state's t = 0\n");
+    let report = bad(r#"{"q": [0]}"#, &["1", "--dt", "1e-300"]);
+    assert!(report.starts_with("error: --dt 1e-300 gives "), "{report}");
+    let report = bad(r#"{"q": [0]}"#, &["1", "--plot", "missing/motion.svg"]);
+    assert!(report.starts_with("error: cannot write missing/motion.svg: "), "{report}");
+}
+
+#[test]
+fn an_integration_that_stops_says_where() {
+    let workshop = Workshop::new();
+    let state = r#"{"q": [0.5], "params": {"m": 0}}"#;
+    let report = workshop.bad(&["simulate", "pendulum.mbs", "--state", state, "--t-end", "1", "--csv", "motion.csv"]);
+    assert!(report.starts_with("error: the integration stopped: ") && report.lines().count() == 1, "{report}");
+    assert!(report.contains("t = 0 s") && report.contains("q = [0.5], qd = [0.0]"), "{report}");
+}
+
+#[test]
+fn rk4_has_no_tolerances() {
+    let workshop = Workshop::new();
+    let run = ["simulate", "chain.mbs", "--state", CHAIN_START, "--t-end", "1", "--method", "rk4", "--rtol", "1e-3"];
+    let Outcome { code, stderr, .. } = workshop.mbs(&run);
+    assert_eq!((code, stderr.as_str()), (0, "warning: rk4 has no error control, --rtol and --atol do nothing\n"));
+}

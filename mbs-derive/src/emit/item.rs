@@ -1,0 +1,561 @@
+//! The items of a module: parameters, the mechanism and its functions, the trait's implementation, names for indices.
+
+use proc_macro2::{Literal, TokenStream};
+use quote::quote;
+
+use crate::expr::{Number, Symbol};
+use crate::model::Variable;
+use crate::model::lagrangian::component_names;
+use crate::optimise::{Argument, Completion, Derivation, Function, FunctionKind, Shape};
+
+use super::body::{self, Body, Component, Text};
+use super::expression::Tree;
+use super::name::{Names, Scope, ident, identifier};
+use super::{Options, doc, module_name, segment};
+
+/// The functions of the trait `Mechanism`.
+const MECHANISM: [FunctionKind; 13] = [
+    FunctionKind::KineticEnergy,
+    FunctionKind::PotentialEnergy,
+    FunctionKind::Momentum,
+    FunctionKind::MassMatrix,
+    FunctionKind::CoriolisMatrix,
+    FunctionKind::Gravity,
+    FunctionKind::Bias,
+    FunctionKind::DissipationForce,
+    FunctionKind::GeneralizedForce,
+    FunctionKind::InverseDynamics,
+    FunctionKind::ForwardDynamics,
+    FunctionKind::Linearize,
+    FunctionKind::InverseDynamicsJacobian,
+];
+
+/// The whole module.
+pub(super) fn module(derivation: &Derivation, options: &Options) -> TokenStream {
+    let names = Names::of(derivation);
+    let functions = selected(derivation, options.functions.as_deref());
+    let emitter = Emitter { derivation, names: &names, functions };
+    let module = ident(&module_name(derivation));
+    let docs = doc::attributes(&[format!("The mechanism [`{0}`]({module}::{0}).", names.mechanism)]);
+    let parameters = emitter.parameters(options.serde);
+    let mechanism = emitter.mechanism();
+    let methods = emitter.methods();
+    let implementation = emitter.implementation();
+    let constants = emitter.constants();
+    quote! {
+        #docs
+        #[allow(
+            dead_code, non_camel_case_types, non_snake_case, non_upper_case_globals, unreachable_pub,
+            unused_qualifications, unused_variables, clippy::all, clippy::pedantic, clippy::nursery, rustdoc::all
+        )]
+        pub mod #module {
+            #parameters
+            #mechanism
+            #methods
+            #implementation
+            #constants
+        }
+    }
+}
+
+/// The functions asked for, and those that they call, in their order.
+fn selected<'d>(derivation: &'d Derivation, asked_for: Option<&[String]>) -> Vec<(usize, &'d Function)> {
+    let is_asked_for = |f: &Function| asked_for.is_none_or(|names| names.contains(&f.name));
+    let calls_forward_dynamics = derivation.functions.iter().any(|f| is_asked_for(f) && needs_acceleration(f));
+    let chosen = |f: &Function| {
+        is_asked_for(f) || (calls_forward_dynamics && f.kind == FunctionKind::ForwardDynamics)
+    };
+    derivation.functions.iter().enumerate().filter(|(_, f)| chosen(f)).collect()
+}
+
+/// Whether a function evaluates its program at the accelerations of forward dynamics.
+fn needs_acceleration(function: &Function) -> bool {
+    function.completion == Completion::Solve
+        && !function.arguments.contains(&Argument::Qdd)
+        && function.program.uses(|symbol| matches!(symbol, Symbol::Acceleration(_)))
+}
+
+struct Emitter<'d> {
+    derivation: &'d Derivation,
+    names: &'d Names,
+    /// The functions that are generated, with their numbers.
+    functions: Vec<(usize, &'d Function)>,
+}
+
+impl<'d> Emitter<'d> {
+    /// `Params` and its defaults.
+    fn parameters(&self, serde: bool) -> TokenStream {
+        let parameters = &self.derivation.parameters;
+        let docs = doc::attributes(&[format!("Parameters of [`{}`].", self.names.mechanism)]);
+        let (derives, rules) = if serde {
+            let path = "::mbs_runtime::serde";
+            (
+                quote!(#[derive(::mbs_runtime::serde::Serialize, ::mbs_runtime::serde::Deserialize)]),
+                quote!(#[serde(crate = #path, deny_unknown_fields, default)]),
+            )
+        } else {
+            (TokenStream::new(), TokenStream::new())
+        };
+        let fields = parameters.iter().zip(&self.names.fields).map(|(parameter, field)| {
+            let docs = doc::attributes(&doc::parameter(parameter));
+            let name = &parameter.name;
+            let rename = (serde && field != name).then(|| quote!(#[serde(rename = #name)]));
+            let (field, ty) = (ident(field), array(quote!(T), parameter.length));
+            quote!(#docs #rename pub #field: #ty,)
+        });
+        let defaults = parameters.iter().zip(&self.names.fields).map(|(parameter, field)| {
+            let (field, value) = (ident(field), default(parameter));
+            quote!(#field: #value,)
+        });
+        let skip = serde.then(|| quote!(#[serde(skip)]));
+        let (marker, marked) = if parameters.is_empty() {
+            (
+                quote!(#skip scalar: ::core::marker::PhantomData<T>,),
+                quote!(scalar: ::core::marker::PhantomData,),
+            )
+        } else {
+            (TokenStream::new(), TokenStream::new())
+        };
+        quote! {
+            #docs
+            #[derive(Clone, Copy, Debug, PartialEq)]
+            #derives
+            #rules
+            pub struct Params<T = f64> {
+                #(#fields)*
+                #marker
+            }
+
+            impl<T: ::mbs_runtime::Scalar> ::core::default::Default for Params<T> {
+                /// The declared values.
+                fn default() -> Self {
+                    Self { #(#defaults)* #marked }
+                }
+            }
+        }
+    }
+
+    /// The struct.
+    fn mechanism(&self) -> TokenStream {
+        let name = ident(&self.names.mechanism);
+        let functions: Vec<&Function> = self.functions.iter().map(|(_, f)| *f).collect();
+        let docs = doc::attributes(&doc::mechanism(self.derivation, &functions));
+        let hoisted = self.hoisted().into_iter().map(|k| ident(&self.names.hoisted[k]));
+        quote! {
+            #docs
+            #[derive(Clone, Copy, Debug, PartialEq)]
+            pub struct #name<T = f64> {
+                params: Params<T>,
+                #(#hoisted: T,)*
+            }
+
+            impl<T: ::mbs_runtime::Scalar> ::core::default::Default for #name<T> {
+                /// With the declared parameters.
+                fn default() -> Self {
+                    Self::new(Params::default())
+                }
+            }
+        }
+    }
+
+    /// The hoisted values that the generated functions read.
+    fn hoisted(&self) -> Vec<usize> {
+        let mut read = vec![false; self.derivation.constructor.results.len()];
+        for (_, function) in &self.functions {
+            for instruction in &function.program.instructions {
+                if let crate::optimise::Instruction::Hoisted(k) = instruction {
+                    read[*k as usize] = true;
+                }
+            }
+        }
+        (0..read.len()).filter(|&k| read[k]).collect()
+    }
+
+    /// `new`, `params` and the functions.
+    fn methods(&self) -> TokenStream {
+        let name = ident(&self.names.mechanism);
+        let new = self.constructor();
+        let functions = self.functions.iter().map(|(number, function)| self.function(*number, function));
+        quote! {
+            impl<T: ::mbs_runtime::Scalar> #name<T> {
+                #new
+
+                /// The parameters.
+                pub fn params(&self) -> &Params<T> {
+                    &self.params
+                }
+
+                #(#functions)*
+            }
+        }
+    }
+
+    fn constructor(&self) -> TokenStream {
+        let hoisted = self.hoisted();
+        let component = |&k: &usize| Component::Result(k, self.names.hoisted[k].clone());
+        let components: Vec<_> = hoisted.iter().map(component).collect();
+        let scope = self.names.constructor_scope();
+        let body = Body::new(&self.derivation.constructor, &components, self.names, scope);
+        let text = Text::new(&body, body.trees());
+        let arguments = body::arguments(self.derivation, self.names, body.trees(), &quote!(params));
+        let (constants, statements) = (text.constants(), body.statements.iter().map(|s| text.statement(s)));
+        let fields = hoisted.iter().zip(&body.results).map(|(&k, tree)| {
+            let (field, value) = (ident(&self.names.hoisted[k]), text.tree(tree));
+            let is_local = matches!(tree, Tree::Local(i) if body.locals[*i] == self.names.hoisted[k]);
+            if is_local { quote!(#field,) } else { quote!(#field: #value,) }
+        });
+        quote! {
+            /// With these parameters; what depends on them alone is computed here.
+            pub fn new(params: Params<T>) -> Self {
+                #arguments
+                #constants
+                #(#statements)*
+                Self { params, #(#fields)* }
+            }
+        }
+    }
+
+    /// One function.
+    fn function(&self, number: usize, function: &Function) -> TokenStream {
+        let name = ident(&self.names.functions[number]);
+        let docs = doc::attributes(&doc::function(self.derivation, function));
+        let arguments = self.arguments(function).into_iter().map(|(name, ty)| quote!(#name: #ty));
+        let result = self.result_type(function);
+        let (body, items) = self.body(number, function);
+        quote! {
+            #docs
+            pub fn #name(&self, #(#arguments),*) -> #result {
+                #body
+            }
+
+            #items
+        }
+    }
+
+    /// Names and types of a function's arguments.
+    fn arguments(&self, function: &Function) -> Vec<(proc_macro2::Ident, TokenStream)> {
+        let time = self.derivation.depends_on_time.then(|| (ident("t"), quote!(T)));
+        let state = function.arguments.iter().filter_map(|&argument| {
+            let n = match argument {
+                Argument::Q | Argument::Qd | Argument::Qdd => self.derivation.dof(),
+                Argument::U => self.inputs(),
+            };
+            let length = Literal::usize_unsuffixed(n);
+            (argument != Argument::U || n > 0).then(|| (ident(doc::argument(argument)), quote!(&[T; #length])))
+        });
+        time.into_iter().chain(state).collect()
+    }
+
+    fn inputs(&self) -> usize {
+        self.derivation.inputs.iter().map(Variable::count).sum()
+    }
+
+    fn result_type(&self, function: &Function) -> TokenStream {
+        let [n, u] = [self.derivation.dof(), self.inputs()].map(Literal::usize_unsuffixed);
+        match (&function.kind, function.results.as_slice()) {
+            (FunctionKind::Linearize, _) => quote!(::mbs_runtime::Linearization<T, #n, #u>),
+            (FunctionKind::InverseDynamicsJacobian, _) => quote!(::mbs_runtime::InverseDynamicsJacobian<T, #n>),
+            (_, [part]) => shape_type(part.shape),
+            (_, parts) => {
+                let parts = parts.iter().map(|part| shape_type(part.shape));
+                quote!((#(#parts),*))
+            }
+        }
+    }
+
+    /// The statements of a function, and the functions that they are split into.
+    fn body(&self, number: usize, function: &Function) -> (TokenStream, TokenStream) {
+        let layout = Layout::of(self.derivation, function);
+        let scope = self.names.function_scope();
+        let body = Body::new(&function.program, &layout.components, self.names, scope);
+        let segmented = segment::split(body, &self.names.functions[number], self.derivation, self.names);
+        let mut values = segmented.results.into_iter();
+        let finish = match function.completion {
+            Completion::None => self.returned(function, &mut values),
+            Completion::Solve => self.solved(function, &mut values),
+        };
+        let accelerations = needs_acceleration(function).then(|| self.accelerations());
+        let statements = segmented.statements;
+        (quote!(#accelerations #statements #finish), segmented.functions)
+    }
+
+    /// `let qdd = &self.forward_dynamics(q, qd, u);`
+    fn accelerations(&self) -> TokenStream {
+        let mut functions = self.functions.iter();
+        let (number, forward) = functions.find(|(_, f)| f.kind == FunctionKind::ForwardDynamics).expect("it was selected");
+        let name = ident(&self.names.functions[*number]);
+        let arguments = self.arguments(forward).into_iter().map(|(name, _)| name);
+        quote!(let qdd = &self.#name(#(#arguments),*);)
+    }
+
+    /// What a function returns, its values put in shape.
+    fn returned(&self, function: &Function, values: &mut impl Iterator<Item = TokenStream>) -> TokenStream {
+        let parts: Vec<_> = function.results.iter().map(|part| shaped(part.shape, values)).collect();
+        self.assembled(function, &parts)
+    }
+
+    fn assembled(&self, function: &Function, parts: &[TokenStream]) -> TokenStream {
+        let fields = function.results.iter().map(|part| identifier(part.name)).map(|name| ident(&name));
+        match (&function.kind, parts) {
+            (FunctionKind::Linearize, _) => quote!(::mbs_runtime::Linearization { #(#fields: #parts),* }),
+            (FunctionKind::InverseDynamicsJacobian, _) => {
+                quote!(::mbs_runtime::InverseDynamicsJacobian { #(#fields: #parts),* })
+            }
+            (_, [part]) => part.clone(),
+            (_, parts) => quote!((#(#parts),*)),
+        }
+    }
+
+    /// `M⁻¹` of the right sides.
+    fn solved(&self, function: &Function, values: &mut impl Iterator<Item = TokenStream>) -> TokenStream {
+        let n = self.derivation.dof();
+        let mass_matrix = shaped(Shape::Matrix(n, n), values);
+        match function.results.as_slice() {
+            [part] => {
+                let right_side = shaped(part.shape, values);
+                let solve = ident(if matches!(part.shape, Shape::Vector(_)) { "ldlt_solve" } else { "ldlt_solve_many" });
+                quote! {
+                    let mass_matrix = #mass_matrix;
+                    let right_side = #right_side;
+                    ::mbs_runtime::#solve(mass_matrix, right_side)
+                }
+            }
+            parts => {
+                let solved = parts.iter().map(|part| {
+                    let right_side = shaped(part.shape, values);
+                    quote!(factors.solve_many(#right_side))
+                });
+                let solved: Vec<_> = solved.collect();
+                let result = self.assembled(function, &solved);
+                quote! {
+                    let mass_matrix = #mass_matrix;
+                    let factors = ::mbs_runtime::Ldlt::new(mass_matrix);
+                    #result
+                }
+            }
+        }
+    }
+
+    /// The trait, where all of its functions are generated.
+    fn implementation(&self) -> TokenStream {
+        let find = |kind: &FunctionKind| self.functions.iter().find(|(_, f)| f.kind == *kind);
+        let Some(functions) = MECHANISM.iter().map(find).collect::<Option<Vec<_>>>() else { return TokenStream::new() };
+        let (n, u) = (self.derivation.dof(), self.inputs());
+        let name = ident(&self.names.mechanism);
+        let declared = &self.derivation.name;
+        let coordinates = component_names(&self.derivation.coordinates);
+        let inputs = component_names(&self.derivation.inputs);
+        let [n_literal, u_literal] = [n, u].map(Literal::usize_unsuffixed);
+        let forwards = functions.into_iter().map(|(number, function)| {
+            let trait_function = ident(trait_name(&function.kind));
+            let inherent = ident(&self.names.functions[*number]);
+            let arguments = function.arguments.iter().map(|&argument| {
+                let length = if argument == Argument::U { &u_literal } else { &n_literal };
+                let name = ident(doc::argument(argument));
+                quote!(#name: &[T; #length])
+            });
+            let passed = self.arguments(function).into_iter().map(|(name, _)| name);
+            let result = self.result_type(function);
+            quote! {
+                fn #trait_function(&self, t: T, #(#arguments),*) -> #result {
+                    self.#inherent(#(#passed),*)
+                }
+            }
+        });
+        quote! {
+            impl<T: ::mbs_runtime::Scalar> ::mbs_runtime::Mechanism<#n_literal, #u_literal> for #name<T> {
+                type Scalar = T;
+
+                const NAME: &'static str = #declared;
+                const COORDINATES: [&'static str; #n_literal] = [#(#coordinates),*];
+                const INPUTS: [&'static str; #u_literal] = [#(#inputs),*];
+
+                #(#forwards)*
+            }
+        }
+    }
+
+    /// Names for indices, of parameters and of first integrals.
+    fn constants(&self) -> TokenStream {
+        let coordinates = indices("coordinate", "Indices of the coordinates in `q`, `qd`, `qdd`.", &self.derivation.coordinates);
+        let inputs = indices("input", "Indices of the inputs in `u`.", &self.derivation.inputs);
+        let list = |name: &str, docs: &str, entries: &[String]| {
+            let (name, length) = (ident(name), Literal::usize_unsuffixed(entries.len()));
+            let docs = doc::attributes(&[docs.to_string()]);
+            quote!(#docs pub const #name: [&str; #length] = [#(#entries),*];)
+        };
+        let parameters = component_names(&self.derivation.parameters);
+        let has = |kind: &FunctionKind| self.functions.iter().any(|(_, f)| f.kind == *kind);
+        let parameters = (!parameters.is_empty())
+            .then(|| list("PARAMETERS", "The names of the parameters, arrays flattened.", &parameters));
+        let conserved = self.derivation.functions.iter().find_map(|f| match &f.kind {
+            FunctionKind::Conserved(names) if has(&f.kind) => {
+                Some(list("CONSERVED", "What `conserved` returns.", names))
+            }
+            _ => None,
+        });
+        quote!(#coordinates #inputs #parameters #conserved)
+    }
+}
+
+/// Which of a program's results make up what a function returns, or hands to the runtime.
+struct Layout {
+    components: Vec<Component>,
+}
+
+impl Layout {
+    fn of(derivation: &Derivation, function: &Function) -> Layout {
+        let n = derivation.dof();
+        let mut components = Vec::new();
+        let mut start = 0;
+        if function.completion == Completion::Solve {
+            // The runtime reads the lower triangle of M.
+            components.extend((0..n).flat_map(|i| (0..n).map(move |j| (i, j))).map(|(i, j)| match j <= i {
+                true => Component::Result(triangular(i, j), format!("m_{i}_{j}")),
+                false => Component::Zero,
+            }));
+            start = triangular(n, 0);
+        }
+        for part in &function.results {
+            match part.shape {
+                Shape::Symmetric(n) => components.extend((0..n).flat_map(|i| (0..n).map(move |j| (i, j))).map(|(i, j)| {
+                    let (row, column) = (i.max(j), i.min(j));
+                    Component::Result(start + triangular(row, column), format!("m_{row}_{column}"))
+                })),
+                Shape::Scalar | Shape::Vector(_) | Shape::Matrix(..) | Shape::Pose => {
+                    let wish = |i| result_name(derivation, function, part.shape, i);
+                    components.extend((0..part.shape.count()).map(|i| Component::Result(start + i, wish(i))));
+                }
+            }
+            start += part.shape.count();
+        }
+        Layout { components }
+    }
+}
+
+/// The number of an entry of a lower triangle.
+fn triangular(i: usize, j: usize) -> usize {
+    i * (i + 1) / 2 + j
+}
+
+/// What a component of a result is called; empty for no name.
+fn result_name(derivation: &Derivation, function: &Function, shape: Shape, i: usize) -> String {
+    let coordinate = || component_names(&derivation.coordinates)[i].clone();
+    match (&function.kind, shape) {
+        (FunctionKind::Momentum, _) => format!("p_{}", coordinate()),
+        (FunctionKind::Gravity, _) => format!("g_{}", coordinate()),
+        (FunctionKind::Bias, _) => format!("h_{}", coordinate()),
+        (FunctionKind::InverseDynamics, _) => format!("tau_{}", coordinate()),
+        (FunctionKind::ForwardDynamics, _) if function.completion == Completion::None => {
+            format!("{}_ddot", coordinate())
+        }
+        (FunctionKind::CoriolisMatrix, Shape::Matrix(_, columns)) => format!("c_{}_{}", i / columns, i % columns),
+        _ => String::new(),
+    }
+}
+
+/// The name of a function of the trait.
+fn trait_name(kind: &FunctionKind) -> &'static str {
+    match kind {
+        FunctionKind::KineticEnergy => "kinetic_energy",
+        FunctionKind::PotentialEnergy => "potential_energy",
+        FunctionKind::Momentum => "momentum",
+        FunctionKind::MassMatrix => "mass_matrix",
+        FunctionKind::CoriolisMatrix => "coriolis_matrix",
+        FunctionKind::Gravity => "gravity",
+        FunctionKind::Bias => "bias",
+        FunctionKind::DissipationForce => "dissipation_force",
+        FunctionKind::GeneralizedForce => "generalized_force",
+        FunctionKind::InverseDynamics => "inverse_dynamics",
+        FunctionKind::ForwardDynamics => "forward_dynamics",
+        FunctionKind::Linearize => "linearize",
+        FunctionKind::InverseDynamicsJacobian => "inverse_dynamics_jacobian",
+        FunctionKind::LinearizeParameters
+        | FunctionKind::Conserved(_)
+        | FunctionKind::Output(_)
+        | FunctionKind::OutputVelocity(_)
+        | FunctionKind::OutputJacobian(_) => unreachable!("not in the trait"),
+    }
+}
+
+/// `T` or `[T; 6]`
+fn array(of: TokenStream, length: Option<usize>) -> TokenStream {
+    match length {
+        None => of,
+        Some(n) => {
+            let n = Literal::usize_unsuffixed(n);
+            quote!([#of; #n])
+        }
+    }
+}
+
+/// A parameter's declared value.
+fn default(parameter: &Variable) -> TokenStream {
+    let values: Vec<f64> = parameter.defaults.iter().copied().map(Number::to_f64).collect();
+    match (parameter.length, values.as_slice()) {
+        (None, [value]) => body::written_out(*value),
+        (Some(n), [first, rest @ ..]) if rest.iter().all(|value| value == first) => {
+            let (value, n) = (body::written_out(*first), Literal::usize_unsuffixed(n));
+            quote!([#value; #n])
+        }
+        (_, values) => {
+            let values = values.iter().map(|value| body::number(*value));
+            quote!([#(#values),*].map(T::from_f64))
+        }
+    }
+}
+
+fn shape_type(shape: Shape) -> TokenStream {
+    match shape {
+        Shape::Scalar => quote!(T),
+        Shape::Vector(n) => array(quote!(T), Some(n)),
+        Shape::Matrix(rows, columns) => array(array(quote!(T), Some(columns)), Some(rows)),
+        Shape::Symmetric(n) => array(array(quote!(T), Some(n)), Some(n)),
+        Shape::Pose => quote!(::mbs_runtime::Pose<T>),
+    }
+}
+
+/// The next values in this shape.
+fn shaped(shape: Shape, values: &mut impl Iterator<Item = TokenStream>) -> TokenStream {
+    match shape {
+        Shape::Scalar => values.next().expect("a value for each component"),
+        Shape::Vector(n) => {
+            let entries = values.take(n);
+            quote!([#(#entries),*])
+        }
+        Shape::Matrix(rows, columns) => {
+            let rows: Vec<_> = (0..rows).map(|_| shaped(Shape::Vector(columns), values)).collect();
+            quote!([#(#rows),*])
+        }
+        Shape::Symmetric(n) => shaped(Shape::Matrix(n, n), values),
+        Shape::Pose => {
+            let (position, rotation) = (shaped(Shape::Vector(3), values), shaped(Shape::Matrix(3, 3), values));
+            quote!(::mbs_runtime::Pose { position: #position, rotation: #rotation })
+        }
+    }
+}
+
+/// A module of constants: the number of each variable's component, the range of an array's.
+fn indices(name: &str, docs: &str, variables: &[Variable]) -> TokenStream {
+    if variables.is_empty() {
+        return TokenStream::new();
+    }
+    let (name, docs) = (ident(name), doc::attributes(&[docs.to_string()]));
+    let mut scope = Scope::default();
+    let constants = variables.iter().map(|variable| {
+        let constant = ident(&scope.unique(&variable.name.to_uppercase()));
+        let first = Literal::usize_unsuffixed(variable.first);
+        let end = Literal::usize_unsuffixed(variable.first + variable.count());
+        let docs = doc::attributes(&[format!("`{}`", variable.name)]);
+        match variable.length {
+            None => quote!(#docs pub const #constant: usize = #first;),
+            Some(_) => quote!(#docs pub const #constant: ::core::ops::Range<usize> = #first..#end;),
+        }
+    });
+    quote! {
+        #docs
+        pub mod #name {
+            #(#constants)*
+        }
+    }
+}
