@@ -3,7 +3,7 @@
 //! One file a command, each with its arguments and what it does:
 //!
 //! - [`check`]: is the declaration good, and can its equations be proved;
-//! - [`derive`]: the generated code;
+//! - [`mod@derive`]: the generated code;
 //! - [`ops`]: operation counts;
 //! - [`eval`]: every function's value at given states;
 //! - [`simulate`]: a motion as a table and as a figure.

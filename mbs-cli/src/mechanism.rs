@@ -19,7 +19,7 @@ pub(crate) struct Mechanism {
     pub(crate) bodies: usize,
     /// At how many states it was proved.
     pub(crate) proved_at: usize,
-    /// From text to programs, reading and proof excluded [s].
+    /// From text to programs, reading and proof excluded, in seconds.
     pub(crate) derive_seconds: f64,
 }
 

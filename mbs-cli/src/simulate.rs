@@ -33,8 +33,8 @@ pub(crate) struct Arguments {
     /// standard input; JSON itself is taken, too.
     #[arg(long, value_name = "STATE.json")]
     state: String,
-    /// End time [s]; the start is the state's t.
-    #[arg(long, value_name = "S", value_parser = finite, allow_negative_numbers = true)]
+    /// End time in seconds; the start is the state's t.
+    #[arg(long, value_name = "SECONDS", value_parser = finite, allow_negative_numbers = true)]
     t_end: f64,
     /// Integration method.
     #[arg(long, value_enum, default_value_t = Method::Dop853)]
@@ -45,8 +45,8 @@ pub(crate) struct Arguments {
     /// Absolute tolerance of dop853 [default: 1e-12].
     #[arg(long, value_parser = positive, allow_negative_numbers = true)]
     atol: Option<f64>,
-    /// Time between rows [s], and the step of rk4; a thousandth of the duration if not given.
-    #[arg(long, value_name = "S", value_parser = positive, allow_negative_numbers = true)]
+    /// Seconds between rows, and the step of rk4; a thousandth of the duration if not given.
+    #[arg(long, value_name = "SECONDS", value_parser = positive, allow_negative_numbers = true)]
     dt: Option<f64>,
     /// Write the table to a file instead of standard output.
     #[arg(long, value_name = "FILE")]

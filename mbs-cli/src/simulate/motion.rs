@@ -35,7 +35,7 @@ pub(crate) struct Motion {
 /// What is recorded at one time.
 #[derive(Debug)]
 pub(crate) struct Row {
-    /// Time [s].
+    /// Time in seconds.
     pub(crate) t: f64,
     /// Coordinates.
     pub(crate) q: Vec<f64>,

@@ -5,7 +5,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use proc_macro2::TokenStream;
+use proc_macro2::{Literal, TokenStream};
 use quote::quote;
 
 use crate::expr::{Function, Symbol};
@@ -103,6 +103,17 @@ impl<'n> Body<'n> {
     /// Statements, then results: all trees.
     pub(super) fn trees(&self) -> impl Iterator<Item = &Tree> {
         self.statements.iter().map(Statement::tree).chain(&self.results)
+    }
+
+    /// With a local for every result that is more than a name.
+    pub(super) fn bound(mut self) -> Self {
+        for i in 0..self.results.len() {
+            if !self.results[i].is_free() {
+                let tree = self.results[i].clone();
+                self.results[i] = self.bind(tree, None);
+            }
+        }
+        self
     }
 
     fn bind(&mut self, tree: Tree, wish: Option<String>) -> Tree {
@@ -351,11 +362,17 @@ pub(super) struct Text<'b, 'n> {
     bound: [bool; FAMILIAR.len()],
     /// Whether other constants are `c(…)`.
     abbreviated: bool,
+    /// Locals that are read from the array `shared`, with their places.
+    shared: BTreeMap<usize, usize>,
 }
 
 impl<'b, 'n> Text<'b, 'n> {
-    /// For these trees of a body.
-    pub(super) fn new<'t>(body: &'b Body<'n>, trees: impl Iterator<Item = &'t Tree>) -> Self {
+    /// For these trees of a body, with these locals in the array `shared`.
+    pub(super) fn new<'t>(
+        body: &'b Body<'n>,
+        trees: impl Iterator<Item = &'t Tree>,
+        shared: BTreeMap<usize, usize>,
+    ) -> Self {
         let (mut uses, mut others) = ([0; FAMILIAR.len()], 0);
         each_leaf(trees, &mut |leaf| {
             if let Tree::Constant(value) = leaf {
@@ -364,7 +381,7 @@ impl<'b, 'n> Text<'b, 'n> {
         });
         // `T::zero()` and `T::one()` speak for themselves.
         let is_bound = |i: usize| uses[i] > 1 || (uses[i] == 1 && !matches!(FAMILIAR[i].0, 0.0 | 1.0));
-        Text { body, bound: std::array::from_fn(is_bound), abbreviated: others > WRITTEN_OUT }
+        Text { body, bound: std::array::from_fn(is_bound), abbreviated: others > WRITTEN_OUT, shared }
     }
 
     /// The tokens of an expression.
@@ -425,8 +442,21 @@ impl Leaves for Text<'_, '_> {
         value.is_sign_negative() && familiar(value).is_some()
     }
 
-    fn name(&self, leaf: &Tree) -> &str {
-        self.body.name(leaf)
+    fn leaf(&self, leaf: &Tree) -> TokenStream {
+        let place = match leaf {
+            Tree::Local(local) => self.shared.get(local),
+            _ => None,
+        };
+        match place {
+            Some(place) => {
+                let place = Literal::usize_unsuffixed(*place);
+                quote!(shared[#place])
+            }
+            None => {
+                let name = ident(self.body.name(leaf));
+                quote!(#name)
+            }
+        }
     }
 }
 

@@ -189,7 +189,7 @@ pub(super) trait Leaves {
     /// Whether a negative constant comes out with its sign in front.
     fn is_signed(&self, value: f64) -> bool;
     /// The name of a symbol, a hoisted value or a local.
-    fn name(&self, leaf: &Tree) -> &str;
+    fn leaf(&self, leaf: &Tree) -> TokenStream;
 }
 
 /// The tokens of an expression.
@@ -203,10 +203,7 @@ fn within(tree: &Tree, leaves: &impl Leaves, least: Precedence) -> TokenStream {
             let signed = leaves.is_signed(*value);
             (if signed { Precedence::Sign } else { Precedence::Method }, leaves.constant(*value))
         }
-        Tree::Symbol(_) | Tree::Hoisted(_) | Tree::Local(_) => {
-            let name = ident(leaves.name(tree));
-            (Precedence::Method, quote!(#name))
-        }
+        Tree::Symbol(_) | Tree::Hoisted(_) | Tree::Local(_) => (Precedence::Method, leaves.leaf(tree)),
         Tree::Neg(a) => {
             let a = within(a, leaves, Precedence::Method);
             (Precedence::Sign, quote!(-#a))
@@ -256,13 +253,13 @@ mod tests {
         fn is_signed(&self, value: f64) -> bool {
             value.is_sign_negative()
         }
-        fn name(&self, leaf: &Tree) -> &str {
+        fn leaf(&self, leaf: &Tree) -> TokenStream {
             match leaf {
-                Tree::Local(0) => "a",
-                Tree::Local(1) => "b",
-                Tree::Local(2) => "c",
-                Tree::Local(3) => "d",
-                _ => "k",
+                Tree::Local(0) => quote!(a),
+                Tree::Local(1) => quote!(b),
+                Tree::Local(2) => quote!(c),
+                Tree::Local(3) => quote!(d),
+                _ => quote!(k),
             }
         }
     }

@@ -8,8 +8,7 @@ use crate::model::Variable;
 use crate::model::lagrangian::component_names;
 use crate::optimise::{Argument, Completion, Derivation, Function, FunctionKind, Shape};
 
-use super::body::{self, Body, Component, Text};
-use super::expression::Tree;
+use super::body::{self, Body, Component};
 use super::name::{Names, Scope, ident, identifier};
 use super::{Options, doc, module_name, segment};
 
@@ -196,22 +195,26 @@ impl<'d> Emitter<'d> {
         let components: Vec<_> = hoisted.iter().map(component).collect();
         let scope = self.names.constructor_scope();
         let body = Body::new(&self.derivation.constructor, &components, self.names, scope);
-        let text = Text::new(&body, body.trees());
-        let arguments = body::arguments(self.derivation, self.names, body.trees(), &quote!(params));
-        let (constants, statements) = (text.constants(), body.statements.iter().map(|s| text.statement(s)));
-        let fields = hoisted.iter().zip(&body.results).map(|(&k, tree)| {
-            let (field, value) = (ident(&self.names.hoisted[k]), text.tree(tree));
-            let is_local = matches!(tree, Tree::Local(i) if body.locals[*i] == self.names.hoisted[k]);
-            if is_local { quote!(#field,) } else { quote!(#field: #value,) }
+        let frame = segment::Frame {
+            derivation: self.derivation,
+            names: self.names,
+            function: "new",
+            is_method: false,
+            arguments: vec![(ident("params"), quote!(Params<T>))],
+        };
+        let segment::Segmented { statements, results, functions } = segment::split(body, &frame);
+        let fields = hoisted.iter().zip(results).map(|(&k, value)| {
+            let field = ident(&self.names.hoisted[k]);
+            if value.to_string() == self.names.hoisted[k] { quote!(#field,) } else { quote!(#field: #value,) }
         });
         quote! {
             /// With these parameters; what depends on them alone is computed here.
             pub fn new(params: Params<T>) -> Self {
-                #arguments
-                #constants
-                #(#statements)*
+                #statements
                 Self { params, #(#fields)* }
             }
+
+            #functions
         }
     }
 
@@ -268,7 +271,19 @@ impl<'d> Emitter<'d> {
         let layout = Layout::of(self.derivation, function);
         let scope = self.names.function_scope();
         let body = Body::new(&function.program, &layout.components, self.names, scope);
-        let segmented = segment::split(body, &self.names.functions[number], self.derivation, self.names);
+        let mut arguments = self.arguments(function);
+        if needs_acceleration(function) {
+            let n = Literal::usize_unsuffixed(self.derivation.dof());
+            arguments.push((ident("qdd"), quote!(&[T; #n])));
+        }
+        let frame = segment::Frame {
+            derivation: self.derivation,
+            names: self.names,
+            function: &self.names.functions[number],
+            is_method: true,
+            arguments,
+        };
+        let segmented = segment::split(body, &frame);
         let mut values = segmented.results.into_iter();
         let finish = match function.completion {
             Completion::None => self.returned(function, &mut values),

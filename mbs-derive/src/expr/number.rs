@@ -187,7 +187,7 @@ impl Number {
         match self {
             Number::Exact { numerator: 0, .. } => Some(0),
             Number::Exact { numerator, denominator, pi: 1 } if denominator <= 2 => {
-                Some((numerator * (2 / denominator)).rem_euclid(4) as i64)
+                Some((numerator.rem_euclid(4) * (2 / denominator)).rem_euclid(4) as i64)
             }
             _ => None,
         }

@@ -1,10 +1,13 @@
 //! What is computed when: once per set of parameters, or at each call.
 
 use crate::expr::graph::IdMap;
-use crate::expr::{Expr, Graph, Id, Node, Symbol};
+use crate::expr::{Expr, Graph, Id, Node, Symbol, normal_form};
 
 use super::lower;
 use super::program::Program;
+
+/// Longer polynomials of parameters are taken as they are.
+const MOST_TERMS: usize = 40;
 
 /// The nodes that depend on parameters alone and are computed by the constructor.
 pub struct Hoisting {
@@ -25,14 +28,17 @@ impl Hoisting {
         'g: 'r,
     {
         let mut hoisted: Vec<Expr<'g>> = Vec::new();
-        let mut numbers = IdMap::default();
+        let mut numbers: IdMap<u32> = IdMap::default();
+        let mut by_value: IdMap<u32> = IdMap::default();
         for roots in functions {
             let Some(first) = roots.first() else { continue };
             let graph = first.graph();
             for id in candidates(graph, roots) {
                 numbers.entry(id).or_insert_with(|| {
-                    hoisted.push(graph.expr(id));
-                    hoisted.len() as u32 - 1
+                    *by_value.entry(value(graph.expr(id)).id()).or_insert_with(|| {
+                        hoisted.push(graph.expr(id));
+                        hoisted.len() as u32 - 1
+                    })
                 });
             }
         }
@@ -44,6 +50,11 @@ impl Hoisting {
     pub fn number(&self, id: Id) -> Option<u32> {
         self.numbers.get(&id).copied()
     }
+}
+
+/// One expression for all ways to multiply and add the same parameters, so that `(m g) l` and `m (g l)` are one value.
+fn value(expr: Expr<'_>) -> Expr<'_> {
+    normal_form(&[expr], MOST_TERMS).map_or(expr, |forms| forms[0])
 }
 
 /// What a node depends on.
