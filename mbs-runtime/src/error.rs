@@ -97,7 +97,7 @@ impl fmt::Display for IntegrationError {
                 write!(f, "{coordinates} coordinates, but {velocities} velocities")
             }
             Self::StepTooSmall { time, step } => {
-                write!(f, "the tolerances are not met at t = {time} s even by a step of {step} s")
+                write!(f, "the tolerances are not met at t = {time} s even by a step of {step:e} s")
             }
             Self::NonFiniteState { time } => {
                 write!(f, "state or acceleration become infinite or NaN right after t = {time} s")

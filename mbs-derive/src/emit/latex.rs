@@ -24,7 +24,7 @@ const LONGEST_SUM: usize = 40;
 const LONGEST_TEXT: usize = 2_000;
 
 /// What fits on a line, in symbols as seen on paper.
-const LINE: usize = 90;
+const LINE: usize = 64;
 
 /// The equations of motion as a person would write them: a LaTeX fragment that needs amsmath.
 ///
@@ -178,12 +178,12 @@ impl<'g> Page<'g> {
             if equations.symbols.u.len() == 1 {
                 without.push(format!("${} = 0$", self.algebra.notation.inputs[0].text()));
             } else if !equations.symbols.u.is_empty() {
-                without.push("inputs $0$".to_string());
+                without.push("all inputs are zero".to_string());
             }
             if has_any(&equations.lagrange.dissipation_force) {
                 without.push("$D = 0$".to_string());
             }
-            let condition = if without.is_empty() { String::new() } else { format!(" for {}", without.join(", ")) };
+            let condition = if without.is_empty() { String::new() } else { format!(" where {}", without.join(" and ")) };
             self.block(&format!("Conserved{condition}."), rows);
         }
     }
@@ -216,7 +216,7 @@ impl<'g> Page<'g> {
         let widest = LINE / columns;
         let mut below = Vec::new();
         let mut below_of = BTreeSet::new();
-        let mut text = format!("{name} &= \\begin{{bmatrix}}\n");
+        let mut shown_rows = Vec::new();
         for i in 0..rows.len() {
             let shown: Vec<String> = (0..columns)
                 .map(|j| {
@@ -231,10 +231,10 @@ impl<'g> Page<'g> {
                     named(i, j)
                 })
                 .collect();
-            text.push_str(&format!("    {} \\\\\n", shown.join(" & ")));
+            shown_rows.push(format!("    {}", shown.join(" & ")));
         }
-        text.push_str("  \\end{bmatrix}");
-        below.insert(0, text);
+        let matrix = shown_rows.join(" \\\\\n");
+        below.insert(0, format!("{name} &= \\begin{{bmatrix}}\n{matrix}\n  \\end{{bmatrix}}"));
         below
     }
 
@@ -834,7 +834,7 @@ impl<'g> Algebra<'g> {
         let text = if below.is_empty() {
             let number = number(magnitude);
             let number = (number != "1" || above.is_empty()).then_some(number);
-            number.into_iter().chain(written(&above)).collect::<Vec<_>>().join(" ")
+            juxtaposed(number, written(&above))
         } else {
             let (numerator, denominator) = numerator_and_denominator(magnitude);
             let line = |number: String, factors: &[(Option<Place>, Shape, i32)]| match factors {
@@ -842,13 +842,32 @@ impl<'g> Algebra<'g> {
                 [(_, Shape::Sum(text), 2 | -2)] if number == "1" => text.clone(),
                 _ => {
                     let number = (number != "1" || factors.is_empty()).then_some(number);
-                    number.into_iter().chain(written(factors)).collect::<Vec<_>>().join(" ")
+                    juxtaposed(number, written(factors))
                 }
             };
             format!("\\frac{{{}}}{{{}}}", line(numerator, &above), line(denominator, &below))
         };
         Signed { negative, text }
     }
+}
+
+/// Factors side by side; words are set apart.
+fn juxtaposed(number: Option<String>, factors: Vec<String>) -> String {
+    let is_word = |text: &str| ["\\mathrm", "\\dot{\\mathrm", "\\ddot{\\mathrm"].iter().any(|word| text.starts_with(word));
+    let is_wave = |text: &str| ["\\sin", "\\cos", "\\tan"].iter().any(|wave| text.starts_with(wave));
+    let mut product = String::new();
+    let mut after_word = false;
+    for factor in number.into_iter().chain(factors) {
+        let apart = is_word(&factor) || (after_word && !is_wave(&factor));
+        product.push_str(match (product.is_empty(), apart) {
+            (true, _) => "",
+            (false, true) => " \\, ",
+            (false, false) => " ",
+        });
+        after_word = is_word(&factor);
+        product.push_str(&factor);
+    }
+    product
 }
 
 /// Products with the same dependence on the state; parts are coefficients of parameters and numbers.

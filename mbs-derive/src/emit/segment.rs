@@ -20,7 +20,7 @@ use super::expression::Tree;
 use super::name::{Names, ident};
 
 /// Statements in one function.
-const LONGEST: usize = 500;
+const LONGEST: usize = 1000;
 
 /// What the pieces have in common.
 pub(super) struct Frame<'a> {
