@@ -80,6 +80,43 @@ pub enum StatementKind {
         /// The generalized force.
         value: Expression,
     },
+    /// `fn name(x, y) = body;`: a function of the mechanism's own.
+    Function {
+        /// Its name.
+        name: Name,
+        /// The names of its arguments.
+        parameters: Vec<Name>,
+        /// Its value.
+        body: Expression,
+    },
+    /// `prescribed heave: m;`, `prescribed heave: m = a * sin(w * t);`: a motion given from outside, as a run-time signal with
+    /// two derivatives or as a formula of the time.
+    Prescribed(Quantity),
+    /// `force at point += value;`: a force on a point, generalized by virtual work.
+    ForceAt {
+        /// Where it acts.
+        point: Expression,
+        /// The force, a vector.
+        value: Expression,
+    },
+    /// `torque on pose += value;`: a torque on a body, generalized by virtual work.
+    TorqueOn {
+        /// The body's frame.
+        pose: Expression,
+        /// The torque, a vector.
+        value: Expression,
+    },
+    /// `constraint name: left = right;`: holonomic where no velocity occurs, else linear in the velocities (Pfaffian).
+    Constraint {
+        /// Doc comments before it.
+        docs: Vec<String>,
+        /// Its name.
+        name: Name,
+        /// What is constrained: a number, a vector or an array.
+        left: Expression,
+        /// What it must equal, of the same shape or 0.
+        right: Expression,
+    },
     /// `output name = value;`
     Output {
         /// Doc comments before it.
@@ -215,6 +252,29 @@ pub enum ExpressionKind {
     Index(Box<Expression>, Box<Expression>),
     /// `[x, y, z]`
     Array(Vec<Expression>),
+    /// `if x < 0 { y } else { z }`
+    If(Box<Expression>, Box<Expression>, Box<Expression>),
+    /// `x < y` and its like; only in conditions.
+    Compare(Comparison, Box<Expression>, Box<Expression>),
+    /// `a && b`
+    And(Box<Expression>, Box<Expression>),
+    /// `a || b`
+    Or(Box<Expression>, Box<Expression>),
+    /// `!a`
+    Not(Box<Expression>),
+}
+
+/// The comparisons.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Comparison {
+    /// `<`
+    Less,
+    /// `<=`
+    LessEqual,
+    /// `>`
+    Greater,
+    /// `>=`
+    GreaterEqual,
 }
 
 /// The binary operators.
