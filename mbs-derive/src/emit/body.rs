@@ -5,7 +5,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use proc_macro2::{Literal, TokenStream};
+use proc_macro2::TokenStream;
 use quote::quote;
 
 use crate::expr::{Function, Symbol};
@@ -105,17 +105,6 @@ impl<'n> Body<'n> {
         self.statements.iter().map(Statement::tree).chain(&self.results)
     }
 
-    /// With a local for every result that is more than a name.
-    pub(super) fn bound(mut self) -> Self {
-        for i in 0..self.results.len() {
-            if !self.results[i].is_free() {
-                let tree = self.results[i].clone();
-                self.results[i] = self.bind(tree, None);
-            }
-        }
-        self
-    }
-
     fn bind(&mut self, tree: Tree, wish: Option<String>) -> Tree {
         let local = self.local(wish);
         self.statements.push(Statement::Let(local, tree));
@@ -130,6 +119,11 @@ impl<'n> Body<'n> {
         });
         self.locals.push(name);
         self.locals.len() - 1
+    }
+
+    /// Whether a tree is the local of this name.
+    pub(super) fn is_called(&self, tree: &Tree, name: &str) -> bool {
+        matches!(tree, Tree::Local(i) if self.locals[*i] == name)
     }
 
     fn name(&self, leaf: &Tree) -> &str {
@@ -362,26 +356,19 @@ pub(super) struct Text<'b, 'n> {
     bound: [bool; FAMILIAR.len()],
     /// Whether other constants are `c(…)`.
     abbreviated: bool,
-    /// Locals that are read from the array `shared`, with their places.
-    shared: BTreeMap<usize, usize>,
 }
 
 impl<'b, 'n> Text<'b, 'n> {
-    /// For these trees of a body, with these locals in the array `shared`.
-    pub(super) fn new<'t>(
-        body: &'b Body<'n>,
-        trees: impl Iterator<Item = &'t Tree>,
-        shared: BTreeMap<usize, usize>,
-    ) -> Self {
+    pub(super) fn new(body: &'b Body<'n>) -> Self {
         let (mut uses, mut others) = ([0; FAMILIAR.len()], 0);
-        each_leaf(trees, &mut |leaf| {
+        each_leaf(body.trees(), &mut |leaf| {
             if let Tree::Constant(value) = leaf {
                 *familiar(*value).map_or(&mut others, |i| &mut uses[i]) += 1;
             }
         });
         // `T::zero()` and `T::one()` speak for themselves.
         let is_bound = |i: usize| uses[i] > 1 || (uses[i] == 1 && !matches!(FAMILIAR[i].0, 0.0 | 1.0));
-        Text { body, bound: std::array::from_fn(is_bound), abbreviated: others > WRITTEN_OUT, shared }
+        Text { body, bound: std::array::from_fn(is_bound), abbreviated: others > WRITTEN_OUT }
     }
 
     /// The tokens of an expression.
@@ -400,18 +387,19 @@ impl<'b, 'n> Text<'b, 'n> {
         quote!(#(#bound)* #abbreviation)
     }
 
-    /// A statement.
-    pub(super) fn statement(&self, statement: &Statement) -> TokenStream {
+    /// A statement; locals that are `declared` before are assigned to.
+    pub(super) fn statement(&self, statement: &Statement, declared: &BTreeSet<usize>) -> TokenStream {
+        let binding = statement.binds().all(|local| !declared.contains(&local)).then(|| quote!(let));
         let local = |i: &usize| ident(&self.body.locals[*i]);
         match statement {
             Statement::Let(i, tree) => {
                 let (local, tree) = (local(i), self.tree(tree));
-                quote!(let #local = #tree;)
+                quote!(#binding #local = #tree;)
             }
             Statement::SinCos(sin, cos, angle) => {
                 let (sin, cos) = (local(sin), local(cos));
                 let pair = self.tree(&Tree::Method("sin_cos", Box::new(angle.clone()), Vec::new()));
-                quote!(let (#sin, #cos) = #pair;)
+                quote!(#binding (#sin, #cos) = #pair;)
             }
         }
     }
@@ -443,20 +431,8 @@ impl Leaves for Text<'_, '_> {
     }
 
     fn leaf(&self, leaf: &Tree) -> TokenStream {
-        let place = match leaf {
-            Tree::Local(local) => self.shared.get(local),
-            _ => None,
-        };
-        match place {
-            Some(place) => {
-                let place = Literal::usize_unsuffixed(*place);
-                quote!(shared[#place])
-            }
-            None => {
-                let name = ident(self.body.name(leaf));
-                quote!(#name)
-            }
-        }
+        let name = ident(self.body.name(leaf));
+        quote!(#name)
     }
 }
 
@@ -489,21 +465,15 @@ pub(super) fn each_leaf<'t>(trees: impl Iterator<Item = &'t Tree>, found: &mut i
     }
 }
 
-/// `let [x, theta] = *q;`, …: the arguments and fields that these trees read, taken apart.
-///
-/// `qdd` is what the accelerations are taken from; parameters come from `params`.
-pub(super) fn arguments<'t>(
-    derivation: &Derivation,
-    names: &Names,
-    trees: impl Iterator<Item = &'t Tree>,
-    params: &TokenStream,
-) -> TokenStream {
-    let (mut symbols, mut hoisted) = (BTreeSet::new(), BTreeSet::new());
-    each_leaf(trees, &mut |leaf| match leaf {
-        Tree::Symbol(symbol) => drop(symbols.insert(*symbol)),
-        Tree::Hoisted(k) => drop(hoisted.insert(*k)),
+/// `let [x, theta] = *q;`, …: the arguments and fields that a body reads, taken apart; parameters come from `params`.
+pub(super) fn arguments(derivation: &Derivation, body: &Body<'_>, params: &TokenStream) -> TokenStream {
+    let (mut symbols, mut hoisted) = (BTreeSet::<Symbol>::new(), BTreeSet::<u32>::new());
+    each_leaf(body.trees(), &mut |leaf| match leaf {
+        Tree::Symbol(symbol) => symbols.extend([*symbol]),
+        Tree::Hoisted(k) => hoisted.extend([*k]),
         _ => {}
     });
+    let names = body.names;
     let component = |symbol: Symbol| symbols.contains(&symbol).then(|| names.symbol(symbol));
     let n = derivation.dof();
     let inputs = derivation.inputs.iter().map(Variable::count).sum();

@@ -8,7 +8,7 @@ use crate::model::Variable;
 use crate::model::lagrangian::component_names;
 use crate::optimise::{Argument, Completion, Derivation, Function, FunctionKind, Shape};
 
-use super::body::{self, Body, Component};
+use super::body::{self, Body, Component, Text};
 use super::name::{Names, Scope, ident, identifier};
 use super::{Options, doc, module_name, segment};
 
@@ -195,26 +195,21 @@ impl<'d> Emitter<'d> {
         let components: Vec<_> = hoisted.iter().map(component).collect();
         let scope = self.names.constructor_scope();
         let body = Body::new(&self.derivation.constructor, &components, self.names, scope);
-        let frame = segment::Frame {
-            derivation: self.derivation,
-            names: self.names,
-            function: "new",
-            is_method: false,
-            arguments: vec![(ident("params"), quote!(Params<T>))],
-        };
-        let segment::Segmented { statements, results, functions } = segment::split(body, &frame);
-        let fields = hoisted.iter().zip(results).map(|(&k, value)| {
-            let field = ident(&self.names.hoisted[k]);
-            if value.to_string() == self.names.hoisted[k] { quote!(#field,) } else { quote!(#field: #value,) }
+        let text = Text::new(&body);
+        let arguments = body::arguments(self.derivation, &body, &quote!(params));
+        let (constants, statements) = (text.constants(), segment::statements(&body, &text));
+        let fields = hoisted.iter().zip(&body.results).map(|(&k, tree)| {
+            let (field, value) = (ident(&self.names.hoisted[k]), text.tree(tree));
+            if body.is_called(tree, &self.names.hoisted[k]) { quote!(#field,) } else { quote!(#field: #value,) }
         });
         quote! {
             /// With these parameters; what depends on them alone is computed here.
             pub fn new(params: Params<T>) -> Self {
+                #arguments
+                #constants
                 #statements
                 Self { params, #(#fields)* }
             }
-
-            #functions
         }
     }
 
@@ -224,14 +219,12 @@ impl<'d> Emitter<'d> {
         let docs = doc::attributes(&doc::function(self.derivation, function));
         let arguments = self.arguments(function).into_iter().map(|(name, ty)| quote!(#name: #ty));
         let result = self.result_type(function);
-        let (body, items) = self.body(number, function);
+        let body = self.body(function);
         quote! {
             #docs
             pub fn #name(&self, #(#arguments),*) -> #result {
                 #body
             }
-
-            #items
         }
     }
 
@@ -266,32 +259,20 @@ impl<'d> Emitter<'d> {
         }
     }
 
-    /// The statements of a function, and the functions that they are split into.
-    fn body(&self, number: usize, function: &Function) -> (TokenStream, TokenStream) {
-        let layout = Layout::of(self.derivation, function);
-        let scope = self.names.function_scope();
-        let body = Body::new(&function.program, &layout.components, self.names, scope);
-        let mut arguments = self.arguments(function);
-        if needs_acceleration(function) {
-            let n = Literal::usize_unsuffixed(self.derivation.dof());
-            arguments.push((ident("qdd"), quote!(&[T; #n])));
-        }
-        let frame = segment::Frame {
-            derivation: self.derivation,
-            names: self.names,
-            function: &self.names.functions[number],
-            is_method: true,
-            arguments,
-        };
-        let segmented = segment::split(body, &frame);
-        let mut values = segmented.results.into_iter();
+    /// The statements of a function.
+    fn body(&self, function: &Function) -> TokenStream {
+        let components = components(self.derivation, function);
+        let body = Body::new(&function.program, &components, self.names, self.names.function_scope());
+        let text = Text::new(&body);
+        let accelerations = needs_acceleration(function).then(|| self.accelerations());
+        let arguments = body::arguments(self.derivation, &body, &quote!(self.params));
+        let (constants, statements) = (text.constants(), segment::statements(&body, &text));
+        let mut values = body.results.iter().map(|tree| text.tree(tree));
         let finish = match function.completion {
             Completion::None => self.returned(function, &mut values),
             Completion::Solve => self.solved(function, &mut values),
         };
-        let accelerations = needs_acceleration(function).then(|| self.accelerations());
-        let statements = segmented.statements;
-        (quote!(#accelerations #statements #finish), segmented.functions)
+        quote!(#accelerations #arguments #constants #statements #finish)
     }
 
     /// `let qdd = &self.forward_dynamics(q, qd, u);`
@@ -414,38 +395,33 @@ impl<'d> Emitter<'d> {
 }
 
 /// Which of a program's results make up what a function returns, or hands to the runtime.
-struct Layout {
-    components: Vec<Component>,
-}
-
-impl Layout {
-    fn of(derivation: &Derivation, function: &Function) -> Layout {
-        let n = derivation.dof();
-        let mut components = Vec::new();
-        let mut start = 0;
-        if function.completion == Completion::Solve {
-            // The runtime reads the lower triangle of M.
-            components.extend((0..n).flat_map(|i| (0..n).map(move |j| (i, j))).map(|(i, j)| match j <= i {
-                true => Component::Result(triangular(i, j), format!("m_{i}_{j}")),
-                false => Component::Zero,
-            }));
-            start = triangular(n, 0);
-        }
-        for part in &function.results {
-            match part.shape {
-                Shape::Symmetric(n) => components.extend((0..n).flat_map(|i| (0..n).map(move |j| (i, j))).map(|(i, j)| {
-                    let (row, column) = (i.max(j), i.min(j));
-                    Component::Result(start + triangular(row, column), format!("m_{row}_{column}"))
-                })),
-                Shape::Scalar | Shape::Vector(_) | Shape::Matrix(..) | Shape::Pose => {
-                    let wish = |i| result_name(derivation, function, part.shape, i);
-                    components.extend((0..part.shape.count()).map(|i| Component::Result(start + i, wish(i))));
-                }
-            }
-            start += part.shape.count();
-        }
-        Layout { components }
+fn components(derivation: &Derivation, function: &Function) -> Vec<Component> {
+    let n = derivation.dof();
+    let square = || (0..n).flat_map(|i| (0..n).map(move |j| (i, j)));
+    let mut components = Vec::new();
+    let mut start = 0;
+    if function.completion == Completion::Solve {
+        // The runtime reads the lower triangle of M.
+        components.extend(square().map(|(i, j)| match j <= i {
+            true => Component::Result(triangular(i, j), format!("m_{i}_{j}")),
+            false => Component::Zero,
+        }));
+        start = triangular(n, 0);
     }
+    for part in &function.results {
+        match part.shape {
+            Shape::Symmetric(_) => components.extend(square().map(|(i, j)| {
+                let (row, column) = (i.max(j), i.min(j));
+                Component::Result(start + triangular(row, column), format!("m_{row}_{column}"))
+            })),
+            Shape::Scalar | Shape::Vector(_) | Shape::Matrix(..) | Shape::Pose => {
+                let wish = |i| result_name(derivation, function, part.shape, i);
+                components.extend((0..part.shape.count()).map(|i| Component::Result(start + i, wish(i))));
+            }
+        }
+        start += part.shape.count();
+    }
+    components
 }
 
 /// The number of an entry of a lower triangle.

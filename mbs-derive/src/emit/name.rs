@@ -10,8 +10,8 @@ use crate::model::lagrangian::component_names;
 use crate::optimise::{Derivation, Instruction, Program, Value};
 
 /// Names that a local may not take: generics, parameters of functions, and what patterns would take for constants.
-const RESERVED: [&str; 13] =
-    ["T", "t", "params", "None", "Some", "Ok", "Err", "CONSERVED", "PARAMETERS", "mass_matrix", "right_side", "factors", "shared"];
+const RESERVED: [&str; 12] =
+    ["T", "t", "params", "None", "Some", "Ok", "Err", "CONSERVED", "PARAMETERS", "mass_matrix", "right_side", "factors"];
 
 /// Arguments that a component may shadow where it is destructured after all others that are read.
 const ARGUMENTS: [&str; 4] = ["q", "qd", "qdd", "u"];

@@ -72,7 +72,7 @@ impl HalfInteger {
 
     /// Its value.
     pub fn to_number(self) -> Number {
-        Number::integer(i64::from(self.0)).mul(Number::rational(1, 2).expect("one half"))
+        Number::integer(i64::from(self.0)) * Number::rational(1, 2).expect("one half")
     }
 }
 
@@ -162,7 +162,7 @@ impl Graph {
     /// A constant.
     pub fn constant(&self, value: Number) -> Expr<'_> {
         if value.is_negative() && !self.verbatim {
-            return -self.intern(Node::Constant(value.neg()));
+            return -self.intern(Node::Constant(-value));
         }
         self.intern(Node::Constant(value))
     }
@@ -324,7 +324,7 @@ impl<'g> Expr<'g> {
         match self.node() {
             Node::Constant(value) => Some(value),
             Node::Neg(a) => match self.graph.node(a) {
-                Node::Constant(value) => Some(value.neg()),
+                Node::Constant(value) => Some(-value),
                 _ => None,
             },
             _ => None,
@@ -486,7 +486,7 @@ fn exact_value(function: Function, argument: Number) -> Option<Number> {
             Some(Number::ZERO)
         }
         Function::Exp | Function::Cosh if argument.is_zero() => Some(Number::ONE),
-        Function::Abs => Some(if argument.is_negative() { argument.neg() } else { argument }),
+        Function::Abs => Some(if argument.is_negative() { -argument } else { argument }),
         _ => None,
     }
 }
@@ -513,7 +513,7 @@ impl<'g> Add for Expr<'g> {
             return graph.intern(Node::Add(self.id, other.id));
         }
         if let (Some(a), Some(b)) = (self.as_constant(), other.as_constant()) {
-            return graph.constant(a.add(b));
+            return graph.constant(a + b);
         }
         match (self.node(), other.node()) {
             (Node::Constant(c), _) if c.is_zero() => other,
@@ -537,7 +537,7 @@ impl<'g> Expr<'g> {
     fn sum_of_like_terms(self, other: Expr<'g>) -> Option<Expr<'g>> {
         let ((c, x), (d, y)) = (self.split_coefficient(), other.split_coefficient());
         if x.id == y.id {
-            return Some(self.graph.scaled(c.add(d), x));
+            return Some(self.graph.scaled(c + d, x));
         }
         if c == d && x.is_square_of_sine_beside_cosine(y) {
             return Some(self.graph.constant(c));
@@ -566,7 +566,7 @@ impl<'g> Sub for Expr<'g> {
             return graph.intern(Node::Sub(self.id, other.id));
         }
         if let (Some(a), Some(b)) = (self.as_constant(), other.as_constant()) {
-            return graph.constant(a.add(b.neg()));
+            return graph.constant(a + -b);
         }
         if self.id == other.id {
             return graph.integer(0);
@@ -587,7 +587,7 @@ impl<'g> Sub for Expr<'g> {
             _ => {
                 let ((c, x), (d, y)) = (self.split_coefficient(), other.split_coefficient());
                 if x.id == y.id {
-                    return graph.scaled(c.add(d.neg()), x);
+                    return graph.scaled(c + -d, x);
                 }
                 // One sign for a difference and its negative, whichever was built first.
                 if graph.precedes(self.id, other.id) {
@@ -612,7 +612,7 @@ impl<'g> Mul for Expr<'g> {
             (Node::Neg(a), Node::Neg(b)) => return graph.expr(a) * graph.expr(b),
             (Node::Neg(a), _) => return -(graph.expr(a) * other),
             (_, Node::Neg(b)) => return -(self * graph.expr(b)),
-            (Node::Constant(a), Node::Constant(b)) => return graph.constant(a.mul(b)),
+            (Node::Constant(a), Node::Constant(b)) => return graph.constant(a * b),
             (_, Node::Constant(_)) => return other * self,
             (Node::Constant(c), _) if c.is_zero() => return self,
             (Node::Constant(c), _) if c.is_one() => return other,
@@ -624,12 +624,12 @@ impl<'g> Mul for Expr<'g> {
             _ => (self.split_coefficient(), other.split_coefficient()),
         };
         let product = if x.is_one() { y } else { x.product_of_powers(y) };
-        let coefficient = c.mul(d);
+        let coefficient = c * d;
         if coefficient.is_one() {
             return product;
         }
         match product.node() {
-            Node::Constant(value) => graph.constant(coefficient.mul(value)),
+            Node::Constant(value) => graph.constant(coefficient * value),
             Node::Neg(a) => -graph.scaled(coefficient, graph.expr(a)),
             Node::Mul(e, z) if graph.is_constant(e) => {
                 graph.scaled(coefficient, graph.expr(e)) * graph.expr(z)
@@ -656,6 +656,7 @@ impl<'g> Expr<'g> {
     }
 }
 
+#[allow(clippy::suspicious_arithmetic_impl)] // a quotient is a product with a reciprocal
 impl<'g> Div for Expr<'g> {
     type Output = Expr<'g>;
 

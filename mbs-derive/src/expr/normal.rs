@@ -29,6 +29,9 @@ enum Wave {
     Sin(Angle),
 }
 
+/// Powers, in halves, of indivisible expressions, and a coefficient.
+type Monomial = (BTreeMap<Id, i32>, Number);
+
 /// Powers, in halves, of indivisible expressions, times a wave.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 struct Term {
@@ -58,7 +61,7 @@ impl Sum {
     }
 
     fn add_term(&mut self, term: Term, coefficient: Number) {
-        let sum = self.0.get(&term).copied().unwrap_or(Number::ZERO).add(coefficient);
+        let sum = self.0.get(&term).copied().unwrap_or(Number::ZERO) + coefficient;
         if sum.is_zero() {
             self.0.remove(&term);
         } else {
@@ -68,7 +71,7 @@ impl Sum {
 
     fn plus(&self, other: &Sum, sign: Number) -> Self {
         let mut sum = self.clone();
-        other.0.iter().for_each(|(term, &coefficient)| sum.add_term(term.clone(), coefficient.mul(sign)));
+        other.0.iter().for_each(|(term, &coefficient)| sum.add_term(term.clone(), coefficient * sign));
         sum
     }
 
@@ -78,7 +81,7 @@ impl Sum {
             for (b, &y) in &other.0 {
                 let powers = product_of_powers(&a.powers, &b.powers);
                 for (factor, wave) in product_of_waves(&a.wave, &b.wave) {
-                    product.add_term(Term { powers: powers.clone(), wave }, x.mul(y).mul(factor));
+                    product.add_term(Term { powers: powers.clone(), wave }, x * y * factor);
                 }
             }
             if product.0.len() > limit {
@@ -111,7 +114,7 @@ fn product_of_powers(a: &BTreeMap<Id, i32>, b: &BTreeMap<Id, i32>) -> BTreeMap<I
 
 fn product_of_waves(a: &Wave, b: &Wave) -> Vec<(Number, Wave)> {
     let half = Number::rational(1, 2).unwrap_or(Number::ONE);
-    let (plus, minus) = (Number::ONE, Number::ONE.neg());
+    let (plus, minus) = (Number::ONE, -Number::ONE);
     let [(x, cos_x), (y, cos_y)] = match [a, b].map(|wave| match wave {
         Wave::One => None,
         Wave::Cos(angle) => Some((angle, true)),
@@ -128,7 +131,7 @@ fn product_of_waves(a: &Wave, b: &Wave) -> Vec<(Number, Wave)> {
         (false, true) => [(plus, sine(sum)), (plus, sine(difference))],
         (true, false) => [(plus, sine(sum)), (minus, sine(difference))],
     };
-    let scaled = signed.into_iter().map(|(sign, (factor, wave))| (half.mul(sign).mul(factor), wave));
+    let scaled = signed.into_iter().map(|(sign, (factor, wave))| (half * sign * factor, wave));
     scaled.filter(|(factor, _)| !factor.is_zero()).collect()
 }
 
@@ -157,7 +160,7 @@ fn cosine(angle: Angle) -> (Number, Wave) {
 fn sine(angle: Angle) -> (Number, Wave) {
     match leading(&angle) {
         0 => (Number::ZERO, Wave::One),
-        n if n < 0 => (Number::ONE.neg(), Wave::Sin(negative(angle))),
+        n if n < 0 => (-Number::ONE, Wave::Sin(negative(angle))),
         _ => (Number::ONE, Wave::Sin(angle)),
     }
 }
@@ -192,7 +195,7 @@ impl<'g> Expansion<'g> {
     }
 
     fn node(&self, id: Id) -> Option<Sum> {
-        let minus = Number::ONE.neg();
+        let minus = -Number::ONE;
         Some(match self.graph.node(id) {
             Node::Constant(value) => Sum::constant(value),
             Node::Symbol(_) => Sum::atom(id, 2),
@@ -296,7 +299,7 @@ impl Sum {
     /// The sum as an expression: parameters gathered into coefficients, then common factors taken out, the most common
     /// first.
     fn factored<'g>(&self, graph: &'g Graph) -> Expr<'g> {
-        let mut coefficients: BTreeMap<Term, Vec<(BTreeMap<Id, i32>, Number)>> = BTreeMap::new();
+        let mut coefficients: BTreeMap<Term, Vec<Monomial>> = BTreeMap::new();
         for (term, &number) in &self.0 {
             let (parameters, state) = term.powers.iter().partition(|(id, _)| is_parametric(graph, **id));
             let term = Term { powers: state, wave: term.wave.clone() };
@@ -307,7 +310,7 @@ impl Sum {
     }
 }
 
-fn product(graph: &Graph, term: Term, parts: &[(BTreeMap<Id, i32>, Number)]) -> Product {
+fn product(graph: &Graph, term: Term, parts: &[Monomial]) -> Product {
     let coefficient = coefficient(graph, parts);
     let (negative, coefficient) = match coefficient.node() {
         Node::Neg(a) => (true, graph.expr(a)),
@@ -324,10 +327,10 @@ fn product(graph: &Graph, term: Term, parts: &[(BTreeMap<Id, i32>, Number)]) -> 
 }
 
 /// A polynomial of parameters and numbers, common factors taken out.
-fn coefficient<'g>(graph: &'g Graph, parts: &[(BTreeMap<Id, i32>, Number)]) -> Expr<'g> {
+fn coefficient<'g>(graph: &'g Graph, parts: &[Monomial]) -> Expr<'g> {
     let products = parts.iter().map(|(powers, number)| {
         let mut factors: Vec<Factor> = powers.iter().map(|(&id, &halves)| Factor::Power(id, halves)).collect();
-        let magnitude = if number.is_negative() { number.neg() } else { *number };
+        let magnitude = if number.is_negative() { -*number } else { *number };
         if !magnitude.is_one() {
             factors.push(Factor::Coefficient(graph.constant(magnitude).id()));
         }

@@ -1,6 +1,7 @@
 //! Exact constants: rationals, and rationals times a power of π; `f64` only where exactness ends.
 
 use std::fmt;
+use std::ops::{Add, Mul, Neg};
 
 /// A constant of the graph.
 ///
@@ -106,42 +107,6 @@ impl Number {
         }
     }
 
-    /// `self + other`
-    pub fn add(self, other: Number) -> Number {
-        let exactly = || match (self, other) {
-            (
-                Number::Exact { numerator: a, denominator: b, pi: p },
-                Number::Exact { numerator: c, denominator: d, pi: q },
-            ) if p == q || a == 0 || c == 0 => {
-                let pi = if a == 0 { q } else { p };
-                let sum = a.checked_mul(d)?.checked_add(c.checked_mul(b)?)?;
-                Self::exact(sum, b.checked_mul(d)?, pi)
-            }
-            _ => None,
-        };
-        exactly().unwrap_or_else(|| Self::real(self.to_f64() + other.to_f64()))
-    }
-
-    /// `self · other`
-    pub fn mul(self, other: Number) -> Number {
-        let exactly = || match (self, other) {
-            (
-                Number::Exact { numerator: a, denominator: b, pi: p },
-                Number::Exact { numerator: c, denominator: d, pi: q },
-            ) => Self::exact(a.checked_mul(c)?, b.checked_mul(d)?, p.checked_add(q)?),
-            _ => None,
-        };
-        exactly().unwrap_or_else(|| Self::real(self.to_f64() * other.to_f64()))
-    }
-
-    /// `−self`
-    pub fn neg(self) -> Number {
-        match self {
-            Number::Exact { numerator, denominator, pi } => Number::Exact { numerator: -numerator, denominator, pi },
-            Number::Real(value) => Number::Real(-value),
-        }
-    }
-
     /// `self^(halves/2)`; `None` where that is not a finite real number.
     pub fn power(self, halves: i32) -> Option<Number> {
         if self.is_zero() {
@@ -190,6 +155,51 @@ impl Number {
                 Some((numerator.rem_euclid(4) * (2 / denominator)).rem_euclid(4) as i64)
             }
             _ => None,
+        }
+    }
+}
+
+impl Add for Number {
+    type Output = Number;
+
+    fn add(self, other: Number) -> Number {
+        let exactly = || match (self, other) {
+            (
+                Number::Exact { numerator: a, denominator: b, pi: p },
+                Number::Exact { numerator: c, denominator: d, pi: q },
+            ) if p == q || a == 0 || c == 0 => {
+                let pi = if a == 0 { q } else { p };
+                let sum = a.checked_mul(d)?.checked_add(c.checked_mul(b)?)?;
+                Number::exact(sum, b.checked_mul(d)?, pi)
+            }
+            _ => None,
+        };
+        exactly().unwrap_or_else(|| Number::real(self.to_f64() + other.to_f64()))
+    }
+}
+
+impl Mul for Number {
+    type Output = Number;
+
+    fn mul(self, other: Number) -> Number {
+        let exactly = || match (self, other) {
+            (
+                Number::Exact { numerator: a, denominator: b, pi: p },
+                Number::Exact { numerator: c, denominator: d, pi: q },
+            ) => Number::exact(a.checked_mul(c)?, b.checked_mul(d)?, p.checked_add(q)?),
+            _ => None,
+        };
+        exactly().unwrap_or_else(|| Number::real(self.to_f64() * other.to_f64()))
+    }
+}
+
+impl Neg for Number {
+    type Output = Number;
+
+    fn neg(self) -> Number {
+        match self {
+            Number::Exact { numerator, denominator, pi } => Number::Exact { numerator: -numerator, denominator, pi },
+            Number::Real(value) => Number::Real(-value),
         }
     }
 }
@@ -310,8 +320,8 @@ mod tests {
     #[test]
     fn rational_arithmetic_is_exact() {
         let third = Number::rational(1, 3).unwrap();
-        assert_eq!(third.add(third).add(third), Number::ONE);
-        assert_eq!(third.mul(Number::integer(3)), Number::ONE);
+        assert_eq!(third + third + third, Number::ONE);
+        assert_eq!(third * Number::integer(3), Number::ONE);
         assert_eq!(Number::rational(9, 4).unwrap().power(1), Number::rational(3, 2));
         assert_eq!(Number::rational(9, 4).unwrap().power(-3), Number::rational(8, 27));
         assert_eq!(Number::integer(-1).power(1), None);
@@ -321,14 +331,14 @@ mod tests {
     #[test]
     fn overflow_falls_back_to_a_double() {
         let big = Number::parse_decimal("1e30").unwrap();
-        assert_eq!(big.mul(big).to_f64(), 1e30 * 1e30);
-        assert_eq!(big.add(Number::parse_decimal("1e-30").unwrap()).to_f64(), 1e30);
+        assert_eq!((big * big).to_f64(), 1e30 * 1e30);
+        assert_eq!((big + Number::parse_decimal("1e-30").unwrap()).to_f64(), 1e30);
     }
 
     #[test]
     fn quarter_turns_of_degrees() {
-        let degree = Number::PI.mul(Number::rational(1, 180).unwrap());
-        let turns = |degrees| Number::integer(degrees).mul(degree).quarter_turns();
+        let degree = Number::PI * Number::rational(1, 180).unwrap();
+        let turns = |degrees| (Number::integer(degrees) * degree).quarter_turns();
         assert_eq!([turns(-90), turns(0), turns(90), turns(180), turns(450)], [Some(3), Some(0), Some(1), Some(2), Some(1)]);
         assert_eq!(turns(45), None);
     }

@@ -304,7 +304,7 @@ fn rotation<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) -> Resolve
     // Turning about −x by an angle is turning about x by its negative.
     let single = numbers.iter().filter(|n| !n.is_zero()).count() == 1;
     let reversed = single && numbers.iter().any(|n| n.is_negative());
-    let component = |n: Number| resolver.graph.constant(if reversed { n.neg() } else { n });
+    let component = |n: Number| resolver.graph.constant(if reversed { -n } else { n });
     let unit = Vector(numbers.map(component));
     pose([resolver.edge(Edge::Rotation { axis: unit, angle: if reversed { -expr } else { expr } }, &angle.span)?])
 }
@@ -324,9 +324,9 @@ fn constant_axis<'g>(resolver: &mut Resolver<'_, 'g>, axis: &Argument<'g>) -> Re
         };
         *number = value;
     }
-    let squared = numbers.iter().map(|n| n.mul(*n)).reduce(Number::add).unwrap_or(Number::ZERO);
+    let squared = numbers.iter().map(|&n| n * n).reduce(|a, b| a + b).unwrap_or(Number::ZERO);
     match squared.power(HalfInteger::halves(-1).to_halves()) {
-        Some(inverse) if squared.to_f64() > 0.0 => Ok(numbers.map(|n| n.mul(inverse))),
+        Some(inverse) if squared.to_f64() > 0.0 => Ok(numbers.map(|n| n * inverse)),
         _ => Err(resolver.refuse(&axis.span, "an axis must have a direction, this is zero", "")),
     }
 }

@@ -263,7 +263,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
             let help = "declare it in `rad`, or write the number of degrees alone";
             return Err(self.refuse(span, "this angle is in radians already, as its `pi` or `deg` shows", help));
         }
-        let number = if plain { number.mul(measure.scale) } else { number };
+        let number = if plain { number * measure.scale } else { number };
         Ok(Scalar::new(self.graph.constant(number), wanted))
     }
 }
@@ -288,8 +288,8 @@ mod tests {
         check("param a: m = 0.5;", Number::rational(1, 2), "m");
         check("param a: mm = 0.5;", Number::rational(1, 2000), "m");
         check("param a: kN*mm = 3;", Number::rational(3, 1), "N*m");
-        check("param a: deg = -90;", Some(Number::PI.mul(Number::rational(-1, 2).unwrap())), "rad");
-        check("param a: rad = 90*deg;", Some(Number::PI.mul(Number::rational(1, 2).unwrap())), "rad");
+        check("param a: deg = -90;", Some(Number::PI * Number::rational(-1, 2).unwrap()), "rad");
+        check("param a: rad = 90*deg;", Some(Number::PI * Number::rational(1, 2).unwrap()), "rad");
         check("param a: 1 = 2^-2;", Number::rational(1, 4), "1");
         check("const b: mm = 4; param a: mm = 2*b;", Number::rational(1, 125), "m");
         check("param a[3]: kg = [1, 2, 3];", Number::rational(3, 1), "kg");

@@ -216,7 +216,7 @@ impl NamedUnit {
     fn scale(&self) -> Number {
         let (numerator, denominator, pi) = self.multiple;
         let fraction = Number::rational(numerator.into(), denominator.into()).unwrap_or(Number::ONE);
-        if pi == 0 { fraction } else { fraction.mul(Number::PI) }
+        if pi == 0 { fraction } else { fraction * Number::PI }
     }
 }
 
@@ -252,7 +252,7 @@ pub(super) fn measure(unit: &Unit) -> Result<Measure, UnitError> {
         };
         let dimension = Dimension::integers(named.exponents).power(n, d);
         measure.dimension = dimension.and_then(|d| measure.dimension.times(d)).ok_or_else(too_large)?;
-        measure.scale = measure.scale.mul(power(named.scale(), n, d).ok_or_else(too_large)?);
+        measure.scale = measure.scale * power(named.scale(), n, d).ok_or_else(too_large)?;
         measure.si += &written(named.coherent, n, d, measure.si.is_empty());
     }
     if measure.si.is_empty() {
@@ -347,7 +347,7 @@ mod tests {
         check(&[("km", 1, 1), ("h", -1, 1)], rational(5, 18), "m/s", "m/s");
         check(&[("s", -1, 1)], Number::ONE, "1/s", "1/s");
         check(&[("m", 1, 3)], Number::ONE, "m^(1/3)", "m^(1/3)");
-        check(&[("deg", 1, 1)], Number::PI.mul(rational(1, 180)), "rad", "1");
+        check(&[("deg", 1, 1)], Number::PI * rational(1, 180), "rad", "1");
     }
 
     #[test]

@@ -279,7 +279,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
         match name {
             "pi" => Ok(Value::Scalar(Scalar::plain(self.graph.constant(Number::PI)))),
             "deg" => {
-                let degree = Number::rational(1, 180).unwrap_or(Number::ONE).mul(Number::PI);
+                let degree = Number::rational(1, 180).unwrap_or(Number::ONE) * Number::PI;
                 Ok(Value::Scalar(Scalar::plain(self.graph.constant(degree))))
             }
             "t" => Ok(Value::Scalar(Scalar::new(self.graph.symbol(Symbol::Time), self.dimension(Dimension::TIME)))),

@@ -204,10 +204,9 @@ impl<'a> Trial<'a> {
         let n = self.n();
         let found = self.call("linearize");
         let inputs = self.state.u.len();
-        let blocks: [(usize, fn(u32) -> Symbol); 3] =
-            [(n, Symbol::Coordinate), (n, Symbol::Velocity), (inputs, Symbol::Input)];
+        let kinds: [fn(u32) -> Symbol; 3] = [Symbol::Coordinate, Symbol::Velocity, Symbol::Input];
         let mut start = 0;
-        for (width, symbol) in blocks {
+        for (width, symbol) in [n, n, inputs].into_iter().zip(kinds) {
             for j in 0..width {
                 let column: Vec<f64> = (0..n).map(|i| found[start + i * width + j]).collect();
                 let expected = self.slope("forward_dynamics", |other| f64::from(u8::from(other == symbol(j as u32))));
