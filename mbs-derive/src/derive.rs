@@ -11,20 +11,23 @@
 //! - [`textbook`]: the same in multiple-angle normal form, for small mechanisms;
 //! - [`solve`]: forward dynamics by LDLᵀ, unrolled or left to the runtime;
 //! - [`linearize`]: Jacobians of the equations of motion;
+//! - [`constraint`]: what must vanish, its Jacobian and its bias;
 //! - [`conserved`]: cyclic coordinates and the energy integral;
 //! - [`output`]: outputs, their velocities and Jacobians.
 
 pub mod conserved;
+pub mod constraint;
 pub mod lagrange;
 pub mod linearize;
 pub mod output;
 pub mod solve;
 pub mod textbook;
 
-use crate::expr::{Expr, Graph, Symbol, carry_out};
+use crate::expr::{Expr, Graph, Symbol, carry_out, gradient_of_combination};
 use crate::model::Lagrangian;
 
 pub use conserved::Conserved;
+pub use constraint::Constraints;
 pub use lagrange::Lagrange;
 pub use linearize::{InverseDynamicsJacobian, Linearization};
 pub use output::OutputEquations;
@@ -75,6 +78,8 @@ pub struct Equations<'g> {
     pub inverse_dynamics_jacobian: InverseDynamicsJacobian<'g>,
     /// Derivatives of forward dynamics.
     pub linearization: Linearization<'g>,
+    /// Rows of constraints.
+    pub constraints: Constraints<'g>,
     /// First integrals.
     pub conserved: Vec<Conserved<'g>>,
     /// Outputs with their velocities and Jacobians.
@@ -101,10 +106,11 @@ fn equations<'g>(
     lagrangian: &Lagrangian<'_>,
     graph: &'g Graph,
 ) -> Equations<'g> {
-    let forward_dynamics = solve::forward_dynamics(&lagrange);
+    let constraints = constraint::constraints(lagrangian, graph, symbols);
+    let forward_dynamics = solve::forward_dynamics(&lagrange, &constraints);
     let inverse_dynamics_jacobian = linearize::inverse_dynamics_jacobian(&lagrange, symbols);
-    let linearization = linearize::linearization(&lagrange, &forward_dynamics, symbols);
-    let conserved = conserved::conserved(&lagrange, energies, symbols, lagrangian);
+    let linearization = linearize::linearization(&lagrange, &forward_dynamics, &constraints, symbols);
+    let conserved = conserved::conserved(&lagrange, energies, &constraints, symbols, lagrangian);
     let outputs = output::outputs(lagrangian, graph, symbols);
     Equations {
         symbols: symbols.clone(),
@@ -112,6 +118,7 @@ fn equations<'g>(
         forward_dynamics,
         inverse_dynamics_jacobian,
         linearization,
+        constraints,
         conserved,
         outputs,
     }
@@ -139,9 +146,10 @@ impl<'g> Energies<'g> {
             terms.into_iter().fold(graph.integer(0), |sum, term| sum + term)
         };
         let (kinetic, potential) = (sum(&lagrangian.kinetic), sum(&lagrangian.potential));
+        let at_points = virtual_work(lagrangian, graph);
         let force = |i: usize| {
             let terms: Vec<_> = lagrangian.forces.iter().filter(|(c, _)| *c == i).map(|(_, force)| *force).collect();
-            sum(&terms)
+            sum(&terms) + at_points[i]
         };
         Energies {
             kinetic,
@@ -153,12 +161,27 @@ impl<'g> Energies<'g> {
     }
 }
 
+/// `Q = Σ (∂v/∂q̇)ᵀ F` over forces on points and torques on bodies: one reverse sweep for all of them.
+fn virtual_work<'g>(lagrangian: &Lagrangian<'_>, graph: &'g Graph) -> Vec<Expr<'g>> {
+    let carried = |vectors: Vec<crate::expr::Vector<'_>>| {
+        let components: Vec<_> = vectors.iter().flat_map(|v| v.0).collect();
+        carry_out(&components, graph, |symbol| time_derivative(symbol, graph))
+    };
+    let velocities = carried(lagrangian.point_forces.iter().map(|f| f.velocity).collect());
+    let forces = carried(lagrangian.point_forces.iter().map(|f| f.force).collect());
+    let qd: Vec<Symbol> = (0..lagrangian.dof() as u32).map(Symbol::Velocity).collect();
+    let pairs: Vec<_> = velocities.into_iter().zip(forces).collect();
+    if pairs.is_empty() { vec![graph.integer(0); qd.len()] } else { gradient_of_combination(&pairs, &qd) }
+}
+
 /// `dq = q̇ dt`, `dq̇ = q̈ dt`
 pub(crate) fn time_derivative<'g>(symbol: Symbol, graph: &'g Graph) -> Option<Expr<'g>> {
     match symbol {
         Symbol::Time => Some(graph.integer(1)),
         Symbol::Coordinate(i) => Some(graph.symbol(Symbol::Velocity(i))),
         Symbol::Velocity(i) => Some(graph.symbol(Symbol::Acceleration(i))),
-        Symbol::Acceleration(_) | Symbol::Parameter(_) | Symbol::Input(_) => None,
+        Symbol::Prescribed(i, order @ (0 | 1)) => Some(graph.symbol(Symbol::Prescribed(i, order + 1))),
+        Symbol::Prescribed(..) => unreachable!("the model refuses accelerations in energies"),
+        Symbol::Acceleration(_) | Symbol::Parameter(_) | Symbol::Input(_) | Symbol::Multiplier(_) => None,
     }
 }

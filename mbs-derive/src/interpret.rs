@@ -1,7 +1,7 @@
 //! Runs Programs in process: the command line, the proofs and the tests evaluate the very code that is emitted.
 
 use crate::expr::{Number, Symbol, Value};
-use crate::optimise::{Argument, Completion, Derivation, Function, Instruction, Program, ResultPart, Shape};
+use crate::optimise::{Completion, Derivation, Function, Instruction, Program, ResultPart, Shape};
 
 /// The arguments of a mechanism's functions, flattened in declaration order.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -16,6 +16,8 @@ pub struct State<V = f64> {
     pub qdd: Vec<V>,
     /// Inputs.
     pub u: Vec<V>,
+    /// Prescribed motions: value, first and second derivative.
+    pub prescribed: Vec<[V; 3]>,
 }
 
 /// A mechanism with values for its parameters: doubles, or dual numbers that carry derivatives.
@@ -38,8 +40,8 @@ impl<'d, V: Value> Interpreter<'d, V> {
     /// With these parameters, flattened in declaration order.
     pub fn with_parameters(derivation: &'d Derivation, parameters: Vec<V>) -> Self {
         let t = V::constant(0.0);
-        let state = State { t, q: Vec::new(), qd: Vec::new(), qdd: Vec::new(), u: Vec::new() };
-        let hoisted = Run { state: &state, parameters: &parameters, hoisted: &[] }.results(&derivation.constructor);
+        let state = State { t, q: Vec::new(), qd: Vec::new(), qdd: Vec::new(), u: Vec::new(), prescribed: Vec::new() };
+        let hoisted = Run { state: &state, multipliers: &[], parameters: &parameters, hoisted: &[] }.results(&derivation.constructor);
         Interpreter { derivation, parameters, hoisted }
     }
 
@@ -63,35 +65,47 @@ impl<'d, V: Value> Interpreter<'d, V> {
     pub fn evaluate(&self, function: &Function, state: &State<V>) -> Vec<V> {
         match function.completion {
             Completion::None => {
-                let values = self.run(&function.program, state);
+                let values = self.run(&function.program, state, &[]);
                 expand_symmetric(&function.results, values)
             }
-            Completion::Solve => self.solve(function, state),
+            Completion::Solve | Completion::SolveMultipliers => self.solve(function, state),
         }
     }
 
-    fn run(&self, program: &Program, state: &State<V>) -> Vec<V> {
-        Run { state, parameters: &self.parameters, hoisted: &self.hoisted }.results(program)
+    fn run(&self, program: &Program, state: &State<V>, multipliers: &[V]) -> Vec<V> {
+        Run { state, multipliers, parameters: &self.parameters, hoisted: &self.hoisted }.results(program)
     }
 
-    /// `M x = b` for each column b, as the runtime does it.
+    /// The solution of the system that the program sets up, for each right side, as the runtime finds it.
     fn solve(&self, function: &Function, state: &State<V>) -> Vec<V> {
-        let n = self.derivation.dof();
-        let needs_acceleration = !function.arguments.contains(&Argument::Qdd)
-            && function.program.uses(|symbol| matches!(symbol, Symbol::Acceleration(_)));
-        let qdd = if needs_acceleration { self.call("forward_dynamics", state).unwrap_or_default() } else { Vec::new() };
-        let values = self.run(&function.program, &State { qdd, ..state.clone() });
-        let (triangle, mut right_sides) = (&values[..n * (n + 1) / 2], values[n * (n + 1) / 2..].to_vec());
-        let factors = Factors::new(n, triangle);
+        let (n, size) = (self.derivation.dof(), self.derivation.dof() + self.derivation.constraints.len());
+        let uses = |chosen: fn(Symbol) -> bool| function.program.uses(chosen);
+        let qdd = if uses(|symbol| matches!(symbol, Symbol::Acceleration(_))) {
+            self.call("forward_dynamics", state).unwrap_or_default()
+        } else {
+            Vec::new()
+        };
+        let multipliers = if uses(|symbol| matches!(symbol, Symbol::Multiplier(_))) {
+            self.call("multipliers", state).unwrap_or_default()
+        } else {
+            Vec::new()
+        };
+        let values = self.run(&function.program, &State { qdd, ..state.clone() }, &multipliers);
+        let (triangle, right_sides) = values.split_at(size * (size + 1) / 2);
+        let (factors, mut x) = (Factors::new(size, triangle), right_sides.to_vec());
+        if function.completion == Completion::SolveMultipliers {
+            factors.solve(|i| i, &mut x);
+            return x[n..].iter().map(|l| l.neg()).collect();
+        }
+        let mut results = Vec::new();
         let mut start = 0;
         for part in &function.results {
             let columns = part.shape.count() / n;
-            for column in 0..columns {
-                factors.solve(|i| start + i * columns + column, &mut right_sides);
-            }
-            start += part.shape.count();
+            (0..columns).for_each(|column| factors.solve(|i| start + i * columns + column, &mut x));
+            results.extend_from_slice(&x[start..start + n * columns]);
+            start += size * columns;
         }
-        right_sides
+        results
     }
 }
 
@@ -103,6 +117,7 @@ fn expand_symmetric<V: Value>(results: &[ResultPart], values: Vec<V>) -> Vec<V> 
 
 struct Run<'a, V> {
     state: &'a State<V>,
+    multipliers: &'a [V],
     parameters: &'a [V],
     hoisted: &'a [V],
 }
@@ -138,6 +153,8 @@ impl<V: Value> Run<'_, V> {
             Symbol::Acceleration(i) => self.state.qdd[i as usize],
             Symbol::Parameter(i) => self.parameters[i as usize],
             Symbol::Input(i) => self.state.u[i as usize],
+            Symbol::Prescribed(i, order) => self.state.prescribed[i as usize][usize::from(order)],
+            Symbol::Multiplier(i) => self.multipliers[i as usize],
         }
     }
 }

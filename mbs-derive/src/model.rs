@@ -37,7 +37,7 @@ use crate::parse::syntax::Declaration;
 use evaluate::Resolver;
 
 pub use frame::{Edge, Frame, FrameId, Frames};
-pub use lagrangian::{Body, Lagrangian, Output, OutputValue, Variable};
+pub use lagrangian::{Body, Constraint, ConstraintKind, Lagrangian, Output, OutputValue, PointForce, Variable};
 
 /// What a declaration means, in the verbatim `graph`, and warnings about it.
 ///

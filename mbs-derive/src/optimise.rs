@@ -15,7 +15,7 @@ pub mod schedule;
 use crate::derive::output::OutputShape;
 use crate::derive::{Equations, Rows};
 use crate::expr::{Expr, Symbol};
-use crate::model::{Lagrangian, Variable};
+use crate::model::{Constraint, Lagrangian, Variable};
 
 pub use cost::Operations;
 pub use program::{Instruction, Program, Value};
@@ -35,6 +35,10 @@ pub struct Derivation {
     pub parameters: Vec<Variable>,
     /// Inputs.
     pub inputs: Vec<Variable>,
+    /// Prescribed motions, each with two derivatives; where there are any, all functions take them.
+    pub prescribed: Vec<Variable>,
+    /// The rows of the constraints by name: `closure`, or `closure_0`, `closure_1`, ….
+    pub constraints: Vec<String>,
     /// Whether any function depends on t; then all of them take it.
     pub depends_on_time: bool,
     /// From parameters to the values that depend on them alone, computed once.
@@ -93,6 +97,14 @@ pub enum FunctionKind {
     LinearizeParameters,
     /// `∂τ/∂q`, `∂τ/∂q̇`
     InverseDynamicsJacobian,
+    /// φ, or the Pfaffian rows at q̇
+    Constraint,
+    /// A
+    ConstraintJacobian,
+    /// γ
+    ConstraintBias,
+    /// λ
+    Multipliers,
     /// First integrals, with their names.
     Conserved(Vec<String>),
     /// The value of the output with this number.
@@ -158,9 +170,12 @@ impl Shape {
 pub enum Completion {
     /// Nothing: they are the results.
     None,
-    /// They are the lower triangle of M and then right sides, `N` rows of each result part in turn; the results are the
-    /// solutions, found by the runtime's LDLᵀ. Where the program depends on q̈, forward dynamics is called first.
+    /// They are the lower triangle of M, bordered by A where there are constraints, and then right sides, as many rows of each
+    /// result part in turn; the results are the solutions' rows for q̈, found by the runtime's LDLᵀ. Where the program depends
+    /// on q̈ (or λ), forward dynamics (multipliers) is called first.
     Solve,
+    /// Likewise, but the results are the rows of the one solution for −λ, negated.
+    SolveMultipliers,
 }
 
 /// Makes the Programs, each function by its cheapest route; the routes are equal in value, the first wins a draw.
@@ -175,9 +190,18 @@ pub fn straight_line(lagrangian: &Lagrangian<'_>, routes: &[Equations<'_>]) -> D
         coordinates: lagrangian.coordinates.clone(),
         parameters: lagrangian.parameters.clone(),
         inputs: lagrangian.inputs.clone(),
+        prescribed: lagrangian.prescribed.clone(),
+        constraints: lagrangian.constraints.iter().flat_map(row_names).collect(),
         depends_on_time,
         constructor: hoisting.constructor,
         functions,
+    }
+}
+
+fn row_names(constraint: &Constraint<'_>) -> Vec<String> {
+    match constraint.rows.len() {
+        1 => vec![constraint.name.clone()],
+        m => (0..m).map(|i| format!("{}_{i}", constraint.name)).collect(),
     }
 }
 
@@ -201,13 +225,15 @@ struct Roots<'g> {
     results: Vec<ResultPart>,
     roots: Vec<Expr<'g>>,
     completion: Completion,
+    /// Of the system that the completion solves.
+    size: usize,
 }
 
 impl<'g> Roots<'g> {
     fn new(name: &str, kind: FunctionKind, arguments: &[Argument], shape: Shape, roots: Vec<Expr<'g>>) -> Self {
         let results = vec![ResultPart { name: "", shape }];
         let arguments = arguments.to_vec();
-        Roots { name: name.to_string(), kind, arguments, results, roots, completion: Completion::None }
+        Roots { name: name.to_string(), kind, arguments, results, roots, completion: Completion::None, size: 0 }
     }
 
     /// What a call would cost if nothing else were generated.
@@ -219,8 +245,8 @@ impl<'g> Roots<'g> {
     fn into_function(self, hoisting: &Hoisting) -> Function {
         let program = lower::program(&self.roots, hoisting);
         let mut operations = cost::operations(&program);
-        if self.completion == Completion::Solve {
-            operations = operations + cost::solve(&self.results);
+        if self.completion != Completion::None {
+            operations = operations + cost::solve(self.size, &self.results);
         }
         let Roots { name, kind, arguments, results, completion, .. } = self;
         Function { name, kind, arguments, results, program, completion, operations }
@@ -264,6 +290,9 @@ fn functions<'g>(equations: &Equations<'g>) -> Vec<Roots<'g>> {
     functions.extend(linearizations(equations));
     functions.push(inverse_dynamics_jacobian(equations));
     functions.push(conserved(equations));
+    if equations.constraints.count() > 0 {
+        functions.extend(constraints(equations));
+    }
     functions.extend((0..equations.outputs.len()).flat_map(|i| output(equations, i)));
     functions
 }
@@ -275,20 +304,22 @@ fn lower_triangle<'g>(m: &Rows<'g>) -> Vec<Expr<'g>> {
 fn forward_dynamics<'g>(equations: &Equations<'g>) -> Roots<'g> {
     let forward = &equations.forward_dynamics;
     let arguments = [Argument::Q, Argument::Qd, Argument::U];
-    let shape = Shape::Vector(forward.right_side.len());
+    let n = equations.symbols.q.len();
+    let shape = Shape::Vector(n);
     let (roots, completion) = match &forward.unrolled {
-        Some(qdd) => (qdd.clone(), Completion::None),
-        None => ([lower_triangle(&forward.mass_matrix), forward.right_side.clone()].concat(), Completion::Solve),
+        Some(solution) => (solution[..n].to_vec(), Completion::None),
+        None => ([lower_triangle(&forward.matrix), forward.right_side.clone()].concat(), Completion::Solve),
     };
     let function = Roots::new("forward_dynamics", FunctionKind::ForwardDynamics, &arguments, shape, roots);
-    Roots { completion, ..function }
+    Roots { completion, size: forward.matrix.len(), ..function }
 }
 
 fn linearizations<'g>(equations: &Equations<'g>) -> Vec<Roots<'g>> {
     let forward = &equations.forward_dynamics;
     let completion = if forward.unrolled.is_some() { Completion::None } else { Completion::Solve };
-    let leading = if completion == Completion::Solve { lower_triangle(&forward.mass_matrix) } else { Vec::new() };
-    let part = |name, rows: &Rows<'g>| ResultPart { name, shape: Shape::Matrix(rows.len(), rows[0].len()) };
+    let leading = if completion == Completion::Solve { lower_triangle(&forward.matrix) } else { Vec::new() };
+    let n = equations.symbols.q.len();
+    let part = |name, rows: &Rows<'g>| ResultPart { name, shape: Shape::Matrix(n, rows[0].len()) };
     let [q, qd, u] = &equations.linearization.state;
     let parameters = &equations.linearization.parameters;
     let arguments = vec![Argument::Q, Argument::Qd, Argument::U];
@@ -299,6 +330,7 @@ fn linearizations<'g>(equations: &Equations<'g>) -> Vec<Roots<'g>> {
         results: vec![part("q", q), part("qd", qd), part("u", u)],
         roots: [leading.clone(), q.concat(), qd.concat(), u.concat()].concat(),
         completion,
+        size: forward.matrix.len(),
     };
     let parameters = (!parameters[0].is_empty()).then(|| Roots {
         name: "linearize_parameters".to_string(),
@@ -307,6 +339,7 @@ fn linearizations<'g>(equations: &Equations<'g>) -> Vec<Roots<'g>> {
         results: vec![part("", parameters)],
         roots: [leading, parameters.concat()].concat(),
         completion,
+        size: forward.matrix.len(),
     });
     [state].into_iter().chain(parameters).collect()
 }
@@ -322,7 +355,28 @@ fn inverse_dynamics_jacobian<'g>(equations: &Equations<'g>) -> Roots<'g> {
         results: vec![part("q"), part("qd")],
         roots: [jacobian.q.concat(), jacobian.qd.concat()].concat(),
         completion: Completion::None,
+        size: 0,
     }
+}
+
+/// φ, A, γ and λ.
+fn constraints<'g>(equations: &Equations<'g>) -> Vec<Roots<'g>> {
+    use Argument::{Q, Qd, U};
+    let (constraints, forward) = (&equations.constraints, &equations.forward_dynamics);
+    let (m, n) = (constraints.count(), equations.symbols.q.len());
+    let (roots, completion) = match &forward.unrolled {
+        Some(solution) => (solution[n..].iter().map(|&l| -l).collect(), Completion::None),
+        None => ([lower_triangle(&forward.matrix), forward.right_side.clone()].concat(), Completion::SolveMultipliers),
+    };
+    let rows = Shape::Vector(m);
+    let jacobian = constraints.jacobian.concat();
+    let multipliers = Roots::new("multipliers", FunctionKind::Multipliers, &[Q, Qd, U], rows, roots);
+    vec![
+        Roots::new("constraint", FunctionKind::Constraint, &[Q, Qd], rows, constraints.value.clone()),
+        Roots::new("constraint_jacobian", FunctionKind::ConstraintJacobian, &[Q], Shape::Matrix(m, n), jacobian),
+        Roots::new("constraint_bias", FunctionKind::ConstraintBias, &[Q, Qd], rows, constraints.bias.clone()),
+        Roots { completion, size: forward.matrix.len(), ..multipliers },
+    ]
 }
 
 fn conserved<'g>(equations: &Equations<'g>) -> Roots<'g> {
@@ -381,6 +435,6 @@ pub fn argument_of(symbol: Symbol) -> Option<Argument> {
         Symbol::Velocity(_) => Some(Argument::Qd),
         Symbol::Acceleration(_) => Some(Argument::Qdd),
         Symbol::Input(_) => Some(Argument::U),
-        Symbol::Time | Symbol::Parameter(_) => None,
+        Symbol::Time | Symbol::Parameter(_) | Symbol::Prescribed(..) | Symbol::Multiplier(_) => None,
     }
 }

@@ -7,11 +7,12 @@
 //! - `guard`: comments, brackets and characters, before the text is cut into tokens;
 //! - `grammar`: the file and its statements, one function a construct;
 //! - `quantity`: what a declaration declares: names, units, values;
-//! - `expression`: operators, calls, arrays, numbers;
+//! - `expression`: operators, calls, arrays, numbers; `condition`: `if … else`, comparisons;
 //! - `reader`: tokens and refusals, what the three are written with;
 //! - `keyword`: the words that cannot be names;
 //! - `display`: the declaration as text again.
 
+mod condition;
 mod display;
 mod expression;
 mod freeze;
@@ -44,7 +45,7 @@ pub fn declaration(source: &str) -> Result<Declaration, Diagnostics> {
 #[cfg(test)]
 mod check {
     use super::declaration;
-    use super::syntax::{BinaryOperator, Expression, ExpressionKind, Statement, StatementKind};
+    use super::syntax::{BinaryOperator, Comparison, Expression, ExpressionKind, Statement, StatementKind};
 
     /// The statements between the braces of a mechanism.
     fn statements(body: &str) -> Vec<Statement> {
@@ -82,6 +83,21 @@ mod check {
             ExpressionKind::Field(value, name) => format!("{}.{}", prefix(value), name.text),
             ExpressionKind::Index(value, index) => format!("{}[{}]", prefix(value), prefix(index)),
             ExpressionKind::Array(values) => format!("[{}]", all(values)),
+            ExpressionKind::If(condition, yes, no) => {
+                format!("(if {} {} {})", prefix(condition), prefix(yes), prefix(no))
+            }
+            ExpressionKind::Compare(comparison, left, right) => {
+                let sign = match comparison {
+                    Comparison::Less => "<",
+                    Comparison::LessEqual => "<=",
+                    Comparison::Greater => ">",
+                    Comparison::GreaterEqual => ">=",
+                };
+                format!("({sign} {} {})", prefix(left), prefix(right))
+            }
+            ExpressionKind::And(left, right) => format!("(and {} {})", prefix(left), prefix(right)),
+            ExpressionKind::Or(left, right) => format!("(or {} {})", prefix(left), prefix(right)),
+            ExpressionKind::Not(value) => format!("(not {})", prefix(value)),
         }
     }
 

@@ -103,7 +103,7 @@ pub fn against_energies(lagrangian: &Lagrangian<'_>, derivation: &Derivation) ->
     let tried = 100 * STATES;
     let mut generic = 0;
     for attempt in 0..tried {
-        let state = random.state(lagrangian.dof(), count(&lagrangian.inputs));
+        let state = random.state(lagrangian);
         let defaults = default_parameters(lagrangian);
         let parameters = if attempt % 2 == 0 { defaults } else { random.parameters_near(&defaults) };
         if witness.is_finite(&state, &parameters) {
@@ -119,13 +119,20 @@ pub fn against_energies(lagrangian: &Lagrangian<'_>, derivation: &Derivation) ->
 
 /// All zero, at the origin, at rest, and each coordinate zero by itself: where a derivative by rule would be 0/0.
 fn states_with_zeros(lagrangian: &Lagrangian<'_>, random: &mut Random) -> Vec<(State, Vec<f64>)> {
-    let (n, inputs) = (lagrangian.dof(), count(&lagrangian.inputs));
-    let zero = State { t: 0.0, q: vec![0.0; n], qd: vec![0.0; n], qdd: vec![0.0; n], u: vec![0.0; inputs] };
+    let n = lagrangian.dof();
+    let zero = State {
+        t: 0.0,
+        q: vec![0.0; n],
+        qd: vec![0.0; n],
+        qdd: vec![0.0; n],
+        u: vec![0.0; count(&lagrangian.inputs)],
+        prescribed: vec![[0.0; 3]; count(&lagrangian.prescribed)],
+    };
     let mut states = vec![zero];
-    states.push(State { q: vec![0.0; n], ..random.state(n, inputs) });
-    states.push(State { qd: vec![0.0; n], ..random.state(n, inputs) });
+    states.push(State { q: vec![0.0; n], ..random.state(lagrangian) });
+    states.push(State { qd: vec![0.0; n], ..random.state(lagrangian) });
     for i in 0..n.min(8) {
-        let mut state = random.state(n, inputs);
+        let mut state = random.state(lagrangian);
         (state.q[i], state.qd[i]) = (0.0, 0.0);
         states.push(state);
     }

@@ -4,6 +4,7 @@ use crate::expr::{Expr, Symbol, evaluate, substitute};
 use crate::model::Lagrangian;
 use crate::model::lagrangian::component_names;
 
+use super::constraint::Constraints;
 use super::lagrange::Lagrange;
 use super::{Energies, Symbols};
 
@@ -21,6 +22,7 @@ pub struct Conserved<'g> {
 pub fn conserved<'g>(
     lagrange: &Lagrange<'g>,
     energies: &Energies<'g>,
+    constraints: &Constraints<'g>,
     symbols: &Symbols,
     lagrangian: &Lagrangian<'_>,
 ) -> Vec<Conserved<'g>> {
@@ -31,11 +33,14 @@ pub fn conserved<'g>(
     });
     let force_free: Vec<bool> = without_inputs.iter().map(|force| vanishes(*force)).collect();
     let mut found = Vec::new();
-    if force_free.iter().all(|&free| free) && !depends_on_time(energies.lagrangian) {
+    // The power of a constraint is −b·λ: constraints that do not move do no work.
+    let workless = constraints.drift.iter().all(|&drift| vanishes(drift));
+    if force_free.iter().all(|&free| free) && workless && !depends_on_time(energies.lagrangian) {
         found.push(Conserved { name: "energy_integral".to_string(), value: energy_integral(lagrange, energies, symbols) });
     }
     for (i, name) in component_names(&lagrangian.coordinates).into_iter().enumerate() {
-        if force_free[i] && vanishes(lagrange.position_gradient[i]) {
+        let unconstrained = constraints.jacobian.iter().all(|row| vanishes(row[i]));
+        if force_free[i] && unconstrained && vanishes(lagrange.position_gradient[i]) {
             found.push(Conserved { name: format!("p_{name}"), value: lagrange.momentum[i] });
         }
     }
@@ -55,7 +60,10 @@ fn energy_integral<'g>(lagrange: &Lagrange<'g>, energies: &Energies<'g>, symbols
 
 fn depends_on_time(expr: Expr<'_>) -> bool {
     let graph = expr.graph();
-    graph.reachable([expr.id()]).into_iter().any(|id| graph.expr(id) == graph.symbol(Symbol::Time))
+    graph.reachable([expr.id()]).into_iter().any(|id| match graph.node(id) {
+        crate::expr::Node::Symbol(symbol) => matches!(symbol, Symbol::Time | Symbol::Prescribed(..)),
+        _ => false,
+    })
 }
 
 /// Whether an expression is zero for all values of its symbols: tried at points with no special relation.
@@ -82,6 +90,8 @@ fn generic_value(symbol: Symbol, round: u64) -> f64 {
         Symbol::Acceleration(i) => (3, i),
         Symbol::Parameter(i) => (4, i),
         Symbol::Input(i) => (5, i),
+        Symbol::Prescribed(i, order) => (6 + u64::from(order), i),
+        Symbol::Multiplier(i) => (9, i),
     };
     let mixed = (kind * 1_000_003 + u64::from(index) * 7919 + round * 104_729 + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
     0.3 + (mixed >> 11) as f64 / (1u64 << 53) as f64

@@ -94,7 +94,7 @@ fn rate_without_acceleration<'g>(momentum: &[Expr<'g>]) -> Vec<Expr<'g>> {
 }
 
 /// `dq = q̇ dt`, `dq̇ = 0`
-fn velocity_direction<'g>(symbol: Symbol, any: Expr<'g>) -> Option<Expr<'g>> {
+pub(super) fn velocity_direction<'g>(symbol: Symbol, any: Expr<'g>) -> Option<Expr<'g>> {
     match symbol {
         Symbol::Velocity(_) => None,
         other => time_derivative(other, any.graph()),
@@ -102,7 +102,7 @@ fn velocity_direction<'g>(symbol: Symbol, any: Expr<'g>) -> Option<Expr<'g>> {
 }
 
 /// Expressions at `q̇ = 0`.
-fn at_rest<'g>(expressions: &[Expr<'g>]) -> Vec<Expr<'g>> {
+pub(super) fn at_rest<'g>(expressions: &[Expr<'g>]) -> Vec<Expr<'g>> {
     substitute(expressions, |symbol| match symbol {
         Symbol::Velocity(_) => Some(expressions[0].graph().integer(0)),
         _ => None,

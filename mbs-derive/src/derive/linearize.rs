@@ -1,10 +1,12 @@
 //! First derivatives of the dynamics.
 //!
 //! With `r(q, q̇, q̈, u) = M q̈ + h + ∂D/∂q̇ − Q`, which forward dynamics makes zero,
-//! `∂q̈/∂x = −M⁻¹ ∂r/∂x` at that q̈ (implicit differentiation): no derivative of a factorization is needed.
+//! `∂q̈/∂x = −M⁻¹ ∂r/∂x` at that q̈ (implicit differentiation): no derivative of a factorization is needed. With constraints
+//! r has `−Aᵀ λ` and the rows `A q̈ + γ` besides, and M is bordered by A.
 
 use crate::expr::{Expr, Symbol, substitute};
 
+use super::constraint::Constraints;
 use super::lagrange::{Lagrange, jacobian, jacobian_by_rows, sub, transpose};
 use super::solve::{Factorization, ForwardDynamics};
 use super::{Rows, Symbols};
@@ -43,25 +45,37 @@ pub fn inverse_dynamics_jacobian<'g>(lagrange: &Lagrange<'g>, symbols: &Symbols)
 pub fn linearization<'g>(
     lagrange: &Lagrange<'g>,
     forward: &ForwardDynamics<'g>,
+    constraints: &Constraints<'g>,
     symbols: &Symbols,
 ) -> Linearization<'g> {
-    let residual = sub(&lagrange.inverse_dynamics, &lagrange.generalized_force);
+    let graph = lagrange.kinetic_energy.graph();
+    let unforced = sub(&lagrange.inverse_dynamics, &lagrange.generalized_force);
+    let mut residual = sub(&unforced, &constraints.force(unforced.len(), graph));
+    residual.extend(constraints.jacobian.iter().zip(&constraints.bias).map(|(row, &bias)| {
+        row.iter().zip(&symbols.qdd).fold(bias, |sum, (&a, &qdd)| sum + a * graph.symbol(qdd))
+    }));
     let slope = |x: &[Symbol]| negative(&jacobian_by_rows(&residual, x));
     let [q, qd] = [slope(&symbols.q), slope(&symbols.qd)];
     let u = negative(&jacobian(&residual, &symbols.u));
     let parameters = slope(&symbols.parameters);
-    let Some(qdd) = &forward.unrolled else {
+    let Some(solution) = &forward.unrolled else {
         return Linearization { state: [q, qd, u], parameters };
     };
-    let factorization = Factorization::new(&forward.mass_matrix);
-    let finish = |rows: Rows<'g>| solve_columns(&factorization, &at_acceleration(&rows, qdd));
+    let factorization = Factorization::new(&forward.matrix);
+    let n = symbols.q.len();
+    let finish = |rows: Rows<'g>| {
+        let mut solved = solve_columns(&factorization, &at_solution(&rows, solution, n));
+        solved.truncate(n);
+        solved
+    };
     Linearization { state: [finish(q), finish(qd), finish(u)], parameters: finish(parameters) }
 }
 
-/// The expressions with forward dynamics in the place of q̈.
-fn at_acceleration<'g>(rows: &Rows<'g>, qdd: &[Expr<'g>]) -> Rows<'g> {
+/// The expressions with forward dynamics in the place of q̈ and λ; the solution is q̈, then −λ.
+fn at_solution<'g>(rows: &Rows<'g>, solution: &[Expr<'g>], n: usize) -> Rows<'g> {
     let replacement = |symbol| match symbol {
-        Symbol::Acceleration(i) => Some(qdd[i as usize]),
+        Symbol::Acceleration(i) => Some(solution[i as usize]),
+        Symbol::Multiplier(i) => Some(-solution[n + i as usize]),
         _ => None,
     };
     let width = rows[0].len();

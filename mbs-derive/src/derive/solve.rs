@@ -1,8 +1,19 @@
 //! Forward dynamics: `q̈ = M⁻¹ (Q − h − ∂D/∂q̇)` by a factorization, never by an inverse.
+//!
+//! With constraints accelerations and multipliers solve one symmetric system,
+//!
+//! ```text
+//! ⎡ M  Aᵀ ⎤ ⎡  q̈ ⎤   ⎡ Q − h − ∂D/∂q̇ ⎤
+//! ⎣ A  0  ⎦ ⎣ −λ ⎦ = ⎣      −γ       ⎦
+//! ```
+//!
+//! whose `L D Lᵀ` eliminates the accelerations first: the range-space method, for a regular M and independent rows of A.
+//! Nocedal & Wright, *Numerical Optimization*, 2nd ed. 2006, section 16.2.
 
 use crate::expr::Expr;
 
 use super::Rows;
+use super::constraint::Constraints;
 use super::lagrange::{Lagrange, add, sub};
 
 /// Up to this many coordinates the factorization is unrolled in the generated function; beyond, the runtime's loop
@@ -12,21 +23,32 @@ pub const LARGEST_UNROLLED: usize = 8;
 /// How accelerations are found.
 #[derive(Clone, Debug)]
 pub struct ForwardDynamics<'g> {
-    /// M
-    pub mass_matrix: Rows<'g>,
-    /// `Q − h − ∂D/∂q̇`
+    /// M, bordered by A where there are constraints.
+    pub matrix: Rows<'g>,
+    /// `Q − h − ∂D/∂q̇`, and −γ where there are constraints.
     pub right_side: Vec<Expr<'g>>,
-    /// q̈, where the factorization is unrolled.
+    /// q̈ and −λ, where the factorization is unrolled.
     pub unrolled: Option<Vec<Expr<'g>>>,
+    /// Number of constraint rows.
+    pub constraints: usize,
 }
 
-/// Sets up `M q̈ = Q − h − ∂D/∂q̇`, and solves it where the mechanism is small.
-pub fn forward_dynamics<'g>(lagrange: &Lagrange<'g>) -> ForwardDynamics<'g> {
+/// Sets up `M q̈ = Q − h − ∂D/∂q̇`, with constraints if there are any, and solves it where the mechanism is small.
+pub fn forward_dynamics<'g>(lagrange: &Lagrange<'g>, constraints: &Constraints<'g>) -> ForwardDynamics<'g> {
     let loads = add(&lagrange.bias, &lagrange.dissipation_force);
-    let right_side = sub(&lagrange.generalized_force, &loads);
-    let m = &lagrange.mass_matrix;
-    let unrolled = (m.len() <= LARGEST_UNROLLED).then(|| Factorization::new(m).solve(&right_side));
-    ForwardDynamics { mass_matrix: m.clone(), right_side, unrolled }
+    let mut right_side = sub(&lagrange.generalized_force, &loads);
+    right_side.extend(constraints.bias.iter().map(|&bias| -bias));
+    let matrix = bordered(&lagrange.mass_matrix, &constraints.jacobian);
+    let unrolled = (matrix.len() <= LARGEST_UNROLLED).then(|| Factorization::new(&matrix).solve(&right_side));
+    ForwardDynamics { matrix, right_side, unrolled, constraints: constraints.count() }
+}
+
+/// M with A below, Aᵀ beside and 0 in the corner.
+fn bordered<'g>(m: &Rows<'g>, a: &Rows<'g>) -> Rows<'g> {
+    let zero = m[0][0].graph().integer(0);
+    let upper = m.iter().enumerate().map(|(i, row)| row.iter().copied().chain(a.iter().map(|row| row[i])).collect());
+    let lower = a.iter().map(|row| row.iter().copied().chain(vec![zero; a.len()]).collect());
+    upper.chain(lower).collect()
 }
 
 /// `M = L D Lᵀ` with unit lower triangular L.

@@ -16,6 +16,8 @@ impl fmt::Display for Symbol {
             Symbol::Acceleration(i) => write!(f, "qdd_{i}"),
             Symbol::Parameter(i) => write!(f, "p_{i}"),
             Symbol::Input(i) => write!(f, "u_{i}"),
+            Symbol::Prescribed(i, order) => write!(f, "s{}_{i}", "d".repeat(usize::from(*order))),
+            Symbol::Multiplier(i) => write!(f, "lambda_{i}"),
         }
     }
 }

@@ -38,6 +38,10 @@ pub enum Symbol {
     Parameter(u32),
     /// Input, given from outside at each instant.
     Input(u32),
+    /// Prescribed motion, given from outside at each instant: its number, and how often it is differentiated (0, 1 or 2).
+    Prescribed(u32, u8),
+    /// Lagrange multiplier of a constraint row.
+    Multiplier(u32),
 }
 
 /// An exponent that is a multiple of one half: a power, a square root, or their reciprocal.
@@ -244,6 +248,8 @@ fn symbol_key(symbol: Symbol) -> u64 {
         Symbol::Acceleration(i) => (4, i),
         Symbol::Parameter(i) => (5, i),
         Symbol::Input(i) => (6, i),
+        Symbol::Prescribed(i, order) => (7 + u64::from(order), i),
+        Symbol::Multiplier(i) => (10, i),
     };
     (kind << 40) + (u64::from(index) << 8)
 }

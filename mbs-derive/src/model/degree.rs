@@ -9,7 +9,7 @@ use crate::expr::{Dual, Expr, Symbol, Tape};
 use crate::interpret::State;
 
 use super::lagrangian::{Lagrangian, component_names};
-use super::sample::{Random, count, default_parameters};
+use super::sample::{Random, default_parameters};
 
 /// A mistake in the energies.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -133,7 +133,7 @@ impl Line {
     fn random(lagrangian: &Lagrangian<'_>, random: &mut Random) -> Self {
         let n = lagrangian.dof();
         Line {
-            state: random.state(n, count(&lagrangian.inputs)),
+            state: random.state(lagrangian),
             direction: random.vector(n, 2.0),
             parameters: default_parameters(lagrangian),
         }
@@ -153,6 +153,11 @@ impl Line {
             Symbol::Acceleration(_) => Dual::fixed(0.0),
             Symbol::Parameter(i) => Dual::fixed(self.parameters[i as usize]),
             Symbol::Input(i) => Dual::fixed(self.state.u[i as usize]),
+            Symbol::Prescribed(i, order) => {
+                let signal = self.state.prescribed[i as usize];
+                Dual::new(signal[usize::from(order)], signal[(usize::from(order) + 1).min(2)])
+            }
+            Symbol::Multiplier(_) => Dual::fixed(0.0),
         }
     }
 }

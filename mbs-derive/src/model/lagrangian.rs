@@ -57,6 +57,37 @@ pub struct Body<'g> {
     pub frame: FrameId,
 }
 
+/// A force on a point, or a torque on a body: `Q = (∂v/∂q̇)ᵀ F`.
+#[derive(Clone, Copy, Debug)]
+pub struct PointForce<'g> {
+    /// Velocity of the point, or angular velocity of the body.
+    pub velocity: Vector<'g>,
+    /// The force or torque, in the same axes.
+    pub force: Vector<'g>,
+}
+
+/// What kind of constraint.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ConstraintKind {
+    /// `φ(q, t) = 0`
+    Holonomic,
+    /// `a(q, t)·q̇ + b(q, t) = 0`
+    Pfaffian,
+}
+
+/// A named constraint of one or more rows.
+#[derive(Clone, Debug)]
+pub struct Constraint<'g> {
+    /// As declared.
+    pub name: String,
+    /// Doc comments.
+    pub docs: Vec<String>,
+    /// Holonomic or Pfaffian.
+    pub kind: ConstraintKind,
+    /// What must vanish.
+    pub rows: Vec<Expr<'g>>,
+}
+
 /// What an output is.
 #[derive(Clone, Debug)]
 pub enum OutputValue<'g> {
@@ -108,6 +139,12 @@ pub struct Lagrangian<'g> {
     pub lagrangian: Vec<Expr<'g>>,
     /// Generalized forces: coordinate number and force; several on one coordinate add up.
     pub forces: Vec<(usize, Expr<'g>)>,
+    /// Forces on points and torques on bodies, generalized by virtual work.
+    pub point_forces: Vec<PointForce<'g>>,
+    /// Run-time signals that prescribe motions, each with two derivatives.
+    pub prescribed: Vec<Variable>,
+    /// Constraints in declaration order.
+    pub constraints: Vec<Constraint<'g>>,
     /// Outputs in declaration order.
     pub outputs: Vec<Output<'g>>,
     /// The frames, with their twists.
@@ -131,6 +168,9 @@ impl<'g> Lagrangian<'g> {
             dissipation: Vec::new(),
             lagrangian: Vec::new(),
             forces: Vec::new(),
+            point_forces: Vec::new(),
+            prescribed: Vec::new(),
+            constraints: Vec::new(),
             outputs: Vec::new(),
             frames: Frames::new(graph),
             bodies: Vec::new(),

@@ -30,14 +30,16 @@ impl Random {
         (0..count).map(|_| scale * self.symmetric()).collect()
     }
 
-    /// A state of a mechanism with `n` coordinates and `inputs` inputs: angles over the whole circle.
-    pub fn state(&mut self, n: usize, inputs: usize) -> State {
+    /// A state of a mechanism: angles over the whole circle, all else of order one.
+    pub fn state(&mut self, lagrangian: &Lagrangian<'_>) -> State {
+        let (n, inputs) = (lagrangian.dof(), count(&lagrangian.inputs));
         State {
             t: 2.0 * self.symmetric(),
             q: self.vector(n, std::f64::consts::PI),
             qd: self.vector(n, 2.0),
             qdd: self.vector(n, 2.0),
             u: self.vector(inputs, 2.0),
+            prescribed: (0..count(&lagrangian.prescribed)).map(|_| [0, 1, 2].map(|_| self.symmetric())).collect(),
         }
     }
 

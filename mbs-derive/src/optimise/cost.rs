@@ -72,11 +72,11 @@ pub fn operations(program: &Program) -> Operations {
     Operations { sincos: angles.len(), ..count }
 }
 
-/// What the runtime's LDLᵀ and its substitutions cost for these right sides.
-pub fn solve(results: &[ResultPart]) -> Operations {
-    let (n, columns) = results.iter().fold((0, 0), |(_, sum), part| match part.shape {
-        Shape::Vector(n) => (n, sum + 1),
-        Shape::Matrix(n, columns) => (n, sum + columns),
+/// What the runtime's LDLᵀ of a system of `n` rows and its substitutions cost for these right sides.
+pub fn solve(n: usize, results: &[ResultPart]) -> Operations {
+    let columns = results.iter().fold(0, |sum, part| match part.shape {
+        Shape::Vector(_) => sum + 1,
+        Shape::Matrix(_, columns) => sum + columns,
         Shape::Scalar | Shape::Symmetric(_) | Shape::Pose => unreachable!("right sides are vectors or matrices"),
     });
     // Row i: j products and differences for each j < i, i scalings, i products and differences, one division.
@@ -110,6 +110,6 @@ mod tests {
         // Two columns: with one, the last pivot's reciprocal is used once and becomes a division.
         let unrolled = [column(1), column(2)].concat();
         let counted = operations(&lower::program(&unrolled, &Hoisting::none()));
-        assert_eq!(counted, solve(&[ResultPart { name: "", shape: Shape::Matrix(n, 2) }]));
+        assert_eq!(counted, solve(n, &[ResultPart { name: "", shape: Shape::Matrix(n, 2) }]));
     }
 }

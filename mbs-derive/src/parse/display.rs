@@ -3,7 +3,8 @@
 use std::fmt::{self, Display, Formatter};
 
 use super::syntax::{
-    BinaryOperator, Declaration, EnergyTerm, Expression, ExpressionKind, Quantity, Statement, StatementKind, Unit,
+    BinaryOperator, Comparison, Declaration, EnergyTerm, Expression, ExpressionKind, Quantity, Statement, StatementKind,
+    Unit,
 };
 
 impl Display for Declaration {
@@ -43,6 +44,17 @@ fn lines(f: &mut Formatter<'_>, statement: &Statement, depth: usize) -> fmt::Res
         }
         StatementKind::Force { coordinate, index: None, value } => {
             writeln!(f, "{indent}force {} += {value};", coordinate.text)
+        }
+        StatementKind::Function { name, parameters, body } => {
+            let names: Vec<&str> = parameters.iter().map(|parameter| parameter.text.as_str()).collect();
+            writeln!(f, "{indent}fn {}({}) = {body};", name.text, names.join(", "))
+        }
+        StatementKind::Prescribed(quantity) => declared(f, "prescribed", quantity, depth),
+        StatementKind::ForceAt { point, value } => writeln!(f, "{indent}force at {point} += {value};"),
+        StatementKind::TorqueOn { pose, value } => writeln!(f, "{indent}torque on {pose} += {value};"),
+        StatementKind::Constraint { docs: about, name, left, right } => {
+            docs(f, about, depth)?;
+            writeln!(f, "{indent}constraint {}: {left} = {right};", name.text)
         }
         StatementKind::Output { docs: about, name, value } => {
             docs(f, about, depth)?;
@@ -117,12 +129,27 @@ impl Display for BinaryOperator {
     }
 }
 
-/// How tightly the parts of an expression hang together: a sum least, a value most.
-const SUM: u8 = 1;
-const PRODUCT: u8 = 2;
-const SIGNED: u8 = 3;
-const POWER: u8 = 4;
-const VALUE: u8 = 5;
+impl Display for Comparison {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Comparison::Less => " < ",
+            Comparison::LessEqual => " <= ",
+            Comparison::Greater => " > ",
+            Comparison::GreaterEqual => " >= ",
+        })
+    }
+}
+
+/// How tightly the parts of an expression hang together: a choice least, a value most.
+const CHOICE: u8 = 0;
+const OR: u8 = 1;
+const AND: u8 = 2;
+const COMPARISON: u8 = 3;
+const SUM: u8 = 4;
+const PRODUCT: u8 = 5;
+const SIGNED: u8 = 6;
+const POWER: u8 = 7;
+const VALUE: u8 = 8;
 
 /// With no more parentheses than it needs.
 impl Display for Expression {
@@ -154,6 +181,19 @@ impl Display for Expression {
                 write!(f, "[{index}]")
             }
             ExpressionKind::Array(elements) => list(f, '[', elements, ']'),
+            ExpressionKind::If(condition, yes, no) => match no.kind {
+                ExpressionKind::If(..) => write!(f, "if {condition} {{ {yes} }} else {no}"),
+                _ => write!(f, "if {condition} {{ {yes} }} else {{ {no} }}"),
+            },
+            ExpressionKind::Compare(comparison, left, right) => {
+                pair(f, (SUM, left), &comparison.to_string(), (SUM, right))
+            }
+            ExpressionKind::And(left, right) => pair(f, (AND, left), " && ", (COMPARISON, right)),
+            ExpressionKind::Or(left, right) => pair(f, (OR, left), " || ", (AND, right)),
+            ExpressionKind::Not(value) => {
+                f.write_str("!")?;
+                at_least(f, SIGNED, value)
+            }
         }
     }
 }
@@ -174,6 +214,12 @@ fn chain(f: &mut Formatter<'_>, expression: &Expression) -> fmt::Result {
     Ok(())
 }
 
+fn pair(f: &mut Formatter<'_>, left: (u8, &Expression), sign: &str, right: (u8, &Expression)) -> fmt::Result {
+    at_least(f, left.0, left.1)?;
+    f.write_str(sign)?;
+    at_least(f, right.0, right.1)
+}
+
 fn at_least(f: &mut Formatter<'_>, tight: u8, expression: &Expression) -> fmt::Result {
     if tightness(expression) < tight { write!(f, "({expression})") } else { write!(f, "{expression}") }
 }
@@ -188,7 +234,11 @@ fn list(f: &mut Formatter<'_>, open: char, values: &[Expression], close: char) -
 
 fn tightness(expression: &Expression) -> u8 {
     match &expression.kind {
-        ExpressionKind::Negate(_) => SIGNED,
+        ExpressionKind::If(..) => CHOICE,
+        ExpressionKind::Or(..) => OR,
+        ExpressionKind::And(..) => AND,
+        ExpressionKind::Compare(..) => COMPARISON,
+        ExpressionKind::Negate(_) | ExpressionKind::Not(_) => SIGNED,
         ExpressionKind::Binary(operator, ..) => operator_tightness(*operator).0,
         ExpressionKind::Number(_)
         | ExpressionKind::Name(_)
@@ -235,6 +285,11 @@ mechanism Pendulum {
     param m[2]: kg = [1.0, 2e-3];
     coord q: rad;
     input tau: kg*m^2*s^-2;
+    /// Shaken.
+    prescribed heave[2]: m;
+    prescribed sway: m = a*sin(w*t);
+    fn f(x, y) = x*y;
+    fn one() = 1;
     const n = 6;
     const w: m^(1/2) = 1;
     param free: 1;
@@ -250,6 +305,10 @@ mechanism Pendulum {
     lagrangian += 1;
     force q += tau;
     force q[n + 1] += -tau;
+    force at tip += [0, 0, tau];
+    torque on link*rot_z(q) += [0, 0, tau];
+    /// Of fixed length.
+    constraint rod: x^2 + y^2 = l^2;
     /// The tip.
     output tip = [q, 0, -q.x];
 }
@@ -287,6 +346,14 @@ mechanism Pendulum {
             "1.sin()",
             "-(a*b)",
             "-(-a)^2",
+            "if a < b { c } else { d }",
+            "if a < b && c > d || !(e <= f) { c } else { d }",
+            "if (a || b) && !(c >= d && e) { 1 } else { 2 }",
+            "if a && (b && c) { 1 } else if b { 2 } else { 3 }",
+            "1 + (if a < b + c { c } else { d })*2",
+            "-(if a < b { c } else { d })",
+            "(if a < b { c } else { d }).norm()",
+            "f(if a < b { [c, 1] } else { d })",
         ] {
             check(&format!("mechanism A {{\n    let x = {value};\n}}\n"));
         }

@@ -1,26 +1,40 @@
-//! Expressions: operators, what stands behind values, numbers.
+//! Expressions: operators, what stands behind values, numbers; conditions have a file of their own.
 
 use proc_macro2::Delimiter;
 use syn::parse::ParseStream;
 
 use super::keyword::{RESERVED, keyword};
 use super::reader::{Parsed, Reader, Refused, opens, sign, word};
-use super::syntax::{BinaryOperator, Expression, ExpressionKind, Name, Span};
+use super::condition::no_condition;
+use super::syntax::{BinaryOperator, Comparison, Expression, ExpressionKind, Name, Span};
+
+/// What stands between two operands.
+#[derive(Clone, Copy, PartialEq)]
+pub(super) enum Infix {
+    Arithmetic(BinaryOperator),
+    Comparison(Comparison),
+    And,
+    Or,
+}
 
 /// An operator whose right operand is still to come.
 enum Pending {
     /// The sign, and where it stands.
     Negate(Span),
+    /// `!`, and where it stands.
+    Not(Span),
     /// The operator and its left operand.
-    Binary(BinaryOperator, Box<Expression>),
+    Infix(Infix, Box<Expression>),
 }
 
 impl Pending {
     /// Whether it takes the operand on its right before `next`, which stands behind that operand, does.
-    fn precedes(&self, next: Option<BinaryOperator>) -> bool {
+    fn precedes(&self, next: Option<Infix>) -> bool {
         let (tightness, leftward) = match self {
-            Pending::Negate(_) => (3, true),
-            Pending::Binary(operator, _) => (tightness(*operator), *operator != BinaryOperator::Pow),
+            Pending::Negate(_) | Pending::Not(_) => (6, true),
+            Pending::Infix(operator, _) => {
+                (tightness(*operator), *operator != Infix::Arithmetic(BinaryOperator::Pow))
+            }
         };
         next.is_none_or(|next| tightness > self::tightness(next) || tightness == self::tightness(next) && leftward)
     }
@@ -29,9 +43,16 @@ impl Pending {
         let end = value.span.end;
         let (kind, start) = match self {
             Pending::Negate(sign) => (ExpressionKind::Negate(value), sign.start),
-            Pending::Binary(operator, left) => {
+            Pending::Not(sign) => (ExpressionKind::Not(value), sign.start),
+            Pending::Infix(operator, left) => {
                 let start = left.span.start;
-                (ExpressionKind::Binary(operator, left, value), start)
+                let kind = match operator {
+                    Infix::Arithmetic(operator) => ExpressionKind::Binary(operator, left, value),
+                    Infix::Comparison(comparison) => ExpressionKind::Compare(comparison, left, value),
+                    Infix::And => ExpressionKind::And(left, value),
+                    Infix::Or => ExpressionKind::Or(left, value),
+                };
+                (kind, start)
             }
         };
         Box::new(Expression { kind, span: start..end })
@@ -39,16 +60,19 @@ impl Pending {
 
     /// Whether it makes the expression deeper on the right.
     fn nests(&self) -> bool {
-        matches!(self, Pending::Negate(_) | Pending::Binary(BinaryOperator::Pow, _))
+        matches!(self, Pending::Negate(_) | Pending::Not(_) | Pending::Infix(Infix::Arithmetic(BinaryOperator::Pow), _))
     }
 }
 
-/// How tightly an operator binds; a sign, at 3, binds more loosely than a power: `-x^2` is `-(x^2)`.
-fn tightness(operator: BinaryOperator) -> u8 {
+/// How tightly an operator binds; a sign, at 6, binds more loosely than a power: `-x^2` is `-(x^2)`.
+fn tightness(operator: Infix) -> u8 {
     match operator {
-        BinaryOperator::Add | BinaryOperator::Sub => 1,
-        BinaryOperator::Mul | BinaryOperator::Div => 2,
-        BinaryOperator::Pow => 4,
+        Infix::Or => 1,
+        Infix::And => 2,
+        Infix::Comparison(_) => 3,
+        Infix::Arithmetic(BinaryOperator::Add | BinaryOperator::Sub) => 4,
+        Infix::Arithmetic(BinaryOperator::Mul | BinaryOperator::Div) => 5,
+        Infix::Arithmetic(BinaryOperator::Pow) => 7,
     }
 }
 
@@ -60,24 +84,48 @@ impl Reader<'_> {
         Ok(*self.operators(input)?)
     }
 
-    /// `expression := sum`, `sum := product (("+" | "-") product)*`, `product := signed (("*" | "/") signed)*`,
-    /// `signed := "-" signed | postfix ("^" signed)?`
-    fn operators(&mut self, input: ParseStream<'_>) -> Parsed<Box<Expression>> {
+    /// `expression := all ("||" all)*`, `all := comparison ("&&" comparison)*`, `comparison := sum (compared sum)?`,
+    /// `compared := "<" | "<=" | ">" | ">="`, `sum := product (("+" | "-") product)*`,
+    /// `product := signed (("*" | "/") signed)*`, `signed := ("-" | "!") signed | postfix ("^" signed)?`
+    pub(super) fn operators(&mut self, input: ParseStream<'_>) -> Parsed<Box<Expression>> {
         // Every operator here binds more tightly than those before it.
         let mut pending: Vec<Pending> = Vec::new();
+        let depth = self.depth;
         loop {
-            while let Some(sign) = self.eat(input, "-") {
-                self.push(&mut pending, Pending::Negate(sign))?;
-            }
+            self.signs(input, &mut pending)?;
             let mut value = self.postfix(input)?;
             let next = self.operator(input)?;
             while let Some(operator) = pending.pop_if(|operator| operator.precedes(next)) {
+                if let (Pending::Infix(Infix::Comparison(_), _), Some(Infix::Comparison(_))) = (&operator, next) {
+                    return Err(self.chained_comparison());
+                }
                 self.depth -= usize::from(operator.nests());
                 value = operator.apply(value);
             }
             match next {
-                Some(operator) => self.push(&mut pending, Pending::Binary(operator, value))?,
-                None => return Ok(value),
+                Some(operator) => {
+                    self.push(&mut pending, Pending::Infix(operator, value))?;
+                    // A chain of conditions is as deep as it is long, and is walked by recursion.
+                    if matches!(operator, Infix::And | Infix::Or) {
+                        self.enter(&(self.last - 2..self.last))?;
+                    }
+                }
+                None => {
+                    self.depth = depth;
+                    return Ok(value);
+                }
+            }
+        }
+    }
+
+    fn signs(&mut self, input: ParseStream<'_>, pending: &mut Vec<Pending>) -> Parsed<()> {
+        loop {
+            if let Some(sign) = self.eat(input, "-") {
+                self.push(pending, Pending::Negate(sign))?;
+            } else if let Some(sign) = self.eat(input, "!") {
+                self.push(pending, Pending::Not(sign))?;
+            } else {
+                return Ok(());
             }
         }
     }
@@ -91,17 +139,24 @@ impl Reader<'_> {
     }
 
     /// The binary operator that stands next, if one does.
-    fn operator(&mut self, input: ParseStream<'_>) -> Parsed<Option<BinaryOperator>> {
-        let operator = match sign(input.cursor()) {
-            Some(("+", _)) => BinaryOperator::Add,
-            Some(("-", _)) => BinaryOperator::Sub,
-            Some(("*", _)) => BinaryOperator::Mul,
-            Some(("/", _)) => BinaryOperator::Div,
-            Some(("^", _)) => BinaryOperator::Pow,
-            Some(("**", _)) => return Err(self.double_star(input)),
+    fn operator(&mut self, input: ParseStream<'_>) -> Parsed<Option<Infix>> {
+        let Some((sign, _)) = sign(input.cursor()) else { return Ok(None) };
+        let operator = match sign {
+            "+" => Infix::Arithmetic(BinaryOperator::Add),
+            "-" => Infix::Arithmetic(BinaryOperator::Sub),
+            "*" => Infix::Arithmetic(BinaryOperator::Mul),
+            "/" => Infix::Arithmetic(BinaryOperator::Div),
+            "^" => Infix::Arithmetic(BinaryOperator::Pow),
+            "<" => Infix::Comparison(Comparison::Less),
+            "<=" => Infix::Comparison(Comparison::LessEqual),
+            ">" => Infix::Comparison(Comparison::Greater),
+            ">=" => Infix::Comparison(Comparison::GreaterEqual),
+            "&&" => Infix::And,
+            "||" => Infix::Or,
+            "**" => return Err(self.double_star(input)),
             _ => return Ok(None),
         };
-        self.skip(input);
+        self.eat(input, sign);
         Ok(Some(operator))
     }
 
@@ -149,7 +204,7 @@ impl Reader<'_> {
         Ok(self.behind(value, |value| ExpressionKind::Field(value, name)))
     }
 
-    /// `primary := number | name | name "(" arguments ")" | "[" arguments "]" | "(" expression ")"`
+    /// `primary := number | name | name "(" arguments ")" | "[" arguments "]" | "(" expression ")" | conditional`
     fn primary(&mut self, input: ParseStream<'_>) -> Parsed<Box<Expression>> {
         if opens(input, Delimiter::Parenthesis) {
             self.parenthesized(input)
@@ -157,6 +212,8 @@ impl Reader<'_> {
             let start = self.next(input).start;
             let kind = ExpressionKind::Array(self.arguments(input)?);
             Ok(Box::new(Expression { kind, span: start..self.last }))
+        } else if word(input.cursor()).is_some_and(|(text, _)| text == "if") {
+            self.conditional(input)
         } else if word(input.cursor()).is_some() {
             let name = self.value_name(input)?;
             if opens(input, Delimiter::Parenthesis) && !self.begins_line(input) {
@@ -288,9 +345,7 @@ impl Reader<'_> {
             Some(("=" | "+=" | "-=" | "*=" | "/=", _)) => {
                 (format!("{found} cannot stand behind a value"), "end the statement before with `;`")
             }
-            Some(("==" | "!=" | "<" | "<=" | ">" | ">=", _)) => {
-                ("comparisons are not part of the language yet".to_string(), "leave it out")
-            }
+            Some((sign @ ("==" | "!=" | "&" | "|" | "=>"), _)) => no_condition(sign),
             Some((",", _)) => (format!("{found} cannot stand here"), "write a vector as `[x, y, z]`"),
             Some((";", _)) => (format!("{found} cannot stand within brackets"), "write `,` between values"),
             Some((".." | "..=", _)) => ("a range stands behind `in` only".to_string(), "write `for i in 0..6 { … }`"),
@@ -446,21 +501,19 @@ mod tests {
         check("f(a", "(: this `(` is not closed; write `)` before the `;` on line 2");
         check("f(, a)", &format!(",: expected a value, found `,`; {value}"));
         check("()", &format!("): expected a value, found `)`; {value}"));
-        check("!a", &format!("!: expected a value, found `!`; {value}"));
         check("{ a }", &format!("{{: expected a value, found `{{`; {value}"));
         check("(a, b)", ",: `,` cannot stand here; write a vector as `[x, y, z]`");
         check("[0; 3]", ";: `;` cannot stand within brackets; write `,` between values");
         check("[a b]", "b: an operator is missing before `b`; write `*` for a product");
         check("a % b", "%: `%` is not an operator; the operators are `+`, `-`, `*`, `/` and `^`");
-        check("a < b", "<: comparisons are not part of the language yet; leave it out");
-        check("a == b", "==: comparisons are not part of the language yet; leave it out");
+        check("a & b", "&: `&` is not an operator; write `&&` for \"and\", `||` for \"or\"");
+        check("a <", &format!(";: expected a value, found `;`; {value}"));
         check("a = b", "=: `=` cannot stand behind a value; end the statement before with `;`");
         check("a..b", "..: a range stands behind `in` only; write `for i in 0..6 { … }`");
         check("2 : m", ":: a value has no unit of its own; units belong to declarations, as in `param length: m = 2;`");
         check("a {}", "{: `{` cannot stand behind a value; end the statement with `;`");
-        let reserved = "if: `if` is reserved: it is not part of the language yet; see the language's documentation for what it has";
-        check("if a", reserved);
-        check("a if b", reserved);
+        check("if a", ";: expected a `{`, found `;`; write `if x < 0 { a } else { b }`");
+        check("a if b", "if: an operator is missing before `if`; write `*` for a product");
         check("force", "force: `force` is a keyword of the language, not a value; write a value here");
         check("true", "true: `true` is a keyword of Rust, not a value; write a value here");
         check("q.0", "0: `.0` is not a component; write `[0]` for the first component, `[1]` for the second");

@@ -3,7 +3,8 @@
 //! ```text
 //! file        := (inner | doc)* "mechanism" name "{" statement* "}"
 //! inner       := "#![dimensionless]"
-//! statement   := doc* (param | coord | input | const | let | assignment | energy | force | output) ";" | doc* for
+//! statement   := doc* (param | coord | input | prescribed | const | fn | let | assignment | energy | force | force_at
+//!                | torque | constraint | output) ";" | doc* for
 //! ```
 //!
 //! A function that cannot go on notes why in `errors` and answers [`Refused`]; [`Reader::statements`] goes on with the
@@ -16,7 +17,7 @@ use syn::buffer::Cursor;
 use syn::parse::{ParseStream, Parser};
 
 use super::keyword::{RESERVED, STATEMENTS};
-use super::quantity::{CONST, COORD, INPUT, PARAM};
+use super::quantity::{CONST, COORD, INPUT, PARAM, PRESCRIBED};
 use super::reader::{Parsed, Reader, Refused, opens, sign, word};
 use super::syntax::{Declaration, EnergyTerm, Expression, Name, Span, Statement, StatementKind};
 use crate::diagnostic::{Diagnostics, nearest};
@@ -145,9 +146,11 @@ impl Reader<'_> {
                 return;
             }
             if self.skip(input) {
-                // Braces that a value began with, as in `let x = { … };`.
-                self.eat(input, ";");
-                return;
+                // Braces that a value began with, as in `let x = { … };`, or a branch of it ends with.
+                let goes_on = word(input.cursor()).is_some_and(|(text, _)| text == "else");
+                if self.eat(input, ";").is_some() || !goes_on {
+                    return;
+                }
             }
         }
     }
@@ -175,16 +178,21 @@ impl Reader<'_> {
         let start = here.start;
         let kind = match text {
             "param" => StatementKind::Param(self.quantity(input, docs, &PARAM)?),
-            "coord" => StatementKind::Coord(self.quantity(input, docs, &COORD)?),
+            "coord" => self.coordinate(input, docs)?,
             "input" => StatementKind::Input(self.quantity(input, docs, &INPUT)?),
+            "prescribed" => StatementKind::Prescribed(self.quantity(input, docs, &PRESCRIBED)?),
             "const" => StatementKind::Const(self.quantity(input, docs, &CONST)?),
+            "fn" => self.function(input)?,
             "let" => self.binding(input)?,
             "kinetic" => self.energy(input, EnergyTerm::Kinetic)?,
             "potential" => self.energy(input, EnergyTerm::Potential)?,
             "dissipation" => self.energy(input, EnergyTerm::Dissipation)?,
             "lagrangian" => self.energy(input, EnergyTerm::Lagrangian)?,
             "force" => self.force(input)?,
+            "torque" => self.torque(input)?,
+            "constraint" => self.constraint(input, docs)?,
             "output" => self.output(input, docs)?,
+            "if" => return Err(self.no_conditional_statement(here)),
             text if RESERVED.contains(&text) => return Err(self.reserved(here, text)),
             _ => self.assignment(input)?,
         };
@@ -207,8 +215,9 @@ impl Reader<'_> {
 
     fn no_statement(&mut self, input: ParseStream<'_>) -> Refused {
         let span = self.next(input);
-        let forms = "a statement begins with `param`, `coord`, `input`, `const`, `let`, `kinetic`, `potential`, \
-                     `dissipation`, `lagrangian`, `force`, `output` or `for`, or is an assignment `x = …;`";
+        let forms = "a statement begins with `param`, `coord`, `input`, `prescribed`, `const`, `fn`, `let`, `kinetic`, \
+                     `potential`, `dissipation`, `lagrangian`, `force`, `torque`, `constraint`, `output` or `for`, \
+                     or is an assignment `x = …;`";
         match word(input.cursor()) {
             Some((text, _)) if text == "mechanism" => {
                 self.refuse(span, "a mechanism stands within a mechanism", "write it in a file of its own")
@@ -229,6 +238,39 @@ impl Reader<'_> {
 // ---- what statements say
 
 impl Reader<'_> {
+    /// `coord := quantity`, of any name but `at`.
+    fn coordinate(&mut self, input: ParseStream<'_>, docs: Vec<String>) -> Parsed<StatementKind> {
+        let quantity = self.quantity(input, docs, &COORD)?;
+        if quantity.name.text == "at" {
+            let help = "choose another name: `force at …` is a force on a point";
+            return Err(self.refuse(quantity.name.span, "a coordinate cannot be called `at`", help));
+        }
+        Ok(StatementKind::Coord(quantity))
+    }
+
+    /// `fn := "fn" name "(" (name ("," name)* ","?)? ")" "=" expression`
+    fn function(&mut self, input: ParseStream<'_>) -> Parsed<StatementKind> {
+        self.eat_word(input, "fn");
+        let name = self.declared_name(input, "fn")?;
+        let form = format!("write `fn {}(x, y) = …;`", name.text);
+        if !opens(input, Delimiter::Parenthesis) {
+            return Err(self.unexpected(input, "a `(`", &form));
+        }
+        let (group, mut parameters) = (self.group(input)?, Vec::new());
+        while !group.content.is_empty() {
+            parameters.push(self.declared_name(&group.content, "fn")?);
+            if !group.content.is_empty() && self.eat(&group.content, ",").is_none() {
+                return Err(self.unexpected(&group.content, "`,` or `)`", &form));
+            }
+        }
+        self.close(group);
+        if opens(input, Delimiter::Brace) {
+            return Err(self.refuse(self.next(input), "a function is one formula", form));
+        }
+        self.equals(input, &form)?;
+        Ok(StatementKind::Function { name, parameters, body: self.expression(input)? })
+    }
+
     /// `binding := "let" "mut"? name "=" expression`
     fn binding(&mut self, input: ParseStream<'_>) -> Parsed<StatementKind> {
         self.eat_word(input, "let");
@@ -271,17 +313,54 @@ impl Reader<'_> {
         Ok(StatementKind::Energy { term, value: self.expression(input)? })
     }
 
-    /// `force := "force" name ("[" expression "]")? "+=" expression`
+    /// `force := "force" name ("[" expression "]")? "+=" expression`, `force_at := "force" "at" expression "+=" expression`
     fn force(&mut self, input: ParseStream<'_>) -> Parsed<StatementKind> {
         let start = self.next(input).start;
         self.eat_word(input, "force");
+        if self.eat_word(input, "at") {
+            let point = self.expression(input)?;
+            self.adds(input, start)?;
+            return Ok(StatementKind::ForceAt { point, value: self.expression(input)? });
+        }
         let coordinate = self.name(input, "`force`")?;
         let index = self.index(input)?;
         if word(input.cursor()).is_some_and(|(text, _)| text == "at") {
-            return Err(self.reserved(self.next(input), "at"));
+            let help = "the point comes first: `force at point += F;`";
+            return Err(self.refuse(self.next(input), "a force at a point begins with `force at`", help));
         }
         self.adds(input, start)?;
         Ok(StatementKind::Force { coordinate, index, value: self.expression(input)? })
+    }
+
+    /// `torque := "torque" "on" expression "+=" expression`
+    fn torque(&mut self, input: ParseStream<'_>) -> Parsed<StatementKind> {
+        let start = self.next(input).start;
+        self.eat_word(input, "torque");
+        if !self.eat_word(input, "on") {
+            let help = "write `torque on pose += [x, y, z];`; on a coordinate it is `force theta += …;`";
+            return Err(self.unexpected(input, "`on`", help));
+        }
+        let pose = self.expression(input)?;
+        self.adds(input, start)?;
+        Ok(StatementKind::TorqueOn { pose, value: self.expression(input)? })
+    }
+
+    /// `constraint := "constraint" name ":" expression "=" expression`
+    fn constraint(&mut self, input: ParseStream<'_>, docs: Vec<String>) -> Parsed<StatementKind> {
+        let form = "write `constraint name: left = right;`";
+        self.eat_word(input, "constraint");
+        let name = self.declared_name(input, "constraint")?;
+        if self.eat(input, ":").is_none() {
+            return Err(self.unexpected(input, "`:`", form));
+        }
+        let left = self.expression(input)?;
+        self.equals(input, form)?;
+        Ok(StatementKind::Constraint { docs, name, left, right: self.expression(input)? })
+    }
+
+    fn no_conditional_statement(&mut self, here: Span) -> Refused {
+        let help = "write `let x = if a < b { … } else { … };`, or `kinetic += if …`";
+        self.refuse(here, "`if` chooses between values, not between statements", help)
     }
 
     /// The `+=` behind the sum that begins at `start`.
@@ -524,9 +603,61 @@ mechanism CartPole {
         refused("potential x;", "x: expected `+=`, found `x`; write `potential += …;`");
         refused("kinetc += x;", "kinetc: `kinetc` is not an energy, `+=` cannot change it; did you mean `kinetic`?");
         refused("y -= x;", "y: `y` is not an energy, `-=` cannot change it; write `y = y - …;`");
+        refused("force at = x;", "=: expected a value, found `=`; a value is a number, a name, a call `f(x)`, an array `[x, y, z]` or `( … )`");
+        refused(
+            "force at p = x;",
+            "=: `force at p` is a sum that statements add to, `=` does not; write `force at p += …;`",
+        );
         refused(
             "force F at p += x;",
-            "at: `at` is reserved: it is not part of the language yet; see the language's documentation for what it has",
+            "at: a force at a point begins with `force at`; the point comes first: `force at point += F;`",
+        );
+        refused(
+            "torque q += x;",
+            "q: expected `on`, found `q`; write `torque on pose += [x, y, z];`; on a coordinate it is `force theta += …;`",
+        );
+        refused(
+            "torque on p -= x;",
+            "-=: `torque on p` is a sum that statements add to, `-=` does not; write `torque on p += -(…);`",
+        );
+        refused(
+            "coord at: m;",
+            "at: a coordinate cannot be called `at`; choose another name: `force at …` is a force on a point",
+        );
+    }
+
+    #[test]
+    fn functions_are_formulas() {
+        refused("fn f = x;", "=: expected a `(`, found `=`; write `fn f(x, y) = …;`");
+        refused("fn f(x) { x }", "{: a function is one formula; write `fn f(x, y) = …;`");
+        refused("fn f(x y) = x;", "y: expected `,` or `)`, found `y`; write `fn f(x, y) = …;`");
+        refused("fn f(1) = x;", "1: expected a name after `fn`, found `1`; a name begins with a letter");
+        refused("fn f(t) = t;", "t: `t` cannot be declared: it is the time; choose another name, such as `t_`");
+        refused("fn f(x): m = x;", ":: expected `=`, found `:`; write `fn f(x, y) = …;`");
+        refused("fn torque(x) = x;", "torque: `torque` cannot be declared: it is a keyword of the language; choose another name, such as `torque_`");
+        let StatementKind::Function { name, parameters, body } = statement("fn f(x, y,) = x*y;") else { panic!() };
+        let names: Vec<&str> = parameters.iter().map(|p| p.text.as_str()).collect();
+        assert_eq!((name.text.as_str(), names, prefix(&body)), ("f", vec!["x", "y"], "(* x y)".to_string()));
+    }
+
+    #[test]
+    fn prescribed_motions_and_constraints() {
+        let StatementKind::Prescribed(heave) = statement("prescribed heave: m = a*sin(t);") else { panic!() };
+        assert_eq!(heave.value.as_ref().map(prefix).as_deref(), Some("(* a sin(t))"));
+        assert!(matches!(statement("prescribed s[2]: m;"), StatementKind::Prescribed(s) if s.value.is_none()));
+        refused("prescribed s;", "prescribed s: `prescribed s` needs a unit; write `prescribed s: m;`, `1` for a pure number");
+        let StatementKind::Constraint { name, left, right, .. } = statement("constraint rod: x^2 = l^2;") else {
+            panic!()
+        };
+        assert_eq!((name.text.as_str(), prefix(&left), prefix(&right)), ("rod", "(^ x 2)".into(), "(^ l 2)".into()));
+        refused("constraint x^2 = l^2;", "^: expected `:`, found `^`; write `constraint name: left = right;`");
+        refused("constraint rod: x^2 - l^2;", ";: expected `=`, found `;`; write `constraint name: left = right;`");
+        refused("constraint rod: x == l;", "==: expected `=`, found `==`; write `constraint name: left = right;`");
+        assert!(matches!(statement("force at p + q += F;"), StatementKind::ForceAt { .. }));
+        assert!(matches!(statement("torque on arm[2] += [0, 0, u];"), StatementKind::TorqueOn { .. }));
+        refused(
+            "if a < b { kinetic += x; }",
+            "if: `if` chooses between values, not between statements; write `let x = if a < b { … } else { … };`, or `kinetic += if …`",
         );
     }
 
@@ -659,6 +790,17 @@ extra
             "kinetic",
             "force",
             "output",
+            "fn",
+            "if",
+            "else",
+            "prescribed",
+            "constraint",
+            "torque on",
+            "force at",
+            "&&",
+            "||",
+            "<=",
+            "if a < b { x } else ",
             "x",
             "t",
             "r#x",

@@ -1,11 +1,13 @@
 //! The words that cannot be names.
 
 /// What a statement begins with.
-pub(super) const STATEMENTS: [&str; 12] = [
+pub(super) const STATEMENTS: [&str; 16] = [
     "param",
     "coord",
     "input",
+    "prescribed",
     "const",
+    "fn",
     "let",
     "for",
     "kinetic",
@@ -13,14 +15,16 @@ pub(super) const STATEMENTS: [&str; 12] = [
     "dissipation",
     "lagrangian",
     "force",
+    "torque",
+    "constraint",
     "output",
 ];
 
 /// Parts of statements.
-const PARTS: [&str; 3] = ["mechanism", "mut", "in"];
+const PARTS: [&str; 5] = ["mechanism", "mut", "in", "if", "else"];
 
 /// Reserved: the language will use them.
-pub(super) const RESERVED: [&str; 6] = ["prescribed", "constraint", "fn", "if", "else", "import"];
+pub(super) const RESERVED: [&str; 1] = ["import"];
 
 /// Names that every mechanism knows from the start.
 const BUILT_IN: [(&str, &str); 4] =
@@ -58,6 +62,8 @@ mod tests {
     #[test]
     fn tells_keywords_from_names() {
         assert_eq!(keyword("force"), Some("a keyword of the language"));
+        assert_eq!(keyword("torque"), Some("a keyword of the language"));
+        assert_eq!(keyword("else"), Some("a keyword of the language"));
         assert_eq!(keyword("match"), Some("a keyword of Rust"));
         assert_eq!(keyword("t"), None);
         assert_eq!(taken("t"), Some("the time"));

@@ -35,6 +35,9 @@ pub(super) const INPUT: Form = Form {
     value: FormValue::Absent("its value is given while the mechanism moves"),
 };
 
+pub(super) const PRESCRIBED: Form =
+    Form { keyword: "prescribed", needs_unit: Some("m"), value: FormValue::Optional };
+
 impl Reader<'_> {
     /// `quantity := keyword name ("[" expression "]")? (":" unit)? ("=" expression)?`
     pub(super) fn quantity(&mut self, input: ParseStream<'_>, docs: Vec<String>, form: &Form) -> Parsed<Quantity> {

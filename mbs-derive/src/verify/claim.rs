@@ -2,6 +2,7 @@
 
 use crate::expr::{Dual, Symbol};
 use crate::interpret::{Interpreter, State};
+use crate::model::ConstraintKind;
 use crate::model::degree::eliminate;
 use crate::optimise::{Derivation, Function, FunctionKind};
 
@@ -57,7 +58,8 @@ impl<'a> Trial<'a> {
         self.mass_matrix_is_that_of_inverse_dynamics()?;
         self.coriolis_matrix()?;
         self.inverse_dynamics_jacobian()?;
-        if self.mass_matrix_is_regular() {
+        self.constraints()?;
+        if self.accelerations_are_determined() {
             self.forward_dynamics()?;
             self.linearization()?;
             self.conserved()?;
@@ -186,18 +188,62 @@ impl<'a> Trial<'a> {
         Ok(())
     }
 
-    /// Whether accelerations are determined at this state: the reciprocal condition of M, rows and columns scaled to a
-    /// unit diagonal, is not small.
-    fn mass_matrix_is_regular(&self) -> bool {
-        eliminate(&self.call("mass_matrix"), self.n()).smallest > 1e-6
+    /// Whether accelerations are determined at this state: the smallest pivots of M and of `A M⁻¹ Aᵀ`, scaled to unit
+    /// diagonals, are not small.
+    fn accelerations_are_determined(&self) -> bool {
+        let (n, m) = (self.n(), self.derivation.constraints.len());
+        if eliminate(&self.call("mass_matrix"), n).smallest <= 1e-6 {
+            return false;
+        }
+        let a = self.call_if_any("constraint_jacobian");
+        let columns: Vec<Vec<f64>> = a.chunks(n).map(|row| self.solve_mass_matrix(row)).collect();
+        let products: Vec<f64> = a.chunks(n).flat_map(|row| columns.iter().map(move |c| dot(row, c))).collect();
+        m == 0 || eliminate(&products, m).smallest > 1e-6
+    }
+
+    /// The results of a function that exists only for constrained mechanisms.
+    fn call_if_any(&self, name: &str) -> Vec<f64> {
+        if self.derivation.constraints.is_empty() { Vec::new() } else { self.call(name) }
+    }
+
+    /// The rows as declared; `A q̇ + b` is the rate of φ, or the Pfaffian row; `A q̈ + γ` is the rate of that.
+    fn constraints(&self) -> Result<(), Failure> {
+        let declared = self.witness.constraints(self.state, self.parameters);
+        let kinds = self.witness.lagrangian.constraints.iter().flat_map(|c| c.rows.iter().map(|_| c.kind));
+        let (value, bias) = (self.call_if_any("constraint"), self.call_if_any("constraint_bias"));
+        let jacobian = self.call_if_any("constraint_jacobian");
+        let expected: Vec<f64> = declared.iter().map(|[row, _]| row.value).collect();
+        self.equal("constraint", &value, &expected, &[])?;
+        let second: Vec<f64> = kinds
+            .zip(&declared)
+            .map(|(kind, [row, rate])| match kind {
+                ConstraintKind::Holonomic => rate.derivative,
+                ConstraintKind::Pfaffian => row.derivative,
+            })
+            .collect();
+        let product = rows_times(&jacobian, &self.state.qdd);
+        let terms = [product.clone(), bias.clone()].concat();
+        self.equal("A q̈ + γ", &add(&product, &bias), &second, &terms)
+    }
+
+    /// `Aᵀ λ`
+    fn constraint_force(&self) -> Vec<f64> {
+        let (a, l) = (self.call_if_any("constraint_jacobian"), self.call_if_any("multipliers"));
+        let n = self.n();
+        (0..n).map(|i| l.iter().enumerate().map(|(k, l)| a[k * n + i] * l).sum()).collect()
     }
 
     fn forward_dynamics(&self) -> Result<(), Failure> {
         let (m, qdd) = (self.call("mass_matrix"), self.call("forward_dynamics"));
         let product = times(&m, &qdd);
         let (h, d, q) = (self.call("bias"), self.call("dissipation_force"), self.call("generalized_force"));
-        let residual: Vec<f64> = (0..self.n()).map(|i| product[i] + h[i] + d[i]).collect();
-        self.equal("M q̈ + h + ∂D/∂q̇ = Q", &residual, &q, &[product, h, d].concat())
+        let reaction = self.constraint_force();
+        let residual: Vec<f64> = (0..self.n()).map(|i| product[i] + h[i] + d[i] - reaction[i]).collect();
+        self.equal("M q̈ + h + ∂D/∂q̇ = Q + Aᵀ λ", &residual, &q, &[product, h, d, reaction].concat())?;
+        let (bias, a) = (self.call_if_any("constraint_bias"), self.call_if_any("constraint_jacobian"));
+        let product = rows_times(&a, &qdd);
+        let zero = vec![0.0; bias.len()];
+        self.equal("A q̈ + γ = 0", &add(&product, &bias), &zero, &[product, bias].concat())
     }
 
     fn linearization(&self) -> Result<(), Failure> {
@@ -234,17 +280,13 @@ impl<'a> Trial<'a> {
     }
 
     /// First integrals keep their values along the motion with `u = 0`, `D = 0`; and with everything on, the energy
-    /// balance `d/dt (q̇·∂L/∂q̇ − L) = q̇·(Q − ∂D/∂q̇) − ∂L/∂t`.
+    /// balance `d/dt (q̇·∂L/∂q̇ − L) = q̇·(Q − ∂D/∂q̇ + Aᵀ λ) − ∂L/∂t`.
     fn conserved(&self) -> Result<(), Failure> {
         let n = self.n();
         let free = State { u: vec![0.0; self.state.u.len()], ..self.state.clone() };
-        let d = self.call("dissipation_force");
-        let forced = |state: &State, undamped: bool| {
-            // D is taken away by adding its force to the inputs' side: M q̈ = Q − h.
-            let qdd = self.interpreter.call("forward_dynamics", state).unwrap_or_default();
-            if undamped { add(&qdd, &self.solve_mass_matrix(&d)) } else { qdd }
-        };
-        let free = State { qdd: forced(&free, true), ..free };
+        let force = self.interpreter.call("generalized_force", &free).unwrap_or_default();
+        let h = self.call("bias");
+        let free = State { qdd: self.accelerations(&(0..n).map(|i| force[i] - h[i]).collect::<Vec<_>>()), ..free };
         let along = lift(&free, |symbol| path(&free, symbol));
         let rates = self.dual.call("conserved", &along).unwrap_or_default();
         let rates: Vec<f64> = rates.iter().map(|v| v.derivative).collect();
@@ -252,7 +294,7 @@ impl<'a> Trial<'a> {
         let power: Vec<f64> = self.power_terms(&free);
         self.equal("conserved quantities", &rates, &vec![0.0; rates.len()], &[p_dot, power].concat())?;
 
-        let real = State { qdd: forced(self.state, false), ..self.state.clone() };
+        let real = State { qdd: self.call("forward_dynamics"), ..self.state.clone() };
         let along = lift(&real, |symbol| path(&real, symbol));
         let momentum = self.dual.call("momentum", &along).unwrap_or_default();
         let parameters = lift_all(self.parameters);
@@ -261,7 +303,8 @@ impl<'a> Trial<'a> {
         let [l_t, ..] = self.witness.energies(&by_time, &parameters);
         let action_rate: f64 = (0..n).map(|i| real.qdd[i] * momentum[i].value + real.qd[i] * momentum[i].derivative).sum();
         let force = self.call("generalized_force");
-        let power: f64 = (0..n).map(|i| real.qd[i] * (force[i] - d[i])).sum();
+        let reaction = self.constraint_force();
+        let power: f64 = (0..n).map(|i| real.qd[i] * (force[i] - d[i] + reaction[i])).sum();
         let terms = [action_rate, l.derivative, l_t.derivative, self.power_terms(&real).iter().sum()];
         self.equal("energy balance", &[action_rate - l.derivative], &[power - l_t.derivative], &terms)
     }
@@ -272,6 +315,22 @@ impl<'a> Trial<'a> {
         let h = self.interpreter.call("bias", state).unwrap_or_default();
         let product = times(&self.call("mass_matrix"), &state.qdd);
         (0..self.n()).map(|i| (state.qd[i] * (tau[i].abs() + h[i].abs() + product[i].abs())).abs()).collect()
+    }
+
+    /// q̈ of `M q̈ = f + Aᵀ λ`, `A q̈ + γ = 0`.
+    fn accelerations(&self, f: &[f64]) -> Vec<f64> {
+        let (n, m) = (self.n(), self.derivation.constraints.len());
+        let (mass, a) = (self.call("mass_matrix"), self.call_if_any("constraint_jacobian"));
+        let entry = |i: usize, j: usize| match (i < n, j < n) {
+            (true, true) => mass[i * n + j],
+            (false, true) => a[(i - n) * n + j],
+            (true, false) => a[(j - n) * n + i],
+            (false, false) => 0.0,
+        };
+        let size = n + m;
+        let matrix: Vec<f64> = (0..size * size).map(|k| entry(k / size, k % size)).collect();
+        let right: Vec<f64> = f.iter().copied().chain(self.call_if_any("constraint_bias").iter().map(|g| -g)).collect();
+        solve(&matrix, &right)[..n].to_vec()
     }
 
     fn solve_mass_matrix(&self, b: &[f64]) -> Vec<f64> {
@@ -328,6 +387,10 @@ fn spatial_velocity(pose: &[Dual<f64>]) -> Vec<f64> {
     let spin = |i: usize, j: usize| (0..3).map(|k| r(i, k).derivative * r(j, k).value).sum::<f64>();
     let position = pose[..3].iter().map(|p| p.derivative);
     position.chain([spin(2, 1), spin(0, 2), spin(1, 0)]).collect()
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 fn add(a: &[f64], b: &[f64]) -> Vec<f64> {

@@ -10,6 +10,9 @@ pub struct Witness<'l, 'g> {
     pub lagrangian: &'l Lagrangian<'g>,
     energies: Tape,
     forces: Tape,
+    /// For each force on a point the velocity and the force, three components each.
+    point_forces: Tape,
+    constraints: Tape,
     outputs: Tape,
     frames: Tape,
 }
@@ -40,6 +43,8 @@ impl<'l, 'g> Witness<'l, 'g> {
             sum(&terms.map(|(_, force)| *force).collect::<Vec<_>>())
         };
         let outputs: Vec<_> = lagrangian.outputs.iter().flat_map(|o| output_components(lagrangian, &o.value)).collect();
+        let point_forces: Vec<_> =
+            lagrangian.point_forces.iter().flat_map(|f| f.velocity.0.into_iter().chain(f.force.0)).collect();
         let frames = lagrangian.frames.iter().flat_map(|frame| {
             let rotation = frame.rotation.0.into_iter().flatten();
             let vectors = [frame.position, frame.angular_velocity, frame.velocity];
@@ -49,6 +54,8 @@ impl<'l, 'g> Witness<'l, 'g> {
             lagrangian,
             energies: Tape::new(&[l, kinetic, potential, sum(&lagrangian.dissipation)]),
             forces: Tape::new(&(0..lagrangian.dof()).map(force).collect::<Vec<_>>()),
+            point_forces: Tape::new(&point_forces),
+            constraints: Tape::new(&lagrangian.constraints.iter().flat_map(|c| c.rows.clone()).collect::<Vec<_>>()),
             outputs: Tape::new(&outputs),
             frames: Tape::new(&frames.collect::<Vec<_>>()),
         }
@@ -70,7 +77,26 @@ impl<'l, 'g> Witness<'l, 'g> {
 
     /// Q
     pub fn forces(&self, state: &State, parameters: &[f64]) -> Vec<f64> {
-        self.forces.run(moving(state, parameters)).iter().map(|q| q.value).collect()
+        let direct = self.forces.run(moving(state, parameters));
+        let by_work = (0..direct.len()).map(|i| self.virtual_work(i, state, parameters));
+        direct.iter().zip(by_work).map(|(q, work)| q.value + work).collect()
+    }
+
+    /// `Σ F · ∂v/∂q̇ᵢ` over the forces on points and torques on bodies.
+    fn virtual_work(&self, i: usize, state: &State, parameters: &[f64]) -> f64 {
+        let varied = lift(state, |symbol| f64::from(u8::from(symbol == Symbol::Velocity(i as u32))));
+        let values = self.point_forces.run(moving(&varied, &lift_all(parameters)));
+        let work = |pair: &[Dual<Dual<f64>>]| -> f64 {
+            (0..3).map(|k| pair[k].value.derivative * pair[3 + k].value.value).sum()
+        };
+        values.chunks(6).map(work).sum()
+    }
+
+    /// For each row of the constraints its value and its rate along the motion, both with their own rates.
+    pub fn constraints(&self, state: &State, parameters: &[f64]) -> Vec<[Dual<f64>; 2]> {
+        let along_path = lift(state, |symbol| path(state, symbol));
+        let values = self.constraints.run(moving(&along_path, &lift_all(parameters)));
+        values.iter().map(|row| [row.value, row.derivative]).collect()
     }
 
     /// The outputs' components with their time derivatives, in the order of declaration.
@@ -109,7 +135,9 @@ pub fn path(state: &State, symbol: Symbol) -> f64 {
         Symbol::Time => 1.0,
         Symbol::Coordinate(i) => state.qd[i as usize],
         Symbol::Velocity(i) => state.qdd[i as usize],
-        Symbol::Acceleration(_) | Symbol::Parameter(_) | Symbol::Input(_) => 0.0,
+        Symbol::Prescribed(i, order @ (0 | 1)) => state.prescribed[i as usize][usize::from(order) + 1],
+        Symbol::Prescribed(..) => f64::NAN, // a third derivative is nowhere needed
+        Symbol::Acceleration(_) | Symbol::Parameter(_) | Symbol::Input(_) | Symbol::Multiplier(_) => 0.0,
     }
 }
 
@@ -124,6 +152,9 @@ pub fn lift<V: Value>(state: &State<V>, direction: impl Fn(Symbol) -> V) -> Stat
         qd: all(&state.qd, Symbol::Velocity),
         qdd: all(&state.qdd, Symbol::Acceleration),
         u: all(&state.u, Symbol::Input),
+        prescribed: state.prescribed.iter().enumerate().map(|(i, signal)| {
+            [0, 1, 2].map(|order| Dual::new(signal[order], direction(Symbol::Prescribed(i as u32, order as u8))))
+        }).collect(),
     }
 }
 
@@ -141,6 +172,12 @@ fn moving<V: Value>(state: &State<V>, parameters: &[V]) -> impl Fn(Symbol) -> Du
         Symbol::Acceleration(i) => Dual::fixed(state.qdd[i as usize]),
         Symbol::Parameter(i) => Dual::fixed(parameters[i as usize]),
         Symbol::Input(i) => Dual::fixed(state.u[i as usize]),
+        Symbol::Prescribed(i, order) => {
+            let signal = &state.prescribed[i as usize];
+            let rate = signal.get(usize::from(order) + 1).copied().unwrap_or(V::constant(f64::NAN));
+            Dual::new(signal[usize::from(order)], rate)
+        }
+        Symbol::Multiplier(_) => unreachable!("multipliers are not declared"),
     }
 }
 

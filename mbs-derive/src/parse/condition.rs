@@ -1,0 +1,156 @@
+//! Conditions: `if … { … } else { … }`, and what is no comparison.
+
+use proc_macro2::Delimiter;
+use syn::parse::ParseStream;
+
+use super::reader::{Parsed, Reader, Refused, opens, word};
+use super::syntax::{Expression, ExpressionKind};
+
+const FORM: &str = "write `if x < 0 { a } else { b }`";
+
+impl Reader<'_> {
+    /// `conditional := "if" expression "{" expression "}" "else" (conditional | "{" expression "}")`
+    pub(super) fn conditional(&mut self, input: ParseStream<'_>) -> Parsed<Box<Expression>> {
+        let here = self.next(input);
+        self.enter(&here)?;
+        self.eat_word(input, "if");
+        let condition = self.operators(input)?;
+        let yes = self.branch(input)?;
+        if !self.eat_word(input, "else") {
+            return Err(self.no_else(input));
+        }
+        let no = match word(input.cursor()) {
+            Some((text, _)) if text == "if" => self.conditional(input)?,
+            _ => self.branch(input)?,
+        };
+        self.depth -= 1;
+        Ok(Box::new(Expression { kind: ExpressionKind::If(condition, yes, no), span: here.start..self.last }))
+    }
+
+    /// `"{" expression "}"`
+    fn branch(&mut self, input: ParseStream<'_>) -> Parsed<Box<Expression>> {
+        if !opens(input, Delimiter::Brace) {
+            return Err(self.no_branch(input));
+        }
+        let group = self.group(input)?;
+        let value = self.operators(&group.content)?;
+        if !group.content.is_empty() {
+            return Err(self.stray_in_branch(&group.content));
+        }
+        self.close(group);
+        Ok(value)
+    }
+
+    fn no_else(&mut self, input: ParseStream<'_>) -> Refused {
+        self.unexpected(input, "`else`", "a value is needed on both sides: `if x < 0 { a } else { b }`")
+    }
+
+    /// Between a condition and the braces that it needs.
+    fn no_branch(&mut self, input: ParseStream<'_>) -> Refused {
+        match super::reader::sign(input.cursor()) {
+            Some(("==" | "!=" | "&" | "|" | "=" | "=>", _)) => self.stray(input),
+            _ => self.unexpected(input, "a `{`", FORM),
+        }
+    }
+
+    fn stray_in_branch(&mut self, input: ParseStream<'_>) -> Refused {
+        if self.peek(input, ";") {
+            let here = self.next(input);
+            return self.refuse(here, "a branch is one value", "leave the `;` out: `if x < 0 { a } else { b }`");
+        }
+        self.stray(input)
+    }
+
+    pub(super) fn chained_comparison(&mut self) -> Refused {
+        let here = self.last - 1..self.last;
+        self.refuse(here, "a comparison has two sides", "write `a < b && b < c`")
+    }
+}
+
+/// Message and help for a sign that looks like a condition.
+pub(super) fn no_condition(sign: &str) -> (String, &'static str) {
+    let two = "write `&&` for \"and\", `||` for \"or\"";
+    match sign {
+        "&" | "|" => (format!("`{sign}` is not an operator"), two),
+        "=>" => ("`=>` is not a comparison".to_string(), "write `>=`"),
+        _ => {
+            let help = "an equation is written with `=`, a condition with `<`, `<=`, `>` or `>=`";
+            (format!("`{sign}` is no condition: in a motion it holds for no time, or for all but none"), help)
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::check::{prefix, refused, report, statement};
+    use super::super::syntax::StatementKind;
+
+    #[test]
+    fn conditions_bind_as_in_rust() {
+        let check = |text: &str, expected: &str| match statement(&format!("let x = {text};")) {
+            StatementKind::Let { value, .. } => assert_eq!(prefix(&value), expected, "{text}"),
+            other => panic!("{other:?}"),
+        };
+        check("if a < b { c } else { d }", "(if (< a b) c d)");
+        check("if a<-b{c}else{d}", "(if (< a (neg b)) c d)");
+        check(
+            "if a + 1 <= b*2 && c > d || e >= f { 1 } else { 2 }",
+            "(if (or (and (<= (+ a 1) (* b 2)) (> c d)) (>= e f)) 1 2)",
+        );
+        check("if a < b || c < d && e < f { 1 } else { 2 }", "(if (or (< a b) (and (< c d) (< e f))) 1 2)");
+        check("if !(a < b) && !!(c < d) { 1 } else { 2 }", "(if (and (not (< a b)) (not (not (< c d)))) 1 2)");
+        check("if a < 0 { 1 } else if a < 1 { 2 } else { 3 }", "(if (< a 0) 1 (if (< a 1) 2 3))");
+        check("if (a < b) { [c, d] } else { f(e) }", "(if (< a b) [c d] f(e))");
+        check("2 * if a < b { c } else { d } + 1", "(+ (* 2 (if (< a b) c d)) 1)");
+        check("if a < b { v } else { w }.norm()", "(if (< a b) v w).norm()");
+        check("f(if a < b { c } else { d }, e)", "f((if (< a b) c d) e)");
+        check("-if a < b { c } else { d }", "(neg (if (< a b) c d))");
+    }
+
+    #[test]
+    fn wrong_conditions() {
+        let check = |value: &str, expected: &str| refused(&format!("let x = {value};"), expected);
+        let equal = "is no condition: in a motion it holds for no time, or for all but none; \
+                     an equation is written with `=`, a condition with `<`, `<=`, `>` or `>=`";
+        check("if a == b { c } else { d }", &format!("==: `==` {equal}"));
+        check("if a != b { c } else { d }", &format!("!=: `!=` {equal}"));
+        check("if a = b { c } else { d }", "=: `=` cannot stand behind a value; end the statement before with `;`");
+        check("if a => b { c } else { d }", "=>: `=>` is not a comparison; write `>=`");
+        check("if a < b & c < d { c } else { d }", "&: `&` is not an operator; write `&&` for \"and\", `||` for \"or\"");
+        check("if a < b < c { c } else { d }", "<: a comparison has two sides; write `a < b && b < c`");
+        check("if a < b c else d", "c: expected a `{`, found `c`; write `if x < 0 { a } else { b }`");
+        let both = "a value is needed on both sides: `if x < 0 { a } else { b }`";
+        check("if a < b { c }", &format!(";: expected `else`, found `;`; {both}"));
+        check("if a < b { c; } else { d }", ";: a branch is one value; leave the `;` out: `if x < 0 { a } else { b }`");
+        check("if a < b { c d } else { d }", "d: an operator is missing before `d`; write `*` for a product");
+        check("else { a }", "else: `else` is a keyword of the language, not a value; write a value here");
+        // The rest of a statement says nothing of its own.
+        check("if a < b { c } else { d ! }", "!: `!` is not an operator; the operators are `+`, `-`, `*`, `/` and `^`");
+        check("if a ? b { c } else { d }", "?: expected a `{`, found `?`; write `if x < 0 { a } else { b }`");
+    }
+
+    #[test]
+    fn conditions_are_not_too_deep() {
+        let checked = move || {
+            let kinds = [
+                ("if a < b { 1 } else ", "{ 2 }"),
+                ("if a < b { 1 } else { ", "}"),
+                ("if ", " < b { 1 } else { 2 }"),
+                ("!", ""),
+                ("", " && a"),
+                ("a || ", ""),
+            ];
+            for (before, after) in kinds {
+                let middle = if after == "{ 2 }" { "" } else { "a" };
+                for n in [50, 84, 100, 254, 255, 256, 257, 1000, 50_000] {
+                    let after = if after == "{ 2 }" { after.to_string() } else { after.repeat(n) };
+                    let source = format!("mechanism A {{ let x = {}{middle}{after}; }}", before.repeat(n));
+                    let found = report(&source);
+                    assert!(n > 84 || found.is_empty(), "{before} {n} {found:?}");
+                    assert!(n < 257 || found.len() == 1 && found[0].contains("nested deeper"), "{before} {n} {found:?}");
+                }
+            }
+        };
+        std::thread::Builder::new().stack_size(2 << 20).spawn(checked).unwrap().join().unwrap();
+    }
+}
