@@ -67,7 +67,7 @@ fn coriolis_matrix<'g>(m: &Rows<'g>, momentum: &[Expr<'g>], a: &[Expr<'g>], symb
     let p = jacobian(&quadratic, &symbols.q);
     let da = jacobian(a, &symbols.q);
     let mut dt = Tangent::new(|symbol| velocity_direction(symbol, m[0][0]));
-    let mut partial_t = Tangent::new(|symbol| (symbol == Symbol::Time).then(|| m[0][0].graph().integer(1)));
+    let mut partial_t = Tangent::new(|symbol| time_direction(symbol, m[0][0]));
     let mut entry = |i: usize, j: usize| {
         let (row, column) = (i.max(j), i.min(j));
         let m_dot = dt.of(m[row][column]) + partial_t.of(m[row][column]);
@@ -78,7 +78,7 @@ fn coriolis_matrix<'g>(m: &Rows<'g>, momentum: &[Expr<'g>], a: &[Expr<'g>], symb
 
 /// `G = −∂L₀/∂q + ∂a/∂t`
 fn gravity<'g>(rest: Expr<'g>, a: &[Expr<'g>], symbols: &Symbols) -> Vec<Expr<'g>> {
-    let mut partial_t = Tangent::new(|symbol| (symbol == Symbol::Time).then(|| rest.graph().integer(1)));
+    let mut partial_t = Tangent::new(|symbol| time_direction(symbol, rest));
     let slope = gradient(rest, &symbols.q);
     a.iter().zip(slope).map(|(&a, slope)| partial_t.of(a) - slope).collect()
 }
@@ -97,6 +97,14 @@ fn rate_without_acceleration<'g>(momentum: &[Expr<'g>]) -> Vec<Expr<'g>> {
 pub(super) fn velocity_direction<'g>(symbol: Symbol, any: Expr<'g>) -> Option<Expr<'g>> {
     match symbol {
         Symbol::Velocity(_) => None,
+        other => time_derivative(other, any.graph()),
+    }
+}
+
+/// `∂/∂t`: time and prescribed motions go on, coordinates and velocities are held.
+fn time_direction<'g>(symbol: Symbol, any: Expr<'g>) -> Option<Expr<'g>> {
+    match symbol {
+        Symbol::Coordinate(_) | Symbol::Velocity(_) => None,
         other => time_derivative(other, any.graph()),
     }
 }

@@ -146,9 +146,10 @@ impl Reader<'_> {
                 return;
             }
             if self.skip(input) {
-                // Braces that a value began with, as in `let x = { … };`, or a branch of it ends with.
-                let goes_on = word(input.cursor()).is_some_and(|(text, _)| text == "else");
-                if self.eat(input, ";").is_some() || !goes_on {
+                // Braces that a value began with, as in `let x = { … };`, or that a branch of it ends with.
+                let otherwise = word(input.cursor()).is_some_and(|(text, _)| text == "else");
+                let goes_on = sign(input.cursor()).is_some_and(|(sign, _)| sign != "#") && !self.begins_line(input);
+                if self.eat(input, ";").is_some() || !otherwise && !goes_on {
                     return;
                 }
             }

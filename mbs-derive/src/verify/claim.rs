@@ -6,7 +6,7 @@ use crate::model::ConstraintKind;
 use crate::model::degree::eliminate;
 use crate::optimise::{Derivation, Function, FunctionKind};
 
-use super::witness::{LagrangeTerms, Witness, lift, lift_all, path};
+use super::witness::{LagrangeTerms, Witness, explicit_path, lift, lift_all, path};
 use super::{Disagreement, Failure, TOLERANCE};
 
 /// One state at which a derivation is tried.
@@ -169,7 +169,7 @@ impl<'a> Trial<'a> {
         let sum: Vec<f64> = product.iter().zip(&g).map(|(a, b)| a + b).collect();
         self.equal("C q̇ + G = h", &sum, &self.call("bias"), &[product, g].concat())?;
         let m_dot = self.slope("mass_matrix", |symbol| path(self.state, symbol));
-        let m_t = self.slope("mass_matrix", |symbol| f64::from(u8::from(symbol == Symbol::Time)));
+        let m_t = self.slope("mass_matrix", |symbol| explicit_path(self.state, symbol));
         let twice: Vec<f64> = (0..n * n).map(|k| c[k] + c[k % n * n + k / n]).collect();
         let expected: Vec<f64> = m_dot.iter().zip(&m_t).map(|(a, b)| a + b).collect();
         self.equal("Ṁ + ∂M/∂t − 2 C skew", &twice, &expected, &c)
@@ -299,12 +299,12 @@ impl<'a> Trial<'a> {
         let momentum = self.dual.call("momentum", &along).unwrap_or_default();
         let parameters = lift_all(self.parameters);
         let [l, ..] = self.witness.energies(&along, &parameters);
-        let by_time = lift(&real, |symbol| f64::from(u8::from(symbol == Symbol::Time)));
+        let by_time = lift(&real, |symbol| explicit_path(&real, symbol));
         let [l_t, ..] = self.witness.energies(&by_time, &parameters);
         let action_rate: f64 = (0..n).map(|i| real.qdd[i] * momentum[i].value + real.qd[i] * momentum[i].derivative).sum();
-        let force = self.call("generalized_force");
+        let (force, damping) = (self.call("generalized_force"), self.call("dissipation_force"));
         let reaction = self.constraint_force();
-        let power: f64 = (0..n).map(|i| real.qd[i] * (force[i] - d[i] + reaction[i])).sum();
+        let power: f64 = (0..n).map(|i| real.qd[i] * (force[i] - damping[i] + reaction[i])).sum();
         let terms = [action_rate, l.derivative, l_t.derivative, self.power_terms(&real).iter().sum()];
         self.equal("energy balance", &[action_rate - l.derivative], &[power - l_t.derivative], &terms)
     }

@@ -141,6 +141,14 @@ pub fn path(state: &State, symbol: Symbol) -> f64 {
     }
 }
 
+/// How the symbols change with time alone, coordinates and velocities held.
+pub fn explicit_path(state: &State, symbol: Symbol) -> f64 {
+    match symbol {
+        Symbol::Coordinate(_) | Symbol::Velocity(_) => 0.0,
+        other => path(state, other),
+    }
+}
+
 /// The state with a derivative in some direction.
 pub fn lift<V: Value>(state: &State<V>, direction: impl Fn(Symbol) -> V) -> State<Dual<V>> {
     let all = |values: &[V], symbol: fn(u32) -> Symbol| {
