@@ -79,7 +79,8 @@ impl<'d, V: Value> Interpreter<'d, V> {
         let n = self.derivation.dof();
         let needs_acceleration = !function.arguments.contains(&Argument::Qdd)
             && function.program.uses(|symbol| matches!(symbol, Symbol::Acceleration(_)));
-        let qdd = if needs_acceleration { self.call("forward_dynamics", state).unwrap_or_default() } else { Vec::new() };
+        let qdd =
+            if needs_acceleration { self.call("forward_dynamics", state).unwrap_or_default() } else { Vec::new() };
         let values = self.run(&function.program, &State { qdd, ..state.clone() });
         let (triangle, mut right_sides) = (&values[..n * (n + 1) / 2], values[n * (n + 1) / 2..].to_vec());
         let factors = Factors::new(n, triangle);

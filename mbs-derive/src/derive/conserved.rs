@@ -32,7 +32,10 @@ pub fn conserved<'g>(
     let force_free: Vec<bool> = without_inputs.iter().map(|force| vanishes(*force)).collect();
     let mut found = Vec::new();
     if force_free.iter().all(|&free| free) && !depends_on_time(energies.lagrangian) {
-        found.push(Conserved { name: "energy_integral".to_string(), value: energy_integral(lagrange, energies, symbols) });
+        found.push(Conserved {
+            name: "energy_integral".to_string(),
+            value: energy_integral(lagrange, energies, symbols),
+        });
     }
     for (i, name) in component_names(&lagrangian.coordinates).into_iter().enumerate() {
         if force_free[i] && vanishes(lagrange.position_gradient[i]) {
@@ -45,11 +48,8 @@ pub fn conserved<'g>(
 /// `q̇·∂L/∂q̇ − L`, Jacobi's integral; `T + V` where T is homogeneous of second degree in the velocities.
 fn energy_integral<'g>(lagrange: &Lagrange<'g>, energies: &Energies<'g>, symbols: &Symbols) -> Expr<'g> {
     let graph = energies.lagrangian.graph();
-    let action: Expr<'g> = lagrange
-        .momentum
-        .iter()
-        .zip(&symbols.qd)
-        .fold(graph.integer(0), |sum, (&p, &qd)| sum + p * graph.symbol(qd));
+    let action: Expr<'g> =
+        lagrange.momentum.iter().zip(&symbols.qd).fold(graph.integer(0), |sum, (&p, &qd)| sum + p * graph.symbol(qd));
     action - energies.lagrangian
 }
 
