@@ -17,7 +17,9 @@ fn main() -> Result<(), IntegrationError> {
         let (rtol, drift, evaluations) = run?;
         rows.push(json!({"rtol": rtol, "energy_drift": drift, "evaluations": evaluations}));
         if !as_json {
-            println!("rtol {rtol:5.0e}: energy drift {drift:9.2e} of the largest kinetic energy, {evaluations} evaluations");
+            println!(
+                "rtol {rtol:5.0e}: energy drift {drift:9.2e} of the largest kinetic energy, {evaluations} evaluations"
+            );
         }
     }
     if as_json {
@@ -27,7 +29,7 @@ fn main() -> Result<(), IntegrationError> {
 }
 
 /// The drift of `T + V` over the largest T, and the evaluations it took.
-fn run(rtol: f64) -> Result<(f64, u64), IntegrationError> {
+fn run(rtol: f64) -> Result<(f64, usize), IntegrationError> {
     let pendulum = DoublePendulum::<f64>::default();
     let mut state = State { q: [2.0, 2.5], qd: [0.0; 2] };
     let total = |s: &State<[f64; 2]>| pendulum.kinetic_energy(&s.q, &s.qd) + pendulum.potential_energy(&s.q);

@@ -8,7 +8,11 @@ use mbs_models::n_pendulum::NPendulum;
 use mbs_runtime::{Dop853, Integrator, Mechanism, State, accelerations};
 
 /// Largest change of `T + V` over the largest T, at the accepted steps of a run.
-fn energy_drift<const N: usize>(mechanism: &impl Mechanism<N, 0, Scalar = f64>, start: State<[f64; N]>, t_end: f64) -> f64 {
+fn energy_drift<const N: usize>(
+    mechanism: &impl Mechanism<N, 0, Scalar = f64>,
+    start: State<[f64; N]>,
+    t_end: f64,
+) -> f64 {
     let kinetic = |s: &State<[f64; N]>| mechanism.kinetic_energy(0.0, &s.q, &s.qd);
     let total = |s: &State<[f64; N]>| kinetic(s) + mechanism.potential_energy(0.0, &s.q);
     let (mut drift, mut largest) = (0.0f64, 0.0f64);

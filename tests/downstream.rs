@@ -87,7 +87,7 @@ fn the_readme_makes_a_crate() {
     let wrong = crate_.cargo(&["build"]);
     assert!(!wrong.status.success());
     let report = text(&wrong);
-    assert!(report.contains("mechanisms/cart_pole.mbs:13:"), "{report}");
+    assert!(report.contains("mechanisms/cart_pole.mbs:14:36"), "{report}");
     assert!(!report.contains("panicked"), "{report}");
 }
 
@@ -134,8 +134,11 @@ promise::for_each_mechanism!(run);
     let second = crate_.cargo(&["test"]);
     assert_eq!(crate_.pending_snapshots(), ["generated__bead.snap.new"], "{}", text(&second));
     assert_eq!(fs::read_to_string(&accepted).expect("still there"), accepted_text, "the other one did not move");
-    fs::rename(crate_.path("tests/snapshots/generated__bead.snap.new"), crate_.path("tests/snapshots/generated__bead.snap"))
-        .expect("accepted");
+    fs::rename(
+        crate_.path("tests/snapshots/generated__bead.snap.new"),
+        crate_.path("tests/snapshots/generated__bead.snap"),
+    )
+    .expect("accepted");
     let third = crate_.cargo(&["test"]);
     assert!(third.status.success(), "{}", text(&third));
     assert!(text(&third).contains("test bead ... ok"), "{}", text(&third));

@@ -34,6 +34,24 @@ fn operation_counts() {
     }
 }
 
+/// The README's table of operation counts is this one.
+#[test]
+fn the_readme_tells_the_operation_counts() {
+    let functions = ["mass_matrix", "coriolis_matrix", "bias", "inverse_dynamics", "forward_dynamics"];
+    let mut table =
+        String::from("| mechanism | coordinates | M | C | C q̇ + G | inverse dynamics | forward dynamics |\n");
+    table += "|---|---|---|---|---|---|---|\n";
+    for (module, source) in mbs_models::SOURCES {
+        let graph = Graph::verbatim();
+        let (lagrangian, _) = declared(source, &graph, &[]).expect("a mechanism of the repository");
+        let derivation = derived(&lagrangian);
+        let counts = functions.map(|name| derivation.function(name).map_or(0, |f| f.operations.flops()).to_string());
+        table += &format!("| `{module}` | {} | {} |\n", derivation.dof(), counts.join(" | "));
+    }
+    let readme = include_str!("../README.md");
+    assert!(readme.contains(&table), "the README should say\n\n{table}");
+}
+
 /// The counts that issue 2 asks of the benchmark arm.
 #[test]
 fn budget_of_the_benchmark_arm() {

@@ -37,9 +37,7 @@ enum Emit {
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let text = match arguments.emit {
         Emit::Rust => rust(&arguments.file)?,
-        Emit::Latex => {
-            return Err(Failure::new("`--emit latex` is not there yet; `--emit rust` and `--emit json` are"));
-        }
+        Emit::Latex => mechanism::latex(&arguments.file)?,
         Emit::Json => json::programs(&mechanism::read(&arguments.file)?.derivation),
     };
     match &arguments.out {

@@ -5,8 +5,9 @@ use std::path::Path;
 use std::time::Instant;
 
 use mbs_derive::expr::Graph;
+use mbs_derive::model::Lagrangian;
 use mbs_derive::optimise::Derivation;
-use mbs_derive::{Error, declared, derived, verify};
+use mbs_derive::{Error, declared, derived, emit, verify};
 
 use crate::failure::Failure;
 use crate::output;
@@ -25,6 +26,15 @@ pub(crate) struct Mechanism {
 
 /// Reads, derives and proves; warnings go to standard error.
 pub(crate) fn read(path: &Path) -> Result<Mechanism, Failure> {
+    read_and(path, |_| ()).map(|(mechanism, ())| mechanism)
+}
+
+/// The equations as a page of a textbook, proved like the programs.
+pub(crate) fn latex(path: &Path) -> Result<String, Failure> {
+    read_and(path, emit::latex).map(|(_, text)| text)
+}
+
+fn read_and<T>(path: &Path, also: impl Fn(&Lagrangian<'_>) -> T) -> Result<(Mechanism, T), Failure> {
     let name = path.display().to_string();
     let source = read_text(path)?;
     let refused = |error: Error| Failure::rendered(error.render(&name, &source));
@@ -37,7 +47,8 @@ pub(crate) fn read(path: &Path) -> Result<Mechanism, Failure> {
 
     let proof = verify::against_energies(&lagrangian, &derivation).map_err(|failure| refused(failure.into()))?;
     output::report(&warnings.render(&name, &source));
-    Ok(Mechanism { derivation, bodies: lagrangian.bodies.len(), proved_at: proof.states, derive_seconds })
+    let mechanism = Mechanism { derivation, bodies: lagrangian.bodies.len(), proved_at: proof.states, derive_seconds };
+    Ok((mechanism, also(&lagrangian)))
 }
 
 /// A text file; where it is not UTF-8 the report says in which line.

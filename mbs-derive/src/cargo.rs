@@ -138,7 +138,8 @@ fn index(generated: &[(Generated, PathBuf)]) -> String {
     text += "pub const SOURCES: &[(&str, &str)] = &[\n";
     for (mechanism, file) in generated {
         let path = format!("/{}", file.display());
-        text += &format!("    ({:?}, include_str!(concat!(env!(\"CARGO_MANIFEST_DIR\"), {path:?}))),\n", mechanism.module);
+        text +=
+            &format!("    ({:?}, include_str!(concat!(env!(\"CARGO_MANIFEST_DIR\"), {path:?}))),\n", mechanism.module);
     }
     text += "];\n\n/// The generated code of all mechanisms: module and text, for snapshots.\n";
     text += "pub const GENERATED: &[(&str, &str)] = &[\n";

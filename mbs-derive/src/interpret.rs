@@ -41,7 +41,8 @@ impl<'d, V: Value> Interpreter<'d, V> {
     pub fn with_parameters(derivation: &'d Derivation, parameters: Vec<V>) -> Self {
         let t = V::constant(0.0);
         let state = State { t, q: Vec::new(), qd: Vec::new(), qdd: Vec::new(), u: Vec::new(), prescribed: Vec::new() };
-        let hoisted = Run { state: &state, multipliers: &[], parameters: &parameters, hoisted: &[] }.results(&derivation.constructor);
+        let hoisted = Run { state: &state, multipliers: &[], parameters: &parameters, hoisted: &[] }
+            .results(&derivation.constructor);
         Interpreter { derivation, parameters, hoisted }
     }
 

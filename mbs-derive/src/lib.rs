@@ -70,6 +70,13 @@ pub enum Error {
     Declaration(Diagnostics),
     /// The derivation could not be proved.
     Proof(verify::Failure),
+    /// A function that was asked for is not generated for this mechanism.
+    UnknownFunction {
+        /// What was asked for.
+        name: String,
+        /// What there is.
+        known: Vec<String>,
+    },
 }
 
 impl Error {
@@ -77,7 +84,7 @@ impl Error {
     pub fn render(&self, file_name: &str, source: &str) -> String {
         match self {
             Error::Declaration(diagnostics) => diagnostics.render(file_name, source),
-            Error::Proof(failure) => format!("error: {failure}\n --> {file_name}:1:1\n"),
+            Error::Proof(_) | Error::UnknownFunction { .. } => format!("error: {self}\n --> {file_name}:1:1\n"),
         }
     }
 }
@@ -87,6 +94,9 @@ impl fmt::Display for Error {
         match self {
             Error::Declaration(diagnostics) => diagnostics.fmt(f),
             Error::Proof(failure) => failure.fmt(f),
+            Error::UnknownFunction { name, known } => {
+                write!(f, "there is no function `{name}` to generate; there are {}", known.join(", "))
+            }
         }
     }
 }
@@ -110,12 +120,19 @@ impl From<verify::Failure> for Error {
 /// `file_name` is what the module's first line and the reports call the source.
 ///
 /// # Errors
-/// [`Error::Declaration`] if the text is not a mechanism, [`Error::Proof`] if the derived code disagrees with the energies.
+/// [`Error::Declaration`] if the text is not a mechanism, [`Error::Proof`] if the derived code disagrees with the energies,
+/// [`Error::UnknownFunction`] if the options ask for a function that there is not.
 pub fn generate(file_name: &str, source: &str, options: &emit::Options) -> Result<Generated, Error> {
     let graph = Graph::verbatim();
     let (lagrangian, warnings) = declared(source, &graph, &options.freeze)?;
     let derivation = derived(&lagrangian);
     verify::against_energies(&lagrangian, &derivation)?;
+    for name in options.functions.iter().flatten() {
+        if derivation.function(name).is_none() {
+            let known = derivation.functions.iter().map(|f| f.name.clone()).collect();
+            return Err(Error::UnknownFunction { name: name.clone(), known });
+        }
+    }
     Ok(Generated {
         module: emit::module_name(&derivation),
         name: derivation.name.clone(),

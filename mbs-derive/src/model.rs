@@ -43,10 +43,7 @@ pub use lagrangian::{Body, Constraint, ConstraintKind, Lagrangian, Output, Outpu
 ///
 /// # Errors
 /// Every mistake in the declaration, in source order.
-pub fn resolve<'g>(
-    declaration: &Declaration,
-    graph: &'g Graph,
-) -> Result<(Lagrangian<'g>, Diagnostics), Diagnostics> {
+pub fn resolve<'g>(declaration: &Declaration, graph: &'g Graph) -> Result<(Lagrangian<'g>, Diagnostics), Diagnostics> {
     let mut resolver = Resolver::new(graph, &declaration.name.text, declaration.dimensionless);
     resolver.lagrangian.docs = declaration.docs.clone();
     resolver.survey(&declaration.statements);

@@ -77,7 +77,15 @@ impl fmt::Display for Failure {
                 "the derived code disagrees with the declared energies; this is a bug of the generator, please report it\n  \
                  claim: {}, component {}\n  found {:?}, expected {:?}\n  at t = {:?}\n     q = {:?}\n    qd = {:?}\n   \
                  qdd = {:?}\n     u = {:?}\n  parameters = {:?}",
-                d.claim, d.component, d.found, d.expected, d.state.t, d.state.q, d.state.qd, d.state.qdd, d.state.u,
+                d.claim,
+                d.component,
+                d.found,
+                d.expected,
+                d.state.t,
+                d.state.q,
+                d.state.qd,
+                d.state.qdd,
+                d.state.u,
                 d.parameters
             ),
         }

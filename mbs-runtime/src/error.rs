@@ -155,10 +155,7 @@ mod tests {
     #[test]
     fn messages_name_the_numbers() {
         let error = IntegrationError::StepTooSmall { time: 1.5, step: 1e-17 };
-        assert_eq!(
-            error.to_string(),
-            "the tolerances are not met at t = 1.5 s even by a step of 1e-17 s"
-        );
+        assert_eq!(error.to_string(), "the tolerances are not met at t = 1.5 s even by a step of 1e-17 s");
         let error = IntegrationError::SingularMassMatrix { time: 0.0, pivot: -2.0, index: 3 };
         assert_eq!(error.to_string(), "singular mass matrix right after t = 0 s: pivot 3 is -2");
         assert_eq!(error.time(), Some(0.0));

@@ -12,7 +12,11 @@ fn main() -> Result<(), IntegrationError> {
     let times = [0.0, 2.0, 4.0, 6.0, 8.0, 10.0];
     Dop853::new(1e-9, 1e-9).sample(accelerations(&crane, drive), 0.0, &times, &mut state, |t, state| {
         let [x, _, z] = crane.hook(&state.q);
-        println!("{t:4.1} s: trolley {:6.3} m, sway {:6.2}°, load at ({x:.3}, {z:.3}) m", state.q[0], state.q[1].to_degrees());
+        println!(
+            "{t:4.1} s: trolley {:6.3} m, sway {:6.2}°, load at ({x:.3}, {z:.3}) m",
+            state.q[0],
+            state.q[1].to_degrees()
+        );
     })?;
     Ok(())
 }

@@ -39,10 +39,11 @@ fn json_holds_every_program() {
 }
 
 #[test]
-fn latex_is_announced() {
+fn latex_is_a_page_of_a_textbook() {
     let workshop = Workshop::new();
-    let message = "error: `--emit latex` is not there yet; `--emit rust` and `--emit json` are\n";
-    assert_eq!(workshop.bad(&["derive", "pendulum.mbs", "--emit", "latex"]), message);
+    let page = workshop.good(&["derive", "pendulum.mbs", "--emit", "latex"]);
+    assert!(page.contains("\\ddot{\\theta}"), "{page}");
+    assert_eq!(page.matches('{').count(), page.matches('}').count());
 }
 
 #[test]

@@ -36,7 +36,10 @@ pub fn conserved<'g>(
     // The power of a constraint is −b·λ: constraints that do not move do no work.
     let workless = constraints.drift.iter().all(|&drift| vanishes(drift));
     if force_free.iter().all(|&free| free) && workless && !depends_on_time(energies.lagrangian) {
-        found.push(Conserved { name: "energy_integral".to_string(), value: energy_integral(lagrange, energies, symbols) });
+        found.push(Conserved {
+            name: "energy_integral".to_string(),
+            value: energy_integral(lagrange, energies, symbols),
+        });
     }
     for (i, name) in component_names(&lagrangian.coordinates).into_iter().enumerate() {
         let unconstrained = constraints.jacobian.iter().all(|row| vanishes(row[i]));
@@ -50,11 +53,8 @@ pub fn conserved<'g>(
 /// `q̇·∂L/∂q̇ − L`, Jacobi's integral; `T + V` where T is homogeneous of second degree in the velocities.
 fn energy_integral<'g>(lagrange: &Lagrange<'g>, energies: &Energies<'g>, symbols: &Symbols) -> Expr<'g> {
     let graph = energies.lagrangian.graph();
-    let action: Expr<'g> = lagrange
-        .momentum
-        .iter()
-        .zip(&symbols.qd)
-        .fold(graph.integer(0), |sum, (&p, &qd)| sum + p * graph.symbol(qd));
+    let action: Expr<'g> =
+        lagrange.momentum.iter().zip(&symbols.qd).fold(graph.integer(0), |sum, (&p, &qd)| sum + p * graph.symbol(qd));
     action - energies.lagrangian
 }
 

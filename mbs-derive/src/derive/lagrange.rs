@@ -119,9 +119,7 @@ pub(super) fn at_rest<'g>(expressions: &[Expr<'g>]) -> Vec<Expr<'g>> {
 
 /// `∂fᵢ/∂xⱼ`, by one forward sweep per symbol.
 pub(super) fn jacobian<'g>(f: &[Expr<'g>], x: &[Symbol]) -> Rows<'g> {
-    let column = |&symbol: &Symbol| {
-        Tangent::new(|other| (other == symbol).then(|| f[0].graph().integer(1))).of_all(f)
-    };
+    let column = |&symbol: &Symbol| Tangent::new(|other| (other == symbol).then(|| f[0].graph().integer(1))).of_all(f);
     transpose(&x.iter().map(column).collect(), f.len())
 }
 

@@ -51,9 +51,13 @@ pub fn linearization<'g>(
     let graph = lagrange.kinetic_energy.graph();
     let unforced = sub(&lagrange.inverse_dynamics, &lagrange.generalized_force);
     let mut residual = sub(&unforced, &constraints.force(unforced.len(), graph));
-    residual.extend(constraints.jacobian.iter().zip(&constraints.bias).map(|(row, &bias)| {
-        row.iter().zip(&symbols.qdd).fold(bias, |sum, (&a, &qdd)| sum + a * graph.symbol(qdd))
-    }));
+    residual.extend(
+        constraints
+            .jacobian
+            .iter()
+            .zip(&constraints.bias)
+            .map(|(row, &bias)| row.iter().zip(&symbols.qdd).fold(bias, |sum, (&a, &qdd)| sum + a * graph.symbol(qdd))),
+    );
     let slope = |x: &[Symbol]| negative(&jacobian_by_rows(&residual, x));
     let [q, qd] = [slope(&symbols.q), slope(&symbols.qd)];
     let u = negative(&jacobian(&residual, &symbols.u));

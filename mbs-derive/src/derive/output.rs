@@ -83,7 +83,9 @@ fn positional(value: &[Expr<'_>]) -> bool {
     let Some(first) = value.first() else { return true };
     let graph = first.graph();
     graph.reachable(value.iter().map(|e| e.id())).into_iter().all(|id| match graph.node(id) {
-        crate::expr::Node::Symbol(symbol) => matches!(symbol, Symbol::Coordinate(_) | Symbol::Time | Symbol::Parameter(_)),
+        crate::expr::Node::Symbol(symbol) => {
+            matches!(symbol, Symbol::Coordinate(_) | Symbol::Time | Symbol::Parameter(_))
+        }
         _ => true,
     })
 }

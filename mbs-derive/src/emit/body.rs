@@ -33,6 +33,9 @@ const FAMILIAR: [(f64, &str); 8] = [
     (1.0 / 3.0, "third"),
 ];
 
+/// So many fields are bound to locals; more are `self.k12`.
+const FIELDS: usize = 8;
+
 /// So many other constants are written out; more are `c(0.295242)` with `let c = T::from_f64`.
 const WRITTEN_OUT: usize = 3;
 
@@ -144,7 +147,13 @@ impl<'n> Body<'n> {
     /// About how many characters a tree takes.
     fn width(&self, tree: &Tree) -> usize {
         let own = match tree {
-            Tree::Constant(value) => if familiar(*value).is_some() { 4 } else { format!("c({value:?})").len() },
+            Tree::Constant(value) => {
+                if familiar(*value).is_some() {
+                    4
+                } else {
+                    format!("c({value:?})").len()
+                }
+            }
             Tree::Symbol(_) | Tree::Hoisted(_) | Tree::Local(_) => self.name(tree).len(),
             Tree::Neg(_) => 1,
             Tree::Add(..) | Tree::Sub(..) | Tree::Mul(..) | Tree::Div(..) => 3,
@@ -356,19 +365,55 @@ pub(super) struct Text<'b, 'n> {
     bound: [bool; FAMILIAR.len()],
     /// Whether other constants are `c(…)`.
     abbreviated: bool,
+    /// The fields that are read.
+    fields: BTreeSet<u32>,
 }
 
 impl<'b, 'n> Text<'b, 'n> {
     pub(super) fn new(body: &'b Body<'n>) -> Self {
         let (mut uses, mut others) = ([0; FAMILIAR.len()], 0);
-        each_leaf(body.trees(), &mut |leaf| {
-            if let Tree::Constant(value) = leaf {
-                *familiar(*value).map_or(&mut others, |i| &mut uses[i]) += 1;
-            }
+        let mut fields = BTreeSet::new();
+        each_leaf(body.trees(), &mut |leaf| match leaf {
+            Tree::Constant(value) => *familiar(*value).map_or(&mut others, |i| &mut uses[i]) += 1,
+            Tree::Hoisted(k) => fields.extend([*k]),
+            _ => {}
         });
         // `T::zero()` and `T::one()` speak for themselves.
         let is_bound = |i: usize| uses[i] > 1 || (uses[i] == 1 && !matches!(FAMILIAR[i].0, 0.0 | 1.0));
-        Text { body, bound: std::array::from_fn(is_bound), abbreviated: others > WRITTEN_OUT }
+        Text { body, bound: std::array::from_fn(is_bound), abbreviated: others > WRITTEN_OUT, fields }
+    }
+
+    /// `let [x, theta] = *q;`, …: the arguments and fields that the body reads, taken apart; parameters come from `params`.
+    pub(super) fn arguments(&self, derivation: &Derivation, params: &TokenStream) -> TokenStream {
+        let mut symbols = BTreeSet::new();
+        each_leaf(self.body.trees(), &mut |leaf| {
+            if let Tree::Symbol(symbol) = leaf {
+                symbols.insert(*symbol);
+            }
+        });
+        let names = self.body.names;
+        let component = |symbol: Symbol| symbols.contains(&symbol).then(|| names.symbol(symbol));
+        let n = derivation.dof();
+        let inputs = derivation.inputs.iter().map(Variable::count).sum();
+        let array = |count: usize, symbol: fn(u32) -> Symbol, argument: &str| {
+            pattern((0..count).map(|i| component(symbol(i as u32)))).map(|pattern| {
+                let argument = ident(argument);
+                quote!(let #pattern = *#argument;)
+            })
+        };
+        let q = array(n, Symbol::Coordinate, "q");
+        let qd = array(n, Symbol::Velocity, "qd");
+        let qdd = array(n, Symbol::Acceleration, "qdd");
+        let u = array(inputs, Symbol::Input, "u");
+        let fields = self.fields.iter().map(|k| ident(&names.hoisted[*k as usize]));
+        let bound = self.binds_fields() && !self.fields.is_empty();
+        let own = bound.then(|| quote!(let Self { #(#fields,)* .. } = *self;));
+        let parameters = parameters(derivation, names, component).map(|pattern| quote!(let #pattern = #params;));
+        quote!(#q #qd #qdd #u #own #parameters)
+    }
+
+    fn binds_fields(&self) -> bool {
+        self.fields.len() <= FIELDS
     }
 
     /// The tokens of an expression.
@@ -432,7 +477,10 @@ impl Leaves for Text<'_, '_> {
 
     fn leaf(&self, leaf: &Tree) -> TokenStream {
         let name = ident(self.body.name(leaf));
-        quote!(#name)
+        match leaf {
+            Tree::Hoisted(_) if !self.binds_fields() => quote!(self.#name),
+            _ => quote!(#name),
+        }
     }
 }
 
@@ -463,34 +511,6 @@ pub(super) fn each_leaf<'t>(trees: impl Iterator<Item = &'t Tree>, found: &mut i
             }
         }
     }
-}
-
-/// `let [x, theta] = *q;`, …: the arguments and fields that a body reads, taken apart; parameters come from `params`.
-pub(super) fn arguments(derivation: &Derivation, body: &Body<'_>, params: &TokenStream) -> TokenStream {
-    let (mut symbols, mut hoisted) = (BTreeSet::<Symbol>::new(), BTreeSet::<u32>::new());
-    each_leaf(body.trees(), &mut |leaf| match leaf {
-        Tree::Symbol(symbol) => symbols.extend([*symbol]),
-        Tree::Hoisted(k) => hoisted.extend([*k]),
-        _ => {}
-    });
-    let names = body.names;
-    let component = |symbol: Symbol| symbols.contains(&symbol).then(|| names.symbol(symbol));
-    let n = derivation.dof();
-    let inputs = derivation.inputs.iter().map(Variable::count).sum();
-    let array = |count: usize, symbol: fn(u32) -> Symbol, argument: &str| {
-        pattern((0..count).map(|i| component(symbol(i as u32)))).map(|pattern| {
-            let argument = ident(argument);
-            quote!(let #pattern = *#argument;)
-        })
-    };
-    let q = array(n, Symbol::Coordinate, "q");
-    let qd = array(n, Symbol::Velocity, "qd");
-    let qdd = array(n, Symbol::Acceleration, "qdd");
-    let u = array(inputs, Symbol::Input, "u");
-    let fields = hoisted.iter().map(|k| ident(&names.hoisted[*k as usize]));
-    let own = (!hoisted.is_empty()).then(|| quote!(let Self { #(#fields,)* .. } = *self;));
-    let parameters = parameters(derivation, names, component).map(|pattern| quote!(let #pattern = #params;));
-    quote!(#q #qd #qdd #u #own #parameters)
 }
 
 /// `[x, _]`; `None` where no component is named.
@@ -533,9 +553,7 @@ fn parameters<'a>(
                     quote!(#name: #local)
                 }
             }),
-            Some(count) => {
-                pattern((0..count).map(|i| component(symbol(i)))).map(|pattern| quote!(#name: #pattern))
-            }
+            Some(count) => pattern((0..count).map(|i| component(symbol(i)))).map(|pattern| quote!(#name: #pattern)),
         });
     }
     let rest = (fields.len() < derivation.parameters.len()).then(|| quote!(..));

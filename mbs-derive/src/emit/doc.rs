@@ -26,7 +26,9 @@ pub(super) fn mechanism(derivation: &Derivation, functions: &[&Function]) -> Vec
     lines.extend(variables("coordinate", &derivation.coordinates));
     lines.extend(variables("input", &derivation.inputs));
     lines.extend(["", "What a call costs; a mass matrix is counted by its lower triangle:", ""].map(str::to_string));
-    lines.push("| function | additions | multiplications | divisions | roots | sine–cosine pairs | others |".to_string());
+    lines.push(
+        "| function | additions | multiplications | divisions | roots | sine–cosine pairs | others |".to_string(),
+    );
     lines.push("|---|---|---|---|---|---|---|".to_string());
     lines.extend(functions.iter().map(|function| {
         let Operations { add, mul, div, sqrt, sincos, other } = function.operations;
@@ -65,7 +67,8 @@ pub(super) fn parameter(variable: &Variable) -> Vec<String> {
 
 /// The lines of a doc comment, blank ones at its ends removed.
 fn declared(docs: &[String]) -> Vec<String> {
-    let lines: Vec<String> = docs.iter().map(|line| line.strip_prefix(' ').unwrap_or(line).trim_end().to_string()).collect();
+    let lines: Vec<String> =
+        docs.iter().map(|line| line.strip_prefix(' ').unwrap_or(line).trim_end().to_string()).collect();
     let first = lines.iter().position(|line| !line.is_empty()).unwrap_or(lines.len());
     let last = lines.iter().rposition(|line| !line.is_empty()).map_or(first, |last| last + 1);
     lines[first..last].to_vec()
@@ -110,11 +113,13 @@ pub(super) fn function(derivation: &Derivation, function: &Function) -> Vec<Stri
         | FunctionKind::DissipationForce
         | FunctionKind::GeneralizedForce
         | FunctionKind::InverseDynamics => facts.extend(units.map(|units| format!("Forces: {units}."))),
-        FunctionKind::MassMatrix
-        | FunctionKind::CoriolisMatrix
-        | FunctionKind::InverseDynamicsJacobian => facts.extend(units.map(|units| format!("Rows are forces: {units}."))),
+        FunctionKind::MassMatrix | FunctionKind::CoriolisMatrix | FunctionKind::InverseDynamicsJacobian => {
+            facts.extend(units.map(|units| format!("Rows are forces: {units}.")))
+        }
         FunctionKind::ForwardDynamics | FunctionKind::Linearize | FunctionKind::LinearizeParameters => {
-            facts.push("Where `M` is singular the results are infinite or NaN; the integrators report that.".to_string());
+            facts.push(
+                "Where `M` is singular the results are infinite or NaN; the integrators report that.".to_string(),
+            );
         }
         FunctionKind::Conserved(names) => {
             facts.extend(names.iter().map(|name| format!("- `{name}`{}", first_integral(name))));

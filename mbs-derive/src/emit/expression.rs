@@ -87,8 +87,10 @@ impl Tree {
     pub(super) fn add(a: Tree, b: Tree) -> Tree {
         match (a, b) {
             (a, Tree::Neg(b)) | (Tree::Neg(b), a) => Tree::sub(a, *b),
+            (a @ Tree::Mul(..), b @ Tree::Mul(..)) if b.key() < a.key() => Tree::add(b, a),
             (Tree::Mul(a, b), c) | (c, Tree::Mul(a, b)) => Tree::mul_add(*a, *b, c),
             (a, b) if b.is_sum() && !a.is_sum() => Tree::Add(Box::new(b), Box::new(a)),
+            (a, b) if a.is_free() && b.is_free() && b.key() < a.key() => Tree::Add(Box::new(b), Box::new(a)),
             (a, b) => Tree::Add(Box::new(a), Box::new(b)),
         }
     }
@@ -117,7 +119,9 @@ impl Tree {
             Tree::Constant(value) => *value < 0.0,
             Tree::Neg(_) => true,
             Tree::Mul(a, _) | Tree::Div(a, _) => a.is_negative(),
-            Tree::Symbol(_) | Tree::Hoisted(_) | Tree::Local(_) | Tree::Add(..) | Tree::Sub(..) | Tree::Method(..) => false,
+            Tree::Symbol(_) | Tree::Hoisted(_) | Tree::Local(_) | Tree::Add(..) | Tree::Sub(..) | Tree::Method(..) => {
+                false
+            }
         }
     }
 
@@ -312,7 +316,9 @@ mod tests {
 
     #[test]
     fn literals_are_shortest_and_read_back() {
-        for (value, expected) in [(0.5, "0.5"), (2.0, "2.0"), (1e300, "1e300"), (5e-324, "5e-324"), (0.295242, "0.295242")] {
+        for (value, expected) in
+            [(0.5, "0.5"), (2.0, "2.0"), (1e300, "1e300"), (5e-324, "5e-324"), (0.295242, "0.295242")]
+        {
             assert_eq!(literal(value).to_string(), expected);
             assert_eq!(expected.parse(), Ok(value));
         }

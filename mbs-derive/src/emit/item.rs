@@ -61,9 +61,7 @@ pub(super) fn module(derivation: &Derivation, options: &Options) -> TokenStream 
 fn selected<'d>(derivation: &'d Derivation, asked_for: Option<&[String]>) -> Vec<(usize, &'d Function)> {
     let is_asked_for = |f: &Function| asked_for.is_none_or(|names| names.contains(&f.name));
     let calls_forward_dynamics = derivation.functions.iter().any(|f| is_asked_for(f) && needs_acceleration(f));
-    let chosen = |f: &Function| {
-        is_asked_for(f) || (calls_forward_dynamics && f.kind == FunctionKind::ForwardDynamics)
-    };
+    let chosen = |f: &Function| is_asked_for(f) || (calls_forward_dynamics && f.kind == FunctionKind::ForwardDynamics);
     derivation.functions.iter().enumerate().filter(|(_, f)| chosen(f)).collect()
 }
 
@@ -108,10 +106,7 @@ impl<'d> Emitter<'d> {
         });
         let skip = serde.then(|| quote!(#[serde(skip)]));
         let (marker, marked) = if parameters.is_empty() {
-            (
-                quote!(#skip scalar: ::core::marker::PhantomData<T>,),
-                quote!(scalar: ::core::marker::PhantomData,),
-            )
+            (quote!(#skip scalar: ::core::marker::PhantomData<T>,), quote!(scalar: ::core::marker::PhantomData,))
         } else {
             (TokenStream::new(), TokenStream::new())
         };
@@ -196,7 +191,7 @@ impl<'d> Emitter<'d> {
         let scope = self.names.constructor_scope();
         let body = Body::new(&self.derivation.constructor, &components, self.names, scope);
         let text = Text::new(&body);
-        let arguments = body::arguments(self.derivation, &body, &quote!(params));
+        let arguments = text.arguments(self.derivation, &quote!(params));
         let (constants, statements) = (text.constants(), segment::statements(&body, &text));
         let fields = hoisted.iter().zip(&body.results).map(|(&k, tree)| {
             let (field, value) = (ident(&self.names.hoisted[k]), text.tree(tree));
@@ -265,7 +260,7 @@ impl<'d> Emitter<'d> {
         let body = Body::new(&function.program, &components, self.names, self.names.function_scope());
         let text = Text::new(&body);
         let accelerations = needs_acceleration(function).then(|| self.accelerations());
-        let arguments = body::arguments(self.derivation, &body, &quote!(self.params));
+        let arguments = text.arguments(self.derivation, &quote!(self.params));
         let (constants, statements) = (text.constants(), segment::statements(&body, &text));
         let mut values = body.results.iter().map(|tree| text.tree(tree));
         let finish = match function.completion {
@@ -278,7 +273,8 @@ impl<'d> Emitter<'d> {
     /// `let qdd = &self.forward_dynamics(q, qd, u);`
     fn accelerations(&self) -> TokenStream {
         let mut functions = self.functions.iter();
-        let (number, forward) = functions.find(|(_, f)| f.kind == FunctionKind::ForwardDynamics).expect("it was selected");
+        let (number, forward) =
+            functions.find(|(_, f)| f.kind == FunctionKind::ForwardDynamics).expect("it was selected");
         let name = ident(&self.names.functions[*number]);
         let arguments = self.arguments(forward).into_iter().map(|(name, _)| name);
         quote!(let qdd = &self.#name(#(#arguments),*);)
@@ -309,7 +305,8 @@ impl<'d> Emitter<'d> {
         match function.results.as_slice() {
             [part] => {
                 let right_side = shaped(part.shape, values);
-                let solve = ident(if matches!(part.shape, Shape::Vector(_)) { "ldlt_solve" } else { "ldlt_solve_many" });
+                let solve =
+                    ident(if matches!(part.shape, Shape::Vector(_)) { "ldlt_solve" } else { "ldlt_solve_many" });
                 quote! {
                     let mass_matrix = #mass_matrix;
                     let right_side = #right_side;
@@ -373,7 +370,8 @@ impl<'d> Emitter<'d> {
 
     /// Names for indices, of parameters and of first integrals.
     fn constants(&self) -> TokenStream {
-        let coordinates = indices("coordinate", "Indices of the coordinates in `q`, `qd`, `qdd`.", &self.derivation.coordinates);
+        let coordinates =
+            indices("coordinate", "Indices of the coordinates in `q`, `qd`, `qdd`.", &self.derivation.coordinates);
         let inputs = indices("input", "Indices of the inputs in `u`.", &self.derivation.inputs);
         let list = |name: &str, docs: &str, entries: &[String]| {
             let (name, length) = (ident(name), Literal::usize_unsuffixed(entries.len()));

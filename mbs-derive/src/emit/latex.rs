@@ -9,6 +9,7 @@
 //! are written; [`Notation`], names of symbols; numbers and units.
 
 use std::cmp::Reverse;
+use std::collections::btree_map::Entry::Vacant;
 use std::collections::{BTreeMap, BTreeSet};
 
 use crate::derive::textbook::{MOST_COORDINATES, MOST_TERMS};
@@ -26,10 +27,13 @@ const LONGEST_TEXT: usize = 2_000;
 /// What fits on a line, in symbols as seen on paper.
 const LINE: usize = 64;
 
+/// Blocks of more lines may be broken across pages.
+const LINES: usize = 30;
+
 /// The equations of motion as a person would write them: a LaTeX fragment that needs amsmath.
 ///
 /// Matrices and equations of mechanisms with more than four coordinates are left out with their sizes.
-pub fn latex(lagrangian: &Lagrangian<'_>, equations: &[Equations<'_>]) -> String {
+pub(super) fn latex(lagrangian: &Lagrangian<'_>, equations: &[Equations<'_>]) -> String {
     let Some(equations) = equations.first() else { return String::new() };
     let graph = equations.lagrange.kinetic_energy.graph();
     let algebra = Algebra { graph, notation: Notation::of(lagrangian), sums: BTreeMap::new(), atoms: BTreeMap::new() };
@@ -74,7 +78,8 @@ impl<'g> Page<'g> {
         let mut rows = String::new();
         for (kind, variables, names) in kinds {
             for variable in variables {
-                let names: Vec<String> = names.iter().skip(variable.first).take(variable.count()).map(Name::text).collect();
+                let names: Vec<String> =
+                    names.iter().skip(variable.first).take(variable.count()).map(Name::text).collect();
                 let docs = one_line(&variable.docs.join(" "));
                 let row = format!("  {} & {kind} & {} \\\\ % {docs}", listed(&names), unit(&variable.unit));
                 rows.push_str(row.trim_end_matches([' ', '%']));
@@ -124,16 +129,22 @@ impl<'g> Page<'g> {
         let lagrange = &equations.lagrange;
         let mut rows = Vec::new();
         for (i, (&left, &right)) in lagrange.inverse_dynamics.iter().zip(&lagrange.generalized_force).enumerate() {
-            let left = self.entry(&format!("equation {}, left side", i + 1), left);
-            let right = self.entry(&format!("equation {}, right side", i + 1), right);
+            let forms = [self.algebra.left_side(equations, i), self.algebra.shortest(left)];
+            let shortest = self.algebra.shortest_of(forms.into_iter().flatten().collect());
+            let left = self.written(&format!("left side of equation {}", i + 1), left, shortest);
+            let right = self.entry(&format!("right side of equation {}", i + 1), right);
             rows.push((left.lines(), right.lines()));
         }
-        // Left sides of one line each are aligned at the equals sign, others at their beginning.
-        let short = rows.iter().all(|(left, _)| left.len() == 1);
-        let (start, sign) = if short { ("", " &= ") } else { ("& ", " = ") };
-        let continued = " \\\\\n  & \\quad ";
-        let row = |(left, right): (Vec<String>, Vec<String>)| {
-            format!("{start}{}{sign}{}", left.join(continued), right.join(continued))
+        // Equations of one line each are aligned at the equals sign, others at their beginning.
+        let short = rows.iter().all(|(left, right)| left.len() == 1 && right.len() == 1);
+        let row = |(left, right): (Vec<String>, Vec<String>)| match (short, left.last()) {
+            (false, Some(last)) => {
+                let fits = width(last) + width(&right[0]) <= LINE;
+                let equals = if fits { " = " } else { " \\\\\n  & \\quad = " };
+                let [left, right] = [left, right].map(|lines| lines.join(" \\\\\n  & \\quad "));
+                format!("& {left}{equals}{right}")
+            }
+            _ => format!("{} &= {}", left.concat(), right.concat()),
         };
         self.block("Equations of motion.", rows.into_iter().map(row).collect());
     }
@@ -183,7 +194,8 @@ impl<'g> Page<'g> {
             if has_any(&equations.lagrange.dissipation_force) {
                 without.push("$D = 0$".to_string());
             }
-            let condition = if without.is_empty() { String::new() } else { format!(" where {}", without.join(" and ")) };
+            let condition =
+                if without.is_empty() { String::new() } else { format!(" where {}", without.join(" and ")) };
             self.block(&format!("Conserved{condition}."), rows);
         }
     }
@@ -203,13 +215,12 @@ impl<'g> Page<'g> {
             let index = if columns == 1 { format!("{}", i + 1) } else { format!("{}{}", i + 1, j + 1) };
             subscripted(letter, &index)
         };
-        let mut written = BTreeMap::new();
+        let mut written: BTreeMap<String, Entry> = BTreeMap::new();
         for (i, row) in rows.iter().enumerate() {
             for (j, &value) in row.iter().enumerate() {
-                let name = named(i, j);
-                if !written.contains_key(&name) {
-                    let entry = self.entry(&name, value);
-                    written.insert(name, entry);
+                if let Vacant(place) = written.entry(named(i, j)) {
+                    let entry = self.entry(place.key(), value);
+                    place.insert(entry);
                 }
             }
         }
@@ -239,7 +250,12 @@ impl<'g> Page<'g> {
     }
 
     fn entry(&mut self, name: &str, value: Expr<'g>) -> Entry {
-        let entry = self.algebra.shortest(value);
+        let shortest = self.algebra.shortest(value);
+        self.written(name, value, shortest)
+    }
+
+    fn written(&mut self, name: &str, value: Expr<'g>, sum: Option<Sum>) -> Entry {
+        let entry = self.algebra.entry(sum);
         if let Entry::TooLong(terms) = entry {
             let terms = if terms == 0 { "too many terms".to_string() } else { format!("{terms} terms") };
             self.left_out.push(format!("% Left out: {name} ({terms}; {} operations).\n", operations(&[value])));
@@ -251,21 +267,22 @@ impl<'g> Page<'g> {
         let rows: Vec<String> = rows.into_iter().map(|row| format!("  {row}")).collect();
         let comments: String = self.left_out.drain(..).collect();
         let rows = rows.join(" \\\\\n");
-        self.text
-            .push_str(&format!("\n\\paragraph{{{title}}}\n{comments}\\begin{{align*}}\n{rows}\n\\end{{align*}}\n"));
+        let align = format!("\\begin{{align*}}\n{rows}\n\\end{{align*}}");
+        let long = align.lines().count() > LINES;
+        let align = if long { format!("{{\\allowdisplaybreaks\n{align}}}") } else { align };
+        self.text.push_str(&format!("\n\\paragraph{{{title}}}\n{comments}{align}\n"));
     }
 }
 
 /// `M q̈ + C q̇ + G + ∂D/∂q̇ = Q`, without what is zero.
 fn equation_of_motion(equations: &Equations<'_>) -> String {
     let lagrange = &equations.lagrange;
-    let dissipation = if has_any(&lagrange.dissipation_force) {
-        " + \\partial D / \\partial \\dot{\\mathbf{q}}"
-    } else {
-        ""
-    };
+    let dissipation =
+        if has_any(&lagrange.dissipation_force) { " + \\partial D / \\partial \\dot{\\mathbf{q}}" } else { "" };
     let right = if has_any(&lagrange.generalized_force) { "\\mathbf{Q}" } else { "\\mathbf{0}" };
-    format!("\\mathbf{{M}} \\ddot{{\\mathbf{{q}}}} + \\mathbf{{C}} \\dot{{\\mathbf{{q}}}} + \\mathbf{{G}}{dissipation} = {right}")
+    format!(
+        "\\mathbf{{M}} \\ddot{{\\mathbf{{q}}}} + \\mathbf{{C}} \\dot{{\\mathbf{{q}}}} + \\mathbf{{G}}{dissipation} = {right}"
+    )
 }
 
 fn has_any(entries: &[Expr<'_>]) -> bool {
@@ -385,7 +402,7 @@ impl Sum {
     }
 
     fn add(&mut self, powers: Powers, coefficient: Number) {
-        let sum = self.0.get(&powers).copied().unwrap_or(Number::ZERO).add(coefficient);
+        let sum = self.0.get(&powers).copied().unwrap_or(Number::ZERO) + coefficient;
         if sum.is_zero() {
             self.0.remove(&powers);
         } else {
@@ -396,7 +413,7 @@ impl Sum {
     fn plus(&self, other: &Sum, sign: i64) -> Self {
         let mut sum = self.clone();
         let sign = Number::integer(sign);
-        other.0.iter().for_each(|(powers, &coefficient)| sum.add(powers.clone(), coefficient.mul(sign)));
+        other.0.iter().for_each(|(powers, &coefficient)| sum.add(powers.clone(), coefficient * sign));
         sum
     }
 
@@ -404,7 +421,7 @@ impl Sum {
         let mut product = Sum::default();
         for (a, &x) in &self.0 {
             for (b, &y) in &other.0 {
-                product.add(times(a, b), x.mul(y));
+                product.add(times(a, b), x * y);
             }
             if product.0.len() > MOST_TERMS {
                 return None;
@@ -424,6 +441,13 @@ impl Sum {
             _ => None,
         }
     }
+}
+
+/// The atom that the sum consists of.
+fn single_atom(sum: &Sum) -> Option<Id> {
+    let (powers, coefficient) = sum.as_product()?;
+    let (&id, &halves) = powers.first_key_value()?;
+    (powers.len() == 1 && halves == 2 && coefficient.is_one()).then_some(id)
 }
 
 fn times(a: &Powers, b: &Powers) -> Powers {
@@ -535,19 +559,40 @@ struct Algebra<'g> {
 }
 
 impl<'g> Algebra<'g> {
-    /// The shortest of several forms of an expression.
-    fn shortest(&mut self, value: Expr<'g>) -> Entry {
+    /// An expression in its shortest form: multiple angles, half angles, as derived.
+    fn shortest(&mut self, value: Expr<'g>) -> Option<Sum> {
         let textbook = normal_form(&[value], MOST_TERMS).and_then(|forms| self.expand(forms[0]));
         let plain = self.expand(value);
-        let forms: Vec<Sum> = [textbook, plain].into_iter().flatten().flat_map(|sum| self.with_half_angles(sum)).collect();
-        let length = |sum: &Sum| (self.groups(sum).len(), sum.0.len());
-        // Of equally short ones the first.
-        let Some(shortest) = forms.iter().min_by_key(|sum| length(sum)) else { return Entry::TooLong(0) };
-        let count = self.groups(shortest).len();
+        let forms = [textbook, plain].into_iter().flatten().flat_map(|sum| self.with_half_angles(sum)).collect();
+        self.shortest_of(forms)
+    }
+
+    /// Of equally short ones the first.
+    fn shortest_of(&self, forms: Vec<Sum>) -> Option<Sum> {
+        forms.into_iter().min_by_key(|sum| (self.groups(sum).len(), sum.0.len()))
+    }
+
+    /// `M q̈ + C q̇ + G + ∂D/∂q̇` in row i, from the forms in which these are written.
+    fn left_side(&mut self, equations: &Equations<'g>, i: usize) -> Option<Sum> {
+        let (lagrange, symbols) = (&equations.lagrange, &equations.symbols);
+        let accelerations = lagrange.mass_matrix[i].iter().zip(&symbols.qdd);
+        let velocities = lagrange.coriolis_matrix[i].iter().zip(&symbols.qd);
+        let mut sum = self.shortest(lagrange.gravity[i])?.plus(&self.shortest(lagrange.dissipation_force[i])?, 1);
+        for (&entry, &symbol) in accelerations.chain(velocities) {
+            let factor = self.expand(self.graph.symbol(symbol))?;
+            sum = sum.plus(&self.shortest(entry)?.times(&factor)?, 1);
+        }
+        Some(sum)
+    }
+
+    /// As written, unless it is too long.
+    fn entry(&self, sum: Option<Sum>) -> Entry {
+        let Some(sum) = sum else { return Entry::TooLong(0) };
+        let count = self.groups(&sum).len();
         if count > LONGEST_SUM {
             return Entry::TooLong(count);
         }
-        let terms = self.terms(shortest);
+        let terms = self.terms(&sum);
         if sum_text(&terms).len() > LONGEST_TEXT { Entry::TooLong(count) } else { Entry::Written(terms) }
     }
 
@@ -619,17 +664,16 @@ impl<'g> Algebra<'g> {
             let powers = powers.iter().map(|(&id, &halves)| (id, halves * k)).collect();
             return Some(Sum::product(powers, coefficient.power(n.to_halves())?));
         }
-        let (sum, flipped) = if n.to_integer().is_some() { self.leading_positive(sum) } else { (sum, false) };
-        let shape = match self.is_one_symbol(&sum) {
-            true => Shape::Symbol(self.text(&sum)?),
-            false => Shape::Sum(self.text(&sum)?),
-        };
-        // The base may be a symbol or a function that has its atom already.
-        if !self.atoms.contains_key(&base) {
-            self.function(base, shape, &[&sum]);
+        if let Some(atom) = single_atom(&sum) {
+            return Some(Sum::atom(atom, n.to_halves()));
         }
-        let negative = flipped && n.to_integer().is_some_and(|k| k % 2 != 0);
-        Some(if negative { Sum::atom(base, n.to_halves()).negative() } else { Sum::atom(base, n.to_halves()) })
+        let (sum, flipped) = if n.to_integer().is_some() { self.leading_positive(sum) } else { (sum, false) };
+        let base = if flipped { -self.graph.expr(base) } else { self.graph.expr(base) };
+        // The base itself may be the number of a function whose argument has changed its sign.
+        let id = base.sqrt().id();
+        self.function(id, Shape::Sum(self.text(&sum)?), &[&sum]);
+        let power = Sum::atom(id, n.to_halves());
+        Some(if flipped && n.to_integer().is_some_and(|k| k % 2 != 0) { power.negative() } else { power })
     }
 
     fn call(&mut self, id: Id, function: Function, argument: Id) -> Option<Sum> {
@@ -648,9 +692,11 @@ impl<'g> Algebra<'g> {
         let parametric = atoms().all(|atom| atom.parametric);
         let first_coordinate = atoms().map(|atom| atom.first_coordinate).min().unwrap_or(u32::MAX);
         let (kind, text) = match &shape {
-            // The sine before the cosine of the same argument.
+            // One symbol before sums, the sine before the cosine of the same argument.
             Shape::Named(name, argument) => {
-                (Kind::Trigonometric, format!("{argument} {}", if *name == "\\sin" { "" } else { name }))
+                let length = if argument.ends_with(')') { width(argument) } else { 0 };
+                let name = if *name == "\\sin" { "" } else { name };
+                (Kind::Trigonometric, format!("{length:4} {argument} {name}"))
             }
             _ if parametric => (Kind::ParametricFunction, shape.inside()),
             _ => (Kind::Function, shape.inside()),
@@ -660,11 +706,7 @@ impl<'g> Algebra<'g> {
     }
 
     fn is_one_symbol(&self, sum: &Sum) -> bool {
-        sum.as_product().is_some_and(|(powers, coefficient)| {
-            coefficient.is_one()
-                && powers.len() == 1
-                && powers.iter().all(|(id, &halves)| halves == 2 && matches!(self.atoms[id].shape, Shape::Symbol(_)))
-        })
+        single_atom(sum).is_some_and(|id| matches!(self.atoms[&id].shape, Shape::Symbol(_)))
     }
 
     /// The sum or its negative, whichever is written with a positive first term, and whether it is the negative.
@@ -685,7 +727,9 @@ impl<'g> Algebra<'g> {
         let mut halved = sum.clone();
         for powers in sum.0.keys() {
             for (&id, &halves) in powers {
-                let Node::Call(function @ (Function::Sin | Function::Cos), argument) = self.graph.node(id) else { continue };
+                let Node::Call(function @ (Function::Sin | Function::Cos), argument) = self.graph.node(id) else {
+                    continue;
+                };
                 let (Some(&coefficient), 2) = (halved.0.get(powers), halves) else { continue };
                 let Some((sine, cosine)) = self.half_angle(argument) else { continue };
                 let mut rest = powers.clone();
@@ -694,10 +738,10 @@ impl<'g> Algebra<'g> {
                 let replacement = match function {
                     Function::Sin => sine.times(&cosine),
                     _ if constant == Some(coefficient) => cosine.times(&cosine),
-                    _ if constant == Some(coefficient.neg()) => sine.times(&sine).map(|square| square.negative()),
+                    _ if constant == Some(-coefficient) => sine.times(&sine).map(|square| square.negative()),
                     _ => None,
                 };
-                let scale = Sum::product(rest.clone(), coefficient.mul(Number::integer(2)));
+                let scale = Sum::product(rest.clone(), coefficient * Number::integer(2));
                 let Some(replacement) = replacement.and_then(|product| product.times(&scale)) else { continue };
                 halved.0.remove(powers);
                 if function == Function::Cos {
@@ -711,7 +755,7 @@ impl<'g> Algebra<'g> {
 
     /// Sine and cosine of half an angle that is twice a sum of whole multiples, not all of them even.
     fn half_angle(&mut self, angle: Id) -> Option<(Sum, Sum)> {
-        let sum = self.sums[&angle].clone()?;
+        let (sum, _) = self.leading_positive(self.sums[&angle].clone()?);
         let mut half = self.graph.integer(0);
         let mut odd = false;
         for (powers, coefficient) in &sum.0 {
@@ -721,9 +765,10 @@ impl<'g> Algebra<'g> {
             }
             odd |= numerator % 4 != 0;
             let unit = self.graph.constant(Number::rational(numerator / 2, 1)?);
-            half = half + powers.iter().fold(unit, |product, (&id, &halves)| {
-                product * self.graph.expr(id).power(HalfInteger::halves(halves))
-            });
+            half = half
+                + powers.iter().fold(unit, |product, (&id, &halves)| {
+                    product * self.graph.expr(id).power(HalfInteger::halves(halves))
+                });
         }
         if !odd {
             return None;
@@ -742,6 +787,9 @@ impl<'g> Algebra<'g> {
         }
         for group in groups.values_mut() {
             group.parts.sort_by_cached_key(|(powers, _)| self.places(powers));
+            // `m (l + 1)`: what is left as a number comes last.
+            let (common, _) = group.common();
+            group.parts.sort_by_key(|(powers, _)| *powers == common);
         }
         groups
     }
@@ -792,7 +840,7 @@ impl<'g> Algebra<'g> {
         let inverse: Powers = common.iter().map(|(&id, &halves)| (id, -halves)).collect();
         let unit = factor.power(-2).unwrap_or(Number::ONE);
         let inside: Vec<Signed> =
-            group.parts.iter().map(|(p, c)| self.product(&times(p, &inverse), c.mul(unit), None)).collect();
+            group.parts.iter().map(|(p, c)| self.product(&times(p, &inverse), *c * unit, None)).collect();
         let first = group.parts.first().map(|(p, _)| times(p, &inverse));
         let place = first.and_then(|powers| self.places(&powers).first().map(|(place, _)| place.clone()));
         vec![self.product(&times(&common, &group.state), factor, Some((place, sum_text(&inside))))]
@@ -820,7 +868,7 @@ impl<'g> Algebra<'g> {
     /// Number, factors and a bracket in their order, what is below the line below it.
     fn product(&self, powers: &Powers, coefficient: Number, bracket: Option<(Option<Place>, String)>) -> Signed {
         let negative = coefficient.is_negative();
-        let magnitude = if negative { coefficient.neg() } else { coefficient };
+        let magnitude = if negative { -coefficient } else { coefficient };
         let mut factors: Vec<(Option<Place>, Shape, i32)> = powers
             .iter()
             .map(|(id, &halves)| (Some(self.atoms[id].place.clone()), self.atoms[id].shape.clone(), halves))
@@ -853,7 +901,8 @@ impl<'g> Algebra<'g> {
 
 /// Factors side by side; words are set apart.
 fn juxtaposed(number: Option<String>, factors: Vec<String>) -> String {
-    let is_word = |text: &str| ["\\mathrm", "\\dot{\\mathrm", "\\ddot{\\mathrm"].iter().any(|word| text.starts_with(word));
+    let is_word =
+        |text: &str| ["\\mathrm", "\\dot{\\mathrm", "\\ddot{\\mathrm"].iter().any(|word| text.starts_with(word));
     let is_wave = |text: &str| ["\\sin", "\\cos", "\\tan"].iter().any(|wave| text.starts_with(wave));
     let mut product = String::new();
     let mut after_word = false;
@@ -893,8 +942,8 @@ impl Group {
             });
         }
         let first = self.parts[0].1;
-        let same = self.parts.iter().all(|(_, number)| *number == first || *number == first.neg());
-        let sign = if first.is_negative() { Number::ONE.neg() } else { Number::ONE };
+        let same = self.parts.iter().all(|(_, number)| *number == first || *number == -first);
+        let sign = if first.is_negative() { -Number::ONE } else { Number::ONE };
         (common, if same { first } else { sign })
     }
 }
@@ -940,7 +989,8 @@ fn shape(function: Function, argument: String, bare: &str) -> Shape {
         Function::Ln => closed("\\ln"),
         Function::Signum => closed("\\operatorname{sgn}"),
         Function::Exp => Shape::Closed(format!("e^{{{bare}}}")),
-        Function::Abs => Shape::Closed(format!("\\left|{bare}\\right|")),
+        // Its bars are all the brackets it needs.
+        Function::Abs => Shape::Symbol(format!("\\left|{bare}\\right|")),
     }
 }
 
@@ -952,7 +1002,7 @@ fn number(value: Number) -> String {
 
 fn numerator_and_denominator(value: Number) -> (String, String) {
     let Number::Exact { numerator, denominator, pi } = value else { return (decimal(value), "1".to_string()) };
-    let digits = || if pi == 0 { decimal(value) } else { decimal(value.mul(power_of_pi(-pi))) };
+    let digits = || if pi == 0 { decimal(value) } else { decimal(value * power_of_pi(-pi)) };
     let terminates = (0..19).fold(denominator, |rest, _| match () {
         () if rest % 5 == 0 => rest / 5,
         () if rest % 2 == 0 => rest / 2,
@@ -1131,8 +1181,33 @@ fn subscript_part(part: &str) -> String {
 
 fn greek(word: &str) -> Option<String> {
     const LOWER: [&str; 28] = [
-        "alpha", "beta", "gamma", "delta", "epsilon", "zeta", "eta", "theta", "iota", "kappa", "lambda", "mu", "nu", "xi",
-        "pi", "rho", "sigma", "tau", "upsilon", "phi", "chi", "psi", "omega", "ell", "varphi", "vartheta", "varepsilon",
+        "alpha",
+        "beta",
+        "gamma",
+        "delta",
+        "epsilon",
+        "zeta",
+        "eta",
+        "theta",
+        "iota",
+        "kappa",
+        "lambda",
+        "mu",
+        "nu",
+        "xi",
+        "pi",
+        "rho",
+        "sigma",
+        "tau",
+        "upsilon",
+        "phi",
+        "chi",
+        "psi",
+        "omega",
+        "ell",
+        "varphi",
+        "vartheta",
+        "varepsilon",
         "varrho",
     ];
     const UPPER: [&str; 11] =
@@ -1186,4 +1261,424 @@ fn unit(text: &str) -> String {
 /// A text that stays within a comment.
 fn one_line(text: &str) -> String {
     text.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::derive::routes;
+    use crate::expr::{Vector, evaluate};
+
+    fn output(lagrangian: &Lagrangian<'_>) -> String {
+        let graph = Graph::new();
+        latex(lagrangian, &routes(lagrangian, &graph))
+    }
+
+    fn double_pendulum(graph: &Graph) -> Lagrangian<'_> {
+        let mut l = Lagrangian::new(graph, "DoublePendulum");
+        l.docs = vec!["Two point masses".to_string(), "on massless rods.".to_string()];
+        let [a, b] = ["theta1", "theta_2"].map(|name| l.coordinate(name, "rad", None)[0]);
+        // Lengths before masses: products do not depend on it.
+        let [l1, l2] = ["l1", "l2"].map(|name| l.parameter(name, "m", Number::ONE));
+        let [m1, m2] = ["m1", "m2"].map(|name| l.parameter(name, "kg", Number::ONE));
+        let g = l.parameter("g", "m/s^2", Number::ONE);
+        let upper = Vector([l1 * a.sin(), graph.integer(0), -l1 * a.cos()]);
+        let lower = upper + Vector([l2 * b.sin(), graph.integer(0), -l2 * b.cos()]);
+        for (mass, [x, _, z]) in [(m1, upper.0), (m2, lower.0)] {
+            l.kinetic.push(mass * (x.rate().powi(2) + z.rate().powi(2)) / 2);
+            l.potential.push(mass * g * z);
+        }
+        l
+    }
+
+    fn cart_pole(graph: &Graph) -> Lagrangian<'_> {
+        let mut l = Lagrangian::new(graph, "CartPole");
+        let [x, theta] = [("x", "m"), ("theta", "rad")].map(|(name, unit)| l.coordinate(name, unit, None)[0]);
+        let [cart, bob] = ["M", "m_bob"].map(|name| l.parameter(name, "kg", Number::ONE));
+        let length = l.parameter("length", "m", Number::ONE);
+        let g = l.parameter("g", "m/s^2", Number::ONE);
+        let b = l.parameter("b", "N*s/m", Number::ONE);
+        let push = l.input("F", "N", None)[0];
+        let [px, pz] = [x + length * theta.sin(), -length * theta.cos()];
+        l.kinetic.push(cart * x.rate().powi(2) / 2 + bob * (px.rate().powi(2) + pz.rate().powi(2)) / 2);
+        l.potential.push(bob * g * pz);
+        l.dissipation.push(b * x.rate().powi(2) / 2);
+        l.forces.push((0, push));
+        l
+    }
+
+    fn spherical_pendulum(graph: &Graph) -> Lagrangian<'_> {
+        let mut l = Lagrangian::new(graph, "SphericalPendulum");
+        let [theta, phi] = ["theta", "phi"].map(|name| l.coordinate(name, "rad", None)[0]);
+        let [m, length, g] =
+            [("m", "kg"), ("l", "m"), ("g", "m/s^2")].map(|(name, unit)| l.parameter(name, unit, Number::ONE));
+        let bob = [theta.sin() * phi.cos(), theta.sin() * phi.sin(), -theta.cos()].map(|x| length * x);
+        let [vx, vy, vz] = bob.map(|x| x.rate().powi(2));
+        l.kinetic.push(m * (vx + vy + vz) / 2);
+        l.potential.push(m * g * bob[2]);
+        l
+    }
+
+    /// A particle with terms of every shape.
+    fn contrived(graph: &Graph) -> Lagrangian<'_> {
+        let mut l = Lagrangian::new(graph, "Contrived");
+        let [x, y] = ["x", "y_c"].map(|name| l.coordinate(name, "m", None)[0]);
+        let [m, k, gamma] =
+            [("m", "kg"), ("k", "N/m"), ("gamma", "rad")].map(|(n, unit)| l.parameter(n, unit, Number::ONE));
+        let u = l.input("u", "N", None)[0];
+        let (vx, vy) = (x.rate(), y.rate());
+        let t = graph.symbol(Symbol::Time);
+        let r = (x.powi(2) + y.powi(2)).sqrt();
+        l.kinetic.push(m * (vx.powi(2) + vy.powi(2)) / 2 + m * (2 * (y - x)).sin().powi(2) * vx * vy / 8);
+        l.potential.push(-m * k / r + k * (r - 1).powi(2) / 2 + k * (y - x).sqrt() / (y - x));
+        l.potential
+            .push(graph.constant(Number::PI) / 3 * gamma.sin() * x.cos() * y.cos() * (x - y).call(Function::Tan));
+        l.potential.push(k * (y - x).call(Function::Tan).sqrt() + (x / (m + k)).call(Function::Atan) / gamma.sqrt());
+        l.potential.push(x.call(Function::Abs).call2(Binary::Powf, gamma) + y.call2(Binary::Atan2, x));
+        l.dissipation.push(m * vx.call(Function::Cosh).call(Function::Ln) + (m + k) * vy.powi(2) / 4);
+        l.lagrangian.push(k * (x * vy - y * vx) * (-t).call(Function::Exp));
+        l.forces.push((0, u * (x - y).cos().powi(3) - m * (y * 3).call(Function::Tanh)));
+        l.forces.push((1, graph.constant(Number::Real(6.67e-11)) * u / (x - y).powi(3)));
+        l
+    }
+
+    #[test]
+    fn the_double_pendulum_is_that_of_a_textbook() {
+        let graph = Graph::verbatim();
+        let text = output(&double_pendulum(&graph));
+        let expected = r"
+\paragraph{Energies.}
+\begin{align*}
+  T &= \frac{1}{2} (m_1 + m_2) l_1^2 \dot{\theta}_1^2 + \frac{1}{2} m_2 l_2^2 \dot{\theta}_2^2 + m_2 l_1 l_2 \dot{\theta}_1 \dot{\theta}_2 \cos(\theta_1 - \theta_2) \\
+  V &= -(m_1 + m_2) g l_1 \cos\theta_1 - m_2 g l_2 \cos\theta_2
+\end{align*}
+
+\paragraph{Terms of $\displaystyle \mathbf{M} \ddot{\mathbf{q}} + \mathbf{C} \dot{\mathbf{q}} + \mathbf{G} = \mathbf{0}$.}
+\begin{align*}
+  \mathbf{M} &= \begin{bmatrix}
+    (m_1 + m_2) l_1^2 & m_2 l_1 l_2 \cos(\theta_1 - \theta_2) \\
+    m_2 l_1 l_2 \cos(\theta_1 - \theta_2) & m_2 l_2^2
+  \end{bmatrix} \\
+  \mathbf{C} &= \begin{bmatrix}
+    0 & m_2 l_1 l_2 \dot{\theta}_2 \sin(\theta_1 - \theta_2) \\
+    -m_2 l_1 l_2 \dot{\theta}_1 \sin(\theta_1 - \theta_2) & 0
+  \end{bmatrix} \\
+  \mathbf{G} &= \begin{bmatrix}
+    (m_1 + m_2) g l_1 \sin\theta_1 \\
+    m_2 g l_2 \sin\theta_2
+  \end{bmatrix}
+\end{align*}
+
+\paragraph{Equations of motion.}
+\begin{align*}
+  & (m_1 + m_2) l_1^2 \ddot{\theta}_1 + m_2 l_1 l_2 \ddot{\theta}_2 \cos(\theta_1 - \theta_2) + m_2 l_1 l_2 \dot{\theta}_2^2 \sin(\theta_1 - \theta_2) \\
+  & \quad {} + (m_1 + m_2) g l_1 \sin\theta_1 = 0 \\
+  & m_2 l_1 l_2 \ddot{\theta}_1 \cos(\theta_1 - \theta_2) + m_2 l_2^2 \ddot{\theta}_2 - m_2 l_1 l_2 \dot{\theta}_1^2 \sin(\theta_1 - \theta_2) + m_2 g l_2 \sin\theta_2 = 0
+\end{align*}
+";
+        assert!(text.contains(expected), "{text}");
+        assert!(text.starts_with("% DoublePendulum\n% Two point masses\n% on massless rods.\n"), "{text}");
+    }
+
+    #[test]
+    fn the_cart_pole_has_dissipation_and_an_input() {
+        let graph = Graph::verbatim();
+        let text = output(&cart_pole(&graph));
+        for expected in [
+            r"
+  \mathbf{M} &= \begin{bmatrix}
+    M + m_{\mathrm{bob}} & m_{\mathrm{bob}} \, \mathrm{length} \cos\theta \\
+    m_{\mathrm{bob}} \, \mathrm{length} \cos\theta & m_{\mathrm{bob}} \, \mathrm{length}^2
+  \end{bmatrix} \\
+",
+            r"
+  \partial D / \partial \dot{\mathbf{q}} &= \begin{bmatrix}
+    b \dot{x} \\
+    0
+  \end{bmatrix} \\
+  \mathbf{Q} &= \begin{bmatrix}
+    F \\
+    0
+  \end{bmatrix}
+",
+            r"
+  (M + m_{\mathrm{bob}}) \ddot{x} + m_{\mathrm{bob}} \, \mathrm{length} \, \ddot{\theta} \cos\theta - m_{\mathrm{bob}} \, \mathrm{length} \, \dot{\theta}^2 \sin\theta + b \dot{x} &= F \\
+  m_{\mathrm{bob}} \, \mathrm{length} \, \ddot{x} \cos\theta + m_{\mathrm{bob}} \, \mathrm{length}^2 \, \ddot{\theta} + m_{\mathrm{bob}} g \, \mathrm{length} \sin\theta &= 0
+",
+            r"\paragraph{Conserved where $F = 0$ and $D = 0$.}",
+            r"  p_x &= (M + m_{\mathrm{bob}}) \dot{x} + m_{\mathrm{bob}} \, \mathrm{length} \, \dot{\theta} \cos\theta",
+            r"  $b$ & parameter & $\mathrm{N\,s/m}$ \\",
+        ] {
+            assert!(text.contains(expected), "{expected}\nis not in\n{text}");
+        }
+    }
+
+    #[test]
+    fn the_spherical_pendulum_has_squares_of_sines() {
+        let graph = Graph::verbatim();
+        let text = output(&spherical_pendulum(&graph));
+        for expected in [
+            r"T &= \frac{1}{2} m l^2 \dot{\theta}^2 + \frac{1}{2} m l^2 \dot{\phi}^2 \sin^2\theta",
+            r"
+    m l^2 & 0 \\
+    0 & m l^2 \sin^2\theta
+",
+            r"
+    0 & -m l^2 \dot{\phi} \sin\theta \cos\theta \\
+    m l^2 \dot{\phi} \sin\theta \cos\theta & m l^2 \dot{\theta} \sin\theta \cos\theta
+",
+            r"
+  m l^2 \ddot{\theta} - m l^2 \dot{\phi}^2 \sin\theta \cos\theta + m g l \sin\theta &= 0 \\
+  m l^2 \ddot{\phi} \sin^2\theta + 2 m l^2 \dot{\theta} \dot{\phi} \sin\theta \cos\theta &= 0
+",
+            r"p_{\phi} &= m l^2 \dot{\phi} \sin^2\theta",
+        ] {
+            assert!(text.contains(expected), "{expected}\nis not in\n{text}");
+        }
+    }
+
+    #[test]
+    fn names_are_letters_with_subscripts() {
+        let name = |declared: &str| Name::new(declared).text();
+        assert_eq!(["theta", "theta1", "theta_1", "Omega"].map(name), [r"\theta", r"\theta_1", r"\theta_1", r"\Omega"]);
+        assert_eq!(
+            ["m2", "m_bob", "m_bob2", "m12"].map(name),
+            ["m_2", r"m_{\mathrm{bob}}", r"m_{\mathrm{bob}2}", "m_{12}"]
+        );
+        assert_eq!(["q_3", "q_10", "k_1_2", "i_xx_0"].map(name), ["q_3", "q_{10}", "k_{1,2}", "i_{xx,0}"]);
+        assert_eq!(["lc1", "Ixx", "mu", "g"].map(name), ["l_{c1}", "I_{xx}", r"\mu", "g"]);
+        assert_eq!(["length", "k_phi", "_a"].map(name), [r"\mathrm{length}", r"k_{\phi}", "a"]);
+        assert_eq!(Name::new("theta1").accented("\\dot"), r"\dot{\theta}_1");
+        let mut taken = BTreeSet::new();
+        assert_eq!(["m_1", "m1"].map(|n| Name::unlike(&mut taken, n).text()), ["m_1", r"\mathrm{m1}"]);
+        assert_eq!(unit("kg*m^2/s^(-1/2)"), r"$\mathrm{kg\,m^2/s^{-1/2}}$");
+    }
+
+    #[test]
+    fn numbers_are_fractions_where_people_write_fractions() {
+        let written = |text: &str| number(Number::parse_decimal(text).unwrap_or(Number::ZERO));
+        assert_eq!(
+            ["2", "0.5", "0.4", "9.81", "0.05", "1e-11"].map(written),
+            ["2", r"\frac{1}{2}", r"\frac{2}{5}", "9.81", "0.05", "1 \\cdot 10^{-11}"]
+                .map(|text| text.replace("1 \\cdot ", ""))
+        );
+        assert_eq!(number(Number::PI * Number::rational(3, 2).unwrap_or(Number::ONE)), r"\frac{3 \pi}{2}");
+        assert_eq!(number(Number::Real(1.5e-11)), r"1.5 \cdot 10^{-11}");
+    }
+
+    #[test]
+    fn what_is_too_long_is_left_out_and_said_so() {
+        let graph = Graph::verbatim();
+        let mut l = Lagrangian::new(&graph, "Long");
+        let x = l.coordinate("x", "m", None)[0];
+        let k = l.parameter_array("k", "N/m", vec![Number::ONE; 50]);
+        l.kinetic.push(x.rate().powi(2) / 2);
+        (1..).zip(k).for_each(|(i, k)| l.potential.push(k * (i * x).cos()));
+        let text = output(&l);
+        assert!(text.contains("% Left out: V (50 terms; "), "{text}");
+        assert!(text.contains("V &= \\ldots\n") && text.contains("\\ldots &= 0\n"), "{text}");
+
+        let mut chain = Lagrangian::new(&graph, "Chain");
+        let q = chain.coordinate("q", "m", Some(6));
+        q.iter().for_each(|q| chain.kinetic.push(q.rate().powi(2) / 2));
+        let text = output(&chain);
+        assert!(text.contains(r"$\mathbf{M}$ & $6 \times 6$ & 0 operations"), "{text}");
+        assert!(!text.contains("bmatrix"));
+    }
+
+    #[test]
+    fn nothing_recurses_on_the_depth_of_an_expression() {
+        let graph = Graph::verbatim();
+        let mut l = Lagrangian::new(&graph, "Deep");
+        let x = l.coordinate("x", "m", None)[0];
+        l.kinetic.push(x.rate().powi(2) / 2);
+        let plain = Graph::new();
+        let deep = (0..100_000).fold(plain.symbol(Symbol::Coordinate(0)), |deep, _| deep.sin());
+        let mut algebra = algebra(&l, &plain);
+        assert!(matches!(algebra.shortest(deep).map(|sum| algebra.entry(Some(sum))), None | Some(Entry::TooLong(_))));
+    }
+
+    #[test]
+    fn braces_and_brackets_are_balanced() {
+        let graph = Graph::verbatim();
+        for l in [double_pendulum(&graph), cart_pole(&graph), spherical_pendulum(&graph), contrived(&graph)] {
+            let text = output(&l);
+            for (open, close) in [("{", "}"), ("(", ")"), ("\\left", "\\right"), ("\\begin", "\\end")] {
+                assert_eq!(text.matches(open).count(), text.matches(close).count(), "{open} in\n{text}");
+            }
+            assert!(!text.contains("+ -") && !text.contains("- -") && !text.contains("  +"), "{text}");
+        }
+    }
+
+    #[test]
+    fn what_is_written_is_what_was_derived() {
+        let verbatim = Graph::verbatim();
+        for l in [double_pendulum(&verbatim), cart_pole(&verbatim), spherical_pendulum(&verbatim), contrived(&verbatim)]
+        {
+            let graph = Graph::new();
+            let equations = &routes(&l, &graph)[0];
+            let lagrange = &equations.lagrange;
+            let mut algebra = algebra(&l, &graph);
+            let values: BTreeMap<String, f64> =
+                symbols(equations).into_iter().map(|s| (algebra.notation.symbol(s), value_of(s))).collect();
+            let check = |value: Expr<'_>, text: String| {
+                let expected: f64 = evaluate(&[value], value_of)[0];
+                let read = Reader { rest: &text, values: &values }.sum();
+                assert!(
+                    (read - expected).abs() <= 1e-9 * expected.abs().max(1.0),
+                    "{}: {text}: {read} {expected}",
+                    l.name
+                );
+            };
+            let matrices = [lagrange.mass_matrix.concat(), lagrange.coriolis_matrix.concat()].concat();
+            let vectors = [&lagrange.gravity, &lagrange.dissipation_force, &lagrange.generalized_force].map(Vec::clone);
+            let energies = [lagrange.kinetic_energy, lagrange.potential_energy].to_vec();
+            for value in [matrices, vectors.concat(), energies, lagrange.inverse_dynamics.clone()].concat() {
+                let sum = algebra.shortest(value).unwrap_or_default();
+                check(value, algebra.text(&sum).unwrap_or_default());
+            }
+            for (i, &value) in lagrange.inverse_dynamics.iter().enumerate() {
+                let sum = algebra.left_side(equations, i).unwrap_or_default();
+                check(value, algebra.text(&sum).unwrap_or_default());
+            }
+        }
+    }
+
+    fn algebra<'g>(lagrangian: &Lagrangian<'_>, graph: &'g Graph) -> Algebra<'g> {
+        Algebra { graph, notation: Notation::of(lagrangian), sums: BTreeMap::new(), atoms: BTreeMap::new() }
+    }
+
+    fn symbols(equations: &Equations<'_>) -> Vec<Symbol> {
+        let s = &equations.symbols;
+        [&s.q, &s.qd, &s.qdd, &s.u, &s.parameters, &vec![Symbol::Time]].map(Vec::clone).concat()
+    }
+
+    /// Coordinates grow, so that the roots in `contrived` exist.
+    fn value_of(symbol: Symbol) -> f64 {
+        match symbol {
+            Symbol::Time => 0.37,
+            Symbol::Coordinate(i) => 0.31 + 0.53 * f64::from(i),
+            Symbol::Velocity(i) => 0.71 - 0.29 * f64::from(i),
+            Symbol::Acceleration(i) => -0.43 + 0.97 * f64::from(i),
+            Symbol::Parameter(i) => 0.83 + 0.19 * f64::from(i),
+            Symbol::Input(i) => 0.61 + 0.11 * f64::from(i),
+        }
+    }
+
+    /// Reads what is written, for its value.
+    struct Reader<'a> {
+        rest: &'a str,
+        values: &'a BTreeMap<String, f64>,
+    }
+
+    impl Reader<'_> {
+        fn accepts(&mut self, token: &str) -> bool {
+            let rest = self.rest.trim_start_matches([' ']).trim_start_matches("\\,").trim_start();
+            let found = rest.strip_prefix(token);
+            self.rest = found.unwrap_or(rest);
+            found.is_some()
+        }
+
+        fn ends(&mut self) -> bool {
+            self.accepts("");
+            self.rest.is_empty()
+                || [")", "}", "\\right", "+", "-", ",", "/"].iter().any(|end| self.rest.starts_with(end))
+        }
+
+        fn sum(&mut self) -> f64 {
+            let mut sum = if self.accepts("-") { -self.product() } else { self.product() };
+            loop {
+                sum += match (self.accepts("+"), self.accepts("-")) {
+                    (true, _) => self.product(),
+                    (_, true) => -self.product(),
+                    _ => return sum,
+                };
+            }
+        }
+
+        fn product(&mut self) -> f64 {
+            let mut product = 1.0;
+            while !self.ends() {
+                let factor = self.factor();
+                product *= factor.powf(self.exponent());
+            }
+            product
+        }
+
+        fn exponent(&mut self) -> f64 {
+            match (self.accepts("^{"), self.rest.strip_prefix('^')) {
+                (true, _) => {
+                    let exponent = self.sum();
+                    let exponent = if self.accepts("/") { exponent / self.sum() } else { exponent };
+                    assert!(self.accepts("}"), "{}", self.rest);
+                    exponent
+                }
+                (_, Some(rest)) => {
+                    self.rest = &rest[1..];
+                    rest[..1].parse().unwrap_or(f64::NAN)
+                }
+                _ => 1.0,
+            }
+        }
+
+        fn closed_by(&mut self, close: &str) -> f64 {
+            let value = self.sum();
+            assert!(self.accepts(close), "{close} expected: {}", self.rest);
+            value
+        }
+
+        fn factor(&mut self) -> f64 {
+            type Named = (&'static str, fn(f64) -> f64);
+            const FUNCTIONS: [Named; 9] = [
+                ("\\sinh", f64::sinh),
+                ("\\cosh", f64::cosh),
+                ("\\tanh", f64::tanh),
+                ("\\sin", f64::sin),
+                ("\\cos", f64::cos),
+                ("\\tan", f64::tan),
+                ("\\arctan", f64::atan),
+                ("\\ln", f64::ln),
+                ("\\operatorname{sgn}", f64::signum),
+            ];
+            for (name, function) in FUNCTIONS {
+                if self.accepts(name) {
+                    let exponent = self.exponent();
+                    return function(self.factor()).powf(exponent);
+                }
+            }
+            if self.accepts("\\frac{") {
+                let above = self.closed_by("}");
+                assert!(self.accepts("{"));
+                return above / self.closed_by("}");
+            }
+            if self.accepts("\\operatorname{atan2}(") {
+                let y = self.closed_by(",");
+                return y.atan2(self.closed_by(")"));
+            }
+            for (open, close) in [("(", ")"), ("\\left(", "\\right)"), ("\\left|", "\\right|")] {
+                if self.accepts(open) {
+                    let value = self.closed_by(close);
+                    return if open.ends_with('|') { value.abs() } else { value };
+                }
+            }
+            if self.accepts("\\sqrt{") {
+                return self.closed_by("}").sqrt();
+            }
+            for (constant, value) in [("\\pi", std::f64::consts::PI), ("e", std::f64::consts::E), ("\\cdot", 1.0)] {
+                if self.accepts(constant) {
+                    return value;
+                }
+            }
+            let digits = self.rest.find(|c: char| !c.is_ascii_digit() && c != '.').unwrap_or(self.rest.len());
+            if digits > 0 {
+                let value = self.rest[..digits].parse().unwrap_or(f64::NAN);
+                self.rest = &self.rest[digits..];
+                return value;
+            }
+            let longest = self.values.iter().filter(|(name, _)| self.rest.starts_with(name.as_str()));
+            let Some((name, &value)) = longest.max_by_key(|(name, _)| name.len()) else { panic!("read {}", self.rest) };
+            self.rest = &self.rest[name.len()..];
+            value
+        }
+    }
 }

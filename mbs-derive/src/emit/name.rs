@@ -10,8 +10,20 @@ use crate::model::lagrangian::component_names;
 use crate::optimise::{Derivation, Instruction, Program, Value};
 
 /// Names that a local may not take: generics, parameters of functions, and what patterns would take for constants.
-const RESERVED: [&str; 12] =
-    ["T", "t", "params", "None", "Some", "Ok", "Err", "CONSERVED", "PARAMETERS", "mass_matrix", "right_side", "factors"];
+const RESERVED: [&str; 12] = [
+    "T",
+    "t",
+    "params",
+    "None",
+    "Some",
+    "Ok",
+    "Err",
+    "CONSERVED",
+    "PARAMETERS",
+    "mass_matrix",
+    "right_side",
+    "factors",
+];
 
 /// Arguments that a component may shadow where it is destructured after all others that are read.
 const ARGUMENTS: [&str; 4] = ["q", "qd", "qdd", "u"];
@@ -43,7 +55,8 @@ pub(super) fn snake_case(name: &str) -> String {
         let before = i.checked_sub(1).map(|i| letters[i]);
         let after = letters.get(i + 1);
         let word_ends = before.is_some_and(|b| b.is_ascii_lowercase() || b.is_ascii_digit());
-        let acronym_ends = before.is_some_and(|b| b.is_ascii_uppercase()) && after.is_some_and(char::is_ascii_lowercase);
+        let acronym_ends =
+            before.is_some_and(|b| b.is_ascii_uppercase()) && after.is_some_and(char::is_ascii_lowercase);
         if c.is_ascii_uppercase() && (word_ends || acronym_ends) {
             snake.push('_');
         }
@@ -193,7 +206,11 @@ fn described(program: &Program, parameters: &[String]) -> Vec<Option<String>> {
     names.into_iter().map(|name| name.map(|(name, _)| name)).collect()
 }
 
-fn grade(instruction: Instruction, names: &[Option<(String, Grade)>], parameters: &[String]) -> Option<(String, Grade)> {
+fn grade(
+    instruction: Instruction,
+    names: &[Option<(String, Grade)>],
+    parameters: &[String],
+) -> Option<(String, Grade)> {
     let at_most = |value: Value, limit: Grade| {
         names[value.index()].as_ref().filter(|(_, grade)| *grade <= limit).map(|(name, _)| name)
     };

@@ -25,10 +25,7 @@ pub fn gradient_of_combination<'g>(roots: &[(Expr<'g>, Expr<'g>)], symbols: &[Sy
             }
         }
     }
-    symbols
-        .iter()
-        .map(|&symbol| adjoints.get(graph.symbol(symbol).id()).unwrap_or_else(|| graph.integer(0)))
-        .collect()
+    symbols.iter().map(|&symbol| adjoints.get(graph.symbol(symbol).id()).unwrap_or_else(|| graph.integer(0))).collect()
 }
 
 /// The nodes of the roots that depend on a chosen symbol, operands first.
@@ -123,13 +120,9 @@ pub(super) fn partials<'g>(expr: Expr<'g>) -> impl Iterator<Item = (Id, Partial<
         Node::Neg(a) => (Some((a, Partial::MinusOne)), None),
         Node::Add(a, b) => (Some((a, Partial::One)), Some((b, Partial::One))),
         Node::Sub(a, b) => (Some((a, Partial::One)), Some((b, Partial::MinusOne))),
-        Node::Mul(a, b) => {
-            (Some((a, Partial::Factor(graph.expr(b)))), Some((b, Partial::Factor(graph.expr(a)))))
-        }
+        Node::Mul(a, b) => (Some((a, Partial::Factor(graph.expr(b)))), Some((b, Partial::Factor(graph.expr(a))))),
         Node::Power(a, _) | Node::Call(_, a) => (Some((a, Partial::Derivative(expr, 0))), None),
-        Node::Call2(_, a, b) => {
-            (Some((a, Partial::Derivative(expr, 0))), Some((b, Partial::Derivative(expr, 1))))
-        }
+        Node::Call2(_, a, b) => (Some((a, Partial::Derivative(expr, 0))), Some((b, Partial::Derivative(expr, 1)))),
     };
     first.into_iter().chain(second)
 }

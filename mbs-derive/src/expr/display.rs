@@ -78,9 +78,7 @@ fn infix(graph: &Graph, root: Id) -> String {
             Node::Add(a, b) => (SUM, vec![Operand(a, SUM), Text(" + "), Operand(b, PRODUCT)]),
             Node::Sub(a, b) => (SUM, vec![Operand(a, SUM), Text(" - "), Operand(b, PRODUCT)]),
             Node::Mul(a, b) => (PRODUCT, vec![Operand(a, PRODUCT), Text(" * "), Operand(b, NEGATION)]),
-            Node::Power(a, n) if n == HalfInteger::HALF => {
-                (POWER, vec![Text("sqrt("), Operand(a, SUM), Text(")")])
-            }
+            Node::Power(a, n) if n == HalfInteger::HALF => (POWER, vec![Text("sqrt("), Operand(a, SUM), Text(")")]),
             Node::Power(a, n) => {
                 // The exponent is written after its base.
                 let closing = if least > POWER { ")" } else { "" };
@@ -91,13 +89,10 @@ fn infix(graph: &Graph, root: Id) -> String {
                 stack.push(Operand(a, POWER + 1));
                 continue;
             }
-            Node::Call(function, a) => {
-                (POWER, vec![Text(function.name()), Text("("), Operand(a, SUM), Text(")")])
+            Node::Call(function, a) => (POWER, vec![Text(function.name()), Text("("), Operand(a, SUM), Text(")")]),
+            Node::Call2(function, a, b) => {
+                (POWER, vec![Text(function.name()), Text("("), Operand(a, SUM), Text(", "), Operand(b, SUM), Text(")")])
             }
-            Node::Call2(function, a, b) => (
-                POWER,
-                vec![Text(function.name()), Text("("), Operand(a, SUM), Text(", "), Operand(b, SUM), Text(")")],
-            ),
         };
         let bracketed = binding < least;
         if bracketed {

@@ -67,7 +67,9 @@ impl<S: Value> Value for Dual<S> {
             Binary::Atan2 => da.mul(b).sub(a.mul(db)).div(a.mul(a).add(b.mul(b))),
             Binary::Powf => {
                 let value = a.call2(Binary::Powf, b);
-                b.mul(a.call2(Binary::Powf, b.sub(S::constant(1.0)))).mul(da).add(value.mul(a.call(Function::Ln)).mul(db))
+                b.mul(a.call2(Binary::Powf, b.sub(S::constant(1.0))))
+                    .mul(da)
+                    .add(value.mul(a.call(Function::Ln)).mul(db))
             }
         };
         Dual::new(a.call2(function, b), derivative)

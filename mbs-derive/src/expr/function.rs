@@ -168,12 +168,7 @@ impl Function {
             | Function::Sinh
             | Function::Tanh
             | Function::Signum => true,
-            Function::Cos
-            | Function::Acos
-            | Function::Cosh
-            | Function::Exp
-            | Function::Ln
-            | Function::Abs => false,
+            Function::Cos | Function::Acos | Function::Cosh | Function::Exp | Function::Ln | Function::Abs => false,
         }
     }
 }

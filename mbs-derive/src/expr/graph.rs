@@ -391,7 +391,9 @@ impl<'g> Expr<'g> {
                 if halves % 4 == 0 { power } else { -power }
             }
             // (x^a)^b = x^(a b) holds for an integer b wherever the left side exists.
-            (Node::Power(a, inner), halves) if halves % 2 == 0 => graph.expr(a).power(HalfInteger(inner.0 * halves / 2)),
+            (Node::Power(a, inner), halves) if halves % 2 == 0 => {
+                graph.expr(a).power(HalfInteger(inner.0 * halves / 2))
+            }
             (Node::Mul(c, x), halves) if halves % 2 == 0 && graph.is_constant(c) => {
                 graph.expr(c).power(n) * graph.expr(x).power(n)
             }
@@ -637,9 +639,7 @@ impl<'g> Mul for Expr<'g> {
         match product.node() {
             Node::Constant(value) => graph.constant(coefficient * value),
             Node::Neg(a) => -graph.scaled(coefficient, graph.expr(a)),
-            Node::Mul(e, z) if graph.is_constant(e) => {
-                graph.scaled(coefficient, graph.expr(e)) * graph.expr(z)
-            }
+            Node::Mul(e, z) if graph.is_constant(e) => graph.scaled(coefficient, graph.expr(e)) * graph.expr(z),
             _ => graph.intern(Node::Mul(graph.constant(coefficient).id, product.id)),
         }
     }

@@ -6,9 +6,9 @@
 
 use std::collections::BTreeMap;
 
+use super::Function;
 use super::graph::{Expr, Graph, HalfInteger, Id, IdMap, Node, Symbol};
 use super::number::Number;
-use super::Function;
 
 /// The expressions in normal form, with common factors taken out again; `None` where one of them has more than `limit`
 /// terms on the way.
@@ -262,15 +262,14 @@ fn angle_of(sum: &Sum, graph: &Graph) -> Option<Angle> {
 }
 
 fn monomial<'g>(graph: &'g Graph, powers: &BTreeMap<Id, i32>) -> Expr<'g> {
-    powers.iter().fold(graph.integer(1), |product, (&id, &halves)| {
-        product * graph.expr(id).power(HalfInteger::halves(halves))
-    })
+    powers
+        .iter()
+        .fold(graph.integer(1), |product, (&id, &halves)| product * graph.expr(id).power(HalfInteger::halves(halves)))
 }
 
 fn wave<'g>(graph: &'g Graph, wave: &Wave) -> Expr<'g> {
-    let argument = |angle: &Angle| {
-        angle.iter().fold(graph.integer(0), |sum, (&id, &n)| sum + i64::from(n) * graph.expr(id))
-    };
+    let argument =
+        |angle: &Angle| angle.iter().fold(graph.integer(0), |sum, (&id, &n)| sum + i64::from(n) * graph.expr(id));
     match wave {
         Wave::One => graph.integer(1),
         Wave::Cos(angle) => argument(angle).cos(),

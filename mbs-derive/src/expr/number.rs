@@ -339,7 +339,10 @@ mod tests {
     fn quarter_turns_of_degrees() {
         let degree = Number::PI * Number::rational(1, 180).unwrap();
         let turns = |degrees| (Number::integer(degrees) * degree).quarter_turns();
-        assert_eq!([turns(-90), turns(0), turns(90), turns(180), turns(450)], [Some(3), Some(0), Some(1), Some(2), Some(1)]);
+        assert_eq!(
+            [turns(-90), turns(0), turns(90), turns(180), turns(450)],
+            [Some(3), Some(0), Some(1), Some(2), Some(1)]
+        );
         assert_eq!(turns(45), None);
     }
 

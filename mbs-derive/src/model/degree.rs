@@ -43,7 +43,10 @@ impl Problem {
             }
             Problem::DependentInertia(coordinates) => {
                 let names: Vec<String> = coordinates.iter().map(|&i| format!("`{}`", names[i])).collect();
-                format!("the mass matrix is singular at every state: {} can move together without kinetic energy", names.join(", "))
+                format!(
+                    "the mass matrix is singular at every state: {} can move together without kinetic energy",
+                    names.join(", ")
+                )
             }
             Problem::NegativeInertia(i) => format!("the kinetic energy is negative for some motion of `{}`", names[*i]),
             Problem::NeverFinite => "the energies are not finite at any of the sampled states".to_string(),

@@ -66,14 +66,7 @@ impl<'a> Lowering<'a> {
                 graph.node(id).operands().for_each(|operand| count(operand, &mut stack));
             }
         }
-        Lowering {
-            graph,
-            hoisting,
-            uses,
-            instructions: Vec::new(),
-            known: HashMap::new(),
-            values: IdMap::default(),
-        }
+        Lowering { graph, hoisting, uses, instructions: Vec::new(), known: HashMap::new(), values: IdMap::default() }
     }
 
     /// The value of a node, after those that it needs, depth first.

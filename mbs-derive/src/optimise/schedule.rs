@@ -42,7 +42,8 @@ impl Hoisting {
                 });
             }
         }
-        let constructor = if hoisted.is_empty() { Program::default() } else { lower::program(&hoisted, &Hoisting::none()) };
+        let constructor =
+            if hoisted.is_empty() { Program::default() } else { lower::program(&hoisted, &Hoisting::none()) };
         Hoisting { numbers, constructor }
     }
 

@@ -116,7 +116,10 @@ mod tests {
         check("if a != b { c } else { d }", &format!("!=: `!=` {equal}"));
         check("if a = b { c } else { d }", "=: `=` cannot stand behind a value; end the statement before with `;`");
         check("if a => b { c } else { d }", "=>: `=>` is not a comparison; write `>=`");
-        check("if a < b & c < d { c } else { d }", "&: `&` is not an operator; write `&&` for \"and\", `||` for \"or\"");
+        check(
+            "if a < b & c < d { c } else { d }",
+            "&: `&` is not an operator; write `&&` for \"and\", `||` for \"or\"",
+        );
         check("if a < b < c { c } else { d }", "<: a comparison has two sides; write `a < b && b < c`");
         check("if a < b c else d", "c: expected a `{`, found `c`; write `if x < 0 { a } else { b }`");
         let both = "a value is needed on both sides: `if x < 0 { a } else { b }`";

@@ -3,8 +3,8 @@
 use std::fmt::{self, Display, Formatter};
 
 use super::syntax::{
-    BinaryOperator, Comparison, Declaration, EnergyTerm, Expression, ExpressionKind, Quantity, Statement, StatementKind,
-    Unit,
+    BinaryOperator, Comparison, Declaration, EnergyTerm, Expression, ExpressionKind, Quantity, Statement,
+    StatementKind, Unit,
 };
 
 impl Display for Declaration {

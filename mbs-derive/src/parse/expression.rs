@@ -3,9 +3,9 @@
 use proc_macro2::Delimiter;
 use syn::parse::ParseStream;
 
+use super::condition::no_condition;
 use super::keyword::{RESERVED, keyword};
 use super::reader::{Parsed, Reader, Refused, opens, sign, word};
-use super::condition::no_condition;
 use super::syntax::{BinaryOperator, Comparison, Expression, ExpressionKind, Name, Span};
 
 /// What stands between two operands.
@@ -32,9 +32,7 @@ impl Pending {
     fn precedes(&self, next: Option<Infix>) -> bool {
         let (tightness, leftward) = match self {
             Pending::Negate(_) | Pending::Not(_) => (6, true),
-            Pending::Infix(operator, _) => {
-                (tightness(*operator), *operator != Infix::Arithmetic(BinaryOperator::Pow))
-            }
+            Pending::Infix(operator, _) => (tightness(*operator), *operator != Infix::Arithmetic(BinaryOperator::Pow)),
         };
         next.is_none_or(|next| tightness > self::tightness(next) || tightness == self::tightness(next) && leftward)
     }

@@ -604,7 +604,10 @@ mechanism CartPole {
         refused("potential x;", "x: expected `+=`, found `x`; write `potential += …;`");
         refused("kinetc += x;", "kinetc: `kinetc` is not an energy, `+=` cannot change it; did you mean `kinetic`?");
         refused("y -= x;", "y: `y` is not an energy, `-=` cannot change it; write `y = y - …;`");
-        refused("force at = x;", "=: expected a value, found `=`; a value is a number, a name, a call `f(x)`, an array `[x, y, z]` or `( … )`");
+        refused(
+            "force at = x;",
+            "=: expected a value, found `=`; a value is a number, a name, a call `f(x)`, an array `[x, y, z]` or `( … )`",
+        );
         refused(
             "force at p = x;",
             "=: `force at p` is a sum that statements add to, `=` does not; write `force at p += …;`",
@@ -635,7 +638,10 @@ mechanism CartPole {
         refused("fn f(1) = x;", "1: expected a name after `fn`, found `1`; a name begins with a letter");
         refused("fn f(t) = t;", "t: `t` cannot be declared: it is the time; choose another name, such as `t_`");
         refused("fn f(x): m = x;", ":: expected `=`, found `:`; write `fn f(x, y) = …;`");
-        refused("fn torque(x) = x;", "torque: `torque` cannot be declared: it is a keyword of the language; choose another name, such as `torque_`");
+        refused(
+            "fn torque(x) = x;",
+            "torque: `torque` cannot be declared: it is a keyword of the language; choose another name, such as `torque_`",
+        );
         let StatementKind::Function { name, parameters, body } = statement("fn f(x, y,) = x*y;") else { panic!() };
         let names: Vec<&str> = parameters.iter().map(|p| p.text.as_str()).collect();
         assert_eq!((name.text.as_str(), names, prefix(&body)), ("f", vec!["x", "y"], "(* x y)".to_string()));
@@ -646,7 +652,10 @@ mechanism CartPole {
         let StatementKind::Prescribed(heave) = statement("prescribed heave: m = a*sin(t);") else { panic!() };
         assert_eq!(heave.value.as_ref().map(prefix).as_deref(), Some("(* a sin(t))"));
         assert!(matches!(statement("prescribed s[2]: m;"), StatementKind::Prescribed(s) if s.value.is_none()));
-        refused("prescribed s;", "prescribed s: `prescribed s` needs a unit; write `prescribed s: m;`, `1` for a pure number");
+        refused(
+            "prescribed s;",
+            "prescribed s: `prescribed s` needs a unit; write `prescribed s: m;`, `1` for a pure number",
+        );
         let StatementKind::Constraint { name, left, right, .. } = statement("constraint rod: x^2 = l^2;") else {
             panic!()
         };

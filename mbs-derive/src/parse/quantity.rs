@@ -35,8 +35,7 @@ pub(super) const INPUT: Form = Form {
     value: FormValue::Absent("its value is given while the mechanism moves"),
 };
 
-pub(super) const PRESCRIBED: Form =
-    Form { keyword: "prescribed", needs_unit: Some("m"), value: FormValue::Optional };
+pub(super) const PRESCRIBED: Form = Form { keyword: "prescribed", needs_unit: Some("m"), value: FormValue::Optional };
 
 impl Reader<'_> {
     /// `quantity := keyword name ("[" expression "]")? (":" unit)? ("=" expression)?`

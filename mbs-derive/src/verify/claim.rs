@@ -83,7 +83,8 @@ impl<'a> Trial<'a> {
 
     /// Compares component by component with one scale for all: that of the largest terms.
     fn equal(&self, claim: &'static str, found: &[f64], expected: &[f64], terms: &[f64]) -> Result<(), Failure> {
-        let scale = found.iter().chain(expected).chain(terms).filter(|x| x.is_finite()).fold(0.0, |s: f64, x| s.max(x.abs()));
+        let scale =
+            found.iter().chain(expected).chain(terms).filter(|x| x.is_finite()).fold(0.0, |s: f64, x| s.max(x.abs()));
         assert_eq!(found.len(), expected.len(), "{claim}");
         let pairs = found.iter().zip(expected).map(|(&found, &expected)| Pair { found, expected, scale });
         self.check(claim, pairs)
@@ -139,7 +140,12 @@ impl<'a> Trial<'a> {
     fn inverse_dynamics(&self) -> Result<(), Failure> {
         let terms: Vec<f64> = self.terms.iter().flat_map(|t| [t.momentum_rate, t.position_gradient]).collect();
         let expected = self.terms.iter().map(|t| t.momentum_rate - t.position_gradient + t.dissipation_force);
-        self.equal("inverse dynamics = Lagrange's equations", &self.call("inverse_dynamics"), &expected.collect::<Vec<_>>(), &terms)
+        self.equal(
+            "inverse dynamics = Lagrange's equations",
+            &self.call("inverse_dynamics"),
+            &expected.collect::<Vec<_>>(),
+            &terms,
+        )
     }
 
     /// `q̇ᵀ M q̇ = L(q̇) + L(−q̇) − 2 L(0)`
@@ -158,7 +164,12 @@ impl<'a> Trial<'a> {
         let (m, bias, d) = (self.call("mass_matrix"), self.call("bias"), self.call("dissipation_force"));
         let product = times(&m, &self.state.qdd);
         let sum: Vec<f64> = (0..self.n()).map(|i| product[i] + bias[i] + d[i]).collect();
-        self.equal("M q̈ + h + ∂D/∂q̇ = inverse dynamics", &sum, &self.call("inverse_dynamics"), &[product, bias].concat())
+        self.equal(
+            "M q̈ + h + ∂D/∂q̇ = inverse dynamics",
+            &sum,
+            &self.call("inverse_dynamics"),
+            &[product, bias].concat(),
+        )
     }
 
     /// `C q̇ + G = h`, and `Ṁ + ∂M/∂t − 2 C` skew-symmetric.
@@ -301,7 +312,8 @@ impl<'a> Trial<'a> {
         let [l, ..] = self.witness.energies(&along, &parameters);
         let by_time = lift(&real, |symbol| explicit_path(&real, symbol));
         let [l_t, ..] = self.witness.energies(&by_time, &parameters);
-        let action_rate: f64 = (0..n).map(|i| real.qdd[i] * momentum[i].value + real.qd[i] * momentum[i].derivative).sum();
+        let action_rate: f64 =
+            (0..n).map(|i| real.qdd[i] * momentum[i].value + real.qd[i] * momentum[i].derivative).sum();
         let (force, damping) = (self.call("generalized_force"), self.call("dissipation_force"));
         let reaction = self.constraint_force();
         let power: f64 = (0..n).map(|i| real.qd[i] * (force[i] - damping[i] + reaction[i])).sum();

@@ -160,9 +160,14 @@ pub fn lift<V: Value>(state: &State<V>, direction: impl Fn(Symbol) -> V) -> Stat
         qd: all(&state.qd, Symbol::Velocity),
         qdd: all(&state.qdd, Symbol::Acceleration),
         u: all(&state.u, Symbol::Input),
-        prescribed: state.prescribed.iter().enumerate().map(|(i, signal)| {
-            [0, 1, 2].map(|order| Dual::new(signal[order], direction(Symbol::Prescribed(i as u32, order as u8))))
-        }).collect(),
+        prescribed: state
+            .prescribed
+            .iter()
+            .enumerate()
+            .map(|(i, signal)| {
+                [0, 1, 2].map(|order| Dual::new(signal[order], direction(Symbol::Prescribed(i as u32, order as u8))))
+            })
+            .collect(),
     }
 }
 
