@@ -41,12 +41,29 @@ pub struct Diagnostic {
     pub span: Span,
     /// What to write instead.
     pub help: Option<String>,
+    /// Other places that it is about.
+    pub notes: Vec<Note>,
+}
+
+/// Another place that a message is about.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Note {
+    /// The place.
+    pub span: Span,
+    /// What it has to do with it.
+    pub message: String,
 }
 
 impl Diagnostic {
     /// Adds what to write instead.
     pub fn help(&mut self, help: impl Into<String>) -> &mut Self {
         self.help = Some(help.into());
+        self
+    }
+
+    /// Adds another place that it is about.
+    pub fn note(&mut self, span: Span, message: impl Into<String>) -> &mut Self {
+        self.notes.push(Note { span, message: message.into() });
         self
     }
 }
@@ -74,7 +91,7 @@ impl Diagnostics {
 
     fn insert(&mut self, severity: Severity, span: Span, message: String) -> &mut Diagnostic {
         let place = self.messages.partition_point(|m| m.span.start <= span.start);
-        self.messages.insert(place, Diagnostic { severity, message, span, help: None });
+        self.messages.insert(place, Diagnostic { severity, message, span, help: None, notes: Vec::new() });
         &mut self.messages[place]
     }
 
@@ -140,17 +157,26 @@ impl fmt::Display for Diagnostics {
 impl std::error::Error for Diagnostics {}
 
 fn block(message: &Diagnostic, file_name: &str, source: &str) -> String {
-    let Excerpt { line, column, text, indent, width } = excerpt(source, &message.span);
-    let (number, gutter) = (line.to_string(), " ".repeat(line.to_string().len()));
-    let (severity, what) = (message.severity, &message.message);
-    let underline = format!("{}{}", " ".repeat(indent), "^".repeat(width));
-    let mut block = format!("{severity}: {what}\n{gutter}--> {file_name}:{line}:{column}\n{gutter} |\n");
-    block += format!("{number} | {text}").trim_end();
-    block += &format!("\n{gutter} | {underline}\n");
+    let title = format!("{}: {}", message.severity, message.message);
+    let (mut block, gutter) = marked(&title, &message.span, file_name, source);
     if let Some(help) = &message.help {
         block += &format!("{gutter} = help: {}\n", help.replace('\n', &format!("\n{gutter}         ")));
     }
+    for note in &message.notes {
+        block += &marked(&format!("note: {}", note.message), &note.span, file_name, source).0;
+    }
     block
+}
+
+/// The title, and the line of a place with the place underlined; how far the bars are indented.
+fn marked(title: &str, span: &Span, file_name: &str, source: &str) -> (String, String) {
+    let Excerpt { line, column, text, indent, width } = excerpt(source, span);
+    let (number, gutter) = (line.to_string(), " ".repeat(line.to_string().len()));
+    let underline = format!("{}{}", " ".repeat(indent), "^".repeat(width));
+    let mut block = format!("{title}\n{gutter}--> {file_name}:{line}:{column}\n{gutter} |\n");
+    block += format!("{number} | {text}").trim_end();
+    block += &format!("\n{gutter} | {underline}\n");
+    (block, gutter)
 }
 
 /// The line that a span begins on, ready to be printed.
@@ -345,6 +371,26 @@ error: third
 ";
         assert_eq!(errors.render("a.mbs", "a b"), expected);
         assert_eq!(errors.to_string(), "warning: first; help: one\ntwo\nerror: second\nerror: third");
+    }
+
+    #[test]
+    fn notes_show_other_places() {
+        let mut errors = Diagnostics::default();
+        errors.error(0..1, "wrong").help("right").note(4..5, "here too");
+        let expected = "\
+error: wrong
+ --> a.mbs:1:1
+  |
+1 | a b
+  | ^
+  = help: right
+note: here too
+ --> a.mbs:2:1
+  |
+2 | c
+  | ^
+";
+        assert_eq!(errors.render("a.mbs", "a b\nc"), expected);
     }
 
     #[test]

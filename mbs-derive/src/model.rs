@@ -7,23 +7,29 @@
 //! - [`lagrangian`]: the result, and the builder API that stands under the language;
 //! - [`dimension`]: SI dimensions and units;
 //! - `value`: what expressions stand for; `scope`: what names stand for; `constant`: what is known of an expression;
-//! - `statement`: statements in order; `declare`: parameters, coordinates, inputs, constants; `energy`: energies, forces;
-//! - `evaluate`: expressions → values; `operator`: `+ - * / ^` and `dt`; `builtin`: functions and methods; `body`: bodies;
+//! - `statement`: statements in order; `declare`: parameters, coordinates, inputs, prescribed motions, constants;
+//! - `energy`: energies, generalized forces; `point_force`: forces at points, torques; `constraint`: constraints;
+//! - `evaluate`: expressions → values; `operator`: `+ - * / ^` and `dt`; `condition`: `if … else`;
+//! - `builtin`: functions and methods; `function`: functions written in the language; `body`: bodies;
 //! - `check`: what must hold of the finished mechanism;
 //! - [`sample`]: random states; [`degree`]: what must hold of the energies there.
 
 mod body;
 mod builtin;
 mod check;
+mod condition;
 mod constant;
+mod constraint;
 mod declare;
 pub mod degree;
 pub mod dimension;
 mod energy;
 mod evaluate;
 pub mod frame;
+mod function;
 pub mod lagrangian;
 mod operator;
+mod point_force;
 pub mod sample;
 mod scope;
 mod statement;
@@ -44,8 +50,10 @@ pub use lagrangian::{Body, Constraint, ConstraintKind, Lagrangian, Output, Outpu
 /// # Errors
 /// Every mistake in the declaration, in source order.
 pub fn resolve<'g>(declaration: &Declaration, graph: &'g Graph) -> Result<(Lagrangian<'g>, Diagnostics), Diagnostics> {
+    let library = function::library();
     let mut resolver = Resolver::new(graph, &declaration.name.text, declaration.dimensionless);
     resolver.lagrangian.docs = declaration.docs.clone();
+    resolver.provide(&library.statements);
     resolver.survey(&declaration.statements);
     resolver.statements(&declaration.statements);
     if !resolver.errors.has_errors() {

@@ -405,11 +405,21 @@ impl<'b, 'n> Text<'b, 'n> {
         let qd = array(n, Symbol::Velocity, "qd");
         let qdd = array(n, Symbol::Acceleration, "qdd");
         let u = array(inputs, Symbol::Input, "u");
+        let multipliers = array(derivation.constraints.len(), Symbol::Multiplier, "multipliers");
+        let signals = 0..derivation.prescribed.iter().map(Variable::count).sum::<usize>() as u32;
+        let used = |i: u32| (0..3).any(|order| component(Symbol::Prescribed(i, order)).is_some());
+        let prescribed = signals.clone().any(used).then(|| {
+            let rows = signals.map(|i| {
+                let row = pattern((0..3).map(|order| component(Symbol::Prescribed(i, order))));
+                row.unwrap_or_else(|| quote!(_))
+            });
+            quote!(let [#(#rows),*] = *prescribed;)
+        });
         let fields = self.fields.iter().map(|k| ident(&names.hoisted[*k as usize]));
         let bound = self.binds_fields() && !self.fields.is_empty();
         let own = bound.then(|| quote!(let Self { #(#fields,)* .. } = *self;));
         let parameters = parameters(derivation, names, component).map(|pattern| quote!(let #pattern = #params;));
-        quote!(#q #qd #qdd #u #own #parameters)
+        quote!(#q #qd #qdd #u #prescribed #multipliers #own #parameters)
     }
 
     fn binds_fields(&self) -> bool {

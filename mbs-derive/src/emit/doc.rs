@@ -121,6 +121,12 @@ pub(super) fn function(derivation: &Derivation, function: &Function) -> Vec<Stri
                 "Where `M` is singular the results are infinite or NaN; the integrators report that.".to_string(),
             );
         }
+        FunctionKind::Constraint
+        | FunctionKind::ConstraintJacobian
+        | FunctionKind::ConstraintBias
+        | FunctionKind::Multipliers => {
+            facts.push(format!("Rows are the constraints: `{}`.", derivation.constraints.join("`, `")));
+        }
         FunctionKind::Conserved(names) => {
             facts.extend(names.iter().map(|name| format!("- `{name}`{}", first_integral(name))));
         }
@@ -165,6 +171,16 @@ fn summary(derivation: &Derivation, function: &Function) -> String {
         }
         FunctionKind::ForwardDynamics => {
             format!("Accelerations `q̈ = M⁻¹ (Q − C q̇ − G − ∂D/∂q̇)`, {shape}, by `M = L D Lᵀ`.")
+        }
+        FunctionKind::Constraint => {
+            format!("What must vanish: `φ(q, t)`, or `a·q̇ + b` of Pfaffian constraints, {shape}.")
+        }
+        FunctionKind::ConstraintJacobian => {
+            format!("Constraint matrix `A`, {shape}: `∂φ/∂q`, or `a` of Pfaffian constraints.")
+        }
+        FunctionKind::ConstraintBias => format!("Bias `γ = Ȧ q̇ + ḃ` of `A q̈ + γ = 0`, {shape}."),
+        FunctionKind::Multipliers => {
+            format!("Lagrange multipliers `λ` of `M q̈ + C q̇ + G + ∂D/∂q̇ = Q + Aᵀ λ`, {shape}.")
         }
         FunctionKind::Linearize => "Derivatives `∂q̈/∂q`, `∂q̈/∂q̇`, `∂q̈/∂u` of forward dynamics.".to_string(),
         FunctionKind::LinearizeParameters => {

@@ -178,6 +178,8 @@ impl Tree {
             Tree::Symbol(Symbol::Velocity(i)) => (2, (2 << 32) + u64::from(*i)),
             Tree::Symbol(Symbol::Acceleration(i)) => (2, (3 << 32) + u64::from(*i)),
             Tree::Symbol(Symbol::Input(i)) => (2, (4 << 32) + u64::from(*i)),
+            Tree::Symbol(Symbol::Prescribed(i, order)) => (2, ((5 + u64::from(*order)) << 32) + u64::from(*i)),
+            Tree::Symbol(Symbol::Multiplier(i)) => (2, (8 << 32) + u64::from(*i)),
             Tree::Local(i) => (3, *i as u64),
             Tree::Neg(a) | Tree::Mul(a, _) | Tree::Div(a, _) => a.key(),
             Tree::Method(..) => (4, 0),

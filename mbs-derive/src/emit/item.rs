@@ -60,8 +60,9 @@ pub(super) fn module(derivation: &Derivation, options: &Options) -> TokenStream 
 /// The functions asked for, and those that they call, in their order.
 fn selected<'d>(derivation: &'d Derivation, asked_for: Option<&[String]>) -> Vec<(usize, &'d Function)> {
     let is_asked_for = |f: &Function| asked_for.is_none_or(|names| names.contains(&f.name));
-    let calls_forward_dynamics = derivation.functions.iter().any(|f| is_asked_for(f) && needs_acceleration(f));
-    let chosen = |f: &Function| is_asked_for(f) || (calls_forward_dynamics && f.kind == FunctionKind::ForwardDynamics);
+    let calls_dynamics = derivation.functions.iter().any(|f| is_asked_for(f) && needs_acceleration(f));
+    let called = [FunctionKind::ForwardDynamics, FunctionKind::Multipliers];
+    let chosen = |f: &Function| is_asked_for(f) || (calls_dynamics && called.contains(&f.kind));
     derivation.functions.iter().enumerate().filter(|(_, f)| chosen(f)).collect()
 }
 
@@ -226,6 +227,9 @@ impl<'d> Emitter<'d> {
     /// Names and types of a function's arguments.
     fn arguments(&self, function: &Function) -> Vec<(proc_macro2::Ident, TokenStream)> {
         let time = self.derivation.depends_on_time.then(|| (ident("t"), quote!(T)));
+        let signals: usize = self.derivation.prescribed.iter().map(Variable::count).sum();
+        let signals_length = Literal::usize_unsuffixed(signals);
+        let prescribed = (signals > 0).then(|| (ident("prescribed"), quote!(&[[T; 3]; #signals_length])));
         let state = function.arguments.iter().filter_map(|&argument| {
             let n = match argument {
                 Argument::Q | Argument::Qd | Argument::Qdd => self.derivation.dof(),
@@ -234,7 +238,7 @@ impl<'d> Emitter<'d> {
             let length = Literal::usize_unsuffixed(n);
             (argument != Argument::U || n > 0).then(|| (ident(doc::argument(argument)), quote!(&[T; #length])))
         });
-        time.into_iter().chain(state).collect()
+        time.into_iter().chain(prescribed).chain(state).collect()
     }
 
     fn inputs(&self) -> usize {
@@ -259,25 +263,30 @@ impl<'d> Emitter<'d> {
         let components = components(self.derivation, function);
         let body = Body::new(&function.program, &components, self.names, self.names.function_scope());
         let text = Text::new(&body);
-        let accelerations = needs_acceleration(function).then(|| self.accelerations());
+        let uses = |chosen: fn(&Symbol) -> bool| function.program.uses(|symbol| chosen(&symbol));
+        let solves = function.completion != Completion::None;
+        let accelerations = needs_acceleration(function).then(|| self.called("qdd", &FunctionKind::ForwardDynamics));
+        let multipliers = (solves && uses(|symbol| matches!(symbol, Symbol::Multiplier(_))))
+            .then(|| self.called("multipliers", &FunctionKind::Multipliers));
         let arguments = text.arguments(self.derivation, &quote!(self.params));
         let (constants, statements) = (text.constants(), segment::statements(&body, &text));
         let mut values = body.results.iter().map(|tree| text.tree(tree));
         let finish = match function.completion {
             Completion::None => self.returned(function, &mut values),
-            Completion::Solve => self.solved(function, &mut values),
+            Completion::Solve | Completion::SolveMultipliers if !self.derivation.constraints.is_empty() => {
+                self.solved_with_constraints(function, &mut values)
+            }
+            Completion::Solve | Completion::SolveMultipliers => self.solved(function, &mut values),
         };
-        quote!(#accelerations #arguments #constants #statements #finish)
+        quote!(#accelerations #multipliers #arguments #constants #statements #finish)
     }
 
     /// `let qdd = &self.forward_dynamics(q, qd, u);`
-    fn accelerations(&self) -> TokenStream {
-        let mut functions = self.functions.iter();
-        let (number, forward) =
-            functions.find(|(_, f)| f.kind == FunctionKind::ForwardDynamics).expect("it was selected");
-        let name = ident(&self.names.functions[*number]);
-        let arguments = self.arguments(forward).into_iter().map(|(name, _)| name);
-        quote!(let qdd = &self.#name(#(#arguments),*);)
+    fn called(&self, local: &str, kind: &FunctionKind) -> TokenStream {
+        let (number, function) = self.functions.iter().find(|(_, f)| f.kind == *kind).expect("it was selected");
+        let (local, name) = (ident(local), ident(&self.names.functions[*number]));
+        let arguments = self.arguments(function).into_iter().map(|(name, _)| name);
+        quote!(let #local = &self.#name(#(#arguments),*);)
     }
 
     /// What a function returns, its values put in shape.
@@ -329,8 +338,43 @@ impl<'d> Emitter<'d> {
         }
     }
 
-    /// The trait, where all of its functions are generated.
+    /// The rows for q̈ of the solutions of the bordered system, or its row for −λ, negated.
+    fn solved_with_constraints(
+        &self,
+        function: &Function,
+        values: &mut impl Iterator<Item = TokenStream>,
+    ) -> TokenStream {
+        let (n, size) = (self.derivation.dof(), system_size(self.derivation));
+        let matrix = shaped(Shape::Matrix(size, size), values);
+        let start = Literal::usize_unsuffixed(n);
+        let parts = function.results.iter().map(|part| {
+            let right_side = shaped(right_side_shape(self.derivation, part.shape), values);
+            let solve = ident(if matches!(part.shape, Shape::Vector(_)) { "solve" } else { "solve_many" });
+            if function.completion == Completion::SolveMultipliers {
+                quote! {{
+                    let solution = factors.#solve(#right_side);
+                    ::core::array::from_fn(|i| -solution[#start + i])
+                }}
+            } else {
+                quote! {{
+                    let solution = factors.#solve(#right_side);
+                    ::core::array::from_fn(|i| solution[i])
+                }}
+            }
+        });
+        let parts: Vec<_> = parts.collect();
+        let result = self.assembled(function, &parts);
+        quote! {
+            let factors = ::mbs_runtime::Ldlt::new(#matrix);
+            #result
+        }
+    }
+
+    /// The trait, where all of its functions are generated and none takes more than the trait gives.
     fn implementation(&self) -> TokenStream {
+        if !self.derivation.prescribed.is_empty() {
+            return TokenStream::new();
+        }
         let find = |kind: &FunctionKind| self.functions.iter().find(|(_, f)| f.kind == *kind);
         let Some(functions) = MECHANISM.iter().map(find).collect::<Option<Vec<_>>>() else { return TokenStream::new() };
         let (n, u) = (self.derivation.dof(), self.inputs());
@@ -394,11 +438,13 @@ impl<'d> Emitter<'d> {
 
 /// Which of a program's results make up what a function returns, or hands to the runtime.
 fn components(derivation: &Derivation, function: &Function) -> Vec<Component> {
-    let n = derivation.dof();
+    let n = if function.completion == Completion::None { derivation.dof() } else { system_size(derivation) };
     let square = || (0..n).flat_map(|i| (0..n).map(move |j| (i, j)));
     let mut components = Vec::new();
     let mut start = 0;
-    if function.completion == Completion::Solve {
+    let mut shapes: Vec<Shape> = function.results.iter().map(|part| part.shape).collect();
+    if function.completion != Completion::None {
+        shapes = shapes.into_iter().map(|shape| right_side_shape(derivation, shape)).collect();
         // The runtime reads the lower triangle of M.
         components.extend(square().map(|(i, j)| match j <= i {
             true => Component::Result(triangular(i, j), format!("m_{i}_{j}")),
@@ -406,20 +452,34 @@ fn components(derivation: &Derivation, function: &Function) -> Vec<Component> {
         }));
         start = triangular(n, 0);
     }
-    for part in &function.results {
-        match part.shape {
+    for shape in shapes {
+        match shape {
             Shape::Symmetric(_) => components.extend(square().map(|(i, j)| {
                 let (row, column) = (i.max(j), i.min(j));
                 Component::Result(start + triangular(row, column), format!("m_{row}_{column}"))
             })),
             Shape::Scalar | Shape::Vector(_) | Shape::Matrix(..) | Shape::Pose => {
-                let wish = |i| result_name(derivation, function, part.shape, i);
-                components.extend((0..part.shape.count()).map(|i| Component::Result(start + i, wish(i))));
+                let wish = |i| result_name(derivation, function, shape, i);
+                components.extend((0..shape.count()).map(|i| Component::Result(start + i, wish(i))));
             }
         }
-        start += part.shape.count();
+        start += shape.count();
     }
     components
+}
+
+/// Rows of the system for accelerations and multipliers.
+fn system_size(derivation: &Derivation) -> usize {
+    derivation.dof() + derivation.constraints.len()
+}
+
+/// The right sides of that system, for a result of this shape.
+fn right_side_shape(derivation: &Derivation, shape: Shape) -> Shape {
+    let size = system_size(derivation);
+    match shape {
+        Shape::Matrix(_, columns) => Shape::Matrix(size, columns),
+        Shape::Scalar | Shape::Vector(_) | Shape::Symmetric(_) | Shape::Pose => Shape::Vector(size),
+    }
 }
 
 /// The number of an entry of a lower triangle.
@@ -460,6 +520,10 @@ fn trait_name(kind: &FunctionKind) -> &'static str {
         FunctionKind::Linearize => "linearize",
         FunctionKind::InverseDynamicsJacobian => "inverse_dynamics_jacobian",
         FunctionKind::LinearizeParameters
+        | FunctionKind::Constraint
+        | FunctionKind::ConstraintJacobian
+        | FunctionKind::ConstraintBias
+        | FunctionKind::Multipliers
         | FunctionKind::Conserved(_)
         | FunctionKind::Output(_)
         | FunctionKind::OutputVelocity(_)

@@ -644,6 +644,8 @@ impl<'g> Algebra<'g> {
             Symbol::Velocity(i) => (Kind::Velocity, i),
             Symbol::Acceleration(i) => (Kind::Acceleration, i),
             Symbol::Input(i) => (Kind::Input, i),
+            Symbol::Prescribed(i, order) => (Kind::Input, (1 + u32::from(order)) * 10_000 + i),
+            Symbol::Multiplier(i) => (Kind::Input, 40_000 + i),
             Symbol::Time => (Kind::Time, 0),
         };
         Atom {
@@ -1053,6 +1055,7 @@ struct Notation {
     coordinates: Vec<Name>,
     parameters: Vec<Name>,
     inputs: Vec<Name>,
+    prescribed: Vec<Name>,
     /// Where each parameter stands in a product.
     ranks: Vec<u32>,
 }
@@ -1067,8 +1070,9 @@ impl Notation {
         let coordinates = names(&lagrangian.coordinates);
         let parameters = names(&lagrangian.parameters);
         let inputs = names(&lagrangian.inputs);
+        let prescribed = names(&lagrangian.prescribed);
         let ranks = ranks(&lagrangian.parameters, &parameters);
-        Notation { coordinates, parameters, inputs, ranks }
+        Notation { coordinates, parameters, inputs, prescribed, ranks }
     }
 
     fn symbol(&self, symbol: Symbol) -> String {
@@ -1079,6 +1083,10 @@ impl Notation {
             Symbol::Acceleration(i) => self.coordinates[i as usize].accented("\\ddot"),
             Symbol::Parameter(i) => self.parameters[i as usize].text(),
             Symbol::Input(i) => self.inputs[i as usize].text(),
+            Symbol::Prescribed(i, 0) => self.prescribed[i as usize].text(),
+            Symbol::Prescribed(i, 1) => self.prescribed[i as usize].accented("\\dot"),
+            Symbol::Prescribed(i, _) => self.prescribed[i as usize].accented("\\ddot"),
+            Symbol::Multiplier(i) => format!("\\lambda_{{{}}}", i + 1),
         }
     }
 }

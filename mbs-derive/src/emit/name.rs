@@ -26,7 +26,7 @@ const RESERVED: [&str; 12] = [
 ];
 
 /// Arguments that a component may shadow where it is destructured after all others that are read.
-const ARGUMENTS: [&str; 4] = ["q", "qd", "qdd", "u"];
+const ARGUMENTS: [&str; 6] = ["q", "qd", "qdd", "u", "prescribed", "multipliers"];
 
 /// Names of methods that generated functions may not take.
 const METHODS: [&str; 4] = ["new", "params", "default", "clone"];
@@ -110,6 +110,9 @@ pub(super) struct Names {
     accelerations: Vec<String>,
     inputs: Vec<String>,
     parameters: Vec<String>,
+    /// Value, first and second derivative of each prescribed motion.
+    prescribed: Vec<[String; 3]>,
+    multipliers: Vec<String>,
     /// What is taken in every function.
     scope: Scope,
 }
@@ -129,6 +132,11 @@ impl Names {
         };
         let velocities = rates("dot", &mut scope);
         let accelerations = rates("ddot", &mut scope);
+        let prescribed = component_names(&derivation.prescribed)
+            .into_iter()
+            .map(|name| ["", "_dot", "_ddot"].map(|suffix| scope.unique(&format!("{name}{suffix}"))));
+        let prescribed = prescribed.collect();
+        let multipliers = derivation.constraints.iter().map(|row| scope.unique(&format!("lambda_{row}"))).collect();
         let described = described(&derivation.constructor, &parameters);
         let hoisted = derivation.constructor.results.iter().enumerate().map(|(i, value)| {
             let name = described[value.index()].as_ref().and_then(|name| scope.exactly(name));
@@ -149,6 +157,8 @@ impl Names {
             accelerations,
             inputs,
             parameters,
+            prescribed,
+            multipliers,
             scope,
         }
     }
@@ -162,6 +172,8 @@ impl Names {
             Symbol::Acceleration(i) => &self.accelerations[i as usize],
             Symbol::Parameter(i) => &self.parameters[i as usize],
             Symbol::Input(i) => &self.inputs[i as usize],
+            Symbol::Prescribed(i, order) => &self.prescribed[i as usize][usize::from(order)],
+            Symbol::Multiplier(i) => &self.multipliers[i as usize],
         }
     }
 

@@ -60,12 +60,16 @@ const FUNCTIONS: &[Builtin] = &[
     entry("sqrt",  "sqrt(x)",     &[1], With(sqrt)),
     entry("atan2", "atan2(y, x)", &[2], With(atan2)),
     entry("hypot", "hypot(x, y)", &[2], With(hypot)),
+    entry("min",   "min(a, b)",   &[2], With(min)),
+    entry("max",   "max(a, b)",   &[2], With(max)),
+    entry("clamp", "clamp(x, low, high)", &[3], With(clamp)),
     entry("dot",   "dot(a, b)",   &[2], With(dot)),
     entry("cross", "cross(a, b)", &[2], With(cross)),
     entry("rot_x", "rot_x(angle)", &[1], With(rot_x)),
     entry("rot_y", "rot_y(angle)", &[1], With(rot_y)),
     entry("rot_z", "rot_z(angle)", &[1], With(rot_z)),
     entry("rotation",    "rotation([x, y, z], angle)",  &[2], With(rotation)),
+    entry("quaternion",  "quaternion(w, x, y, z)",      &[4], With(quaternion)),
     entry("translation", "translation([x, y, z])",      &[1, 3], With(translation)),
     entry("dh",          "dh(theta, d, a, alpha)",      &[4], With(dh)),
     entry("angular_velocity", "angular_velocity(pose)", &[1], With(angular_velocity)),
@@ -166,8 +170,13 @@ fn unknown_function(resolver: &mut Resolver<'_, '_>, name: &Name) -> Refused {
     if resolver.scope.get(text).is_some() || CONSTANTS.contains(&text.as_str()) {
         return resolver.refuse(&name.span, format!("`{text}` is not a function"), "write `*` for a product");
     }
-    let help = match nearest(text, FUNCTIONS.iter().map(|f| f.name)) {
-        Some(meant) => format!("did you mean `{}`?", form_of_function(meant).unwrap_or(meant)),
+    let own = resolver.functions.keys().copied();
+    let help = match nearest(text, own.chain(FUNCTIONS.iter().map(|f| f.name))) {
+        Some(meant) => {
+            let own = resolver.functions.get(meant).map(super::function::Function::form);
+            let form = own.or(form_of_function(meant).map(str::to_string));
+            format!("did you mean `{}`?", form.as_deref().unwrap_or(meant))
+        }
         None => format!("the functions are {}", list(FUNCTIONS)),
     };
     resolver.refuse(&name.span, format!("there is no function `{text}`"), help)
@@ -231,6 +240,23 @@ fn atan2<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) -> Resolved<V
 fn hypot<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) -> Resolved<Value<'g>> {
     let (x, y, dimension) = pair(resolver, call)?;
     Ok(Value::Scalar(Scalar::new((x.powi(2) + y.powi(2)).sqrt(), dimension)))
+}
+
+fn min<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) -> Resolved<Value<'g>> {
+    let [a, b] = call.arguments else { return Err(Refused) };
+    resolver.smaller(a, b, call.span)
+}
+
+fn max<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) -> Resolved<Value<'g>> {
+    let [a, b] = call.arguments else { return Err(Refused) };
+    resolver.larger(a, b, call.span)
+}
+
+/// `min(max(x, low), high)`
+fn clamp<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) -> Resolved<Value<'g>> {
+    let [x, low, high] = call.arguments else { return Err(Refused) };
+    let value = resolver.larger(x, low, call.span)?;
+    resolver.smaller(&Argument { value, span: x.span.clone() }, high, call.span)
 }
 
 // ---- vectors
@@ -307,6 +333,24 @@ fn rotation<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) -> Resolve
     let component = |n: Number| resolver.graph.constant(if reversed { -n } else { n });
     let unit = Vector(numbers.map(component));
     pose([resolver.edge(Edge::Rotation { axis: unit, angle: if reversed { -expr } else { expr } }, &angle.span)?])
+}
+
+/// For `|q| = 1`, which is the user's to keep: by a constraint, where coordinates are among them.
+fn quaternion<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) -> Resolved<Value<'g>> {
+    let part = |resolver: &mut Resolver<'_, 'g>, argument| {
+        resolver.of_dimension(argument, "a component of a quaternion", Dimension::ONE)
+    };
+    let [w, x, y, z] = call.arguments else { return Err(Refused) };
+    let parts = [part(resolver, w), part(resolver, x), part(resolver, y), part(resolver, z)];
+    let [w, x, y, z] = parts;
+    let parts = [w?, x?, y?, z?];
+    let numbers: Option<Vec<f64>> = parts.iter().map(|p| resolver.facts.constant(*p).map(Number::to_f64)).collect();
+    let squared = numbers.map(|numbers| numbers.iter().map(|n| n * n).sum::<f64>());
+    if let Some(squared) = squared.filter(|squared| (squared - 1.0).abs() > 1e-9) {
+        let message = format!("a rotation is a quaternion of length 1, this has length {}", squared.sqrt());
+        return Err(resolver.refuse(call.span, message, "divide its components by its length"));
+    }
+    pose([resolver.edge(Edge::Quaternion(parts), call.span)?])
 }
 
 /// A unit vector of constants, exact where its length is rational.
@@ -523,6 +567,35 @@ mod tests {
         refused(
             "let a = translation([1, 2, 3]);",
             "[1, 2, 3]: a translation must be m, this is a plain number; a number has no unit of its own: declare it, `const name: unit = value;`",
+        );
+    }
+
+    #[test]
+    fn quaternions() {
+        let half = "let w = cos(theta/2); let s = sin(theta/2);";
+        same(half, "quaternion(w, s, 0, 0)", "rot_x(theta)");
+        same(half, "quaternion(w, 0, 0, s) * rot_x(q[0])", "rot_z(theta) * rot_x(q[0])");
+        same(half, "quaternion(w, 2*s/7, 3*s/7, 6*s/7)", "rotation([2, 3, 6], theta)");
+        same(half, "angular_velocity(quaternion(w, 2*s/7, 3*s/7, 6*s/7))", "angular_velocity(rotation([2, 3, 6], theta))");
+        same(
+            half,
+            "angular_velocity(rot_x(q[1]) * quaternion(w, 2*s/7, 3*s/7, 6*s/7) * rot_y(q[0]))",
+            "angular_velocity(rot_x(q[1]) * rotation([2, 3, 6], theta) * rot_y(q[0]))",
+        );
+        same(half, "quaternion(w, s, 0, 0).inverse() * quaternion(w, s, 0, 0)", "world");
+        same("", "quaternion(1, 0, 0, 0)", "world");
+        same("", "quaternion(0.6, 0, 0.8, 0) * [x, y, z]", "rotation([0, 1, 0], 2*acos(0.6)) * [x, y, z]");
+        refused(
+            "let a = quaternion(1, 0, 0, 2);",
+            "quaternion(1, 0, 0, 2): a rotation is a quaternion of length 1, this has length 2.23606797749979; divide its components by its length",
+        );
+        refused(
+            "let a = quaternion(1, 0, 0, x);",
+            "x: a component of a quaternion must be a plain number, this is m; divide by a quantity of the same dimension",
+        );
+        refused(
+            "let a = quaternion(1, 0, 0, u/(k*l));",
+            "quaternion(1, 0, 0, u/(k*l)): a pose cannot depend on an input; the rate of an input is not known: make it a coordinate or a formula of `t`",
         );
     }
 

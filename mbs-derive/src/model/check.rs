@@ -24,6 +24,7 @@ pub(super) struct Places {
     pub(super) kinetic: Vec<Span>,
     pub(super) potential: Vec<Span>,
     pub(super) lagrangian: Vec<Span>,
+    pub(super) constraints: Vec<Span>,
 }
 
 /// Principal moments are rounded in data sheets.
@@ -44,6 +45,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
             self.check_inertia();
         }
         self.check_use();
+        self.check_calls();
         if !self.errors.has_errors() {
             self.check_degree(name);
         }
@@ -58,6 +60,10 @@ impl<'d, 'g> Resolver<'d, 'g> {
                 Problem::PotentialDependsOnVelocity(term) => self.places.potential.get(*term).cloned(),
                 Problem::NoInertia(coordinate) | Problem::NegativeInertia(coordinate) => self.place_of(*coordinate),
                 Problem::DependentInertia(coordinates) => coordinates.first().and_then(|c| self.place_of(*c)),
+                Problem::ConstraintNotLinear(constraint) | Problem::DependentConstraint(constraint) => {
+                    self.places.constraints.get(*constraint).cloned()
+                }
+                Problem::TooManyConstraints(_) => self.places.constraints.last().cloned(),
                 Problem::NeverFinite => None,
             };
             let (message, help) = (problem.message(&self.lagrangian), problem.help(&self.lagrangian));
@@ -74,7 +80,8 @@ impl<'d, 'g> Resolver<'d, 'g> {
     /// The components of arrays have names too: `q_0`.
     fn check_names(&mut self) {
         let lagrangian = &self.lagrangian;
-        let variables = [&lagrangian.coordinates, &lagrangian.parameters, &lagrangian.inputs].into_iter().flatten();
+        let variables = [&lagrangian.coordinates, &lagrangian.parameters, &lagrangian.inputs, &lagrangian.prescribed];
+        let variables = variables.into_iter().flatten();
         let mut known: BTreeMap<String, String> = BTreeMap::new();
         let mut doubles = Vec::new();
         for variable in variables {
@@ -196,7 +203,9 @@ impl<'d, 'g> Resolver<'d, 'g> {
             Node::Rate(a) => Some(a),
             _ => None,
         });
-        let moving = self.symbols(rates.map(|id| graph.expr(id)).collect());
+        let mut moving = self.symbols(rates.map(|id| graph.expr(id)).collect());
+        // Constraints may move a coordinate without inertia.
+        moving.extend(self.symbols(self.lagrangian.constraints.iter().flat_map(|c| c.rows.clone()).collect()));
         let missing = |variable: &Variable| {
             let numbers = variable.first..variable.first + variable.count();
             let names = variable.component_names().into_iter().zip(numbers);
@@ -220,6 +229,8 @@ impl<'d, 'g> Resolver<'d, 'g> {
         let energies = [&lagrangian.kinetic, &lagrangian.potential, &lagrangian.dissipation, &lagrangian.lagrangian];
         let mut roots: Vec<Expr<'g>> = energies.into_iter().flatten().copied().collect();
         roots.extend(lagrangian.forces.iter().map(|(_, force)| *force));
+        roots.extend(lagrangian.point_forces.iter().flat_map(|f| f.velocity.0.into_iter().chain(f.force.0)));
+        roots.extend(lagrangian.constraints.iter().flat_map(|constraint| &constraint.rows));
         for output in &lagrangian.outputs {
             match &output.value {
                 OutputValue::Scalar(expr) => roots.push(*expr),
@@ -240,9 +251,11 @@ impl<'d, 'g> Resolver<'d, 'g> {
             variables.iter().filter(of).map(|variable| variable.name.clone()).collect::<Vec<_>>()
         };
         let parameters = unused(&self.lagrangian.parameters, Symbol::Parameter);
-        for name in parameters.into_iter().chain(unused(&self.lagrangian.inputs, Symbol::Input)) {
+        let inputs = unused(&self.lagrangian.inputs, Symbol::Input);
+        let prescribed = unused(&self.lagrangian.prescribed, |i| Symbol::Prescribed(i, 0));
+        for name in parameters.into_iter().chain(inputs).chain(prescribed) {
             let warning = self.errors.warning(self.span_of(&name), format!("`{name}` is not used"));
-            warning.help("it is in no energy, force or output");
+            warning.help("it is in no energy, force, constraint or output");
         }
     }
 
@@ -338,7 +351,7 @@ mod tests {
     #[test]
     fn what_is_not_used_is_told() {
         let text = "mechanism A { param m: kg = 1; param mu: 1 = 2; input u[2]: N; coord x: m; kinetic += m*dt(x)^2; let a = mu; }";
-        let help = "it is in no energy, force or output";
+        let help = "it is in no energy, force, constraint or output";
         assert_eq!(messages(text), [format!("mu: `mu` is not used; {help}"), format!("u: `u` is not used; {help}")]);
     }
 }

@@ -19,18 +19,23 @@ impl Dependence {
     /// Holds a constant that is not a finite real number.
     pub(super) const UNDEFINED: Dependence = Dependence(64);
 
+    /// A run-time signal that prescribes a motion.
+    pub(super) const PRESCRIBED: Dependence = Dependence(128);
+
     /// Whether there is anything of `other` in it.
     pub(super) fn on(self, other: Dependence) -> bool {
         self.0 & other.0 != 0
     }
 
+    #[must_use]
     pub(super) fn or(self, other: Dependence) -> Dependence {
         Dependence(self.0 | other.0)
     }
 
     /// Whether there is anything in it that changes in time.
     pub(super) fn moves(self) -> bool {
-        let Dependence(moving) = Self::TIME.or(Self::COORDINATE).or(Self::INPUT).or(Self::VELOCITY);
+        let Dependence(moving) =
+            Self::TIME.or(Self::COORDINATE).or(Self::INPUT).or(Self::VELOCITY).or(Self::PRESCRIBED);
         self.0 & moving != 0
     }
 }
@@ -87,7 +92,9 @@ impl Facts {
             Node::Symbol(Symbol::Coordinate(_)) => Dependence::COORDINATE,
             Node::Symbol(Symbol::Velocity(_) | Symbol::Acceleration(_)) => Dependence::VELOCITY.or(Dependence::RATE),
             Node::Symbol(Symbol::Parameter(_)) => Dependence::PARAMETER,
-            Node::Symbol(Symbol::Input(_)) => Dependence::INPUT,
+            Node::Symbol(Symbol::Input(_) | Symbol::Multiplier(_)) => Dependence::INPUT,
+            Node::Symbol(Symbol::Prescribed(_, 0)) => Dependence::PRESCRIBED,
+            Node::Symbol(Symbol::Prescribed(..)) => Dependence::PRESCRIBED.or(Dependence::RATE),
             Node::Rate(_) if operands.on(Dependence::COORDINATE) => {
                 operands.or(Dependence::RATE).or(Dependence::VELOCITY)
             }

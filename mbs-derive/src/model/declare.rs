@@ -1,10 +1,11 @@
-//! `param`, `coord`, `input` and `const`: quantities with units.
+//! `param`, `coord`, `input`, `prescribed` and `const`: quantities with units.
 
+use super::constant::Dependence;
 use super::dimension::{Dimension, Measure, measure};
 use super::evaluate::{Argument, Resolved, Resolver, in_words};
 use super::lagrangian::Variable;
 use super::scope::Origin;
-use super::value::{Array, Free, Scalar, Tensor, Value};
+use super::value::{Free, Scalar, Tensor, Value};
 use crate::expr::{Expr, Matrix, Number, Vector};
 use crate::parse::syntax::{Quantity, Span};
 
@@ -49,6 +50,74 @@ impl<'d, 'g> Resolver<'d, 'g> {
         let symbols = self.lagrangian.input(&quantity.name.text, &measure.si, length);
         document(&mut self.lagrangian.inputs, quantity);
         self.declare_symbols(quantity, Origin::Input, symbols, measure.dimension, length)
+    }
+
+    /// `prescribed heave: m;`, `prescribed heave: m = a * sin(w * t);`
+    pub(super) fn prescribed(&mut self, quantity: &'d Quantity) -> Resolved<()> {
+        let Some(formula) = &quantity.value else { return self.signal(quantity) };
+        let (length, measure) = (self.length(quantity), self.measure(quantity, "prescribed"));
+        let value = self.definition(&quantity.name, formula);
+        let motion = match (value, length, measure) {
+            (Ok(value), Ok(length), Ok(measure)) => self.motion(quantity, &value, length, &measure, &formula.span),
+            _ => Err(super::evaluate::Refused),
+        };
+        self.declare(&quantity.name, Origin::Prescribed, motion.ok())
+    }
+
+    /// Given at run time, with two derivatives.
+    fn signal(&mut self, quantity: &'d Quantity) -> Resolved<()> {
+        let (length, measure) = (self.length(quantity), self.unscaled(quantity, "prescribed"));
+        let (Ok(length), Ok(measure)) = (length, measure) else {
+            return self.declare(&quantity.name, Origin::Prescribed, None);
+        };
+        let symbols = self.lagrangian.prescribe(&quantity.name.text, &measure.si, length);
+        document(&mut self.lagrangian.prescribed, quantity);
+        self.declare_symbols(quantity, Origin::Prescribed, symbols, measure.dimension, length)
+    }
+
+    /// Given by a formula.
+    fn motion(
+        &mut self,
+        quantity: &Quantity,
+        value: &Value<'g>,
+        length: Option<usize>,
+        measure: &Measure,
+        span: &Span,
+    ) -> Resolved<Value<'g>> {
+        let name = &quantity.name.text;
+        if !measure.scale.is_one() {
+            let at = quantity.unit.as_ref().map_or(&quantity.name.span, |unit| &unit.span);
+            let help = format!("write `prescribed {name}: {} = …;`", measure.si);
+            return Err(self.refuse(at, format!("`{name}` is a formula, in SI units"), help));
+        }
+        let elements = match (value, length) {
+            (Value::Scalar(_) | Value::Energy(_), length) => vec![value.clone(); length.unwrap_or(1)],
+            (_, Some(length)) => {
+                let elements = self.elements(&Argument { value: value.clone(), span: span.clone() })?;
+                self.check_length(elements.len(), length, span)?;
+                elements
+            }
+            (other, None) => {
+                let message = format!("`{name}` is one number, this is {}", other.described());
+                return Err(self.refuse(span, message, "write `let` for anything else, or declare a length: `[3]`"));
+            }
+        };
+        let mut values = Vec::new();
+        for element in elements {
+            let argument = Argument { value: element, span: span.clone() };
+            let expr = self.of_dimension(&argument, &format!("`{name}`"), measure.dimension)?;
+            let moved = Dependence::COORDINATE.or(Dependence::VELOCITY).or(Dependence::INPUT);
+            if self.facts.dependence(expr).on(moved) {
+                let help =
+                    "a prescribed motion is a formula of `t`, constants and parameters; write `let` for anything else";
+                return Err(self.refuse(span, "a prescribed motion does not depend on coordinates or inputs", help));
+            }
+            values.push(Value::Scalar(Scalar::new(expr, self.dimension(measure.dimension))));
+        }
+        match (length, values.pop()) {
+            (None, Some(value)) => Ok(value),
+            (_, last) => self.array(values.into_iter().chain(last).collect(), span),
+        }
     }
 
     /// `const d[6]: m = [0.78, …];`
@@ -152,7 +221,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
         };
         match (&value, length) {
             (Value::Array(array), Some(length)) => {
-                self.check_length(array, length, &expression.span)?;
+                self.check_length(array.values().len(), length, &expression.span)?;
                 array.values().iter().map(|value| scalar(self, value)).collect()
             }
             (Value::Array(array), None) => {
@@ -177,14 +246,16 @@ impl<'d, 'g> Resolver<'d, 'g> {
         let value = self.definition(&quantity.name, expression)?;
         let value = self.in_unit(&value, measure?.as_ref(), &expression.span, "a `const`")?;
         match (&value, length?) {
-            (Value::Array(array), Some(length)) => self.check_length(array, length, &expression.span).map(|()| value),
+            (Value::Array(array), Some(length)) => {
+                self.check_length(array.values().len(), length, &expression.span).map(|()| value)
+            }
             (_, Some(length)) => self.array(vec![value; length], &expression.span),
             (_, None) => Ok(value),
         }
     }
 
-    fn check_length(&mut self, array: &Array<'g>, length: usize, span: &Span) -> Resolved<()> {
-        match array.values().len() {
+    fn check_length(&mut self, found: usize, length: usize, span: &Span) -> Resolved<()> {
+        match found {
             found if found == length => Ok(()),
             found => {
                 let message = format!("this array has {found} elements, {length} are declared");
@@ -320,6 +391,35 @@ mod tests {
                 assert_eq!((w.first, w.length, w.unit.as_str()), (6, Some(2), "m"));
             },
         );
+    }
+
+    #[test]
+    fn prescribed_motions() {
+        assert_eq!(value_with_unit("prescribed s: m = 2*l*t^2/t^2;", "s"), (vec![6.0], "m".to_string()));
+        near(&value("prescribed s[2]: 1 = [sin(t/t), 2]; prescribed w: 1/s = 3/t;", "[s[0], s[1], w*t]"), &[1f64.sin(), 2.0, 3.0], "formulas");
+        near(&value("prescribed s: 1 = (t/(t^2)*t)^2; prescribed r[2]: m = l;", "[dt(s)*t, r[1]/l]"), &[0.0, 1.0], "formulas");
+        // Run-time signals with their derivatives.
+        assert_eq!(value_with_unit("prescribed s: m;", "dt(s)"), (vec![-1.4], "m/s".to_string()));
+        near(&value("prescribed s[2]: rad;", "[s[0], s[1], dt(s[1]*x/l)]"), &[0.6, 1.6, (-0.4 * 0.3 + 1.6 * 0.5) / 3.0], "signals");
+        mechanism("/// Up and down.\nprescribed heave[2]: m; kinetic += 1/2*m*dt(x + heave[1])^2;", |lagrangian| {
+            let [heave] = &lagrangian.prescribed[..] else { panic!("one") };
+            assert_eq!((heave.length, heave.unit.as_str(), &*heave.docs[0]), (Some(2), "m", "Up and down."));
+        });
+        refused(
+            "prescribed s: m = x;",
+            "x: a prescribed motion does not depend on coordinates or inputs; a prescribed motion is a formula of `t`, constants and parameters; write `let` for anything else",
+        );
+        refused("prescribed s: m = m*t/t;", "m*t/t: `s` must be m, this is kg");
+        refused("prescribed s: mm = l;", "mm: `s` is a formula, in SI units; write `prescribed s: m = …;`");
+        refused("prescribed s: mm;", "mm: `s` is given at run time, in SI units; write `prescribed s: m;`");
+        refused("prescribed s: m = [l, l];", "[l, l]: `s` is one number, this is an array of 2; write `let` for anything else, or declare a length: `[3]`");
+        refused("prescribed s[3]: m = [l, l];", "[l, l]: this array has 2 elements, 3 are declared; one value without brackets stands for all elements");
+        refused("prescribed s: m;", "s: `s` is not used; it is in no energy, force, constraint or output");
+        refused(
+            "prescribed s: m; let a = dt(dt(s));",
+            "dt(s): accelerations cannot enter: this is a time derivative already; energies and forces are made of positions and velocities",
+        );
+        assert!(refusals("prescribed s: m; kinetic += particle(m, [s, 0, x]);").is_empty());
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! What must hold of the energies as functions of the velocities, tried at random states.
 //!
-//! L is quadratic in q̇, V does not depend on it, and every motion has inertia. A declaration that fails has no equations of
+//! L is quadratic in q̇, V does not depend on it, constraints are linear in it and independent, and every motion that they
+//! leave has inertia. A declaration that fails has no equations of
 //! motion of the form `M q̈ + C q̇ + G + ∂D/∂q̇ = Q`.
 
 use std::fmt;
@@ -8,7 +9,7 @@ use std::fmt;
 use crate::expr::{Dual, Expr, Symbol, Tape};
 use crate::interpret::State;
 
-use super::lagrangian::{Lagrangian, component_names};
+use super::lagrangian::{ConstraintKind, Lagrangian, component_names};
 use super::sample::{Random, default_parameters};
 
 /// A mistake in the energies.
@@ -28,6 +29,12 @@ pub enum Problem {
     NegativeInertia(usize),
     /// The energies are not finite at any sampled state.
     NeverFinite,
+    /// The constraint with this number is not linear in the velocities.
+    ConstraintNotLinear(usize),
+    /// The constraint with this number has a row that the rows before it determine.
+    DependentConstraint(usize),
+    /// So many rows of constraints are more than there are coordinates.
+    TooManyConstraints(usize),
 }
 
 impl Problem {
@@ -50,6 +57,13 @@ impl Problem {
             }
             Problem::NegativeInertia(i) => format!("the kinetic energy is negative for some motion of `{}`", names[*i]),
             Problem::NeverFinite => "the energies are not finite at any of the sampled states".to_string(),
+            Problem::ConstraintNotLinear(_) => "a constraint must be linear in the velocities".to_string(),
+            Problem::DependentConstraint(i) => {
+                format!("the constraint `{}` follows from the others, or contradicts them", lagrangian.constraints[*i].name)
+            }
+            Problem::TooManyConstraints(rows) => {
+                format!("{rows} rows of constraints on {} coordinates leave no motion", lagrangian.dof())
+            }
         }
     }
 
@@ -69,12 +83,17 @@ impl Problem {
             }
             Problem::NoInertia(i) => format!("add `kinetic += …` with `dt({})`, or make it an input or a parameter", names[*i]),
             Problem::DependentInertia(_) => {
-                "leave out coordinates that the others determine, or give each motion a mass".to_string()
+                "leave out coordinates that the others determine, or give each motion a mass; the components of a quaternion need a `constraint` on its length".to_string()
             }
             Problem::NegativeInertia(_) => "check the signs of the kinetic terms, and masses and inertias".to_string(),
             Problem::NeverFinite => {
                 "check the domains of `sqrt`, `ln`, `asin`, `acos`, divisions, and the defaults of the parameters".to_string()
             }
+            Problem::ConstraintNotLinear(_) => {
+                "only `a(q, t)·q̇ + b(q, t) = 0` leads to a constraint force `Aᵀλ`".to_string()
+            }
+            Problem::DependentConstraint(_) => "leave it out".to_string(),
+            Problem::TooManyConstraints(_) => "leave some out".to_string(),
         }
     }
 }
@@ -118,9 +137,11 @@ pub fn problems(lagrangian: &Lagrangian<'_>) -> Vec<Problem> {
     if states.is_empty() {
         return vec![Problem::NeverFinite];
     }
+    let constraints = Constraints::new(lagrangian);
     let mut found = energies.degrees(&states);
+    found.extend(constraints.problems(lagrangian, &states));
     if found.is_empty() {
-        found.extend(inertia(&energies, &states, lagrangian.dof()));
+        found.extend(inertia(&energies, &constraints, &states, lagrangian.dof()));
     }
     found
 }
@@ -232,9 +253,112 @@ fn is_not_constant(f: [f64; 4]) -> bool {
     f.iter().any(|x| (x - f[0]).abs() > 1e-9 * size)
 }
 
+/// The rows of all constraints.
+struct Constraints {
+    rows: Tape,
+    kinds: Vec<ConstraintKind>,
+    /// Of each row the number of its constraint.
+    owners: Vec<usize>,
+}
+
+impl Constraints {
+    fn new(lagrangian: &Lagrangian<'_>) -> Self {
+        let all = || lagrangian.constraints.iter().enumerate().flat_map(|(i, c)| c.rows.iter().map(move |row| (i, c, row)));
+        let rows: Vec<Expr<'_>> = all().map(|(_, _, row)| *row).collect();
+        Constraints {
+            rows: Tape::new(&rows),
+            kinds: all().map(|(_, c, _)| c.kind).collect(),
+            owners: all().map(|(i, ..)| i).collect(),
+        }
+    }
+
+    /// `A q̇ + b` where only the velocity with this number is 1, or none.
+    fn rates(&self, line: &Line, moving: Option<usize>) -> Vec<f64> {
+        let rows = self.rows.run(line.point_with(|i| f64::from(u8::from(moving == Some(i as usize)))));
+        let rate = |(row, kind): (Dual<f64>, &ConstraintKind)| match kind {
+            ConstraintKind::Holonomic => row.derivative,
+            ConstraintKind::Pfaffian => row.value,
+        };
+        rows.into_iter().zip(&self.kinds).map(rate).collect()
+    }
+
+    /// A, row by row.
+    fn pfaffian(&self, line: &Line, n: usize) -> Vec<Vec<f64>> {
+        let rest = self.rates(line, None);
+        let columns: Vec<Vec<f64>> = (0..n).map(|i| self.rates(line, Some(i))).collect();
+        (0..rest.len()).map(|row| columns.iter().map(|column| column[row] - rest[row]).collect()).collect()
+    }
+
+    fn problems(&self, lagrangian: &Lagrangian<'_>, lines: &[Line]) -> Vec<Problem> {
+        let (rows, n) = (self.owners.len(), lagrangian.dof());
+        let bent = |row: usize| {
+            let along = |line: &Line| [0.0, 1.0, 2.0, 3.0].map(|s| self.rows.run(line.point(s))[row].value);
+            self.kinds[row] == ConstraintKind::Pfaffian && lines.iter().any(|line| is_not_linear(along(line)))
+        };
+        let mut bent: Vec<usize> = (0..rows).filter(|&row| bent(row)).map(|row| self.owners[row]).collect();
+        bent.dedup();
+        if !bent.is_empty() {
+            return bent.into_iter().map(Problem::ConstraintNotLinear).collect();
+        }
+        if rows > n {
+            return vec![Problem::TooManyConstraints(rows)];
+        }
+        // The first row that is at no state independent of those before it.
+        let finite = lines.iter().map(|line| self.pfaffian(line, n));
+        let matrices: Vec<_> = finite.filter(|rows| rows.iter().flatten().all(|x| x.is_finite())).collect();
+        let independent = matrices.iter().map(|rows| independent_rows(rows)).max();
+        match independent {
+            Some(first) if first < rows => vec![Problem::DependentConstraint(self.owners[first])],
+            _ => Vec::new(),
+        }
+    }
+}
+
+/// How many rows from the first on are independent, by orthogonalization.
+fn independent_rows(rows: &[Vec<f64>]) -> usize {
+    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+    let mut basis: Vec<Vec<f64>> = Vec::new();
+    for row in rows {
+        let mut rest = row.clone();
+        // Twice is enough (Giraud, Langou & Rozložník, The loss of orthogonality in the Gram–Schmidt process, 2005).
+        for _ in 0..2 {
+            for unit in &basis {
+                let along = dot(&rest, unit);
+                rest.iter_mut().zip(unit).for_each(|(x, u)| *x -= along * u);
+            }
+        }
+        let length = dot(&rest, &rest).sqrt();
+        if length <= 1e-9 * dot(row, row).sqrt() {
+            break;
+        }
+        basis.push(rest.iter().map(|x| x / length).collect());
+    }
+    basis.len()
+}
+
+/// The second differences of a linear function vanish.
+fn is_not_linear(f: [f64; 4]) -> bool {
+    let size = f.iter().fold(0.0, |s: f64, x| s.max(x.abs()));
+    (f[2] - 2.0 * f[1] + f[0]).abs().max((f[3] - 2.0 * f[2] + f[1]).abs()) > 1e-9 * size
+}
+
+/// `M + Aᵀ A`, with A scaled to the size of M: positive definite where M is so on the motions that constraints leave.
+fn constrained_mass_matrix(energies: &Energies, constraints: &Constraints, line: &Line, n: usize) -> Vec<f64> {
+    let mut m = energies.mass_matrix(line, n);
+    let size = (0..n).fold(0.0, |s: f64, i| s.max(m[i * n + i].abs()));
+    for row in constraints.pfaffian(line, n) {
+        let squared = row.iter().map(|x| x * x).sum::<f64>();
+        if squared.is_finite() && squared > 0.0 {
+            (0..n * n).for_each(|k| m[k] += size / squared * row[k / n] * row[k % n]);
+        }
+    }
+    m
+}
+
 /// The best-conditioned of the sampled mass matrices decides.
-fn inertia(energies: &Energies, lines: &[Line], n: usize) -> Option<Problem> {
-    let ranks: Vec<Elimination> = lines.iter().map(|line| eliminate(&energies.mass_matrix(line, n), n)).collect();
+fn inertia(energies: &Energies, constraints: &Constraints, lines: &[Line], n: usize) -> Option<Problem> {
+    let matrix = |line| constrained_mass_matrix(energies, constraints, line, n);
+    let ranks: Vec<Elimination> = lines.iter().map(|line| eliminate(&matrix(line), n)).collect();
     if let Some(negative) = ranks.iter().find(|e| e.smallest < -1e-9) {
         return Some(Problem::NegativeInertia(negative.last));
     }

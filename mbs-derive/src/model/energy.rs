@@ -42,7 +42,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
             (EnergyTerm::Dissipation, _) => self.lagrangian.dissipation.push(scalar.expr),
             (EnergyTerm::Lagrangian, _) => self.lagrangian.lagrangian.push(scalar.expr),
         }
-        let Places { kinetic, potential, lagrangian } = &mut self.places;
+        let Places { kinetic, potential, lagrangian, .. } = &mut self.places;
         kinetic.resize(self.lagrangian.kinetic.len(), expression.span.clone());
         potential.resize(self.lagrangian.potential.len(), expression.span.clone());
         lagrangian.resize(self.lagrangian.lagrangian.len(), expression.span.clone());
@@ -167,27 +167,18 @@ fn written(expression: &Expression, least: u8) -> String {
         ExpressionKind::Field(a, name) => (5, format!("{}.{}", written(a, 5), name.text)),
         ExpressionKind::Index(a, index) => (5, format!("{}[{}]", written(a, 5), written(index, 0))),
         ExpressionKind::Array(values) => (5, format!("[{}]", list(values))),
+        ExpressionKind::If(..)
+        | ExpressionKind::Compare(..)
+        | ExpressionKind::And(..)
+        | ExpressionKind::Or(..)
+        | ExpressionKind::Not(_) => (0, expression.to_string()),
     };
     if tight < least { format!("({text})") } else { text }
 }
 
 /// How many parts an expression has.
 fn size(expression: &Expression) -> usize {
-    let (mut count, mut waiting) = (0, vec![expression]);
-    while let Some(part) = waiting.pop() {
-        count += 1;
-        match &part.kind {
-            ExpressionKind::Number(_) | ExpressionKind::Name(_) => {}
-            ExpressionKind::Negate(a) | ExpressionKind::Field(a, _) => waiting.push(a),
-            ExpressionKind::Binary(_, a, b) | ExpressionKind::Index(a, b) => waiting.extend([&**a, &**b]),
-            ExpressionKind::Call(_, values) | ExpressionKind::Array(values) => waiting.extend(values),
-            ExpressionKind::Method(a, _, values) => {
-                waiting.push(a);
-                waiting.extend(values);
-            }
-        }
-    }
-    count
+    expression.parts().count()
 }
 
 // ---- forces

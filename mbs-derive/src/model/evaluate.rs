@@ -3,7 +3,7 @@
 //! A function that cannot go on notes why and answers [`Refused`]. What is made of a refused value is refused without a
 //! word, and both sides of an operator are looked at before it is given up, so that one run reports all mistakes.
 
-use std::collections::{BTreeMap, HashSet};
+use std::collections::{BTreeMap, BTreeSet, HashSet};
 use std::rc::Rc;
 
 use super::builtin::{self, CONSTANTS};
@@ -11,6 +11,7 @@ use super::check::{Physical, Places};
 use super::constant::{Dependence, Facts};
 use super::dimension::Dimension;
 use super::frame::{Edge, FrameId};
+use super::function::{Call, Function};
 use super::lagrangian::Lagrangian;
 use super::scope::Scope;
 use super::value::{Array, Free, Point, Pose, Scalar, Shape, Tensor, Term, Value, shared};
@@ -34,8 +35,14 @@ pub(super) struct Argument<'g> {
 /// Larger mechanisms have run away: the six-joint arm takes two thousand nodes.
 const MAX_NODES: usize = 2_000_000;
 
+/// Expressions looked at, turns of loops and calls of functions included: these could go on for ever.
+const MAX_STEPS: usize = 20_000_000;
+
 /// As many levels as the parser allows; what was built by hand may be deeper.
 const MAX_DEPTH: usize = 260;
+
+/// Calls that a message about the body of a function shows.
+const MAX_NOTES: usize = 3;
 
 /// Everything that is known while the statements are gone through.
 pub(super) struct Resolver<'d, 'g> {
@@ -49,17 +56,27 @@ pub(super) struct Resolver<'d, 'g> {
     pub(super) dimensionless: bool,
     /// The mechanism's own names, with what they are defined by.
     pub(super) definitions: BTreeMap<&'d str, Option<&'d Expression>>,
+    /// The functions that may be called.
+    pub(super) functions: BTreeMap<&'d str, Function<'d>>,
+    /// Those that have been called.
+    pub(super) called: BTreeSet<&'d str>,
+    /// The calls that are being made, the outermost first.
+    pub(super) calls: Vec<Call>,
+    /// Calls so far.
+    pub(super) calls_so_far: usize,
     /// The name that is being defined.
     pub(super) defining: Option<&'d str>,
     /// Masses and inertias, to be looked at when all is known.
     pub(super) physical: Vec<Physical<'g>>,
-    /// Where each kinetic, potential and lagrangian term stands.
+    /// Where each kinetic, potential and lagrangian term and each constraint stands.
     pub(super) places: Places,
     /// Turns of loops so far.
     pub(super) turns: usize,
     /// Loops that are open.
     pub(super) depth_of_blocks: usize,
-    depth: usize,
+    pub(super) depth: usize,
+    /// Expressions looked at so far.
+    steps: usize,
     exhausted: bool,
 }
 
@@ -76,23 +93,38 @@ impl<'d, 'g> Resolver<'d, 'g> {
             said: HashSet::new(),
             dimensionless,
             definitions: BTreeMap::new(),
+            functions: BTreeMap::new(),
+            called: BTreeSet::new(),
+            calls: Vec::new(),
+            calls_so_far: 0,
             defining: None,
             physical: Vec::new(),
             places: Places::default(),
             turns: 0,
             depth_of_blocks: 0,
             depth: 0,
+            steps: 0,
             exhausted: false,
         }
     }
 
-    /// Notes an error, once.
+    /// Notes an error, once: in a function together with the calls that led there.
     pub(super) fn refuse(&mut self, span: &Span, message: impl Into<String>, help: impl Into<String>) -> Refused {
-        let (message, help) = (message.into(), help.into());
-        if self.said.insert((span.start, span.end, message.clone())) {
-            let error = self.errors.error(span.clone(), message);
+        let (mut message, help) = (message.into(), help.into());
+        // Nobody can look into a library function: the call of it is the place.
+        let own = self.calls.iter().take_while(|call| !call.library).count();
+        let mut place = span.clone();
+        if let Some(call) = self.calls.get(own) {
+            place = call.span.clone();
+            message = format!("in `{}`: {message}", call.name);
+        }
+        if self.said.insert((place.start, place.end, message.clone())) {
+            let error = self.errors.error(place, message);
             if !help.is_empty() {
                 error.help(help);
+            }
+            for call in self.calls[..own].iter().rev().take(MAX_NOTES) {
+                error.note(call.span.clone(), format!("in this call of `{}`", call.name));
             }
         }
         Refused
@@ -104,6 +136,11 @@ impl<'d, 'g> Resolver<'d, 'g> {
             self.exhausted = true;
             let message = format!("the expressions of this mechanism grow beyond {MAX_NODES} nodes");
             self.refuse(span, message, "do loops repeat more than was meant, or do values double in each turn?");
+        }
+        if !self.exhausted && self.steps > MAX_STEPS {
+            self.exhausted = true;
+            let message = format!("this mechanism takes more than {MAX_STEPS} steps to evaluate");
+            self.refuse(span, message, "do loops or functions repeat more than was meant?");
         }
         self.exhausted
     }
@@ -124,14 +161,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
 impl<'d, 'g> Resolver<'d, 'g> {
     /// The value of an expression.
     pub(super) fn expression(&mut self, expression: &Expression) -> Resolved<Value<'g>> {
-        if self.exhausted(&expression.span) {
-            return Err(Refused);
-        }
-        if self.depth == MAX_DEPTH {
-            let message = format!("this is nested deeper than {MAX_DEPTH} levels");
-            return Err(self.refuse(&expression.span, message, "name the inner values with `let`"));
-        }
-        self.depth += 1;
+        self.deeper(&expression.span)?;
         let (first, steps) = expression.left_spine();
         let mut value = self.operand(first);
         let mut end = first.span.end;
@@ -141,6 +171,24 @@ impl<'d, 'g> Resolver<'d, 'g> {
         }
         self.depth -= 1;
         value
+    }
+
+    /// One level deeper, of expressions and of the functions that they call; the caller comes back up by itself.
+    pub(super) fn deeper(&mut self, span: &Span) -> Resolved<()> {
+        self.steps += 1;
+        if self.exhausted(span) {
+            return Err(Refused);
+        }
+        if self.depth == MAX_DEPTH {
+            let message = format!("this is nested deeper than {MAX_DEPTH} levels");
+            let help = match self.calls.is_empty() {
+                true => "name the inner values with `let`",
+                false => "the calls within calls count too",
+            };
+            return Err(self.refuse(span, message, help));
+        }
+        self.depth += 1;
+        Ok(())
     }
 
     /// One operator of a chain, with what stands before it.
@@ -194,6 +242,10 @@ impl<'d, 'g> Resolver<'d, 'g> {
             ExpressionKind::Field(value, field) => self.field(value, field),
             ExpressionKind::Index(array, index) => self.indexed(array, index),
             ExpressionKind::Array(elements) => self.elements_in_a_row(elements, span),
+            ExpressionKind::If(condition, yes, no) => self.conditional(condition, yes, no, span),
+            ExpressionKind::Compare(..) | ExpressionKind::And(..) | ExpressionKind::Or(..) | ExpressionKind::Not(_) => {
+                Err(self.no_value(expression))
+            }
         }
     }
 
@@ -206,6 +258,9 @@ impl<'d, 'g> Resolver<'d, 'g> {
     #[inline(never)]
     fn call(&mut self, name: &Name, arguments: &[Expression], span: &Span) -> Resolved<Value<'g>> {
         let arguments = self.arguments(arguments);
+        if let Some(function) = self.functions.get(name.text.as_str()).copied() {
+            return self.value_of_function(function, name, arguments, span);
+        }
         let value = builtin::function(self, name, arguments, span)?;
         self.defined(value, span)
     }
@@ -289,6 +344,11 @@ impl<'d, 'g> Resolver<'d, 'g> {
     }
 
     fn unknown(&mut self, name: &str, span: &Span) -> Refused {
+        if let Some(origin) = self.scope.hidden(name) {
+            let message = format!("`{name}` is {}: a function does not see it", origin.described());
+            let help = "give it to the function as an argument; coordinates, parameters, inputs and constants it sees";
+            return self.refuse(span, message, help);
+        }
         if let Some(cycle) = self.cycle(name) {
             let message = format!("`{name}` is defined by itself: {}", cycle.join(" → "));
             return self.refuse(span, message, "a `let mut` can take a new value made of its old one: `x = x + …;`");
@@ -297,7 +357,8 @@ impl<'d, 'g> Resolver<'d, 'g> {
             let message = format!("`{name}` is declared further down");
             return self.refuse(span, message, "names are known from their declaration on: move it up");
         }
-        if let Some(form) = builtin::form_of_function(name) {
+        let own = self.functions.get(name).map(Function::form);
+        if let Some(form) = own.or(builtin::form_of_function(name).map(str::to_string)) {
             return self.refuse(span, format!("`{name}` is a function"), format!("write `{form}`"));
         }
         let known = self.scope.names().map(|(name, _)| name).chain(CONSTANTS);
@@ -341,22 +402,12 @@ impl<'d, 'g> Resolver<'d, 'g> {
 }
 
 /// The names that an expression uses.
-fn names_in(expression: &Expression) -> Vec<&str> {
-    let (mut names, mut waiting) = (Vec::new(), vec![expression]);
-    while let Some(expression) = waiting.pop() {
-        match &expression.kind {
-            ExpressionKind::Number(_) => {}
-            ExpressionKind::Name(name) => names.push(name.as_str()),
-            ExpressionKind::Negate(a) | ExpressionKind::Field(a, _) => waiting.push(a),
-            ExpressionKind::Binary(_, a, b) | ExpressionKind::Index(a, b) => waiting.extend([&**a, &**b]),
-            ExpressionKind::Call(_, arguments) | ExpressionKind::Array(arguments) => waiting.extend(arguments),
-            ExpressionKind::Method(a, _, arguments) => {
-                waiting.push(a);
-                waiting.extend(arguments);
-            }
-        }
-    }
-    names
+fn names_in<'d>(expression: &'d Expression) -> Vec<&'d str> {
+    let name = |part: &'d Expression| match &part.kind {
+        ExpressionKind::Name(name) => Some(name.as_str()),
+        _ => None,
+    };
+    expression.parts().filter_map(name).collect()
 }
 
 // ---- components and elements
@@ -644,6 +695,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
     pub(super) fn edge(&mut self, edge: Edge<'g>, span: &Span) -> Resolved<Option<Edge<'g>>> {
         let motion: Vec<Expr<'g>> = match edge {
             Edge::Rotation { angle, .. } => vec![angle],
+            Edge::Quaternion(q) => q.to_vec(),
             Edge::Translation(t) => t.0.to_vec(),
         };
         let dependence = motion.iter().map(|e| self.facts.dependence(*e)).fold(Dependence::default(), Dependence::or);
@@ -655,7 +707,9 @@ impl<'d, 'g> Resolver<'d, 'g> {
             let help = "its own velocity would be an acceleration";
             return Err(self.refuse(span, "a pose cannot depend on a time derivative", help));
         }
-        let still = motion.iter().all(|e| self.facts.constant(*e).is_some_and(Number::is_zero));
+        // A quaternion is still where its vector part is zero.
+        let moving = if let Edge::Quaternion(_) = edge { &motion[1..] } else { &motion[..] };
+        let still = moving.iter().all(|e| self.facts.constant(*e).is_some_and(Number::is_zero));
         Ok((!still).then_some(edge))
     }
 }

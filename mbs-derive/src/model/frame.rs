@@ -4,6 +4,7 @@
 //! (Luh, Walker & Paul, *On-line computational scheme for mechanical manipulators*, 1980)
 //!
 //! - rotation about the unit axis e by θ, with matrix R: `ω' = Rᵀ ω + e θ̇`, `v' = Rᵀ v`;
+//! - rotation by a unit quaternion (w, x, y, z): `ω' = Rᵀ ω + 2 (w u̇ − ẇ u − u × u̇)` with u = (x, y, z), `v' = Rᵀ v`;
 //! - translation by t: `ω' = ω`, `v' = v + ω × t + ṫ`,
 //!
 //! so that a chain of n bodies costs O(n), and a velocity is turned into other axes only where it must be.
@@ -34,6 +35,9 @@ pub enum Edge<'g> {
         /// Any expression of coordinates, time and parameters.
         angle: Expr<'g>,
     },
+    /// Turned by a quaternion (w, x, y, z), the scalar part first. Its length must be 1: coordinates need a constraint that
+    /// keeps it so.
+    Quaternion([Expr<'g>; 4]),
     /// Shifted, in the parent's axes.
     Translation(Vector<'g>),
 }
@@ -43,6 +47,7 @@ impl Edge<'_> {
     pub fn reversed(self) -> Self {
         match self {
             Edge::Rotation { axis, angle } => Edge::Rotation { axis, angle: -angle },
+            Edge::Quaternion([w, x, y, z]) => Edge::Quaternion([w, -x, -y, -z]),
             Edge::Translation(t) => Edge::Translation(-t),
         }
     }
@@ -142,6 +147,17 @@ impl<'g> Frames<'g> {
                     velocity: r.transpose() * above.velocity,
                 }
             }
+            Edge::Quaternion(q) => {
+                let r = rotation_by(q);
+                Frame {
+                    parent: Some(parent),
+                    edge: Some(edge),
+                    rotation: above.rotation * r,
+                    position: above.position,
+                    angular_velocity: r.transpose() * above.angular_velocity + angular_velocity_of(q),
+                    velocity: r.transpose() * above.velocity,
+                }
+            }
             Edge::Translation(t) => Frame {
                 parent: Some(parent),
                 edge: Some(edge),
@@ -152,4 +168,24 @@ impl<'g> Frames<'g> {
             },
         }
     }
+}
+
+/// The rotation matrix of a unit quaternion, its diagonal in the homogeneous form `w² + x² − y² − z²`.
+fn rotation_by<'g>([w, x, y, z]: [Expr<'g>; 4]) -> Matrix<'g> {
+    let [ww, xx, yy, zz] = [w, x, y, z].map(|c| c.powi(2));
+    Matrix([
+        [ww + xx - yy - zz, 2 * (x * y - w * z), 2 * (x * z + w * y)],
+        [2 * (x * y + w * z), ww - xx + yy - zz, 2 * (y * z - w * x)],
+        [2 * (x * z - w * y), 2 * (y * z + w * x), ww - xx - yy + zz],
+    ])
+}
+
+/// `ω = 2 q̄ q̇` in the turned axes, for `|q| = 1`.
+fn angular_velocity_of<'g>(q: [Expr<'g>; 4]) -> Vector<'g> {
+    let ([w, x, y, z], [dw, dx, dy, dz]) = (q, q.map(Expr::rate));
+    Vector([
+        2 * (w * dx - x * dw + z * dy - y * dz),
+        2 * (w * dy - y * dw + x * dz - z * dx),
+        2 * (w * dz - z * dw + y * dx - x * dy),
+    ])
 }

@@ -192,6 +192,12 @@ impl<'g> Lagrangian<'g> {
         declare(self.graph, &mut self.inputs, name, unit, length, Vec::new(), Symbol::Input)
     }
 
+    /// Adds a prescribed motion that is given at run time with two derivatives, or an array of them.
+    pub fn prescribe(&mut self, name: &str, unit: &str, length: Option<usize>) -> Vec<Expr<'g>> {
+        let value = |i| Symbol::Prescribed(i, 0);
+        declare(self.graph, &mut self.prescribed, name, unit, length, Vec::new(), value)
+    }
+
     /// Adds a parameter with its default.
     pub fn parameter(&mut self, name: &str, unit: &str, default: Number) -> Expr<'g> {
         declare(self.graph, &mut self.parameters, name, unit, None, vec![default], Symbol::Parameter)[0]

@@ -14,6 +14,8 @@ pub(super) enum Origin {
     Coordinate(usize),
     /// `input`
     Input,
+    /// `prescribed`
+    Prescribed,
     /// `const`
     Constant,
     /// `let`
@@ -22,6 +24,8 @@ pub(super) enum Origin {
     Mutable,
     /// `for`
     Loop,
+    /// `fn f(x)`
+    Argument,
 }
 
 impl Origin {
@@ -31,10 +35,20 @@ impl Origin {
             Origin::Parameter => "a parameter",
             Origin::Coordinate(_) => "a coordinate",
             Origin::Input => "an input",
+            Origin::Prescribed => "a prescribed motion",
             Origin::Constant => "a constant",
             Origin::Local => "a `let`",
             Origin::Mutable => "a `let mut`",
             Origin::Loop => "a loop variable",
+            Origin::Argument => "an argument",
+        }
+    }
+
+    /// Whether functions see what is declared so.
+    fn is_everywhere(self) -> bool {
+        match self {
+            Origin::Parameter | Origin::Coordinate(_) | Origin::Input | Origin::Prescribed | Origin::Constant => true,
+            Origin::Local | Origin::Mutable | Origin::Loop | Origin::Argument => false,
         }
     }
 }
@@ -52,12 +66,15 @@ pub(super) struct Binding<'g> {
 #[derive(Debug)]
 pub(super) struct Scope<'g> {
     blocks: Vec<BTreeMap<String, Binding<'g>>>,
+    /// Which blocks are bodies of functions that are being called: nothing is seen through the last of them but what is
+    /// the mechanism's own.
+    functions: Vec<usize>,
 }
 
 impl<'g> Scope<'g> {
     /// Only the mechanism's own block.
     pub(super) fn new() -> Self {
-        Scope { blocks: vec![BTreeMap::new()] }
+        Scope { blocks: vec![BTreeMap::new()], functions: Vec::new() }
     }
 
     /// Opens a block.
@@ -65,9 +82,18 @@ impl<'g> Scope<'g> {
         self.blocks.push(BTreeMap::new());
     }
 
+    /// Opens the body of a function.
+    pub(super) fn enter_function(&mut self) {
+        self.functions.push(self.blocks.len());
+        self.enter();
+    }
+
     /// Closes the innermost block.
     pub(super) fn leave(&mut self) {
         self.blocks.pop();
+        if self.functions.last() == Some(&self.blocks.len()) {
+            self.functions.pop();
+        }
     }
 
     /// Whether the innermost block is the mechanism's own.
@@ -92,7 +118,19 @@ impl<'g> Scope<'g> {
 
     /// What a name stands for.
     pub(super) fn get(&self, name: &str) -> Option<&Binding<'g>> {
-        self.blocks.iter().rev().find_map(|block| block.get(name))
+        let Some(&body) = self.functions.last() else {
+            return self.blocks.iter().rev().find_map(|block| block.get(name));
+        };
+        let inner = self.blocks[body..].iter().rev().find_map(|block| block.get(name));
+        inner.or_else(|| self.blocks[0].get(name).filter(|binding| binding.origin.is_everywhere()))
+    }
+
+    /// How a name came to be that the function being called does not see.
+    pub(super) fn hidden(&self, name: &str) -> Option<Origin> {
+        match self.get(name) {
+            Some(_) => None,
+            None => self.blocks.iter().rev().find_map(|block| block.get(name)).map(|binding| binding.origin),
+        }
     }
 
     /// What a name stands for, to give it a new value.
@@ -102,13 +140,32 @@ impl<'g> Scope<'g> {
 
     /// All names, those of inner blocks first.
     pub(super) fn names(&self) -> impl Iterator<Item = (&str, &Binding<'g>)> {
-        self.blocks.iter().rev().flatten().map(|(name, binding)| (name.as_str(), binding))
+        let all = self.blocks.iter().rev().flatten().map(|(name, binding)| (name.as_str(), binding));
+        all.filter(|(name, _)| self.functions.is_empty() || self.get(name).is_some())
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn functions_see_what_is_the_mechanisms_own() {
+        let binding = |origin| Binding { origin, value: None, span: 0..0 };
+        let mut scope = Scope::new();
+        for (name, origin) in [("m", Origin::Parameter), ("a", Origin::Local), ("b", Origin::Local)] {
+            assert_eq!(scope.declare(name, binding(origin)), Ok(()));
+        }
+        scope.enter_function();
+        assert_eq!(scope.declare("a", binding(Origin::Argument)), Ok(()));
+        assert_eq!(scope.get("a").map(|b| b.origin), Some(Origin::Argument));
+        assert_eq!(scope.get("m").map(|b| b.origin), Some(Origin::Parameter));
+        assert!(scope.get("b").is_none());
+        assert_eq!((scope.hidden("b"), scope.hidden("a")), (Some(Origin::Local), None));
+        scope.leave();
+        assert_eq!(scope.get("b").map(|b| b.origin), Some(Origin::Local));
+        assert_eq!(scope.hidden("b"), None);
+    }
 
     #[test]
     fn inner_blocks_shadow_and_end() {

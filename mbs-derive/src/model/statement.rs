@@ -31,16 +31,25 @@ impl<'d, 'g> Resolver<'d, 'g> {
                 StatementKind::Param(Quantity { name, value, .. })
                 | StatementKind::Coord(Quantity { name, value, .. })
                 | StatementKind::Input(Quantity { name, value, .. })
+                | StatementKind::Prescribed(Quantity { name, value, .. })
                 | StatementKind::Const(Quantity { name, value, .. }) => (name, value.as_ref()),
                 StatementKind::Let { name, value, .. } => (name, Some(value)),
+                StatementKind::Function { name, parameters, body } => {
+                    self.function(name, parameters, body);
+                    continue;
+                }
                 StatementKind::Assign { .. }
                 | StatementKind::Energy { .. }
+                | StatementKind::ForceAt { .. }
+                | StatementKind::TorqueOn { .. }
+                | StatementKind::Constraint { .. }
                 | StatementKind::Force { .. }
                 | StatementKind::Output { .. }
                 | StatementKind::For { .. } => continue,
             };
             self.definitions.entry(&name.text).or_insert(value);
         }
+        self.check_circles();
     }
 
     /// All statements; `false` where the mechanism has outgrown its limits and the rest is not looked at.
@@ -63,7 +72,12 @@ impl<'d, 'g> Resolver<'d, 'g> {
             StatementKind::Input(quantity) => {
                 self.outermost("input", &statement.span).and_then(|()| self.input(quantity))
             }
+            StatementKind::Prescribed(quantity) => {
+                self.outermost("prescribed", &statement.span).and_then(|()| self.prescribed(quantity))
+            }
             StatementKind::Const(quantity) => self.constant(quantity),
+            // Known from the start.
+            StatementKind::Function { .. } => self.outermost("fn", &statement.span),
             StatementKind::Let { mutable, name, value } => {
                 let origin = if *mutable { Origin::Mutable } else { Origin::Local };
                 let value = self.definition(name, value).ok();
@@ -72,6 +86,11 @@ impl<'d, 'g> Resolver<'d, 'g> {
             StatementKind::Assign { name, value } => self.assign(name, value),
             StatementKind::Energy { term, value } => self.energy(*term, value),
             StatementKind::Force { coordinate, index, value } => self.force(coordinate, index.as_ref(), value),
+            StatementKind::ForceAt { point, value } => self.force_at(point, value),
+            StatementKind::TorqueOn { pose, value } => self.torque_on(pose, value),
+            StatementKind::Constraint { docs, name, left, right } => {
+                self.outermost("constraint", &statement.span).and_then(|()| self.constraint(docs, name, left, right))
+            }
             StatementKind::Output { docs, name, value } => {
                 self.outermost("output", &statement.span).and_then(|()| self.output(docs, name, value))
             }
@@ -84,7 +103,12 @@ impl<'d, 'g> Resolver<'d, 'g> {
             return Ok(());
         }
         let message = format!("`{keyword}` cannot stand in a loop");
-        Err(self.refuse(span, message, "declare an array before the loop, and use its elements in it"))
+        let help = match keyword {
+            "fn" => "functions are the mechanism's own: move it out of the loop",
+            "constraint" => "write one constraint of an array: `constraint name: [a, b] = [c, d];`",
+            _ => "declare an array before the loop, and use its elements in it",
+        };
+        Err(self.refuse(span, message, help))
     }
 
     /// The value that a name is given, by an expression that must not come back to the name.
@@ -100,6 +124,9 @@ impl<'d, 'g> Resolver<'d, 'g> {
         let (text, span) = (&name.text, name.span.clone());
         if super::builtin::CONSTANTS.contains(&text.as_str()) {
             return Err(self.refuse(&span, format!("`{text}` is built in"), "choose another name"));
+        }
+        if self.scope.is_outermost() && self.functions.get(text.as_str()).is_some_and(|f| !f.library) {
+            return Err(self.refuse(&span, format!("`{text}` is already a function"), "choose another name"));
         }
         match self.scope.declare(text, Binding { origin, value, span: span.clone() }) {
             Ok(()) => Ok(()),

@@ -25,6 +25,8 @@ pub(super) fn at(symbol: Symbol) -> f64 {
         Symbol::Acceleration(_) => f64::NAN,
         Symbol::Parameter(i) => [2.0, 3.0, 5.0][i as usize],
         Symbol::Input(_) => 1.5,
+        Symbol::Prescribed(i, order) => [0.6, -1.4, 2.5][usize::from(order)] + f64::from(i),
+        Symbol::Multiplier(_) => f64::NAN,
     }
 }
 
@@ -34,6 +36,7 @@ pub(super) fn values(exprs: &[Expr<'_>]) -> Vec<f64> {
     let along = |symbol| match symbol {
         Symbol::Coordinate(i) => Some(graph.symbol(Symbol::Velocity(i))),
         Symbol::Time => Some(graph.integer(1)),
+        Symbol::Prescribed(i, order) => Some(graph.symbol(Symbol::Prescribed(i, order + 1))),
         _ => None,
     };
     evaluate(&carry_out(exprs, &graph, along), at)

@@ -209,6 +209,32 @@ impl Expression {
         (first, steps)
     }
 
+    /// The expressions that it is directly made of, in source order.
+    pub fn operands(&self) -> Vec<&Expression> {
+        match &self.kind {
+            ExpressionKind::Number(_) | ExpressionKind::Name(_) => Vec::new(),
+            ExpressionKind::Negate(a) | ExpressionKind::Not(a) | ExpressionKind::Field(a, _) => vec![a],
+            ExpressionKind::Binary(_, a, b)
+            | ExpressionKind::Index(a, b)
+            | ExpressionKind::Compare(_, a, b)
+            | ExpressionKind::And(a, b)
+            | ExpressionKind::Or(a, b) => vec![a, b],
+            ExpressionKind::If(a, b, c) => vec![a, b, c],
+            ExpressionKind::Call(_, arguments) | ExpressionKind::Array(arguments) => arguments.iter().collect(),
+            ExpressionKind::Method(a, _, arguments) => std::iter::once(&**a).chain(arguments).collect(),
+        }
+    }
+
+    /// All expressions that it is made of, itself included.
+    pub fn parts(&self) -> impl Iterator<Item = &Expression> {
+        let mut waiting = vec![self];
+        std::iter::from_fn(move || {
+            let part = waiting.pop()?;
+            waiting.extend(part.operands());
+            Some(part)
+        })
+    }
+
     /// Takes the left operand out of a chain.
     fn take_left(&mut self) -> Option<Expression> {
         match &mut self.kind {

@@ -1,0 +1,282 @@
+//! `constraint name: left = right;`: rows that vanish, of one kind.
+//!
+//! The rows of a vector are its components in world axes; those that vanish identically, as in plane motion, are left out.
+
+use super::constant::Dependence;
+use super::dimension::Dimension;
+use super::evaluate::{Argument, Resolved, Resolver, in_words};
+use super::lagrangian::{Constraint, ConstraintKind};
+use super::value::{Free, Scalar, Shape, Value, shared};
+use crate::expr::{Expr, Graph, Node, Number, Symbol, carry_out};
+use crate::parse::syntax::{BinaryOperator, Expression, Name, Span};
+
+impl<'d, 'g> Resolver<'d, 'g> {
+    pub(super) fn constraint(
+        &mut self,
+        docs: &[String],
+        name: &Name,
+        left: &Expression,
+        right: &Expression,
+    ) -> Resolved<()> {
+        let span = left.span.start..right.span.end;
+        let (left, right) = (self.argument(left), self.argument(right));
+        if self.lagrangian.constraints.iter().any(|known| known.name == name.text) {
+            let message = format!("there is already a constraint `{}`", name.text);
+            return Err(self.refuse(&name.span, message, "choose another name"));
+        }
+        let rows = self.differences(left?, right?, &span)?;
+        let rows = self.effective(rows, &span)?;
+        let kind = self.kind_of(&rows, &span)?;
+        self.lagrangian.constraints.push(Constraint { name: name.text.clone(), docs: docs.to_vec(), kind, rows });
+        self.places.constraints.push(span);
+        Ok(())
+    }
+
+    /// `left − right`, row by row.
+    fn differences(&mut self, left: Argument<'g>, right: Argument<'g>, span: &Span) -> Resolved<Vec<Expr<'g>>> {
+        let nothing = |resolver: &mut Self, side: &Argument<'g>| match &side.value {
+            Value::Scalar(scalar) => resolver.facts.constant(scalar.expr).is_some_and(Number::is_zero),
+            _ => false,
+        };
+        if nothing(self, &right) {
+            return Ok(self.rows_of(&left)?.into_iter().map(|row| row.expr).collect());
+        }
+        if nothing(self, &left) {
+            return Ok(self.rows_of(&right)?.into_iter().map(|row| row.expr).collect());
+        }
+        if (left.value.shape(), right.value.shape()) == (Shape::Vector, Shape::Vector) {
+            let (a, b) = (self.vector(&left)?, self.vector(&right)?);
+            self.check_sides(a.fit(), b.fit(), span)?;
+            let value = self.binary(BinaryOperator::Sub, left, right, span)?;
+            let rows = self.rows_of(&Argument { value, span: span.clone() })?;
+            return Ok(rows.into_iter().map(|row| row.expr).collect());
+        }
+        let (a, b) = (self.rows_of(&left), self.rows_of(&right));
+        let (a, b) = (a?, b?);
+        if a.len() != b.len() || left.value.shape() != right.value.shape() {
+            let (left, right) = (left.value.described(), right.value.described());
+            let message = format!("both sides of a constraint are of one shape, these are {left} and {right}");
+            return Err(self.refuse(span, message, "or one side is `0`"));
+        }
+        let mut rows = Vec::new();
+        for (a, b) in a.into_iter().zip(b) {
+            self.check_sides(a.fit(), b.fit(), span)?;
+            rows.push(if b.expr.is_zero() { a.expr } else { a.expr - b.expr });
+        }
+        Ok(rows)
+    }
+
+    fn check_sides(&mut self, a: (Dimension, bool), b: (Dimension, bool), span: &Span) -> Resolved<()> {
+        if shared(a, b).is_some() {
+            return Ok(());
+        }
+        let (a, b) = (in_words(a.0), in_words(b.0));
+        let message = format!("both sides of a constraint need equal dimensions, these are {a} and {b}");
+        Err(self.refuse(span, message, ""))
+    }
+
+    /// Its numbers, in world axes.
+    fn rows_of(&mut self, side: &Argument<'g>) -> Resolved<Vec<Scalar<'g>>> {
+        match side.value.shape() {
+            Shape::Number => Ok(vec![self.scalar(side)?]),
+            Shape::Vector => {
+                let vector @ Free { dimension, .. } = self.vector(side)?;
+                Ok(self.in_world(vector).0.map(|component| Scalar::new(component, dimension)).to_vec())
+            }
+            Shape::Pose => {
+                let help = "constrain its place `pose.origin()`, or angles";
+                Err(self.refuse(&side.span, "a constraint is made of numbers, this is a pose", help))
+            }
+            Shape::Matrix | Shape::Array => {
+                let mut rows = Vec::new();
+                for value in self.elements(side)? {
+                    rows.extend(self.rows_of(&Argument { value, span: side.span.clone() })?);
+                }
+                Ok(rows)
+            }
+        }
+    }
+
+    /// The rows that do not vanish identically.
+    fn effective(&mut self, rows: Vec<Expr<'g>>, span: &Span) -> Resolved<Vec<Expr<'g>>> {
+        for row in &rows {
+            if self.facts.dependence(*row).on(Dependence::INPUT) {
+                let help = "a motion given from outside is a `prescribed` signal: its derivatives are known";
+                return Err(self.refuse(span, "a constraint cannot depend on an input", help));
+            }
+        }
+        let simple = Graph::new();
+        let mut effective = Vec::new();
+        for (row, simplified) in rows.iter().zip(simplified(&rows, &simple)) {
+            match simplified.as_constant() {
+                Some(value) if value.is_zero() => {}
+                Some(_) => {
+                    return Err(self.refuse(span, "this constraint never holds", "no coordinate is in it"));
+                }
+                None => effective.push(*row),
+            }
+            if simplified.as_constant().is_none() && !moves(simplified) {
+                let help = "it is made of constants, parameters and time alone";
+                return Err(self.refuse(span, "this constrains no coordinate", help));
+            }
+        }
+        if effective.is_empty() {
+            return Err(self.refuse(span, "this constraint always holds", "leave it out"));
+        }
+        Ok(effective)
+    }
+
+    fn kind_of(&mut self, rows: &[Expr<'g>], span: &Span) -> Resolved<ConstraintKind> {
+        let rates = rows.iter().filter(|row| self.facts.dependence(**row).on(Dependence::VELOCITY)).count();
+        match rates {
+            0 => Ok(ConstraintKind::Holonomic),
+            all if all == rows.len() => Ok(ConstraintKind::Pfaffian),
+            _ => {
+                let message = "some rows of this constraint are about positions, others about velocities";
+                Err(self.refuse(span, message, "write two constraints"))
+            }
+        }
+    }
+}
+
+/// With the local rules applied and time derivatives carried out: what vanishes is the constant 0.
+fn simplified<'g>(rows: &[Expr<'_>], graph: &'g Graph) -> Vec<Expr<'g>> {
+    carry_out(rows, graph, |symbol| match symbol {
+        Symbol::Time => Some(graph.integer(1)),
+        Symbol::Coordinate(i) => Some(graph.symbol(Symbol::Velocity(i))),
+        Symbol::Prescribed(i, 0) => Some(graph.symbol(Symbol::Prescribed(i, 1))),
+        _ => None,
+    })
+}
+
+fn moves(row: Expr<'_>) -> bool {
+    let graph = row.graph();
+    let moving = |node| matches!(node, Node::Symbol(Symbol::Coordinate(_) | Symbol::Velocity(_)));
+    graph.reachable([row.id()]).into_iter().any(|id| moving(graph.node(id)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::trial::{mechanism, near, refusals, refused, values};
+    use super::*;
+
+    /// Kind and rows at the trial state of the only constraint.
+    fn rows(statements: &str) -> (ConstraintKind, Vec<f64>) {
+        mechanism(statements, |lagrangian| {
+            let constraint = &lagrangian.constraints[0];
+            (constraint.kind, values(&constraint.rows))
+        })
+    }
+
+    fn check(statements: &str, kind: ConstraintKind, expected: &[f64]) {
+        let (found, rows) = rows(statements);
+        assert_eq!(found, kind, "{statements}");
+        near(&rows, expected, statements);
+    }
+
+    #[test]
+    fn constraints_of_every_shape() {
+        use ConstraintKind::{Holonomic, Pfaffian};
+        check("constraint rod: x^2 + y^2 = l^2;", Holonomic, &[0.09 + 0.49 - 9.0]);
+        check("constraint rod: l^2 = x^2 + y^2;", Holonomic, &[9.0 - 0.58]);
+        check("constraint rod: x^2 + y^2 - l^2 = 0;", Holonomic, &[0.58 - 9.0]);
+        check("constraint both: [x, y] = [l, 2*l];", Holonomic, &[-2.7, -6.7]);
+        check("constraint both: q = 0;", Holonomic, &[-0.9, 1.3]);
+        check("constraint at_rest: [x, y, z] = world.origin();", Holonomic, &[0.3, -0.7, 1.1]);
+        check("constraint lift: z = l*sin(t*x/(l*t));", Holonomic, &[1.1 - 3.0 * (0.1f64).sin()]);
+        // What vanishes identically constrains nothing.
+        let (s, c) = 0.4f64.sin_cos();
+        check(
+            "let a = rot_z(theta); constraint tip: [x, y, 0] = a.point([l, 0, 0]);",
+            Holonomic,
+            &[0.3 - 3.0 * c, -0.7 - 3.0 * s],
+        );
+        check("constraint skate: dt(x)*sin(theta) = dt(y)*cos(theta);", Pfaffian, &[0.5 * s - 0.2 * c]);
+        check("constraint roll: dt([x, y, 0]) = l*[dt(theta), 0, 0];", Pfaffian, &[0.5 - 5.1, 0.2]);
+        mechanism("/// Of fixed length.\nconstraint rod: x = y;", |lagrangian| {
+            assert_eq!(
+                (lagrangian.constraints[0].name.as_str(), &*lagrangian.constraints[0].docs[0]),
+                ("rod", "Of fixed length.")
+            );
+        });
+    }
+
+    #[test]
+    fn prescribed_motions_may_be_constrained_to() {
+        mechanism(
+            "prescribed heave: m; constraint follow: z = heave; constraint b: dt(x) = dt(heave);",
+            |lagrangian| {
+                let kinds: Vec<_> = lagrangian.constraints.iter().map(|c| c.kind).collect();
+                assert_eq!(kinds, [ConstraintKind::Holonomic, ConstraintKind::Pfaffian]);
+            },
+        );
+    }
+
+    #[test]
+    fn wrong_constraints() {
+        refused("constraint a: x = m;", "x = m: both sides of a constraint need equal dimensions, these are m and kg");
+        refused(
+            "constraint a: x = 1;",
+            "x = 1: both sides of a constraint need equal dimensions, these are m and a plain number",
+        );
+        refused(
+            "constraint a: [x, y, z] = [m, m, m];",
+            "[x, y, z] = [m, m, m]: both sides of a constraint need equal dimensions, these are m and kg",
+        );
+        refused(
+            "constraint a: [x, y, z] = l;",
+            "[x, y, z] = l: both sides of a constraint are of one shape, these are a vector and a number; or one side is `0`",
+        );
+        refused("constraint a: x + m = l;", "x + m: a sum needs equal dimensions, these are m and kg");
+        refused(
+            "constraint a: k*x = u;",
+            "k*x = u: a constraint cannot depend on an input; a motion given from outside is a `prescribed` signal: its derivatives are known",
+        );
+        refused(
+            "constraint a: 2*l = l;",
+            "2*l = l: this constrains no coordinate; it is made of constants, parameters and time alone",
+        );
+        refused("constraint a: 1 = 2;", "1 = 2: this constraint never holds; no coordinate is in it");
+        refused("constraint a: x - x = 0;", "x - x = 0: this constraint always holds; leave it out");
+        refused(
+            "constraint a: [x/l, l*dt(y)/l^2*t] = 0;",
+            "[x/l, l*dt(y)/l^2*t] = 0: some rows of this constraint are about positions, others about velocities; write two constraints",
+        );
+        refused(
+            "constraint a: rot_z(theta) = world;",
+            "rot_z(theta): a constraint is made of numbers, this is a pose; constrain its place `pose.origin()`, or angles",
+        );
+        refused(
+            "constraint a: x = y; constraint a: x = z;",
+            "a: there is already a constraint `a`; choose another name",
+        );
+        refused(
+            "for i in 0..2 { constraint a: q[i] = 0; }",
+            "constraint a: q[i] = 0;: `constraint` cannot stand in a loop; write one constraint of an array: `constraint name: [a, b] = [c, d];`",
+        );
+        assert!(refusals("constraint a: dt(dt(x)) = 0;")[0].contains("accelerations cannot enter"));
+    }
+
+    #[test]
+    fn constraints_are_tried_at_random_states() {
+        refused(
+            "constraint a: dt(x)^2 = dt(y)^2;",
+            "dt(x)^2 = dt(y)^2: a constraint must be linear in the velocities; only `a(q, t)·q̇ + b(q, t) = 0` leads to a constraint force `Aᵀλ`",
+        );
+        refused(
+            "constraint a: x = y; constraint b: 2*y = 2*x;",
+            "2*y = 2*x: the constraint `b` follows from the others, or contradicts them; leave it out",
+        );
+        refused(
+            "constraint a: [x, y, z] = 0; constraint b: [theta, q[0], q[1]] = 0; constraint c: x*sin(theta) = l;",
+            "x*sin(theta) = l: 7 rows of constraints on 6 coordinates leave no motion; leave some out",
+        );
+        assert!(refusals("constraint a: x = y; constraint b: dt(x) = dt(z);").is_empty());
+        // The mass matrix need be positive definite on the motions only that constraints leave.
+        let quaternion = "coord w[4]: 1; let a = quaternion(w[0], w[1], w[2], w[3]); kinetic += rigid_body(m, [0, 0, 0], diag(1, 1, 1)*m*l^2, a);";
+        let unit = "constraint unit: w[0]^2 + w[1]^2 + w[2]^2 + w[3]^2 = 1;";
+        assert!(refusals(&format!("{quaternion} {unit}")).is_empty());
+        assert!(refusals(quaternion)[0].contains("the mass matrix is singular at every state"));
+        assert!(refusals("coord s: m; constraint a: s = x + y;").is_empty());
+    }
+}

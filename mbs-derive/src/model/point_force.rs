@@ -1,0 +1,177 @@
+//! `force at …` and `torque on …`: kept with the velocity that they do work on, and generalized by `derive`.
+
+use super::constant::Dependence;
+use super::dimension::Dimension;
+use super::evaluate::{Argument, Resolved, Resolver};
+use super::frame::FrameId;
+use super::lagrangian::PointForce;
+use super::value::{Free, Value};
+use crate::expr::Vector;
+use crate::parse::syntax::{Expression, Span};
+
+impl<'d, 'g> Resolver<'d, 'g> {
+    /// `force at point += value;`
+    pub(super) fn force_at(&mut self, point: &Expression, value: &Expression) -> Resolved<()> {
+        let (velocity, force) = (self.velocity_at(point), self.argument(value));
+        let newton = Dimension::ENERGY.over(Dimension::LENGTH).unwrap_or(Dimension::ONE);
+        self.does_work(velocity, force, "a force", newton)
+    }
+
+    /// `torque on pose += value;`
+    pub(super) fn torque_on(&mut self, pose: &Expression, value: &Expression) -> Resolved<()> {
+        let pose = self.argument(pose).and_then(|pose| self.frame(&pose));
+        let velocity = pose.map(|frame| Free {
+            components: self.lagrangian.frames.get(frame).angular_velocity,
+            frame,
+            dimension: Dimension::ANGULAR_VELOCITY,
+        });
+        let torque = self.argument(value);
+        self.does_work(velocity, torque, "a torque", Dimension::ENERGY)
+    }
+
+    fn velocity_at(&mut self, point: &Expression) -> Resolved<Free<'g>> {
+        let place = self.argument(point)?;
+        let span = point.span.clone();
+        if !matches!(place.value, Value::Point(_)) {
+            let vector = self.vector(&place)?;
+            self.check_dimension(vector.fit(), "the place that a force acts at", Dimension::LENGTH, &span)?;
+        }
+        let rate = match &place.value {
+            Value::Point(_) => self.rate(&place)?,
+            _ => {
+                let vector = self.vector(&place)?;
+                self.rate(&Argument { value: Value::Vector(vector), span: span.clone() })?
+            }
+        };
+        self.check_moved(&rate, &span)?;
+        self.vector(&Argument { value: rate, span })
+    }
+
+    /// A force on what no coordinate moves does nothing.
+    fn check_moved(&mut self, rate: &Value<'g>, span: &Span) -> Resolved<()> {
+        let Free { components, .. } = self.vector(&Argument { value: rate.clone(), span: span.clone() })?;
+        let moved = components.0.iter().any(|c| self.facts.dependence(*c).on(Dependence::VELOCITY));
+        if moved {
+            return Ok(());
+        }
+        Err(self.refuse(span, "no coordinate moves this point: a force does no work here", "leave the force out"))
+    }
+
+    fn does_work(
+        &mut self,
+        velocity: Resolved<Free<'g>>,
+        value: Resolved<Argument<'g>>,
+        what: &str,
+        wanted: Dimension,
+    ) -> Resolved<()> {
+        let value = value?;
+        let force = self.vector(&value)?;
+        self.check_dimension(force.fit(), what, wanted, &value.span)?;
+        let Free { components: velocity, frame, .. } = velocity?;
+        let force = self.in_axes(force, frame);
+        self.lagrangian.point_forces.push(PointForce { velocity, force });
+        Ok(())
+    }
+
+    /// In the axes of `frame`: a force is turned, not the velocity, which depends on more.
+    fn in_axes(&self, vector: Free<'g>, frame: FrameId) -> Vector<'g> {
+        if self.same_axes(vector.frame, frame) {
+            return vector.components;
+        }
+        let world = self.in_world(vector);
+        match self.same_axes(frame, FrameId::WORLD) {
+            true => world,
+            false => self.lagrangian.frames.get(frame).rotation.transpose() * world,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::trial::{at, mechanism, near, refused};
+    use crate::expr::{Graph, Symbol, carry_out, evaluate, gradient_of_combination};
+
+    /// The generalized forces of points and torques at the trial state.
+    fn generalized(statements: &str) -> Vec<f64> {
+        mechanism(statements, |lagrangian| {
+            let graph = Graph::new();
+            let along = |symbol| match symbol {
+                Symbol::Coordinate(i) => Some(graph.symbol(Symbol::Velocity(i))),
+                Symbol::Time => Some(graph.integer(1)),
+                _ => None,
+            };
+            let all = |vectors: Vec<crate::expr::Vector<'_>>| {
+                carry_out(&vectors.iter().flat_map(|v| v.0).collect::<Vec<_>>(), &graph, along)
+            };
+            let velocities = all(lagrangian.point_forces.iter().map(|f| f.velocity).collect());
+            let forces = all(lagrangian.point_forces.iter().map(|f| f.force).collect());
+            let pairs: Vec<_> = velocities.into_iter().zip(forces).collect();
+            let qd: Vec<Symbol> = (0..6).map(Symbol::Velocity).collect();
+            evaluate(&gradient_of_combination(&pairs, &qd), at)
+        })
+    }
+
+    fn equal(statements: &str, expected: [f64; 6]) {
+        near(&generalized(statements), &expected, statements);
+    }
+
+    #[test]
+    fn forces_do_virtual_work() {
+        let (s, c) = 0.4f64.sin_cos();
+        // u = 1.5 N, l = 3 m
+        equal("force at [x, y, z] += [u, 2*u, 0];", [1.5, 3.0, 0.0, 0.0, 0.0, 0.0]);
+        let arm = "let a = translation([x, 0, 0]) * rot_z(theta); let tip = a.point([l, 0, 0]);";
+        // The tip moves by (1, 0) with x and by l (−sin θ, cos θ) with θ.
+        equal(&format!("{arm} force at tip += [u, 2*u, 0];"), [1.5, 0.0, 0.0, 3.0 * (-s * 1.5 + c * 3.0), 0.0, 0.0]);
+        // Along the arm.
+        equal(&format!("{arm} force at tip += a * [u, 0, 0];"), [1.5 * c, 0.0, 0.0, 0.0, 0.0, 0.0]);
+        equal(&format!("{arm} force at tip += a * [0, u, 0];"), [-1.5 * s, 0.0, 0.0, 4.5, 0.0, 0.0]);
+        equal(&format!("{arm} force at [tip.x, tip.y, 0] += a * [0, u, 0];"), [-1.5 * s, 0.0, 0.0, 4.5, 0.0, 0.0]);
+        // A place that moves with time is no coordinate: only what q̇ moves counts.
+        equal(
+            "force at [x + l*t*u/(u*t), 0, 0] + [0*x, t*l/(l/l*t), 0]*0 += [u, 0, 0];"
+                .replace("l*t*u/(u*t)", "l*t/t")
+                .as_str(),
+            [1.5, 0.0, 0.0, 0.0, 0.0, 0.0],
+        );
+        // Two forces, opposite and equal: a spring between two points.
+        equal(
+            "let f = [k*(x - y), 0, 0]; force at [x, 0, 0] += -f; force at [y, 0, 0] += f;",
+            [-5.0, 5.0, 0.0, 0.0, 0.0, 0.0],
+        );
+    }
+
+    #[test]
+    fn torques_do_virtual_work() {
+        let (s, c) = 0.4f64.sin_cos();
+        equal("torque on rot_z(theta) += [0, 0, u*l];", [0.0, 0.0, 0.0, 4.5, 0.0, 0.0]);
+        let two = "let a = rot_z(theta) * rot_x(q[0]);";
+        equal(&format!("{two} torque on a += [u*l, 0, 0];"), [0.0, 0.0, 0.0, 0.0, 4.5 * c, 0.0]);
+        equal(&format!("{two} torque on a += [0, u*l, 0];"), [0.0, 0.0, 0.0, 0.0, 4.5 * s, 0.0]);
+        equal(&format!("{two} torque on a += a * [u*l, 0, 0];"), [0.0, 0.0, 0.0, 0.0, 4.5, 0.0]);
+    }
+
+    #[test]
+    fn wrong_forces() {
+        refused("force at [x, y, z] += [m, 0, 0];", "[m, 0, 0]: a force must be kg·m/s², this is kg");
+        refused("force at [x, y, z] += u;", "u: expected a vector, found a number; a vector is written `[x, y, z]`");
+        refused("force at x += [u, 0, 0];", "x: expected a vector, found a number; a vector is written `[x, y, z]`");
+        refused(
+            "force at [theta, 0, 0] += [u, 0, 0];",
+            "[theta, 0, 0]: the place that a force acts at must be m, this is a plain number; a number has no unit of its own: declare it, `const name: unit = value;`",
+        );
+        refused(
+            "force at rot_z(theta) += [u, 0, 0];",
+            "rot_z(theta): expected a vector, found a pose; the place of a pose is `pose.origin()`",
+        );
+        refused(
+            "force at world.origin() += [u, 0, 0];",
+            "world.origin(): no coordinate moves this point: a force does no work here; leave the force out",
+        );
+        refused("torque on rot_z(theta) += [0, 0, u];", "[0, 0, u]: a torque must be kg·m²/s², this is kg·m/s²");
+        refused(
+            "torque on theta += [0, 0, u*l];",
+            "theta: expected a pose, found a number; poses are made by `rot_z(angle)`, `translation([x, y, z])`, `dh(theta, d, a, alpha)`",
+        );
+    }
+}
