@@ -46,7 +46,7 @@ fn evaluation(derivation: &Derivation, point: &Point, place: &str) -> Value {
         Some(function) => shaped(function, &evaluated(function)),
         None => vec![json!([]); derivation.dof()].into(),
     };
-    let evaluation = json!({
+    let mut evaluation = json!({
         "mass_matrix": value("mass_matrix"),
         "coriolis_matrix": value("coriolis_matrix"),
         "gravity": value("gravity"),
@@ -57,12 +57,17 @@ fn evaluation(derivation: &Derivation, point: &Point, place: &str) -> Value {
         "inverse_dynamics_jacobian": value("inverse_dynamics_jacobian"),
         "forward_dynamics": value("forward_dynamics"),
         "linearize": linearize,
-        "multipliers": [],
+        "multipliers": if derivation.constraints.is_empty() { json!([]) } else { value("multipliers") },
         "kinetic_energy": value("kinetic_energy"),
         "potential_energy": value("potential_energy"),
         "conserved": conserved(derivation, evaluated),
         "outputs": outputs(derivation, evaluated),
     });
+    for name in ["constraint", "constraint_jacobian", "constraint_bias"] {
+        if derivation.function(name).is_some() {
+            evaluation[name] = value(name);
+        }
+    }
     warn_of_nulls(&evaluation, place);
     evaluation
 }

@@ -153,8 +153,8 @@ impl Reader<'_> {
             qd: self.numbers_or_zeros(object, "qd", &coordinates),
             qdd: self.numbers_or_zeros(object, "qdd", &coordinates),
             u: self.numbers_or_zeros(object, "u", &inputs),
+            prescribed: self.prescribed(object.get("prescribed")),
         };
-        self.prescribed(object.get("prescribed"));
         Point { state, parameters: self.parameters(object.get("params")) }
     }
 
@@ -219,24 +219,30 @@ impl Reader<'_> {
         }
     }
 
-    fn prescribed(&mut self, json: Option<&Value>) {
-        match json {
-            None => {}
-            Some(Value::Object(given)) => {
-                for name in given.keys() {
-                    let name = Value::from(name.as_str());
-                    self.error(format!(
-                        "unknown signal \"prescribed\".{name}; the mechanism has no prescribed signals"
-                    ));
+    /// Value, first and second derivative of every signal; zero where none is given.
+    fn prescribed(&mut self, json: Option<&Value>) -> Vec<[f64; 3]> {
+        let names = component_names(&self.derivation.prescribed);
+        let mut signals = vec![[0.0; 3]; names.len()];
+        let Some(json) = json else { return signals };
+        let Some(given) = json.as_object() else {
+            let found = kind(json);
+            self.error(format!(
+                "\"prescribed\" must be an object {{name: [value, rate, acceleration]}}, found {found}"
+            ));
+            return signals;
+        };
+        let orders = ["value", "rate", "acceleration"].map(String::from);
+        for (name, json) in given {
+            let key = format!("\"prescribed\".{}", Value::from(name.as_str()));
+            match names.iter().position(|known| known == name) {
+                Some(i) => signals[i].copy_from_slice(&self.numbers(&key, json, &orders)),
+                None if names.is_empty() => {
+                    self.error(format!("unknown signal {key}; the mechanism has no prescribed signals"));
                 }
-            }
-            Some(json) => {
-                let found = kind(json);
-                self.error(format!(
-                    "\"prescribed\" must be an object {{name: [value, rate, acceleration]}}, found {found}"
-                ));
+                None => self.error(format!("unknown signal {key}{}", hint(name, &names, "prescribed signals"))),
             }
         }
+        signals
     }
 }
 

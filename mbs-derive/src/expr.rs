@@ -33,7 +33,7 @@ pub use adjoint::{gradient, gradient_of_combination};
 pub use dual::Dual;
 pub use evaluate::{Tape, Value, evaluate};
 pub use function::{Binary, Function};
-pub use graph::{Expr, Graph, HalfInteger, Id, Node, Symbol};
+pub use graph::{Condition, Expr, Graph, HalfInteger, Id, Node, Symbol};
 pub use hessian::hessian;
 pub use normal::normal_form;
 pub use number::Number;

@@ -1,5 +1,6 @@
 //! Runs Programs in process: the command line, the proofs and the tests evaluate the very code that is emitted.
 
+use crate::expr::evaluate::{holds, truth};
 use crate::expr::{Number, Symbol, Value};
 use crate::optimise::{Completion, Derivation, Function, Instruction, Program, ResultPart, Shape};
 
@@ -140,6 +141,16 @@ impl<V: Value> Run<'_, V> {
                 Instruction::Sqrt(a) => v(a).power(1),
                 Instruction::Call(function, a) => v(a).call(function),
                 Instruction::Call2(function, a, b) => v(a).call2(function, v(b)),
+                Instruction::Less(a, b) => truth(v(a).less(v(b))),
+                Instruction::And(a, b) => truth(holds(v(a)) && holds(v(b))),
+                Instruction::Not(a) => truth(!holds(v(a))),
+                Instruction::Select(c, a, b) => {
+                    if holds(v(c)) {
+                        v(a)
+                    } else {
+                        v(b)
+                    }
+                }
             };
             values.push(value);
         }

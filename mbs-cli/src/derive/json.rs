@@ -60,6 +60,7 @@ fn of_function(function: &Function) -> Value {
     let completion = match function.completion {
         Completion::None => "none",
         Completion::Solve => "solve",
+        Completion::SolveMultipliers => "solve multipliers",
     };
     let Program { instructions, results } = &function.program;
     json!({
@@ -112,6 +113,10 @@ fn instruction(instruction: Instruction) -> Value {
         Instruction::Sqrt(a) => json!(["sqrt", a.index()]),
         Instruction::Call(function, a) => json!([function.name(), a.index()]),
         Instruction::Call2(function, a, b) => json!([function.name(), a.index(), b.index()]),
+        Instruction::Less(a, b) => json!(["less", a.index(), b.index()]),
+        Instruction::And(a, b) => json!(["and", a.index(), b.index()]),
+        Instruction::Not(a) => json!(["not", a.index()]),
+        Instruction::Select(c, a, b) => json!(["select", c.index(), a.index(), b.index()]),
     }
 }
 
@@ -123,5 +128,7 @@ fn of_symbol(symbol: Symbol) -> Value {
         Symbol::Acceleration(i) => json!(["qdd", i]),
         Symbol::Parameter(i) => json!(["parameter", i]),
         Symbol::Input(i) => json!(["u", i]),
+        Symbol::Prescribed(i, order) => json!(["prescribed", i, order]),
+        Symbol::Multiplier(i) => json!(["multiplier", i]),
     }
 }

@@ -28,6 +28,8 @@ pub(crate) struct Motion {
     pub(crate) coordinates: Vec<String>,
     /// Their units.
     pub(crate) units: Vec<String>,
+    /// The names of the constraints' rows.
+    pub(crate) constraints: Vec<String>,
     /// In order of time.
     pub(crate) rows: Vec<Row>,
 }
@@ -45,6 +47,8 @@ pub(crate) struct Row {
     pub(crate) kinetic: f64,
     /// V
     pub(crate) potential: f64,
+    /// Lagrange multipliers, then what the constraints' rows are instead of zero.
+    pub(crate) constraints: Vec<f64>,
 }
 
 impl Motion {
@@ -67,6 +71,7 @@ impl Motion {
             name: derivation.name.clone(),
             coordinates: component_names(&derivation.coordinates),
             units: derivation.coordinates.iter().flat_map(units).collect(),
+            constraints: derivation.constraints.clone(),
             rows: rows?,
         })
     }
@@ -128,7 +133,12 @@ impl<'d> Equations<'d> {
         let state = self.state(t, motion);
         let energy = |function| self.interpreter.evaluate(function, &state)[0];
         let (kinetic, potential) = (energy(self.kinetic_energy), energy(self.potential_energy));
-        Row { t, q: state.q, qd: state.qd, kinetic, potential }
+        let constraints = ["multipliers", "constraint"]
+            .into_iter()
+            .filter_map(|name| self.interpreter.call(name, &state))
+            .flatten()
+            .collect();
+        Row { t, q: state.q, qd: state.qd, kinetic, potential, constraints }
     }
 
     /// One line with the time and the state from which there was no way on.

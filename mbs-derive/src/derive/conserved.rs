@@ -132,4 +132,7 @@ impl crate::expr::Value for Magnitude {
     fn rate(self) -> Self {
         self
     }
+    fn less(self, other: Self) -> bool {
+        self.0 < other.0
+    }
 }

@@ -140,6 +140,10 @@ impl<'n> Body<'n> {
             | Tree::Sub(..)
             | Tree::Mul(..)
             | Tree::Div(..)
+            | Tree::Less(..)
+            | Tree::And(..)
+            | Tree::Not(_)
+            | Tree::Select(..)
             | Tree::Method(..) => unreachable!("only leaves have names"),
         }
     }
@@ -155,8 +159,10 @@ impl<'n> Body<'n> {
                 }
             }
             Tree::Symbol(_) | Tree::Hoisted(_) | Tree::Local(_) => self.name(tree).len(),
-            Tree::Neg(_) => 1,
-            Tree::Add(..) | Tree::Sub(..) | Tree::Mul(..) | Tree::Div(..) => 3,
+            Tree::Neg(_) | Tree::Not(_) => 1,
+            Tree::Add(..) | Tree::Sub(..) | Tree::Mul(..) | Tree::Div(..) | Tree::And(..) => 3,
+            Tree::Less(..) => 7,
+            Tree::Select(..) => LONGEST.1,
             Tree::Method(name, _, arguments) => name.len() + 3 + 2 * arguments.len().saturating_sub(1),
         };
         own + tree.children().into_iter().map(|child| self.width(child)).sum::<usize>()
@@ -171,7 +177,9 @@ impl<'n> Body<'n> {
         let words = match tree {
             Tree::Symbol(_) | Tree::Hoisted(_) | Tree::Local(_) => self.name(tree).to_string(),
             Tree::Constant(value) if value.fract() == 0.0 && (0.0..100.0).contains(value) => format!("{value}"),
-            Tree::Constant(_) | Tree::Div(..) => return None,
+            Tree::Constant(_) | Tree::Div(..) | Tree::Less(..) | Tree::And(..) | Tree::Not(_) | Tree::Select(..) => {
+                return None;
+            }
             Tree::Neg(a) => format!("minus_{}", self.describe(a)?),
             Tree::Add(a, b) => format!("{}_plus_{}", self.describe(a)?, self.describe(b)?),
             Tree::Sub(a, b) => format!("{}_minus_{}", self.describe(a)?, self.describe(b)?),
@@ -243,7 +251,7 @@ impl<'p, 'n> Writer<'p, 'n> {
                 continue;
             }
             let tree = self.tree(instruction);
-            let shared = self.uses[i] > 1 && !tree.is_free();
+            let shared = (self.uses[i] > 1 && !tree.is_free()) || matches!(tree, Tree::Select(..));
             self.trees[i] = Some(if shared { self.bind(value(i), tree) } else { tree });
         }
     }
@@ -273,6 +281,19 @@ impl<'p, 'n> Writer<'p, 'n> {
             Instruction::Div(a, b) => self.combine(Tree::div, a, b),
             Instruction::Sqrt(a) => self.call("sqrt", a),
             Instruction::Call(function, a) => self.call(function.name(), a),
+            Instruction::Less(a, b) => {
+                let [first, second] = [a, b].map(|operand| {
+                    let tree = self.take(operand);
+                    if tree.is_free() { tree } else { self.bind(operand, tree) }
+                });
+                Tree::Less(Box::new(first), Box::new(second))
+            }
+            Instruction::And(a, b) => Tree::And(Box::new(self.take(a)), Box::new(self.take(b))),
+            Instruction::Not(a) => Tree::Not(Box::new(self.take(a))),
+            Instruction::Select(c, a, b) => {
+                let [c, a, b] = [c, a, b].map(|operand| Box::new(self.take(operand)));
+                Tree::Select(c, a, b)
+            }
             Instruction::Call2(function, a, b) => {
                 self.combine(|a, b| Tree::Method(function.name(), Box::new(a), vec![b]), a, b)
             }
@@ -516,9 +537,16 @@ pub(super) fn each_leaf<'t>(trees: impl Iterator<Item = &'t Tree>, found: &mut i
     for tree in trees {
         match tree {
             Tree::Constant(_) | Tree::Symbol(_) | Tree::Hoisted(_) | Tree::Local(_) => found(tree),
-            Tree::Neg(_) | Tree::Add(..) | Tree::Sub(..) | Tree::Mul(..) | Tree::Div(..) | Tree::Method(..) => {
-                each_leaf(tree.children().into_iter(), found);
-            }
+            Tree::Neg(_)
+            | Tree::Add(..)
+            | Tree::Sub(..)
+            | Tree::Mul(..)
+            | Tree::Div(..)
+            | Tree::Method(..)
+            | Tree::Less(..)
+            | Tree::And(..)
+            | Tree::Not(_)
+            | Tree::Select(..) => each_leaf(tree.children().into_iter(), found),
         }
     }
 }

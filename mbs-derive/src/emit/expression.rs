@@ -29,6 +29,14 @@ pub(super) enum Tree {
     Div(Box<Tree>, Box<Tree>),
     /// `a.method(arguments)`
     Method(&'static str, Box<Tree>, Vec<Tree>),
+    /// `a < b`, a condition
+    Less(Box<Tree>, Box<Tree>),
+    /// Both conditions hold
+    And(Box<Tree>, Box<Tree>),
+    /// The condition does not hold
+    Not(Box<Tree>),
+    /// `if condition { a } else { b }`
+    Select(Box<Tree>, Box<Tree>, Box<Tree>),
 }
 
 /// How tightly an expression holds together.
@@ -122,6 +130,7 @@ impl Tree {
             Tree::Symbol(_) | Tree::Hoisted(_) | Tree::Local(_) | Tree::Add(..) | Tree::Sub(..) | Tree::Method(..) => {
                 false
             }
+            Tree::Less(..) | Tree::And(..) | Tree::Not(_) | Tree::Select(..) => false,
         }
     }
 
@@ -142,8 +151,12 @@ impl Tree {
     pub(super) fn is_free(&self) -> bool {
         match self {
             Tree::Constant(_) | Tree::Symbol(_) | Tree::Hoisted(_) | Tree::Local(_) => true,
-            Tree::Neg(a) => a.is_free(),
-            Tree::Add(..) | Tree::Sub(..) | Tree::Mul(..) | Tree::Div(..) | Tree::Method(..) => false,
+            Tree::Neg(a) | Tree::Not(a) => a.is_free(),
+            // A condition is written again wherever it is asked: a comparison of what is known.
+            Tree::Less(a, b) | Tree::And(a, b) => a.is_free() && b.is_free(),
+            Tree::Add(..) | Tree::Sub(..) | Tree::Mul(..) | Tree::Div(..) | Tree::Method(..) | Tree::Select(..) => {
+                false
+            }
         }
     }
 
@@ -151,8 +164,16 @@ impl Tree {
     pub(super) fn children(&self) -> Vec<&Tree> {
         match self {
             Tree::Constant(_) | Tree::Symbol(_) | Tree::Hoisted(_) | Tree::Local(_) => Vec::new(),
-            Tree::Neg(a) => vec![a],
-            Tree::Add(a, b) | Tree::Sub(a, b) | Tree::Mul(a, b) | Tree::Div(a, b) => vec![a, b],
+            Tree::Neg(a) | Tree::Not(a) => vec![a],
+            Tree::Add(a, b)
+            | Tree::Sub(a, b)
+            | Tree::Mul(a, b)
+            | Tree::Div(a, b)
+            | Tree::Less(a, b)
+            | Tree::And(a, b) => {
+                vec![a, b]
+            }
+            Tree::Select(c, a, b) => vec![c, a, b],
             Tree::Method(_, a, rest) => std::iter::once(&**a).chain(rest).collect(),
         }
     }
@@ -161,7 +182,9 @@ impl Tree {
     pub(super) fn operations(&self) -> usize {
         let own = match self {
             Tree::Constant(_) | Tree::Symbol(_) | Tree::Hoisted(_) | Tree::Local(_) | Tree::Neg(_) => 0,
-            Tree::Add(..) | Tree::Sub(..) | Tree::Mul(..) | Tree::Div(..) => 1,
+            Tree::Not(_) => 0,
+            Tree::Add(..) | Tree::Sub(..) | Tree::Mul(..) | Tree::Div(..) | Tree::Less(..) | Tree::And(..) => 1,
+            Tree::Select(..) => 1,
             Tree::Method(_, _, arguments) => arguments.len().max(1),
         };
         own + self.children().into_iter().map(Tree::operations).sum::<usize>()
@@ -182,7 +205,7 @@ impl Tree {
             Tree::Symbol(Symbol::Multiplier(i)) => (2, (8 << 32) + u64::from(*i)),
             Tree::Local(i) => (3, *i as u64),
             Tree::Neg(a) | Tree::Mul(a, _) | Tree::Div(a, _) => a.key(),
-            Tree::Method(..) => (4, 0),
+            Tree::Method(..) | Tree::Less(..) | Tree::And(..) | Tree::Not(_) | Tree::Select(..) => (4, 0),
             Tree::Add(..) | Tree::Sub(..) => (5, 0),
         }
     }
@@ -229,6 +252,22 @@ fn within(tree: &Tree, leaves: &impl Leaves, least: Precedence) -> TokenStream {
         Tree::Div(a, b) => {
             let (a, b) = (within(a, leaves, Precedence::Product), within(b, leaves, Precedence::Sign));
             (Precedence::Product, quote!(#a / #b))
+        }
+        Tree::Less(a, b) => {
+            let (a, b) = (within(a, leaves, Precedence::Method), print(b, leaves));
+            (Precedence::Method, quote!(#a.less(#b)))
+        }
+        Tree::And(a, b) => {
+            let (a, b) = (within(a, leaves, Precedence::Method), within(b, leaves, Precedence::Method));
+            (Precedence::Any, quote!(#a & #b))
+        }
+        Tree::Not(a) => {
+            let a = within(a, leaves, Precedence::Method);
+            (Precedence::Sign, quote!(!#a))
+        }
+        Tree::Select(c, a, b) => {
+            let [c, a, b] = [c, a, b].map(|part| print(part, leaves));
+            (Precedence::Method, quote!(T::select(#c, || #a, || #b)))
         }
         Tree::Method(name, a, arguments) => {
             let (name, a) = (ident(name), within(a, leaves, Precedence::Method));

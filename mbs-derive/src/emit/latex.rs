@@ -296,7 +296,7 @@ fn operations(entries: &[Expr<'_>]) -> usize {
     let computes = |id: &Id| match graph.node(*id) {
         Node::Constant(_) | Node::Symbol(_) | Node::Neg(_) => false,
         Node::Rate(_) | Node::Add(..) | Node::Sub(..) | Node::Mul(..) | Node::Power(..) => true,
-        Node::Call(..) | Node::Call2(..) => true,
+        Node::Call(..) | Node::Call2(..) | Node::Less(..) | Node::And(..) | Node::Not(_) | Node::Select(..) => true,
     };
     graph.reachable(entries.iter().map(|entry| entry.id())).iter().filter(|id| computes(id)).count()
 }
@@ -617,6 +617,8 @@ impl<'g> Algebra<'g> {
                 Some(Sum::atom(id, 2))
             }
             Node::Rate(_) => unreachable!("time derivatives were carried out by derive"),
+            Node::Less(..) | Node::And(..) | Node::Not(_) => Some(Sum::product(Powers::new(), Number::ZERO)),
+            Node::Select(c, a, b) => self.cases(id, c, a, b),
             Node::Neg(a) => Some(sum(self, a)?.negative()),
             Node::Add(a, b) => Some(sum(self, a)?.plus(&sum(self, b)?, 1)),
             Node::Sub(a, b) => Some(sum(self, a)?.plus(&sum(self, b)?, -1)),
@@ -635,6 +637,29 @@ impl<'g> Algebra<'g> {
                 Some(Sum::atom(id, 2))
             }
         }
+    }
+
+    /// `a` where the condition holds, else `b`.
+    fn cases(&mut self, id: Id, condition: Id, a: Id, b: Id) -> Option<Sum> {
+        let (yes, no) = (self.sums[&a].clone()?, self.sums[&b].clone()?);
+        let (x, y) = (self.text(&yes)?, self.text(&no)?);
+        let condition = self.condition(condition)?;
+        let text =
+            format!("\\begin{{cases}} {x} & \\text{{if }} {condition} \\\\ {y} & \\text{{otherwise}} \\end{{cases}}");
+        self.function(id, Shape::Closed(text), &[&yes, &no]);
+        Some(Sum::atom(id, 2))
+    }
+
+    fn condition(&mut self, id: Id) -> Option<String> {
+        Some(match self.graph.node(id) {
+            Node::Less(a, b) => {
+                let (a, b) = (self.sums[&a].clone()?, self.sums[&b].clone()?);
+                format!("{} < {}", self.text(&a)?, self.text(&b)?)
+            }
+            Node::And(a, b) => format!("{} \\land {}", self.condition(a)?, self.condition(b)?),
+            Node::Not(a) => format!("\\lnot ({})", self.condition(a)?),
+            _ => return None,
+        })
     }
 
     fn symbol(&self, symbol: Symbol) -> Atom {

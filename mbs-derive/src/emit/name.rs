@@ -242,6 +242,10 @@ fn grade(
         | Instruction::Neg(_)
         | Instruction::Sqrt(_)
         | Instruction::Call(..)
+        | Instruction::Less(..)
+        | Instruction::And(..)
+        | Instruction::Not(_)
+        | Instruction::Select(..)
         | Instruction::Call2(..) => None,
     }
 }

@@ -1,7 +1,7 @@
 //! Reverse sweep: the gradient of one expression at a small multiple of its own cost.
 
 use super::graph::{Expr, Graph, Id, IdMap, Node, Symbol};
-use super::tangent::power_derivative;
+use super::tangent::{Tangent, power_derivative};
 
 /// `∂root/∂symbol` for each symbol.
 ///
@@ -18,9 +18,10 @@ pub fn gradient_of_combination<'g>(roots: &[(Expr<'g>, Expr<'g>)], symbols: &[Sy
     for &(root, weight) in roots {
         adjoints.add(root.id(), weight);
     }
+    let mut branches = Branches::new(graph, symbols);
     for &id in order.iter().rev() {
         if let Some(adjoint) = adjoints.get(id) {
-            for (operand, partial) in partials(graph.expr(id)) {
+            for (operand, partial) in branches.partials(graph.expr(id)) {
                 adjoints.add_product(operand, partial, adjoint);
             }
         }
@@ -89,6 +90,8 @@ pub(super) enum Partial<'g> {
     Factor(Expr<'g>),
     /// That of the node's first (0) or second (1) operand.
     Derivative(Expr<'g>, usize),
+    /// This.
+    Given(Expr<'g>),
 }
 
 impl<'g> Partial<'g> {
@@ -97,7 +100,7 @@ impl<'g> Partial<'g> {
         match self {
             Partial::One => weight,
             Partial::MinusOne => -weight,
-            Partial::Factor(other) => other * weight,
+            Partial::Factor(other) | Partial::Given(other) => other * weight,
             Partial::Derivative(expr, which) => {
                 let derivative = match expr.node() {
                     Node::Power(a, n) => power_derivative(graph.expr(a), n),
@@ -111,11 +114,58 @@ impl<'g> Partial<'g> {
     }
 }
 
+/// Piecewise expressions in a reverse sweep: functions of the symbols themselves, each branch differentiated by itself.
+///
+/// An adjoint sent into a branch that is not taken would be zero times what the branch's derivatives are there, and that
+/// may be NaN. So the derivatives in the symbols are selected instead.
+pub(super) struct Branches<'g> {
+    graph: &'g Graph,
+    sweeps: Vec<(Symbol, Sweep<'g>)>,
+}
+
+type Sweep<'g> = Tangent<'g, Box<dyn Fn(Symbol) -> Option<Expr<'g>> + 'g>>;
+
+impl<'g> Branches<'g> {
+    pub(super) fn new(graph: &'g Graph, symbols: &[Symbol]) -> Self {
+        let along = |chosen: Symbol| {
+            let direction: Box<dyn Fn(Symbol) -> Option<Expr<'g>> + 'g> =
+                Box::new(move |symbol| (symbol == chosen).then(|| graph.integer(1)));
+            (chosen, Tangent::new(direction))
+        };
+        Branches { graph, sweeps: symbols.iter().map(|&symbol| along(symbol)).collect() }
+    }
+
+    /// The nodes that a node's derivative is passed to: its operands, or of a piecewise expression the symbols.
+    pub(super) fn partials(&mut self, expr: Expr<'g>) -> Vec<(Id, Partial<'g>)> {
+        if !matches!(expr.node(), Node::Select(..)) {
+            return partials(expr).collect();
+        }
+        let graph = self.graph;
+        let slopes = self.sweeps.iter_mut().map(|(symbol, sweep)| (graph.symbol(*symbol).id(), sweep.of(expr)));
+        slopes.filter(|(_, slope)| !slope.is_zero()).map(|(id, slope)| (id, Partial::Given(slope))).collect()
+    }
+
+    /// The second derivatives of a piecewise expression, each pair of symbols once.
+    pub(super) fn curvatures(&mut self, expr: Expr<'g>) -> Vec<(Id, Id, Expr<'g>)> {
+        let mut found = Vec::new();
+        for i in 0..self.sweeps.len() {
+            let slope = self.sweeps[i].1.of(expr);
+            for j in 0..=i {
+                let ids = [i, j].map(|k| self.graph.symbol(self.sweeps[k].0).id());
+                found.push((ids[0], ids[1], self.sweeps[j].1.of(slope)));
+            }
+        }
+        found.retain(|(_, _, curvature)| !curvature.is_zero());
+        found
+    }
+}
+
 /// The operands of a node, each with the node's derivative in it.
 pub(super) fn partials<'g>(expr: Expr<'g>) -> impl Iterator<Item = (Id, Partial<'g>)> {
     let graph = expr.graph();
     let (first, second) = match expr.node() {
-        Node::Constant(_) | Node::Symbol(_) => (None, None),
+        Node::Constant(_) | Node::Symbol(_) | Node::Less(..) | Node::And(..) | Node::Not(_) => (None, None),
+        Node::Select(..) => unreachable!("branches are differentiated by `Branches`"),
         Node::Rate(_) => unreachable!("time derivatives are carried out before others"),
         Node::Neg(a) => (Some((a, Partial::MinusOne)), None),
         Node::Add(a, b) => (Some((a, Partial::One)), Some((b, Partial::One))),

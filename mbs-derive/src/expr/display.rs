@@ -90,6 +90,21 @@ fn infix(graph: &Graph, root: Id) -> String {
                 continue;
             }
             Node::Call(function, a) => (POWER, vec![Text(function.name()), Text("("), Operand(a, SUM), Text(")")]),
+            Node::Less(a, b) => (SUM, vec![Operand(a, PRODUCT), Text(" < "), Operand(b, PRODUCT)]),
+            Node::And(a, b) => (SUM, vec![Operand(a, PRODUCT), Text(" && "), Operand(b, PRODUCT)]),
+            Node::Not(a) => (NEGATION, vec![Text("!"), Operand(a, POWER)]),
+            Node::Select(c, a, b) => (
+                POWER,
+                vec![
+                    Text("if "),
+                    Operand(c, SUM),
+                    Text(" { "),
+                    Operand(a, SUM),
+                    Text(" } else { "),
+                    Operand(b, SUM),
+                    Text(" }"),
+                ],
+            ),
             Node::Call2(function, a, b) => {
                 (POWER, vec![Text(function.name()), Text("("), Operand(a, SUM), Text(", "), Operand(b, SUM), Text(")")])
             }

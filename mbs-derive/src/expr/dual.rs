@@ -77,6 +77,9 @@ impl<S: Value> Value for Dual<S> {
     fn rate(self) -> Self {
         Dual::new(self.derivative, S::constant(f64::NAN))
     }
+    fn less(self, other: Self) -> bool {
+        self.value.less(other.value)
+    }
 }
 
 /// The derivatives of the functions, over numbers.

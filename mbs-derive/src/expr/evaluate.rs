@@ -25,6 +25,8 @@ pub trait Value: Copy {
     fn call2(self, function: Binary, other: Self) -> Self;
     /// The total time derivative, for numbers that carry it.
     fn rate(self) -> Self;
+    /// Whether `a < b`; derivatives do not count.
+    fn less(self, other: Self) -> bool;
 }
 
 impl Value for f64 {
@@ -62,6 +64,19 @@ impl Value for f64 {
     fn rate(self) -> f64 {
         f64::NAN
     }
+    fn less(self, other: f64) -> bool {
+        self < other
+    }
+}
+
+/// A condition as a number.
+pub fn truth<V: Value>(holds: bool) -> V {
+    V::constant(if holds { 1.0 } else { 0.0 })
+}
+
+/// Whether a condition, as a number, holds.
+pub fn holds<V: Value>(condition: V) -> bool {
+    V::constant(0.0).less(condition)
 }
 
 /// Expressions in order of evaluation, to be evaluated many times.
@@ -88,6 +103,10 @@ impl Tape {
             Node::Power(a, n) => Node::Power(at(a), n),
             Node::Call(function, a) => Node::Call(function, at(a)),
             Node::Call2(function, a, b) => Node::Call2(function, at(a), at(b)),
+            Node::Less(a, b) => Node::Less(at(a), at(b)),
+            Node::And(a, b) => Node::And(at(a), at(b)),
+            Node::Not(a) => Node::Not(at(a)),
+            Node::Select(c, a, b) => Node::Select(at(c), at(a), at(b)),
             leaf @ (Node::Constant(_) | Node::Symbol(_)) => leaf,
         });
         Tape { steps: steps.collect(), roots: roots.iter().map(|root| at(root.id()).index()).collect() }
@@ -109,6 +128,16 @@ impl Tape {
                 Node::Power(a, n) => v(a).power(n.to_halves()),
                 Node::Call(function, a) => v(a).call(function),
                 Node::Call2(function, a, b) => v(a).call2(function, v(b)),
+                Node::Less(a, b) => truth(v(a).less(v(b))),
+                Node::And(a, b) => truth(holds(v(a)) && holds(v(b))),
+                Node::Not(a) => truth(!holds(v(a))),
+                Node::Select(c, a, b) => {
+                    if holds(v(c)) {
+                        v(a)
+                    } else {
+                        v(b)
+                    }
+                }
             };
             values.push(value);
         }

@@ -103,17 +103,31 @@ pub enum Node {
     Call(Function, Id),
     /// `f(a, b)`
     Call2(Binary, Id, Id),
+    /// Whether `a < b`: 1 or 0; only as a condition.
+    Less(Id, Id),
+    /// Whether both conditions hold.
+    And(Id, Id),
+    /// Whether a condition does not hold.
+    Not(Id),
+    /// `if condition { a } else { b }`
+    Select(Id, Id, Id),
 }
 
 impl Node {
     /// The operands, in order.
     pub fn operands(self) -> impl Iterator<Item = Id> {
-        let (first, second) = match self {
-            Node::Constant(_) | Node::Symbol(_) => (None, None),
-            Node::Rate(a) | Node::Neg(a) | Node::Power(a, _) | Node::Call(_, a) => (Some(a), None),
-            Node::Add(a, b) | Node::Sub(a, b) | Node::Mul(a, b) | Node::Call2(_, a, b) => (Some(a), Some(b)),
+        let operands = match self {
+            Node::Constant(_) | Node::Symbol(_) => [None; 3],
+            Node::Rate(a) | Node::Neg(a) | Node::Power(a, _) | Node::Call(_, a) | Node::Not(a) => [Some(a), None, None],
+            Node::Add(a, b)
+            | Node::Sub(a, b)
+            | Node::Mul(a, b)
+            | Node::Call2(_, a, b)
+            | Node::Less(a, b)
+            | Node::And(a, b) => [Some(a), Some(b), None],
+            Node::Select(c, a, b) => [Some(c), Some(a), Some(b)],
         };
-        first.into_iter().chain(second)
+        operands.into_iter().flatten()
     }
 }
 
@@ -235,6 +249,10 @@ impl Arena {
             Node::Power(a, n) => write(8 + ((n.0 as u64) << 8), &[a]),
             Node::Call(function, a) => write(9 + ((function as u64) << 8), &[a]),
             Node::Call2(function, a, b) => write(10 + ((function as u64) << 8), &[a, b]),
+            Node::Less(a, b) => write(11, &[a, b]),
+            Node::And(a, b) => write(12, &[a, b]),
+            Node::Not(a) => write(13, &[a]),
+            Node::Select(c, a, b) => write(14, &[c, a, b]),
         }
         hasher.finish()
     }
@@ -481,6 +499,80 @@ impl Graph {
     /// `c · x` for a positive constant; constants stand first.
     fn scaled<'g>(&'g self, c: Number, x: Expr<'g>) -> Expr<'g> {
         self.constant(c) * x
+    }
+}
+
+/// A condition of a piecewise expression.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Condition<'g>(pub(crate) Expr<'g>);
+
+impl<'g> Expr<'g> {
+    /// `self < other`
+    pub fn less(self, other: Expr<'g>) -> Condition<'g> {
+        let graph = self.graph;
+        match (self.as_constant(), other.as_constant()) {
+            (Some(a), Some(b)) if !graph.verbatim => graph.truth((a + -b).is_negative()),
+            _ => Condition(graph.intern(Node::Less(self.id, other.id))),
+        }
+    }
+
+    /// `self <= other`: that `other` is not less.
+    pub fn less_equal(self, other: Expr<'g>) -> Condition<'g> {
+        other.less(self).not()
+    }
+}
+
+impl<'g> Condition<'g> {
+    /// Both hold.
+    pub fn and(self, other: Condition<'g>) -> Condition<'g> {
+        let graph = self.0.graph;
+        match (self.known(), other.known()) {
+            (Some(true), _) => other,
+            (_, Some(true)) => self,
+            (Some(false), _) | (_, Some(false)) => graph.truth(false),
+            _ => Condition(graph.intern(Node::And(self.0.id, other.0.id))),
+        }
+    }
+
+    /// At least one holds.
+    pub fn or(self, other: Condition<'g>) -> Condition<'g> {
+        self.not().and(other.not()).not()
+    }
+
+    /// It does not hold.
+    #[allow(clippy::should_implement_trait)] // beside `and` and `or`
+    pub fn not(self) -> Condition<'g> {
+        let graph = self.0.graph;
+        match (self.known(), self.0.node()) {
+            (Some(value), _) => graph.truth(!value),
+            (None, Node::Not(a)) => Condition(graph.expr(a)),
+            _ => Condition(graph.intern(Node::Not(self.0.id))),
+        }
+    }
+
+    fn known(self) -> Option<bool> {
+        self.0.as_constant().map(|value| !value.is_zero())
+    }
+}
+
+impl Graph {
+    fn truth(&self, value: bool) -> Condition<'_> {
+        Condition(self.integer(i64::from(value)))
+    }
+
+    /// `if condition { yes } else { no }`
+    pub fn select<'g>(&'g self, condition: Condition<'g>, yes: Expr<'g>, no: Expr<'g>) -> Expr<'g> {
+        match condition.known() {
+            Some(holds) if !self.verbatim => {
+                if holds {
+                    yes
+                } else {
+                    no
+                }
+            }
+            _ if yes == no && !self.verbatim => yes,
+            _ => self.intern(Node::Select(condition.0.id, yes.id, no.id)),
+        }
     }
 }
 

@@ -8,7 +8,7 @@
 
 use std::collections::BTreeMap;
 
-use super::adjoint::{Adjoints, Partial, active, partials};
+use super::adjoint::{Adjoints, Branches, Partial, active};
 use super::function::{Binary, Function};
 use super::graph::{Expr, Graph, HalfInteger, Id, IdMap, Node, Symbol};
 
@@ -18,17 +18,22 @@ pub fn hessian<'g>(root: Expr<'g>, symbols: &[Symbol]) -> Vec<Vec<Expr<'g>>> {
     let order = active(graph, std::iter::once(root.id()), |symbol| symbols.contains(&symbol));
     let mut adjoints = Adjoints::new(graph, &order);
     adjoints.add(root.id(), graph.integer(1));
+    let mut branches = Branches::new(graph, symbols);
     let mut edges = Edges { graph, rows: IdMap::default() };
     for &id in order.iter().rev() {
         if matches!(graph.node(id), Node::Symbol(_)) {
             continue;
         }
-        let operands: Vec<_> = partials(graph.expr(id)).filter(|(operand, _)| adjoints.is_active(*operand)).collect();
+        let mut operands = branches.partials(graph.expr(id));
+        operands.retain(|(operand, _)| adjoints.is_active(*operand));
         for (neighbour, weight) in edges.take(id) {
             push(graph, &mut edges, id, neighbour, weight, &operands);
         }
         if let Some(adjoint) = adjoints.get(id) {
             create(graph.expr(id), adjoint, &adjoints, &mut edges);
+            if matches!(graph.node(id), Node::Select(..)) {
+                branches.curvatures(graph.expr(id)).into_iter().for_each(|(i, j, w)| edges.add(i, j, w * adjoint));
+            }
             for &(operand, partial) in &operands {
                 adjoints.add_product(operand, partial, adjoint);
             }
@@ -55,16 +60,13 @@ fn push<'g>(
         }
         return;
     }
-    match *operands {
-        [(j, partial)] => edges.add(j, j, partial.times(graph, partial.times(graph, weight))),
-        [(j, first), (k, second)] => {
-            let (wj, wk) = (first.times(graph, weight), second.times(graph, weight));
-            edges.add(j, j, first.times(graph, wj));
-            let mixed = first.times(graph, wk);
+    for (position, &(k, second)) in operands.iter().enumerate() {
+        let pushed = second.times(graph, weight);
+        for &(j, first) in &operands[..position] {
+            let mixed = first.times(graph, pushed);
             edges.add(j, k, if j == k { 2 * mixed } else { mixed });
-            edges.add(k, k, second.times(graph, wk));
         }
-        _ => {}
+        edges.add(k, k, second.times(graph, pushed));
     }
 }
 
@@ -86,7 +88,11 @@ fn create<'g>(expr: Expr<'g>, adjoint: Expr<'g>, adjoints: &Adjoints<'g>, edges:
         | Node::Neg(_)
         | Node::Add(..)
         | Node::Sub(..)
-        | Node::Mul(..) => {}
+        | Node::Mul(..)
+        | Node::Less(..)
+        | Node::And(..)
+        | Node::Not(_)
+        | Node::Select(..) => {}
     }
 }
 

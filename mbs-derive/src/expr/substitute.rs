@@ -1,6 +1,6 @@
 //! Copies expressions, replacing symbols, into the same or another graph; the target's local rules apply.
 
-use super::graph::{Expr, Graph, Id, IdMap, Node, Symbol};
+use super::graph::{Condition, Expr, Graph, Id, IdMap, Node, Symbol};
 use super::tangent::Tangent;
 
 /// The expressions with each symbol replaced as `replacement` says; `None` leaves it.
@@ -52,5 +52,9 @@ fn rebuild<'g>(graph: &'g Graph, node: Node, new: impl Fn(Id) -> Expr<'g>) -> Ex
         Node::Power(a, n) => new(a).power(n),
         Node::Call(function, a) => new(a).call(function),
         Node::Call2(function, a, b) => new(a).call2(function, new(b)),
+        Node::Less(a, b) => new(a).less(new(b)).0,
+        Node::And(a, b) => Condition(new(a)).and(Condition(new(b))).0,
+        Node::Not(a) => Condition(new(a)).not().0,
+        Node::Select(c, a, b) => graph.select(Condition(new(c)), new(a), new(b)),
     }
 }

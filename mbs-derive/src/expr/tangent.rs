@@ -1,6 +1,6 @@
 //! Forward sweep: directional derivatives, and the total time derivative by the chain rule.
 
-use super::graph::{Expr, Id, IdMap, Node, Symbol};
+use super::graph::{Condition, Expr, Id, IdMap, Node, Symbol};
 
 /// The derivative along one direction, given by the derivatives of the symbols.
 ///
@@ -59,6 +59,9 @@ impl<'g, Direction: Fn(Symbol) -> Option<Expr<'g>>> Tangent<'g, Direction> {
             Node::Power(..) | Node::Call(..) if d(node.operands().next().expect("one operand")).is_zero() => zero,
             Node::Power(a, n) => power_derivative(graph.expr(a), n) * d(a),
             Node::Call(function, a) => function.derivative(graph.expr(a), expr) * d(a),
+            Node::Less(..) | Node::And(..) | Node::Not(_) => zero,
+            // Inside each branch by itself; the jump between them has no derivative.
+            Node::Select(c, a, b) => graph.select(Condition(graph.expr(c)), d(a), d(b)),
             Node::Call2(_, a, b) if d(a).is_zero() && d(b).is_zero() => zero,
             Node::Call2(function, a, b) => {
                 let [da, db] = function.derivative(graph.expr(a), graph.expr(b), expr);

@@ -576,7 +576,11 @@ mod tests {
         same(half, "quaternion(w, s, 0, 0)", "rot_x(theta)");
         same(half, "quaternion(w, 0, 0, s) * rot_x(q[0])", "rot_z(theta) * rot_x(q[0])");
         same(half, "quaternion(w, 2*s/7, 3*s/7, 6*s/7)", "rotation([2, 3, 6], theta)");
-        same(half, "angular_velocity(quaternion(w, 2*s/7, 3*s/7, 6*s/7))", "angular_velocity(rotation([2, 3, 6], theta))");
+        same(
+            half,
+            "angular_velocity(quaternion(w, 2*s/7, 3*s/7, 6*s/7))",
+            "angular_velocity(rotation([2, 3, 6], theta))",
+        );
         same(
             half,
             "angular_velocity(rot_x(q[1]) * quaternion(w, 2*s/7, 3*s/7, 6*s/7) * rot_y(q[0]))",

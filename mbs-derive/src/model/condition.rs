@@ -1,6 +1,7 @@
 //! `if … { … } else { … }`: each branch is a value of its own, and the condition chooses between them.
 //!
-//! What is known at build time is decided at build time, and the other branch is not looked at: loops may ask for their turn.
+//! What is known at build time is decided at build time, and the other branch is not looked at: loops may ask for their
+//! turn.
 
 use super::evaluate::{Argument, Refused, Resolved, Resolver, in_words};
 use super::value::{Free, Point, Scalar, Shape, Tensor, Value, shared};
@@ -275,6 +276,9 @@ mod tests {
         same("", "if y < 0 { -y } else { y }", "abs(y)");
         same("", "if y > 0 { 1*l } else if x > 0 { 2*l } else { 3*l }", "2*l");
         same("", "dt(if y < 0 { -y } else { y })", "-dt(y)");
+        // What is not a number on the other side does not matter.
+        same("", "if y > 0 { sqrt(y) } else { 2*sqrt(-y) }", "2*sqrt(-y)");
+        same("", "dt(if y > 0 { sqrt(y) } else { 2*sqrt(-y) })", "dt(2*sqrt(-y))");
     }
 
     #[test]

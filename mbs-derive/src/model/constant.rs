@@ -107,7 +107,11 @@ impl Facts {
             | Node::Mul(..)
             | Node::Power(..)
             | Node::Call(..)
-            | Node::Call2(..) => operands,
+            | Node::Call2(..)
+            | Node::Less(..)
+            | Node::And(..)
+            | Node::Not(_)
+            | Node::Select(..) => operands,
         }
     }
 
@@ -128,8 +132,16 @@ impl Facts {
             Node::Call2(function, a, b) => {
                 self.calculator.number(value(a)).call2(function, self.calculator.number(value(b))).as_constant()
             }
+            Node::Less(a, b) => Some(truth((value(a) + -value(b)).is_negative())),
+            Node::And(a, b) => Some(truth(!value(a).is_zero() && !value(b).is_zero())),
+            Node::Not(a) => Some(truth(value(a).is_zero())),
+            Node::Select(condition, a, b) => Some(value(if value(condition).is_zero() { b } else { a })),
         }
     }
+}
+
+fn truth(value: bool) -> Number {
+    if value { Number::ONE } else { Number::ZERO }
 }
 
 /// A graph with rules: functions of constants fold in it as they will in the finished equations.
@@ -166,6 +178,19 @@ mod tests {
         assert_eq!(facts.integer(graph.integer(7) - graph.integer(4)), Some(3));
         assert_eq!(facts.integer(half), None);
         assert_eq!(facts.constant(graph.symbol(Symbol::Parameter(0))), None);
+    }
+
+    #[test]
+    fn conditions_of_constants_fold() {
+        let graph = Graph::verbatim();
+        let mut facts = Facts::default();
+        let [one, two, q] = [graph.integer(1), graph.integer(2), graph.symbol(Symbol::Coordinate(0))];
+        let mut chosen = |condition| facts.constant(graph.select(condition, one, two));
+        assert_eq!(chosen(one.less(two)), Some(Number::ONE));
+        assert_eq!(chosen(two.less_equal(two)), Some(Number::ONE));
+        assert_eq!(chosen(one.less(two).not().or(two.less(one))), Some(Number::integer(2)));
+        assert_eq!(chosen(q.less(two)), None);
+        assert!(facts.dependence(graph.select(q.less(two), one, two)).on(Dependence::COORDINATE));
     }
 
     #[test]

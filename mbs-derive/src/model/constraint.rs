@@ -1,6 +1,7 @@
 //! `constraint name: left = right;`: rows that vanish, of one kind.
 //!
-//! The rows of a vector are its components in world axes; those that vanish identically, as in plane motion, are left out.
+//! The rows of a vector are its components in world axes; those that vanish identically, as in plane motion, are left
+//! out.
 
 use super::constant::Dependence;
 use super::dimension::Dimension;
@@ -243,7 +244,7 @@ mod tests {
             "[x/l, l*dt(y)/l^2*t] = 0: some rows of this constraint are about positions, others about velocities; write two constraints",
         );
         refused(
-            "constraint a: rot_z(theta) = world;",
+            "constraint a: rot_z(theta) = 0;",
             "rot_z(theta): a constraint is made of numbers, this is a pose; constrain its place `pose.origin()`, or angles",
         );
         refused(

@@ -396,11 +396,23 @@ mod tests {
     #[test]
     fn prescribed_motions() {
         assert_eq!(value_with_unit("prescribed s: m = 2*l*t^2/t^2;", "s"), (vec![6.0], "m".to_string()));
-        near(&value("prescribed s[2]: 1 = [sin(t/t), 2]; prescribed w: 1/s = 3/t;", "[s[0], s[1], w*t]"), &[1f64.sin(), 2.0, 3.0], "formulas");
-        near(&value("prescribed s: 1 = (t/(t^2)*t)^2; prescribed r[2]: m = l;", "[dt(s)*t, r[1]/l]"), &[0.0, 1.0], "formulas");
+        near(
+            &value("prescribed s[2]: 1 = [sin(t/t), 2]; prescribed w: 1/s = 3/t;", "[s[0], s[1], w*t]"),
+            &[1f64.sin(), 2.0, 3.0],
+            "formulas",
+        );
+        near(
+            &value("prescribed s: 1 = (t/(t^2)*t)^2; prescribed r[2]: m = l;", "[dt(s)*t, r[1]/l]"),
+            &[0.0, 1.0],
+            "formulas",
+        );
         // Run-time signals with their derivatives.
         assert_eq!(value_with_unit("prescribed s: m;", "dt(s)"), (vec![-1.4], "m/s".to_string()));
-        near(&value("prescribed s[2]: rad;", "[s[0], s[1], dt(s[1]*x/l)]"), &[0.6, 1.6, (-0.4 * 0.3 + 1.6 * 0.5) / 3.0], "signals");
+        near(
+            &value("prescribed s[2]: rad;", "[s[0], s[1], dt(s[1]*x/l)]"),
+            &[0.6, 1.6, (-0.4 * 0.3 + 1.6 * 0.5) / 3.0],
+            "signals",
+        );
         mechanism("/// Up and down.\nprescribed heave[2]: m; kinetic += 1/2*m*dt(x + heave[1])^2;", |lagrangian| {
             let [heave] = &lagrangian.prescribed[..] else { panic!("one") };
             assert_eq!((heave.length, heave.unit.as_str(), &*heave.docs[0]), (Some(2), "m", "Up and down."));
@@ -412,8 +424,14 @@ mod tests {
         refused("prescribed s: m = m*t/t;", "m*t/t: `s` must be m, this is kg");
         refused("prescribed s: mm = l;", "mm: `s` is a formula, in SI units; write `prescribed s: m = …;`");
         refused("prescribed s: mm;", "mm: `s` is given at run time, in SI units; write `prescribed s: m;`");
-        refused("prescribed s: m = [l, l];", "[l, l]: `s` is one number, this is an array of 2; write `let` for anything else, or declare a length: `[3]`");
-        refused("prescribed s[3]: m = [l, l];", "[l, l]: this array has 2 elements, 3 are declared; one value without brackets stands for all elements");
+        refused(
+            "prescribed s: m = [l, l];",
+            "[l, l]: `s` is one number, this is an array of 2; write `let` for anything else, or declare a length: `[3]`",
+        );
+        refused(
+            "prescribed s[3]: m = [l, l];",
+            "[l, l]: this array has 2 elements, 3 are declared; one value without brackets stands for all elements",
+        );
         refused("prescribed s: m;", "s: `s` is not used; it is in no energy, force, constraint or output");
         refused(
             "prescribed s: m; let a = dt(dt(s));",

@@ -1,14 +1,15 @@
 //! What must hold of the energies as functions of the velocities, tried at random states.
 //!
-//! L is quadratic in q̇, V does not depend on it, constraints are linear in it and independent, and every motion that they
-//! leave has inertia. A declaration that fails has no equations of
-//! motion of the form `M q̈ + C q̇ + G + ∂D/∂q̇ = Q`.
+//! L is quadratic in q̇ and V does not depend on it; constraints are linear in it and independent; every motion that they
+//! leave has inertia. A declaration that fails has no equations of motion of the form
+//! `M q̈ + C q̇ + G + ∂D/∂q̇ = Q + Aᵀλ`.
 
 use std::fmt;
 
 use crate::expr::{Dual, Expr, Symbol, Tape};
 use crate::interpret::State;
 
+use super::frame::Edge;
 use super::lagrangian::{ConstraintKind, Lagrangian, component_names};
 use super::sample::{Random, default_parameters};
 
@@ -59,7 +60,10 @@ impl Problem {
             Problem::NeverFinite => "the energies are not finite at any of the sampled states".to_string(),
             Problem::ConstraintNotLinear(_) => "a constraint must be linear in the velocities".to_string(),
             Problem::DependentConstraint(i) => {
-                format!("the constraint `{}` follows from the others, or contradicts them", lagrangian.constraints[*i].name)
+                format!(
+                    "the constraint `{}` follows from the others, or contradicts them",
+                    lagrangian.constraints[*i].name
+                )
             }
             Problem::TooManyConstraints(rows) => {
                 format!("{rows} rows of constraints on {} coordinates leave no motion", lagrangian.dof())
@@ -82,8 +86,11 @@ impl Problem {
                 "a velocity-dependent potential U goes into `lagrangian += -U`, friction into `dissipation +=`".to_string()
             }
             Problem::NoInertia(i) => format!("add `kinetic += …` with `dt({})`, or make it an input or a parameter", names[*i]),
+            Problem::DependentInertia(_) if lagrangian.frames.iter().any(|f| matches!(f.edge, Some(Edge::Quaternion(_)))) => {
+                "the length of a quaternion needs a constraint: `constraint unit: w^2 + x^2 + y^2 + z^2 = 1;`".to_string()
+            }
             Problem::DependentInertia(_) => {
-                "leave out coordinates that the others determine, or give each motion a mass; the components of a quaternion need a `constraint` on its length".to_string()
+                "leave out coordinates that the others determine, or give each motion a mass".to_string()
             }
             Problem::NegativeInertia(_) => "check the signs of the kinetic terms, and masses and inertias".to_string(),
             Problem::NeverFinite => {
@@ -263,7 +270,8 @@ struct Constraints {
 
 impl Constraints {
     fn new(lagrangian: &Lagrangian<'_>) -> Self {
-        let all = || lagrangian.constraints.iter().enumerate().flat_map(|(i, c)| c.rows.iter().map(move |row| (i, c, row)));
+        let all =
+            || lagrangian.constraints.iter().enumerate().flat_map(|(i, c)| c.rows.iter().map(move |row| (i, c, row)));
         let rows: Vec<Expr<'_>> = all().map(|(_, _, row)| *row).collect();
         Constraints {
             rows: Tape::new(&rows),

@@ -35,8 +35,8 @@ pub enum Edge<'g> {
         /// Any expression of coordinates, time and parameters.
         angle: Expr<'g>,
     },
-    /// Turned by a quaternion (w, x, y, z), the scalar part first. Its length must be 1: coordinates need a constraint that
-    /// keeps it so.
+    /// Turned by a quaternion (w, x, y, z), the scalar part first. Its length must be 1: coordinates need a constraint
+    /// that keeps it so.
     Quaternion([Expr<'g>; 4]),
     /// Shifted, in the parent's axes.
     Translation(Vector<'g>),

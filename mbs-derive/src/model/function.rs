@@ -1,7 +1,7 @@
 //! Functions written in the language: those of the mechanism, and those of the library.
 //!
-//! A call gives the body a scope of its own, in which the arguments are values of any shape and dimension, and evaluates it:
-//! a function is as polymorphic as its body.
+//! A call gives the body a scope of its own, in which the arguments are values of any shape and dimension, and evaluates
+//! it: a function is as polymorphic as its body.
 
 use std::collections::BTreeSet;
 
@@ -188,7 +188,6 @@ impl<'d, 'g> Resolver<'d, 'g> {
 #[cfg(test)]
 mod tests {
     use super::super::trial::{mechanism, near, refusals, refused, resolved, same, value, value_with_unit};
-
 
     #[test]
     fn functions_take_values_of_any_kind() {

@@ -323,7 +323,9 @@ impl<'d, 'g> Resolver<'d, 'g> {
             Value::Scalar(_) | Value::Energy(_) => {
                 let Scalar { expr, dimension } = self.scalar(a)?;
                 let dimension = self.per_second(dimension, &a.span)?;
-                Ok(Value::Scalar(Scalar::new(self.rate_of(expr, &a.span)?, dimension)))
+                // The literal 0 goes on fitting every dimension.
+                let rate = if expr.is_zero() { expr } else { self.rate_of(expr, &a.span)? };
+                Ok(Value::Scalar(Scalar::new(rate, dimension)))
             }
             Value::Point(Point { coordinates, frame }) => {
                 coordinates.0.iter().try_for_each(|&c| self.check_rate(c, &a.span))?;
@@ -539,6 +541,7 @@ mod tests {
         same("", "dt(t^2)", "2*t");
         same("", "dt(m)", "0*m/t");
         same("", "dt(q)", "[dt(q[0]), dt(q[1])]");
+        same("", "dt([x, 0, z])", "[dt(x), 0, dt(z)]");
         same("", "dt([x, y*theta, z])", "[dt(x), dt(y*theta), dt(z)]");
         // In the axes of the pose, and yet the rates of the world components.
         same(pose, "dt(a * [x, y, z])", "[dt((a * [x, y, z]).x), dt((a * [x, y, z]).y), dt((a * [x, y, z]).z)]");

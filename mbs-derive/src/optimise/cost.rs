@@ -66,7 +66,10 @@ pub fn operations(program: &Program) -> Operations {
             Instruction::Call(Function::Sin | Function::Cos, angle) => {
                 angles.insert(angle);
             }
-            Instruction::Call(..) | Instruction::Call2(..) => count.other += 1,
+            Instruction::And(..) | Instruction::Not(_) => {}
+            Instruction::Less(..) | Instruction::Select(..) | Instruction::Call(..) | Instruction::Call2(..) => {
+                count.other += 1;
+            }
         }
     }
     Operations { sincos: angles.len(), ..count }

@@ -36,16 +36,19 @@ enum Recipe {
     Power(Id, i32),
     Call(crate::expr::Function, Id),
     Call2(crate::expr::Binary, Id, Id),
+    Not(Id),
+    Select(Id, Id, Id),
 }
 
 impl Recipe {
     fn operands(self) -> impl Iterator<Item = Id> {
-        let (first, second) = match self {
-            Recipe::Leaf(_) => (None, None),
-            Recipe::Neg(a) | Recipe::Power(a, _) | Recipe::Call(_, a) => (Some(a), None),
-            Recipe::Binary(_, a, b) | Recipe::Call2(_, a, b) => (Some(a), Some(b)),
+        let operands = match self {
+            Recipe::Leaf(_) => [None; 3],
+            Recipe::Neg(a) | Recipe::Power(a, _) | Recipe::Call(_, a) | Recipe::Not(a) => [Some(a), None, None],
+            Recipe::Binary(_, a, b) | Recipe::Call2(_, a, b) => [Some(a), Some(b), None],
+            Recipe::Select(c, a, b) => [Some(c), Some(a), Some(b)],
         };
-        first.into_iter().chain(second)
+        operands.into_iter().flatten()
     }
 }
 
@@ -115,6 +118,10 @@ impl<'a> Lowering<'a> {
             Node::Power(a, n) => Recipe::Power(a, n.to_halves()),
             Node::Call(function, a) => Recipe::Call(function, a),
             Node::Call2(function, a, b) => Recipe::Call2(function, a, b),
+            Node::Less(a, b) => Recipe::Binary(Instruction::Less, a, b),
+            Node::And(a, b) => Recipe::Binary(Instruction::And, a, b),
+            Node::Not(a) => Recipe::Not(a),
+            Node::Select(c, a, b) => Recipe::Select(c, a, b),
         }
     }
 
@@ -138,6 +145,8 @@ impl<'a> Lowering<'a> {
             Recipe::Power(a, halves) => return self.power(self.values[&a], halves),
             Recipe::Call(function, a) => Instruction::Call(function, self.values[&a]),
             Recipe::Call2(function, a, b) => Instruction::Call2(function, self.values[&a], self.values[&b]),
+            Recipe::Not(a) => Instruction::Not(self.values[&a]),
+            Recipe::Select(c, a, b) => Instruction::Select(self.values[&c], self.values[&a], self.values[&b]),
         };
         self.push(instruction)
     }

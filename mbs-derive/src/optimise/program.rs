@@ -40,21 +40,34 @@ pub enum Instruction {
     Call(Function, Value),
     /// `f(a, b)`
     Call2(Binary, Value, Value),
+    /// Whether `a < b`
+    Less(Value, Value),
+    /// Whether both conditions hold
+    And(Value, Value),
+    /// Whether a condition does not hold
+    Not(Value),
+    /// `if condition { a } else { b }`
+    Select(Value, Value, Value),
 }
 
 impl Instruction {
     /// The operands, in order.
     pub fn operands(self) -> impl Iterator<Item = Value> {
-        let (first, second) = match self {
-            Instruction::Constant(_) | Instruction::Symbol(_) | Instruction::Hoisted(_) => (None, None),
-            Instruction::Neg(a) | Instruction::Sqrt(a) | Instruction::Call(_, a) => (Some(a), None),
+        let operands = match self {
+            Instruction::Constant(_) | Instruction::Symbol(_) | Instruction::Hoisted(_) => [None; 3],
+            Instruction::Neg(a) | Instruction::Sqrt(a) | Instruction::Call(_, a) | Instruction::Not(a) => {
+                [Some(a), None, None]
+            }
             Instruction::Add(a, b)
             | Instruction::Sub(a, b)
             | Instruction::Mul(a, b)
             | Instruction::Div(a, b)
-            | Instruction::Call2(_, a, b) => (Some(a), Some(b)),
+            | Instruction::Less(a, b)
+            | Instruction::And(a, b)
+            | Instruction::Call2(_, a, b) => [Some(a), Some(b), None],
+            Instruction::Select(c, a, b) => [Some(c), Some(a), Some(b)],
         };
-        first.into_iter().chain(second)
+        operands.into_iter().flatten()
     }
 }
 
@@ -100,6 +113,10 @@ impl fmt::Display for Program {
                 Instruction::Div(a, b) => writeln!(f, "v{} / v{}", a.0, b.0)?,
                 Instruction::Sqrt(a) => writeln!(f, "sqrt(v{})", a.0)?,
                 Instruction::Call(function, a) => writeln!(f, "{}(v{})", function.name(), a.0)?,
+                Instruction::Less(a, b) => writeln!(f, "v{} < v{}", a.0, b.0)?,
+                Instruction::And(a, b) => writeln!(f, "v{} && v{}", a.0, b.0)?,
+                Instruction::Not(a) => writeln!(f, "!v{}", a.0)?,
+                Instruction::Select(c, a, b) => writeln!(f, "if v{} {{ v{} }} else {{ v{} }}", c.0, a.0, b.0)?,
                 Instruction::Call2(function, a, b) => writeln!(f, "{}(v{}, v{})", function.name(), a.0, b.0)?,
             }
         }

@@ -314,7 +314,8 @@ impl Reader<'_> {
         Ok(StatementKind::Energy { term, value: self.expression(input)? })
     }
 
-    /// `force := "force" name ("[" expression "]")? "+=" expression`, `force_at := "force" "at" expression "+=" expression`
+    /// `force := "force" name ("[" expression "]")? "+=" expression`,
+    /// `force_at := "force" "at" expression "+=" expression`
     fn force(&mut self, input: ParseStream<'_>) -> Parsed<StatementKind> {
         let start = self.next(input).start;
         self.eat_word(input, "force");

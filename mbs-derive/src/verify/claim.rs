@@ -294,10 +294,12 @@ impl<'a> Trial<'a> {
     /// balance `d/dt (q̇·∂L/∂q̇ − L) = q̇·(Q − ∂D/∂q̇ + Aᵀ λ) − ∂L/∂t`.
     fn conserved(&self) -> Result<(), Failure> {
         let n = self.n();
-        let free = State { u: vec![0.0; self.state.u.len()], ..self.state.clone() };
-        let force = self.interpreter.call("generalized_force", &free).unwrap_or_default();
-        let h = self.call("bias");
-        let free = State { qdd: self.accelerations(&(0..n).map(|i| force[i] - h[i]).collect::<Vec<_>>()), ..free };
+        // Constraint forces do no work along motions that the constraints allow.
+        let free = State { u: vec![0.0; self.state.u.len()], qd: self.allowed_velocities(), ..self.state.clone() };
+        let [force, h] =
+            ["generalized_force", "bias"].map(|name| self.interpreter.call(name, &free).unwrap_or_default());
+        let unforced: Vec<f64> = (0..n).map(|i| force[i] - h[i]).collect();
+        let free = State { qdd: self.accelerations(&unforced, &free), ..free };
         let along = lift(&free, |symbol| path(&free, symbol));
         let rates = self.dual.call("conserved", &along).unwrap_or_default();
         let rates: Vec<f64> = rates.iter().map(|v| v.derivative).collect();
@@ -329,8 +331,22 @@ impl<'a> Trial<'a> {
         (0..self.n()).map(|i| (state.qd[i] * (tau[i].abs() + h[i].abs() + product[i].abs())).abs()).collect()
     }
 
-    /// q̈ of `M q̈ = f + Aᵀ λ`, `A q̈ + γ = 0`.
-    fn accelerations(&self, f: &[f64]) -> Vec<f64> {
+    /// The velocities nearest to the state's with `A q̇ + b = 0`: `q̇ − Aᵀ (A Aᵀ)⁻¹ (A q̇ + b)`.
+    fn allowed_velocities(&self) -> Vec<f64> {
+        let (n, a) = (self.n(), self.call_if_any("constraint_jacobian"));
+        let declared = self.witness.constraints(self.state, self.parameters);
+        let kinds = self.witness.lagrangian.constraints.iter().flat_map(|c| c.rows.iter().map(|_| c.kind));
+        let violation: Vec<f64> = kinds
+            .zip(&declared)
+            .map(|(kind, [row, rate])| if kind == ConstraintKind::Holonomic { rate.value } else { row.value })
+            .collect();
+        let products: Vec<f64> = a.chunks(n).flat_map(|x| a.chunks(n).map(move |y| dot(x, y))).collect();
+        let y = solve(&products, &violation);
+        (0..n).map(|i| self.state.qd[i] - (0..y.len()).map(|k| a[k * n + i] * y[k]).sum::<f64>()).collect()
+    }
+
+    /// q̈ of `M q̈ = f + Aᵀ λ`, `A q̈ + γ = 0` at a state with this one's coordinates.
+    fn accelerations(&self, f: &[f64], at: &State) -> Vec<f64> {
         let (n, m) = (self.n(), self.derivation.constraints.len());
         let (mass, a) = (self.call("mass_matrix"), self.call_if_any("constraint_jacobian"));
         let entry = |i: usize, j: usize| match (i < n, j < n) {
@@ -341,7 +357,10 @@ impl<'a> Trial<'a> {
         };
         let size = n + m;
         let matrix: Vec<f64> = (0..size * size).map(|k| entry(k / size, k % size)).collect();
-        let right: Vec<f64> = f.iter().copied().chain(self.call_if_any("constraint_bias").iter().map(|g| -g)).collect();
+        let right: Vec<f64> = {
+            let bias = self.interpreter.call("constraint_bias", at).unwrap_or_default();
+            f.iter().copied().chain(bias.into_iter().map(|g| -g)).collect()
+        };
         solve(&matrix, &right)[..n].to_vec()
     }
 
