@@ -1,12 +1,12 @@
 //! Pass 6: [`Derivation`] → Rust, one module a mechanism.
 //!
-//! - [`item`]: the module, its structs, functions and the implementation of `Mechanism`;
-//! - [`doc`]: what its documentation says;
-//! - [`body`]: one function body: bindings, then the result;
-//! - [`expression`]: how values are written: order of operands, parentheses, fused multiply–add;
-//! - [`segment`]: long bodies in blocks;
-//! - [`name`]: identifiers, from the declaration where they can be;
-//! - [`latex`]: the equations as a page of a textbook.
+//! - `item`: the module, its structs, functions and the implementation of `Mechanism`;
+//! - `doc`: what its documentation says;
+//! - `body`: one function body: bindings, then the result;
+//! - `expression`: how values are written: order of operands, parentheses, fused multiply–add;
+//! - `segment`: long bodies in blocks;
+//! - `name`: identifiers, from the declaration where they can be;
+//! - `latex`: the equations as a page of a textbook.
 //!
 //! The code links mbs-runtime by absolute path and nothing else. It computes what [`interpret`](crate::interpret)
 //! computes, to the bit, except where the target has a fused multiply–add. Its text depends on the derivation alone.

@@ -9,9 +9,9 @@
 //! - [`function`]: sin, cos, … with derivative and value side by side;
 //! - [`tangent`]: directional derivatives by a forward sweep;
 //! - [`adjoint`]: gradients by a reverse sweep;
-//! - [`hessian`]: second derivatives by edge pushing;
-//! - [`substitute`]: copies with symbols replaced or time derivatives carried out;
-//! - [`evaluate`]: numerical values, over doubles or dual numbers;
+//! - [`hessian`](mod@hessian): second derivatives by edge pushing;
+//! - [`substitute`](mod@substitute): copies with symbols replaced or time derivatives carried out;
+//! - [`evaluate`](mod@evaluate): numerical values, over doubles or dual numbers;
 //! - [`dual`]: dual numbers, the witness of the symbolic sweeps;
 //! - [`vector`]: vectors and matrices over expressions;
 //! - [`display`]: infix printing.
