@@ -115,14 +115,24 @@ pub fn against_energies(lagrangian: &Lagrangian<'_>, derivation: &Derivation) ->
         let defaults = default_parameters(lagrangian);
         let parameters = if attempt % 2 == 0 { defaults } else { random.parameters_near(&defaults) };
         if witness.is_finite(&state, &parameters) {
-            Trial::new(&witness, derivation, &state, &parameters).prove()?;
+            let trial = Trial::new(&witness, derivation, &state, &parameters);
+            trial.prove()?;
             generic += 1;
+            states += usize::from(prove_on_constraints(&trial)?);
         }
         if generic == STATES {
             return Ok(Proof { states: states + generic });
         }
     }
     Err(Failure::TooFewStates { finite: generic, tried })
+}
+
+/// Proves once more where the constraints hold, if there are any and such a state is near.
+fn prove_on_constraints(trial: &Trial<'_>) -> Result<bool, Failure> {
+    match if trial.is_constrained() { trial.consistent_state() } else { None } {
+        Some(state) if trial.is_finite_at(&state) => trial.at(&state).prove().map(|()| true),
+        _ => Ok(false),
+    }
 }
 
 /// All zero, at the origin, at rest, and each coordinate zero by itself: where a derivative by rule would be 0/0.

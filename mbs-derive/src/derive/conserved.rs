@@ -82,7 +82,7 @@ fn vanishes(expr: Expr<'_>) -> bool {
 }
 
 /// A value in (0.3, 1.3) for each symbol and round.
-fn generic_value(symbol: Symbol, round: u64) -> f64 {
+pub(super) fn generic_value(symbol: Symbol, round: u64) -> f64 {
     let (kind, index) = match symbol {
         Symbol::Time => (0, 0),
         Symbol::Coordinate(i) => (1, i),

@@ -8,7 +8,7 @@ use crate::expr::{Expr, Symbol, substitute};
 
 use super::constraint::Constraints;
 use super::lagrange::{Lagrange, jacobian, jacobian_by_rows, sub, transpose};
-use super::solve::{Factorization, ForwardDynamics};
+use super::solve::{Factorization, ForwardDynamics, augment};
 use super::{Rows, Symbols};
 
 /// `∂τ/∂q` and `∂τ/∂q̇` of `τ = M q̈ + C q̇ + G + ∂D/∂q̇`.
@@ -63,12 +63,17 @@ pub fn linearization<'g>(
     let u = negative(&jacobian(&residual, &symbols.u));
     let parameters = slope(&symbols.parameters);
     let Some(solution) = &forward.unrolled else {
-        return Linearization { state: [q, qd, u], parameters };
+        let finish = |rows| if forward.augmented { augmented(rows, &constraints.jacobian) } else { rows };
+        return Linearization { state: [finish(q), finish(qd), finish(u)], parameters: finish(parameters) };
     };
     let factorization = Factorization::new(&forward.matrix);
     let n = symbols.q.len();
     let finish = |rows: Rows<'g>| {
-        let mut solved = solve_columns(&factorization, &at_solution(&rows, solution, n));
+        let mut rows = at_solution(&rows, solution, n);
+        if forward.augmented {
+            rows = augmented(rows, &constraints.jacobian);
+        }
+        let mut solved = solve_columns(&factorization, &rows);
         solved.truncate(n);
         solved
     };
@@ -86,6 +91,13 @@ fn at_solution<'g>(rows: &Rows<'g>, solution: &[Expr<'g>], n: usize) -> Rows<'g>
     let flat: Vec<_> = rows.iter().flatten().copied().collect();
     let replaced = substitute(&flat, replacement);
     (0..rows.len()).map(|i| replaced[i * width..(i + 1) * width].to_vec()).collect()
+}
+
+/// Each column as [`augment`] has it.
+fn augmented<'g>(rows: Rows<'g>, a: &Rows<'g>) -> Rows<'g> {
+    let mut columns = transpose(&rows, rows[0].len());
+    columns.iter_mut().for_each(|column| augment(column, a));
+    transpose(&columns, rows.len())
 }
 
 fn solve_columns<'g>(factorization: &Factorization<'g>, rows: &Rows<'g>) -> Rows<'g> {

@@ -8,11 +8,15 @@
 //! ```
 //!
 //! whose `L D Lᵀ` eliminates the accelerations first: the range-space method, for a regular M and independent rows of A.
+//! Where M itself is singular (unit quaternions), `M + Aᵀ A` stands in its place and `−Aᵀ γ` is added above: the same solution,
+//! because `A q̈ = −γ`, from a matrix that is regular wherever M is on the motions that A allows.
 //! Nocedal & Wright, *Numerical Optimization*, 2nd ed. 2006, section 16.2.
 
-use crate::expr::Expr;
+use crate::expr::{Expr, evaluate};
+use crate::model::degree::eliminate;
 
 use super::Rows;
+use super::conserved::generic_value;
 use super::constraint::Constraints;
 use super::lagrange::{Lagrange, add, sub};
 
@@ -29,8 +33,8 @@ pub struct ForwardDynamics<'g> {
     pub right_side: Vec<Expr<'g>>,
     /// q̈ and −λ, where the factorization is unrolled.
     pub unrolled: Option<Vec<Expr<'g>>>,
-    /// Number of constraint rows.
-    pub constraints: usize,
+    /// Whether `M + Aᵀ A` stands in the place of M.
+    pub augmented: bool,
 }
 
 /// Sets up `M q̈ = Q − h − ∂D/∂q̇`, with constraints if there are any, and solves it where the mechanism is small.
@@ -38,9 +42,36 @@ pub fn forward_dynamics<'g>(lagrange: &Lagrange<'g>, constraints: &Constraints<'
     let loads = add(&lagrange.bias, &lagrange.dissipation_force);
     let mut right_side = sub(&lagrange.generalized_force, &loads);
     right_side.extend(constraints.bias.iter().map(|&bias| -bias));
-    let matrix = bordered(&lagrange.mass_matrix, &constraints.jacobian);
+    let a = &constraints.jacobian;
+    let augmented = is_singular(&lagrange.mass_matrix);
+    if augmented {
+        augment(&mut right_side, a);
+    }
+    let mass_matrix = if augmented { with_gram_matrix(&lagrange.mass_matrix, a) } else { lagrange.mass_matrix.clone() };
+    let matrix = bordered(&mass_matrix, a);
     let unrolled = (matrix.len() <= LARGEST_UNROLLED).then(|| Factorization::new(&matrix).solve(&right_side));
-    ForwardDynamics { matrix, right_side, unrolled, constraints: constraints.count() }
+    ForwardDynamics { matrix, right_side, unrolled, augmented }
+}
+
+/// Adds `Aᵀ` times the lower part of a right side to its upper part.
+pub(super) fn augment<'g>(right_side: &mut [Expr<'g>], a: &Rows<'g>) {
+    let n = right_side.len() - a.len();
+    for i in 0..n {
+        right_side[i] = (0..a.len()).fold(right_side[i], |sum, k| sum + a[k][i] * right_side[n + k]);
+    }
+}
+
+/// `M + Aᵀ A`
+fn with_gram_matrix<'g>(m: &Rows<'g>, a: &Rows<'g>) -> Rows<'g> {
+    let entry = |i: usize, j: usize| a.iter().fold(m[i][j], |sum, row| sum + row[i] * row[j]);
+    (0..m.len()).map(|i| (0..m.len()).map(|j| entry(i, j)).collect()).collect()
+}
+
+/// Whether M is singular for all values of its symbols: tried at a point with no special relation.
+fn is_singular(m: &Rows<'_>) -> bool {
+    let values: Vec<f64> = evaluate(&m.concat(), |symbol| generic_value(symbol, 0));
+    let finite = values.iter().all(|value| value.is_finite());
+    finite && eliminate(&values, m.len()).smallest < 1e-11
 }
 
 /// M with A below, Aᵀ beside and 0 in the corner.

@@ -1,6 +1,6 @@
 //! What is proved at one state: each generated function and identity against the witness.
 
-use crate::expr::{Dual, Symbol};
+use crate::expr::{Dual, Symbol, Value};
 use crate::interpret::{Interpreter, State};
 use crate::model::ConstraintKind;
 use crate::model::degree::eliminate;
@@ -67,6 +67,21 @@ impl<'a> Trial<'a> {
         self.outputs()
     }
 
+    /// Whether there are constraints.
+    pub fn is_constrained(&self) -> bool {
+        !self.derivation.constraints.is_empty()
+    }
+
+    /// Whether the energies are finite at another state.
+    pub fn is_finite_at(&self, state: &State) -> bool {
+        self.witness.is_finite(state, self.parameters)
+    }
+
+    /// The same trial at another state.
+    pub fn at<'b>(&'b self, state: &'b State) -> Trial<'b> {
+        Trial::new(self.witness, self.derivation, state, self.parameters)
+    }
+
     fn n(&self) -> usize {
         self.derivation.dof()
     }
@@ -114,10 +129,14 @@ impl<'a> Trial<'a> {
         self.equal("potential energy", &self.call("potential_energy"), &[potential], &[])
     }
 
-    /// `[ω]× = Rᵀ Ṙ` and `v = Rᵀ ṗ`: the recursion of twists against the time derivative of the poses.
+    /// `[ω]× = Rᵀ Ṙ` and `v = Rᵀ ṗ`: the recursion of twists against the time derivative of the poses, where R is a rotation
+    /// and stays one: a quaternion is of unit length only where its constraint holds.
     fn twists_of_frames(&self) -> Result<(), Failure> {
         for values in self.witness.frames(self.state, self.parameters).chunks(18) {
             let (r, p) = (|i: usize, j: usize| values[3 * i + j], |i: usize| values[9 + i]);
+            if !is_rotation(&values[..9]) {
+                continue;
+            }
             let spin = |i: usize, j: usize| (0..3).map(|k| r(k, i).value * r(k, j).derivative).sum::<f64>();
             let velocity = |i: usize| (0..3).map(|k| r(k, i).value * p(k).derivative).sum::<f64>();
             let expected = [spin(2, 1), spin(0, 2), spin(1, 0), velocity(0), velocity(1), velocity(2)];
@@ -199,15 +218,23 @@ impl<'a> Trial<'a> {
         Ok(())
     }
 
-    /// Whether accelerations are determined at this state: the smallest pivots of M and of `A M⁻¹ Aᵀ`, scaled to unit
-    /// diagonals, are not small.
+    /// `M + Aᵀ A`, regular wherever M is on the motions that A allows.
+    fn augmented_mass_matrix(&self) -> Vec<f64> {
+        let (n, a) = (self.n(), self.call_if_any("constraint_jacobian"));
+        let mass = self.call("mass_matrix");
+        let gram = |i: usize, j: usize| a.chunks(n).map(|row| row[i] * row[j]).sum::<f64>();
+        (0..n * n).map(|k| mass[k] + gram(k / n, k % n)).collect()
+    }
+
+    /// Whether accelerations are determined at this state: the smallest pivots of `M + Aᵀ A` and of `A (M + Aᵀ A)⁻¹ Aᵀ`,
+    /// scaled to unit diagonals, are not small.
     fn accelerations_are_determined(&self) -> bool {
         let (n, m) = (self.n(), self.derivation.constraints.len());
-        if eliminate(&self.call("mass_matrix"), n).smallest <= 1e-6 {
+        let (a, mass) = (self.call_if_any("constraint_jacobian"), self.augmented_mass_matrix());
+        if eliminate(&mass, n).smallest <= 1e-6 {
             return false;
         }
-        let a = self.call_if_any("constraint_jacobian");
-        let columns: Vec<Vec<f64>> = a.chunks(n).map(|row| self.solve_mass_matrix(row)).collect();
+        let columns: Vec<Vec<f64>> = a.chunks(n).map(|row| solve(&mass, row)).collect();
         let products: Vec<f64> = a.chunks(n).flat_map(|row| columns.iter().map(move |c| dot(row, c))).collect();
         m == 0 || eliminate(&products, m).smallest > 1e-6
     }
@@ -331,6 +358,32 @@ impl<'a> Trial<'a> {
         (0..self.n()).map(|i| (state.qd[i] * (tau[i].abs() + h[i].abs() + product[i].abs())).abs()).collect()
     }
 
+    /// The state moved onto the constraints: Newton's method on φ along Aᵀ, then the allowed velocities. `None` where it does
+    /// not get there.
+    pub fn consistent_state(&self) -> Option<State> {
+        let n = self.n();
+        let holonomic = self.witness.lagrangian.constraints.iter();
+        let holonomic: Vec<bool> =
+            holonomic.flat_map(|c| c.rows.iter().map(|_| c.kind == ConstraintKind::Holonomic)).collect();
+        let mut state = self.state.clone();
+        for _ in 0..50 {
+            let [value, a] = ["constraint", "constraint_jacobian"].map(|name| {
+                let values = self.interpreter.call(name, &state).unwrap_or_default();
+                let width = values.len() / holonomic.len();
+                let rows = values.chunks(width).zip(&holonomic).filter(|(_, holonomic)| **holonomic);
+                rows.flat_map(|(row, _)| row.to_vec()).collect::<Vec<f64>>()
+            });
+            if value.iter().all(|v| v.abs() < 1e-13) {
+                let trial = Trial::new(self.witness, self.derivation, &state, self.parameters);
+                return Some(State { qd: trial.allowed_velocities(), ..state.clone() });
+            }
+            let products: Vec<f64> = a.chunks(n).flat_map(|x| a.chunks(n).map(move |y| dot(x, y))).collect();
+            let y = solve(&products, &value);
+            (0..n).for_each(|i| state.q[i] -= (0..y.len()).map(|k| a[k * n + i] * y[k]).sum::<f64>());
+        }
+        None
+    }
+
     /// The velocities nearest to the state's with `A q̇ + b = 0`: `q̇ − Aᵀ (A Aᵀ)⁻¹ (A q̇ + b)`.
     fn allowed_velocities(&self) -> Vec<f64> {
         let (n, a) = (self.n(), self.call_if_any("constraint_jacobian"));
@@ -348,7 +401,7 @@ impl<'a> Trial<'a> {
     /// q̈ of `M q̈ = f + Aᵀ λ`, `A q̈ + γ = 0` at a state with this one's coordinates.
     fn accelerations(&self, f: &[f64], at: &State) -> Vec<f64> {
         let (n, m) = (self.n(), self.derivation.constraints.len());
-        let (mass, a) = (self.call("mass_matrix"), self.call_if_any("constraint_jacobian"));
+        let (mass, a) = (self.augmented_mass_matrix(), self.call_if_any("constraint_jacobian"));
         let entry = |i: usize, j: usize| match (i < n, j < n) {
             (true, true) => mass[i * n + j],
             (false, true) => a[(i - n) * n + j],
@@ -357,15 +410,10 @@ impl<'a> Trial<'a> {
         };
         let size = n + m;
         let matrix: Vec<f64> = (0..size * size).map(|k| entry(k / size, k % size)).collect();
-        let right: Vec<f64> = {
-            let bias = self.interpreter.call("constraint_bias", at).unwrap_or_default();
-            f.iter().copied().chain(bias.into_iter().map(|g| -g)).collect()
-        };
+        let bias = self.interpreter.call("constraint_bias", at).unwrap_or_default();
+        let augmented = |i: usize| f[i] - (0..m).map(|k| a[k * n + i] * bias[k]).sum::<f64>();
+        let right: Vec<f64> = (0..n).map(augmented).chain(bias.iter().map(|g| -g)).collect();
         solve(&matrix, &right)[..n].to_vec()
-    }
-
-    fn solve_mass_matrix(&self, b: &[f64]) -> Vec<f64> {
-        solve(&self.call("mass_matrix"), b)
     }
 
     fn outputs(&self) -> Result<(), Failure> {
@@ -410,6 +458,15 @@ impl<'a> Trial<'a> {
         }
         Ok(())
     }
+}
+
+/// Whether a matrix is orthonormal, and remains so.
+fn is_rotation(r: &[Dual<f64>]) -> bool {
+    let product = |i: usize, j: usize| (0..3).fold(Dual::fixed(0.0), |sum, k| sum.add(r[3 * k + i].mul(r[3 * k + j])));
+    (0..9).all(|k| {
+        let (entry, unit) = (product(k / 3, k % 3), f64::from(u8::from(k / 3 == k % 3)));
+        (entry.value - unit).abs() < 1e-9 && entry.derivative.abs() < 1e-9
+    })
 }
 
 /// Velocity of the origin and angular velocity in world axes, `[ω]× = Ṙ Rᵀ`, from a pose and its rate.
