@@ -118,7 +118,14 @@ fn compiled_is_interpreted<const N: usize, const U: usize>(
     let mut random = Random::new(13);
     for State { q, qd, qdd } in states::<N>(3, 30) {
         let (t, u) = (0.7, random.array::<U>(-5.0..5.0));
-        let state = interpret::State { t, q: q.to_vec(), qd: qd.to_vec(), qdd: qdd.to_vec(), u: u.to_vec() };
+        let state = interpret::State {
+            t,
+            q: q.to_vec(),
+            qd: qd.to_vec(),
+            qdd: qdd.to_vec(),
+            u: u.to_vec(),
+            prescribed: Vec::new(),
+        };
         let same = |name: &str, compiled: &[f64]| {
             let interpreted = interpreter.call(name, &state).expect("generated for every mechanism");
             assert_eq!(interpreted.len(), compiled.len(), "{module}::{name}");

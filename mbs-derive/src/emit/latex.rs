@@ -1595,6 +1595,7 @@ mod tests {
             Symbol::Acceleration(i) => -0.43 + 0.97 * f64::from(i),
             Symbol::Parameter(i) => 0.83 + 0.19 * f64::from(i),
             Symbol::Input(i) => 0.61 + 0.11 * f64::from(i),
+            Symbol::Prescribed(..) | Symbol::Multiplier(_) => unreachable!("none in these mechanisms"),
         }
     }
 
