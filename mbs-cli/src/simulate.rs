@@ -96,10 +96,13 @@ fn deliver(motion: &Motion, arguments: &Arguments) -> Result<(), Failure> {
 
 /// From the state's time in steps of `--dt` to the end time, both included.
 fn times(point: &Point, arguments: &Arguments) -> Result<Vec<f64>, Failure> {
-    const MOST: f64 = 1e7;
+    const MOST: f64 = 1e6;
     let (start, end) = (point.state.t, arguments.t_end);
     if end < start {
         return Err(Failure::new(format_args!("--t-end {end} lies before the state's t = {start}")));
+    }
+    if !(end - start).is_finite() {
+        return Err(Failure::new(format_args!("from t = {start} to --t-end {end} is too long a time to be a number")));
     }
     if end == start {
         return Ok(vec![start]);
@@ -108,7 +111,7 @@ fn times(point: &Point, arguments: &Arguments) -> Result<Vec<f64>, Failure> {
     // A last row that would differ from the one before by rounding alone is left out.
     let count = ((end - start) / step - 1e-9).ceil().max(1.0);
     if count > MOST {
-        return Err(Failure::new(format_args!("--dt {step:?} gives {count} rows; at most {MOST} are kept")));
+        return Err(Failure::new(format_args!("--dt {step:?} gives {count:e} rows; at most {MOST} are kept")));
     }
     let mut times: Vec<f64> = (0..count as usize).map(|i| start + i as f64 * step).collect();
     times.push(end);

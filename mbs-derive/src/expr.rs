@@ -13,6 +13,7 @@
 //! - [`substitute`](mod@substitute): copies with symbols replaced or time derivatives carried out;
 //! - [`evaluate`](mod@evaluate): numerical values, over doubles or dual numbers;
 //! - [`dual`]: dual numbers, the witness of the symbolic sweeps;
+//! - [`rounded`]: numbers with a bound on their rounding errors;
 //! - [`vector`]: vectors and matrices over expressions;
 //! - [`display`]: infix printing.
 
@@ -25,6 +26,7 @@ pub mod graph;
 pub mod hessian;
 pub mod normal;
 pub mod number;
+pub mod rounded;
 pub mod substitute;
 pub mod tangent;
 pub mod vector;
@@ -37,6 +39,7 @@ pub use graph::{Condition, Expr, Graph, HalfInteger, Id, Node, Symbol};
 pub use hessian::hessian;
 pub use normal::normal_form;
 pub use number::Number;
+pub use rounded::Rounded;
 pub use substitute::{carry_out, substitute};
 pub use tangent::Tangent;
 pub use vector::{Matrix, Vector};

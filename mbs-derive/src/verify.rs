@@ -12,18 +12,19 @@ pub mod witness;
 
 use std::fmt;
 
+use crate::expr::Rounded;
 use crate::interpret::State;
 use crate::model::Lagrangian;
 use crate::model::sample::{Random, count, default_parameters};
 use crate::optimise::Derivation;
 
 use claim::Trial;
-use witness::Witness;
+use witness::{Witness, exact};
 
 /// So many generic states must agree.
 pub const STATES: usize = 20;
 
-/// Largest difference, relative to the terms that are compared.
+/// Largest relative difference, beside what rounding explains.
 pub const TOLERANCE: f64 = 1e-9;
 
 /// What was proved.
@@ -100,9 +101,11 @@ impl std::error::Error for Failure {}
 /// [`Failure::Disagreement`] is a bug of the generator; [`Failure::TooFewStates`] concerns the declaration.
 pub fn against_energies(lagrangian: &Lagrangian<'_>, derivation: &Derivation) -> Result<Proof, Failure> {
     let witness = Witness::new(lagrangian);
+    let exact_parameters = |parameters: &[f64]| parameters.iter().copied().map(Rounded::exact).collect::<Vec<_>>();
     let mut random = Random::new(0x6d62_7300);
     let mut states = 0;
     for (state, parameters) in states_with_zeros(lagrangian, &mut random) {
+        let (state, parameters) = (exact(&state), exact_parameters(&parameters));
         if witness.is_finite(&state, &parameters) {
             Trial::new(&witness, derivation, &state, &parameters).prove()?;
             states += 1;
@@ -114,6 +117,7 @@ pub fn against_energies(lagrangian: &Lagrangian<'_>, derivation: &Derivation) ->
         let state = random.state(lagrangian);
         let defaults = default_parameters(lagrangian);
         let parameters = if attempt % 2 == 0 { defaults } else { random.parameters_near(&defaults) };
+        let (state, parameters) = (exact(&state), exact_parameters(&parameters));
         if witness.is_finite(&state, &parameters) {
             let trial = Trial::new(&witness, derivation, &state, &parameters);
             trial.prove()?;

@@ -220,7 +220,7 @@ fn is_pose(derivation: &Derivation, output: usize) -> bool {
 fn first_integral(name: &str) -> String {
     match name.strip_prefix("p_") {
         Some(coordinate) => format!(": the momentum of `{coordinate}`, which does not occur in `L`"),
-        None => ": `q̇·∂L/∂q̇ − L`, the energy where `T` is quadratic in `q̇`".to_string(),
+        None => ": `q̇·∂L/∂q̇ − L`, the energy `T + V` where `T` is quadratic in `q̇` and `L = T − V`".to_string(),
     }
 }
 

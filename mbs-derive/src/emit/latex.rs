@@ -421,7 +421,11 @@ impl Sum {
         let mut product = Sum::default();
         for (a, &x) in &self.0 {
             for (b, &y) in &other.0 {
-                product.add(times(a, b), x * y);
+                let powers = times(a, b);
+                if powers.values().any(|halves| halves.abs() > HIGHEST) {
+                    return None;
+                }
+                product.add(powers, x * y);
             }
             if product.0.len() > MOST_TERMS {
                 return None;
@@ -449,6 +453,9 @@ fn single_atom(sum: &Sum) -> Option<Id> {
     let (&id, &halves) = powers.first_key_value()?;
     (powers.len() == 1 && halves == 2 && coefficient.is_one()).then_some(id)
 }
+
+/// Entries with powers beyond so many halves are left out.
+const HIGHEST: i32 = 200;
 
 fn times(a: &Powers, b: &Powers) -> Powers {
     let mut product = a.clone();
@@ -688,7 +695,11 @@ impl<'g> Algebra<'g> {
         }
         let product = sum.as_product().map(|(powers, coefficient)| (powers.clone(), coefficient));
         if let (Some((powers, coefficient)), Some(k)) = (product, n.to_integer()) {
-            let powers = powers.iter().map(|(&id, &halves)| (id, halves * k)).collect();
+            let powers: Powers =
+                powers.iter().map(|(&id, &halves)| Some((id, halves.checked_mul(k)?))).collect::<Option<_>>()?;
+            if powers.values().any(|halves| halves.abs() > HIGHEST) {
+                return None;
+            }
             return Some(Sum::product(powers, coefficient.power(n.to_halves())?));
         }
         if let Some(atom) = single_atom(&sum) {

@@ -83,7 +83,7 @@ impl<S: Value> Value for Dual<S> {
 }
 
 /// The derivatives of the functions, over numbers.
-fn slope<S: Value>(function: Function, x: S) -> S {
+pub(super) fn slope<S: Value>(function: Function, x: S) -> S {
     let one = S::constant(1.0);
     let square = |y: S| y.mul(y);
     match function {

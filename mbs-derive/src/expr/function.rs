@@ -235,6 +235,6 @@ pub(crate) fn signum(x: f64) -> f64 {
     } else if x < 0.0 {
         -1.0
     } else {
-        x // ±0 and NaN
+        x + 0.0 // NaN stays, −0 becomes 0
     }
 }

@@ -80,6 +80,9 @@ impl HalfInteger {
     }
 }
 
+/// Powers are not gathered beyond this many halves.
+const LARGEST_EXPONENT: i32 = 2000;
+
 /// One node. Quotients are products with a reciprocal, square roots are powers with exponent one half.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Node {
@@ -409,8 +412,10 @@ impl<'g> Expr<'g> {
                 if halves % 4 == 0 { power } else { -power }
             }
             // (x^a)^b = x^(a b) holds for an integer b wherever the left side exists.
-            (Node::Power(a, inner), halves) if halves % 2 == 0 => {
-                graph.expr(a).power(HalfInteger(inner.0 * halves / 2))
+            (Node::Power(a, inner), halves)
+                if halves % 2 == 0 && i64::from(inner.0) * i64::from(halves) <= 2 * i64::from(LARGEST_EXPONENT) =>
+            {
+                graph.expr(a).power(HalfInteger(inner.0 * (halves / 2)))
             }
             (Node::Mul(c, x), halves) if halves % 2 == 0 && graph.is_constant(c) => {
                 graph.expr(c).power(n) * graph.expr(x).power(n)
@@ -746,8 +751,11 @@ impl<'g> Expr<'g> {
             _ => (e.id, 2),
         };
         let ((x, a), (y, b)) = (power(self), power(other));
-        if x == y && !(a + b == 0 && a != 0 && !graph.is_constant(x) && (a % 2 != 0)) {
-            return graph.expr(x).power(HalfInteger(a + b));
+        // √x · 1/√x is left alone: it says that x is positive.
+        let cancels_roots = i64::from(a) + i64::from(b) == 0 && a % 2 != 0;
+        match a.checked_add(b).filter(|sum| sum.abs() <= LARGEST_EXPONENT) {
+            Some(sum) if x == y && !cancels_roots => return graph.expr(x).power(HalfInteger(sum)),
+            _ => {}
         }
         let (a, b) = if graph.precedes(self.id, other.id) { (self, other) } else { (other, self) };
         graph.intern(Node::Mul(a.id, b.id))
@@ -813,7 +821,7 @@ mod tests {
         assert_eq!(2 * x + 3 * x, 5 * x);
         assert_eq!((2 * x) * (3 * y), 6 * (x * y));
         assert_eq!(x * x * x, x.powi(3));
-        assert_eq!(x / y * y, x / y * y);
+        assert_eq!((x / y) * (x / y), (x / y).powi(2));
         assert_eq!((x + y) - y, x);
         assert_eq!(y - (x + y), -x);
         assert_eq!((-2 * x).powi(3), -8 * x.powi(3));

@@ -18,6 +18,9 @@ pub fn normal_form<'g>(roots: &[Expr<'g>], limit: usize) -> Option<Vec<Expr<'g>>
     roots.iter().map(|root| expansion.of(root.id()).map(|sum| sum.factored(root.graph()))).collect()
 }
 
+/// Powers beyond so many halves are left to the graph.
+const HIGHEST: i32 = 200;
+
 /// An angle: integer multiples of indivisible expressions, the first of them positive.
 type Angle = BTreeMap<Id, i32>;
 
@@ -80,6 +83,9 @@ impl Sum {
         for (a, &x) in &self.0 {
             for (b, &y) in &other.0 {
                 let powers = product_of_powers(&a.powers, &b.powers);
+                if powers.values().any(|halves| halves.abs() > HIGHEST) {
+                    return None;
+                }
                 for (factor, wave) in product_of_waves(&a.wave, &b.wave) {
                     product.add_term(Term { powers: powers.clone(), wave }, x * y * factor);
                 }
@@ -238,7 +244,11 @@ impl<'g> Expansion<'g> {
             return (0..k).try_fold(Sum::constant(Number::ONE), |product, _| product.times(base, self.limit));
         }
         if let (Some((powers, coefficient)), Some(k)) = (base.as_monomial(), n.to_integer()) {
-            let powers = powers.iter().map(|(&id, &halves)| (id, halves * k)).collect();
+            let powers: BTreeMap<Id, i32> =
+                powers.iter().map(|(&id, &halves)| Some((id, halves.checked_mul(k)?))).collect::<Option<_>>()?;
+            if powers.values().any(|halves| halves.abs() > HIGHEST) {
+                return None;
+            }
             let coefficient = coefficient.power(n.to_halves())?;
             return Some(Sum([(Term { powers, wave: Wave::One }, coefficient)].into()));
         }

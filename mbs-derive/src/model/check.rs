@@ -148,7 +148,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
     /// `0 ≤ a ≤ b ≤ c ≤ a + b`: the moments of some distribution of mass.
     fn check_moments(&mut self, [a, b, c]: [f64; 3], span: &Span) {
         let shown = format!("its principal moments are {}, {} and {}", shown(a), shown(b), shown(c));
-        if a < -1e-9 * c.abs().max(b.abs()).max(a.abs()) {
+        if a < -TRIANGLE_TOLERANCE * c.abs().max(b.abs()).max(a.abs()) {
             self.refuse(span, "an inertia has no negative principal moment", shown);
         } else if a + b < c * (1.0 - TRIANGLE_TOLERANCE) {
             let message = "no body has this inertia: a principal moment is greater than the sum of the other two";
@@ -162,7 +162,8 @@ impl<'d, 'g> Resolver<'d, 'g> {
 fn shown(moment: f64) -> String {
     let scale = 10f64.powi(3 - moment.abs().max(f64::MIN_POSITIVE).log10().floor() as i32);
     let rounded = (moment * scale).round() / scale;
-    if rounded.is_finite() { rounded.to_string() } else { moment.to_string() }
+    let shown = if rounded.is_finite() { rounded } else { moment };
+    if shown != 0.0 && shown.abs() < 1e-4 { format!("{shown:e}") } else { shown.to_string() }
 }
 
 fn symmetric(entries: &[f64]) -> Option<[[f64; 3]; 3]> {

@@ -16,11 +16,11 @@ const MAX_BLOCKS: usize = 100;
 
 /// Functions that every generated mechanism has: an output of that name would be a second one.
 #[rustfmt::skip]
-const GENERATED: [&str; 21] = [
+const GENERATED: [&str; 22] = [
     "kinetic_energy", "potential_energy", "mass_matrix", "coriolis_matrix", "gravity", "bias", "momentum",
     "inverse_dynamics", "forward_dynamics", "linearize", "inverse_dynamics_jacobian", "dissipation_force",
     "generalized_force", "conserved", "constraint", "constraint_jacobian", "constraint_bias", "multipliers",
-    "new", "default", "params",
+    "linearize_parameters", "new", "default", "params",
 ];
 
 impl<'d, 'g> Resolver<'d, 'g> {
@@ -249,17 +249,15 @@ impl<'d, 'g> Resolver<'d, 'g> {
 
     fn check_output_name(&mut self, name: &Name) -> Resolved<()> {
         let text = name.text.as_str();
-        let plain = |name: &str| name.strip_suffix("_jacobian").map(str::to_string);
-        let taken = self.lagrangian.outputs.iter().find(|output| {
-            output.name == text
-                || plain(text).as_deref() == Some(&output.name)
-                || plain(&output.name).as_deref() == Some(text)
-        });
-        if let Some(output) = taken {
-            let message = format!("there is already an output `{}`, with its `{}_jacobian`", output.name, output.name);
+        let functions = |name: &str| ["", "_velocity", "_jacobian"].map(|suffix| format!("{name}{suffix}"));
+        let clashes = |other: &str| functions(other).iter().any(|f| functions(text).contains(f));
+        if let Some(output) = self.lagrangian.outputs.iter().find(|output| clashes(&output.name)) {
+            let other = &output.name;
+            let message =
+                format!("there is already an output `{other}`, with its `{other}_velocity` and `{other}_jacobian`");
             return Err(self.refuse(&name.span, message, "choose another name"));
         }
-        if GENERATED.contains(&text) {
+        if functions(text).iter().any(|f| GENERATED.contains(&f.as_str())) {
             let message = format!("`{text}` is a function of every mechanism");
             return Err(self.refuse(&name.span, message, "choose another name for this output"));
         }
@@ -456,11 +454,11 @@ mod tests {
         );
         refused(
             "output a = x; output a = y;",
-            "a: there is already an output `a`, with its `a_jacobian`; choose another name",
+            "a: there is already an output `a`, with its `a_velocity` and `a_jacobian`; choose another name",
         );
         refused(
             "output a = x; output a_jacobian = y;",
-            "a_jacobian: there is already an output `a`, with its `a_jacobian`; choose another name",
+            "a_jacobian: there is already an output `a`, with its `a_velocity` and `a_jacobian`; choose another name",
         );
         refused(
             "output bias = x;",

@@ -1,6 +1,6 @@
 //! Lagrange's equations from the energies as declared, by nested dual numbers.
 
-use crate::expr::{Dual, Expr, Symbol, Tape, Value};
+use crate::expr::{Dual, Expr, Rounded, Symbol, Tape, Value};
 use crate::interpret::State;
 use crate::model::{Lagrangian, OutputValue};
 
@@ -21,13 +21,13 @@ pub struct Witness<'l, 'g> {
 #[derive(Clone, Copy, Debug)]
 pub struct LagrangeTerms {
     /// `∂L/∂q̇`
-    pub momentum: f64,
+    pub momentum: Rounded,
     /// `d/dt ∂L/∂q̇`
-    pub momentum_rate: f64,
+    pub momentum_rate: Rounded,
     /// `∂L/∂q`
-    pub position_gradient: f64,
+    pub position_gradient: Rounded,
     /// `∂D/∂q̇`
-    pub dissipation_force: f64,
+    pub dissipation_force: Rounded,
 }
 
 impl<'l, 'g> Witness<'l, 'g> {
@@ -62,11 +62,12 @@ impl<'l, 'g> Witness<'l, 'g> {
     }
 
     /// Whether the energies and their slopes along the motion are finite.
-    pub fn is_finite(&self, state: &State, parameters: &[f64]) -> bool {
+    pub fn is_finite(&self, state: &State<Rounded>, parameters: &[Rounded]) -> bool {
         let along_path = lift(state, |symbol| path(state, symbol));
         let energies = self.energies(&along_path, &lift_all(parameters));
         let forces = self.forces(state, parameters);
-        energies.iter().all(|e| e.value.is_finite() && e.derivative.is_finite()) && forces.iter().all(|q| q.is_finite())
+        energies.iter().all(|e| e.value.value.is_finite() && e.derivative.value.is_finite())
+            && forces.iter().all(|q| q.value.is_finite())
     }
 
     /// L, T, V, D.
@@ -76,43 +77,43 @@ impl<'l, 'g> Witness<'l, 'g> {
     }
 
     /// Q
-    pub fn forces(&self, state: &State, parameters: &[f64]) -> Vec<f64> {
+    pub fn forces(&self, state: &State<Rounded>, parameters: &[Rounded]) -> Vec<Rounded> {
         let direct = self.forces.run(moving(state, parameters));
         let by_work = (0..direct.len()).map(|i| self.virtual_work(i, state, parameters));
         direct.iter().zip(by_work).map(|(q, work)| q.value + work).collect()
     }
 
     /// `Σ F · ∂v/∂q̇ᵢ` over the forces on points and torques on bodies.
-    fn virtual_work(&self, i: usize, state: &State, parameters: &[f64]) -> f64 {
-        let varied = lift(state, |symbol| f64::from(u8::from(symbol == Symbol::Velocity(i as u32))));
+    fn virtual_work(&self, i: usize, state: &State<Rounded>, parameters: &[Rounded]) -> Rounded {
+        let varied = lift(state, |symbol| Rounded::exact(f64::from(u8::from(symbol == Symbol::Velocity(i as u32)))));
         let values = self.point_forces.run(moving(&varied, &lift_all(parameters)));
-        let work = |pair: &[Dual<Dual<f64>>]| -> f64 {
+        let work = |pair: &[Dual<Dual<Rounded>>]| -> Rounded {
             (0..3).map(|k| pair[k].value.derivative * pair[3 + k].value.value).sum()
         };
         values.chunks(6).map(work).sum()
     }
 
     /// For each row of the constraints its value and its rate along the motion, both with their own rates.
-    pub fn constraints(&self, state: &State, parameters: &[f64]) -> Vec<[Dual<f64>; 2]> {
+    pub fn constraints(&self, state: &State<Rounded>, parameters: &[Rounded]) -> Vec<[Dual<Rounded>; 2]> {
         let along_path = lift(state, |symbol| path(state, symbol));
         let values = self.constraints.run(moving(&along_path, &lift_all(parameters)));
         values.iter().map(|row| [row.value, row.derivative]).collect()
     }
 
     /// The outputs' components with their time derivatives, in the order of declaration.
-    pub fn outputs(&self, state: &State, parameters: &[f64]) -> Vec<Dual<f64>> {
+    pub fn outputs(&self, state: &State<Rounded>, parameters: &[Rounded]) -> Vec<Dual<Rounded>> {
         self.outputs.run(moving(state, parameters))
     }
 
     /// For each frame rotation (9), position (3), angular velocity (3) and velocity (3), with their time derivatives.
-    pub fn frames(&self, state: &State, parameters: &[f64]) -> Vec<Dual<f64>> {
+    pub fn frames(&self, state: &State<Rounded>, parameters: &[Rounded]) -> Vec<Dual<Rounded>> {
         self.frames.run(moving(state, parameters))
     }
 
     /// The terms of Lagrange's equation of coordinate `i`.
-    pub fn lagrange(&self, i: usize, state: &State, parameters: &[f64]) -> LagrangeTerms {
+    pub fn lagrange(&self, i: usize, state: &State<Rounded>, parameters: &[Rounded]) -> LagrangeTerms {
         let i = i as u32;
-        let unit = |chosen: Symbol| move |symbol: Symbol| f64::from(u8::from(symbol == chosen));
+        let unit = |chosen: Symbol| move |symbol: Symbol| Rounded::exact(f64::from(u8::from(symbol == chosen)));
         let once = lift_all(parameters);
         // ε along the motion, then δ along q̇ᵢ: the coefficient of εδ is d/dt ∂L/∂q̇ᵢ.
         let along_path = lift(state, |symbol| path(state, symbol));
@@ -130,22 +131,35 @@ impl<'l, 'g> Witness<'l, 'g> {
 }
 
 /// How the symbols change along the motion.
-pub fn path(state: &State, symbol: Symbol) -> f64 {
+pub fn path(state: &State<Rounded>, symbol: Symbol) -> Rounded {
     match symbol {
-        Symbol::Time => 1.0,
+        Symbol::Time => Rounded::exact(1.0),
         Symbol::Coordinate(i) => state.qd[i as usize],
         Symbol::Velocity(i) => state.qdd[i as usize],
         Symbol::Prescribed(i, order @ (0 | 1)) => state.prescribed[i as usize][usize::from(order) + 1],
-        Symbol::Prescribed(..) => f64::NAN, // a third derivative is nowhere needed
-        Symbol::Acceleration(_) | Symbol::Parameter(_) | Symbol::Input(_) | Symbol::Multiplier(_) => 0.0,
+        Symbol::Prescribed(..) => Rounded::exact(f64::NAN), // a third derivative is nowhere needed
+        Symbol::Acceleration(_) | Symbol::Parameter(_) | Symbol::Input(_) | Symbol::Multiplier(_) => Rounded::default(),
     }
 }
 
 /// How the symbols change with time alone, coordinates and velocities held.
-pub fn explicit_path(state: &State, symbol: Symbol) -> f64 {
+pub fn explicit_path(state: &State<Rounded>, symbol: Symbol) -> Rounded {
     match symbol {
-        Symbol::Coordinate(_) | Symbol::Velocity(_) => 0.0,
+        Symbol::Coordinate(_) | Symbol::Velocity(_) => Rounded::default(),
         other => path(state, other),
+    }
+}
+
+/// A state whose numbers are exact.
+pub fn exact(state: &State) -> State<Rounded> {
+    let all = |values: &[f64]| values.iter().copied().map(Rounded::exact).collect();
+    State {
+        t: Rounded::exact(state.t),
+        q: all(&state.q),
+        qd: all(&state.qd),
+        qdd: all(&state.qdd),
+        u: all(&state.u),
+        prescribed: state.prescribed.iter().map(|signal| signal.map(Rounded::exact)).collect(),
     }
 }
 

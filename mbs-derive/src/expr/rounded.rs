@@ -1,0 +1,140 @@
+//! Numbers that know how far rounding may have carried them: running error analysis.
+//!
+//! Source: Higham, *Accuracy and Stability of Numerical Algorithms*, 2nd ed. 2002, section 3.3.
+
+use std::iter::Sum;
+use std::ops::{Add, Mul, Neg, Sub};
+
+use super::dual::slope;
+use super::evaluate::Value;
+use super::function::{Binary, Function};
+
+/// A double and a bound, to first order, on its distance from the exact result.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Rounded {
+    /// The value, as doubles give it.
+    pub value: f64,
+    /// How far it may be from the exact one.
+    pub error: f64,
+}
+
+impl Rounded {
+    /// A value that is exact.
+    pub fn exact(value: f64) -> Self {
+        Rounded { value, error: 0.0 }
+    }
+
+    /// The result of an operation whose operands bring in so much error.
+    fn of(value: f64, inherited: f64) -> Self {
+        Rounded { value, error: inherited + value.abs() * f64::EPSILON + f64::MIN_POSITIVE }
+    }
+}
+
+impl Add for Rounded {
+    type Output = Self;
+    fn add(self, other: Self) -> Self {
+        Rounded::of(self.value + other.value, self.error + other.error)
+    }
+}
+
+impl Sub for Rounded {
+    type Output = Self;
+    fn sub(self, other: Self) -> Self {
+        Rounded::of(self.value - other.value, self.error + other.error)
+    }
+}
+
+impl Mul for Rounded {
+    type Output = Self;
+    fn mul(self, other: Self) -> Self {
+        let inherited = self.value.abs() * other.error + other.value.abs() * self.error + self.error * other.error;
+        Rounded::of(self.value * other.value, inherited)
+    }
+}
+
+impl Neg for Rounded {
+    type Output = Self;
+    fn neg(self) -> Self {
+        Rounded { value: -self.value, error: self.error }
+    }
+}
+
+impl Sum for Rounded {
+    fn sum<I: Iterator<Item = Self>>(terms: I) -> Self {
+        terms.fold(Rounded::default(), |sum, term| sum + term)
+    }
+}
+
+impl Value for Rounded {
+    fn constant(value: f64) -> Self {
+        Rounded { value, error: value.abs() * f64::EPSILON }
+    }
+    fn neg(self) -> Self {
+        -self
+    }
+    fn add(self, other: Self) -> Self {
+        self + other
+    }
+    fn sub(self, other: Self) -> Self {
+        self - other
+    }
+    fn mul(self, other: Self) -> Self {
+        self * other
+    }
+    fn div(self, other: Self) -> Self {
+        let quotient = self.value / other.value;
+        Rounded::of(quotient, (self.error + quotient.abs() * other.error) / other.value.abs())
+    }
+    fn power(self, halves: i32) -> Self {
+        let slope = f64::from(halves) / 2.0 * self.value.power(halves - 2);
+        Rounded::of(self.value.power(halves), f64::from(halves.abs()) * f64::EPSILON * self.value.power(halves).abs())
+            .widened(slope, self.error)
+    }
+    fn call(self, function: Function) -> Self {
+        Rounded::of(function.value(self.value), 0.0).widened(slope(function, self.value), self.error)
+    }
+    fn call2(self, function: Binary, other: Self) -> Self {
+        let (a, b) = (self.value, other.value);
+        let value = function.value(a, b);
+        let [by_a, by_b] = match function {
+            Binary::Atan2 => [b / (a * a + b * b), a / (a * a + b * b)],
+            Binary::Powf => [b * a.powf(b - 1.0), value * a.ln()],
+        };
+        Rounded::of(value, 0.0).widened(by_a, self.error).widened(by_b, other.error)
+    }
+    fn rate(self) -> Self {
+        Rounded::exact(f64::NAN)
+    }
+    fn less(self, other: Self) -> bool {
+        self.value < other.value
+    }
+}
+
+impl Rounded {
+    /// With the error that an argument's error causes; none where the argument is exact, even at a vertical slope.
+    fn widened(self, slope: f64, error: f64) -> Self {
+        let more = if error == 0.0 { 0.0 } else { slope.abs() * error };
+        Rounded { error: self.error + more, ..self }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cancellation_leaves_the_error_of_what_cancelled() {
+        let x = Rounded::exact(0.7);
+        let unit = x.call(Function::Sin).power(4) + x.call(Function::Cos).power(4);
+        let zero = unit - Rounded::exact(1.0);
+        assert!(zero.value.abs() <= zero.error);
+        assert!(zero.error < 1e-14);
+    }
+
+    #[test]
+    fn an_ill_conditioned_quotient_says_so() {
+        let tiny = Rounded::constant(0.1) + Rounded::constant(0.2) - Rounded::constant(0.3);
+        let quotient = Rounded::exact(1.0).div(tiny);
+        assert!(quotient.error > 0.1 * quotient.value.abs());
+    }
+}

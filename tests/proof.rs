@@ -1,0 +1,84 @@
+//! Declarations on which a careless proof would cry wolf: exact zeros that come out as rounding, bad scales, saturation,
+//! corners; and one-sided forces, which conserve nothing that they only seem to.
+
+use mbs_derive::expr::Graph;
+use mbs_derive::{declared, derived, verify};
+
+/// Derives and proves; the names of what is conserved.
+fn proved(source: &str) -> Vec<String> {
+    let graph = Graph::verbatim();
+    let (lagrangian, _) = declared(source, &graph, &[]).unwrap_or_else(|e| panic!("{}", e.render("case.mbs", source)));
+    let derivation = derived(&lagrangian);
+    let proof = verify::against_energies(&lagrangian, &derivation).unwrap_or_else(|e| panic!("{source}\n{e}"));
+    assert!(proof.states >= verify::STATES);
+    derivation
+        .functions
+        .iter()
+        .find_map(|f| match &f.kind {
+            mbs_derive::optimise::FunctionKind::Conserved(names) => Some(names.clone()),
+            _ => None,
+        })
+        .expect("every mechanism has the function")
+}
+
+fn dimensionless(body: &str) -> Vec<String> {
+    proved(&format!("#![dimensionless] mechanism Case {{ {body} }}"))
+}
+
+#[test]
+fn exact_zeros_may_come_out_as_rounding() {
+    dimensionless(
+        "param m: 1 = 3; param l: 1 = 0.5; param w: 1 = 3; coord x: 1; \
+         let p = [l*sin(x)*cos(w*t), l*sin(x)*sin(w*t), -l*cos(x)]; \
+         kinetic += particle(m, p); potential += m*9.81*p.z; output v = dt(p);",
+    );
+    dimensionless("param m: 1 = 3; coord a: 1; kinetic += 1/2*m*dt(a)^2; potential += 1.1*m*a^2 + m*cos(a);");
+    dimensionless("coord a: 1; kinetic += dt(a)^2; output w = angular_velocity(rotation([1,2,-1], 3*t)*rot_z(a));");
+    dimensionless("coord x: 1; kinetic += dt(x)^2; potential += sin(x)^2 + cos(x)^2 + (x+1/3)^2 - x^2 - 2/3*x;");
+}
+
+#[test]
+fn bad_scales_and_saturation_are_no_disagreement() {
+    dimensionless(
+        "param m: 1 = 1e12; param n: 1 = 1e-12; coord x: 1; coord y: 1; \
+         kinetic += m*dt(x)^2 + n*dt(y)^2 + n*dt(x)*dt(y)/2; potential += m*cos(x)*n*cos(y) + m*x^2;",
+    );
+    dimensionless("coord x: 1; kinetic += dt(x)^2; potential += ln(cosh(20*x));");
+    dimensionless("coord x: 1; kinetic += dt(x)^2; potential += tanh(10*x);");
+    dimensionless(
+        "coord x: 1; kinetic += dt(x)^2; let mut a = x; for i in 0..12 { a = sin(a)*a + a; } potential += a;",
+    );
+    dimensionless("coord x: 1; kinetic += dt(x)^2; let mut a = x; for i in 0..60 { a = a*a; } potential += a;");
+}
+
+#[test]
+fn one_sided_springs_conserve_energy_and_no_momentum() {
+    let conserved = dimensionless("param k: 1 = 2; coord x: 1; kinetic += dt(x)^2; potential += 1/8*k*(abs(x) - x)^2;");
+    assert_eq!(conserved, ["energy_integral"]);
+}
+
+#[test]
+fn deriving_and_checking_take_time_in_proportion() {
+    let terms = "coord x: 1; kinetic += dt(x)^2; for i in 0..4000 { kinetic += i*dt(x)^2; potential += x^2*i; }";
+    let start = std::time::Instant::now();
+    dimensionless(terms);
+    assert!(start.elapsed().as_secs() < 20, "{:?}", start.elapsed());
+}
+
+/// A pendulum in Cartesian coordinates, a skate, and a quaternion body, whose mass matrix is singular by itself.
+#[test]
+fn constrained_mechanisms_are_proved_on_and_off_their_constraints() {
+    dimensionless(
+        "coord x: 1; coord z: 1; kinetic += 1/2*(dt(x)^2 + dt(z)^2); potential += 9.81*z; constraint rod: x^2 + z^2 = 1;",
+    );
+    dimensionless(
+        "coord x: 1; coord y: 1; coord a: 1; kinetic += 1/2*(dt(x)^2 + dt(y)^2) + 0.2*dt(a)^2; \
+         constraint blade: -sin(a)*dt(x) + cos(a)*dt(y) - 0.3*dt(a) = 0;",
+    );
+    let conserved = dimensionless(
+        "coord e[4]: 1; let body = quaternion(e[0], e[1], e[2], e[3]); let w = angular_velocity(body); \
+         kinetic += 1/2*(w.dot(body*[1,0,0])^2 + 2*w.dot(body*[0,1,0])^2 + 2.5*w.dot(body*[0,0,1])^2); \
+         constraint unit: e[0]^2 + e[1]^2 + e[2]^2 + e[3]^2 = 1;",
+    );
+    assert_eq!(conserved, ["energy_integral"]);
+}
