@@ -10,7 +10,7 @@ use crate::failure::Failure;
 use crate::state::{self, Point, Request};
 use crate::{mechanism, output};
 
-/// Evaluate every function of a mechanism at one state, or at each of many.
+/// Evaluate a mechanism's equations at one state, or at each of many: matrices, forces, energies, outputs.
 ///
 /// It is algebra at the given state: what is singular there is printed as null, with a warning.
 #[derive(clap::Args)]

@@ -79,6 +79,11 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
 
 /// Files bear their names only after all have been written.
 fn deliver(motion: &Motion, arguments: &Arguments) -> Result<(), Failure> {
+    if let (Some(csv), Some((plot, _))) = (&arguments.csv, &arguments.plot)
+        && csv == plot
+    {
+        return Err(Failure::new(format_args!("--csv and --plot name the same file, {}", csv.display())));
+    }
     let csv = table::csv(motion);
     let mut staged = Vec::new();
     if let Some(path) = &arguments.csv {

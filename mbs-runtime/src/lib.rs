@@ -164,6 +164,8 @@ pub use trajectory::Trajectory;
 
 /// Includes the module that `mbs_derive::compile` generated for the mechanism of this name.
 ///
+/// The name is the module's: the mechanism's in snake case, `cart_pole` for `CartPole`.
+///
 /// `include_mechanism!("cart_pole")` stands for `include!(concat!(env!("OUT_DIR"), "/cart_pole.rs"))`. The crate needs
 /// a `build.rs` that generates the file:
 ///

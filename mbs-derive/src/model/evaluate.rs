@@ -361,7 +361,12 @@ impl<'d, 'g> Resolver<'d, 'g> {
         if let Some(form) = own.or(builtin::form_of_function(name).map(str::to_string)) {
             return self.refuse(span, format!("`{name}` is a function"), format!("write `{form}`"));
         }
-        let known = self.scope.names().map(|(name, _)| name).chain(CONSTANTS);
+        let known: Vec<&str> = self.scope.names().map(|(name, _)| name).chain(CONSTANTS).collect();
+        let rate_of = ["_dot", "_d", "d"].iter().find_map(|end| name.strip_suffix(end).filter(|x| known.contains(x)));
+        if let Some(variable) = rate_of {
+            let help = format!("the rate of `{variable}` is `dt({variable})`");
+            return self.refuse(span, format!("`{name}` is not declared"), help);
+        }
         let help = match nearest(name, known) {
             Some(meant) => format!("did you mean `{meant}`?"),
             None => format!("declare it: `param {name}: m = …;` or `let {name} = …;`"),
@@ -797,6 +802,7 @@ mod tests {
             "let a = mass_of_it;",
             "mass_of_it: `mass_of_it` is not declared; declare it: `param mass_of_it: m = …;` or `let mass_of_it = …;`",
         );
+        refused("let a = theta_dot;", "theta_dot: `theta_dot` is not declared; the rate of `theta` is `dt(theta)`");
         refused("let a = sin;", "sin: `sin` is a function; write `sin(x)`");
         refused(
             "let a = late; let late = 1;",
