@@ -15,18 +15,20 @@ fn block(fence: &str) -> String {
     text[..text.find("```").expect("a closing fence")].to_string()
 }
 
-/// A crate in a temporary folder; its target folder lies in the workspace's, so that a second run is quick.
+/// A crate in a temporary folder, of a name of its own; its target folder lies in the workspace's, so that what it depends on
+/// is built once.
 struct Downstream {
     folder: tempfile::TempDir,
 }
 
 impl Downstream {
-    fn new(dependencies: &str) -> Self {
+    fn new(name: &str, dependencies: &str) -> Self {
         let folder = tempfile::tempdir().expect("a temporary folder");
         let root = fs::canonicalize(ROOT).expect("the workspace");
         let dependencies = dependencies.replace("../mbs", &root.to_string_lossy());
         let manifest = format!(
-            "[package]\nname = \"promise\"\nversion = \"0.1.0\"\nedition = \"2024\"\n\n{dependencies}\n[workspace]\n"
+            "[package]\nname = \"{name}-{}\"\nversion = \"0.1.0\"\nedition = \"2024\"\n\n{dependencies}\n[workspace]\n",
+            std::process::id()
         );
         let downstream = Downstream { folder };
         downstream.write("Cargo.toml", &manifest);
@@ -74,7 +76,7 @@ fn text(output: &Output) -> String {
 
 #[test]
 fn the_readme_makes_a_crate() {
-    let crate_ = Downstream::new(&block("toml"));
+    let crate_ = Downstream::new("readme", &block("toml"));
     crate_.write("mechanisms/cart_pole.mbs", &block("mbs"));
     crate_.write("build.rs", &block("rust,build.rs"));
     crate_.write("src/main.rs", &block("rust,main.rs"));
@@ -94,7 +96,7 @@ fn the_readme_makes_a_crate() {
 #[test]
 fn a_new_mechanism_is_one_new_snapshot() {
     let dependencies = block("toml").replace("[build-dependencies]", "insta = \"1\"\n\n[build-dependencies]");
-    let crate_ = Downstream::new(&dependencies);
+    let crate_ = Downstream::new("promise", &format!("[lib]\nname = \"promise\"\n\n{dependencies}"));
     crate_.write("build.rs", "fn main() { mbs_derive::Config::new().compile_folder(\"mechanisms\"); }\n");
     crate_.write("src/lib.rs", "include!(concat!(env!(\"OUT_DIR\"), \"/mechanisms.rs\"));\n");
     crate_.write(
