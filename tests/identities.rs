@@ -34,8 +34,8 @@ macro_rules! check_every_mechanism {
 }
 mbs_models::for_each_mechanism!(check_every_mechanism);
 
-/// `M` symmetric and positive semidefinite, `q̇ᵀ M q̇ = 2 T` where T is homogeneous, `C q̇ + G = h`,
-/// inverse ∘ forward = identity, `p = M q̇` there.
+/// `M` symmetric and positive semidefinite, `q̇ᵀ M q̇ = 2 T` and `p = M q̇` (no mechanism here has velocity-linear terms),
+/// `C q̇ + G = h`, inverse ∘ forward = identity.
 fn identities<const N: usize, const U: usize>(mechanism: &impl Mechanism<N, U, Scalar = f64>) {
     let mut random = Random::new(7);
     for State { q, qd, qdd } in states::<N>(1, 60) {
@@ -47,6 +47,13 @@ fn identities<const N: usize, const U: usize>(mechanism: &impl Mechanism<N, U, S
             }
             assert!(m[i][i] >= 0.0);
         }
+        let smallest = mbs_derive::model::degree::eliminate(&m.concat(), N).smallest;
+        assert!(smallest >= -1e-12, "M is positive semidefinite: {smallest:e} at {q:?}");
+        let m_qd = times(&m, &qd);
+        close("p = M q̇", &mechanism.momentum(t, &q, &qd), &m_qd, &[&m_qd]);
+        let twice = 2.0 * mechanism.kinetic_energy(t, &q, &qd);
+        let form: f64 = qd.iter().zip(&m_qd).map(|(a, b)| a * b).sum();
+        close("q̇ᵀ M q̇ = 2 T", &[form], &[twice], &[&[twice]]);
         let h = mechanism.bias(t, &q, &qd);
         let g = mechanism.gravity(t, &q);
         let c_qd = times(&mechanism.coriolis_matrix(t, &q, &qd), &qd);
@@ -76,6 +83,7 @@ fn derivatives<const N: usize, const U: usize>(
     for State { q, qd, qdd } in states::<N>(2, 12) {
         let (t, u) = (0.7, random.array::<U>(-5.0..5.0));
         let fixed = |x: f64| Dual::constant(x);
+        skewness_and_balance(mechanism, dual, &State { q, qd, qdd }, &u);
         let jacobian = mechanism.inverse_dynamics_jacobian(t, &q, &qd, &qdd);
         let linearization = mechanism.linearize(t, &q, &qd, &u);
         let regular = well_conditioned(&mechanism.mass_matrix(t, &q));
@@ -105,6 +113,34 @@ fn derivatives<const N: usize, const U: usize>(
                 close("∂q̈/∂u", &linearization.u.map(|row| row[j]), &qdd, &[&linearization.u.concat()]);
             }
         }
+    }
+}
+
+/// `Ṁ − 2 C` skew-symmetric and `d/dt (T + V) = q̇·(Q − ∂D/∂q̇)`: no mechanism here depends on t.
+fn skewness_and_balance<const N: usize, const U: usize>(
+    mechanism: &impl Mechanism<N, U, Scalar = f64>,
+    dual: &impl Mechanism<N, U, Scalar = Dual<f64>>,
+    State { q, qd, .. }: &State<N>,
+    u: &[f64; U],
+) {
+    let t = 0.7;
+    let along = |x: &[f64; N], rate: &[f64; N]| -> [Dual<f64>; N] {
+        std::array::from_fn(|i| Dual { value: x[i], derivative: rate[i] })
+    };
+    let c = mechanism.coriolis_matrix(t, q, qd);
+    let m_dot = dual.mass_matrix(Dual::constant(t), &along(q, qd)).map(|row| row.map(|x| x.derivative));
+    for i in 0..N {
+        let sums: [f64; N] = std::array::from_fn(|j| c[i][j] + c[j][i]);
+        close("Ṁ − 2 C skew", &sums, &m_dot[i], &[&c.concat()]);
+    }
+    if well_conditioned(&mechanism.mass_matrix(t, q)) {
+        let qdd = mechanism.forward_dynamics(t, q, qd, u);
+        let (q_along, qd_along) = (along(q, qd), along(qd, &qdd));
+        let kinetic = dual.kinetic_energy(Dual::constant(t), &q_along, &qd_along).derivative;
+        let potential = dual.potential_energy(Dual::constant(t), &q_along).derivative;
+        let (force, damping) = (mechanism.generalized_force(t, q, qd, u), mechanism.dissipation_force(t, q, qd));
+        let power: f64 = (0..N).map(|i| qd[i] * (force[i] - damping[i])).sum();
+        close("energy balance", &[kinetic + potential], &[power], &[&[kinetic, potential]]);
     }
 }
 
@@ -164,7 +200,8 @@ fn derivation_of(module: &str) -> Derivation {
     derived(&lagrangian)
 }
 
-/// To 1e-10 of the largest of the terms that are added up.
+/// To 1e-10 of the largest of the terms that are added up: rounding errors of some thousand operations, and of the factor
+/// 1e4 that [`well_conditioned`] allows.
 #[track_caller]
 fn close(what: &str, found: &[f64], expected: &[f64], terms: &[&[f64]]) {
     let scale = terms.iter().flat_map(|t| t.iter()).fold(1.0, |s: f64, x| s.max(x.abs()));
