@@ -65,6 +65,23 @@ fn deriving_and_checking_take_time_in_proportion() {
     assert!(start.elapsed().as_secs() < 20, "{:?}", start.elapsed());
 }
 
+/// Polar coordinates lose the azimuth at the pole: reported, not refused. A negative inertia is refused as a mistake.
+#[test]
+fn singular_states_are_counted() {
+    let count = |body: &str| {
+        let source = format!("#![dimensionless] mechanism Case {{ {body} }}");
+        let graph = Graph::verbatim();
+        let (lagrangian, _) =
+            declared(&source, &graph, &[]).unwrap_or_else(|e| panic!("{}", e.render("case.mbs", &source)));
+        verify::against_energies(&lagrangian, &derived(&lagrangian)).map(|proof| proof.singular)
+    };
+    assert_eq!(count("coord r: 1; kinetic += dt(r)^2;"), Ok(0));
+    let polar = count("coord r: 1; coord a: 1; kinetic += dt(r)^2 + r^2*dt(a)^2;").expect("regular but at the pole");
+    assert!(polar >= 2, "all zero and at the origin");
+    let negative = count("coord x: 1; coord y: 1; kinetic += dt(x)^2 + (x^2 - 1/10000)*dt(y)^2;");
+    assert!(matches!(negative, Err(verify::Failure::NegativeInertia { .. })), "{negative:?}");
+}
+
 /// A pendulum in Cartesian coordinates, a skate, and a quaternion body, whose mass matrix is singular by itself.
 #[test]
 fn constrained_mechanisms_are_proved_on_and_off_their_constraints() {

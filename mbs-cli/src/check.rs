@@ -20,8 +20,12 @@ pub(crate) struct Arguments {
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let mechanism = mechanism::read(&arguments.file)?;
     let derivation = &mechanism.derivation;
+    let singular = match mechanism.singular_at {
+        0 => String::new(),
+        count => format!(", at {count} of which some motion has no inertia"),
+    };
     output::print(&format!(
-        "{}: {}, {}, {}, {}; proved at {}\n",
+        "{}: {}, {}, {}, {}; proved at {}{singular}\n",
         derivation.name,
         counted(&derivation.coordinates, "coordinate"),
         counted(&derivation.inputs, "input"),

@@ -20,6 +20,8 @@ pub(crate) struct Mechanism {
     pub(crate) bodies: usize,
     /// At how many states it was proved.
     pub(crate) proved_at: usize,
+    /// At how many of them some motion has no inertia.
+    pub(crate) singular_at: usize,
     /// From text to programs, reading and proof excluded, in seconds.
     pub(crate) derive_seconds: f64,
 }
@@ -47,7 +49,13 @@ fn read_and<T>(path: &Path, also: impl Fn(&Lagrangian<'_>) -> T) -> Result<(Mech
 
     let proof = verify::against_energies(&lagrangian, &derivation).map_err(|failure| refused(failure.into()))?;
     output::report(&warnings.render(&name, &source));
-    let mechanism = Mechanism { derivation, bodies: lagrangian.bodies.len(), proved_at: proof.states, derive_seconds };
+    let mechanism = Mechanism {
+        derivation,
+        bodies: lagrangian.bodies.len(),
+        proved_at: proof.states,
+        singular_at: proof.singular,
+        derive_seconds,
+    };
     Ok((mechanism, also(&lagrangian)))
 }
 

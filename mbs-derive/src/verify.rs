@@ -32,6 +32,8 @@ pub const TOLERANCE: f64 = 1e-9;
 pub struct Proof {
     /// At how many states, those with exact zeros included.
     pub states: usize,
+    /// At how many of them some motion has no inertia: Euler angles and polar coordinates have such states.
+    pub singular: usize,
 }
 
 /// Why there is no proof.
@@ -43,6 +45,11 @@ pub enum Failure {
         finite: usize,
         /// How many were tried.
         tried: usize,
+    },
+    /// The declared kinetic energy is negative for some motion: a mistake in the declaration.
+    NegativeInertia {
+        /// Where.
+        q: Vec<f64>,
     },
     /// The generated code and the energies disagree.
     Disagreement(Box<Disagreement>),
@@ -73,6 +80,10 @@ impl fmt::Display for Failure {
                 "the energies are finite at only {finite} of {tried} sampled states, too few to prove the equations \
                  (coordinates, velocities and inputs of order one, parameters near their defaults)"
             ),
+            Failure::NegativeInertia { q } => write!(
+                f,
+                "the kinetic energy is negative for some motion at q = {q:?}: check the signs of its terms, and masses and inertias"
+            ),
             Failure::Disagreement(d) => write!(
                 f,
                 "the derived code disagrees with the declared energies; this is a bug of the generator, please report it\n  \
@@ -98,17 +109,20 @@ impl std::error::Error for Failure {}
 /// Proves every Program of a derivation.
 ///
 /// # Errors
-/// [`Failure::Disagreement`] is a bug of the generator; [`Failure::TooFewStates`] concerns the declaration.
+/// [`Failure::Disagreement`] is a bug of the generator; [`Failure::TooFewStates`] and [`Failure::NegativeInertia`] concern the
+/// declaration.
 pub fn against_energies(lagrangian: &Lagrangian<'_>, derivation: &Derivation) -> Result<Proof, Failure> {
     let witness = Witness::new(lagrangian);
     let exact_parameters = |parameters: &[f64]| parameters.iter().copied().map(Rounded::exact).collect::<Vec<_>>();
     let mut random = Random::new(0x6d62_7300);
-    let mut states = 0;
+    let (mut states, mut singular) = (0, 0);
     for (state, parameters) in states_with_zeros(lagrangian, &mut random) {
         let (state, parameters) = (exact(&state), exact_parameters(&parameters));
         if witness.is_finite(&state, &parameters) {
-            Trial::new(&witness, derivation, &state, &parameters).prove()?;
+            let trial = Trial::new(&witness, derivation, &state, &parameters);
+            trial.prove()?;
             states += 1;
+            singular += usize::from(is_singular(&trial, &state)?);
         }
     }
     let tried = 100 * STATES;
@@ -116,19 +130,31 @@ pub fn against_energies(lagrangian: &Lagrangian<'_>, derivation: &Derivation) ->
     for attempt in 0..tried {
         let state = random.state(lagrangian);
         let defaults = default_parameters(lagrangian);
-        let parameters = if attempt % 2 == 0 { defaults } else { random.parameters_near(&defaults) };
+        let as_declared = attempt % 2 == 0;
+        let parameters = if as_declared { defaults } else { random.parameters_near(&defaults) };
         let (state, parameters) = (exact(&state), exact_parameters(&parameters));
         if witness.is_finite(&state, &parameters) {
             let trial = Trial::new(&witness, derivation, &state, &parameters);
             trial.prove()?;
             generic += 1;
             states += usize::from(prove_on_constraints(&trial)?);
+            // Masses and inertias varied by themselves need not be those of a body.
+            singular += usize::from(as_declared && is_singular(&trial, &state)?);
         }
         if generic == STATES {
-            return Ok(Proof { states: states + generic });
+            return Ok(Proof { states: states + generic, singular });
         }
     }
     Err(Failure::TooFewStates { finite: generic, tried })
+}
+
+/// Whether some motion has no inertia there; none has a negative one.
+fn is_singular(trial: &Trial<'_>, state: &State<Rounded>) -> Result<bool, Failure> {
+    let [semidefinite, on_allowed_motions] = trial.inertia();
+    if semidefinite < -1e-9 {
+        return Err(Failure::NegativeInertia { q: state.q.iter().map(|q| q.value).collect() });
+    }
+    Ok(on_allowed_motions < 1e-11)
 }
 
 /// Proves once more where the constraints hold, if there are any and such a state is near.

@@ -9,7 +9,7 @@
 use std::collections::BTreeMap;
 
 use super::adjoint::{Adjoints, Branches, Partial, active};
-use super::function::{Binary, Function};
+use super::function::Binary;
 use super::graph::{Expr, Graph, HalfInteger, Id, IdMap, Node, Symbol};
 
 /// `∂²root/∂symbolᵢ∂symbolⱼ`, as rows; symmetric to the node.
@@ -78,7 +78,7 @@ fn create<'g>(expr: Expr<'g>, adjoint: Expr<'g>, adjoints: &Adjoints<'g>, edges:
             edges.add(a, b, if a == b { 2 * adjoint } else { adjoint });
         }
         Node::Power(a, n) => edges.add(a, a, power_curvature(graph.expr(a), n) * adjoint),
-        Node::Call(function, a) => edges.add(a, a, curvature(function, graph.expr(a), expr) * adjoint),
+        Node::Call(function, a) => edges.add(a, a, function.second_derivative(graph.expr(a), expr) * adjoint),
         Node::Call2(function, a, b) => {
             create_for_two_arguments(function, graph.expr(a), graph.expr(b), expr, adjoint, adjoints, edges);
         }
@@ -122,10 +122,6 @@ fn create_for_two_arguments<'g>(
 fn power_curvature<'g>(x: Expr<'g>, n: HalfInteger) -> Expr<'g> {
     let exponent = x.graph().constant(n.to_number());
     exponent * (exponent - 1) * x.power(HalfInteger::halves(n.to_halves() - 4))
-}
-
-fn curvature<'g>(function: Function, x: Expr<'g>, value: Expr<'g>) -> Expr<'g> {
-    function.second_derivative(x, value)
 }
 
 /// Symmetric weights, kept at the node that is eliminated first: the later one, and symbols last of all.

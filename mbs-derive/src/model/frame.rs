@@ -115,16 +115,6 @@ impl<'g> Frames<'g> {
         })
     }
 
-    /// The frame that moves in `base` as `frame` moves in the world: composition of poses.
-    pub fn compose(&mut self, base: FrameId, frame: FrameId) -> FrameId {
-        self.path(frame).into_iter().fold(base, |parent, edge| self.attach(parent, edge))
-    }
-
-    /// The frame that moves in the world as the world moves in `frame`: the inverse pose.
-    pub fn inverse(&mut self, frame: FrameId) -> FrameId {
-        self.path(frame).into_iter().rev().fold(FrameId::WORLD, |parent, edge| self.attach(parent, edge.reversed()))
-    }
-
     /// The edges from the world to `frame`.
     pub fn path(&self, frame: FrameId) -> Vec<Edge<'g>> {
         let ancestors = std::iter::successors(Some(frame), |id| self.get(*id).parent);

@@ -3,6 +3,7 @@
 use crate::expr::{Dual, Rounded, Symbol, Value};
 use crate::interpret::{Interpreter, State};
 use crate::model::ConstraintKind;
+use crate::model::degree::eliminate;
 use crate::optimise::{Derivation, Function, FunctionKind};
 
 use super::witness::{LagrangeTerms, Witness, exact, explicit_path, lift, lift_all, path};
@@ -59,6 +60,15 @@ impl<'a> Trial<'a> {
             self.conserved()?;
         }
         self.outputs()
+    }
+
+    /// The smallest pivots of M, which must not be negative, and of `M + Aᵀ A`, which is zero where a motion that the
+    /// constraints allow has no inertia; both scaled to unit diagonals.
+    pub fn inertia(&self) -> [f64; 2] {
+        [self.call("mass_matrix"), self.augmented_mass_matrix()].map(|matrix| {
+            let beyond_rounding = |v: &Rounded| if v.value.abs() <= ROUNDING * v.error { 0.0 } else { v.value };
+            eliminate(&matrix.iter().map(beyond_rounding).collect::<Vec<_>>(), self.n()).smallest
+        })
     }
 
     /// Whether there are constraints.
@@ -235,7 +245,7 @@ impl<'a> Trial<'a> {
                 ConstraintKind::Pfaffian => row.derivative,
             })
             .collect();
-        let product = rows_times(&jacobian, &self.state.qdd);
+        let product = times(&jacobian, &self.state.qdd);
         self.equal("A q̈ + γ", &add(&product, &bias), &second)
     }
 
@@ -254,7 +264,7 @@ impl<'a> Trial<'a> {
         let residual: Vec<Rounded> = (0..self.n()).map(|i| product[i] + h[i] + d[i] - reaction[i]).collect();
         self.equal("M q̈ + h + ∂D/∂q̇ = Q + Aᵀ λ", &residual, &q)?;
         let (bias, a) = (self.call_if_any("constraint_bias"), self.call_if_any("constraint_jacobian"));
-        let product = rows_times(&a, &qdd);
+        let product = times(&a, &qdd);
         let zero = vec![Rounded::default(); bias.len()];
         self.equal("A q̈ + γ = 0", &add(&product, &bias), &zero)
     }
@@ -417,7 +427,7 @@ impl<'a> Trial<'a> {
         // The velocity is J q̇ + ∂/∂t.
         let at_rest = State { qd: vec![Rounded::default(); self.n()], ..self.state.clone() };
         let drift = self.interpreter.call(&format!("{}_velocity", function.name), &at_rest).unwrap_or_default();
-        let product = rows_times(&jacobian, &self.state.qd);
+        let product = times(&jacobian, &self.state.qd);
         self.equal("Jacobian of an output", &add(&product, &drift), &velocity)
     }
 
@@ -479,12 +489,8 @@ fn add(a: &[Rounded], b: &[Rounded]) -> Vec<Rounded> {
     a.iter().zip(b).map(|(&a, &b)| a + b).collect()
 }
 
-/// `M x` for a square matrix given row by row.
-fn times(m: &[Rounded], x: &[Rounded]) -> Vec<Rounded> {
-    rows_times(m, x)
-}
-
-fn rows_times(rows: &[Rounded], x: &[Rounded]) -> Vec<Rounded> {
+/// A matrix, given row by row, times a vector.
+fn times(rows: &[Rounded], x: &[Rounded]) -> Vec<Rounded> {
     rows.chunks(x.len()).map(|row| row.iter().zip(x).map(|(&a, &b)| a * b).sum()).collect()
 }
 
