@@ -51,7 +51,7 @@ fn read_and<T>(path: &Path, also: impl Fn(&Lagrangian<'_>) -> T) -> Result<(Mech
     output::report(&warnings.render(&name, &source));
     let mechanism = Mechanism {
         derivation,
-        bodies: lagrangian.bodies.len(),
+        bodies: lagrangian.bodies().0.len(),
         proved_at: proof.states,
         singular_at: proof.singular,
         derive_seconds,

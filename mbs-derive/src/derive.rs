@@ -17,11 +17,14 @@
 
 pub mod conserved;
 pub mod constraint;
+mod gravity;
 pub mod lagrange;
+pub mod lift;
 pub mod linearize;
 pub mod output;
 pub mod solve;
 pub mod textbook;
+pub mod tree;
 
 use crate::expr::{Expr, Graph, Symbol, carry_out, gradient_of_combination};
 use crate::model::Lagrangian;
@@ -94,7 +97,9 @@ pub fn routes<'g>(lagrangian: &Lagrangian<'_>, graph: &'g Graph) -> Vec<Equation
     let energies = Energies::carried_out(lagrangian, graph);
     let plain = lagrange::equations(&energies, &symbols);
     let textbook = textbook::normal_form(&plain);
-    let lagranges = std::iter::once(plain).chain(textbook);
+    let structured = lift::lifted(lagrangian, &energies, graph)
+        .map(|lifted| tree::equations(&lifted, &plain, &lagrange::equations(&lifted.rest, &symbols), &symbols));
+    let lagranges = std::iter::once(plain).chain(textbook).chain(structured);
     lagranges.map(|lagrange| equations(lagrange, &energies, &symbols, lagrangian, graph)).collect()
 }
 
@@ -141,10 +146,7 @@ pub struct Energies<'g> {
 
 impl<'g> Energies<'g> {
     fn carried_out(lagrangian: &Lagrangian<'_>, graph: &'g Graph) -> Self {
-        let sum = |terms: &[Expr<'_>]| {
-            let terms = carry_out(terms, graph, |symbol| time_derivative(symbol, graph));
-            terms.into_iter().fold(graph.integer(0), |sum, term| sum + term)
-        };
+        let sum = |terms: &[Expr<'_>]| sum(terms, graph);
         let (kinetic, potential) = (sum(&lagrangian.kinetic), sum(&lagrangian.potential));
         let at_points = virtual_work(lagrangian, graph);
         let force = |i: usize| {
@@ -159,6 +161,20 @@ impl<'g> Energies<'g> {
             forces: (0..lagrangian.dof()).map(force).collect(),
         }
     }
+
+    /// The same with only these terms of T and V.
+    fn with_terms(&self, kinetic: &[Expr<'_>], potential: &[Expr<'_>], lagrangian: &Lagrangian<'_>) -> Self {
+        let graph = self.kinetic.graph();
+        let (kinetic, potential) = (sum(kinetic, graph), sum(potential, graph));
+        let lagrangian = kinetic - potential + sum(&lagrangian.lagrangian, graph);
+        Energies { kinetic, potential, lagrangian, ..self.clone() }
+    }
+}
+
+/// The sum of verbatim terms, time derivatives carried out.
+fn sum<'g>(terms: &[Expr<'_>], graph: &'g Graph) -> Expr<'g> {
+    let terms = carry_out(terms, graph, |symbol| time_derivative(symbol, graph));
+    terms.into_iter().fold(graph.integer(0), |sum, term| sum + term)
 }
 
 /// `Q = Σ (∂v/∂q̇)ᵀ F` over forces on points and torques on bodies: one reverse sweep for all of them.

@@ -5,6 +5,7 @@
 //!
 //! - [`frame`]: the tree of frames, each with its pose and its twist;
 //! - [`lagrangian`]: the result, and the builder API that stands under the language;
+//! - [`landmark`]: what some of its expressions stand for in space;
 //! - [`dimension`]: SI dimensions and units;
 //! - `value`: what expressions stand for; `scope`: what names stand for; `constant`: what is known of an expression;
 //! - `statement`: statements in order; `declare`: parameters, coordinates, inputs, prescribed motions, constants;
@@ -28,6 +29,7 @@ mod evaluate;
 pub mod frame;
 mod function;
 pub mod lagrangian;
+pub mod landmark;
 mod operator;
 mod point_force;
 pub mod sample;

@@ -1,40 +1,41 @@
 //! `particle` and `rigid_body`: bodies with their kinetic energies.
 
-use std::rc::Rc;
-
 use super::check::Physical;
 use super::constant::Dependence;
 use super::dimension::Dimension;
 use super::evaluate::{Argument, Resolved, Resolver};
 use super::frame::{Edge, FrameId};
 use super::lagrangian::Body;
-use super::value::{Free, Point, Tensor, Term, Value};
+use super::value::{Free, Point, Scalar, Tensor, Value};
 use crate::expr::{Expr, Matrix, Vector};
 use crate::parse::syntax::Span;
 
 impl<'d, 'g> Resolver<'d, 'g> {
-    /// `½ m |ṙ|²`: a body where r is a point of a pose, else the sum of squares in the axes of r.
+    /// `½ m |ṙ|²`
     pub(super) fn particle(&mut self, mass: &Argument<'g>, position: &Argument<'g>) -> Resolved<Value<'g>> {
         let m = self.mass(mass);
         let place = match position.value {
-            Value::Point(point) => Ok(Err(point)),
-            _ => self.vector(position).map(Ok),
+            Value::Point(point) => Ok(point),
+            _ => self.vector(position).and_then(|vector| self.tip_of(vector, &position.span)),
         };
-        let (m, place) = (m?, place?);
+        let (m, Point { coordinates, frame }) = (m?, place?);
         self.physical.push(Physical { mass: m, mass_span: mass.span.clone(), inertia: None });
-        let term = match place {
-            Err(Point { coordinates, frame }) => {
-                let (com, frame) = self.fixed(coordinates, frame, &position.span)?;
-                Term::Body(Body { mass: m, com, inertia: None, frame })
-            }
-            Ok(vector) => {
-                self.check_dimension(vector.fit(), "the place of a particle", Dimension::LENGTH, &position.span)?;
-                let rate = self.rate(&Argument { value: Value::Vector(vector), span: position.span.clone() })?;
-                let velocity = self.vector(&Argument { value: rate, span: position.span.clone() })?;
-                Term::Other(1 / self.graph.integer(2) * m * velocity.components.norm_squared())
-            }
-        };
-        Ok(Value::Energy(Rc::new([term])))
+        Ok(self.energy_of(Body { mass: m, com: coordinates, inertia: None, frame }))
+    }
+
+    /// The place at the tip of a vector from the world's origin.
+    fn tip_of(&mut self, vector: Free<'g>, span: &Span) -> Resolved<Point<'g>> {
+        self.check_dimension(vector.fit(), "the place of a particle", Dimension::LENGTH, span)?;
+        let coordinates = self.in_world(vector);
+        for component in coordinates.0 {
+            self.rate_of(component, span)?;
+        }
+        self.place(coordinates, FrameId::WORLD, span)
+    }
+
+    fn energy_of(&mut self, body: Body<'g>) -> Value<'g> {
+        let energy = self.lagrangian.kinetic_energy_of(&body);
+        Value::Scalar(Scalar::new(energy, self.dimension(Dimension::ENERGY)))
     }
 
     /// `½ m |v_c|² + ½ ωᵀ I ω`
@@ -46,15 +47,15 @@ impl<'d, 'g> Resolver<'d, 'g> {
         pose: &Argument<'g>,
     ) -> Resolved<Value<'g>> {
         let m = self.mass(mass);
-        let tensor = self.inertia(inertia);
         let frame = self.frame(pose);
+        let tensor = self.inertia(inertia, frame);
         let (m, tensor, frame) = (m?, tensor?, frame?);
         let Free { components, .. } = self.mass_centre(com, frame)?;
         let physical =
             Physical { mass: m, mass_span: mass.span.clone(), inertia: Some((tensor, inertia.span.clone())) };
         self.physical.push(physical);
         let (com, frame) = self.fixed(components, frame, &com.span)?;
-        Ok(Value::Energy(Rc::new([Term::Body(Body { mass: m, com, inertia: Some(tensor), frame })])))
+        Ok(self.energy_of(Body { mass: m, com, inertia: Some(tensor), frame }))
     }
 
     fn mass(&mut self, argument: &Argument<'g>) -> Resolved<Expr<'g>> {
@@ -63,8 +64,15 @@ impl<'d, 'g> Resolver<'d, 'g> {
         Ok(mass)
     }
 
-    fn inertia(&mut self, argument: &Argument<'g>) -> Resolved<Matrix<'g>> {
+    /// The entries in the axes of the frame.
+    fn inertia(&mut self, argument: &Argument<'g>, frame: Resolved<FrameId>) -> Resolved<Matrix<'g>> {
         let tensor = self.matrix(argument)?;
+        if let (Some((rows, columns)), Ok(frame)) = (tensor.axes, frame)
+            && !(self.same_axes(rows, frame) && self.same_axes(columns, frame))
+        {
+            let help = "write its entries in the axes of this pose: `inertia(xx, yy, zz, xy, xz, yz)`";
+            return Err(self.refuse(&argument.span, "this inertia is in the axes of another pose", help));
+        }
         let Tensor { entries: Matrix(rows), .. } = tensor;
         self.check_dimension(tensor.fit(), "an inertia", Dimension::INERTIA, &argument.span)?;
         self.constant_in_time(rows.as_flattened(), "an inertia", &argument.span)?;
@@ -96,7 +104,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
     }
 
     /// The place in a frame that it does not move in: a moving place gets a frame of its own.
-    fn fixed(&mut self, place: Vector<'g>, frame: FrameId, span: &Span) -> Resolved<(Vector<'g>, FrameId)> {
+    pub(super) fn fixed(&mut self, place: Vector<'g>, frame: FrameId, span: &Span) -> Resolved<(Vector<'g>, FrameId)> {
         let moving = place.0.iter().map(|e| self.facts.dependence(*e)).fold(Dependence::default(), Dependence::or);
         if !moving.moves() && !moving.on(Dependence::RATE) {
             return Ok((place, frame));

@@ -3,6 +3,7 @@
 use super::dimension::Dimension;
 use super::evaluate::{Argument, Refused, Resolved, Resolver};
 use super::frame::{Edge, FrameId};
+use super::landmark::Motion;
 use super::value::{Free, Point, Pose, Scalar, Shape, Tensor, Value, shared};
 use crate::diagnostic::nearest;
 use crate::expr::{Binary, Expr, Function, HalfInteger, Matrix, Number, Vector};
@@ -279,7 +280,9 @@ fn aligned<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) -> Resolved
 
 fn dot<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) -> Resolved<Value<'g>> {
     let Aligned { a, b, dimension, .. } = aligned(resolver, call)?;
-    Ok(Value::Scalar(Scalar::new(a.dot(b), dimension)))
+    let product = a.dot(b);
+    resolver.lagrangian.landmarks.note_product(a, b, product);
+    Ok(Value::Scalar(Scalar::new(product, dimension)))
 }
 
 fn cross<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) -> Resolved<Value<'g>> {
@@ -290,12 +293,16 @@ fn cross<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) -> Resolved<V
 fn norm_squared<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) -> Resolved<Value<'g>> {
     let v = resolver.vector(&call.arguments[0])?;
     let dimension = resolver.bounded(v.dimension.power(2, 1), call.span)?;
-    Ok(Value::Scalar(Scalar::new(v.components.norm_squared(), dimension)))
+    let square = v.components.norm_squared();
+    resolver.lagrangian.landmarks.note_product(v.components, v.components, square);
+    Ok(Value::Scalar(Scalar::new(square, dimension)))
 }
 
 fn norm<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) -> Resolved<Value<'g>> {
     let v = resolver.vector(&call.arguments[0])?;
-    Ok(Value::Scalar(Scalar::new(v.components.norm_squared().sqrt(), v.dimension)))
+    let square = v.components.norm_squared();
+    resolver.lagrangian.landmarks.note_product(v.components, v.components, square);
+    Ok(Value::Scalar(Scalar::new(square.sqrt(), v.dimension)))
 }
 
 // ---- poses
@@ -386,7 +393,8 @@ fn translation<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) -> Reso
     };
     let span = &call.arguments[0].span;
     resolver.check_dimension(vector.fit(), "a translation", Dimension::LENGTH, span)?;
-    pose([resolver.edge(Edge::Translation(resolver.in_world(vector)), span)?])
+    let shift = resolver.in_world(vector);
+    pose([resolver.edge(Edge::Translation(shift), span)?])
 }
 
 /// Denavit & Hartenberg, standard form: `Rz(θ) · T(a, 0, d) · Rx(α)`.
@@ -412,7 +420,7 @@ fn point<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) -> Resolved<V
     let frame = resolver.frame(pose)?;
     let vector = resolver.components_in(place, frame, "this vector")?;
     resolver.check_dimension(vector.fit(), "a place", Dimension::LENGTH, &place.span)?;
-    Ok(Value::Point(Point { coordinates: vector.components, frame }))
+    resolver.place(vector.components, frame, &place.span).map(Value::Point)
 }
 
 fn origin<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) -> Resolved<Value<'g>> {
@@ -422,13 +430,17 @@ fn origin<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) -> Resolved<
 
 fn rotation_matrix<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) -> Resolved<Value<'g>> {
     let frame = resolver.frame(&call.arguments[0])?;
-    let entries = resolver.lagrangian.frames.get(frame).rotation;
-    Ok(Value::matrix(Tensor { entries, dimension: Dimension::ONE }))
+    // In its own axes on the left and those of the world on the right it is the unit matrix.
+    let entries = Matrix::identity(resolver.graph);
+    let axes = Some((frame, FrameId::WORLD));
+    Ok(Value::matrix(Tensor { entries, axes, dimension: Dimension::ONE }))
 }
 
 fn angular_velocity<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) -> Resolved<Value<'g>> {
     let frame = resolver.frame(&call.arguments[0])?;
     let components = resolver.lagrangian.frames.get(frame).angular_velocity;
+    let tensor = Matrix::identity(resolver.graph);
+    resolver.lagrangian.landmarks.note_motion(components, Motion::Turning { tensor, frame });
     let dimension = resolver.dimension(Dimension::ANGULAR_VELOCITY);
     Ok(Value::Vector(Free { components, frame, dimension }))
 }
@@ -455,16 +467,16 @@ fn entries<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) -> Resolved
 fn diagonal<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) -> Resolved<Value<'g>> {
     let (entries, dimension) = entries(resolver, call)?;
     let &[x, y, z] = entries.as_slice() else { return Err(Refused) };
-    Ok(Value::matrix(Tensor { entries: Matrix::diagonal([x, y, z]), dimension }))
+    Ok(Value::matrix(Tensor::plain(Matrix::diagonal([x, y, z]), dimension)))
 }
 
 fn inertia<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) -> Resolved<Value<'g>> {
     let (entries, dimension) = entries(resolver, call)?;
     match *entries.as_slice() {
-        [x, y, z] => Ok(Value::matrix(Tensor { entries: Matrix::diagonal([x, y, z]), dimension })),
+        [x, y, z] => Ok(Value::matrix(Tensor::plain(Matrix::diagonal([x, y, z]), dimension))),
         [xx, yy, zz, xy, xz, yz] => {
             let entries = Matrix([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]);
-            Ok(Value::matrix(Tensor { entries, dimension }))
+            Ok(Value::matrix(Tensor::plain(entries, dimension)))
         }
         _ => Err(Refused),
     }
@@ -472,7 +484,8 @@ fn inertia<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) -> Resolved
 
 fn transpose<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) -> Resolved<Value<'g>> {
     let matrix = resolver.matrix(&call.arguments[0])?;
-    Ok(Value::matrix(Tensor { entries: matrix.entries.transpose(), ..matrix }))
+    let axes = matrix.axes.map(|(rows, columns)| (columns, rows));
+    Ok(Value::matrix(Tensor { entries: matrix.entries.transpose(), axes, ..matrix }))
 }
 
 fn particle<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) -> Resolved<Value<'g>> {

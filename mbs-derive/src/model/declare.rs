@@ -91,7 +91,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
             return Err(self.refuse(at, format!("`{name}` is a formula, in SI units"), help));
         }
         let elements = match (value, length) {
-            (Value::Scalar(_) | Value::Energy(_), length) => vec![value.clone(); length.unwrap_or(1)],
+            (Value::Scalar(_), length) => vec![value.clone(); length.unwrap_or(1)],
             (_, Some(length)) => {
                 let elements = self.elements(&Argument { value: value.clone(), span: span.clone() })?;
                 self.check_length(elements.len(), length, span)?;
@@ -274,7 +274,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
     ) -> Resolved<Value<'g>> {
         let argument = |value: &Value<'g>| Argument { value: value.clone(), span: span.clone() };
         match value {
-            Value::Scalar(_) | Value::Energy(_) => {
+            Value::Scalar(_) => {
                 let scalar = self.scalar(&argument(value))?;
                 self.number_in_unit(scalar, measure, span, what).map(Value::Scalar)
             }
@@ -292,14 +292,14 @@ impl<'d, 'g> Resolver<'d, 'g> {
                 Ok(Value::Vector(Free { components, dimension: x.dimension, ..vector }))
             }
             Value::Matrix(matrix) => {
-                let Tensor { entries, dimension } = **matrix;
+                let Tensor { entries, axes, dimension } = **matrix;
                 let mut rows = entries.0;
                 let mut found = dimension;
                 for entry in rows.iter_mut().flatten() {
                     let number = self.number_in_unit(Scalar::new(*entry, dimension), measure, span, what)?;
                     (*entry, found) = (number.expr, number.dimension);
                 }
-                Ok(Value::matrix(Tensor { entries: Matrix(rows), dimension: found }))
+                Ok(Value::matrix(Tensor { entries: Matrix(rows), axes, dimension: found }))
             }
             Value::Pose(_) => {
                 let message = format!("{what} is made of numbers, this is a pose");

@@ -5,7 +5,7 @@ use super::constant::Dependence;
 use super::dimension::Dimension;
 use super::evaluate::{Argument, Resolved, Resolver, in_words};
 use super::scope::Origin;
-use super::value::{Shape, Term, Value, shared};
+use super::value::{Shape, Value, shared};
 use crate::diagnostic::nearest;
 use crate::expr::Expr;
 use crate::parse::syntax::{BinaryOperator, EnergyTerm, Expression, ExpressionKind, Name};
@@ -35,28 +35,17 @@ impl<'d, 'g> Resolver<'d, 'g> {
             return Err(self.refuse(&expression.span, message, help));
         }
         self.check_dependence(term, scalar.expr, expression)?;
-        match (term, value.value) {
-            (EnergyTerm::Kinetic, Value::Energy(terms)) => terms.iter().for_each(|term| self.kinetic_term(*term)),
-            (EnergyTerm::Kinetic, _) => self.lagrangian.kinetic.push(scalar.expr),
-            (EnergyTerm::Potential, _) => self.lagrangian.potential.push(scalar.expr),
-            (EnergyTerm::Dissipation, _) => self.lagrangian.dissipation.push(scalar.expr),
-            (EnergyTerm::Lagrangian, _) => self.lagrangian.lagrangian.push(scalar.expr),
+        match term {
+            EnergyTerm::Kinetic => self.lagrangian.kinetic.push(scalar.expr),
+            EnergyTerm::Potential => self.lagrangian.potential.push(scalar.expr),
+            EnergyTerm::Dissipation => self.lagrangian.dissipation.push(scalar.expr),
+            EnergyTerm::Lagrangian => self.lagrangian.lagrangian.push(scalar.expr),
         }
         let Places { kinetic, potential, lagrangian, .. } = &mut self.places;
         kinetic.resize(self.lagrangian.kinetic.len(), expression.span.clone());
         potential.resize(self.lagrangian.potential.len(), expression.span.clone());
         lagrangian.resize(self.lagrangian.lagrangian.len(), expression.span.clone());
         Ok(())
-    }
-
-    fn kinetic_term(&mut self, term: Term<'g>) {
-        match term {
-            Term::Other(expr) => self.lagrangian.kinetic.push(expr),
-            Term::Body(body) => match body.inertia {
-                Some(inertia) => self.lagrangian.rigid_body(body.mass, body.com, inertia, body.frame),
-                None => self.lagrangian.particle(body.mass, body.com, body.frame),
-            },
-        }
     }
 
     /// The momenta `∂L/∂q̇` are differentiated in time: what enters L must have a known rate.

@@ -4,7 +4,6 @@
 //! word, and both sides of an operator are looked at before it is given up, so that one run reports all mistakes.
 
 use std::collections::{BTreeMap, BTreeSet, HashSet};
-use std::rc::Rc;
 
 use super::builtin::{self, CONSTANTS};
 use super::check::{Physical, Places};
@@ -13,8 +12,9 @@ use super::dimension::Dimension;
 use super::frame::{Edge, FrameId};
 use super::function::{Call, Function};
 use super::lagrangian::Lagrangian;
+use super::landmark::Place;
 use super::scope::Scope;
-use super::value::{Array, Free, Point, Pose, Scalar, Shape, Tensor, Term, Value, shared};
+use super::value::{Array, Free, Point, Pose, Scalar, Shape, Tensor, Value, shared};
 use crate::diagnostic::{Diagnostics, nearest};
 use crate::expr::{Expr, Graph, Matrix, Number, Symbol, Vector};
 use crate::parse::syntax::{BinaryOperator, Expression, ExpressionKind, Name, Span};
@@ -432,6 +432,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
             let turned = self.turned(coordinates, frame, axis);
             let offset = self.lagrangian.frames.get(frame).position.0[axis];
             let expr = if place.position.0.iter().all(|p| p.is_zero()) { turned } else { offset + turned };
+            self.lagrangian.landmarks.note_component(expr, Place { axis, coordinates, frame });
             return Ok(Value::Scalar(Scalar::new(expr, self.dimension(Dimension::LENGTH))));
         }
         let Free { components, frame, dimension } = self.vector(value)?;
@@ -466,7 +467,8 @@ impl<'d, 'g> Resolver<'d, 'g> {
                 Ok(self.in_world(vector).0.map(dimension(vector.dimension)).to_vec())
             }
             Value::Matrix(matrix) => {
-                let rows = matrix.entries.0.map(|row| Array::new(row.map(dimension(matrix.dimension)).to_vec()));
+                let rows = self.entries_in_world(matrix).0;
+                let rows = rows.map(|row| Array::new(row.map(dimension(matrix.dimension)).to_vec()));
                 Ok(rows.into_iter().flatten().map(Value::Array).collect())
             }
             other => {
@@ -523,17 +525,8 @@ impl<'d, 'g> Resolver<'d, 'g> {
     pub(super) fn scalar(&mut self, argument: &Argument<'g>) -> Resolved<Scalar<'g>> {
         match &argument.value {
             Value::Scalar(scalar) => Ok(*scalar),
-            Value::Energy(terms) => Ok(Scalar::new(self.sum_of(terms), self.dimension(Dimension::ENERGY))),
             _ => Err(self.wrong_shape(argument, Shape::Number)),
         }
-    }
-
-    fn sum_of(&self, terms: &Rc<[Term<'g>]>) -> Expr<'g> {
-        let of = |term: &Term<'g>| match term {
-            Term::Body(body) => self.lagrangian.kinetic_energy_of(body),
-            Term::Other(expr) => *expr,
-        };
-        terms.iter().map(of).reduce(|sum, term| sum + term).unwrap_or_else(|| self.graph.integer(0))
     }
 
     /// A number of the dimension wanted; `what` begins the message.
@@ -614,10 +607,16 @@ impl<'d, 'g> Resolver<'d, 'g> {
                     };
                     common = (dimension, common.1 && found.fit().1);
                 }
-                Ok(Tensor { entries: Matrix(rows), dimension: common.0 })
+                Ok(Tensor::plain(Matrix(rows), common.0))
             }
             _ => Err(self.wrong_shape(argument, Shape::Matrix)),
         }
+    }
+
+    /// A matrix with its entries in world axes.
+    pub(super) fn matrix_in_world(&mut self, argument: &Argument<'g>) -> Resolved<Tensor<'g>> {
+        let matrix = self.matrix(argument)?;
+        Ok(Tensor::plain(self.entries_in_world(&matrix), matrix.dimension))
     }
 
     /// The frame of a pose.
@@ -650,15 +649,48 @@ impl<'d, 'g> Resolver<'d, 'g> {
         a == b || frames.get(a).rotation == frames.get(b).rotation
     }
 
-    pub(super) fn in_world(&self, vector: Free<'g>) -> Vector<'g> {
-        match self.same_axes(vector.frame, FrameId::WORLD) {
-            true => vector.components,
-            false => self.lagrangian.frames.get(vector.frame).rotation * vector.components,
+    pub(super) fn in_world(&mut self, vector: Free<'g>) -> Vector<'g> {
+        if self.same_axes(vector.frame, FrameId::WORLD) {
+            return vector.components;
+        }
+        let turned = self.lagrangian.frames.get(vector.frame).rotation * vector.components;
+        self.lagrangian.landmarks.note_turned(vector.components, turned);
+        turned
+    }
+
+    /// In the axes of `frame`.
+    pub(super) fn in_axes(&mut self, vector: Free<'g>, frame: FrameId) -> Vector<'g> {
+        if self.same_axes(vector.frame, frame) {
+            return vector.components;
+        }
+        let world = self.in_world(vector);
+        match self.same_axes(frame, FrameId::WORLD) {
+            true => world,
+            false => self.lagrangian.frames.get(frame).rotation.transpose() * world,
         }
     }
 
+    /// `R A Sᵀ`, where rows are in axes turned by R and columns in axes turned by S.
+    pub(super) fn entries_in_world(&self, matrix: &Tensor<'g>) -> Matrix<'g> {
+        let Some((rows, columns)) = matrix.axes else { return matrix.entries };
+        let mut entries = matrix.entries;
+        if !self.same_axes(rows, FrameId::WORLD) {
+            entries = self.lagrangian.frames.get(rows).rotation * entries;
+        }
+        if !self.same_axes(columns, FrameId::WORLD) {
+            entries = entries * self.lagrangian.frames.get(columns).rotation.transpose();
+        }
+        entries
+    }
+
+    /// A place: where it moves in the frame, it gets a frame of its own.
+    pub(super) fn place(&mut self, coordinates: Vector<'g>, frame: FrameId, span: &Span) -> Resolved<Point<'g>> {
+        let (coordinates, frame) = self.fixed(coordinates, frame, span)?;
+        Ok(Point { coordinates, frame })
+    }
+
     /// From the origin of the world, in its axes.
-    pub(super) fn position(&self, Point { coordinates, frame }: Point<'g>) -> Free<'g> {
+    pub(super) fn position(&mut self, Point { coordinates, frame }: Point<'g>) -> Free<'g> {
         let dimension = self.dimension(Dimension::LENGTH);
         let components = match frame {
             FrameId::WORLD => coordinates,
@@ -668,7 +700,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
     }
 
     /// Two vectors in common axes: their own where they share them, else those of the world.
-    pub(super) fn aligned(&self, a: Free<'g>, b: Free<'g>) -> (Vector<'g>, Vector<'g>, FrameId) {
+    pub(super) fn aligned(&mut self, a: Free<'g>, b: Free<'g>) -> (Vector<'g>, Vector<'g>, FrameId) {
         if self.same_axes(a.frame, b.frame) || b.fit().1 {
             (a.components, b.components, a.frame)
         } else if a.fit().1 {

@@ -276,7 +276,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
                 Ok((OutputValue::Array(components), unit(dimensions)))
             }
             Shape::Matrix if matches!(value.value, Value::Matrix(_)) => {
-                let Tensor { entries, dimension } = self.matrix(value)?;
+                let Tensor { entries, dimension, .. } = self.matrix_in_world(value)?;
                 Ok((OutputValue::Matrix(entries.0.map(|row| row.to_vec()).to_vec()), dimension.to_string()))
             }
             Shape::Pose => Ok((OutputValue::Pose(self.frame(value)?), String::from("m"))),
