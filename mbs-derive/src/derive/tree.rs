@@ -7,11 +7,12 @@
 //! - [`inertia`]: pseudo-inertias, mass with its first and second moments;
 //! - [`regroup`]: masses move towards the base as far as joints cannot tell;
 //! - [`newton_euler`]: motions out, wrenches back: inverse dynamics, bias, gravity;
-//! - [`composite`]: the mass matrix.
+//! - [`composite`]: the mass matrix; [`coriolis`]: the Coriolis matrix.
 //!
 //! What is no body is derived plainly and added.
 
 mod composite;
+mod coriolis;
 pub(super) mod inertia;
 pub(super) mod linkage;
 mod newton_euler;
@@ -20,7 +21,7 @@ mod wrench;
 
 use crate::expr::{Expr, Symbol, Tangent, Vector};
 
-use super::lagrange::{Lagrange, add, at_rest};
+use super::lagrange::{Lagrange, add, at_rest, transpose};
 use super::lift::Lifted;
 use super::{Rows, Symbols};
 use inertia::Inertia;
@@ -32,6 +33,7 @@ pub fn equations<'g>(lifted: &Lifted<'g>, plain: &Lagrange<'g>, rest: &Lagrange<
     let bias = add(&tree.forces(false), &rest.bias);
     Lagrange {
         mass_matrix: sum(&tree.mass_matrix(), &rest.mass_matrix),
+        coriolis_matrix: sum(&tree.coriolis_matrix(), &rest.coriolis_matrix),
         gravity: at_rest(&bias),
         inverse_dynamics: add(&tree.forces(true), &rest.inverse_dynamics),
         bias,
@@ -71,22 +73,51 @@ impl<'g> Tree<'g> {
         self.on_coordinates(&joint)
     }
 
-    /// M of the bodies.
+    /// M of the bodies: `Sᵀ M S` of the joints' one.
     fn mass_matrix(&self) -> Rows<'g> {
-        let composites = composite::composites(&self.linkage, &self.inertias);
+        self.congruent(&composite::mass_matrix(&self.linkage, &self.moving, &self.composites()))
+    }
+
+    /// C of the bodies: `Sᵀ C S + Sᵀ M Ṡ`, and the explicit change in time once more.
+    fn coriolis_matrix(&self) -> Rows<'g> {
+        let composites = self.composites();
+        let c = self.congruent(&coriolis::coriolis_matrix(&self.linkage, &self.moving, &composites));
         let m = composite::mass_matrix(&self.linkage, &self.moving, &composites);
-        // Sᵀ M S
-        let half: Rows<'g> = m.iter().map(|row| self.on_coordinates(row)).collect();
-        let columns = super::lagrange::transpose(&half, self.slopes.first().map_or(0, Vec::len));
-        columns.iter().map(|column| self.on_coordinates(column)).collect()
+        let turning = self.turning_slopes();
+        let half = product(&m, &turning);
+        let columns = transpose(&half, self.coordinates());
+        let c = sum(&c, &transpose(&columns.iter().map(|column| self.on_coordinates(column)).collect(), columns.len()));
+        let at_rest = c.iter().map(|row| at_rest(row)).collect();
+        sum(&c, &at_rest)
+    }
+
+    fn composites(&self) -> Vec<Inertia<'g>> {
+        composite::composites(&self.linkage, &self.inertias)
+    }
+
+    fn coordinates(&self) -> usize {
+        self.slopes.first().map_or(0, Vec::len)
+    }
+
+    /// Ṡ
+    fn turning_slopes(&self) -> Rows<'g> {
+        let rate = |e: &Expr<'g>| linkage::rates(*e, false).0;
+        self.slopes.iter().map(|row| row.iter().map(rate).collect()).collect()
+    }
+
+    /// `Sᵀ A S`
+    fn congruent(&self, a: &Rows<'g>) -> Rows<'g> {
+        let half: Rows<'g> = a.iter().map(|row| self.on_coordinates(row)).collect();
+        let columns = transpose(&half, self.coordinates());
+        let turned = columns.iter().map(|column| self.on_coordinates(column)).collect();
+        transpose(&turned, self.coordinates())
     }
 
     /// `Sᵀ f`: what forces along the joints are along the coordinates.
     fn on_coordinates(&self, forces: &[Expr<'g>]) -> Vec<Expr<'g>> {
         let zero = self.gravity.0[0].graph().integer(0);
-        let n = self.slopes.first().map_or(0, Vec::len);
         let on = |k: usize| forces.iter().zip(&self.slopes).fold(zero, |sum, (&f, slope)| sum + slope[k] * f);
-        (0..n).map(on).collect()
+        (0..self.coordinates()).map(on).collect()
     }
 }
 
@@ -98,4 +129,10 @@ fn slope<'g>(e: Expr<'g>, q: &[Symbol]) -> Vec<Expr<'g>> {
 
 fn sum<'g>(a: &Rows<'g>, b: &Rows<'g>) -> Rows<'g> {
     a.iter().zip(b).map(|(a, b)| add(a, b)).collect()
+}
+
+fn product<'g>(a: &Rows<'g>, b: &Rows<'g>) -> Rows<'g> {
+    let zero = a[0][0].graph().integer(0);
+    let entry = |row: &[Expr<'g>], k: usize| row.iter().zip(b).fold(zero, |sum, (&a, b)| sum + a * b[k]);
+    a.iter().map(|row| (0..b[0].len()).map(|k| entry(row, k)).collect()).collect()
 }
