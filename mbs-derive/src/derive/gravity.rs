@@ -34,7 +34,8 @@ pub(super) fn field<'v, 'g>(
     let mut weights: BTreeMap<FrameId, Weight<'g>> = BTreeMap::new();
     let mut field = Vector([zero; 3]);
     for (factor, place) in places.concat() {
-        let [factor, x, y, z] = carried([factor, place.coordinates.0[0], place.coordinates.0[1], place.coordinates.0[2]], graph);
+        let [factor, x, y, z] =
+            carried([factor, place.coordinates.0[0], place.coordinates.0[1], place.coordinates.0[2]], graph);
         let weight = weights.entry(place.frame).or_insert(nothing);
         weight.force.0[place.axis] = weight.force.0[place.axis] + factor;
         weight.moments[place.axis] = weight.moments[place.axis] + Vector([x, y, z]).scale(factor);

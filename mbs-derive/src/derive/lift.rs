@@ -1,7 +1,7 @@
 //! Bodies and gravity, found again among the declared energies.
 
 use crate::expr::{Expr, Graph, Matrix, Vector, carry_out};
-use crate::model::{Body, FrameId, Lagrangian};
+use crate::model::{Body, Edge, FrameId, Lagrangian};
 
 use super::gravity;
 use super::tree::inertia::Inertia;
@@ -21,9 +21,15 @@ pub struct Lifted<'g> {
     pub(crate) rest: Energies<'g>,
 }
 
-/// Splits a mechanism into bodies in a field and the rest; `None` where it has no bodies, or one that turns by a quaternion.
+/// Splits a mechanism into bodies in a field and the rest; `None` where no body is on a tree.
+///
+/// A body that turns by a quaternion stays with the rest: off the unit sphere its energy is not a rigid body's, and Lagrange's
+/// equations are about all quaternions.
 pub fn lifted<'g>(lagrangian: &Lagrangian<'_>, energies: &Energies<'g>, graph: &'g Graph) -> Option<Lifted<'g>> {
-    let (bodies, other_kinetic) = lagrangian.bodies();
+    let (bodies, mut other_kinetic) = lagrangian.bodies();
+    let (bodies, by_quaternion): (Vec<_>, Vec<_>) =
+        bodies.into_iter().partition(|body| !lagrangian.frames.path(body.frame).iter().any(is_quaternion));
+    other_kinetic.extend(by_quaternion.iter().map(|body| lagrangian.energy_of(body)));
     let bodies: Vec<Body<'g>> = bodies.iter().map(|body| carried_body(body, graph)).collect();
     let frames: Vec<FrameId> = bodies.iter().map(|body| body.frame).collect();
     let (linkage, seats) = Linkage::of(lagrangian, &frames, graph)?;
@@ -40,6 +46,10 @@ pub fn lifted<'g>(lagrangian: &Lagrangian<'_>, energies: &Energies<'g>, graph: &
     let (gravity, other_potential) = field.unwrap_or_else(|| (Vector::zero(graph), lagrangian.potential.clone()));
     let rest = energies.with_terms(&other_kinetic, &other_potential, lagrangian);
     Some(Lifted { linkage, inertias, gravity, rest })
+}
+
+fn is_quaternion(edge: &Edge<'_>) -> bool {
+    matches!(edge, Edge::Quaternion(_))
 }
 
 /// A body in the graph with rules; what it is made of is constant in time.

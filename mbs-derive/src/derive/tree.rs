@@ -6,6 +6,7 @@
 //! - [`linkage`]: the declared frames, reduced to what moves;
 //! - [`inertia`]: pseudo-inertias, mass with its first and second moments;
 //! - [`regroup`]: masses move towards the base as far as joints cannot tell;
+//! - [`twist`]: velocities, and the kinetic energy;
 //! - [`newton_euler`]: motions out, wrenches back: inverse dynamics, bias, gravity;
 //! - [`composite`]: the mass matrix; [`coriolis`]: the Coriolis matrix.
 //!
@@ -17,9 +18,10 @@ pub(super) mod inertia;
 pub(super) mod linkage;
 mod newton_euler;
 mod regroup;
+mod twist;
 mod wrench;
 
-use crate::expr::{Expr, Symbol, Tangent, Vector};
+use crate::expr::{Expr, Symbol, Tangent, Vector, gradient};
 
 use super::lagrange::{Lagrange, add, at_rest, transpose};
 use super::lift::Lifted;
@@ -28,10 +30,18 @@ use inertia::Inertia;
 use linkage::{Edge, Linkage};
 
 /// Lagrange's equations of the bodies by sweeps over their tree, of everything else plainly; `rest` is the latter.
-pub fn equations<'g>(lifted: &Lifted<'g>, plain: &Lagrange<'g>, rest: &Lagrange<'g>, symbols: &Symbols) -> Lagrange<'g> {
+pub fn equations<'g>(
+    lifted: &Lifted<'g>,
+    plain: &Lagrange<'g>,
+    rest: &Lagrange<'g>,
+    symbols: &Symbols,
+) -> Lagrange<'g> {
     let tree = Tree::new(lifted, symbols);
     let bias = add(&tree.forces(false), &rest.bias);
+    let kinetic_energy = tree.kinetic_energy();
     Lagrange {
+        kinetic_energy: kinetic_energy + rest.kinetic_energy,
+        momentum: add(&gradient(kinetic_energy, &symbols.qd), &rest.momentum),
         mass_matrix: sum(&tree.mass_matrix(), &rest.mass_matrix),
         coriolis_matrix: sum(&tree.coriolis_matrix(), &rest.coriolis_matrix),
         gravity: at_rest(&bias),
@@ -64,6 +74,11 @@ impl<'g> Tree<'g> {
         let moving: Vec<usize> = (0..linkage.links.len()).filter(|&link| displacement(link).is_some()).collect();
         let slopes = moving.iter().filter_map(|&link| displacement(link)).map(|d| slope(d, &symbols.q)).collect();
         Tree { linkage, inertias, gravity: lifted.gravity, moving, slopes }
+    }
+
+    /// T of the bodies.
+    fn kinetic_energy(&self) -> Expr<'g> {
+        twist::kinetic_energy(&self.linkage, &self.inertias)
     }
 
     /// `M q̈ + C q̇ + G` of the bodies.

@@ -219,7 +219,7 @@ mod tests {
         });
         // Bodies stay visible.
         mechanism("fn ball(m, r) = particle(m, world.point(r)); kinetic += ball(m, [x, y, z]);", |lagrangian| {
-            assert_eq!(lagrangian.bodies.len(), 1);
+            assert_eq!(lagrangian.bodies().0.len(), 1);
         });
     }
 

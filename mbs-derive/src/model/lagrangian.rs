@@ -235,7 +235,8 @@ impl<'g> Lagrangian<'g> {
         energy
     }
 
-    fn energy_of(&self, body: &Body<'g>) -> Expr<'g> {
+    /// The expression of [`Lagrangian::kinetic_energy_of`].
+    pub(crate) fn energy_of(&self, body: &Body<'g>) -> Expr<'g> {
         let half = 1 / self.graph.integer(2);
         let Body { mass, com, inertia, frame } = *body;
         let Some(inertia) = inertia else {

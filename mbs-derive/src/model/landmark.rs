@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 use super::frame::FrameId;
 use super::lagrangian::Body;
 use crate::expr::graph::IdMap;
-use crate::expr::{Expr, Id, Matrix, Node, Symbol, Vector};
+use crate::expr::{Expr, HalfInteger, Id, Matrix, Node, Symbol, Vector};
 
 /// A world component of a place that is fixed in a frame.
 #[derive(Clone, Copy, Debug)]
@@ -112,11 +112,10 @@ impl<'g> Landmarks<'g> {
         let (Some(a), Some(b)) = (self.motion(a), self.motion(b)) else { return };
         let graph = product.graph();
         let body = match (a, b) {
-            (Motion::Velocity { factor: m, coordinates, frame }, Motion::Velocity { factor: n, coordinates: c, frame: f })
-                if coordinates == c && frame == f =>
-            {
-                Body { mass: 2 * m * n, com: coordinates, inertia: None, frame }
-            }
+            (
+                Motion::Velocity { factor: m, coordinates, frame },
+                Motion::Velocity { factor: n, coordinates: c, frame: f },
+            ) if coordinates == c && frame == f => Body { mass: 2 * m * n, com: coordinates, inertia: None, frame },
             (Motion::Turning { tensor: a, frame }, Motion::Turning { tensor: b, frame: f }) if frame == f => {
                 // (A ω)·(B ω) = ½ ωᵀ (AᵀB + BᵀA) ω
                 let inertia = a.transpose() * b + b.transpose() * a;
@@ -178,6 +177,11 @@ fn terms<'g>(sum: Expr<'g>, known: impl Fn(Id) -> bool) -> Vec<(Expr<'g>, Expr<'
             Node::Add(a, b) => waiting.extend([(factor, b), (factor, a)]),
             Node::Sub(a, b) => waiting.extend([(-factor, b), (factor, a)]),
             Node::Mul(a, b) if !moving[&a] => waiting.push((factor * graph.expr(a), b)),
+            // |v|² written as the square of a length
+            Node::Power(root, n) if n == HalfInteger::integer(2) => match graph.node(root) {
+                Node::Power(square, half) if half == HalfInteger::HALF => waiting.push((factor, square)),
+                _ => terms.push((factor, graph.expr(id))),
+            },
             Node::Mul(a, b) if !moving[&b] => waiting.push((factor * graph.expr(b), a)),
             _ => terms.push((factor, graph.expr(id))),
         }

@@ -199,7 +199,8 @@ impl<'d, 'g> Resolver<'d, 'g> {
             Some(axes) => axes,
             None if self.same_axes(v.frame, FrameId::WORLD) => (FrameId::WORLD, FrameId::WORLD),
             None => {
-                let message = "this matrix does not say in which axes its entries are, and the vector is in those of a pose";
+                let message =
+                    "this matrix does not say in which axes its entries are, and the vector is in those of a pose";
                 let help = "write `(pose * matrix) * v` for entries in the axes of the pose, `(world * matrix) * v` for those of the world";
                 return Err(self.refuse(span, message, help));
             }
@@ -350,7 +351,8 @@ impl<'d, 'g> Resolver<'d, 'g> {
             Value::Point(Point { coordinates, frame }) => {
                 coordinates.0.iter().try_for_each(|&c| self.check_rate(c, &a.span))?;
                 let components = self.lagrangian.velocity(*coordinates, *frame);
-                let motion = Motion::Velocity { factor: self.graph.integer(1), coordinates: *coordinates, frame: *frame };
+                let motion =
+                    Motion::Velocity { factor: self.graph.integer(1), coordinates: *coordinates, frame: *frame };
                 self.lagrangian.landmarks.note_motion(components, motion);
                 let dimension = self.dimension(Dimension::VELOCITY);
                 Ok(Value::Vector(Free { components, frame: *frame, dimension }))

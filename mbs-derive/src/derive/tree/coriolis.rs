@@ -19,14 +19,8 @@ use super::super::Rows;
 use super::composite::{momentum, on_joints};
 use super::inertia::Inertia;
 use super::linkage::{Edge, Linkage, rates};
+use super::twist::{Twist, twists};
 use super::wrench::{Wrench, turned_about};
-
-/// ω and the velocity of the origin, in the axes of the link.
-#[derive(Clone, Copy, Debug)]
-struct Twist<'g> {
-    angular: Vector<'g>,
-    linear: Vector<'g>,
-}
 
 /// `Π = [A l; 0 0]`
 #[derive(Clone, Copy, Debug)]
@@ -55,34 +49,6 @@ pub(super) fn coriolis_matrix<'g>(linkage: &Linkage<'g>, moving: &[usize], compo
         }
     }
     c
-}
-
-fn twists<'g>(linkage: &Linkage<'g>, zero: Expr<'g>) -> Vec<Twist<'g>> {
-    let mut twists = vec![Twist { angular: Vector([zero; 3]), linear: Vector([zero; 3]) }];
-    for link in &linkage.links[1..] {
-        let (Some(parent), Some(edge)) = (link.parent, link.edge) else { unreachable!("only the base has no parent") };
-        twists.push(twists[parent].beyond(&edge));
-    }
-    twists
-}
-
-impl<'g> Twist<'g> {
-    fn beyond(&self, edge: &Edge<'g>) -> Self {
-        let Twist { angular: w, linear: v } = *self;
-        match *edge {
-            Edge::Turn(r) => Twist { angular: r.transpose() * w, linear: r.transpose() * v },
-            Edge::Shift(t) => Twist { angular: w, linear: v + w.cross(t) },
-            Edge::Slide { direction, displacement } => {
-                let (rate, _) = rates(displacement, false);
-                Twist { angular: w, linear: v + w.cross(direction.scale(displacement)) + direction.scale(rate) }
-            }
-            Edge::Revolute { axis, angle } => {
-                let (rate, _) = rates(angle, false);
-                let [w, v] = [w, v].map(|u| turned_about(u, axis, -angle.sin(), angle.cos()));
-                Twist { angular: w + Vector::unit(rate.graph(), axis).scale(rate), linear: v }
-            }
-        }
-    }
 }
 
 /// Π beyond each edge, in the axes of the link behind it.
@@ -130,7 +96,10 @@ impl<'g> Within<'g> {
             }
             Edge::Revolute { axis, angle } => {
                 let (s, c) = (angle.sin(), angle.cos());
-                Within { moments: block_turned_about(moments, axis, s, c), momentum: turned_about(momentum, axis, s, c) }
+                Within {
+                    moments: block_turned_about(moments, axis, s, c),
+                    momentum: turned_about(momentum, axis, s, c),
+                }
             }
         }
     }

@@ -110,8 +110,7 @@ impl<'g> Inertia<'g> {
 
     /// What remains where `other` is taken away.
     pub(crate) fn minus(self, other: Self) -> Self {
-        let negative =
-            Inertia { mass: -other.mass, first: -other.first, second: other.second.map(|entry| -entry) };
+        let negative = Inertia { mass: -other.mass, first: -other.first, second: other.second.map(|entry| -entry) };
         self.plus(negative)
     }
 

@@ -127,7 +127,8 @@ impl<'g> Linkage<'g> {
 
     /// The link that the frame itself is: behind a constant shift and a constant turn.
     fn settled(&mut self, seat: Seat<'g>) -> usize {
-        let shifted = if components(seat.shift) == 0 { seat.link } else { self.link(seat.link, Edge::Shift(seat.shift)) };
+        let shifted =
+            if components(seat.shift) == 0 { seat.link } else { self.link(seat.link, Edge::Shift(seat.shift)) };
         seat.turn.map_or(shifted, |turn| self.link(shifted, Edge::Turn(turn)))
     }
 
