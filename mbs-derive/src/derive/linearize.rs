@@ -8,7 +8,7 @@ use crate::expr::{Expr, Symbol, substitute};
 
 use super::constraint::Constraints;
 use super::lagrange::{Lagrange, jacobian, jacobian_by_rows, sub, transpose};
-use super::solve::{Factorization, ForwardDynamics, augment, solver};
+use super::solve::{Factorization, ForwardDynamics, augment};
 use super::{Rows, Symbols};
 
 /// `∂τ/∂q` and `∂τ/∂q̇` of `τ = M q̈ + C q̇ + G + ∂D/∂q̇`.
@@ -66,8 +66,8 @@ pub fn linearization<'g>(
         let finish = |rows| if forward.augmented { augmented(rows, &constraints.jacobian) } else { rows };
         return Linearization { state: [finish(q), finish(qd), finish(u)], parameters: finish(parameters) };
     };
+    let factorization = Factorization::new(&forward.matrix);
     let n = symbols.q.len();
-    let factorization = solver(&forward.matrix, n);
     let finish = |rows: Rows<'g>| {
         let mut rows = at_solution(&rows, solution, n);
         if forward.augmented {

@@ -49,32 +49,8 @@ pub fn forward_dynamics<'g>(lagrange: &Lagrange<'g>, constraints: &Constraints<'
     }
     let mass_matrix = if augmented { with_gram_matrix(&lagrange.mass_matrix, a) } else { lagrange.mass_matrix.clone() };
     let matrix = bordered(&mass_matrix, a);
-    let unrolled = (matrix.len() <= LARGEST_UNROLLED).then(|| solver(&matrix, mass_matrix.len()).solve(&right_side));
+    let unrolled = (matrix.len() <= LARGEST_UNROLLED).then(|| Factorization::new(&matrix).solve(&right_side));
     ForwardDynamics { matrix, right_side, unrolled, augmented }
-}
-
-/// The factorization whose order costs less: the accelerations from the first to the last, or the other way; multipliers last.
-///
-/// On a tree of joints the zeros between branches survive where the tips are eliminated first.
-pub(super) fn solver<'g>(matrix: &Rows<'g>, accelerations: usize) -> Factorization<'g> {
-    let forwards: Vec<usize> = (0..matrix.len()).collect();
-    let backwards: Vec<usize> = (0..accelerations).rev().chain(accelerations..matrix.len()).collect();
-    let order = if products(matrix, &backwards) < products(matrix, &forwards) { backwards } else { forwards };
-    Factorization::new(matrix, &order)
-}
-
-/// How many products the factorization takes in this order, from the pattern of zeros alone.
-fn products(matrix: &Rows<'_>, order: &[usize]) -> usize {
-    let n = order.len();
-    let mut filled: Vec<Vec<bool>> =
-        order.iter().map(|&i| order.iter().map(|&j| !matrix[i.max(j)][i.min(j)].is_zero()).collect()).collect();
-    let mut products = 0;
-    for k in 0..n {
-        let below: Vec<usize> = (k + 1..n).filter(|&i| filled[i][k]).collect();
-        products += below.len() * (below.len() + 3) / 2;
-        below.iter().for_each(|&i| below.iter().for_each(|&j| filled[i][j] = true));
-    }
-    products
 }
 
 /// Adds `Aᵀ` times the lower part of a right side to its upper part.
@@ -106,12 +82,10 @@ fn bordered<'g>(m: &Rows<'g>, a: &Rows<'g>) -> Rows<'g> {
     upper.chain(lower).collect()
 }
 
-/// `P M Pᵀ = L D Lᵀ` with unit lower triangular L and an order P of the rows.
+/// `M = L D Lᵀ` with unit lower triangular L.
 ///
 /// Source: Golub & Van Loan, *Matrix Computations*, 4th ed. 2013, algorithm 4.1.1.
 pub struct Factorization<'g> {
-    /// The rows in the order of elimination.
-    order: Vec<usize>,
     /// The strictly lower part of L.
     lower: Rows<'g>,
     /// The reciprocals of D.
@@ -119,24 +93,23 @@ pub struct Factorization<'g> {
 }
 
 impl<'g> Factorization<'g> {
-    /// Factorizes the lower triangle of `m`, its rows taken in this order.
-    pub fn new(m: &Rows<'g>, order: &[usize]) -> Self {
-        let entry = |i: usize, j: usize| m[order[i].max(order[j])][order[i].min(order[j])];
+    /// Factorizes the lower triangle of `m`.
+    pub fn new(m: &Rows<'g>) -> Self {
         let mut lower: Rows<'g> = Vec::new();
         let mut reciprocal: Vec<Expr<'g>> = Vec::new();
         for i in 0..m.len() {
             // (L D)ᵢⱼ = Mᵢⱼ − Σₖ (L D)ᵢₖ Lⱼₖ, k < j < i
             let mut scaled: Vec<Expr<'g>> = Vec::new();
             for j in 0..i {
-                scaled.push((0..j).fold(entry(i, j), |sum, k| sum - scaled[k] * lower[j][k]));
+                scaled.push((0..j).fold(m[i][j], |sum, k| sum - scaled[k] * lower[j][k]));
             }
             let row: Vec<_> = (0..i).map(|j| scaled[j] * reciprocal[j]).collect();
             // Dᵢ = Mᵢᵢ − Σₖ (L D)ᵢₖ Lᵢₖ
-            let pivot = (0..i).fold(entry(i, i), |sum, k| sum - scaled[k] * row[k]);
+            let pivot = (0..i).fold(m[i][i], |sum, k| sum - scaled[k] * row[k]);
             reciprocal.push(pivot.powi(-1));
             lower.push(row);
         }
-        Factorization { order: order.to_vec(), lower, reciprocal }
+        Factorization { lower, reciprocal }
     }
 
     /// `M⁻¹ b`: forward substitution, scaling, back substitution.
@@ -144,14 +117,12 @@ impl<'g> Factorization<'g> {
         let n = b.len();
         let mut x: Vec<Expr<'g>> = Vec::new();
         for i in 0..n {
-            x.push((0..i).fold(b[self.order[i]], |sum, k| sum - self.lower[i][k] * x[k]));
+            x.push((0..i).fold(b[i], |sum, k| sum - self.lower[i][k] * x[k]));
         }
         let mut x: Vec<_> = x.iter().zip(&self.reciprocal).map(|(&x, &d)| x * d).collect();
         for i in (0..n).rev() {
             x[i] = (i + 1..n).fold(x[i], |sum, k| sum - self.lower[k][i] * x[k]);
         }
-        let mut ordered = x.clone();
-        self.order.iter().zip(x).for_each(|(&i, x)| ordered[i] = x);
-        ordered
+        x
     }
 }

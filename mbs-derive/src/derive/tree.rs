@@ -5,6 +5,7 @@
 //!
 //! - [`linkage`]: the declared frames, reduced to what moves;
 //! - [`inertia`]: pseudo-inertias, mass with its first and second moments;
+//! - [`gauge`]: frames turned about their joint axes until constant turns are plane rotations;
 //! - [`regroup`]: masses move towards the base as far as joints cannot tell;
 //! - [`twist`]: velocities, and the kinetic energy;
 //! - [`newton_euler`]: motions out, wrenches back: inverse dynamics, bias, gravity;
@@ -14,6 +15,7 @@
 
 mod composite;
 mod coriolis;
+mod gauge;
 pub(super) mod inertia;
 pub(super) mod linkage;
 mod newton_euler;
@@ -64,12 +66,13 @@ struct Tree<'g> {
 
 impl<'g> Tree<'g> {
     fn new(lifted: &Lifted<'g>, symbols: &Symbols) -> Self {
-        let linkage = lifted.linkage.clone();
-        let inertias = regroup::regrouped(&linkage, lifted.inertias.clone());
+        let (linkage, inertias) = gauge::turned(&lifted.linkage, &lifted.inertias);
+        let inertias = regroup::regrouped(&linkage, inertias);
+        let linkage = regroup::without_spin(&linkage, &inertias);
         let displacement = |link: usize| match linkage.links[link].edge {
             Some(Edge::Revolute { angle, .. }) => Some(angle),
             Some(Edge::Slide { displacement, .. }) => Some(displacement),
-            Some(Edge::Turn(_) | Edge::Shift(_)) | None => None,
+            Some(Edge::Turn(_) | Edge::Tilt { .. } | Edge::Shift(_)) | None => None,
         };
         let moving: Vec<usize> = (0..linkage.links.len()).filter(|&link| displacement(link).is_some()).collect();
         let slopes = moving.iter().filter_map(|&link| displacement(link)).map(|d| slope(d, &symbols.q)).collect();

@@ -189,13 +189,21 @@ mod tests {
 
     #[test]
     fn bodies_declared_in_world_axes_are_found_again() {
-        let pose = "let a = rot_z(theta) * rot_x(q[0]) * translation([l, x, l]); let i = inertia(3*m*l^2, 4*m*l^2, 5*m*l^2, m*l^2, -m*l^2, m*l^2/2); let v = dt(a.point([l, l, 0])); let w = angular_velocity(a);";
+        let pose = "let a = rot_z(theta) * rot_x(q[0]) * translation([l, x, l]); let i = inertia(3*m*l^2, 4*m*l^2, 5*m*l^2, m*l^2, -m*l^2, m*l^2/2); let p = a.point([l, l, 0]); let v = dt(p); let w = angular_velocity(a);";
         let body = format!("{pose} kinetic += rigid_body(m, [l, l, 0], i, a);");
         let found = |written: &str| equal(&format!("{pose} kinetic += {written};"), 2, &body);
         found("1/2*m*v.norm_squared() + 1/2*w.dot((a*i)*w)");
         found("m*v.dot(v)/2 + dot(a.rotation()*i*a.rotation().transpose()*w, w)/2");
         found("(1/2*(m*v)).dot(v) + ((a*i)*(1/2*w)).dot(w)");
         found("0.5*m*v.norm()^2 - (-w.dot((a*i)*w))/2");
+        found("1/2*m*(v.x^2 + v.y*v.y + v.z^2) + 1/2*w.dot((a*i)*w)");
+        found("1/2*m*dt(p.x)^2 + 1/2*m*(dt(p.y)^2 + dt(p.z)^2) + 1/2*w.dot((a*i)*w)");
+        // Unequal factors are no particle.
+        equal(
+            &format!("{pose} kinetic += m*(v.x^2 + 2*v.y^2 + v.z^2);"),
+            0,
+            &format!("{pose} kinetic += m*v.norm_squared() + m*v.y^2;"),
+        );
         equal(
             &format!("{pose} kinetic += 1/2*t^2*k*v.norm_squared();"),
             0,

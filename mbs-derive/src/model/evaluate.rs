@@ -436,7 +436,9 @@ impl<'d, 'g> Resolver<'d, 'g> {
             return Ok(Value::Scalar(Scalar::new(expr, self.dimension(Dimension::LENGTH))));
         }
         let Free { components, frame, dimension } = self.vector(value)?;
-        Ok(Value::Scalar(Scalar::new(self.turned(components, frame, axis), dimension)))
+        let component = self.turned(components, frame, axis);
+        self.lagrangian.landmarks.note_component_of(components, axis, component);
+        Ok(Value::Scalar(Scalar::new(component, dimension)))
     }
 
     /// One component in world axes.

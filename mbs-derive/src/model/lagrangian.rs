@@ -267,9 +267,7 @@ impl<'g> Lagrangian<'g> {
 
     /// The bodies among the terms of T, and the terms of T that are no bodies.
     pub fn bodies(&self) -> (Vec<Body<'g>>, Vec<Expr<'g>>) {
-        let parts = self.kinetic.iter().map(|&term| self.landmarks.bodies_of(term));
-        let (bodies, rest): (Vec<_>, Vec<_>) = parts.unzip();
-        (bodies.concat(), rest.concat())
+        self.landmarks.bodies_of(&self.kinetic)
     }
 }
 

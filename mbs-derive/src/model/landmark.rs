@@ -36,6 +36,8 @@ pub(super) enum Motion<'g> {
 pub struct Landmarks<'g> {
     bodies: IdMap<Body<'g>>,
     places: IdMap<Place<'g>>,
+    /// World components of velocities.
+    velocities: IdMap<Place<'g>>,
     motions: BTreeMap<[Id; 3], Motion<'g>>,
 }
 
@@ -126,21 +128,70 @@ impl<'g> Landmarks<'g> {
         self.note_body(product, body);
     }
 
-    /// The place that an expression is a component of.
-    pub fn place(&self, e: Expr<'g>) -> Option<&Place<'g>> {
-        self.places.get(&e.id())
+    /// That an expression is the world component of a vector along an axis.
+    pub(super) fn note_component_of(&mut self, vector: Vector<'g>, axis: usize, component: Expr<'g>) {
+        if let Some(Motion::Velocity { factor, coordinates, frame }) = self.motion(vector)
+            && factor.is_one()
+        {
+            self.velocities.insert(component.id(), Place { axis, coordinates, frame });
+        }
     }
 
-    /// Bodies whose kinetic energies add up, with factors that are constant in time, to `energy`, and the terms left over.
-    pub fn bodies_of(&self, energy: Expr<'g>) -> (Vec<Body<'g>>, Vec<Expr<'g>>) {
-        let (mut bodies, mut rest) = (Vec::new(), Vec::new());
-        for (factor, term) in terms(energy, |term| self.bodies.contains_key(&term)) {
-            match self.bodies.get(&term.id()) {
-                Some(body) => bodies.push(scaled(body, factor)),
-                None => rest.push(factor * term),
+    /// Bodies whose kinetic energies add up, with factors that are constant in time, to the sum of these terms, and the terms
+    /// left over.
+    pub fn bodies_of(&self, energies: &[Expr<'g>]) -> (Vec<Body<'g>>, Vec<Expr<'g>>) {
+        let (mut bodies, mut rest, mut squares) = (Vec::new(), Vec::new(), Vec::new());
+        for (factor, term) in energies.iter().flat_map(|&e| terms(e, |term| self.bodies.contains_key(&term))) {
+            match (self.bodies.get(&term.id()), self.squared_velocity(term)) {
+                (Some(body), _) => bodies.push(scaled(body, factor)),
+                (None, Some(place)) => squares.push((factor, place, term)),
+                (None, None) => rest.push(factor * term),
             }
         }
+        self.gather(squares, &mut bodies, &mut rest);
         (bodies, rest)
+    }
+
+    /// The place whose velocity's component is squared here.
+    fn squared_velocity(&self, term: Expr<'g>) -> Option<Place<'g>> {
+        let graph = term.graph();
+        let squared = match term.node() {
+            Node::Power(a, n) if n == HalfInteger::integer(2) => a,
+            Node::Mul(a, b) if a == b => a,
+            _ => return None,
+        };
+        let by_rate = match graph.node(squared) {
+            Node::Rate(place) => self.places.get(&place),
+            _ => None,
+        };
+        by_rate.or(self.velocities.get(&squared)).copied()
+    }
+
+    /// `m ẋ² + m ẏ² + m ż²` of one place is a particle; squares that find no fellows are left over.
+    fn gather(
+        &self,
+        squares: Vec<(Expr<'g>, Place<'g>, Expr<'g>)>,
+        bodies: &mut Vec<Body<'g>>,
+        rest: &mut Vec<Expr<'g>>,
+    ) {
+        let mut waiting: BTreeMap<(FrameId, [Id; 3], Id), Vec<(Expr<'g>, Place<'g>, Expr<'g>)>> = BTreeMap::new();
+        for square in squares {
+            let (factor, place, _) = square;
+            let fellows = waiting.entry((place.frame, key(place.coordinates), factor.id())).or_default();
+            if fellows.iter().any(|(_, other, _)| other.axis == place.axis) {
+                rest.push(square.0 * square.2);
+            } else {
+                fellows.push(square);
+            }
+        }
+        for fellows in waiting.into_values() {
+            match fellows[..] {
+                [(factor, Place { coordinates, frame, .. }, _), _, _] => {
+                    bodies.push(Body { mass: 2 * factor, com: coordinates, inertia: None, frame });
+                }
+                _ => rest.extend(fellows.iter().map(|&(factor, _, term)| factor * term)),
+            }
+        }
     }
 
     /// Components of places that add up, with factors that are constant in time, to `energy`, and the terms left over.

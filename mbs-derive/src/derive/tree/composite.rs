@@ -8,9 +8,9 @@
 use crate::expr::{Expr, Vector};
 
 use super::super::Rows;
-use super::inertia::{Inertia, Symmetric};
+use super::inertia::Inertia;
 use super::linkage::{Edge, Linkage};
-use super::wrench::{Wrench, turned_about};
+use super::wrench::Wrench;
 
 /// The masses beyond each edge as one body, in the axes of the link behind it.
 pub(super) fn composites<'g>(linkage: &Linkage<'g>, inertias: &[Inertia<'g>]) -> Vec<Inertia<'g>> {
@@ -27,11 +27,7 @@ fn across<'g>(inertia: Inertia<'g>, edge: &Edge<'g>) -> Inertia<'g> {
         Edge::Turn(r) => inertia.turned(r),
         Edge::Shift(t) => inertia.shifted(t),
         Edge::Slide { direction, displacement } => inertia.shifted(direction.scale(displacement)),
-        Edge::Revolute { axis, angle } => {
-            let (s, c) = (angle.sin(), angle.cos());
-            let first = turned_about(inertia.first, axis, s, c);
-            Inertia { first, second: inertia.second.turned_about(axis, s, c), ..inertia }
-        }
+        Edge::Revolute { axis, sin, cos, .. } | Edge::Tilt { axis, sin, cos } => inertia.turned_about(axis, sin, cos),
     }
 }
 
@@ -71,7 +67,6 @@ pub(super) fn momentum<'g>(inertia: &Inertia<'g>, edge: &Edge<'g>) -> Wrench<'g>
     let zero = Vector::zero(inertia.mass.graph());
     match *edge {
         Edge::Revolute { axis, .. } => {
-            let Symmetric { .. } = inertia.second;
             let mut couple = Vector([0, 1, 2].map(|i| -inertia.second.entry(i, axis)));
             couple.0[axis] = inertia.axial(axis);
             let e = Vector::unit(inertia.mass.graph(), axis);
@@ -80,6 +75,6 @@ pub(super) fn momentum<'g>(inertia: &Inertia<'g>, edge: &Edge<'g>) -> Wrench<'g>
         Edge::Slide { direction, .. } => {
             Wrench { force: direction.scale(inertia.mass), couple: inertia.first.cross(direction) }
         }
-        Edge::Turn(_) | Edge::Shift(_) => Wrench { force: zero, couple: zero },
+        Edge::Turn(_) | Edge::Tilt { .. } | Edge::Shift(_) => Wrench { force: zero, couple: zero },
     }
 }

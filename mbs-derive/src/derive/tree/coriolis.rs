@@ -72,8 +72,8 @@ impl<'g> Within<'g> {
     /// Seen from the parent the body moves with the edge, too: `Π + ṡ S P`.
     fn with_own_motion(self, edge: &Edge<'g>, body: &Inertia<'g>) -> Self {
         match *edge {
-            Edge::Turn(_) | Edge::Shift(_) => self,
-            Edge::Revolute { axis, angle } => {
+            Edge::Turn(_) | Edge::Tilt { .. } | Edge::Shift(_) => self,
+            Edge::Revolute { axis, angle, .. } => {
                 let (rate, _) = rates(angle, false);
                 let turning = skew(Vector::unit(rate.graph(), axis).scale(rate));
                 self.plus(Within { moments: turning * body.second.matrix(), momentum: turning * body.first })
@@ -94,14 +94,13 @@ impl<'g> Within<'g> {
             Edge::Slide { direction, displacement } => {
                 Within { moments: moments + momentum.outer(direction.scale(displacement)), momentum }
             }
-            Edge::Revolute { axis, angle } => {
-                let (s, c) = (angle.sin(), angle.cos());
-                Within {
-                    moments: block_turned_about(moments, axis, s, c),
-                    momentum: turned_about(momentum, axis, s, c),
-                }
-            }
+            Edge::Revolute { axis, sin, cos, .. } | Edge::Tilt { axis, sin, cos } => self.turned_about(axis, sin, cos),
         }
+    }
+
+    fn turned_about(self, axis: usize, s: Expr<'g>, c: Expr<'g>) -> Self {
+        let moments = block_turned_about(self.moments, axis, s, c);
+        Within { moments, momentum: turned_about(self.momentum, axis, s, c) }
     }
 }
 
@@ -138,7 +137,9 @@ fn own_change<'g>(edge: &Edge<'g>, body: &Inertia<'g>, within: &Within<'g>, twis
             let carried = w.cross(direction);
             Wrench { force: carried.scale(body.mass), couple: body.first.cross(carried) }
         }
-        Edge::Turn(_) | Edge::Shift(_) => Wrench { force: Vector::zero(graph), couple: Vector::zero(graph) },
+        Edge::Turn(_) | Edge::Tilt { .. } | Edge::Shift(_) => {
+            Wrench { force: Vector::zero(graph), couple: Vector::zero(graph) }
+        }
     }
 }
 
@@ -177,7 +178,7 @@ fn moved_couple<'g>(edge: &Edge<'g>, body: &Inertia<'g>, within: &Within<'g>, tw
             let b = w.cross(body.first) + v.scale(body.mass) + within.momentum;
             b.cross(direction)
         }
-        Edge::Turn(_) | Edge::Shift(_) => Vector::zero(body.mass.graph()),
+        Edge::Turn(_) | Edge::Tilt { .. } | Edge::Shift(_) => Vector::zero(body.mass.graph()),
     }
 }
 
@@ -191,7 +192,7 @@ fn turning_axis<'g>(edge: &Edge<'g>, twist: &Twist<'g>, wrench: &Wrench<'g>) -> 
             w.cross(e).dot(wrench.couple) + v.cross(e).dot(wrench.force)
         }
         Edge::Slide { direction, .. } => w.cross(direction).dot(wrench.force),
-        Edge::Turn(_) | Edge::Shift(_) => graph.integer(0),
+        Edge::Turn(_) | Edge::Tilt { .. } | Edge::Shift(_) => graph.integer(0),
     }
 }
 

@@ -6,6 +6,8 @@
 
 use crate::expr::{Expr, Graph, Matrix, Vector};
 
+use super::wrench::turned_about;
+
 /// A symmetric matrix by its six entries.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Symmetric<'g> {
@@ -117,6 +119,12 @@ impl<'g> Inertia<'g> {
     /// In the axes of a frame in which this one is turned by R.
     pub(crate) fn turned(self, r: Matrix<'g>) -> Self {
         Inertia { first: r * self.first, second: self.second.turned(r), ..self }
+    }
+
+    /// In the axes of a frame in which this one is turned by this angle about a coordinate axis.
+    pub(crate) fn turned_about(self, axis: usize, s: Expr<'g>, c: Expr<'g>) -> Self {
+        let first = turned_about(self.first, axis, s, c);
+        Inertia { first, second: self.second.turned_about(axis, s, c), ..self }
     }
 
     /// About the origin of a frame in which this one's origin is at t: `h + m t`, `Σ + h tᵀ + t hᵀ + m t tᵀ`.

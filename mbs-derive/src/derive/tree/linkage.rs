@@ -14,6 +14,15 @@ use super::super::time_derivative;
 pub(crate) enum Edge<'g> {
     /// Turned, once and for all; the matrix takes components in the link's axes to the parent's.
     Turn(Matrix<'g>),
+    /// Turned about a coordinate axis, once and for all.
+    Tilt {
+        /// 0, 1 or 2.
+        axis: usize,
+        /// The sine of the angle.
+        sin: Expr<'g>,
+        /// Its cosine.
+        cos: Expr<'g>,
+    },
     /// Shifted, once and for all, in the parent's axes.
     Shift(Vector<'g>),
     /// Turned about a coordinate axis.
@@ -22,6 +31,11 @@ pub(crate) enum Edge<'g> {
         axis: usize,
         /// Any expression of coordinates and time.
         angle: Expr<'g>,
+        /// The sine of the turn of the axes: of the angle, or 0 where the axes do not follow a body that looks the same from
+        /// all sides.
+        sin: Expr<'g>,
+        /// Its cosine.
+        cos: Expr<'g>,
     },
     /// Shifted along a direction that is constant in the parent's axes.
     Slide {
@@ -30,6 +44,13 @@ pub(crate) enum Edge<'g> {
         /// How far, in units of the direction.
         displacement: Expr<'g>,
     },
+}
+
+impl<'g> Edge<'g> {
+    /// A turn about a coordinate axis, axes and all.
+    pub(super) fn revolute(axis: usize, angle: Expr<'g>) -> Self {
+        Edge::Revolute { axis, angle, sin: angle.sin(), cos: angle.cos() }
+    }
 }
 
 /// One link.
@@ -106,7 +127,7 @@ impl<'g> Linkage<'g> {
         let along = (0..3).find(|&k| axis == Vector::unit(graph, k));
         let before = along.map_or_else(|| seat.turned(onto_z(axis)), |_| seat);
         let link = self.settled(before);
-        let link = self.link(link, Edge::Revolute { axis: along.unwrap_or(2), angle });
+        let link = self.link(link, Edge::revolute(along.unwrap_or(2), angle));
         let back = along.is_none().then(|| onto_z(axis).transpose());
         Seat { link, shift: Vector::zero(graph), turn: back }
     }

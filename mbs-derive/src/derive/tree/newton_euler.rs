@@ -14,7 +14,7 @@ use crate::expr::{Expr, Matrix, Vector};
 
 use super::inertia::{Inertia, Symmetric};
 use super::linkage::{Edge, Linkage, rates};
-use super::wrench::Wrench;
+use super::wrench::{Wrench, turned_about};
 
 /// How a link moves.
 #[derive(Clone, Copy, Debug)]
@@ -116,8 +116,12 @@ impl<'g> Motion<'g> {
                 let back = r.transpose();
                 Self::turned(back * w, back * wd, back * a)
             }
-            Edge::Revolute { axis, angle } => {
-                let [w, wd, a] = [w, wd, a].map(|v| turned_back(v, axis, angle));
+            Edge::Tilt { axis, sin, cos } => {
+                let [w, wd, a] = [w, wd, a].map(|v| turned_about(v, axis, -sin, cos));
+                Self::turned(w, wd, a)
+            }
+            Edge::Revolute { axis, angle, sin, cos } => {
+                let [w, wd, a] = [w, wd, a].map(|v| turned_about(v, axis, -sin, cos));
                 let (rate, acceleration) = rates(angle, accelerated);
                 let e = Vector::unit(rate.graph(), axis);
                 let (spin, own) = (e.scale(rate), e.scale(acceleration));
@@ -130,11 +134,6 @@ impl<'g> Motion<'g> {
         let spin = Spin::of(angular_velocity, angular_acceleration);
         Motion { angular_velocity, angular_acceleration, acceleration, spin }
     }
-}
-
-/// Components in axes that are turned by the angle about a coordinate axis.
-fn turned_back<'g>(v: Vector<'g>, axis: usize, angle: Expr<'g>) -> Vector<'g> {
-    super::wrench::turned_about(v, axis, -angle.sin(), angle.cos())
 }
 
 /// What it takes to move these masses so.

@@ -28,14 +28,18 @@ impl<'g> Twist<'g> {
         let Twist { angular: w, linear: v } = *self;
         match *edge {
             Edge::Turn(r) => Twist { angular: r.transpose() * w, linear: r.transpose() * v },
+            Edge::Tilt { axis, sin, cos } => {
+                let [angular, linear] = [w, v].map(|u| turned_about(u, axis, -sin, cos));
+                Twist { angular, linear }
+            }
             Edge::Shift(t) => Twist { angular: w, linear: v + w.cross(t) },
             Edge::Slide { direction, displacement } => {
                 let (rate, _) = rates(displacement, false);
                 Twist { angular: w, linear: v + w.cross(direction.scale(displacement)) + direction.scale(rate) }
             }
-            Edge::Revolute { axis, angle } => {
+            Edge::Revolute { axis, angle, sin, cos } => {
                 let (rate, _) = rates(angle, false);
-                let [w, v] = [w, v].map(|u| turned_about(u, axis, -angle.sin(), angle.cos()));
+                let [w, v] = [w, v].map(|u| turned_about(u, axis, -sin, cos));
                 Twist { angular: w + Vector::unit(rate.graph(), axis).scale(rate), linear: v }
             }
         }

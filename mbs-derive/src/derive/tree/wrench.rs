@@ -24,7 +24,7 @@ impl<'g> Wrench<'g> {
         match *edge {
             Edge::Revolute { axis, .. } => Some(self.couple.0[axis]),
             Edge::Slide { direction, .. } => Some(direction.dot(self.force)),
-            Edge::Turn(_) | Edge::Shift(_) => None,
+            Edge::Turn(_) | Edge::Tilt { .. } | Edge::Shift(_) => None,
         }
     }
 
@@ -35,11 +35,12 @@ impl<'g> Wrench<'g> {
             Edge::Turn(r) => Wrench { force: r * force, couple: r * couple },
             Edge::Shift(t) => self.shifted(t),
             Edge::Slide { direction, displacement } => self.shifted(direction.scale(displacement)),
-            Edge::Revolute { axis, angle } => {
-                let (s, c) = (angle.sin(), angle.cos());
-                Wrench { force: turned_about(force, axis, s, c), couple: turned_about(couple, axis, s, c) }
-            }
+            Edge::Revolute { axis, sin, cos, .. } | Edge::Tilt { axis, sin, cos } => self.turned(axis, sin, cos),
         }
+    }
+
+    fn turned(self, axis: usize, s: Expr<'g>, c: Expr<'g>) -> Self {
+        Wrench { force: turned_about(self.force, axis, s, c), couple: turned_about(self.couple, axis, s, c) }
     }
 
     /// `n + t × f`
