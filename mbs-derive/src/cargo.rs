@@ -70,7 +70,8 @@ impl Config {
     /// Generates every `.mbs` file of a folder, sorted by name, and `mechanisms.rs`, which includes them all, lists their
     /// texts in `SOURCES` and `GENERATED`, and hands every mechanism to a macro of your choice:
     /// `for_each_mechanism!(callback)` becomes `callback! { cart_pole CartPole 2 1; … }`, module, type, number of
-    /// coordinates and of inputs.
+    /// coordinates and of inputs. Mechanisms with motions given at run time do not implement the trait `Mechanism` and are
+    /// left out there.
     ///
     /// `include!(concat!(env!("OUT_DIR"), "/mechanisms.rs"));`
     pub fn compile_folder(&self, folder: impl AsRef<Path>) {
@@ -147,9 +148,10 @@ fn index(generated: &[(Generated, PathBuf)]) -> String {
         let module = &mechanism.module;
         text += &format!("    ({module:?}, include_str!(concat!(env!(\"OUT_DIR\"), \"/{module}.rs\"))),\n");
     }
-    text += "];\n\n/// Calls a macro with every mechanism: module, type, number of coordinates and of inputs.\n";
+    text += "];\n\n/// Calls a macro with every mechanism that implements the trait `Mechanism`: module, type, number of coordinates\n";
+    text += "/// and of inputs.\n";
     text += "#[macro_export]\nmacro_rules! for_each_mechanism {\n    ($callback:ident) => {\n        $callback! {\n";
-    for (mechanism, _) in generated {
+    for (mechanism, _) in generated.iter().filter(|(mechanism, _)| mechanism.implements_mechanism) {
         let Generated { module, name, dof, inputs, .. } = mechanism;
         text += &format!("            {module} {name} {dof} {inputs};\n");
     }

@@ -56,6 +56,8 @@ pub struct Generated {
     pub dof: usize,
     /// Number of inputs.
     pub inputs: usize,
+    /// Whether the module implements `mbs_runtime::Mechanism`; not where motions are given at run time.
+    pub implements_mechanism: bool,
     /// The module's text.
     pub code: String,
     /// Warnings, rendered with the source underlined; empty where there are none.
@@ -138,6 +140,7 @@ pub fn generate(file_name: &str, source: &str, options: &emit::Options) -> Resul
         name: derivation.name.clone(),
         dof: derivation.dof(),
         inputs: model::sample::count(&derivation.inputs),
+        implements_mechanism: emit::implements_mechanism(&derivation, options),
         code: emit::rust(&derivation, file_name, options),
         warnings: warnings.render(file_name, source),
     })
