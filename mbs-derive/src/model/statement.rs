@@ -2,6 +2,7 @@
 
 use super::dimension::Dimension;
 use super::evaluate::{Argument, Refused, Resolved, Resolver};
+use super::function::Home;
 use super::lagrangian::{Output, OutputValue};
 use super::scope::{Binding, Origin};
 use super::value::{Free, Scalar, Shape, Tensor, Value, shared};
@@ -125,8 +126,13 @@ impl<'d, 'g> Resolver<'d, 'g> {
         if super::builtin::CONSTANTS.contains(&text.as_str()) {
             return Err(self.refuse(&span, format!("`{text}` is built in"), "choose another name"));
         }
-        if self.scope.is_outermost() && self.functions.get(text.as_str()).is_some_and(|f| !f.library) {
-            return Err(self.refuse(&span, format!("`{text}` is already a function"), "choose another name"));
+        let function =
+            self.functions.get(text.as_str()).filter(|f| f.home != Home::Library && self.scope.is_outermost());
+        if let Some(first) = function.map(|f| f.place()) {
+            // What is made of it is given up without a word.
+            let _ = self.scope.declare(text, Binding { origin, value: None, span: span.clone() });
+            let (message, help) = (format!("`{text}` is already a function"), "choose another name".to_string());
+            return Err(self.refuse_twice(&span, message, help, first));
         }
         match self.scope.declare(text, Binding { origin, value, span: span.clone() }) {
             Ok(()) => Ok(()),
@@ -138,7 +144,11 @@ impl<'d, 'g> Resolver<'d, 'g> {
                     }
                     _ => "choose another name".to_string(),
                 };
-                Err(self.refuse(&span, format!("`{text}` is already {}", known.described()), help))
+                let message = format!("`{text}` is already {}", known.described());
+                match self.scope.get(text).map(|binding| binding.span.clone()) {
+                    Some(first) if self.scope.is_outermost() => Err(self.refuse_twice(&span, message, help, first)),
+                    _ => Err(self.refuse(&span, message, help)),
+                }
             }
         }
     }

@@ -12,6 +12,7 @@ impl Display for Declaration {
         if self.dimensionless {
             writeln!(f, "#![dimensionless]")?;
         }
+        self.imports.iter().try_for_each(|import| writeln!(f, "import \"{}\";", import.path))?;
         docs(f, &self.docs, 0)?;
         writeln!(f, "mechanism {} {{", self.name.text)?;
         self.statements.iter().try_for_each(|statement| lines(f, statement, 1))?;
