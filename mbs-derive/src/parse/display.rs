@@ -57,9 +57,10 @@ fn lines(f: &mut Formatter<'_>, statement: &Statement, depth: usize) -> fmt::Res
             docs(f, about, depth)?;
             writeln!(f, "{indent}constraint {}: {left} = {right};", name.text)
         }
-        StatementKind::Output { docs: about, name, value } => {
+        StatementKind::Output { docs: about, name, value, jacobian_rate } => {
             docs(f, about, depth)?;
-            writeln!(f, "{indent}output {} = {value};", name.text)
+            let request = if jacobian_rate.is_some() { ", jacobian_rate" } else { "" };
+            writeln!(f, "{indent}output {} = {value}{request};", name.text)
         }
         StatementKind::For { variable, start, end, body } => {
             writeln!(f, "{indent}for {} in {start}..{end} {{", variable.text)?;

@@ -449,12 +449,26 @@ impl Reader<'_> {
         }
     }
 
-    /// `output := "output" name "=" expression`
+    /// `output := "output" name "=" expression ("," "jacobian_rate")?`
     fn output(&mut self, input: ParseStream<'_>, docs: Vec<String>) -> Parsed<StatementKind> {
         self.eat_word(input, "output");
         let name = self.declared_name(input, "output")?;
         self.equals(input, &format!("write `output {} = …;`", name.text))?;
-        Ok(StatementKind::Output { docs, name, value: self.expression(input)? })
+        let value = self.expression(input)?;
+        Ok(StatementKind::Output { docs, name, value, jacobian_rate: self.jacobian_rate(input)? })
+    }
+
+    /// `"," "jacobian_rate"`, if a comma comes next.
+    fn jacobian_rate(&mut self, input: ParseStream<'_>) -> Parsed<Option<Span>> {
+        if self.eat(input, ",").is_none() {
+            return Ok(None);
+        }
+        let here = self.next(input);
+        if self.eat_word(input, "jacobian_rate") {
+            return Ok(Some(here));
+        }
+        let help = "a vector is written as `[x, y, z]`; `jacobian_rate` asks for the time derivative of the Jacobian";
+        Err(self.unexpected(input, "`jacobian_rate`", help))
     }
 
     /// `for := "for" name "in" expression ".." expression "{" statement* "}"`
@@ -743,6 +757,15 @@ mechanism CartPole {
         refused("forse q += 1;", "forse: `forse` begins no statement; did you mean `force`?");
         refused("mechanism B {}", "mechanism: a mechanism stands within a mechanism; write it in a file of its own");
         refused(";", ";: this `;` ends nothing; leave it out");
+        assert!(matches!(
+            statement("output a = [x, y, z], jacobian_rate;"),
+            StatementKind::Output { jacobian_rate: Some(_), .. }
+        ));
+        assert!(matches!(statement("output jacobian_rate = x;"), StatementKind::Output { jacobian_rate: None, .. }));
+        let form = "a vector is written as `[x, y, z]`; `jacobian_rate` asks for the time derivative of the Jacobian";
+        refused("output a = x, y, z;", &format!("y: expected `jacobian_rate`, found `y`; {form}"));
+        refused("output a = x, ;", &format!(";: expected `jacobian_rate`, found `;`; {form}"));
+        refused("output a = x, jacobian_rate, y;", ",: `,` cannot stand here; write a vector as `[x, y, z]`");
         refused("output = 1;", "=: expected a name after `output`, found `=`; a name begins with a letter");
         refused("let x: m = 1;", ":: a `let` declares no unit; write `let x = …;`: the unit follows from the value");
         refused("let x += 1;", "+=: expected `=`, found `+=`; write `let x = …;`");

@@ -130,7 +130,7 @@ pub enum StatementKind {
         /// What it must equal, of the same shape or 0.
         right: Expression,
     },
-    /// `output name = value;`
+    /// `output name = value;`, `output name = value, jacobian_rate;`
     Output {
         /// Doc comments before it.
         docs: Vec<String>,
@@ -138,6 +138,8 @@ pub enum StatementKind {
         name: Name,
         /// What is put out.
         value: Expression,
+        /// Where the time derivative of its Jacobian is asked for, if it is.
+        jacobian_rate: Option<Span>,
     },
     /// `for i in 0..6 { … }`
     For {
