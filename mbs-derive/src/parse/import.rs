@@ -176,7 +176,7 @@ pub(super) fn begins_as_shared(input: ParseStream<'_>) -> bool {
 pub(super) fn declaration(sources: &Sources) -> Result<Declaration, Diagnostics> {
     let text = sources.main().text.as_deref().unwrap_or_default();
     let File { imports, content, errors } = grammar::mechanism(text);
-    let (imported, errors) = Walk::new(sources, errors).all(imports.clone());
+    let (imported, errors) = Walk::new(sources, State::Mechanism, errors).all(imports.clone());
     match content {
         Some(declaration) => errors.finish(Declaration { imports, imported, ..declaration }),
         None => Err(errors),
@@ -190,7 +190,7 @@ pub(super) fn shared(sources: &Sources) -> Option<Result<Vec<Statement>, Diagnos
         return None;
     }
     let File { imports, content, errors } = grammar::shared(text);
-    let (mut statements, errors) = Walk::new(sources, errors).all(imports);
+    let (mut statements, errors) = Walk::new(sources, State::Open, errors).all(imports);
     if let Some(Shared::Declarations(own)) = content {
         statements.extend(own);
     }
@@ -223,10 +223,10 @@ struct Open {
 }
 
 impl<'s> Walk<'s> {
-    /// `errors` are those of the first file.
-    fn new(sources: &'s Sources, errors: Diagnostics) -> Self {
+    /// `first` is what the first file is, `errors` are its errors.
+    fn new(sources: &'s Sources, first: State, errors: Diagnostics) -> Self {
         let mut states = vec![State::Unread; sources.count()];
-        states[0] = State::Open;
+        states[0] = first;
         Walk { sources, states, statements: Vec::new(), errors }
     }
 
@@ -308,7 +308,7 @@ impl<'s> Walk<'s> {
         self.refuse(import, "it is a mechanism", help);
     }
 
-    /// The file is being read already; a mechanism is not a file to be imported in the first place.
+    /// The file is being read already.
     fn circle(&mut self, path: &[Open], file: usize, import: &Import) {
         let begin = path.iter().position(|open| open.file == file).unwrap_or(0);
         let circle = path[begin..].iter().map(|open| open.file).chain([file]);
@@ -424,6 +424,10 @@ mod tests {
         let no_mechanism =
             format!("m.mbs: import \"n.mbs\": cannot import `n.mbs`: it is a mechanism; {mechanism_help}");
         check("import \"n.mbs\"; import \"n.mbs\";", &[&no_mechanism, &no_mechanism]);
+        check(
+            "import \"x/../m.mbs\";",
+            &[&no_mechanism.replace("`n.mbs`", "`x/../m.mbs`").replace("\"n.mbs\"", "\"x/../m.mbs\"")],
+        );
         let help = "move what both need to a third file, and import that in both";
         check(
             "import \"a.mbs\";",
