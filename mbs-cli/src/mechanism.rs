@@ -1,13 +1,12 @@
 //! From a file to a proved derivation: the passes of the generator, and what the user is told on the way.
 
-use std::fs;
 use std::path::Path;
 use std::time::Instant;
 
 use mbs_derive::expr::Graph;
 use mbs_derive::model::Lagrangian;
 use mbs_derive::optimise::Derivation;
-use mbs_derive::{Error, declared, derived, emit, verify};
+use mbs_derive::{Error, cargo, declared_from, derived, emit, verify};
 
 use crate::failure::Failure;
 use crate::output;
@@ -37,18 +36,17 @@ pub(crate) fn latex(path: &Path) -> Result<String, Failure> {
 }
 
 fn read_and<T>(path: &Path, also: impl Fn(&Lagrangian<'_>) -> T) -> Result<(Mechanism, T), Failure> {
-    let name = path.display().to_string();
-    let source = read_text(path)?;
-    let refused = |error: Error| Failure::rendered(error.render(&name, &source));
+    let sources = cargo::read(path).map_err(Failure::rendered)?;
+    let refused = |error: Error| Failure::rendered(error.render_in(&sources));
 
     let start = Instant::now();
     let graph = Graph::verbatim();
-    let (lagrangian, warnings) = declared(&source, &graph, &[]).map_err(|errors| refused(errors.into()))?;
+    let (lagrangian, warnings) = declared_from(&sources, &graph, &[]).map_err(|errors| refused(errors.into()))?;
     let derivation = derived(&lagrangian);
     let derive_seconds = start.elapsed().as_secs_f64();
 
     let proof = verify::against_energies(&lagrangian, &derivation).map_err(|failure| refused(failure.into()))?;
-    output::report(&warnings.render(&name, &source));
+    output::report(&warnings.render_in(&sources));
     let mechanism = Mechanism {
         derivation,
         bodies: lagrangian.bodies().0.len(),
@@ -57,17 +55,4 @@ fn read_and<T>(path: &Path, also: impl Fn(&Lagrangian<'_>) -> T) -> Result<(Mech
         derive_seconds,
     };
     Ok((mechanism, also(&lagrangian)))
-}
-
-/// A text file; where it is not UTF-8 the report says in which line.
-fn read_text(path: &Path) -> Result<String, Failure> {
-    let name = path.display();
-    let bytes = fs::read(path).map_err(|error| Failure::new(format_args!("cannot read {name}: {error}")))?;
-    String::from_utf8(bytes).map_err(|error| {
-        let valid = error.utf8_error().valid_up_to();
-        let before = String::from_utf8_lossy(&error.as_bytes()[..valid]).into_owned();
-        let line_start = before.rfind('\n').map_or(0, |newline| newline + 1);
-        let (line, column) = (before.matches('\n').count() + 1, before[line_start..].chars().count() + 1);
-        Failure::rendered(format!("error: this is not UTF-8 text\n --> {name}:{line}:{column}\n"))
-    })
 }

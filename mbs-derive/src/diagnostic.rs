@@ -20,6 +20,7 @@
 use std::fmt;
 
 use crate::parse::syntax::Span;
+use crate::source::Sources;
 
 /// How bad it is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -110,10 +111,34 @@ impl Diagnostics {
         self.messages.iter()
     }
 
-    /// The report as a person reads it: every message with its place and the line of `source` that it is about.
+    /// Takes the messages of another pass, or about another file.
+    pub fn append(&mut self, other: Diagnostics) {
+        for message in other.messages {
+            let place = self.messages.partition_point(|m| m.span.start <= message.span.start);
+            self.messages.insert(place, message);
+        }
+    }
+
+    /// Moves all places to where their text stands among others.
+    pub(crate) fn shift(&mut self, start: usize) {
+        for message in &mut self.messages {
+            let notes = message.notes.iter_mut().map(|note| &mut note.span);
+            for span in notes.chain([&mut message.span]) {
+                *span = span.start + start..span.end + start;
+            }
+        }
+    }
+
+    /// The report as a person reads it: every message with its place and the line of `source` that it is about. For a
+    /// mechanism that imports nothing; else see [`render_in`](Self::render_in).
     pub fn render(&self, file_name: &str, source: &str) -> String {
+        if self.messages.is_empty() { String::new() } else { self.render_in(&Sources::new(file_name, source)) }
+    }
+
+    /// The report as a person reads it: every message with its file, its place and the line that it is about.
+    pub fn render_in(&self, sources: &Sources) -> String {
         let shown = self.messages.iter().take(Self::SHOWN);
-        let mut blocks: Vec<String> = shown.map(|m| block(m, file_name, source)).collect();
+        let mut blocks: Vec<String> = shown.map(|m| block(m, sources)).collect();
         if self.messages.len() > Self::SHOWN {
             blocks.push(format!("… and {} more\n", self.messages.len() - Self::SHOWN));
         }
@@ -156,21 +181,22 @@ impl fmt::Display for Diagnostics {
 
 impl std::error::Error for Diagnostics {}
 
-fn block(message: &Diagnostic, file_name: &str, source: &str) -> String {
+fn block(message: &Diagnostic, sources: &Sources) -> String {
     let title = format!("{}: {}", message.severity, message.message);
-    let (mut block, gutter) = marked(&title, &message.span, file_name, source);
+    let (mut block, gutter) = marked(&title, &message.span, sources);
     if let Some(help) = &message.help {
         block += &format!("{gutter} = help: {}\n", help.replace('\n', &format!("\n{gutter}         ")));
     }
     for note in &message.notes {
-        block += &marked(&format!("note: {}", note.message), &note.span, file_name, source).0;
+        block += &marked(&format!("note: {}", note.message), &note.span, sources).0;
     }
     block
 }
 
 /// The title, and the line of a place with the place underlined; how far the bars are indented.
-fn marked(title: &str, span: &Span, file_name: &str, source: &str) -> (String, String) {
-    let Excerpt { line, column, text, indent, width } = excerpt(source, span);
+fn marked(title: &str, span: &Span, sources: &Sources) -> (String, String) {
+    let (file_name, source, span) = sources.locate(span);
+    let Excerpt { line, column, text, indent, width } = excerpt(source, &span);
     let (number, gutter) = (line.to_string(), " ".repeat(line.to_string().len()));
     let underline = format!("{}{}", " ".repeat(indent), "^".repeat(width));
     let mut block = format!("{title}\n{gutter}--> {file_name}:{line}:{column}\n{gutter} |\n");

@@ -218,6 +218,7 @@ mod tests {
                 docs: Vec::new(),
                 unit: "m".to_string(),
                 value,
+                jacobian_rate: false,
             });
         }));
         check(&text, &["pub fn gravity_2(&self, q: &[T; 1]) -> T {"]);

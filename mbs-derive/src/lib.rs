@@ -24,6 +24,7 @@
 //! - [`optimise`]: straight-line programs and their operation counts;
 //! - [`verify`]: the proof; [`interpret`]: Programs run in process; [`emit`]: Rust;
 //! - [`diagnostic`]: what is wrong with a declaration, where, and what to write instead;
+//! - [`source`]: the files of a mechanism: its own, and those that it imports;
 //! - [`cargo`]: build scripts, the only input and output.
 
 pub mod cargo;
@@ -35,6 +36,7 @@ pub mod interpret;
 pub mod model;
 pub mod optimise;
 pub mod parse;
+pub mod source;
 pub mod verify;
 
 use std::fmt;
@@ -44,6 +46,7 @@ use diagnostic::Diagnostics;
 use expr::Graph;
 use model::Lagrangian;
 use optimise::Derivation;
+use source::Sources;
 
 /// A generated module.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -82,11 +85,19 @@ pub enum Error {
 }
 
 impl Error {
-    /// The report for people: file, line, column, the text underlined, and what to write instead.
+    /// The report for people: file, line, column, the text underlined, and what to write instead. For a mechanism that
+    /// imports nothing; else see [`render_in`](Self::render_in).
     pub fn render(&self, file_name: &str, source: &str) -> String {
+        self.render_in(&Sources::new(file_name, source))
+    }
+
+    /// The report for people: file, line, column, the text underlined, and what to write instead.
+    pub fn render_in(&self, sources: &Sources) -> String {
         match self {
-            Error::Declaration(diagnostics) => diagnostics.render(file_name, source),
-            Error::Proof(_) | Error::UnknownFunction { .. } => format!("error: {self}\n --> {file_name}:1:1\n"),
+            Error::Declaration(diagnostics) => diagnostics.render_in(sources),
+            Error::Proof(_) | Error::UnknownFunction { .. } => {
+                format!("error: {self}\n --> {}:1:1\n", sources.main().name)
+            }
         }
     }
 }
@@ -117,7 +128,7 @@ impl From<verify::Failure> for Error {
     }
 }
 
-/// The text of a mechanism → a module of Rust, proved.
+/// The text of a mechanism that imports nothing → a module of Rust, proved.
 ///
 /// `file_name` is what the module's first line and the reports call the source.
 ///
@@ -125,8 +136,16 @@ impl From<verify::Failure> for Error {
 /// [`Error::Declaration`] if the text is not a mechanism, [`Error::Proof`] if the derived code disagrees with the energies,
 /// [`Error::UnknownFunction`] if the options ask for a function that there is not.
 pub fn generate(file_name: &str, source: &str, options: &emit::Options) -> Result<Generated, Error> {
+    generate_from(&Sources::new(file_name, source), options)
+}
+
+/// The texts of a mechanism and of all that it imports → a module of Rust, proved.
+///
+/// # Errors
+/// As [`generate`].
+pub fn generate_from(sources: &Sources, options: &emit::Options) -> Result<Generated, Error> {
     let graph = Graph::verbatim();
-    let (lagrangian, warnings) = declared(source, &graph, &options.freeze)?;
+    let (lagrangian, warnings) = declared_from(sources, &graph, &options.freeze)?;
     let derivation = derived(&lagrangian);
     verify::against_energies(&lagrangian, &derivation)?;
     for name in options.functions.iter().flatten() {
@@ -141,13 +160,13 @@ pub fn generate(file_name: &str, source: &str, options: &emit::Options) -> Resul
         dof: derivation.dof(),
         inputs: model::sample::count(&derivation.inputs),
         implements_mechanism: emit::implements_mechanism(&derivation, options),
-        code: emit::rust(&derivation, file_name, options),
-        warnings: warnings.render(file_name, source),
+        code: emit::rust(&derivation, source::portable(&sources.main().name), options),
+        warnings: warnings.render_in(sources),
     })
 }
 
-/// `parse` and `model`: the text of a mechanism → its Lagrangian, and warnings. The parameters named in `freeze` become
-/// constants.
+/// `parse` and `model`: the text of a mechanism that imports nothing → its Lagrangian, and warnings. The parameters named in
+/// `freeze` become constants.
 ///
 /// # Errors
 /// All mistakes of the first pass that finds any.
@@ -156,7 +175,20 @@ pub fn declared<'g>(
     graph: &'g Graph,
     freeze: &[String],
 ) -> Result<(Lagrangian<'g>, Diagnostics), Diagnostics> {
-    let mut declaration = parse::declaration(source)?;
+    declared_from(&Sources::new("", source), graph, freeze)
+}
+
+/// `parse` and `model`: the texts of a mechanism and of all that it imports → its Lagrangian, and warnings. The parameters
+/// named in `freeze` become constants.
+///
+/// # Errors
+/// All mistakes of the first pass that finds any.
+pub fn declared_from<'g>(
+    sources: &Sources,
+    graph: &'g Graph,
+    freeze: &[String],
+) -> Result<(Lagrangian<'g>, Diagnostics), Diagnostics> {
+    let mut declaration = parse::declaration_of(sources)?;
     declaration.freeze(freeze)?;
     model::resolve(&declaration, graph)
 }

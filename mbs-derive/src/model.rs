@@ -12,6 +12,7 @@
 //! - `energy`: energies, generalized forces; `point_force`: forces at points, torques; `constraint`: constraints;
 //! - `evaluate`: expressions → values; `operator`: `+ - * / ^` and `dt`; `condition`: `if … else`;
 //! - `builtin`: functions and methods; `function`: functions written in the language; `body`: bodies;
+//! - `import`: what imported files declare;
 //! - `check`: what must hold of the finished mechanism;
 //! - [`sample`]: random states; [`degree`]: what must hold of the energies there.
 
@@ -28,6 +29,7 @@ mod energy;
 mod evaluate;
 pub mod frame;
 mod function;
+mod import;
 pub mod lagrangian;
 pub mod landmark;
 mod operator;
@@ -56,6 +58,7 @@ pub fn resolve<'g>(declaration: &Declaration, graph: &'g Graph) -> Result<(Lagra
     let mut resolver = Resolver::new(graph, &declaration.name.text, declaration.dimensionless);
     resolver.lagrangian.docs = declaration.docs.clone();
     resolver.provide(&library.statements);
+    resolver.import(&declaration.imported);
     resolver.survey(&declaration.statements);
     resolver.statements(&declaration.statements);
     if !resolver.errors.has_errors() {

@@ -113,6 +113,8 @@ pub enum FunctionKind {
     OutputVelocity(usize),
     /// The Jacobian of the output with this number.
     OutputJacobian(usize),
+    /// The time derivative of the Jacobian of the output with this number.
+    OutputJacobianRate(usize),
 }
 
 /// An argument of a generated function.
@@ -385,7 +387,7 @@ fn conserved<'g>(equations: &Equations<'g>) -> Roots<'g> {
     Roots::new("conserved", FunctionKind::Conserved(names), &[Argument::Q, Argument::Qd], shape, values)
 }
 
-/// An output's value, velocity and Jacobian; each takes the arguments that it depends on, and q in any case.
+/// An output's value, velocity, Jacobian and its rate; each takes the arguments that it depends on, and q in any case.
 fn output<'g>(equations: &Equations<'g>, number: usize) -> Vec<Roots<'g>> {
     let output = &equations.outputs[number];
     let name = &output.name;
@@ -409,6 +411,10 @@ fn output<'g>(equations: &Equations<'g>, number: usize) -> Vec<Roots<'g>> {
     let jacobian_shape = Shape::Matrix(jacobian.len(), equations.symbols.q.len());
     let kind = FunctionKind::OutputJacobian(number);
     functions.push(function(&format!("{name}_jacobian"), kind, jacobian_shape, jacobian.concat()));
+    if let Some(rate) = &output.jacobian_rate {
+        let kind = FunctionKind::OutputJacobianRate(number);
+        functions.push(function(&format!("{name}_jacobian_rate"), kind, jacobian_shape, rate.concat()));
+    }
     functions
 }
 

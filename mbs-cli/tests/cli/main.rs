@@ -3,6 +3,7 @@
 mod check;
 mod derive;
 mod eval;
+mod import;
 mod ops;
 mod simulate;
 

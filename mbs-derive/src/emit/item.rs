@@ -538,7 +538,8 @@ fn trait_name(kind: &FunctionKind) -> &'static str {
         | FunctionKind::Conserved(_)
         | FunctionKind::Output(_)
         | FunctionKind::OutputVelocity(_)
-        | FunctionKind::OutputJacobian(_) => unreachable!("not in the trait"),
+        | FunctionKind::OutputJacobian(_)
+        | FunctionKind::OutputJacobianRate(_) => unreachable!("not in the trait"),
     }
 }
 

@@ -171,10 +171,14 @@ fn unknown_function(resolver: &mut Resolver<'_, '_>, name: &Name) -> Refused {
     if resolver.scope.get(text).is_some() || CONSTANTS.contains(&text.as_str()) {
         return resolver.refuse(&name.span, format!("`{text}` is not a function"), "write `*` for a product");
     }
-    let own = resolver.functions.keys().copied();
+    let in_sight = resolver.functions_in_sight();
+    let own = in_sight.keys().copied();
     let help = match nearest(text, own.chain(FUNCTIONS.iter().map(|f| f.name))) {
+        _ if resolver.functions.contains_key(text.as_str()) => {
+            "it is a function of the mechanism, which imported files do not see".to_string()
+        }
         Some(meant) => {
-            let own = resolver.functions.get(meant).map(super::function::Function::form);
+            let own = in_sight.get(meant).map(super::function::Function::form);
             let form = own.or(form_of_function(meant).map(str::to_string));
             format!("did you mean `{}`?", form.as_deref().unwrap_or(meant))
         }

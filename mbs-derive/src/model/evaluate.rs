@@ -10,7 +10,7 @@ use super::check::{Physical, Places};
 use super::constant::{Dependence, Facts};
 use super::dimension::Dimension;
 use super::frame::{Edge, FrameId};
-use super::function::{Call, Function};
+use super::function::{Call, Function, Home};
 use super::lagrangian::Lagrangian;
 use super::landmark::Place;
 use super::scope::Scope;
@@ -58,6 +58,8 @@ pub(super) struct Resolver<'d, 'g> {
     pub(super) definitions: BTreeMap<&'d str, Option<&'d Expression>>,
     /// The functions that may be called.
     pub(super) functions: BTreeMap<&'d str, Function<'d>>,
+    /// Those that imported files may call.
+    pub(super) shared: BTreeMap<&'d str, Function<'d>>,
     /// Those that have been called.
     pub(super) called: BTreeSet<&'d str>,
     /// The calls that are being made, the outermost first.
@@ -94,6 +96,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
             dimensionless,
             definitions: BTreeMap::new(),
             functions: BTreeMap::new(),
+            shared: BTreeMap::new(),
             called: BTreeSet::new(),
             calls: Vec::new(),
             calls_so_far: 0,
@@ -112,7 +115,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
     pub(super) fn refuse(&mut self, span: &Span, message: impl Into<String>, help: impl Into<String>) -> Refused {
         let (mut message, help) = (message.into(), help.into());
         // Nobody can look into a library function: the call of it is the place.
-        let own = self.calls.iter().take_while(|call| !call.library).count();
+        let own = self.calls.iter().take_while(|call| call.home != Home::Library).count();
         let mut place = span.clone();
         if let Some(call) = self.calls.get(own) {
             place = call.span.clone();
@@ -258,7 +261,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
     #[inline(never)]
     fn call(&mut self, name: &Name, arguments: &[Expression], span: &Span) -> Resolved<Value<'g>> {
         let arguments = self.arguments(arguments);
-        if let Some(function) = self.functions.get(name.text.as_str()).copied() {
+        if let Some(function) = self.functions_in_sight().get(name.text.as_str()).copied() {
             return self.value_of_function(function, name, arguments, span);
         }
         let value = builtin::function(self, name, arguments, span)?;
@@ -344,6 +347,9 @@ impl<'d, 'g> Resolver<'d, 'g> {
     }
 
     fn unknown(&mut self, name: &str, span: &Span) -> Refused {
+        if self.home() != Home::Mechanism {
+            return self.unknown_to_imports(name, span);
+        }
         if let Some(origin) = self.scope.hidden(name) {
             let message = format!("`{name}` is {}: a function does not see it", origin.described());
             let help = "give it to the function as an argument; coordinates, parameters, inputs and constants it sees";
@@ -906,7 +912,9 @@ mod tests {
     fn declaration(value: Expression) -> Declaration {
         let name = Name { text: "A".to_string(), span: 0..0 };
         let kind = StatementKind::Energy { term: EnergyTerm::Kinetic, value };
-        Declaration { dimensionless: false, name, docs: Vec::new(), statements: vec![Statement { kind, span: 0..0 }] }
+        let statements = vec![Statement { kind, span: 0..0 }];
+        let (imports, imported) = (Vec::new(), Vec::new());
+        Declaration { dimensionless: false, imports, imported, name, docs: Vec::new(), statements }
     }
 
     /// Built by hand, past the parser.

@@ -113,6 +113,8 @@ pub struct Output<'g> {
     pub unit: String,
     /// Its value.
     pub value: OutputValue<'g>,
+    /// Whether the time derivative of its Jacobian is generated; only where the value depends on no velocities or inputs.
+    pub jacobian_rate: bool,
 }
 
 /// A mechanism as declared: `L = T − V + Σ lagrangian terms`, with `D`, `Q` and outputs.

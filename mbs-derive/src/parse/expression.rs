@@ -4,7 +4,7 @@ use proc_macro2::Delimiter;
 use syn::parse::ParseStream;
 
 use super::condition::no_condition;
-use super::keyword::{RESERVED, keyword};
+use super::keyword::keyword;
 use super::reader::{Parsed, Reader, Refused, opens, sign, word};
 use super::syntax::{BinaryOperator, Comparison, Expression, ExpressionKind, Name, Span};
 
@@ -299,7 +299,6 @@ impl Reader<'_> {
     fn value_name(&mut self, input: ParseStream<'_>) -> Parsed<Name> {
         let name = self.name(input, "this")?;
         match keyword(&name.text) {
-            Some(_) if RESERVED.contains(&&*name.text) => Err(self.reserved(name.span, &name.text)),
             Some(what) => {
                 let message = format!("`{}` is {what}, not a value", name.text);
                 Err(self.refuse(name.span, message, "write a value here"))
@@ -355,10 +354,7 @@ impl Reader<'_> {
             None if opens(input, Delimiter::Brace) => {
                 (format!("{found} cannot stand behind a value"), "end the statement with `;`")
             }
-            None => match word(input.cursor()) {
-                Some((text, _)) if RESERVED.contains(&&*text) => return self.reserved(here, &text),
-                _ => (format!("an operator is missing before {found}"), "write `*` for a product"),
-            },
+            None => (format!("an operator is missing before {found}"), "write `*` for a product"),
         };
         self.refuse(here, message, help)
     }

@@ -1,13 +1,12 @@
 //! What must be right before the text is cut into tokens: characters, comments, brackets.
 //!
 //! Two reasons. The tokenizer and syn recurse over brackets, so that deep ones would overflow the stack; and of all
-//! this they say no more than "cannot parse". Outside comments only ASCII without quotes gets past here.
+//! this they say no more than "cannot parse". Outside comments and the paths of imports only ASCII without quotes gets past
+//! here.
 
 use super::MAX_DEPTH;
 use crate::diagnostic::Diagnostics;
-
-/// Offsets of tokens are 32 bits wide; no declaration is near this long.
-const MAX_BYTES: usize = 1 << 26;
+use crate::source::MAX_BYTES;
 
 /// Reports what cannot be cut into tokens safely.
 pub(super) fn check(source: &str) -> Result<(), Diagnostics> {
@@ -38,6 +37,7 @@ impl<'s> Guard<'s> {
             match c {
                 '/' if self.rest().starts_with("//") => self.line_comment(),
                 '/' if self.rest().starts_with("/*") => self.block_comment(),
+                '"' if self.imports() => self.path(),
                 '"' => self.quotation(self.at, 1, "\"", true),
                 '\'' => self.apostrophe(),
                 '(' | '[' | '{' if self.open.len() == MAX_DEPTH => return self.too_deep(),
@@ -109,6 +109,28 @@ impl<'s> Guard<'s> {
         if length.is_none() {
             self.give_up();
         }
+    }
+
+    /// Whether the word before this place is `import`.
+    fn imports(&self) -> bool {
+        let before = self.source[..self.at].trim_end().strip_suffix("import");
+        before.is_some_and(|before| !before.ends_with(continues_word))
+    }
+
+    /// What is quoted behind `import`: any characters but those that the tokenizer would take for something else.
+    fn path(&mut self) {
+        let line = self.rest()[1..].split('\n').next().unwrap_or_default();
+        let Some(length) = line.find('"') else {
+            let error = self.errors.error(self.at..self.at + 1, "this quotation mark is never closed");
+            error.help("write `\"` behind the path");
+            return self.at += 1 + line.len();
+        };
+        let start = self.at + 1;
+        for (i, c) in line[..length].char_indices().filter(|(_, c)| *c == '\\' || c.is_control()) {
+            let error = self.errors.error(start + i..start + i + c.len_utf8(), "this cannot stand in a path");
+            error.help(if c == '\\' { "write `/` between folders" } else { "leave it out" });
+        }
+        self.at = start + length + 1;
     }
 
     /// `'x'` is quoted text; any other `'` was probably meant as a derivative.
@@ -299,7 +321,7 @@ fn is_lookalike(c: char) -> bool {
 }
 
 /// What the tokenizer skips: white space, and the marks that set the direction of writing.
-fn is_space(c: char) -> bool {
+pub(super) fn is_space(c: char) -> bool {
     c.is_whitespace() || matches!(c, '\u{200e}' | '\u{200f}')
 }
 
@@ -312,7 +334,7 @@ fn closer(open: char) -> char {
 }
 
 /// Comments nest.
-fn block_comment_length(text: &[u8]) -> Option<usize> {
+pub(super) fn block_comment_length(text: &[u8]) -> Option<usize> {
     let (mut depth, mut end) = (0, 0);
     loop {
         match text[end..] {
