@@ -7,7 +7,7 @@ use std::time::Instant;
 use mbs_derive::expr::Graph;
 use mbs_derive::model::Lagrangian;
 use mbs_derive::optimise::Derivation;
-use mbs_derive::{Error, declared, derived, emit, verify};
+use mbs_derive::{Error, declared, derived, emit, parse, verify};
 
 use crate::failure::Failure;
 use crate::output;
@@ -63,11 +63,5 @@ fn read_and<T>(path: &Path, also: impl Fn(&Lagrangian<'_>) -> T) -> Result<(Mech
 fn read_text(path: &Path) -> Result<String, Failure> {
     let name = path.display();
     let bytes = fs::read(path).map_err(|error| Failure::new(format_args!("cannot read {name}: {error}")))?;
-    String::from_utf8(bytes).map_err(|error| {
-        let valid = error.utf8_error().valid_up_to();
-        let before = String::from_utf8_lossy(&error.as_bytes()[..valid]).into_owned();
-        let line_start = before.rfind('\n').map_or(0, |newline| newline + 1);
-        let (line, column) = (before.matches('\n').count() + 1, before[line_start..].chars().count() + 1);
-        Failure::rendered(format!("error: this is not UTF-8 text\n --> {name}:{line}:{column}\n"))
-    })
+    parse::text(&name.to_string(), bytes).map_err(Failure::rendered)
 }

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use crate::emit::Options;
-use crate::{Generated, generate};
+use crate::{Generated, generate, parse};
 
 /// Generates one mechanism with default options, for `mbs_runtime::include_mechanism!`.
 ///
@@ -81,10 +81,7 @@ impl Config {
     fn write(&self, file: &Path) -> Result<Generated, String> {
         let name = file.to_string_lossy();
         let bytes = fs::read(file).map_err(|e| format!("error: cannot read {name}: {e}"))?;
-        let source = String::from_utf8(bytes).map_err(|e| {
-            let valid = e.utf8_error().valid_up_to();
-            format!("error: {name} is not UTF-8: the byte at {valid} does not belong to a character")
-        })?;
+        let source = parse::text(&name, bytes)?;
         let generated = generate(&name, &source, &self.options).map_err(|e| e.render(&name, &source))?;
         for line in generated.warnings.lines() {
             println!("cargo::warning={line}");

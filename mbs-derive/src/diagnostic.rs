@@ -73,11 +73,17 @@ impl Diagnostic {
 pub struct Diagnostics {
     /// Sorted by where they begin; of two at one place the one found first comes first.
     messages: Vec<Diagnostic>,
+    /// Whether any message is an error.
+    failed: bool,
+    /// The last message beyond those that are kept.
+    omitted: Option<Box<Diagnostic>>,
 }
 
 impl Diagnostics {
     /// How many messages a report shows before it says "… and N more".
     const SHOWN: usize = 20;
+    /// How many messages are kept: a file of garbage has one for each character.
+    const KEPT: usize = 1000;
 
     /// Notes an error and returns it, so that a help can be added.
     pub fn error(&mut self, span: Span, message: impl Into<String>) -> &mut Diagnostic {
@@ -91,13 +97,32 @@ impl Diagnostics {
 
     fn insert(&mut self, severity: Severity, span: Span, message: String) -> &mut Diagnostic {
         let place = self.messages.partition_point(|m| m.span.start <= span.start);
-        self.messages.insert(place, Diagnostic { severity, message, span, help: None, notes: Vec::new() });
+        let message = Diagnostic { severity, message, span, help: None, notes: Vec::new() };
+        if self.messages.len() >= Self::KEPT && (self.failed || severity == Severity::Warning) {
+            return self.omitted.insert(Box::new(message));
+        }
+        self.failed |= severity == Severity::Error;
+        self.messages.insert(place, message);
         &mut self.messages[place]
+    }
+
+    /// Whether there are so many messages that no more are kept: nobody reads on.
+    pub fn is_full(&self) -> bool {
+        self.messages.len() >= Self::KEPT
+    }
+
+    /// Adds a place to the messages about `span` that do not show it yet.
+    pub fn note(&mut self, span: &Span, place: &Span, message: &str) {
+        for found in self.messages.iter_mut().filter(|m| m.span == *span) {
+            if found.notes.iter().all(|note| note.span != *place) {
+                found.note(place.clone(), message);
+            }
+        }
     }
 
     /// Whether any message is an error.
     pub fn has_errors(&self) -> bool {
-        self.messages.iter().any(|m| m.severity == Severity::Error)
+        self.failed
     }
 
     /// A pass's last line: `value` where nothing was wrong with it, else the messages.
@@ -115,7 +140,8 @@ impl Diagnostics {
         let shown = self.messages.iter().take(Self::SHOWN);
         let mut blocks: Vec<String> = shown.map(|m| block(m, file_name, source)).collect();
         if self.messages.len() > Self::SHOWN {
-            blocks.push(format!("… and {} more\n", self.messages.len() - Self::SHOWN));
+            let more = self.messages.len() - Self::SHOWN;
+            blocks.push(format!("… and {}{more} more\n", if self.is_full() { "at least " } else { "" }));
         }
         blocks.join("\n")
     }
@@ -157,15 +183,24 @@ impl fmt::Display for Diagnostics {
 impl std::error::Error for Diagnostics {}
 
 fn block(message: &Diagnostic, file_name: &str, source: &str) -> String {
-    let title = format!("{}: {}", message.severity, message.message);
+    let title = format!("{}: {}", message.severity, abridged(&message.message));
     let (mut block, gutter) = marked(&title, &message.span, file_name, source);
     if let Some(help) = &message.help {
-        block += &format!("{gutter} = help: {}\n", help.replace('\n', &format!("\n{gutter}         ")));
+        block += &format!("{gutter} = help: {}\n", abridged(help).replace('\n', &format!("\n{gutter}         ")));
     }
     for note in &message.notes {
         block += &marked(&format!("note: {}", note.message), &note.span, file_name, source).0;
     }
     block
+}
+
+/// Without the rest of a message that quotes a name of a thousand letters.
+fn abridged(text: &str) -> String {
+    const LONGEST: usize = 600;
+    match text.char_indices().nth(LONGEST) {
+        Some((end, _)) => format!("{}…", &text[..end]),
+        None => text.to_string(),
+    }
 }
 
 /// The title, and the line of a place with the place underlined; how far the bars are indented.
@@ -402,6 +437,21 @@ note: here too
         let report = errors.render("a.mbs", &"x".repeat(23));
         assert_eq!(report.matches("error: ").count(), 20);
         assert!(report.ends_with("\n\n… and 3 more\n"), "{report}");
+    }
+
+    #[test]
+    fn a_million_messages_take_no_memory_without_end() {
+        let mut errors = Diagnostics::default();
+        for i in 0..Diagnostics::KEPT {
+            errors.warning(i..i + 1, "odd");
+        }
+        assert!(errors.is_full() && !errors.has_errors());
+        for i in 0..100_000 {
+            errors.error(i..i + 1, "wrong").help("right");
+        }
+        assert!(errors.has_errors());
+        assert_eq!(errors.iter().count(), Diagnostics::KEPT + 1);
+        assert!(errors.render("a.mbs", "x").ends_with("… and at least 981 more\n"));
     }
 
     #[test]

@@ -11,7 +11,7 @@
 //! - `energy`: energies, generalized forces; `point_force`: forces at points, torques; `constraint`: constraints;
 //! - `evaluate`: expressions → values; `operator`: `+ - * / ^` and `dt`; `condition`: `if … else`;
 //! - `builtin`: functions and methods; `function`: functions written in the language; `body`: bodies;
-//! - `check`: what must hold of the finished mechanism;
+//! - `check`: what must hold of the finished mechanism; `singular`, `sign`: what it was probably not meant to do;
 //! - [`sample`]: random states; [`degree`]: what must hold of the energies there.
 
 mod body;
@@ -32,6 +32,8 @@ mod operator;
 mod point_force;
 pub mod sample;
 mod scope;
+mod sign;
+mod singular;
 mod statement;
 #[cfg(test)]
 mod trial;

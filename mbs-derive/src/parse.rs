@@ -4,6 +4,7 @@
 //! them. In reading order:
 //!
 //! - [`syntax`]: the declaration as it was written, what the next pass is given;
+//! - `encoding`: bytes → text;
 //! - `guard`: comments, brackets and characters, before the text is cut into tokens;
 //! - `grammar`: the file and its statements, one function a construct;
 //! - `quantity`: what a declaration declares: names, units, values;
@@ -14,6 +15,7 @@
 
 mod condition;
 mod display;
+mod encoding;
 mod expression;
 mod freeze;
 mod grammar;
@@ -24,6 +26,7 @@ mod reader;
 pub mod syntax;
 
 use crate::diagnostic::Diagnostics;
+pub use encoding::text;
 use syntax::Declaration;
 
 /// Delimiters, signs, powers and components may be nested this deep, all together.

@@ -205,7 +205,10 @@ mod tests {
             "kinetic += rigid_body(m, [0, 0, 0], diag(m, m, m), world);",
             "diag(m, m, m): an inertia must be kg·m², this is kg",
         );
-        refused("kinetic += rigid_body(m, [0, 0, 0], m*l^2, world);", "m*l^2: expected a matrix, found a number");
+        refused(
+            "kinetic += rigid_body(m, [0, 0, 0], m*l^2, world);",
+            "m*l^2: expected a matrix, found a number; a matrix is written `diag(xx, yy, zz)` or `inertia(xx, yy, zz, xy, xz, yz)`",
+        );
         refused(
             "kinetic += rigid_body(m, [0, 0, 0], [[m*l^2, m*l^2, 0], [0, m*l^2, 0], [0, 0, m*l^2]], world);",
             "[[m*l^2, m*l^2, 0], [0, m*l^2, 0], [0, 0, m*l^2]]: an inertia is symmetric, here the entries [0][1] and [1][0] differ; write `inertia(xx, yy, zz, xy, xz, yz)`",

@@ -57,7 +57,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
         statements.iter().all(|statement| {
             // Why it was refused has been noted; the next one may be right.
             let _ = self.statement(statement);
-            !self.exhausted(&statement.span)
+            !self.exhausted(&statement.span) && !self.errors.is_full()
         })
     }
 
@@ -138,7 +138,12 @@ impl<'d, 'g> Resolver<'d, 'g> {
                     }
                     _ => "choose another name".to_string(),
                 };
-                Err(self.refuse(&span, format!("`{text}` is already {}", known.described()), help))
+                let first = self.scope.get(text).map(|binding| binding.span.clone());
+                let refused = self.refuse(&span, format!("`{text}` is already {}", known.described()), help);
+                if let Some(first) = first {
+                    self.errors.note(&span, &first, "declared here");
+                }
+                Err(refused)
             }
         }
     }
@@ -400,7 +405,7 @@ mod tests {
     fn loops_have_constant_bounds() {
         refused(
             "for i in 0..m { }",
-            "m: the bound of a loop must be a constant integer; it is made of numbers, constants and loop variables",
+            "m: the bound of a loop must be a constant integer; a parameter may change at run time: declare it as `const name = …;`",
         );
         refused(
             "for i in 0..5/2 { }",

@@ -372,6 +372,12 @@ impl Reader<'_> {
             return Ok(());
         }
         let help = match sign(input.cursor()) {
+            Some(("-=", _)) if target == "kinetic" => {
+                "kinetic energy is positive; the energy of springs and weights is `potential += …;`".to_string()
+            }
+            Some(("-=", _)) if target == "dissipation" => {
+                "dissipation is positive and acts against the motion: write `dissipation += …;`".to_string()
+            }
             Some(("-=", _)) => format!("write `{target} += -(…);`"),
             _ => format!("write `{target} += …;`"),
         };
@@ -387,8 +393,13 @@ impl Reader<'_> {
     /// `output := "output" name "=" expression`
     fn output(&mut self, input: ParseStream<'_>, docs: Vec<String>) -> Parsed<StatementKind> {
         self.eat_word(input, "output");
+        if word(input.cursor()).is_none() {
+            let help = "an output has a name and a value: write `output name = …;`";
+            return Err(self.unexpected(input, "a name after `output`", help));
+        }
         let name = self.declared_name(input, "output")?;
-        self.equals(input, &format!("write `output {} = …;`", name.text))?;
+        let help = format!("an output has a name and a value: write `output name = {};`", name.text);
+        self.equals(input, if self.peek(input, ";") { &help } else { "write `output name = …;`" })?;
         Ok(StatementKind::Output { docs, name, value: self.expression(input)? })
     }
 
@@ -596,7 +607,7 @@ mechanism CartPole {
         refused("kinetic = x;", "=: `kinetic` is a sum that statements add to, `=` does not; write `kinetic += …;`");
         refused(
             "kinetic -= x;",
-            "-=: `kinetic` is a sum that statements add to, `-=` does not; write `kinetic += -(…);`",
+            "-=: `kinetic` is a sum that statements add to, `-=` does not; kinetic energy is positive; the energy of springs and weights is `potential += …;`",
         );
         refused(
             "force q[1] = x;",
@@ -678,7 +689,10 @@ mechanism CartPole {
         refused("forse q += 1;", "forse: `forse` begins no statement; did you mean `force`?");
         refused("mechanism B {}", "mechanism: a mechanism stands within a mechanism; write it in a file of its own");
         refused(";", ";: this `;` ends nothing; leave it out");
-        refused("output = 1;", "=: expected a name after `output`, found `=`; a name begins with a letter");
+        refused(
+            "output = 1;",
+            "=: expected a name after `output`, found `=`; an output has a name and a value: write `output name = …;`",
+        );
         refused("let x: m = 1;", ":: a `let` declares no unit; write `let x = …;`: the unit follows from the value");
         refused("let x += 1;", "+=: expected `=`, found `+=`; write `let x = …;`");
         refused("for i = 0..3 {}", "=: expected `in`, found `=`; write `for i in 0..6 { … }`");

@@ -35,6 +35,9 @@ impl<'s> Guard<'s> {
     fn file(&mut self) {
         self.at += if self.source.starts_with('\u{feff}') { '\u{feff}'.len_utf8() } else { 0 };
         while let Some(c) = self.rest().chars().next() {
+            if self.errors.is_full() {
+                return;
+            }
             match c {
                 '/' if self.rest().starts_with("//") => self.line_comment(),
                 '/' if self.rest().starts_with("/*") => self.block_comment(),
