@@ -236,15 +236,19 @@ fn excerpt(source: &str, span: &Span) -> Excerpt {
     let end = boundary(source, span.end).max(start);
     let line_start = source[..start].rfind('\n').map_or(0, |newline| newline + 1);
     let line_end = source[start..].find('\n').map_or(source.len(), |newline| start + newline);
-    let marked = source[start..end.min(line_end)].trim_end();
+    // Of a line of megabytes no more than can be shown is looked at.
+    let far = 8 * WIDTH;
+    let end = boundary(source, end.min(line_end).min(start + far));
+    let marked = source[start..end].trim_end();
     let marked_end = start + marked.len();
+    let shown_end = boundary(source, line_end.min(marked_end + far));
 
-    let before = source[line_start..start].chars().flat_map(printable);
+    let before = source[boundary(source, line_start.max(start.saturating_sub(far)))..start].chars().flat_map(printable);
     let mut shown: Vec<char> = before.collect();
     let from = shown.len();
     shown.extend(marked.chars().flat_map(printable));
     let to = shown.len();
-    shown.extend(source[marked_end..line_end].trim_end().chars().flat_map(printable));
+    shown.extend(source[marked_end..shown_end].trim_end().chars().flat_map(printable));
 
     let first = if shown.len() <= WIDTH { 0 } else { window(shown.len(), from, to) };
     let last = shown.len().min(first + WIDTH);

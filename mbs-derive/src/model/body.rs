@@ -194,7 +194,7 @@ mod tests {
         );
         refused(
             "kinetic += particle(m, [dt(x)*t, 0, 0]);",
-            "[dt(x)*t, 0, 0]: accelerations cannot enter: this is a time derivative already; energies and forces are made of positions and velocities",
+            "[dt(x)*t, 0, 0]: accelerations cannot enter: this is a time derivative already; energies and forces are made of positions and velocities, inertia is kinetic energy",
         );
         refused("kinetic += particle(m, x);", "x: expected a vector, found a number; a vector is written `[x, y, z]`");
         refused(

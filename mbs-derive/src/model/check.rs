@@ -169,7 +169,8 @@ impl<'d, 'g> Resolver<'d, 'g> {
     fn check_moments(&mut self, [a, b, c]: [f64; 3], span: &Span) {
         let shown = format!("its principal moments are {}, {} and {}", shown(a), shown(b), shown(c));
         if a < -TRIANGLE_TOLERANCE * c.abs().max(b.abs()).max(a.abs()) {
-            self.refuse(span, "an inertia has no negative principal moment", shown);
+            let help = format!("{shown}; are the products of inertia too large for the diagonal?");
+            self.refuse(span, "an inertia has no negative principal moment", help);
         } else if a + b < c * (1.0 - TRIANGLE_TOLERANCE) {
             let message = "no body has this inertia: a principal moment is greater than the sum of the other two";
             let help =
@@ -328,7 +329,7 @@ mod tests {
         );
         refused(
             &body("1", "inertia(i, i, i, 2*i, 0, 0)"),
-            "inertia(i, i, i, 2*i, 0, 0): an inertia has no negative principal moment; its principal moments are -1, 1 and 3",
+            "inertia(i, i, i, 2*i, 0, 0): an inertia has no negative principal moment; its principal moments are -1, 1 and 3; are the products of inertia too large for the diagonal?",
         );
         refused(
             "param n: kg = -3; kinetic += particle(n, [x, y, z]);",

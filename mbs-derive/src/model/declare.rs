@@ -438,7 +438,7 @@ mod tests {
         refused("prescribed s: m;", "s: `s` is not used; it is in no energy, force, constraint or output");
         refused(
             "prescribed s: m; let a = dt(dt(s));",
-            "dt(s): accelerations cannot enter: this is a time derivative already; energies and forces are made of positions and velocities",
+            "dt(s): accelerations cannot enter: this is a time derivative already; energies and forces are made of positions and velocities, inertia is kinetic energy",
         );
         assert!(refusals("prescribed s: m; kinetic += particle(m, [s, 0, x]);").is_empty());
     }

@@ -179,10 +179,14 @@ impl<'d, 'g> Resolver<'d, 'g> {
         self.deeper(&expression.span)?;
         let (first, steps) = expression.left_spine();
         let mut value = self.operand(first);
-        let mut end = first.span.end;
-        for (operator, right) in steps {
-            value = self.step(value, operator, right, first.span.start..end);
-            end = right.span.end;
+        // What stands before each operator, in brackets or not.
+        let lefts = std::iter::successors(Some(expression), |e| match &e.kind {
+            ExpressionKind::Binary(_, left, _) => Some(&**left),
+            _ => None,
+        });
+        let lefts: Vec<&Span> = lefts.skip(1).map(|e| &e.span).collect();
+        for ((operator, right), left) in steps.into_iter().zip(lefts.into_iter().rev()) {
+            value = self.step(value, operator, right, left.clone());
         }
         self.depth -= 1;
         value

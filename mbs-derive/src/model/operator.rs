@@ -381,7 +381,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
     fn check_rate(&mut self, expr: Expr<'g>, span: &Span) -> Resolved<()> {
         let dependence = self.facts.dependence(expr);
         if dependence.on(Dependence::RATE) {
-            let help = "energies and forces are made of positions and velocities";
+            let help = "energies and forces are made of positions and velocities, inertia is kinetic energy";
             return Err(self.refuse(span, "accelerations cannot enter: this is a time derivative already", help));
         }
         if dependence.on(Dependence::INPUT) {
@@ -571,11 +571,11 @@ mod tests {
         same("", "angular_velocity(rot_z(theta))", "[0, 0, dt(theta)]");
         refused(
             "let a = dt(dt(x));",
-            "dt(x): accelerations cannot enter: this is a time derivative already; energies and forces are made of positions and velocities",
+            "dt(x): accelerations cannot enter: this is a time derivative already; energies and forces are made of positions and velocities, inertia is kinetic energy",
         );
         refused(
             "let a = dt(dt([x, y, z]));",
-            "dt([x, y, z]): accelerations cannot enter: this is a time derivative already; energies and forces are made of positions and velocities",
+            "dt([x, y, z]): accelerations cannot enter: this is a time derivative already; energies and forces are made of positions and velocities, inertia is kinetic energy",
         );
         refused("let a = dt(u);", "u: the rate of an input is not known; make it a coordinate or a formula of `t`");
         refused(

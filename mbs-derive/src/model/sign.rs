@@ -146,9 +146,80 @@ impl Samples {
                 friction.zip(rates).map(|(force, rate)| force * rate).collect()
             })
             .collect();
-        if powers.is_empty() || powers.iter().any(|p| !(p.iter().sum::<f64>() > 0.0)) {
+        let drives = |p: &Vec<f64>| p.iter().sum::<f64>() > 0.0;
+        if powers.is_empty() || !powers.iter().all(drives) {
             return Vec::new();
         }
         (0..forces.len()).filter(|&i| powers.iter().all(|p| p[i] >= 0.0) && powers.iter().any(|p| p[i] > 0.0)).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::trial::{refusals, refused};
+
+    #[test]
+    fn degrees_for_radians() {
+        let warned = |statements: &str, place: &str, value: &str, turns: &str| {
+            let message = format!("{place}: this angle is in radians: {value} rad are {turns} turns");
+            refused(statements, &format!("{message}; for degrees write `{value}*deg`"));
+        };
+        warned("const a: rad = 30; let b = a;", "30", "30", "4.8");
+        warned("const a[2]: rad = [0.1, -45];", "[0.1, -45]", "-45", "7.2");
+        warned("let a = sin(45);", "45", "45", "7.2");
+        warned("let a = rot_x(theta + 90);", "theta + 90", "90", "14.3");
+        warned("let a = dh(theta, 0, l, 90);", "90", "90", "14.3");
+        warned("let a = rotation([1, 1, 1], 180);", "180", "180", "28.6");
+        warned("fn turned(a) = rot_z(a); let a = turned(90) * turned(90);", "a", "90", "14.3");
+        for fine in [
+            "const a: rad = 6.28;",
+            "const a: rad = 720*deg;",
+            "const a: rad = 8*pi;",
+            "const a: deg = 720;",
+            "const a: 1/s = 300; let b = sin(a*t);",
+            "const a: 1 = 30;",
+            "let a = sin(12*theta);",
+        ] {
+            assert_eq!(refusals(fine), [""; 0], "{fine}");
+        }
+    }
+
+    #[test]
+    fn signs_of_dissipation_and_forces() {
+        let energy = "this dissipation brings energy in: somewhere its force acts along the motion";
+        let force = "this force always acts along the motion: it brings energy in";
+        let warned = |statements: &str, place: &str, message: &str| {
+            let found = refusals(statements);
+            assert!(found.len() == 1 && found[0].starts_with(&format!("{place}: {message}; ")), "{found:?}");
+        };
+        let constants = "const b: N*s/m = 2; const c: kg/m = 3;";
+        let with = |statements: &str| format!("{constants} {statements}");
+        warned(&with("dissipation += -b*dt(x)^2;"), "-b*dt(x)^2", energy);
+        warned(&with("dissipation += b*dt(y)^2; dissipation += -2*b*dt(x)^2;"), "-2*b*dt(x)^2", energy);
+        warned(&with("force y += b*dt(y);"), "b*dt(y)", force);
+        warned(&with("force x += k*y + c*abs(dt(x))*dt(x) + u;"), "k*y + c*abs(dt(x))*dt(x) + u", force);
+        for fine in [
+            "dissipation += b*(dt(x)^2 - dt(x)*dt(y) + dt(y)^2);",
+            "dissipation += b*dt(x)^2; dissipation += -1/2*b*dt(x)^2;",
+            "dissipation += u*dt(x)/2;",
+            "force x += -b*dt(x); force x += k*x;",
+            "force x += -b*(dt(x) - dt(y)); force y += b*(dt(x) - dt(y));",
+            "force x += b*dt(y); force y += -b*dt(x);",
+            "force x += b*dt(x); force x += -2*b*dt(x);",
+            "force x += -b*(3*x^2/l^2 - 1)*dt(x);",
+        ] {
+            assert_eq!(refusals(&with(fine)), [""; 0], "{fine}");
+        }
+    }
+
+    #[test]
+    fn kinetic_terms_that_are_never_positive() {
+        refused(
+            "kinetic += -1/10*m*dt(x)^2; kinetic += m*dt(x)*dt(y)/4;",
+            "-1/10*m*dt(x)^2: this kinetic energy is never positive; is its sign right? springs and weights are `potential += …`",
+        );
+        let found = refusals("kinetic += m*dt(x)*dt(y)/2; kinetic += -m*dt(x)^2;");
+        assert_eq!(found.len(), 1);
+        assert!(found[0].starts_with("-m*dt(x)^2: kinetic energy is never negative, this term is; "), "{found:?}");
     }
 }

@@ -44,8 +44,11 @@ impl Declaration {
             }
             (None, None) => {
                 let names: Vec<String> = parameters.iter().take(12).map(|p| format!("`{}`", p.text)).collect();
-                let help =
-                    if names.is_empty() { "it has none".to_string() } else { format!("they are {}", names.join(", ")) };
+                let help = if names.is_empty() {
+                    "the mechanism has none".to_string()
+                } else {
+                    format!("the parameters are {}", names.join(", "))
+                };
                 errors.error(self.name.span.clone(), message).help(help)
             }
         };
@@ -62,5 +65,27 @@ impl Declaration {
 fn make_constant(kind: &mut StatementKind) {
     if let StatementKind::Param(quantity) = kind {
         *kind = StatementKind::Const(quantity.clone());
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::declaration;
+
+    #[test]
+    fn what_is_no_parameter_is_shown_where_it_or_its_like_stands() {
+        let source = "mechanism A { param mass: kg = 1; param g: m/s^2 = 9.81; coord x: m; }";
+        let report = |name: &str| {
+            let errors = declaration(source).expect("a mechanism").freeze(&[name.to_string()]).unwrap_err();
+            let shown = |m: &crate::diagnostic::Diagnostic| {
+                format!("{}: {}; {}", &source[m.span.clone()], m.message, m.help.as_deref().unwrap_or("no help"))
+            };
+            errors.iter().map(shown).collect::<Vec<_>>()
+        };
+        let message = |name: &str| format!("the build script freezes `{name}`, which is not a parameter");
+        assert_eq!(report("maas"), [format!("mass: {}; did you mean `mass`?", message("maas"))]);
+        assert_eq!(report("x"), [format!("x: {}; only a `param` can be frozen", message("x"))]);
+        assert_eq!(report("stiffness"), [format!("A: {}; the parameters are `mass`, `g`", message("stiffness"))]);
+        assert!(declaration(source).expect("a mechanism").freeze(&["g".to_string(), "mass".to_string()]).is_ok());
     }
 }
