@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 use crate::diagnostic::nearest;
 use crate::emit::Options;
-use crate::source::{MAX_BYTES, Sources, Unreadable, utf8};
+use crate::source::{MAX_BYTES, Sources, Unreadable};
 use crate::{Generated, generate_from, parse};
 
 /// Generates one mechanism with default options, for `mbs_runtime::include_mechanism!`.
@@ -75,7 +75,7 @@ impl Config {
     /// `for_each_mechanism!(callback)` becomes `callback! { cart_pole CartPole 2 1; … }`, module, type, number of
     /// coordinates and of inputs. Mechanisms with motions given at run time do not implement the trait `Mechanism` and are
     /// left out there.
-    /// coordinates and of inputs. Files without a mechanism, which hold `const` and `fn` to be imported, are only looked
+    /// Files without a mechanism, which hold `const` and `fn` to be imported, are only looked
     /// through.
     ///
     /// `include!(concat!(env!("OUT_DIR"), "/mechanisms.rs"));`
@@ -204,8 +204,7 @@ pub fn read(file: &Path) -> Result<Sources, String> {
     if bytes.len() > MAX_BYTES {
         return Err(format!("error: this file is larger than 64 MiB\n --> {name}:1:1\n"));
     }
-    let text = utf8(bytes)
-        .map_err(|(line, column)| format!("error: this is not UTF-8 text\n --> {name}:{line}:{column}\n"))?;
+    let text = parse::text(&name, bytes)?;
     Ok(Sources::gather(&name, &text, import))
 }
 

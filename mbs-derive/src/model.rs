@@ -13,7 +13,7 @@
 //! - `evaluate`: expressions → values; `operator`: `+ - * / ^` and `dt`; `condition`: `if … else`;
 //! - `builtin`: functions and methods; `function`: functions written in the language; `body`: bodies;
 //! - `import`: what imported files declare;
-//! - `check`: what must hold of the finished mechanism;
+//! - `check`: what must hold of the finished mechanism; `singular`, `sign`: what it was probably not meant to do;
 //! - [`sample`]: random states; [`degree`]: what must hold of the energies there.
 
 mod body;
@@ -36,6 +36,8 @@ mod operator;
 mod point_force;
 pub mod sample;
 mod scope;
+mod sign;
+mod singular;
 mod statement;
 #[cfg(test)]
 mod trial;

@@ -5,6 +5,7 @@
 //!
 //! - [`syntax`]: the declaration as it was written, what the next pass is given;
 //! - `import`: the files that are imported, and all files together; `shift`: their places;
+//! - `encoding`: bytes → text;
 //! - `guard`: comments, brackets and characters, before the text is cut into tokens;
 //! - `grammar`: the file and its statements, one function a construct;
 //! - `quantity`: what a declaration declares: names, units, values;
@@ -15,6 +16,7 @@
 
 mod condition;
 mod display;
+mod encoding;
 mod expression;
 mod freeze;
 mod grammar;
@@ -28,6 +30,7 @@ pub mod syntax;
 
 use crate::diagnostic::Diagnostics;
 use crate::source::Sources;
+pub use encoding::text;
 use syntax::{Declaration, Statement};
 
 /// Delimiters, signs, powers and components may be nested this deep, all together.

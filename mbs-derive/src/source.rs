@@ -160,11 +160,8 @@ impl Unreadable {
     }
 }
 
-/// Bytes as text.
-///
-/// # Errors
-/// The line and the column, counted from 1, at which they cease to be UTF-8.
-pub fn utf8(bytes: Vec<u8>) -> Result<String, (usize, usize)> {
+/// Bytes as text, or the line and the column, counted from 1, at which they cease to be UTF-8.
+fn utf8(bytes: Vec<u8>) -> Result<String, (usize, usize)> {
     String::from_utf8(bytes).map_err(|error| {
         let valid = String::from_utf8_lossy(&error.as_bytes()[..error.utf8_error().valid_up_to()]).into_owned();
         let line = valid.rsplit('\n').next().unwrap_or_default();

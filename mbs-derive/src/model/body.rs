@@ -32,7 +32,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
         let mut edges = self.lagrangian.frames.path(vector.frame);
         edges.retain(|edge| !matches!(edge, Edge::Translation(_)));
         let frame = self.attached(&Pose { base: FrameId::WORLD, edges }, span)?;
-        self.place(vector.components, frame, span)
+        self.point_at(vector.components, frame, span)
     }
 
     fn energy_of(&mut self, body: Body<'g>) -> Value<'g> {
@@ -228,7 +228,7 @@ mod tests {
         );
         refused(
             "kinetic += particle(m, [dt(x)*t, 0, 0]);",
-            "[dt(x)*t, 0, 0]: accelerations cannot enter: this is a time derivative already; energies and forces are made of positions and velocities",
+            "[dt(x)*t, 0, 0]: accelerations cannot enter: this is a time derivative already; energies and forces are made of positions and velocities, inertia is kinetic energy",
         );
         refused("kinetic += particle(m, x);", "x: expected a vector, found a number; a vector is written `[x, y, z]`");
         refused(
@@ -239,7 +239,10 @@ mod tests {
             "kinetic += rigid_body(m, [0, 0, 0], diag(m, m, m), world);",
             "diag(m, m, m): an inertia must be kg·m², this is kg",
         );
-        refused("kinetic += rigid_body(m, [0, 0, 0], m*l^2, world);", "m*l^2: expected a matrix, found a number");
+        refused(
+            "kinetic += rigid_body(m, [0, 0, 0], m*l^2, world);",
+            "m*l^2: expected a matrix, found a number; a matrix is written `diag(xx, yy, zz)` or `inertia(xx, yy, zz, xy, xz, yz)`",
+        );
         refused(
             "kinetic += rigid_body(m, [0, 0, 0], [[m*l^2, m*l^2, 0], [0, m*l^2, 0], [0, 0, m*l^2]], world);",
             "[[m*l^2, m*l^2, 0], [0, m*l^2, 0], [0, 0, m*l^2]]: an inertia is symmetric, here the entries [0][1] and [1][0] differ; write `inertia(xx, yy, zz, xy, xz, yz)`",

@@ -147,6 +147,9 @@ fn apply<'g>(
         Apply::Elementary(function) => {
             let what = format!("the argument of `{}`", builtin.name);
             let x = resolver.of_dimension(&arguments[0], &what, Dimension::ONE)?;
+            if matches!(function, Function::Sin | Function::Cos | Function::Tan) {
+                resolver.warn_of_degrees_in(x, &arguments[0].span);
+            }
             Ok(Value::Scalar(Scalar::plain(x.call(function))))
         }
     }
@@ -173,16 +176,18 @@ fn unknown_function(resolver: &mut Resolver<'_, '_>, name: &Name) -> Refused {
     }
     let in_sight = resolver.functions_in_sight();
     let own = in_sight.keys().copied();
-    let help = match nearest(text, own.chain(FUNCTIONS.iter().map(|f| f.name))) {
+    let known = FUNCTIONS.iter().chain(METHODS).map(|f| f.name);
+    let help = match (elsewhere(text), nearest(text, own.chain(known))) {
         _ if resolver.functions.contains_key(text.as_str()) => {
             "it is a function of the mechanism, which imported files do not see".to_string()
         }
-        Some(meant) => {
+        (Some(form), _) => format!("did you mean `{form}`?"),
+        (None, Some(meant)) => {
             let own = in_sight.get(meant).map(super::function::Function::form);
-            let form = own.or(form_of_function(meant).map(str::to_string));
+            let form = own.or(form_of_function(meant).or(form_of_method(meant)).map(str::to_string));
             format!("did you mean `{}`?", form.as_deref().unwrap_or(meant))
         }
-        None => format!("the functions are {}", list(FUNCTIONS)),
+        (None, None) => format!("the functions are {}", list(FUNCTIONS)),
     };
     resolver.refuse(&name.span, format!("there is no function `{text}`"), help)
 }
@@ -195,6 +200,36 @@ fn unknown_method(resolver: &mut Resolver<'_, '_>, name: &Name) -> Refused {
         (None, None) => format!("the methods are {}", list(METHODS)),
     };
     resolver.refuse(&name.span, format!("there is no method `{text}`"), help)
+}
+
+/// What other languages call it, and how it is written here.
+const ELSEWHERE: [(&[&str], &str); 21] = [
+    (&["rotate_x", "rotation_x", "rotx", "Rx", "rx"], "rot_x(angle)"),
+    (&["rotate_y", "rotation_y", "roty", "Ry", "ry"], "rot_y(angle)"),
+    (&["rotate_z", "rotation_z", "rotz", "Rz", "rz"], "rot_z(angle)"),
+    (&["translate", "trans", "transl", "shift"], "translation([x, y, z])"),
+    (&["rotate", "axis_angle", "axang"], "rotation([x, y, z], angle)"),
+    (&["quat"], "quaternion(w, x, y, z)"),
+    (&["pow", "powi", "powf", "power"], "x^n"),
+    (&["sqr", "square"], "x^2"),
+    (&["cbrt"], "x^(1/3)"),
+    (&["log", "log10", "loge"], "ln(x)"),
+    (&["arcsin", "arsin"], "asin(x)"),
+    (&["arccos", "arcos"], "acos(x)"),
+    (&["arctan"], "atan(x)"),
+    (&["arctan2", "atan_2"], "atan2(y, x)"),
+    (&["sign", "sgn"], "signum(x)"),
+    (&["fabs"], "abs(x)"),
+    (&["der", "ddt", "diff", "derivative", "d_dt"], "dt(x)"),
+    (&["length", "magnitude", "len"], "v.norm()"),
+    (&["omega", "angular_vel"], "angular_velocity(pose)"),
+    (&["radians", "deg2rad", "rad"], "x*deg"),
+    (&["point_mass", "mass_point", "body"], "particle(mass, position)"),
+];
+
+/// How what other languages have under this name is written.
+fn elsewhere(name: &str) -> Option<&'static str> {
+    ELSEWHERE.iter().find(|(names, _)| names.contains(&name)).map(|(_, form)| *form)
 }
 
 fn list(builtins: &[Builtin]) -> String {
@@ -318,6 +353,7 @@ fn pose<'g>(edges: impl IntoIterator<Item = Option<Edge<'g>>>) -> Resolved<Value
 fn turn<'g>(resolver: &mut Resolver<'_, 'g>, axis: usize, angle: &Argument<'g>) -> Resolved<Option<Edge<'g>>> {
     let axis = Vector::unit(resolver.graph, axis);
     let expr = resolver.of_dimension(angle, "an angle", Dimension::ONE)?;
+    resolver.warn_of_degrees_in(expr, &angle.span);
     resolver.edge(Edge::Rotation { axis, angle: expr }, &angle.span)
 }
 
@@ -338,6 +374,7 @@ fn rotation<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) -> Resolve
     let numbers = constant_axis(resolver, axis);
     let expr = resolver.of_dimension(angle, "an angle", Dimension::ONE);
     let (numbers, expr) = (numbers?, expr?);
+    resolver.warn_of_degrees_in(expr, &angle.span);
     // Turning about −x by an angle is turning about x by its negative.
     let single = numbers.iter().filter(|n| !n.is_zero()).count() == 1;
     let reversed = single && numbers.iter().any(|n| n.is_negative());
@@ -424,7 +461,7 @@ fn point<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) -> Resolved<V
     let frame = resolver.frame(pose)?;
     let vector = resolver.components_in(place, frame, "this vector")?;
     resolver.check_dimension(vector.fit(), "a place", Dimension::LENGTH, &place.span)?;
-    resolver.place(vector.components, frame, &place.span).map(Value::Point)
+    resolver.point_at(vector.components, frame, &place.span).map(Value::Point)
 }
 
 fn origin<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) -> Resolved<Value<'g>> {

@@ -4,7 +4,7 @@
 //! out.
 
 use super::constant::Dependence;
-use super::dimension::Dimension;
+use super::dimension::{Dimension, second_lacks};
 use super::evaluate::{Argument, Resolved, Resolver, in_words};
 use super::lagrangian::{Constraint, ConstraintKind, Lagrangian};
 use super::sample::{Random, default_parameters};
@@ -73,9 +73,12 @@ impl<'d, 'g> Resolver<'d, 'g> {
         if shared(a, b).is_some() {
             return Ok(());
         }
-        let (a, b) = (in_words(a.0), in_words(b.0));
-        let message = format!("both sides of a constraint need equal dimensions, these are {a} and {b}");
-        Err(self.refuse(span, message, ""))
+        let message = format!(
+            "both sides of a constraint need equal dimensions, these are {} and {}",
+            in_words(a.0),
+            in_words(b.0)
+        );
+        Err(self.refuse(span, message, second_lacks(a.0, b.0)))
     }
 
     /// Its numbers, in world axes.
@@ -257,7 +260,7 @@ mod tests {
         refused("constraint a: x = m;", "x = m: both sides of a constraint need equal dimensions, these are m and kg");
         refused(
             "constraint a: x = 1;",
-            "x = 1: both sides of a constraint need equal dimensions, these are m and a plain number",
+            "x = 1: both sides of a constraint need equal dimensions, these are m and a plain number; the second lacks a factor of m",
         );
         refused(
             "constraint a: [x, y, z] = [m, m, m];",

@@ -14,9 +14,10 @@ use super::function::{Call, Function, Home};
 use super::lagrangian::Lagrangian;
 use super::landmark::Place;
 use super::scope::Scope;
+use super::singular::Sites;
 use super::value::{Array, Free, Point, Pose, Scalar, Shape, Tensor, Value, shared};
 use crate::diagnostic::{Diagnostics, nearest};
-use crate::expr::{Expr, Graph, Matrix, Number, Symbol, Vector};
+use crate::expr::{Expr, Graph, Matrix, Node, Number, Symbol, Vector};
 use crate::parse::syntax::{BinaryOperator, Expression, ExpressionKind, Name, Span};
 
 /// The expression is given up; why has been noted.
@@ -72,6 +73,8 @@ pub(super) struct Resolver<'d, 'g> {
     pub(super) physical: Vec<Physical<'g>>,
     /// Where each kinetic, potential and lagrangian term and each constraint stands.
     pub(super) places: Places,
+    /// Where derivatives may fail.
+    pub(super) sites: Sites<'g>,
     /// Turns of loops so far.
     pub(super) turns: usize,
     /// Loops that are open.
@@ -103,6 +106,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
             defining: None,
             physical: Vec::new(),
             places: Places::default(),
+            sites: Sites::new(),
             turns: 0,
             depth_of_blocks: 0,
             depth: 0,
@@ -114,11 +118,8 @@ impl<'d, 'g> Resolver<'d, 'g> {
     /// Notes an error, once: in a function together with the calls that led there.
     pub(super) fn refuse(&mut self, span: &Span, message: impl Into<String>, help: impl Into<String>) -> Refused {
         let (mut message, help) = (message.into(), help.into());
-        // Nobody can look into a library function: the call of it is the place.
-        let own = self.calls.iter().take_while(|call| call.home != Home::Library).count();
-        let mut place = span.clone();
-        if let Some(call) = self.calls.get(own) {
-            place = call.span.clone();
+        let (place, calls) = self.place(span);
+        if let Some(call) = self.calls.iter().find(|call| call.home == Home::Library) {
             message = format!("in `{}`: {message}", call.name);
         }
         if self.said.insert((place.start, place.end, message.clone())) {
@@ -126,11 +127,25 @@ impl<'d, 'g> Resolver<'d, 'g> {
             if !help.is_empty() {
                 error.help(help);
             }
-            for call in self.calls[..own].iter().rev().take(MAX_NOTES) {
-                error.note(call.span.clone(), format!("in this call of `{}`", call.name));
+            for (call, name) in calls {
+                error.note(call, format!("in this call of `{name}`"));
             }
         }
         Refused
+    }
+
+    /// Whether this has been said about this place; from now on it has.
+    pub(super) fn has_said(&mut self, place: &Span, what: &str) -> bool {
+        !self.said.insert((place.start, place.end, what.to_string()))
+    }
+
+    /// Where a message about this place is shown, and the calls that led there, the innermost first.
+    pub(super) fn place(&self, span: &Span) -> (Span, Vec<(Span, String)>) {
+        // Nobody can look into a library function: the call of it is the place.
+        let own = self.calls.iter().take_while(|call| call.home != Home::Library).count();
+        let place = self.calls.get(own).map_or(span, |call| &call.span).clone();
+        let calls = self.calls[..own].iter().rev().take(MAX_NOTES);
+        (place, calls.map(|call| (call.span.clone(), call.name.clone())).collect())
     }
 
     /// Whether the mechanism has outgrown its limit; says so once.
@@ -167,10 +182,14 @@ impl<'d, 'g> Resolver<'d, 'g> {
         self.deeper(&expression.span)?;
         let (first, steps) = expression.left_spine();
         let mut value = self.operand(first);
-        let mut end = first.span.end;
-        for (operator, right) in steps {
-            value = self.step(value, operator, right, first.span.start..end);
-            end = right.span.end;
+        // What stands before each operator, in brackets or not.
+        let lefts = std::iter::successors(Some(expression), |e| match &e.kind {
+            ExpressionKind::Binary(_, left, _) => Some(&**left),
+            _ => None,
+        });
+        let lefts: Vec<&Span> = lefts.skip(1).map(|e| &e.span).collect();
+        for ((operator, right), left) in steps.into_iter().zip(lefts.into_iter().rev()) {
+            value = self.step(value, operator, right, left.clone());
         }
         self.depth -= 1;
         value
@@ -217,6 +236,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
     ) -> Resolved<Value<'g>> {
         let span = place.start..right.span.end;
         let value = self.binary(operator, Argument { value: left, span: place }, right, &span)?;
+        self.watch(&value, &span);
         self.defined(value, &span)
     }
 
@@ -265,6 +285,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
             return self.value_of_function(function, name, arguments, span);
         }
         let value = builtin::function(self, name, arguments, span)?;
+        self.watch(&value, span);
         self.defined(value, span)
     }
 
@@ -278,7 +299,9 @@ impl<'d, 'g> Resolver<'d, 'g> {
     ) -> Resolved<Value<'g>> {
         let receiver = self.argument(receiver);
         let arguments = self.arguments(arguments);
-        builtin::method(self, name, receiver, arguments, span)
+        let value = builtin::method(self, name, receiver, arguments, span)?;
+        self.watch(&value, span);
+        Ok(value)
     }
 
     #[inline(never)]
@@ -508,7 +531,12 @@ impl<'d, 'g> Resolver<'d, 'g> {
         match self.facts.integer(expr).filter(|_| dimension == Dimension::ONE || expr.is_zero()) {
             Some(value) => Ok(value),
             None => {
-                let help = "it is made of numbers, constants and loop variables";
+                let help = match expr.node() {
+                    Node::Symbol(Symbol::Parameter(_)) => {
+                        "a parameter may change at run time: declare it as `const name = …;`"
+                    }
+                    _ => "it is made of numbers, constants and loop variables",
+                };
                 Err(self.refuse(&argument.span, format!("{what} must be a constant integer"), help))
             }
         }
@@ -524,6 +552,10 @@ impl<'d, 'g> Resolver<'d, 'g> {
             (Shape::Number, Shape::Vector) => "of a vector, `.x`, `.norm()` and `.dot(v)` are numbers",
             (Shape::Vector, Shape::Pose) => "the place of a pose is `pose.origin()`",
             (Shape::Vector, Shape::Number) => "a vector is written `[x, y, z]`",
+            (Shape::Vector, Shape::Array) => "a vector has three components: in a plane, `[x, y, 0]` or `[x, 0, z]`",
+            (Shape::Matrix, Shape::Number) => {
+                "a matrix is written `diag(xx, yy, zz)` or `inertia(xx, yy, zz, xy, xz, yz)`"
+            }
             (Shape::Pose, _) => "poses are made by `rot_z(angle)`, `translation([x, y, z])`, `dh(theta, d, a, alpha)`",
             _ => "",
         };
@@ -692,7 +724,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
     }
 
     /// A place: where it moves in the frame, it gets a frame of its own.
-    pub(super) fn place(&mut self, coordinates: Vector<'g>, frame: FrameId, span: &Span) -> Resolved<Point<'g>> {
+    pub(super) fn point_at(&mut self, coordinates: Vector<'g>, frame: FrameId, span: &Span) -> Resolved<Point<'g>> {
         let (coordinates, frame) = self.fixed(coordinates, frame, span)?;
         Ok(Point { coordinates, frame })
     }

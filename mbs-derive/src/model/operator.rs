@@ -1,7 +1,7 @@
 //! `+ - * / ^` and the sign, on every pair of values that has one.
 
 use super::constant::Dependence;
-use super::dimension::Dimension;
+use super::dimension::{Dimension, second_lacks};
 use super::evaluate::{Argument, Refused, Resolved, Resolver, in_words};
 use super::frame::FrameId;
 use super::landmark::Motion;
@@ -107,7 +107,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
     fn common(&mut self, a: (Dimension, bool), b: (Dimension, bool), span: &Span) -> Resolved<Dimension> {
         shared(a, b).ok_or_else(|| {
             let message = format!("a sum needs equal dimensions, these are {} and {}", in_words(a.0), in_words(b.0));
-            self.refuse(span, message, "")
+            self.refuse(span, message, second_lacks(a.0, b.0))
         })
     }
 
@@ -123,10 +123,10 @@ impl<'d, 'g> Resolver<'d, 'g> {
             (Value::Point(_), Value::Point(_)) => {}
             (Value::Point(p), _) if self.same_axes(p.frame, right.frame) => {
                 let moved = if minus { p.coordinates - right.components } else { p.coordinates + right.components };
-                return self.place(moved, p.frame, span).map(Value::Point);
+                return self.point_at(moved, p.frame, span).map(Value::Point);
             }
             (_, Value::Point(p)) if !minus && self.same_axes(p.frame, left.frame) => {
-                return self.place(left.components + p.coordinates, p.frame, span).map(Value::Point);
+                return self.point_at(left.components + p.coordinates, p.frame, span).map(Value::Point);
             }
             _ => {}
         }
@@ -303,15 +303,27 @@ impl<'d, 'g> Resolver<'d, 'g> {
         if let Some(Number::Exact { numerator, denominator: denominator @ (1 | 2), pi: 0 }) = constant {
             return self.rational_power(base, numerator, denominator, (&a.span, &b.span), span);
         }
-        if base.dimension != Dimension::ONE {
-            let message = format!("a power of {} needs an exponent such as 2, -1 or 1/2", base.dimension);
-            return Err(self.refuse(&b.span, message, "other exponents are for plain numbers only"));
-        }
+        let dimension = self.dimension_of_power(base.dimension, constant, &b.span)?;
         if self.facts.constant(base.expr).is_some_and(Number::is_negative) {
             let message = "a negative number has no power with this exponent";
             return Err(self.refuse(&a.span, message, "integers and halves are exponents for any base"));
         }
-        Ok(Value::Scalar(Scalar::plain(base.expr.call2(Binary::Powf, exponent))))
+        Ok(Value::Scalar(Scalar::new(base.expr.call2(Binary::Powf, exponent), dimension)))
+    }
+
+    /// `m^(1/3)` is a dimension, `m^x` is none.
+    fn dimension_of_power(&mut self, base: Dimension, exponent: Option<Number>, span: &Span) -> Resolved<Dimension> {
+        let fraction = match exponent {
+            _ if base == Dimension::ONE => return Ok(base),
+            Some(Number::Exact { numerator, denominator, pi: 0 }) => {
+                i32::try_from(numerator).ok().zip(i32::try_from(denominator).ok())
+            }
+            _ => None,
+        };
+        fraction.and_then(|(n, d)| base.power(n, d)).ok_or_else(|| {
+            let message = format!("a power of {base} needs a constant exponent, such as 2, -1 or 1/3");
+            self.refuse(span, message, "divide the base by a quantity of its dimension to make it a plain number")
+        })
     }
 
     fn rational_power(
@@ -393,7 +405,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
     fn check_rate(&mut self, expr: Expr<'g>, span: &Span) -> Resolved<()> {
         let dependence = self.facts.dependence(expr);
         if dependence.on(Dependence::RATE) {
-            let help = "energies and forces are made of positions and velocities";
+            let help = "energies and forces are made of positions and velocities, inertia is kinetic energy";
             return Err(self.refuse(span, "accelerations cannot enter: this is a time derivative already", help));
         }
         if dependence.on(Dependence::INPUT) {
@@ -421,13 +433,18 @@ mod tests {
         unit("l^-1", "1/m");
         unit("(l*l)^(1/2)", "m");
         unit("l^1.5", "m^(3/2)");
+        unit("l^(1/3)", "m^(1/3)");
+        unit("(l^(2/3))^1.5", "m");
         unit("-l + 0", "m");
         unit("sqrt(k/m)", "1/s");
         unit("[x, 0, l]", "m");
         unit("2*[x, 0, l]/t", "m/s");
         unit("diag(m, m, 0)*[x, 0, l]", "kg·m");
         refused("let a = m + l;", "m + l: a sum needs equal dimensions, these are kg and m");
-        refused("let a = l + 1;", "l + 1: a sum needs equal dimensions, these are m and a plain number");
+        refused(
+            "let a = l + 1;",
+            "l + 1: a sum needs equal dimensions, these are m and a plain number; the second lacks a factor of m",
+        );
         refused(
             "let a = [x, y, z] - [m, m, m];",
             "[x, y, z] - [m, m, m]: a sum needs equal dimensions, these are m and kg",
@@ -442,7 +459,7 @@ mod tests {
         );
         refused(
             "let a = l^theta;",
-            "theta: a power of m needs an exponent such as 2, -1 or 1/2; other exponents are for plain numbers only",
+            "theta: a power of m needs a constant exponent, such as 2, -1 or 1/3; divide the base by a quantity of its dimension to make it a plain number",
         );
         refused("let a = l^1000;", "1000: an exponent is at most 100; `exp(n * ln(x))` takes any");
         refused(
@@ -578,11 +595,11 @@ mod tests {
         same("", "angular_velocity(rot_z(theta))", "[0, 0, dt(theta)]");
         refused(
             "let a = dt(dt(x));",
-            "dt(x): accelerations cannot enter: this is a time derivative already; energies and forces are made of positions and velocities",
+            "dt(x): accelerations cannot enter: this is a time derivative already; energies and forces are made of positions and velocities, inertia is kinetic energy",
         );
         refused(
             "let a = dt(dt([x, y, z]));",
-            "dt([x, y, z]): accelerations cannot enter: this is a time derivative already; energies and forces are made of positions and velocities",
+            "dt([x, y, z]): accelerations cannot enter: this is a time derivative already; energies and forces are made of positions and velocities, inertia is kinetic energy",
         );
         refused("let a = dt(u);", "u: the rate of an input is not known; make it a coordinate or a formula of `t`");
         refused(

@@ -59,7 +59,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
         statements.iter().all(|statement| {
             // Why it was refused has been noted; the next one may be right.
             let _ = self.statement(statement);
-            !self.exhausted(&statement.span)
+            !self.exhausted(&statement.span) && !self.errors.is_full()
         })
     }
 
@@ -441,7 +441,7 @@ mod tests {
     fn loops_have_constant_bounds() {
         refused(
             "for i in 0..m { }",
-            "m: the bound of a loop must be a constant integer; it is made of numbers, constants and loop variables",
+            "m: the bound of a loop must be a constant integer; a parameter may change at run time: declare it as `const name = …;`",
         );
         refused(
             "for i in 0..5/2 { }",

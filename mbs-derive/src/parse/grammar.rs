@@ -437,6 +437,12 @@ impl Reader<'_> {
             return Ok(());
         }
         let help = match sign(input.cursor()) {
+            Some(("-=", _)) if target == "kinetic" => {
+                "kinetic energy is positive; the energy of springs and weights is `potential += …;`".to_string()
+            }
+            Some(("-=", _)) if target == "dissipation" => {
+                "dissipation is positive and acts against the motion: write `dissipation += …;`".to_string()
+            }
             Some(("-=", _)) => format!("write `{target} += -(…);`"),
             _ => format!("write `{target} += …;`"),
         };
@@ -452,8 +458,13 @@ impl Reader<'_> {
     /// `output := "output" name "=" expression ("," "jacobian_rate")?`
     fn output(&mut self, input: ParseStream<'_>, docs: Vec<String>) -> Parsed<StatementKind> {
         self.eat_word(input, "output");
+        if word(input.cursor()).is_none() {
+            let help = "an output has a name and a value: write `output name = …;`";
+            return Err(self.unexpected(input, "a name after `output`", help));
+        }
         let name = self.declared_name(input, "output")?;
-        self.equals(input, &format!("write `output {} = …;`", name.text))?;
+        let help = format!("an output has a name and a value: write `output name = {};`", name.text);
+        self.equals(input, if self.peek(input, ";") { &help } else { "write `output name = …;`" })?;
         let value = self.expression(input)?;
         Ok(StatementKind::Output { docs, name, value, jacobian_rate: self.jacobian_rate(input)? })
     }
@@ -675,7 +686,7 @@ mechanism CartPole {
         refused("kinetic = x;", "=: `kinetic` is a sum that statements add to, `=` does not; write `kinetic += …;`");
         refused(
             "kinetic -= x;",
-            "-=: `kinetic` is a sum that statements add to, `-=` does not; write `kinetic += -(…);`",
+            "-=: `kinetic` is a sum that statements add to, `-=` does not; kinetic energy is positive; the energy of springs and weights is `potential += …;`",
         );
         refused(
             "force q[1] = x;",
@@ -766,7 +777,10 @@ mechanism CartPole {
         refused("output a = x, y, z;", &format!("y: expected `jacobian_rate`, found `y`; {form}"));
         refused("output a = x, ;", &format!(";: expected `jacobian_rate`, found `;`; {form}"));
         refused("output a = x, jacobian_rate, y;", ",: `,` cannot stand here; write a vector as `[x, y, z]`");
-        refused("output = 1;", "=: expected a name after `output`, found `=`; a name begins with a letter");
+        refused(
+            "output = 1;",
+            "=: expected a name after `output`, found `=`; an output has a name and a value: write `output name = …;`",
+        );
         refused("let x: m = 1;", ":: a `let` declares no unit; write `let x = …;`: the unit follows from the value");
         refused("let x += 1;", "+=: expected `=`, found `+=`; write `let x = …;`");
         refused("for i = 0..3 {}", "=: expected `in`, found `=`; write `for i in 0..6 { … }`");

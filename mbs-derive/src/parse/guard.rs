@@ -34,6 +34,9 @@ impl<'s> Guard<'s> {
     fn file(&mut self) {
         self.at += if self.source.starts_with('\u{feff}') { '\u{feff}'.len_utf8() } else { 0 };
         while let Some(c) = self.rest().chars().next() {
+            if self.errors.is_full() {
+                return;
+            }
             match c {
                 '/' if self.rest().starts_with("//") => self.line_comment(),
                 '/' if self.rest().starts_with("/*") => self.block_comment(),
@@ -241,6 +244,11 @@ impl<'s> Guard<'s> {
 
     fn stranger(&mut self, c: char) {
         let span = self.at..self.at + c.len_utf8();
+        if c == '\0' {
+            let error = self.errors.error(span, "this is not the text of a mechanism: a zero byte stands here");
+            error.help("is it the right file, saved as UTF-8?");
+            return self.give_up();
+        }
         let shown = if c.is_control() { format!("U+{:04X}", u32::from(c)) } else { c.to_string() };
         let error = self.errors.error(span, format!("the character `{shown}` has no meaning in a mechanism"));
         match LOOKALIKES.iter().find(|(symbols, _)| symbols.contains(c)) {
@@ -455,7 +463,8 @@ mod tests {
         assert_eq!(help("½"), ["write `1/2`"]);
         assert_eq!(help("2π"), ["write `pi`"]);
         assert_eq!(help("größe"), ["write it in Latin letters without accents"]);
-        assert_eq!(help("\0 \\ 🦀"), ["leave it out"; 3]);
+        assert_eq!(help("\u{1} \\ 🦀"), ["leave it out"; 3]);
+        assert_eq!(help("(\0 \0"), ["is it the right file, saved as UTF-8?"]);
         assert_eq!(report("x²"), ["1..3: the character `²` has no meaning in a mechanism; write `^2`"]);
     }
 
