@@ -27,15 +27,19 @@ pub(crate) struct Mechanism {
 
 /// Reads, derives and proves; warnings go to standard error.
 pub(crate) fn read(path: &Path) -> Result<Mechanism, Failure> {
-    read_and(path, |_| ()).map(|(mechanism, ())| mechanism)
+    read_and(path, |_, _| ()).map(|(mechanism, ())| mechanism)
 }
 
 /// The equations as a page of a textbook, proved like the programs.
 pub(crate) fn latex(path: &Path) -> Result<String, Failure> {
-    read_and(path, emit::latex).map(|(_, text)| text)
+    read_and(path, |lagrangian, _| emit::latex(lagrangian)).map(|(_, text)| text)
 }
 
-fn read_and<T>(path: &Path, also: impl Fn(&Lagrangian<'_>) -> T) -> Result<(Mechanism, T), Failure> {
+/// Reads, derives and proves, and takes something else from it besides.
+pub(crate) fn read_and<T>(
+    path: &Path,
+    also: impl Fn(&Lagrangian<'_>, &Derivation) -> T,
+) -> Result<(Mechanism, T), Failure> {
     let sources = cargo::read(path).map_err(Failure::rendered)?;
     let refused = |error: Error| Failure::rendered(error.render_in(&sources));
 
@@ -47,6 +51,7 @@ fn read_and<T>(path: &Path, also: impl Fn(&Lagrangian<'_>) -> T) -> Result<(Mech
 
     let proof = verify::against_energies(&lagrangian, &derivation).map_err(|failure| refused(failure.into()))?;
     output::report(&warnings.render_in(&sources));
+    let also = also(&lagrangian, &derivation);
     let mechanism = Mechanism {
         derivation,
         bodies: lagrangian.bodies().0.len(),
@@ -54,5 +59,5 @@ fn read_and<T>(path: &Path, also: impl Fn(&Lagrangian<'_>) -> T) -> Result<(Mech
         singular_at: proof.singular,
         derive_seconds,
     };
-    Ok((mechanism, also(&lagrangian)))
+    Ok((mechanism, also))
 }

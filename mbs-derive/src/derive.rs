@@ -26,6 +26,8 @@ pub mod solve;
 pub mod textbook;
 pub mod tree;
 
+use std::fmt;
+
 use crate::expr::{Expr, Graph, Symbol, carry_out, gradient_of_combination};
 use crate::model::Lagrangian;
 
@@ -35,6 +37,8 @@ pub use lagrange::Lagrange;
 pub use linearize::{InverseDynamicsJacobian, Linearization};
 pub use output::OutputEquations;
 pub use solve::ForwardDynamics;
+
+use tree::Masses;
 
 /// Rows of expressions.
 pub type Rows<'g> = Vec<Vec<Expr<'g>>>;
@@ -68,9 +72,35 @@ impl Symbols {
     }
 }
 
+/// How equations were derived.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Route {
+    /// The energies differentiated.
+    Plain,
+    /// The same in multiple-angle normal form.
+    Textbook,
+    /// Bodies on their tree of frames by sweeps, all else plainly.
+    Structured,
+    /// The same with every mass left where it was declared; for comparison.
+    Ungrouped,
+}
+
+impl fmt::Display for Route {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Route::Plain => "plain",
+            Route::Textbook => "textbook",
+            Route::Structured => "structured",
+            Route::Ungrouped => "ungrouped",
+        })
+    }
+}
+
 /// Everything that is generated for a mechanism, as roots in one graph.
 #[derive(Clone, Debug)]
 pub struct Equations<'g> {
+    /// How they were derived.
+    pub route: Route,
     /// The symbols that the roots depend on.
     pub symbols: Symbols,
     /// T, V, p, M, C, G, h and inverse dynamics.
@@ -93,18 +123,38 @@ pub struct Equations<'g> {
 ///
 /// The routes are equal in value, each function of a mechanism may take another: the cheapest is chosen by `optimise`.
 pub fn routes<'g>(lagrangian: &Lagrangian<'_>, graph: &'g Graph) -> Vec<Equations<'g>> {
+    derived_by(lagrangian, graph, &[Route::Plain, Route::Textbook, Route::Structured])
+}
+
+/// The same, and routes that are there for comparison only.
+pub fn all_routes<'g>(lagrangian: &Lagrangian<'_>, graph: &'g Graph) -> Vec<Equations<'g>> {
+    derived_by(lagrangian, graph, &[Route::Plain, Route::Textbook, Route::Structured, Route::Ungrouped])
+}
+
+fn derived_by<'g>(lagrangian: &Lagrangian<'_>, graph: &'g Graph, routes: &[Route]) -> Vec<Equations<'g>> {
     let symbols = Symbols::of(lagrangian);
     let energies = Energies::carried_out(lagrangian, graph);
     let plain = lagrange::equations(&energies, &symbols);
-    let textbook = textbook::normal_form(&plain);
-    let structured = lift::lifted(lagrangian, &energies, graph)
-        .map(|lifted| tree::equations(&lifted, &plain, &lagrange::equations(&lifted.rest, &symbols), &symbols));
-    let lagranges = std::iter::once(plain).chain(textbook).chain(structured);
-    lagranges.map(|lagrange| equations(lagrange, &energies, &symbols, lagrangian, graph)).collect()
+    let lifted = lift::lifted(lagrangian, &energies, graph);
+    let rest = lifted.as_ref().map(|lifted| lagrange::equations(&lifted.rest, &symbols));
+    let by = |route: Route| match (route, &lifted, &rest) {
+        (Route::Plain, ..) => Some(plain.clone()),
+        (Route::Textbook, ..) => textbook::normal_form(&plain),
+        (Route::Structured, Some(lifted), Some(rest)) => {
+            Some(tree::equations(lifted, Masses::Regrouped, &plain, rest, &symbols))
+        }
+        (Route::Ungrouped, Some(lifted), Some(rest)) => {
+            Some(tree::equations(lifted, Masses::AsDeclared, &plain, rest, &symbols))
+        }
+        (Route::Structured | Route::Ungrouped, ..) => None,
+    };
+    let found = routes.iter().filter_map(|&route| Some((route, by(route)?)));
+    found.map(|(route, lagrange)| equations(route, lagrange, &energies, &symbols, lagrangian, graph)).collect()
 }
 
 /// Everything that follows from Lagrange's equations.
 fn equations<'g>(
+    route: Route,
     lagrange: Lagrange<'g>,
     energies: &Energies<'g>,
     symbols: &Symbols,
@@ -118,6 +168,7 @@ fn equations<'g>(
     let conserved = conserved::conserved(&lagrange, energies, &constraints, symbols, lagrangian);
     let outputs = output::outputs(lagrangian, graph, symbols);
     Equations {
+        route,
         symbols: symbols.clone(),
         lagrange,
         forward_dynamics,

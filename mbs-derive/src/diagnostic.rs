@@ -138,9 +138,9 @@ impl Diagnostics {
 
     /// Takes the messages of another pass, or about another file.
     pub fn append(&mut self, other: Diagnostics) {
-        for message in other.messages {
-            let place = self.messages.partition_point(|m| m.span.start <= message.span.start);
-            self.messages.insert(place, message);
+        for Diagnostic { severity, message, span, help, notes } in other.messages {
+            let taken = self.insert(severity, span, message);
+            (taken.help, taken.notes) = (help, notes);
         }
     }
 

@@ -193,6 +193,12 @@ pub fn declared_from<'g>(
     model::resolve(&declaration, graph)
 }
 
+/// What each function of [`derived`] would cost by each route, those for comparison included; in the same order.
+pub fn compared(lagrangian: &Lagrangian<'_>) -> Vec<Vec<(derive::Route, optimise::Operations)>> {
+    let graph = Graph::new();
+    optimise::compared(&derive::all_routes(lagrangian, &graph))
+}
+
 /// `derive` and `optimise`: a Lagrangian → its Programs, not yet proved.
 pub fn derived(lagrangian: &Lagrangian<'_>) -> Derivation {
     let graph = Graph::new();

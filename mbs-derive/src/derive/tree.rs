@@ -31,14 +31,24 @@ use super::{Rows, Symbols};
 use inertia::Inertia;
 use linkage::{Edge, Linkage};
 
+/// Where the masses are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Masses {
+    /// Where they were declared.
+    AsDeclared,
+    /// As near to the base as joints cannot tell.
+    Regrouped,
+}
+
 /// Lagrange's equations of the bodies by sweeps over their tree, of everything else plainly; `rest` is the latter.
 pub fn equations<'g>(
     lifted: &Lifted<'g>,
+    masses: Masses,
     plain: &Lagrange<'g>,
     rest: &Lagrange<'g>,
     symbols: &Symbols,
 ) -> Lagrange<'g> {
-    let tree = Tree::new(lifted, symbols);
+    let tree = Tree::new(lifted, masses, symbols);
     let bias = add(&tree.forces(false), &rest.bias);
     let kinetic_energy = tree.kinetic_energy();
     Lagrange {
@@ -65,9 +75,12 @@ struct Tree<'g> {
 }
 
 impl<'g> Tree<'g> {
-    fn new(lifted: &Lifted<'g>, symbols: &Symbols) -> Self {
+    fn new(lifted: &Lifted<'g>, masses: Masses, symbols: &Symbols) -> Self {
         let (linkage, inertias) = gauge::turned(&lifted.linkage, &lifted.inertias);
-        let inertias = regroup::regrouped(&linkage, inertias);
+        let inertias = match masses {
+            Masses::Regrouped => regroup::regrouped(&linkage, inertias),
+            Masses::AsDeclared => inertias,
+        };
         let linkage = regroup::without_spin(&linkage, &inertias);
         let displacement = |link: usize| match linkage.links[link].edge {
             Some(Edge::Revolute { angle, .. }) => Some(angle),

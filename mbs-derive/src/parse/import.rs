@@ -491,7 +491,7 @@ mod tests {
         check("mechanism M { } import \"a\";", &format!("m: import: {late}"));
         check(
             "mechanism M { let x = import; }",
-            "m: import: `import` is a keyword of the language, not a value; write a value here",
+            "m: import: `import` is a keyword of the language, not a value; names of your own are others, such as `import_`",
         );
     }
 
