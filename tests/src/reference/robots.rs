@@ -3,6 +3,7 @@
 //! Parameters come from outside, by name and component, so that a test can vary them; what is constant in a declaration is
 //! typed here as a number.
 
+use super::arms;
 use super::rigid_body::SerialArm;
 use super::tree::{Body, Law, Motion, Node, Place, Tree};
 use std::f64::consts::FRAC_PI_2;
@@ -22,6 +23,34 @@ pub fn serial<const N: usize>(arm: &SerialArm<N>) -> Tree {
         nodes.push(node(Some(2 * i), place, Motion::Fixed, Some(body)));
     }
     tree(N, 0, nodes, arm.gravity)
+}
+
+/// `models/mechanisms/arm6.mbs` and `arm6_world.mbs`
+pub fn arm6(_: Values<'_>) -> Tree {
+    serial(&arms::arm6())
+}
+
+/// `models/mechanisms/arm6_params.mbs`
+pub fn arm6_params(value: Values<'_>) -> Tree {
+    let mut arm = arms::arm6();
+    for (i, link) in arm.links.iter_mut().enumerate() {
+        (link.d, link.a, link.mass) = (value("d", i), value("a", i), value("mass", i));
+        link.center_of_mass = ["com_x", "com_y", "com_z"].map(|name| value(name, i));
+        link.inertia = ["i_xx", "i_xy", "i_xz", "i_yy", "i_yz", "i_zz"].map(|name| value(name, i));
+    }
+    serial(&SerialArm { gravity: down(value), ..arm })
+}
+
+/// `models/mechanisms/irb7600.mbs`
+pub fn irb7600(value: Values<'_>) -> Tree {
+    let mut arm = arms::irb7600();
+    for (i, link) in arm.links.iter_mut().enumerate() {
+        link.mass = value("mass", i);
+        link.center_of_mass = ["com_x", "com_y", "com_z"].map(|name| value(name, i));
+        let [xx, yy, zz] = ["i_xx", "i_yy", "i_zz"].map(|name| value(name, i));
+        link.inertia = [xx, 0.0, 0.0, yy, 0.0, zz];
+    }
+    serial(&SerialArm { gravity: down(value), ..arm })
 }
 
 /// `models/mechanisms/scara.mbs`
@@ -143,13 +172,13 @@ pub fn arm_on_moving_base(value: Values<'_>) -> Tree {
     tree(3, 4, nodes, down(value))
 }
 
-/// A free body with a ball joint, a swinging branch, a slide that a signal drives, and skew places: every kind of joint, for
-/// the algorithms to agree on.
+/// A sliding ball joint with two branches, slides and hinges that signals drive, bent laws, skew places: every kind of joint,
+/// for the algorithms to agree on.
 #[cfg(test)]
 pub(super) fn menagerie() -> Tree {
     let place = |shift, angle| Place { shift, axis: [0.3, -0.7, 0.2], angle };
     let any = |mass| body(mass, [0.1, -0.2, 0.05], [0.03, 0.04, 0.05, 0.002, -0.003, 0.001]);
-    let law = |terms: &[(usize, f64)]| Law { offset: 0.3, ..Law::sum(terms) };
+    let law = |terms: &[(usize, f64)]| Law { offset: 0.3, bend: 0.02, ..Law::sum(terms) };
     let nodes = vec![
         node(None, Place::HERE, Motion::Slide([0.6, 0.0, 0.8], law(&[(0, 1.0)])), None),
         node(Some(0), place([0.1, 0.2, 0.3], 0.4), Motion::Ball { first: 1 }, any(2.0)),

@@ -7,21 +7,24 @@
 //! - Coriolis matrix by Christoffel symbols, from the derivatives of the latter by dual numbers ([`Tree::coriolis_matrix`]).
 //!
 //! A tree moves with `x`: the coordinates `q`, then the signals that prescribe the rest of its motion. A joint's variable is
-//! an affine function of `x` ([`Law`]), its rate is `ν = N ẋ`, and `ν̇ = N ẍ`: for hinges and slides N is constant, for a
-//! ball joint `ν = 2 vec(q̄ q̇)`, and `vec(q̄̇ q̇) = 0`. Each algorithm works with ν, and N takes its results to `x`.
+//! a function of `x` ([`Law`]), its rates are `ν = N(x) ẋ`, and `ν̇ = N ẍ + Ṅ ẋ`; of a ball joint `ν = 2 vec(q̄ q̇)`, and
+//! `Ṅ ẋ = 2 vec(q̄̇ q̇) = 0`. Each algorithm works with ν, and N takes its results to `x`.
 
 use super::lagrange::{Dual, Number};
 use super::rigid_body::{blocks, cross_force, cross_motion, spatial};
 use nalgebra::{DMatrix, DVector, Matrix3, Matrix6, Matrix6xX, Rotation3, Unit, Vector3, Vector6};
 use std::array::from_fn;
 
-/// An affine function of the tree's variables: `offset + Σ ratio · x[number]`.
+/// What a hinge's angle or a slide's displacement is of the tree's variables: `z + bend · z²` with
+/// `z = offset + Σ ratio · x[number]`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Law {
-    /// The value where all variables are zero.
+    /// z where all variables are zero.
     pub offset: f64,
     /// Number and ratio of each variable it depends on; no number twice.
     pub terms: Vec<(usize, f64)>,
+    /// Zero for what depends on its variables linearly.
+    pub bend: f64,
 }
 
 impl Law {
@@ -32,11 +35,28 @@ impl Law {
 
     /// `Σ ratio · x[number]`
     pub fn sum(terms: &[(usize, f64)]) -> Self {
-        Law { offset: 0.0, terms: terms.to_vec() }
+        Law { offset: 0.0, terms: terms.to_vec(), bend: 0.0 }
     }
 
     fn at<S: Number>(&self, x: &[S]) -> S {
+        let z = self.argument(x);
+        z + z * z * self.bend
+    }
+
+    fn argument<S: Number>(&self, x: &[S]) -> S {
         self.terms.iter().fold(S::constant(self.offset), |sum, &(k, ratio)| sum + x[k] * ratio)
+    }
+
+    /// Derivative by each of its variables: `(1 + 2 bend z) ratio`.
+    fn slopes<S: Number>(&self, x: &[S]) -> Vec<(usize, S)> {
+        let slope = S::constant(1.0) + self.argument(x) * (2.0 * self.bend);
+        self.terms.iter().map(|&(k, ratio)| (k, slope * ratio)).collect()
+    }
+
+    /// Its second time derivative while `ẍ = 0`: `2 bend ż²`.
+    fn curvature(&self, xd: &[f64]) -> f64 {
+        let rate: f64 = self.terms.iter().map(|&(k, ratio)| ratio * xd[k]).sum();
+        2.0 * self.bend * rate * rate
     }
 }
 
@@ -162,7 +182,8 @@ impl Tree {
     /// 1980, here for trees and in world axes. Gravity is an acceleration `−g` of the world.
     pub fn newton_euler(&self, x: &[f64], xd: &[f64], xdd: &[f64]) -> Vec<f64> {
         let (frames, map) = (self.frames(x), self.rates(x));
-        let (nu, nu_dot) = (&map * DVector::from_column_slice(xd), &map * DVector::from_column_slice(xdd));
+        let nu = &map * DVector::from_column_slice(xd);
+        let nu_dot = &map * DVector::from_column_slice(xdd) + self.curvatures(xd);
         let rest = (Vector3::zeros(), Vector3::zeros(), -Vector3::from(self.gravity), Vector3::zeros());
         // ω, ω̇, p̈, p of each frame.
         let mut states: Vec<(Vector3<f64>, Vector3<f64>, Vector3<f64>, Vector3<f64>)> = Vec::new();
@@ -253,7 +274,7 @@ impl Tree {
         let nu = &map * DVector::from_column_slice(xd);
         let mut prescribed = DVector::from_column_slice(xdd);
         prescribed.rows_mut(0, self.coordinates).fill(0.0);
-        let prescribed = &map * prescribed;
+        let prescribed = &map * prescribed + self.curvatures(xd);
         let mut inertias = self.spatial_inertias();
         let mut velocities: Vec<Vector6<f64>> = Vec::new();
         let (mut biases, mut wrenches) = (Vec::new(), Vec::new());
@@ -437,11 +458,12 @@ impl Tree {
                 Motion::Turn(axis, law) => {
                     let axis = times(rotation, unit(*axis).map(S::constant));
                     let moved = cross(axis, arm);
-                    columns.extend(law.terms.iter().map(|&(k, r)| (k, moved.map(|c| c * r), axis.map(|c| c * r))));
+                    let along = |(k, slope)| (k, moved.map(|c| c * slope), axis.map(|c| c * slope));
+                    columns.extend(law.slopes(x).into_iter().map(along));
                 }
                 Motion::Slide(axis, law) => {
                     let axis = times(rotation, axis.map(S::constant));
-                    columns.extend(law.terms.iter().map(|&(k, ratio)| (k, axis.map(|c| c * ratio), zero)));
+                    columns.extend(law.slopes(x).into_iter().map(|(k, slope)| (k, axis.map(|c| c * slope), zero)));
                 }
                 Motion::Ball { first } => {
                     let rows = ball_rates(from_fn(|k| x[first + k]));
@@ -511,7 +533,7 @@ impl Tree {
             match &node.motion {
                 Motion::Fixed => {}
                 Motion::Turn(_, law) | Motion::Slide(_, law) => {
-                    law.terms.iter().for_each(|&(k, ratio)| map[(row, k)] = ratio);
+                    law.slopes(x).into_iter().for_each(|(k, slope)| map[(row, k)] = slope);
                 }
                 Motion::Ball { first } => {
                     let rows = ball_rates(from_fn(|k| x[first + k]));
@@ -521,6 +543,16 @@ impl Tree {
             row += node.motion.freedom();
         }
         map
+    }
+
+    /// `Ṅ ẋ`
+    fn curvatures(&self, xd: &[f64]) -> DVector<f64> {
+        let of = |node: &Node| match &node.motion {
+            Motion::Fixed => Vec::new(),
+            Motion::Turn(_, law) | Motion::Slide(_, law) => vec![law.curvature(xd)],
+            Motion::Ball { .. } => vec![0.0; 3],
+        };
+        DVector::from_vec(self.nodes.iter().flat_map(of).collect())
     }
 
     /// The rows of `N` that belong to node `i`, for these coordinates alone.
