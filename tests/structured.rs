@@ -15,7 +15,7 @@ use mbs_derive::{declared, derived, verify};
 use mbs_tests::random::Random;
 use mbs_tests::reference::robots::{self, Values};
 use mbs_tests::reference::tree::Tree;
-use proptest::test_runner::{Config, RngSeed, TestCaseError, TestCaseResult, TestRunner};
+use proptest::test_runner::{Config, RngSeed, TestCaseError, TestCaseResult, TestError, TestRunner};
 
 /// The mechanisms that are too large, or too unlike the others, for `models/mechanisms`.
 const MECHANISMS: [(&str, &str); 5] = [
@@ -152,8 +152,11 @@ fn random_trees_agree_with_the_algorithms_for_trees() {
         max_shrink_iters: 300,
         ..Config::default()
     };
-    let result = TestRunner::new(config).run(&declared_tree(), |declared| tree_agrees(&declared));
-    result.unwrap_or_else(|error| panic!("{error}"));
+    match TestRunner::new(config).run(&declared_tree(), |declared| tree_agrees(&declared)) {
+        Ok(()) => {}
+        // The reason holds the text of the smallest tree that fails, which says more than its fields do.
+        Err(TestError::Fail(reason, _) | TestError::Abort(reason)) => panic!("{reason}"),
+    }
 }
 
 /// Derived from the tree's text, evaluated with other parameters than the declared ones.
