@@ -276,8 +276,16 @@ pub(crate) fn bias(q: &[f64; 6], qd: &[f64; 6]) -> [f64; 6] {
 
 /// `M`, both triangles.
 pub(crate) fn mass_matrix(q: &[f64; 6]) -> [[f64; 6]; 6] {
-    let m = mass_matrix_at(&angles(q));
-    std::array::from_fn(|i| std::array::from_fn(|j| m[i.max(j) * (i.max(j) + 1) / 2 + i.min(j)]))
+    let [m11, m21, m22, m31, m32, m33, m41, m42, m43, m44, m51, m52, m53, m54, m55, m61, m62, m63, m64, m65, m66] =
+        mass_matrix_at(&angles(q));
+    [
+        [m11, m21, m31, m41, m51, m61],
+        [m21, m22, m32, m42, m52, m62],
+        [m31, m32, m33, m43, m53, m63],
+        [m41, m42, m43, m44, m54, m64],
+        [m51, m52, m53, m54, m55, m65],
+        [m61, m62, m63, m64, m65, m66],
+    ]
 }
 
 /// `M⁻¹ (τ − C q̇ − G)`.
