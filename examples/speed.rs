@@ -31,11 +31,14 @@ struct State {
 }
 
 /// One function of one contender: all its results, for the comparison, and the seconds that one round takes.
-struct Contender<'a> {
+struct Contender {
     name: &'static str,
-    results: Box<dyn FnMut(&State) -> Vec<f64> + 'a>,
-    round: Box<dyn FnMut(&[State]) -> f64 + 'a>,
+    results: Results,
+    round: Round,
 }
+
+type Results = Box<dyn FnMut(&State) -> Vec<f64>>;
+type Round = Box<dyn FnMut(&[State]) -> f64>;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -62,7 +65,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 }
 
 /// Every function with its contenders, the generated code first.
-fn functions_of_arm6<'a>() -> Vec<(&'static str, Vec<Contender<'a>>)> {
+fn functions_of_arm6() -> Vec<(&'static str, Vec<Contender>)> {
     let generated = Arm6::<f64>::default;
     let (arm, mut model) = (generated(), general_model());
     let inverse_dynamics = vec![
@@ -103,9 +106,8 @@ fn functions_of_arm6<'a>() -> Vec<(&'static str, Vec<Contender<'a>>)> {
 }
 
 /// The loop over the states is compiled with the function in it, so that nothing but the function is timed.
-fn contender<'a, R: Numbers>(name: &'static str, call: impl FnMut(&State) -> R + Clone + 'a) -> Contender<'a> {
+fn contender<R: Numbers>(name: &'static str, mut call: impl FnMut(&State) -> R + Clone + 'static) -> Contender {
     let mut timed = call.clone();
-    let mut call = call;
     let round = move |states: &[State]| {
         let start = Instant::now();
         for state in states {
@@ -134,7 +136,7 @@ impl<const N: usize> Numbers for [[f64; N]; N] {
 }
 
 /// All contenders against the first, to 1e-9 of the largest entry.
-fn agree(function: &str, contenders: &mut [Contender<'_>], states: &[State]) -> Result<(), String> {
+fn agree(function: &str, contenders: &mut [Contender], states: &[State]) -> Result<(), String> {
     let (first, others) = contenders.split_first_mut().ok_or("no contenders")?;
     for state in states {
         let want = (first.results)(state);
@@ -151,7 +153,7 @@ fn agree(function: &str, contenders: &mut [Contender<'_>], states: &[State]) -> 
 }
 
 /// Medians of rounds in which all take turns, in ns a call: what disturbs the machine disturbs everyone.
-fn timed(contenders: &mut [Contender<'_>], states: &[State]) -> Value {
+fn timed(contenders: &mut [Contender], states: &[State]) -> Value {
     let mut seconds = vec![Vec::with_capacity(ROUNDS); contenders.len()];
     for _ in 0..ROUNDS {
         for (contender, seconds) in contenders.iter_mut().zip(&mut seconds) {

@@ -22,8 +22,11 @@ pub(crate) struct Pair<'a> {
     /// Signals that the declaration has as formulas of t, which come after those given at run time: values and derivatives.
     pub(crate) formulas: &'a dyn Fn(f64) -> Vec<[f64; 3]>,
     /// The generalized forces of inputs at `x`.
-    pub(crate) force: &'a dyn Fn(&[f64], &[f64]) -> Vec<f64>,
+    pub(crate) force: Force<'a>,
 }
+
+/// The generalized force at variables `x` under inputs `u`.
+pub(crate) type Force<'a> = &'a dyn Fn(&[f64], &[f64]) -> Vec<f64>;
 
 /// A state of both sides.
 struct Moment {

@@ -6,7 +6,6 @@
 use super::arms;
 use super::rigid_body::SerialArm;
 use super::tree::{Body, Law, Motion, Node, Place, Tree};
-use std::f64::consts::FRAC_PI_2;
 
 /// The value of a parameter's component.
 pub type Values<'a> = &'a dyn Fn(&str, usize) -> f64;
@@ -182,7 +181,12 @@ pub(super) fn menagerie() -> Tree {
     let nodes = vec![
         node(None, Place::HERE, Motion::Slide([0.6, 0.0, 0.8], law(&[(0, 1.0)])), None),
         node(Some(0), place([0.1, 0.2, 0.3], 0.4), Motion::Ball { first: 1 }, any(2.0)),
-        node(Some(1), place([0.4, -0.1, 0.2], FRAC_PI_2), Motion::Turn([0.2, 0.5, -0.4], law(&[(5, 1.5)])), any(1.0)),
+        node(
+            Some(1),
+            place([0.4, -0.1, 0.2], std::f64::consts::FRAC_PI_2),
+            Motion::Turn([0.2, 0.5, -0.4], law(&[(5, 1.5)])),
+            any(1.0),
+        ),
         node(
             Some(2),
             place([0.3, 0.1, -0.2], 1.1),

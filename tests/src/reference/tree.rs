@@ -11,9 +11,11 @@
 //! `Ṅ ẋ = 2 vec(q̄̇ q̇) = 0`. Each algorithm works with ν, and N takes its results to `x`.
 
 use super::lagrange::{Dual, Number};
-use super::rigid_body::{blocks, cross_force, cross_motion, spatial};
-use nalgebra::{DMatrix, DVector, Matrix3, Matrix6, Matrix6xX, Rotation3, Unit, Vector3, Vector6};
+use super::rigid_body::{blocks, spatial};
+use nalgebra::{DMatrix, DVector, Matrix3, Matrix6, Rotation3, Unit, Vector3, Vector6};
 use std::array::from_fn;
+
+mod articulated;
 
 /// What a hinge's angle or a slide's displacement is of the tree's variables: `z + bend · z²` with
 /// `z = offset + Σ ratio · x[number]`.
@@ -153,6 +155,28 @@ impl Frame<f64> {
     }
 }
 
+/// `ω`, `ω̇` and `p̈` of a frame, in world axes.
+#[derive(Clone, Copy, Default)]
+struct Moving {
+    omega: Vector3<f64>,
+    alpha: Vector3<f64>,
+    acceleration: Vector3<f64>,
+}
+
+impl Moving {
+    /// `p̈ + ω̇ × r + ω × (ω × r)`
+    fn acceleration_at(&self, r: &Vector3<f64>) -> Vector3<f64> {
+        self.acceleration + self.alpha.cross(r) + self.omega.cross(&self.omega.cross(r))
+    }
+
+    /// Force on a body, and moment about the frame's origin, that make it move so.
+    fn wrench(&self, body: &Body, axes: &Matrix3<f64>) -> (Vector3<f64>, Vector3<f64>) {
+        let (c, tensor) = (axes * Vector3::from(body.center), axes * body.tensor() * axes.transpose());
+        let force = body.mass * self.acceleration_at(&c);
+        (force, c.cross(&force) + tensor * self.alpha + self.omega.cross(&(tensor * self.omega)))
+    }
+}
+
 impl Body {
     fn tensor(&self) -> Matrix3<f64> {
         let [xx, yy, zz, xy, xz, yz] = self.inertia;
@@ -184,31 +208,25 @@ impl Tree {
         let (frames, map) = (self.frames(x), self.rates(x));
         let nu = &map * DVector::from_column_slice(xd);
         let nu_dot = &map * DVector::from_column_slice(xdd) + self.curvatures(xd);
-        let rest = (Vector3::zeros(), Vector3::zeros(), -Vector3::from(self.gravity), Vector3::zeros());
-        // ω, ω̇, p̈, p of each frame.
-        let mut states: Vec<(Vector3<f64>, Vector3<f64>, Vector3<f64>, Vector3<f64>)> = Vec::new();
+        let base = Moving { acceleration: -Vector3::from(self.gravity), ..Moving::default() };
+        let mut states: Vec<Moving> = Vec::new();
         let mut wrenches = Vec::new();
         for (i, node) in self.nodes.iter().enumerate() {
-            let (mut omega, mut alpha, mut acceleration, origin) = node.parent.map_or(rest, |p| states[p]);
-            let r = frames[i].origin() - origin;
-            acceleration += alpha.cross(&r) + omega.cross(&omega.cross(&r));
-            let base_omega = omega;
+            let before = node.parent.map_or(base, |p| states[p]);
+            let r = frames[i].origin() - node.parent.map_or(Vector3::zeros(), |p| frames[p].origin());
+            let mut state = Moving { acceleration: before.acceleration_at(&r), ..before };
             for (k, turns, axis) in self.axes_of(i, &frames) {
                 let (rate, rate_dot) = (axis * nu[k], axis * nu_dot[k]);
                 if turns {
-                    omega += rate;
-                    alpha += rate_dot + base_omega.cross(&rate);
+                    state.omega += rate;
+                    state.alpha += rate_dot + before.omega.cross(&rate);
                 } else {
-                    acceleration += rate_dot + 2.0 * base_omega.cross(&rate);
+                    state.acceleration += rate_dot + 2.0 * before.omega.cross(&rate);
                 }
             }
-            states.push((omega, alpha, acceleration, frames[i].origin()));
-            wrenches.push(node.body.map_or((Vector3::zeros(), Vector3::zeros()), |body| {
-                let axes = frames[i].axes();
-                let (c, tensor) = (axes * Vector3::from(body.center), axes * body.tensor() * axes.transpose());
-                let force = body.mass * (acceleration + alpha.cross(&c) + omega.cross(&omega.cross(&c)));
-                (force, c.cross(&force) + tensor * alpha + omega.cross(&(tensor * omega)))
-            }));
+            let nothing = (Vector3::zeros(), Vector3::zeros());
+            wrenches.push(node.body.map_or(nothing, |body| state.wrench(&body, &frames[i].axes())));
+            states.push(state);
         }
         let mut forces = DVector::zeros(map.nrows());
         for (i, node) in self.nodes.iter().enumerate().rev() {
@@ -258,83 +276,6 @@ impl Tree {
         let mut m = map.transpose() * h * map;
         self.drives.iter().enumerate().for_each(|(k, inertia)| m[(k, k)] += inertia);
         m
-    }
-
-    /// `q̈` under generalized forces, without ever forming `M`; the signals move as `xd` and `xdd` say, whose entries for the
-    /// coordinates' accelerations are not read. Ball joints keep their unit length.
-    ///
-    /// `None` where joints share a coordinate, or a joint has two.
-    ///
-    /// # Source
-    ///
-    /// Featherstone, RBDA, table 7.1, and section 9.2 for the joints whose motion is prescribed.
-    pub fn articulated_bodies(&self, x: &[f64], xd: &[f64], xdd: &[f64], forces: &[f64]) -> Option<Vec<f64>> {
-        let (transforms, map) = (self.motion_transforms(x), self.rates(x));
-        let own = self.own_coordinates()?;
-        let nu = &map * DVector::from_column_slice(xd);
-        let mut prescribed = DVector::from_column_slice(xdd);
-        prescribed.rows_mut(0, self.coordinates).fill(0.0);
-        let prescribed = &map * prescribed + self.curvatures(xd);
-        let mut inertias = self.spatial_inertias();
-        let mut velocities: Vec<Vector6<f64>> = Vec::new();
-        let (mut biases, mut wrenches) = (Vec::new(), Vec::new());
-        for i in 0..self.nodes.len() {
-            let mut velocity = self.nodes[i].parent.map_or(Vector6::zeros(), |p| transforms[i] * velocities[p]);
-            let joint: Vector6<f64> = self.subspace(i).iter().map(|(k, s)| s * nu[*k]).sum();
-            velocity += joint;
-            // c = v × S ν, p = v ×* I v; what is known of ν̇ counts as bias.
-            let known: Vector6<f64> = self.subspace(i).iter().map(|(k, s)| s * prescribed[*k]).sum();
-            biases.push(cross_motion(&velocity) * joint + known);
-            wrenches.push(cross_force(&velocity) * inertias[i] * velocity);
-            velocities.push(velocity);
-        }
-        // Over the joint's free columns S: U = I S, D = Sᵀ U, u = τ − Sᵀ p.
-        let mut reduced: Vec<Option<(Matrix6xX<f64>, DMatrix<f64>, DVector<f64>)>> = vec![None; self.nodes.len()];
-        for i in (0..self.nodes.len()).rev() {
-            let (mut inertia, mut wrench) = (inertias[i], wrenches[i]);
-            if let Some(numbers) = &own[i] {
-                let columns: Vec<Vector6<f64>> = self.subspace(i).iter().map(|(_, s)| *s).collect();
-                let s = Matrix6xX::from_columns(&columns);
-                let part = self.part_of(i, &map, numbers);
-                let u = inertia * &s;
-                // ν̇ = P ẍ with P of full row rank: τ_ν = (P Pᵀ)⁻¹ P τ_x, and a drive's inertia a is (P Pᵀ)⁻¹ P a Pᵀ (P Pᵀ)⁻¹.
-                let inverse = (&part * part.transpose()).try_inverse()? * &part;
-                let tau = &inverse * DVector::from_fn(numbers.len(), |k, _| forces[numbers[k]]);
-                let drive = |k: usize| self.drives.get(numbers[k]).copied().unwrap_or(0.0);
-                let drives = DMatrix::from_diagonal(&DVector::from_fn(numbers.len(), |k, _| drive(k)));
-                let d = (s.transpose() * &u + &inverse * drives * inverse.transpose()).try_inverse()?;
-                let rest = tau - s.transpose() * wrench;
-                inertia -= &u * &d * u.transpose();
-                wrench += &u * &d * &rest;
-                reduced[i] = Some((u, d, rest));
-            }
-            if let Some(parent) = self.nodes[i].parent {
-                inertias[parent] += transforms[i].transpose() * inertia * transforms[i];
-                wrenches[parent] += transforms[i].transpose() * (wrench + inertia * biases[i]);
-            }
-        }
-        let base = spatial(Vector3::zeros(), -Vector3::from(self.gravity));
-        let mut accelerations: Vec<Vector6<f64>> = Vec::new();
-        let mut qdd = vec![0.0; self.coordinates];
-        for i in 0..self.nodes.len() {
-            let above = self.nodes[i].parent.map_or(base, |p| accelerations[p]);
-            let mut acceleration = transforms[i] * above + biases[i];
-            if let (Some((u, d, rest)), Some(numbers)) = (&reduced[i], &own[i]) {
-                let nu_dot = d * (rest - u.transpose() * acceleration);
-                acceleration +=
-                    self.subspace(i).iter().zip(nu_dot.iter()).map(|((_, s), rate)| s * *rate).sum::<Vector6<f64>>();
-                let part = self.part_of(i, &map, numbers);
-                let found = part.transpose() * (&part * part.transpose()).try_inverse()? * nu_dot;
-                numbers.iter().zip(found.iter()).for_each(|(k, value)| qdd[*k] = *value);
-                if let Motion::Ball { first } = self.nodes[i].motion {
-                    // From |q|² = 1: q·q̈ = −|q̇|².
-                    let speed: f64 = xd[first..first + 4].iter().map(|c| c * c).sum();
-                    (first..first + 4).for_each(|k| qdd[k] -= speed * x[k]);
-                }
-            }
-            accelerations.push(acceleration);
-        }
-        Some(qdd)
     }
 
     /// `M = Σ m J_vᵀ J_v + J_ωᵀ R I Rᵀ J_ω` over all variables.
@@ -553,31 +494,6 @@ impl Tree {
             Motion::Ball { .. } => vec![0.0; 3],
         };
         DVector::from_vec(self.nodes.iter().flat_map(of).collect())
-    }
-
-    /// The rows of `N` that belong to node `i`, for these coordinates alone.
-    fn part_of(&self, i: usize, map: &DMatrix<f64>, numbers: &[usize]) -> DMatrix<f64> {
-        let first: usize = self.nodes[..i].iter().map(|node| node.motion.freedom()).sum();
-        DMatrix::from_fn(self.nodes[i].motion.freedom(), numbers.len(), |row, k| map[(first + row, numbers[k])])
-    }
-
-    /// Of each node the coordinates that its joint alone moves with; none where it is prescribed. `None` where a joint shares a
-    /// coordinate with another, or a hinge or slide has two.
-    fn own_coordinates(&self) -> Option<Vec<Option<Vec<usize>>>> {
-        let mut taken = vec![false; self.coordinates];
-        let own = |node: &Node| -> Option<Option<Vec<usize>>> {
-            let numbers: Vec<usize> = match &node.motion {
-                Motion::Fixed => Vec::new(),
-                Motion::Turn(_, law) | Motion::Slide(_, law) => {
-                    law.terms.iter().map(|(k, _)| *k).filter(|k| *k < self.coordinates).collect()
-                }
-                Motion::Ball { first } => (*first..first + 4).collect(),
-            };
-            let alone = numbers.len() <= 1 || matches!(node.motion, Motion::Ball { .. });
-            let free = numbers.iter().all(|k| !std::mem::replace(&mut taken[*k], true));
-            (alone && free).then_some((!numbers.is_empty()).then_some(numbers))
-        };
-        self.nodes.iter().map(own).collect()
     }
 
     fn spatial_inertias(&self) -> Vec<Matrix6<f64>> {
