@@ -146,7 +146,7 @@ fn mechanisms_are_proved_without_a_warning() {
 #[test]
 fn random_trees_agree_with_the_algorithms_for_trees() {
     let config = Config {
-        cases: 120,
+        cases: 300,
         rng_seed: RngSeed::Fixed(4),
         failure_persistence: None,
         max_shrink_iters: 300,
@@ -196,7 +196,7 @@ fn chain(n: usize) -> Derivation {
 }
 
 /// Each further link costs the same in the equations of motion, and in M as much more as there are links before it; forty links
-/// are derived in a second (ten where the generator is not optimised).
+/// are derived in a second (four where the generator is not optimised).
 #[test]
 fn a_chain_grows_linearly() {
     let small = [5, 10, 20].map(chain);
@@ -211,7 +211,7 @@ fn a_chain_grows_linearly() {
     let (first, second) = ((m10 - m5) / 5.0, (m20 - m10) / 10.0);
     let expected = m5 + 35.0 * first + 35.0 * 30.0 * (second - first) / 15.0;
     assert!((m40 / expected - 1.0).abs() <= 0.03, "M of forty links: {m40}, a parabola says {expected}");
-    let most = if cfg!(debug_assertions) { 10.0 } else { 1.0 };
+    let most = if cfg!(debug_assertions) { 4.0 } else { 1.0 };
     assert!(seconds <= most, "forty links are derived in {seconds} s");
 }
 
