@@ -3,6 +3,8 @@
 //! - [`lagrange`]: Lagrange's equations by nested dual numbers over the energies, no symbolic derivative;
 //! - [`rigid_body`]: serial arms by Newton–Euler, composite bodies, articulated bodies and Jacobians;
 //!   [`arms`]: the arms it is run on, and the thesis' values;
+//! - [`tree`]: trees of bodies with every kind of joint by the same algorithms and by Christoffel symbols;
+//!   [`robots`]: the trees it is run on;
 //! - closed forms typed by hand from textbooks: [`pendulum`], [`cart_pole`], [`double_pendulum`],
 //!   [`spherical_pendulum`], [`heavy_top`], [`n_pendulum`];
 //! - and of mechanisms that are driven, constrained or full of friction ([`dynamics`]): [`bead_on_hoop`],
@@ -30,9 +32,12 @@ pub mod pendulum;
 pub mod quadrotor_with_slung_load;
 pub mod restricted_three_body;
 pub mod rigid_body;
+pub mod robots;
 pub mod rolling_coin;
 pub mod shaken_pendulum;
 pub mod spherical_pendulum;
+pub mod spherical_pendulum;
+pub mod tree;
 pub mod turntable;
 
 /// `M(q) q̈ + C(q, q̇) q̇ + G(q) + ∂D/∂q̇ = Q`, each symbol a function. Matrices are rows.
