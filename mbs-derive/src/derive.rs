@@ -38,6 +38,7 @@ pub use linearize::{InverseDynamicsJacobian, Linearization};
 pub use output::OutputEquations;
 pub use solve::ForwardDynamics;
 
+use lift::Lifted;
 use tree::Masses;
 
 /// Rows of expressions.
@@ -119,9 +120,10 @@ pub struct Equations<'g> {
     pub outputs: Vec<OutputEquations<'g>>,
 }
 
-/// Derives the equations of motion into `graph`, by every route that applies; the first is Lagrange's, plain.
+/// Derives the equations of motion into `graph`, by every route that applies.
 ///
-/// The routes are equal in value, each function of a mechanism may take another: the cheapest is chosen by `optimise`.
+/// The routes are equal in value, each function of a mechanism may take another: the cheapest is chosen by `optimise`. A long
+/// chain that is nothing but bodies is derived by its structure alone: differentiation would only take time to lose.
 pub fn routes<'g>(lagrangian: &Lagrangian<'_>, graph: &'g Graph) -> Vec<Equations<'g>> {
     derived_by(lagrangian, graph, &[Route::Plain, Route::Textbook, Route::Structured])
 }
@@ -134,19 +136,16 @@ pub fn all_routes<'g>(lagrangian: &Lagrangian<'_>, graph: &'g Graph) -> Vec<Equa
 fn derived_by<'g>(lagrangian: &Lagrangian<'_>, graph: &'g Graph, routes: &[Route]) -> Vec<Equations<'g>> {
     let symbols = Symbols::of(lagrangian);
     let energies = Energies::carried_out(lagrangian, graph);
-    let plain = lagrange::equations(&energies, &symbols);
     let lifted = lift::lifted(lagrangian, &energies, graph);
+    let is_long_chain = symbols.q.len() > solve::LARGEST_UNROLLED && lifted.as_ref().is_some_and(Lifted::is_all);
+    let plain = (!is_long_chain).then(|| lagrange::equations(&energies, &symbols));
     let rest = lifted.as_ref().map(|lifted| lagrange::equations(&lifted.rest, &symbols));
-    let by = |route: Route| match (route, &lifted, &rest) {
-        (Route::Plain, ..) => Some(plain.clone()),
-        (Route::Textbook, ..) => textbook::normal_form(&plain),
-        (Route::Structured, Some(lifted), Some(rest)) => {
-            Some(tree::equations(lifted, Masses::Regrouped, &plain, rest, &symbols))
-        }
-        (Route::Ungrouped, Some(lifted), Some(rest)) => {
-            Some(tree::equations(lifted, Masses::AsDeclared, &plain, rest, &symbols))
-        }
-        (Route::Structured | Route::Ungrouped, ..) => None,
+    let by_bodies = |masses| Some(tree::equations(lifted.as_ref()?, masses, &energies, rest.as_ref()?, &symbols));
+    let by = |route: Route| match route {
+        Route::Plain => plain.clone(),
+        Route::Textbook => textbook::normal_form(plain.as_ref()?),
+        Route::Structured => by_bodies(Masses::Regrouped),
+        Route::Ungrouped => by_bodies(Masses::AsDeclared),
     };
     let found = routes.iter().filter_map(|&route| Some((route, by(route)?)));
     found.map(|(route, lagrange)| equations(route, lagrange, &energies, &symbols, lagrangian, graph)).collect()

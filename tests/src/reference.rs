@@ -36,7 +36,6 @@ pub mod robots;
 pub mod rolling_coin;
 pub mod shaken_pendulum;
 pub mod spherical_pendulum;
-pub mod spherical_pendulum;
 pub mod tree;
 pub mod turntable;
 

@@ -21,6 +21,13 @@ pub struct Lifted<'g> {
     pub(crate) rest: Energies<'g>,
 }
 
+impl Lifted<'_> {
+    /// Whether T and V are bodies and their weight and nothing else, on joints that follow the coordinates linearly.
+    pub(crate) fn is_all(&self) -> bool {
+        self.rest.lagrangian.is_zero() && self.linkage.is_linear()
+    }
+}
+
 /// Splits a mechanism into bodies in a field and the rest; `None` where no body is on a tree.
 ///
 /// A body that turns by a quaternion stays with the rest: off the unit sphere its energy is not a rigid body's, and Lagrange's
@@ -39,7 +46,7 @@ pub fn lifted<'g>(lagrangian: &Lagrangian<'_>, energies: &Energies<'g>, graph: &
         let turned = seat.turn.map_or(own, |turn| own.turned(turn));
         inertias[seat.link] = inertias[seat.link].plus(turned.shifted(seat.shift));
     }
-    if inertias.iter().all(Inertia::is_zero) {
+    if inertias.iter().all(Inertia::is_zero) || !linkage.moves() {
         return None;
     }
     let field = gravity::field(lagrangian, &bodies, graph);

@@ -27,9 +27,9 @@ use crate::expr::{Expr, Symbol, Tangent, Vector, gradient};
 
 use super::lagrange::{Lagrange, add, at_rest, transpose};
 use super::lift::Lifted;
-use super::{Rows, Symbols};
+use super::{Energies, Rows, Symbols};
 use inertia::Inertia;
-use linkage::{Edge, Linkage};
+use linkage::Linkage;
 
 /// Where the masses are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -44,22 +44,27 @@ pub enum Masses {
 pub fn equations<'g>(
     lifted: &Lifted<'g>,
     masses: Masses,
-    plain: &Lagrange<'g>,
+    energies: &Energies<'g>,
     rest: &Lagrange<'g>,
     symbols: &Symbols,
 ) -> Lagrange<'g> {
     let tree = Tree::new(lifted, masses, symbols);
     let bias = add(&tree.forces(false), &rest.bias);
-    let kinetic_energy = tree.kinetic_energy();
+    let kinetic_energy = tree.kinetic_energy() + rest.kinetic_energy;
+    // L with T written shorter.
+    let lagrangian = energies.lagrangian - energies.kinetic + kinetic_energy;
     Lagrange {
-        kinetic_energy: kinetic_energy + rest.kinetic_energy,
-        momentum: add(&gradient(kinetic_energy, &symbols.qd), &rest.momentum),
+        kinetic_energy,
+        potential_energy: energies.potential,
+        momentum: gradient(lagrangian, &symbols.qd),
+        position_gradient: gradient(lagrangian, &symbols.q),
         mass_matrix: sum(&tree.mass_matrix(), &rest.mass_matrix),
         coriolis_matrix: sum(&tree.coriolis_matrix(), &rest.coriolis_matrix),
         gravity: at_rest(&bias),
         inverse_dynamics: add(&tree.forces(true), &rest.inverse_dynamics),
         bias,
-        ..plain.clone()
+        dissipation_force: rest.dissipation_force.clone(),
+        generalized_force: rest.generalized_force.clone(),
     }
 }
 
@@ -82,11 +87,7 @@ impl<'g> Tree<'g> {
             Masses::AsDeclared => inertias,
         };
         let linkage = regroup::without_spin(&linkage, &inertias);
-        let displacement = |link: usize| match linkage.links[link].edge {
-            Some(Edge::Revolute { angle, .. }) => Some(angle),
-            Some(Edge::Slide { displacement, .. }) => Some(displacement),
-            Some(Edge::Turn(_) | Edge::Tilt { .. } | Edge::Shift(_)) | None => None,
-        };
+        let displacement = |link: usize| linkage.links[link].edge?.displacement();
         let moving: Vec<usize> = (0..linkage.links.len()).filter(|&link| displacement(link).is_some()).collect();
         let slopes = moving.iter().filter_map(|&link| displacement(link)).map(|d| slope(d, &symbols.q)).collect();
         Tree { linkage, inertias, gravity: lifted.gravity, moving, slopes }

@@ -32,8 +32,11 @@ pub fn arm6(_: Values<'_>) -> Tree {
 /// `models/mechanisms/arm6_params.mbs`
 pub fn arm6_params(value: Values<'_>) -> Tree {
     let mut arm = arms::arm6();
+    // The other lengths are 0 by design.
+    [0, 3, 5].into_iter().enumerate().for_each(|(k, i)| arm.links[i].d = value("d", k));
+    [0, 1, 2].into_iter().enumerate().for_each(|(k, i)| arm.links[i].a = value("a", k));
     for (i, link) in arm.links.iter_mut().enumerate() {
-        (link.d, link.a, link.mass) = (value("d", i), value("a", i), value("mass", i));
+        link.mass = value("mass", i);
         link.center_of_mass = ["com_x", "com_y", "com_z"].map(|name| value(name, i));
         link.inertia = ["i_xx", "i_xy", "i_xz", "i_yy", "i_yz", "i_zz"].map(|name| value(name, i));
     }

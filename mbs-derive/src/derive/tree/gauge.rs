@@ -131,8 +131,15 @@ impl<'g> Turned<'g> {
                 self.push(Some((above, edge)), turned, *inertia, turned);
             }
             (Edge::Revolute { axis, angle, .. }, _) => {
-                // Only turns about this very axis come before it.
-                let before = turned.map_or(0.0, |(_, angle)| angle);
+                let (mut above, mut before) = (above, 0.0);
+                match turned {
+                    // A joint about another axis: the parent is turned back for it.
+                    Some((other, angle)) if other != axis => {
+                        above = self.link(above, tilt(other, -angle, graph), graph)
+                    }
+                    Some((_, angle)) => before = angle,
+                    None => {}
+                }
                 let own = claimed.map(|angle| (axis, angle));
                 let more = own.map_or(0.0, |(_, angle)| angle) - before;
                 let angle = if more == 0.0 { angle } else { angle + graph.constant(Number::real(more)) };

@@ -47,6 +47,15 @@ pub(crate) enum Edge<'g> {
 }
 
 impl<'g> Edge<'g> {
+    /// What moves it.
+    pub(super) fn displacement(&self) -> Option<Expr<'g>> {
+        match *self {
+            Edge::Revolute { angle, .. } => Some(angle),
+            Edge::Slide { displacement, .. } => Some(displacement),
+            Edge::Turn(_) | Edge::Tilt { .. } | Edge::Shift(_) => None,
+        }
+    }
+
     /// A turn about a coordinate axis, axes and all.
     pub(super) fn revolute(axis: usize, angle: Expr<'g>) -> Self {
         Edge::Revolute { axis, angle, sin: angle.sin(), cos: angle.cos() }
@@ -105,6 +114,28 @@ impl<'g> Linkage<'g> {
         }
         let seats = frames.iter().map(|frame| seats[frame.index()]).collect::<Option<Vec<_>>>()?;
         Some((linkage, seats))
+    }
+
+    /// Whether there is a joint at all.
+    pub(crate) fn moves(&self) -> bool {
+        self.links.iter().any(|link| link.edge.is_some_and(|edge| edge.displacement().is_some()))
+    }
+
+    /// Whether every joint follows coordinates and time linearly.
+    pub(crate) fn is_linear(&self) -> bool {
+        self.links.iter().filter_map(|link| link.edge?.displacement()).all(|displacement| {
+            let graph = displacement.graph();
+            let linear = |id| {
+                matches!(
+                    graph.node(id),
+                    Node::Symbol(_) | Node::Constant(_) | Node::Neg(_) | Node::Add(..) | Node::Sub(..) | Node::Mul(..)
+                )
+            };
+            let mut products = graph.reachable([displacement.id()]).into_iter();
+            products.all(|id| {
+                linear(id) && !matches!(graph.node(id), Node::Mul(a, b) if moves(graph.expr(a)) && moves(graph.expr(b)))
+            })
+        })
     }
 
     /// The seat of a frame that moves in another as declared.
