@@ -32,6 +32,7 @@ pub use lagrange::Lagrange;
 pub use linearize::{InverseDynamicsJacobian, Linearization};
 pub use output::OutputEquations;
 pub use solve::ForwardDynamics;
+pub use textbook::Form;
 
 /// Rows of expressions.
 pub type Rows<'g> = Vec<Vec<Expr<'g>>>;
@@ -94,22 +95,23 @@ pub fn routes<'g>(lagrangian: &Lagrangian<'_>, graph: &'g Graph) -> Vec<Equation
     let energies = Energies::carried_out(lagrangian, graph);
     let plain = lagrange::equations(&energies, &symbols);
     let textbook = textbook::normal_form(&plain);
-    let lagranges = std::iter::once(plain).chain(textbook);
-    lagranges.map(|lagrange| equations(lagrange, &energies, &symbols, lagrangian, graph)).collect()
+    let routes = std::iter::once((plain, Form::AsDerived)).chain(textbook.map(|lagrange| (lagrange, Form::Textbook)));
+    routes.map(|(lagrange, form)| equations(lagrange, form, &energies, &symbols, lagrangian, graph)).collect()
 }
 
 /// Everything that follows from Lagrange's equations.
 fn equations<'g>(
     lagrange: Lagrange<'g>,
+    form: Form,
     energies: &Energies<'g>,
     symbols: &Symbols,
     lagrangian: &Lagrangian<'_>,
     graph: &'g Graph,
 ) -> Equations<'g> {
     let constraints = constraint::constraints(lagrangian, graph, symbols);
-    let forward_dynamics = solve::forward_dynamics(&lagrange, &constraints);
-    let inverse_dynamics_jacobian = linearize::inverse_dynamics_jacobian(&lagrange, symbols);
-    let linearization = linearize::linearization(&lagrange, &forward_dynamics, &constraints, symbols);
+    let forward_dynamics = form.forward_dynamics(&lagrange, &constraints);
+    let inverse_dynamics_jacobian = linearize::inverse_dynamics_jacobian(&lagrange, form, symbols);
+    let linearization = linearize::linearization(&lagrange, &forward_dynamics, form, &constraints, symbols);
     let conserved = conserved::conserved(&lagrange, energies, &constraints, symbols, lagrangian);
     let outputs = output::outputs(lagrangian, graph, symbols);
     Equations {
