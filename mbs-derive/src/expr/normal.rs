@@ -18,9 +18,9 @@ use super::Function;
 use super::graph::{Expr, Graph, HalfInteger, Id, IdMap, Node};
 use super::number::Number;
 
-use combination::{Combination, Powers, power_of_powers, product_of_powers};
+use combination::{Combination, Polynomial, Powers, power_of_powers, product_of_powers};
 pub use factor::weight;
-use half_angle::{Doubled, polynomial};
+use half_angle::{Double, Doubled, halved};
 use wave::{Angle, Wave, cosine, sine};
 
 /// The expressions in normal form, with common factors taken out again; `None` where one of them has more than `limit`
@@ -30,11 +30,11 @@ use wave::{Angle, Wave, cosine, sine};
 pub fn normal_form<'g>(roots: &[Expr<'g>], limit: usize) -> Option<Vec<Expr<'g>>> {
     let Some(first) = roots.first() else { return Some(Vec::new()) };
     let mut expansion = Expansion::new(first.graph(), limit);
-    let forms = |root: &Expr<'g>| {
+    let form = |root: &Expr<'g>| {
         let sum = expansion.of(root.id())?;
-        Some(factor::factored(root.graph(), &[polynomial(root.graph(), &sum, Doubled::Kept)?])[0])
+        expansion.expression(&sum)
     };
-    roots.iter().map(forms).collect()
+    roots.iter().map(form).collect()
 }
 
 /// The expressions in the cheapest of the forms that texts use, all of them in the same: multiple angles, or doubled angles
@@ -46,7 +46,7 @@ pub fn cheapest_form<'g>(roots: &[Expr<'g>], limit: usize) -> Option<Vec<Expr<'g
     let mut expansion = Expansion::new(graph, limit);
     let sums: Vec<Sum> = roots.iter().map(|root| expansion.of(root.id())).collect::<Option<_>>()?;
     let forms = Doubled::ALL.into_iter().filter_map(|doubled| {
-        let polynomials: Option<Vec<_>> = sums.iter().map(|sum| polynomial(graph, sum, doubled)).collect();
+        let polynomials: Option<Vec<_>> = sums.iter().map(|sum| expansion.polynomial(sum, doubled)).collect();
         polynomials.map(|polynomials| factor::shared(graph, &polynomials))
     });
     // Of equally cheap ones the first.
@@ -61,7 +61,7 @@ pub fn quotients<'g>(pairs: &[(Expr<'g>, Expr<'g>)], limit: usize) -> Option<Vec
     let sums: Vec<[Sum; 2]> =
         pairs.iter().map(|(a, b)| Some([expansion.of(a.id())?, expansion.of(b.id())?])).collect::<Option<_>>()?;
     let quotient = |[a, b]: &[Sum; 2], doubled: Doubled| {
-        let [a, b] = [polynomial(graph, a, doubled)?, polynomial(graph, b, doubled)?];
+        let [a, b] = [expansion.polynomial(a, doubled)?, expansion.polynomial(b, doubled)?];
         let reciprocal = b.monomial_power(-1).unwrap_or_else(|| factor::reciprocal(graph, &b));
         a.times(&reciprocal, limit)
     };
@@ -178,7 +178,43 @@ impl<'g> Expansion<'g> {
     }
 
     fn expression(&self, sum: &Sum) -> Option<Expr<'g>> {
-        Some(factor::factored(self.graph, &[polynomial(self.graph, sum, Doubled::Kept)?])[0])
+        Some(factor::factored(self.graph, &[self.polynomial(sum, Doubled::Kept)?])[0])
+    }
+
+    /// The sum with waves as indivisible expressions.
+    fn polynomial(&self, sum: &Sum, doubled: Doubled) -> Option<Polynomial> {
+        let mut polynomial = Polynomial::default();
+        let mut doubles: IdMap<Double> = IdMap::default();
+        for (term, &coefficient) in &sum.0 {
+            let (powers, sign) = self.indivisible(&term.wave).as_term().map(|(p, c)| (p.clone(), c))?;
+            if let (Some((&id, _)), Some(double)) = (powers.first_key_value(), self.double(&term.wave, sign)) {
+                doubles.insert(id, double);
+            }
+            polynomial.add(product_of_powers(&term.powers, &powers)?, coefficient * sign);
+        }
+        halved(&polynomial, doubled, self.limit, |id| doubles.get(&id).cloned())
+    }
+
+    /// What `sign · wave` is the double of.
+    fn double(&self, wave: &Wave, sign: Number) -> Option<Double> {
+        let (function, angle) = match wave {
+            Wave::One => return None,
+            Wave::Sin(angle) => (Function::Sin, angle),
+            Wave::Cos(angle) => (Function::Cos, angle),
+        };
+        let half = wave::half(angle)?;
+        let [sine, cosine] = [Wave::Sin(half.clone()), Wave::Cos(half)].map(|wave| self.indivisible(&wave));
+        Some(Double { function, sine: Polynomial::default().plus(&sine, sign), cosine })
+    }
+
+    /// A wave as an indivisible expression; its sign is that of the graph's own form of the angle.
+    fn indivisible(&self, wave: &Wave) -> Polynomial {
+        let expr = wave.expression(self.graph);
+        match (expr.as_constant(), expr.node()) {
+            (Some(value), _) => Polynomial::term(Powers::new(), value),
+            (None, Node::Neg(a)) => Polynomial::atom(a, 2).negative(),
+            (None, _) => Polynomial::atom(expr.id(), 2),
+        }
     }
 
     fn power(&self, base: &Sum, n: HalfInteger) -> Option<Sum> {
@@ -255,6 +291,24 @@ mod tests {
         // The cosine of 2 x alone is left alone.
         let doubled = (2 * x).cos();
         assert_eq!(cheapest_form(&[c.powi(2) - s.powi(2)], 100), Some(vec![doubled]));
+    }
+
+    #[test]
+    fn signs_of_reversed_angles_are_kept() {
+        let graph = Graph::new();
+        let [a, b] = [0, 1].map(|i| graph.symbol(Symbol::Coordinate(i)));
+        for (x, y) in [(a, b), (b, a)] {
+            // Twice of each, so that halving is cheaper than another pair.
+            let f = [(2 * x - 2 * y).sin() + (x - y).sin(), (2 * x - 2 * y).cos() * (x - y).cos()];
+            let form = cheapest_form(&f, 100).unwrap();
+            assert!(f.iter().zip(&form).all(|(f, form)| agree(*f, *form)), "{form:?}");
+            let polynomial = |doubled| {
+                let mut expansion = Expansion::new(&graph, 100);
+                let sum = expansion.of(f[0].id()).unwrap();
+                factor::factored(&graph, &[expansion.polynomial(&sum, doubled).unwrap()])[0]
+            };
+            assert!(Doubled::ALL.into_iter().all(|doubled| agree(polynomial(doubled), f[0])));
+        }
     }
 
     #[test]

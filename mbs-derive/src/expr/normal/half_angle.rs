@@ -1,20 +1,18 @@
-//! Multiple angles as polynomials of sines and cosines: as they are, or with even ones halved.
+//! Doubled angles halved: `sin²θ` for `½ (1 − cos 2θ)`, `sin θ cos θ` for `½ sin 2θ`.
 //!
-//! Mechanics texts write `cos(θ1 − θ2)` where angles are combined, but `sin²θ` and `sin θ cos θ` where one is doubled.
+//! Mechanics texts write `cos(θ1 − θ2)` where angles are combined, but powers of `sin θ` and `cos θ` where one is doubled.
 
-use crate::expr::{Graph, Node, Number};
+use crate::expr::{Function, Id, Number};
 
-use super::combination::{Combination, Polynomial, Powers, product_of_powers};
-use super::wave::{self, Angle, Wave};
-use super::{Sum, Term};
+use super::combination::{Polynomial, product_of_powers};
 
 /// What becomes of the cosine of a doubled angle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Doubled {
-    /// `cos 2x`, `sin 2x`
-    Kept,
-    /// `1 + cos 2x = 2 cos²x` and `1 − cos 2x = 2 sin²x` where the 1 is there, else `cos 2x = 1 − 2 sin²x`.
+    /// `1 + cos 2x = 2 cos²x` and `1 − cos 2x = 2 sin²x`, where the 1 is there.
     Matched,
+    /// Nothing, nor of the sine.
+    Kept,
     /// `1 − 2 sin²x`
     Sine,
     /// `2 cos²x − 1`
@@ -26,62 +24,49 @@ impl Doubled {
     pub const ALL: [Doubled; 4] = [Doubled::Matched, Doubled::Kept, Doubled::Sine, Doubled::Cosine];
 }
 
-/// A sum of waves as a polynomial, in which sines and cosines are indivisible; `None` where a power is too high.
-pub fn polynomial(graph: &Graph, sum: &Sum, doubled: Doubled) -> Option<Polynomial> {
-    let mut rest = sum.clone();
-    let mut polynomial = Polynomial::default();
-    for term in sum.0.keys() {
-        let coefficient = rest.coefficient(term);
-        rest.add(term.clone(), -coefficient);
-        let (factor, wave) = match halved(term, doubled) {
-            None => (Number::ONE, power_of_wave(graph, &term.wave, 2)?),
-            Some(Halved::Sine(half)) => {
-                let [sine, cosine] = [Wave::Sin(half.clone()), Wave::Cos(half)];
-                (Number::integer(2), power_of_wave(graph, &sine, 2)?.times(&power_of_wave(graph, &cosine, 2)?, 1)?)
-            }
-            // c cos 2x = c − 2 c sin²x = 2 c cos²x − c
-            Some(Halved::Cosine(half)) => {
-                let one = Term { powers: term.powers.clone(), wave: Wave::One };
-                let is_matched = doubled == Doubled::Matched && rest.coefficient(&one) == coefficient;
-                let by_cosine = is_matched || doubled == Doubled::Cosine;
-                let (sign, wave) =
-                    if by_cosine { (-Number::ONE, Wave::Cos(half)) } else { (Number::ONE, Wave::Sin(half)) };
-                rest.add(one, sign * coefficient);
-                (Number::integer(-2) * sign, power_of_wave(graph, &wave, 4)?)
-            }
-        };
-        for (powers, &number) in &wave.0 {
-            polynomial.add(product_of_powers(&term.powers, powers)?, coefficient * factor * number);
+/// The sine or cosine of a doubled angle.
+#[derive(Clone, Debug)]
+pub struct Double {
+    /// Which of them.
+    pub function: Function,
+    /// The sine of the angle that is doubled.
+    pub sine: Polynomial,
+    /// Its cosine.
+    pub cosine: Polynomial,
+}
+
+/// The polynomial with doubled angles halved, given which indivisible expressions have one; `None` beyond `limit` terms.
+pub fn halved(
+    polynomial: &Polynomial,
+    doubled: Doubled,
+    limit: usize,
+    mut double: impl FnMut(Id) -> Option<Double>,
+) -> Option<Polynomial> {
+    let mut result = polynomial.clone();
+    if doubled == Doubled::Kept {
+        return Some(result);
+    }
+    for powers in polynomial.0.keys() {
+        for (&id, _) in powers.iter().filter(|(_, halves)| **halves == 2) {
+            let coefficient = result.coefficient(powers);
+            let Some(Double { function, sine, cosine }) = double(id).filter(|_| !coefficient.is_zero()) else {
+                continue;
+            };
+            let rest = product_of_powers(powers, &[(id, -2)].into())?;
+            // c sin 2x = 2 c sin x cos x, c cos 2x = c − 2 c sin²x = 2 c cos²x − c
+            let (constant, wave) = match (function, doubled) {
+                (Function::Sin, _) => (Number::ZERO, sine.times(&cosine, limit)?),
+                (_, Doubled::Sine) => (coefficient, sine.times(&sine, limit)?.negative()),
+                (_, Doubled::Cosine) => (-coefficient, cosine.times(&cosine, limit)?),
+                _ if result.coefficient(&rest) == coefficient => (-coefficient, cosine.times(&cosine, limit)?),
+                _ if result.coefficient(&rest) == -coefficient => (coefficient, sine.times(&sine, limit)?.negative()),
+                _ => continue,
+            };
+            result.add(powers.clone(), -coefficient);
+            result.add(rest.clone(), constant);
+            let scale = Polynomial::term(rest, coefficient * Number::integer(2));
+            result = result.plus(&wave.times(&scale, limit)?, Number::ONE);
         }
     }
-    rest.0.into_iter().for_each(|(term, coefficient)| polynomial.add(term.powers, coefficient));
-    Some(polynomial)
-}
-
-enum Halved {
-    Sine(Angle),
-    Cosine(Angle),
-}
-
-fn halved(term: &Term, doubled: Doubled) -> Option<Halved> {
-    match &term.wave {
-        _ if doubled == Doubled::Kept => None,
-        Wave::One => None,
-        Wave::Sin(angle) => wave::half(angle).map(Halved::Sine),
-        Wave::Cos(angle) => wave::half(angle).map(Halved::Cosine),
-    }
-}
-
-/// A power, in halves, of a wave as an indivisible expression; its sign is that of the graph's own form of the angle.
-fn power_of_wave(graph: &Graph, wave: &Wave, halves: i32) -> Option<Polynomial> {
-    let expr = wave.expression(graph);
-    let (id, negative) = match expr.node() {
-        Node::Neg(a) => (a, halves == 2),
-        _ => (expr.id(), false),
-    };
-    let sign = if negative { -Number::ONE } else { Number::ONE };
-    match graph.expr(id).as_constant() {
-        Some(value) => Some(Combination::term(Powers::new(), sign * value.power(halves)?)),
-        None => Some(Combination::term([(id, halves)].into(), sign)),
-    }
+    Some(result)
 }
