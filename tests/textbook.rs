@@ -2,6 +2,7 @@
 //! would.
 
 use mbs_derive::declared;
+use mbs_derive::derive::routes;
 use mbs_derive::emit::latex;
 use mbs_derive::expr::Graph;
 
@@ -47,7 +48,8 @@ fn pages() {
 fn page(name: &str, source: &str) -> String {
     let graph = Graph::verbatim();
     let (lagrangian, _) = declared(source, &graph, &[]).unwrap_or_else(|e| panic!("{}", e.render(name, source)));
-    latex(&lagrangian)
+    let derived = Graph::new();
+    latex(&lagrangian, &routes(&lagrangian, &derived)[0])
 }
 
 fn block_of_the_manual(name: &str) -> String {

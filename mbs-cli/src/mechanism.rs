@@ -4,10 +4,11 @@ use std::fs;
 use std::path::Path;
 use std::time::Instant;
 
+use mbs_derive::derive::{self, Equations};
 use mbs_derive::expr::Graph;
 use mbs_derive::model::Lagrangian;
-use mbs_derive::optimise::Derivation;
-use mbs_derive::{Error, declared, derived, emit, verify};
+use mbs_derive::optimise::{self, Derivation};
+use mbs_derive::{Error, declared, emit, verify};
 
 use crate::failure::Failure;
 use crate::output;
@@ -28,15 +29,15 @@ pub(crate) struct Mechanism {
 
 /// Reads, derives and proves; warnings go to standard error.
 pub(crate) fn read(path: &Path) -> Result<Mechanism, Failure> {
-    read_and(path, |_| ()).map(|(mechanism, ())| mechanism)
+    read_and(path, |_, _| ()).map(|(mechanism, ())| mechanism)
 }
 
 /// The equations as a page of a textbook, proved like the programs.
 pub(crate) fn latex(path: &Path) -> Result<String, Failure> {
-    read_and(path, emit::latex).map(|(_, text)| text)
+    read_and(path, |lagrangian, routes| emit::latex(lagrangian, &routes[0])).map(|(_, text)| text)
 }
 
-fn read_and<T>(path: &Path, also: impl Fn(&Lagrangian<'_>) -> T) -> Result<(Mechanism, T), Failure> {
+fn read_and<T>(path: &Path, also: impl Fn(&Lagrangian<'_>, &[Equations<'_>]) -> T) -> Result<(Mechanism, T), Failure> {
     let name = path.display().to_string();
     let source = read_text(path)?;
     let refused = |error: Error| Failure::rendered(error.render(&name, &source));
@@ -44,7 +45,9 @@ fn read_and<T>(path: &Path, also: impl Fn(&Lagrangian<'_>) -> T) -> Result<(Mech
     let start = Instant::now();
     let graph = Graph::verbatim();
     let (lagrangian, warnings) = declared(&source, &graph, &[]).map_err(|errors| refused(errors.into()))?;
-    let derivation = derived(&lagrangian);
+    let derived = Graph::new();
+    let routes = derive::routes(&lagrangian, &derived);
+    let derivation = optimise::straight_line(&lagrangian, &routes);
     let derive_seconds = start.elapsed().as_secs_f64();
 
     let proof = verify::against_energies(&lagrangian, &derivation).map_err(|failure| refused(failure.into()))?;
@@ -56,7 +59,7 @@ fn read_and<T>(path: &Path, also: impl Fn(&Lagrangian<'_>) -> T) -> Result<(Mech
         singular_at: proof.singular,
         derive_seconds,
     };
-    Ok((mechanism, also(&lagrangian)))
+    Ok((mechanism, also(&lagrangian, &routes)))
 }
 
 /// A text file; where it is not UTF-8 the report says in which line.
