@@ -1,7 +1,9 @@
 //! `mbs derive`: the generated code.
 //!
-//! - [`json`]: the programs as data.
+//! - [`json`]: the programs as data;
+//! - [`graph`]: the graph of all of them as data.
 
+mod graph;
 mod json;
 
 use std::path::{Path, PathBuf};
@@ -31,7 +33,7 @@ enum Emit {
     Rust,
     /// Textbook equations.
     Latex,
-    /// The programs, one instruction a line, with names, shapes and operation counts.
+    /// The expression graph, and the programs, one instruction a line, with names, shapes and operation counts.
     Json,
 }
 

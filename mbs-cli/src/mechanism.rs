@@ -3,10 +3,11 @@
 use std::path::Path;
 use std::time::Instant;
 
+use mbs_derive::derive::{self, Equations};
 use mbs_derive::expr::Graph;
 use mbs_derive::model::Lagrangian;
-use mbs_derive::optimise::Derivation;
-use mbs_derive::{Error, cargo, declared_from, derived, emit, verify};
+use mbs_derive::optimise::{self, Derivation};
+use mbs_derive::{Error, cargo, declared_from, emit, verify};
 
 use crate::failure::Failure;
 use crate::output;
@@ -27,18 +28,18 @@ pub(crate) struct Mechanism {
 
 /// Reads, derives and proves; warnings go to standard error.
 pub(crate) fn read(path: &Path) -> Result<Mechanism, Failure> {
-    read_and(path, |_, _| ()).map(|(mechanism, ())| mechanism)
+    read_and(path, |_, _, _| ()).map(|(mechanism, ())| mechanism)
 }
 
 /// The equations as a page of a textbook, proved like the programs.
 pub(crate) fn latex(path: &Path) -> Result<String, Failure> {
-    read_and(path, |lagrangian, _| emit::latex(lagrangian)).map(|(_, text)| text)
+    read_and(path, |lagrangian, routes, _| emit::latex(lagrangian, &routes[0])).map(|(_, text)| text)
 }
 
 /// Reads, derives and proves, and takes something else from it besides.
 pub(crate) fn read_and<T>(
     path: &Path,
-    also: impl Fn(&Lagrangian<'_>, &Derivation) -> T,
+    also: impl Fn(&Lagrangian<'_>, &[Equations<'_>], &Derivation) -> T,
 ) -> Result<(Mechanism, T), Failure> {
     let sources = cargo::read(path).map_err(Failure::rendered)?;
     let refused = |error: Error| Failure::rendered(error.render_in(&sources));
@@ -46,12 +47,14 @@ pub(crate) fn read_and<T>(
     let start = Instant::now();
     let graph = Graph::verbatim();
     let (lagrangian, warnings) = declared_from(&sources, &graph, &[]).map_err(|errors| refused(errors.into()))?;
-    let derivation = derived(&lagrangian);
+    let derived = Graph::new();
+    let routes = derive::routes(&lagrangian, &derived);
+    let derivation = optimise::straight_line(&lagrangian, &routes);
     let derive_seconds = start.elapsed().as_secs_f64();
 
     let proof = verify::against_energies(&lagrangian, &derivation).map_err(|failure| refused(failure.into()))?;
     output::report(&warnings.render_in(&sources));
-    let also = also(&lagrangian, &derivation);
+    let also = also(&lagrangian, &routes, &derivation);
     let mechanism = Mechanism {
         derivation,
         bodies: lagrangian.bodies().0.len(),

@@ -32,7 +32,7 @@ pub(crate) struct Arguments {
 
 /// Prints the operation counts.
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let (mechanism, explanation) = mechanism::read_and(&arguments.file, |lagrangian, derivation| {
+    let (mechanism, explanation) = mechanism::read_and(&arguments.file, |lagrangian, _, derivation| {
         arguments.explain.then(|| Explanation::of(lagrangian, derivation))
     })?;
     output::print(&match (arguments.json, explanation) {

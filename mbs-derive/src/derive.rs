@@ -37,6 +37,7 @@ pub use lagrange::Lagrange;
 pub use linearize::{InverseDynamicsJacobian, Linearization};
 pub use output::OutputEquations;
 pub use solve::ForwardDynamics;
+pub use textbook::Form;
 
 use lift::Lifted;
 use tree::Masses;
@@ -148,22 +149,26 @@ fn derived_by<'g>(lagrangian: &Lagrangian<'_>, graph: &'g Graph, routes: &[Route
         Route::Ungrouped => by_bodies(Masses::AsDeclared),
     };
     let found = routes.iter().filter_map(|&route| Some((route, by(route)?)));
-    found.map(|(route, lagrange)| equations(route, lagrange, &energies, &symbols, lagrangian, graph)).collect()
+    let form = |route| if route == Route::Textbook { Form::Textbook } else { Form::AsDerived };
+    found
+        .map(|(route, lagrange)| equations(route, lagrange, form(route), &energies, &symbols, lagrangian, graph))
+        .collect()
 }
 
 /// Everything that follows from Lagrange's equations.
 fn equations<'g>(
     route: Route,
     lagrange: Lagrange<'g>,
+    form: Form,
     energies: &Energies<'g>,
     symbols: &Symbols,
     lagrangian: &Lagrangian<'_>,
     graph: &'g Graph,
 ) -> Equations<'g> {
     let constraints = constraint::constraints(lagrangian, graph, symbols);
-    let forward_dynamics = solve::forward_dynamics(&lagrange, &constraints);
-    let inverse_dynamics_jacobian = linearize::inverse_dynamics_jacobian(&lagrange, symbols);
-    let linearization = linearize::linearization(&lagrange, &forward_dynamics, &constraints, symbols);
+    let forward_dynamics = form.forward_dynamics(&lagrange, &constraints);
+    let inverse_dynamics_jacobian = linearize::inverse_dynamics_jacobian(&lagrange, form, symbols);
+    let linearization = linearize::linearization(&lagrange, &forward_dynamics, form, &constraints, symbols);
     let conserved = conserved::conserved(&lagrange, energies, &constraints, symbols, lagrangian);
     let outputs = output::outputs(lagrangian, graph, symbols);
     Equations {

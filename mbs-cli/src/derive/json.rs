@@ -1,4 +1,4 @@
-//! The programs of a mechanism as data.
+//! The programs of a mechanism, and their graph, as data.
 //!
 //! ```json
 //! {
@@ -10,24 +10,24 @@
 //!   "constructor": {"instructions": [["parameter", 0], …], "results": [3]},
 //!   "functions": {"mass_matrix": {
 //!     "arguments": ["q"], "returns": [{"name": "", "shape": ["symmetric", 1]}], "completion": "none",
-//!     "operations": {"add": 0, …}, "instructions": [["hoisted", 0]], "results": [0]}, …}
+//!     "operations": {"add": 0, …}, "instructions": [["hoisted", 0]], "results": [0]}, …},
+//!   "prescribed": [],
+//!   "constraints": [],
+//!   "graph": {"nodes": [{"operation": "symbol", "name": "m", "symbol": ["parameter", 0]}, …], "roots": {"mass_matrix": [3], …}}
 //! }
 //! ```
 //!
-//! An instruction is its name and the numbers of the earlier instructions that it works on; `constant` holds its value,
-//! `q`, `qd`, `qdd`, `u` and `parameter` the number of the component, `hoisted` the number of the constructor's result.
-//! Shapes are `["scalar"]`, `["vector", n]`, `["matrix", rows, columns]`, `["symmetric", n]` (lower triangle, row by row)
-//! and `["pose"]` (position, then the rows of the rotation). With the completion `solve` the results are the lower triangle
-//! of M and then right sides, to be solved.
+//! `docs/json.md` says what it all means.
 
 use mbs_derive::expr::Symbol;
 use mbs_derive::model::Variable;
 use mbs_derive::optimise::{Argument, Completion, Derivation, Function, Instruction, Program, Shape};
 use serde_json::{Map, Value, json};
 
+use super::graph::graph;
 use crate::{ops, output};
 
-/// All programs of a mechanism, one instruction a line.
+/// All programs of a mechanism, one instruction a line, and the graph of all of them.
 pub(crate) fn programs(derivation: &Derivation) -> String {
     let functions: Map<String, Value> =
         derivation.functions.iter().map(|function| (function.name.clone(), of_function(function))).collect();
@@ -39,6 +39,9 @@ pub(crate) fn programs(derivation: &Derivation) -> String {
         "depends_on_time": derivation.depends_on_time,
         "constructor": program(&derivation.constructor),
         "functions": functions,
+        "prescribed": variables(&derivation.prescribed),
+        "constraints": derivation.constraints,
+        "graph": graph(derivation),
     });
     output::json(&object)
 }
@@ -100,7 +103,8 @@ fn shape(shape: Shape) -> Value {
     }
 }
 
-fn instruction(instruction: Instruction) -> Value {
+/// Its name, and its operands or what it reads.
+pub(super) fn instruction(instruction: Instruction) -> Value {
     match instruction {
         Instruction::Constant(value) => json!(["constant", value.to_f64()]),
         Instruction::Symbol(symbol) => of_symbol(symbol),
@@ -120,7 +124,8 @@ fn instruction(instruction: Instruction) -> Value {
     }
 }
 
-fn of_symbol(symbol: Symbol) -> Value {
+/// Its kind and number.
+pub(super) fn of_symbol(symbol: Symbol) -> Value {
     match symbol {
         Symbol::Time => json!(["t"]),
         Symbol::Coordinate(i) => json!(["q", i]),

@@ -3,6 +3,7 @@
 mod check;
 mod derive;
 mod eval;
+mod graph;
 mod import;
 mod ops;
 mod simulate;

@@ -9,7 +9,7 @@ use crate::expr::{Expr, Symbol, substitute};
 use super::constraint::Constraints;
 use super::lagrange::{Lagrange, jacobian, jacobian_by_rows, sub, transpose};
 use super::solve::{Factorization, ForwardDynamics, augment};
-use super::{Rows, Symbols};
+use super::{Form, Rows, Symbols};
 
 /// `∂τ/∂q` and `∂τ/∂q̇` of `τ = M q̈ + C q̇ + G + ∂D/∂q̇`.
 #[derive(Clone, Debug)]
@@ -31,9 +31,13 @@ pub struct Linearization<'g> {
 }
 
 /// One reverse sweep per generalized force.
-pub fn inverse_dynamics_jacobian<'g>(lagrange: &Lagrange<'g>, symbols: &Symbols) -> InverseDynamicsJacobian<'g> {
+pub fn inverse_dynamics_jacobian<'g>(
+    lagrange: &Lagrange<'g>,
+    form: Form,
+    symbols: &Symbols,
+) -> InverseDynamicsJacobian<'g> {
     let x: Vec<Symbol> = symbols.q.iter().chain(&symbols.qd).copied().collect();
-    let rows = jacobian_by_rows(&lagrange.inverse_dynamics, &x);
+    let rows = form.rows(&jacobian_by_rows(&lagrange.inverse_dynamics, &x));
     let n = symbols.q.len();
     InverseDynamicsJacobian {
         q: rows.iter().map(|row| row[..n].to_vec()).collect(),
@@ -45,6 +49,7 @@ pub fn inverse_dynamics_jacobian<'g>(lagrange: &Lagrange<'g>, symbols: &Symbols)
 pub fn linearization<'g>(
     lagrange: &Lagrange<'g>,
     forward: &ForwardDynamics<'g>,
+    form: Form,
     constraints: &Constraints<'g>,
     symbols: &Symbols,
 ) -> Linearization<'g> {
@@ -59,25 +64,30 @@ pub fn linearization<'g>(
             .map(|(row, &bias)| row.iter().zip(&symbols.qdd).fold(bias, |sum, (&a, &qdd)| sum + a * graph.symbol(qdd))),
     );
     let slope = |x: &[Symbol]| negative(&jacobian_by_rows(&residual, x));
-    let [q, qd] = [slope(&symbols.q), slope(&symbols.qd)];
-    let u = negative(&jacobian(&residual, &symbols.u));
-    let parameters = slope(&symbols.parameters);
-    let Some(solution) = &forward.unrolled else {
+    let by_state = [slope(&symbols.q), slope(&symbols.qd), negative(&jacobian(&residual, &symbols.u))];
+    let [q, qd, u] = together(form, by_state);
+    let parameters = form.rows(&slope(&symbols.parameters));
+    let (Some(solution), Some(factorization)) = (&forward.unrolled, &forward.factorization) else {
         let finish = |rows| if forward.augmented { augmented(rows, &constraints.jacobian) } else { rows };
         return Linearization { state: [finish(q), finish(qd), finish(u)], parameters: finish(parameters) };
     };
-    let factorization = Factorization::new(&forward.matrix);
     let n = symbols.q.len();
     let finish = |rows: Rows<'g>| {
         let mut rows = at_solution(&rows, solution, n);
         if forward.augmented {
             rows = augmented(rows, &constraints.jacobian);
         }
-        let mut solved = solve_columns(&factorization, &rows);
+        let mut solved = solve_columns(factorization, &rows);
         solved.truncate(n);
         solved
     };
     Linearization { state: [finish(q), finish(qd), finish(u)], parameters: finish(parameters) }
+}
+
+/// Matrices of equally many rows, written in one form.
+fn together<'g, const N: usize>(form: Form, matrices: [Rows<'g>; N]) -> [Rows<'g>; N] {
+    let mut rows = form.rows(&matrices.concat()).into_iter();
+    matrices.map(|matrix| rows.by_ref().take(matrix.len()).collect())
 }
 
 /// The expressions with forward dynamics in the place of q̈ and λ; the solution is q̈, then −λ.

@@ -33,6 +33,8 @@ pub struct ForwardDynamics<'g> {
     pub right_side: Vec<Expr<'g>>,
     /// q̈ and −λ, where the factorization is unrolled.
     pub unrolled: Option<Vec<Expr<'g>>>,
+    /// That factorization.
+    pub factorization: Option<Factorization<'g>>,
     /// Whether `M + Aᵀ A` stands in the place of M.
     pub augmented: bool,
 }
@@ -49,8 +51,9 @@ pub fn forward_dynamics<'g>(lagrange: &Lagrange<'g>, constraints: &Constraints<'
     }
     let mass_matrix = if augmented { with_gram_matrix(&lagrange.mass_matrix, a) } else { lagrange.mass_matrix.clone() };
     let matrix = bordered(&mass_matrix, a);
-    let unrolled = (matrix.len() <= LARGEST_UNROLLED).then(|| Factorization::new(&matrix).solve(&right_side));
-    ForwardDynamics { matrix, right_side, unrolled, augmented }
+    let factorization = (matrix.len() <= LARGEST_UNROLLED).then(|| Factorization::new(&matrix));
+    let unrolled = factorization.as_ref().map(|factorization| factorization.solve(&right_side));
+    ForwardDynamics { matrix, right_side, unrolled, factorization, augmented }
 }
 
 /// Adds `Aᵀ` times the lower part of a right side to its upper part.
@@ -82,18 +85,28 @@ fn bordered<'g>(m: &Rows<'g>, a: &Rows<'g>) -> Rows<'g> {
     upper.chain(lower).collect()
 }
 
-/// `M = L D Lᵀ` with unit lower triangular L.
+/// `M = L D Lᵀ` with unit lower triangular L, rows and columns in the order of elimination.
 ///
 /// Source: Golub & Van Loan, *Matrix Computations*, 4th ed. 2013, algorithm 4.1.1.
+#[derive(Clone, Debug)]
 pub struct Factorization<'g> {
-    /// The strictly lower part of L.
-    lower: Rows<'g>,
-    /// The reciprocals of D.
-    reciprocal: Vec<Expr<'g>>,
+    /// In the order of elimination.
+    pub steps: Vec<Step<'g>>,
+}
+
+/// The elimination of one unknown.
+#[derive(Clone, Debug)]
+pub struct Step<'g> {
+    /// Its number.
+    pub pivot: usize,
+    /// Of what is eliminated later: its number, and its entry in the pivot's column of L.
+    pub column: Vec<(usize, Expr<'g>)>,
+    /// `1/Dₚ`
+    pub reciprocal: Expr<'g>,
 }
 
 impl<'g> Factorization<'g> {
-    /// Factorizes the lower triangle of `m`.
+    /// Factorizes the lower triangle of `m`, in the order of its rows.
     pub fn new(m: &Rows<'g>) -> Self {
         let mut lower: Rows<'g> = Vec::new();
         let mut reciprocal: Vec<Expr<'g>> = Vec::new();
@@ -109,19 +122,37 @@ impl<'g> Factorization<'g> {
             reciprocal.push(pivot.powi(-1));
             lower.push(row);
         }
-        Factorization { lower, reciprocal }
+        let step = |(pivot, reciprocal)| {
+            let column = (pivot + 1..m.len()).map(|i| (i, lower[i][pivot])).collect();
+            Step { pivot, column, reciprocal }
+        };
+        Factorization { steps: reciprocal.into_iter().enumerate().map(step).collect() }
     }
 
     /// `M⁻¹ b`: forward substitution, scaling, back substitution.
     pub fn solve(&self, b: &[Expr<'g>]) -> Vec<Expr<'g>> {
-        let n = b.len();
-        let mut x: Vec<Expr<'g>> = Vec::new();
-        for i in 0..n {
-            x.push((0..i).fold(b[i], |sum, k| sum - self.lower[i][k] * x[k]));
+        let mut x = self.reduce(b);
+        for step in &self.steps {
+            x[step.pivot] = x[step.pivot] * step.reciprocal;
         }
-        let mut x: Vec<_> = x.iter().zip(&self.reciprocal).map(|(&x, &d)| x * d).collect();
-        for i in (0..n).rev() {
-            x[i] = (i + 1..n).fold(x[i], |sum, k| sum - self.lower[k][i] * x[k]);
+        self.substitute_back(x)
+    }
+
+    /// `L⁻¹ b`
+    pub fn reduce(&self, b: &[Expr<'g>]) -> Vec<Expr<'g>> {
+        let mut x = b.to_vec();
+        for step in &self.steps {
+            for &(i, factor) in &step.column {
+                x[i] = x[i] - factor * x[step.pivot];
+            }
+        }
+        x
+    }
+
+    /// `L⁻ᵀ x`
+    pub fn substitute_back(&self, mut x: Vec<Expr<'g>>) -> Vec<Expr<'g>> {
+        for step in self.steps.iter().rev() {
+            x[step.pivot] = step.column.iter().fold(x[step.pivot], |sum, &(j, factor)| sum - factor * x[j]);
         }
         x
     }

@@ -1,9 +1,12 @@
-//! Lagrange's equations as a person would write them.
+//! Lagrange's equations as a person would write them, and solved as a person would solve them.
 
-use crate::expr::{Expr, normal_form as expressions_in_normal_form};
+use crate::expr::normal::weight;
+use crate::expr::{Expr, cheapest_form, quotients};
 
 use super::Rows;
+use super::constraint::Constraints;
 use super::lagrange::Lagrange;
+use super::solve::{self, Factorization, ForwardDynamics, Step};
 
 /// Mechanisms with more coordinates keep the graph's own form: theirs has more terms than anybody would write.
 pub const MOST_COORDINATES: usize = 4;
@@ -11,25 +14,54 @@ pub const MOST_COORDINATES: usize = 4;
 /// Expressions with more terms on the way keep the graph's own form.
 pub const MOST_TERMS: usize = 300;
 
-/// The equations in multiple-angle normal form, each function that is short enough; `None` for larger mechanisms.
+/// How equations are written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Form {
+    /// As the sweeps give them.
+    AsDerived,
+    /// As in a textbook, where that is not too long.
+    Textbook,
+}
+
+impl Form {
+    /// Expressions that are computed together, in this form.
+    pub fn list<'g>(self, expressions: &[Expr<'g>]) -> Vec<Expr<'g>> {
+        let form = match self {
+            Form::AsDerived => None,
+            Form::Textbook => cheapest_form(expressions, MOST_TERMS),
+        };
+        form.unwrap_or_else(|| expressions.to_vec())
+    }
+
+    /// Rows of expressions that are computed together, in this form.
+    pub fn rows<'g>(self, rows: &Rows<'g>) -> Rows<'g> {
+        let mut flat = self.list(&rows.concat()).into_iter();
+        rows.iter().map(|row| flat.by_ref().take(row.len()).collect()).collect()
+    }
+
+    /// Accelerations, found in this form.
+    pub fn forward_dynamics<'g>(self, lagrange: &Lagrange<'g>, constraints: &Constraints<'g>) -> ForwardDynamics<'g> {
+        let forward = solve::forward_dynamics(lagrange, constraints);
+        match self {
+            Form::AsDerived => forward,
+            Form::Textbook => forward_dynamics(forward, constraints),
+        }
+    }
+}
+
+/// The equations in the form of a textbook, each function that is short enough; `None` for larger mechanisms.
 pub fn normal_form<'g>(plain: &Lagrange<'g>) -> Option<Lagrange<'g>> {
     if plain.momentum.len() > MOST_COORDINATES {
         return None;
     }
-    let list = |expressions: &[Expr<'g>]| {
-        expressions_in_normal_form(expressions, MOST_TERMS).unwrap_or_else(|| expressions.to_vec())
-    };
+    let list = |expressions: &[Expr<'g>]| Form::Textbook.list(expressions);
     let one = |expression: Expr<'g>| list(&[expression])[0];
-    let rows = |rows: &Rows<'g>| {
-        let flat = list(&rows.concat());
-        flat.chunks(rows[0].len()).map(<[_]>::to_vec).collect()
-    };
     Some(Lagrange {
         kinetic_energy: one(plain.kinetic_energy),
         potential_energy: one(plain.potential_energy),
         momentum: list(&plain.momentum),
-        mass_matrix: rows(&plain.mass_matrix),
-        coriolis_matrix: rows(&plain.coriolis_matrix),
+        mass_matrix: Form::Textbook.rows(&plain.mass_matrix),
+        coriolis_matrix: Form::Textbook.rows(&plain.coriolis_matrix),
         gravity: list(&plain.gravity),
         bias: list(&plain.bias),
         dissipation_force: list(&plain.dissipation_force),
@@ -37,4 +69,57 @@ pub fn normal_form<'g>(plain: &Lagrange<'g>) -> Option<Lagrange<'g>> {
         inverse_dynamics: list(&plain.inverse_dynamics),
         position_gradient: list(&plain.position_gradient),
     })
+}
+
+/// Forward dynamics, unrolled the cheapest way: by `L D Lᵀ` as it stands, or by elimination in the form of a textbook.
+fn forward_dynamics<'g>(forward: ForwardDynamics<'g>, constraints: &Constraints<'g>) -> ForwardDynamics<'g> {
+    let (Some(factorization), Some(unrolled), 0) =
+        (forward.factorization.clone(), forward.unrolled.clone(), constraints.count())
+    else {
+        return forward;
+    };
+    let right_side = Form::Textbook.list(&forward.right_side);
+    let mut ways = vec![(factorization, unrolled)];
+    for last_first in [false, true] {
+        let Some((factorization, pivots)) = eliminate(forward.matrix.clone(), last_first) else { continue };
+        ways.push((factorization.clone(), factorization.solve(&right_side)));
+        let reduced = factorization.reduce(&right_side);
+        let pairs: Vec<_> = reduced.into_iter().zip(pivots).collect();
+        if let Some(scaled) = quotients(&pairs, MOST_TERMS) {
+            let solution = factorization.substitute_back(scaled);
+            ways.push((factorization, solution));
+        }
+    }
+    // Of equally cheap ones the first.
+    let cheapest = ways.into_iter().min_by_key(|(_, solution)| weight(solution));
+    let (factorization, unrolled) = cheapest.unzip();
+    ForwardDynamics { factorization, unrolled, ..forward }
+}
+
+/// `L D Lᵀ` of a symmetric matrix and D, simple pivots first, with every step brought into the form of a textbook: what is
+/// left of M shows `i1 sin²θ` where the rest cancels. `None` where a step has too many terms.
+fn eliminate(mut m: Rows<'_>, last_first: bool) -> Option<(Factorization<'_>, Vec<Expr<'_>>)> {
+    let mut remaining: Vec<usize> = (0..m.len()).collect();
+    let mut steps = Vec::new();
+    while let Some(pivot) = simplest_pivot(&m, &remaining, last_first) {
+        remaining.retain(|&other| other != pivot);
+        let coupled: Vec<usize> = remaining.iter().copied().filter(|&i| !m[i][pivot].is_zero()).collect();
+        let pairs: Vec<_> = coupled.iter().map(|&i| (m[i][pivot], m[pivot][pivot])).collect();
+        let column: Vec<_> = coupled.iter().copied().zip(quotients(&pairs, MOST_TERMS)?).collect();
+        for &(i, factor) in &column {
+            for &j in &coupled {
+                m[i][j] = cheapest_form(&[m[i][j] - factor * m[pivot][j]], MOST_TERMS)?[0];
+            }
+        }
+        steps.push(Step { pivot, column, reciprocal: m[pivot][pivot].powi(-1) });
+    }
+    let pivots = (0..m.len()).map(|i| m[i][i]).collect();
+    Some((Factorization { steps }, pivots))
+}
+
+/// Of equally simple ones the first, or the last.
+fn simplest_pivot(m: &Rows<'_>, remaining: &[usize], last_first: bool) -> Option<usize> {
+    let pivots = remaining.iter().copied();
+    let key = |&i: &usize| weight(&[m[i][i]]);
+    if last_first { pivots.rev().min_by_key(key) } else { pivots.min_by_key(key) }
 }

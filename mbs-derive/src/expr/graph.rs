@@ -145,6 +145,8 @@ struct Arena {
     nodes: Vec<Node>,
     /// A hash of what a node says, whatever else the graph holds: the order of operands must not depend on history.
     keys: Vec<u64>,
+    /// Whether a node depends on parameters alone, or on nothing.
+    parametric: Vec<bool>,
     ids: HashMap<Node, Id, BuildHasherDefault<MixHasher>>,
 }
 
@@ -217,14 +219,20 @@ impl Graph {
             Some(&id) => id,
             None => {
                 let id = Id(u32::try_from(arena.nodes.len()).expect("fewer than 2^32 nodes"));
-                let key = arena.key(node);
+                let (key, parametric) = (arena.key(node), arena.is_parametric(node));
                 arena.nodes.push(node);
                 arena.keys.push(key);
+                arena.parametric.push(parametric);
                 arena.ids.insert(node, id);
                 id
             }
         };
         Expr { graph: self, id }
+    }
+
+    /// Whether the node depends on parameters alone, or on nothing.
+    pub fn is_parametric(&self, id: Id) -> bool {
+        self.arena.borrow().parametric[id.index()]
     }
 
     /// Whether `a` comes before `b` in the order of operands.
@@ -235,6 +243,13 @@ impl Graph {
 }
 
 impl Arena {
+    fn is_parametric(&self, node: Node) -> bool {
+        match node {
+            Node::Symbol(symbol) => matches!(symbol, Symbol::Parameter(_)),
+            node => node.operands().all(|id| self.parametric[id.index()]),
+        }
+    }
+
     fn key(&self, node: Node) -> u64 {
         let mut hasher = MixHasher::default();
         let mut write = |tag: u64, operands: &[Id]| {
@@ -481,14 +496,42 @@ impl<'g> Expr<'g> {
         graph.intern(Node::Call2(function, self.id, other.id))
     }
 
-    /// Splits `c · x` into `(c, x)`; c is 1 where no constant stands in front.
+    /// Splits `c · x`, and `(c · p) · x` where p depends on parameters alone, into c and `x` or `p · x`; c is 1 where there is
+    /// no number.
     fn split_coefficient(self) -> (Number, Expr<'g>) {
-        match self.node() {
-            Node::Mul(c, x) => match self.graph.node(c) {
-                Node::Constant(value) => (value, self.graph.expr(x)),
-                _ => (Number::ONE, self),
+        let graph = self.graph;
+        let constant = |e: Expr<'g>| match e.node() {
+            Node::Mul(c, x) => match graph.node(c) {
+                Node::Constant(value) => Some((value, graph.expr(x))),
+                _ => None,
             },
-            _ => (Number::ONE, self),
+            _ => None,
+        };
+        let inside = || {
+            let (parameters, x) = self.split_parameters()?;
+            constant(parameters).map(|(c, p)| (c, graph.ordered_product(p, x)))
+        };
+        match self.node() {
+            Node::Constant(value) => (value, graph.integer(1)),
+            _ => constant(self).or_else(inside).unwrap_or((Number::ONE, self)),
+        }
+    }
+
+    /// Whether the number in this product is multiplied with parameters, beside which the other factor has none.
+    fn keeps_number_beside(self, other: Expr<'g>) -> bool {
+        let graph = self.graph;
+        let parametric = graph.is_parametric(self.id) && !graph.is_constant(self.id);
+        self.split_parameters().is_some() || (parametric && !graph.is_parametric(other.id))
+    }
+
+    /// Splits `p · x`, where p depends on parameters alone and is no number, and x does not.
+    fn split_parameters(self) -> Option<(Expr<'g>, Expr<'g>)> {
+        let Node::Mul(a, b) = self.node() else { return None };
+        let graph = self.graph;
+        match (graph.is_parametric(a), graph.is_parametric(b)) {
+            (true, false) if !graph.is_constant(a) => Some((graph.expr(a), graph.expr(b))),
+            (false, true) => Some((graph.expr(b), graph.expr(a))),
+            _ => None,
         }
     }
 }
@@ -724,15 +767,20 @@ impl<'g> Mul for Expr<'g> {
             (Node::Constant(c), _) if c.is_one() => return other,
             _ => {}
         }
-        // Constants are pulled to the front.
-        let ((c, x), (d, y)) = match self.node() {
-            Node::Constant(value) => ((value, graph.integer(1)), other.split_coefficient()),
-            _ => (self.split_coefficient(), other.split_coefficient()),
-        };
+        let ((c, x), (d, y)) = (self.split_coefficient(), other.split_coefficient());
+        // A number stays with parameters that it multiplies, so that both are multiplied once; 2 x · (1/2 p) y = p x y.
+        let in_place = |e: Expr<'g>, c: Number, beside: Expr<'g>| c.is_one() || e.keeps_number_beside(beside);
+        let both = !c.is_one() && !d.is_one() && self.id != other.id;
+        if !both && in_place(self, c, other) && in_place(other, d, self) {
+            return self.product_of_powers(other);
+        }
         let product = if x.is_one() { y } else { x.product_of_powers(y) };
         let coefficient = c * d;
         if coefficient.is_one() {
             return product;
+        }
+        if let Some((p, z)) = product.split_parameters() {
+            return graph.ordered_product(graph.constant(coefficient) * p, z);
         }
         match product.node() {
             Node::Constant(value) => graph.constant(coefficient * value),
@@ -761,8 +809,14 @@ impl<'g> Expr<'g> {
         if let Some(product) = self.with_root(other).or_else(|| other.with_root(self)) {
             return product;
         }
-        let (a, b) = if graph.precedes(self.id, other.id) { (self, other) } else { (other, self) };
-        graph.intern(Node::Mul(a.id, b.id))
+        graph.ordered_product(self, other)
+    }
+}
+
+impl Graph {
+    fn ordered_product<'g>(&'g self, a: Expr<'g>, b: Expr<'g>) -> Expr<'g> {
+        let (a, b) = if self.precedes(a.id, b.id) { (a, b) } else { (b, a) };
+        self.intern(Node::Mul(a.id, b.id))
     }
 }
 
@@ -848,6 +902,23 @@ mod tests {
         assert_eq!((x + y) - y, x);
         assert_eq!(y - (x + y), -x);
         assert_eq!((-2 * x).powi(3), -8 * x.powi(3));
+    }
+
+    #[test]
+    fn a_number_stays_with_the_parameters_that_it_multiplies() {
+        let graph = Graph::new();
+        let [x, y, _] = symbols(&graph);
+        let [m, l] = [0, 1].map(|i| graph.symbol(Symbol::Parameter(i)));
+        let half = graph.integer(1) / 2;
+        let scaled = |e: Expr<'_>| matches!(e.node(), Node::Mul(a, b) if [a, b].contains(&(half * m).id()));
+        assert!(scaled(half * (m * x)) && scaled(m * (half * x)) && scaled((half * m) * x));
+        assert_eq!(half * (m * x), (half * m) * x);
+        assert_eq!((half * m * x) * (2 * y), (m * x) * y);
+        assert_eq!((half * m) * (2 * (l * x)), m * (l * x));
+        assert_eq!(half * (m * x) + half * (m * x), m * x);
+        assert_eq!(3 * (m * x) - m * x, 2 * (m * x));
+        assert_eq!(half * (m * x) - m * x, -(half * (m * x)));
+        assert_eq!((half * m * x) * (half * m * x), (half * m * x).powi(2));
     }
 
     #[test]

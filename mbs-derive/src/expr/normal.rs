@@ -3,181 +3,117 @@
 //! Products of sines and cosines become sums, `cos a cos b = ½ (cos(a − b) + cos(a + b))`, so that what cancels cancels and a
 //! double pendulum shows `m2 l1 l2 cos(θ1 − θ2)`. The form can be exponentially longer than the graph it stands for, so it
 //! is given up when it grows past a bound; then the graph's own form is the better one.
+//!
+//! - [`combination`]: linear combinations and polynomials;
+//! - [`wave`]: sines and cosines of sums of angles;
+//! - [`half_angle`]: doubled angles halved again, `sin²θ` for `½ (1 − cos 2θ)`;
+//! - [`factor`]: polynomials as expressions, with common factors taken out and products shared.
 
-use std::collections::BTreeMap;
+pub mod combination;
+pub mod factor;
+pub mod half_angle;
+pub mod wave;
 
 use super::Function;
-use super::graph::{Expr, Graph, HalfInteger, Id, IdMap, Node, Symbol};
+use super::graph::{Expr, Graph, HalfInteger, Id, IdMap, Node};
 use super::number::Number;
+
+use combination::{Combination, Polynomial, Powers, power_of_powers, product_of_powers};
+pub use factor::weight;
+use half_angle::{Double, Doubled, halved};
+use wave::{Angle, Wave, cosine, sine};
 
 /// The expressions in normal form, with common factors taken out again; `None` where one of them has more than `limit`
 /// terms on the way.
+///
+/// Equal polynomials give the same expression.
 pub fn normal_form<'g>(roots: &[Expr<'g>], limit: usize) -> Option<Vec<Expr<'g>>> {
     let Some(first) = roots.first() else { return Some(Vec::new()) };
-    let mut expansion = Expansion { graph: first.graph(), limit, sums: IdMap::default() };
-    roots.iter().map(|root| expansion.of(root.id()).map(|sum| sum.factored(root.graph()))).collect()
+    let mut expansion = Expansion::new(first.graph(), limit);
+    let form = |root: &Expr<'g>| {
+        let sum = expansion.of(root.id())?;
+        expansion.expression(&sum)
+    };
+    roots.iter().map(form).collect()
 }
 
-/// Powers beyond so many halves are left to the graph.
-const HIGHEST: i32 = 200;
-
-/// An angle: integer multiples of indivisible expressions, the first of them positive.
-type Angle = BTreeMap<Id, i32>;
-
-/// What a monomial is multiplied with.
-#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
-enum Wave {
-    One,
-    Cos(Angle),
-    Sin(Angle),
+/// The expressions in the cheapest of the forms that texts use, all of them in the same: multiple angles, or doubled angles
+/// halved; with common factors taken out, or shared products named. `None` where one of them has more than `limit` terms on
+/// the way.
+pub fn cheapest_form<'g>(roots: &[Expr<'g>], limit: usize) -> Option<Vec<Expr<'g>>> {
+    let Some(first) = roots.first() else { return Some(Vec::new()) };
+    let graph = first.graph();
+    let mut expansion = Expansion::new(graph, limit);
+    let sums: Vec<Sum> = roots.iter().map(|root| expansion.of(root.id())).collect::<Option<_>>()?;
+    let forms = Doubled::ALL.into_iter().filter_map(|doubled| {
+        let polynomials: Option<Vec<_>> = sums.iter().map(|sum| expansion.polynomial(sum, doubled)).collect();
+        polynomials.map(|polynomials| factor::shared(graph, &polynomials))
+    });
+    // Of equally cheap ones the first.
+    forms.min_by_key(|form| weight(form))
 }
 
-/// Powers, in halves, of indivisible expressions, and a coefficient.
-type Monomial = (BTreeMap<Id, i32>, Number);
+/// `a / b` for each pair, in the cheapest of the forms that texts use; what is common to a and to a b of one term cancels.
+pub fn quotients<'g>(pairs: &[(Expr<'g>, Expr<'g>)], limit: usize) -> Option<Vec<Expr<'g>>> {
+    let Some((first, _)) = pairs.first() else { return Some(Vec::new()) };
+    let graph = first.graph();
+    let mut expansion = Expansion::new(graph, limit);
+    let sums: Vec<[Sum; 2]> =
+        pairs.iter().map(|(a, b)| Some([expansion.of(a.id())?, expansion.of(b.id())?])).collect::<Option<_>>()?;
+    let quotient = |[a, b]: &[Sum; 2], doubled: Doubled| {
+        let [a, b] = [expansion.polynomial(a, doubled)?, expansion.polynomial(b, doubled)?];
+        let reciprocal = b.monomial_power(-1).unwrap_or_else(|| factor::reciprocal(graph, &b));
+        a.times(&reciprocal, limit)
+    };
+    let forms = Doubled::ALL.into_iter().filter_map(|doubled| {
+        let polynomials: Option<Vec<_>> = sums.iter().map(|pair| quotient(pair, doubled)).collect();
+        polynomials.map(|polynomials| factor::shared(graph, &polynomials))
+    });
+    forms.min_by_key(|form| weight(form))
+}
 
-/// Powers, in halves, of indivisible expressions, times a wave.
+/// A product of powers times a wave.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
-struct Term {
-    powers: BTreeMap<Id, i32>,
+pub struct Term {
+    powers: Powers,
     wave: Wave,
 }
 
 impl Term {
-    const fn one() -> Self {
-        Term { powers: BTreeMap::new(), wave: Wave::One }
+    fn times(&self, other: &Term) -> Option<Vec<(Term, Number)>> {
+        let powers = product_of_powers(&self.powers, &other.powers)?;
+        let of_wave = |(factor, wave)| (Term { powers: powers.clone(), wave }, factor);
+        Some(self.wave.times(&other.wave).into_iter().map(of_wave).collect())
     }
 }
 
-/// Terms with their coefficients, none of them zero.
-#[derive(Clone, Debug, Default)]
-struct Sum(BTreeMap<Term, Number>);
+/// A sum of products of powers and waves.
+pub type Sum = Combination<Term>;
 
 impl Sum {
     fn constant(value: Number) -> Self {
-        let mut sum = Sum::default();
-        sum.add_term(Term::one(), value);
-        sum
+        Combination::term(Term { powers: Powers::new(), wave: Wave::One }, value)
     }
 
-    fn atom(id: Id, halves: i32) -> Self {
-        Sum([(Term { powers: [(id, halves)].into(), wave: Wave::One }, Number::ONE)].into())
+    fn power_of_atom(id: Id, halves: i32) -> Self {
+        Combination::term(Term { powers: [(id, halves)].into(), wave: Wave::One }, Number::ONE)
     }
 
-    fn add_term(&mut self, term: Term, coefficient: Number) {
-        let sum = self.0.get(&term).copied().unwrap_or(Number::ZERO) + coefficient;
-        if sum.is_zero() {
-            self.0.remove(&term);
-        } else {
-            self.0.insert(term, sum);
-        }
-    }
-
-    fn plus(&self, other: &Sum, sign: Number) -> Self {
-        let mut sum = self.clone();
-        other.0.iter().for_each(|(term, &coefficient)| sum.add_term(term.clone(), coefficient * sign));
-        sum
-    }
-
-    fn times(&self, other: &Sum, limit: usize) -> Option<Self> {
-        let mut product = Sum::default();
-        for (a, &x) in &self.0 {
-            for (b, &y) in &other.0 {
-                let powers = product_of_powers(&a.powers, &b.powers);
-                if powers.values().any(|halves| halves.abs() > HIGHEST) {
-                    return None;
-                }
-                for (factor, wave) in product_of_waves(&a.wave, &b.wave) {
-                    product.add_term(Term { powers: powers.clone(), wave }, x * y * factor);
-                }
-            }
-            if product.0.len() > limit {
-                return None;
-            }
-        }
-        Some(product)
+    fn times_sum(&self, other: &Sum, limit: usize) -> Option<Self> {
+        self.product(other, limit, Term::times)
     }
 
     /// The one term without a wave that this is.
-    fn as_monomial(&self) -> Option<(&BTreeMap<Id, i32>, Number)> {
-        match self.0.first_key_value() {
-            Some((Term { powers, wave: Wave::One }, &coefficient)) if self.0.len() == 1 => Some((powers, coefficient)),
+    fn as_monomial(&self) -> Option<(&Powers, Number)> {
+        match self.as_term()? {
+            (Term { powers, wave: Wave::One }, coefficient) => Some((powers, coefficient)),
             _ => None,
         }
     }
 }
 
-fn product_of_powers(a: &BTreeMap<Id, i32>, b: &BTreeMap<Id, i32>) -> BTreeMap<Id, i32> {
-    let mut product = a.clone();
-    for (&id, &halves) in b {
-        let power = product.entry(id).or_insert(0);
-        *power += halves;
-        if *power == 0 {
-            product.remove(&id);
-        }
-    }
-    product
-}
-
-fn product_of_waves(a: &Wave, b: &Wave) -> Vec<(Number, Wave)> {
-    let half = Number::rational(1, 2).unwrap_or(Number::ONE);
-    let (plus, minus) = (Number::ONE, -Number::ONE);
-    let [(x, cos_x), (y, cos_y)] = match [a, b].map(|wave| match wave {
-        Wave::One => None,
-        Wave::Cos(angle) => Some((angle, true)),
-        Wave::Sin(angle) => Some((angle, false)),
-    }) {
-        [Some(x), Some(y)] => [x, y],
-        [None, _] => return vec![(plus, b.clone())],
-        [_, None] => return vec![(plus, a.clone())],
-    };
-    let (sum, difference) = (combine(x, y, 1), combine(x, y, -1));
-    let signed = match (cos_x, cos_y) {
-        (true, true) => [(plus, cosine(difference)), (plus, cosine(sum))],
-        (false, false) => [(plus, cosine(difference)), (minus, cosine(sum))],
-        (false, true) => [(plus, sine(sum)), (plus, sine(difference))],
-        (true, false) => [(plus, sine(sum)), (minus, sine(difference))],
-    };
-    let scaled = signed.into_iter().map(|(sign, (factor, wave))| (half * sign * factor, wave));
-    scaled.filter(|(factor, _)| !factor.is_zero()).collect()
-}
-
-fn combine(a: &Angle, b: &Angle, sign: i32) -> Angle {
-    let mut sum = a.clone();
-    for (&id, &n) in b {
-        let multiple = sum.entry(id).or_insert(0);
-        *multiple += sign * n;
-        if *multiple == 0 {
-            sum.remove(&id);
-        }
-    }
-    sum
-}
-
-/// `cos` of an angle: even, and 1 at 0.
-fn cosine(angle: Angle) -> (Number, Wave) {
-    match leading(&angle) {
-        0 => (Number::ONE, Wave::One),
-        n if n < 0 => (Number::ONE, Wave::Cos(negative(angle))),
-        _ => (Number::ONE, Wave::Cos(angle)),
-    }
-}
-
-/// `sin` of an angle: odd, and 0 at 0.
-fn sine(angle: Angle) -> (Number, Wave) {
-    match leading(&angle) {
-        0 => (Number::ZERO, Wave::One),
-        n if n < 0 => (-Number::ONE, Wave::Sin(negative(angle))),
-        _ => (Number::ONE, Wave::Sin(angle)),
-    }
-}
-
-fn leading(angle: &Angle) -> i32 {
-    angle.first_key_value().map_or(0, |(_, &n)| n)
-}
-
-fn negative(angle: Angle) -> Angle {
-    angle.into_iter().map(|(id, n)| (id, -n)).collect()
-}
+/// Angles with larger multiples are left to the graph.
+const LARGEST_MULTIPLE: i128 = 1_000_000;
 
 /// Nodes expanded so far.
 struct Expansion<'g> {
@@ -187,6 +123,10 @@ struct Expansion<'g> {
 }
 
 impl<'g> Expansion<'g> {
+    fn new(graph: &'g Graph, limit: usize) -> Self {
+        Expansion { graph, limit, sums: IdMap::default() }
+    }
+
     fn of(&mut self, root: Id) -> Option<Sum> {
         for id in self.graph.reachable([root]) {
             if !self.sums.contains_key(&id) {
@@ -204,24 +144,22 @@ impl<'g> Expansion<'g> {
         let minus = -Number::ONE;
         Some(match self.graph.node(id) {
             Node::Constant(value) => Sum::constant(value),
-            Node::Symbol(_) => Sum::atom(id, 2),
+            Node::Symbol(_) => Sum::power_of_atom(id, 2),
             Node::Rate(_) => unreachable!("time derivatives were carried out by derive"),
-            Node::Neg(a) => Sum::default().plus(&self.sums[&a], minus),
+            Node::Neg(a) => self.sums[&a].negative(),
             Node::Add(a, b) => self.sums[&a].plus(&self.sums[&b], Number::ONE),
             Node::Sub(a, b) => self.sums[&a].plus(&self.sums[&b], minus),
-            Node::Mul(a, b) => self.sums[&a].times(&self.sums[&b], self.limit)?,
+            Node::Mul(a, b) => self.sums[&a].times_sum(&self.sums[&b], self.limit)?,
             Node::Power(a, n) => self.power(&self.sums[&a], n)?,
             Node::Call(function @ (Function::Sin | Function::Cos), a) => match angle_of(&self.sums[&a], self.graph) {
                 Some(angle) => {
                     let (factor, wave) = if function == Function::Sin { sine(angle) } else { cosine(angle) };
-                    let mut sum = Sum::default();
-                    sum.add_term(Term { powers: BTreeMap::new(), wave }, factor);
-                    sum
+                    Combination::term(Term { powers: Powers::new(), wave }, factor)
                 }
-                None => Sum::atom(self.inner(a).call(function).id(), 2),
+                None => Sum::power_of_atom(self.inner(a)?.call(function).id(), 2),
             },
-            Node::Call(function, a) => self.opaque(self.inner(a).call(function)),
-            Node::Call2(function, a, b) => self.opaque(self.inner(a).call2(function, self.inner(b))),
+            Node::Call(function, a) => self.opaque(self.inner(a)?.call(function)),
+            Node::Call2(function, a, b) => self.opaque(self.inner(a)?.call2(function, self.inner(b)?)),
             Node::Less(..) | Node::And(..) | Node::Not(_) | Node::Select(..) => self.opaque(self.graph.expr(id)),
         })
     }
@@ -230,32 +168,67 @@ impl<'g> Expansion<'g> {
     fn opaque(&self, expr: Expr<'g>) -> Sum {
         match expr.as_constant() {
             Some(value) => Sum::constant(value),
-            None => Sum::atom(expr.id(), 2),
+            None => Sum::power_of_atom(expr.id(), 2),
         }
     }
 
     /// An operand in normal form, as an expression.
-    fn inner(&self, id: Id) -> Expr<'g> {
-        self.sums[&id].factored(self.graph)
+    fn inner(&self, id: Id) -> Option<Expr<'g>> {
+        self.expression(&self.sums[&id])
+    }
+
+    fn expression(&self, sum: &Sum) -> Option<Expr<'g>> {
+        Some(factor::factored(self.graph, &[self.polynomial(sum, Doubled::Kept)?])[0])
+    }
+
+    /// The sum with waves as indivisible expressions.
+    fn polynomial(&self, sum: &Sum, doubled: Doubled) -> Option<Polynomial> {
+        let mut polynomial = Polynomial::default();
+        let mut doubles: IdMap<Double> = IdMap::default();
+        for (term, &coefficient) in &sum.0 {
+            let (powers, sign) = self.indivisible(&term.wave).as_term().map(|(p, c)| (p.clone(), c))?;
+            if let (Some((&id, _)), Some(double)) = (powers.first_key_value(), self.double(&term.wave, sign)) {
+                doubles.insert(id, double);
+            }
+            polynomial.add(product_of_powers(&term.powers, &powers)?, coefficient * sign);
+        }
+        halved(&polynomial, doubled, self.limit, |id| doubles.get(&id).cloned())
+    }
+
+    /// What `sign · wave` is the double of.
+    fn double(&self, wave: &Wave, sign: Number) -> Option<Double> {
+        let (function, angle) = match wave {
+            Wave::One => return None,
+            Wave::Sin(angle) => (Function::Sin, angle),
+            Wave::Cos(angle) => (Function::Cos, angle),
+        };
+        let half = wave::half(angle)?;
+        let [sine, cosine] = [Wave::Sin(half.clone()), Wave::Cos(half)].map(|wave| self.indivisible(&wave));
+        Some(Double { function, sine: Polynomial::default().plus(&sine, sign), cosine })
+    }
+
+    /// A wave as an indivisible expression; its sign is that of the graph's own form of the angle.
+    fn indivisible(&self, wave: &Wave) -> Polynomial {
+        let expr = wave.expression(self.graph);
+        match (expr.as_constant(), expr.node()) {
+            (Some(value), _) => Polynomial::term(Powers::new(), value),
+            (None, Node::Neg(a)) => Polynomial::atom(a, 2).negative(),
+            (None, _) => Polynomial::atom(expr.id(), 2),
+        }
     }
 
     fn power(&self, base: &Sum, n: HalfInteger) -> Option<Sum> {
         if let Some(k @ 0..=4) = n.to_integer() {
-            return (0..k).try_fold(Sum::constant(Number::ONE), |product, _| product.times(base, self.limit));
+            return (0..k).try_fold(Sum::constant(Number::ONE), |product, _| product.times_sum(base, self.limit));
         }
         if let (Some((powers, coefficient)), Some(k)) = (base.as_monomial(), n.to_integer()) {
-            let powers: BTreeMap<Id, i32> =
-                powers.iter().map(|(&id, &halves)| Some((id, halves.checked_mul(k)?))).collect::<Option<_>>()?;
-            if powers.values().any(|halves| halves.abs() > HIGHEST) {
-                return None;
-            }
-            let coefficient = coefficient.power(n.to_halves())?;
-            return Some(Sum([(Term { powers, wave: Wave::One }, coefficient)].into()));
+            let powers = power_of_powers(powers, k)?;
+            return Some(Combination::term(Term { powers, wave: Wave::One }, coefficient.power(n.to_halves())?));
         }
-        let base = base.factored(self.graph);
+        let base = self.expression(base)?;
         Some(match base.as_constant() {
             Some(_) => self.opaque(base.power(n)),
-            None => Sum::atom(base.id(), n.to_halves()),
+            None => Sum::power_of_atom(base.id(), n.to_halves()),
         })
     }
 }
@@ -263,8 +236,13 @@ impl<'g> Expansion<'g> {
 /// The argument of a sine as integer multiples of indivisible expressions.
 fn angle_of(sum: &Sum, graph: &Graph) -> Option<Angle> {
     let multiple = |(term, coefficient): (&Term, &Number)| match (*coefficient, &term.wave) {
-        (Number::Exact { numerator, denominator: 1, pi: 0 }, Wave::One) if !term.powers.is_empty() => {
-            let monomial = monomial(graph, &term.powers);
+        (Number::Exact { numerator, denominator: 1, pi: 0 }, Wave::One)
+            if !term.powers.is_empty() && numerator.abs() <= LARGEST_MULTIPLE =>
+        {
+            let monomial = term
+                .powers
+                .iter()
+                .fold(graph.integer(1), |product, (&id, &n)| product * graph.expr(id).power(HalfInteger::halves(n)));
             Some((monomial.id(), i32::try_from(numerator).ok()?))
         }
         _ => None,
@@ -272,168 +250,10 @@ fn angle_of(sum: &Sum, graph: &Graph) -> Option<Angle> {
     sum.0.iter().map(multiple).collect()
 }
 
-fn monomial<'g>(graph: &'g Graph, powers: &BTreeMap<Id, i32>) -> Expr<'g> {
-    powers
-        .iter()
-        .fold(graph.integer(1), |product, (&id, &halves)| product * graph.expr(id).power(HalfInteger::halves(halves)))
-}
-
-fn wave<'g>(graph: &'g Graph, wave: &Wave) -> Expr<'g> {
-    let argument =
-        |angle: &Angle| angle.iter().fold(graph.integer(0), |sum, (&id, &n)| sum + i64::from(n) * graph.expr(id));
-    match wave {
-        Wave::One => graph.integer(1),
-        Wave::Cos(angle) => argument(angle).cos(),
-        Wave::Sin(angle) => argument(angle).sin(),
-    }
-}
-
-/// A factor that terms may have in common.
-#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
-enum Factor {
-    /// So many halves of the power of an indivisible expression.
-    Power(Id, i32),
-    Wave(Wave),
-    /// The part that depends on parameters alone.
-    Coefficient(Id),
-}
-
-/// A product still to be written.
-#[derive(Clone, Debug)]
-struct Product {
-    negative: bool,
-    factors: Vec<Factor>,
-}
-
-impl Sum {
-    /// The sum as an expression: parameters gathered into coefficients, then common factors taken out, the most common
-    /// first.
-    fn factored<'g>(&self, graph: &'g Graph) -> Expr<'g> {
-        let mut coefficients: BTreeMap<Term, Vec<Monomial>> = BTreeMap::new();
-        for (term, &number) in &self.0 {
-            let (parameters, state) = term.powers.iter().partition(|(id, _)| is_parametric(graph, **id));
-            let term = Term { powers: state, wave: term.wave.clone() };
-            coefficients.entry(term).or_default().push((parameters, number));
-        }
-        let products = coefficients.into_iter().map(|(term, parts)| product(graph, term, &parts)).collect();
-        sum_of_products(graph, products)
-    }
-}
-
-fn product(graph: &Graph, term: Term, parts: &[Monomial]) -> Product {
-    let coefficient = coefficient(graph, parts);
-    let (negative, coefficient) = match coefficient.node() {
-        Node::Neg(a) => (true, graph.expr(a)),
-        _ => (false, coefficient),
-    };
-    let mut factors: Vec<Factor> = term.powers.into_iter().map(|(id, halves)| Factor::Power(id, halves)).collect();
-    if term.wave != Wave::One {
-        factors.push(Factor::Wave(term.wave));
-    }
-    if !coefficient.is_one() {
-        factors.push(Factor::Coefficient(coefficient.id()));
-    }
-    Product { negative, factors }
-}
-
-/// A polynomial of parameters and numbers, common factors taken out.
-fn coefficient<'g>(graph: &'g Graph, parts: &[Monomial]) -> Expr<'g> {
-    let products = parts.iter().map(|(powers, number)| {
-        let mut factors: Vec<Factor> = powers.iter().map(|(&id, &halves)| Factor::Power(id, halves)).collect();
-        let magnitude = if number.is_negative() { -*number } else { *number };
-        if !magnitude.is_one() {
-            factors.push(Factor::Coefficient(graph.constant(magnitude).id()));
-        }
-        Product { negative: number.is_negative(), factors }
-    });
-    sum_of_products(graph, products.collect())
-}
-
-/// `f (a + b) + c` where `f` is the factor that most terms share.
-fn sum_of_products(graph: &Graph, mut products: Vec<Product>) -> Expr<'_> {
-    // Each level takes one factor out, so the depth is bounded by the number of factors of a term.
-    let Some(common) = most_common_factor(&products) else {
-        return products.iter().fold(graph.integer(0), |sum, p| {
-            let value = p.factors.iter().fold(graph.integer(1), |value, f| value * factor(graph, f));
-            if p.negative { sum - value } else { sum + value }
-        });
-    };
-    let (mut inside, mut outside) = (Vec::new(), Vec::new());
-    for product in products.drain(..) {
-        match divided(&product, &common) {
-            Some(rest) => inside.push(rest),
-            None => outside.push(product),
-        }
-    }
-    let bracket = factor(graph, &common) * sum_of_products(graph, inside);
-    if outside.is_empty() { bracket } else { bracket + sum_of_products(graph, outside) }
-}
-
-fn factor<'g>(graph: &'g Graph, factor: &Factor) -> Expr<'g> {
-    match factor {
-        Factor::Power(id, halves) => graph.expr(*id).power(HalfInteger::halves(*halves)),
-        Factor::Wave(w) => wave(graph, w),
-        Factor::Coefficient(id) => graph.expr(*id),
-    }
-}
-
-/// The factor that at least two products share, the most frequent; of a positive power, one power of it.
-fn most_common_factor(products: &[Product]) -> Option<Factor> {
-    let mut counts: BTreeMap<Factor, usize> = BTreeMap::new();
-    for product in products {
-        for factor in &product.factors {
-            let unit = match factor {
-                Factor::Power(id, halves) if *halves > 2 && halves % 2 == 0 => Factor::Power(*id, 2),
-                other => other.clone(),
-            };
-            *counts.entry(unit).or_insert(0) += 1;
-        }
-    }
-    let shared = counts.into_iter().filter(|(_, count)| *count > 1);
-    // The first of the most frequent ones, in the order of factors.
-    let (factor, _) = shared.rev().max_by_key(|(_, count)| *count)?;
-    let Factor::Power(id, 2) = factor else { return Some(factor) };
-    // The highest power that all of them have.
-    let powers = products.iter().filter_map(|p| whole_power(p, id));
-    powers.min().map(|halves| Factor::Power(id, halves))
-}
-
-/// The positive whole power of an indivisible expression in a product, in halves.
-fn whole_power(product: &Product, of: Id) -> Option<i32> {
-    product.factors.iter().find_map(|factor| match factor {
-        Factor::Power(id, halves) if *id == of && *halves >= 2 && halves % 2 == 0 => Some(*halves),
-        _ => None,
-    })
-}
-
-fn divided(product: &Product, by: &Factor) -> Option<Product> {
-    let mut rest = product.clone();
-    let at = rest.factors.iter().position(|factor| match (factor, by) {
-        (Factor::Power(id, halves), Factor::Power(other, least)) if least % 2 == 0 && *least > 0 => {
-            id == other && halves >= least && halves % 2 == 0
-        }
-        (factor, by) => factor == by,
-    })?;
-    match (&mut rest.factors[at], by) {
-        (Factor::Power(_, halves), Factor::Power(_, least)) if *halves > *least && *least > 0 => *halves -= least,
-        _ => {
-            rest.factors.remove(at);
-        }
-    }
-    Some(rest)
-}
-
-/// Whether an indivisible expression depends on parameters alone.
-fn is_parametric(graph: &Graph, id: Id) -> bool {
-    graph.reachable([id]).into_iter().all(|id| match graph.node(id) {
-        Node::Symbol(symbol) => matches!(symbol, Symbol::Parameter(_)),
-        _ => true,
-    })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::expr::Symbol;
 
     #[test]
     fn products_of_waves_become_multiple_angles() {
@@ -455,6 +275,79 @@ mod tests {
         assert_eq!(normal_form(&[f], 100), Some(vec![x * ((m + 1) * l.powi(2))]));
         let g = x * y + x * m;
         assert_eq!(normal_form(&[g], 100), Some(vec![x * (y + m)]));
+    }
+
+    #[test]
+    fn doubled_angles_are_halved_where_that_is_cheaper() {
+        let graph = Graph::new();
+        let x = graph.symbol(Symbol::Coordinate(0));
+        let [a, b] = [0, 1].map(|i| graph.symbol(Symbol::Parameter(i)));
+        let (s, c) = (x.sin(), x.cos());
+        let f = [a * s.powi(2) + b * c.powi(2), (a - b) * s * c];
+        let form = cheapest_form(&f, 100).unwrap();
+        assert!(f.iter().zip(&form).all(|(f, form)| agree(*f, *form)), "{form:?}");
+        // (a − b) s², + b, and (a − b) s · c; with the sine and cosine of 2 x it is no less.
+        assert_eq!(weight(&form), 20 + 4, "{form:?}");
+        // The cosine of 2 x alone is left alone.
+        let doubled = (2 * x).cos();
+        assert_eq!(cheapest_form(&[c.powi(2) - s.powi(2)], 100), Some(vec![doubled]));
+    }
+
+    #[test]
+    fn signs_of_reversed_angles_are_kept() {
+        let graph = Graph::new();
+        let [a, b] = [0, 1].map(|i| graph.symbol(Symbol::Coordinate(i)));
+        for (x, y) in [(a, b), (b, a)] {
+            // Twice of each, so that halving is cheaper than another pair.
+            let f = [(2 * x - 2 * y).sin() + (x - y).sin(), (2 * x - 2 * y).cos() * (x - y).cos()];
+            let form = cheapest_form(&f, 100).unwrap();
+            assert!(f.iter().zip(&form).all(|(f, form)| agree(*f, *form)), "{form:?}");
+            let polynomial = |doubled| {
+                let mut expansion = Expansion::new(&graph, 100);
+                let sum = expansion.of(f[0].id()).unwrap();
+                factor::factored(&graph, &[expansion.polynomial(&sum, doubled).unwrap()])[0]
+            };
+            assert!(Doubled::ALL.into_iter().all(|doubled| agree(polynomial(doubled), f[0])));
+        }
+    }
+
+    #[test]
+    fn products_are_shared() {
+        let graph = Graph::new();
+        let [x, y, z] = [0, 1, 2].map(|i| graph.symbol(Symbol::Velocity(i)));
+        let s = graph.symbol(Symbol::Coordinate(0)).sin();
+        let m = graph.symbol(Symbol::Parameter(0));
+        // m s once, then one product each.
+        let form = cheapest_form(&[m * (x * s), (m * y) * s, m * z * s], 100).unwrap();
+        assert_eq!(weight(&form), 20 + 4, "{form:?}");
+        // Sums and their negatives are one.
+        let form = cheapest_form(&[m * x - s * y, s * y - m * x], 100).unwrap();
+        assert_eq!(form[0], -form[1]);
+    }
+
+    #[test]
+    fn factors_cancel_in_quotients() {
+        let graph = Graph::new();
+        let [x, y] = [0, 1].map(|i| graph.symbol(Symbol::Coordinate(i)));
+        let [a, b] = [0, 1].map(|i| graph.symbol(Symbol::Parameter(i)));
+        let (s, c) = (x.sin(), x.cos());
+        let d = (a + b) * s.powi(2);
+        let pairs = [(a * s * c * y + b * (s * y) * c, d), (y, s + c), (y, a * b)];
+        let form = quotients(&pairs, 100).unwrap();
+        // y c / s
+        assert_eq!(weight(&form[..1]), 20 + 5, "{form:?}");
+        assert!(form.iter().zip(pairs).all(|(form, (a, b))| agree(*form, a / b)), "{form:?}");
+    }
+
+    /// Equal at a point with no special relation.
+    fn agree(a: Expr<'_>, b: Expr<'_>) -> bool {
+        let value = |symbol| match symbol {
+            Symbol::Coordinate(i) => 0.7 + 0.31 * f64::from(i),
+            Symbol::Parameter(i) => 1.3 + 0.57 * f64::from(i),
+            other => unreachable!("{other} is not used here"),
+        };
+        let values: Vec<f64> = crate::expr::evaluate(&[a, b], value);
+        (values[0] - values[1]).abs() < 1e-13 * values[1].abs()
     }
 
     #[test]

@@ -1,0 +1,275 @@
+//! Pages of small mechanisms, and their numbers.
+
+use std::collections::BTreeMap;
+
+use crate::derive::{Equations, routes};
+use crate::expr::{Binary, Expr, Function, Graph, Number, Symbol, Vector, evaluate};
+use crate::model::Lagrangian;
+
+use super::algebra::Algebra;
+use super::latex;
+use super::layout::Entry;
+use super::notation::Notation;
+use super::reader::Reader;
+
+fn output(lagrangian: &Lagrangian<'_>) -> String {
+    let graph = Graph::new();
+    latex(lagrangian, &routes(lagrangian, &graph)[0])
+}
+
+fn double_pendulum(graph: &Graph) -> Lagrangian<'_> {
+    let mut l = Lagrangian::new(graph, "DoublePendulum");
+    l.docs = vec!["Two point masses".to_string(), "on massless rods.".to_string()];
+    let [a, b] = ["theta1", "theta_2"].map(|name| l.coordinate(name, "rad", None)[0]);
+    // Lengths before masses: products do not depend on it.
+    let [l1, l2] = ["l1", "l2"].map(|name| l.parameter(name, "m", Number::ONE));
+    let [m1, m2] = ["m1", "m2"].map(|name| l.parameter(name, "kg", Number::ONE));
+    let g = l.parameter("g", "m/s^2", Number::ONE);
+    let upper = Vector([l1 * a.sin(), graph.integer(0), -l1 * a.cos()]);
+    let lower = upper + Vector([l2 * b.sin(), graph.integer(0), -l2 * b.cos()]);
+    for (mass, [x, _, z]) in [(m1, upper.0), (m2, lower.0)] {
+        l.kinetic.push(mass * (x.rate().powi(2) + z.rate().powi(2)) / 2);
+        l.potential.push(mass * g * z);
+    }
+    l
+}
+
+fn cart_pole(graph: &Graph) -> Lagrangian<'_> {
+    let mut l = Lagrangian::new(graph, "CartPole");
+    let [x, theta] = [("x", "m"), ("theta", "rad")].map(|(name, unit)| l.coordinate(name, unit, None)[0]);
+    let [cart, bob] = ["M", "m_bob"].map(|name| l.parameter(name, "kg", Number::ONE));
+    let length = l.parameter("length", "m", Number::ONE);
+    let g = l.parameter("g", "m/s^2", Number::ONE);
+    let b = l.parameter("b", "N*s/m", Number::ONE);
+    let push = l.input("F", "N", None)[0];
+    let [px, pz] = [x + length * theta.sin(), -length * theta.cos()];
+    l.kinetic.push(cart * x.rate().powi(2) / 2 + bob * (px.rate().powi(2) + pz.rate().powi(2)) / 2);
+    l.potential.push(bob * g * pz);
+    l.dissipation.push(b * x.rate().powi(2) / 2);
+    l.forces.push((0, push));
+    l
+}
+
+fn spherical_pendulum(graph: &Graph) -> Lagrangian<'_> {
+    let mut l = Lagrangian::new(graph, "SphericalPendulum");
+    let [theta, phi] = ["theta", "phi"].map(|name| l.coordinate(name, "rad", None)[0]);
+    let [m, length, g] =
+        [("m", "kg"), ("l", "m"), ("g", "m/s^2")].map(|(name, unit)| l.parameter(name, unit, Number::ONE));
+    let bob = [theta.sin() * phi.cos(), theta.sin() * phi.sin(), -theta.cos()].map(|x| length * x);
+    let [vx, vy, vz] = bob.map(|x| x.rate().powi(2));
+    l.kinetic.push(m * (vx + vy + vz) / 2);
+    l.potential.push(m * g * bob[2]);
+    l
+}
+
+/// A particle with terms of every shape.
+fn contrived(graph: &Graph) -> Lagrangian<'_> {
+    let mut l = Lagrangian::new(graph, "Contrived");
+    let [x, y] = ["x", "y_c"].map(|name| l.coordinate(name, "m", None)[0]);
+    let [m, k, gamma] =
+        [("m", "kg"), ("k", "N/m"), ("gamma", "rad")].map(|(n, unit)| l.parameter(n, unit, Number::ONE));
+    let u = l.input("u", "N", None)[0];
+    let (vx, vy) = (x.rate(), y.rate());
+    let t = graph.symbol(Symbol::Time);
+    let r = (x.powi(2) + y.powi(2)).sqrt();
+    l.kinetic.push(m * (vx.powi(2) + vy.powi(2)) / 2 + m * (2 * (y - x)).sin().powi(2) * vx * vy / 8);
+    l.potential.push(-m * k / r + k * (r - 1).powi(2) / 2 + k * (y - x).sqrt() / (y - x));
+    l.potential.push(graph.constant(Number::PI) / 3 * gamma.sin() * x.cos() * y.cos() * (x - y).call(Function::Tan));
+    l.potential.push(k * (y - x).call(Function::Tan).sqrt() + (x / (m + k)).call(Function::Atan) / gamma.sqrt());
+    l.potential.push(x.call(Function::Abs).call2(Binary::Powf, gamma) + y.call2(Binary::Atan2, x));
+    l.dissipation.push(m * vx.call(Function::Cosh).call(Function::Ln) + (m + k) * vy.powi(2) / 4);
+    l.lagrangian.push(k * (x * vy - y * vx) * (-t).call(Function::Exp));
+    l.forces.push((0, u * (x - y).cos().powi(3) - m * (y * 3).call(Function::Tanh)));
+    l.forces.push((1, graph.constant(Number::Real(6.67e-11)) * u / (x - y).powi(3)));
+    l
+}
+
+#[test]
+fn the_double_pendulum_is_that_of_a_textbook() {
+    let graph = Graph::verbatim();
+    let text = output(&double_pendulum(&graph));
+    let expected = r"
+\paragraph{Energies.}
+\begin{align*}
+  T &= \frac{1}{2} (m_1 + m_2) l_1^2 \dot{\theta}_1^2 + \frac{1}{2} m_2 l_2^2 \dot{\theta}_2^2 + m_2 l_1 l_2 \dot{\theta}_1 \dot{\theta}_2 \cos(\theta_1 - \theta_2) \\
+  V &= -(m_1 + m_2) g l_1 \cos\theta_1 - m_2 g l_2 \cos\theta_2
+\end{align*}
+
+\paragraph{Terms of $\displaystyle \mathbf{M} \ddot{\mathbf{q}} + \mathbf{C} \dot{\mathbf{q}} + \mathbf{G} = \mathbf{0}$.}
+\begin{align*}
+  \mathbf{M} &= \begin{bmatrix}
+    (m_1 + m_2) l_1^2 & m_2 l_1 l_2 \cos(\theta_1 - \theta_2) \\
+    m_2 l_1 l_2 \cos(\theta_1 - \theta_2) & m_2 l_2^2
+  \end{bmatrix} \\
+  \mathbf{C} &= \begin{bmatrix}
+    0 & m_2 l_1 l_2 \dot{\theta}_2 \sin(\theta_1 - \theta_2) \\
+    -m_2 l_1 l_2 \dot{\theta}_1 \sin(\theta_1 - \theta_2) & 0
+  \end{bmatrix} \\
+  \mathbf{G} &= \begin{bmatrix}
+    (m_1 + m_2) g l_1 \sin\theta_1 \\
+    m_2 g l_2 \sin\theta_2
+  \end{bmatrix}
+\end{align*}
+
+\paragraph{Equations of motion.}
+\begin{align*}
+  & (m_1 + m_2) l_1^2 \ddot{\theta}_1 + m_2 l_1 l_2 \ddot{\theta}_2 \cos(\theta_1 - \theta_2) + m_2 l_1 l_2 \dot{\theta}_2^2 \sin(\theta_1 - \theta_2) \\
+  & \quad {} + (m_1 + m_2) g l_1 \sin\theta_1 = 0 \\
+  & m_2 l_1 l_2 \ddot{\theta}_1 \cos(\theta_1 - \theta_2) + m_2 l_2^2 \ddot{\theta}_2 - m_2 l_1 l_2 \dot{\theta}_1^2 \sin(\theta_1 - \theta_2) + m_2 g l_2 \sin\theta_2 = 0
+\end{align*}
+";
+    assert!(text.contains(expected), "{text}");
+    assert!(text.starts_with("% DoublePendulum\n% Two point masses\n% on massless rods.\n"), "{text}");
+}
+
+#[test]
+fn the_cart_pole_has_dissipation_and_an_input() {
+    let graph = Graph::verbatim();
+    let text = output(&cart_pole(&graph));
+    for expected in [
+        r"
+  \mathbf{M} &= \begin{bmatrix}
+    M + m_{\mathrm{bob}} & m_{\mathrm{bob}} \, \mathrm{length} \cos\theta \\
+    m_{\mathrm{bob}} \, \mathrm{length} \cos\theta & m_{\mathrm{bob}} \, \mathrm{length}^2
+  \end{bmatrix} \\
+",
+        r"
+  \partial D / \partial \dot{\mathbf{q}} &= \begin{bmatrix}
+    b \dot{x} \\
+    0
+  \end{bmatrix} \\
+  \mathbf{Q} &= \begin{bmatrix}
+    F \\
+    0
+  \end{bmatrix}
+",
+        r"
+  (M + m_{\mathrm{bob}}) \ddot{x} + m_{\mathrm{bob}} \, \mathrm{length} \, \ddot{\theta} \cos\theta - m_{\mathrm{bob}} \, \mathrm{length} \, \dot{\theta}^2 \sin\theta + b \dot{x} &= F \\
+  m_{\mathrm{bob}} \, \mathrm{length} \, \ddot{x} \cos\theta + m_{\mathrm{bob}} \, \mathrm{length}^2 \, \ddot{\theta} + m_{\mathrm{bob}} g \, \mathrm{length} \sin\theta &= 0
+",
+        r"\paragraph{Conserved where $F = 0$ and $D = 0$.}",
+        r"  p_x &= (M + m_{\mathrm{bob}}) \dot{x} + m_{\mathrm{bob}} \, \mathrm{length} \, \dot{\theta} \cos\theta",
+        r"  $b$ & parameter & $\mathrm{N\,s/m}$ \\",
+    ] {
+        assert!(text.contains(expected), "{expected}\nis not in\n{text}");
+    }
+}
+
+#[test]
+fn the_spherical_pendulum_has_squares_of_sines() {
+    let graph = Graph::verbatim();
+    let text = output(&spherical_pendulum(&graph));
+    for expected in [
+        r"T &= \frac{1}{2} m l^2 \dot{\theta}^2 + \frac{1}{2} m l^2 \dot{\phi}^2 \sin^2\theta",
+        r"
+    m l^2 & 0 \\
+    0 & m l^2 \sin^2\theta
+",
+        r"
+    0 & -m l^2 \dot{\phi} \sin\theta \cos\theta \\
+    m l^2 \dot{\phi} \sin\theta \cos\theta & m l^2 \dot{\theta} \sin\theta \cos\theta
+",
+        r"
+  m l^2 \ddot{\theta} - m l^2 \dot{\phi}^2 \sin\theta \cos\theta + m g l \sin\theta &= 0 \\
+  m l^2 \ddot{\phi} \sin^2\theta + 2 m l^2 \dot{\theta} \dot{\phi} \sin\theta \cos\theta &= 0
+",
+        r"p_{\phi} &= m l^2 \dot{\phi} \sin^2\theta",
+    ] {
+        assert!(text.contains(expected), "{expected}\nis not in\n{text}");
+    }
+}
+
+#[test]
+fn what_is_too_long_is_left_out_and_said_so() {
+    let graph = Graph::verbatim();
+    let mut l = Lagrangian::new(&graph, "Long");
+    let x = l.coordinate("x", "m", None)[0];
+    let k = l.parameter_array("k", "N/m", vec![Number::ONE; 50]);
+    l.kinetic.push(x.rate().powi(2) / 2);
+    (1..).zip(k).for_each(|(i, k)| l.potential.push(k * (i * x).cos()));
+    let text = output(&l);
+    assert!(text.contains("% Left out: V (50 terms; "), "{text}");
+    assert!(text.contains("V &= \\ldots\n") && text.contains("\\ldots &= 0\n"), "{text}");
+
+    let mut chain = Lagrangian::new(&graph, "Chain");
+    let q = chain.coordinate("q", "m", Some(6));
+    q.iter().for_each(|q| chain.kinetic.push(q.rate().powi(2) / 2));
+    let text = output(&chain);
+    assert!(text.contains(r"$\mathbf{M}$ & $6 \times 6$ & 0 operations"), "{text}");
+    assert!(!text.contains("bmatrix"));
+}
+
+#[test]
+fn nothing_recurses_on_the_depth_of_an_expression() {
+    let graph = Graph::verbatim();
+    let mut l = Lagrangian::new(&graph, "Deep");
+    let x = l.coordinate("x", "m", None)[0];
+    l.kinetic.push(x.rate().powi(2) / 2);
+    let plain = Graph::new();
+    let deep = (0..100_000).fold(plain.symbol(Symbol::Coordinate(0)), |deep, _| deep.sin());
+    let mut algebra = algebra(&l, &plain);
+    assert!(matches!(algebra.shortest(deep).map(|sum| algebra.entry(Some(sum))), None | Some(Entry::TooLong(_))));
+}
+
+#[test]
+fn braces_and_brackets_are_balanced() {
+    let graph = Graph::verbatim();
+    for l in [double_pendulum(&graph), cart_pole(&graph), spherical_pendulum(&graph), contrived(&graph)] {
+        let text = output(&l);
+        for (open, close) in [("{", "}"), ("(", ")"), ("\\left", "\\right"), ("\\begin", "\\end")] {
+            assert_eq!(text.matches(open).count(), text.matches(close).count(), "{open} in\n{text}");
+        }
+        assert!(!text.contains("+ -") && !text.contains("- -") && !text.contains("  +"), "{text}");
+    }
+}
+
+#[test]
+fn what_is_written_is_what_was_derived() {
+    let verbatim = Graph::verbatim();
+    for l in [double_pendulum(&verbatim), cart_pole(&verbatim), spherical_pendulum(&verbatim), contrived(&verbatim)] {
+        let graph = Graph::new();
+        let equations = &routes(&l, &graph)[0];
+        let lagrange = &equations.lagrange;
+        let mut algebra = algebra(&l, &graph);
+        let values: BTreeMap<String, f64> =
+            symbols(equations).into_iter().map(|s| (algebra.notation.symbol(s), value_of(s))).collect();
+        let check = |value: Expr<'_>, text: String| {
+            let expected: f64 = evaluate(&[value], value_of)[0];
+            let read = Reader { rest: &text, values: &values }.sum();
+            assert!((read - expected).abs() <= 1e-9 * expected.abs().max(1.0), "{}: {text}: {read} {expected}", l.name);
+        };
+        let matrices = [lagrange.mass_matrix.concat(), lagrange.coriolis_matrix.concat()].concat();
+        let vectors = [&lagrange.gravity, &lagrange.dissipation_force, &lagrange.generalized_force].map(Vec::clone);
+        let energies = [lagrange.kinetic_energy, lagrange.potential_energy].to_vec();
+        for value in [matrices, vectors.concat(), energies, lagrange.inverse_dynamics.clone()].concat() {
+            let sum = algebra.shortest(value).unwrap_or_default();
+            check(value, algebra.text(&sum).unwrap_or_default());
+        }
+        for (i, &value) in lagrange.inverse_dynamics.iter().enumerate() {
+            let sum = algebra.left_side(equations, i).unwrap_or_default();
+            check(value, algebra.text(&sum).unwrap_or_default());
+        }
+    }
+}
+
+fn algebra<'g>(lagrangian: &Lagrangian<'_>, graph: &'g Graph) -> Algebra<'g> {
+    Algebra::new(graph, Notation::of(lagrangian))
+}
+
+fn symbols(equations: &Equations<'_>) -> Vec<Symbol> {
+    let s = &equations.symbols;
+    [&s.q, &s.qd, &s.qdd, &s.u, &s.parameters, &vec![Symbol::Time]].map(Vec::clone).concat()
+}
+
+/// Coordinates grow, so that the roots in `contrived` exist.
+fn value_of(symbol: Symbol) -> f64 {
+    match symbol {
+        Symbol::Time => 0.37,
+        Symbol::Coordinate(i) => 0.31 + 0.53 * f64::from(i),
+        Symbol::Velocity(i) => 0.71 - 0.29 * f64::from(i),
+        Symbol::Acceleration(i) => -0.43 + 0.97 * f64::from(i),
+        Symbol::Parameter(i) => 0.83 + 0.19 * f64::from(i),
+        Symbol::Input(i) => 0.61 + 0.11 * f64::from(i),
+        Symbol::Prescribed(..) | Symbol::Multiplier(_) => unreachable!("none in these mechanisms"),
+    }
+}

@@ -1,0 +1,72 @@
+//! Doubled angles halved: `sin²θ` for `½ (1 − cos 2θ)`, `sin θ cos θ` for `½ sin 2θ`.
+//!
+//! Mechanics texts write `cos(θ1 − θ2)` where angles are combined, but powers of `sin θ` and `cos θ` where one is doubled.
+
+use crate::expr::{Function, Id, Number};
+
+use super::combination::{Polynomial, product_of_powers};
+
+/// What becomes of the cosine of a doubled angle.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Doubled {
+    /// `1 + cos 2x = 2 cos²x` and `1 − cos 2x = 2 sin²x`, where the 1 is there.
+    Matched,
+    /// Nothing, nor of the sine.
+    Kept,
+    /// `1 − 2 sin²x`
+    Sine,
+    /// `2 cos²x − 1`
+    Cosine,
+}
+
+impl Doubled {
+    /// All ways; first that of most texts.
+    pub const ALL: [Doubled; 4] = [Doubled::Matched, Doubled::Kept, Doubled::Sine, Doubled::Cosine];
+}
+
+/// The sine or cosine of a doubled angle.
+#[derive(Clone, Debug)]
+pub struct Double {
+    /// Which of them.
+    pub function: Function,
+    /// The sine of the angle that is doubled.
+    pub sine: Polynomial,
+    /// Its cosine.
+    pub cosine: Polynomial,
+}
+
+/// The polynomial with doubled angles halved, given which indivisible expressions have one; `None` beyond `limit` terms.
+pub fn halved(
+    polynomial: &Polynomial,
+    doubled: Doubled,
+    limit: usize,
+    mut double: impl FnMut(Id) -> Option<Double>,
+) -> Option<Polynomial> {
+    let mut result = polynomial.clone();
+    if doubled == Doubled::Kept {
+        return Some(result);
+    }
+    for powers in polynomial.0.keys() {
+        for (&id, _) in powers.iter().filter(|(_, halves)| **halves == 2) {
+            let coefficient = result.coefficient(powers);
+            let Some(Double { function, sine, cosine }) = double(id).filter(|_| !coefficient.is_zero()) else {
+                continue;
+            };
+            let rest = product_of_powers(powers, &[(id, -2)].into())?;
+            // c sin 2x = 2 c sin x cos x, c cos 2x = c − 2 c sin²x = 2 c cos²x − c
+            let (constant, wave) = match (function, doubled) {
+                (Function::Sin, _) => (Number::ZERO, sine.times(&cosine, limit)?),
+                (_, Doubled::Sine) => (coefficient, sine.times(&sine, limit)?.negative()),
+                (_, Doubled::Cosine) => (-coefficient, cosine.times(&cosine, limit)?),
+                _ if result.coefficient(&rest) == coefficient => (-coefficient, cosine.times(&cosine, limit)?),
+                _ if result.coefficient(&rest) == -coefficient => (coefficient, sine.times(&sine, limit)?.negative()),
+                _ => continue,
+            };
+            result.add(powers.clone(), -coefficient);
+            result.add(rest.clone(), constant);
+            let scale = Polynomial::term(rest, coefficient * Number::integer(2));
+            result = result.plus(&wave.times(&scale, limit)?, Number::ONE);
+        }
+    }
+    Some(result)
+}

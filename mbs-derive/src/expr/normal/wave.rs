@@ -1,0 +1,103 @@
+//! Sines and cosines of sums of angles, and their products as sums.
+
+use std::collections::BTreeMap;
+
+use crate::expr::{Expr, Graph, Id, Number};
+
+/// An angle: integer multiples of indivisible expressions, the first of them positive.
+pub type Angle = BTreeMap<Id, i32>;
+
+/// What a product of powers is multiplied with.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Wave {
+    /// 1
+    One,
+    /// Its cosine.
+    Cos(Angle),
+    /// Its sine.
+    Sin(Angle),
+}
+
+impl Wave {
+    /// `cos a cos b = ½ (cos(a − b) + cos(a + b))` and its like.
+    pub fn times(&self, other: &Wave) -> Vec<(Number, Wave)> {
+        let half = Number::rational(1, 2).unwrap_or(Number::ONE);
+        let (plus, minus) = (Number::ONE, -Number::ONE);
+        let [(x, cos_x), (y, cos_y)] = match [self, other].map(|wave| match wave {
+            Wave::One => None,
+            Wave::Cos(angle) => Some((angle, true)),
+            Wave::Sin(angle) => Some((angle, false)),
+        }) {
+            [Some(x), Some(y)] => [x, y],
+            [None, _] => return vec![(plus, other.clone())],
+            [_, None] => return vec![(plus, self.clone())],
+        };
+        let (sum, difference) = (combine(x, y, 1), combine(x, y, -1));
+        let signed = match (cos_x, cos_y) {
+            (true, true) => [(plus, cosine(difference)), (plus, cosine(sum))],
+            (false, false) => [(plus, cosine(difference)), (minus, cosine(sum))],
+            (false, true) => [(plus, sine(sum)), (plus, sine(difference))],
+            (true, false) => [(plus, sine(sum)), (minus, sine(difference))],
+        };
+        let scaled = signed.into_iter().map(|(sign, (factor, wave))| (half * sign * factor, wave));
+        scaled.filter(|(factor, _)| !factor.is_zero()).collect()
+    }
+
+    /// As an expression; its sign may be that of the reversed angle.
+    pub fn expression<'g>(&self, graph: &'g Graph) -> Expr<'g> {
+        match self {
+            Wave::One => graph.integer(1),
+            Wave::Cos(angle) => expression(angle, graph).cos(),
+            Wave::Sin(angle) => expression(angle, graph).sin(),
+        }
+    }
+}
+
+/// An angle as an expression.
+pub fn expression<'g>(angle: &Angle, graph: &'g Graph) -> Expr<'g> {
+    angle.iter().fold(graph.integer(0), |sum, (&id, &n)| sum + i64::from(n) * graph.expr(id))
+}
+
+/// Half of an angle that is twice a sum of whole multiples, not all of them even.
+pub fn half(angle: &Angle) -> Option<Angle> {
+    let halves = angle.iter().map(|(&id, &n)| (n % 2 == 0).then_some((id, n / 2))).collect::<Option<Angle>>()?;
+    halves.values().any(|n| n % 2 != 0).then_some(halves)
+}
+
+fn combine(a: &Angle, b: &Angle, sign: i32) -> Angle {
+    let mut sum = a.clone();
+    for (&id, &n) in b {
+        let multiple = sum.entry(id).or_insert(0);
+        *multiple += sign * n;
+        if *multiple == 0 {
+            sum.remove(&id);
+        }
+    }
+    sum
+}
+
+/// `cos` of an angle: even, and 1 at 0.
+pub fn cosine(angle: Angle) -> (Number, Wave) {
+    match leading(&angle) {
+        0 => (Number::ONE, Wave::One),
+        n if n < 0 => (Number::ONE, Wave::Cos(negative(angle))),
+        _ => (Number::ONE, Wave::Cos(angle)),
+    }
+}
+
+/// `sin` of an angle: odd, and 0 at 0.
+pub fn sine(angle: Angle) -> (Number, Wave) {
+    match leading(&angle) {
+        0 => (Number::ZERO, Wave::One),
+        n if n < 0 => (-Number::ONE, Wave::Sin(negative(angle))),
+        _ => (Number::ONE, Wave::Sin(angle)),
+    }
+}
+
+fn leading(angle: &Angle) -> i32 {
+    angle.first_key_value().map_or(0, |(_, &n)| n)
+}
+
+fn negative(angle: Angle) -> Angle {
+    angle.into_iter().map(|(id, n)| (id, -n)).collect()
+}
