@@ -60,7 +60,9 @@ pub fn linearization<'g>(
     );
     let slope = |x: &[Symbol]| negative(&jacobian_by_rows(&residual, x));
     let [q, qd] = [slope(&symbols.q), slope(&symbols.qd)];
-    let u = negative(&jacobian(&residual, &symbols.u));
+    // Of few inputs a sweep each is cheaper, of many a sweep for each row.
+    let by_inputs = symbols.u.len() <= 4 * residual.len();
+    let u = if by_inputs { negative(&jacobian(&residual, &symbols.u)) } else { slope(&symbols.u) };
     let parameters = slope(&symbols.parameters);
     let Some(solution) = &forward.unrolled else {
         let finish = |rows| if forward.augmented { augmented(rows, &constraints.jacobian) } else { rows };
