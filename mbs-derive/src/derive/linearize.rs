@@ -64,10 +64,10 @@ pub fn linearization<'g>(
             .map(|(row, &bias)| row.iter().zip(&symbols.qdd).fold(bias, |sum, (&a, &qdd)| sum + a * graph.symbol(qdd))),
     );
     // One sweep a row for all symbols.
-    let x = [symbols.q.as_slice(), &symbols.qd, &symbols.parameters];
+    let x = [symbols.q.as_slice(), &symbols.qd, &symbols.u, &symbols.parameters];
     let slopes = negative(&jacobian_by_rows(&residual, &x.concat()));
-    let [q, qd, parameters] = split(&slopes, x.map(<[_]>::len));
-    let [q, qd, u] = together(form, [q, qd, negative(&jacobian(&residual, &symbols.u))]);
+    let [q, qd, u, parameters] = split(&slopes, x.map(<[_]>::len));
+    let [q, qd, u] = together(form, [q, qd, u]);
     let parameters = form.rows(&parameters);
     let (Some(solution), Some(factorization)) = (&forward.unrolled, &forward.factorization) else {
         let finish = |rows| if forward.augmented { augmented(rows, &constraints.jacobian) } else { rows };
