@@ -12,6 +12,7 @@ use super::atom::{Atom, Kind, Place, Shape, parity, shape};
 use super::condition::Condition;
 use super::layout::{Entry, bracketed, sum_text, width};
 use super::notation::Notation;
+use super::square::without_unit_circles;
 
 /// Entries with more terms are left out.
 const LONGEST_SUM: usize = 40;
@@ -40,15 +41,22 @@ impl<'g> Algebra<'g> {
         let plain = self.expand(value);
         let mut forms = Vec::new();
         for sum in [textbook, plain].into_iter().flatten() {
+            let sum = without_unit_circles(self.graph, sum);
             forms.extend(halved(&sum, Doubled::Matched, MOST_TERMS, |id| self.double(id)));
             forms.push(sum);
         }
         self.shortest_of(forms)
     }
 
-    /// Of equally short ones the first.
-    pub(super) fn shortest_of(&self, forms: Vec<Polynomial>) -> Option<Polynomial> {
-        forms.into_iter().min_by_key(|sum| (self.groups(sum).len(), sum.0.len()))
+    /// Of equally short ones the first. A group with a doubled angle counts twice: people write `sin²θ`.
+    pub(super) fn shortest_of(&mut self, forms: Vec<Polynomial>) -> Option<Polynomial> {
+        let mut length = |sum: &Polynomial| {
+            let groups = self.groups(sum);
+            let doubled = groups.iter().filter(|(_, group)| group.state.keys().any(|&id| self.double(id).is_some()));
+            let doubled = doubled.count();
+            (groups.len() + doubled, sum.0.len())
+        };
+        forms.into_iter().min_by_key(|sum| length(sum))
     }
 
     /// `M q̈ + C q̇ + G + ∂D/∂q̇` in row i, from the forms in which these are written.
@@ -169,6 +177,7 @@ impl<'g> Algebra<'g> {
         let base = if flipped { -self.graph.expr(base) } else { self.graph.expr(base) };
         // The base itself may be the number of a function whose argument has changed its sign.
         let id = base.sqrt().id();
+        let sum = self.with_squares(sum);
         self.function(id, Shape::Sum(self.text(&sum)?), &[&sum]);
         let power = Polynomial::atom(id, n.to_halves());
         Some(if flipped && n.to_integer().is_some_and(|k| k % 2 != 0) { power.negative() } else { power })

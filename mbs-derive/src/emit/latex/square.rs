@@ -1,7 +1,7 @@
-//! Squares of sums: `x² + 2 x y + y² = (x + y)²`.
+//! Squares of sums, `x² + 2 x y + y² = (x + y)²`, and `sin²x + cos²x = 1`.
 
 use crate::expr::normal::combination::{Polynomial, Powers, product_of_powers};
-use crate::expr::{Expr, HalfInteger, Number};
+use crate::expr::{Expr, Function, Graph, HalfInteger, Node, Number};
 
 use super::algebra::Algebra;
 use super::atom::{Atom, Shape};
@@ -9,7 +9,7 @@ use super::layout::sum_text;
 use super::writing::common_powers;
 
 /// Longer sums are not searched for squares.
-const LONGEST: usize = 40;
+const LONGEST: usize = 100;
 
 /// `coefficient · outside · (first + second)²`, and the terms that it is worth.
 struct Square {
@@ -57,6 +57,27 @@ impl<'g> Algebra<'g> {
         let factor = |(&id, &halves)| self.graph.expr(id).power(HalfInteger::halves(halves));
         powers.iter().map(factor).fold(self.graph.integer(1), |product, factor| product * factor)
     }
+}
+
+/// The polynomial with `c p sin²x + c p cos²x` written as `c p`.
+pub(super) fn without_unit_circles(graph: &Graph, sum: Polynomial) -> Polynomial {
+    let mut result = sum.clone();
+    for powers in sum.0.keys() {
+        for (&id, _) in powers.iter().filter(|(_, halves)| **halves == 4) {
+            let Node::Call(Function::Sin, angle) = graph.node(id) else { continue };
+            let cosine = graph.expr(angle).cos().id();
+            let rest = product_of_powers(powers, &[(id, -4)].into());
+            let other = rest.as_ref().and_then(|rest| product_of_powers(rest, &[(cosine, 4)].into()));
+            let (Some(rest), Some(other)) = (rest, other) else { continue };
+            let coefficient = result.coefficient(powers);
+            if !coefficient.is_zero() && result.coefficient(&other) == coefficient {
+                result.add(powers.clone(), -coefficient);
+                result.add(other, -coefficient);
+                result.add(rest, coefficient);
+            }
+        }
+    }
+    result
 }
 
 /// The first square whose terms belong to no other: `(x + y + z)²` is not taken apart.

@@ -241,7 +241,7 @@ fn with_like_coefficients(alone: Vec<Vec<Group>>) -> Vec<Vec<Group>> {
 
 /// Products with the same dependence on the state; parts are coefficients of parameters and numbers.
 pub(super) struct Group {
-    state: Powers,
+    pub(super) state: Powers,
     parts: Vec<(Powers, Number)>,
 }
 
