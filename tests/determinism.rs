@@ -9,7 +9,8 @@ const CHILD: &str = "MBS_TESTS_DETERMINISM_CHILD";
 
 fn everything() -> String {
     let options = emit::Options::default();
-    let modules = mbs_models::SOURCES.iter().map(|(module, source)| {
+    let sources = mbs_models::SOURCES.iter().chain(mbs_tests::mechanisms::SOURCES);
+    let modules = sources.map(|(module, source)| {
         let generated = generate(&format!("mechanisms/{module}.mbs"), source, &options);
         generated.unwrap_or_else(|e| panic!("{}", e.render(module, source))).code
     });

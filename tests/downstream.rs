@@ -93,6 +93,79 @@ fn the_readme_makes_a_crate() {
     assert!(!report.contains("panicked"), "{report}");
 }
 
+/// Shared functions in a file of their own: a change of that file alone is seen, a mistake in it is shown there.
+#[test]
+fn what_a_mechanism_imports_belongs_to_it() {
+    let crate_ = Downstream::new("import", &block("toml"));
+    let mechanism = block("mbs").replace("m_bob * g * bob.z", "weight(m_bob, g) * bob.z");
+    crate_.write("mechanisms/cart_pole.mbs", &format!("import \"../shared/weight.mbs\";\n{mechanism}"));
+    crate_.write("shared/weight.mbs", "fn weight(mass, g) = mass*g;\n");
+    crate_.write("build.rs", &block("rust,build.rs"));
+    crate_.write(
+        "src/main.rs",
+        "mbs_runtime::include_mechanism!(\"cart_pole\");\n\
+         fn main() { println!(\"V = {:.3}\", cart_pole::CartPole::<f64>::default().potential_energy(&[0.0, 0.0])); }\n",
+    );
+    let first = text(&crate_.cargo(&["run"]));
+    assert!(first.contains("V = -0.491\n"), "{first}");
+    crate_.write("shared/weight.mbs", "fn weight(mass, g) = 2*mass*g;\n");
+    let second = text(&crate_.cargo(&["run"]));
+    assert!(second.contains("V = -0.981\n"), "{second}");
+    crate_.write("shared/weight.mbs", "/// In N.\nfn weight(mass, g) = mass*g*nothing;\n");
+    let wrong = text(&crate_.cargo(&["build"]));
+    assert!(
+        wrong.contains("--> shared/weight.mbs:2:29\n") && wrong.contains("--> mechanisms/cart_pole.mbs:16:"),
+        "{wrong}"
+    );
+    assert!(wrong.contains("2 | fn weight(mass, g) = mass*g*nothing;\n"), "{wrong}");
+    assert!(!wrong.contains("panicked"), "{wrong}");
+}
+
+/// Code that is checked in, of a folder with shared files in it; and modules that would be one file.
+#[test]
+fn a_folder_is_generated_beside_its_index() {
+    let crate_ = Downstream::new("folder", &block("toml"));
+    let mechanism = block("mbs").replace("m_bob * g * bob.z", "weight(m_bob, g) * bob.z");
+    crate_.write("mechanisms/cart_pole.mbs", &format!("import \"weight.mbs\";\n{mechanism}"));
+    crate_.write("mechanisms/weight.mbs", "/// In N.\nfn weight(mass, g) = mass*g;\n");
+    crate_.write(
+        "build.rs",
+        "fn main() {\n    let folder = concat!(env!(\"CARGO_MANIFEST_DIR\"), \"/mechanisms\");\n    \
+         mbs_derive::Config::new().out_dir(\"src/generated\").compile_folder(folder);\n}\n",
+    );
+    crate_.write("src/generated/README", "Generated from ../../mechanisms.\n");
+    crate_.write(
+        "src/main.rs",
+        "mod generated { include!(\"generated/mechanisms.rs\"); }\n\
+         fn main() {\n    use generated::{GENERATED, SOURCES, cart_pole::CartPole};\n    \
+         let [(module, source)] = SOURCES else { panic!(\"one mechanism\") };\n    \
+         assert!(source.ends_with(\"output tip = bob;\\n}\\n\") && GENERATED[0].1.contains(\"pub mod cart_pole {\"));\n    \
+         println!(\"{module}: {:?}\", CartPole::<f64>::default().tip(&[1.0, 0.0]));\n}\n",
+    );
+    let run = text(&crate_.cargo(&["run"]));
+    assert!(run.contains("cart_pole: [1.0, 0.0, -0.5]\n"), "{run}");
+    for file in ["mechanisms.rs", "cart_pole.rs"] {
+        let code = fs::read_to_string(crate_.path(&format!("src/generated/{file}"))).expect("generated");
+        assert!(!code.contains(&*crate_.folder.path().to_string_lossy()), "{file} names a folder of this machine");
+    }
+    assert!(!crate_.path("src/generated/weight.rs").exists());
+
+    let other = "mechanism Cart_Pole { param m: kg = 1; coord x: m; kinetic += 1/2*m*dt(x)^2; }\n";
+    crate_.write("mechanisms/other.mbs", other);
+    let twice = text(&crate_.cargo(&["build"]));
+    assert!(twice.contains("error: `Cart_Pole` would be written to cart_pole.rs, as the mechanism of "), "{twice}");
+    assert!(twice.contains("mechanisms/other.mbs:1:1\n"), "{twice}");
+    crate_.write("mechanisms/other.mbs", &other.replace("Cart_Pole", "Mechanisms"));
+    let index = text(&crate_.cargo(&["build"]));
+    assert!(
+        index.contains("error: `Mechanisms` would be written to mechanisms.rs, which lists all mechanisms"),
+        "{index}"
+    );
+    crate_.write("mechanisms/other.mbs", "const a = 2 b;\n");
+    let shared = text(&crate_.cargo(&["build"]));
+    assert!(shared.contains("mechanisms/other.mbs:1:13\n"), "files to be shared are looked through: {shared}");
+}
+
 #[test]
 fn a_new_mechanism_is_one_new_snapshot() {
     let dependencies = block("toml").replace("[build-dependencies]", "insta = \"1\"\n\n[build-dependencies]");

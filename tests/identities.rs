@@ -7,22 +7,23 @@ use mbs_derive::optimise::Derivation;
 use mbs_derive::{declared, derived};
 use mbs_runtime::{Dual, Mechanism};
 use mbs_tests::compare::error;
+use mbs_tests::mechanisms as written;
 use mbs_tests::random::{Random, State, states};
 
-macro_rules! check_every_mechanism {
-    ($($module:ident $name:ident $n:literal $u:literal;)*) => {$(
+macro_rules! check {
+    ($source:ident, $($module:ident $name:ident $n:literal $u:literal;)*) => {$(
         mod $module {
             use super::*;
-            use mbs_models::$module::$name;
+            use $source::$module::$name;
 
             #[test]
             fn equations_fit_together() {
-                identities::<$n, $u>(&$name::default());
+                identities::<$n, $u>(stringify!($module), &$name::default());
             }
 
             #[test]
             fn derivatives_are_those_of_dual_numbers() {
-                derivatives::<$n, $u>(&$name::default(), &$name::default());
+                derivatives::<$n, $u>(stringify!($module), &$name::default(), &$name::default());
             }
 
             #[test]
@@ -32,11 +33,20 @@ macro_rules! check_every_mechanism {
         }
     )*};
 }
-mbs_models::for_each_mechanism!(check_every_mechanism);
+macro_rules! check_models {
+    ($($mechanism:tt)*) => { check!(mbs_models, $($mechanism)*); };
+}
+macro_rules! check_written {
+    ($($mechanism:tt)*) => { check!(written, $($mechanism)*); };
+}
+mbs_models::for_each_mechanism!(check_models);
+mbs_tests::for_each_mechanism!(check_written);
 
-/// `M` symmetric and positive semidefinite, `q̇ᵀ M q̇ = 2 T` and `p = M q̇` (no mechanism here has velocity-linear terms),
-/// `C q̇ + G = h`, inverse ∘ forward = identity.
-fn identities<const N: usize, const U: usize>(mechanism: &impl Mechanism<N, U, Scalar = f64>) {
+/// `M` symmetric and positive semidefinite, `p − p(0) = M q̇`, `T(q̇) + T(−q̇) − 2 T(0) = q̇ᵀ M q̇`, `C q̇ + G = h`,
+/// `M q̈ + h + ∂D/∂q̇ = τ`, and at the accelerations of forward dynamics `τ = Q + Aᵀλ` and `A q̈ + γ = 0`.
+fn identities<const N: usize, const U: usize>(module: &str, mechanism: &impl Mechanism<N, U, Scalar = f64>) {
+    let derivation = derivation_of(module);
+    let constraints = Constraints(Interpreter::new(&derivation));
     let mut random = Random::new(7);
     for State { q, qd, qdd } in states::<N>(1, 60) {
         let (t, u) = (0.7, random.array::<U>(-5.0..5.0));
@@ -50,10 +60,11 @@ fn identities<const N: usize, const U: usize>(mechanism: &impl Mechanism<N, U, S
         let smallest = mbs_derive::model::degree::eliminate(&m.concat(), N).smallest;
         assert!(smallest >= -1e-12, "M is positive semidefinite: {smallest:e} at {q:?}");
         let m_qd = times(&m, &qd);
-        close("p = M q̇", &mechanism.momentum(t, &q, &qd), &m_qd, &[&m_qd]);
-        let twice = 2.0 * mechanism.kinetic_energy(t, &q, &qd);
+        let at_rest = mechanism.momentum(t, &q, &[0.0; N]);
+        close("p = p(0) + M q̇", &mechanism.momentum(t, &q, &qd), &sum(&m_qd, &at_rest), &[&m_qd, &at_rest]);
+        let energies = [qd, qd.map(|rate| -rate), [0.0; N]].map(|qd| mechanism.kinetic_energy(t, &q, &qd));
         let form: f64 = qd.iter().zip(&m_qd).map(|(a, b)| a * b).sum();
-        close("q̇ᵀ M q̇ = 2 T", &[form], &[twice], &[&[twice]]);
+        close("2 T₂ = q̇ᵀ M q̇", &[energies[0] + energies[1] - 2.0 * energies[2]], &[form], &[&energies]);
         let h = mechanism.bias(t, &q, &qd);
         let g = mechanism.gravity(t, &q);
         let c_qd = times(&mechanism.coriolis_matrix(t, &q, &qd), &qd);
@@ -64,29 +75,40 @@ fn identities<const N: usize, const U: usize>(mechanism: &impl Mechanism<N, U, S
         let m_qdd = times(&m, &qdd);
         close("M q̈ + h + ∂D/∂q̇ = τ", &sum(&sum(&m_qdd, &h), &d), &tau, &[&m_qdd, &h]);
 
+        let at = constraints.at(t, &q, &qd, &u);
         let accelerations = mechanism.forward_dynamics(t, &q, &qd, &u);
-        if accelerations.iter().all(|a| a.is_finite()) && well_conditioned(&m) {
-            let force = mechanism.generalized_force(t, &q, &qd, &u);
+        if accelerations.iter().all(|a| a.is_finite()) && well_conditioned(&m) && at.independent() {
+            let (force, reaction) = (mechanism.generalized_force(t, &q, &qd, &u), at.force());
             let back = mechanism.inverse_dynamics(t, &q, &qd, &accelerations);
             let m_qdd = times(&m, &accelerations);
-            close("inverse dynamics of forward dynamics", &back, &force, &[&m_qdd, &h]);
+            close("inverse of forward dynamics: Q + Aᵀλ", &back, &sum(&force, &reaction), &[&m_qdd, &h, &reaction]);
+            for (row, gamma) in at.rows.iter().zip(&at.bias) {
+                let terms: [f64; N] = std::array::from_fn(|i| row[i] * accelerations[i]);
+                close("A q̈ + γ = 0", &[terms.iter().sum::<f64>() + gamma], &[0.0], &[&terms, &[*gamma]]);
+            }
         }
     }
 }
 
 /// `linearize` and `inverse_dynamics_jacobian` against the same generated code run on dual numbers.
 fn derivatives<const N: usize, const U: usize>(
+    module: &str,
     mechanism: &impl Mechanism<N, U, Scalar = f64>,
     dual: &impl Mechanism<N, U, Scalar = Dual<f64>>,
 ) {
+    let derivation = derivation_of(module);
+    let constraints = Constraints(Interpreter::new(&derivation));
     let mut random = Random::new(11);
     for State { q, qd, qdd } in states::<N>(2, 12) {
         let (t, u) = (0.7, random.array::<U>(-5.0..5.0));
         let fixed = |x: f64| Dual::constant(x);
-        skewness_and_balance(mechanism, dual, &State { q, qd, qdd }, &u);
+        let at = constraints.at(t, &q, &qd, &u);
+        skewness_and_balance(mechanism, dual, &State { q, qd, qdd }, &u, &at);
         let jacobian = mechanism.inverse_dynamics_jacobian(t, &q, &qd, &qdd);
         let linearization = mechanism.linearize(t, &q, &qd, &u);
-        let regular = well_conditioned(&mechanism.mass_matrix(t, &q));
+        // Terms as large as q̈ add up to its derivatives: ∂q̈/∂x holds M⁻¹ ∂M/∂x q̈.
+        let accelerations = mechanism.forward_dynamics(t, &q, &qd, &u);
+        let regular = well_conditioned(&mechanism.mass_matrix(t, &q)) && at.independent();
         for j in 0..N {
             for (of_tau, of_qdd, in_velocity) in
                 [(&jacobian.q, &linearization.q, false), (&jacobian.qd, &linearization.qd, true)]
@@ -101,7 +123,7 @@ fn derivatives<const N: usize, const U: usize>(
                 close("∂τ/∂x", &of_tau.map(|row| row[j]), &tau, &[&of_tau.concat()]);
                 if regular {
                     let qdd = dual.forward_dynamics(fixed(t), &dq, &dqd, &u.map(fixed)).map(|x| x.derivative);
-                    close("∂q̈/∂x", &of_qdd.map(|row| row[j]), &qdd, &[&of_qdd.concat()]);
+                    close("∂q̈/∂x", &of_qdd.map(|row| row[j]), &qdd, &[&of_qdd.concat(), &accelerations]);
                 }
             }
         }
@@ -116,31 +138,80 @@ fn derivatives<const N: usize, const U: usize>(
     }
 }
 
-/// `Ṁ − 2 C` skew-symmetric and `d/dt (T + V) = q̇·(Q − ∂D/∂q̇)`: no mechanism here depends on t.
+/// `Ṁ + ∂M/∂t − 2 C` skew-symmetric and `d/dt (T₂ − T₀ + V) = q̇·(Q − ∂D/∂q̇ + Aᵀλ) − ∂L/∂t`. Terms of L beside T and V are
+/// linear in the velocities and free of t in all mechanisms here: they do not enter.
 fn skewness_and_balance<const N: usize, const U: usize>(
     mechanism: &impl Mechanism<N, U, Scalar = f64>,
     dual: &impl Mechanism<N, U, Scalar = Dual<f64>>,
     State { q, qd, .. }: &State<N>,
     u: &[f64; U],
+    constraints: &Rows<N>,
 ) {
     let t = 0.7;
+    let now = Dual::variable(t);
     let along = |x: &[f64; N], rate: &[f64; N]| -> [Dual<f64>; N] {
         std::array::from_fn(|i| Dual { value: x[i], derivative: rate[i] })
     };
     let c = mechanism.coriolis_matrix(t, q, qd);
-    let m_dot = dual.mass_matrix(Dual::constant(t), &along(q, qd)).map(|row| row.map(|x| x.derivative));
+    let [total, explicit] =
+        [*qd, [0.0; N]].map(|rate| dual.mass_matrix(now, &along(q, &rate)).map(|row| row.map(|x| x.derivative)));
     for i in 0..N {
         let sums: [f64; N] = std::array::from_fn(|j| c[i][j] + c[j][i]);
-        close("Ṁ − 2 C skew", &sums, &m_dot[i], &[&c.concat()]);
+        close("Ṁ + ∂M/∂t − 2 C skew", &sums, &sum(&total[i], &explicit[i]), &[&c.concat()]);
     }
-    if well_conditioned(&mechanism.mass_matrix(t, q)) {
+    if well_conditioned(&mechanism.mass_matrix(t, q)) && constraints.independent() {
         let qdd = mechanism.forward_dynamics(t, q, qd, u);
         let (q_along, qd_along) = (along(q, qd), along(qd, &qdd));
-        let kinetic = dual.kinetic_energy(Dual::constant(t), &q_along, &qd_along).derivative;
-        let potential = dual.potential_energy(Dual::constant(t), &q_along).derivative;
+        let kinetic = |sign: f64| {
+            let qd = qd_along.map(|x| Dual { value: sign * x.value, derivative: sign * x.derivative });
+            dual.kinetic_energy(now, &q_along, &qd).derivative
+        };
+        let relative = 0.5 * (kinetic(1.0) + kinetic(-1.0)) - 2.0 * kinetic(0.0);
+        let potential = dual.potential_energy(now, &q_along).derivative;
+        let (q_held, qd_held) = (q.map(Dual::constant), qd.map(Dual::constant));
+        let explicit = dual.kinetic_energy(now, &q_held, &qd_held) - dual.potential_energy(now, &q_held);
         let (force, damping) = (mechanism.generalized_force(t, q, qd, u), mechanism.dissipation_force(t, q, qd));
-        let power: f64 = (0..N).map(|i| qd[i] * (force[i] - damping[i])).sum();
-        close("energy balance", &[kinetic + potential], &[power], &[&[kinetic, potential]]);
+        let reaction = constraints.force();
+        let power: f64 = (0..N).map(|i| qd[i] * (force[i] - damping[i] + reaction[i])).sum();
+        let terms = [kinetic(1.0), kinetic(-1.0), kinetic(0.0), potential, explicit.derivative, power];
+        close("energy balance", &[relative + potential], &[power - explicit.derivative], &[&terms, &reaction]);
+    }
+}
+
+/// The functions of the constraints, which the trait has not.
+struct Constraints<'d>(Interpreter<'d>);
+
+/// Constraints at one state.
+struct Rows<const N: usize> {
+    /// A
+    rows: Vec<[f64; N]>,
+    /// γ
+    bias: Vec<f64>,
+    /// λ
+    multipliers: Vec<f64>,
+}
+
+impl Constraints<'_> {
+    fn at<const N: usize>(&self, t: f64, q: &[f64; N], qd: &[f64; N], u: &[f64]) -> Rows<N> {
+        let [q, qd, u] = [q.as_slice(), qd, u].map(<[f64]>::to_vec);
+        let state = interpret::State { t, q, qd, qdd: vec![0.0; N], u, prescribed: Vec::new() };
+        let call = |name: &str| self.0.call(name, &state).unwrap_or_default();
+        let rows = call("constraint_jacobian").chunks(N).map(|row| std::array::from_fn(|i| row[i])).collect();
+        Rows { rows, bias: call("constraint_bias"), multipliers: call("multipliers") }
+    }
+}
+
+impl<const N: usize> Rows<N> {
+    /// `Aᵀλ`.
+    fn force(&self) -> [f64; N] {
+        std::array::from_fn(|i| self.rows.iter().zip(&self.multipliers).map(|(row, lambda)| row[i] * lambda).sum())
+    }
+
+    /// Whether no pivot of `A Aᵀ`, scaled to a unit diagonal, is below 1e-4.
+    fn independent(&self) -> bool {
+        let dot = |a: &[f64; N], b: &[f64; N]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+        let products: Vec<f64> = self.rows.iter().flat_map(|a| self.rows.iter().map(move |b| dot(a, b))).collect();
+        mbs_derive::model::degree::eliminate(&products, self.rows.len()).smallest > 1e-4
     }
 }
 
@@ -194,7 +265,8 @@ fn compiled_is_interpreted<const N: usize, const U: usize>(
 }
 
 fn derivation_of(module: &str) -> Derivation {
-    let (_, source) = mbs_models::SOURCES.iter().find(|(name, _)| *name == module).expect("a file of this name");
+    let mut sources = mbs_models::SOURCES.iter().chain(mbs_tests::mechanisms::SOURCES);
+    let (_, source) = sources.find(|(name, _)| *name == module).expect("a file of this name");
     let graph = Graph::verbatim();
     let (lagrangian, _) = declared(source, &graph, &[]).expect("a mechanism of the repository");
     derived(&lagrangian)

@@ -117,13 +117,17 @@ fn arm6_params_follows_its_parameters() {
     let mut params = Params::<f64>::default();
     for (i, link) in arm.links.iter_mut().enumerate() {
         let vary = |x: f64, k: usize| x * (1.0 + 0.03 * ((7 * i + 3 * k) % 11) as f64) + 0.01 * (k + 1) as f64;
-        (link.d, link.a, link.mass) = (vary(link.d, 0), vary(link.a, 1), vary(link.mass, 2));
+        // Lengths that are 0 by design are no parameters.
+        let length = |x: f64, k: usize| if x == 0.0 { 0.0 } else { vary(x, k) };
+        (link.d, link.a, link.mass) = (length(link.d, 0), length(link.a, 1), vary(link.mass, 2));
         link.center_of_mass = std::array::from_fn(|k| vary(link.center_of_mass[k], 3 + k));
         link.inertia = std::array::from_fn(|k| vary(link.inertia[k], 6 + k));
-        (params.d[i], params.a[i], params.mass[i]) = (link.d, link.a, link.mass);
+        params.mass[i] = link.mass;
         [params.com_x[i], params.com_y[i], params.com_z[i]] = link.center_of_mass;
         [params.i_xx[i], params.i_xy[i], params.i_xz[i], params.i_yy[i], params.i_yz[i], params.i_zz[i]] = link.inertia;
     }
+    params.d = [0, 3, 5].map(|i: usize| arm.links[i].d);
+    params.a = [0, 1, 2].map(|i: usize| arm.links[i].a);
     params.g = 8.5;
     arm.gravity = [0.0, 0.0, -8.5];
     check(&Arm6Params::new(params), &arm);

@@ -8,6 +8,8 @@ mod json;
 
 use std::path::{Path, PathBuf};
 
+use mbs_derive::{emit, source};
+
 use crate::failure::Failure;
 use crate::{mechanism, output};
 
@@ -50,5 +52,6 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
 
 fn rust(file: &Path) -> Result<String, Failure> {
     let derivation = mechanism::read(file)?.derivation;
-    Ok(mbs_derive::emit::rust(&derivation, &file.display().to_string(), &mbs_derive::emit::Options::default()))
+    let name = file.display().to_string();
+    Ok(emit::rust(&derivation, source::portable(&name), &emit::Options::default()))
 }

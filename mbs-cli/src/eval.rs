@@ -83,9 +83,10 @@ fn conserved(derivation: &Derivation, evaluated: impl Fn(&Function) -> Vec<f64>)
     named.flatten().collect()
 }
 
-/// Values of the outputs by name.
+/// Values of the outputs by name, and rates of Jacobians that were asked for.
 fn outputs(derivation: &Derivation, evaluated: impl Fn(&Function) -> Vec<f64>) -> Map<String, Value> {
-    let outputs = derivation.functions.iter().filter(|function| matches!(function.kind, FunctionKind::Output(_)));
+    let shown = |f: &&Function| matches!(f.kind, FunctionKind::Output(_) | FunctionKind::OutputJacobianRate(_));
+    let outputs = derivation.functions.iter().filter(shown);
     outputs.map(|function| (function.name.clone(), shaped(function, &evaluated(function)))).collect()
 }
 

@@ -1,5 +1,7 @@
 //! `mbs ops`: what one call of each function costs.
 
+mod explanation;
+
 use std::path::PathBuf;
 
 use mbs_derive::optimise::{Derivation, Operations};
@@ -8,6 +10,7 @@ use serde_json::{Map, Value, json};
 use crate::failure::Failure;
 use crate::mechanism::{self, Mechanism};
 use crate::output;
+use explanation::Explanation;
 
 /// Count the operations of every generated function.
 ///
@@ -22,19 +25,32 @@ pub(crate) struct Arguments {
     /// Print one JSON object instead of a table.
     #[arg(long)]
     json: bool,
+    /// Also tell which route each function took, what it would cost by the others, and what regrouping of masses saved.
+    #[arg(long)]
+    explain: bool,
 }
 
 /// Prints the operation counts.
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let mechanism = mechanism::read(&arguments.file)?;
-    output::print(&if arguments.json { output::json(&object(&mechanism)) } else { table(&mechanism) })
+    let (mechanism, explanation) = mechanism::read_and(&arguments.file, |lagrangian, _, derivation| {
+        arguments.explain.then(|| Explanation::of(lagrangian, derivation))
+    })?;
+    output::print(&match (arguments.json, explanation) {
+        (true, explanation) => output::json(&object(&mechanism, explanation.as_ref())),
+        (false, None) => table(&mechanism),
+        (false, Some(explanation)) => format!("{}\n{}", table(&mechanism), explanation.table()),
+    })
 }
 
-fn object(mechanism: &Mechanism) -> Value {
+fn object(mechanism: &Mechanism, explanation: Option<&Explanation>) -> Value {
     let Mechanism { derivation, derive_seconds, .. } = mechanism;
     let functions: Map<String, Value> =
         derivation.functions.iter().map(|f| (f.name.clone(), counts(f.operations))).collect();
-    json!({ "mechanism": derivation.name, "derive_seconds": derive_seconds, "functions": functions })
+    let mut object = json!({ "mechanism": derivation.name, "derive_seconds": derive_seconds, "functions": functions });
+    if let Some(explanation) = explanation {
+        object["explanation"] = explanation.object();
+    }
+    object
 }
 
 /// One function's counts.
@@ -48,18 +64,24 @@ pub(crate) fn counts(operations: Operations) -> Value {
 
 fn table(mechanism: &Mechanism) -> String {
     let Mechanism { derivation, derive_seconds, .. } = mechanism;
-    let mut rows = vec![["function", "add", "mul", "div", "sqrt", "sincos", "other", "flops"].map(String::from)];
-    rows.extend(derivation.functions.iter().map(|f| row(&f.name, f.operations)));
+    let header = ["function", "add", "mul", "div", "sqrt", "sincos", "other", "flops"].map(String::from).to_vec();
+    let rows = derivation.functions.iter().map(|f| row(&f.name, f.operations).to_vec());
+    let rows: Vec<Vec<String>> = std::iter::once(header).chain(rows).collect();
+    format!("{}, derived in {:.3} s\n\n{}", summary(derivation), derive_seconds, in_columns(&rows, 1))
+}
+
+/// Rows of cells below one another, the first ones to the left, the others to the right.
+fn in_columns(rows: &[Vec<String>], to_the_left: usize) -> String {
     let width = |column: usize| rows.iter().map(|row| row[column].chars().count()).max().unwrap_or(0);
     let widths: Vec<usize> = (0..rows[0].len()).map(width).collect();
     let lines = rows.iter().map(|row| {
         let cells = row.iter().zip(&widths).enumerate().map(|(i, (cell, &width))| match i {
-            0 => format!("{cell:<width$}"),
+            i if i < to_the_left => format!("{cell:<width$}"),
             _ => format!("{cell:>width$}"),
         });
         cells.collect::<Vec<_>>().join("  ") + "\n"
     });
-    format!("{}, derived in {:.3} s\n\n{}", summary(derivation), derive_seconds, lines.collect::<String>())
+    lines.collect()
 }
 
 fn summary(derivation: &Derivation) -> String {

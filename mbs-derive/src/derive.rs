@@ -17,11 +17,16 @@
 
 pub mod conserved;
 pub mod constraint;
+mod gravity;
 pub mod lagrange;
+pub mod lift;
 pub mod linearize;
 pub mod output;
 pub mod solve;
 pub mod textbook;
+pub mod tree;
+
+use std::fmt;
 
 use crate::expr::{Expr, Graph, Symbol, carry_out, gradient_of_combination};
 use crate::model::Lagrangian;
@@ -33,6 +38,9 @@ pub use linearize::{InverseDynamicsJacobian, Linearization};
 pub use output::OutputEquations;
 pub use solve::ForwardDynamics;
 pub use textbook::Form;
+
+use lift::Lifted;
+use tree::Masses;
 
 /// Rows of expressions.
 pub type Rows<'g> = Vec<Vec<Expr<'g>>>;
@@ -66,9 +74,35 @@ impl Symbols {
     }
 }
 
+/// How equations were derived.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Route {
+    /// The energies differentiated.
+    Plain,
+    /// The same in multiple-angle normal form.
+    Textbook,
+    /// Bodies on their tree of frames by sweeps, all else plainly.
+    Structured,
+    /// The same with every mass left where it was declared; for comparison.
+    Ungrouped,
+}
+
+impl fmt::Display for Route {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Route::Plain => "plain",
+            Route::Textbook => "textbook",
+            Route::Structured => "structured",
+            Route::Ungrouped => "ungrouped",
+        })
+    }
+}
+
 /// Everything that is generated for a mechanism, as roots in one graph.
 #[derive(Clone, Debug)]
 pub struct Equations<'g> {
+    /// How they were derived.
+    pub route: Route,
     /// The symbols that the roots depend on.
     pub symbols: Symbols,
     /// T, V, p, M, C, G, h and inverse dynamics.
@@ -87,20 +121,43 @@ pub struct Equations<'g> {
     pub outputs: Vec<OutputEquations<'g>>,
 }
 
-/// Derives the equations of motion into `graph`, by every route that applies; the first is Lagrange's, plain.
+/// Derives the equations of motion into `graph`, by every route that applies.
 ///
-/// The routes are equal in value, each function of a mechanism may take another: the cheapest is chosen by `optimise`.
+/// The routes are equal in value, each function of a mechanism may take another: the cheapest is chosen by `optimise`. A long
+/// chain that is nothing but bodies is derived by its structure alone: differentiation would only take time to lose.
 pub fn routes<'g>(lagrangian: &Lagrangian<'_>, graph: &'g Graph) -> Vec<Equations<'g>> {
+    derived_by(lagrangian, graph, &[Route::Plain, Route::Textbook, Route::Structured])
+}
+
+/// The same, and routes that are there for comparison only.
+pub fn all_routes<'g>(lagrangian: &Lagrangian<'_>, graph: &'g Graph) -> Vec<Equations<'g>> {
+    derived_by(lagrangian, graph, &[Route::Plain, Route::Textbook, Route::Structured, Route::Ungrouped])
+}
+
+fn derived_by<'g>(lagrangian: &Lagrangian<'_>, graph: &'g Graph, routes: &[Route]) -> Vec<Equations<'g>> {
     let symbols = Symbols::of(lagrangian);
     let energies = Energies::carried_out(lagrangian, graph);
-    let plain = lagrange::equations(&energies, &symbols);
-    let textbook = textbook::normal_form(&plain);
-    let routes = std::iter::once((plain, Form::AsDerived)).chain(textbook.map(|lagrange| (lagrange, Form::Textbook)));
-    routes.map(|(lagrange, form)| equations(lagrange, form, &energies, &symbols, lagrangian, graph)).collect()
+    let lifted = lift::lifted(lagrangian, &energies, graph);
+    let is_long_chain = symbols.q.len() > solve::LARGEST_UNROLLED && lifted.as_ref().is_some_and(Lifted::is_all);
+    let plain = (!is_long_chain).then(|| lagrange::equations(&energies, &symbols));
+    let rest = lifted.as_ref().map(|lifted| lagrange::equations(&lifted.rest, &symbols));
+    let by_bodies = |masses| Some(tree::equations(lifted.as_ref()?, masses, &energies, rest.as_ref()?, &symbols));
+    let by = |route: Route| match route {
+        Route::Plain => plain.clone(),
+        Route::Textbook => textbook::normal_form(plain.as_ref()?),
+        Route::Structured => by_bodies(Masses::Regrouped),
+        Route::Ungrouped => by_bodies(Masses::AsDeclared),
+    };
+    let found = routes.iter().filter_map(|&route| Some((route, by(route)?)));
+    let form = |route| if route == Route::Textbook { Form::Textbook } else { Form::AsDerived };
+    found
+        .map(|(route, lagrange)| equations(route, lagrange, form(route), &energies, &symbols, lagrangian, graph))
+        .collect()
 }
 
 /// Everything that follows from Lagrange's equations.
 fn equations<'g>(
+    route: Route,
     lagrange: Lagrange<'g>,
     form: Form,
     energies: &Energies<'g>,
@@ -115,6 +172,7 @@ fn equations<'g>(
     let conserved = conserved::conserved(&lagrange, energies, &constraints, symbols, lagrangian);
     let outputs = output::outputs(lagrangian, graph, symbols);
     Equations {
+        route,
         symbols: symbols.clone(),
         lagrange,
         forward_dynamics,
@@ -143,10 +201,7 @@ pub struct Energies<'g> {
 
 impl<'g> Energies<'g> {
     fn carried_out(lagrangian: &Lagrangian<'_>, graph: &'g Graph) -> Self {
-        let sum = |terms: &[Expr<'_>]| {
-            let terms = carry_out(terms, graph, |symbol| time_derivative(symbol, graph));
-            terms.into_iter().fold(graph.integer(0), |sum, term| sum + term)
-        };
+        let sum = |terms: &[Expr<'_>]| sum(terms, graph);
         let (kinetic, potential) = (sum(&lagrangian.kinetic), sum(&lagrangian.potential));
         let at_points = virtual_work(lagrangian, graph);
         let force = |i: usize| {
@@ -161,6 +216,20 @@ impl<'g> Energies<'g> {
             forces: (0..lagrangian.dof()).map(force).collect(),
         }
     }
+
+    /// The same with only these terms of T and V.
+    fn with_terms(&self, kinetic: &[Expr<'_>], potential: &[Expr<'_>], lagrangian: &Lagrangian<'_>) -> Self {
+        let graph = self.kinetic.graph();
+        let (kinetic, potential) = (sum(kinetic, graph), sum(potential, graph));
+        let lagrangian = kinetic - potential + sum(&lagrangian.lagrangian, graph);
+        Energies { kinetic, potential, lagrangian, ..self.clone() }
+    }
+}
+
+/// The sum of verbatim terms, time derivatives carried out.
+fn sum<'g>(terms: &[Expr<'_>], graph: &'g Graph) -> Expr<'g> {
+    let terms = carry_out(terms, graph, |symbol| time_derivative(symbol, graph));
+    terms.into_iter().fold(graph.integer(0), |sum, term| sum + term)
 }
 
 /// `Q = Σ (∂v/∂q̇)ᵀ F` over forces on points and torques on bodies: one reverse sweep for all of them.

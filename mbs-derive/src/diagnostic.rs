@@ -20,6 +20,7 @@
 use std::fmt;
 
 use crate::parse::syntax::Span;
+use crate::source::Sources;
 
 /// How bad it is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -73,11 +74,17 @@ impl Diagnostic {
 pub struct Diagnostics {
     /// Sorted by where they begin; of two at one place the one found first comes first.
     messages: Vec<Diagnostic>,
+    /// Whether any message is an error.
+    failed: bool,
+    /// The last message beyond those that are kept.
+    omitted: Option<Box<Diagnostic>>,
 }
 
 impl Diagnostics {
     /// How many messages a report shows before it says "… and N more".
     const SHOWN: usize = 20;
+    /// How many messages are kept: a file of garbage has one for each character.
+    const KEPT: usize = 1000;
 
     /// Notes an error and returns it, so that a help can be added.
     pub fn error(&mut self, span: Span, message: impl Into<String>) -> &mut Diagnostic {
@@ -91,13 +98,32 @@ impl Diagnostics {
 
     fn insert(&mut self, severity: Severity, span: Span, message: String) -> &mut Diagnostic {
         let place = self.messages.partition_point(|m| m.span.start <= span.start);
-        self.messages.insert(place, Diagnostic { severity, message, span, help: None, notes: Vec::new() });
+        let message = Diagnostic { severity, message, span, help: None, notes: Vec::new() };
+        if self.messages.len() >= Self::KEPT && (self.failed || severity == Severity::Warning) {
+            return self.omitted.insert(Box::new(message));
+        }
+        self.failed |= severity == Severity::Error;
+        self.messages.insert(place, message);
         &mut self.messages[place]
+    }
+
+    /// Whether there are so many messages that no more are kept: nobody reads on.
+    pub fn is_full(&self) -> bool {
+        self.messages.len() >= Self::KEPT
+    }
+
+    /// Adds a place to the messages about `span` that do not show it yet.
+    pub fn note(&mut self, span: &Span, place: &Span, message: &str) {
+        for found in self.messages.iter_mut().filter(|m| m.span == *span) {
+            if found.notes.iter().all(|note| note.span != *place) {
+                found.note(place.clone(), message);
+            }
+        }
     }
 
     /// Whether any message is an error.
     pub fn has_errors(&self) -> bool {
-        self.messages.iter().any(|m| m.severity == Severity::Error)
+        self.failed
     }
 
     /// A pass's last line: `value` where nothing was wrong with it, else the messages.
@@ -110,12 +136,37 @@ impl Diagnostics {
         self.messages.iter()
     }
 
-    /// The report as a person reads it: every message with its place and the line of `source` that it is about.
+    /// Takes the messages of another pass, or about another file.
+    pub fn append(&mut self, other: Diagnostics) {
+        for Diagnostic { severity, message, span, help, notes } in other.messages {
+            let taken = self.insert(severity, span, message);
+            (taken.help, taken.notes) = (help, notes);
+        }
+    }
+
+    /// Moves all places to where their text stands among others.
+    pub(crate) fn shift(&mut self, start: usize) {
+        for message in &mut self.messages {
+            let notes = message.notes.iter_mut().map(|note| &mut note.span);
+            for span in notes.chain([&mut message.span]) {
+                *span = span.start + start..span.end + start;
+            }
+        }
+    }
+
+    /// The report as a person reads it: every message with its place and the line of `source` that it is about. For a
+    /// mechanism that imports nothing; else see [`render_in`](Self::render_in).
     pub fn render(&self, file_name: &str, source: &str) -> String {
+        if self.messages.is_empty() { String::new() } else { self.render_in(&Sources::new(file_name, source)) }
+    }
+
+    /// The report as a person reads it: every message with its file, its place and the line that it is about.
+    pub fn render_in(&self, sources: &Sources) -> String {
         let shown = self.messages.iter().take(Self::SHOWN);
-        let mut blocks: Vec<String> = shown.map(|m| block(m, file_name, source)).collect();
+        let mut blocks: Vec<String> = shown.map(|m| block(m, sources)).collect();
         if self.messages.len() > Self::SHOWN {
-            blocks.push(format!("… and {} more\n", self.messages.len() - Self::SHOWN));
+            let more = self.messages.len() - Self::SHOWN;
+            blocks.push(format!("… and {}{more} more\n", if self.is_full() { "at least " } else { "" }));
         }
         blocks.join("\n")
     }
@@ -156,21 +207,31 @@ impl fmt::Display for Diagnostics {
 
 impl std::error::Error for Diagnostics {}
 
-fn block(message: &Diagnostic, file_name: &str, source: &str) -> String {
-    let title = format!("{}: {}", message.severity, message.message);
-    let (mut block, gutter) = marked(&title, &message.span, file_name, source);
+fn block(message: &Diagnostic, sources: &Sources) -> String {
+    let title = format!("{}: {}", message.severity, abridged(&message.message));
+    let (mut block, gutter) = marked(&title, &message.span, sources);
     if let Some(help) = &message.help {
-        block += &format!("{gutter} = help: {}\n", help.replace('\n', &format!("\n{gutter}         ")));
+        block += &format!("{gutter} = help: {}\n", abridged(help).replace('\n', &format!("\n{gutter}         ")));
     }
     for note in &message.notes {
-        block += &marked(&format!("note: {}", note.message), &note.span, file_name, source).0;
+        block += &marked(&format!("note: {}", note.message), &note.span, sources).0;
     }
     block
 }
 
+/// Without the rest of a message that quotes a name of a thousand letters.
+fn abridged(text: &str) -> String {
+    const LONGEST: usize = 600;
+    match text.char_indices().nth(LONGEST) {
+        Some((end, _)) => format!("{}…", &text[..end]),
+        None => text.to_string(),
+    }
+}
+
 /// The title, and the line of a place with the place underlined; how far the bars are indented.
-fn marked(title: &str, span: &Span, file_name: &str, source: &str) -> (String, String) {
-    let Excerpt { line, column, text, indent, width } = excerpt(source, span);
+fn marked(title: &str, span: &Span, sources: &Sources) -> (String, String) {
+    let (file_name, source, span) = sources.locate(span);
+    let Excerpt { line, column, text, indent, width } = excerpt(source, &span);
     let (number, gutter) = (line.to_string(), " ".repeat(line.to_string().len()));
     let underline = format!("{}{}", " ".repeat(indent), "^".repeat(width));
     let mut block = format!("{title}\n{gutter}--> {file_name}:{line}:{column}\n{gutter} |\n");
@@ -201,15 +262,19 @@ fn excerpt(source: &str, span: &Span) -> Excerpt {
     let end = boundary(source, span.end).max(start);
     let line_start = source[..start].rfind('\n').map_or(0, |newline| newline + 1);
     let line_end = source[start..].find('\n').map_or(source.len(), |newline| start + newline);
-    let marked = source[start..end.min(line_end)].trim_end();
+    // Of a line of megabytes no more than can be shown is looked at.
+    let far = 8 * WIDTH;
+    let end = boundary(source, end.min(line_end).min(start + far));
+    let marked = source[start..end].trim_end();
     let marked_end = start + marked.len();
+    let shown_end = boundary(source, line_end.min(marked_end + far));
 
-    let before = source[line_start..start].chars().flat_map(printable);
+    let before = source[boundary(source, line_start.max(start.saturating_sub(far)))..start].chars().flat_map(printable);
     let mut shown: Vec<char> = before.collect();
     let from = shown.len();
     shown.extend(marked.chars().flat_map(printable));
     let to = shown.len();
-    shown.extend(source[marked_end..line_end].trim_end().chars().flat_map(printable));
+    shown.extend(source[marked_end..shown_end].trim_end().chars().flat_map(printable));
 
     let first = if shown.len() <= WIDTH { 0 } else { window(shown.len(), from, to) };
     let last = shown.len().min(first + WIDTH);
@@ -402,6 +467,21 @@ note: here too
         let report = errors.render("a.mbs", &"x".repeat(23));
         assert_eq!(report.matches("error: ").count(), 20);
         assert!(report.ends_with("\n\n… and 3 more\n"), "{report}");
+    }
+
+    #[test]
+    fn a_million_messages_take_no_memory_without_end() {
+        let mut errors = Diagnostics::default();
+        for i in 0..Diagnostics::KEPT {
+            errors.warning(i..i + 1, "odd");
+        }
+        assert!(errors.is_full() && !errors.has_errors());
+        for i in 0..100_000 {
+            errors.error(i..i + 1, "wrong").help("right");
+        }
+        assert!(errors.has_errors());
+        assert_eq!(errors.iter().count(), Diagnostics::KEPT + 1);
+        assert!(errors.render("a.mbs", "x").ends_with("… and at least 981 more\n"));
     }
 
     #[test]

@@ -74,6 +74,12 @@ pub fn module_name(derivation: &Derivation) -> String {
     name::identifier(&name::snake_case(&derivation.name))
 }
 
+/// Whether the module implements `mbs_runtime::Mechanism`: all functions of the trait are generated, and no motion is
+/// given at run time, for which the trait has no argument.
+pub fn implements_mechanism(derivation: &Derivation, options: &Options) -> bool {
+    item::implements_mechanism(derivation, options)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -212,6 +218,7 @@ mod tests {
                 docs: Vec::new(),
                 unit: "m".to_string(),
                 value,
+                jacobian_rate: false,
             });
         }));
         check(&text, &["pub fn gravity_2(&self, q: &[T; 1]) -> T {"]);

@@ -24,6 +24,7 @@
 //! - [`optimise`]: straight-line programs and their operation counts;
 //! - [`verify`]: the proof; [`interpret`]: Programs run in process; [`emit`]: Rust;
 //! - [`diagnostic`]: what is wrong with a declaration, where, and what to write instead;
+//! - [`source`]: the files of a mechanism: its own, and those that it imports;
 //! - [`cargo`]: build scripts, the only input and output.
 
 pub mod cargo;
@@ -35,6 +36,7 @@ pub mod interpret;
 pub mod model;
 pub mod optimise;
 pub mod parse;
+pub mod source;
 pub mod verify;
 
 use std::fmt;
@@ -44,6 +46,7 @@ use diagnostic::Diagnostics;
 use expr::Graph;
 use model::Lagrangian;
 use optimise::Derivation;
+use source::Sources;
 
 /// A generated module.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -56,6 +59,8 @@ pub struct Generated {
     pub dof: usize,
     /// Number of inputs.
     pub inputs: usize,
+    /// Whether the module implements `mbs_runtime::Mechanism`; not where motions are given at run time.
+    pub implements_mechanism: bool,
     /// The module's text.
     pub code: String,
     /// Warnings, rendered with the source underlined; empty where there are none.
@@ -80,11 +85,19 @@ pub enum Error {
 }
 
 impl Error {
-    /// The report for people: file, line, column, the text underlined, and what to write instead.
+    /// The report for people: file, line, column, the text underlined, and what to write instead. For a mechanism that
+    /// imports nothing; else see [`render_in`](Self::render_in).
     pub fn render(&self, file_name: &str, source: &str) -> String {
+        self.render_in(&Sources::new(file_name, source))
+    }
+
+    /// The report for people: file, line, column, the text underlined, and what to write instead.
+    pub fn render_in(&self, sources: &Sources) -> String {
         match self {
-            Error::Declaration(diagnostics) => diagnostics.render(file_name, source),
-            Error::Proof(_) | Error::UnknownFunction { .. } => format!("error: {self}\n --> {file_name}:1:1\n"),
+            Error::Declaration(diagnostics) => diagnostics.render_in(sources),
+            Error::Proof(_) | Error::UnknownFunction { .. } => {
+                format!("error: {self}\n --> {}:1:1\n", sources.main().name)
+            }
         }
     }
 }
@@ -115,7 +128,7 @@ impl From<verify::Failure> for Error {
     }
 }
 
-/// The text of a mechanism → a module of Rust, proved.
+/// The text of a mechanism that imports nothing → a module of Rust, proved.
 ///
 /// `file_name` is what the module's first line and the reports call the source.
 ///
@@ -123,8 +136,16 @@ impl From<verify::Failure> for Error {
 /// [`Error::Declaration`] if the text is not a mechanism, [`Error::Proof`] if the derived code disagrees with the energies,
 /// [`Error::UnknownFunction`] if the options ask for a function that there is not.
 pub fn generate(file_name: &str, source: &str, options: &emit::Options) -> Result<Generated, Error> {
+    generate_from(&Sources::new(file_name, source), options)
+}
+
+/// The texts of a mechanism and of all that it imports → a module of Rust, proved.
+///
+/// # Errors
+/// As [`generate`].
+pub fn generate_from(sources: &Sources, options: &emit::Options) -> Result<Generated, Error> {
     let graph = Graph::verbatim();
-    let (lagrangian, warnings) = declared(source, &graph, &options.freeze)?;
+    let (lagrangian, warnings) = declared_from(sources, &graph, &options.freeze)?;
     let derivation = derived(&lagrangian);
     verify::against_energies(&lagrangian, &derivation)?;
     for name in options.functions.iter().flatten() {
@@ -138,13 +159,14 @@ pub fn generate(file_name: &str, source: &str, options: &emit::Options) -> Resul
         name: derivation.name.clone(),
         dof: derivation.dof(),
         inputs: model::sample::count(&derivation.inputs),
-        code: emit::rust(&derivation, file_name, options),
-        warnings: warnings.render(file_name, source),
+        implements_mechanism: emit::implements_mechanism(&derivation, options),
+        code: emit::rust(&derivation, source::portable(&sources.main().name), options),
+        warnings: warnings.render_in(sources),
     })
 }
 
-/// `parse` and `model`: the text of a mechanism → its Lagrangian, and warnings. The parameters named in `freeze` become
-/// constants.
+/// `parse` and `model`: the text of a mechanism that imports nothing → its Lagrangian, and warnings. The parameters named in
+/// `freeze` become constants.
 ///
 /// # Errors
 /// All mistakes of the first pass that finds any.
@@ -153,9 +175,28 @@ pub fn declared<'g>(
     graph: &'g Graph,
     freeze: &[String],
 ) -> Result<(Lagrangian<'g>, Diagnostics), Diagnostics> {
-    let mut declaration = parse::declaration(source)?;
+    declared_from(&Sources::new("", source), graph, freeze)
+}
+
+/// `parse` and `model`: the texts of a mechanism and of all that it imports → its Lagrangian, and warnings. The parameters
+/// named in `freeze` become constants.
+///
+/// # Errors
+/// All mistakes of the first pass that finds any.
+pub fn declared_from<'g>(
+    sources: &Sources,
+    graph: &'g Graph,
+    freeze: &[String],
+) -> Result<(Lagrangian<'g>, Diagnostics), Diagnostics> {
+    let mut declaration = parse::declaration_of(sources)?;
     declaration.freeze(freeze)?;
     model::resolve(&declaration, graph)
+}
+
+/// What each function of [`derived`] would cost by each route, those for comparison included; in the same order.
+pub fn compared(lagrangian: &Lagrangian<'_>) -> Vec<Vec<(derive::Route, optimise::Operations)>> {
+    let graph = Graph::new();
+    optimise::compared(&derive::all_routes(lagrangian, &graph))
 }
 
 /// `derive` and `optimise`: a Lagrangian → its Programs, not yet proved.

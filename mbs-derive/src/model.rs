@@ -5,13 +5,15 @@
 //!
 //! - [`frame`]: the tree of frames, each with its pose and its twist;
 //! - [`lagrangian`]: the result, and the builder API that stands under the language;
+//! - [`landmark`]: what some of its expressions stand for in space;
 //! - [`dimension`]: SI dimensions and units;
 //! - `value`: what expressions stand for; `scope`: what names stand for; `constant`: what is known of an expression;
 //! - `statement`: statements in order; `declare`: parameters, coordinates, inputs, prescribed motions, constants;
 //! - `energy`: energies, generalized forces; `point_force`: forces at points, torques; `constraint`: constraints;
 //! - `evaluate`: expressions → values; `operator`: `+ - * / ^` and `dt`; `condition`: `if … else`;
 //! - `builtin`: functions and methods; `function`: functions written in the language; `body`: bodies;
-//! - `check`: what must hold of the finished mechanism;
+//! - `import`: what imported files declare;
+//! - `check`: what must hold of the finished mechanism; `singular`, `sign`: what it was probably not meant to do;
 //! - [`sample`]: random states; [`degree`]: what must hold of the energies there.
 
 mod body;
@@ -27,11 +29,15 @@ mod energy;
 mod evaluate;
 pub mod frame;
 mod function;
+mod import;
 pub mod lagrangian;
+pub mod landmark;
 mod operator;
 mod point_force;
 pub mod sample;
 mod scope;
+mod sign;
+mod singular;
 mod statement;
 #[cfg(test)]
 mod trial;
@@ -54,6 +60,7 @@ pub fn resolve<'g>(declaration: &Declaration, graph: &'g Graph) -> Result<(Lagra
     let mut resolver = Resolver::new(graph, &declaration.name.text, declaration.dimensionless);
     resolver.lagrangian.docs = declaration.docs.clone();
     resolver.provide(&library.statements);
+    resolver.import(&declaration.imported);
     resolver.survey(&declaration.statements);
     resolver.statements(&declaration.statements);
     if !resolver.errors.has_errors() {

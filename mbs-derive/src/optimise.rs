@@ -13,7 +13,7 @@ pub mod program;
 pub mod schedule;
 
 use crate::derive::output::OutputShape;
-use crate::derive::{Equations, Rows};
+use crate::derive::{Equations, Route, Rows};
 use crate::expr::{Expr, Symbol};
 use crate::model::{Constraint, Lagrangian, Variable};
 
@@ -64,6 +64,8 @@ pub struct Function {
     pub completion: Completion,
     /// What one call costs.
     pub operations: Operations,
+    /// How it was derived.
+    pub route: Route,
 }
 
 /// What a function computes.
@@ -113,6 +115,8 @@ pub enum FunctionKind {
     OutputVelocity(usize),
     /// The Jacobian of the output with this number.
     OutputJacobian(usize),
+    /// The time derivative of the Jacobian of the output with this number.
+    OutputJacobianRate(usize),
 }
 
 /// An argument of a generated function.
@@ -180,7 +184,7 @@ pub enum Completion {
 
 /// Makes the Programs, each function by its cheapest route; the routes are equal in value, the first wins a draw.
 pub fn straight_line(lagrangian: &Lagrangian<'_>, routes: &[Equations<'_>]) -> Derivation {
-    let roots = cheapest(routes.iter().map(functions).collect());
+    let roots = cheapest(routes.iter().map(|route| (route.route, functions(route))).collect());
     let hoisting = Hoisting::of(roots.iter().map(|f| f.roots.as_slice()));
     let functions: Vec<Function> = roots.into_iter().map(|f| f.into_function(&hoisting)).collect();
     let depends_on_time = functions.iter().any(|f| f.program.uses(|symbol| symbol == Symbol::Time));
@@ -227,44 +231,71 @@ struct Roots<'g> {
     completion: Completion,
     /// Of the system that the completion solves.
     size: usize,
+    route: Route,
 }
 
 impl<'g> Roots<'g> {
     fn new(name: &str, kind: FunctionKind, arguments: &[Argument], shape: Shape, roots: Vec<Expr<'g>>) -> Self {
         let results = vec![ResultPart { name: "", shape }];
         let arguments = arguments.to_vec();
-        Roots { name: name.to_string(), kind, arguments, results, roots, completion: Completion::None, size: 0 }
+        Roots {
+            name: name.to_string(),
+            kind,
+            arguments,
+            results,
+            roots,
+            completion: Completion::None,
+            size: 0,
+            route: Route::Plain,
+        }
     }
 
     /// What a call would cost if nothing else were generated.
-    fn cost(&self) -> usize {
+    fn cost(&self) -> Operations {
         let hoisting = Hoisting::of([self.roots.as_slice()].into_iter());
-        cost::operations(&lower::program(&self.roots, &hoisting)).weight()
+        self.completed(cost::operations(&lower::program(&self.roots, &hoisting)))
+    }
+
+    /// With what the completion takes.
+    fn completed(&self, operations: Operations) -> Operations {
+        match self.completion {
+            Completion::None => operations,
+            Completion::Solve | Completion::SolveMultipliers => operations + cost::solve(self.size, &self.results),
+        }
     }
 
     fn into_function(self, hoisting: &Hoisting) -> Function {
         let program = lower::program(&self.roots, hoisting);
-        let mut operations = cost::operations(&program);
-        if self.completion != Completion::None {
-            operations = operations + cost::solve(self.size, &self.results);
-        }
-        let Roots { name, kind, arguments, results, completion, .. } = self;
-        Function { name, kind, arguments, results, program, completion, operations }
+        let operations = self.completed(cost::operations(&program));
+        let Roots { name, kind, arguments, results, completion, route, .. } = self;
+        Function { name, kind, arguments, results, program, completion, operations, route }
     }
 }
 
-/// The cheapest of several ways to compute each function.
-fn cheapest<'g>(routes: Vec<Vec<Roots<'g>>>) -> Vec<Roots<'g>> {
-    let mut routes = routes.into_iter();
-    let mut best = routes.next().unwrap_or_default();
-    for route in routes {
-        for (one, other) in best.iter_mut().zip(route) {
-            if other.cost() < one.cost() {
-                *one = other;
+/// The cheapest of several ways to compute each function; the first wins a draw.
+fn cheapest<'g>(routes: Vec<(Route, Vec<Roots<'g>>)>) -> Vec<Roots<'g>> {
+    let only_one = routes.len() == 1;
+    let mut best: Vec<(usize, Roots<'g>)> = Vec::new();
+    for (route, functions) in routes {
+        for (i, function) in functions.into_iter().enumerate() {
+            let cost = if only_one { 0 } else { function.cost().weight() };
+            let function = Roots { route, ..function };
+            match best.get_mut(i) {
+                Some(one) if cost < one.0 => *one = (cost, function),
+                Some(_) => {}
+                None => best.push((cost, function)),
             }
         }
     }
-    best
+    best.into_iter().map(|(_, function)| function).collect()
+}
+
+/// What each function would cost by each route, in the order of the functions and of the routes.
+pub fn compared(routes: &[Equations<'_>]) -> Vec<Vec<(Route, Operations)>> {
+    let by_route: Vec<Vec<Operations>> =
+        routes.iter().map(|route| functions(route).iter().map(Roots::cost).collect()).collect();
+    let function = |i: usize| routes.iter().zip(&by_route).map(|(route, costs)| (route.route, costs[i])).collect();
+    (0..by_route.first().map_or(0, Vec::len)).map(function).collect()
 }
 
 /// The functions of a mechanism, in the order of the documentation.
@@ -331,6 +362,7 @@ fn linearizations<'g>(equations: &Equations<'g>) -> Vec<Roots<'g>> {
         roots: [leading.clone(), q.concat(), qd.concat(), u.concat()].concat(),
         completion,
         size: forward.matrix.len(),
+        route: Route::Plain,
     };
     let parameters = (!parameters[0].is_empty()).then(|| Roots {
         name: "linearize_parameters".to_string(),
@@ -340,6 +372,7 @@ fn linearizations<'g>(equations: &Equations<'g>) -> Vec<Roots<'g>> {
         roots: [leading, parameters.concat()].concat(),
         completion,
         size: forward.matrix.len(),
+        route: Route::Plain,
     });
     [state].into_iter().chain(parameters).collect()
 }
@@ -356,6 +389,7 @@ fn inverse_dynamics_jacobian<'g>(equations: &Equations<'g>) -> Roots<'g> {
         roots: [jacobian.q.concat(), jacobian.qd.concat()].concat(),
         completion: Completion::None,
         size: 0,
+        route: Route::Plain,
     }
 }
 
@@ -385,7 +419,7 @@ fn conserved<'g>(equations: &Equations<'g>) -> Roots<'g> {
     Roots::new("conserved", FunctionKind::Conserved(names), &[Argument::Q, Argument::Qd], shape, values)
 }
 
-/// An output's value, velocity and Jacobian; each takes the arguments that it depends on, and q in any case.
+/// An output's value, velocity, Jacobian and its rate; each takes the arguments that it depends on, and q in any case.
 fn output<'g>(equations: &Equations<'g>, number: usize) -> Vec<Roots<'g>> {
     let output = &equations.outputs[number];
     let name = &output.name;
@@ -409,6 +443,10 @@ fn output<'g>(equations: &Equations<'g>, number: usize) -> Vec<Roots<'g>> {
     let jacobian_shape = Shape::Matrix(jacobian.len(), equations.symbols.q.len());
     let kind = FunctionKind::OutputJacobian(number);
     functions.push(function(&format!("{name}_jacobian"), kind, jacobian_shape, jacobian.concat()));
+    if let Some(rate) = &output.jacobian_rate {
+        let kind = FunctionKind::OutputJacobianRate(number);
+        functions.push(function(&format!("{name}_jacobian_rate"), kind, jacobian_shape, rate.concat()));
+    }
     functions
 }
 

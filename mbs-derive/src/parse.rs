@@ -4,6 +4,8 @@
 //! them. In reading order:
 //!
 //! - [`syntax`]: the declaration as it was written, what the next pass is given;
+//! - `import`: the files that are imported, and all files together; `shift`: their places;
+//! - `encoding`: bytes → text;
 //! - `guard`: comments, brackets and characters, before the text is cut into tokens;
 //! - `grammar`: the file and its statements, one function a construct;
 //! - `quantity`: what a declaration declares: names, units, values;
@@ -14,17 +16,22 @@
 
 mod condition;
 mod display;
+mod encoding;
 mod expression;
 mod freeze;
 mod grammar;
 mod guard;
+mod import;
 mod keyword;
 mod quantity;
 mod reader;
+mod shift;
 pub mod syntax;
 
 use crate::diagnostic::Diagnostics;
-use syntax::Declaration;
+use crate::source::Sources;
+pub use encoding::text;
+use syntax::{Declaration, Statement};
 
 /// Delimiters, signs, powers and components may be nested this deep, all together.
 ///
@@ -32,13 +39,30 @@ use syntax::Declaration;
 /// [`Expression::left_spine`](syntax::Expression::left_spine) walks them without recursion.
 pub(crate) const MAX_DEPTH: usize = 256;
 
-/// Reads the text of one `.mbs` file.
+/// Reads the text of one `.mbs` file that imports nothing.
 ///
 /// # Errors
 /// Everything in the text that is not the model language, in source order.
 pub fn declaration(source: &str) -> Result<Declaration, Diagnostics> {
-    guard::check(source)?;
-    grammar::declaration(source)
+    declaration_of(&Sources::new("", source))
+}
+
+/// Reads the file of a mechanism with all that it imports.
+///
+/// # Errors
+/// Everything in the texts that is not the model language, in order of the files; files that cannot be imported.
+pub fn declaration_of(sources: &Sources) -> Result<Declaration, Diagnostics> {
+    import::declaration(sources)
+}
+
+/// Reads a file of constants and functions to be imported; `None` if it is not meant as one, but as a mechanism.
+pub fn shared(sources: &Sources) -> Option<Result<Vec<Statement>, Diagnostics>> {
+    import::shared(sources)
+}
+
+/// The paths that a text imports, as they are written; what is wrong with other imports [`declaration_of`] will say.
+pub fn imports(source: &str) -> Vec<String> {
+    import::paths(source)
 }
 
 /// What the tests of this pass ask with.

@@ -3,10 +3,12 @@
 //! - [`random`]: seeded states, with exact zeros and straight arms among them;
 //! - [`compare`]: one error measure for numbers, vectors and matrices;
 //! - [`by_hand`]: formulas of mechanics texts, typed to be run, and [`counting`]: numbers that count what is done to them;
-//! - [`mod@reference`]: equations of motion derived another way, with no generator in sight.
+//! - [`mod@reference`]: equations of motion derived another way, with no generator in sight;
+//! - [`mechanisms`]: generated from `mechanisms/*.mbs`, which were written from the manual alone.
 
 pub mod by_hand;
 pub mod compare;
 pub mod counting;
+pub mod mechanisms;
 pub mod random;
 pub mod reference;

@@ -120,6 +120,21 @@ pub fn states<const N: usize>(seed: u64, count: usize) -> Vec<State<N>> {
     (0..count).map(state).collect()
 }
 
+/// Makes `q` a unit vector, and its derivatives those of one: `q·q̇ = 0`, `q·q̈ = −q̇·q̇`. Zero becomes the first axis.
+pub fn onto_the_sphere(q: &mut [f64], qd: &mut [f64], qdd: &mut [f64]) {
+    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+    let length = dot(q, q).sqrt();
+    if length == 0.0 {
+        q[0] = 1.0;
+    } else {
+        q.iter_mut().for_each(|c| *c /= length);
+    }
+    let along = dot(q, qd);
+    qd.iter_mut().zip(&*q).for_each(|(v, c)| *v -= along * c);
+    let along = dot(q, qdd) + dot(qd, qd);
+    qdd.iter_mut().zip(&*q).for_each(|(a, c)| *a -= along * c);
+}
+
 /// Positive numbers for masses, lengths and the like, in 0.2..3.
 pub fn positive<const N: usize>(seed: u64) -> [f64; N] {
     let mut random = Random::new(seed);

@@ -3,20 +3,41 @@
 //! - [`lagrange`]: Lagrange's equations by nested dual numbers over the energies, no symbolic derivative;
 //! - [`rigid_body`]: serial arms by Newton–Euler, composite bodies, articulated bodies and Jacobians;
 //!   [`arms`]: the arms it is run on, and the thesis' values;
+//! - [`tree`]: trees of bodies with every kind of joint by the same algorithms and by Christoffel symbols;
+//!   [`robots`]: the trees it is run on;
 //! - closed forms typed by hand from textbooks: [`pendulum`], [`cart_pole`], [`double_pendulum`],
-//!   [`spherical_pendulum`], [`heavy_top`], [`n_pendulum`].
+//!   [`spherical_pendulum`], [`heavy_top`], [`n_pendulum`];
+//! - and of mechanisms that are driven, constrained or full of friction ([`dynamics`]): [`bead_on_hoop`],
+//!   [`cart_with_five_links`], [`chaplygin_sleigh`], [`charged_particle`], [`elastic_joint_arm`], [`four_bar`],
+//!   [`furuta_pendulum`], [`quadrotor_with_slung_load`], [`restricted_three_body`], [`rolling_coin`],
+//!   [`shaken_pendulum`], [`turntable`].
 //!
-//! All of them answer to [`EquationsOfMotion`]. z points up, gravity is `g` downwards, units are SI.
+//! The former answer to [`EquationsOfMotion`], the latter to [`dynamics::Dynamics`]. z points up, gravity is `g` downwards, units are SI.
 
 pub mod arms;
+pub mod bead_on_hoop;
 pub mod cart_pole;
+pub mod cart_with_five_links;
+pub mod chaplygin_sleigh;
+pub mod charged_particle;
 pub mod double_pendulum;
+pub mod dynamics;
+pub mod elastic_joint_arm;
+pub mod four_bar;
+pub mod furuta_pendulum;
 pub mod heavy_top;
 pub mod lagrange;
 pub mod n_pendulum;
 pub mod pendulum;
+pub mod quadrotor_with_slung_load;
+pub mod restricted_three_body;
 pub mod rigid_body;
+pub mod robots;
+pub mod rolling_coin;
+pub mod shaken_pendulum;
 pub mod spherical_pendulum;
+pub mod tree;
+pub mod turntable;
 
 /// `M(q) q̈ + C(q, q̇) q̇ + G(q) + ∂D/∂q̇ = Q`, each symbol a function. Matrices are rows.
 pub trait EquationsOfMotion<const N: usize> {

@@ -39,3 +39,15 @@ fn every_command_refuses_what_check_refuses() {
     let simulate = ["simulate", "bad.mbs", state[0], state[1], "--t-end", "1", "--csv", "bad.csv"];
     assert_eq!(workshop.bad(&simulate), report);
 }
+
+/// Warnings are shown, and are no failure.
+#[test]
+fn warnings_are_no_errors() {
+    let workshop = Workshop::new();
+    workshop.write("odd.mbs", crate::PENDULUM.replace("kinetic", "output size = abs(theta);\n    kinetic"));
+    let outcome = workshop.mbs(&["check", "odd.mbs"]);
+    assert_eq!(outcome.code, 0);
+    assert!(outcome.stdout.starts_with("Pendulum: 1 coordinate (theta), "), "{}", outcome.stdout);
+    assert!(outcome.stderr.starts_with("warning: this has a kink where `theta` = 0"), "{}", outcome.stderr);
+    assert!(outcome.stderr.contains("--> odd.mbs:") && outcome.stderr.contains("abs(theta);\n"), "{}", outcome.stderr);
+}

@@ -76,6 +76,22 @@ fn arrays_matrices_poses_and_conserved_momenta() {
     assert_close(&found["outputs"], &json!({ "middle": [2.0, 0.0, 1.0], "hand": hand }));
 }
 
+/// `y = 2 sin x`: `J = 2 cos x`, `J̇ = −2 ẋ sin x`; only where it is asked for, other keys as before.
+#[test]
+fn rates_of_jacobians_stand_beside_their_outputs() {
+    let workshop = Workshop::new();
+    workshop.write(
+        "pendulum.mbs",
+        crate::PENDULUM.replace("output height", "output swing = 2*sin(theta), jacobian_rate; output height"),
+    );
+    let state = r#"{"q": [0.3], "qd": [0.7]}"#;
+    let found = workshop.eval("pendulum.mbs", state);
+    assert_eq!(crate::keys(&found["outputs"]), ["swing", "swing_jacobian_rate", "height"]);
+    assert_close(&found["outputs"]["swing_jacobian_rate"], &json!([[-2.0 * 0.7 * 0.3f64.sin()]]));
+    let table = workshop.good(&["ops", "pendulum.mbs"]);
+    assert!(table.lines().any(|row| row.starts_with("swing_jacobian_rate ")), "{table}");
+}
+
 #[test]
 fn parameters_by_name_whole_or_by_component() {
     let workshop = Workshop::new();

@@ -1,4 +1,4 @@
-//! Outputs: values, velocities, Jacobians.
+//! Outputs: values, velocities, Jacobians and their rates.
 
 use crate::expr::{Expr, Graph, Symbol, Tangent, carry_out, gradient};
 use crate::model::{Lagrangian, OutputValue};
@@ -19,6 +19,9 @@ pub struct OutputEquations<'g> {
     pub velocity: Option<Vec<Expr<'g>>>,
     /// `∂velocity/∂q̇`, one row per component; of a value that depends on velocities `∂value/∂q`.
     pub jacobian: Rows<'g>,
+    /// The total time derivative of the Jacobian, `J̇ = Σ ∂J/∂q_k q̇_k + ∂J/∂t`, where it was asked for. With the velocity
+    /// `J q̇ + b`, `b = ∂value/∂t`, the acceleration is `J q̈ + J̇ q̇ + ḃ`.
+    pub jacobian_rate: Option<Rows<'g>>,
 }
 
 /// The shape of an output.
@@ -50,7 +53,8 @@ pub fn outputs<'g>(lagrangian: &Lagrangian<'_>, graph: &'g Graph, symbols: &Symb
                 Some(velocity) => velocity.iter().map(|&v| gradient(v, &symbols.qd)).collect(),
                 None => value.iter().map(|&v| gradient(v, &symbols.q)).collect(),
             };
-            OutputEquations { name: output.name.clone(), shape, value, velocity, jacobian }
+            let jacobian_rate = output.jacobian_rate.then(|| rates_of_rows(&jacobian, graph));
+            OutputEquations { name: output.name.clone(), shape, value, velocity, jacobian, jacobian_rate }
         })
         .collect()
 }
@@ -84,7 +88,7 @@ fn positional(value: &[Expr<'_>]) -> bool {
     let graph = first.graph();
     graph.reachable(value.iter().map(|e| e.id())).into_iter().all(|id| match graph.node(id) {
         crate::expr::Node::Symbol(symbol) => {
-            matches!(symbol, Symbol::Coordinate(_) | Symbol::Time | Symbol::Parameter(_))
+            matches!(symbol, Symbol::Coordinate(_) | Symbol::Time | Symbol::Parameter(_) | Symbol::Prescribed(..))
         }
         _ => true,
     })
@@ -94,4 +98,10 @@ fn rates<'g>(value: &[Expr<'g>]) -> Vec<Expr<'g>> {
     let Some(first) = value.first() else { return Vec::new() };
     let graph = first.graph();
     Tangent::new(|symbol| time_derivative(symbol, graph)).of_all(value)
+}
+
+/// One forward sweep along the motion for all entries.
+fn rates_of_rows<'g>(rows: &Rows<'g>, graph: &'g Graph) -> Rows<'g> {
+    let mut rate = Tangent::new(|symbol| time_derivative(symbol, graph));
+    rows.iter().map(|row| rate.of_all(row)).collect()
 }

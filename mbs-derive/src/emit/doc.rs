@@ -3,6 +3,7 @@
 use proc_macro2::TokenStream;
 use quote::quote;
 
+use crate::expr::Symbol;
 use crate::model::Variable;
 use crate::model::lagrangian::component_names;
 use crate::optimise::{Argument, Derivation, Function, FunctionKind, Operations, Shape};
@@ -134,7 +135,8 @@ pub(super) fn function(derivation: &Derivation, function: &Function) -> Vec<Stri
         | FunctionKind::PotentialEnergy
         | FunctionKind::Output(_)
         | FunctionKind::OutputVelocity(_)
-        | FunctionKind::OutputJacobian(_) => {}
+        | FunctionKind::OutputJacobian(_)
+        | FunctionKind::OutputJacobianRate(_) => {}
     }
     if function.kind == FunctionKind::LinearizeParameters {
         let names = component_names(&derivation.parameters).join("`, `");
@@ -209,12 +211,26 @@ fn summary(derivation: &Derivation, function: &Function) -> String {
                 format!("Jacobian of the output `{name}`, {shape}: its derivatives by `q`.")
             }
         }
+        FunctionKind::OutputJacobianRate(number) => {
+            let name = output("_jacobian_rate");
+            let motion = match is_rheonomic(derivation, *number) {
+                true => "where its velocity is `J q̇ + b`, its acceleration is `J q̈ + J̇ q̇ + ḃ`",
+                false => "its acceleration is `J q̈ + J̇ q̇`",
+            };
+            format!("Time derivative `J̇` of the Jacobian `J` of the output `{name}`, {shape}: {motion}.")
+        }
     }
 }
 
 fn is_pose(derivation: &Derivation, output: usize) -> bool {
     let value = derivation.functions.iter().find(|f| f.kind == FunctionKind::Output(output));
     value.is_some_and(|f| f.results.iter().any(|part| part.shape == Shape::Pose))
+}
+
+/// Whether an output changes while the coordinates stand still.
+fn is_rheonomic(derivation: &Derivation, output: usize) -> bool {
+    let value = derivation.functions.iter().find(|f| f.kind == FunctionKind::Output(output));
+    value.is_some_and(|f| f.program.uses(|symbol| matches!(symbol, Symbol::Time | Symbol::Prescribed(..))))
 }
 
 fn first_integral(name: &str) -> String {

@@ -57,6 +57,21 @@ pub(super) fn module(derivation: &Derivation, options: &Options) -> TokenStream 
     }
 }
 
+/// Whether the module implements the trait `Mechanism`.
+pub(super) fn implements_mechanism(derivation: &Derivation, options: &Options) -> bool {
+    of_trait(derivation, &selected(derivation, options.functions.as_deref())).is_some()
+}
+
+/// The functions of the trait, where all of them are generated and none takes more than the trait gives.
+fn of_trait<'f, 'd>(
+    derivation: &Derivation,
+    functions: &'f [(usize, &'d Function)],
+) -> Option<Vec<&'f (usize, &'d Function)>> {
+    let find = |kind: &FunctionKind| functions.iter().find(|(_, f)| f.kind == *kind);
+    let found = || MECHANISM.iter().map(find).collect::<Option<Vec<_>>>();
+    derivation.prescribed.is_empty().then(found).flatten()
+}
+
 /// The functions asked for, and those that they call, in their order.
 fn selected<'d>(derivation: &'d Derivation, asked_for: Option<&[String]>) -> Vec<(usize, &'d Function)> {
     let is_asked_for = |f: &Function| asked_for.is_none_or(|names| names.contains(&f.name));
@@ -370,13 +385,9 @@ impl<'d> Emitter<'d> {
         }
     }
 
-    /// The trait, where all of its functions are generated and none takes more than the trait gives.
+    /// The trait, where it can be implemented.
     fn implementation(&self) -> TokenStream {
-        if !self.derivation.prescribed.is_empty() {
-            return TokenStream::new();
-        }
-        let find = |kind: &FunctionKind| self.functions.iter().find(|(_, f)| f.kind == *kind);
-        let Some(functions) = MECHANISM.iter().map(find).collect::<Option<Vec<_>>>() else { return TokenStream::new() };
+        let Some(functions) = of_trait(self.derivation, &self.functions) else { return TokenStream::new() };
         let (n, u) = (self.derivation.dof(), self.inputs());
         let name = ident(&self.names.mechanism);
         let declared = &self.derivation.name;
@@ -527,7 +538,8 @@ fn trait_name(kind: &FunctionKind) -> &'static str {
         | FunctionKind::Conserved(_)
         | FunctionKind::Output(_)
         | FunctionKind::OutputVelocity(_)
-        | FunctionKind::OutputJacobian(_) => unreachable!("not in the trait"),
+        | FunctionKind::OutputJacobian(_)
+        | FunctionKind::OutputJacobianRate(_) => unreachable!("not in the trait"),
     }
 }
 

@@ -192,7 +192,8 @@ impl Binary {
                 let squared = a.powi(2) + b.powi(2);
                 [b / squared, -a / squared]
             }
-            Binary::Powf => [b * value / a, value * a.call(Function::Ln)],
+            // Not `b f/a`, which is 0/0 at a = 0.
+            Binary::Powf => [b * a.call2(Binary::Powf, b - a.graph().integer(1)), value * a.call(Function::Ln)],
         }
     }
 
@@ -206,7 +207,8 @@ impl Binary {
             }
             Binary::Powf => {
                 let ln = a.call(Function::Ln);
-                [b * (b - one) * value / a.powi(2), value / a * (one + b * ln), value * ln.powi(2)]
+                let lower = |k: i64| a.call2(Binary::Powf, b - a.graph().integer(k));
+                [b * (b - one) * lower(2), lower(1) * (one + b * ln), value * ln.powi(2)]
             }
         }
     }

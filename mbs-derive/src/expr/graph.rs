@@ -432,6 +432,7 @@ impl<'g> Expr<'g> {
             {
                 graph.expr(a).power(HalfInteger(inner.0 * (halves / 2)))
             }
+            (Node::Call(Function::Abs, a), halves) if halves % 4 == 0 => graph.expr(a).power(n),
             (Node::Mul(c, x), halves) if halves % 2 == 0 && graph.is_constant(c) => {
                 graph.expr(c).power(n) * graph.expr(x).power(n)
             }
@@ -805,6 +806,9 @@ impl<'g> Expr<'g> {
             Some(sum) if x == y && !cancels_roots => return graph.expr(x).power(HalfInteger(sum)),
             _ => {}
         }
+        if let Some(product) = self.with_root(other).or_else(|| other.with_root(self)) {
+            return product;
+        }
         graph.ordered_product(self, other)
     }
 }
@@ -813,6 +817,25 @@ impl Graph {
     fn ordered_product<'g>(&'g self, a: Expr<'g>, b: Expr<'g>) -> Expr<'g> {
         let (a, b) = if self.precedes(a.id, b.id) { (a, b) } else { (b, a) };
         self.intern(Node::Mul(a.id, b.id))
+    }
+}
+
+impl<'g> Expr<'g> {
+    /// `(k · √x) · √x = k · x`: roots meet in a product before they are differentiated.
+    fn with_root(self, root: Expr<'g>) -> Option<Expr<'g>> {
+        let graph = self.graph;
+        let odd = |id: Id| match graph.node(id) {
+            Node::Power(base, n) if n.0 % 2 != 0 => Some((base, n.0)),
+            _ => None,
+        };
+        let (base, n) = odd(root.id)?;
+        let Node::Mul(a, b) = self.node() else { return None };
+        let meets = |id: Id| odd(id).is_some_and(|(other, m)| other == base && n + m != 0);
+        match (meets(a), meets(b)) {
+            (_, true) => Some(graph.expr(a) * (graph.expr(b) * root)),
+            (true, _) => Some((graph.expr(a) * root) * graph.expr(b)),
+            _ => None,
+        }
     }
 }
 
@@ -905,6 +928,12 @@ mod tests {
         let norm = (x.powi(2) + y.powi(2)).sqrt();
         assert_eq!(norm.powi(2), x.powi(2) + y.powi(2));
         assert_eq!(norm * norm, x.powi(2) + y.powi(2));
+        assert_eq!(norm.powi(3), (x.powi(2) + y.powi(2)).power(HalfInteger::halves(3)));
+        assert_eq!(x.sqrt() * x.sqrt(), x);
+        assert_eq!(y * x.sqrt() * x.sqrt(), y * x);
+        assert_eq!(x.sqrt() * (x.sqrt() * y), y * x);
+        let size = x.call(Function::Abs);
+        assert_eq!((size * size, size.powi(4)), (x.powi(2), x.powi(4)));
         assert_ne!(x.powi(2).sqrt(), x);
     }
 

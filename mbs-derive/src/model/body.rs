@@ -1,40 +1,43 @@
 //! `particle` and `rigid_body`: bodies with their kinetic energies.
 
-use std::rc::Rc;
-
 use super::check::Physical;
 use super::constant::Dependence;
 use super::dimension::Dimension;
 use super::evaluate::{Argument, Resolved, Resolver};
 use super::frame::{Edge, FrameId};
 use super::lagrangian::Body;
-use super::value::{Free, Point, Tensor, Term, Value};
+use super::value::{Free, Point, Pose, Scalar, Tensor, Value};
 use crate::expr::{Expr, Matrix, Vector};
 use crate::parse::syntax::Span;
 
 impl<'d, 'g> Resolver<'d, 'g> {
-    /// `½ m |ṙ|²`: a body where r is a point of a pose, else the sum of squares in the axes of r.
+    /// `½ m |ṙ|²`
     pub(super) fn particle(&mut self, mass: &Argument<'g>, position: &Argument<'g>) -> Resolved<Value<'g>> {
         let m = self.mass(mass);
         let place = match position.value {
-            Value::Point(point) => Ok(Err(point)),
-            _ => self.vector(position).map(Ok),
+            Value::Point(point) => Ok(point),
+            _ => self.vector(position).and_then(|vector| self.tip_of(vector, &position.span)),
         };
-        let (m, place) = (m?, place?);
+        let (m, Point { coordinates, frame }) = (m?, place?);
         self.physical.push(Physical { mass: m, mass_span: mass.span.clone(), inertia: None });
-        let term = match place {
-            Err(Point { coordinates, frame }) => {
-                let (com, frame) = self.fixed(coordinates, frame, &position.span)?;
-                Term::Body(Body { mass: m, com, inertia: None, frame })
-            }
-            Ok(vector) => {
-                self.check_dimension(vector.fit(), "the place of a particle", Dimension::LENGTH, &position.span)?;
-                let rate = self.rate(&Argument { value: Value::Vector(vector), span: position.span.clone() })?;
-                let velocity = self.vector(&Argument { value: rate, span: position.span.clone() })?;
-                Term::Other(1 / self.graph.integer(2) * m * velocity.components.norm_squared())
-            }
-        };
-        Ok(Value::Energy(Rc::new([term])))
+        Ok(self.energy_of(Body { mass: m, com: coordinates, inertia: None, frame }))
+    }
+
+    /// The place at the tip of a vector from the world's origin: of a frame there, turned as the vector's axes are.
+    fn tip_of(&mut self, vector: Free<'g>, span: &Span) -> Resolved<Point<'g>> {
+        self.check_dimension(vector.fit(), "the place of a particle", Dimension::LENGTH, span)?;
+        for component in vector.components.0 {
+            self.rate_of(component, span)?;
+        }
+        let mut edges = self.lagrangian.frames.path(vector.frame);
+        edges.retain(|edge| !matches!(edge, Edge::Translation(_)));
+        let frame = self.attached(&Pose { base: FrameId::WORLD, edges }, span)?;
+        self.point_at(vector.components, frame, span)
+    }
+
+    fn energy_of(&mut self, body: Body<'g>) -> Value<'g> {
+        let energy = self.lagrangian.kinetic_energy_of(&body);
+        Value::Scalar(Scalar::new(energy, self.dimension(Dimension::ENERGY)))
     }
 
     /// `½ m |v_c|² + ½ ωᵀ I ω`
@@ -46,15 +49,15 @@ impl<'d, 'g> Resolver<'d, 'g> {
         pose: &Argument<'g>,
     ) -> Resolved<Value<'g>> {
         let m = self.mass(mass);
-        let tensor = self.inertia(inertia);
         let frame = self.frame(pose);
+        let tensor = self.inertia(inertia, frame);
         let (m, tensor, frame) = (m?, tensor?, frame?);
         let Free { components, .. } = self.mass_centre(com, frame)?;
         let physical =
             Physical { mass: m, mass_span: mass.span.clone(), inertia: Some((tensor, inertia.span.clone())) };
         self.physical.push(physical);
         let (com, frame) = self.fixed(components, frame, &com.span)?;
-        Ok(Value::Energy(Rc::new([Term::Body(Body { mass: m, com, inertia: Some(tensor), frame })])))
+        Ok(self.energy_of(Body { mass: m, com, inertia: Some(tensor), frame }))
     }
 
     fn mass(&mut self, argument: &Argument<'g>) -> Resolved<Expr<'g>> {
@@ -63,8 +66,15 @@ impl<'d, 'g> Resolver<'d, 'g> {
         Ok(mass)
     }
 
-    fn inertia(&mut self, argument: &Argument<'g>) -> Resolved<Matrix<'g>> {
+    /// The entries in the axes of the frame.
+    fn inertia(&mut self, argument: &Argument<'g>, frame: Resolved<FrameId>) -> Resolved<Matrix<'g>> {
         let tensor = self.matrix(argument)?;
+        if let (Some((rows, columns)), Ok(frame)) = (tensor.axes, frame)
+            && !(self.same_axes(rows, frame) && self.same_axes(columns, frame))
+        {
+            let help = "write its entries in the axes of this pose: `inertia(xx, yy, zz, xy, xz, yz)`";
+            return Err(self.refuse(&argument.span, "this inertia is in the axes of another pose", help));
+        }
         let Tensor { entries: Matrix(rows), .. } = tensor;
         self.check_dimension(tensor.fit(), "an inertia", Dimension::INERTIA, &argument.span)?;
         self.constant_in_time(rows.as_flattened(), "an inertia", &argument.span)?;
@@ -96,7 +106,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
     }
 
     /// The place in a frame that it does not move in: a moving place gets a frame of its own.
-    fn fixed(&mut self, place: Vector<'g>, frame: FrameId, span: &Span) -> Resolved<(Vector<'g>, FrameId)> {
+    pub(super) fn fixed(&mut self, place: Vector<'g>, frame: FrameId, span: &Span) -> Resolved<(Vector<'g>, FrameId)> {
         let moving = place.0.iter().map(|e| self.facts.dependence(*e)).fold(Dependence::default(), Dependence::or);
         if !moving.moves() && !moving.on(Dependence::RATE) {
             return Ok((place, frame));
@@ -114,7 +124,7 @@ mod tests {
 
     /// The kinetic energy that some statements add, at the trial state.
     fn kinetic(statements: &str) -> (f64, usize) {
-        mechanism(statements, |lagrangian| (values(&lagrangian.kinetic)[1..].iter().sum(), lagrangian.bodies.len()))
+        mechanism(statements, |lagrangian| (values(&lagrangian.kinetic)[1..].iter().sum(), lagrangian.bodies().0.len()))
     }
 
     /// Two ways to write a kinetic energy, and how many bodies the first one has.
@@ -126,7 +136,7 @@ mod tests {
 
     #[test]
     fn particles() {
-        equal("kinetic += particle(m, [x, y*theta, l]);", 0, "kinetic += 1/2*m*(dt(x)^2 + dt(y*theta)^2);");
+        equal("kinetic += particle(m, [x, y*theta, l]);", 1, "kinetic += 1/2*m*(dt(x)^2 + dt(y*theta)^2);");
         let pose = "let a = rot_z(theta) * rot_x(q[0]) * translation([l, 0, l]);";
         let written = "let p = a.point([l, l, x]); kinetic += 1/2*m*(dt(p.x)^2 + dt(p.y)^2 + dt(p.z)^2);";
         equal(&format!("{pose} kinetic += particle(m, a.point([l, l, x]));"), 1, &format!("{pose} {written}"));
@@ -134,7 +144,7 @@ mod tests {
         let free = "let v = rot_z(theta) * [x, l, 0];";
         equal(
             &format!("{free} kinetic += particle(m, v);"),
-            0,
+            1,
             &format!("{free} kinetic += particle(m, [v.x, v.y, v.z]);"),
         );
     }
@@ -142,12 +152,12 @@ mod tests {
     #[test]
     fn rigid_bodies() {
         let pose = "let a = rot_z(theta) * rot_x(q[0]) * translation([l, x, l]); let w = angular_velocity(a); let i = inertia(3*m*l^2, 4*m*l^2, 5*m*l^2, m*l^2, -m*l^2, m*l^2/2);";
-        let written = "let c = a.point([l, l, 0]); kinetic += 1/2*m*dt(c).norm_squared() + 1/2*w.dot(i*w);";
+        let written = "let c = a.point([l, l, 0]); kinetic += 1/2*m*dt(c).norm_squared() + 1/2*w.dot((a*i)*w);";
         equal(&format!("{pose} kinetic += rigid_body(m, [l, l, 0], i, a);"), 1, &format!("{pose} {written}"));
         equal(&format!("{pose} kinetic += rigid_body(m, a.point([l, l, 0]), i, a);"), 1, &format!("{pose} {written}"));
         equal(&format!("{pose} kinetic += rigid_body(m, a * [l, l, 0], i, a);"), 1, &format!("{pose} {written}"));
         // A mass centre that moves in its pose gets a frame of its own.
-        let moving = "let c = a.point([y, l, 0]); kinetic += 1/2*m*dt(c).norm_squared() + 1/2*w.dot(i*w);";
+        let moving = "let c = a.point([y, l, 0]); kinetic += 1/2*m*dt(c).norm_squared() + 1/2*w.dot((a*i)*w);";
         equal(&format!("{pose} kinetic += rigid_body(m, [y, l, 0], i, a);"), 1, &format!("{pose} {moving}"));
         // Plane motion against the textbook: ½ m ẋ² + ½ J θ̇².
         let disc = "kinetic += rigid_body(m, [0, 0, 0], diag(1, 1, 2)*m*l^2, translation([x, 0, 0]) * rot_y(theta));";
@@ -169,11 +179,35 @@ mod tests {
             &format!("kinetic += 1*({two}) + 1/2*k*t^2*dt(x)^2;"),
         );
         equal(&format!("let e = {two}; kinetic += e;"), 2, &format!("kinetic += {two};"));
-        equal(&format!("kinetic += 2*({two});"), 0, &format!("kinetic += {two}; kinetic += {two};"));
+        equal(&format!("kinetic += 2*({two});"), 2, &format!("kinetic += {two}; kinetic += {two};"));
         equal(
             "let mut e = 0; for i in 0..3 { e = e + particle(m, world.point([x, y, z])); } kinetic += e;",
             3,
             "kinetic += 3*particle(m, [x, y, z]);",
+        );
+    }
+
+    #[test]
+    fn bodies_declared_in_world_axes_are_found_again() {
+        let pose = "let a = rot_z(theta) * rot_x(q[0]) * translation([l, x, l]); let i = inertia(3*m*l^2, 4*m*l^2, 5*m*l^2, m*l^2, -m*l^2, m*l^2/2); let p = a.point([l, l, 0]); let v = dt(p); let w = angular_velocity(a);";
+        let body = format!("{pose} kinetic += rigid_body(m, [l, l, 0], i, a);");
+        let found = |written: &str| equal(&format!("{pose} kinetic += {written};"), 2, &body);
+        found("1/2*m*v.norm_squared() + 1/2*w.dot((a*i)*w)");
+        found("m*v.dot(v)/2 + dot(a.rotation()*i*a.rotation().transpose()*w, w)/2");
+        found("(1/2*(m*v)).dot(v) + ((a*i)*(1/2*w)).dot(w)");
+        found("0.5*m*v.norm()^2 - (-w.dot((a*i)*w))/2");
+        found("1/2*m*(v.x^2 + v.y*v.y + v.z^2) + 1/2*w.dot((a*i)*w)");
+        found("1/2*m*dt(p.x)^2 + 1/2*m*(dt(p.y)^2 + dt(p.z)^2) + 1/2*w.dot((a*i)*w)");
+        // Unequal factors are no particle.
+        equal(
+            &format!("{pose} kinetic += m*(v.x^2 + 2*v.y^2 + v.z^2);"),
+            0,
+            &format!("{pose} kinetic += m*v.norm_squared() + m*v.y^2;"),
+        );
+        equal(
+            &format!("{pose} kinetic += 1/2*t^2*k*v.norm_squared();"),
+            0,
+            &format!("{pose} kinetic += t^2*k*(v.x^2 + v.y^2 + v.z^2)/2;"),
         );
     }
 
@@ -194,7 +228,7 @@ mod tests {
         );
         refused(
             "kinetic += particle(m, [dt(x)*t, 0, 0]);",
-            "[dt(x)*t, 0, 0]: accelerations cannot enter: this is a time derivative already; energies and forces are made of positions and velocities",
+            "[dt(x)*t, 0, 0]: accelerations cannot enter: this is a time derivative already; energies and forces are made of positions and velocities, inertia is kinetic energy",
         );
         refused("kinetic += particle(m, x);", "x: expected a vector, found a number; a vector is written `[x, y, z]`");
         refused(
@@ -205,7 +239,10 @@ mod tests {
             "kinetic += rigid_body(m, [0, 0, 0], diag(m, m, m), world);",
             "diag(m, m, m): an inertia must be kg·m², this is kg",
         );
-        refused("kinetic += rigid_body(m, [0, 0, 0], m*l^2, world);", "m*l^2: expected a matrix, found a number");
+        refused(
+            "kinetic += rigid_body(m, [0, 0, 0], m*l^2, world);",
+            "m*l^2: expected a matrix, found a number; a matrix is written `diag(xx, yy, zz)` or `inertia(xx, yy, zz, xy, xz, yz)`",
+        );
         refused(
             "kinetic += rigid_body(m, [0, 0, 0], [[m*l^2, m*l^2, 0], [0, m*l^2, 0], [0, 0, m*l^2]], world);",
             "[[m*l^2, m*l^2, 0], [0, m*l^2, 0], [0, 0, m*l^2]]: an inertia is symmetric, here the entries [0][1] and [1][0] differ; write `inertia(xx, yy, zz, xy, xz, yz)`",

@@ -3,6 +3,7 @@
 use super::dimension::Dimension;
 use super::evaluate::{Argument, Refused, Resolved, Resolver};
 use super::frame::{Edge, FrameId};
+use super::landmark::Motion;
 use super::value::{Free, Point, Pose, Scalar, Shape, Tensor, Value, shared};
 use crate::diagnostic::nearest;
 use crate::expr::{Binary, Expr, Function, HalfInteger, Matrix, Number, Vector};
@@ -146,6 +147,9 @@ fn apply<'g>(
         Apply::Elementary(function) => {
             let what = format!("the argument of `{}`", builtin.name);
             let x = resolver.of_dimension(&arguments[0], &what, Dimension::ONE)?;
+            if matches!(function, Function::Sin | Function::Cos | Function::Tan) {
+                resolver.warn_of_degrees_in(x, &arguments[0].span);
+            }
             Ok(Value::Scalar(Scalar::plain(x.call(function))))
         }
     }
@@ -170,14 +174,20 @@ fn unknown_function(resolver: &mut Resolver<'_, '_>, name: &Name) -> Refused {
     if resolver.scope.get(text).is_some() || CONSTANTS.contains(&text.as_str()) {
         return resolver.refuse(&name.span, format!("`{text}` is not a function"), "write `*` for a product");
     }
-    let own = resolver.functions.keys().copied();
-    let help = match nearest(text, own.chain(FUNCTIONS.iter().map(|f| f.name))) {
-        Some(meant) => {
-            let own = resolver.functions.get(meant).map(super::function::Function::form);
-            let form = own.or(form_of_function(meant).map(str::to_string));
+    let in_sight = resolver.functions_in_sight();
+    let own = in_sight.keys().copied();
+    let known = FUNCTIONS.iter().chain(METHODS).map(|f| f.name);
+    let help = match (elsewhere(text), nearest(text, own.chain(known))) {
+        _ if resolver.functions.contains_key(text.as_str()) => {
+            "it is a function of the mechanism, which imported files do not see".to_string()
+        }
+        (Some(form), _) => format!("did you mean `{form}`?"),
+        (None, Some(meant)) => {
+            let own = in_sight.get(meant).map(super::function::Function::form);
+            let form = own.or(form_of_function(meant).or(form_of_method(meant)).map(str::to_string));
             format!("did you mean `{}`?", form.as_deref().unwrap_or(meant))
         }
-        None => format!("the functions are {}", list(FUNCTIONS)),
+        (None, None) => format!("the functions are {}", list(FUNCTIONS)),
     };
     resolver.refuse(&name.span, format!("there is no function `{text}`"), help)
 }
@@ -190,6 +200,36 @@ fn unknown_method(resolver: &mut Resolver<'_, '_>, name: &Name) -> Refused {
         (None, None) => format!("the methods are {}", list(METHODS)),
     };
     resolver.refuse(&name.span, format!("there is no method `{text}`"), help)
+}
+
+/// What other languages call it, and how it is written here.
+const ELSEWHERE: [(&[&str], &str); 21] = [
+    (&["rotate_x", "rotation_x", "rotx", "Rx", "rx"], "rot_x(angle)"),
+    (&["rotate_y", "rotation_y", "roty", "Ry", "ry"], "rot_y(angle)"),
+    (&["rotate_z", "rotation_z", "rotz", "Rz", "rz"], "rot_z(angle)"),
+    (&["translate", "trans", "transl", "shift"], "translation([x, y, z])"),
+    (&["rotate", "axis_angle", "axang"], "rotation([x, y, z], angle)"),
+    (&["quat"], "quaternion(w, x, y, z)"),
+    (&["pow", "powi", "powf", "power"], "x^n"),
+    (&["sqr", "square"], "x^2"),
+    (&["cbrt"], "x^(1/3)"),
+    (&["log", "log10", "loge"], "ln(x)"),
+    (&["arcsin", "arsin"], "asin(x)"),
+    (&["arccos", "arcos"], "acos(x)"),
+    (&["arctan"], "atan(x)"),
+    (&["arctan2", "atan_2"], "atan2(y, x)"),
+    (&["sign", "sgn"], "signum(x)"),
+    (&["fabs"], "abs(x)"),
+    (&["der", "ddt", "diff", "derivative", "d_dt"], "dt(x)"),
+    (&["length", "magnitude", "len"], "v.norm()"),
+    (&["omega", "angular_vel"], "angular_velocity(pose)"),
+    (&["radians", "deg2rad", "rad"], "x*deg"),
+    (&["point_mass", "mass_point", "body"], "particle(mass, position)"),
+];
+
+/// How what other languages have under this name is written.
+fn elsewhere(name: &str) -> Option<&'static str> {
+    ELSEWHERE.iter().find(|(names, _)| names.contains(&name)).map(|(_, form)| *form)
 }
 
 fn list(builtins: &[Builtin]) -> String {
@@ -279,7 +319,9 @@ fn aligned<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) -> Resolved
 
 fn dot<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) -> Resolved<Value<'g>> {
     let Aligned { a, b, dimension, .. } = aligned(resolver, call)?;
-    Ok(Value::Scalar(Scalar::new(a.dot(b), dimension)))
+    let product = a.dot(b);
+    resolver.lagrangian.landmarks.note_product(a, b, product);
+    Ok(Value::Scalar(Scalar::new(product, dimension)))
 }
 
 fn cross<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) -> Resolved<Value<'g>> {
@@ -290,12 +332,16 @@ fn cross<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) -> Resolved<V
 fn norm_squared<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) -> Resolved<Value<'g>> {
     let v = resolver.vector(&call.arguments[0])?;
     let dimension = resolver.bounded(v.dimension.power(2, 1), call.span)?;
-    Ok(Value::Scalar(Scalar::new(v.components.norm_squared(), dimension)))
+    let square = v.components.norm_squared();
+    resolver.lagrangian.landmarks.note_product(v.components, v.components, square);
+    Ok(Value::Scalar(Scalar::new(square, dimension)))
 }
 
 fn norm<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) -> Resolved<Value<'g>> {
     let v = resolver.vector(&call.arguments[0])?;
-    Ok(Value::Scalar(Scalar::new(v.components.norm_squared().sqrt(), v.dimension)))
+    let square = v.components.norm_squared();
+    resolver.lagrangian.landmarks.note_product(v.components, v.components, square);
+    Ok(Value::Scalar(Scalar::new(square.sqrt(), v.dimension)))
 }
 
 // ---- poses
@@ -307,6 +353,7 @@ fn pose<'g>(edges: impl IntoIterator<Item = Option<Edge<'g>>>) -> Resolved<Value
 fn turn<'g>(resolver: &mut Resolver<'_, 'g>, axis: usize, angle: &Argument<'g>) -> Resolved<Option<Edge<'g>>> {
     let axis = Vector::unit(resolver.graph, axis);
     let expr = resolver.of_dimension(angle, "an angle", Dimension::ONE)?;
+    resolver.warn_of_degrees_in(expr, &angle.span);
     resolver.edge(Edge::Rotation { axis, angle: expr }, &angle.span)
 }
 
@@ -327,6 +374,7 @@ fn rotation<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) -> Resolve
     let numbers = constant_axis(resolver, axis);
     let expr = resolver.of_dimension(angle, "an angle", Dimension::ONE);
     let (numbers, expr) = (numbers?, expr?);
+    resolver.warn_of_degrees_in(expr, &angle.span);
     // Turning about −x by an angle is turning about x by its negative.
     let single = numbers.iter().filter(|n| !n.is_zero()).count() == 1;
     let reversed = single && numbers.iter().any(|n| n.is_negative());
@@ -386,7 +434,8 @@ fn translation<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) -> Reso
     };
     let span = &call.arguments[0].span;
     resolver.check_dimension(vector.fit(), "a translation", Dimension::LENGTH, span)?;
-    pose([resolver.edge(Edge::Translation(resolver.in_world(vector)), span)?])
+    let shift = resolver.in_world(vector);
+    pose([resolver.edge(Edge::Translation(shift), span)?])
 }
 
 /// Denavit & Hartenberg, standard form: `Rz(θ) · T(a, 0, d) · Rx(α)`.
@@ -412,7 +461,7 @@ fn point<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) -> Resolved<V
     let frame = resolver.frame(pose)?;
     let vector = resolver.components_in(place, frame, "this vector")?;
     resolver.check_dimension(vector.fit(), "a place", Dimension::LENGTH, &place.span)?;
-    Ok(Value::Point(Point { coordinates: vector.components, frame }))
+    resolver.point_at(vector.components, frame, &place.span).map(Value::Point)
 }
 
 fn origin<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) -> Resolved<Value<'g>> {
@@ -422,13 +471,17 @@ fn origin<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) -> Resolved<
 
 fn rotation_matrix<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) -> Resolved<Value<'g>> {
     let frame = resolver.frame(&call.arguments[0])?;
-    let entries = resolver.lagrangian.frames.get(frame).rotation;
-    Ok(Value::matrix(Tensor { entries, dimension: Dimension::ONE }))
+    // In its own axes on the left and those of the world on the right it is the unit matrix.
+    let entries = Matrix::identity(resolver.graph);
+    let axes = Some((frame, FrameId::WORLD));
+    Ok(Value::matrix(Tensor { entries, axes, dimension: Dimension::ONE }))
 }
 
 fn angular_velocity<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) -> Resolved<Value<'g>> {
     let frame = resolver.frame(&call.arguments[0])?;
     let components = resolver.lagrangian.frames.get(frame).angular_velocity;
+    let tensor = Matrix::identity(resolver.graph);
+    resolver.lagrangian.landmarks.note_motion(components, Motion::Turning { tensor, frame });
     let dimension = resolver.dimension(Dimension::ANGULAR_VELOCITY);
     Ok(Value::Vector(Free { components, frame, dimension }))
 }
@@ -455,16 +508,16 @@ fn entries<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) -> Resolved
 fn diagonal<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) -> Resolved<Value<'g>> {
     let (entries, dimension) = entries(resolver, call)?;
     let &[x, y, z] = entries.as_slice() else { return Err(Refused) };
-    Ok(Value::matrix(Tensor { entries: Matrix::diagonal([x, y, z]), dimension }))
+    Ok(Value::matrix(Tensor::plain(Matrix::diagonal([x, y, z]), dimension)))
 }
 
 fn inertia<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) -> Resolved<Value<'g>> {
     let (entries, dimension) = entries(resolver, call)?;
     match *entries.as_slice() {
-        [x, y, z] => Ok(Value::matrix(Tensor { entries: Matrix::diagonal([x, y, z]), dimension })),
+        [x, y, z] => Ok(Value::matrix(Tensor::plain(Matrix::diagonal([x, y, z]), dimension))),
         [xx, yy, zz, xy, xz, yz] => {
             let entries = Matrix([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]);
-            Ok(Value::matrix(Tensor { entries, dimension }))
+            Ok(Value::matrix(Tensor::plain(entries, dimension)))
         }
         _ => Err(Refused),
     }
@@ -472,7 +525,8 @@ fn inertia<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) -> Resolved
 
 fn transpose<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) -> Resolved<Value<'g>> {
     let matrix = resolver.matrix(&call.arguments[0])?;
-    Ok(Value::matrix(Tensor { entries: matrix.entries.transpose(), ..matrix }))
+    let axes = matrix.axes.map(|(rows, columns)| (columns, rows));
+    Ok(Value::matrix(Tensor { entries: matrix.entries.transpose(), axes, ..matrix }))
 }
 
 fn particle<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) -> Resolved<Value<'g>> {

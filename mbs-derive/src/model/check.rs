@@ -18,12 +18,15 @@ pub(super) struct Physical<'g> {
     pub(super) inertia: Option<(Matrix<'g>, Span)>,
 }
 
-/// Where each term of an energy stands.
+/// Where each term of an energy, each force and each constraint stands.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Places {
     pub(super) kinetic: Vec<Span>,
     pub(super) potential: Vec<Span>,
     pub(super) lagrangian: Vec<Span>,
+    pub(super) dissipation: Vec<Span>,
+    /// Of the forces on coordinates.
+    pub(super) forces: Vec<Span>,
     pub(super) constraints: Vec<Span>,
 }
 
@@ -49,13 +52,19 @@ impl<'d, 'g> Resolver<'d, 'g> {
         if !self.errors.has_errors() {
             self.check_degree(name);
         }
+        if !self.errors.has_errors() {
+            self.warn_of_signs();
+            self.warn_of_singular_derivatives();
+        }
     }
 
     /// Each problem where the term or the coordinate stands that it is about.
     fn check_degree(&mut self, name: &Name) {
         for problem in degree::problems(&self.lagrangian) {
             let place = match &problem {
-                Problem::KineticNotQuadratic(term) => self.places.kinetic.get(*term).cloned(),
+                Problem::KineticNotQuadratic(term) | Problem::NegativeKinetic(term) => {
+                    self.places.kinetic.get(*term).cloned()
+                }
                 Problem::LagrangianNotQuadratic(term) => self.places.lagrangian.get(*term).cloned(),
                 Problem::PotentialDependsOnVelocity(term) => self.places.potential.get(*term).cloned(),
                 Problem::NoInertia(coordinate) | Problem::NegativeInertia(coordinate) => self.place_of(*coordinate),
@@ -138,18 +147,30 @@ impl<'d, 'g> Resolver<'d, 'g> {
         };
         if mass < 0.0 {
             self.refuse(&body.mass_span, format!("a mass is not negative, this is {mass} kg"), by_default);
+            self.note_declaration(body);
         }
         if mass == 0.0 && inertia.iter().all(|&entry| entry == 0.0) {
             let help = if by_default.is_empty() { "leave it out" } else { by_default };
             self.refuse(&body.mass_span, "a body without mass and inertia has no kinetic energy", help);
+            self.note_declaration(body);
         }
+    }
+
+    /// Of a mass that is a parameter.
+    fn note_declaration(&mut self, body: &Physical<'g>) {
+        let Node::Symbol(Symbol::Parameter(number)) = body.mass.node() else { return };
+        let holds = |p: &&Variable| (p.first..p.first + p.count()).contains(&(number as usize));
+        let Some(parameter) = self.lagrangian.parameters.iter().find(holds) else { return };
+        let place = self.span_of(&parameter.name);
+        self.errors.note(&body.mass_span, &place, "declared here");
     }
 
     /// `0 ≤ a ≤ b ≤ c ≤ a + b`: the moments of some distribution of mass.
     fn check_moments(&mut self, [a, b, c]: [f64; 3], span: &Span) {
         let shown = format!("its principal moments are {}, {} and {}", shown(a), shown(b), shown(c));
         if a < -TRIANGLE_TOLERANCE * c.abs().max(b.abs()).max(a.abs()) {
-            self.refuse(span, "an inertia has no negative principal moment", shown);
+            let help = format!("{shown}; are the products of inertia too large for the diagonal?");
+            self.refuse(span, "an inertia has no negative principal moment", help);
         } else if a + b < c * (1.0 - TRIANGLE_TOLERANCE) {
             let message = "no body has this inertia: a principal moment is greater than the sum of the other two";
             let help =
@@ -214,18 +235,21 @@ impl<'d, 'g> Resolver<'d, 'g> {
             massless.map(|(component, _)| (variable.name.clone(), component)).collect::<Vec<_>>()
         };
         let massless: Vec<_> = self.lagrangian.coordinates.iter().flat_map(missing).collect();
+        let used = self.symbols(self.everything());
         for (name, component) in massless {
-            let message = format!("`{component}` has no inertia: its rate is in no kinetic energy");
-            self.refuse(
-                &self.span_of(&name),
-                message,
-                format!("write `kinetic += …` with `dt({name})`, or leave it out"),
-            );
+            let numbers = self.lagrangian.coordinates.iter().find(|c| c.name == name);
+            let mut numbers = numbers.map_or(0..0, |c| c.first..c.first + c.count());
+            let message = match numbers.any(|i| used.contains(&Symbol::Coordinate(i as u32))) {
+                true => format!("`{component}` has no inertia: its rate is in no kinetic energy"),
+                false => format!("the coordinate `{name}` is never used"),
+            };
+            let help = format!("write `kinetic += …` with `dt({name})`, or leave it out");
+            self.refuse(&self.span_of(&name), message, help);
         }
     }
 
-    /// Parameters and inputs that nothing depends on are probably forgotten somewhere.
-    fn check_use(&mut self) {
+    /// All that is made of the declared names.
+    fn everything(&self) -> Vec<Expr<'g>> {
         let lagrangian = &self.lagrangian;
         let energies = [&lagrangian.kinetic, &lagrangian.potential, &lagrangian.dissipation, &lagrangian.lagrangian];
         let mut roots: Vec<Expr<'g>> = energies.into_iter().flatten().copied().collect();
@@ -243,7 +267,12 @@ impl<'d, 'g> Resolver<'d, 'g> {
                 }
             }
         }
-        let used = self.symbols(roots);
+        roots
+    }
+
+    /// Parameters and inputs that nothing depends on are probably forgotten somewhere.
+    fn check_use(&mut self) {
+        let used = self.symbols(self.everything());
         let unused = |variables: &[Variable], symbol: fn(u32) -> Symbol| {
             let of = |variable: &&Variable| {
                 let mut numbers = variable.first..variable.first + variable.count();
@@ -300,7 +329,7 @@ mod tests {
         );
         refused(
             &body("1", "inertia(i, i, i, 2*i, 0, 0)"),
-            "inertia(i, i, i, 2*i, 0, 0): an inertia has no negative principal moment; its principal moments are -1, 1 and 3",
+            "inertia(i, i, i, 2*i, 0, 0): an inertia has no negative principal moment; its principal moments are -1, 1 and 3; are the products of inertia too large for the diagonal?",
         );
         refused(
             "param n: kg = -3; kinetic += particle(n, [x, y, z]);",

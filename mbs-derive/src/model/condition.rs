@@ -151,11 +151,11 @@ impl<'d, 'g> Resolver<'d, 'g> {
             }
             (Shape::Vector, Shape::Vector) => self.chosen_vector(condition, yes, no, span),
             (Shape::Matrix, Shape::Matrix) => {
-                let (a, b) = (self.matrix(yes)?, self.matrix(no)?);
+                let (a, b) = (self.matrix_in_world(yes)?, self.matrix_in_world(no)?);
                 let dimension = self.common_dimension(a.fit(), b.fit(), span)?;
                 let entry = |i: usize, j: usize| self.select(condition, a.entries.0[i][j], b.entries.0[i][j]);
                 let entries = Matrix([0, 1, 2].map(|i| [0, 1, 2].map(|j| entry(i, j))));
-                Ok(Value::matrix(Tensor { entries, dimension }))
+                Ok(Value::matrix(Tensor::plain(entries, dimension)))
             }
             (Shape::Array, Shape::Array) => {
                 let (a, b) = (self.elements(yes)?, self.elements(no)?);

@@ -91,7 +91,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
             return Err(self.refuse(at, format!("`{name}` is a formula, in SI units"), help));
         }
         let elements = match (value, length) {
-            (Value::Scalar(_) | Value::Energy(_), length) => vec![value.clone(); length.unwrap_or(1)],
+            (Value::Scalar(_), length) => vec![value.clone(); length.unwrap_or(1)],
             (_, Some(length)) => {
                 let elements = self.elements(&Argument { value: value.clone(), span: span.clone() })?;
                 self.check_length(elements.len(), length, span)?;
@@ -274,7 +274,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
     ) -> Resolved<Value<'g>> {
         let argument = |value: &Value<'g>| Argument { value: value.clone(), span: span.clone() };
         match value {
-            Value::Scalar(_) | Value::Energy(_) => {
+            Value::Scalar(_) => {
                 let scalar = self.scalar(&argument(value))?;
                 self.number_in_unit(scalar, measure, span, what).map(Value::Scalar)
             }
@@ -292,14 +292,14 @@ impl<'d, 'g> Resolver<'d, 'g> {
                 Ok(Value::Vector(Free { components, dimension: x.dimension, ..vector }))
             }
             Value::Matrix(matrix) => {
-                let Tensor { entries, dimension } = **matrix;
+                let Tensor { entries, axes, dimension } = **matrix;
                 let mut rows = entries.0;
                 let mut found = dimension;
                 for entry in rows.iter_mut().flatten() {
                     let number = self.number_in_unit(Scalar::new(*entry, dimension), measure, span, what)?;
                     (*entry, found) = (number.expr, number.dimension);
                 }
-                Ok(Value::matrix(Tensor { entries: Matrix(rows), dimension: found }))
+                Ok(Value::matrix(Tensor { entries: Matrix(rows), axes, dimension: found }))
             }
             Value::Pose(_) => {
                 let message = format!("{what} is made of numbers, this is a pose");
@@ -316,7 +316,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
         what: &str,
     ) -> Resolved<Scalar<'g>> {
         let Some(number) = self.facts.constant(expr) else {
-            let help = "it is made of numbers, `pi` and other constants";
+            let help = "it is made of numbers, `pi` and other constants; what is made of parameters is a `let`";
             return Err(self.refuse(span, format!("{what} must be known at build time"), help));
         };
         let Some(measure) = measure else {
@@ -333,6 +333,9 @@ impl<'d, 'g> Resolver<'d, 'g> {
         if plain && in_radians {
             let help = "declare it in `rad`, or write the number of degrees alone";
             return Err(self.refuse(span, "this angle is in radians already, as its `pi` or `deg` shows", help));
+        }
+        if measure.si == "rad" && measure.scale.is_one() {
+            self.warn_of_degrees(number, span);
         }
         let number = if plain { number * measure.scale } else { number };
         Ok(Scalar::new(self.graph.constant(number), wanted))
@@ -435,7 +438,7 @@ mod tests {
         refused("prescribed s: m;", "s: `s` is not used; it is in no energy, force, constraint or output");
         refused(
             "prescribed s: m; let a = dt(dt(s));",
-            "dt(s): accelerations cannot enter: this is a time derivative already; energies and forces are made of positions and velocities",
+            "dt(s): accelerations cannot enter: this is a time derivative already; energies and forces are made of positions and velocities, inertia is kinetic energy",
         );
         assert!(refusals("prescribed s: m; kinetic += particle(m, [s, 0, x]);").is_empty());
     }
@@ -448,17 +451,20 @@ mod tests {
         );
         refused(
             "param a: m = l;",
-            "l: the default of a parameter must be known at build time; it is made of numbers, `pi` and other constants",
+            "l: the default of a parameter must be known at build time; it is made of numbers, `pi` and other constants; what is made of parameters is a `let`",
         );
         refused(
             "const a: m = 2*x;",
-            "2*x: a `const` must be known at build time; it is made of numbers, `pi` and other constants",
+            "2*x: a `const` must be known at build time; it is made of numbers, `pi` and other constants; what is made of parameters is a `let`",
         );
         refused(
             "const b: kg = 1; param a: m = 2*b;",
             "2*b: m is declared, this is kg; a plain number is taken in the declared unit",
         );
-        refused("param a: furlong = 1;", "furlong: `furlong` is not a unit");
+        refused(
+            "param a: furlong = 1;",
+            "furlong: `furlong` is not a unit; units are those of the SI: `kg`, `m`, `s`, `rad`, `N`, `J`, `W`, `Pa` …",
+        );
         refused("param a: Nm = 1;", "Nm: `Nm` is not a unit; did you mean `N*m`?");
         refused(
             "param a: deg = pi/2;",
@@ -477,7 +483,7 @@ mod tests {
         refused("param a[100000]: kg = 1;", "100000: an array has from 1 to 10000 elements, not 100000");
         refused(
             "param a[m]: kg = 1;",
-            "m: the length of an array must be a constant integer; it is made of numbers, constants and loop variables",
+            "m: the length of an array must be a constant integer; a parameter may change at run time: declare it as `const name = …;`",
         );
         refused("coord w: deg;", "deg: `w` is given at run time, in SI units; write `coord w: rad;`");
         refused("input w: kN*mm^2;", "kN*mm^2: `w` is given at run time, in SI units; write `input w: N*m^2;`");

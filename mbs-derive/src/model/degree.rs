@@ -28,6 +28,8 @@ pub enum Problem {
     DependentInertia(Vec<usize>),
     /// Moving this coordinate, or it with others, costs negative kinetic energy.
     NegativeInertia(usize),
+    /// The kinetic term with this number is never positive, and the energy of some motion is negative.
+    NegativeKinetic(usize),
     /// The energies are not finite at any sampled state.
     NeverFinite,
     /// The constraint with this number is not linear in the velocities.
@@ -57,6 +59,7 @@ impl Problem {
                 )
             }
             Problem::NegativeInertia(i) => format!("the kinetic energy is negative for some motion of `{}`", names[*i]),
+            Problem::NegativeKinetic(_) => "kinetic energy is never negative, this term is".to_string(),
             Problem::NeverFinite => "the energies are not finite at any of the sampled states".to_string(),
             Problem::ConstraintNotLinear(_) => "a constraint must be linear in the velocities".to_string(),
             Problem::DependentConstraint(i) => {
@@ -91,6 +94,10 @@ impl Problem {
             }
             Problem::DependentInertia(_) => {
                 "leave out coordinates that the others determine, or give each motion a mass".to_string()
+            }
+            Problem::NegativeKinetic(_) => {
+                "leave out the minus, or check the sign of the mass; the energy of springs and weights is `potential += …;`"
+                    .to_string()
             }
             Problem::NegativeInertia(_) => "check the signs of the kinetic terms, and masses and inertias".to_string(),
             Problem::NeverFinite => {
@@ -149,6 +156,10 @@ pub fn problems(lagrangian: &Lagrangian<'_>) -> Vec<Problem> {
     found.extend(constraints.problems(lagrangian, &states));
     if found.is_empty() {
         found.extend(inertia(&energies, &constraints, &states, lagrangian.dof()));
+    }
+    if let [Problem::NegativeInertia(_)] = found.as_slice() {
+        let culprits = energies.never_positive(&states);
+        found = if culprits.is_empty() { found } else { culprits };
     }
     found
 }
@@ -238,6 +249,14 @@ impl Energies {
             failing(&self.potential, is_not_constant, Problem::PotentialDependsOnVelocity),
         ]
         .concat()
+    }
+
+    /// The kinetic terms that are negative somewhere and positive nowhere.
+    fn never_positive(&self, lines: &[Line]) -> Vec<Problem> {
+        let values: Vec<Vec<Dual<f64>>> = lines.iter().map(|line| self.kinetic.run(line.point(0.0))).collect();
+        let of = |term: usize| values.iter().map(move |values| values[term].value);
+        let negative = |term: &usize| of(*term).all(|value| value <= 0.0) && of(*term).any(|value| value < 0.0);
+        (0..values[0].len()).filter(negative).map(Problem::NegativeKinetic).collect()
     }
 
     /// `Mᵢⱼ = L(eᵢ + eⱼ) − L(eᵢ) − L(eⱼ) + L(0)`, the polarization of a quadratic polynomial.

@@ -132,6 +132,66 @@ fn raised(digit: char) -> char {
     digit.to_digit(10).and_then(|value| "⁰¹²³⁴⁵⁶⁷⁸⁹".chars().nth(value as usize)).unwrap_or(digit)
 }
 
+impl Dimension {
+    /// As declarations write it: `kg*m^2/s^2`.
+    pub(super) fn in_ascii(self) -> String {
+        let plain = |c: char| match "⁰¹²³⁴⁵⁶⁷⁸⁹".chars().position(|raised| raised == c) {
+            Some(digit) => digit.to_string(),
+            None if c == '·' => "*".to_string(),
+            None => c.to_string(),
+        };
+        let (mut text, mut raised) = (String::new(), false);
+        for c in self.to_string().chars() {
+            let is_raised = "⁰¹²³⁴⁵⁶⁷⁸⁹".contains(c);
+            if is_raised && !raised {
+                text.push('^');
+            }
+            text += &plain(c);
+            raised = is_raised;
+        }
+        text
+    }
+}
+
+/// What is to be multiplied to make the one dimension of the other, for messages.
+pub(super) fn lacking(wanted: Dimension, found: Dimension) -> String {
+    match wanted.over(found) {
+        Some(Dimension::ONE) | None => String::new(),
+        Some(missing) => format!("it lacks a factor of {missing}"),
+    }
+}
+
+/// The same of the second of two things, where it is a power of one base unit: others say nothing about what was meant.
+pub(super) fn second_lacks(first: Dimension, second: Dimension) -> String {
+    let single = |d: &Dimension| d.0.iter().filter(|exponent| exponent.numerator != 0).count() == 1;
+    match first.over(second).filter(single) {
+        Some(missing) => format!("the second lacks a factor of {missing}"),
+        None => String::new(),
+    }
+}
+
+/// Units that other people use, and what they are here.
+const FOREIGN: [(&[&str], &str); 18] = [
+    (&["lb", "lbs", "lbm"], "0.45359237 kg"),
+    (&["oz"], "0.028349523125 kg"),
+    (&["lbf"], "4.4482216 N"),
+    (&["kp", "kgf"], "9.80665 N"),
+    (&["inch", "inches"], "25.4 mm"),
+    (&["ft", "foot", "feet"], "0.3048 m"),
+    (&["mile", "miles", "mi"], "1609.344 m"),
+    (&["psi"], "6894.757 Pa"),
+    (&["hp"], "745.7 W"),
+    (&["rpm"], "2*pi/60 of `1/s`"),
+    (&["rev", "turn", "turns"], "360 deg"),
+    (&["degree", "degrees", "grad"], "`deg`"),
+    (&["radian", "radians"], "`rad`"),
+    (&["sec", "second", "seconds"], "`s`"),
+    (&["meter", "metre", "meters", "metres"], "`m`"),
+    (&["kilogram", "kilograms", "kilo"], "`kg`"),
+    (&["Newton", "newton", "newtons"], "`N`"),
+    (&["Joule", "joule", "joules"], "`J`"),
+];
+
 /// A unit that declarations may use.
 struct NamedUnit {
     name: &'static str,
@@ -290,12 +350,19 @@ fn unknown(name: &str, span: &Span) -> UnitError {
     let product = (1..name.len()).filter(|&at| name.is_char_boundary(at)).map(|at| name.split_at(at));
     let product = product.filter(|(a, b)| NamedUnit::find(a).is_some() && NamedUnit::find(b).is_some());
     let meant = other_case.map(str::to_string).or_else(|| product.map(|(a, b)| format!("{a}*{b}")).next());
-    let meant = meant.or_else(|| nearest(name, UNITS.iter().map(|unit| unit.name)).map(str::to_string));
-    UnitError {
-        span: span.clone(),
-        message: format!("`{name}` is not a unit"),
-        help: meant.map(|meant| format!("did you mean `{meant}`?")),
-    }
+    let meant = meant.map(|meant| format!("did you mean `{meant}`?")).or_else(|| foreign(name)).or_else(|| {
+        // One slip makes of any two letters a unit.
+        let close = nearest(name, UNITS.iter().map(|unit| unit.name)).filter(|_| name.len() > 2);
+        close.map(|meant| format!("did you mean `{meant}`?"))
+    });
+    let help =
+        meant.or_else(|| Some("units are those of the SI: `kg`, `m`, `s`, `rad`, `N`, `J`, `W`, `Pa` …".to_string()));
+    UnitError { span: span.clone(), message: format!("`{name}` is not a unit"), help }
+}
+
+fn foreign(name: &str) -> Option<String> {
+    let (_, value) = FOREIGN.iter().find(|(names, _)| names.contains(&name))?;
+    Some(if value.starts_with('`') { format!("write {value}") } else { format!("1 {name} is {value}") })
 }
 
 #[cfg(test)]
@@ -318,6 +385,8 @@ mod tests {
         assert_eq!(print(PRESSURE), "kg/(m·s²)");
         assert_eq!(print([0, 12, 0, 0, 0, 0, 0]), "m¹²");
         assert_eq!(Dimension::LENGTH.power(1, 2).unwrap().to_string(), "m^(1/2)");
+        assert_eq!(Dimension::ENERGY.in_ascii(), "kg*m^2/s^2");
+        assert_eq!(Dimension::integers(PRESSURE).in_ascii(), "kg/(m*s^2)");
     }
 
     #[test]
@@ -355,7 +424,10 @@ mod tests {
         let help = |name: &str| of(&[(name, 1, 1)]).unwrap_err().help;
         assert_eq!(help("Nm").as_deref(), Some("did you mean `N*m`?"));
         assert_eq!(help("Kg").as_deref(), Some("did you mean `kg`?"));
-        assert_eq!(help("furlong"), None);
+        assert_eq!(help("lb").as_deref(), Some("1 lb is 0.45359237 kg"));
+        assert_eq!(help("degrees").as_deref(), Some("write `deg`"));
+        assert_eq!(help("kPaa").as_deref(), Some("did you mean `kPa`?"));
+        assert!(help("furlong").unwrap().starts_with("units are those of the SI"));
         assert!(of(&[("m", 1, 0)]).is_err());
         assert!(of(&[("mm", 1, 3)]).is_err());
         assert!(of(&[("mm", i32::MIN, 1)]).is_err());

@@ -2,10 +2,10 @@
 
 use super::check::Places;
 use super::constant::Dependence;
-use super::dimension::Dimension;
+use super::dimension::{Dimension, lacking};
 use super::evaluate::{Argument, Resolved, Resolver, in_words};
 use super::scope::Origin;
-use super::value::{Shape, Term, Value, shared};
+use super::value::{Shape, Value, shared};
 use crate::diagnostic::nearest;
 use crate::expr::Expr;
 use crate::parse::syntax::{BinaryOperator, EnergyTerm, Expression, ExpressionKind, Name};
@@ -26,6 +26,9 @@ impl<'d, 'g> Resolver<'d, 'g> {
     /// `kinetic += value;`
     pub(super) fn energy(&mut self, term: EnergyTerm, expression: &Expression) -> Resolved<()> {
         let value = self.argument(expression)?;
+        if value.value.shape() == Shape::Vector {
+            return Err(self.no_energy_of_a_vector(term, expression));
+        }
         let scalar = self.scalar(&value)?;
         let (name, kind, wanted) = term.described();
         let wanted = self.dimension(wanted);
@@ -35,28 +38,37 @@ impl<'d, 'g> Resolver<'d, 'g> {
             return Err(self.refuse(&expression.span, message, help));
         }
         self.check_dependence(term, scalar.expr, expression)?;
-        match (term, value.value) {
-            (EnergyTerm::Kinetic, Value::Energy(terms)) => terms.iter().for_each(|term| self.kinetic_term(*term)),
-            (EnergyTerm::Kinetic, _) => self.lagrangian.kinetic.push(scalar.expr),
-            (EnergyTerm::Potential, _) => self.lagrangian.potential.push(scalar.expr),
-            (EnergyTerm::Dissipation, _) => self.lagrangian.dissipation.push(scalar.expr),
-            (EnergyTerm::Lagrangian, _) => self.lagrangian.lagrangian.push(scalar.expr),
+        match term {
+            EnergyTerm::Kinetic => self.lagrangian.kinetic.push(scalar.expr),
+            EnergyTerm::Potential => self.lagrangian.potential.push(scalar.expr),
+            EnergyTerm::Dissipation => self.lagrangian.dissipation.push(scalar.expr),
+            EnergyTerm::Lagrangian => self.lagrangian.lagrangian.push(scalar.expr),
         }
-        let Places { kinetic, potential, lagrangian, .. } = &mut self.places;
+        let Places { kinetic, potential, lagrangian, dissipation, .. } = &mut self.places;
+        dissipation.resize(self.lagrangian.dissipation.len(), expression.span.clone());
         kinetic.resize(self.lagrangian.kinetic.len(), expression.span.clone());
         potential.resize(self.lagrangian.potential.len(), expression.span.clone());
         lagrangian.resize(self.lagrangian.lagrangian.len(), expression.span.clone());
         Ok(())
     }
 
-    fn kinetic_term(&mut self, term: Term<'g>) {
-        match term {
-            Term::Other(expr) => self.lagrangian.kinetic.push(expr),
-            Term::Body(body) => match body.inertia {
-                Some(inertia) => self.lagrangian.rigid_body(body.mass, body.com, inertia, body.frame),
-                None => self.lagrangian.particle(body.mass, body.com, body.frame),
-            },
+    /// `potential += m*g*bob;`: reported at the vector among the factors, or the first of two terms.
+    fn no_energy_of_a_vector(&mut self, term: EnergyTerm, expression: &Expression) -> super::evaluate::Refused {
+        let mut place = expression;
+        // Each step is a part of the one before; long ones are shown as a whole.
+        while let ExpressionKind::Binary(_, left, right) = &place.kind
+            && size(place) <= LONGEST_SUGGESTION
+        {
+            let is_vector = |value: Resolved<Argument<'g>>| value.is_ok_and(|v| v.value.shape() == Shape::Vector);
+            place = if is_vector(self.argument(left)) { left } else { right };
         }
+        let text = if size(place) <= LONGEST_SUGGESTION { written(place, 5) } else { "v".to_string() };
+        let help = match term {
+            EnergyTerm::Potential => format!("its height is a number: `{text}.z`"),
+            _ => format!("its square is a number: `{text}.norm_squared()`"),
+        };
+        let message = format!("{} is a number, this is a vector", term.described().0);
+        self.refuse(&place.span, message, help)
     }
 
     /// The momenta `∂L/∂q̇` are differentiated in time: what enters L must have a known rate.
@@ -82,9 +94,17 @@ const LONGEST_SUGGESTION: usize = 60;
 impl<'d, 'g> Resolver<'d, 'g> {
     fn missing_factor(&mut self, term: &Expression, wanted: Dimension, found: Dimension) -> String {
         let Some(missing) = wanted.over(found) else { return String::new() };
+        let is_decimal = |part: &Expression| matches!(&part.kind, ExpressionKind::Number(text) if text.contains('.'));
         match self.squared_speed(term, missing) {
             Some(meant) => format!("a speed enters squared: did you mean `{meant}`?"),
-            None => format!("it lacks a factor of {missing}"),
+            None if term.parts().any(is_decimal) => {
+                let unit = missing.in_ascii();
+                format!(
+                    "{}; numbers have no units of their own: declare it, `const name: {unit} = …;`",
+                    lacking(wanted, found)
+                )
+            }
+            None => lacking(wanted, found),
         }
     }
 
@@ -211,8 +231,20 @@ impl<'d, 'g> Resolver<'d, 'g> {
     fn force_on(&mut self, target: &Target, value: &Argument<'g>) -> Resolved<()> {
         let energy = self.dimension(Dimension::ENERGY);
         let wanted = self.bounded(energy.over(target.dimension), &value.span)?;
-        let force = self.of_dimension(value, &format!("the force on `{}`", target.name), wanted)?;
+        let scalar = self.scalar(value)?;
+        if shared((wanted, false), scalar.fit()).is_none() {
+            let message =
+                format!("the force on `{}` must be {wanted}, this is {}", target.name, in_words(scalar.dimension));
+            let lacking = lacking(wanted, scalar.dimension);
+            let help = match target.dimension {
+                Dimension::ONE => format!("{lacking}; a force on an angle is a torque, in N*m"),
+                _ => lacking,
+            };
+            return Err(self.refuse(&value.span, message, help));
+        }
+        let force = scalar.expr;
         self.lagrangian.forces.push((target.number, force));
+        self.places.forces.push(value.span.clone());
         Ok(())
     }
 
@@ -224,7 +256,10 @@ impl<'d, 'g> Resolver<'d, 'g> {
         let Some(binding) = self.scope.get(&name.text) else {
             let help = match nearest(&name.text, coordinates()) {
                 Some(meant) => format!("did you mean `{meant}`?"),
-                None => "a force acts on a coordinate".to_string(),
+                None => match coordinates().take(8).map(|name| format!("`{name}`")).collect::<Vec<_>>() {
+                    names if names.is_empty() => "declare it: `coord theta: rad;`".to_string(),
+                    names => format!("the coordinates are {}", names.join(", ")),
+                },
             };
             return Err(self.refuse(&name.span, format!("there is no coordinate `{}`", name.text), help));
         };
@@ -305,7 +340,7 @@ mod tests {
         );
         refused(
             "kinetic += m*dt([x, y, z]);",
-            "m*dt([x, y, z]): expected a number, found a vector; of a vector, `.x`, `.norm()` and `.dot(v)` are numbers",
+            "dt([x, y, z]): kinetic energy is a number, this is a vector; its square is a number: `dt([x, y, z]).norm_squared()`",
         );
     }
 
@@ -319,7 +354,10 @@ mod tests {
             "potential += m*x/t*dt(y);",
             "m*x/t*dt(y): potential energy cannot depend on velocities; a velocity-dependent potential U is a term of the Lagrangian: `lagrangian += -U;`",
         );
-        assert!(refusals("dissipation += u*dt(x)^2/(2*dt(t)*l*t/t)*t; lagrangian += m*x/t*dt(y); potential += m*x*dt(t*l/t)/t^2*t;").is_empty());
+        assert!(
+            refusals("dissipation += u*dt(x)^2/(2*dt(t)*l)*t; lagrangian += m*x/t*dt(y); potential += k*x*dt(t*l);")
+                .is_empty()
+        );
     }
 
     #[test]
@@ -338,8 +376,14 @@ mod tests {
             "force m += u;",
             "m: `m` is a parameter, not a coordinate; a force acts on a coordinate: `force q += …;`",
         );
-        refused("force theta += u;", "u: the force on `theta` must be kg·m²/s², this is kg·m/s²");
-        refused("force q[1] += u;", "u: the force on `q[1]` must be kg·m²/s², this is kg·m/s²");
+        refused(
+            "force theta += u;",
+            "u: the force on `theta` must be kg·m²/s², this is kg·m/s²; it lacks a factor of m; a force on an angle is a torque, in N*m",
+        );
+        refused(
+            "force q[1] += u;",
+            "u: the force on `q[1]` must be kg·m²/s², this is kg·m/s²; it lacks a factor of m; a force on an angle is a torque, in N*m",
+        );
         refused("force q[2] += u*l;", "2: the index 2 is out of range: there are 2 elements; indices run from 0 to 1");
         refused("force x[0] += u;", "0: `x` is one coordinate, it has no index; leave the index out");
         refused(

@@ -4,19 +4,20 @@
 //! word, and both sides of an operator are looked at before it is given up, so that one run reports all mistakes.
 
 use std::collections::{BTreeMap, BTreeSet, HashSet};
-use std::rc::Rc;
 
 use super::builtin::{self, CONSTANTS};
 use super::check::{Physical, Places};
 use super::constant::{Dependence, Facts};
 use super::dimension::Dimension;
 use super::frame::{Edge, FrameId};
-use super::function::{Call, Function};
+use super::function::{Call, Function, Home};
 use super::lagrangian::Lagrangian;
+use super::landmark::Place;
 use super::scope::Scope;
-use super::value::{Array, Free, Point, Pose, Scalar, Shape, Tensor, Term, Value, shared};
+use super::singular::Sites;
+use super::value::{Array, Free, Point, Pose, Scalar, Shape, Tensor, Value, shared};
 use crate::diagnostic::{Diagnostics, nearest};
-use crate::expr::{Expr, Graph, Matrix, Number, Symbol, Vector};
+use crate::expr::{Expr, Graph, Matrix, Node, Number, Symbol, Vector};
 use crate::parse::syntax::{BinaryOperator, Expression, ExpressionKind, Name, Span};
 
 /// The expression is given up; why has been noted.
@@ -58,6 +59,8 @@ pub(super) struct Resolver<'d, 'g> {
     pub(super) definitions: BTreeMap<&'d str, Option<&'d Expression>>,
     /// The functions that may be called.
     pub(super) functions: BTreeMap<&'d str, Function<'d>>,
+    /// Those that imported files may call.
+    pub(super) shared: BTreeMap<&'d str, Function<'d>>,
     /// Those that have been called.
     pub(super) called: BTreeSet<&'d str>,
     /// The calls that are being made, the outermost first.
@@ -70,6 +73,8 @@ pub(super) struct Resolver<'d, 'g> {
     pub(super) physical: Vec<Physical<'g>>,
     /// Where each kinetic, potential and lagrangian term and each constraint stands.
     pub(super) places: Places,
+    /// Where derivatives may fail.
+    pub(super) sites: Sites<'g>,
     /// Turns of loops so far.
     pub(super) turns: usize,
     /// Loops that are open.
@@ -94,12 +99,14 @@ impl<'d, 'g> Resolver<'d, 'g> {
             dimensionless,
             definitions: BTreeMap::new(),
             functions: BTreeMap::new(),
+            shared: BTreeMap::new(),
             called: BTreeSet::new(),
             calls: Vec::new(),
             calls_so_far: 0,
             defining: None,
             physical: Vec::new(),
             places: Places::default(),
+            sites: Sites::new(),
             turns: 0,
             depth_of_blocks: 0,
             depth: 0,
@@ -111,11 +118,8 @@ impl<'d, 'g> Resolver<'d, 'g> {
     /// Notes an error, once: in a function together with the calls that led there.
     pub(super) fn refuse(&mut self, span: &Span, message: impl Into<String>, help: impl Into<String>) -> Refused {
         let (mut message, help) = (message.into(), help.into());
-        // Nobody can look into a library function: the call of it is the place.
-        let own = self.calls.iter().take_while(|call| !call.library).count();
-        let mut place = span.clone();
-        if let Some(call) = self.calls.get(own) {
-            place = call.span.clone();
+        let (place, calls) = self.place(span);
+        if let Some(call) = self.calls.iter().find(|call| call.home == Home::Library) {
             message = format!("in `{}`: {message}", call.name);
         }
         if self.said.insert((place.start, place.end, message.clone())) {
@@ -123,11 +127,25 @@ impl<'d, 'g> Resolver<'d, 'g> {
             if !help.is_empty() {
                 error.help(help);
             }
-            for call in self.calls[..own].iter().rev().take(MAX_NOTES) {
-                error.note(call.span.clone(), format!("in this call of `{}`", call.name));
+            for (call, name) in calls {
+                error.note(call, format!("in this call of `{name}`"));
             }
         }
         Refused
+    }
+
+    /// Whether this has been said about this place; from now on it has.
+    pub(super) fn has_said(&mut self, place: &Span, what: &str) -> bool {
+        !self.said.insert((place.start, place.end, what.to_string()))
+    }
+
+    /// Where a message about this place is shown, and the calls that led there, the innermost first.
+    pub(super) fn place(&self, span: &Span) -> (Span, Vec<(Span, String)>) {
+        // Nobody can look into a library function: the call of it is the place.
+        let own = self.calls.iter().take_while(|call| call.home != Home::Library).count();
+        let place = self.calls.get(own).map_or(span, |call| &call.span).clone();
+        let calls = self.calls[..own].iter().rev().take(MAX_NOTES);
+        (place, calls.map(|call| (call.span.clone(), call.name.clone())).collect())
     }
 
     /// Whether the mechanism has outgrown its limit; says so once.
@@ -164,10 +182,14 @@ impl<'d, 'g> Resolver<'d, 'g> {
         self.deeper(&expression.span)?;
         let (first, steps) = expression.left_spine();
         let mut value = self.operand(first);
-        let mut end = first.span.end;
-        for (operator, right) in steps {
-            value = self.step(value, operator, right, first.span.start..end);
-            end = right.span.end;
+        // What stands before each operator, in brackets or not.
+        let lefts = std::iter::successors(Some(expression), |e| match &e.kind {
+            ExpressionKind::Binary(_, left, _) => Some(&**left),
+            _ => None,
+        });
+        let lefts: Vec<&Span> = lefts.skip(1).map(|e| &e.span).collect();
+        for ((operator, right), left) in steps.into_iter().zip(lefts.into_iter().rev()) {
+            value = self.step(value, operator, right, left.clone());
         }
         self.depth -= 1;
         value
@@ -214,6 +236,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
     ) -> Resolved<Value<'g>> {
         let span = place.start..right.span.end;
         let value = self.binary(operator, Argument { value: left, span: place }, right, &span)?;
+        self.watch(&value, &span);
         self.defined(value, &span)
     }
 
@@ -258,10 +281,11 @@ impl<'d, 'g> Resolver<'d, 'g> {
     #[inline(never)]
     fn call(&mut self, name: &Name, arguments: &[Expression], span: &Span) -> Resolved<Value<'g>> {
         let arguments = self.arguments(arguments);
-        if let Some(function) = self.functions.get(name.text.as_str()).copied() {
+        if let Some(function) = self.functions_in_sight().get(name.text.as_str()).copied() {
             return self.value_of_function(function, name, arguments, span);
         }
         let value = builtin::function(self, name, arguments, span)?;
+        self.watch(&value, span);
         self.defined(value, span)
     }
 
@@ -275,7 +299,9 @@ impl<'d, 'g> Resolver<'d, 'g> {
     ) -> Resolved<Value<'g>> {
         let receiver = self.argument(receiver);
         let arguments = self.arguments(arguments);
-        builtin::method(self, name, receiver, arguments, span)
+        let value = builtin::method(self, name, receiver, arguments, span)?;
+        self.watch(&value, span);
+        Ok(value)
     }
 
     #[inline(never)]
@@ -344,6 +370,9 @@ impl<'d, 'g> Resolver<'d, 'g> {
     }
 
     fn unknown(&mut self, name: &str, span: &Span) -> Refused {
+        if self.home() != Home::Mechanism {
+            return self.unknown_to_imports(name, span);
+        }
         if let Some(origin) = self.scope.hidden(name) {
             let message = format!("`{name}` is {}: a function does not see it", origin.described());
             let help = "give it to the function as an argument; coordinates, parameters, inputs and constants it sees";
@@ -432,10 +461,13 @@ impl<'d, 'g> Resolver<'d, 'g> {
             let turned = self.turned(coordinates, frame, axis);
             let offset = self.lagrangian.frames.get(frame).position.0[axis];
             let expr = if place.position.0.iter().all(|p| p.is_zero()) { turned } else { offset + turned };
+            self.lagrangian.landmarks.note_component(expr, Place { axis, coordinates, frame });
             return Ok(Value::Scalar(Scalar::new(expr, self.dimension(Dimension::LENGTH))));
         }
         let Free { components, frame, dimension } = self.vector(value)?;
-        Ok(Value::Scalar(Scalar::new(self.turned(components, frame, axis), dimension)))
+        let component = self.turned(components, frame, axis);
+        self.lagrangian.landmarks.note_component_of(components, axis, component);
+        Ok(Value::Scalar(Scalar::new(component, dimension)))
     }
 
     /// One component in world axes.
@@ -466,7 +498,8 @@ impl<'d, 'g> Resolver<'d, 'g> {
                 Ok(self.in_world(vector).0.map(dimension(vector.dimension)).to_vec())
             }
             Value::Matrix(matrix) => {
-                let rows = matrix.entries.0.map(|row| Array::new(row.map(dimension(matrix.dimension)).to_vec()));
+                let rows = self.entries_in_world(matrix).0;
+                let rows = rows.map(|row| Array::new(row.map(dimension(matrix.dimension)).to_vec()));
                 Ok(rows.into_iter().flatten().map(Value::Array).collect())
             }
             other => {
@@ -498,7 +531,12 @@ impl<'d, 'g> Resolver<'d, 'g> {
         match self.facts.integer(expr).filter(|_| dimension == Dimension::ONE || expr.is_zero()) {
             Some(value) => Ok(value),
             None => {
-                let help = "it is made of numbers, constants and loop variables";
+                let help = match expr.node() {
+                    Node::Symbol(Symbol::Parameter(_)) => {
+                        "a parameter may change at run time: declare it as `const name = …;`"
+                    }
+                    _ => "it is made of numbers, constants and loop variables",
+                };
                 Err(self.refuse(&argument.span, format!("{what} must be a constant integer"), help))
             }
         }
@@ -514,6 +552,10 @@ impl<'d, 'g> Resolver<'d, 'g> {
             (Shape::Number, Shape::Vector) => "of a vector, `.x`, `.norm()` and `.dot(v)` are numbers",
             (Shape::Vector, Shape::Pose) => "the place of a pose is `pose.origin()`",
             (Shape::Vector, Shape::Number) => "a vector is written `[x, y, z]`",
+            (Shape::Vector, Shape::Array) => "a vector has three components: in a plane, `[x, y, 0]` or `[x, 0, z]`",
+            (Shape::Matrix, Shape::Number) => {
+                "a matrix is written `diag(xx, yy, zz)` or `inertia(xx, yy, zz, xy, xz, yz)`"
+            }
             (Shape::Pose, _) => "poses are made by `rot_z(angle)`, `translation([x, y, z])`, `dh(theta, d, a, alpha)`",
             _ => "",
         };
@@ -523,17 +565,8 @@ impl<'d, 'g> Resolver<'d, 'g> {
     pub(super) fn scalar(&mut self, argument: &Argument<'g>) -> Resolved<Scalar<'g>> {
         match &argument.value {
             Value::Scalar(scalar) => Ok(*scalar),
-            Value::Energy(terms) => Ok(Scalar::new(self.sum_of(terms), self.dimension(Dimension::ENERGY))),
             _ => Err(self.wrong_shape(argument, Shape::Number)),
         }
-    }
-
-    fn sum_of(&self, terms: &Rc<[Term<'g>]>) -> Expr<'g> {
-        let of = |term: &Term<'g>| match term {
-            Term::Body(body) => self.lagrangian.kinetic_energy_of(body),
-            Term::Other(expr) => *expr,
-        };
-        terms.iter().map(of).reduce(|sum, term| sum + term).unwrap_or_else(|| self.graph.integer(0))
     }
 
     /// A number of the dimension wanted; `what` begins the message.
@@ -614,10 +647,16 @@ impl<'d, 'g> Resolver<'d, 'g> {
                     };
                     common = (dimension, common.1 && found.fit().1);
                 }
-                Ok(Tensor { entries: Matrix(rows), dimension: common.0 })
+                Ok(Tensor::plain(Matrix(rows), common.0))
             }
             _ => Err(self.wrong_shape(argument, Shape::Matrix)),
         }
+    }
+
+    /// A matrix with its entries in world axes.
+    pub(super) fn matrix_in_world(&mut self, argument: &Argument<'g>) -> Resolved<Tensor<'g>> {
+        let matrix = self.matrix(argument)?;
+        Ok(Tensor::plain(self.entries_in_world(&matrix), matrix.dimension))
     }
 
     /// The frame of a pose.
@@ -650,15 +689,48 @@ impl<'d, 'g> Resolver<'d, 'g> {
         a == b || frames.get(a).rotation == frames.get(b).rotation
     }
 
-    pub(super) fn in_world(&self, vector: Free<'g>) -> Vector<'g> {
-        match self.same_axes(vector.frame, FrameId::WORLD) {
-            true => vector.components,
-            false => self.lagrangian.frames.get(vector.frame).rotation * vector.components,
+    pub(super) fn in_world(&mut self, vector: Free<'g>) -> Vector<'g> {
+        if self.same_axes(vector.frame, FrameId::WORLD) {
+            return vector.components;
+        }
+        let turned = self.lagrangian.frames.get(vector.frame).rotation * vector.components;
+        self.lagrangian.landmarks.note_turned(vector.components, turned);
+        turned
+    }
+
+    /// In the axes of `frame`.
+    pub(super) fn in_axes(&mut self, vector: Free<'g>, frame: FrameId) -> Vector<'g> {
+        if self.same_axes(vector.frame, frame) {
+            return vector.components;
+        }
+        let world = self.in_world(vector);
+        match self.same_axes(frame, FrameId::WORLD) {
+            true => world,
+            false => self.lagrangian.frames.get(frame).rotation.transpose() * world,
         }
     }
 
+    /// `R A Sᵀ`, where rows are in axes turned by R and columns in axes turned by S.
+    pub(super) fn entries_in_world(&self, matrix: &Tensor<'g>) -> Matrix<'g> {
+        let Some((rows, columns)) = matrix.axes else { return matrix.entries };
+        let mut entries = matrix.entries;
+        if !self.same_axes(rows, FrameId::WORLD) {
+            entries = self.lagrangian.frames.get(rows).rotation * entries;
+        }
+        if !self.same_axes(columns, FrameId::WORLD) {
+            entries = entries * self.lagrangian.frames.get(columns).rotation.transpose();
+        }
+        entries
+    }
+
+    /// A place: where it moves in the frame, it gets a frame of its own.
+    pub(super) fn point_at(&mut self, coordinates: Vector<'g>, frame: FrameId, span: &Span) -> Resolved<Point<'g>> {
+        let (coordinates, frame) = self.fixed(coordinates, frame, span)?;
+        Ok(Point { coordinates, frame })
+    }
+
     /// From the origin of the world, in its axes.
-    pub(super) fn position(&self, Point { coordinates, frame }: Point<'g>) -> Free<'g> {
+    pub(super) fn position(&mut self, Point { coordinates, frame }: Point<'g>) -> Free<'g> {
         let dimension = self.dimension(Dimension::LENGTH);
         let components = match frame {
             FrameId::WORLD => coordinates,
@@ -668,7 +740,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
     }
 
     /// Two vectors in common axes: their own where they share them, else those of the world.
-    pub(super) fn aligned(&self, a: Free<'g>, b: Free<'g>) -> (Vector<'g>, Vector<'g>, FrameId) {
+    pub(super) fn aligned(&mut self, a: Free<'g>, b: Free<'g>) -> (Vector<'g>, Vector<'g>, FrameId) {
         if self.same_axes(a.frame, b.frame) || b.fit().1 {
             (a.components, b.components, a.frame)
         } else if a.fit().1 {
@@ -872,7 +944,9 @@ mod tests {
     fn declaration(value: Expression) -> Declaration {
         let name = Name { text: "A".to_string(), span: 0..0 };
         let kind = StatementKind::Energy { term: EnergyTerm::Kinetic, value };
-        Declaration { dimensionless: false, name, docs: Vec::new(), statements: vec![Statement { kind, span: 0..0 }] }
+        let statements = vec![Statement { kind, span: 0..0 }];
+        let (imports, imported) = (Vec::new(), Vec::new());
+        Declaration { dimensionless: false, imports, imported, name, docs: Vec::new(), statements }
     }
 
     /// Built by hand, past the parser.

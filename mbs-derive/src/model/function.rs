@@ -15,14 +15,22 @@ use crate::parse::syntax::{Declaration, Expression, ExpressionKind, Name, Span, 
 /// Calls that one mechanism may make: `f(f(x)) + f(f(x))` doubles them at each level.
 const MAX_CALLS: usize = 100_000;
 
+/// Whose text a function stands in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Home {
+    Library,
+    /// An imported file.
+    Import,
+    Mechanism,
+}
+
 /// One function.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Function<'d> {
     name: &'d Name,
     parameters: &'d [Name],
     body: &'d Expression,
-    /// Its text is not the user's.
-    pub(super) library: bool,
+    pub(super) home: Home,
     /// It calls itself, which has been reported.
     circular: bool,
 }
@@ -32,10 +40,15 @@ pub(super) struct Function<'d> {
 pub(super) struct Call {
     pub(super) name: String,
     pub(super) span: Span,
-    pub(super) library: bool,
+    pub(super) home: Home,
 }
 
 impl Function<'_> {
+    /// Where it is declared.
+    pub(super) fn place(&self) -> Span {
+        self.name.span.clone()
+    }
+
     /// As it is called; for messages.
     pub(super) fn form(&self) -> String {
         let names: Vec<&str> = self.parameters.iter().map(|parameter| parameter.text.as_str()).collect();
@@ -55,13 +68,13 @@ impl<'d, 'g> Resolver<'d, 'g> {
     pub(super) fn provide(&mut self, statements: &'d [Statement]) {
         for statement in statements {
             if let StatementKind::Function { name, parameters, body } = &statement.kind {
-                let function = Function { name, parameters, body, library: true, circular: false };
+                let function = Function { name, parameters, body, home: Home::Library, circular: false };
                 self.functions.insert(&name.text, function);
             }
         }
     }
 
-    /// A function of the mechanism; it may take the name of one of the library.
+    /// A function of the mechanism or of an imported file; it may take the name of one of the library.
     pub(super) fn function(&mut self, name: &'d Name, parameters: &'d [Name], body: &'d Expression) {
         if builtin::form_of_function(&name.text).is_some() {
             self.refuse(&name.span, format!("the function `{}` is built in", name.text), "choose another name");
@@ -73,11 +86,16 @@ impl<'d, 'g> Resolver<'d, 'g> {
                 self.refuse(&parameter.span, message, "choose another name");
             }
         }
-        if self.functions.get(name.text.as_str()).is_some_and(|known| !known.library) {
-            self.refuse(&name.span, format!("`{}` is already a function", name.text), "choose another name");
+        let own = self.functions.get(name.text.as_str()).filter(|known| known.home != Home::Library);
+        let own = own.map(|known| (known.name.span.clone(), "a function"));
+        let imported = self.scope.get(&name.text).map(|known| (known.span.clone(), known.origin.described()));
+        if let Some((first, what)) = own.or(imported) {
+            let message = format!("`{}` is already {what}", name.text);
+            self.refuse_twice(&name.span, message, "choose another name".to_string(), first);
             return;
         }
-        self.functions.insert(&name.text, Function { name, parameters, body, library: false, circular: false });
+        let home = self.home();
+        self.functions.insert(&name.text, Function { name, parameters, body, home, circular: false });
     }
 
     /// A function that calls itself, directly or through others, has no value.
@@ -114,18 +132,24 @@ impl<'d, 'g> Resolver<'d, 'g> {
         None
     }
 
-    /// The functions that a function calls, the last one first.
+    /// The functions of the same home that a function calls, the last one first: those of other homes do not call back.
     fn callees(&self, name: &str) -> Vec<&'d str> {
+        let Some(caller) = self.functions.get(name) else { return Vec::new() };
         let called = |part: &'d Expression| match &part.kind {
-            ExpressionKind::Call(name, _) => self.functions.get_key_value(name.text.as_str()).map(|(name, _)| *name),
+            ExpressionKind::Call(name, _) => {
+                let found = self.functions.get_key_value(name.text.as_str());
+                found.filter(|(_, function)| function.home == caller.home).map(|(name, _)| *name)
+            }
             _ => None,
         };
-        self.functions.get(name).map(|function| function.body.parts().filter_map(called).collect()).unwrap_or_default()
+        caller.body.parts().filter_map(called).collect()
     }
 
     /// What is wrong in a function is found where it is called: one that never is may be wrong in any way.
     pub(super) fn check_calls(&mut self) {
-        let unused = |function: &&Function<'d>| !function.library && !self.called.contains(function.name.text.as_str());
+        let unused = |function: &&Function<'d>| {
+            function.home == Home::Mechanism && !self.called.contains(function.name.text.as_str())
+        };
         let unused: Vec<&'d Name> = self.functions.values().filter(unused).map(|function| function.name).collect();
         for name in unused {
             let warning = self.errors.warning(name.span.clone(), format!("`{}` is never called", name.text));
@@ -146,7 +170,9 @@ impl<'d, 'g> Resolver<'d, 'g> {
         arguments: Resolved<Vec<Argument<'g>>>,
         span: &Span,
     ) -> Resolved<Value<'g>> {
-        self.called.insert(&function.name.text);
+        if function.home == Home::Mechanism {
+            self.called.insert(&function.name.text);
+        }
         let arguments = arguments?;
         if function.circular {
             return Err(Refused);
@@ -170,14 +196,17 @@ impl<'d, 'g> Resolver<'d, 'g> {
     }
 
     fn body(&mut self, function: Function<'d>, arguments: Vec<Argument<'g>>, span: &Span) -> Resolved<Value<'g>> {
-        self.scope.enter_function();
+        match function.home {
+            Home::Mechanism => self.scope.enter_function(),
+            Home::Import | Home::Library => self.scope.enter_shared_function(),
+        }
         for (parameter, argument) in function.parameters.iter().zip(arguments) {
             let binding =
                 Binding { origin: Origin::Argument, value: Some(argument.value), span: parameter.span.clone() };
             // Two of one name have been reported.
             let _ = self.scope.declare(&parameter.text, binding);
         }
-        self.calls.push(Call { name: function.name.text.clone(), span: span.clone(), library: function.library });
+        self.calls.push(Call { name: function.name.text.clone(), span: span.clone(), home: function.home });
         let value = self.expression(function.body);
         self.calls.pop();
         self.scope.leave();
@@ -219,7 +248,7 @@ mod tests {
         });
         // Bodies stay visible.
         mechanism("fn ball(m, r) = particle(m, world.point(r)); kinetic += ball(m, [x, y, z]);", |lagrangian| {
-            assert_eq!(lagrangian.bodies.len(), 1);
+            assert_eq!(lagrangian.bodies().0.len(), 1);
         });
     }
 

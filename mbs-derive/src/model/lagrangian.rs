@@ -6,6 +6,7 @@
 use crate::expr::{Expr, Graph, Matrix, Number, Symbol, Vector};
 
 use super::frame::{FrameId, Frames};
+use super::landmark::Landmarks;
 
 /// A coordinate, parameter or input: one, or an array of them.
 #[derive(Clone, Debug, PartialEq)]
@@ -112,6 +113,8 @@ pub struct Output<'g> {
     pub unit: String,
     /// Its value.
     pub value: OutputValue<'g>,
+    /// Whether the time derivative of its Jacobian is generated; only where the value depends on no velocities or inputs.
+    pub jacobian_rate: bool,
 }
 
 /// A mechanism as declared: `L = T − V + Σ lagrangian terms`, with `D`, `Q` and outputs.
@@ -149,8 +152,8 @@ pub struct Lagrangian<'g> {
     pub outputs: Vec<Output<'g>>,
     /// The frames, with their twists.
     pub frames: Frames<'g>,
-    /// The bodies whose energies are among `kinetic`, in the order of declaration.
-    pub bodies: Vec<Body<'g>>,
+    /// What some of the expressions stand for in space: bodies, places.
+    pub landmarks: Landmarks<'g>,
 }
 
 impl<'g> Lagrangian<'g> {
@@ -173,7 +176,7 @@ impl<'g> Lagrangian<'g> {
             constraints: Vec::new(),
             outputs: Vec::new(),
             frames: Frames::new(graph),
-            bodies: Vec::new(),
+            landmarks: Landmarks::default(),
         }
     }
 
@@ -209,28 +212,33 @@ impl<'g> Lagrangian<'g> {
         declare(self.graph, &mut self.parameters, name, unit, length, defaults, Symbol::Parameter)
     }
 
-    /// Adds a rigid body's kinetic energy `½ m |v_c|² + ½ ωᵀ I ω` to T, and the body to the list of bodies.
+    /// Adds a rigid body's kinetic energy `½ m |v_c|² + ½ ωᵀ I ω` to T.
     ///
     /// Mass centre and inertia are constant in the axes of the frame.
     pub fn rigid_body(&mut self, mass: Expr<'g>, com: Vector<'g>, inertia: Matrix<'g>, frame: FrameId) {
-        let body = Body { mass, com, inertia: Some(inertia), frame };
-        self.kinetic.push(self.kinetic_energy_of(&body));
-        self.bodies.push(body);
+        let energy = self.kinetic_energy_of(&Body { mass, com, inertia: Some(inertia), frame });
+        self.kinetic.push(energy);
     }
 
-    /// Adds the kinetic energy `½ m |v|²` of a particle at `point` of `frame` to T, and the particle to the bodies.
+    /// Adds the kinetic energy `½ m |v|²` of a particle at `point` of `frame` to T.
     pub fn particle(&mut self, mass: Expr<'g>, point: Vector<'g>, frame: FrameId) {
-        let body = Body { mass, com: point, inertia: None, frame };
-        self.kinetic.push(self.kinetic_energy_of(&body));
-        self.bodies.push(body);
+        let energy = self.kinetic_energy_of(&Body { mass, com: point, inertia: None, frame });
+        self.kinetic.push(energy);
     }
 
-    /// `½ m |v_c|² + ½ ωᵀ I ω`, in the axes of the body's frame.
+    /// `½ m |v_c|² + ½ ωᵀ I ω`, in the axes of the body's frame; it is known from then on as the energy of this body.
     ///
     /// Of a rigid body it is written with the mass moments about the frame's origin, which are constant:
     /// `½ m v·v + h·(v × ω) + ½ ωᵀ J ω` with `h = m c` and `J = I + m (c·c 1 − c cᵀ)`, and each product of two velocities
     /// once: on a six-joint arm a sixth fewer operations in what is derived from it.
-    pub fn kinetic_energy_of(&self, body: &Body<'g>) -> Expr<'g> {
+    pub fn kinetic_energy_of(&mut self, body: &Body<'g>) -> Expr<'g> {
+        let energy = self.energy_of(body);
+        self.landmarks.note_body(energy, *body);
+        energy
+    }
+
+    /// The expression of [`Lagrangian::kinetic_energy_of`].
+    pub(crate) fn energy_of(&self, body: &Body<'g>) -> Expr<'g> {
         let half = 1 / self.graph.integer(2);
         let Body { mass, com, inertia, frame } = *body;
         let Some(inertia) = inertia else {
@@ -252,9 +260,16 @@ impl<'g> Lagrangian<'g> {
     }
 
     /// Position of a point given in the axes of `frame`, in world axes: `p + R c`.
-    pub fn position(&self, point: Vector<'g>, frame: FrameId) -> Vector<'g> {
+    pub fn position(&mut self, point: Vector<'g>, frame: FrameId) -> Vector<'g> {
         let moving = self.frames.get(frame);
-        moving.position + moving.rotation * point
+        let position = moving.position + moving.rotation * point;
+        self.landmarks.note_place(position, point, frame);
+        position
+    }
+
+    /// The bodies among the terms of T, and the terms of T that are no bodies.
+    pub fn bodies(&self) -> (Vec<Body<'g>>, Vec<Expr<'g>>) {
+        self.landmarks.bodies_of(&self.kinetic)
     }
 }
 

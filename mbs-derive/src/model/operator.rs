@@ -1,18 +1,16 @@
 //! `+ - * / ^` and the sign, on every pair of values that has one.
 
 use super::constant::Dependence;
-use super::dimension::Dimension;
+use super::dimension::{Dimension, second_lacks};
 use super::evaluate::{Argument, Refused, Resolved, Resolver, in_words};
 use super::frame::FrameId;
-use super::value::{Free, Point, Pose, Scalar, Shape, Tensor, Term, Value, shared};
+use super::landmark::Motion;
+use super::value::{Free, Point, Pose, Scalar, Shape, Tensor, Value, shared};
 use crate::expr::{Binary, Expr, HalfInteger, Matrix, Number};
 use crate::parse::syntax::{BinaryOperator, Span};
 
 /// Exponents beyond this are a slip of the pen.
 const LARGEST_EXPONENT: i128 = 100;
-
-/// A longer sum of bodies becomes one number: in loops it could double.
-const MAX_TERMS: usize = 10_000;
 
 /// A longer pose becomes a frame.
 const MAX_EDGES: usize = 16;
@@ -86,18 +84,21 @@ impl<'d, 'g> Resolver<'d, 'g> {
 impl<'d, 'g> Resolver<'d, 'g> {
     fn sum(&mut self, a: Argument<'g>, b: Argument<'g>, minus: bool, span: &Span) -> Resolved<Value<'g>> {
         match (a.value.shape(), b.value.shape()) {
-            (Shape::Number, Shape::Number) if !minus => self.sum_of_terms(a, b, span),
             (Shape::Number, Shape::Number) => {
                 let (a, b) = (self.scalar(&a)?, self.scalar(&b)?);
                 let dimension = self.common(a.fit(), b.fit(), span)?;
-                Ok(Value::Scalar(Scalar::new(a.expr - b.expr, dimension)))
+                Ok(Value::Scalar(Scalar::new(if minus { a.expr - b.expr } else { a.expr + b.expr }, dimension)))
             }
             (Shape::Vector, Shape::Vector) => self.sum_of_vectors(a, b, minus, span),
             (Shape::Matrix, Shape::Matrix) => {
                 let (a, b) = (self.matrix(&a)?, self.matrix(&b)?);
                 let dimension = self.common(a.fit(), b.fit(), span)?;
-                let entries = if minus { a.entries - b.entries } else { a.entries + b.entries };
-                Ok(Value::matrix(Tensor { entries, dimension }))
+                let (left, right, axes) = match a.axes == b.axes {
+                    true => (a.entries, b.entries, a.axes),
+                    false => (self.entries_in_world(&a), self.entries_in_world(&b), None),
+                };
+                let entries = if minus { left - right } else { left + right };
+                Ok(Value::matrix(Tensor { entries, axes, dimension }))
             }
             _ => Err(self.no_operator(if minus { "-" } else { "+" }, &a, &b, span)),
         }
@@ -106,26 +107,8 @@ impl<'d, 'g> Resolver<'d, 'g> {
     fn common(&mut self, a: (Dimension, bool), b: (Dimension, bool), span: &Span) -> Resolved<Dimension> {
         shared(a, b).ok_or_else(|| {
             let message = format!("a sum needs equal dimensions, these are {} and {}", in_words(a.0), in_words(b.0));
-            self.refuse(span, message, "")
+            self.refuse(span, message, second_lacks(a.0, b.0))
         })
-    }
-
-    /// Bodies stay visible in a sum.
-    fn sum_of_terms(&mut self, a: Argument<'g>, b: Argument<'g>, span: &Span) -> Resolved<Value<'g>> {
-        let (left, right) = (self.scalar(&a)?, self.scalar(&b)?);
-        let dimension = self.common(left.fit(), right.fit(), span)?;
-        let terms: Vec<Term<'g>> = match (&a.value, &b.value) {
-            (Value::Energy(a), Value::Energy(b)) => a.iter().chain(b.iter()).copied().collect(),
-            (Value::Energy(energy), Value::Scalar(other)) | (Value::Scalar(other), Value::Energy(energy)) => {
-                let other = (!other.expr.is_zero()).then_some(Term::Other(other.expr));
-                energy.iter().copied().chain(other).collect()
-            }
-            _ => Vec::new(),
-        };
-        if terms.is_empty() || terms.len() > MAX_TERMS {
-            return Ok(Value::Scalar(Scalar::new(left.expr + right.expr, dimension)));
-        }
-        Ok(Value::Energy(terms.into()))
     }
 
     /// A point moved by a vector in its own axes stays a point of its frame; two of its points differ by a vector in them.
@@ -140,10 +123,10 @@ impl<'d, 'g> Resolver<'d, 'g> {
             (Value::Point(_), Value::Point(_)) => {}
             (Value::Point(p), _) if self.same_axes(p.frame, right.frame) => {
                 let moved = if minus { p.coordinates - right.components } else { p.coordinates + right.components };
-                return Ok(Value::Point(Point { coordinates: moved, ..*p }));
+                return self.point_at(moved, p.frame, span).map(Value::Point);
             }
             (_, Value::Point(p)) if !minus && self.same_axes(p.frame, left.frame) => {
-                return Ok(Value::Point(Point { coordinates: left.components + p.coordinates, ..*p }));
+                return self.point_at(left.components + p.coordinates, p.frame, span).map(Value::Point);
             }
             _ => {}
         }
@@ -173,14 +156,14 @@ impl<'d, 'g> Resolver<'d, 'g> {
             (Shape::Matrix, Shape::Matrix) => {
                 let (a, b) = (self.matrix(&a)?, self.matrix(&b)?);
                 let dimension = self.bounded(a.dimension.times(b.dimension), span)?;
-                Ok(Value::matrix(Tensor { entries: a.entries * b.entries, dimension }))
+                Ok(Value::matrix(self.product_of_matrices(&a, &b, dimension)))
             }
             (Shape::Matrix, Shape::Vector) => {
                 let (a, v) = (self.matrix(&a)?, self.vector(&b)?);
                 let dimension = self.bounded(a.dimension.times(v.dimension), span)?;
-                Ok(Value::Vector(Free { components: a.entries * v.components, frame: v.frame, dimension }))
+                self.applied(&a, v, dimension, span).map(Value::Vector)
             }
-            (Shape::Pose, Shape::Pose | Shape::Vector) => self.posed(a, b),
+            (Shape::Pose, Shape::Pose | Shape::Vector | Shape::Matrix) => self.posed(a, b),
             _ => Err(self.no_operator("*", &a, &b, span)),
         }
     }
@@ -189,14 +172,46 @@ impl<'d, 'g> Resolver<'d, 'g> {
         if b.value.shape() == Shape::Matrix {
             let matrix = self.matrix(b)?;
             let dimension = self.bounded(factor.dimension.times(matrix.dimension), span)?;
-            return Ok(Value::matrix(Tensor { entries: matrix.entries.scale(factor.expr), dimension }));
+            return Ok(Value::matrix(Tensor { entries: matrix.entries.scale(factor.expr), dimension, ..matrix }));
         }
         let vector = self.vector(b)?;
         let dimension = self.bounded(factor.dimension.times(vector.dimension), span)?;
-        Ok(Value::Vector(Free { components: vector.components.scale(factor.expr), dimension, ..vector }))
+        let components = vector.components.scale(factor.expr);
+        self.lagrangian.landmarks.note_scaled(vector.components, factor.expr, components);
+        Ok(Value::Vector(Free { components, dimension, ..vector }))
     }
 
-    /// A pose moves poses and points, and turns vectors.
+    /// Rows of the left factor's axes, columns of the right one's; turned between them where these differ.
+    fn product_of_matrices(&self, a: &Tensor<'g>, b: &Tensor<'g>, dimension: Dimension) -> Tensor<'g> {
+        let world = (FrameId::WORLD, FrameId::WORLD);
+        let ((rows, inner), (outer, columns)) = (a.axes.unwrap_or(world), b.axes.unwrap_or(world));
+        if self.same_axes(inner, outer) {
+            let axes = (a.axes.or(b.axes)).map(|_| (rows, columns));
+            return Tensor { entries: a.entries * b.entries, axes, dimension };
+        }
+        let entries = self.entries_in_world(a) * self.entries_in_world(b);
+        Tensor { entries, axes: Some(world), dimension }
+    }
+
+    /// `A v`, in the axes of A's rows. Numbers that do not say in which axes they are take a vector in world axes only.
+    fn applied(&mut self, a: &Tensor<'g>, v: Free<'g>, dimension: Dimension, span: &Span) -> Resolved<Free<'g>> {
+        let (rows, columns) = match a.axes {
+            Some(axes) => axes,
+            None if self.same_axes(v.frame, FrameId::WORLD) => (FrameId::WORLD, FrameId::WORLD),
+            None => {
+                let message =
+                    "this matrix does not say in which axes its entries are, and the vector is in those of a pose";
+                let help = "write `(pose * matrix) * v` for entries in the axes of the pose, `(world * matrix) * v` for those of the world";
+                return Err(self.refuse(span, message, help));
+            }
+        };
+        let turned = self.in_axes(v, columns);
+        let components = a.entries * turned;
+        self.lagrangian.landmarks.note_transformed(turned, (rows, columns), a.entries, components);
+        Ok(Free { components, frame: rows, dimension })
+    }
+
+    /// A pose moves poses and points, and turns vectors and tensors.
     fn posed(&mut self, a: Argument<'g>, b: Argument<'g>) -> Resolved<Value<'g>> {
         let Value::Pose(pose) = &a.value else { return Err(self.wrong_shape(&a, Shape::Pose)) };
         match &b.value {
@@ -204,6 +219,12 @@ impl<'d, 'g> Resolver<'d, 'g> {
             Value::Point(Point { coordinates, frame }) => {
                 let frame = self.moved(pose, *frame, &a.span)?;
                 Ok(Value::Point(Point { coordinates: *coordinates, frame }))
+            }
+            _ if b.value.shape() == Shape::Matrix => {
+                let matrix = self.matrix(&b)?;
+                let (rows, columns) = matrix.axes.unwrap_or((FrameId::WORLD, FrameId::WORLD));
+                let axes = (self.moved(pose, rows, &a.span)?, self.moved(pose, columns, &a.span)?);
+                Ok(Value::matrix(Tensor { axes: Some(axes), ..matrix }))
             }
             _ => {
                 let vector = self.vector(&b)?;
@@ -282,15 +303,27 @@ impl<'d, 'g> Resolver<'d, 'g> {
         if let Some(Number::Exact { numerator, denominator: denominator @ (1 | 2), pi: 0 }) = constant {
             return self.rational_power(base, numerator, denominator, (&a.span, &b.span), span);
         }
-        if base.dimension != Dimension::ONE {
-            let message = format!("a power of {} needs an exponent such as 2, -1 or 1/2", base.dimension);
-            return Err(self.refuse(&b.span, message, "other exponents are for plain numbers only"));
-        }
+        let dimension = self.dimension_of_power(base.dimension, constant, &b.span)?;
         if self.facts.constant(base.expr).is_some_and(Number::is_negative) {
             let message = "a negative number has no power with this exponent";
             return Err(self.refuse(&a.span, message, "integers and halves are exponents for any base"));
         }
-        Ok(Value::Scalar(Scalar::plain(base.expr.call2(Binary::Powf, exponent))))
+        Ok(Value::Scalar(Scalar::new(base.expr.call2(Binary::Powf, exponent), dimension)))
+    }
+
+    /// `m^(1/3)` is a dimension, `m^x` is none.
+    fn dimension_of_power(&mut self, base: Dimension, exponent: Option<Number>, span: &Span) -> Resolved<Dimension> {
+        let fraction = match exponent {
+            _ if base == Dimension::ONE => return Ok(base),
+            Some(Number::Exact { numerator, denominator, pi: 0 }) => {
+                i32::try_from(numerator).ok().zip(i32::try_from(denominator).ok())
+            }
+            _ => None,
+        };
+        fraction.and_then(|(n, d)| base.power(n, d)).ok_or_else(|| {
+            let message = format!("a power of {base} needs a constant exponent, such as 2, -1 or 1/3");
+            self.refuse(span, message, "divide the base by a quantity of its dimension to make it a plain number")
+        })
     }
 
     fn rational_power(
@@ -320,7 +353,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
     /// The total time derivative: of vectors with `ω × v`, in the axes that they are in.
     pub(super) fn rate(&mut self, a: &Argument<'g>) -> Resolved<Value<'g>> {
         match &a.value {
-            Value::Scalar(_) | Value::Energy(_) => {
+            Value::Scalar(_) => {
                 let Scalar { expr, dimension } = self.scalar(a)?;
                 let dimension = self.per_second(dimension, &a.span)?;
                 // The literal 0 goes on fitting every dimension.
@@ -330,6 +363,9 @@ impl<'d, 'g> Resolver<'d, 'g> {
             Value::Point(Point { coordinates, frame }) => {
                 coordinates.0.iter().try_for_each(|&c| self.check_rate(c, &a.span))?;
                 let components = self.lagrangian.velocity(*coordinates, *frame);
+                let motion =
+                    Motion::Velocity { factor: self.graph.integer(1), coordinates: *coordinates, frame: *frame };
+                self.lagrangian.landmarks.note_motion(components, motion);
                 let dimension = self.dimension(Dimension::VELOCITY);
                 Ok(Value::Vector(Free { components, frame: *frame, dimension }))
             }
@@ -344,10 +380,10 @@ impl<'d, 'g> Resolver<'d, 'g> {
                 Ok(Value::Vector(Free { components: rate, frame: *frame, dimension }))
             }
             Value::Matrix(matrix) => {
-                let Tensor { entries, dimension } = **matrix;
+                let (entries, dimension) = (self.entries_in_world(matrix), matrix.dimension);
                 entries.0.iter().flatten().try_for_each(|&c| self.check_rate(c, &a.span))?;
                 let dimension = self.per_second(dimension, &a.span)?;
-                Ok(Value::matrix(Tensor { entries: Matrix(entries.0.map(|row| row.map(Expr::rate))), dimension }))
+                Ok(Value::matrix(Tensor::plain(Matrix(entries.0.map(|row| row.map(Expr::rate))), dimension)))
             }
             Value::Array(array) => {
                 let of = |value: &Value<'g>| Argument { value: value.clone(), span: a.span.clone() };
@@ -369,7 +405,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
     fn check_rate(&mut self, expr: Expr<'g>, span: &Span) -> Resolved<()> {
         let dependence = self.facts.dependence(expr);
         if dependence.on(Dependence::RATE) {
-            let help = "energies and forces are made of positions and velocities";
+            let help = "energies and forces are made of positions and velocities, inertia is kinetic energy";
             return Err(self.refuse(span, "accelerations cannot enter: this is a time derivative already", help));
         }
         if dependence.on(Dependence::INPUT) {
@@ -397,13 +433,18 @@ mod tests {
         unit("l^-1", "1/m");
         unit("(l*l)^(1/2)", "m");
         unit("l^1.5", "m^(3/2)");
+        unit("l^(1/3)", "m^(1/3)");
+        unit("(l^(2/3))^1.5", "m");
         unit("-l + 0", "m");
         unit("sqrt(k/m)", "1/s");
         unit("[x, 0, l]", "m");
         unit("2*[x, 0, l]/t", "m/s");
         unit("diag(m, m, 0)*[x, 0, l]", "kg·m");
         refused("let a = m + l;", "m + l: a sum needs equal dimensions, these are kg and m");
-        refused("let a = l + 1;", "l + 1: a sum needs equal dimensions, these are m and a plain number");
+        refused(
+            "let a = l + 1;",
+            "l + 1: a sum needs equal dimensions, these are m and a plain number; the second lacks a factor of m",
+        );
         refused(
             "let a = [x, y, z] - [m, m, m];",
             "[x, y, z] - [m, m, m]: a sum needs equal dimensions, these are m and kg",
@@ -418,7 +459,7 @@ mod tests {
         );
         refused(
             "let a = l^theta;",
-            "theta: a power of m needs an exponent such as 2, -1 or 1/2; other exponents are for plain numbers only",
+            "theta: a power of m needs a constant exponent, such as 2, -1 or 1/3; divide the base by a quantity of its dimension to make it a plain number",
         );
         refused("let a = l^1000;", "1000: an exponent is at most 100; `exp(n * ln(x))` takes any");
         refused(
@@ -554,11 +595,11 @@ mod tests {
         same("", "angular_velocity(rot_z(theta))", "[0, 0, dt(theta)]");
         refused(
             "let a = dt(dt(x));",
-            "dt(x): accelerations cannot enter: this is a time derivative already; energies and forces are made of positions and velocities",
+            "dt(x): accelerations cannot enter: this is a time derivative already; energies and forces are made of positions and velocities, inertia is kinetic energy",
         );
         refused(
             "let a = dt(dt([x, y, z]));",
-            "dt([x, y, z]): accelerations cannot enter: this is a time derivative already; energies and forces are made of positions and velocities",
+            "dt([x, y, z]): accelerations cannot enter: this is a time derivative already; energies and forces are made of positions and velocities, inertia is kinetic energy",
         );
         refused("let a = dt(u);", "u: the rate of an input is not known; make it a coordinate or a formula of `t`");
         refused(

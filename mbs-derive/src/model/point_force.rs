@@ -3,10 +3,8 @@
 use super::constant::Dependence;
 use super::dimension::Dimension;
 use super::evaluate::{Argument, Resolved, Resolver};
-use super::frame::FrameId;
 use super::lagrangian::PointForce;
 use super::value::{Free, Value};
-use crate::expr::Vector;
 use crate::parse::syntax::{Expression, Span};
 
 impl<'d, 'g> Resolver<'d, 'g> {
@@ -68,21 +66,10 @@ impl<'d, 'g> Resolver<'d, 'g> {
         let force = self.vector(&value)?;
         self.check_dimension(force.fit(), what, wanted, &value.span)?;
         let Free { components: velocity, frame, .. } = velocity?;
+        // A force is turned, not the velocity, which depends on more.
         let force = self.in_axes(force, frame);
         self.lagrangian.point_forces.push(PointForce { velocity, force });
         Ok(())
-    }
-
-    /// In the axes of `frame`: a force is turned, not the velocity, which depends on more.
-    fn in_axes(&self, vector: Free<'g>, frame: FrameId) -> Vector<'g> {
-        if self.same_axes(vector.frame, frame) {
-            return vector.components;
-        }
-        let world = self.in_world(vector);
-        match self.same_axes(frame, FrameId::WORLD) {
-            true => world,
-            false => self.lagrangian.frames.get(frame).rotation.transpose() * world,
-        }
     }
 }
 

@@ -62,17 +62,20 @@ pub(super) struct Binding<'g> {
     pub(super) span: Span,
 }
 
-/// The blocks that are open, the mechanism first.
+/// The blocks that are open: what imported files declare, then the mechanism, then its inner blocks.
 #[derive(Debug)]
 pub(super) struct Scope<'g> {
     blocks: Vec<BTreeMap<String, Binding<'g>>>,
     /// Which blocks are bodies of functions that are being called: nothing is seen through the last of them but what is
-    /// the mechanism's own.
-    functions: Vec<usize>,
+    /// the mechanism's own, and so many of the outermost blocks.
+    functions: Vec<(usize, usize)>,
 }
 
+/// What imported files declare, and the mechanism.
+const OUTERMOST: usize = 2;
+
 impl<'g> Scope<'g> {
-    /// Only the mechanism's own block.
+    /// Only the block of imported files; the next one is the mechanism's own.
     pub(super) fn new() -> Self {
         Scope { blocks: vec![BTreeMap::new()], functions: Vec::new() }
     }
@@ -82,34 +85,46 @@ impl<'g> Scope<'g> {
         self.blocks.push(BTreeMap::new());
     }
 
-    /// Opens the body of a function.
+    /// Opens the body of a function of the mechanism.
     pub(super) fn enter_function(&mut self) {
-        self.functions.push(self.blocks.len());
+        self.functions.push((self.blocks.len(), OUTERMOST));
+        self.enter();
+    }
+
+    /// Opens the body of a function of an imported file.
+    pub(super) fn enter_shared_function(&mut self) {
+        self.functions.push((self.blocks.len(), 1));
         self.enter();
     }
 
     /// Closes the innermost block.
     pub(super) fn leave(&mut self) {
         self.blocks.pop();
-        if self.functions.last() == Some(&self.blocks.len()) {
+        if self.functions.last().is_some_and(|(body, _)| *body == self.blocks.len()) {
             self.functions.pop();
         }
     }
 
-    /// Whether the innermost block is the mechanism's own.
+    /// Whether the innermost block is the mechanism's own, or that of imported files.
     pub(super) fn is_outermost(&self) -> bool {
-        self.blocks.len() == 1
+        self.functions.is_empty() && self.blocks.len() <= OUTERMOST
+    }
+
+    /// Whether the innermost block is that of imported files.
+    pub(super) fn is_shared(&self) -> bool {
+        self.functions.is_empty() && self.blocks.len() == 1
     }
 
     /// Declares a name in the innermost block.
     ///
     /// # Errors
-    /// What the name is already, if this block has it.
+    /// What the name is already, if this block has it; the mechanism has what imported files have.
     pub(super) fn declare(&mut self, name: &str, binding: Binding<'g>) -> Result<(), Origin> {
-        let block = self.blocks.last_mut().expect("the mechanism's block is never closed");
-        match block.get(name) {
+        let same = if self.is_outermost() { 0 } else { self.blocks.len() - 1 };
+        match self.blocks[same..].iter().find_map(|block| block.get(name)) {
             Some(known) => Err(known.origin),
             None => {
+                let block = self.blocks.last_mut().expect("the outermost block is never closed");
                 block.insert(name.to_string(), binding);
                 Ok(())
             }
@@ -118,11 +133,13 @@ impl<'g> Scope<'g> {
 
     /// What a name stands for.
     pub(super) fn get(&self, name: &str) -> Option<&Binding<'g>> {
-        let Some(&body) = self.functions.last() else {
+        let Some(&(body, seen)) = self.functions.last() else {
             return self.blocks.iter().rev().find_map(|block| block.get(name));
         };
         let inner = self.blocks[body..].iter().rev().find_map(|block| block.get(name));
-        inner.or_else(|| self.blocks[0].get(name).filter(|binding| binding.origin.is_everywhere()))
+        let seen = &self.blocks[..seen.min(body)];
+        let outer = || seen.iter().find_map(|block| block.get(name).filter(|b| b.origin.is_everywhere()));
+        inner.or_else(outer)
     }
 
     /// How a name came to be that the function being called does not see.
@@ -153,6 +170,7 @@ mod tests {
     fn functions_see_what_is_the_mechanisms_own() {
         let binding = |origin| Binding { origin, value: None, span: 0..0 };
         let mut scope = Scope::new();
+        scope.enter();
         for (name, origin) in [("m", Origin::Parameter), ("a", Origin::Local), ("b", Origin::Local)] {
             assert_eq!(scope.declare(name, binding(origin)), Ok(()));
         }
@@ -168,9 +186,35 @@ mod tests {
     }
 
     #[test]
+    fn imported_names_are_the_mechanisms_and_not_the_other_way() {
+        let binding = |origin| Binding { origin, value: None, span: 0..0 };
+        let mut scope = Scope::new();
+        assert!(scope.is_shared());
+        assert_eq!(scope.declare("k", binding(Origin::Constant)), Ok(()));
+        scope.enter_shared_function();
+        assert_eq!(scope.declare("k", binding(Origin::Argument)), Ok(()), "called by a constant");
+        scope.leave();
+        scope.enter();
+        assert!(scope.is_outermost() && !scope.is_shared());
+        assert_eq!(scope.declare("k", binding(Origin::Parameter)), Err(Origin::Constant));
+        assert_eq!(scope.declare("m", binding(Origin::Parameter)), Ok(()));
+        scope.enter_shared_function();
+        assert!(scope.get("k").is_some() && scope.get("m").is_none());
+        assert_eq!(scope.hidden("m"), Some(Origin::Parameter));
+        scope.enter_function();
+        assert!(scope.get("k").is_some() && scope.get("m").is_some());
+        scope.leave();
+        assert!(scope.get("m").is_none());
+        scope.leave();
+        scope.enter();
+        assert_eq!(scope.declare("k", binding(Origin::Local)), Ok(()), "an inner block may hide it");
+    }
+
+    #[test]
     fn inner_blocks_shadow_and_end() {
         let binding = |origin| Binding { origin, value: None, span: 0..0 };
         let mut scope = Scope::new();
+        scope.enter();
         assert_eq!(scope.declare("a", binding(Origin::Parameter)), Ok(()));
         assert_eq!(scope.declare("a", binding(Origin::Local)), Err(Origin::Parameter));
         scope.enter();

@@ -1,7 +1,9 @@
 //! Statements, in order: local names, loops, outputs; quantities and energies have files of their own.
 
+use super::constant::Dependence;
 use super::dimension::Dimension;
 use super::evaluate::{Argument, Refused, Resolved, Resolver};
+use super::function::Home;
 use super::lagrangian::{Output, OutputValue};
 use super::scope::{Binding, Origin};
 use super::value::{Free, Scalar, Shape, Tensor, Value, shared};
@@ -57,7 +59,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
         statements.iter().all(|statement| {
             // Why it was refused has been noted; the next one may be right.
             let _ = self.statement(statement);
-            !self.exhausted(&statement.span)
+            !self.exhausted(&statement.span) && !self.errors.is_full()
         })
     }
 
@@ -91,9 +93,9 @@ impl<'d, 'g> Resolver<'d, 'g> {
             StatementKind::Constraint { docs, name, left, right } => {
                 self.outermost("constraint", &statement.span).and_then(|()| self.constraint(docs, name, left, right))
             }
-            StatementKind::Output { docs, name, value } => {
-                self.outermost("output", &statement.span).and_then(|()| self.output(docs, name, value))
-            }
+            StatementKind::Output { docs, name, value, jacobian_rate } => self
+                .outermost("output", &statement.span)
+                .and_then(|()| self.output(docs, name, value, jacobian_rate.as_ref())),
             StatementKind::For { variable, start, end, body } => self.repeat(variable, start, end, body),
         }
     }
@@ -125,8 +127,13 @@ impl<'d, 'g> Resolver<'d, 'g> {
         if super::builtin::CONSTANTS.contains(&text.as_str()) {
             return Err(self.refuse(&span, format!("`{text}` is built in"), "choose another name"));
         }
-        if self.scope.is_outermost() && self.functions.get(text.as_str()).is_some_and(|f| !f.library) {
-            return Err(self.refuse(&span, format!("`{text}` is already a function"), "choose another name"));
+        let function =
+            self.functions.get(text.as_str()).filter(|f| f.home != Home::Library && self.scope.is_outermost());
+        if let Some(first) = function.map(|f| f.place()) {
+            // What is made of it is given up without a word.
+            let _ = self.scope.declare(text, Binding { origin, value: None, span: span.clone() });
+            let (message, help) = (format!("`{text}` is already a function"), "choose another name".to_string());
+            return Err(self.refuse_twice(&span, message, help, first));
         }
         match self.scope.declare(text, Binding { origin, value, span: span.clone() }) {
             Ok(()) => Ok(()),
@@ -138,7 +145,11 @@ impl<'d, 'g> Resolver<'d, 'g> {
                     }
                     _ => "choose another name".to_string(),
                 };
-                Err(self.refuse(&span, format!("`{text}` is already {}", known.described()), help))
+                let message = format!("`{text}` is already {}", known.described());
+                match self.scope.get(text).map(|binding| binding.span.clone()) {
+                    Some(first) if self.scope.is_outermost() => Err(self.refuse_twice(&span, message, help, first)),
+                    _ => Err(self.refuse(&span, message, help)),
+                }
             }
         }
     }
@@ -239,17 +250,47 @@ impl<'d, 'g> Resolver<'d, 'g> {
 // ---- outputs
 
 impl<'d, 'g> Resolver<'d, 'g> {
-    fn output(&mut self, docs: &[String], name: &Name, value: &Expression) -> Resolved<()> {
+    fn output(
+        &mut self,
+        docs: &[String],
+        name: &Name,
+        value: &Expression,
+        jacobian_rate: Option<&Span>,
+    ) -> Resolved<()> {
         let value = self.argument(value);
         self.check_output_name(name)?;
         let (value, unit) = self.shown(&value?)?;
-        self.lagrangian.outputs.push(Output { name: name.text.clone(), docs: docs.to_vec(), unit, value });
+        if let Some(request) = jacobian_rate {
+            self.check_jacobian_rate(&name.text, &value, request)?;
+        }
+        let (name, docs) = (name.text.clone(), docs.to_vec());
+        self.lagrangian.outputs.push(Output { name, docs, unit, value, jacobian_rate: jacobian_rate.is_some() });
         Ok(())
+    }
+
+    /// The Jacobian of what depends on velocities changes with accelerations, and the rates of inputs are not known.
+    fn check_jacobian_rate(&mut self, name: &str, value: &OutputValue<'g>, request: &Span) -> Resolved<()> {
+        let components = match value {
+            OutputValue::Scalar(expr) => vec![*expr],
+            OutputValue::Array(row) => row.clone(),
+            OutputValue::Matrix(rows) => rows.concat(),
+            // Places are made of positions.
+            OutputValue::Pose(_) => return Ok(()),
+        };
+        let depends = components.into_iter().fold(Dependence::default(), |all, e| all.or(self.facts.dependence(e)));
+        let what = match (depends.on(Dependence::VELOCITY), depends.on(Dependence::INPUT)) {
+            (true, _) => "velocities",
+            (false, true) => "inputs",
+            (false, false) => return Ok(()),
+        };
+        let message = format!("`{name}` depends on {what}: its Jacobian has no rate that is a function of the state");
+        Err(self.refuse(request, message, "leave it out; positions and attitudes have one"))
     }
 
     fn check_output_name(&mut self, name: &Name) -> Resolved<()> {
         let text = name.text.as_str();
-        let functions = |name: &str| ["", "_velocity", "_jacobian"].map(|suffix| format!("{name}{suffix}"));
+        let functions =
+            |name: &str| ["", "_velocity", "_jacobian", "_jacobian_rate"].map(|suffix| format!("{name}{suffix}"));
         let clashes = |other: &str| functions(other).iter().any(|f| functions(text).contains(f));
         if let Some(output) = self.lagrangian.outputs.iter().find(|output| clashes(&output.name)) {
             let other = &output.name;
@@ -276,7 +317,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
                 Ok((OutputValue::Array(components), unit(dimensions)))
             }
             Shape::Matrix if matches!(value.value, Value::Matrix(_)) => {
-                let Tensor { entries, dimension } = self.matrix(value)?;
+                let Tensor { entries, dimension, .. } = self.matrix_in_world(value)?;
                 Ok((OutputValue::Matrix(entries.0.map(|row| row.to_vec()).to_vec()), dimension.to_string()))
             }
             Shape::Pose => Ok((OutputValue::Pose(self.frame(value)?), String::from("m"))),
@@ -400,7 +441,7 @@ mod tests {
     fn loops_have_constant_bounds() {
         refused(
             "for i in 0..m { }",
-            "m: the bound of a loop must be a constant integer; it is made of numbers, constants and loop variables",
+            "m: the bound of a loop must be a constant integer; a parameter may change at run time: declare it as `const name = …;`",
         );
         refused(
             "for i in 0..5/2 { }",
@@ -459,6 +500,27 @@ mod tests {
         refused(
             "output a = x; output a_jacobian = y;",
             "a_jacobian: there is already an output `a`, with its `a_velocity` and `a_jacobian`; choose another name",
+        );
+        let help = "leave it out; positions and attitudes have one";
+        let why = |what: &str| {
+            format!(
+                "jacobian_rate: `a` depends on {what}: its Jacobian has no rate that is a function of the state; {help}"
+            )
+        };
+        refused("output a = [x, dt(x)/t, 0*x/t], jacobian_rate;", &why("velocities"));
+        refused("output a = u*x, jacobian_rate;", &why("inputs"));
+        refused("output a = [[dt(x), 0], [u*x/k/t, 0]], jacobian_rate;", &why("velocities"));
+        refused(
+            "output a = x, jacobian_rate; output a_jacobian_rate = y;",
+            "a_jacobian_rate: there is already an output `a`, with its `a_velocity` and `a_jacobian`; choose another name",
+        );
+        mechanism(
+            "prescribed s: m; output a = s*x*t/t, jacobian_rate; output b = [x, dt(s)/k*m/t/t, 0], jacobian_rate; \
+             output c = world, jacobian_rate; output d = x;",
+            |lagrangian| {
+                let asked: Vec<bool> = lagrangian.outputs.iter().map(|output| output.jacobian_rate).collect();
+                assert_eq!(asked, [true, true, true, false]);
+            },
         );
         refused(
             "output bias = x;",

@@ -4,7 +4,6 @@ use std::rc::Rc;
 
 use super::dimension::Dimension;
 use super::frame::{Edge, FrameId};
-use super::lagrangian::Body;
 use crate::expr::{Expr, Matrix, Vector};
 
 /// The value of an expression.
@@ -14,16 +13,14 @@ pub(super) enum Value<'g> {
     Scalar(Scalar<'g>),
     /// A free vector.
     Vector(Free<'g>),
-    /// A place that knows its frame.
+    /// A place that knows its frame, in which it is fixed.
     Point(Point<'g>),
-    /// Three by three numbers, of no frame.
+    /// Three by three numbers, or a tensor that knows its axes.
     Matrix(Box<Tensor<'g>>),
     /// Position and attitude in the world.
     Pose(Pose<'g>),
     /// Several values; three numbers are a vector in world axes wherever one is wanted, three rows of three a matrix.
     Array(Array<'g>),
-    /// A sum with the energies of bodies among its terms; one number wherever one is wanted.
-    Energy(Rc<[Term<'g>]>),
 }
 
 /// One number with its dimension. The literal 0 fits every dimension.
@@ -52,6 +49,8 @@ pub(super) struct Point<'g> {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Tensor<'g> {
     pub(super) entries: Matrix<'g>,
+    /// The axes that rows and columns are in; plain numbers `[[…], […], […]]` do not say.
+    pub(super) axes: Option<(FrameId, FrameId)>,
     pub(super) dimension: Dimension,
 }
 
@@ -72,15 +71,6 @@ pub(super) struct Array<'g> {
     depth: usize,
 }
 
-/// One term of an energy.
-#[derive(Clone, Copy, Debug)]
-pub(super) enum Term<'g> {
-    /// The kinetic energy of a body.
-    Body(Body<'g>),
-    /// Any other.
-    Other(Expr<'g>),
-}
-
 /// What a value can be used as.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Shape {
@@ -98,7 +88,7 @@ impl<'g> Value<'g> {
 
     pub(super) fn shape(&self) -> Shape {
         match self {
-            Value::Scalar(_) | Value::Energy(_) => Shape::Number,
+            Value::Scalar(_) => Shape::Number,
             Value::Vector(_) | Value::Point(_) => Shape::Vector,
             Value::Matrix(_) => Shape::Matrix,
             Value::Pose(_) => Shape::Pose,
@@ -112,7 +102,7 @@ impl<'g> Value<'g> {
     /// With an article, for messages.
     pub(super) fn described(&self) -> String {
         match self {
-            Value::Scalar(_) | Value::Energy(_) => "a number".to_string(),
+            Value::Scalar(_) => "a number".to_string(),
             Value::Vector(_) => "a vector".to_string(),
             Value::Point(_) => "a point".to_string(),
             Value::Matrix(_) => "a matrix".to_string(),
@@ -200,7 +190,12 @@ impl Free<'_> {
     }
 }
 
-impl Tensor<'_> {
+impl<'g> Tensor<'g> {
+    /// Entries that do not say in which axes they are.
+    pub(super) fn plain(entries: Matrix<'g>, dimension: Dimension) -> Self {
+        Tensor { entries, axes: None, dimension }
+    }
+
     /// For [`shared`].
     pub(super) fn fit(&self) -> (Dimension, bool) {
         (self.dimension, self.entries.0.iter().flatten().all(|c| c.is_zero()))

@@ -126,7 +126,10 @@ mod tests {
         check("if a < b { c }", &format!(";: expected `else`, found `;`; {both}"));
         check("if a < b { c; } else { d }", ";: a branch is one value; leave the `;` out: `if x < 0 { a } else { b }`");
         check("if a < b { c d } else { d }", "d: an operator is missing before `d`; write `*` for a product");
-        check("else { a }", "else: `else` is a keyword of the language, not a value; write a value here");
+        check(
+            "else { a }",
+            "else: `else` is a keyword of the language, not a value; names of your own are others, such as `else_`",
+        );
         // The rest of a statement says nothing of its own.
         check("if a < b { c } else { d ! }", "!: `!` is not an operator; the operators are `+`, `-`, `*`, `/` and `^`");
         check("if a ? b { c } else { d }", "?: expected a `{`, found `?`; write `if x < 0 { a } else { b }`");

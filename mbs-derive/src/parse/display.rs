@@ -12,6 +12,7 @@ impl Display for Declaration {
         if self.dimensionless {
             writeln!(f, "#![dimensionless]")?;
         }
+        self.imports.iter().try_for_each(|import| writeln!(f, "import \"{}\";", import.path))?;
         docs(f, &self.docs, 0)?;
         writeln!(f, "mechanism {} {{", self.name.text)?;
         self.statements.iter().try_for_each(|statement| lines(f, statement, 1))?;
@@ -56,9 +57,10 @@ fn lines(f: &mut Formatter<'_>, statement: &Statement, depth: usize) -> fmt::Res
             docs(f, about, depth)?;
             writeln!(f, "{indent}constraint {}: {left} = {right};", name.text)
         }
-        StatementKind::Output { docs: about, name, value } => {
+        StatementKind::Output { docs: about, name, value, jacobian_rate } => {
             docs(f, about, depth)?;
-            writeln!(f, "{indent}output {} = {value};", name.text)
+            let request = if jacobian_rate.is_some() { ", jacobian_rate" } else { "" };
+            writeln!(f, "{indent}output {} = {value}{request};", name.text)
         }
         StatementKind::For { variable, start, end, body } => {
             writeln!(f, "{indent}for {} in {start}..{end} {{", variable.text)?;

@@ -4,9 +4,10 @@ use proc_macro2::Delimiter;
 use syn::parse::ParseStream;
 
 use super::condition::no_condition;
-use super::keyword::{RESERVED, keyword};
+use super::keyword::keyword;
 use super::reader::{Parsed, Reader, Refused, opens, sign, word};
 use super::syntax::{BinaryOperator, Comparison, Expression, ExpressionKind, Name, Span};
+use crate::expr::Function;
 
 /// What stands between two operands.
 #[derive(Clone, Copy, PartialEq)]
@@ -299,10 +300,10 @@ impl Reader<'_> {
     fn value_name(&mut self, input: ParseStream<'_>) -> Parsed<Name> {
         let name = self.name(input, "this")?;
         match keyword(&name.text) {
-            Some(_) if RESERVED.contains(&&*name.text) => Err(self.reserved(name.span, &name.text)),
             Some(what) => {
                 let message = format!("`{}` is {what}, not a value", name.text);
-                Err(self.refuse(name.span, message, "write a value here"))
+                let help = format!("names of your own are others, such as `{}_`", name.text);
+                Err(self.refuse(name.span, message, help))
             }
             None => Ok(name),
         }
@@ -344,7 +345,10 @@ impl Reader<'_> {
                 (format!("{found} cannot stand behind a value"), "end the statement before with `;`")
             }
             Some((sign @ ("==" | "!=" | "&" | "|" | "=>"), _)) => no_condition(sign),
-            Some((",", _)) => (format!("{found} cannot stand here"), "write a vector as `[x, y, z]`"),
+            Some((",", _)) => match self.decimal_comma(&here) {
+                Some(number) => return self.refuse(here, "a decimal point is a `.`", format!("write `{number}`")),
+                None => (format!("{found} cannot stand here"), "write a vector as `[x, y, z]`"),
+            },
             Some((";", _)) => (format!("{found} cannot stand within brackets"), "write `,` between values"),
             Some((".." | "..=", _)) => ("a range stands behind `in` only".to_string(), "write `for i in 0..6 { … }`"),
             Some((":", _)) => {
@@ -355,13 +359,49 @@ impl Reader<'_> {
             None if opens(input, Delimiter::Brace) => {
                 (format!("{found} cannot stand behind a value"), "end the statement with `;`")
             }
-            None => match word(input.cursor()) {
-                Some((text, _)) if RESERVED.contains(&&*text) => return self.reserved(here, &text),
-                _ => (format!("an operator is missing before {found}"), "write `*` for a product"),
-            },
+            None => return self.no_operator(here, &found),
         };
         self.refuse(here, message, help)
     }
+
+    /// Two values stand side by side.
+    fn no_operator(&mut self, here: Span, found: &str) -> Refused {
+        let before = self.source[..here.start].trim_end();
+        let word = before.rsplit(|c: char| !c.is_ascii_alphanumeric() && c != '_').next().unwrap_or_default();
+        if Function::ALL.iter().any(|f| f.name() == word) || ["sqrt", "dt"].contains(&word) {
+            let message = format!("the argument of `{word}` stands in brackets");
+            return self.refuse(here, message, format!("write `{word}({})`", found.trim_matches('`')));
+        }
+        let help = match is_within_brackets(before) {
+            true => "write `*` for a product, `,` between two values",
+            false => "write `*` for a product",
+        };
+        self.refuse(here, format!("an operator is missing before {found}"), help)
+    }
+
+    /// `1.5`, where `here` is the comma of `1,5`.
+    fn decimal_comma(&self, here: &Span) -> Option<String> {
+        let digits = |text: &str| text.bytes().take_while(u8::is_ascii_digit).count();
+        let (before, after) = (&self.source[..here.start], &self.source[here.end..]);
+        let whole = before.len() - before.bytes().rev().take_while(u8::is_ascii_digit).count();
+        let (whole, fraction) = (&before[whole..], &after[..digits(after)]);
+        (!whole.is_empty() && !fraction.is_empty()).then(|| format!("{whole}.{fraction}"))
+    }
+}
+
+/// Whether a parenthesis or bracket of the last statement is open at the end of the text.
+fn is_within_brackets(text: &str) -> bool {
+    let mut closed = 0;
+    for c in text.chars().rev() {
+        match c {
+            ')' | ']' => closed += 1,
+            '(' | '[' if closed == 0 => return true,
+            '(' | '[' => closed -= 1,
+            ';' | '{' | '}' => return false,
+            _ => {}
+        }
+    }
+    false
 }
 
 /// Why `text`, of which `decimal` and then `suffix` are left without underscores, is not a number, and what to write.
@@ -502,7 +542,9 @@ mod tests {
         check("{ a }", &format!("{{: expected a value, found `{{`; {value}"));
         check("(a, b)", ",: `,` cannot stand here; write a vector as `[x, y, z]`");
         check("[0; 3]", ";: `;` cannot stand within brackets; write `,` between values");
-        check("[a b]", "b: an operator is missing before `b`; write `*` for a product");
+        check("[a b]", "b: an operator is missing before `b`; write `*` for a product, `,` between two values");
+        check("cos a", "a: the argument of `cos` stands in brackets; write `cos(a)`");
+        check("1,5 + a", ",: a decimal point is a `.`; write `1.5`");
         check("a % b", "%: `%` is not an operator; the operators are `+`, `-`, `*`, `/` and `^`");
         check("a & b", "&: `&` is not an operator; write `&&` for \"and\", `||` for \"or\"");
         check("a <", &format!(";: expected a value, found `;`; {value}"));
@@ -512,8 +554,11 @@ mod tests {
         check("a {}", "{: `{` cannot stand behind a value; end the statement with `;`");
         check("if a", ";: expected a `{`, found `;`; write `if x < 0 { a } else { b }`");
         check("a if b", "if: an operator is missing before `if`; write `*` for a product");
-        check("force", "force: `force` is a keyword of the language, not a value; write a value here");
-        check("true", "true: `true` is a keyword of Rust, not a value; write a value here");
+        check(
+            "force",
+            "force: `force` is a keyword of the language, not a value; names of your own are others, such as `force_`",
+        );
+        check("true", "true: `true` is a keyword of Rust, not a value; names of your own are others, such as `true_`");
         check("q.0", "0: `.0` is not a component; write `[0]` for the first component, `[1]` for the second");
         check("q.", ";: expected a name after `.`, found `;`; a name begins with a letter");
         check("1.e5", "e5: a number has no component `e5`; write a digit behind the point: `1.0`");

@@ -1,7 +1,7 @@
 //! The grammar: one function a construct, its rule above it.
 //!
 //! ```text
-//! file        := (inner | doc)* "mechanism" name "{" statement* "}"
+//! file        := (inner | doc | import)* "mechanism" name "{" statement* "}"
 //! inner       := "#![dimensionless]"
 //! statement   := doc* (param | coord | input | prescribed | const | fn | let | assignment | energy | force | force_at
 //!                | torque | constraint | output) ";" | doc* for
@@ -16,43 +16,89 @@ use proc_macro2::{Delimiter, TokenStream};
 use syn::buffer::Cursor;
 use syn::parse::{ParseStream, Parser};
 
-use super::keyword::{RESERVED, STATEMENTS};
+use super::guard;
+use super::import::Shared;
+use super::keyword::STATEMENTS;
 use super::quantity::{CONST, COORD, INPUT, PARAM, PRESCRIBED};
 use super::reader::{Parsed, Reader, Refused, opens, sign, word};
-use super::syntax::{Declaration, EnergyTerm, Expression, Name, Span, Statement, StatementKind};
+use super::syntax::{Declaration, EnergyTerm, Expression, Import, Name, Span, Statement, StatementKind};
 use crate::diagnostic::{Diagnostics, nearest};
 
-/// Reads a file that `guard` has let pass.
-pub(super) fn declaration(source: &str) -> Result<Declaration, Diagnostics> {
-    let mut reader = Reader { source, last: 0, depth: 0, errors: Diagnostics::default() };
-    let tokens = match TokenStream::from_str(source) {
-        Ok(tokens) => tokens,
-        Err(error) => {
-            let at = error.span().byte_range().start;
-            let message = "this is neither a number nor a name nor a sign";
-            reader.errors.error(at..at + 1, message).help("numbers are decimal, names plain");
-            return Err(reader.errors);
+/// One file, read by itself.
+pub(super) struct File<T> {
+    /// What it imports.
+    pub(super) imports: Vec<Import>,
+    /// What it holds, as far as that could be read; nothing only where there are errors.
+    pub(super) content: Option<T>,
+    pub(super) errors: Diagnostics,
+}
+
+/// Reads the file of a mechanism.
+pub(super) fn mechanism(source: &str) -> File<Declaration> {
+    file(source, Reader::file)
+}
+
+/// Reads a file that is imported.
+pub(super) fn shared(source: &str) -> File<Shared> {
+    file(source, Reader::shared)
+}
+
+/// The answer to a question about the tokens of a file; none where it cannot be cut into tokens.
+pub(super) fn asked<T>(source: &str, question: fn(ParseStream<'_>) -> T) -> Option<T> {
+    let answer = |_: &mut Reader<'_>, input: ParseStream<'_>| {
+        let answer = question(input);
+        // What is left unread is not the question.
+        let _ = input.parse::<TokenStream>();
+        Ok(answer)
+    };
+    file(source, answer).content
+}
+
+fn file<'s, T>(source: &'s str, read: impl Fn(&mut Reader<'s>, ParseStream<'_>) -> Parsed<T>) -> File<T> {
+    let mut reader = Reader { source, last: 0, depth: 0, imports: Vec::new(), errors: Diagnostics::default() };
+    let content = match tokens(source) {
+        Ok(tokens) => (|input: ParseStream<'_>| Ok(read(&mut reader, input))).parse2(tokens),
+        Err(errors) => {
+            reader.errors = errors;
+            Ok(Err(Refused))
         }
     };
-    // Once something was refused, syn's complaint about what was left unread behind it adds nothing.
-    let parsed = (|input: ParseStream<'_>| Ok(reader.file(input))).parse2(tokens);
-    match parsed {
-        Ok(Ok(declaration)) => reader.errors.finish(declaration),
-        Err(unread) if !reader.errors.has_errors() => {
-            for error in unread {
-                reader.errors.error(error.span().byte_range(), error.to_string());
+    let Reader { imports, mut errors, .. } = reader;
+    let content = match content {
+        Ok(content) => content.ok(),
+        Err(unread) => {
+            // Once something was refused, syn's complaint about what was left unread behind it adds nothing.
+            for error in unread.into_iter().filter(|_| !errors.has_errors()).collect::<Vec<_>>() {
+                errors.error(error.span().byte_range(), error.to_string());
             }
-            Err(reader.errors)
+            None
         }
-        Ok(Err(Refused)) | Err(_) => Err(reader.errors),
-    }
+    };
+    File { imports, content, errors }
+}
+
+fn tokens(source: &str) -> Result<TokenStream, Diagnostics> {
+    guard::check(source)?;
+    TokenStream::from_str(source).map_err(|error| {
+        let (at, mut errors) = (error.span().byte_range().start, Diagnostics::default());
+        let message = "this is neither a number nor a name nor a sign";
+        errors.error(at..at + 1, message).help("numbers are decimal, names plain");
+        errors
+    })
 }
 
 // ---- file
 
+/// What stands at the top of a file, imports aside.
+pub(super) struct Head {
+    /// Where `#![dimensionless]` stands.
+    pub(super) dimensionless: Option<Span>,
+    docs: Vec<String>,
+}
+
 impl Reader<'_> {
     fn file(&mut self, input: ParseStream<'_>) -> Parsed<Declaration> {
-        let (dimensionless, docs) = self.head(input);
+        let Head { dimensionless, docs } = self.head(input);
         self.mechanism_keyword(input)?;
         let name = self.declared_name(input, "mechanism");
         if name.is_ok() && !opens(input, Delimiter::Brace) {
@@ -69,19 +115,27 @@ impl Reader<'_> {
         let statements = self.statements(&body.content);
         self.close(body);
         self.end_of_file(input);
-        Ok(Declaration { dimensionless, name: name?, docs, statements })
+        let (dimensionless, imports, imported) = (dimensionless.is_some(), Vec::new(), Vec::new());
+        Ok(Declaration { dimensionless, imports, imported, name: name?, docs, statements })
     }
 
-    /// Documentation and `#![…]`, in any order.
-    fn head(&mut self, input: ParseStream<'_>) -> (bool, Vec<String>) {
-        let (mut dimensionless, mut docs) = (false, Vec::new());
-        while self.peek(input, "#") {
-            match self.doc(input) {
-                Some((_, lines)) => docs.extend(lines),
-                None => dimensionless |= self.inner_attribute(input).is_ok(),
+    /// Documentation, `#![…]` and imports, in any order.
+    pub(super) fn head(&mut self, input: ParseStream<'_>) -> Head {
+        let mut head = Head { dimensionless: None, docs: Vec::new() };
+        loop {
+            let start = self.next(input).start;
+            if word(input.cursor()).is_some_and(|(text, _)| text == "import") {
+                if self.import(input).is_err() {
+                    self.behind_import(input);
+                }
+            } else if !self.peek(input, "#") {
+                return head;
+            } else if let Some((_, lines)) = self.doc(input) {
+                head.docs.extend(lines);
+            } else if self.inner_attribute(input).is_ok() {
+                head.dimensionless = Some(start..self.last);
             }
         }
-        (dimensionless, docs)
     }
 
     fn mechanism_keyword(&mut self, input: ParseStream<'_>) -> Parsed<()> {
@@ -93,9 +147,15 @@ impl Reader<'_> {
             None if input.is_empty() => Err(self.refuse(span, "this file declares no mechanism", form)),
             Some((text, _)) if STATEMENTS.contains(&&*text) => {
                 let message = format!("`{text}` stands outside a mechanism");
-                Err(self.refuse(span, message, "move it between the braces of `mechanism Name { … }`"))
+                let help = match text.as_str() {
+                    "const" | "fn" => {
+                        "move it between the braces of `mechanism Name { … }`, or write `import` with this file's name \
+                         in the file of a mechanism"
+                    }
+                    _ => "move it between the braces of `mechanism Name { … }`",
+                };
+                Err(self.refuse(span, message, help))
             }
-            Some((text, _)) if RESERVED.contains(&&*text) => Err(self.reserved(span, &text)),
             _ => Err(self.unexpected(input, "`mechanism`", form)),
         }
     }
@@ -108,6 +168,11 @@ impl Reader<'_> {
             None if input.is_empty() => (start, "this documents nothing", "move it before what it documents"),
             Some((text, _)) if text == "mechanism" => {
                 (self.next(input), "a file declares one mechanism, this is the second", "write it in a file of its own")
+            }
+            Some((text, _)) if text == "import" => {
+                let here = self.next(input);
+                self.late_import(here);
+                return while !input.is_empty() && !self.skip(input) {};
             }
             _ => {
                 let help = "move it between the mechanism's braces, or into a comment";
@@ -125,7 +190,7 @@ impl Reader<'_> {
 
 impl Reader<'_> {
     /// Every statement that can be read; of the others, why not.
-    fn statements(&mut self, input: ParseStream<'_>) -> Vec<Statement> {
+    pub(super) fn statements(&mut self, input: ParseStream<'_>) -> Vec<Statement> {
         let (mut statements, depth) = (Vec::new(), self.depth);
         while !input.is_empty() {
             let start = input.cursor();
@@ -194,7 +259,7 @@ impl Reader<'_> {
             "constraint" => self.constraint(input, docs)?,
             "output" => self.output(input, docs)?,
             "if" => return Err(self.no_conditional_statement(here)),
-            text if RESERVED.contains(&text) => return Err(self.reserved(here, text)),
+            "import" => return Err(self.late_import(here)),
             _ => self.assignment(input)?,
         };
         self.semicolon(input)?;
@@ -372,6 +437,12 @@ impl Reader<'_> {
             return Ok(());
         }
         let help = match sign(input.cursor()) {
+            Some(("-=", _)) if target == "kinetic" => {
+                "kinetic energy is positive; the energy of springs and weights is `potential += …;`".to_string()
+            }
+            Some(("-=", _)) if target == "dissipation" => {
+                "dissipation is positive and acts against the motion: write `dissipation += …;`".to_string()
+            }
             Some(("-=", _)) => format!("write `{target} += -(…);`"),
             _ => format!("write `{target} += …;`"),
         };
@@ -384,12 +455,31 @@ impl Reader<'_> {
         }
     }
 
-    /// `output := "output" name "=" expression`
+    /// `output := "output" name "=" expression ("," "jacobian_rate")?`
     fn output(&mut self, input: ParseStream<'_>, docs: Vec<String>) -> Parsed<StatementKind> {
         self.eat_word(input, "output");
+        if word(input.cursor()).is_none() {
+            let help = "an output has a name and a value: write `output name = …;`";
+            return Err(self.unexpected(input, "a name after `output`", help));
+        }
         let name = self.declared_name(input, "output")?;
-        self.equals(input, &format!("write `output {} = …;`", name.text))?;
-        Ok(StatementKind::Output { docs, name, value: self.expression(input)? })
+        let help = format!("an output has a name and a value: write `output name = {};`", name.text);
+        self.equals(input, if self.peek(input, ";") { &help } else { "write `output name = …;`" })?;
+        let value = self.expression(input)?;
+        Ok(StatementKind::Output { docs, name, value, jacobian_rate: self.jacobian_rate(input)? })
+    }
+
+    /// `"," "jacobian_rate"`, if a comma comes next.
+    fn jacobian_rate(&mut self, input: ParseStream<'_>) -> Parsed<Option<Span>> {
+        if self.eat(input, ",").is_none() {
+            return Ok(None);
+        }
+        let here = self.next(input);
+        if self.eat_word(input, "jacobian_rate") {
+            return Ok(Some(here));
+        }
+        let help = "a vector is written as `[x, y, z]`; `jacobian_rate` asks for the time derivative of the Jacobian";
+        Err(self.unexpected(input, "`jacobian_rate`", help))
     }
 
     /// `for := "for" name "in" expression ".." expression "{" statement* "}"`
@@ -544,9 +634,9 @@ mechanism CartPole {
             "param: `param` stands outside a mechanism; move it between the braces of `mechanism Name { … }`",
         );
         check(
-            "import a;",
-            "import: `import` is reserved: it is not part of the language yet; \
-             see the language's documentation for what it has",
+            "const n = 1;",
+            "const: `const` stands outside a mechanism; move it between the braces of `mechanism Name { … }`, or write \
+             `import` with this file's name in the file of a mechanism",
         );
         check(
             "mechanism A {} /// doc\nmechanism B {}",
@@ -596,7 +686,7 @@ mechanism CartPole {
         refused("kinetic = x;", "=: `kinetic` is a sum that statements add to, `=` does not; write `kinetic += …;`");
         refused(
             "kinetic -= x;",
-            "-=: `kinetic` is a sum that statements add to, `-=` does not; write `kinetic += -(…);`",
+            "-=: `kinetic` is a sum that statements add to, `-=` does not; kinetic energy is positive; the energy of springs and weights is `potential += …;`",
         );
         refused(
             "force q[1] = x;",
@@ -678,7 +768,19 @@ mechanism CartPole {
         refused("forse q += 1;", "forse: `forse` begins no statement; did you mean `force`?");
         refused("mechanism B {}", "mechanism: a mechanism stands within a mechanism; write it in a file of its own");
         refused(";", ";: this `;` ends nothing; leave it out");
-        refused("output = 1;", "=: expected a name after `output`, found `=`; a name begins with a letter");
+        assert!(matches!(
+            statement("output a = [x, y, z], jacobian_rate;"),
+            StatementKind::Output { jacobian_rate: Some(_), .. }
+        ));
+        assert!(matches!(statement("output jacobian_rate = x;"), StatementKind::Output { jacobian_rate: None, .. }));
+        let form = "a vector is written as `[x, y, z]`; `jacobian_rate` asks for the time derivative of the Jacobian";
+        refused("output a = x, y, z;", &format!("y: expected `jacobian_rate`, found `y`; {form}"));
+        refused("output a = x, ;", &format!(";: expected `jacobian_rate`, found `;`; {form}"));
+        refused("output a = x, jacobian_rate, y;", ",: `,` cannot stand here; write a vector as `[x, y, z]`");
+        refused(
+            "output = 1;",
+            "=: expected a name after `output`, found `=`; an output has a name and a value: write `output name = …;`",
+        );
         refused("let x: m = 1;", ":: a `let` declares no unit; write `let x = …;`: the unit follows from the value");
         refused("let x += 1;", "+=: expected `=`, found `+=`; write `let x = …;`");
         refused("for i = 0..3 {}", "=: expected `in`, found `=`; write `for i in 0..6 { … }`");
@@ -872,6 +974,8 @@ extra
             "@",
             "if",
             "mechanism A {",
+            "import",
+            "import \"a.mbs\";",
             "let x = ",
             "param m: kg = 1;",
             "for i in 0..3 {",

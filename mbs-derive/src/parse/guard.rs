@@ -1,13 +1,12 @@
 //! What must be right before the text is cut into tokens: characters, comments, brackets.
 //!
 //! Two reasons. The tokenizer and syn recurse over brackets, so that deep ones would overflow the stack; and of all
-//! this they say no more than "cannot parse". Outside comments only ASCII without quotes gets past here.
+//! this they say no more than "cannot parse". Outside comments and the paths of imports only ASCII without quotes gets past
+//! here.
 
 use super::MAX_DEPTH;
 use crate::diagnostic::Diagnostics;
-
-/// Offsets of tokens are 32 bits wide; no declaration is near this long.
-const MAX_BYTES: usize = 1 << 26;
+use crate::source::MAX_BYTES;
 
 /// Reports what cannot be cut into tokens safely.
 pub(super) fn check(source: &str) -> Result<(), Diagnostics> {
@@ -35,9 +34,13 @@ impl<'s> Guard<'s> {
     fn file(&mut self) {
         self.at += if self.source.starts_with('\u{feff}') { '\u{feff}'.len_utf8() } else { 0 };
         while let Some(c) = self.rest().chars().next() {
+            if self.errors.is_full() {
+                return;
+            }
             match c {
                 '/' if self.rest().starts_with("//") => self.line_comment(),
                 '/' if self.rest().starts_with("/*") => self.block_comment(),
+                '"' if self.imports() => self.path(),
                 '"' => self.quotation(self.at, 1, "\"", true),
                 '\'' => self.apostrophe(),
                 '(' | '[' | '{' if self.open.len() == MAX_DEPTH => return self.too_deep(),
@@ -109,6 +112,28 @@ impl<'s> Guard<'s> {
         if length.is_none() {
             self.give_up();
         }
+    }
+
+    /// Whether the word before this place is `import`.
+    fn imports(&self) -> bool {
+        let before = self.source[..self.at].trim_end().strip_suffix("import");
+        before.is_some_and(|before| !before.ends_with(continues_word))
+    }
+
+    /// What is quoted behind `import`: any characters but those that the tokenizer would take for something else.
+    fn path(&mut self) {
+        let line = self.rest()[1..].split('\n').next().unwrap_or_default();
+        let Some(length) = line.find('"') else {
+            let error = self.errors.error(self.at..self.at + 1, "this quotation mark is never closed");
+            error.help("write `\"` behind the path");
+            return self.at += 1 + line.len();
+        };
+        let start = self.at + 1;
+        for (i, c) in line[..length].char_indices().filter(|(_, c)| *c == '\\' || c.is_control()) {
+            let error = self.errors.error(start + i..start + i + c.len_utf8(), "this cannot stand in a path");
+            error.help(if c == '\\' { "write `/` between folders" } else { "leave it out" });
+        }
+        self.at = start + length + 1;
     }
 
     /// `'x'` is quoted text; any other `'` was probably meant as a derivative.
@@ -219,6 +244,11 @@ impl<'s> Guard<'s> {
 
     fn stranger(&mut self, c: char) {
         let span = self.at..self.at + c.len_utf8();
+        if c == '\0' {
+            let error = self.errors.error(span, "this is not the text of a mechanism: a zero byte stands here");
+            error.help("is it the right file, saved as UTF-8?");
+            return self.give_up();
+        }
         let shown = if c.is_control() { format!("U+{:04X}", u32::from(c)) } else { c.to_string() };
         let error = self.errors.error(span, format!("the character `{shown}` has no meaning in a mechanism"));
         match LOOKALIKES.iter().find(|(symbols, _)| symbols.contains(c)) {
@@ -299,7 +329,7 @@ fn is_lookalike(c: char) -> bool {
 }
 
 /// What the tokenizer skips: white space, and the marks that set the direction of writing.
-fn is_space(c: char) -> bool {
+pub(super) fn is_space(c: char) -> bool {
     c.is_whitespace() || matches!(c, '\u{200e}' | '\u{200f}')
 }
 
@@ -312,7 +342,7 @@ fn closer(open: char) -> char {
 }
 
 /// Comments nest.
-fn block_comment_length(text: &[u8]) -> Option<usize> {
+pub(super) fn block_comment_length(text: &[u8]) -> Option<usize> {
     let (mut depth, mut end) = (0, 0);
     loop {
         match text[end..] {
@@ -433,7 +463,8 @@ mod tests {
         assert_eq!(help("½"), ["write `1/2`"]);
         assert_eq!(help("2π"), ["write `pi`"]);
         assert_eq!(help("größe"), ["write it in Latin letters without accents"]);
-        assert_eq!(help("\0 \\ 🦀"), ["leave it out"; 3]);
+        assert_eq!(help("\u{1} \\ 🦀"), ["leave it out"; 3]);
+        assert_eq!(help("(\0 \0"), ["is it the right file, saved as UTF-8?"]);
         assert_eq!(report("x²"), ["1..3: the character `²` has no meaning in a mechanism; write `^2`"]);
     }
 

@@ -21,10 +21,7 @@ pub(super) const STATEMENTS: [&str; 16] = [
 ];
 
 /// Parts of statements.
-const PARTS: [&str; 5] = ["mechanism", "mut", "in", "if", "else"];
-
-/// Reserved: the language will use them.
-pub(super) const RESERVED: [&str; 1] = ["import"];
+const PARTS: [&str; 6] = ["mechanism", "import", "mut", "in", "if", "else"];
 
 /// Names that every mechanism knows from the start.
 const BUILT_IN: [(&str, &str); 4] =
@@ -40,7 +37,7 @@ const RUST: [&str; 52] = [
 
 /// What `word` is, if it is a keyword, as the end of a sentence: `param` is "a keyword of the language".
 pub(super) fn keyword(word: &str) -> Option<&'static str> {
-    if STATEMENTS.contains(&word) || PARTS.contains(&word) || RESERVED.contains(&word) {
+    if STATEMENTS.contains(&word) || PARTS.contains(&word) {
         Some("a keyword of the language")
     } else if RUST.contains(&word) {
         Some("a keyword of Rust")

@@ -6,7 +6,7 @@ use syn::parse::discouraged::AnyDelimiter;
 use syn::parse::{ParseBuffer, ParseStream};
 
 use super::MAX_DEPTH;
-use super::syntax::Span;
+use super::syntax::{Import, Span};
 use crate::diagnostic::Diagnostics;
 
 /// The construct is given up; why has been noted in `errors`.
@@ -20,6 +20,8 @@ pub(super) struct Reader<'s> {
     pub(super) last: usize,
     /// How deep the construct at hand is nested.
     pub(super) depth: usize,
+    /// What the file imports.
+    pub(super) imports: Vec<Import>,
     pub(super) errors: Diagnostics,
 }
 
@@ -160,11 +162,6 @@ impl Reader<'_> {
     pub(super) fn unexpected(&mut self, input: ParseStream<'_>, expected: &str, help: &str) -> Refused {
         let (span, found) = (self.next(input), self.found(input));
         self.refuse(span, format!("expected {expected}, found {found}"), help)
-    }
-
-    pub(super) fn reserved(&mut self, span: Span, word: &str) -> Refused {
-        let help = "see the language's documentation for what it has";
-        self.refuse(span, format!("`{word}` is reserved: it is not part of the language yet"), help)
     }
 
     /// What stands next, for a message.

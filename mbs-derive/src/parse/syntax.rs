@@ -3,7 +3,7 @@
 use std::mem;
 use std::ops::Range;
 
-/// Byte range in the source text.
+/// Byte range in the source text; where a mechanism imports files, in [all texts](crate::source::Sources) one after the other.
 pub type Span = Range<usize>;
 
 /// A name with its place.
@@ -15,11 +15,24 @@ pub struct Name {
     pub span: Span,
 }
 
-/// One source file: `#![…]` attributes, then one mechanism.
+/// `import "file.mbs";`
+#[derive(Clone, Debug, PartialEq)]
+pub struct Import {
+    /// The path as written, from the folder of the file that it stands in.
+    pub path: String,
+    /// Where it stands.
+    pub span: Span,
+}
+
+/// One mechanism: the file that it stands in, and what that imports.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Declaration {
     /// `#![dimensionless]`: no dimensional analysis.
     pub dimensionless: bool,
+    /// What its own file imports.
+    pub imports: Vec<Import>,
+    /// The constants and functions of all imported files, those that a file needs before its own.
+    pub imported: Vec<Statement>,
     /// The mechanism's name.
     pub name: Name,
     /// Doc comments before `mechanism`, one line each, markers and the first space removed.
@@ -117,7 +130,7 @@ pub enum StatementKind {
         /// What it must equal, of the same shape or 0.
         right: Expression,
     },
-    /// `output name = value;`
+    /// `output name = value;`, `output name = value, jacobian_rate;`
     Output {
         /// Doc comments before it.
         docs: Vec<String>,
@@ -125,6 +138,8 @@ pub enum StatementKind {
         name: Name,
         /// What is put out.
         value: Expression,
+        /// Where the time derivative of its Jacobian is asked for, if it is.
+        jacobian_rate: Option<Span>,
     },
     /// `for i in 0..6 { … }`
     For {

@@ -415,6 +415,7 @@ impl<'a> Trial<'a> {
         let value: Vec<Rounded> = declared.iter().map(|v| v.value).collect();
         self.equal("output", &self.interpreter.evaluate(function, self.state), &value)?;
         let jacobian = self.call(&format!("{}_jacobian", function.name));
+        self.jacobian_rate(&function.name)?;
         let Some(found) = self.interpreter.call(&format!("{}_velocity", function.name), self.state) else {
             return self.jacobian_of_a_velocity(function, &jacobian);
         };
@@ -429,6 +430,13 @@ impl<'a> Trial<'a> {
         let drift = self.interpreter.call(&format!("{}_velocity", function.name), &at_rest).unwrap_or_default();
         let product = times(&jacobian, &self.state.qd);
         self.equal("Jacobian of an output", &add(&product, &drift), &velocity)
+    }
+
+    /// The rate of a Jacobian, where there is one: the Jacobian's derivative along the motion.
+    fn jacobian_rate(&self, output: &str) -> Result<(), Failure> {
+        let Some(found) = self.interpreter.call(&format!("{output}_jacobian_rate"), self.state) else { return Ok(()) };
+        let expected = self.slope(&format!("{output}_jacobian"), |symbol| path(self.state, symbol));
+        self.equal("rate of the Jacobian of an output", &found, &expected)
     }
 
     /// `∂output/∂q` of an output that depends on velocities.

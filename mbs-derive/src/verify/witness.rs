@@ -2,7 +2,7 @@
 
 use crate::expr::{Dual, Expr, Rounded, Symbol, Tape, Value};
 use crate::interpret::State;
-use crate::model::{Lagrangian, OutputValue};
+use crate::model::{ConstraintKind, Lagrangian, OutputValue};
 
 /// The declared scalars, ready to be evaluated over any kind of number.
 pub struct Witness<'l, 'g> {
@@ -61,13 +61,23 @@ impl<'l, 'g> Witness<'l, 'g> {
         }
     }
 
-    /// Whether the energies and their slopes along the motion are finite.
+    /// Whether the energies, the forces, the rows of the constraints and their slopes along the motion are finite.
     pub fn is_finite(&self, state: &State<Rounded>, parameters: &[Rounded]) -> bool {
         let along_path = lift(state, |symbol| path(state, symbol));
         let energies = self.energies(&along_path, &lift_all(parameters));
         let forces = self.forces(state, parameters);
-        energies.iter().all(|e| e.value.value.is_finite() && e.derivative.value.is_finite())
+        self.constraints_are_finite(state, parameters)
+            && energies.iter().all(|e| e.value.value.is_finite() && e.derivative.value.is_finite())
             && forces.iter().all(|q| q.value.is_finite())
+    }
+
+    /// Holonomic rows with two derivatives, Pfaffian ones with one.
+    fn constraints_are_finite(&self, state: &State<Rounded>, parameters: &[Rounded]) -> bool {
+        let kinds = self.lagrangian.constraints.iter().flat_map(|c| c.rows.iter().map(|_| c.kind));
+        self.constraints(state, parameters).iter().zip(kinds).all(|([row, rate], kind)| {
+            let last = if kind == ConstraintKind::Holonomic { rate.derivative } else { row.derivative };
+            row.value.value.is_finite() && last.value.is_finite()
+        })
     }
 
     /// L, T, V, D.

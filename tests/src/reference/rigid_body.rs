@@ -366,23 +366,25 @@ fn axis(pose: &Pose) -> Vector3<f64> {
     pose.rotation.column(2).into_owned()
 }
 
-fn spatial(upper: Vector3<f64>, lower: Vector3<f64>) -> Vector6<f64> {
+/// A spatial vector of its two halves.
+pub(super) fn spatial(upper: Vector3<f64>, lower: Vector3<f64>) -> Vector6<f64> {
     Vector6::from_fn(|row, _| if row < 3 { upper[row] } else { lower[row - 3] })
 }
 
-fn blocks(blocks: [[Matrix3<f64>; 2]; 2]) -> Matrix6<f64> {
+/// A spatial matrix of its four blocks.
+pub(super) fn blocks(blocks: [[Matrix3<f64>; 2]; 2]) -> Matrix6<f64> {
     Matrix6::from_fn(|row, column| blocks[row / 3][column / 3][(row % 3, column % 3)])
 }
 
 /// `v× = [ω×, 0; v×, ω×]`, RBDA (2.31).
-fn cross_motion(velocity: &Vector6<f64>) -> Matrix6<f64> {
+pub(super) fn cross_motion(velocity: &Vector6<f64>) -> Matrix6<f64> {
     let omega = velocity.fixed_rows::<3>(0).cross_matrix();
     let v = velocity.fixed_rows::<3>(3).cross_matrix();
     blocks([[omega, Matrix3::zeros()], [v, omega]])
 }
 
 /// `v×* = −(v×)ᵀ`, RBDA (2.32).
-fn cross_force(velocity: &Vector6<f64>) -> Matrix6<f64> {
+pub(super) fn cross_force(velocity: &Vector6<f64>) -> Matrix6<f64> {
     -cross_motion(velocity).transpose()
 }
 

@@ -1,0 +1,76 @@
+//! `mbs ops --explain`: which route each function took, and what it would cost by the others.
+
+use mbs_derive::compared;
+use mbs_derive::derive::Route;
+use mbs_derive::model::Lagrangian;
+use mbs_derive::optimise::{Derivation, Operations};
+use serde_json::{Map, Value, json};
+
+use super::{counts, in_columns};
+
+/// The routes of a mechanism's functions.
+pub(crate) struct Explanation {
+    /// Function, the route that it took, and its costs by all.
+    functions: Vec<(String, Route, Vec<(Route, Operations)>)>,
+    bodies: usize,
+    /// Terms of T that are no bodies.
+    others: usize,
+}
+
+impl Explanation {
+    /// Derives by all routes.
+    pub(crate) fn of(lagrangian: &Lagrangian<'_>, derivation: &Derivation) -> Self {
+        let costs = compared(lagrangian);
+        let functions = derivation.functions.iter().zip(costs).map(|(f, costs)| (f.name.clone(), f.route, costs));
+        let (bodies, others) = lagrangian.bodies();
+        Explanation { functions: functions.collect(), bodies: bodies.len(), others: others.len() }
+    }
+
+    /// Per function the route and the costs by all.
+    pub(crate) fn object(&self) -> Value {
+        let function = |(name, route, costs): &(String, Route, Vec<(Route, Operations)>)| {
+            let by_route: Map<String, Value> =
+                costs.iter().map(|(route, operations)| (route.to_string(), counts(*operations))).collect();
+            (name.clone(), json!({ "route": route.to_string(), "by_route": by_route }))
+        };
+        Value::Object(self.functions.iter().map(function).collect())
+    }
+
+    /// As a table of additions and multiplications, and what it says.
+    pub(crate) fn table(&self) -> String {
+        let routes: Vec<Route> = self.functions.first().map_or(Vec::new(), |f| f.2.iter().map(|(r, _)| *r).collect());
+        let shown: Vec<Route> = routes.iter().copied().filter(|route| *route != Route::Ungrouped).collect();
+        let mut header = vec!["function".to_string(), "route".to_string()];
+        header.extend(shown.iter().map(Route::to_string));
+        if routes.contains(&Route::Ungrouped) {
+            header.push("saved by regrouping".to_string());
+        }
+        let rows = self.functions.iter().map(|(name, route, costs)| {
+            let flops = |wanted: Route| costs.iter().find(|(r, _)| *r == wanted).map(|(_, cost)| cost.flops());
+            let mut row = vec![name.clone(), route.to_string()];
+            row.extend(shown.iter().filter_map(|route| flops(*route)).map(|flops| flops.to_string()));
+            if let (Some(with), Some(without)) = (flops(Route::Structured), flops(Route::Ungrouped)) {
+                row.push((without as i64 - with as i64).to_string());
+            }
+            row
+        });
+        let rows: Vec<Vec<String>> = std::iter::once(header).chain(rows).collect();
+        format!("{}\n{}", in_columns(&rows, 2), self.words())
+    }
+
+    fn words(&self) -> String {
+        let bodies = crate::check::plural(self.bodies, "body", "bodies");
+        let tree = match (self.bodies, self.others) {
+            (0, _) => "T has no bodies that the generator can see: everything is derived plainly.".to_string(),
+            (_, 0) => format!("T is {bodies}."),
+            (_, others) => {
+                let terms = crate::check::plural(others, "term that is no body", "terms that are no bodies");
+                format!("T is {bodies} and {terms}: these are derived plainly and added.")
+            }
+        };
+        let advice = "What moves with a pose is seen where it is declared by `particle(m, pose.point(c))`, \
+                      `rigid_body(m, c, i, pose)`,\nor by `dt(pose.point(c)).norm_squared()` and \
+                      `w.dot((pose*i)*w)` with `w = angular_velocity(pose)`.\n";
+        if self.others == 0 && self.bodies > 0 { tree + "\n" } else { tree + "\n" + advice }
+    }
+}

@@ -1,0 +1,72 @@
+//! Bodies and gravity, found again among the declared energies.
+
+use crate::expr::{Expr, Graph, Matrix, Vector, carry_out};
+use crate::model::{Body, Edge, FrameId, Lagrangian};
+
+use super::gravity;
+use super::tree::inertia::Inertia;
+use super::tree::linkage::Linkage;
+use super::{Energies, time_derivative};
+
+/// A mechanism as a tree of masses in a uniform field, and everything else that it has.
+#[derive(Clone, Debug)]
+pub struct Lifted<'g> {
+    /// The links.
+    pub(crate) linkage: Linkage<'g>,
+    /// The masses of each link.
+    pub(crate) inertias: Vec<Inertia<'g>>,
+    /// The field's acceleration, in world axes.
+    pub(crate) gravity: Vector<'g>,
+    /// What is left of the energies and forces.
+    pub(crate) rest: Energies<'g>,
+}
+
+impl Lifted<'_> {
+    /// Whether T and V are bodies and their weight and nothing else, on joints that follow the coordinates linearly.
+    pub(crate) fn is_all(&self) -> bool {
+        self.rest.lagrangian.is_zero() && self.linkage.is_linear()
+    }
+}
+
+/// Splits a mechanism into bodies in a field and the rest; `None` where no body is on a tree.
+///
+/// A body that turns by a quaternion stays with the rest: off the unit sphere its energy is not a rigid body's, and Lagrange's
+/// equations are about all quaternions.
+pub fn lifted<'g>(lagrangian: &Lagrangian<'_>, energies: &Energies<'g>, graph: &'g Graph) -> Option<Lifted<'g>> {
+    let (bodies, mut other_kinetic) = lagrangian.bodies();
+    let (bodies, by_quaternion): (Vec<_>, Vec<_>) =
+        bodies.into_iter().partition(|body| !lagrangian.frames.path(body.frame).iter().any(is_quaternion));
+    other_kinetic.extend(by_quaternion.iter().map(|body| lagrangian.energy_of(body)));
+    let bodies: Vec<Body<'g>> = bodies.iter().map(|body| carried_body(body, graph)).collect();
+    let frames: Vec<FrameId> = bodies.iter().map(|body| body.frame).collect();
+    let (linkage, seats) = Linkage::of(lagrangian, &frames, graph)?;
+    let mut inertias = vec![Inertia::zero(graph); linkage.links.len()];
+    for (body, seat) in bodies.iter().zip(&seats) {
+        let own = Inertia::of_body(body.mass, body.com, body.inertia);
+        let turned = seat.turn.map_or(own, |turn| own.turned(turn));
+        inertias[seat.link] = inertias[seat.link].plus(turned.shifted(seat.shift));
+    }
+    if inertias.iter().all(Inertia::is_zero) || !linkage.moves() {
+        return None;
+    }
+    let field = gravity::field(lagrangian, &bodies, graph);
+    let (gravity, other_potential) = field.unwrap_or_else(|| (Vector::zero(graph), lagrangian.potential.clone()));
+    let rest = energies.with_terms(&other_kinetic, &other_potential, lagrangian);
+    Some(Lifted { linkage, inertias, gravity, rest })
+}
+
+fn is_quaternion(edge: &Edge<'_>) -> bool {
+    matches!(edge, Edge::Quaternion(_))
+}
+
+/// A body in the graph with rules; what it is made of is constant in time.
+fn carried_body<'g>(body: &Body<'_>, graph: &'g Graph) -> Body<'g> {
+    let carried = |parts: &[Expr<'_>]| carry_out(parts, graph, |symbol| time_derivative(symbol, graph));
+    let vector = |v: [Expr<'_>; 3]| Vector([0, 1, 2].map(|i| carried(&v)[i]));
+    Body {
+        mass: carried(&[body.mass])[0],
+        com: vector(body.com.0),
+        inertia: body.inertia.map(|inertia| Matrix(inertia.0.map(|row| vector(row).0))),
+        frame: body.frame,
+    }
+}

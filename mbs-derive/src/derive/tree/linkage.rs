@@ -1,0 +1,314 @@
+//! The declared frames, reduced to what moves: a tree of links, each behind one elementary motion.
+//!
+//! Constant turns and shifts in a row become one of each; a turn about a skew axis e becomes a constant turn of e onto z, a turn
+//! about z, and the turn back, which joins what follows; a translation that moves becomes slides along constant directions.
+
+use crate::expr::{Expr, Graph, HalfInteger, Matrix, Node, Number, Symbol, Tangent, Vector, carry_out};
+use crate::model::Lagrangian;
+use crate::model::frame::{Edge as Declared, FrameId};
+
+use super::super::time_derivative;
+
+/// How a link moves in its parent.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Edge<'g> {
+    /// Turned, once and for all; the matrix takes components in the link's axes to the parent's.
+    Turn(Matrix<'g>),
+    /// Turned about a coordinate axis, once and for all.
+    Tilt {
+        /// 0, 1 or 2.
+        axis: usize,
+        /// The sine of the angle.
+        sin: Expr<'g>,
+        /// Its cosine.
+        cos: Expr<'g>,
+    },
+    /// Shifted, once and for all, in the parent's axes.
+    Shift(Vector<'g>),
+    /// Turned about a coordinate axis.
+    Revolute {
+        /// 0, 1 or 2.
+        axis: usize,
+        /// Any expression of coordinates and time.
+        angle: Expr<'g>,
+        /// The sine of the turn of the axes: of the angle, or 0 where the axes do not follow a body that looks the same from
+        /// all sides.
+        sin: Expr<'g>,
+        /// Its cosine.
+        cos: Expr<'g>,
+    },
+    /// Shifted along a direction that is constant in the parent's axes.
+    Slide {
+        /// Need not have length 1.
+        direction: Vector<'g>,
+        /// How far, in units of the direction.
+        displacement: Expr<'g>,
+    },
+}
+
+impl<'g> Edge<'g> {
+    /// What moves it.
+    pub(super) fn displacement(&self) -> Option<Expr<'g>> {
+        match *self {
+            Edge::Revolute { angle, .. } => Some(angle),
+            Edge::Slide { displacement, .. } => Some(displacement),
+            Edge::Turn(_) | Edge::Tilt { .. } | Edge::Shift(_) => None,
+        }
+    }
+
+    /// A turn about a coordinate axis, axes and all.
+    pub(super) fn revolute(axis: usize, angle: Expr<'g>) -> Self {
+        Edge::Revolute { axis, angle, sin: angle.sin(), cos: angle.cos() }
+    }
+}
+
+/// One link.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Link<'g> {
+    /// Its number among the links; the base has none.
+    pub(crate) parent: Option<usize>,
+    /// How it moves there; the base does not.
+    pub(crate) edge: Option<Edge<'g>>,
+}
+
+/// Where a declared frame is: fixed in a link.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Seat<'g> {
+    /// The link.
+    pub(crate) link: usize,
+    /// The origin of the frame, in the link's axes.
+    pub(crate) shift: Vector<'g>,
+    /// From the frame's axes to the link's; `None` where they are the same.
+    pub(crate) turn: Option<Matrix<'g>>,
+}
+
+/// The links, parents first, the base at 0.
+#[derive(Clone, Debug)]
+pub(crate) struct Linkage<'g> {
+    pub(crate) links: Vec<Link<'g>>,
+}
+
+impl<'g> Linkage<'g> {
+    /// The links that these frames need, and where each frame is; `None` where one turns by a quaternion.
+    pub(crate) fn of(
+        lagrangian: &Lagrangian<'_>,
+        frames: &[FrameId],
+        graph: &'g Graph,
+    ) -> Option<(Self, Vec<Seat<'g>>)> {
+        let mut linkage = Linkage { links: vec![Link { parent: None, edge: None }] };
+        let base = Seat { link: 0, shift: Vector::zero(graph), turn: None };
+        let mut seats: Vec<Option<Seat<'g>>> = vec![None; lagrangian.frames.iter().count()];
+        seats[FrameId::WORLD.index()] = Some(base);
+        for &frame in frames {
+            let mut way: Vec<FrameId> = Vec::new();
+            let mut at = frame;
+            while seats[at.index()].is_none() {
+                way.push(at);
+                at = lagrangian.frames.get(at).parent?;
+            }
+            for &next in way.iter().rev() {
+                let (parent, edge) = (lagrangian.frames.get(next).parent?, lagrangian.frames.get(next).edge?);
+                let seat = linkage.attach(seats[parent.index()]?, edge, graph)?;
+                seats[next.index()] = Some(seat);
+            }
+        }
+        let seats = frames.iter().map(|frame| seats[frame.index()]).collect::<Option<Vec<_>>>()?;
+        Some((linkage, seats))
+    }
+
+    /// Whether there is a joint at all.
+    pub(crate) fn moves(&self) -> bool {
+        self.links.iter().any(|link| link.edge.is_some_and(|edge| edge.displacement().is_some()))
+    }
+
+    /// Whether every joint follows coordinates and time linearly.
+    pub(crate) fn is_linear(&self) -> bool {
+        self.links.iter().filter_map(|link| link.edge?.displacement()).all(|displacement| {
+            let graph = displacement.graph();
+            let linear = |id| {
+                matches!(
+                    graph.node(id),
+                    Node::Symbol(_) | Node::Constant(_) | Node::Neg(_) | Node::Add(..) | Node::Sub(..) | Node::Mul(..)
+                )
+            };
+            let mut products = graph.reachable([displacement.id()]).into_iter();
+            products.all(|id| {
+                linear(id) && !matches!(graph.node(id), Node::Mul(a, b) if moves(graph.expr(a)) && moves(graph.expr(b)))
+            })
+        })
+    }
+
+    /// The seat of a frame that moves in another as declared.
+    fn attach(&mut self, seat: Seat<'g>, edge: Declared<'_>, graph: &'g Graph) -> Option<Seat<'g>> {
+        match edge {
+            Declared::Rotation { axis, angle } => {
+                let [x, y, z, angle] = carried([axis.0[0], axis.0[1], axis.0[2], angle], graph);
+                Some(self.turned(seat, Vector([x, y, z]), angle))
+            }
+            Declared::Translation(t) => Some(self.translated(seat, Vector(carried(t.0, graph)))),
+            Declared::Quaternion(_) => None,
+        }
+    }
+
+    fn turned(&mut self, seat: Seat<'g>, axis: Vector<'g>, angle: Expr<'g>) -> Seat<'g> {
+        let graph = angle.graph();
+        if !moves(angle) {
+            return seat.turned(Matrix::rotation(axis, angle));
+        }
+        let along = (0..3).find(|&k| axis == Vector::unit(graph, k));
+        let before = along.map_or_else(|| seat.turned(onto_z(axis)), |_| seat);
+        let link = self.settled(before);
+        let link = self.link(link, Edge::revolute(along.unwrap_or(2), angle));
+        let back = along.is_none().then(|| onto_z(axis).transpose());
+        Seat { link, shift: Vector::zero(graph), turn: back }
+    }
+
+    fn translated(&mut self, seat: Seat<'g>, t: Vector<'g>) -> Seat<'g> {
+        let (rest, slides) = slides_of(t);
+        let mut seat = Seat { shift: seat.shift + seat.in_link(rest), ..seat };
+        for (direction, displacement) in slides {
+            if components(seat.in_link(direction)) > components(direction) {
+                seat = Seat { link: self.settled(seat), shift: Vector::zero(displacement.graph()), turn: None };
+            }
+            // What is fixed in the link is shifted behind the slide as before it: translations commute.
+            let edge = Edge::Slide { direction: seat.in_link(direction), displacement };
+            seat = Seat { link: self.link(seat.link, edge), ..seat };
+        }
+        seat
+    }
+
+    /// The link that the frame itself is: behind a constant shift and a constant turn.
+    fn settled(&mut self, seat: Seat<'g>) -> usize {
+        let shifted =
+            if components(seat.shift) == 0 { seat.link } else { self.link(seat.link, Edge::Shift(seat.shift)) };
+        seat.turn.map_or(shifted, |turn| self.link(shifted, Edge::Turn(turn)))
+    }
+
+    /// The same edge on the same parent is the same link.
+    fn link(&mut self, parent: usize, edge: Edge<'g>) -> usize {
+        let known = self.links.iter().position(|link| link.parent == Some(parent) && link.edge == Some(edge));
+        known.unwrap_or_else(|| {
+            self.links.push(Link { parent: Some(parent), edge: Some(edge) });
+            self.links.len() - 1
+        })
+    }
+}
+
+impl<'g> Seat<'g> {
+    fn turned(self, r: Matrix<'g>) -> Self {
+        Seat { turn: Some(self.turn.map_or(r, |turn| turn * r)), ..self }
+    }
+
+    /// A vector's components in the axes of the link.
+    pub(crate) fn in_link(&self, v: Vector<'g>) -> Vector<'g> {
+        self.turn.map_or(v, |turn| turn * v)
+    }
+}
+
+fn carried<'g, const N: usize>(expressions: [Expr<'_>; N], graph: &'g Graph) -> [Expr<'g>; N] {
+    let carried = carry_out(&expressions, graph, |symbol| time_derivative(symbol, graph));
+    std::array::from_fn(|i| carried[i])
+}
+
+/// How many components are not 0.
+fn components(v: Vector<'_>) -> usize {
+    v.0.iter().filter(|c| !c.is_zero()).count()
+}
+
+/// Whether it changes in time.
+pub(crate) fn moves(e: Expr<'_>) -> bool {
+    let graph = e.graph();
+    let moving = |symbol: Symbol| !matches!(symbol, Symbol::Parameter(_));
+    graph.reachable([e.id()]).iter().any(|&id| matches!(graph.node(id), Node::Symbol(s) if moving(s)))
+}
+
+/// A constant rotation that takes z to the axis: its columns are two unit vectors across it, and the axis.
+fn onto_z<'g>(axis: Vector<'g>) -> Matrix<'g> {
+    let graph = axis.0[0].graph();
+    let number = |e: Expr<'g>| e.as_constant().map_or(0.0, Number::to_f64);
+    // The coordinate axis that is farthest from it, so that nothing is divided by little.
+    let k = (0..3).min_by(|&i, &j| number(axis.0[i]).abs().total_cmp(&number(axis.0[j]).abs())).unwrap_or(0);
+    let across = Vector::unit(graph, k).cross(axis);
+    let x = across.scale(across.norm_squared().power(HalfInteger::halves(-1)));
+    let y = axis.cross(x);
+    Matrix([x.0, y.0, axis.0]).transpose()
+}
+
+/// A translation as a constant one and slides along constant directions: one where it goes along a line, else one an axis.
+fn slides_of<'g>(t: Vector<'g>) -> (Vector<'g>, Vec<(Vector<'g>, Expr<'g>)>) {
+    let parts = t.0.map(Affine::of);
+    let rest = Vector(parts.map(|part| part.constant));
+    let moving: Vec<usize> = (0..3).filter(|&i| !parts[i].factor.is_zero()).collect();
+    let graph = t.0[0].graph();
+    let along = |axes: &[usize]| {
+        let mut direction = Vector::zero(graph);
+        axes.iter().for_each(|&i| direction.0[i] = parts[i].factor);
+        (direction, parts[axes[0]].variable)
+    };
+    let on_a_line = moving.iter().all(|&i| parts[i].variable == parts[moving[0]].variable);
+    let slides = match moving.is_empty() {
+        true => Vec::new(),
+        false if on_a_line => vec![along(&moving)],
+        false => moving.iter().map(|&i| along(&[i])).collect(),
+    };
+    (rest, slides)
+}
+
+/// `constant + factor · variable`, the first two constant in time.
+#[derive(Clone, Copy, Debug)]
+struct Affine<'g> {
+    constant: Expr<'g>,
+    factor: Expr<'g>,
+    variable: Expr<'g>,
+}
+
+impl<'g> Affine<'g> {
+    /// Splits off what is added and multiplied from outside.
+    fn of(e: Expr<'g>) -> Self {
+        let graph = e.graph();
+        let (zero, one) = (graph.integer(0), graph.integer(1));
+        let mut split = Affine { constant: zero, factor: one, variable: e };
+        if !moves(e) {
+            return Affine { constant: e, factor: zero, variable: one };
+        }
+        while let Some(next) = split.peeled() {
+            split = next;
+        }
+        split
+    }
+
+    fn peeled(self) -> Option<Self> {
+        let graph = self.variable.graph();
+        let part = |id| graph.expr(id);
+        let Affine { constant, factor, .. } = self;
+        match self.variable.node() {
+            Node::Neg(a) => Some(Affine { factor: -factor, variable: part(a), ..self }),
+            Node::Mul(a, b) if !moves(part(a)) => Some(Affine { factor: factor * part(a), variable: part(b), ..self }),
+            Node::Mul(a, b) if !moves(part(b)) => Some(Affine { factor: factor * part(b), variable: part(a), ..self }),
+            Node::Add(a, b) | Node::Sub(a, b) if !moves(part(b)) => {
+                let added = factor * part(b);
+                let minus = matches!(self.variable.node(), Node::Sub(..));
+                let constant = if minus { constant - added } else { constant + added };
+                Some(Affine { constant, variable: part(a), ..self })
+            }
+            Node::Add(a, b) if !moves(part(a)) => {
+                Some(Affine { constant: constant + factor * part(a), variable: part(b), ..self })
+            }
+            Node::Sub(a, b) if !moves(part(a)) => {
+                Some(Affine { constant: constant + factor * part(a), factor: -factor, variable: part(b) })
+            }
+            _ => None,
+        }
+    }
+}
+
+/// The rate of a displacement, and the rate of that with accelerations or without.
+pub(crate) fn rates<'g>(displacement: Expr<'g>, accelerated: bool) -> (Expr<'g>, Expr<'g>) {
+    let graph = displacement.graph();
+    let rate = Tangent::new(|symbol| time_derivative(symbol, graph)).of(displacement);
+    let direction = |symbol| match symbol {
+        Symbol::Velocity(_) if !accelerated => None,
+        other => time_derivative(other, graph),
+    };
+    (rate, Tangent::new(direction).of(rate))
+}

@@ -1,0 +1,146 @@
+//! Newton–Euler: motions swept from the base to the tips, wrenches back.
+//!
+//! In the axes of each link, with ω, ω̇ and a the acceleration of its origin (the base accelerates against gravity) and
+//! `U = [ω̇]× + [ω]×[ω]×`, so that a point at r accelerates by `a + U r`:
+//!
+//! ```text
+//! f = m a + U h        n = vee(U Σ − (U Σ)ᵀ) + h × a        vee(W) = (W₃₂ − W₂₃, W₁₃ − W₃₁, W₂₁ − W₁₂)
+//! ```
+//!
+//! Sources: Luh, Walker & Paul, *On-line computational scheme for mechanical manipulators*, 1980, for the recursion;
+//! Khalil & Dombre, *Modeling, Identification and Control of Robots*, 2002, section 9.5, for U.
+
+use crate::expr::{Expr, Matrix, Vector};
+
+use super::inertia::{Inertia, Symmetric};
+use super::linkage::{Edge, Linkage, rates};
+use super::wrench::{Wrench, turned_about};
+
+/// How a link moves.
+#[derive(Clone, Copy, Debug)]
+struct Motion<'g> {
+    /// ω
+    angular_velocity: Vector<'g>,
+    /// ω̇
+    angular_acceleration: Vector<'g>,
+    /// a
+    acceleration: Vector<'g>,
+    spin: Spin<'g>,
+}
+
+/// What a turning frame does to its points; shared by links of one attitude.
+#[derive(Clone, Copy, Debug)]
+struct Spin<'g> {
+    /// ω², by component.
+    squares: [Expr<'g>; 3],
+    /// U
+    matrix: Matrix<'g>,
+}
+
+impl<'g> Spin<'g> {
+    fn of(w: Vector<'g>, wd: Vector<'g>) -> Self {
+        let squares = w.0.map(|c| c.powi(2));
+        let entry = |i: usize, j: usize| {
+            let k = (6 - i - j) % 3;
+            match (3 + j - i) % 3 {
+                0 => -(squares[(i + 1) % 3] + squares[(i + 2) % 3]),
+                1 => w.0[i] * w.0[j] - wd.0[k],
+                _ => w.0[i] * w.0[j] + wd.0[k],
+            }
+        };
+        Spin { squares, matrix: Matrix([0, 1, 2].map(|i| [0, 1, 2].map(|j| entry(i, j)))) }
+    }
+
+    /// `vee(U Σ − (U Σ)ᵀ)`, with the differences of U's diagonal, `U₃₃ − U₂₂ = ω₃² − ω₂²` as differences of squares.
+    fn couple(&self, second: &Symmetric<'g>) -> Vector<'g> {
+        let u = &self.matrix.0;
+        let component = |i: usize| {
+            let (j, k) = ((i + 1) % 3, (i + 2) % 3);
+            // W_kj − W_jk of W = U Σ
+            let outside = u[k][i] * second.entry(i, j) - u[j][i] * second.entry(i, k);
+            let inside = u[k][j] * second.diagonal[j] - u[j][k] * second.diagonal[k];
+            outside + inside + (self.squares[k] - self.squares[j]) * second.entry(j, k)
+        };
+        Vector([0, 1, 2].map(component))
+    }
+}
+
+/// Forces along the links' motions: `M q̈ + C q̇ + G` of the bodies, one per moving edge.
+///
+/// Without accelerations it is the bias.
+pub(super) fn joint_forces<'g>(
+    linkage: &Linkage<'g>,
+    inertias: &[Inertia<'g>],
+    gravity: Vector<'g>,
+    accelerated: bool,
+) -> Vec<Option<Expr<'g>>> {
+    let motions = motions(linkage, gravity, accelerated);
+    let mut wrenches: Vec<Wrench<'g>> = inertias.iter().zip(&motions).map(|(i, m)| inertial(i, m)).collect();
+    let mut forces = vec![None; linkage.links.len()];
+    for (number, link) in linkage.links.iter().enumerate().rev() {
+        let (Some(parent), Some(edge)) = (link.parent, link.edge) else { continue };
+        forces[number] = wrenches[number].along(&edge);
+        wrenches[parent] = wrenches[parent].plus(wrenches[number].across(&edge));
+    }
+    forces
+}
+
+fn motions<'g>(linkage: &Linkage<'g>, gravity: Vector<'g>, accelerated: bool) -> Vec<Motion<'g>> {
+    let zero = Vector::zero(gravity.0[0].graph());
+    let base = Motion {
+        angular_velocity: zero,
+        angular_acceleration: zero,
+        acceleration: -gravity,
+        spin: Spin::of(zero, zero),
+    };
+    let mut motions: Vec<Motion<'g>> = vec![base];
+    for link in &linkage.links[1..] {
+        let (Some(parent), Some(edge)) = (link.parent, link.edge) else { unreachable!("only the base has no parent") };
+        motions.push(motions[parent].beyond(&edge, accelerated));
+    }
+    motions
+}
+
+impl<'g> Motion<'g> {
+    fn beyond(&self, edge: &Edge<'g>, accelerated: bool) -> Self {
+        let Motion { angular_velocity: w, angular_acceleration: wd, acceleration: a, spin } = *self;
+        match *edge {
+            Edge::Shift(t) => Motion { acceleration: a + spin.matrix * t, ..*self },
+            Edge::Slide { direction, displacement } => {
+                let (rate, acceleration) = rates(displacement, accelerated);
+                let coriolis = w.cross(direction).scale(2 * rate);
+                let carried = spin.matrix * direction.scale(displacement);
+                Motion { acceleration: a + carried + coriolis + direction.scale(acceleration), ..*self }
+            }
+            Edge::Turn(r) => {
+                let back = r.transpose();
+                Self::turned(back * w, back * wd, back * a)
+            }
+            Edge::Tilt { axis, sin, cos } => {
+                let [w, wd, a] = [w, wd, a].map(|v| turned_about(v, axis, -sin, cos));
+                Self::turned(w, wd, a)
+            }
+            Edge::Revolute { axis, angle, sin, cos } => {
+                let [w, wd, a] = [w, wd, a].map(|v| turned_about(v, axis, -sin, cos));
+                let (rate, acceleration) = rates(angle, accelerated);
+                let e = Vector::unit(rate.graph(), axis);
+                let (spin, own) = (e.scale(rate), e.scale(acceleration));
+                Self::turned(w + spin, wd + w.cross(spin) + own, a)
+            }
+        }
+    }
+
+    fn turned(angular_velocity: Vector<'g>, angular_acceleration: Vector<'g>, acceleration: Vector<'g>) -> Self {
+        let spin = Spin::of(angular_velocity, angular_acceleration);
+        Motion { angular_velocity, angular_acceleration, acceleration, spin }
+    }
+}
+
+/// What it takes to move these masses so.
+fn inertial<'g>(inertia: &Inertia<'g>, motion: &Motion<'g>) -> Wrench<'g> {
+    let Motion { acceleration: a, spin, .. } = motion;
+    Wrench {
+        force: a.scale(inertia.mass) + spin.matrix * inertia.first,
+        couple: spin.couple(&inertia.second) + inertia.first.cross(*a),
+    }
+}

@@ -1,0 +1,64 @@
+//! Velocities of the links, swept from the base to the tips, and the kinetic energy that follows.
+
+use crate::expr::{Expr, Vector};
+
+use super::inertia::Inertia;
+use super::linkage::{Edge, Linkage, rates};
+use super::wrench::turned_about;
+
+/// ω and the velocity of the origin, in the axes of the link.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Twist<'g> {
+    pub(super) angular: Vector<'g>,
+    pub(super) linear: Vector<'g>,
+}
+
+/// Of every link; the base rests.
+pub(super) fn twists<'g>(linkage: &Linkage<'g>, zero: Expr<'g>) -> Vec<Twist<'g>> {
+    let mut twists = vec![Twist { angular: Vector([zero; 3]), linear: Vector([zero; 3]) }];
+    for link in &linkage.links[1..] {
+        let (Some(parent), Some(edge)) = (link.parent, link.edge) else { unreachable!("only the base has no parent") };
+        twists.push(twists[parent].beyond(&edge));
+    }
+    twists
+}
+
+impl<'g> Twist<'g> {
+    fn beyond(&self, edge: &Edge<'g>) -> Self {
+        let Twist { angular: w, linear: v } = *self;
+        match *edge {
+            Edge::Turn(r) => Twist { angular: r.transpose() * w, linear: r.transpose() * v },
+            Edge::Tilt { axis, sin, cos } => {
+                let [angular, linear] = [w, v].map(|u| turned_about(u, axis, -sin, cos));
+                Twist { angular, linear }
+            }
+            Edge::Shift(t) => Twist { angular: w, linear: v + w.cross(t) },
+            Edge::Slide { direction, displacement } => {
+                let (rate, _) = rates(displacement, false);
+                Twist { angular: w, linear: v + w.cross(direction.scale(displacement)) + direction.scale(rate) }
+            }
+            Edge::Revolute { axis, angle, sin, cos } => {
+                let (rate, _) = rates(angle, false);
+                let [w, v] = [w, v].map(|u| turned_about(u, axis, -sin, cos));
+                Twist { angular: w + Vector::unit(rate.graph(), axis).scale(rate), linear: v }
+            }
+        }
+    }
+}
+
+/// `Σ ½ m v·v + h·(v × ω) + ½ ωᵀ J ω` over the links.
+pub(super) fn kinetic_energy<'g>(linkage: &Linkage<'g>, inertias: &[Inertia<'g>]) -> Expr<'g> {
+    let zero = inertias[0].mass.graph().integer(0);
+    let twists = twists(linkage, zero);
+    inertias.iter().zip(&twists).fold(zero, |sum, (inertia, twist)| sum + energy(inertia, twist))
+}
+
+fn energy<'g>(inertia: &Inertia<'g>, twist: &Twist<'g>) -> Expr<'g> {
+    let Twist { angular: w, linear: v } = *twist;
+    let second = &inertia.second;
+    let axial = (0..3).map(|i| inertia.axial(i) * w.0[i].powi(2));
+    // J_ij = −Σ_ij
+    let products = (0..3).map(|i| -second.products[i] * (w.0[(i + 1) % 3] * w.0[(i + 2) % 3]));
+    let turning = axial.zip(products).fold(w.0[0].graph().integer(0), |sum, (a, p)| sum + (a / 2 + p));
+    inertia.mass * v.norm_squared() / 2 + inertia.first.dot(v.cross(w)) + turning
+}

@@ -1,0 +1,515 @@
+//! `import "file.mbs";`: the statement, files of shared constants and functions, and how a mechanism is put together.
+//!
+//! ```text
+//! import := "import" "\"" path "\"" ";"
+//! shared := ("//!" doc | import)* (doc* (const | fn) ";")*
+//! ```
+//!
+//! A file counts once, wherever it is imported, and what it imports comes before what it declares.
+
+use std::vec;
+
+use syn::buffer::Cursor;
+use syn::parse::ParseStream;
+
+use super::grammar::{self, File};
+use super::guard;
+use super::reader::{Parsed, Reader, Refused, word};
+use super::syntax::{Declaration, Import, Span, Statement, StatementKind};
+use crate::diagnostic::Diagnostics;
+use crate::source::Sources;
+
+// ---- the statement
+
+/// The paths that a text imports, as far as it can be read: what [`Reader::import`] accepts at the top of a file, and more.
+pub(crate) fn paths(text: &str) -> Vec<String> {
+    let mut paths = Vec::new();
+    let mut rest = behind_comments(text.strip_prefix('\u{feff}').unwrap_or(text));
+    loop {
+        if let Some(attribute) = rest.strip_prefix('#') {
+            let end = attribute.find(']').map_or(attribute.len(), |end| end + 1);
+            rest = behind_comments(&attribute[end..]);
+            continue;
+        }
+        let Some(behind) = rest.strip_prefix("import").map(behind_comments) else { return paths };
+        rest = match behind.strip_prefix('"').and_then(|path| path.split_once('"')) {
+            Some((path, behind)) => {
+                paths.extend(problem(path).is_none().then(|| path.to_string()));
+                let behind = behind_comments(behind);
+                behind_comments(behind.strip_prefix(';').unwrap_or(behind))
+            }
+            // What is wrong with it the grammar will say; others may follow.
+            None => behind_comments(behind.split_once([';', '\n']).map_or("", |(_, rest)| rest)),
+        }
+    }
+}
+
+/// The text behind comments and white space.
+fn behind_comments(text: &str) -> &str {
+    let mut rest = text.trim_start_matches(guard::is_space);
+    loop {
+        let length = if rest.starts_with("//") {
+            rest.find('\n').unwrap_or(rest.len())
+        } else if rest.starts_with("/*") {
+            guard::block_comment_length(rest.as_bytes()).unwrap_or(rest.len())
+        } else {
+            return rest;
+        };
+        rest = rest[length..].trim_start_matches(guard::is_space);
+    }
+}
+
+/// What is wrong with a path, and what to write.
+fn problem(path: &str) -> Option<(&'static str, &'static str)> {
+    if path.is_empty() {
+        Some(("this path is empty", FORM))
+    } else if path.starts_with('/') || std::path::Path::new(path).is_absolute() {
+        let help = "write where it is from the folder of this file, `../` for the folder above";
+        Some(("an import is not an absolute path", help))
+    } else {
+        None
+    }
+}
+
+const FORM: &str = "write `import \"file.mbs\";`";
+
+impl Reader<'_> {
+    /// `import := "import" "\"" path "\"" ";"`, noted in `imports`.
+    pub(super) fn import(&mut self, input: ParseStream<'_>) -> Parsed<()> {
+        let start = self.next(input).start;
+        self.eat_word(input, "import");
+        let here = self.next(input);
+        let quoted = input.cursor().literal().is_some() && self.source[here.clone()].starts_with('"');
+        if !quoted {
+            return Err(self.unexpected(input, "a path in quotation marks", FORM));
+        }
+        let literal = self.literal(input).unwrap_or_default();
+        let path = literal.strip_prefix('"').and_then(|path| path.strip_suffix('"'));
+        let wrong = path.map_or(Some(("a path ends with its quotation mark", FORM)), problem);
+        if let Some((message, help)) = wrong {
+            self.errors.error(here, message).help(help);
+        } else if let Some(path) = path {
+            self.imports.push(Import { path: path.to_string(), span: start..self.last });
+        }
+        if self.eat(input, ";").is_none() {
+            self.errors.error(self.last..self.last, "a `;` is missing").help("end the import with `;`");
+        }
+        Ok(())
+    }
+
+    /// Goes to the next line, or behind the `;`.
+    pub(super) fn behind_import(&mut self, input: ParseStream<'_>) {
+        while !input.is_empty() && !self.begins_line(input) && !self.skip(input) {}
+    }
+
+    pub(super) fn late_import(&mut self, here: Span) -> Refused {
+        self.refuse(here, "imports stand at the top of a file", "move it there, before all that is declared")
+    }
+}
+
+// ---- files of shared declarations
+
+/// What a file that is no mechanism may hold, as it was read.
+pub(super) enum Shared {
+    /// It is a mechanism.
+    Mechanism,
+    /// Its constants and functions.
+    Declarations(Vec<Statement>),
+}
+
+impl Reader<'_> {
+    /// `shared := ("//!" doc | import)* (doc* (const | fn) ";")*`
+    pub(super) fn shared(&mut self, input: ParseStream<'_>) -> Parsed<Shared> {
+        if top_level(input.cursor()).any(|word| word == "mechanism") {
+            while !input.is_empty() {
+                self.skip(input);
+            }
+            return Ok(Shared::Mechanism);
+        }
+        let head = self.head(input);
+        if let Some(attribute) = head.dimensionless {
+            let error = self.errors.error(attribute, "this attribute belongs to a mechanism");
+            error.help("leave it out: the mechanism that imports this file decides");
+        }
+        let statements = self.statements(input);
+        for statement in &statements {
+            if !matches!(statement.kind, StatementKind::Const(_) | StatementKind::Function { .. }) {
+                let text = &self.source[statement.span.clone()];
+                let keyword: String = text.chars().take_while(|c| c.is_ascii_alphanumeric() || *c == '_').collect();
+                let message = format!("`{keyword}` stands in a file without a mechanism");
+                let help = "files that are imported hold `const` and `fn` only: move it to the mechanism";
+                self.errors.error(statement.span.clone(), message).help(help);
+            }
+        }
+        Ok(Shared::Declarations(statements))
+    }
+}
+
+/// The words that stand within no bracket.
+fn top_level(mut cursor: Cursor<'_>) -> impl Iterator<Item = String> {
+    std::iter::from_fn(move || {
+        while !cursor.eof() {
+            let found = word(cursor);
+            cursor = cursor.token_tree()?.1;
+            if let Some((text, _)) = found {
+                return Some(text);
+            }
+        }
+        None
+    })
+}
+
+/// Whether a file declares no mechanism, but something to be shared by them: its first word, imports aside, is `const` or
+/// `fn`, or it imports and no more.
+pub(super) fn begins_as_shared(input: ParseStream<'_>) -> bool {
+    let mut words = top_level(input.cursor()).peekable();
+    let begins = words.peek().is_some_and(|first| ["import", "const", "fn"].contains(&first.as_str()));
+    begins && !words.any(|word| word == "mechanism")
+}
+
+// ---- all files together
+
+/// The mechanism with all that it imports.
+///
+/// # Errors
+/// All mistakes of all files, in the order of the files.
+pub(super) fn declaration(sources: &Sources) -> Result<Declaration, Diagnostics> {
+    let text = sources.main().text.as_deref().unwrap_or_default();
+    let File { imports, content, errors } = grammar::mechanism(text);
+    let (imported, errors) = Walk::new(sources, State::Mechanism, errors).all(imports.clone());
+    match content {
+        Some(declaration) => errors.finish(Declaration { imports, imported, ..declaration }),
+        None => Err(errors),
+    }
+}
+
+/// The shared declarations of a file that is no mechanism, and of what it imports; `None` if it was not meant as one.
+pub(super) fn shared(sources: &Sources) -> Option<Result<Vec<Statement>, Diagnostics>> {
+    let text = sources.main().text.as_deref().unwrap_or_default();
+    if !grammar::asked(text, begins_as_shared)? {
+        return None;
+    }
+    let File { imports, content, errors } = grammar::shared(text);
+    let (mut statements, errors) = Walk::new(sources, State::Open, errors).all(imports);
+    if let Some(Shared::Declarations(own)) = content {
+        statements.extend(own);
+    }
+    Some(errors.finish(statements))
+}
+
+/// How far a file has got.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum State {
+    Unread,
+    /// It, or something that it imports, is being read.
+    Open,
+    Mechanism,
+    Done,
+}
+
+/// From file to file along imports, depth first, without recursion.
+struct Walk<'s> {
+    sources: &'s Sources,
+    states: Vec<State>,
+    statements: Vec<Statement>,
+    errors: Diagnostics,
+}
+
+/// A file whose imports are being followed.
+struct Open {
+    file: usize,
+    imports: vec::IntoIter<Import>,
+    statements: Vec<Statement>,
+}
+
+impl<'s> Walk<'s> {
+    /// `first` is what the first file is, `errors` are its errors.
+    fn new(sources: &'s Sources, first: State, errors: Diagnostics) -> Self {
+        let mut states = vec![State::Unread; sources.count()];
+        states[0] = first;
+        Walk { sources, states, statements: Vec::new(), errors }
+    }
+
+    /// What the first file imports, in an order in which names are known before they are used.
+    fn all(mut self, imports: Vec<Import>) -> (Vec<Statement>, Diagnostics) {
+        let mut path = vec![Open { file: 0, imports: imports.into_iter(), statements: Vec::new() }];
+        while let Some(open) = path.last_mut() {
+            let from = open.file;
+            match open.imports.next() {
+                Some(import) => {
+                    let next = self.follow(&path, from, &import);
+                    path.extend(next);
+                }
+                None => {
+                    self.states[from] = State::Done;
+                    self.statements.append(&mut open.statements);
+                    path.pop();
+                }
+            }
+        }
+        (self.statements, self.errors)
+    }
+
+    fn follow(&mut self, path: &[Open], from: usize, import: &Import) -> Option<Open> {
+        let Some(file) = self.sources.imported(from, &import.path) else {
+            let help = "files are read by `mbs`, by `mbs_derive::compile`, and by `Sources::gather`";
+            self.refuse(import, "this text was read without its files", help);
+            return None;
+        };
+        match self.states[file] {
+            State::Unread => self.open(file, import),
+            State::Open => {
+                self.circle(path, file, import);
+                None
+            }
+            State::Mechanism => {
+                self.no_mechanism(import);
+                None
+            }
+            State::Done => None,
+        }
+    }
+
+    fn open(&mut self, number: usize, import: &Import) -> Option<Open> {
+        let file = self.sources.file(number);
+        let text = match &file.text {
+            Ok(text) => text,
+            Err(unreadable) => {
+                self.refuse(import, &unreadable.reason, &unreadable.help);
+                return None;
+            }
+        };
+        let mut read = grammar::shared(text);
+        read.shift(file.start);
+        match read.content {
+            Some(Shared::Mechanism) => {
+                self.states[number] = State::Mechanism;
+                self.no_mechanism(import);
+                None
+            }
+            content => {
+                self.states[number] = State::Open;
+                self.errors.append(read.errors);
+                let statements = match content {
+                    Some(Shared::Declarations(statements)) => statements,
+                    Some(Shared::Mechanism) | None => Vec::new(),
+                };
+                Some(Open { file: number, imports: read.imports.into_iter(), statements })
+            }
+        }
+    }
+
+    fn refuse(&mut self, import: &Import, reason: &str, help: &str) {
+        self.errors.error(import.span.clone(), format!("cannot import `{}`: {reason}", import.path)).help(help);
+    }
+
+    fn no_mechanism(&mut self, import: &Import) {
+        let help = "move the `const` and `fn` that both need to a file without a mechanism, and import that";
+        self.refuse(import, "it is a mechanism", help);
+    }
+
+    /// The file is being read already.
+    fn circle(&mut self, path: &[Open], file: usize, import: &Import) {
+        let begin = path.iter().position(|open| open.file == file).unwrap_or(0);
+        let circle = path[begin..].iter().map(|open| open.file).chain([file]);
+        let names: Vec<&str> = circle.map(|file| self.sources.file(file).name.as_str()).collect();
+        let reason = format!("the files import each other: {}", names.join(" → "));
+        self.refuse(import, &reason, "move what both need to a third file, and import that in both");
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::parse;
+    use crate::source::Unreadable;
+
+    /// The texts of some files as `name: text`, the first of them the mechanism's.
+    fn gathered(files: &[(&str, &str)]) -> Sources {
+        let text =
+            |name: &str| files.iter().find(|(other, _)| *other == name).map(|(_, text)| text.as_bytes().to_vec());
+        let missing = || Unreadable::new("there is no such file", "look for it");
+        Sources::gather(files[0].0, files[0].1, |name| text(name).ok_or_else(missing))
+    }
+
+    fn messages(result: Result<impl Sized, Diagnostics>, sources: &Sources) -> Vec<String> {
+        let line = |m: &crate::diagnostic::Diagnostic| {
+            let (name, text, span) = sources.locate(&m.span);
+            format!("{name}: {}: {}; {}", &text[span], m.message, m.help.as_deref().unwrap_or("no help"))
+        };
+        result.err().unwrap_or_default().iter().map(line).collect()
+    }
+
+    fn refused(files: &[(&str, &str)], expected: &[&str]) {
+        let sources = gathered(files);
+        assert_eq!(messages(parse::declaration_of(&sources), &sources), expected, "{files:?}");
+    }
+
+    #[test]
+    fn paths_are_found_at_the_top() {
+        let check = |text: &str, expected: &[&str]| assert_eq!(paths(text), expected, "{text}");
+        check("import \"a\"; import\n\"b\";mechanism A { import \"c\"; }", &["a", "b"]);
+        check("\u{feff}// import \"x\";\n/* /* */ */ #![dimensionless]\n/// d\nimport \"a\" // c\n;", &["a"]);
+        check("import \"a\"\nimport \"b\"", &["a", "b"]);
+        check("import a; import \"/b\"; import \"\"; import \"c\";", &["c"]);
+        check("import a\nimport \"b\"; const c = 1; import \"d\";", &["b"]);
+        check("import", &[]);
+        check("import \"", &[]);
+        check("#", &[]);
+        check("/* import \"a\"", &[]);
+    }
+
+    #[test]
+    fn what_a_file_needs_comes_before_its_own() {
+        let files = [
+            ("m.mbs", "/// d\nimport \"a.mbs\"; import \"x/b.mbs\";\nmechanism M { coord x: m; }"),
+            ("a.mbs", "//! a\nimport \"x/b.mbs\"; const a = 1 + b; fn f(x) = [x.y, -x[a]];"),
+            ("x/b.mbs", "import \"../c.mbs\"; /// Two.\nconst b[2]: m^2 = if c < 1 { 2 } else { f(3).g(4) };"),
+            ("c.mbs", "const c = 0;"),
+        ];
+        let sources = gathered(&files);
+        let declaration = parse::declaration_of(&sources).unwrap();
+        let texts = |statements: &[Statement]| -> Vec<String> {
+            let text = |s: &Statement| {
+                let (name, text, span) = sources.locate(&s.span);
+                format!("{name}: {}", &text[span])
+            };
+            statements.iter().map(text).collect()
+        };
+        let expected = [
+            "c.mbs: const c = 0;",
+            "x/b.mbs: const b[2]: m^2 = if c < 1 { 2 } else { f(3).g(4) };",
+            "a.mbs: const a = 1 + b;",
+            "a.mbs: fn f(x) = [x.y, -x[a]];",
+        ];
+        assert_eq!(texts(&declaration.imported), expected);
+        assert_eq!(declaration.docs, ["d"]);
+        assert!(declaration.to_string().starts_with("import \"a.mbs\";\nimport \"x/b.mbs\";\n/// d\n"));
+        // Every place has moved with its file.
+        let file = sources.file(2);
+        let Some(Shared::Declarations(alone)) = grammar::shared(files[2].1).content else { panic!("declarations") };
+        let places = |statements: &[Statement]| -> Vec<usize> {
+            let text = format!("{statements:?}");
+            let spans = text.split("span: ").skip(1).map(|rest| rest.split("..").next().unwrap().parse().unwrap());
+            spans.collect()
+        };
+        let shifted: Vec<usize> = places(&alone).iter().map(|start| start + file.start).collect();
+        assert_eq!(shifted, places(&declaration.imported[1..2]));
+    }
+
+    #[test]
+    fn imports_that_cannot_be() {
+        let mechanism = |imports: &str| format!("{imports} mechanism M {{ coord x: m; }}");
+        let check = |imports: &str, expected: &[&str]| {
+            let text = mechanism(imports);
+            let files = [
+                ("m.mbs", text.as_str()),
+                ("n.mbs", "/// d\nconst a = 1; mechanism N { } junk"),
+                ("wrong.mbs", "#![dimensionless] param m: kg = 1; const a = 2 x; fn f(x) = x;\nlet b = 1"),
+                ("a.mbs", "import \"b.mbs\";"),
+                ("b.mbs", "import \"c.mbs\";"),
+                ("c.mbs", "import \"b.mbs\";"),
+                ("self.mbs", "import \"self.mbs\";"),
+                ("late.mbs", "const a = 1; import \"c.mbs\";"),
+                ("empty.mbs", ""),
+            ];
+            refused(&files, expected);
+        };
+        check("import \"empty.mbs\"; import \"empty.mbs\";", &[]);
+        check(
+            "import \"o.mbs\";",
+            &["m.mbs: import \"o.mbs\": cannot import `o.mbs`: there is no such file; look for it"],
+        );
+        let mechanism_help = "move the `const` and `fn` that both need to a file without a mechanism, and import that";
+        let no_mechanism =
+            format!("m.mbs: import \"n.mbs\": cannot import `n.mbs`: it is a mechanism; {mechanism_help}");
+        check("import \"n.mbs\"; import \"n.mbs\";", &[&no_mechanism, &no_mechanism]);
+        check(
+            "import \"x/../m.mbs\";",
+            &[&no_mechanism.replace("`n.mbs`", "`x/../m.mbs`").replace("\"n.mbs\"", "\"x/../m.mbs\"")],
+        );
+        let help = "move what both need to a third file, and import that in both";
+        check(
+            "import \"a.mbs\";",
+            &[&format!(
+                "c.mbs: import \"b.mbs\": cannot import `b.mbs`: the files import each other: b.mbs → c.mbs → b.mbs; {help}"
+            )],
+        );
+        check(
+            "import \"self.mbs\";",
+            &[&format!(
+                "self.mbs: import \"self.mbs\": cannot import `self.mbs`: the files import each other: self.mbs → self.mbs; {help}"
+            )],
+        );
+        check(
+            "import \"late.mbs\";",
+            &["late.mbs: import: imports stand at the top of a file; move it there, before all that is declared"],
+        );
+        check(
+            "import \"wrong.mbs\";",
+            &[
+                "wrong.mbs: #![dimensionless]: this attribute belongs to a mechanism; \
+                 leave it out: the mechanism that imports this file decides",
+                "wrong.mbs: param m: kg = 1;: `param` stands in a file without a mechanism; \
+                 files that are imported hold `const` and `fn` only: move it to the mechanism",
+                "wrong.mbs: x: an operator is missing before `x`; write `*` for a product",
+                "wrong.mbs: let b = 1: `let` stands in a file without a mechanism; \
+                 files that are imported hold `const` and `fn` only: move it to the mechanism",
+                "wrong.mbs: : a `;` is missing; end the statement with `;`",
+            ],
+        );
+    }
+
+    #[test]
+    fn a_text_alone_imports_nothing() {
+        let sources = Sources::new("m.mbs", "import \"a.mbs\"; mechanism M { }");
+        let expected = "m.mbs: import \"a.mbs\": cannot import `a.mbs`: this text was read without its files; \
+                        files are read by `mbs`, by `mbs_derive::compile`, and by `Sources::gather`";
+        assert_eq!(messages(parse::declaration_of(&sources), &sources), [expected]);
+    }
+
+    #[test]
+    fn wrong_forms() {
+        let form = "write `import \"file.mbs\";`";
+        let check = |text: &str, expected: &str| refused(&[("m", text), ("a", "")], &[expected]);
+        check("import a; mechanism M { }", &format!("m: a: expected a path in quotation marks, found `a`; {form}"));
+        check("import; mechanism M { }", &format!("m: ;: expected a path in quotation marks, found `;`; {form}"));
+        check("import \"\"; mechanism M { }", &format!("m: \"\": this path is empty; {form}"));
+        check("import \"a\"kg; mechanism M { }", &format!("m: \"a\"kg: a path ends with its quotation mark; {form}"));
+        check("import \"a\" mechanism M { }", "m: : a `;` is missing; end the import with `;`");
+        check("import \"a\"\nmechanism M { }", "m: : a `;` is missing; end the import with `;`");
+        check(
+            "import \"/a\"; mechanism M { }",
+            "m: \"/a\": an import is not an absolute path; \
+             write where it is from the folder of this file, `../` for the folder above",
+        );
+        check("import \"x\\a\"; mechanism M { }", "m: \\: this cannot stand in a path; write `/` between folders");
+        check("import \"x\ta\"; mechanism M { }", "m: \t: this cannot stand in a path; leave it out");
+        check("import \"a; mechanism M { }", "m: \": this quotation mark is never closed; write `\"` behind the path");
+        let late = "imports stand at the top of a file; move it there, before all that is declared";
+        check("mechanism M { import \"a\"; coord x: m; }", &format!("m: import: {late}"));
+        check("mechanism M { } import \"a\";", &format!("m: import: {late}"));
+        check(
+            "mechanism M { let x = import; }",
+            "m: import: `import` is a keyword of the language, not a value; names of your own are others, such as `import_`",
+        );
+    }
+
+    #[test]
+    fn files_to_be_shared_are_told_from_mechanisms() {
+        let is_shared = |text: &str| parse::shared(&Sources::new("a", text)).is_some();
+        for shared in ["const a = 1;", "//! d\n/// d\nfn f(x) = x;", "import \"b\";", "const", "fn f() = 1; param x;"] {
+            assert!(is_shared(shared), "{shared}");
+        }
+        assert!(!is_shared("fn f( = 1;"), "what cannot be cut into tokens is reported as a mechanism");
+        for other in
+            ["", "// nothing", "mechanism A { }", "const a = 1; mechanism A { }", "import \"b\"; mechanism A {}"]
+        {
+            assert!(!is_shared(other), "{other}");
+        }
+        assert!(!is_shared("param m: kg = 1;"));
+        let sources = Sources::new("a", "const a = 2 x;");
+        let found = messages(parse::shared(&sources).unwrap(), &sources);
+        assert_eq!(found, ["a: x: an operator is missing before `x`; write `*` for a product"]);
+    }
+}

@@ -1,0 +1,270 @@
+//! The files that a mechanism is declared by: its own, and those that it imports.
+//!
+//! A [`Span`] counts the bytes of all of them, the mechanism's own file first: a place needs no file beside it, and where
+//! nothing is imported spans are those of the one text. Files are known by their names, which are paths as text: an import
+//! is looked for beside the file that it stands in, and `..` takes a folder away from the path, links or not.
+//!
+//! ```
+//! use mbs_derive::source::{Sources, Unreadable};
+//! let read = |name: &str| match name {
+//!     "shared/steel.mbs" => Ok(b"const density: kg/m^3 = 7850;".to_vec()),
+//!     _ => Err(Unreadable { reason: "there is no such file".into(), help: "look for it".into() }),
+//! };
+//! let sources = Sources::gather("arms/arm.mbs", "import \"../shared/steel.mbs\"; mechanism Arm { }", read);
+//! assert_eq!(sources.names().collect::<Vec<_>>(), ["arms/arm.mbs", "shared/steel.mbs"]);
+//! ```
+
+use std::collections::BTreeMap;
+use std::path::{Component, Path};
+
+use crate::parse;
+use crate::parse::syntax::Span;
+
+/// All files of a mechanism together may be so long: offsets of tokens are 32 bits wide.
+pub const MAX_BYTES: usize = 1 << 26;
+
+/// Files that one mechanism may import, directly or not.
+pub const MAX_IMPORTS: usize = 100;
+
+/// Files that import files that import files.
+pub const MAX_DEPTH: usize = 20;
+
+/// The texts of a mechanism and of all that it imports, directly or not, each once.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Sources {
+    /// The mechanism's own file first; never empty.
+    files: Vec<Source>,
+    /// The number of the file with this path, in its plain form.
+    numbers: BTreeMap<String, usize>,
+}
+
+/// One file.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Source {
+    /// As reports call it.
+    pub name: String,
+    /// Its text, or why there is none.
+    pub text: Result<String, Unreadable>,
+    /// Where its text begins among those of all files; each begins behind the end of the one before.
+    pub start: usize,
+}
+
+/// Why a file has no text.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Unreadable {
+    /// As the end of a sentence: "there is no such file".
+    pub reason: String,
+    /// What to do about it.
+    pub help: String,
+}
+
+impl Sources {
+    /// One text, with no files beside it: what it imports is not there.
+    pub fn new(name: &str, text: &str) -> Self {
+        let mut sources = Sources { files: Vec::new(), numbers: BTreeMap::new() };
+        sources.push(name.to_string(), Ok(text.to_string()));
+        sources
+    }
+
+    /// A text, and what it imports, directly or not: `read` is given the name of each file once and answers its bytes.
+    pub fn gather(name: &str, text: &str, mut read: impl FnMut(&str) -> Result<Vec<u8>, Unreadable>) -> Self {
+        let mut sources = Sources::new(name, text);
+        let mut depths = vec![0];
+        for number in 0.. {
+            let Some(file) = sources.files.get(number) else { break };
+            let from = file.name.clone();
+            for path in file.text.as_deref().map(parse::imports).unwrap_or_default() {
+                let name = beside(&from, &path);
+                if sources.numbers.contains_key(&name) {
+                    continue;
+                }
+                let text = sources.room(depths[number]).and_then(|()| read(&name)).and_then(|b| sources.checked(b));
+                sources.push(name, text);
+                depths.push(depths[number] + 1);
+            }
+        }
+        sources
+    }
+
+    fn push(&mut self, name: String, text: Result<String, Unreadable>) {
+        let start = self.end();
+        self.numbers.entry(plain(Path::new(&name))).or_insert(self.files.len());
+        self.files.push(Source { name, text, start });
+    }
+
+    /// Where the next file begins.
+    fn end(&self) -> usize {
+        self.files.last().map_or(0, |file| file.start + file.text.as_ref().map_or(0, String::len) + 1)
+    }
+
+    /// Whether a file `depth` imports away from the mechanism may import one more.
+    fn room(&self, depth: usize) -> Result<(), Unreadable> {
+        let help = "put several of them into one file";
+        if self.files.len() > MAX_IMPORTS {
+            return Err(Unreadable::new(format!("more than {MAX_IMPORTS} files are imported"), help));
+        }
+        if depth == MAX_DEPTH {
+            return Err(Unreadable::new(format!("imports are nested deeper than {MAX_DEPTH} files"), help));
+        }
+        Ok(())
+    }
+
+    fn checked(&self, bytes: Vec<u8>) -> Result<String, Unreadable> {
+        if self.end() + bytes.len() > MAX_BYTES {
+            let reason = "the files of this mechanism are larger than 64 MiB together";
+            return Err(Unreadable::new(reason, "import constants and functions, not data"));
+        }
+        utf8(bytes).map_err(|(line, column)| {
+            Unreadable::new(format!("line {line}, column {column} of it is not UTF-8 text"), "save it as UTF-8")
+        })
+    }
+
+    /// The mechanism's own file.
+    pub fn main(&self) -> &Source {
+        &self.files[0]
+    }
+
+    /// The file with this number; the mechanism's own is number 0.
+    pub fn file(&self, number: usize) -> &Source {
+        &self.files[number]
+    }
+
+    /// The number of the file that the file with number `from` imports as `path`, if it was gathered.
+    pub fn imported(&self, from: usize, path: &str) -> Option<usize> {
+        self.numbers.get(&beside(&self.files[from].name, path)).copied()
+    }
+
+    /// The names of all files, those that could not be read included.
+    pub fn names(&self) -> impl Iterator<Item = &str> {
+        self.files.iter().map(|file| file.name.as_str())
+    }
+
+    /// How many files there are.
+    pub fn count(&self) -> usize {
+        self.files.len()
+    }
+
+    /// The name and text of the file that a place is in, and the place within that text.
+    pub fn locate(&self, span: &Span) -> (&str, &str, Span) {
+        let number = self.files.partition_point(|file| file.start <= span.start).saturating_sub(1);
+        let file = &self.files[number];
+        let text = file.text.as_deref().unwrap_or_default();
+        (&file.name, text, span.start - file.start..span.end.saturating_sub(file.start))
+    }
+}
+
+impl Unreadable {
+    /// Why, and what to do about it.
+    pub fn new(reason: impl Into<String>, help: impl Into<String>) -> Self {
+        Unreadable { reason: reason.into(), help: help.into() }
+    }
+}
+
+/// Bytes as text, or the line and the column, counted from 1, at which they cease to be UTF-8.
+fn utf8(bytes: Vec<u8>) -> Result<String, (usize, usize)> {
+    String::from_utf8(bytes).map_err(|error| {
+        let valid = String::from_utf8_lossy(&error.as_bytes()[..error.utf8_error().valid_up_to()]).into_owned();
+        let line = valid.rsplit('\n').next().unwrap_or_default();
+        (valid.matches('\n').count() + 1, line.chars().count() + 1)
+    })
+}
+
+/// What generated code may say of a file: its name as given, but of an absolute path only the last part, because the same
+/// declaration gives the same code on every machine.
+pub fn portable(name: &str) -> &str {
+    let path = Path::new(name);
+    match path.file_name().and_then(|last| last.to_str()) {
+        Some(last) if path.is_absolute() => last,
+        _ => name,
+    }
+}
+
+/// A path that stands in a file, as seen from where the file's own name is seen from.
+fn beside(file: &str, path: &str) -> String {
+    plain(&Path::new(file).parent().unwrap_or(Path::new("")).join(path))
+}
+
+/// Without `.`, and with `..` in front only.
+fn plain(path: &Path) -> String {
+    let (mut root, mut parts) = (String::new(), Vec::new());
+    for component in path.components() {
+        let text = component.as_os_str().to_string_lossy().into_owned();
+        match component {
+            Component::Prefix(_) | Component::RootDir => root += &text,
+            Component::CurDir => {}
+            Component::ParentDir if parts.last().is_some_and(|last| last != "..") => drop(parts.pop()),
+            // Nothing is above the root.
+            Component::ParentDir if !root.is_empty() => {}
+            Component::ParentDir | Component::Normal(_) => parts.push(text),
+        }
+    }
+    root + &parts.join("/")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn paths_are_seen_from_their_file() {
+        let check = |file: &str, path: &str, expected: &str| assert_eq!(beside(file, path), expected, "{file} {path}");
+        check("a.mbs", "b.mbs", "b.mbs");
+        check("x/a.mbs", "b.mbs", "x/b.mbs");
+        check("x/a.mbs", "./y/../b.mbs", "x/b.mbs");
+        check("./x/a.mbs", "../b.mbs", "b.mbs");
+        check("a.mbs", "../../b.mbs", "../../b.mbs");
+        check("../a.mbs", "../b.mbs", "../../b.mbs");
+        check("/x/a.mbs", "../../b.mbs", "/b.mbs");
+    }
+
+    #[test]
+    fn generated_code_tells_no_absolute_path() {
+        assert_eq!(portable("mechanisms/a.mbs"), "mechanisms/a.mbs");
+        assert_eq!(portable("/somewhere/mechanisms/a.mbs"), "a.mbs");
+        assert_eq!(portable("../a.mbs"), "../a.mbs");
+    }
+
+    /// A chain of files, each of which imports the next; the depth at which it is cut.
+    #[test]
+    fn imports_are_limited() {
+        let mut names = Vec::new();
+        let sources = Sources::gather("0.mbs", "import \"1.mbs\";", |name| {
+            names.push(name.to_string());
+            let number: usize = name.trim_end_matches(".mbs").parse().unwrap();
+            Ok(format!("import \"{}.mbs\"; import \"0.mbs\"; import \"./1.mbs\";", number + 1).into_bytes())
+        });
+        assert_eq!(names.len(), MAX_DEPTH, "each file is read once");
+        assert_eq!(sources.count(), MAX_DEPTH + 2);
+        let last = sources.file(MAX_DEPTH + 1).text.as_ref().unwrap_err();
+        assert_eq!(last.reason, "imports are nested deeper than 20 files");
+
+        let many: String = (0..200).map(|i| format!("import \"{i}.mbs\";\n")).collect();
+        let mut read = 0;
+        let sources = Sources::gather("a.mbs", &many, |_| {
+            read += 1;
+            Ok(Vec::new())
+        });
+        assert_eq!((read, sources.count()), (MAX_IMPORTS, 201));
+        assert_eq!(sources.file(101).text.as_ref().unwrap_err().reason, "more than 100 files are imported");
+
+        let sources =
+            Sources::gather("a.mbs", "import \"b.mbs\"; import \"c.mbs\";", |_| Ok(vec![b' '; MAX_BYTES / 2]));
+        assert!(sources.file(1).text.is_ok());
+        assert!(sources.file(2).text.as_ref().unwrap_err().reason.contains("64 MiB"));
+        let sources = Sources::gather("a.mbs", "import \"b.mbs\";", |_| Ok(b"one\ntw\xf6".to_vec()));
+        assert_eq!(sources.file(1).text.as_ref().unwrap_err().reason, "line 2, column 3 of it is not UTF-8 text");
+    }
+
+    #[test]
+    fn places_belong_to_files() {
+        let sources = Sources::gather("a", "import \"b\"; import \"c\";", |name| match name {
+            "b" => Err(Unreadable::new("", "")),
+            _ => Ok(b"const x = 1;".to_vec()),
+        });
+        let (b, c) = (sources.file(1).start, sources.file(2).start);
+        assert_eq!((b, c), (24, 25));
+        assert_eq!(sources.locate(&(23..23)), ("a", "import \"b\"; import \"c\";", 23..23));
+        assert_eq!(sources.locate(&(b..b)), ("b", "", 0..0));
+        assert_eq!(sources.locate(&(c + 6..c + 7)), ("c", "const x = 1;", 6..7));
+    }
+}
