@@ -9,8 +9,8 @@ use mbs_derive::expr::Graph;
 const MANUAL: &str = include_str!("../docs/language.md");
 
 /// Mechanisms of the manual with what those of the repository lack: prescribed motions, magnetic terms, constraints.
-const OF_THE_MANUAL: [&str; 6] =
-    ["ShakenPendulum", "ChargedParticle", "PlanarQuadrotor", "FourBar", "ChaplyginSleigh", "Top"];
+const OF_THE_MANUAL: [&str; 7] =
+    ["ShakenPendulum", "ChargedParticle", "PlanarQuadrotor", "FourBar", "ChaplyginSleigh", "Top", "FreeBody"];
 
 /// Branches, powers, a nonholonomic and a holonomic constraint, one of them moving.
 const CONTRIVED: &str = "\
@@ -26,7 +26,7 @@ mechanism Contrived {
     prescribed lift: m;
     input f: N;
     kinetic += 1/2*m*(dt(x)^2 + dt(y)^2) + 1/10*m*r^2*dt(theta)^2;
-    potential += if x < r { 1/2*k*(x - r)^2 } else { 0 };
+    potential += if x < r && -r <= x { 1/2*k*(x - r)^2 } else { 0 };
     force x += f - c*signum(dt(x));
     constraint rolling: dt(x) - r*dt(theta) = 0;
     constraint ground: y = lift + r*sin(omega*t);

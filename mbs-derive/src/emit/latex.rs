@@ -8,6 +8,8 @@
 //! - `page`: the page and its blocks;
 //! - `algebra`: expressions as polynomials, in their shortest form;
 //! - `atom`: what is not taken apart, its place in a product and its powers;
+//! - `condition`: conditions of piecewise expressions;
+//! - `square`: squares of sums;
 //! - `writing`: how products and sums are written;
 //! - `layout`: lines and their widths;
 //! - `notation`: names of symbols, units;
@@ -15,12 +17,14 @@
 
 mod algebra;
 mod atom;
+mod condition;
 mod layout;
 mod notation;
 mod number;
 mod page;
 #[cfg(test)]
 mod reader;
+mod square;
 #[cfg(test)]
 mod tests;
 mod writing;
@@ -41,6 +45,7 @@ pub(super) fn latex(lagrangian: &Lagrangian<'_>, equations: &Equations<'_>) -> S
     page.energies(lagrangian, equations);
     if lagrangian.dof() <= MOST_COORDINATES {
         page.terms(equations);
+        page.constraints(lagrangian, equations);
         page.equations_of_motion(equations);
     } else {
         page.sizes(equations);

@@ -9,14 +9,16 @@ use crate::expr::normal::half_angle::{Double, Doubled, halved};
 use crate::expr::{Binary, Expr, Function, Graph, HalfInteger, Id, Node, Number, Symbol, normal_form};
 
 use super::atom::{Atom, Kind, Place, Shape, parity, shape};
+use super::condition::Condition;
 use super::layout::{Entry, bracketed, sum_text, width};
 use super::notation::Notation;
+use super::square::without_unit_circles;
 
 /// Entries with more terms are left out.
 const LONGEST_SUM: usize = 40;
 
 /// Entries with more characters are left out.
-const LONGEST_TEXT: usize = 2_000;
+pub(super) const LONGEST_TEXT: usize = 2_000;
 
 /// Expressions as sums of products, and how they are written.
 pub(super) struct Algebra<'g> {
@@ -25,11 +27,12 @@ pub(super) struct Algebra<'g> {
     /// Nodes expanded so far; `None` where there are too many terms.
     pub(super) sums: BTreeMap<Id, Option<Polynomial>>,
     pub(super) atoms: BTreeMap<Id, Atom>,
+    pub(super) conditions: BTreeMap<Id, Condition>,
 }
 
 impl<'g> Algebra<'g> {
     pub(super) fn new(graph: &'g Graph, notation: Notation) -> Self {
-        Algebra { graph, notation, sums: BTreeMap::new(), atoms: BTreeMap::new() }
+        Algebra { graph, notation, sums: BTreeMap::new(), atoms: BTreeMap::new(), conditions: BTreeMap::new() }
     }
 
     /// An expression in its shortest form: multiple angles, half angles, as derived.
@@ -38,15 +41,22 @@ impl<'g> Algebra<'g> {
         let plain = self.expand(value);
         let mut forms = Vec::new();
         for sum in [textbook, plain].into_iter().flatten() {
+            let sum = without_unit_circles(self.graph, sum);
             forms.extend(halved(&sum, Doubled::Matched, MOST_TERMS, |id| self.double(id)));
             forms.push(sum);
         }
         self.shortest_of(forms)
     }
 
-    /// Of equally short ones the first.
-    pub(super) fn shortest_of(&self, forms: Vec<Polynomial>) -> Option<Polynomial> {
-        forms.into_iter().min_by_key(|sum| (self.groups(sum).len(), sum.0.len()))
+    /// Of equally short ones the first. A group with a doubled angle counts twice: people write `sin²θ`.
+    pub(super) fn shortest_of(&mut self, forms: Vec<Polynomial>) -> Option<Polynomial> {
+        let mut length = |sum: &Polynomial| {
+            let groups = self.groups(sum);
+            let doubled = groups.iter().filter(|(_, group)| group.state.keys().any(|&id| self.double(id).is_some()));
+            let doubled = doubled.count();
+            (groups.len() + doubled, sum.0.len())
+        };
+        forms.into_iter().min_by_key(|sum| length(sum))
     }
 
     /// `M q̈ + C q̇ + G + ∂D/∂q̇` in row i, from the forms in which these are written.
@@ -95,7 +105,11 @@ impl<'g> Algebra<'g> {
                 Some(Polynomial::atom(id, 2))
             }
             Node::Rate(_) => unreachable!("time derivatives were carried out by derive"),
-            Node::Less(..) | Node::And(..) | Node::Not(_) => Some(Polynomial::term(Powers::new(), Number::ZERO)),
+            Node::Less(..) | Node::And(..) | Node::Not(_) => {
+                let condition = self.condition(id)?;
+                self.conditions.insert(id, condition);
+                Some(Polynomial::default())
+            }
             Node::Select(c, a, b) => self.cases(id, c, a, b),
             Node::Neg(a) => Some(sum(self, a)?.negative()),
             Node::Add(a, b) => Some(sum(self, a)?.plus(&sum(self, b)?, Number::ONE)),
@@ -119,25 +133,13 @@ impl<'g> Algebra<'g> {
 
     /// `a` where the condition holds, else `b`.
     fn cases(&mut self, id: Id, condition: Id, a: Id, b: Id) -> Option<Polynomial> {
-        let (yes, no) = (self.sums[&a].clone()?, self.sums[&b].clone()?);
+        let [yes, no] = [self.sums[&a].clone()?, self.sums[&b].clone()?].map(|sum| self.with_squares(sum));
         let (x, y) = (self.text(&yes)?, self.text(&no)?);
-        let condition = self.condition(condition)?;
+        let condition = self.conditions.get(&condition)?.holds.text();
         let text =
             format!("\\begin{{cases}} {x} & \\text{{if }} {condition} \\\\ {y} & \\text{{otherwise}} \\end{{cases}}");
         self.function(id, Shape::Closed(text), &[&yes, &no]);
         Some(Polynomial::atom(id, 2))
-    }
-
-    fn condition(&mut self, id: Id) -> Option<String> {
-        Some(match self.graph.node(id) {
-            Node::Less(a, b) => {
-                let (a, b) = (self.sums[&a].clone()?, self.sums[&b].clone()?);
-                format!("{} < {}", self.text(&a)?, self.text(&b)?)
-            }
-            Node::And(a, b) => format!("{} \\land {}", self.condition(a)?, self.condition(b)?),
-            Node::Not(a) => format!("\\lnot ({})", self.condition(a)?),
-            _ => return None,
-        })
     }
 
     fn symbol(&self, symbol: Symbol) -> Atom {
@@ -175,6 +177,7 @@ impl<'g> Algebra<'g> {
         let base = if flipped { -self.graph.expr(base) } else { self.graph.expr(base) };
         // The base itself may be the number of a function whose argument has changed its sign.
         let id = base.sqrt().id();
+        let sum = self.with_squares(sum);
         self.function(id, Shape::Sum(self.text(&sum)?), &[&sum]);
         let power = Polynomial::atom(id, n.to_halves());
         Some(if flipped && n.to_integer().is_some_and(|k| k % 2 != 0) { power.negative() } else { power })
@@ -193,7 +196,7 @@ impl<'g> Algebra<'g> {
 
     fn function(&mut self, id: Id, shape: Shape, arguments: &[&Polynomial]) {
         let atoms = || arguments.iter().flat_map(|sum| sum.0.keys()).flat_map(BTreeMap::keys).map(|id| &self.atoms[id]);
-        let parametric = atoms().all(|atom| atom.parametric);
+        let parametric = self.graph.is_parametric(id);
         let first_coordinate = atoms().map(|atom| atom.first_coordinate).min().unwrap_or(u32::MAX);
         let (kind, text) = match &shape {
             // One symbol before sums, the sine before the cosine of the same argument.

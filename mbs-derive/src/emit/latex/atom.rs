@@ -38,6 +38,13 @@ pub(super) struct Atom {
     pub(super) shape: Shape,
 }
 
+impl Atom {
+    /// Whether it is written among coefficients: parameters, and time and what is given from outside.
+    pub(super) fn is_given(&self) -> bool {
+        self.parametric || matches!(self.place.kind, Kind::Input | Kind::Time)
+    }
+}
+
 /// What its powers look like.
 #[derive(Clone, Debug)]
 pub(super) enum Shape {

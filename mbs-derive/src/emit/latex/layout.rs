@@ -94,7 +94,7 @@ pub(super) fn applied(function: &str, argument: &str) -> String {
 }
 
 pub(super) fn bracketed(text: &str) -> String {
-    let tall = ["\\frac", "\\left", "\\sqrt"].iter().any(|command| text.contains(command));
+    let tall = ["\\frac", "\\left", "\\sqrt", "\\begin"].iter().any(|command| text.contains(command));
     if tall { format!("\\left({text}\\right)") } else { format!("({text})") }
 }
 

@@ -42,7 +42,7 @@ impl Notation {
             Symbol::Prescribed(i, 0) => self.prescribed[i as usize].text(),
             Symbol::Prescribed(i, 1) => self.prescribed[i as usize].accented("\\dot"),
             Symbol::Prescribed(i, _) => self.prescribed[i as usize].accented("\\ddot"),
-            Symbol::Multiplier(i) => format!("\\lambda_{{{}}}", i + 1),
+            Symbol::Multiplier(i) => subscripted("\\lambda", &(i + 1).to_string()),
         }
     }
 }

@@ -6,7 +6,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use crate::derive::{Equations, Rows, time_derivative};
 use crate::expr::normal::combination::Polynomial;
 use crate::expr::{Expr, Graph, Id, Node, carry_out};
-use crate::model::Lagrangian;
+use crate::model::{ConstraintKind, Lagrangian};
 
 use super::algebra::Algebra;
 use super::layout::{Entry, LINE, LINES, width};
@@ -40,6 +40,7 @@ impl<'g> Page<'g> {
             ("coordinate", &lagrangian.coordinates, &notation.coordinates),
             ("parameter", &lagrangian.parameters, &notation.parameters),
             ("input", &lagrangian.inputs, &notation.inputs),
+            ("prescribed", &lagrangian.prescribed, &notation.prescribed),
         ];
         let mut rows = String::new();
         for (kind, variables, names) in kinds {
@@ -77,7 +78,6 @@ impl<'g> Page<'g> {
 
     pub(super) fn terms(&mut self, equations: &Equations<'g>) {
         let lagrange = &equations.lagrange;
-        let column = |entries: &[Expr<'g>]| entries.iter().map(|&entry| vec![entry]).collect::<Rows<'g>>();
         let mut rows = self.matrix("\\mathbf{M}", "M", &lagrange.mass_matrix);
         rows.extend(self.matrix("\\mathbf{C}", "C", &lagrange.coriolis_matrix));
         rows.extend(self.matrix("\\mathbf{G}", "G", &column(&lagrange.gravity)));
@@ -94,7 +94,9 @@ impl<'g> Page<'g> {
     pub(super) fn equations_of_motion(&mut self, equations: &Equations<'g>) {
         let lagrange = &equations.lagrange;
         let mut rows = Vec::new();
-        for (i, (&left, &right)) in lagrange.inverse_dynamics.iter().zip(&lagrange.generalized_force).enumerate() {
+        let reactions = equations.constraints.force(lagrange.momentum.len(), self.algebra.graph);
+        let forces = lagrange.generalized_force.iter().zip(reactions).map(|(&force, reaction)| force + reaction);
+        for (i, (&left, right)) in lagrange.inverse_dynamics.iter().zip(forces).enumerate() {
             let forms = [self.algebra.left_side(equations, i), self.algebra.shortest(left)];
             let shortest = self.algebra.shortest_of(forms.into_iter().flatten().collect());
             let left = self.written(&format!("left side of equation {}", i + 1), left, shortest);
@@ -113,6 +115,32 @@ impl<'g> Page<'g> {
             _ => format!("{} &= {}", left.concat(), right.concat()),
         };
         self.block("Equations of motion.", rows.into_iter().map(row).collect());
+    }
+
+    /// What must vanish, A, and γ.
+    pub(super) fn constraints(&mut self, lagrangian: &Lagrangian<'_>, equations: &Equations<'g>) {
+        let constraints = &equations.constraints;
+        if constraints.count() == 0 {
+            return;
+        }
+        let holonomic = lagrangian.constraints.iter().flat_map(|constraint| {
+            std::iter::repeat_n(constraint.kind == ConstraintKind::Holonomic, constraint.rows.len())
+        });
+        let mut rows = Vec::new();
+        for (i, (&value, holonomic)) in constraints.value.iter().zip(holonomic).enumerate() {
+            let number = (i + 1).to_string();
+            if holonomic {
+                rows.extend(self.equation(&subscripted("\\varphi", &number), value));
+            } else {
+                let [a, b] = ["\\mathbf{a}", "b"].map(|letter| subscripted(letter, &number));
+                rows.extend(self.equation(&format!("{a} \\dot{{\\mathbf{{q}}}} + {b}"), value));
+            }
+        }
+        rows.extend(self.matrix("\\mathbf{A}", "A", &constraints.jacobian));
+        rows.extend(self.matrix("\\boldsymbol{\\gamma}", "\\gamma", &column(&constraints.bias)));
+        let title =
+            "Constraints, $\\displaystyle \\mathbf{A} \\ddot{\\mathbf{q}} + \\boldsymbol{\\gamma} = \\mathbf{0}$.";
+        self.block(title, rows);
     }
 
     /// What stands in for the matrices and equations of a large mechanism.
@@ -172,9 +200,22 @@ impl<'g> Page<'g> {
         vec![format!("{name} &= {}", entry.lines().join(" \\\\\n  &\\quad "))]
     }
 
+    /// `name = value = 0`
+    fn equation(&mut self, name: &str, value: Expr<'g>) -> Vec<String> {
+        let entry = self.entry(name, value);
+        vec![format!("{name} &= {} = 0", entry.lines().join(" \\\\\n  &\\quad "))]
+    }
+
     /// `name = [entries]`; entries that are too wide get a name and a row of their own.
     fn matrix(&mut self, name: &str, letter: &str, rows: &Rows<'g>) -> Vec<String> {
         let columns = rows[0].len();
+        if !has_any(&rows.concat()) {
+            let zero = if rows.len() * columns == 1 { "0" } else { "\\mathbf{0}" };
+            return vec![format!("{name} &= {zero}")];
+        }
+        if rows.len() * columns == 1 {
+            return self.definition(name, rows[0][0]);
+        }
         let symmetric = letter == "M";
         let named = |i: usize, j: usize| {
             let (i, j) = if symmetric { (i.min(j), i.max(j)) } else { (i, j) };
@@ -221,6 +262,7 @@ impl<'g> Page<'g> {
     }
 
     fn written(&mut self, name: &str, value: Expr<'g>, sum: Option<Polynomial>) -> Entry {
+        let sum = sum.map(|sum| self.algebra.with_squares(sum));
         let entry = self.algebra.entry(sum);
         if let Entry::TooLong(terms) = entry {
             let terms = if terms == 0 { "too many terms".to_string() } else { format!("{terms} terms") };
@@ -240,15 +282,22 @@ impl<'g> Page<'g> {
     }
 }
 
-/// `M q̈ + C q̇ + G + ∂D/∂q̇ = Q`, without what is zero.
+/// `M q̈ + C q̇ + G + ∂D/∂q̇ = Q + Aᵀ λ`, without what is zero.
 fn equation_of_motion(equations: &Equations<'_>) -> String {
     let lagrange = &equations.lagrange;
     let dissipation =
         if has_any(&lagrange.dissipation_force) { " + \\partial D / \\partial \\dot{\\mathbf{q}}" } else { "" };
-    let right = if has_any(&lagrange.generalized_force) { "\\mathbf{Q}" } else { "\\mathbf{0}" };
+    let forces = has_any(&lagrange.generalized_force).then_some("\\mathbf{Q}");
+    let reactions = (equations.constraints.count() > 0).then_some("\\mathbf{A}^{\\mathsf{T}} \\boldsymbol{\\lambda}");
+    let right: Vec<&str> = forces.into_iter().chain(reactions).collect();
+    let right = if right.is_empty() { "\\mathbf{0}".to_string() } else { right.join(" + ") };
     format!(
         "\\mathbf{{M}} \\ddot{{\\mathbf{{q}}}} + \\mathbf{{C}} \\dot{{\\mathbf{{q}}}} + \\mathbf{{G}}{dissipation} = {right}"
     )
+}
+
+fn column<'g>(entries: &[Expr<'g>]) -> Rows<'g> {
+    entries.iter().map(|&entry| vec![entry]).collect()
 }
 
 fn has_any(entries: &[Expr<'_>]) -> bool {

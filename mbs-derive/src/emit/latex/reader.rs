@@ -18,7 +18,8 @@ impl Reader<'_> {
 
     fn ends(&mut self) -> bool {
         self.accepts("");
-        self.rest.is_empty() || [")", "}", "\\right", "+", "-", ",", "/"].iter().any(|end| self.rest.starts_with(end))
+        let ends = [")", "}", "\\right", "+", "-", ",", "/", "&", "\\\\", "<", "\\le ", "\\land", "\\lor", "\\end"];
+        self.rest.is_empty() || ends.iter().any(|end| self.rest.starts_with(end))
     }
 
     pub(super) fn sum(&mut self) -> f64 {
@@ -57,6 +58,50 @@ impl Reader<'_> {
         }
     }
 
+    /// `\lor` binds less than `\land`.
+    fn condition(&mut self) -> bool {
+        let mut any = false;
+        loop {
+            let mut all = self.comparison();
+            while self.accepts("\\land") {
+                all &= self.comparison();
+            }
+            any |= all;
+            if !self.accepts("\\lor") {
+                return any;
+            }
+        }
+    }
+
+    fn comparison(&mut self) -> bool {
+        let before = self.rest;
+        if self.accepts("(") {
+            // A bracket begins several conditions, or a sum.
+            let condition = before.split(')').next().is_some_and(|text| text.contains(['<']) || text.contains("\\le "));
+            if condition {
+                let any = self.condition();
+                assert!(self.accepts(")"), "{}", self.rest);
+                return any;
+            }
+            self.rest = before;
+        }
+        let left = self.sum();
+        if self.accepts("<") {
+            return left < self.sum();
+        }
+        assert!(self.accepts("\\le "), "{}", self.rest);
+        left <= self.sum()
+    }
+
+    fn cases(&mut self) -> f64 {
+        let yes = self.sum();
+        assert!(self.accepts("& \\text{if }"), "{}", self.rest);
+        let holds = self.condition();
+        assert!(self.accepts("\\\\"), "{}", self.rest);
+        let no = self.closed_by("& \\text{otherwise} \\end{cases}");
+        if holds { yes } else { no }
+    }
+
     fn closed_by(&mut self, close: &str) -> f64 {
         let value = self.sum();
         assert!(self.accepts(close), "{close} expected: {}", self.rest);
@@ -82,6 +127,9 @@ impl Reader<'_> {
                 return function(self.factor()).powf(exponent);
             }
         }
+        if self.accepts("\\begin{cases}") {
+            return self.cases();
+        }
         if self.accepts("\\frac{") {
             let above = self.closed_by("}");
             assert!(self.accepts("{"));
@@ -100,11 +148,6 @@ impl Reader<'_> {
         if self.accepts("\\sqrt{") {
             return self.closed_by("}").sqrt();
         }
-        for (constant, value) in [("\\pi", std::f64::consts::PI), ("e", std::f64::consts::E), ("\\cdot", 1.0)] {
-            if self.accepts(constant) {
-                return value;
-            }
-        }
         let digits = self.rest.find(|c: char| !c.is_ascii_digit() && c != '.').unwrap_or(self.rest.len());
         if digits > 0 {
             let value = self.rest[..digits].parse().unwrap_or(f64::NAN);
@@ -112,7 +155,15 @@ impl Reader<'_> {
             return value;
         }
         let longest = self.values.iter().filter(|(name, _)| self.rest.starts_with(name.as_str()));
-        let Some((name, &value)) = longest.max_by_key(|(name, _)| name.len()) else { panic!("read {}", self.rest) };
+        let named = longest.max_by_key(|(name, _)| name.len());
+        if named.is_none() {
+            for (constant, value) in [("\\pi", std::f64::consts::PI), ("e", std::f64::consts::E), ("\\cdot", 1.0)] {
+                if self.accepts(constant) {
+                    return value;
+                }
+            }
+        }
+        let Some((name, &value)) = named else { panic!("read {}", self.rest) };
         self.rest = &self.rest[name.len()..];
         value
     }

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use crate::derive::{Equations, routes};
+use crate::expr::normal::combination::Polynomial;
 use crate::expr::{Binary, Expr, Function, Graph, Number, Symbol, Vector, evaluate};
 use crate::model::Lagrangian;
 
@@ -160,7 +161,7 @@ fn the_spherical_pendulum_has_squares_of_sines() {
     let graph = Graph::verbatim();
     let text = output(&spherical_pendulum(&graph));
     for expected in [
-        r"T &= \frac{1}{2} m l^2 \dot{\theta}^2 + \frac{1}{2} m l^2 \dot{\phi}^2 \sin^2\theta",
+        r"T &= \frac{1}{2} m l^2 (\dot{\theta}^2 + \dot{\phi}^2 \sin^2\theta)",
         r"
     m l^2 & 0 \\
     0 & m l^2 \sin^2\theta
@@ -223,42 +224,117 @@ fn braces_and_brackets_are_balanced() {
     }
 }
 
+/// Branches with all connectives, a prescribed motion, squares of sums, time, and constraints of both kinds.
+const PIECEWISE: &str = "\
+mechanism Piecewise {
+    param m: kg = 1;
+    param k: N/m = 5;
+    param r: m = 1;
+    param rest: m = 2;
+    param speed: m/s = 0.1;
+    param omega: rad/s = 2;
+    coord x: m;
+    coord y: m;
+    coord theta: rad;
+    prescribed lift: m;
+    input f[2]: N;
+    let length = rest - speed*t;
+    kinetic += particle(m, [x + length*sin(theta), 0, y - length*cos(theta)]) + 1/2*m*r^2*(dt(theta) + dt(x)/r)^2;
+    potential += if x < r && -r <= x { 1/2*k*(x - r)^2 } else { 0 } + 1/2*k*(x - y + lift)^2;
+    potential += k*r*(if (x <= y || y < lift) && (r < x || theta < 1) { x*sin(theta) } else { y*cos(theta)^2 });
+    force x += (f[0] + f[1])*sin(omega*t + theta) - (if dt(x) < dt(y) { f[0] } else { f[1] });
+    constraint rolling: dt(x)*sin(theta) - r*dt(theta) = 0;
+    constraint ground: y = lift + r*sin(omega*t);
+}
+";
+
+/// A body turning about a fixed point, its attitude a unit quaternion.
+const ROTOR: &str = "\
+mechanism Rotor {
+    param a: kg*m^2 = 0.3;
+    param b: kg*m^2 = 0.4;
+    param c: kg*m^2 = 0.5;
+    coord e[4]: 1;
+    input torque_in[3]: N*m;
+    let body = quaternion(e[0], e[1], e[2], e[3]);
+    kinetic += rigid_body(0, [0, 0, 0], inertia(a, b, c), body);
+    torque on body += body*torque_in;
+    constraint unit: e[0]^2 + e[1]^2 + e[2]^2 + e[3]^2 = 1;
+}
+";
+
 #[test]
 fn what_is_written_is_what_was_derived() {
     let verbatim = Graph::verbatim();
     for l in [double_pendulum(&verbatim), cart_pole(&verbatim), spherical_pendulum(&verbatim), contrived(&verbatim)] {
-        let graph = Graph::new();
-        let equations = &routes(&l, &graph)[0];
-        let lagrange = &equations.lagrange;
-        let mut algebra = algebra(&l, &graph);
-        let values: BTreeMap<String, f64> =
-            symbols(equations).into_iter().map(|s| (algebra.notation.symbol(s), value_of(s))).collect();
-        let check = |value: Expr<'_>, text: String| {
-            let expected: f64 = evaluate(&[value], value_of)[0];
-            let read = Reader { rest: &text, values: &values }.sum();
-            assert!((read - expected).abs() <= 1e-9 * expected.abs().max(1.0), "{}: {text}: {read} {expected}", l.name);
-        };
-        let matrices = [lagrange.mass_matrix.concat(), lagrange.coriolis_matrix.concat()].concat();
-        let vectors = [&lagrange.gravity, &lagrange.dissipation_force, &lagrange.generalized_force].map(Vec::clone);
-        let energies = [lagrange.kinetic_energy, lagrange.potential_energy].to_vec();
-        for value in [matrices, vectors.concat(), energies, lagrange.inverse_dynamics.clone()].concat() {
-            let sum = algebra.shortest(value).unwrap_or_default();
-            check(value, algebra.text(&sum).unwrap_or_default());
-        }
-        for (i, &value) in lagrange.inverse_dynamics.iter().enumerate() {
-            let sum = algebra.left_side(equations, i).unwrap_or_default();
-            check(value, algebra.text(&sum).unwrap_or_default());
-        }
+        check_values(&l);
     }
+    for source in [PIECEWISE, ROTOR] {
+        let verbatim = Graph::verbatim();
+        let (lagrangian, _) =
+            crate::declared(source, &verbatim, &[]).unwrap_or_else(|errors| panic!("{}", errors.render("", source)));
+        check_values(&lagrangian);
+    }
+}
+
+/// Everything on the page has the value that was derived; what is too long for it is left out here, too.
+fn check_values(l: &Lagrangian<'_>) {
+    let graph = Graph::new();
+    let equations = &routes(l, &graph)[0];
+    let (lagrange, constraints) = (&equations.lagrange, &equations.constraints);
+    let mut algebra = algebra(l, &graph);
+    let forces = lagrange.generalized_force.iter().zip(constraints.force(l.dof(), &graph));
+    let values = [
+        lagrange.mass_matrix.concat(),
+        lagrange.coriolis_matrix.concat(),
+        [&lagrange.gravity, &lagrange.dissipation_force, &lagrange.generalized_force].map(Vec::clone).concat(),
+        vec![lagrange.kinetic_energy, lagrange.potential_energy],
+        lagrange.inverse_dynamics.clone(),
+        constraints.value.clone(),
+        constraints.jacobian.concat(),
+        constraints.bias.clone(),
+        forces.map(|(&force, reaction)| force + reaction).collect(),
+    ];
+    let mut compared = 0;
+    for value in values.concat() {
+        let sum = algebra.shortest(value);
+        compared += usize::from(check_value(&mut algebra, l, equations, value, sum));
+    }
+    for (i, &value) in lagrange.inverse_dynamics.iter().enumerate() {
+        let sum = algebra.left_side(equations, i);
+        check_value(&mut algebra, l, equations, value, sum);
+    }
+    assert!(4 * compared >= 3 * values.concat().len(), "{}: only {compared} entries are written", l.name);
+}
+
+fn check_value<'g>(
+    algebra: &mut Algebra<'g>,
+    l: &Lagrangian<'_>,
+    equations: &Equations<'g>,
+    value: Expr<'g>,
+    sum: Option<Polynomial>,
+) -> bool {
+    let Some(sum) = sum.map(|sum| algebra.with_squares(sum)) else { return false };
+    let Some(text) = algebra.text(&sum) else { return false };
+    let names: BTreeMap<String, f64> =
+        symbols(l, equations).into_iter().map(|s| (algebra.notation.symbol(s), value_of(s))).collect();
+    let expected: f64 = evaluate(&[value], value_of)[0];
+    let read = Reader { rest: &text, values: &names }.sum();
+    assert!((read - expected).abs() <= 1e-9 * expected.abs().max(1.0), "{}: {text}: {read} {expected}", l.name);
+    true
 }
 
 fn algebra<'g>(lagrangian: &Lagrangian<'_>, graph: &'g Graph) -> Algebra<'g> {
     Algebra::new(graph, Notation::of(lagrangian))
 }
 
-fn symbols(equations: &Equations<'_>) -> Vec<Symbol> {
+fn symbols(l: &Lagrangian<'_>, equations: &Equations<'_>) -> Vec<Symbol> {
     let s = &equations.symbols;
-    [&s.q, &s.qd, &s.qdd, &s.u, &s.parameters, &vec![Symbol::Time]].map(Vec::clone).concat()
+    let prescribed = (0..l.prescribed.iter().map(|p| p.count() as u32).sum())
+        .flat_map(|i| [0, 1, 2].map(|order| Symbol::Prescribed(i, order)))
+        .collect();
+    let given = [prescribed, equations.constraints.multipliers.clone(), vec![Symbol::Time]].concat();
+    [&s.q, &s.qd, &s.qdd, &s.u, &s.parameters, &given].map(Vec::clone).concat()
 }
 
 /// Coordinates grow, so that the roots in `contrived` exist.
@@ -270,6 +346,7 @@ fn value_of(symbol: Symbol) -> f64 {
         Symbol::Acceleration(i) => -0.43 + 0.97 * f64::from(i),
         Symbol::Parameter(i) => 0.83 + 0.19 * f64::from(i),
         Symbol::Input(i) => 0.61 + 0.11 * f64::from(i),
-        Symbol::Prescribed(..) | Symbol::Multiplier(_) => unreachable!("none in these mechanisms"),
+        Symbol::Prescribed(i, order) => 0.47 + 0.23 * f64::from(i) - 0.31 * f64::from(order),
+        Symbol::Multiplier(i) => 1.7 - 0.9 * f64::from(i),
     }
 }
