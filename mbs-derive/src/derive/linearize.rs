@@ -7,7 +7,7 @@
 use crate::expr::{Expr, Symbol, substitute};
 
 use super::constraint::Constraints;
-use super::lagrange::{Lagrange, jacobian, jacobian_by_rows, sub, transpose};
+use super::lagrange::{Lagrange, jacobian_by_rows, sub, transpose};
 use super::solve::{Factorization, ForwardDynamics, augment};
 use super::{Form, Rows, Symbols};
 
