@@ -236,7 +236,7 @@ mod tests {
             last = Value(sum.0 + 1);
         }
         let gravity = derivation.functions.iter_mut().find(|f| f.name == "gravity").expect("there is one");
-        gravity.program = Program { instructions, results: vec![last] };
+        gravity.program = Program::new(instructions, vec![last]);
         let text = emitted(&derivation);
         let start = text.find("pub fn gravity").unwrap();
         let body = &text[start..start + text[start..].find("///").unwrap()];

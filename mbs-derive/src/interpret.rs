@@ -2,7 +2,7 @@
 
 use crate::expr::evaluate::{holds, truth};
 use crate::expr::{Number, Symbol, Value};
-use crate::optimise::{Completion, Derivation, Function, Instruction, Program, ResultPart, Shape};
+use crate::optimise::{Completion, Derivation, Function, Instruction, Program, ResultPart, Shape, Value as Step};
 
 /// The arguments of a mechanism's functions, flattened in declaration order.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -125,36 +125,68 @@ struct Run<'a, V> {
 }
 
 impl<V: Value> Run<'_, V> {
+    /// The results; what stands on one side of a branch only is computed where that side is taken.
     fn results(&self, program: &Program) -> Vec<V> {
-        let mut values: Vec<V> = Vec::with_capacity(program.instructions.len());
-        for instruction in &program.instructions {
-            let v = |operand: crate::optimise::Value| values[operand.index()];
-            let value = match *instruction {
-                Instruction::Constant(number) => V::constant(number.to_f64()),
-                Instruction::Symbol(symbol) => self.symbol(symbol),
-                Instruction::Hoisted(k) => self.hoisted[k as usize],
-                Instruction::Neg(a) => v(a).neg(),
-                Instruction::Add(a, b) => v(a).add(v(b)),
-                Instruction::Sub(a, b) => v(a).sub(v(b)),
-                Instruction::Mul(a, b) => v(a).mul(v(b)),
-                Instruction::Div(a, b) => v(a).div(v(b)),
-                Instruction::Sqrt(a) => v(a).power(1),
-                Instruction::Call(function, a) => v(a).call(function),
-                Instruction::Call2(function, a, b) => v(a).call2(function, v(b)),
-                Instruction::Less(a, b) => truth(v(a).less(v(b))),
-                Instruction::And(a, b) => truth(holds(v(a)) && holds(v(b))),
-                Instruction::Not(a) => truth(!holds(v(a))),
-                Instruction::Select(c, a, b) => {
-                    if holds(v(c)) {
-                        v(a)
-                    } else {
-                        v(b)
-                    }
-                }
-            };
-            values.push(value);
+        let mut values: Vec<Option<V>> = vec![None; program.instructions.len()];
+        let mut waiting = Vec::new();
+        for (i, &instruction) in program.instructions.iter().enumerate() {
+            let value = Step(i as u32);
+            if !program.regions.is_certain(value) {
+                continue;
+            }
+            if let Instruction::Select(..) = instruction {
+                waiting.push(value);
+                self.compute(program, &mut waiting, &mut values);
+            } else {
+                values[i] = Some(self.step(instruction, &values));
+            }
         }
-        program.results.iter().map(|v| values[v.index()]).collect()
+        program.results.iter().map(|&v| known(&values, v)).collect()
+    }
+
+    /// Computes the values that are waited for, after what they need; of a choice that is the side taken.
+    fn compute(&self, program: &Program, waiting: &mut Vec<Step>, values: &mut [Option<V>]) {
+        while let Some(&value) = waiting.last() {
+            let (instruction, before) = (program.instructions[value.index()], waiting.len());
+            let missing = |operand: &Step| values[operand.index()].is_none();
+            match instruction {
+                _ if !missing(&value) => {}
+                Instruction::Select(c, a, b) => {
+                    let needed = values[c.index()].map_or(c, |condition| if holds(condition) { a } else { b });
+                    waiting.extend(Some(needed).filter(missing));
+                }
+                _ => waiting.extend(instruction.operands().filter(missing)),
+            }
+            if waiting.len() == before {
+                if missing(&value) {
+                    values[value.index()] = Some(self.step(instruction, values));
+                }
+                waiting.pop();
+            }
+        }
+    }
+
+    /// One instruction, what it needs being known.
+    fn step(&self, instruction: Instruction, values: &[Option<V>]) -> V {
+        let v = |operand| known(values, operand);
+        match instruction {
+            Instruction::Constant(number) => V::constant(number.to_f64()),
+            Instruction::Symbol(symbol) => self.symbol(symbol),
+            Instruction::Hoisted(k) => self.hoisted[k as usize],
+            Instruction::Neg(a) => v(a).neg(),
+            Instruction::Add(a, b) => v(a).add(v(b)),
+            Instruction::Sub(a, b) => v(a).sub(v(b)),
+            Instruction::Mul(a, b) => v(a).mul(v(b)),
+            Instruction::Div(a, b) => v(a).div(v(b)),
+            Instruction::Sqrt(a) => v(a).power(1),
+            Instruction::Call(function, a) => v(a).call(function),
+            Instruction::Call2(function, a, b) => v(a).call2(function, v(b)),
+            Instruction::Less(a, b) => truth(v(a).less(v(b))),
+            Instruction::LessEqual(a, b) => truth(v(a).less_equal(v(b))),
+            Instruction::And(a, b) => truth(holds(v(a)) && holds(v(b))),
+            Instruction::Not(a) => truth(!holds(v(a))),
+            Instruction::Select(c, a, b) => v(if holds(v(c)) { a } else { b }),
+        }
     }
 
     fn symbol(&self, symbol: Symbol) -> V {
@@ -169,6 +201,10 @@ impl<V: Value> Run<'_, V> {
             Symbol::Multiplier(i) => self.multipliers[i as usize],
         }
     }
+}
+
+fn known<V: Copy>(values: &[Option<V>], value: Step) -> V {
+    values[value.index()].expect("what a value needs is computed before it")
 }
 
 /// `M = L D Lᵀ` in the order of operations of the runtime's `Ldlt`, so that the results are the same bits.

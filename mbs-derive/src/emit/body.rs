@@ -10,10 +10,12 @@ use quote::quote;
 
 use crate::expr::{Function, Symbol};
 use crate::model::Variable;
+use crate::optimise::region::{Branch, Place, Region};
 use crate::optimise::{Derivation, Instruction, Program, Value};
 
 use super::expression::{self, Leaves, Tree, literal};
 use super::name::{Names, Scope, ident};
+use super::segment;
 
 /// Operations and characters that one expression has at most.
 const LONGEST: (usize, usize) = (6, 60);
@@ -54,24 +56,46 @@ pub(super) enum Statement {
     /// `let local = tree;`
     Let(usize, Tree),
     /// `let (sin, cos) = angle.sin_cos();`
-    SinCos(usize, usize, Tree),
+    SinCos([usize; 2], Tree),
+    /// `let local = T::select(condition, || …, || …);`, of several locals `let [a, b] = T::select_each(…);`
+    Branch(Vec<usize>, Tree, [Block; 2]),
+    /// `let local = LazyCell::new(|| …);`
+    OnDemand(usize, Block),
 }
 
 impl Statement {
-    /// The expression on its right.
-    pub(super) fn tree(&self) -> &Tree {
+    /// The expressions in it.
+    pub(super) fn trees(&self) -> Vec<&Tree> {
         match self {
-            Statement::Let(_, tree) | Statement::SinCos(_, _, tree) => tree,
+            Statement::Let(_, tree) | Statement::SinCos(_, tree) => vec![tree],
+            Statement::Branch(_, condition, [then, otherwise]) => {
+                std::iter::once(condition).chain(then.trees()).chain(otherwise.trees()).collect()
+            }
+            Statement::OnDemand(_, block) => block.trees(),
         }
     }
 
     /// The locals that it binds.
-    pub(super) fn binds(&self) -> impl Iterator<Item = usize> {
-        let (first, second) = match *self {
-            Statement::Let(local, _) => (local, None),
-            Statement::SinCos(sin, cos, _) => (sin, Some(cos)),
-        };
-        std::iter::once(first).chain(second)
+    pub(super) fn binds(&self) -> &[usize] {
+        match self {
+            Statement::Let(local, _) | Statement::OnDemand(local, _) => std::slice::from_ref(local),
+            Statement::SinCos(locals, _) => locals,
+            Statement::Branch(locals, ..) => locals,
+        }
+    }
+}
+
+/// Statements, and what comes of them.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Block {
+    pub(super) statements: Vec<Statement>,
+    pub(super) results: Vec<Tree>,
+}
+
+impl Block {
+    /// The expressions in it, blocks within it included.
+    pub(super) fn trees(&self) -> Vec<&Tree> {
+        self.statements.iter().flat_map(Statement::trees).chain(&self.results).collect()
     }
 }
 
@@ -86,9 +110,10 @@ pub(super) struct Body<'n> {
     convert: String,
     /// The names of the locals.
     pub(super) locals: Vec<String>,
-    pub(super) statements: Vec<Statement>,
-    /// In the order of the components.
-    pub(super) results: Vec<Tree>,
+    /// Those that are computed on demand.
+    on_demand: BTreeSet<usize>,
+    /// Its results are in the order of the components.
+    pub(super) block: Block,
 }
 
 impl<'n> Body<'n> {
@@ -96,22 +121,12 @@ impl<'n> Body<'n> {
     pub(super) fn new(program: &Program, components: &[Component], names: &'n Names, mut scope: Scope) -> Self {
         let familiar = FAMILIAR.map(|(_, name)| scope.unique(name));
         let convert = scope.unique("c");
-        let (locals, statements, results) = (Vec::new(), Vec::new(), Vec::new());
-        let body = Body { names, scope, familiar, convert, locals, statements, results };
+        let (locals, on_demand, block) = (Vec::new(), BTreeSet::new(), Block::default());
+        let body = Body { names, scope, familiar, convert, locals, on_demand, block };
+        let program = &program_of(program, components);
         let mut writer = Writer::new(program, components, body);
         writer.write();
         writer.finish(components)
-    }
-
-    /// Statements, then results: all trees.
-    pub(super) fn trees(&self) -> impl Iterator<Item = &Tree> {
-        self.statements.iter().map(Statement::tree).chain(&self.results)
-    }
-
-    fn bind(&mut self, tree: Tree, wish: Option<String>) -> Tree {
-        let local = self.local(wish);
-        self.statements.push(Statement::Let(local, tree));
-        Tree::Local(local)
     }
 
     fn local(&mut self, wish: Option<String>) -> usize {
@@ -141,6 +156,7 @@ impl<'n> Body<'n> {
             | Tree::Mul(..)
             | Tree::Div(..)
             | Tree::Less(..)
+            | Tree::LessEqual(..)
             | Tree::And(..)
             | Tree::Not(_)
             | Tree::Select(..)
@@ -161,7 +177,7 @@ impl<'n> Body<'n> {
             Tree::Symbol(_) | Tree::Hoisted(_) | Tree::Local(_) => self.name(tree).len(),
             Tree::Neg(_) | Tree::Not(_) => 1,
             Tree::Add(..) | Tree::Sub(..) | Tree::Mul(..) | Tree::Div(..) | Tree::And(..) => 3,
-            Tree::Less(..) => 7,
+            Tree::Less(..) | Tree::LessEqual(..) => 7,
             Tree::Select(..) => LONGEST.1,
             Tree::Method(name, _, arguments) => name.len() + 3 + 2 * arguments.len().saturating_sub(1),
         };
@@ -177,9 +193,13 @@ impl<'n> Body<'n> {
         let words = match tree {
             Tree::Symbol(_) | Tree::Hoisted(_) | Tree::Local(_) => self.name(tree).to_string(),
             Tree::Constant(value) if value.fract() == 0.0 && (0.0..100.0).contains(value) => format!("{value}"),
-            Tree::Constant(_) | Tree::Div(..) | Tree::Less(..) | Tree::And(..) | Tree::Not(_) | Tree::Select(..) => {
-                return None;
-            }
+            Tree::Constant(_)
+            | Tree::Div(..)
+            | Tree::Less(..)
+            | Tree::LessEqual(..)
+            | Tree::And(..)
+            | Tree::Not(_)
+            | Tree::Select(..) => return None,
             Tree::Neg(a) => format!("minus_{}", self.describe(a)?),
             Tree::Add(a, b) => format!("{}_plus_{}", self.describe(a)?, self.describe(b)?),
             Tree::Sub(a, b) => format!("{}_minus_{}", self.describe(a)?, self.describe(b)?),
@@ -205,6 +225,10 @@ struct Writer<'p, 'n> {
     wishes: BTreeMap<Value, String>,
     /// The values that are known and not used up.
     trees: Vec<Option<Tree>>,
+    /// The statements of each region, those of finished ones taken.
+    statements: Vec<Vec<Statement>>,
+    /// The region that is written to.
+    region: Region,
     body: Body<'n>,
 }
 
@@ -234,9 +258,14 @@ impl<'p, 'n> Writer<'p, 'n> {
             }
         }
         let both = |(angle, [sin, cos]): (Value, [Option<Value>; 2])| Some((angle, (sin?, cos?)));
-        let pairs: BTreeMap<_, _> = angles.into_iter().filter_map(both).collect();
+        let together = |&(_, (sin, cos)): &(Value, (Value, Value))| {
+            let [sin, cos] = [sin, cos].map(|value| program.regions.place(value));
+            sin == cos && sin.on_demand.is_none()
+        };
+        let pairs: BTreeMap<_, _> = angles.into_iter().filter_map(both).filter(together).collect();
         pairs.keys().for_each(|angle| uses[angle.index()] -= 1);
-        Writer { program, uses, pairs, wishes, trees: vec![None; program.instructions.len()], body }
+        let (trees, statements) = (vec![None; uses.len()], vec![Vec::new(); program.regions.count()]);
+        Writer { program, uses, pairs, wishes, trees, statements, region: Region::BODY, body }
     }
 
     fn write(&mut self) {
@@ -244,16 +273,64 @@ impl<'p, 'n> Writer<'p, 'n> {
             if self.uses[i] == 0 || self.trees[i].is_some() {
                 continue;
             }
+            let place = self.program.regions.place(value(i));
+            self.region = place.on_demand.unwrap_or(place.region);
             if let Instruction::Call(Function::Sin | Function::Cos, angle) = instruction
                 && let Some(&(sin, cos)) = self.pairs.get(&angle)
             {
                 self.sin_cos(angle, sin, cos);
                 continue;
             }
-            let tree = self.tree(instruction);
+            if let Some(branch) = self.program.regions.branch(value(i)) {
+                self.branch(branch);
+            }
+            let tree = match self.trees[i].take() {
+                Some(selected) => selected,
+                None => self.tree(instruction),
+            };
+            if place.on_demand.is_some() {
+                self.trees[i] = Some(self.on_demand(value(i), tree, place));
+                continue;
+            }
             let shared = (self.uses[i] > 1 && !tree.is_free()) || matches!(tree, Tree::Select(..));
             self.trees[i] = Some(if shared { self.bind(value(i), tree) } else { tree });
         }
+    }
+
+    /// Selections on one condition.
+    fn branch(&mut self, branch: &Branch) {
+        let selections = &branch.selections;
+        let condition = self.take(branch.condition);
+        let sides = [0, 1].map(|side| {
+            let results = selections.iter().map(|&selection| match self.program.instructions[selection.index()] {
+                Instruction::Select(_, a, b) => self.take([a, b][side]),
+                other => unreachable!("a branch selects, {other:?} does not"),
+            });
+            let results = results.collect();
+            Block { statements: std::mem::take(&mut self.statements[branch.sides[side].index()]), results }
+        });
+        let locals: Vec<usize> = selections.iter().map(|&s| self.body.local(self.wishes.get(&s).cloned())).collect();
+        for (selection, &local) in selections.iter().zip(&locals) {
+            self.trees[selection.index()] = Some(Tree::Local(local));
+        }
+        self.push(Statement::Branch(locals, condition, sides));
+    }
+
+    /// A value that is computed when it is first asked for, where there is anything to compute.
+    fn on_demand(&mut self, value: Value, tree: Tree, place: Place) -> Tree {
+        let statements = std::mem::take(&mut self.statements[self.region.index()]);
+        if statements.is_empty() && tree.is_free() {
+            return tree;
+        }
+        let local = self.body.local(self.wish(value, &tree));
+        self.body.on_demand.insert(local);
+        self.region = place.region;
+        self.push(Statement::OnDemand(local, Block { statements, results: vec![tree] }));
+        Tree::Local(local)
+    }
+
+    fn push(&mut self, statement: Statement) {
+        self.statements[self.region.index()].push(statement);
     }
 
     /// One call for both.
@@ -264,7 +341,7 @@ impl<'p, 'n> Writer<'p, 'n> {
             let wish = words.as_ref().map(|words| format!("{}_{words}", function.name()));
             self.body.local(wish)
         });
-        self.body.statements.push(Statement::SinCos(first, second, angle));
+        self.push(Statement::SinCos([first, second], angle));
         self.trees[sin.index()] = Some(Tree::Local(first));
         self.trees[cos.index()] = Some(Tree::Local(second));
     }
@@ -281,13 +358,8 @@ impl<'p, 'n> Writer<'p, 'n> {
             Instruction::Div(a, b) => self.combine(Tree::div, a, b),
             Instruction::Sqrt(a) => self.call("sqrt", a),
             Instruction::Call(function, a) => self.call(function.name(), a),
-            Instruction::Less(a, b) => {
-                let [first, second] = [a, b].map(|operand| {
-                    let tree = self.take(operand);
-                    if tree.is_free() { tree } else { self.bind(operand, tree) }
-                });
-                Tree::Less(Box::new(first), Box::new(second))
-            }
+            Instruction::Less(a, b) => self.comparison(Tree::Less, a, b),
+            Instruction::LessEqual(a, b) => self.comparison(Tree::LessEqual, a, b),
             Instruction::And(a, b) => Tree::And(Box::new(self.take(a)), Box::new(self.take(b))),
             Instruction::Not(a) => Tree::Not(Box::new(self.take(a))),
             Instruction::Select(c, a, b) => {
@@ -298,6 +370,15 @@ impl<'p, 'n> Writer<'p, 'n> {
                 self.combine(|a, b| Tree::Method(function.name(), Box::new(a), vec![b]), a, b)
             }
         }
+    }
+
+    /// A comparison of names: it is written again wherever it is asked.
+    fn comparison(&mut self, comparison: fn(Box<Tree>, Box<Tree>) -> Tree, a: Value, b: Value) -> Tree {
+        let [a, b] = [a, b].map(|operand| {
+            let tree = self.take(operand);
+            Box::new(if tree.is_free() { tree } else { self.bind(operand, tree) })
+        });
+        comparison(a, b)
     }
 
     fn call(&mut self, name: &'static str, a: Value) -> Tree {
@@ -340,12 +421,18 @@ impl<'p, 'n> Writer<'p, 'n> {
     }
 
     fn bind(&mut self, value: Value, tree: Tree) -> Tree {
-        let wish = self.wishes.get(&value).cloned().or_else(|| match &tree {
+        let local = self.body.local(self.wish(value, &tree));
+        self.push(Statement::Let(local, tree));
+        Tree::Local(local)
+    }
+
+    /// What a value would be called.
+    fn wish(&self, value: Value, tree: &Tree) -> Option<String> {
+        self.wishes.get(&value).cloned().or_else(|| match tree {
             Tree::Method(_, _, rest) if rest.is_empty() => self.body.describe(&tree),
             Tree::Mul(a, b) if a == b => self.body.describe(a).map(|words| format!("{words}_squared")),
             _ => None,
-        });
-        self.body.bind(tree, wish)
+        })
     }
 
     /// The results: short ones as they are.
@@ -355,6 +442,7 @@ impl<'p, 'n> Writer<'p, 'n> {
             2..=9 => IN_RESULT[0],
             _ => IN_RESULT[1],
         };
+        self.region = Region::BODY;
         for component in components {
             let tree = match component {
                 Component::Zero => Tree::Constant(0.0),
@@ -364,10 +452,21 @@ impl<'p, 'n> Writer<'p, 'n> {
                     if tree.operations() > longest { self.bind(value, tree) } else { tree }
                 }
             };
-            self.body.results.push(tree);
+            self.body.block.results.push(tree);
         }
+        self.body.block.statements = self.statements.swap_remove(Region::BODY.index());
         self.body
     }
+}
+
+/// The program as far as these components need it, its values of the same numbers.
+fn program_of(program: &Program, components: &[Component]) -> Program {
+    let needed = components.iter().filter_map(|component| match component {
+        Component::Result(number, _) => Some(program.results[*number]),
+        Component::Zero => None,
+    });
+    let regions = program.regions_of(&needed.collect::<Vec<_>>());
+    Program { regions, ..program.clone() }
 }
 
 fn value(index: usize) -> Value {
@@ -394,7 +493,7 @@ impl<'b, 'n> Text<'b, 'n> {
     pub(super) fn new(body: &'b Body<'n>) -> Self {
         let (mut uses, mut others) = ([0; FAMILIAR.len()], 0);
         let mut fields = BTreeSet::new();
-        each_leaf(body.trees(), &mut |leaf| match leaf {
+        each_leaf(body.block.trees().into_iter(), &mut |leaf| match leaf {
             Tree::Constant(value) => *familiar(*value).map_or(&mut others, |i| &mut uses[i]) += 1,
             Tree::Hoisted(k) => fields.extend([*k]),
             _ => {}
@@ -407,7 +506,7 @@ impl<'b, 'n> Text<'b, 'n> {
     /// `let [x, theta] = *q;`, …: the arguments and fields that the body reads, taken apart; parameters come from `params`.
     pub(super) fn arguments(&self, derivation: &Derivation, params: &TokenStream) -> TokenStream {
         let mut symbols = BTreeSet::new();
-        each_leaf(self.body.trees(), &mut |leaf| {
+        each_leaf(self.body.block.trees().into_iter(), &mut |leaf| {
             if let Tree::Symbol(symbol) = leaf {
                 symbols.insert(*symbol);
             }
@@ -465,19 +564,57 @@ impl<'b, 'n> Text<'b, 'n> {
 
     /// A statement; locals that are `declared` before are assigned to.
     pub(super) fn statement(&self, statement: &Statement, declared: &BTreeSet<usize>) -> TokenStream {
-        let binding = statement.binds().all(|local| !declared.contains(&local)).then(|| quote!(let));
-        let local = |i: &usize| ident(&self.body.locals[*i]);
+        let binding = statement.binds().iter().all(|local| !declared.contains(local)).then(|| quote!(let));
+        let locals: Vec<_> = statement.binds().iter().map(|&i| ident(&self.body.locals[i])).collect();
+        let value = self.bound(statement);
         match statement {
-            Statement::Let(i, tree) => {
-                let (local, tree) = (local(i), self.tree(tree));
-                quote!(#binding #local = #tree;)
-            }
-            Statement::SinCos(sin, cos, angle) => {
-                let (sin, cos) = (local(sin), local(cos));
-                let pair = self.tree(&Tree::Method("sin_cos", Box::new(angle.clone()), Vec::new()));
-                quote!(#binding (#sin, #cos) = #pair;)
+            Statement::SinCos(..) => quote!(#binding (#(#locals),*) = #value;),
+            Statement::Branch(..) if locals.len() > 1 => quote!(#binding [#(#locals),*] = #value;),
+            Statement::Let(..) | Statement::Branch(..) | Statement::OnDemand(..) => {
+                quote!(#binding #(#locals)* = #value;)
             }
         }
+    }
+
+    /// What a statement binds to its locals.
+    fn bound(&self, statement: &Statement) -> TokenStream {
+        match statement {
+            Statement::Let(_, tree) => self.tree(tree),
+            Statement::SinCos(_, angle) => self.tree(&Tree::Method("sin_cos", Box::new(angle.clone()), Vec::new())),
+            Statement::Branch(locals, condition, sides) => {
+                let (condition, [then, otherwise]) =
+                    (self.tree(condition), sides.each_ref().map(|side| self.block(side)));
+                let select = if locals.len() > 1 { quote!(T::select_each) } else { quote!(T::select) };
+                quote!(#select(#condition, || #then, || #otherwise))
+            }
+            Statement::OnDemand(_, block) => {
+                let block = self.block(block);
+                quote!(::core::cell::LazyCell::new(|| #block))
+            }
+        }
+    }
+
+    /// The expression that a closure consists of; a last statement that binds just the results goes without its `let`.
+    fn block(&self, block: &Block) -> TokenStream {
+        let results: Vec<Tree> = block.results.clone();
+        let (statements, value) = match block.statements.split_last() {
+            Some((last @ (Statement::Let(..) | Statement::Branch(..)), before))
+                if last.binds().iter().map(|&local| Tree::Local(local)).eq(results.iter().cloned()) =>
+            {
+                (before, self.bound(last))
+            }
+            _ => {
+                let values = results.iter().map(|tree| self.tree(tree));
+                (&*block.statements, if results.len() == 1 { quote!(#(#values)*) } else { quote!([#(#values),*]) })
+            }
+        };
+        let statements = segment::statements(statements, &block.results, self);
+        if statements.is_empty() { value } else { quote!({ #statements #value }) }
+    }
+
+    /// The name of a local.
+    pub(super) fn local(&self, local: usize) -> &str {
+        &self.body.locals[local]
     }
 }
 
@@ -510,8 +647,13 @@ impl Leaves for Text<'_, '_> {
         let name = ident(self.body.name(leaf));
         match leaf {
             Tree::Hoisted(_) if !self.binds_fields() => quote!(self.#name),
+            Tree::Local(_) if self.is_on_demand(leaf) => quote!(*#name),
             _ => quote!(#name),
         }
+    }
+
+    fn is_on_demand(&self, leaf: &Tree) -> bool {
+        matches!(leaf, Tree::Local(local) if self.body.on_demand.contains(local))
     }
 }
 
@@ -544,6 +686,7 @@ pub(super) fn each_leaf<'t>(trees: impl Iterator<Item = &'t Tree>, found: &mut i
             | Tree::Div(..)
             | Tree::Method(..)
             | Tree::Less(..)
+            | Tree::LessEqual(..)
             | Tree::And(..)
             | Tree::Not(_)
             | Tree::Select(..) => each_leaf(tree.children().into_iter(), found),

@@ -208,8 +208,9 @@ impl<'d> Emitter<'d> {
         let body = Body::new(&self.derivation.constructor, &components, self.names, scope);
         let text = Text::new(&body);
         let arguments = text.arguments(self.derivation, &quote!(params));
-        let (constants, statements) = (text.constants(), segment::statements(&body, &text));
-        let fields = hoisted.iter().zip(&body.results).map(|(&k, tree)| {
+        let (constants, statements) =
+            (text.constants(), segment::statements(&body.block.statements, &body.block.results, &text));
+        let fields = hoisted.iter().zip(&body.block.results).map(|(&k, tree)| {
             let (field, value) = (ident(&self.names.hoisted[k]), text.tree(tree));
             if body.is_called(tree, &self.names.hoisted[k]) { quote!(#field,) } else { quote!(#field: #value,) }
         });
@@ -284,8 +285,9 @@ impl<'d> Emitter<'d> {
         let multipliers = (solves && uses(|symbol| matches!(symbol, Symbol::Multiplier(_))))
             .then(|| self.called("multipliers", &FunctionKind::Multipliers));
         let arguments = text.arguments(self.derivation, &quote!(self.params));
-        let (constants, statements) = (text.constants(), segment::statements(&body, &text));
-        let mut values = body.results.iter().map(|tree| text.tree(tree));
+        let (constants, statements) =
+            (text.constants(), segment::statements(&body.block.statements, &body.block.results, &text));
+        let mut values = body.block.results.iter().map(|tree| text.tree(tree));
         let finish = match function.completion {
             Completion::None => self.returned(function, &mut values),
             Completion::Solve | Completion::SolveMultipliers if !self.derivation.constraints.is_empty() => {

@@ -95,7 +95,9 @@ impl<'g> Algebra<'g> {
                 Some(Polynomial::atom(id, 2))
             }
             Node::Rate(_) => unreachable!("time derivatives were carried out by derive"),
-            Node::Less(..) | Node::And(..) | Node::Not(_) => Some(Polynomial::term(Powers::new(), Number::ZERO)),
+            Node::Less(..) | Node::LessEqual(..) | Node::And(..) | Node::Not(_) => {
+                Some(Polynomial::term(Powers::new(), Number::ZERO))
+            }
             Node::Select(c, a, b) => self.cases(id, c, a, b),
             Node::Neg(a) => Some(sum(self, a)?.negative()),
             Node::Add(a, b) => Some(sum(self, a)?.plus(&sum(self, b)?, Number::ONE)),
@@ -130,14 +132,17 @@ impl<'g> Algebra<'g> {
 
     fn condition(&mut self, id: Id) -> Option<String> {
         Some(match self.graph.node(id) {
-            Node::Less(a, b) => {
-                let (a, b) = (self.sums[&a].clone()?, self.sums[&b].clone()?);
-                format!("{} < {}", self.text(&a)?, self.text(&b)?)
-            }
+            Node::Less(a, b) => self.comparison(a, "<", b)?,
+            Node::LessEqual(a, b) => self.comparison(a, "\\le", b)?,
             Node::And(a, b) => format!("{} \\land {}", self.condition(a)?, self.condition(b)?),
             Node::Not(a) => format!("\\lnot ({})", self.condition(a)?),
             _ => return None,
         })
+    }
+
+    fn comparison(&mut self, a: Id, sign: &str, b: Id) -> Option<String> {
+        let (a, b) = (self.sums[&a].clone()?, self.sums[&b].clone()?);
+        Some(format!("{} {sign} {}", self.text(&a)?, self.text(&b)?))
     }
 
     fn symbol(&self, symbol: Symbol) -> Atom {
