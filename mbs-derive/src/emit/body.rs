@@ -59,7 +59,7 @@ pub(super) enum Statement {
     SinCos([usize; 2], Tree),
     /// `let local = T::select(condition, || …, || …);`, of several locals `let [a, b] = T::select_each(…);`
     Branch(Vec<usize>, Tree, [Block; 2]),
-    /// `let local = LazyCell::new(|| …);`
+    /// `let local: &dyn Fn() -> T = &|| …; let local = LazyCell::new(local);`
     OnDemand(usize, Block),
 }
 
@@ -123,10 +123,10 @@ impl<'n> Body<'n> {
         let convert = scope.unique("c");
         let (locals, on_demand, block) = (Vec::new(), BTreeSet::new(), Block::default());
         let body = Body { names, scope, familiar, convert, locals, on_demand, block };
-        let program = &program_of(program, components);
-        let mut writer = Writer::new(program, components, body);
+        let (program, components) = restricted(program, components);
+        let mut writer = Writer::new(&program, &components, body);
         writer.write();
-        writer.finish(components)
+        writer.finish(&components)
     }
 
     fn local(&mut self, wish: Option<String>) -> usize {
@@ -459,14 +459,19 @@ impl<'p, 'n> Writer<'p, 'n> {
     }
 }
 
-/// The program as far as these components need it, its values of the same numbers.
-fn program_of(program: &Program, components: &[Component]) -> Program {
-    let needed = components.iter().filter_map(|component| match component {
-        Component::Result(number, _) => Some(program.results[*number]),
-        Component::Zero => None,
-    });
-    let regions = program.regions_of(&needed.collect::<Vec<_>>());
-    Program { regions, ..program.clone() }
+/// The program as far as these components need it, and the components with the numbers of its results.
+fn restricted(program: &Program, components: &[Component]) -> (Program, Vec<Component>) {
+    let (mut results, mut restricted) = (Vec::new(), Vec::new());
+    for component in components {
+        restricted.push(match component {
+            Component::Zero => Component::Zero,
+            Component::Result(number, wish) => {
+                results.push(program.results[*number]);
+                Component::Result(results.len() - 1, wish.clone())
+            }
+        });
+    }
+    (Program::new(program.instructions.clone(), results), restricted)
 }
 
 fn value(index: usize) -> Value {
@@ -570,9 +575,12 @@ impl<'b, 'n> Text<'b, 'n> {
         match statement {
             Statement::SinCos(..) => quote!(#binding (#(#locals),*) = #value;),
             Statement::Branch(..) if locals.len() > 1 => quote!(#binding [#(#locals),*] = #value;),
-            Statement::Let(..) | Statement::Branch(..) | Statement::OnDemand(..) => {
-                quote!(#binding #(#locals)* = #value;)
-            }
+            Statement::Let(..) | Statement::Branch(..) => quote!(#binding #(#locals)* = #value;),
+            // Without `dyn` the type of one closure would hold those of all that it asks, each in full.
+            Statement::OnDemand(..) => quote! {
+                let #(#locals)*: &dyn Fn() -> T = &#value;
+                let #(#locals)* = ::core::cell::LazyCell::new(#(#locals)*);
+            },
         }
     }
 
@@ -589,7 +597,7 @@ impl<'b, 'n> Text<'b, 'n> {
             }
             Statement::OnDemand(_, block) => {
                 let block = self.block(block);
-                quote!(::core::cell::LazyCell::new(|| #block))
+                quote!(|| #block)
             }
         }
     }

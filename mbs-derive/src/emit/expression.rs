@@ -279,8 +279,10 @@ fn within(tree: &Tree, leaves: &impl Leaves, least: Precedence) -> TokenStream {
             (Precedence::Sign, quote!(!#a))
         }
         Tree::Select(c, a, b) => {
+            let known = [a, b].iter().all(|side| side.is_free() && !asks(side, leaves));
             let [c, a, b] = [c, a, b].map(|part| print(part, leaves));
-            (Precedence::Method, quote!(T::select(#c, || #a, || #b)))
+            let select = if known { quote!(T::blend(#c, #a, #b)) } else { quote!(T::select(#c, || #a, || #b)) };
+            (Precedence::Method, select)
         }
         Tree::Method(name, a, arguments) => {
             let (name, a) = (ident(name), within(a, leaves, Precedence::Method));
@@ -289,6 +291,11 @@ fn within(tree: &Tree, leaves: &impl Leaves, least: Precedence) -> TokenStream {
         }
     };
     if precedence < least { quote!((#tokens)) } else { tokens }
+}
+
+/// Whether a value that is computed on demand is in it.
+fn asks(tree: &Tree, leaves: &impl Leaves) -> bool {
+    leaves.is_on_demand(tree) || tree.children().into_iter().any(|part| asks(part, leaves))
 }
 
 /// The shortest literal that reads back as `value`, its sign in front.

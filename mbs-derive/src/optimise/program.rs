@@ -4,7 +4,7 @@ use std::fmt;
 
 use crate::expr::{Binary, Function, Number, Symbol};
 
-use super::region::{self, Regions, is_selection};
+use super::region::{self, Regions};
 
 /// Number of the instruction that makes a value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -110,32 +110,19 @@ pub struct Program {
 }
 
 impl Program {
-    /// Of instructions whose operands come before them. With selections among them they are put in layers: all that does not
-    /// depend on a selection, then the selections of such values, then what depends on these, and so on; so the selections of
-    /// one branch stand together.
+    /// Of instructions whose operands come before them, in the order in which the results need them; the selections of one
+    /// branch stand together.
     pub fn new(instructions: Vec<Instruction>, results: Vec<Value>) -> Self {
-        if !instructions.iter().any(is_selection) {
+        if !instructions.iter().any(region::is_selection) {
             return Program { instructions, results, regions: Regions::default() };
         }
-        let ranks = region::ranks(&instructions);
-        let mut order: Vec<usize> = (0..instructions.len()).collect();
-        order.sort_by_key(|&i| (ranks[i], !is_selection(&instructions[i])));
+        let (regions, order) = region::regions(&instructions, &results);
         let mut numbers = vec![Value(0); instructions.len()];
-        order.iter().enumerate().for_each(|(new, &old)| numbers[old] = Value(new as u32));
+        order.iter().enumerate().for_each(|(new, old)| numbers[old.index()] = Value(new as u32));
         let number = |value: Value| numbers[value.index()];
-        let instructions: Vec<_> = order.iter().map(|&i| instructions[i].with_operands(number)).collect();
-        let results: Vec<Value> = results.into_iter().map(number).collect();
-        let regions = region::regions(&instructions, &results);
-        Program { instructions, results, regions }
-    }
-
-    /// The regions of what some of the results need.
-    pub fn regions_of(&self, results: &[Value]) -> Regions {
-        if self.instructions.iter().any(is_selection) {
-            region::regions(&self.instructions, results)
-        } else {
-            Regions::default()
-        }
+        let instructions: Vec<_> = order.iter().map(|old| instructions[old.index()].with_operands(number)).collect();
+        let results = results.into_iter().map(number).collect();
+        Program { instructions, results, regions: regions.renumbered(&order, number) }
     }
 
     /// Whether it reads a symbol of this kind.
