@@ -245,3 +245,123 @@ impl<V: Value> Factors<V> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::expr::{Binary, Expr, Function, Graph};
+    use crate::optimise::lower::program;
+    use crate::optimise::schedule::Hoisting;
+
+    /// A double of which nothing undefined may be asked.
+    #[derive(Clone, Copy, Debug, PartialEq)]
+    struct Defined(f64);
+
+    impl Defined {
+        fn new(value: f64) -> Self {
+            assert!(value.is_finite(), "a side is computed that is not taken");
+            Defined(value)
+        }
+    }
+
+    impl Value for Defined {
+        fn constant(value: f64) -> Self {
+            Defined::new(value)
+        }
+        fn neg(self) -> Self {
+            Defined::new(-self.0)
+        }
+        fn add(self, other: Self) -> Self {
+            Defined::new(self.0 + other.0)
+        }
+        fn sub(self, other: Self) -> Self {
+            Defined::new(self.0 - other.0)
+        }
+        fn mul(self, other: Self) -> Self {
+            Defined::new(self.0 * other.0)
+        }
+        fn div(self, other: Self) -> Self {
+            Defined::new(self.0 / other.0)
+        }
+        fn power(self, halves: i32) -> Self {
+            Defined::new(self.0.power(halves))
+        }
+        fn call(self, function: Function) -> Self {
+            Defined::new(function.value(self.0))
+        }
+        fn call2(self, function: Binary, other: Self) -> Self {
+            Defined::new(function.value(self.0, other.0))
+        }
+        fn rate(self) -> Self {
+            self
+        }
+        fn less(self, other: Self) -> bool {
+            self.0 < other.0
+        }
+        fn less_equal(self, other: Self) -> bool {
+            self.0 <= other.0
+        }
+    }
+
+    fn run<V: Value>(build: impl for<'g> Fn([Expr<'g>; 2], &'g Graph) -> Expr<'g>, x: V, y: V) -> V {
+        let graph = Graph::new();
+        let symbols = [0, 1].map(|i| graph.symbol(Symbol::Coordinate(i)));
+        execute(&program(&[build(symbols, &graph)], &Hoisting::none()), x, y)
+    }
+
+    fn execute<V: Value>(program: &Program, x: V, y: V) -> V {
+        let none = Vec::new;
+        let state = State { t: x, q: vec![x, y], qd: none(), qdd: none(), u: none(), prescribed: Vec::new() };
+        Run { state: &state, multipliers: &[], parameters: &[], hoisted: &[] }.results(program)[0]
+    }
+
+    #[track_caller]
+    fn check(build: impl for<'g> Fn([Expr<'g>; 2], &'g Graph) -> Expr<'g>, x: f64, y: f64, expected: f64) {
+        assert_eq!(run(&build, x, y), expected);
+        assert_eq!(run(&build, Defined(x), Defined(y)), Defined(expected));
+    }
+
+    #[test]
+    fn a_side_is_computed_where_it_is_taken() {
+        for (x, expected) in [(4.0, 2.0), (-4.0, 0.25), (0.0, 1.0)] {
+            // √x, −1/x, 1: each is undefined where another one is taken.
+            check(
+                |[x, y], graph| {
+                    let below = graph.select(x.less(y), -(1 / x), graph.integer(1));
+                    graph.select(y.less(x), x.sqrt(), below)
+                },
+                x,
+                0.0,
+                expected,
+            );
+        }
+    }
+
+    #[test]
+    fn what_several_sides_share_is_computed_where_one_of_them_is_taken() {
+        for (x, expected) in [(4.0, 6.0), (-4.0, 7.0)] {
+            check(
+                |[x, y], graph| {
+                    let condition = x.less(y);
+                    let twice = graph.select(condition, graph.integer(3), x.sqrt());
+                    twice + graph.select(condition.and(y.less(x).not()), graph.integer(4), x.sqrt() * 2)
+                },
+                x,
+                0.0,
+                expected,
+            );
+        }
+    }
+
+    #[test]
+    fn branches_within_branches_are_no_recursion() {
+        // The last one whose knot is below x: √(x − knot).
+        let graph = Graph::new();
+        let x = graph.symbol(Symbol::Coordinate(0));
+        let deep = (0..20_000).fold(x, |f, i| graph.select(x.less(graph.integer(i)), f, (x - i).sqrt()));
+        let program = program(&[deep], &Hoisting::none());
+        for (x, expected) in [(-1.5, -1.5), (2.25, 0.5), (15_000.25, 0.5), (20_003.0, 2.0)] {
+            assert_eq!(execute(&program, Defined(x), Defined(0.0)), Defined(expected));
+        }
+    }
+}
