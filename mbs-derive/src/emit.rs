@@ -3,6 +3,7 @@
 //! - `item`: the module, its structs, functions and the implementation of `Mechanism`;
 //! - `doc`: what its documentation says;
 //! - `body`: one function body: bindings, then the result;
+//! - `text`: its text;
 //! - `expression`: how values are written: order of operands, parentheses, fused multiply–add;
 //! - `segment`: long bodies in blocks;
 //! - `name`: identifiers, from the declaration where they can be;
@@ -18,6 +19,7 @@ mod item;
 mod latex;
 mod name;
 mod segment;
+mod text;
 
 use crate::derive::Equations;
 use crate::model::Lagrangian;

@@ -8,8 +8,9 @@ use crate::model::Variable;
 use crate::model::lagrangian::component_names;
 use crate::optimise::{Argument, Completion, Derivation, Function, FunctionKind, Shape};
 
-use super::body::{self, Body, Component, Text};
+use super::body::{Body, Component};
 use super::name::{Names, Scope, ident, identifier};
+use super::text::{self, Text};
 use super::{Options, doc, module_name, segment};
 
 /// The functions of the trait `Mechanism`.
@@ -560,13 +561,13 @@ fn array(of: TokenStream, length: Option<usize>) -> TokenStream {
 fn default(parameter: &Variable) -> TokenStream {
     let values: Vec<f64> = parameter.defaults.iter().copied().map(Number::to_f64).collect();
     match (parameter.length, values.as_slice()) {
-        (None, [value]) => body::written_out(*value),
+        (None, [value]) => text::written_out(*value),
         (Some(n), [first, rest @ ..]) if rest.iter().all(|value| value == first) => {
-            let (value, n) = (body::written_out(*first), Literal::usize_unsuffixed(n));
+            let (value, n) = (text::written_out(*first), Literal::usize_unsuffixed(n));
             quote!([#value; #n])
         }
         (_, values) => {
-            let values = values.iter().map(|value| body::number(*value));
+            let values = values.iter().map(|value| text::number(*value));
             quote!([#(#values),*].map(T::from_f64))
         }
     }

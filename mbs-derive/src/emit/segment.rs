@@ -14,9 +14,10 @@ use std::collections::{BTreeMap, BTreeSet};
 use proc_macro2::{Literal, TokenStream};
 use quote::quote;
 
-use super::body::{Statement, Text, each_leaf};
+use super::body::Statement;
 use super::expression::Tree;
 use super::name::ident;
+use super::text::{Text, each_leaf};
 
 /// Statements in one block.
 const LONGEST: usize = 1000;
