@@ -268,7 +268,7 @@ fn within(tree: &Tree, leaves: &impl Leaves, least: Precedence) -> TokenStream {
         }
         Tree::LessEqual(a, b) => {
             let (a, b) = (within(a, leaves, Precedence::Method), print(b, leaves));
-            (Precedence::Method, quote!((!#b.less(#a))))
+            (Precedence::Method, quote!(#a.less_equal(#b)))
         }
         Tree::And(a, b) => {
             let (a, b) = (within(a, leaves, Precedence::Method), within(b, leaves, Precedence::Method));
