@@ -12,6 +12,9 @@ use crate::parse::syntax::{Quantity, Span};
 /// Longer arrays are a slip of the pen.
 const MAX_LENGTH: i64 = 10_000;
 
+/// The derivatives that are generated and proved grow with the square and the cube of the number of coordinates.
+pub(super) const MAX_COORDINATES: usize = 100;
+
 impl<'d, 'g> Resolver<'d, 'g> {
     /// `param length: m = 0.5;`
     pub(super) fn parameter(&mut self, quantity: &'d Quantity) -> Resolved<()> {
@@ -36,6 +39,11 @@ impl<'d, 'g> Resolver<'d, 'g> {
         let (Ok(length), Ok(measure)) = (length, measure) else {
             return self.declare(&quantity.name, Origin::Coordinate(first), None);
         };
+        if first + length.unwrap_or(1) > MAX_COORDINATES {
+            let message = format!("a mechanism has at most {MAX_COORDINATES} coordinates");
+            let _ = self.refuse(&quantity.name.span, message, "derive a part of it, or fewer elements");
+            return self.declare(&quantity.name, Origin::Coordinate(first), None);
+        }
         let symbols = self.lagrangian.coordinate(&quantity.name.text, &measure.si, length);
         document(&mut self.lagrangian.coordinates, quantity);
         self.declare_symbols(quantity, Origin::Coordinate(first), symbols, measure.dimension, length)

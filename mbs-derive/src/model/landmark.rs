@@ -144,11 +144,11 @@ impl<'g> Landmarks<'g> {
         for (factor, term) in energies.iter().flat_map(|&e| terms(e, |term| self.bodies.contains_key(&term))) {
             match (self.bodies.get(&term.id()), self.squared_velocity(term)) {
                 (Some(body), _) => bodies.push(scaled(body, factor)),
-                (None, Some(place)) => squares.push((factor, place, term)),
+                (None, Some(place)) => squares.push(Square { factor, place, term: factor * term }),
                 (None, None) => rest.push(factor * term),
             }
         }
-        self.gather(squares, &mut bodies, &mut rest);
+        gather(squares, &mut bodies, &mut rest);
         (bodies, rest)
     }
 
@@ -167,33 +167,6 @@ impl<'g> Landmarks<'g> {
         by_rate.or(self.velocities.get(&squared)).copied()
     }
 
-    /// `m ẋ² + m ẏ² + m ż²` of one place is a particle; squares that find no fellows are left over.
-    fn gather(
-        &self,
-        squares: Vec<(Expr<'g>, Place<'g>, Expr<'g>)>,
-        bodies: &mut Vec<Body<'g>>,
-        rest: &mut Vec<Expr<'g>>,
-    ) {
-        let mut waiting: BTreeMap<(FrameId, [Id; 3], Id), Vec<(Expr<'g>, Place<'g>, Expr<'g>)>> = BTreeMap::new();
-        for square in squares {
-            let (factor, place, _) = square;
-            let fellows = waiting.entry((place.frame, key(place.coordinates), factor.id())).or_default();
-            if fellows.iter().any(|(_, other, _)| other.axis == place.axis) {
-                rest.push(square.0 * square.2);
-            } else {
-                fellows.push(square);
-            }
-        }
-        for fellows in waiting.into_values() {
-            match fellows[..] {
-                [(factor, Place { coordinates, frame, .. }, _), _, _] => {
-                    bodies.push(Body { mass: 2 * factor, com: coordinates, inertia: None, frame });
-                }
-                _ => rest.extend(fellows.iter().map(|&(factor, _, term)| factor * term)),
-            }
-        }
-    }
-
     /// Components of places that add up, with factors that are constant in time, to `energy`, and the terms left over.
     pub fn places_of(&self, energy: Expr<'g>) -> (Vec<(Expr<'g>, Place<'g>)>, Vec<Expr<'g>>) {
         let (mut places, mut rest) = (Vec::new(), Vec::new());
@@ -204,6 +177,37 @@ impl<'g> Landmarks<'g> {
             }
         }
         (places, rest)
+    }
+}
+
+/// `factor · (component of a place's velocity)²`
+#[derive(Clone, Copy)]
+struct Square<'g> {
+    factor: Expr<'g>,
+    place: Place<'g>,
+    /// All of it.
+    term: Expr<'g>,
+}
+
+/// `m ẋ² + m ẏ² + m ż²` of one place is a particle; squares that find no fellows are left over.
+fn gather<'g>(squares: Vec<Square<'g>>, bodies: &mut Vec<Body<'g>>, rest: &mut Vec<Expr<'g>>) {
+    let mut waiting: BTreeMap<(FrameId, [Id; 3], Id), Vec<Square<'g>>> = BTreeMap::new();
+    for square in squares {
+        let Square { factor, place, term } = square;
+        let fellows = waiting.entry((place.frame, key(place.coordinates), factor.id())).or_default();
+        if fellows.iter().any(|other| other.place.axis == place.axis) {
+            rest.push(term);
+        } else {
+            fellows.push(square);
+        }
+    }
+    for fellows in waiting.into_values() {
+        match fellows[..] {
+            [Square { factor, place: Place { coordinates, frame, .. }, .. }, _, _] => {
+                bodies.push(Body { mass: 2 * factor, com: coordinates, inertia: None, frame });
+            }
+            _ => rest.extend(fellows.iter().map(|square| square.term)),
+        }
     }
 }
 

@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 
 use super::builtin::{FUNCTIONS, METHODS};
 use super::dimension::UNITS;
+use super::declare::MAX_COORDINATES;
 use super::evaluate::{MAX_NODES, MAX_STEPS};
 use super::function::{MAX_CALLS, library};
 use super::statement::MAX_TURNS;
@@ -86,6 +87,7 @@ fn limits_are_those_of_the_manual() {
         assert!(found.contains(&format!(" {limit} ")), "{found}: the code has {limit}");
     };
     limit("nesting", spaced(MAX_DEPTH));
+    limit("coordinates", spaced(MAX_COORDINATES));
     limit("loops", spaced(MAX_TURNS));
     limit("calls", spaced(MAX_CALLS));
     limit("nodes", spaced(MAX_NODES));
