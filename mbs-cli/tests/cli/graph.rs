@@ -23,7 +23,8 @@ mechanism Machine {
     potential += k*r^2*(exp(-(x/r)^2) + cosh(y/r) + sinh(theta)/9 + ln(2 + cos(theta)) + atan2(y, r + x^2/r));
     potential += k*r^2*(tanh(x/r) + atan(y/r) + asin(sin(theta)/2) + acos(cos(theta)/3) + tan(theta/9));
     potential += k*r^2*(sqrt(1 + (x/r)^2) + (2 + sin(theta))^(1.3 + y/r*y/r));
-    dissipation += c*sqrt(dt(x)^2 + (r*dt(theta))^2 + (r/10*dt(theta))^2);
+    const creep: m/s = 0.001;
+    dissipation += c*sqrt(dt(x)^2 + (r*dt(theta))^2 + (r/10*dt(theta))^2 + creep^2);
     force x += f - c*signum(dt(y));
     constraint guide: y = lift + r*sin(2*theta) + x/3;
 }

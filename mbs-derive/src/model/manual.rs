@@ -3,8 +3,8 @@
 use std::collections::BTreeSet;
 
 use super::builtin::{FUNCTIONS, METHODS};
-use super::dimension::UNITS;
 use super::declare::MAX_COORDINATES;
+use super::dimension::UNITS;
 use super::evaluate::{MAX_NODES, MAX_STEPS};
 use super::function::{MAX_CALLS, library};
 use super::statement::MAX_TURNS;
