@@ -32,6 +32,8 @@ mod function;
 mod import;
 pub mod lagrangian;
 pub mod landmark;
+#[cfg(test)]
+mod manual;
 mod operator;
 mod point_force;
 pub mod sample;

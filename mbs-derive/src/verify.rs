@@ -5,9 +5,10 @@
 //! here is a bug of the generator, whatever the declaration says; it stops the build and prints the state.
 //!
 //! - [`witness`]: Lagrange's equations from the verbatim energies, by dual numbers;
-//! - [`claim`]: what is compared, one function per generated function and identity.
+//! - [`claim`]: what is compared, one function per generated function and identity; `group`: many columns at once.
 
 pub mod claim;
+mod group;
 pub mod witness;
 
 use std::fmt;

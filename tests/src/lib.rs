@@ -4,6 +4,7 @@
 //! - [`compare`]: one error measure for numbers, vectors and matrices;
 //! - [`by_hand`]: formulas of mechanics texts, typed to be run, and [`counting`]: numbers that count what is done to them;
 //! - [`mod@reference`]: equations of motion derived another way, with no generator in sight;
+//! - [`robustness`]: random models, most of them wrong;
 //! - [`mechanisms`]: generated from `mechanisms/*.mbs`, which were written from the manual alone.
 
 pub mod by_hand;
@@ -12,3 +13,4 @@ pub mod counting;
 pub mod mechanisms;
 pub mod random;
 pub mod reference;
+pub mod robustness;

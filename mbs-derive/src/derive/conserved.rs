@@ -1,6 +1,6 @@
 //! First integrals: momenta of cyclic coordinates, and the energy integral where t is absent.
 
-use crate::expr::{Expr, Rounded, Symbol, evaluate, substitute};
+use crate::expr::{Expr, Function, Node, Rounded, Symbol, evaluate, substitute};
 use crate::model::Lagrangian;
 use crate::model::lagrangian::component_names;
 use crate::model::sample::Random;
@@ -62,7 +62,7 @@ fn energy_integral<'g>(lagrange: &Lagrange<'g>, energies: &Energies<'g>, symbols
 fn depends_on_time(expr: Expr<'_>) -> bool {
     let graph = expr.graph();
     graph.reachable([expr.id()]).into_iter().any(|id| match graph.node(id) {
-        crate::expr::Node::Symbol(symbol) => matches!(symbol, Symbol::Time | Symbol::Prescribed(..)),
+        Node::Symbol(symbol) => matches!(symbol, Symbol::Time | Symbol::Prescribed(..)),
         _ => false,
     })
 }
@@ -71,13 +71,30 @@ fn depends_on_time(expr: Expr<'_>) -> bool {
 ///
 /// A function that is not zero on a whole region is zero at a random point with probability 0; twelve points, of both signs
 /// and with the parameters among the symbols, leave little doubt. Nothing is claimed of an expression whose value is lost in
-/// rounding, and the proof tries what is claimed once more.
+/// rounding, nor of one with branches or steps: it may be zero on the one side and not on the other, where no point is.
 pub(super) fn vanishes(expr: Expr<'_>) -> bool {
-    expr.is_zero()
-        || (0..12).all(|round| {
-            let value = evaluate(&[expr], |symbol| Rounded::exact(generic_value(symbol, round)))[0];
-            value.value.abs() <= 8.0 * value.error && value.error < 1e-9
-        })
+    let tried = |round| {
+        let value = evaluate(&[expr], |symbol| Rounded::exact(generic_value(symbol, round)))[0];
+        value.value.abs() <= 8.0 * value.error && value.error < 1e-9
+    };
+    expr.is_zero() || (0..12).all(tried) && !has_branches(expr)
+}
+
+fn has_branches(expr: Expr<'_>) -> bool {
+    let graph = expr.graph();
+    graph.reachable([expr.id()]).into_iter().any(|id| match graph.node(id) {
+        Node::Select(..) | Node::Less(..) | Node::And(..) | Node::Not(_) => true,
+        Node::Call(function, _) => matches!(function, Function::Abs | Function::Signum),
+        Node::Constant(_)
+        | Node::Symbol(_)
+        | Node::Rate(_)
+        | Node::Neg(_)
+        | Node::Add(..)
+        | Node::Sub(..)
+        | Node::Mul(..)
+        | Node::Power(..)
+        | Node::Call2(..) => false,
+    })
 }
 
 /// A value in ±(0.3, 1.3) for each symbol and round; parameters are positive.
@@ -95,4 +112,33 @@ pub(super) fn generic_value(symbol: Symbol, round: u64) -> f64 {
     let mut random = Random::new((kind * 1_000_003 + u64::from(index)) * 7919 + round);
     let (magnitude, sign) = (0.8 + 0.5 * random.symmetric(), random.symmetric());
     if sign < 0.0 && kind != 4 { -magnitude } else { magnitude }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::expr::Graph;
+    use crate::optimise::FunctionKind;
+
+    fn conserved(potential: &str) -> Vec<String> {
+        let text = format!(
+            "#![dimensionless]\nmechanism A {{ coord x: 1; coord y: 1; kinetic += dt(x)^2 + dt(y)^2; potential += {potential}; }}"
+        );
+        let graph = Graph::verbatim();
+        let (lagrangian, _) =
+            crate::declared(&text, &graph, &[]).unwrap_or_else(|e| panic!("{}", e.render("a", &text)));
+        let names = crate::derived(&lagrangian).functions.into_iter().filter_map(|function| match function.kind {
+            FunctionKind::Conserved(names) => Some(names),
+            _ => None,
+        });
+        names.flatten().collect()
+    }
+
+    /// Farther away than any point where it is tried, a force may act.
+    #[test]
+    fn a_momentum_is_not_conserved_beyond_a_branch_or_a_step() {
+        assert_eq!(conserved("y^2"), ["energy_integral", "p_x"]);
+        assert_eq!(conserved("if x > 20 { x - 20 } else { 0 }"), ["energy_integral", "p_y"]);
+        assert_eq!(conserved("abs(x - 20) + x"), ["energy_integral", "p_y"]);
+        assert_eq!(conserved("if y > 20 { y - 20 } else { 0 }"), ["energy_integral", "p_x"]);
+    }
 }

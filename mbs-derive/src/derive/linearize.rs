@@ -7,7 +7,7 @@
 use crate::expr::{Expr, Symbol, substitute};
 
 use super::constraint::Constraints;
-use super::lagrange::{Lagrange, jacobian, jacobian_by_rows, sub, transpose};
+use super::lagrange::{Lagrange, jacobian_by_rows, sub, transpose};
 use super::solve::{Factorization, ForwardDynamics, augment};
 use super::{Form, Rows, Symbols};
 
@@ -63,10 +63,12 @@ pub fn linearization<'g>(
             .zip(&constraints.bias)
             .map(|(row, &bias)| row.iter().zip(&symbols.qdd).fold(bias, |sum, (&a, &qdd)| sum + a * graph.symbol(qdd))),
     );
-    let slope = |x: &[Symbol]| negative(&jacobian_by_rows(&residual, x));
-    let by_state = [slope(&symbols.q), slope(&symbols.qd), negative(&jacobian(&residual, &symbols.u))];
-    let [q, qd, u] = together(form, by_state);
-    let parameters = form.rows(&slope(&symbols.parameters));
+    // One sweep a row for all symbols.
+    let x = [symbols.q.as_slice(), &symbols.qd, &symbols.u, &symbols.parameters];
+    let slopes = negative(&jacobian_by_rows(&residual, &x.concat()));
+    let [q, qd, u, parameters] = split(&slopes, x.map(<[_]>::len));
+    let [q, qd, u] = together(form, [q, qd, u]);
+    let parameters = form.rows(&parameters);
     let (Some(solution), Some(factorization)) = (&forward.unrolled, &forward.factorization) else {
         let finish = |rows| if forward.augmented { augmented(rows, &constraints.jacobian) } else { rows };
         return Linearization { state: [finish(q), finish(qd), finish(u)], parameters: finish(parameters) };
@@ -82,6 +84,15 @@ pub fn linearization<'g>(
         solved
     };
     Linearization { state: [finish(q), finish(qd), finish(u)], parameters: finish(parameters) }
+}
+
+/// Matrices that stand side by side, by their numbers of columns.
+fn split<'g, const N: usize>(rows: &Rows<'g>, widths: [usize; N]) -> [Rows<'g>; N] {
+    let mut start = 0;
+    widths.map(|width| {
+        start += width;
+        rows.iter().map(|row| row[start - width..start].to_vec()).collect()
+    })
 }
 
 /// Matrices of equally many rows, written in one form.

@@ -77,6 +77,8 @@ struct Tree<'g> {
     moving: Vec<usize>,
     /// `∂(displacement)/∂q`, a row per moving edge.
     slopes: Rows<'g>,
+    /// The number of coordinates; no edge moves where all bodies rest.
+    coordinates: usize,
 }
 
 impl<'g> Tree<'g> {
@@ -90,7 +92,7 @@ impl<'g> Tree<'g> {
         let displacement = |link: usize| linkage.links[link].edge?.displacement();
         let moving: Vec<usize> = (0..linkage.links.len()).filter(|&link| displacement(link).is_some()).collect();
         let slopes = moving.iter().filter_map(|&link| displacement(link)).map(|d| slope(d, &symbols.q)).collect();
-        Tree { linkage, inertias, gravity: lifted.gravity, moving, slopes }
+        Tree { linkage, inertias, gravity: lifted.gravity, moving, slopes, coordinates: symbols.q.len() }
     }
 
     /// T of the bodies.
@@ -117,7 +119,7 @@ impl<'g> Tree<'g> {
         let m = composite::mass_matrix(&self.linkage, &self.moving, &composites);
         let turning = self.turning_slopes();
         let half = product(&m, &turning);
-        let columns = transpose(&half, self.coordinates());
+        let columns = transpose(&half, self.coordinates);
         let c = sum(&c, &transpose(&columns.iter().map(|column| self.on_coordinates(column)).collect(), columns.len()));
         let at_rest = c.iter().map(|row| at_rest(row)).collect();
         sum(&c, &at_rest)
@@ -125,10 +127,6 @@ impl<'g> Tree<'g> {
 
     fn composites(&self) -> Vec<Inertia<'g>> {
         composite::composites(&self.linkage, &self.inertias)
-    }
-
-    fn coordinates(&self) -> usize {
-        self.slopes.first().map_or(0, Vec::len)
     }
 
     /// Ṡ
@@ -140,16 +138,16 @@ impl<'g> Tree<'g> {
     /// `Sᵀ A S`
     fn congruent(&self, a: &Rows<'g>) -> Rows<'g> {
         let half: Rows<'g> = a.iter().map(|row| self.on_coordinates(row)).collect();
-        let columns = transpose(&half, self.coordinates());
+        let columns = transpose(&half, self.coordinates);
         let turned = columns.iter().map(|column| self.on_coordinates(column)).collect();
-        transpose(&turned, self.coordinates())
+        transpose(&turned, self.coordinates)
     }
 
     /// `Sᵀ f`: what forces along the joints are along the coordinates.
     fn on_coordinates(&self, forces: &[Expr<'g>]) -> Vec<Expr<'g>> {
         let zero = self.gravity.0[0].graph().integer(0);
         let on = |k: usize| forces.iter().zip(&self.slopes).fold(zero, |sum, (&f, slope)| sum + slope[k] * f);
-        (0..self.coordinates()).map(on).collect()
+        (0..self.coordinates).map(on).collect()
     }
 }
 
@@ -164,7 +162,8 @@ fn sum<'g>(a: &Rows<'g>, b: &Rows<'g>) -> Rows<'g> {
 }
 
 fn product<'g>(a: &Rows<'g>, b: &Rows<'g>) -> Rows<'g> {
-    let zero = a[0][0].graph().integer(0);
+    let (Some(first), Some(columns)) = (a.first().and_then(|row| row.first()), b.first()) else { return Vec::new() };
+    let zero = first.graph().integer(0);
     let entry = |row: &[Expr<'g>], k: usize| row.iter().zip(b).fold(zero, |sum, (&a, b)| sum + a * b[k]);
-    a.iter().map(|row| (0..b[0].len()).map(|k| entry(row, k)).collect()).collect()
+    a.iter().map(|row| (0..columns.len()).map(|k| entry(row, k)).collect()).collect()
 }

@@ -13,8 +13,8 @@ use crate::parse::syntax::{Name, Span};
 pub(super) const CONSTANTS: [&str; 4] = ["pi", "deg", "t", "world"];
 
 /// One function or method.
-struct Builtin {
-    name: &'static str,
+pub(super) struct Builtin {
+    pub(super) name: &'static str,
     /// As it is called; for messages.
     form: &'static str,
     /// How many arguments it may have; a method's receiver counts.
@@ -43,7 +43,7 @@ const fn entry(name: &'static str, form: &'static str, arguments: &'static [usiz
 use Apply::{Elementary, With};
 
 #[rustfmt::skip]
-const FUNCTIONS: &[Builtin] = &[
+pub(super) const FUNCTIONS: &[Builtin] = &[
     entry("dt",    "dt(x)",       &[1], With(rate)),
     entry("sin",   "sin(x)",      &[1], Elementary(Function::Sin)),
     entry("cos",   "cos(x)",      &[1], Elementary(Function::Cos)),
@@ -81,7 +81,7 @@ const FUNCTIONS: &[Builtin] = &[
 ];
 
 #[rustfmt::skip]
-const METHODS: &[Builtin] = &[
+pub(super) const METHODS: &[Builtin] = &[
     entry("dot",          "a.dot(b)",               &[2], With(dot)),
     entry("cross",        "a.cross(b)",             &[2], With(cross)),
     entry("norm",         "v.norm()",               &[1], With(norm)),

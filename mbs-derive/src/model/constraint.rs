@@ -137,6 +137,12 @@ impl<'d, 'g> Resolver<'d, 'g> {
     fn kind_of(&mut self, rows: &[Expr<'g>], span: &Span) -> Resolved<ConstraintKind> {
         let rates = rows.iter().filter(|row| self.facts.dependence(**row).on(Dependence::VELOCITY)).count();
         match rates {
+            0 if simplified(rows, &Graph::new()).into_iter().any(has_rate_of_signal) => {
+                let message = "a constraint on positions cannot hold the rate of a motion that is given at run time";
+                let help = "its second derivative would need the third one of that motion: declare the rate as a \
+                            `prescribed` signal of its own";
+                Err(self.refuse(span, message, help))
+            }
             0 => Ok(ConstraintKind::Holonomic),
             all if all == rows.len() => Ok(ConstraintKind::Pfaffian),
             _ => {
@@ -189,9 +195,16 @@ fn value(symbol: Symbol, state: &State, parameters: &[f64]) -> f64 {
 }
 
 fn moves(row: Expr<'_>) -> bool {
+    holds(row, |symbol| matches!(symbol, Symbol::Coordinate(_) | Symbol::Velocity(_)))
+}
+
+fn has_rate_of_signal(row: Expr<'_>) -> bool {
+    holds(row, |symbol| matches!(symbol, Symbol::Prescribed(_, 1..)))
+}
+
+fn holds(row: Expr<'_>, wanted: impl Fn(Symbol) -> bool) -> bool {
     let graph = row.graph();
-    let moving = |node| matches!(node, Node::Symbol(Symbol::Coordinate(_) | Symbol::Velocity(_)));
-    graph.reachable([row.id()]).into_iter().any(|id| moving(graph.node(id)))
+    graph.reachable([row.id()]).into_iter().any(|id| matches!(graph.node(id), Node::Symbol(s) if wanted(s)))
 }
 
 #[cfg(test)]
@@ -278,6 +291,11 @@ mod tests {
         refused(
             "constraint a: 2*l = l;",
             "2*l = l: this constrains no coordinate; it is made of constants, parameters and time alone",
+        );
+        refused(
+            "prescribed w: m; constraint a: x = l*dt(w)/(l/t);",
+            "x = l*dt(w)/(l/t): a constraint on positions cannot hold the rate of a motion that is given at run time; \
+             its second derivative would need the third one of that motion: declare the rate as a `prescribed` signal of its own",
         );
         refused("constraint a: 1 = 2;", "1 = 2: this constraint never holds; no coordinate is in it");
         refused("constraint a: x - x = 0;", "x - x = 0: this constraint always holds; leave it out");

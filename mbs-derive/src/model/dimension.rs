@@ -193,8 +193,8 @@ const FOREIGN: [(&[&str], &str); 18] = [
 ];
 
 /// A unit that declarations may use.
-struct NamedUnit {
-    name: &'static str,
+pub(super) struct NamedUnit {
+    pub(super) name: &'static str,
     /// The unit without prefix that it is a multiple of.
     coherent: &'static str,
     /// How many of that: a fraction, and a power of π.
@@ -219,7 +219,7 @@ const PRESSURE: [i8; 7] = [1, -1, -2, 0, 0, 0, 0];
 const CURRENT: [i8; 7] = [0, 0, 0, 1, 0, 0, 0];
 
 #[rustfmt::skip]
-const UNITS: &[NamedUnit] = &[
+pub(super) const UNITS: &[NamedUnit] = &[
     unit("kg",  "kg",  ONCE,              MASS),
     unit("g",   "kg",  (1, 1000, 0),      MASS),
     unit("t",   "kg",  (1000, 1, 0),      MASS),

@@ -34,10 +34,10 @@ pub(super) struct Argument<'g> {
 }
 
 /// Larger mechanisms have run away: the six-joint arm takes two thousand nodes.
-const MAX_NODES: usize = 2_000_000;
+pub(super) const MAX_NODES: usize = 2_000_000;
 
 /// Expressions looked at, turns of loops and calls of functions included: these could go on for ever.
-const MAX_STEPS: usize = 20_000_000;
+pub(super) const MAX_STEPS: usize = 20_000_000;
 
 /// As many levels as the parser allows; what was built by hand may be deeper.
 const MAX_DEPTH: usize = 260;

@@ -13,7 +13,7 @@ use crate::parse;
 use crate::parse::syntax::{Declaration, Expression, ExpressionKind, Name, Span, Statement, StatementKind};
 
 /// Calls that one mechanism may make: `f(f(x)) + f(f(x))` doubles them at each level.
-const MAX_CALLS: usize = 100_000;
+pub(super) const MAX_CALLS: usize = 100_000;
 
 /// Whose text a function stands in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -11,7 +11,7 @@ use crate::expr::Expr;
 use crate::parse::syntax::{Expression, Name, Quantity, Span, Statement, StatementKind};
 
 /// Turns that the loops of one mechanism may take, all together.
-const MAX_TURNS: usize = 100_000;
+pub(super) const MAX_TURNS: usize = 100_000;
 
 /// Loops within loops.
 const MAX_BLOCKS: usize = 100;

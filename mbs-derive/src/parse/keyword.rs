@@ -67,4 +67,25 @@ mod tests {
         assert_eq!(taken("theta"), None);
         assert_eq!(taken("union"), None);
     }
+
+    /// The manual lists the keywords and the built-in names, and no others.
+    #[test]
+    fn words_are_those_of_the_manual() {
+        let manual = include_str!("../../../docs/language.md");
+        let listed = |from: &str, to: &str| {
+            let text = manual.split_once(from).and_then(|(_, rest)| rest.split_once(to)).expect("the list").0;
+            let mut words: Vec<&str> =
+                text.split(|c: char| !c.is_ascii_alphanumeric()).filter(|w| !w.is_empty()).collect();
+            words.sort();
+            words
+        };
+        let sorted = |mut words: Vec<&'static str>| {
+            words.sort();
+            words
+        };
+        let keywords = sorted(STATEMENTS.into_iter().chain(PARTS).collect());
+        assert_eq!(listed("keywords of the language (`", "`)"), keywords);
+        let built_in = sorted(BUILT_IN.iter().map(|(name, _)| *name).collect());
+        assert_eq!(listed("and the built-in values ", "`."), built_in);
+    }
 }

@@ -6,6 +6,7 @@ use crate::model::ConstraintKind;
 use crate::model::degree::eliminate;
 use crate::optimise::{Derivation, Function, FunctionKind};
 
+use super::group::Group;
 use super::witness::{LagrangeTerms, Witness, exact, explicit_path, lift, lift_all, path};
 use super::{Disagreement, Failure, TOLERANCE};
 
@@ -202,11 +203,10 @@ impl<'a> Trial<'a> {
     fn inverse_dynamics_jacobian(&self) -> Result<(), Failure> {
         let n = self.n();
         let found = self.call("inverse_dynamics_jacobian");
-        for j in 0..n {
-            for (part, symbol) in [Symbol::Coordinate(j as u32), Symbol::Velocity(j as u32)].into_iter().enumerate() {
-                let column: Vec<Rounded> = (0..n).map(|i| found[part * n * n + i * n + j]).collect();
-                let expected = self.slope("inverse_dynamics", |other| one_if(other == symbol));
-                self.equal("inverse dynamics Jacobian", &column, &expected)?;
+        for (matrix, symbol) in found.chunks(n * n).zip([Symbol::Coordinate, Symbol::Velocity]) {
+            for group in Group::of(n) {
+                let expected = self.slope("inverse_dynamics", |other| group.weight_of(other, symbol));
+                self.equal("inverse dynamics Jacobian", &group.combined(matrix, n), &expected)?;
             }
         }
         Ok(())
@@ -276,10 +276,10 @@ impl<'a> Trial<'a> {
         let kinds: [fn(u32) -> Symbol; 3] = [Symbol::Coordinate, Symbol::Velocity, Symbol::Input];
         let mut start = 0;
         for (width, symbol) in [n, n, inputs].into_iter().zip(kinds) {
-            for j in 0..width {
-                let column: Vec<Rounded> = (0..n).map(|i| found[start + i * width + j]).collect();
-                let expected = self.slope("forward_dynamics", |other| one_if(other == symbol(j as u32)));
-                self.equal("linearization", &column, &expected)?;
+            for group in Group::of(width) {
+                let expected = self.slope("forward_dynamics", |other| group.weight_of(other, symbol));
+                let found = group.combined(&found[start..start + n * width], n);
+                self.equal("linearization", &found, &expected)?;
             }
             start += n * width;
         }
@@ -287,17 +287,15 @@ impl<'a> Trial<'a> {
     }
 
     fn linearization_in_parameters(&self) -> Result<(), Failure> {
-        let (n, width) = (self.n(), self.parameters.len());
         let found = self.call("linearize_parameters");
         let state = lift(self.state, |_| Rounded::default());
-        for j in 0..width {
+        for group in Group::of(self.parameters.len()) {
             let mut parameters = lift_all(self.parameters);
-            parameters[j].derivative = Rounded::exact(1.0);
+            group.columns().for_each(|j| parameters[j].derivative = group.weight(j));
             let varied = Interpreter::with_parameters(self.derivation, parameters);
             let expected = varied.call("forward_dynamics", &state).unwrap_or_default();
             let expected: Vec<Rounded> = expected.iter().map(|v| v.derivative).collect();
-            let column: Vec<Rounded> = (0..n).map(|i| found[i * width + j]).collect();
-            self.equal("linearization in the parameters", &column, &expected)?;
+            self.equal("linearization in the parameters", &group.combined(&found, self.n()), &expected)?;
         }
         Ok(())
     }

@@ -1,0 +1,96 @@
+//! The tables of the manual `docs/language.md` against those of the code: what the one has the other has, too.
+
+use std::collections::BTreeSet;
+
+use super::builtin::{FUNCTIONS, METHODS};
+use super::dimension::UNITS;
+use super::evaluate::{MAX_NODES, MAX_STEPS};
+use super::function::{MAX_CALLS, library};
+use super::statement::MAX_TURNS;
+use crate::parse::MAX_DEPTH;
+use crate::parse::syntax::StatementKind;
+use crate::source::{self, MAX_BYTES, MAX_IMPORTS};
+
+const MANUAL: &str = include_str!("../../../docs/language.md");
+
+/// The prose and the tables of a section, blocks of code left out.
+fn section(number: usize) -> String {
+    let begin = format!("\n## {number}. ");
+    let (_, after) = MANUAL.split_once(&begin).unwrap_or_else(|| panic!("the manual has no section {number}"));
+    let text = after.split("\n## ").next().unwrap_or(after);
+    text.split("```").step_by(2).collect()
+}
+
+/// What stands between backquotes.
+fn quoted(text: &str) -> Vec<&str> {
+    text.split('`').skip(1).step_by(2).collect()
+}
+
+/// The names that a piece of code calls.
+fn called(code: &str) -> Vec<&str> {
+    let is_part = |c: char| c.is_ascii_alphanumeric() || c == '_';
+    let name = |at: usize| code[..at].rsplit(|c| !is_part(c)).next().filter(|name| !name.is_empty());
+    code.match_indices('(').filter_map(|(at, _)| name(at)).collect()
+}
+
+fn equal<'a>(what: &str, manual: BTreeSet<&'a str>, code: BTreeSet<&'a str>) {
+    let only = |a: &BTreeSet<&'a str>, b: &BTreeSet<&'a str>| a.difference(b).copied().collect::<Vec<_>>();
+    let (manual_only, code_only) = (only(&manual, &code), only(&code, &manual));
+    assert!(manual_only.is_empty(), "{what} in the manual only: {manual_only:?}");
+    assert!(code_only.is_empty(), "{what} in the code only: {code_only:?}");
+}
+
+#[test]
+fn functions_are_those_of_the_manual() {
+    let text = [6, 7, 8].map(section).concat();
+    let library = library();
+    let written = library.statements.iter().filter_map(|statement| match &statement.kind {
+        StatementKind::Function { name, .. } => Some(name.text.as_str()),
+        _ => None,
+    });
+    let code = FUNCTIONS.iter().chain(METHODS).map(|builtin| builtin.name).chain(written).collect();
+    equal("functions", quoted(&text).into_iter().flat_map(called).collect(), code);
+}
+
+/// As they are called: `dot(a, b)` and `a.dot(b)` are two entries.
+#[test]
+fn methods_are_those_of_the_manual() {
+    let text = [6, 7].map(section).concat();
+    let rows: Vec<_> = quoted(&text).into_iter().filter_map(|code| code.split_once('.')).collect();
+    let is_name = |receiver: &str| receiver.chars().all(|c| c.is_ascii_lowercase());
+    let manual = rows.iter().filter(|(receiver, _)| is_name(receiver)).flat_map(|(_, call)| called(call)).collect();
+    equal("methods", manual, METHODS.iter().map(|method| method.name).collect());
+}
+
+#[test]
+fn units_are_those_of_the_manual() {
+    let text = section(9);
+    let cells = text.lines().filter_map(|line| line.strip_prefix("| ")?.split_once('|')).map(|(_, units)| units);
+    // `1` is a plain number, and not a name.
+    let manual = cells.flat_map(quoted).filter(|&unit| unit != "1").collect();
+    equal("units", manual, UNITS.iter().map(|unit| unit.name).collect());
+}
+
+/// Thousands apart, as the manual writes them.
+fn spaced(number: usize) -> String {
+    let digits = number.to_string();
+    let groups: Vec<_> = digits.as_bytes().rchunks(3).rev().map(String::from_utf8_lossy).collect();
+    groups.join(" ")
+}
+
+#[test]
+fn limits_are_those_of_the_manual() {
+    let text = section(10);
+    let limit = |row: &str, limit: String| {
+        let found = text.lines().find(|line| line.starts_with(&format!("| {row}"))).unwrap_or_else(|| panic!("{row}"));
+        assert!(found.contains(&format!(" {limit} ")), "{found}: the code has {limit}");
+    };
+    limit("nesting", spaced(MAX_DEPTH));
+    limit("loops", spaced(MAX_TURNS));
+    limit("calls", spaced(MAX_CALLS));
+    limit("nodes", spaced(MAX_NODES));
+    limit("steps", spaced(MAX_STEPS));
+    limit("file", spaced(MAX_BYTES >> 20));
+    limit("imports", spaced(MAX_IMPORTS));
+    limit("imports", spaced(source::MAX_DEPTH));
+}

@@ -1,0 +1,84 @@
+//! Columns of a Jacobian that are proved together, so that the proof of thousands of them stays linear.
+
+use crate::expr::{Rounded, Symbol};
+
+/// Matrices of so many columns are proved column by column; of wider ones every column counts in one of so many sums.
+const GROUPS: usize = 32;
+
+/// Every `step`-th column from `first` on, each with its weight.
+///
+/// A sum of columns `Σ wⱼ ∂f/∂xⱼ` is the derivative of f in the direction w, one sweep. Errors of its columns could cancel,
+/// but not at all of the states at which the proof is made.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Group {
+    first: usize,
+    step: usize,
+    width: usize,
+}
+
+impl Group {
+    /// All columns of a matrix of this width.
+    pub(super) fn of(width: usize) -> impl Iterator<Item = Group> {
+        let step = width.min(GROUPS);
+        (0..step).map(move |first| Group { first, step, width })
+    }
+
+    /// The numbers of its columns.
+    pub(super) fn columns(self) -> impl Iterator<Item = usize> {
+        (self.first..self.width).step_by(self.step)
+    }
+
+    /// What a column counts: 1 where it is alone, else irregular and of order one, by the golden ratio.
+    pub(super) fn weight(self, column: usize) -> Rounded {
+        let round = (column / self.step) as f64;
+        Rounded::exact(1.0 + (round * 0.618_033_988_749_894_9).fract())
+    }
+
+    /// The same of the symbol that a column belongs to, 0 for others.
+    pub(super) fn weight_of(self, other: Symbol, symbol: fn(u32) -> Symbol) -> Rounded {
+        let number = match other {
+            Symbol::Coordinate(i) | Symbol::Velocity(i) | Symbol::Input(i) => i,
+            Symbol::Time
+            | Symbol::Acceleration(_)
+            | Symbol::Parameter(_)
+            | Symbol::Prescribed(..)
+            | Symbol::Multiplier(_) => return Rounded::default(),
+        };
+        let is_among = symbol(number) == other && number as usize % self.step == self.first;
+        if is_among { self.weight(number as usize) } else { Rounded::default() }
+    }
+
+    /// `Σ wⱼ aᵢⱼ` of a matrix of so many rows, row by row.
+    pub(super) fn combined(self, matrix: &[Rounded], rows: usize) -> Vec<Rounded> {
+        let row = |i: usize| self.columns().map(|j| self.weight(j) * matrix[i * self.width + j]).sum();
+        (0..rows).map(row).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn few_columns_are_alone_and_of_many_each_counts_once() {
+        for width in [0, 1, 32, 33, 1000] {
+            let mut columns: Vec<usize> = Group::of(width).flat_map(Group::columns).collect();
+            columns.sort();
+            assert_eq!(columns, (0..width).collect::<Vec<_>>());
+        }
+        for group in Group::of(32) {
+            assert_eq!(group.columns().map(|j| group.weight(j)).collect::<Vec<_>>(), [Rounded::exact(1.0)]);
+        }
+    }
+
+    #[test]
+    fn a_sum_has_the_weights_of_its_columns() {
+        let group = Group { first: 1, step: 2, width: 5 };
+        let matrix: Vec<Rounded> = (0..10).map(|k| Rounded::exact(f64::from(k))).collect();
+        let expected = [1.0 + 3.0 * group.weight(3).value, 6.0 + 8.0 * group.weight(3).value];
+        assert_eq!(group.combined(&matrix, 2).iter().map(|v| v.value).collect::<Vec<_>>(), expected);
+        assert_eq!(group.weight_of(Symbol::Input(3), Symbol::Input), group.weight(3));
+        assert_eq!(group.weight_of(Symbol::Input(2), Symbol::Input), Rounded::default());
+        assert_eq!(group.weight_of(Symbol::Velocity(3), Symbol::Input), Rounded::default());
+    }
+}
