@@ -3,6 +3,7 @@
 //! - `item`: the module, its structs, functions and the implementation of `Mechanism`;
 //! - `doc`: what its documentation says;
 //! - `body`: one function body: bindings, then the result;
+//! - `text`: its text;
 //! - `expression`: how values are written: order of operands, parentheses, fused multiply–add;
 //! - `segment`: long bodies in blocks;
 //! - `name`: identifiers, from the declaration where they can be;
@@ -18,6 +19,7 @@ mod item;
 mod latex;
 mod name;
 mod segment;
+mod text;
 
 use crate::derive::Equations;
 use crate::model::Lagrangian;
@@ -83,7 +85,7 @@ pub fn implements_mechanism(derivation: &Derivation, options: &Options) -> bool 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::expr::{Graph, Number, Symbol};
+    use crate::expr::{Expr, Graph, Number, Symbol};
     use crate::model::{Lagrangian, Output, OutputValue};
     use crate::optimise::{Instruction, Program, Value};
 
@@ -224,6 +226,79 @@ mod tests {
         check(&text, &["pub fn gravity_2(&self, q: &[T; 1]) -> T {"]);
     }
 
+    /// A force that is `sides(x, 0)`.
+    fn pushed(sides: impl for<'g> Fn(Expr<'g>, Expr<'g>) -> Expr<'g>) -> String {
+        let text = emitted(&derivation("Pushed", |lagrangian| {
+            let x = lagrangian.coordinate("x", "m", None)[0];
+            lagrangian.kinetic.push(x.rate().powi(2));
+            lagrangian.forces.push((0, sides(x, lagrangian.graph.integer(0))));
+        }));
+        let start = text.find("pub fn generalized_force").unwrap();
+        text[start..start + text[start..].find("///").unwrap()].to_string()
+    }
+
+    #[test]
+    fn a_side_of_a_branch_is_computed_there() {
+        let text = pushed(|x, zero| x.graph().select(zero.less(x), x.sqrt(), -(1 / x)));
+        check(&text, &["let t0 = T::select(T::zero().less(x), || x.sqrt(), || -T::one() / x);", "[t0]"]);
+        let text = pushed(|x, zero| x.graph().select(zero.less(x), x.sin() * x.sqrt() + x.sqrt(), x));
+        let side = ["|| {", "let sqrt_x = x.sqrt();", "sqrt_x.mul_add(x.sin(), sqrt_x)", "},", "|| x,"];
+        check(&text, &side);
+        // Both sides are known.
+        check(
+            &pushed(|x, zero| x.graph().select(zero.less(x), x, zero)),
+            &["let t0 = T::blend(zero.less(x), x, zero);"],
+        );
+    }
+
+    #[test]
+    fn what_several_branches_may_need_is_computed_on_demand() {
+        let text = pushed(|x, zero| {
+            let graph = x.graph();
+            graph.select(zero.less(x), x.sqrt(), zero) + graph.select(x.less(zero - 1), zero, x.sqrt() * 3)
+        });
+        let root = "let sqrt_x: &dyn Fn() -> T = &|| x.sqrt();";
+        check(&text, &[root, "let sqrt_x = ::core::cell::LazyCell::new(sqrt_x);"]);
+        check(&text, &["let t1 = T::select(zero.less(x), || *sqrt_x, || zero);"]);
+    }
+
+    #[test]
+    fn selections_on_one_condition_are_one_branch() {
+        let text = emitted(&derivation("Pushed", |lagrangian| {
+            let (graph, q) = (lagrangian.graph, lagrangian.coordinate("q", "m", Some(2)));
+            let condition = q[0].less(q[1]);
+            for (i, side) in [q[0].sqrt() * 2, q[0].sqrt() * 3].into_iter().enumerate() {
+                lagrangian.kinetic.push(q[i].rate().powi(2));
+                lagrangian.forces.push((i, graph.select(condition, side, q[1])));
+            }
+        }));
+        check(&text, &["let sqrt_q_0 = q_0.sqrt();", "[two * sqrt_q_0, three * sqrt_q_0]"]);
+    }
+
+    #[test]
+    fn long_sides_come_in_blocks() {
+        let side = |x: Expr<'_>| (0..1500).fold(x, |a, _| a * (a + 1)).id();
+        let text = pushed(|x, zero| {
+            let graph = x.graph();
+            graph.select(zero.less(x), graph.expr(side(x)), x)
+        });
+        let blocks: Vec<usize> = text.split("{\n").map(|block| block.matches("let ").count()).collect();
+        assert!(
+            blocks.iter().all(|&statements| statements <= 1000) && blocks.iter().sum::<usize>() > 1500,
+            "{blocks:?}"
+        );
+    }
+
+    #[test]
+    fn branches_are_nested_no_deeper_than_compilers_like() {
+        // On a small stack: formatting is recursive.
+        let text =
+            pushed(|x, _| (0..300).fold(x, |f, i| x.graph().select(x.less(x.graph().integer(i)), f, (x + i).sqrt())));
+        let deepest = text.lines().map(|line| line.len() - line.trim_start().len()).max().unwrap();
+        assert!((200..2000).contains(&deepest), "{deepest} spaces");
+        assert!(text.contains("LazyCell"));
+    }
+
     #[test]
     fn long_bodies_come_in_blocks() {
         let mut derivation = oscillator("Long", "x", "m");
@@ -236,7 +311,7 @@ mod tests {
             last = Value(sum.0 + 1);
         }
         let gravity = derivation.functions.iter_mut().find(|f| f.name == "gravity").expect("there is one");
-        gravity.program = Program { instructions, results: vec![last] };
+        gravity.program = Program::new(instructions, vec![last]);
         let text = emitted(&derivation);
         let start = text.find("pub fn gravity").unwrap();
         let body = &text[start..start + text[start..].find("///").unwrap()];

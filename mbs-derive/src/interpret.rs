@@ -2,7 +2,7 @@
 
 use crate::expr::evaluate::{holds, truth};
 use crate::expr::{Number, Symbol, Value};
-use crate::optimise::{Completion, Derivation, Function, Instruction, Program, ResultPart, Shape};
+use crate::optimise::{Completion, Derivation, Function, Instruction, Program, ResultPart, Shape, Value as Step};
 
 /// The arguments of a mechanism's functions, flattened in declaration order.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -125,36 +125,68 @@ struct Run<'a, V> {
 }
 
 impl<V: Value> Run<'_, V> {
+    /// The results; what stands on one side of a branch only is computed where that side is taken.
     fn results(&self, program: &Program) -> Vec<V> {
-        let mut values: Vec<V> = Vec::with_capacity(program.instructions.len());
-        for instruction in &program.instructions {
-            let v = |operand: crate::optimise::Value| values[operand.index()];
-            let value = match *instruction {
-                Instruction::Constant(number) => V::constant(number.to_f64()),
-                Instruction::Symbol(symbol) => self.symbol(symbol),
-                Instruction::Hoisted(k) => self.hoisted[k as usize],
-                Instruction::Neg(a) => v(a).neg(),
-                Instruction::Add(a, b) => v(a).add(v(b)),
-                Instruction::Sub(a, b) => v(a).sub(v(b)),
-                Instruction::Mul(a, b) => v(a).mul(v(b)),
-                Instruction::Div(a, b) => v(a).div(v(b)),
-                Instruction::Sqrt(a) => v(a).power(1),
-                Instruction::Call(function, a) => v(a).call(function),
-                Instruction::Call2(function, a, b) => v(a).call2(function, v(b)),
-                Instruction::Less(a, b) => truth(v(a).less(v(b))),
-                Instruction::And(a, b) => truth(holds(v(a)) && holds(v(b))),
-                Instruction::Not(a) => truth(!holds(v(a))),
-                Instruction::Select(c, a, b) => {
-                    if holds(v(c)) {
-                        v(a)
-                    } else {
-                        v(b)
-                    }
-                }
-            };
-            values.push(value);
+        let mut values: Vec<Option<V>> = vec![None; program.instructions.len()];
+        let mut waiting = Vec::new();
+        for (i, &instruction) in program.instructions.iter().enumerate() {
+            let value = Step(i as u32);
+            if !program.regions.is_certain(value) {
+                continue;
+            }
+            if let Instruction::Select(..) = instruction {
+                waiting.push(value);
+                self.compute(program, &mut waiting, &mut values);
+            } else {
+                values[i] = Some(self.step(instruction, &values));
+            }
         }
-        program.results.iter().map(|v| values[v.index()]).collect()
+        program.results.iter().map(|&v| known(&values, v)).collect()
+    }
+
+    /// Computes the values that are waited for, after what they need; of a choice that is the side taken.
+    fn compute(&self, program: &Program, waiting: &mut Vec<Step>, values: &mut [Option<V>]) {
+        while let Some(&value) = waiting.last() {
+            let (instruction, before) = (program.instructions[value.index()], waiting.len());
+            let missing = |operand: &Step| values[operand.index()].is_none();
+            match instruction {
+                _ if !missing(&value) => {}
+                Instruction::Select(c, a, b) => {
+                    let needed = values[c.index()].map_or(c, |condition| if holds(condition) { a } else { b });
+                    waiting.extend(Some(needed).filter(missing));
+                }
+                _ => waiting.extend(instruction.operands().filter(missing)),
+            }
+            if waiting.len() == before {
+                if missing(&value) {
+                    values[value.index()] = Some(self.step(instruction, values));
+                }
+                waiting.pop();
+            }
+        }
+    }
+
+    /// One instruction, what it needs being known.
+    fn step(&self, instruction: Instruction, values: &[Option<V>]) -> V {
+        let v = |operand| known(values, operand);
+        match instruction {
+            Instruction::Constant(number) => V::constant(number.to_f64()),
+            Instruction::Symbol(symbol) => self.symbol(symbol),
+            Instruction::Hoisted(k) => self.hoisted[k as usize],
+            Instruction::Neg(a) => v(a).neg(),
+            Instruction::Add(a, b) => v(a).add(v(b)),
+            Instruction::Sub(a, b) => v(a).sub(v(b)),
+            Instruction::Mul(a, b) => v(a).mul(v(b)),
+            Instruction::Div(a, b) => v(a).div(v(b)),
+            Instruction::Sqrt(a) => v(a).power(1),
+            Instruction::Call(function, a) => v(a).call(function),
+            Instruction::Call2(function, a, b) => v(a).call2(function, v(b)),
+            Instruction::Less(a, b) => truth(v(a).less(v(b))),
+            Instruction::LessEqual(a, b) => truth(v(a).less_equal(v(b))),
+            Instruction::And(a, b) => truth(holds(v(a)) && holds(v(b))),
+            Instruction::Not(a) => truth(!holds(v(a))),
+            Instruction::Select(c, a, b) => v(if holds(v(c)) { a } else { b }),
+        }
     }
 
     fn symbol(&self, symbol: Symbol) -> V {
@@ -169,6 +201,10 @@ impl<V: Value> Run<'_, V> {
             Symbol::Multiplier(i) => self.multipliers[i as usize],
         }
     }
+}
+
+fn known<V: Copy>(values: &[Option<V>], value: Step) -> V {
+    values[value.index()].expect("what a value needs is computed before it")
 }
 
 /// `M = L D Lᵀ` in the order of operations of the runtime's `Ldlt`, so that the results are the same bits.
@@ -206,6 +242,126 @@ impl<V: Value> Factors<V> {
         }
         for i in (0..n).rev() {
             x[at(i)] = (i + 1..n).fold(x[at(i)], |sum, k| sum.sub(self.lower[k][i].mul(x[at(k)])));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::expr::{Binary, Expr, Function, Graph};
+    use crate::optimise::lower::program;
+    use crate::optimise::schedule::Hoisting;
+
+    /// A double of which nothing undefined may be asked.
+    #[derive(Clone, Copy, Debug, PartialEq)]
+    struct Defined(f64);
+
+    impl Defined {
+        fn new(value: f64) -> Self {
+            assert!(value.is_finite(), "a side is computed that is not taken");
+            Defined(value)
+        }
+    }
+
+    impl Value for Defined {
+        fn constant(value: f64) -> Self {
+            Defined::new(value)
+        }
+        fn neg(self) -> Self {
+            Defined::new(-self.0)
+        }
+        fn add(self, other: Self) -> Self {
+            Defined::new(self.0 + other.0)
+        }
+        fn sub(self, other: Self) -> Self {
+            Defined::new(self.0 - other.0)
+        }
+        fn mul(self, other: Self) -> Self {
+            Defined::new(self.0 * other.0)
+        }
+        fn div(self, other: Self) -> Self {
+            Defined::new(self.0 / other.0)
+        }
+        fn power(self, halves: i32) -> Self {
+            Defined::new(self.0.power(halves))
+        }
+        fn call(self, function: Function) -> Self {
+            Defined::new(function.value(self.0))
+        }
+        fn call2(self, function: Binary, other: Self) -> Self {
+            Defined::new(function.value(self.0, other.0))
+        }
+        fn rate(self) -> Self {
+            self
+        }
+        fn less(self, other: Self) -> bool {
+            self.0 < other.0
+        }
+        fn less_equal(self, other: Self) -> bool {
+            self.0 <= other.0
+        }
+    }
+
+    fn run<V: Value>(build: impl for<'g> Fn([Expr<'g>; 2], &'g Graph) -> Expr<'g>, x: V, y: V) -> V {
+        let graph = Graph::new();
+        let symbols = [0, 1].map(|i| graph.symbol(Symbol::Coordinate(i)));
+        execute(&program(&[build(symbols, &graph)], &Hoisting::none()), x, y)
+    }
+
+    fn execute<V: Value>(program: &Program, x: V, y: V) -> V {
+        let none = Vec::new;
+        let state = State { t: x, q: vec![x, y], qd: none(), qdd: none(), u: none(), prescribed: Vec::new() };
+        Run { state: &state, multipliers: &[], parameters: &[], hoisted: &[] }.results(program)[0]
+    }
+
+    #[track_caller]
+    fn check(build: impl for<'g> Fn([Expr<'g>; 2], &'g Graph) -> Expr<'g>, x: f64, y: f64, expected: f64) {
+        assert_eq!(run(&build, x, y), expected);
+        assert_eq!(run(&build, Defined(x), Defined(y)), Defined(expected));
+    }
+
+    #[test]
+    fn a_side_is_computed_where_it_is_taken() {
+        for (x, expected) in [(4.0, 2.0), (-4.0, 0.25), (0.0, 1.0)] {
+            // √x, −1/x, 1: each is undefined where another one is taken.
+            check(
+                |[x, y], graph| {
+                    let below = graph.select(x.less(y), -(1 / x), graph.integer(1));
+                    graph.select(y.less(x), x.sqrt(), below)
+                },
+                x,
+                0.0,
+                expected,
+            );
+        }
+    }
+
+    #[test]
+    fn what_several_sides_share_is_computed_where_one_of_them_is_taken() {
+        for (x, expected) in [(4.0, 6.0), (-4.0, 7.0)] {
+            check(
+                |[x, y], graph| {
+                    let condition = x.less(y);
+                    let twice = graph.select(condition, graph.integer(3), x.sqrt());
+                    twice + graph.select(condition.and(y.less(x).not()), graph.integer(4), x.sqrt() * 2)
+                },
+                x,
+                0.0,
+                expected,
+            );
+        }
+    }
+
+    #[test]
+    fn branches_within_branches_are_no_recursion() {
+        // The last one whose knot is below x: √(x − knot).
+        let graph = Graph::new();
+        let x = graph.symbol(Symbol::Coordinate(0));
+        let deep = (0..20_000).fold(x, |f, i| graph.select(x.less(graph.integer(i)), f, (x - i).sqrt()));
+        let program = program(&[deep], &Hoisting::none());
+        for (x, expected) in [(-1.5, -1.5), (2.25, 0.5), (15_000.25, 0.5), (20_003.0, 2.0)] {
+            assert_eq!(execute(&program, Defined(x), Defined(0.0)), Defined(expected));
         }
     }
 }

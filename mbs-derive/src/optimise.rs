@@ -1,6 +1,7 @@
 //! Pass 4: [`Equations`] → [`Derivation`]: one straight-line [`Program`] per function, scheduled from its own roots.
 //!
 //! - [`program`]: what a Program is;
+//! - [`region`]: what is computed on one side of a branch only;
 //! - [`lower`]: graph nodes → instructions; powers become products, quotients and square roots;
 //! - [`schedule`]: order, and hoisting of what depends on parameters alone;
 //! - [`cost`]: operation counts, the figures quoted in docs, snapshots and commits.
@@ -10,6 +11,7 @@
 pub mod cost;
 pub mod lower;
 pub mod program;
+pub mod region;
 pub mod schedule;
 
 use crate::derive::output::OutputShape;

@@ -114,7 +114,7 @@ pub trait Scalar:
     /// True where every lane, and every part of a dual number, is neither infinite nor NaN.
     fn is_finite(self) -> bool;
 
-    /// `self < other`, lane by lane.
+    /// `self < other`, lane by lane; as `less_equal` and `equal` false where one of them is NaN.
     fn less(self, other: Self) -> Self::Mask;
     /// `self ≤ other`, lane by lane.
     fn less_equal(self, other: Self) -> Self::Mask;
@@ -133,6 +133,23 @@ pub trait Scalar:
             then()
         } else if mask.any() {
             Self::blend(mask, then(), otherwise())
+        } else {
+            otherwise()
+        }
+    }
+
+    /// [`select`](Scalar::select) of several values with one mask.
+    #[inline]
+    fn select_each<const N: usize>(
+        mask: Self::Mask,
+        then: impl FnOnce() -> [Self; N],
+        otherwise: impl FnOnce() -> [Self; N],
+    ) -> [Self; N] {
+        if mask.all() {
+            then()
+        } else if mask.any() {
+            let (then, otherwise) = (then(), otherwise());
+            core::array::from_fn(|i| Self::blend(mask, then[i], otherwise[i]))
         } else {
             otherwise()
         }

@@ -65,7 +65,7 @@ fn of_function(function: &Function) -> Value {
         Completion::Solve => "solve",
         Completion::SolveMultipliers => "solve multipliers",
     };
-    let Program { instructions, results } = &function.program;
+    let Program { instructions, results, .. } = &function.program;
     json!({
         "arguments": arguments,
         "returns": returns,
@@ -77,7 +77,7 @@ fn of_function(function: &Function) -> Value {
 }
 
 fn program(program: &Program) -> Value {
-    let Program { instructions, results } = program;
+    let Program { instructions, results, .. } = program;
     json!({
         "instructions": instructions.iter().map(|&i| instruction(i)).collect::<Vec<_>>(),
         "results": results.iter().map(|v| v.index()).collect::<Vec<_>>(),
@@ -118,6 +118,7 @@ pub(super) fn instruction(instruction: Instruction) -> Value {
         Instruction::Call(function, a) => json!([function.name(), a.index()]),
         Instruction::Call2(function, a, b) => json!([function.name(), a.index(), b.index()]),
         Instruction::Less(a, b) => json!(["less", a.index(), b.index()]),
+        Instruction::LessEqual(a, b) => json!(["less_equal", a.index(), b.index()]),
         Instruction::And(a, b) => json!(["and", a.index(), b.index()]),
         Instruction::Not(a) => json!(["not", a.index()]),
         Instruction::Select(c, a, b) => json!(["select", c.index(), a.index(), b.index()]),

@@ -83,7 +83,7 @@ pub(super) fn vanishes(expr: Expr<'_>) -> bool {
 fn has_branches(expr: Expr<'_>) -> bool {
     let graph = expr.graph();
     graph.reachable([expr.id()]).into_iter().any(|id| match graph.node(id) {
-        Node::Select(..) | Node::Less(..) | Node::And(..) | Node::Not(_) => true,
+        Node::Select(..) | Node::Less(..) | Node::LessEqual(..) | Node::And(..) | Node::Not(_) => true,
         Node::Call(function, _) => matches!(function, Function::Abs | Function::Signum),
         Node::Constant(_)
         | Node::Symbol(_)

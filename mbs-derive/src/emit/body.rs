@@ -5,15 +5,12 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use proc_macro2::TokenStream;
-use quote::quote;
+use crate::expr::Function;
+use crate::optimise::region::{Branch, Place, Region};
+use crate::optimise::{Instruction, Program, Value};
 
-use crate::expr::{Function, Symbol};
-use crate::model::Variable;
-use crate::optimise::{Derivation, Instruction, Program, Value};
-
-use super::expression::{self, Leaves, Tree, literal};
-use super::name::{Names, Scope, ident};
+use super::expression::Tree;
+use super::name::{Names, Scope};
 
 /// Operations and characters that one expression has at most.
 const LONGEST: (usize, usize) = (6, 60);
@@ -22,7 +19,7 @@ const LONGEST: (usize, usize) = (6, 60);
 const IN_RESULT: [usize; 2] = [4, 2];
 
 /// Constants with names, bound where they are used.
-const FAMILIAR: [(f64, &str); 8] = [
+pub(super) const FAMILIAR: [(f64, &str); 8] = [
     (0.0, "zero"),
     (1.0, "one"),
     (2.0, "two"),
@@ -32,12 +29,6 @@ const FAMILIAR: [(f64, &str); 8] = [
     (0.25, "quarter"),
     (1.0 / 3.0, "third"),
 ];
-
-/// So many fields are bound to locals; more are `self.k12`.
-const FIELDS: usize = 8;
-
-/// So many other constants are written out; more are `c(0.295242)` with `let c = T::from_f64`.
-const WRITTEN_OUT: usize = 3;
 
 /// A component of a result.
 #[derive(Clone, Debug)]
@@ -54,41 +45,64 @@ pub(super) enum Statement {
     /// `let local = tree;`
     Let(usize, Tree),
     /// `let (sin, cos) = angle.sin_cos();`
-    SinCos(usize, usize, Tree),
+    SinCos([usize; 2], Tree),
+    /// `let local = T::select(condition, || …, || …);`, of several locals `let [a, b] = T::select_each(…);`
+    Branch(Vec<usize>, Tree, [Block; 2]),
+    /// `let local: &dyn Fn() -> T = &|| …; let local = LazyCell::new(local);`
+    OnDemand(usize, Block),
 }
 
 impl Statement {
-    /// The expression on its right.
-    pub(super) fn tree(&self) -> &Tree {
+    /// The expressions in it.
+    pub(super) fn trees(&self) -> Vec<&Tree> {
         match self {
-            Statement::Let(_, tree) | Statement::SinCos(_, _, tree) => tree,
+            Statement::Let(_, tree) | Statement::SinCos(_, tree) => vec![tree],
+            Statement::Branch(_, condition, [then, otherwise]) => {
+                std::iter::once(condition).chain(then.trees()).chain(otherwise.trees()).collect()
+            }
+            Statement::OnDemand(_, block) => block.trees(),
         }
     }
 
     /// The locals that it binds.
-    pub(super) fn binds(&self) -> impl Iterator<Item = usize> {
-        let (first, second) = match *self {
-            Statement::Let(local, _) => (local, None),
-            Statement::SinCos(sin, cos, _) => (sin, Some(cos)),
-        };
-        std::iter::once(first).chain(second)
+    pub(super) fn binds(&self) -> &[usize] {
+        match self {
+            Statement::Let(local, _) | Statement::OnDemand(local, _) => std::slice::from_ref(local),
+            Statement::SinCos(locals, _) => locals,
+            Statement::Branch(locals, ..) => locals,
+        }
+    }
+}
+
+/// Statements, and what comes of them.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Block {
+    pub(super) statements: Vec<Statement>,
+    pub(super) results: Vec<Tree>,
+}
+
+impl Block {
+    /// The expressions in it, blocks within it included.
+    pub(super) fn trees(&self) -> Vec<&Tree> {
+        self.statements.iter().flat_map(Statement::trees).chain(&self.results).collect()
     }
 }
 
 /// A body before it is printed.
 #[derive(Clone, Debug)]
 pub(super) struct Body<'n> {
-    names: &'n Names,
+    pub(super) names: &'n Names,
     scope: Scope,
     /// What the familiar constants are called.
-    familiar: [String; FAMILIAR.len()],
+    pub(super) familiar: [String; FAMILIAR.len()],
     /// What `T::from_f64` is called.
-    convert: String,
+    pub(super) convert: String,
     /// The names of the locals.
     pub(super) locals: Vec<String>,
-    pub(super) statements: Vec<Statement>,
-    /// In the order of the components.
-    pub(super) results: Vec<Tree>,
+    /// Those that are computed on demand.
+    pub(super) on_demand: BTreeSet<usize>,
+    /// Its results are in the order of the components.
+    pub(super) block: Block,
 }
 
 impl<'n> Body<'n> {
@@ -96,22 +110,12 @@ impl<'n> Body<'n> {
     pub(super) fn new(program: &Program, components: &[Component], names: &'n Names, mut scope: Scope) -> Self {
         let familiar = FAMILIAR.map(|(_, name)| scope.unique(name));
         let convert = scope.unique("c");
-        let (locals, statements, results) = (Vec::new(), Vec::new(), Vec::new());
-        let body = Body { names, scope, familiar, convert, locals, statements, results };
-        let mut writer = Writer::new(program, components, body);
+        let (locals, on_demand, block) = (Vec::new(), BTreeSet::new(), Block::default());
+        let body = Body { names, scope, familiar, convert, locals, on_demand, block };
+        let (program, components) = restricted(program, components);
+        let mut writer = Writer::new(&program, &components, body);
         writer.write();
-        writer.finish(components)
-    }
-
-    /// Statements, then results: all trees.
-    pub(super) fn trees(&self) -> impl Iterator<Item = &Tree> {
-        self.statements.iter().map(Statement::tree).chain(&self.results)
-    }
-
-    fn bind(&mut self, tree: Tree, wish: Option<String>) -> Tree {
-        let local = self.local(wish);
-        self.statements.push(Statement::Let(local, tree));
-        Tree::Local(local)
+        writer.finish(&components)
     }
 
     fn local(&mut self, wish: Option<String>) -> usize {
@@ -129,7 +133,8 @@ impl<'n> Body<'n> {
         matches!(tree, Tree::Local(i) if self.locals[*i] == name)
     }
 
-    fn name(&self, leaf: &Tree) -> &str {
+    /// The name of a symbol, a hoisted value or a local.
+    pub(super) fn name(&self, leaf: &Tree) -> &str {
         match leaf {
             Tree::Symbol(symbol) => self.names.symbol(*symbol),
             Tree::Hoisted(k) => &self.names.hoisted[*k as usize],
@@ -141,6 +146,7 @@ impl<'n> Body<'n> {
             | Tree::Mul(..)
             | Tree::Div(..)
             | Tree::Less(..)
+            | Tree::LessEqual(..)
             | Tree::And(..)
             | Tree::Not(_)
             | Tree::Select(..)
@@ -161,7 +167,7 @@ impl<'n> Body<'n> {
             Tree::Symbol(_) | Tree::Hoisted(_) | Tree::Local(_) => self.name(tree).len(),
             Tree::Neg(_) | Tree::Not(_) => 1,
             Tree::Add(..) | Tree::Sub(..) | Tree::Mul(..) | Tree::Div(..) | Tree::And(..) => 3,
-            Tree::Less(..) => 7,
+            Tree::Less(..) | Tree::LessEqual(..) => 7,
             Tree::Select(..) => LONGEST.1,
             Tree::Method(name, _, arguments) => name.len() + 3 + 2 * arguments.len().saturating_sub(1),
         };
@@ -177,9 +183,13 @@ impl<'n> Body<'n> {
         let words = match tree {
             Tree::Symbol(_) | Tree::Hoisted(_) | Tree::Local(_) => self.name(tree).to_string(),
             Tree::Constant(value) if value.fract() == 0.0 && (0.0..100.0).contains(value) => format!("{value}"),
-            Tree::Constant(_) | Tree::Div(..) | Tree::Less(..) | Tree::And(..) | Tree::Not(_) | Tree::Select(..) => {
-                return None;
-            }
+            Tree::Constant(_)
+            | Tree::Div(..)
+            | Tree::Less(..)
+            | Tree::LessEqual(..)
+            | Tree::And(..)
+            | Tree::Not(_)
+            | Tree::Select(..) => return None,
             Tree::Neg(a) => format!("minus_{}", self.describe(a)?),
             Tree::Add(a, b) => format!("{}_plus_{}", self.describe(a)?, self.describe(b)?),
             Tree::Sub(a, b) => format!("{}_minus_{}", self.describe(a)?, self.describe(b)?),
@@ -205,6 +215,10 @@ struct Writer<'p, 'n> {
     wishes: BTreeMap<Value, String>,
     /// The values that are known and not used up.
     trees: Vec<Option<Tree>>,
+    /// The statements of each region, those of finished ones taken.
+    statements: Vec<Vec<Statement>>,
+    /// The region that is written to.
+    region: Region,
     body: Body<'n>,
 }
 
@@ -234,9 +248,14 @@ impl<'p, 'n> Writer<'p, 'n> {
             }
         }
         let both = |(angle, [sin, cos]): (Value, [Option<Value>; 2])| Some((angle, (sin?, cos?)));
-        let pairs: BTreeMap<_, _> = angles.into_iter().filter_map(both).collect();
+        let together = |&(_, (sin, cos)): &(Value, (Value, Value))| {
+            let [sin, cos] = [sin, cos].map(|value| program.regions.place(value));
+            sin == cos && sin.on_demand.is_none()
+        };
+        let pairs: BTreeMap<_, _> = angles.into_iter().filter_map(both).filter(together).collect();
         pairs.keys().for_each(|angle| uses[angle.index()] -= 1);
-        Writer { program, uses, pairs, wishes, trees: vec![None; program.instructions.len()], body }
+        let (trees, statements) = (vec![None; uses.len()], vec![Vec::new(); program.regions.count()]);
+        Writer { program, uses, pairs, wishes, trees, statements, region: Region::BODY, body }
     }
 
     fn write(&mut self) {
@@ -244,16 +263,64 @@ impl<'p, 'n> Writer<'p, 'n> {
             if self.uses[i] == 0 || self.trees[i].is_some() {
                 continue;
             }
+            let place = self.program.regions.place(value(i));
+            self.region = place.on_demand.unwrap_or(place.region);
             if let Instruction::Call(Function::Sin | Function::Cos, angle) = instruction
                 && let Some(&(sin, cos)) = self.pairs.get(&angle)
             {
                 self.sin_cos(angle, sin, cos);
                 continue;
             }
-            let tree = self.tree(instruction);
+            if let Some(branch) = self.program.regions.branch(value(i)) {
+                self.branch(branch);
+            }
+            let tree = match self.trees[i].take() {
+                Some(selected) => selected,
+                None => self.tree(instruction),
+            };
+            if place.on_demand.is_some() {
+                self.trees[i] = Some(self.on_demand(value(i), tree, place));
+                continue;
+            }
             let shared = (self.uses[i] > 1 && !tree.is_free()) || matches!(tree, Tree::Select(..));
             self.trees[i] = Some(if shared { self.bind(value(i), tree) } else { tree });
         }
+    }
+
+    /// Selections on one condition.
+    fn branch(&mut self, branch: &Branch) {
+        let selections = &branch.selections;
+        let condition = self.take(branch.condition);
+        let sides = [0, 1].map(|side| {
+            let results = selections.iter().map(|&selection| match self.program.instructions[selection.index()] {
+                Instruction::Select(_, a, b) => self.take([a, b][side]),
+                other => unreachable!("a branch selects, {other:?} does not"),
+            });
+            let results = results.collect();
+            Block { statements: std::mem::take(&mut self.statements[branch.sides[side].index()]), results }
+        });
+        let locals: Vec<usize> = selections.iter().map(|&s| self.body.local(self.wishes.get(&s).cloned())).collect();
+        for (selection, &local) in selections.iter().zip(&locals) {
+            self.trees[selection.index()] = Some(Tree::Local(local));
+        }
+        self.push(Statement::Branch(locals, condition, sides));
+    }
+
+    /// A value that is computed when it is first asked for, where there is anything to compute.
+    fn on_demand(&mut self, value: Value, tree: Tree, place: Place) -> Tree {
+        let statements = std::mem::take(&mut self.statements[self.region.index()]);
+        if statements.is_empty() && tree.is_free() {
+            return tree;
+        }
+        let local = self.body.local(self.wish(value, &tree));
+        self.body.on_demand.insert(local);
+        self.region = place.region;
+        self.push(Statement::OnDemand(local, Block { statements, results: vec![tree] }));
+        Tree::Local(local)
+    }
+
+    fn push(&mut self, statement: Statement) {
+        self.statements[self.region.index()].push(statement);
     }
 
     /// One call for both.
@@ -264,7 +331,7 @@ impl<'p, 'n> Writer<'p, 'n> {
             let wish = words.as_ref().map(|words| format!("{}_{words}", function.name()));
             self.body.local(wish)
         });
-        self.body.statements.push(Statement::SinCos(first, second, angle));
+        self.push(Statement::SinCos([first, second], angle));
         self.trees[sin.index()] = Some(Tree::Local(first));
         self.trees[cos.index()] = Some(Tree::Local(second));
     }
@@ -281,13 +348,8 @@ impl<'p, 'n> Writer<'p, 'n> {
             Instruction::Div(a, b) => self.combine(Tree::div, a, b),
             Instruction::Sqrt(a) => self.call("sqrt", a),
             Instruction::Call(function, a) => self.call(function.name(), a),
-            Instruction::Less(a, b) => {
-                let [first, second] = [a, b].map(|operand| {
-                    let tree = self.take(operand);
-                    if tree.is_free() { tree } else { self.bind(operand, tree) }
-                });
-                Tree::Less(Box::new(first), Box::new(second))
-            }
+            Instruction::Less(a, b) => self.comparison(Tree::Less, a, b),
+            Instruction::LessEqual(a, b) => self.comparison(Tree::LessEqual, a, b),
             Instruction::And(a, b) => Tree::And(Box::new(self.take(a)), Box::new(self.take(b))),
             Instruction::Not(a) => Tree::Not(Box::new(self.take(a))),
             Instruction::Select(c, a, b) => {
@@ -298,6 +360,15 @@ impl<'p, 'n> Writer<'p, 'n> {
                 self.combine(|a, b| Tree::Method(function.name(), Box::new(a), vec![b]), a, b)
             }
         }
+    }
+
+    /// A comparison of names: it is written again wherever it is asked.
+    fn comparison(&mut self, comparison: fn(Box<Tree>, Box<Tree>) -> Tree, a: Value, b: Value) -> Tree {
+        let [a, b] = [a, b].map(|operand| {
+            let tree = self.take(operand);
+            Box::new(if tree.is_free() { tree } else { self.bind(operand, tree) })
+        });
+        comparison(a, b)
     }
 
     fn call(&mut self, name: &'static str, a: Value) -> Tree {
@@ -340,12 +411,18 @@ impl<'p, 'n> Writer<'p, 'n> {
     }
 
     fn bind(&mut self, value: Value, tree: Tree) -> Tree {
-        let wish = self.wishes.get(&value).cloned().or_else(|| match &tree {
-            Tree::Method(_, _, rest) if rest.is_empty() => self.body.describe(&tree),
+        let local = self.body.local(self.wish(value, &tree));
+        self.push(Statement::Let(local, tree));
+        Tree::Local(local)
+    }
+
+    /// What a value would be called.
+    fn wish(&self, value: Value, tree: &Tree) -> Option<String> {
+        self.wishes.get(&value).cloned().or_else(|| match tree {
+            Tree::Method(_, _, rest) if rest.is_empty() => self.body.describe(tree),
             Tree::Mul(a, b) if a == b => self.body.describe(a).map(|words| format!("{words}_squared")),
             _ => None,
-        });
-        self.body.bind(tree, wish)
+        })
     }
 
     /// The results: short ones as they are.
@@ -355,6 +432,7 @@ impl<'p, 'n> Writer<'p, 'n> {
             2..=9 => IN_RESULT[0],
             _ => IN_RESULT[1],
         };
+        self.region = Region::BODY;
         for component in components {
             let tree = match component {
                 Component::Zero => Tree::Constant(0.0),
@@ -364,10 +442,26 @@ impl<'p, 'n> Writer<'p, 'n> {
                     if tree.operations() > longest { self.bind(value, tree) } else { tree }
                 }
             };
-            self.body.results.push(tree);
+            self.body.block.results.push(tree);
         }
+        self.body.block.statements = self.statements.swap_remove(Region::BODY.index());
         self.body
     }
+}
+
+/// The program as far as these components need it, and the components with the numbers of its results.
+fn restricted(program: &Program, components: &[Component]) -> (Program, Vec<Component>) {
+    let (mut results, mut restricted) = (Vec::new(), Vec::new());
+    for component in components {
+        restricted.push(match component {
+            Component::Zero => Component::Zero,
+            Component::Result(number, wish) => {
+                results.push(program.results[*number]);
+                Component::Result(results.len() - 1, wish.clone())
+            }
+        });
+    }
+    (Program::new(program.instructions.clone(), results), restricted)
 }
 
 fn value(index: usize) -> Value {
@@ -375,225 +469,6 @@ fn value(index: usize) -> Value {
 }
 
 /// Its number among the familiar constants, but for its sign.
-fn familiar(value: f64) -> Option<usize> {
+pub(super) fn familiar(value: f64) -> Option<usize> {
     FAMILIAR.iter().position(|(number, _)| *number == value.abs())
-}
-
-/// A body with its constants counted, ready to be printed.
-pub(super) struct Text<'b, 'n> {
-    body: &'b Body<'n>,
-    /// Which of the familiar constants are bound.
-    bound: [bool; FAMILIAR.len()],
-    /// Whether other constants are `c(…)`.
-    abbreviated: bool,
-    /// The fields that are read.
-    fields: BTreeSet<u32>,
-}
-
-impl<'b, 'n> Text<'b, 'n> {
-    pub(super) fn new(body: &'b Body<'n>) -> Self {
-        let (mut uses, mut others) = ([0; FAMILIAR.len()], 0);
-        let mut fields = BTreeSet::new();
-        each_leaf(body.trees(), &mut |leaf| match leaf {
-            Tree::Constant(value) => *familiar(*value).map_or(&mut others, |i| &mut uses[i]) += 1,
-            Tree::Hoisted(k) => fields.extend([*k]),
-            _ => {}
-        });
-        // `T::zero()` and `T::one()` speak for themselves.
-        let is_bound = |i: usize| uses[i] > 1 || (uses[i] == 1 && !matches!(FAMILIAR[i].0, 0.0 | 1.0));
-        Text { body, bound: std::array::from_fn(is_bound), abbreviated: others > WRITTEN_OUT, fields }
-    }
-
-    /// `let [x, theta] = *q;`, …: the arguments and fields that the body reads, taken apart; parameters come from `params`.
-    pub(super) fn arguments(&self, derivation: &Derivation, params: &TokenStream) -> TokenStream {
-        let mut symbols = BTreeSet::new();
-        each_leaf(self.body.trees(), &mut |leaf| {
-            if let Tree::Symbol(symbol) = leaf {
-                symbols.insert(*symbol);
-            }
-        });
-        let names = self.body.names;
-        let component = |symbol: Symbol| symbols.contains(&symbol).then(|| names.symbol(symbol));
-        let n = derivation.dof();
-        let inputs = derivation.inputs.iter().map(Variable::count).sum();
-        let array = |count: usize, symbol: fn(u32) -> Symbol, argument: &str| {
-            pattern((0..count).map(|i| component(symbol(i as u32)))).map(|pattern| {
-                let argument = ident(argument);
-                quote!(let #pattern = *#argument;)
-            })
-        };
-        let q = array(n, Symbol::Coordinate, "q");
-        let qd = array(n, Symbol::Velocity, "qd");
-        let qdd = array(n, Symbol::Acceleration, "qdd");
-        let u = array(inputs, Symbol::Input, "u");
-        let multipliers = array(derivation.constraints.len(), Symbol::Multiplier, "multipliers");
-        let signals = 0..derivation.prescribed.iter().map(Variable::count).sum::<usize>() as u32;
-        let used = |i: u32| (0..3).any(|order| component(Symbol::Prescribed(i, order)).is_some());
-        let prescribed = signals.clone().any(used).then(|| {
-            let rows = signals.map(|i| {
-                let row = pattern((0..3).map(|order| component(Symbol::Prescribed(i, order))));
-                row.unwrap_or_else(|| quote!(_))
-            });
-            quote!(let [#(#rows),*] = *prescribed;)
-        });
-        let fields = self.fields.iter().map(|k| ident(&names.hoisted[*k as usize]));
-        let bound = self.binds_fields() && !self.fields.is_empty();
-        let own = bound.then(|| quote!(let Self { #(#fields,)* .. } = *self;));
-        let parameters = parameters(derivation, names, component).map(|pattern| quote!(let #pattern = #params;));
-        quote!(#q #qd #qdd #u #prescribed #multipliers #own #parameters)
-    }
-
-    fn binds_fields(&self) -> bool {
-        self.fields.len() <= FIELDS
-    }
-
-    /// The tokens of an expression.
-    pub(super) fn tree(&self, tree: &Tree) -> TokenStream {
-        expression::print(tree, self)
-    }
-
-    /// `let half = T::from_f64(0.5);`, …
-    pub(super) fn constants(&self) -> TokenStream {
-        let bound = (0..FAMILIAR.len()).filter(|&i| self.bound[i]).map(|i| {
-            let (local, value) = (ident(&self.body.familiar[i]), written_out(FAMILIAR[i].0));
-            quote!(let #local = #value;)
-        });
-        let convert = ident(&self.body.convert);
-        let abbreviation = self.abbreviated.then(|| quote!(let #convert = T::from_f64;));
-        quote!(#(#bound)* #abbreviation)
-    }
-
-    /// A statement; locals that are `declared` before are assigned to.
-    pub(super) fn statement(&self, statement: &Statement, declared: &BTreeSet<usize>) -> TokenStream {
-        let binding = statement.binds().all(|local| !declared.contains(&local)).then(|| quote!(let));
-        let local = |i: &usize| ident(&self.body.locals[*i]);
-        match statement {
-            Statement::Let(i, tree) => {
-                let (local, tree) = (local(i), self.tree(tree));
-                quote!(#binding #local = #tree;)
-            }
-            Statement::SinCos(sin, cos, angle) => {
-                let (sin, cos) = (local(sin), local(cos));
-                let pair = self.tree(&Tree::Method("sin_cos", Box::new(angle.clone()), Vec::new()));
-                quote!(#binding (#sin, #cos) = #pair;)
-            }
-        }
-    }
-}
-
-impl Leaves for Text<'_, '_> {
-    fn constant(&self, value: f64) -> TokenStream {
-        match familiar(value) {
-            Some(i) => {
-                let sign = self.is_signed(value).then(|| quote!(-));
-                if self.bound[i] {
-                    let name = ident(&self.body.familiar[i]);
-                    quote!(#sign #name)
-                } else {
-                    let value = written_out(value.abs());
-                    quote!(#sign #value)
-                }
-            }
-            None if self.abbreviated => {
-                let (convert, value) = (ident(&self.body.convert), number(value));
-                quote!(#convert(#value))
-            }
-            None => written_out(value),
-        }
-    }
-
-    fn is_signed(&self, value: f64) -> bool {
-        value.is_sign_negative() && familiar(value).is_some()
-    }
-
-    fn leaf(&self, leaf: &Tree) -> TokenStream {
-        let name = ident(self.body.name(leaf));
-        match leaf {
-            Tree::Hoisted(_) if !self.binds_fields() => quote!(self.#name),
-            _ => quote!(#name),
-        }
-    }
-}
-
-/// `T::from_f64(0.295242)`
-pub(super) fn written_out(value: f64) -> TokenStream {
-    if value == 0.0 && value.is_sign_positive() {
-        quote!(T::zero())
-    } else if value == 1.0 {
-        quote!(T::one())
-    } else {
-        let value = number(value);
-        quote!(T::from_f64(#value))
-    }
-}
-
-/// A literal, or π.
-pub(super) fn number(value: f64) -> TokenStream {
-    if value == std::f64::consts::PI { quote!(::core::f64::consts::PI) } else { literal(value) }
-}
-
-/// Calls `found` with every leaf.
-pub(super) fn each_leaf<'t>(trees: impl Iterator<Item = &'t Tree>, found: &mut impl FnMut(&'t Tree)) {
-    for tree in trees {
-        match tree {
-            Tree::Constant(_) | Tree::Symbol(_) | Tree::Hoisted(_) | Tree::Local(_) => found(tree),
-            Tree::Neg(_)
-            | Tree::Add(..)
-            | Tree::Sub(..)
-            | Tree::Mul(..)
-            | Tree::Div(..)
-            | Tree::Method(..)
-            | Tree::Less(..)
-            | Tree::And(..)
-            | Tree::Not(_)
-            | Tree::Select(..) => each_leaf(tree.children().into_iter(), found),
-        }
-    }
-}
-
-/// `[x, _]`; `None` where no component is named.
-fn pattern<'a>(components: impl Iterator<Item = Option<&'a str>>) -> Option<TokenStream> {
-    let components: Vec<_> = components.collect();
-    let read = components.iter().rposition(Option::is_some)? + 1;
-    let unread = components.len() - read;
-    let shown = components[..read].iter().map(|component| match component {
-        Some(name) => {
-            let name = ident(name);
-            quote!(#name)
-        }
-        None => quote!(_),
-    });
-    let rest = match unread {
-        0 => None,
-        1 => Some(quote!(_)),
-        _ => Some(quote!(..)),
-    };
-    let shown = shown.chain(rest);
-    Some(quote!([#(#shown),*]))
-}
-
-/// `Params { m, length, .. }`
-fn parameters<'a>(
-    derivation: &Derivation,
-    names: &Names,
-    component: impl Fn(Symbol) -> Option<&'a str>,
-) -> Option<TokenStream> {
-    let mut fields = Vec::new();
-    for (parameter, field) in derivation.parameters.iter().zip(&names.fields) {
-        let symbol = |i: usize| Symbol::Parameter((parameter.first + i) as u32);
-        let name = ident(field);
-        fields.extend(match parameter.length {
-            None => component(symbol(0)).map(|local| {
-                if local == field {
-                    quote!(#name)
-                } else {
-                    let local = ident(local);
-                    quote!(#name: #local)
-                }
-            }),
-            Some(count) => pattern((0..count).map(|i| component(symbol(i)))).map(|pattern| quote!(#name: #pattern)),
-        });
-    }
-    let rest = (fields.len() < derivation.parameters.len()).then(|| quote!(..));
-    (!fields.is_empty()).then(|| quote!(Params { #(#fields,)* #rest }))
 }

@@ -31,6 +31,8 @@ pub(super) enum Tree {
     Method(&'static str, Box<Tree>, Vec<Tree>),
     /// `a < b`, a condition
     Less(Box<Tree>, Box<Tree>),
+    /// `a <= b`, a condition
+    LessEqual(Box<Tree>, Box<Tree>),
     /// Both conditions hold
     And(Box<Tree>, Box<Tree>),
     /// The condition does not hold
@@ -130,7 +132,7 @@ impl Tree {
             Tree::Symbol(_) | Tree::Hoisted(_) | Tree::Local(_) | Tree::Add(..) | Tree::Sub(..) | Tree::Method(..) => {
                 false
             }
-            Tree::Less(..) | Tree::And(..) | Tree::Not(_) | Tree::Select(..) => false,
+            Tree::Less(..) | Tree::LessEqual(..) | Tree::And(..) | Tree::Not(_) | Tree::Select(..) => false,
         }
     }
 
@@ -153,7 +155,7 @@ impl Tree {
             Tree::Constant(_) | Tree::Symbol(_) | Tree::Hoisted(_) | Tree::Local(_) => true,
             Tree::Neg(a) | Tree::Not(a) => a.is_free(),
             // A condition is written again wherever it is asked: a comparison of what is known.
-            Tree::Less(a, b) | Tree::And(a, b) => a.is_free() && b.is_free(),
+            Tree::Less(a, b) | Tree::LessEqual(a, b) | Tree::And(a, b) => a.is_free() && b.is_free(),
             Tree::Add(..) | Tree::Sub(..) | Tree::Mul(..) | Tree::Div(..) | Tree::Method(..) | Tree::Select(..) => {
                 false
             }
@@ -170,6 +172,7 @@ impl Tree {
             | Tree::Mul(a, b)
             | Tree::Div(a, b)
             | Tree::Less(a, b)
+            | Tree::LessEqual(a, b)
             | Tree::And(a, b) => {
                 vec![a, b]
             }
@@ -183,8 +186,8 @@ impl Tree {
         let own = match self {
             Tree::Constant(_) | Tree::Symbol(_) | Tree::Hoisted(_) | Tree::Local(_) | Tree::Neg(_) => 0,
             Tree::Not(_) => 0,
-            Tree::Add(..) | Tree::Sub(..) | Tree::Mul(..) | Tree::Div(..) | Tree::Less(..) | Tree::And(..) => 1,
-            Tree::Select(..) => 1,
+            Tree::Add(..) | Tree::Sub(..) | Tree::Mul(..) | Tree::Div(..) | Tree::And(..) => 1,
+            Tree::Less(..) | Tree::LessEqual(..) | Tree::Select(..) => 1,
             Tree::Method(_, _, arguments) => arguments.len().max(1),
         };
         own + self.children().into_iter().map(Tree::operations).sum::<usize>()
@@ -205,7 +208,8 @@ impl Tree {
             Tree::Symbol(Symbol::Multiplier(i)) => (2, (8 << 32) + u64::from(*i)),
             Tree::Local(i) => (3, *i as u64),
             Tree::Neg(a) | Tree::Mul(a, _) | Tree::Div(a, _) => a.key(),
-            Tree::Method(..) | Tree::Less(..) | Tree::And(..) | Tree::Not(_) | Tree::Select(..) => (4, 0),
+            Tree::Method(..) | Tree::Less(..) | Tree::LessEqual(..) => (4, 0),
+            Tree::And(..) | Tree::Not(_) | Tree::Select(..) => (4, 0),
             Tree::Add(..) | Tree::Sub(..) => (5, 0),
         }
     }
@@ -217,8 +221,10 @@ pub(super) trait Leaves {
     fn constant(&self, value: f64) -> TokenStream;
     /// Whether a negative constant comes out with its sign in front.
     fn is_signed(&self, value: f64) -> bool;
-    /// The name of a symbol, a hoisted value or a local.
+    /// The name of a symbol, a hoisted value or a local; of a value computed on demand `*name`.
     fn leaf(&self, leaf: &Tree) -> TokenStream;
+    /// Whether that is a value computed on demand.
+    fn is_on_demand(&self, leaf: &Tree) -> bool;
 }
 
 /// The tokens of an expression.
@@ -232,7 +238,10 @@ fn within(tree: &Tree, leaves: &impl Leaves, least: Precedence) -> TokenStream {
             let signed = leaves.is_signed(*value);
             (if signed { Precedence::Sign } else { Precedence::Method }, leaves.constant(*value))
         }
-        Tree::Symbol(_) | Tree::Hoisted(_) | Tree::Local(_) => (Precedence::Method, leaves.leaf(tree)),
+        Tree::Symbol(_) | Tree::Hoisted(_) | Tree::Local(_) => {
+            let starred = leaves.is_on_demand(tree);
+            (if starred { Precedence::Sign } else { Precedence::Method }, leaves.leaf(tree))
+        }
         Tree::Neg(a) => {
             let a = within(a, leaves, Precedence::Method);
             (Precedence::Sign, quote!(-#a))
@@ -257,6 +266,10 @@ fn within(tree: &Tree, leaves: &impl Leaves, least: Precedence) -> TokenStream {
             let (a, b) = (within(a, leaves, Precedence::Method), print(b, leaves));
             (Precedence::Method, quote!(#a.less(#b)))
         }
+        Tree::LessEqual(a, b) => {
+            let (a, b) = (within(a, leaves, Precedence::Method), print(b, leaves));
+            (Precedence::Method, quote!(#a.less_equal(#b)))
+        }
         Tree::And(a, b) => {
             let (a, b) = (within(a, leaves, Precedence::Method), within(b, leaves, Precedence::Method));
             (Precedence::Any, quote!(#a & #b))
@@ -266,8 +279,10 @@ fn within(tree: &Tree, leaves: &impl Leaves, least: Precedence) -> TokenStream {
             (Precedence::Sign, quote!(!#a))
         }
         Tree::Select(c, a, b) => {
+            let known = [a, b].iter().all(|side| side.is_free() && !asks(side, leaves));
             let [c, a, b] = [c, a, b].map(|part| print(part, leaves));
-            (Precedence::Method, quote!(T::select(#c, || #a, || #b)))
+            let select = if known { quote!(T::blend(#c, #a, #b)) } else { quote!(T::select(#c, || #a, || #b)) };
+            (Precedence::Method, select)
         }
         Tree::Method(name, a, arguments) => {
             let (name, a) = (ident(name), within(a, leaves, Precedence::Method));
@@ -276,6 +291,11 @@ fn within(tree: &Tree, leaves: &impl Leaves, least: Precedence) -> TokenStream {
         }
     };
     if precedence < least { quote!((#tokens)) } else { tokens }
+}
+
+/// Whether a value that is computed on demand is in it.
+fn asks(tree: &Tree, leaves: &impl Leaves) -> bool {
+    leaves.is_on_demand(tree) || tree.children().into_iter().any(|part| asks(part, leaves))
 }
 
 /// The shortest literal that reads back as `value`, its sign in front.
@@ -306,6 +326,9 @@ mod tests {
                 Tree::Local(3) => quote!(d),
                 _ => quote!(k),
             }
+        }
+        fn is_on_demand(&self, _: &Tree) -> bool {
+            false
         }
     }
 

@@ -8,8 +8,9 @@ use crate::model::Variable;
 use crate::model::lagrangian::component_names;
 use crate::optimise::{Argument, Completion, Derivation, Function, FunctionKind, Shape};
 
-use super::body::{self, Body, Component, Text};
+use super::body::{Body, Component};
 use super::name::{Names, Scope, ident, identifier};
+use super::text::{self, Text};
 use super::{Options, doc, module_name, segment};
 
 /// The functions of the trait `Mechanism`.
@@ -208,8 +209,9 @@ impl<'d> Emitter<'d> {
         let body = Body::new(&self.derivation.constructor, &components, self.names, scope);
         let text = Text::new(&body);
         let arguments = text.arguments(self.derivation, &quote!(params));
-        let (constants, statements) = (text.constants(), segment::statements(&body, &text));
-        let fields = hoisted.iter().zip(&body.results).map(|(&k, tree)| {
+        let (constants, statements) =
+            (text.constants(), segment::statements(&body.block.statements, &body.block.results, &text));
+        let fields = hoisted.iter().zip(&body.block.results).map(|(&k, tree)| {
             let (field, value) = (ident(&self.names.hoisted[k]), text.tree(tree));
             if body.is_called(tree, &self.names.hoisted[k]) { quote!(#field,) } else { quote!(#field: #value,) }
         });
@@ -284,8 +286,9 @@ impl<'d> Emitter<'d> {
         let multipliers = (solves && uses(|symbol| matches!(symbol, Symbol::Multiplier(_))))
             .then(|| self.called("multipliers", &FunctionKind::Multipliers));
         let arguments = text.arguments(self.derivation, &quote!(self.params));
-        let (constants, statements) = (text.constants(), segment::statements(&body, &text));
-        let mut values = body.results.iter().map(|tree| text.tree(tree));
+        let (constants, statements) =
+            (text.constants(), segment::statements(&body.block.statements, &body.block.results, &text));
+        let mut values = body.block.results.iter().map(|tree| text.tree(tree));
         let finish = match function.completion {
             Completion::None => self.returned(function, &mut values),
             Completion::Solve | Completion::SolveMultipliers if !self.derivation.constraints.is_empty() => {
@@ -558,13 +561,13 @@ fn array(of: TokenStream, length: Option<usize>) -> TokenStream {
 fn default(parameter: &Variable) -> TokenStream {
     let values: Vec<f64> = parameter.defaults.iter().copied().map(Number::to_f64).collect();
     match (parameter.length, values.as_slice()) {
-        (None, [value]) => body::written_out(*value),
+        (None, [value]) => text::written_out(*value),
         (Some(n), [first, rest @ ..]) if rest.iter().all(|value| value == first) => {
-            let (value, n) = (body::written_out(*first), Literal::usize_unsuffixed(n));
+            let (value, n) = (text::written_out(*first), Literal::usize_unsuffixed(n));
             quote!([#value; #n])
         }
         (_, values) => {
-            let values = values.iter().map(|value| body::number(*value));
+            let values = values.iter().map(|value| text::number(*value));
             quote!([#(#values),*].map(T::from_f64))
         }
     }

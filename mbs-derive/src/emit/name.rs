@@ -243,6 +243,7 @@ fn grade(
         | Instruction::Sqrt(_)
         | Instruction::Call(..)
         | Instruction::Less(..)
+        | Instruction::LessEqual(..)
         | Instruction::And(..)
         | Instruction::Not(_)
         | Instruction::Select(..)

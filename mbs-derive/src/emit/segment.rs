@@ -9,66 +9,67 @@
 //! arm), 0.9 s for 33 000 and 3 s for 73 000 (pendulums of 18 and 24 links); in functions that hand their values over in
 //! an array it takes two to four times as long.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use proc_macro2::{Literal, TokenStream};
 use quote::quote;
 
-use super::body::{Body, Statement, Text, each_leaf};
+use super::body::Statement;
 use super::expression::Tree;
 use super::name::ident;
+use super::text::{Text, each_leaf};
 
 /// Statements in one block.
 const LONGEST: usize = 1000;
 
-/// The statements of a body, in blocks if they are many.
-pub(super) fn statements(body: &Body<'_>, text: &Text<'_, '_>) -> TokenStream {
-    let count = body.statements.len();
-    let length = count.div_ceil(count.div_ceil(LONGEST).max(1)).max(1);
-    if count <= length {
-        let statements = body.statements.iter().map(|s| text.statement(s, &BTreeSet::new()));
+/// Statements, in blocks if they are many; `results` follow them. What is computed on demand stands between the blocks: its
+/// type has no name, so it cannot be declared before.
+pub(super) fn statements(statements: &[Statement], results: &[Tree], text: &Text<'_, '_>) -> TokenStream {
+    let count = statements.len();
+    if count <= LONGEST {
+        let statements = statements.iter().map(|s| text.statement(s, &BTreeSet::new()));
         return quote!(#(#statements)*);
     }
-    let leaving = leaving(body, length);
-    let names = leaving.iter().map(|local| ident(&body.locals[*local]));
-    let blocks = body.statements.chunks(length).map(|block| {
-        let statements = block.iter().map(|s| text.statement(s, &leaving));
-        quote!({ #(#statements)* })
+    let length = count.div_ceil(count.div_ceil(LONGEST));
+    let pieces: Vec<&[Statement]> =
+        statements.chunk_by(|a, b| !is_on_demand(a) && !is_on_demand(b)).flat_map(|run| run.chunks(length)).collect();
+    let leaving = leaving(&pieces, results);
+    let names = leaving.iter().map(|local| ident(text.local(*local)));
+    let blocks = pieces.iter().map(|piece| {
+        let statements = piece.iter().map(|s| text.statement(s, &leaving));
+        if piece.iter().any(is_on_demand) { quote!(#(#statements)*) } else { quote!({ #(#statements)* }) }
     });
     let count = Literal::usize_unsuffixed(leaving.len());
     quote!(let [#(#names),*]: [T; #count]; #(#blocks)*)
 }
 
-/// The locals that are read outside of the block that binds them.
-fn leaving(body: &Body<'_>, length: usize) -> BTreeSet<usize> {
-    let mut blocks = vec![0; body.locals.len()];
-    for (i, statement) in body.statements.iter().enumerate() {
-        statement.binds().for_each(|local| blocks[local] = i / length);
-    }
-    let mut leaving = BTreeSet::new();
-    for (i, statement) in body.statements.iter().enumerate() {
-        each_local(statement.tree(), |local| leaving.extend((blocks[local] != i / length).then_some(local)));
-    }
-    body.results.iter().for_each(|tree| each_local(tree, |local| leaving.extend([local])));
-    with_partners(body, leaving)
+fn is_on_demand(statement: &Statement) -> bool {
+    matches!(statement, Statement::OnDemand(..))
 }
 
-/// A sine and a cosine leave together.
-fn with_partners(body: &Body<'_>, mut leaving: BTreeSet<usize>) -> BTreeSet<usize> {
-    for statement in &body.statements {
-        if let Statement::SinCos(sin, cos, _) = statement
-            && (leaving.contains(sin) || leaving.contains(cos))
-        {
-            leaving.extend([*sin, *cos]);
-        }
+/// The locals that are read outside of the block that binds them; those of one statement leave together.
+fn leaving(pieces: &[&[Statement]], results: &[Tree]) -> BTreeSet<usize> {
+    let numbered = || pieces.iter().enumerate().flat_map(|(i, piece)| piece.iter().map(move |s| (i, s)));
+    let in_blocks = numbered().filter(|(_, statement)| !is_on_demand(statement));
+    let blocks: BTreeMap<usize, usize> =
+        in_blocks.flat_map(|(i, statement)| statement.binds().iter().map(move |&local| (local, i))).collect();
+    let mut read_outside = BTreeSet::new();
+    for (i, statement) in numbered() {
+        let outside = |local: &usize| blocks.get(local).is_some_and(|&block| block != i);
+        read_outside.extend(locals(statement.trees()).into_iter().filter(outside));
     }
-    leaving
+    read_outside.extend(locals(results.iter().collect()).into_iter().filter(|local| blocks.contains_key(local)));
+    let leaves = |statement: &&Statement| statement.binds().iter().any(|local| read_outside.contains(local));
+    numbered().map(|(_, statement)| statement).filter(leaves).flat_map(Statement::binds).copied().collect()
 }
 
-fn each_local(tree: &Tree, mut found: impl FnMut(usize)) {
-    each_leaf(std::iter::once(tree), &mut |leaf| {
+/// The locals in these expressions.
+fn locals(trees: Vec<&Tree>) -> BTreeSet<usize> {
+    let mut found = BTreeSet::new();
+    each_leaf(trees.into_iter(), &mut |leaf| {
         if let Tree::Local(local) = leaf {
-            found(*local);
+            found.insert(*local);
         }
     });
+    found
 }

@@ -164,7 +164,9 @@ impl<'g> Branches<'g> {
 pub(super) fn partials<'g>(expr: Expr<'g>) -> impl Iterator<Item = (Id, Partial<'g>)> {
     let graph = expr.graph();
     let (first, second) = match expr.node() {
-        Node::Constant(_) | Node::Symbol(_) | Node::Less(..) | Node::And(..) | Node::Not(_) => (None, None),
+        Node::Constant(_) | Node::Symbol(_) | Node::Less(..) | Node::LessEqual(..) | Node::And(..) | Node::Not(_) => {
+            (None, None)
+        }
         Node::Select(..) => unreachable!("branches are differentiated by `Branches`"),
         Node::Rate(_) => unreachable!("time derivatives are carried out before others"),
         Node::Neg(a) => (Some((a, Partial::MinusOne)), None),

@@ -91,6 +91,7 @@ fn infix(graph: &Graph, root: Id) -> String {
             }
             Node::Call(function, a) => (POWER, vec![Text(function.name()), Text("("), Operand(a, SUM), Text(")")]),
             Node::Less(a, b) => (SUM, vec![Operand(a, PRODUCT), Text(" < "), Operand(b, PRODUCT)]),
+            Node::LessEqual(a, b) => (SUM, vec![Operand(a, PRODUCT), Text(" <= "), Operand(b, PRODUCT)]),
             Node::And(a, b) => (SUM, vec![Operand(a, PRODUCT), Text(" && "), Operand(b, PRODUCT)]),
             Node::Not(a) => (NEGATION, vec![Text("!"), Operand(a, POWER)]),
             Node::Select(c, a, b) => (

@@ -80,6 +80,9 @@ impl<S: Value> Value for Dual<S> {
     fn less(self, other: Self) -> bool {
         self.value.less(other.value)
     }
+    fn less_equal(self, other: Self) -> bool {
+        self.value.less_equal(other.value)
+    }
 }
 
 /// The derivatives of the functions, over numbers.

@@ -27,6 +27,8 @@ pub trait Value: Copy {
     fn rate(self) -> Self;
     /// Whether `a < b`; derivatives do not count.
     fn less(self, other: Self) -> bool;
+    /// Whether `a <= b`, as IEEE 754 has it: not where one of them is NaN.
+    fn less_equal(self, other: Self) -> bool;
 }
 
 impl Value for f64 {
@@ -67,6 +69,9 @@ impl Value for f64 {
     fn less(self, other: f64) -> bool {
         self < other
     }
+    fn less_equal(self, other: f64) -> bool {
+        self <= other
+    }
 }
 
 /// A condition as a number.
@@ -104,6 +109,7 @@ impl Tape {
             Node::Call(function, a) => Node::Call(function, at(a)),
             Node::Call2(function, a, b) => Node::Call2(function, at(a), at(b)),
             Node::Less(a, b) => Node::Less(at(a), at(b)),
+            Node::LessEqual(a, b) => Node::LessEqual(at(a), at(b)),
             Node::And(a, b) => Node::And(at(a), at(b)),
             Node::Not(a) => Node::Not(at(a)),
             Node::Select(c, a, b) => Node::Select(at(c), at(a), at(b)),
@@ -129,6 +135,7 @@ impl Tape {
                 Node::Call(function, a) => v(a).call(function),
                 Node::Call2(function, a, b) => v(a).call2(function, v(b)),
                 Node::Less(a, b) => truth(v(a).less(v(b))),
+                Node::LessEqual(a, b) => truth(v(a).less_equal(v(b))),
                 Node::And(a, b) => truth(holds(v(a)) && holds(v(b))),
                 Node::Not(a) => truth(!holds(v(a))),
                 Node::Select(c, a, b) => {

@@ -108,6 +108,8 @@ pub enum Node {
     Call2(Binary, Id, Id),
     /// Whether `a < b`: 1 or 0; only as a condition.
     Less(Id, Id),
+    /// Whether `a <= b`: not where one of them is NaN, unlike `!(b < a)`.
+    LessEqual(Id, Id),
     /// Whether both conditions hold.
     And(Id, Id),
     /// Whether a condition does not hold.
@@ -127,6 +129,7 @@ impl Node {
             | Node::Mul(a, b)
             | Node::Call2(_, a, b)
             | Node::Less(a, b)
+            | Node::LessEqual(a, b)
             | Node::And(a, b) => [Some(a), Some(b), None],
             Node::Select(c, a, b) => [Some(c), Some(a), Some(b)],
         };
@@ -271,6 +274,7 @@ impl Arena {
             Node::And(a, b) => write(12, &[a, b]),
             Node::Not(a) => write(13, &[a]),
             Node::Select(c, a, b) => write(14, &[c, a, b]),
+            Node::LessEqual(a, b) => write(15, &[a, b]),
         }
         hasher.finish()
     }
@@ -565,9 +569,13 @@ impl<'g> Expr<'g> {
         }
     }
 
-    /// `self <= other`: that `other` is not less.
+    /// `self <= other`
     pub fn less_equal(self, other: Expr<'g>) -> Condition<'g> {
-        other.less(self).not()
+        let graph = self.graph;
+        match (self.as_constant(), other.as_constant()) {
+            (Some(a), Some(b)) if !graph.verbatim => graph.truth(!(b + -a).is_negative()),
+            _ => Condition(graph.intern(Node::LessEqual(self.id, other.id))),
+        }
     }
 }
 

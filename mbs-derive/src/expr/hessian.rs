@@ -90,6 +90,7 @@ fn create<'g>(expr: Expr<'g>, adjoint: Expr<'g>, adjoints: &Adjoints<'g>, edges:
         | Node::Sub(..)
         | Node::Mul(..)
         | Node::Less(..)
+        | Node::LessEqual(..)
         | Node::And(..)
         | Node::Not(_)
         | Node::Select(..) => {}

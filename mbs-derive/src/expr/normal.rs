@@ -160,7 +160,9 @@ impl<'g> Expansion<'g> {
             },
             Node::Call(function, a) => self.opaque(self.inner(a)?.call(function)),
             Node::Call2(function, a, b) => self.opaque(self.inner(a)?.call2(function, self.inner(b)?)),
-            Node::Less(..) | Node::And(..) | Node::Not(_) | Node::Select(..) => self.opaque(self.graph.expr(id)),
+            Node::Less(..) | Node::LessEqual(..) | Node::And(..) | Node::Not(_) | Node::Select(..) => {
+                self.opaque(self.graph.expr(id))
+            }
         })
     }
 

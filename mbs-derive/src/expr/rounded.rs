@@ -108,6 +108,9 @@ impl Value for Rounded {
     fn less(self, other: Self) -> bool {
         self.value < other.value
     }
+    fn less_equal(self, other: Self) -> bool {
+        self.value <= other.value
+    }
 }
 
 impl Rounded {

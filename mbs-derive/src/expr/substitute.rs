@@ -53,6 +53,7 @@ fn rebuild<'g>(graph: &'g Graph, node: Node, new: impl Fn(Id) -> Expr<'g>) -> Ex
         Node::Call(function, a) => new(a).call(function),
         Node::Call2(function, a, b) => new(a).call2(function, new(b)),
         Node::Less(a, b) => new(a).less(new(b)).0,
+        Node::LessEqual(a, b) => new(a).less_equal(new(b)).0,
         Node::And(a, b) => Condition(new(a)).and(Condition(new(b))).0,
         Node::Not(a) => Condition(new(a)).not().0,
         Node::Select(c, a, b) => graph.select(Condition(new(c)), new(a), new(b)),

@@ -59,7 +59,7 @@ impl<'g, Direction: Fn(Symbol) -> Option<Expr<'g>>> Tangent<'g, Direction> {
             Node::Power(..) | Node::Call(..) if d(node.operands().next().expect("one operand")).is_zero() => zero,
             Node::Power(a, n) => power_derivative(graph.expr(a), n) * d(a),
             Node::Call(function, a) => function.derivative(graph.expr(a), expr) * d(a),
-            Node::Less(..) | Node::And(..) | Node::Not(_) => zero,
+            Node::Less(..) | Node::LessEqual(..) | Node::And(..) | Node::Not(_) => zero,
             // Inside each branch by itself; the jump between them has no derivative.
             Node::Select(c, a, b) => graph.select(Condition(graph.expr(c)), d(a), d(b)),
             Node::Call2(_, a, b) if d(a).is_zero() && d(b).is_zero() => zero,

@@ -109,6 +109,7 @@ impl Facts {
             | Node::Call(..)
             | Node::Call2(..)
             | Node::Less(..)
+            | Node::LessEqual(..)
             | Node::And(..)
             | Node::Not(_)
             | Node::Select(..) => operands,
@@ -133,6 +134,7 @@ impl Facts {
                 self.calculator.number(value(a)).call2(function, self.calculator.number(value(b))).as_constant()
             }
             Node::Less(a, b) => Some(truth((value(a) + -value(b)).is_negative())),
+            Node::LessEqual(a, b) => Some(truth(!(value(b) + -value(a)).is_negative())),
             Node::And(a, b) => Some(truth(!value(a).is_zero() && !value(b).is_zero())),
             Node::Not(a) => Some(truth(value(a).is_zero())),
             Node::Select(condition, a, b) => Some(value(if value(condition).is_zero() { b } else { a })),

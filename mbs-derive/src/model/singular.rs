@@ -290,7 +290,7 @@ impl Search<'_, '_, '_> {
             found.extend(self.fault(group, id, node, values));
             match node {
                 Node::Select(c, a, b) => stack.push(if holds(values[self.positions[&c]]) { a } else { b }),
-                Node::Less(..) | Node::And(..) | Node::Not(_) => {}
+                Node::Less(..) | Node::LessEqual(..) | Node::And(..) | Node::Not(_) => {}
                 node => stack.extend(node.operands()),
             }
         }

@@ -67,9 +67,11 @@ pub fn operations(program: &Program) -> Operations {
                 angles.insert(angle);
             }
             Instruction::And(..) | Instruction::Not(_) => {}
-            Instruction::Less(..) | Instruction::Select(..) | Instruction::Call(..) | Instruction::Call2(..) => {
-                count.other += 1;
-            }
+            Instruction::Less(..)
+            | Instruction::LessEqual(..)
+            | Instruction::Select(..)
+            | Instruction::Call(..)
+            | Instruction::Call2(..) => count.other += 1,
         }
     }
     Operations { sincos: angles.len(), ..count }

@@ -13,7 +13,7 @@ pub fn program(roots: &[Expr<'_>], hoisting: &Hoisting) -> Program {
     let Some(first) = roots.first() else { return Program::default() };
     let mut lowering = Lowering::new(first.graph(), roots, hoisting);
     let results = roots.iter().map(|root| lowering.value(root.id())).collect();
-    Program { instructions: lowering.instructions, results }
+    Program::new(lowering.instructions, results)
 }
 
 struct Lowering<'a> {
@@ -119,6 +119,7 @@ impl<'a> Lowering<'a> {
             Node::Call(function, a) => Recipe::Call(function, a),
             Node::Call2(function, a, b) => Recipe::Call2(function, a, b),
             Node::Less(a, b) => Recipe::Binary(Instruction::Less, a, b),
+            Node::LessEqual(a, b) => Recipe::Binary(Instruction::LessEqual, a, b),
             Node::And(a, b) => Recipe::Binary(Instruction::And, a, b),
             Node::Not(a) => Recipe::Not(a),
             Node::Select(c, a, b) => Recipe::Select(c, a, b),

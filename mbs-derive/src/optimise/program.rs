@@ -4,6 +4,8 @@ use std::fmt;
 
 use crate::expr::{Binary, Function, Number, Symbol};
 
+use super::region::{self, Regions};
+
 /// Number of the instruction that makes a value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct Value(pub(crate) u32);
@@ -42,6 +44,8 @@ pub enum Instruction {
     Call2(Binary, Value, Value),
     /// Whether `a < b`
     Less(Value, Value),
+    /// Whether `a <= b`
+    LessEqual(Value, Value),
     /// Whether both conditions hold
     And(Value, Value),
     /// Whether a condition does not hold
@@ -63,6 +67,7 @@ impl Instruction {
             | Instruction::Mul(a, b)
             | Instruction::Div(a, b)
             | Instruction::Less(a, b)
+            | Instruction::LessEqual(a, b)
             | Instruction::And(a, b)
             | Instruction::Call2(_, a, b) => [Some(a), Some(b), None],
             Instruction::Select(c, a, b) => [Some(c), Some(a), Some(b)],
@@ -71,16 +76,55 @@ impl Instruction {
     }
 }
 
-/// Instructions in order of execution, and which of their values are the results.
+impl Instruction {
+    /// The same operation on other operands.
+    fn with_operands(self, new: impl Fn(Value) -> Value) -> Instruction {
+        match self {
+            Instruction::Constant(_) | Instruction::Symbol(_) | Instruction::Hoisted(_) => self,
+            Instruction::Neg(a) => Instruction::Neg(new(a)),
+            Instruction::Add(a, b) => Instruction::Add(new(a), new(b)),
+            Instruction::Sub(a, b) => Instruction::Sub(new(a), new(b)),
+            Instruction::Mul(a, b) => Instruction::Mul(new(a), new(b)),
+            Instruction::Div(a, b) => Instruction::Div(new(a), new(b)),
+            Instruction::Sqrt(a) => Instruction::Sqrt(new(a)),
+            Instruction::Call(function, a) => Instruction::Call(function, new(a)),
+            Instruction::Call2(function, a, b) => Instruction::Call2(function, new(a), new(b)),
+            Instruction::Less(a, b) => Instruction::Less(new(a), new(b)),
+            Instruction::LessEqual(a, b) => Instruction::LessEqual(new(a), new(b)),
+            Instruction::And(a, b) => Instruction::And(new(a), new(b)),
+            Instruction::Not(a) => Instruction::Not(new(a)),
+            Instruction::Select(c, a, b) => Instruction::Select(new(c), new(a), new(b)),
+        }
+    }
+}
+
+/// Instructions in order of execution, where they are executed, and which of their values are the results.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Program {
     /// In order; every value is used, by an instruction or as a result.
     pub instructions: Vec<Instruction>,
     /// The results.
     pub results: Vec<Value>,
+    /// Which instructions are executed on one side of a branch only.
+    pub regions: Regions,
 }
 
 impl Program {
+    /// Of instructions whose operands come before them, in the order in which the results need them; the selections of one
+    /// branch stand together.
+    pub fn new(instructions: Vec<Instruction>, results: Vec<Value>) -> Self {
+        if !instructions.iter().any(region::is_selection) {
+            return Program { instructions, results, regions: Regions::default() };
+        }
+        let (regions, order) = region::regions(&instructions, &results);
+        let mut numbers = vec![Value(0); instructions.len()];
+        order.iter().enumerate().for_each(|(new, old)| numbers[old.index()] = Value(new as u32));
+        let number = |value: Value| numbers[value.index()];
+        let instructions: Vec<_> = order.iter().map(|old| instructions[old.index()].with_operands(number)).collect();
+        let results = results.into_iter().map(number).collect();
+        Program { instructions, results, regions: regions.renumbered(&order, number) }
+    }
+
     /// Whether it reads a symbol of this kind.
     pub fn uses(&self, chosen: impl Fn(Symbol) -> bool) -> bool {
         self.instructions.iter().any(|i| matches!(i, Instruction::Symbol(symbol) if chosen(*symbol)))
@@ -97,28 +141,36 @@ impl Program {
     }
 }
 
-/// One instruction a line: `v3 = v1 * v2`.
+/// One instruction a line: `v3 = v1 * v2`; `v3 = sqrt(v1) where v2, !v4` on one side of branches, or `on demand`.
 impl fmt::Display for Program {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         for (i, instruction) in self.instructions.iter().enumerate() {
             write!(f, "v{i} = ")?;
             match *instruction {
-                Instruction::Constant(value) => writeln!(f, "{value}")?,
-                Instruction::Symbol(symbol) => writeln!(f, "{symbol}")?,
-                Instruction::Hoisted(k) => writeln!(f, "k{k}")?,
-                Instruction::Neg(a) => writeln!(f, "-v{}", a.0)?,
-                Instruction::Add(a, b) => writeln!(f, "v{} + v{}", a.0, b.0)?,
-                Instruction::Sub(a, b) => writeln!(f, "v{} - v{}", a.0, b.0)?,
-                Instruction::Mul(a, b) => writeln!(f, "v{} * v{}", a.0, b.0)?,
-                Instruction::Div(a, b) => writeln!(f, "v{} / v{}", a.0, b.0)?,
-                Instruction::Sqrt(a) => writeln!(f, "sqrt(v{})", a.0)?,
-                Instruction::Call(function, a) => writeln!(f, "{}(v{})", function.name(), a.0)?,
-                Instruction::Less(a, b) => writeln!(f, "v{} < v{}", a.0, b.0)?,
-                Instruction::And(a, b) => writeln!(f, "v{} && v{}", a.0, b.0)?,
-                Instruction::Not(a) => writeln!(f, "!v{}", a.0)?,
-                Instruction::Select(c, a, b) => writeln!(f, "if v{} {{ v{} }} else {{ v{} }}", c.0, a.0, b.0)?,
-                Instruction::Call2(function, a, b) => writeln!(f, "{}(v{}, v{})", function.name(), a.0, b.0)?,
+                Instruction::Constant(value) => write!(f, "{value}")?,
+                Instruction::Symbol(symbol) => write!(f, "{symbol}")?,
+                Instruction::Hoisted(k) => write!(f, "k{k}")?,
+                Instruction::Neg(a) => write!(f, "-v{}", a.0)?,
+                Instruction::Add(a, b) => write!(f, "v{} + v{}", a.0, b.0)?,
+                Instruction::Sub(a, b) => write!(f, "v{} - v{}", a.0, b.0)?,
+                Instruction::Mul(a, b) => write!(f, "v{} * v{}", a.0, b.0)?,
+                Instruction::Div(a, b) => write!(f, "v{} / v{}", a.0, b.0)?,
+                Instruction::Sqrt(a) => write!(f, "sqrt(v{})", a.0)?,
+                Instruction::Call(function, a) => write!(f, "{}(v{})", function.name(), a.0)?,
+                Instruction::Less(a, b) => write!(f, "v{} < v{}", a.0, b.0)?,
+                Instruction::LessEqual(a, b) => write!(f, "v{} <= v{}", a.0, b.0)?,
+                Instruction::And(a, b) => write!(f, "v{} && v{}", a.0, b.0)?,
+                Instruction::Not(a) => write!(f, "!v{}", a.0)?,
+                Instruction::Select(c, a, b) => write!(f, "if v{} {{ v{} }} else {{ v{} }}", c.0, a.0, b.0)?,
+                Instruction::Call2(function, a, b) => write!(f, "{}(v{}, v{})", function.name(), a.0, b.0)?,
             }
+            let place = self.regions.place(Value(i as u32));
+            let conditions = self.regions.conditions(place.region);
+            for (n, (condition, holds)) in conditions.into_iter().enumerate() {
+                let (word, sign) = (if n == 0 { " where " } else { ", " }, if holds { "" } else { "!" });
+                write!(f, "{word}{sign}v{}", condition.0)?;
+            }
+            writeln!(f, "{}", if place.on_demand.is_some() { " on demand" } else { "" })?;
         }
         let results: Vec<String> = self.results.iter().map(|v| format!("v{}", v.0)).collect();
         writeln!(f, "return {}", results.join(", "))

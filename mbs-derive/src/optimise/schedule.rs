@@ -1,7 +1,7 @@
 //! What is computed when: once per set of parameters, or at each call.
 
 use crate::expr::graph::IdMap;
-use crate::expr::{Expr, Graph, Id, Node, Symbol, normal_form};
+use crate::expr::{Expr, Function, Graph, Id, Node, Symbol, normal_form};
 
 use super::lower;
 use super::program::Program;
@@ -66,28 +66,59 @@ enum Dependence {
     State,
 }
 
-/// The parameter-only nodes that are roots or operands of nodes that are not, operations only, in order of their numbers.
+/// The largest parameter-only operations that the roots are made of, in order of their numbers. What only some side of a branch
+/// needs is among them where it has a value whatever the parameters are.
 fn candidates(graph: &Graph, roots: &[Expr<'_>]) -> Vec<Id> {
     let order = graph.reachable(roots.iter().map(|root| root.id()));
-    let mut dependence: IdMap<Dependence> = IdMap::default();
-    for &id in &order {
-        let value = match graph.node(id) {
-            Node::Constant(_) => Dependence::Constant,
-            Node::Symbol(Symbol::Parameter(_)) => Dependence::Parameters,
-            Node::Symbol(_) => Dependence::State,
-            node => node.operands().map(|operand| dependence[&operand]).max().unwrap_or(Dependence::Constant),
+    let facts = facts(graph, &order);
+    let mut certain: IdMap<bool> = roots.iter().map(|root| (root.id(), true)).collect();
+    let mut found: Vec<Id> = Vec::new();
+    for &id in order.iter().rev() {
+        let Some(&needed) = certain.get(&id) else { continue };
+        let (dependence, total) = facts[&id];
+        if dependence == Dependence::Parameters && (needed || total) {
+            found.extend(Some(behind_sign(graph, id)).filter(|id| !matches!(graph.node(*id), Node::Symbol(_))));
+            continue;
+        }
+        let arms = match graph.node(id) {
+            Node::Select(condition, _, _) => Some(condition),
+            _ => None,
         };
-        dependence.insert(id, value);
+        for operand in graph.node(id).operands() {
+            *certain.entry(operand).or_insert(false) |= needed && arms.is_none_or(|condition| condition == operand);
+        }
     }
-    let by_state = order.iter().filter(|id| dependence[id] == Dependence::State);
-    let used = by_state.flat_map(|&id| graph.node(id).operands()).chain(roots.iter().map(|root| root.id()));
-    let mut found: Vec<Id> = used
-        .map(|id| behind_sign(graph, id))
-        .filter(|id| dependence[id] == Dependence::Parameters && !matches!(graph.node(*id), Node::Symbol(_)))
-        .collect();
     found.sort();
     found.dedup();
     found
+}
+
+/// What each node depends on, and whether it has a value for all values of the symbols.
+fn facts(graph: &Graph, order: &[Id]) -> IdMap<(Dependence, bool)> {
+    let mut facts: IdMap<(Dependence, bool)> = IdMap::default();
+    for &id in order {
+        let node = graph.node(id);
+        let dependence = match node {
+            Node::Constant(_) => Dependence::Constant,
+            Node::Symbol(Symbol::Parameter(_)) => Dependence::Parameters,
+            Node::Symbol(_) => Dependence::State,
+            _ => node.operands().map(|operand| facts[&operand].0).max().unwrap_or(Dependence::Constant),
+        };
+        let total = is_total(node) && node.operands().all(|operand| facts[&operand].1);
+        facts.insert(id, (dependence, total));
+    }
+    facts
+}
+
+/// Whether an operation has a value for all values of its operands.
+fn is_total(node: Node) -> bool {
+    match node {
+        Node::Constant(_) | Node::Symbol(_) | Node::Neg(_) | Node::Add(..) | Node::Sub(..) | Node::Mul(..) => true,
+        Node::Power(_, n) => n.to_integer().is_some_and(|n| n > 0),
+        Node::Call(function, _) => matches!(function, Function::Sin | Function::Cos),
+        Node::Rate(_) | Node::Call2(..) | Node::Select(..) => false,
+        Node::Less(..) | Node::LessEqual(..) | Node::And(..) | Node::Not(_) => false,
+    }
 }
 
 /// A sign is free at its place of use, so it is not hoisted.

@@ -12,7 +12,7 @@ use mbs_derive::optimise::{Derivation, Shape};
 use mbs_derive::parse::syntax::Declaration;
 use mbs_derive::source::Sources;
 use mbs_derive::verify::Failure;
-use mbs_derive::{Error, declared_from, derived, generate_from, parse};
+use mbs_derive::{Error, declared_from, derive, generate_from, optimise, parse};
 
 /// How far a text came.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -48,9 +48,11 @@ pub fn examine(sources: &Sources) -> Result<Outcome, String> {
     if warnings.iter().next().is_some() {
         reported(&warnings, sources)?;
     }
-    let derivation = derived(&lagrangian);
+    let graph = Graph::new();
+    let routes = derive::routes(&lagrangian, &graph);
+    let derivation = optimise::straight_line(&lagrangian, &routes);
     evaluated(&lagrangian, &derivation)?;
-    if lagrangian.dof() <= TEXTBOOK && emit::latex(&lagrangian).is_empty() {
+    if lagrangian.dof() <= TEXTBOOK && emit::latex(&lagrangian, &routes[0]).is_empty() {
         return Err("the page of the textbook is empty".to_string());
     }
     generated(sources, &derivation)

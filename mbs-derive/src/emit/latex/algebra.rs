@@ -105,7 +105,7 @@ impl<'g> Algebra<'g> {
                 Some(Polynomial::atom(id, 2))
             }
             Node::Rate(_) => unreachable!("time derivatives were carried out by derive"),
-            Node::Less(..) | Node::And(..) | Node::Not(_) => {
+            Node::Less(..) | Node::LessEqual(..) | Node::And(..) | Node::Not(_) => {
                 let condition = self.condition(id)?;
                 self.conditions.insert(id, condition);
                 Some(Polynomial::default())

@@ -45,15 +45,19 @@ impl Clause {
 }
 
 impl Algebra<'_> {
+    /// Of numbers: where `a < b` fails, `b ≤ a` holds.
+    fn comparison(&self, a: Id, sign: &str, b: Id, opposite: &str) -> Option<Condition> {
+        let [a, b] = [a, b].map(|id| self.sums[&id].as_ref().and_then(|sum| self.text(sum)));
+        let (a, b) = (a?, b?);
+        let (holds, fails) = (format!("{a} {sign} {b}"), format!("{b} {opposite} {a}"));
+        Some(Condition { holds: Clause::All(holds), fails: Clause::All(fails) })
+    }
+
     /// A condition whose operands have been written; `None` where it is too long.
     pub(super) fn condition(&self, id: Id) -> Option<Condition> {
         let condition = match self.graph.node(id) {
-            Node::Less(a, b) => {
-                let [a, b] = [a, b].map(|id| self.sums[&id].as_ref().and_then(|sum| self.text(sum)));
-                let (a, b) = (a?, b?);
-                let (holds, fails) = (format!("{a} < {b}"), format!("{b} \\le {a}"));
-                Condition { holds: Clause::All(holds), fails: Clause::All(fails) }
-            }
+            Node::Less(a, b) => self.comparison(a, "<", b, "\\le")?,
+            Node::LessEqual(a, b) => self.comparison(a, "\\le", b, "<")?,
             Node::And(a, b) => {
                 let (a, b) = (self.conditions.get(&a)?, self.conditions.get(&b)?);
                 Condition { holds: a.holds.and(&b.holds), fails: a.fails.or(&b.fails) }

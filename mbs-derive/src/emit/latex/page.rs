@@ -311,7 +311,13 @@ fn operations(entries: &[Expr<'_>]) -> usize {
     let computes = |id: &Id| match graph.node(*id) {
         Node::Constant(_) | Node::Symbol(_) | Node::Neg(_) => false,
         Node::Rate(_) | Node::Add(..) | Node::Sub(..) | Node::Mul(..) | Node::Power(..) => true,
-        Node::Call(..) | Node::Call2(..) | Node::Less(..) | Node::And(..) | Node::Not(_) | Node::Select(..) => true,
+        Node::Call(..)
+        | Node::Call2(..)
+        | Node::Less(..)
+        | Node::LessEqual(..)
+        | Node::And(..)
+        | Node::Not(_)
+        | Node::Select(..) => true,
     };
     graph.reachable(entries.iter().map(|entry| entry.id())).iter().filter(|id| computes(id)).count()
 }
