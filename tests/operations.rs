@@ -8,7 +8,7 @@ use mbs_runtime::{Mechanism, Scalar};
 use mbs_tests::by_hand::ByHand;
 use mbs_tests::by_hand::cart_pole::CartPole;
 use mbs_tests::by_hand::double_pendulum::DoublePendulum;
-use mbs_tests::by_hand::furuta_pendulum::{self, FurutaPendulum};
+use mbs_tests::by_hand::furuta_pendulum::FurutaPendulum;
 use mbs_tests::by_hand::heavy_top::HeavyTop;
 use mbs_tests::by_hand::spherical_pendulum::SphericalPendulum;
 use mbs_tests::compare::assert_close;
@@ -105,7 +105,7 @@ fn heavy_top_costs_no_more_than_by_hand() {
 
 #[test]
 fn furuta_pendulum_costs_no_more_than_by_hand() {
-    check(furuta_pendulum::SOURCE, FurutaPendulum::new);
+    check(source("furuta_pendulum"), FurutaPendulum::new);
 }
 
 /// What the programs are said to cost is what running the generated code costs.
@@ -133,4 +133,5 @@ fn the_counts_of_the_programs_are_those_of_the_code() {
     check("double_pendulum", mbs_models::double_pendulum::DoublePendulum::<Counted>::default());
     check("spherical_pendulum", mbs_models::spherical_pendulum::SphericalPendulum::<Counted>::default());
     check("heavy_top", mbs_models::heavy_top::HeavyTop::<Counted>::default());
+    check("furuta_pendulum", mbs_models::furuta_pendulum::FurutaPendulum::<Counted>::default());
 }

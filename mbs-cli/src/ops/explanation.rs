@@ -8,10 +8,12 @@ use serde_json::{Map, Value, json};
 
 use super::{counts, in_columns};
 
+/// A function, the route that it took, and its costs by all.
+type Explained = (String, Route, Vec<(Route, Operations)>);
+
 /// The routes of a mechanism's functions.
 pub(crate) struct Explanation {
-    /// Function, the route that it took, and its costs by all.
-    functions: Vec<(String, Route, Vec<(Route, Operations)>)>,
+    functions: Vec<Explained>,
     bodies: usize,
     /// Terms of T that are no bodies.
     others: usize,
@@ -28,7 +30,7 @@ impl Explanation {
 
     /// Per function the route and the costs by all.
     pub(crate) fn object(&self) -> Value {
-        let function = |(name, route, costs): &(String, Route, Vec<(Route, Operations)>)| {
+        let function = |(name, route, costs): &Explained| {
             let by_route: Map<String, Value> =
                 costs.iter().map(|(route, operations)| (route.to_string(), counts(*operations))).collect();
             (name.clone(), json!({ "route": route.to_string(), "by_route": by_route }))

@@ -150,6 +150,8 @@ mod tests {
         assert_eq!(taken, 5.0);
         let taken = f64::select(!1.0_f64.less_equal(1.0), || panic!("the other side"), || 6.0);
         assert_eq!(taken, 6.0);
+        let taken = f64::select_each(f64::NAN.less_equal(f64::NAN), || panic!("the other side"), || [7.0, 8.0]);
+        assert_eq!(taken, [7.0, 8.0]);
     }
 
     #[test]

@@ -152,6 +152,17 @@ mod tests {
     }
 
     #[test]
+    fn several_values_are_chosen_with_one_mask() {
+        let choose = |x: f64x4| {
+            let positive = f64x4::zero().less(x);
+            <f64x4 as Scalar>::select_each(positive, || [x.sqrt(), x], || [f64x4::zero(), -x]).map(|v| v.to_array())
+        };
+        assert_eq!(choose(f64x4::from([4.0, -4.0, 9.0, -9.0])), [[2.0, 0.0, 3.0, 0.0], [4.0, 4.0, 9.0, 9.0]]);
+        assert_eq!(choose(f64x4::splat(4.0)), [[2.0; 4], [4.0; 4]]);
+        assert_eq!(choose(f64x4::splat(-4.0)), [[0.0; 4], [4.0; 4]]);
+    }
+
+    #[test]
     fn sign_and_finiteness() {
         let x = f32x8::from([0.0, -0.0, 2.0, -3.0, 1.0, -1.0, 5.0, -5.0]);
         assert_eq!(Scalar::signum(x).to_array(), [0.0, 0.0, 1.0, -1.0, 1.0, -1.0, 1.0, -1.0]);

@@ -60,7 +60,7 @@ pub fn edits() -> impl Strategy<Value = Vec<Edit>> {
 
 /// The text with all changes made.
 pub fn damaged(text: &str, edits: &[Edit]) -> Vec<u8> {
-    edits.iter().fold(text.as_bytes().to_vec(), |bytes, edit| applied(bytes, edit))
+    edits.iter().fold(text.as_bytes().to_vec(), applied)
 }
 
 fn applied(mut bytes: Vec<u8>, edit: &Edit) -> Vec<u8> {

@@ -11,17 +11,17 @@ use super::combination::{Polynomial, product_of_powers};
 pub enum Doubled {
     /// `1 + cos 2x = 2 cos²x` and `1 − cos 2x = 2 sin²x`, where the 1 is there.
     Matched,
-    /// Nothing, nor of the sine.
-    Kept,
     /// `1 − 2 sin²x`
     Sine,
     /// `2 cos²x − 1`
     Cosine,
+    /// Nothing, nor of the sine.
+    Kept,
 }
 
 impl Doubled {
-    /// All ways; first that of most texts.
-    pub const ALL: [Doubled; 4] = [Doubled::Matched, Doubled::Kept, Doubled::Sine, Doubled::Cosine];
+    /// All ways; first that of most texts, last that which needs another sine and cosine where the single angle's are there.
+    pub const ALL: [Doubled; 4] = [Doubled::Matched, Doubled::Sine, Doubled::Cosine, Doubled::Kept];
 }
 
 /// The sine or cosine of a doubled angle.
