@@ -13,6 +13,7 @@
 //! - `evaluate`: expressions → values; `operator`: `+ - * / ^` and `dt`; `condition`: `if … else`;
 //! - `builtin`: functions and methods; `function`: functions written in the language; `body`: bodies;
 //! - `import`: what imported files declare;
+//! - `moments`: whether an inertia is that of a body;
 //! - `check`: what must hold of the finished mechanism; `singular`, `sign`: what it was probably not meant to do;
 //! - [`sample`]: random states; [`degree`]: what must hold of the energies there.
 
@@ -34,6 +35,7 @@ pub mod lagrangian;
 pub mod landmark;
 #[cfg(test)]
 mod manual;
+pub(crate) mod moments;
 mod operator;
 mod point_force;
 pub mod sample;

@@ -1,6 +1,7 @@
 //! Bodies and gravity, found again among the declared energies.
 
-use crate::expr::{Expr, Graph, Matrix, Vector, carry_out};
+use crate::expr::{Expr, Graph, Matrix, Vector, carry_out, evaluate};
+use crate::model::moments::{Impossible, principal_moments};
 use crate::model::{Body, Edge, FrameId, Lagrangian};
 
 use super::gravity;
@@ -31,12 +32,13 @@ impl Lifted<'_> {
 /// Splits a mechanism into bodies in a field and the rest; `None` where no body is on a tree.
 ///
 /// A body that turns by a quaternion stays with the rest: off the unit sphere its energy is not a rigid body's, and Lagrange's
-/// equations are about all quaternions.
+/// equations are about all quaternions. So does an inertia that no body has: regrouping would lose its digits.
 pub fn lifted<'g>(lagrangian: &Lagrangian<'_>, energies: &Energies<'g>, graph: &'g Graph) -> Option<Lifted<'g>> {
     let (bodies, mut other_kinetic) = lagrangian.bodies();
-    let (bodies, by_quaternion): (Vec<_>, Vec<_>) =
-        bodies.into_iter().partition(|body| !lagrangian.frames.path(body.frame).iter().any(is_quaternion));
-    other_kinetic.extend(by_quaternion.iter().map(|body| lagrangian.energy_of(body)));
+    let is_physical =
+        |body: &Body<'_>| !lagrangian.frames.path(body.frame).iter().any(is_quaternion) && !is_impossible(body.inertia);
+    let (bodies, others): (Vec<_>, Vec<_>) = bodies.into_iter().partition(is_physical);
+    other_kinetic.extend(others.iter().map(|body| lagrangian.energy_of(body)));
     let bodies: Vec<Body<'g>> = bodies.iter().map(|body| carried_body(body, graph)).collect();
     let frames: Vec<FrameId> = bodies.iter().map(|body| body.frame).collect();
     let (linkage, seats) = Linkage::of(lagrangian, &frames, graph)?;
@@ -57,6 +59,12 @@ pub fn lifted<'g>(lagrangian: &Lagrangian<'_>, energies: &Energies<'g>, graph: &
 
 fn is_quaternion(edge: &Edge<'_>) -> bool {
     matches!(edge, Edge::Quaternion(_))
+}
+
+/// Whether no body has this inertia; of one that depends on parameters, nothing is known.
+fn is_impossible(inertia: Option<Matrix<'_>>) -> bool {
+    let entries: Vec<Expr<'_>> = inertia.iter().flat_map(|matrix| matrix.0.into_iter().flatten()).collect();
+    principal_moments(&evaluate(&entries, |_| f64::NAN)).is_some_and(|moments| Impossible::of(moments).is_some())
 }
 
 /// A body in the graph with rules; what it is made of is constant in time.

@@ -3,13 +3,13 @@
 //! Where a mechanism is declared by bodies on frames, its equations follow in a form that is shorter than what differentiation
 //! of the energies gives:
 //!
-//! - [`linkage`]: the declared frames, reduced to what moves;
-//! - [`inertia`]: pseudo-inertias, mass with its first and second moments;
-//! - [`gauge`]: frames turned about their joint axes until constant turns are plane rotations;
-//! - [`regroup`]: masses move towards the base as far as joints cannot tell;
-//! - [`twist`]: velocities, and the kinetic energy;
-//! - [`newton_euler`]: motions out, wrenches back: inverse dynamics, bias, gravity;
-//! - [`composite`]: the mass matrix; [`coriolis`]: the Coriolis matrix.
+//! - `linkage`: the declared frames, reduced to what moves;
+//! - `inertia`: pseudo-inertias, mass with its first and second moments;
+//! - `gauge`: frames turned about their joint axes until constant turns are plane rotations;
+//! - `regroup`: masses move towards the base as far as joints cannot tell;
+//! - `twist`: velocities, and the kinetic energy;
+//! - `newton_euler`: motions out, wrenches back: inverse dynamics, bias, gravity;
+//! - `composite`: the mass matrix; `coriolis`: the Coriolis matrix.
 //!
 //! What is no body is derived plainly and added.
 

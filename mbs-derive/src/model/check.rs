@@ -7,6 +7,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use super::degree::{self, Problem};
 use super::evaluate::Resolver;
 use super::lagrangian::{OutputValue, Variable};
+use super::moments::{Impossible, principal_moments};
 use crate::expr::{Expr, Matrix, Node, Symbol, evaluate};
 use crate::parse::syntax::{Name, Span};
 
@@ -29,9 +30,6 @@ pub(super) struct Places {
     pub(super) forces: Vec<Span>,
     pub(super) constraints: Vec<Span>,
 }
-
-/// Principal moments are rounded in data sheets.
-const TRIANGLE_TOLERANCE: f64 = 1e-3;
 
 impl<'d, 'g> Resolver<'d, 'g> {
     /// Looks at the finished mechanism; `name` is where what concerns all of it is reported.
@@ -134,8 +132,8 @@ impl<'d, 'g> Resolver<'d, 'g> {
             let entries: Vec<f64> =
                 body.inertia.iter().flat_map(|_| values.by_ref().take(9).collect::<Vec<_>>()).collect();
             self.check_mass(body, mass, &entries);
-            if let (Some((_, span)), Some(inertia)) = (&body.inertia, symmetric(&entries)) {
-                self.check_moments(principal_moments(inertia), span);
+            if let (Some((_, span)), Some(moments)) = (&body.inertia, principal_moments(&entries)) {
+                self.check_moments(moments, span);
             }
         }
     }
@@ -165,17 +163,22 @@ impl<'d, 'g> Resolver<'d, 'g> {
         self.errors.note(&body.mass_span, &place, "declared here");
     }
 
-    /// `0 ≤ a ≤ b ≤ c ≤ a + b`: the moments of some distribution of mass.
-    fn check_moments(&mut self, [a, b, c]: [f64; 3], span: &Span) {
-        let shown = format!("its principal moments are {}, {} and {}", shown(a), shown(b), shown(c));
-        if a < -TRIANGLE_TOLERANCE * c.abs().max(b.abs()).max(a.abs()) {
-            let help = format!("{shown}; are the products of inertia too large for the diagonal?");
-            self.refuse(span, "an inertia has no negative principal moment", help);
-        } else if a + b < c * (1.0 - TRIANGLE_TOLERANCE) {
-            let message = "no body has this inertia: a principal moment is greater than the sum of the other two";
-            let help =
-                format!("{shown}; where a body turns about one axis only, any two others will do, such as equal ones");
-            self.refuse(span, message, help);
+    fn check_moments(&mut self, moments: [f64; 3], span: &Span) {
+        let [a, b, c] = moments.map(shown);
+        let shown = format!("its principal moments are {a}, {b} and {c}");
+        match Impossible::of(moments) {
+            Some(Impossible::Negative) => {
+                let help = format!("{shown}; are the products of inertia too large for the diagonal?");
+                self.refuse(span, "an inertia has no negative principal moment", help);
+            }
+            Some(Impossible::Unequal) => {
+                let message = "no body has this inertia: a principal moment is greater than the sum of the other two";
+                let help = format!(
+                    "{shown}; where a body turns about one axis only, any two others will do, such as equal ones"
+                );
+                self.refuse(span, message, help);
+            }
+            None => {}
         }
     }
 }
@@ -185,33 +188,6 @@ fn shown(moment: f64) -> String {
     let rounded = (moment * scale).round() / scale;
     let shown = if rounded.is_finite() { rounded } else { moment };
     if shown != 0.0 && shown.abs() < 1e-4 { format!("{shown:e}") } else { shown.to_string() }
-}
-
-fn symmetric(entries: &[f64]) -> Option<[[f64; 3]; 3]> {
-    let &[a, b, c, d, e, f, g, h, i] = entries else { return None };
-    Some([[a, b, c], [d, e, f], [g, h, i]])
-}
-
-/// The eigenvalues of a symmetric matrix, ascending.
-///
-/// Source: Smith, *Eigenvalues of a symmetric 3 × 3 matrix*, Communications of the ACM 4:4, 1961.
-fn principal_moments(m: [[f64; 3]; 3]) -> [f64; 3] {
-    let mean = (m[0][0] + m[1][1] + m[2][2]) / 3.0;
-    let centred = |i: usize, j: usize| m[i][j] - if i == j { mean } else { 0.0 };
-    let squares: f64 = (0..3).flat_map(|i| (0..3).map(move |j| centred(i, j).powi(2))).sum();
-    let spread = (squares / 6.0).sqrt();
-    if spread <= 1e-300 {
-        return [mean; 3];
-    }
-    let b = |i: usize, j: usize| centred(i, j) / spread;
-    let determinant = b(0, 0) * (b(1, 1) * b(2, 2) - b(1, 2) * b(2, 1))
-        - b(0, 1) * (b(1, 0) * b(2, 2) - b(1, 2) * b(2, 0))
-        + b(0, 2) * (b(1, 0) * b(2, 1) - b(1, 1) * b(2, 0));
-    let angle = libm::acos((determinant / 2.0).clamp(-1.0, 1.0)) / 3.0;
-    let third_turn = 2.0 * std::f64::consts::FRAC_PI_3;
-    let largest = mean + 2.0 * spread * libm::cos(angle);
-    let smallest = mean + 2.0 * spread * libm::cos(angle + third_turn);
-    [smallest, 3.0 * mean - largest - smallest, largest]
 }
 
 // ---- coordinates and parameters
@@ -300,19 +276,6 @@ impl<'d, 'g> Resolver<'d, 'g> {
 #[cfg(test)]
 mod tests {
     use super::super::trial::{messages, refused};
-    use super::*;
-
-    #[test]
-    fn principal_moments_of_some_matrices() {
-        let check = |matrix: [[f64; 3]; 3], expected: [f64; 3]| {
-            let found = principal_moments(matrix);
-            assert!(found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-12), "{found:?}");
-        };
-        check([[3.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 2.0]], [1.0, 2.0, 3.0]);
-        check([[2.0, 0.0, 0.0], [0.0, 2.0, 0.0], [0.0, 0.0, 2.0]], [2.0, 2.0, 2.0]);
-        check([[2.0, 1.0, 0.0], [1.0, 2.0, 0.0], [0.0, 0.0, 5.0]], [1.0, 3.0, 5.0]);
-        check([[0.0; 3]; 3], [0.0; 3]);
-    }
 
     #[test]
     fn bodies_must_be_possible() {
