@@ -17,7 +17,7 @@ use crate::expr::Rounded;
 use crate::interpret::State;
 use crate::model::Lagrangian;
 use crate::model::sample::{Random, count, default_parameters};
-use crate::optimise::Derivation;
+use crate::optimise::{Derivation, Instruction, Program};
 
 use claim::Trial;
 use witness::{Witness, exact};
@@ -52,6 +52,11 @@ pub enum Failure {
         /// Where.
         q: Vec<f64>,
     },
+    /// A constant of a derived function is beyond what a double holds, though all that was declared is finite.
+    Overflow {
+        /// Which function.
+        function: String,
+    },
     /// The generated code and the energies disagree.
     Disagreement(Box<Disagreement>),
 }
@@ -85,6 +90,12 @@ impl fmt::Display for Failure {
                 f,
                 "the kinetic energy is negative for some motion at q = {q:?}: check the signs of its terms, and masses and inertias"
             ),
+            Failure::Overflow { function } => write!(
+                f,
+                "a constant of `{function}` is beyond what a double holds, {:e}: are the declared numbers in their units, is an \
+                 exponent meant?",
+                f64::MAX
+            ),
             Failure::Disagreement(d) => write!(
                 f,
                 "the derived code disagrees with the declared energies; this is a bug of the generator, please report it\n  \
@@ -110,9 +121,11 @@ impl std::error::Error for Failure {}
 /// Proves every Program of a derivation.
 ///
 /// # Errors
-/// [`Failure::Disagreement`] is a bug of the generator; [`Failure::TooFewStates`] and [`Failure::NegativeInertia`] concern the
-/// declaration.
+/// [`Failure::Disagreement`] is a bug of the generator; all others concern the declaration.
 pub fn against_energies(lagrangian: &Lagrangian<'_>, derivation: &Derivation) -> Result<Proof, Failure> {
+    if let Some(function) = overflowing(derivation) {
+        return Err(Failure::Overflow { function });
+    }
     let witness = Witness::new(lagrangian);
     let exact_parameters = |parameters: &[f64]| parameters.iter().copied().map(Rounded::exact).collect::<Vec<_>>();
     let mut random = Random::new(0x6d62_7300);
@@ -147,6 +160,16 @@ pub fn against_energies(lagrangian: &Lagrangian<'_>, derivation: &Derivation) ->
         }
     }
     Err(Failure::TooFewStates { finite: generic, tried })
+}
+
+/// The function with a constant that is not finite.
+fn overflowing(derivation: &Derivation) -> Option<String> {
+    let functions = derivation.functions.iter().map(|f| (f.name.as_str(), &f.program));
+    let mut programs = std::iter::once(("new", &derivation.constructor)).chain(functions);
+    let overflows = |program: &Program| {
+        program.instructions.iter().any(|i| matches!(i, Instruction::Constant(c) if !c.to_f64().is_finite()))
+    };
+    programs.find(|(_, program)| overflows(program)).map(|(name, _)| name.to_string())
 }
 
 /// Whether some motion has no inertia there; none has a negative one.

@@ -65,7 +65,9 @@ fn generated(sources: &Sources, derivation: &Derivation) -> Result<Outcome, Stri
             let again = emit::rust(derivation, &sources.main().name, &Options::default());
             same("generated code", &generated.code, &again).map(|()| Outcome::Generated)
         }
-        Err(Error::Proof(Failure::TooFewStates { .. } | Failure::NegativeInertia { .. })) => Ok(Outcome::Unproved),
+        Err(Error::Proof(
+            Failure::TooFewStates { .. } | Failure::NegativeInertia { .. } | Failure::Overflow { .. },
+        )) => Ok(Outcome::Unproved),
         Err(error) => Err(format!("{error}")),
     }
 }
