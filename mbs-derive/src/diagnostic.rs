@@ -23,7 +23,7 @@ use crate::parse::syntax::Span;
 use crate::source::Sources;
 
 /// How bad it is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Severity {
     /// The declaration is refused.
     Error,
@@ -74,8 +74,8 @@ impl Diagnostic {
 pub struct Diagnostics {
     /// Sorted by where they begin; of two at one place the one found first comes first.
     messages: Vec<Diagnostic>,
-    /// Whether any message is an error.
-    failed: bool,
+    /// How many messages were errors, those that are not kept among them.
+    errors: usize,
     /// The last message beyond those that are kept.
     omitted: Option<Box<Diagnostic>>,
 }
@@ -99,17 +99,18 @@ impl Diagnostics {
     fn insert(&mut self, severity: Severity, span: Span, message: String) -> &mut Diagnostic {
         let place = self.messages.partition_point(|m| m.span.start <= span.start);
         let message = Diagnostic { severity, message, span, help: None, notes: Vec::new() };
-        if self.messages.len() >= Self::KEPT && (self.failed || severity == Severity::Warning) {
+        let failed = self.has_errors();
+        self.errors += usize::from(severity == Severity::Error);
+        if self.messages.len() >= Self::KEPT && (failed || severity == Severity::Warning) {
             return self.omitted.insert(Box::new(message));
         }
-        self.failed |= severity == Severity::Error;
         self.messages.insert(place, message);
         &mut self.messages[place]
     }
 
-    /// Whether there are so many messages that no more are kept: nobody reads on.
+    /// Whether it has failed with so many messages that no more are kept: nobody reads on.
     pub fn is_full(&self) -> bool {
-        self.messages.len() >= Self::KEPT
+        self.has_errors() && self.messages.len() >= Self::KEPT
     }
 
     /// Adds a place to the messages about `span` that do not show it yet.
@@ -123,7 +124,12 @@ impl Diagnostics {
 
     /// Whether any message is an error.
     pub fn has_errors(&self) -> bool {
-        self.failed
+        self.errors > 0
+    }
+
+    /// How many messages are errors.
+    pub fn error_count(&self) -> usize {
+        self.errors
     }
 
     /// A pass's last line: `value` where nothing was wrong with it, else the messages.
@@ -160,13 +166,18 @@ impl Diagnostics {
         if self.messages.is_empty() { String::new() } else { self.render_in(&Sources::new(file_name, source)) }
     }
 
-    /// The report as a person reads it: every message with its file, its place and the line that it is about.
+    /// The report as a person reads it: every message with its file, its place and the line that it is about. Where there are
+    /// too many to show, errors go before warnings.
     pub fn render_in(&self, sources: &Sources) -> String {
-        let shown = self.messages.iter().take(Self::SHOWN);
-        let mut blocks: Vec<String> = shown.map(|m| block(m, sources)).collect();
+        let mut shown: Vec<&Diagnostic> = self.messages.iter().collect();
+        shown.sort_by_key(|message| message.severity);
+        shown.truncate(Self::SHOWN);
+        shown.sort_by_key(|message| message.span.start);
+        let mut blocks: Vec<String> = shown.iter().map(|m| block(m, sources)).collect();
         if self.messages.len() > Self::SHOWN {
             let more = self.messages.len() - Self::SHOWN;
-            blocks.push(format!("… and {}{more} more\n", if self.is_full() { "at least " } else { "" }));
+            let at_least = if self.messages.len() >= Self::KEPT { "at least " } else { "" };
+            blocks.push(format!("… and {at_least}{more} more\n"));
         }
         blocks.join("\n")
     }
@@ -470,12 +481,24 @@ note: here too
     }
 
     #[test]
+    fn warnings_hide_no_error() {
+        let mut errors = Diagnostics::default();
+        for i in 0..30 {
+            errors.warning(i..i + 1, "odd");
+        }
+        errors.error(30..31, "wrong");
+        let report = errors.render("a.mbs", &"x".repeat(31));
+        assert_eq!(report.matches("warning: odd").count(), 19);
+        assert!(report.ends_with("^\n\n… and 11 more\n") && report.contains("error: wrong"), "{report}");
+    }
+
+    #[test]
     fn a_million_messages_take_no_memory_without_end() {
         let mut errors = Diagnostics::default();
         for i in 0..Diagnostics::KEPT {
             errors.warning(i..i + 1, "odd");
         }
-        assert!(errors.is_full() && !errors.has_errors());
+        assert!(!errors.is_full() && !errors.has_errors());
         for i in 0..100_000 {
             errors.error(i..i + 1, "wrong").help("right");
         }

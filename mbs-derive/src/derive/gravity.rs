@@ -57,8 +57,8 @@ pub(super) fn field<'v, 'g>(
         let weight = weights.get(frame).copied().unwrap_or(nothing);
         (0..3).all(|axis| {
             let g = field.0[axis];
-            let moments = (0..3).all(|i| vanishes(weight.moments[axis].0[i] + g * first.0[i]));
-            vanishes(weight.force.0[axis] + g * mass) && moments
+            are_opposite(&[weight.force.0[axis]], &[g * mass])
+                && are_opposite(&weight.moments[axis].0, &first.scale(g).0)
         })
     });
     (agree && field.0.iter().any(|g| !g.is_zero())).then(|| (field, rest.concat()))
@@ -72,10 +72,14 @@ fn carried<'g, const N: usize>(expressions: [Expr<'_>; N], graph: &'g Graph) -> 
 /// Terms of more products are not compared.
 const MOST_TERMS: usize = 100;
 
-/// Whether an expression of constants and parameters is 0, up to the rounding of constants.
-fn vanishes(e: Expr<'_>) -> bool {
-    let form = normal_form(&[e], MOST_TERMS).map_or(e, |forms| forms[0]);
-    form.as_constant().is_some_and(|value| value.to_f64().abs() < 1e-12)
+/// Whether a = −b; constants up to rounding, which the largest of them sets.
+fn are_opposite<'g>(a: &[Expr<'g>], b: &[Expr<'g>]) -> bool {
+    let size = |e: &Expr<'_>| e.as_constant().map_or(0.0, |value| value.to_f64().abs());
+    let largest = a.iter().chain(b).map(size).fold(0.0, f64::max);
+    a.iter().zip(b).all(|(&a, &b)| {
+        let sum = normal_form(&[a + b], MOST_TERMS).map_or(a + b, |forms| forms[0]);
+        sum.is_zero() || sum.as_constant().is_some_and(|sum| sum.to_f64().abs() <= 1e-12 * largest)
+    })
 }
 
 /// `a / b` where b is a number or a factor of a.

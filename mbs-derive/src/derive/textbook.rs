@@ -49,15 +49,17 @@ impl Form {
     }
 }
 
-/// The equations in the form of a textbook, each function that is short enough; `None` for larger mechanisms.
+/// The equations in the form of a textbook, each function that is short enough; `None` for mechanisms with more coordinates, or
+/// with a longer kinetic energy, than anybody writes out.
 pub fn normal_form<'g>(plain: &Lagrange<'g>) -> Option<Lagrange<'g>> {
     if plain.momentum.len() > MOST_COORDINATES {
         return None;
     }
+    let kinetic_energy = cheapest_form(&[plain.kinetic_energy], MOST_TERMS)?[0];
     let list = |expressions: &[Expr<'g>]| Form::Textbook.list(expressions);
     let one = |expression: Expr<'g>| list(&[expression])[0];
     Some(Lagrange {
-        kinetic_energy: one(plain.kinetic_energy),
+        kinetic_energy,
         potential_energy: one(plain.potential_energy),
         momentum: list(&plain.momentum),
         mass_matrix: Form::Textbook.rows(&plain.mass_matrix),

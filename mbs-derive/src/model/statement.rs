@@ -230,7 +230,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
 
     /// Whether all went well.
     fn turn(&mut self, variable: &Name, number: i64, body: &'d [Statement]) -> bool {
-        let errors = self.errors.iter().count();
+        let errors = self.errors.error_count();
         self.scope.enter();
         let value = Value::Scalar(Scalar::plain(self.graph.integer(number)));
         let declared = self.declare(variable, Origin::Loop, Some(value)).is_ok();
@@ -243,7 +243,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
         };
         self.depth_of_blocks -= 1;
         self.scope.leave();
-        complete && self.errors.iter().count() == errors
+        complete && self.errors.error_count() == errors
     }
 }
 
@@ -400,6 +400,13 @@ mod tests {
         );
         near(&value("let mut a = 7; for i in 3..1 { a = 0; }", "a"), &[7.0], "an empty loop");
         near(&value("for i in 0..2 { let m = i; }", "m"), &[2.0], "a parameter shadowed in a loop");
+    }
+
+    /// Whether a loop goes on does not depend on warnings, however many.
+    #[test]
+    fn warnings_stop_no_loop() {
+        let sum = "let mut a = 0; for i in 0..1500 { let angle = sin(40 + i); a = a + 1; }";
+        near(&value(sum, "a"), &[1500.0], "degrees as radians in each turn");
     }
 
     #[test]
