@@ -138,6 +138,7 @@ pub use serde;
 #[cfg(feature = "wide")]
 pub use wide;
 
+pub mod constraint;
 mod dual;
 pub mod dynamics;
 mod error;
@@ -149,9 +150,10 @@ mod state;
 #[cfg(feature = "std")]
 pub mod trajectory;
 
+pub use constraint::{Constraints, Projector, RedundantRows};
 pub use dual::Dual;
 pub use dynamics::{Ldlt, ldlt_solve, ldlt_solve_many, try_ldlt_solve};
-pub use error::{DimensionMismatch, IntegrationError, SingularMassMatrix};
+pub use error::{ConstraintError, DimensionMismatch, IntegrationError, SingularMassMatrix};
 pub use integrator::dop853::Dop853;
 pub use integrator::rk4::{Rk4, Rk4Stepper};
 pub use integrator::{Integrator, Outcome, Step, Summary};
