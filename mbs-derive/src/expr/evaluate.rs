@@ -2,11 +2,16 @@
 
 use super::function::{Binary, Function};
 use super::graph::{Expr, Id, IdMap, Node, Symbol};
+use super::number::Number;
 
 /// What expressions can be evaluated over.
 pub trait Value: Copy {
     /// An exact constant, rounded.
     fn constant(value: f64) -> Self;
+    /// A constant of the graph.
+    fn number(number: Number) -> Self {
+        Self::constant(number.to_f64())
+    }
     /// `−a`
     fn neg(self) -> Self;
     /// `a + b`
@@ -124,7 +129,7 @@ impl Tape {
         for step in &self.steps {
             let v = |operand: Id| values[operand.index()];
             let value = match *step {
-                Node::Constant(value) => V::constant(value.to_f64()),
+                Node::Constant(value) => V::number(value),
                 Node::Symbol(symbol) => point(symbol),
                 Node::Rate(a) => v(a).rate(),
                 Node::Neg(a) => v(a).neg(),

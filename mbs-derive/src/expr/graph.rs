@@ -9,8 +9,10 @@ use std::fmt;
 use std::hash::{BuildHasherDefault, Hasher};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
+use super::evaluate::Value;
 use super::function::{Binary, Function};
 use super::number::Number;
+use super::rounded::Rounded;
 
 /// Number of a node in its graph; operands have smaller numbers than what is made of them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -451,7 +453,9 @@ impl<'g> Expr<'g> {
             return graph.intern(Node::Call(function, self.id));
         }
         if let Some(value) = self.as_constant() {
-            let folded = exact_value(function, value).unwrap_or_else(|| Number::real(function.folded(value.to_f64())));
+            let rounded =
+                || Number::rounded(function.folded(value.to_f64()), Rounded::from(value).call(function).error);
+            let folded = exact_value(function, value).unwrap_or_else(rounded);
             if folded.to_f64().is_finite() {
                 return graph.constant(folded);
             }
@@ -494,7 +498,8 @@ impl<'g> Expr<'g> {
         {
             let folded = function.folded(a.to_f64(), b.to_f64());
             if folded.is_finite() {
-                return graph.constant(Number::real(folded));
+                let error = Rounded::from(a).call2(function, Rounded::from(b)).error;
+                return graph.constant(Number::rounded(folded, error));
             }
         }
         graph.intern(Node::Call2(function, self.id, other.id))

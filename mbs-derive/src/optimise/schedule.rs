@@ -76,7 +76,8 @@ fn candidates(graph: &Graph, roots: &[Expr<'_>]) -> Vec<Id> {
     for &id in order.iter().rev() {
         let Some(&needed) = certain.get(&id) else { continue };
         let (dependence, total) = facts[&id];
-        if dependence == Dependence::Parameters && (needed || total) {
+        let is_number = !is_condition(graph.node(id));
+        if dependence == Dependence::Parameters && is_number && (needed || total) {
             found.extend(Some(behind_sign(graph, id)).filter(|id| !matches!(graph.node(*id), Node::Symbol(_))));
             continue;
         }
@@ -108,6 +109,11 @@ fn facts(graph: &Graph, order: &[Id]) -> IdMap<(Dependence, bool)> {
         facts.insert(id, (dependence, total));
     }
     facts
+}
+
+/// Whether it is true or false, which the fields of a mechanism do not hold.
+fn is_condition(node: Node) -> bool {
+    matches!(node, Node::Less(..) | Node::LessEqual(..) | Node::And(..) | Node::Not(_))
 }
 
 /// Whether an operation has a value for all values of its operands.
