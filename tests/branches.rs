@@ -349,9 +349,8 @@ fn comparisons_are_those_of_ieee_754() {
 #[test]
 fn parameters_choose_a_side() {
     let (m, k, q) = (1.5, 3.0, [0.4, -0.7]);
-    let accelerations = |kind: f64| {
-        SwitchedSpring::new(Params { m, k, kind }).forward_dynamics(&q, &[0.0; 2]).map(|qdd| m * qdd)
-    };
+    let accelerations =
+        |kind: f64| SwitchedSpring::new(Params { m, k, kind }).forward_dynamics(&q, &[0.0; 2]).map(|qdd| m * qdd);
     let [x, y] = q;
     assert_close("hard", &accelerations(2.0), &[-2.0 * k * x * 2.0_f64.sqrt(), -k * y], 1e-15);
     assert_close("soft", &accelerations(0.5), &[-k * x - k * x, -k * y], 1e-15);
