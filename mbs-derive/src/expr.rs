@@ -28,6 +28,7 @@ pub mod normal;
 pub mod number;
 pub mod rounded;
 pub mod substitute;
+pub(crate) mod table;
 pub mod tangent;
 pub mod vector;
 

@@ -91,7 +91,10 @@ impl Number {
 
     /// Whether it is 0.
     pub fn is_zero(self) -> bool {
-        self.to_f64() == 0.0
+        match self {
+            Number::Exact { numerator, .. } => numerator == 0,
+            Number::Real(value) => value == 0.0,
+        }
     }
 
     /// Whether it is 1.
