@@ -63,6 +63,11 @@ pub(crate) struct Finder {
 }
 
 impl Finder {
+    /// With room for about so many things.
+    pub(crate) fn with_capacity(count: usize) -> Self {
+        Finder { slots: vec![(0, 0); (count + count / 2).next_power_of_two()], count: 0 }
+    }
+
     /// The number of what has this hash and of which `is` holds; else it is given the next number, and the answer is `None`.
     pub(crate) fn find_or_add(&mut self, hash: u64, is: impl Fn(u32) -> bool) -> Option<u32> {
         if self.count as usize >= self.slots.len() / 4 * 3 {

@@ -73,7 +73,8 @@ impl<'a> Lowering<'a> {
                 graph.node(id).operands().for_each(|operand| nodes[operand].uses += 1);
             }
         }
-        Lowering { graph, nodes, instructions: Vec::new(), known: Finder::default() }
+        let most = order.len();
+        Lowering { graph, nodes, instructions: Vec::with_capacity(most), known: Finder::with_capacity(most) }
     }
 
     /// The value of a node, after those that it needs, depth first.
@@ -86,7 +87,10 @@ impl<'a> Lowering<'a> {
             }
             let recipe = self.recipe(id);
             let before = stack.len();
-            stack.extend(recipe.operands().filter(|&operand| self.nodes[operand].value.is_none()));
+            recipe
+                .operands()
+                .filter(|&operand| self.nodes[operand].value.is_none())
+                .for_each(|operand| stack.push(operand));
             stack[before..].reverse();
             if stack.len() == before {
                 self.nodes[id].value = Some(self.follow(recipe));

@@ -24,7 +24,7 @@ impl Hoisting {
     }
 
     /// Finds the largest subexpressions of parameters alone that the functions use.
-    pub fn of<'g, 'r>(functions: impl Iterator<Item = &'r [Expr<'g>]>) -> Self
+    pub fn of<'g, 'r>(functions: impl Iterator<Item = &'r [Expr<'g>]>, forms: &mut Forms) -> Self
     where
         'g: 'r,
     {
@@ -36,7 +36,7 @@ impl Hoisting {
             let graph = first.graph();
             for id in candidates(graph, roots) {
                 numbers.entry(id).or_insert_with(|| {
-                    *by_value.entry(value(graph.expr(id)).id()).or_insert_with(|| {
+                    *by_value.entry(forms.form(graph.expr(id))).or_insert_with(|| {
                         hoisted.push(graph.expr(id));
                         hoisted.len() as u32 - 1
                     })
@@ -54,9 +54,16 @@ impl Hoisting {
     }
 }
 
-/// One expression for all ways to multiply and add the same parameters, so that `(m g) l` and `m (g l)` are one value.
-fn value(expr: Expr<'_>) -> Expr<'_> {
-    normal_form(&[expr], MOST_TERMS).map_or(expr, |forms| forms[0])
+/// One expression for all ways to multiply and add the same parameters, so that `(m g) l` and `m (g l)` are one value. Each is
+/// found once.
+#[derive(Default)]
+pub struct Forms(IdMap<Id>);
+
+impl Forms {
+    fn form(&mut self, expr: Expr<'_>) -> Id {
+        let form = || normal_form(&[expr], MOST_TERMS).map_or(expr, |forms| forms[0]).id();
+        *self.0.entry(expr.id()).or_insert_with(form)
+    }
 }
 
 /// What a node depends on.
