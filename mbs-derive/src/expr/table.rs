@@ -101,7 +101,7 @@ impl Finder {
 }
 
 fn home(hash: u32, size: usize) -> usize {
-    (u64::from(hash) * size as u64 >> 32) as usize
+    ((u64::from(hash) * size as u64) >> 32) as usize
 }
 
 #[cfg(test)]
