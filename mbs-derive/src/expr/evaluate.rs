@@ -1,8 +1,9 @@
 //! Numerical values of expressions, over any kind of number: doubles, or dual numbers that carry derivatives.
 
 use super::function::{Binary, Function};
-use super::graph::{Expr, Id, IdMap, Node, Symbol};
+use super::graph::{Expr, Id, Node, Symbol};
 use super::number::Number;
+use super::table::Table;
 
 /// What expressions can be evaluated over.
 pub trait Value: Copy {
@@ -102,8 +103,8 @@ impl Tape {
         let Some(first) = roots.first() else { return Tape { steps: Vec::new(), roots: Vec::new() } };
         let graph = first.graph();
         let order = graph.reachable(roots.iter().map(|root| root.id()));
-        let positions: IdMap<u32> = order.iter().enumerate().map(|(i, &id)| (id, i as u32)).collect();
-        let at = |id: Id| Id(positions[&id]);
+        let positions = Table::new(&order, ());
+        let at = |id: Id| Id(positions.position(id).expect("one of the nodes") as u32);
         let steps = order.iter().map(|&id| match graph.node(id) {
             Node::Rate(a) => Node::Rate(at(a)),
             Node::Neg(a) => Node::Neg(at(a)),

@@ -97,7 +97,10 @@ impl Number {
 
     /// Whether it is 0.
     pub fn is_zero(self) -> bool {
-        self.to_f64() == 0.0
+        match self {
+            Number::Exact { numerator, .. } => numerator == 0,
+            Number::Real { value, .. } => value == 0.0,
+        }
     }
 
     /// Whether it is 1.
@@ -299,7 +302,7 @@ fn exact_square_root(value: i128) -> Option<i128> {
 fn divide_correctly_rounded(numerator: i128, denominator: i128) -> f64 {
     const EXACT: u128 = 1 << 53;
     if numerator.unsigned_abs() <= EXACT && denominator.unsigned_abs() <= EXACT {
-        return numerator as f64 / denominator as f64; // one rounding
+        return numerator as i64 as f64 / denominator as i64 as f64; // one rounding
     }
     // Long division to 64 significant bits, the last of them sticky; then one rounding.
     let (mut remainder, divisor) = (numerator.unsigned_abs(), denominator.unsigned_abs());
