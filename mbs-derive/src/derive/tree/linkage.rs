@@ -3,9 +3,11 @@
 //! Constant turns and shifts in a row become one of each; a turn about a skew axis e becomes a constant turn of e onto z, a turn
 //! about z, and the turn back, which joins what follows; a translation that moves becomes slides along constant directions.
 
+use crate::expr::graph::IdMap;
 use crate::expr::{Expr, Graph, HalfInteger, Matrix, Node, Number, Symbol, Tangent, Vector, carry_out};
 use crate::model::Lagrangian;
 use crate::model::frame::{Edge as Declared, FrameId};
+use crate::model::landmark::moving_nodes;
 
 use super::super::time_derivative;
 
@@ -131,10 +133,9 @@ impl<'g> Linkage<'g> {
                     Node::Symbol(_) | Node::Constant(_) | Node::Neg(_) | Node::Add(..) | Node::Sub(..) | Node::Mul(..)
                 )
             };
-            let mut products = graph.reachable([displacement.id()]).into_iter();
-            products.all(|id| {
-                linear(id) && !matches!(graph.node(id), Node::Mul(a, b) if moves(graph.expr(a)) && moves(graph.expr(b)))
-            })
+            let moving = moving_nodes(displacement);
+            let mut nodes = graph.reachable([displacement.id()]).into_iter();
+            nodes.all(|id| linear(id) && !matches!(graph.node(id), Node::Mul(a, b) if moving[&a] && moving[&b]))
         })
     }
 
@@ -267,34 +268,35 @@ impl<'g> Affine<'g> {
     fn of(e: Expr<'g>) -> Self {
         let graph = e.graph();
         let (zero, one) = (graph.integer(0), graph.integer(1));
+        let moving = moving_nodes(e);
         let mut split = Affine { constant: zero, factor: one, variable: e };
-        if !moves(e) {
+        if !moving[&e.id()] {
             return Affine { constant: e, factor: zero, variable: one };
         }
-        while let Some(next) = split.peeled() {
+        while let Some(next) = split.peeled(&moving) {
             split = next;
         }
         split
     }
 
-    fn peeled(self) -> Option<Self> {
+    fn peeled(self, moving: &IdMap<bool>) -> Option<Self> {
         let graph = self.variable.graph();
         let part = |id| graph.expr(id);
         let Affine { constant, factor, .. } = self;
         match self.variable.node() {
             Node::Neg(a) => Some(Affine { factor: -factor, variable: part(a), ..self }),
-            Node::Mul(a, b) if !moves(part(a)) => Some(Affine { factor: factor * part(a), variable: part(b), ..self }),
-            Node::Mul(a, b) if !moves(part(b)) => Some(Affine { factor: factor * part(b), variable: part(a), ..self }),
-            Node::Add(a, b) | Node::Sub(a, b) if !moves(part(b)) => {
+            Node::Mul(a, b) if !moving[&a] => Some(Affine { factor: factor * part(a), variable: part(b), ..self }),
+            Node::Mul(a, b) if !moving[&b] => Some(Affine { factor: factor * part(b), variable: part(a), ..self }),
+            Node::Add(a, b) | Node::Sub(a, b) if !moving[&b] => {
                 let added = factor * part(b);
                 let minus = matches!(self.variable.node(), Node::Sub(..));
                 let constant = if minus { constant - added } else { constant + added };
                 Some(Affine { constant, variable: part(a), ..self })
             }
-            Node::Add(a, b) if !moves(part(a)) => {
+            Node::Add(a, b) if !moving[&a] => {
                 Some(Affine { constant: constant + factor * part(a), variable: part(b), ..self })
             }
-            Node::Sub(a, b) if !moves(part(a)) => {
+            Node::Sub(a, b) if !moving[&a] => {
                 Some(Affine { constant: constant + factor * part(a), factor: -factor, variable: part(b) })
             }
             _ => None,
