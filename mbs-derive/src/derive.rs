@@ -232,6 +232,12 @@ fn sum<'g>(terms: &[Expr<'_>], graph: &'g Graph) -> Expr<'g> {
     terms.into_iter().fold(graph.integer(0), |sum, term| sum + term)
 }
 
+/// Some verbatim expressions, time derivatives carried out.
+fn carried<'g, const N: usize>(expressions: [Expr<'_>; N], graph: &'g Graph) -> [Expr<'g>; N] {
+    let carried = carry_out(&expressions, graph, |symbol| time_derivative(symbol, graph));
+    std::array::from_fn(|i| carried[i])
+}
+
 /// `Q = Σ (∂v/∂q̇)ᵀ F` over forces on points and torques on bodies: one reverse sweep for all of them.
 fn virtual_work<'g>(lagrangian: &Lagrangian<'_>, graph: &'g Graph) -> Vec<Expr<'g>> {
     let carried = |vectors: Vec<crate::expr::Vector<'_>>| {
