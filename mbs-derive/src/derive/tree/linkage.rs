@@ -1,15 +1,16 @@
 //! The declared frames, reduced to what moves: a tree of links, each behind one elementary motion.
 //!
-//! Constant turns and shifts in a row become one of each; a turn about a skew axis e becomes a constant turn of e onto z, a turn
+//! Constant turns and shifts in a row become one of each; a turn about a skew axis e becomes a constant turn of z onto e, a turn
 //! about z, and the turn back, which joins what follows; a translation that moves becomes slides along constant directions.
 
 use crate::expr::graph::IdMap;
-use crate::expr::{Expr, Graph, HalfInteger, Matrix, Node, Number, Symbol, Tangent, Vector, carry_out};
+use crate::expr::{Expr, Graph, HalfInteger, Matrix, Node, Tangent, Vector};
 use crate::model::Lagrangian;
 use crate::model::frame::{Edge as Declared, FrameId};
-use crate::model::landmark::moving_nodes;
+use crate::model::landmark::{is_still, moving_nodes};
 
-use super::super::time_derivative;
+use super::super::lagrange::velocity_direction;
+use super::super::{carried, time_derivative};
 
 /// How a link moves in its parent.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -119,7 +120,7 @@ impl<'g> Linkage<'g> {
     }
 
     /// Whether there is a joint at all.
-    pub(crate) fn moves(&self) -> bool {
+    pub(crate) fn has_joints(&self) -> bool {
         self.links.iter().any(|link| link.edge.is_some_and(|edge| edge.displacement().is_some()))
     }
 
@@ -144,7 +145,10 @@ impl<'g> Linkage<'g> {
         match edge {
             Declared::Rotation { axis, angle } => {
                 let [x, y, z, angle] = carried([axis.0[0], axis.0[1], axis.0[2], angle], graph);
-                Some(self.turned(seat, Vector([x, y, z]), angle))
+                let axis = Vector([x, y, z]);
+                // The language has axes of numbers only; a mechanism built by hand may have others, and is derived plainly.
+                let is_number = axis.0.iter().all(|e| e.as_constant().is_some());
+                (is_number || is_still(angle)).then(|| self.turned(seat, axis, angle))
             }
             Declared::Translation(t) => Some(self.translated(seat, Vector(carried(t.0, graph)))),
             Declared::Quaternion(_) => None,
@@ -153,14 +157,14 @@ impl<'g> Linkage<'g> {
 
     fn turned(&mut self, seat: Seat<'g>, axis: Vector<'g>, angle: Expr<'g>) -> Seat<'g> {
         let graph = angle.graph();
-        if !moves(angle) {
+        if is_still(angle) {
             return seat.turned(Matrix::rotation(axis, angle));
         }
         let along = (0..3).find(|&k| axis == Vector::unit(graph, k));
-        let before = along.map_or_else(|| seat.turned(onto_z(axis)), |_| seat);
+        let before = along.map_or_else(|| seat.turned(rotation_from_z(axis)), |_| seat);
         let link = self.settled(before);
         let link = self.link(link, Edge::revolute(along.unwrap_or(2), angle));
-        let back = along.is_none().then(|| onto_z(axis).transpose());
+        let back = along.is_none().then(|| rotation_from_z(axis).transpose());
         Seat { link, shift: Vector::zero(graph), turn: back }
     }
 
@@ -206,27 +210,15 @@ impl<'g> Seat<'g> {
     }
 }
 
-fn carried<'g, const N: usize>(expressions: [Expr<'_>; N], graph: &'g Graph) -> [Expr<'g>; N] {
-    let carried = carry_out(&expressions, graph, |symbol| time_derivative(symbol, graph));
-    std::array::from_fn(|i| carried[i])
-}
-
 /// How many components are not 0.
 fn components(v: Vector<'_>) -> usize {
     v.0.iter().filter(|c| !c.is_zero()).count()
 }
 
-/// Whether it changes in time.
-pub(crate) fn moves(e: Expr<'_>) -> bool {
-    let graph = e.graph();
-    let moving = |symbol: Symbol| !matches!(symbol, Symbol::Parameter(_));
-    graph.reachable([e.id()]).iter().any(|&id| matches!(graph.node(id), Node::Symbol(s) if moving(s)))
-}
-
-/// A constant rotation that takes z to the axis: its columns are two unit vectors across it, and the axis.
-fn onto_z<'g>(axis: Vector<'g>) -> Matrix<'g> {
+/// A constant rotation that takes z to a unit axis of numbers: its columns are two unit vectors across it, and the axis.
+fn rotation_from_z<'g>(axis: Vector<'g>) -> Matrix<'g> {
     let graph = axis.0[0].graph();
-    let number = |e: Expr<'g>| e.as_constant().map_or(0.0, Number::to_f64);
+    let number = |e: Expr<'g>| e.as_constant().expect("`attach` lets no other axis turn").to_f64();
     // The coordinate axis that is farthest from it, so that nothing is divided by little.
     let k = (0..3).min_by(|&i, &j| number(axis.0[i]).abs().total_cmp(&number(axis.0[j]).abs())).unwrap_or(0);
     let across = Vector::unit(graph, k).cross(axis);
@@ -304,13 +296,27 @@ impl<'g> Affine<'g> {
     }
 }
 
-/// The rate of a displacement, and the rate of that with accelerations or without.
-pub(crate) fn rates<'g>(displacement: Expr<'g>, accelerated: bool) -> (Expr<'g>, Expr<'g>) {
+/// Whether q̈ is given or 0.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Accelerations {
+    /// As symbols.
+    Given,
+    /// For the bias.
+    Zero,
+}
+
+/// The rate of a displacement.
+pub(super) fn rate<'g>(displacement: Expr<'g>) -> Expr<'g> {
     let graph = displacement.graph();
-    let rate = Tangent::new(|symbol| time_derivative(symbol, graph)).of(displacement);
-    let direction = |symbol| match symbol {
-        Symbol::Velocity(_) if !accelerated => None,
-        other => time_derivative(other, graph),
+    Tangent::new(|symbol| time_derivative(symbol, graph)).of(displacement)
+}
+
+/// The rate of a displacement, and the rate of that.
+pub(super) fn rates<'g>(displacement: Expr<'g>, accelerations: Accelerations) -> (Expr<'g>, Expr<'g>) {
+    let (graph, rate) = (displacement.graph(), rate(displacement));
+    let direction = |symbol| match accelerations {
+        Accelerations::Given => time_derivative(symbol, graph),
+        Accelerations::Zero => velocity_direction(symbol, rate),
     };
     (rate, Tangent::new(direction).of(rate))
 }
