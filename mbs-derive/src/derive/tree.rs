@@ -20,6 +20,8 @@ pub(super) mod inertia;
 pub(super) mod linkage;
 mod newton_euler;
 mod regroup;
+#[cfg(test)]
+mod trial;
 mod twist;
 mod wrench;
 

@@ -320,3 +320,71 @@ pub(super) fn rates<'g>(displacement: Expr<'g>, accelerations: Accelerations) ->
     };
     (rate, Tangent::new(direction).of(rate))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::trial::{linkage, value};
+    use super::*;
+    use crate::expr::Symbol;
+
+    #[test]
+    fn what_is_constant_in_time_is_split_off() {
+        let graph = Graph::new();
+        let (q, l) = (graph.symbol(Symbol::Coordinate(0)), graph.symbol(Symbol::Parameter(0)));
+        for e in [l - 2 * (l * q + 3), -(q - l) * l, (l + q) / 2, l - (3 - q), l * 3, q.sin() * l] {
+            let Affine { constant, factor, variable } = Affine::of(e);
+            assert!(is_still(constant) && is_still(factor), "{e}");
+            assert!((value(constant + factor * variable) - value(e)).abs() < 1e-12, "{e}");
+            assert!(variable == q || variable == q.sin() || factor.is_zero(), "{e}: {variable}");
+        }
+    }
+
+    #[test]
+    fn a_translation_along_a_line_is_one_slide() {
+        let graph = Graph::new();
+        let [zero, one, two] = [0, 1, 2].map(|i| graph.integer(i));
+        let [x, y] = [0, 1].map(|i| graph.symbol(Symbol::Coordinate(i)));
+        let line = slides_of(Vector([x, 2 * x + one, one]));
+        assert_eq!(line, (Vector([zero, one, one]), vec![(Vector([one, two, zero]), x)]));
+        let plane = slides_of(Vector([x, 2 * y, one]));
+        let slides = vec![(Vector([one, zero, zero]), x), (Vector([zero, two, zero]), y)];
+        assert_eq!(plane, (Vector([zero, zero, one]), slides));
+    }
+
+    #[test]
+    fn skew_axes_are_turned_from_z() {
+        let graph = Graph::new();
+        let thirds = [1, -2, 2].map(|i| graph.integer(i) / 3);
+        let fifths = [3, 0, 4].map(|i| graph.integer(i) / 5);
+        for axis in [fifths, [0, 0, -1].map(|i| graph.integer(i)), thirds].map(Vector) {
+            let r = rotation_from_z(axis);
+            assert_eq!(r * Vector::unit(&graph, 2), axis);
+            let square = r.transpose() * r;
+            for (entry, unit) in square.0.as_flattened().iter().zip(Matrix::identity(&graph).0.as_flattened()) {
+                assert!((value(*entry) - value(*unit)).abs() < 1e-15, "{entry}");
+            }
+        }
+    }
+
+    #[test]
+    fn joints_that_follow_coordinates_linearly() {
+        let graph = Graph::new();
+        let (q, l, t) =
+            (graph.symbol(Symbol::Coordinate(0)), graph.symbol(Symbol::Parameter(0)), graph.symbol(Symbol::Time));
+        let is_linear = |displacement| linkage(&[(0, Edge::revolute(0, displacement))]).is_linear();
+        assert!([q, l * q + 3 * t - l, -(q - t) / 2].into_iter().all(is_linear));
+        assert!(![q * q, q * t, q.sin(), (q + 1).powi(3)].into_iter().any(is_linear));
+    }
+
+    /// Each node of a long sum is looked at once, not once for each sum that it is part of.
+    #[test]
+    fn long_displacements_take_time_in_proportion() {
+        let graph = Graph::new();
+        let l = graph.symbol(Symbol::Parameter(0));
+        let sum = (1..20_000).fold(graph.symbol(Symbol::Coordinate(0)), |sum, i| sum + i * l);
+        let start = std::time::Instant::now();
+        assert!(linkage(&[(0, Edge::revolute(0, sum))]).is_linear());
+        assert_eq!(Affine::of(sum).variable, graph.symbol(Symbol::Coordinate(0)));
+        assert!(start.elapsed().as_secs() < 5, "{:?}", start.elapsed());
+    }
+}
