@@ -21,7 +21,9 @@ fn results(source: &str, function: &str, q: &[f64], qd: &[f64]) -> (Vec<f64>, bo
         prescribed: Vec::new(),
     };
     let found = Interpreter::new(&derivation).call(function, &state).expect("a function of the mechanism");
-    (found, warnings.contains("is not finite where") || warnings.contains("0/0 where"))
+    let is_about_values = |line: &str| function == "linearize" || !line.contains("its linearization is not a number");
+    let alarm = |line: &str| line.contains("is not finite where") || line.contains("0/0 where");
+    (found, warnings.lines().any(|line| alarm(line) && is_about_values(line)))
 }
 
 /// A mechanism of two coordinates in a plane, with these statements.
@@ -78,6 +80,7 @@ fn roots_that_are_squared_leave_no_trace() {
 fn odd_powers_of_lengths_have_a_slope_at_zero() {
     let cubic = plane(&format!("{KINETIC} potential += k*[x, y, 0].norm()^3/l;"));
     finite(&cubic, "gravity", ZERO, &[0.0, 0.0]);
+    not_finite(&cubic, "linearize", ZERO);
     let drag = plane(&format!("{KINETIC} const c: kg/m = 4; dissipation += c*dt([x, y, 0]).norm()^3/3;"));
     finite(&drag, "dissipation_force", ZERO, &[0.0, 0.0]);
     finite(&drag, "dissipation_force", [&[0.0, 0.0], &[3.0, 4.0]], &[60.0, 80.0]);

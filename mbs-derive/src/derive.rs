@@ -4,11 +4,13 @@
 //! dissipation function, Lagrange's equations are
 //!
 //! ```text
-//! M q̈ + C q̇ + G + ∂D/∂q̇ = Q
+//! M q̈ + C q̇ + G + ∂D/∂q̇ = Q + Aᵀ λ        A q̈ + γ = 0
 //! ```
 //!
 //! - [`lagrange`]: momenta, mass matrix, Christoffel form, gravity, bias, inverse dynamics;
 //! - [`textbook`]: the same in multiple-angle normal form, for small mechanisms;
+//! - `lift` and `gravity`: bodies and the field they are in, found again among the energies; `tree`: the same equations by
+//!   sweeps over their tree (`docs/structured.md`);
 //! - [`solve`]: forward dynamics by LDLᵀ, unrolled or left to the runtime;
 //! - [`linearize`]: Jacobians of the equations of motion;
 //! - [`constraint`]: what must vanish, its Jacobian and its bias;
@@ -19,13 +21,14 @@ pub mod conserved;
 pub mod constraint;
 mod gravity;
 pub mod lagrange;
-pub mod lift;
+mod lift;
 pub mod linearize;
 pub mod output;
 pub mod solve;
 pub mod textbook;
-pub mod tree;
+mod tree;
 
+use std::cell::OnceCell;
 use std::fmt;
 
 use crate::expr::{Expr, Graph, Symbol, carry_out, gradient_of_combination};
@@ -87,6 +90,16 @@ pub enum Route {
     Ungrouped,
 }
 
+impl Route {
+    /// How what is derived by it is written.
+    fn form(self) -> Form {
+        match self {
+            Route::Textbook => Form::Textbook,
+            Route::Plain | Route::Structured | Route::Ungrouped => Form::AsDerived,
+        }
+    }
+}
+
 impl fmt::Display for Route {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
@@ -137,51 +150,55 @@ pub fn all_routes<'g>(lagrangian: &Lagrangian<'_>, graph: &'g Graph) -> Vec<Equa
 fn derived_by<'g>(lagrangian: &Lagrangian<'_>, graph: &'g Graph, routes: &[Route]) -> Vec<Equations<'g>> {
     let symbols = Symbols::of(lagrangian);
     let energies = Energies::carried_out(lagrangian, graph);
-    let lifted = lift::lifted(lagrangian, &energies, graph);
+    let (symbols, energies) = (&symbols, &energies);
+    let lifted = lift::lifted(lagrangian, energies, graph);
     let is_long_chain = symbols.q.len() > solve::LARGEST_UNROLLED && lifted.as_ref().is_some_and(Lifted::is_all);
-    let plain = (!is_long_chain).then(|| lagrange::equations(&energies, &symbols));
-    let rest = lifted.as_ref().map(|lifted| lagrange::equations(&lifted.rest, &symbols));
-    let by_bodies = |masses| Some(tree::equations(lifted.as_ref()?, masses, &energies, rest.as_ref()?, &symbols));
+    let plain = (!is_long_chain).then(|| lagrange::equations(energies, symbols));
+    let rest = lifted.as_ref().map(|lifted| lagrange::equations(&lifted.rest, symbols));
+    let by_bodies = |masses| Some(tree::equations(lifted.as_ref()?, masses, energies, rest.as_ref()?, symbols));
     let by = |route: Route| match route {
         Route::Plain => plain.clone(),
         Route::Textbook => textbook::normal_form(plain.as_ref()?),
         Route::Structured => by_bodies(Masses::Regrouped),
         Route::Ungrouped => by_bodies(Masses::AsDeclared),
     };
-    let found = routes.iter().filter_map(|&route| Some((route, by(route)?)));
-    let form = |route| if route == Route::Textbook { Form::Textbook } else { Form::AsDerived };
-    found
-        .map(|(route, lagrange)| equations(route, lagrange, form(route), &energies, &symbols, lagrangian, graph))
-        .collect()
+    let constraints = constraint::constraints(lagrangian, graph, symbols);
+    let mechanism = Mechanism { lagrangian, symbols, energies, constraints, outputs: OnceCell::new() };
+    routes.iter().filter_map(|&route| Some(mechanism.equations(route, by(route)?))).collect()
 }
 
-/// Everything that follows from Lagrange's equations.
-fn equations<'g>(
-    route: Route,
-    lagrange: Lagrange<'g>,
-    form: Form,
-    energies: &Energies<'g>,
-    symbols: &Symbols,
-    lagrangian: &Lagrangian<'_>,
-    graph: &'g Graph,
-) -> Equations<'g> {
-    let constraints = constraint::constraints(lagrangian, graph, symbols);
-    let forward_dynamics = form.forward_dynamics(&lagrange, &constraints);
-    let slopes = linearize::inverse_dynamics_slopes(&lagrange, symbols);
-    let inverse_dynamics_jacobian = linearize::inverse_dynamics_jacobian(&slopes, form, symbols);
-    let linearization = linearize::linearization(&lagrange, &slopes, &forward_dynamics, form, &constraints, symbols);
-    let conserved = conserved::conserved(&lagrange, energies, &constraints, symbols, lagrangian);
-    let outputs = output::outputs(lagrangian, graph, symbols);
-    Equations {
-        route,
-        symbols: symbols.clone(),
-        lagrange,
-        forward_dynamics,
-        inverse_dynamics_jacobian,
-        linearization,
-        constraints,
-        conserved,
-        outputs,
+/// What does not depend on the route.
+struct Mechanism<'a, 'v, 'g> {
+    lagrangian: &'a Lagrangian<'v>,
+    symbols: &'a Symbols,
+    energies: &'a Energies<'g>,
+    constraints: Constraints<'g>,
+    /// Made after the equations of the first route: where a graph has branches, sums follow the order in which it grew.
+    outputs: OnceCell<Vec<OutputEquations<'g>>>,
+}
+
+impl<'g> Mechanism<'_, '_, 'g> {
+    /// Everything that follows from Lagrange's equations.
+    fn equations(&self, route: Route, lagrange: Lagrange<'g>) -> Equations<'g> {
+        let &Mechanism { lagrangian, symbols, energies, ref constraints, ref outputs } = self;
+        let form = route.form();
+        let forward_dynamics = form.forward_dynamics(&lagrange, constraints);
+        let slopes = linearize::inverse_dynamics_slopes(&lagrange, symbols);
+        let inverse_dynamics_jacobian = linearize::inverse_dynamics_jacobian(&slopes, form, symbols);
+        let linearization = linearize::linearization(&lagrange, &slopes, &forward_dynamics, form, constraints, symbols);
+        let conserved = conserved::conserved(&lagrange, energies, constraints, symbols, lagrangian);
+        let graph = lagrange.kinetic_energy.graph();
+        Equations {
+            route,
+            symbols: symbols.clone(),
+            lagrange,
+            forward_dynamics,
+            inverse_dynamics_jacobian,
+            linearization,
+            constraints: constraints.clone(),
+            conserved,
+            outputs: outputs.get_or_init(|| output::outputs(lagrangian, graph, symbols)).clone(),
+        }
     }
 }
 
@@ -231,6 +248,12 @@ impl<'g> Energies<'g> {
 fn sum<'g>(terms: &[Expr<'_>], graph: &'g Graph) -> Expr<'g> {
     let terms = carry_out(terms, graph, |symbol| time_derivative(symbol, graph));
     terms.into_iter().fold(graph.integer(0), |sum, term| sum + term)
+}
+
+/// Some verbatim expressions, time derivatives carried out.
+fn carried<'g, const N: usize>(expressions: [Expr<'_>; N], graph: &'g Graph) -> [Expr<'g>; N] {
+    let carried = carry_out(&expressions, graph, |symbol| time_derivative(symbol, graph));
+    std::array::from_fn(|i| carried[i])
 }
 
 /// `Q = Σ (∂v/∂q̇)ᵀ F` over forces on points and torques on bodies: one reverse sweep for all of them.

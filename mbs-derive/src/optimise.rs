@@ -477,7 +477,7 @@ fn arguments_of(roots: &[Expr<'_>]) -> Vec<Argument> {
 }
 
 /// The argument that a symbol is a component of; time and parameters are not among them.
-pub fn argument_of(symbol: Symbol) -> Option<Argument> {
+fn argument_of(symbol: Symbol) -> Option<Argument> {
     match symbol {
         Symbol::Coordinate(_) => Some(Argument::Q),
         Symbol::Velocity(_) => Some(Argument::Qd),

@@ -51,7 +51,8 @@ pub fn conserved<'g>(
     found
 }
 
-/// `q̇·∂L/∂q̇ − L`, Jacobi's integral; `T + V` where T is homogeneous of second degree in the velocities and L is `T − V`.
+/// `q̇·∂L/∂q̇ − L`, Jacobi's integral; its value is `T + V` where T is homogeneous of second degree in the velocities and
+/// L is `T − V`, but it is formed as written.
 fn energy_integral<'g>(lagrange: &Lagrange<'g>, energies: &Energies<'g>, symbols: &Symbols) -> Expr<'g> {
     let graph = energies.lagrangian.graph();
     let momentum_dot_velocity: Expr<'g> =

@@ -3,12 +3,13 @@
 //! `V = −Σ g·(m p + R h)` over frames with mass m, moment h, origin p, attitude R: gravity is then the same as a base that
 //! accelerates by −g, and needs no forces of its own.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
-use crate::expr::{Expr, Graph, Node, Vector, carry_out, normal_form};
+use crate::expr::{Expr, Graph, Node, Vector, normal_form};
+use crate::model::landmark::Place;
 use crate::model::{Body, FrameId, Lagrangian};
 
-use super::time_derivative;
+use super::carried;
 
 /// What V says of one frame: the factors of its origin's coordinates and of the moments, per axis of the world.
 #[derive(Clone, Copy, Debug)]
@@ -18,6 +19,19 @@ struct Weight<'g> {
     /// Of the places' coordinates in the frame, per axis.
     moments: [Vector<'g>; 3],
 }
+
+/// What T says of one frame.
+#[derive(Clone, Debug)]
+struct Masses<'g> {
+    /// Of each body.
+    single: Vec<Expr<'g>>,
+    /// m
+    sum: Expr<'g>,
+    /// h
+    moment: Vector<'g>,
+}
+
+type OfFrames<T> = BTreeMap<FrameId, T>;
 
 /// The field's acceleration g in world axes, and the terms of V that are not gravity.
 ///
@@ -29,44 +43,69 @@ pub(super) fn field<'v, 'g>(
 ) -> Option<(Vector<'g>, Vec<Expr<'v>>)> {
     let parts = lagrangian.potential.iter().map(|&term| lagrangian.landmarks.places_of(term));
     let (places, rest): (Vec<_>, Vec<_>) = parts.unzip();
-    let zero = graph.integer(0);
-    let nothing = Weight { force: Vector([zero; 3]), moments: [Vector([zero; 3]); 3] };
-    let mut weights: BTreeMap<FrameId, Weight<'g>> = BTreeMap::new();
-    let mut field = Vector([zero; 3]);
-    for (factor, place) in places.concat() {
-        let [factor, x, y, z] =
-            carried([factor, place.coordinates.0[0], place.coordinates.0[1], place.coordinates.0[2]], graph);
-        let weight = weights.entry(place.frame).or_insert(nothing);
-        weight.force.0[place.axis] = weight.force.0[place.axis] + factor;
-        weight.moments[place.axis] = weight.moments[place.axis] + Vector([x, y, z]).scale(factor);
-        if field.0[place.axis].is_zero() {
-            let here = bodies.iter().filter(|body| body.frame == place.frame);
-            field.0[place.axis] = -here.filter_map(|body| quotient(factor, body.mass)).next().unwrap_or(zero);
-        }
-    }
-    let masses = bodies.iter().fold(BTreeMap::new(), |mut masses: BTreeMap<FrameId, (Expr<'g>, Vector<'g>)>, body| {
-        let moments = masses.entry(body.frame).or_insert((zero, nothing.force));
-        *moments = (moments.0 + body.mass, moments.1 + body.com.scale(body.mass));
-        masses
-    });
-    let mut frames: Vec<FrameId> = weights.keys().chain(masses.keys()).copied().collect();
-    frames.sort();
-    frames.dedup();
-    let agree = frames.iter().all(|frame| {
-        let (mass, first) = masses.get(frame).copied().unwrap_or((zero, nothing.force));
-        let weight = weights.get(frame).copied().unwrap_or(nothing);
-        (0..3).all(|axis| {
-            let g = field.0[axis];
-            are_opposite(&[weight.force.0[axis]], &[g * mass])
-                && are_opposite(&weight.moments[axis].0, &first.scale(g).0)
-        })
-    });
-    (agree && field.0.iter().any(|g| !g.is_zero())).then(|| (field, rest.concat()))
+    let places =
+        places.concat().into_iter().map(|(factor, place)| carried_place(factor, place, graph)).collect::<Vec<_>>();
+    let masses = masses(bodies, graph);
+    let field = acceleration(&places, &masses, graph);
+    let found = field.0.iter().any(|g| !g.is_zero()) && agree(&weights(&places, graph), &masses, field);
+    found.then(|| (field, rest.concat()))
 }
 
-fn carried<'g, const N: usize>(expressions: [Expr<'_>; N], graph: &'g Graph) -> [Expr<'g>; N] {
-    let carried = carry_out(&expressions, graph, |symbol| time_derivative(symbol, graph));
-    std::array::from_fn(|i| carried[i])
+fn carried_place<'g>(factor: Expr<'_>, place: Place<'_>, graph: &'g Graph) -> (Expr<'g>, Place<'g>) {
+    let [x, y, z] = place.coordinates.0;
+    let [factor, x, y, z] = carried([factor, x, y, z], graph);
+    (factor, Place { axis: place.axis, coordinates: Vector([x, y, z]), frame: place.frame })
+}
+
+fn masses<'g>(bodies: &[Body<'g>], graph: &'g Graph) -> OfFrames<Masses<'g>> {
+    let mut masses = OfFrames::new();
+    for body in bodies {
+        let nothing = || Masses { single: Vec::new(), sum: graph.integer(0), moment: Vector::zero(graph) };
+        let here = masses.entry(body.frame).or_insert_with(nothing);
+        here.single.push(body.mass);
+        here.sum = here.sum + body.mass;
+        here.moment = here.moment + body.com.scale(body.mass);
+    }
+    masses
+}
+
+/// Along each axis as the first place has it whose factor is the weight of a body there.
+fn acceleration<'g>(places: &[(Expr<'g>, Place<'g>)], masses: &OfFrames<Masses<'g>>, graph: &'g Graph) -> Vector<'g> {
+    let mut field = Vector::zero(graph);
+    for (factor, place) in places {
+        if field.0[place.axis].is_zero()
+            && let Some(here) = masses.get(&place.frame)
+            && let Some(g) = here.single.iter().find_map(|&mass| quotient(*factor, mass))
+        {
+            field.0[place.axis] = -g;
+        }
+    }
+    field
+}
+
+fn weights<'g>(places: &[(Expr<'g>, Place<'g>)], graph: &'g Graph) -> OfFrames<Weight<'g>> {
+    let nothing = Weight { force: Vector::zero(graph), moments: [Vector::zero(graph); 3] };
+    let mut weights = OfFrames::new();
+    for &(factor, Place { axis, coordinates, frame }) in places {
+        let weight = weights.entry(frame).or_insert(nothing);
+        weight.force.0[axis] = weight.force.0[axis] + factor;
+        weight.moments[axis] = weight.moments[axis] + coordinates.scale(factor);
+    }
+    weights
+}
+
+/// Whether each frame weighs what its masses do.
+fn agree<'g>(weights: &OfFrames<Weight<'g>>, masses: &OfFrames<Masses<'g>>, field: Vector<'g>) -> bool {
+    let zero = Vector::zero(field.0[0].graph());
+    let frames: BTreeSet<FrameId> = weights.keys().chain(masses.keys()).copied().collect();
+    frames.iter().all(|frame| {
+        let (mass, moment) = masses.get(frame).map_or((zero.0[0], zero), |here| (here.sum, here.moment));
+        let (force, moments) = weights.get(frame).map_or((zero, [zero; 3]), |weight| (weight.force, weight.moments));
+        (0..3).all(|axis| {
+            let g = field.0[axis];
+            are_opposite(&[force.0[axis]], &[g * mass]) && are_opposite(&moments[axis].0, &moment.scale(g).0)
+        })
+    })
 }
 
 /// Terms of more products are not compared.
@@ -106,4 +145,46 @@ fn quotient<'g>(a: Expr<'g>, b: Expr<'g>) -> Option<Expr<'g>> {
         }
     }
     found.then_some(others)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Energies;
+    use super::super::lift::lifted;
+    use super::*;
+
+    /// Of two masses on a swinging link, with this potential: g, and how many terms of V are left.
+    fn found(potential: &str, mass: &str) -> ([f64; 3], bool) {
+        let text = format!(
+            "#![dimensionless]\nmechanism A {{ const m: 1 = {mass}; coord a: 1; let link = rot_y(a)*translation([1, 0, 0]); \
+             let p = link.point([0.1, 0, 0.2]); let w = link.point([0, 0, 0]); \
+             kinetic += particle(m, p); kinetic += particle(2*m, w); potential += {potential}; }}"
+        );
+        let declarations = Graph::verbatim();
+        let (lagrangian, _) =
+            crate::declared(&text, &declarations, &[]).unwrap_or_else(|e| panic!("{}", e.render("a", &text)));
+        let graph = Graph::new();
+        let lifted = lifted(&lagrangian, &Energies::carried_out(&lagrangian, &graph), &graph).expect("two particles");
+        let value = |e: Expr<'_>| e.as_constant().expect("a number").to_f64();
+        (lifted.gravity.0.map(value), lifted.rest.potential.is_zero())
+    }
+
+    #[test]
+    fn a_uniform_field_is_found() {
+        assert_eq!(found("m*9.81*p.z + 2*m*9.81*w.z", "3"), ([0.0, 0.0, -9.81], true));
+        assert_eq!(found("m*(p.z + 2*w.z) - 2*m*(p.x + 2*w.x)", "3"), ([2.0, 0.0, -1.0], true));
+    }
+
+    #[test]
+    fn what_is_no_weight_stays_with_the_rest() {
+        assert_eq!(found("m*9.81*p.z + 2.001*m*9.81*w.z", "3"), ([0.0; 3], false));
+        assert_eq!(found("m*9.81*p.z", "3"), ([0.0; 3], false));
+        assert_eq!(found("m*9.81*p.z + m*w.z", "3"), ([0.0; 3], false));
+    }
+
+    #[test]
+    fn tiny_masses_are_compared_with_tiny_weights() {
+        assert_eq!(found("m*9.81*p.z + 2*m*9.81*w.z", "1e-20"), ([0.0, 0.0, -9.81], true));
+        assert_eq!(found("m*9.81*p.z", "1e-20"), ([0.0; 3], false));
+    }
 }

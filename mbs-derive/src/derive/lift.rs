@@ -1,17 +1,17 @@
 //! Bodies and gravity, found again among the declared energies.
 
-use crate::expr::{Expr, Graph, Matrix, Vector, carry_out, evaluate};
+use crate::expr::{Expr, Graph, Matrix, Vector, evaluate};
 use crate::model::moments::{Impossible, principal_moments};
 use crate::model::{Body, Edge, FrameId, Lagrangian};
 
 use super::gravity;
 use super::tree::inertia::Inertia;
 use super::tree::linkage::Linkage;
-use super::{Energies, time_derivative};
+use super::{Energies, carried};
 
 /// A mechanism as a tree of masses in a uniform field, and everything else that it has.
 #[derive(Clone, Debug)]
-pub struct Lifted<'g> {
+pub(super) struct Lifted<'g> {
     /// The links.
     pub(crate) linkage: Linkage<'g>,
     /// The masses of each link.
@@ -33,7 +33,7 @@ impl Lifted<'_> {
 ///
 /// A body that turns by a quaternion stays with the rest: off the unit sphere its energy is not a rigid body's, and Lagrange's
 /// equations are about all quaternions. So does an inertia that no body has: regrouping would lose its digits.
-pub fn lifted<'g>(lagrangian: &Lagrangian<'_>, energies: &Energies<'g>, graph: &'g Graph) -> Option<Lifted<'g>> {
+pub(super) fn lifted<'g>(lagrangian: &Lagrangian<'_>, energies: &Energies<'g>, graph: &'g Graph) -> Option<Lifted<'g>> {
     let (bodies, mut other_kinetic) = lagrangian.bodies();
     let is_physical =
         |body: &Body<'_>| !lagrangian.frames.path(body.frame).iter().any(is_quaternion) && !is_impossible(body.inertia);
@@ -48,7 +48,7 @@ pub fn lifted<'g>(lagrangian: &Lagrangian<'_>, energies: &Energies<'g>, graph: &
         let turned = seat.turn.map_or(own, |turn| own.turned(turn));
         inertias[seat.link] = inertias[seat.link].plus(turned.shifted(seat.shift));
     }
-    if inertias.iter().all(Inertia::is_zero) || !linkage.moves() {
+    if inertias.iter().all(Inertia::is_zero) || !linkage.has_joints() {
         return None;
     }
     let field = gravity::field(lagrangian, &bodies, graph);
@@ -69,12 +69,10 @@ fn is_impossible(inertia: Option<Matrix<'_>>) -> bool {
 
 /// A body in the graph with rules; what it is made of is constant in time.
 fn carried_body<'g>(body: &Body<'_>, graph: &'g Graph) -> Body<'g> {
-    let carried = |parts: &[Expr<'_>]| carry_out(parts, graph, |symbol| time_derivative(symbol, graph));
-    let vector = |v: [Expr<'_>; 3]| Vector([0, 1, 2].map(|i| carried(&v)[i]));
     Body {
-        mass: carried(&[body.mass])[0],
-        com: vector(body.com.0),
-        inertia: body.inertia.map(|inertia| Matrix(inertia.0.map(|row| vector(row).0))),
+        mass: carried([body.mass], graph)[0],
+        com: Vector(carried(body.com.0, graph)),
+        inertia: body.inertia.map(|inertia| Matrix(inertia.0.map(|row| carried(row, graph)))),
         frame: body.frame,
     }
 }

@@ -20,6 +20,8 @@ pub(super) mod inertia;
 pub(super) mod linkage;
 mod newton_euler;
 mod regroup;
+#[cfg(test)]
+mod trial;
 mod twist;
 mod wrench;
 
@@ -29,11 +31,11 @@ use super::lagrange::{Lagrange, add, at_rest, transpose};
 use super::lift::Lifted;
 use super::{Energies, Rows, Symbols};
 use inertia::Inertia;
-use linkage::Linkage;
+use linkage::{Accelerations, Linkage};
 
 /// Where the masses are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Masses {
+pub(super) enum Masses {
     /// Where they were declared.
     AsDeclared,
     /// As near to the base as joints cannot tell.
@@ -41,7 +43,7 @@ pub enum Masses {
 }
 
 /// Lagrange's equations of the bodies by sweeps over their tree, of everything else plainly; `rest` is the latter.
-pub fn equations<'g>(
+pub(super) fn equations<'g>(
     lifted: &Lifted<'g>,
     masses: Masses,
     energies: &Energies<'g>,
@@ -49,7 +51,7 @@ pub fn equations<'g>(
     symbols: &Symbols,
 ) -> Lagrange<'g> {
     let tree = Tree::new(lifted, masses, symbols);
-    let bias = add(&tree.forces(false), &rest.bias);
+    let bias = add(&tree.forces(Accelerations::Zero), &rest.bias);
     let kinetic_energy = tree.kinetic_energy() + rest.kinetic_energy;
     // L with T written shorter.
     let lagrangian = energies.lagrangian - energies.kinetic + kinetic_energy;
@@ -61,7 +63,7 @@ pub fn equations<'g>(
         mass_matrix: sum(&tree.mass_matrix(), &rest.mass_matrix),
         coriolis_matrix: sum(&tree.coriolis_matrix(), &rest.coriolis_matrix),
         gravity: at_rest(&bias),
-        inverse_dynamics: add(&tree.forces(true), &rest.inverse_dynamics),
+        inverse_dynamics: add(&tree.forces(Accelerations::Given), &rest.inverse_dynamics),
         bias,
         dissipation_force: rest.dissipation_force.clone(),
         generalized_force: rest.generalized_force.clone(),
@@ -75,8 +77,8 @@ struct Tree<'g> {
     gravity: Vector<'g>,
     /// The links behind a moving edge, in order.
     moving: Vec<usize>,
-    /// `∂(displacement)/∂q`, a row per moving edge.
-    slopes: Rows<'g>,
+    /// `S = ∂s/∂q`, a row per moving edge, s its displacement.
+    joint_jacobian: Rows<'g>,
     /// The number of coordinates; no edge moves where all bodies rest.
     coordinates: usize,
 }
@@ -91,8 +93,9 @@ impl<'g> Tree<'g> {
         let linkage = regroup::without_spin(&linkage, &inertias);
         let displacement = |link: usize| linkage.links[link].edge?.displacement();
         let moving: Vec<usize> = (0..linkage.links.len()).filter(|&link| displacement(link).is_some()).collect();
-        let slopes = moving.iter().filter_map(|&link| displacement(link)).map(|d| slope(d, &symbols.q)).collect();
-        Tree { linkage, inertias, gravity: lifted.gravity, moving, slopes, coordinates: symbols.q.len() }
+        let joint_jacobian =
+            moving.iter().filter_map(|&link| displacement(link)).map(|d| slope(d, &symbols.q)).collect();
+        Tree { linkage, inertias, gravity: lifted.gravity, moving, joint_jacobian, coordinates: symbols.q.len() }
     }
 
     /// T of the bodies.
@@ -101,52 +104,59 @@ impl<'g> Tree<'g> {
     }
 
     /// `M q̈ + C q̇ + G` of the bodies.
-    fn forces(&self, accelerated: bool) -> Vec<Expr<'g>> {
-        let joint = newton_euler::joint_forces(&self.linkage, &self.inertias, self.gravity, accelerated);
+    fn forces(&self, accelerations: Accelerations) -> Vec<Expr<'g>> {
+        let joint = newton_euler::joint_forces(&self.linkage, &self.inertias, self.gravity, accelerations);
         let joint: Vec<_> = self.moving.iter().filter_map(|&link| joint[link]).collect();
         self.on_coordinates(&joint)
     }
 
-    /// M of the bodies: `Sᵀ M S` of the joints' one.
+    /// M of the bodies: `Sᵀ M̂ S`, with M̂ over the joints.
     fn mass_matrix(&self) -> Rows<'g> {
-        self.congruent(&composite::mass_matrix(&self.linkage, &self.moving, &self.composites()))
+        self.congruent(&self.joint_mass_matrix(&self.composites()))
     }
 
-    /// C of the bodies: `Sᵀ C S + Sᵀ M Ṡ`, and the explicit change in time once more.
+    /// C of the bodies: `Sᵀ Ĉ S + Sᵀ M̂ Ṡ`, with Ĉ and M̂ over the joints, and what poses change by themselves, at `q̇ = 0`, once
+    /// more (`docs/structured.md`, sections 2 and 8).
     fn coriolis_matrix(&self) -> Rows<'g> {
         let composites = self.composites();
-        let c = self.congruent(&coriolis::coriolis_matrix(&self.linkage, &self.moving, &composites));
-        let m = composite::mass_matrix(&self.linkage, &self.moving, &composites);
-        let turning = self.turning_slopes();
-        let half = product(&m, &turning);
-        let columns = transpose(&half, self.coordinates);
-        let c = sum(&c, &transpose(&columns.iter().map(|column| self.on_coordinates(column)).collect(), columns.len()));
-        let at_rest = c.iter().map(|row| at_rest(row)).collect();
-        sum(&c, &at_rest)
+        let joint_coriolis = coriolis::coriolis_matrix(&self.linkage, &self.moving, &composites);
+        let turning = product(&self.joint_mass_matrix(&composites), &self.joint_jacobian_rate());
+        let along_the_motion = sum(&self.congruent(&joint_coriolis), &self.transposed_times(&turning));
+        let explicit = along_the_motion.iter().map(|row| at_rest(row)).collect();
+        sum(&along_the_motion, &explicit)
     }
 
     fn composites(&self) -> Vec<Inertia<'g>> {
         composite::composites(&self.linkage, &self.inertias)
     }
 
+    /// M̂
+    fn joint_mass_matrix(&self, composites: &[Inertia<'g>]) -> Rows<'g> {
+        composite::mass_matrix(&self.linkage, &self.moving, composites)
+    }
+
     /// Ṡ
-    fn turning_slopes(&self) -> Rows<'g> {
-        let rate = |e: &Expr<'g>| linkage::rates(*e, false).0;
-        self.slopes.iter().map(|row| row.iter().map(rate).collect()).collect()
+    fn joint_jacobian_rate(&self) -> Rows<'g> {
+        self.joint_jacobian.iter().map(|row| row.iter().map(|&e| linkage::rate(e)).collect()).collect()
     }
 
     /// `Sᵀ A S`
     fn congruent(&self, a: &Rows<'g>) -> Rows<'g> {
-        let half: Rows<'g> = a.iter().map(|row| self.on_coordinates(row)).collect();
-        let columns = transpose(&half, self.coordinates);
-        let turned = columns.iter().map(|column| self.on_coordinates(column)).collect();
-        transpose(&turned, self.coordinates)
+        // A S: row by row as Sᵀ turns columns.
+        let half = a.iter().map(|row| self.on_coordinates(row)).collect();
+        self.transposed_times(&half)
+    }
+
+    /// `Sᵀ A`
+    fn transposed_times(&self, a: &Rows<'g>) -> Rows<'g> {
+        let columns = transpose(a, self.coordinates);
+        transpose(&columns.iter().map(|column| self.on_coordinates(column)).collect(), self.coordinates)
     }
 
     /// `Sᵀ f`: what forces along the joints are along the coordinates.
     fn on_coordinates(&self, forces: &[Expr<'g>]) -> Vec<Expr<'g>> {
         let zero = self.gravity.0[0].graph().integer(0);
-        let on = |k: usize| forces.iter().zip(&self.slopes).fold(zero, |sum, (&f, slope)| sum + slope[k] * f);
+        let on = |k: usize| forces.iter().zip(&self.joint_jacobian).fold(zero, |sum, (&f, slope)| sum + slope[k] * f);
         (0..self.coordinates).map(on).collect()
     }
 }

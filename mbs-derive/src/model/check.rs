@@ -8,6 +8,7 @@ use super::degree::{self, Problem};
 use super::evaluate::Resolver;
 use super::lagrangian::{OutputValue, Variable};
 use super::moments::{Impossible, principal_moments};
+use super::sample::default_parameters;
 use crate::expr::{Expr, Matrix, Node, Symbol, evaluate};
 use crate::parse::syntax::{Name, Span};
 
@@ -80,8 +81,8 @@ impl<'d, 'g> Resolver<'d, 'g> {
 
     /// Where the coordinate with this number is declared.
     fn place_of(&self, number: usize) -> Option<Span> {
-        let holds = |variable: &&Variable| (variable.first..variable.first + variable.count()).contains(&number);
-        self.lagrangian.coordinates.iter().find(holds).map(|variable| self.span_of(&variable.name))
+        let variable = self.lagrangian.coordinates.iter().find(|variable| variable.contains(number));
+        variable.map(|variable| self.span_of(&variable.name))
     }
 
     /// The components of arrays have names too: `q_0`.
@@ -120,8 +121,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
             std::iter::once(body.mass).chain(inertia).collect::<Vec<_>>()
         };
         let all: Vec<Expr<'g>> = bodies.iter().flat_map(roots).collect();
-        let defaults: Vec<f64> =
-            self.lagrangian.parameters.iter().flat_map(|p| p.defaults.iter().map(|d| d.to_f64())).collect();
+        let defaults = default_parameters(&self.lagrangian);
         let mut values = evaluate(&all, |symbol| match symbol {
             Symbol::Parameter(i) => defaults.get(i as usize).copied().unwrap_or(f64::NAN),
             _ => f64::NAN,
@@ -157,8 +157,8 @@ impl<'d, 'g> Resolver<'d, 'g> {
     /// Of a mass that is a parameter.
     fn note_declaration(&mut self, body: &Physical<'g>) {
         let Node::Symbol(Symbol::Parameter(number)) = body.mass.node() else { return };
-        let holds = |p: &&Variable| (p.first..p.first + p.count()).contains(&(number as usize));
-        let Some(parameter) = self.lagrangian.parameters.iter().find(holds) else { return };
+        let mut parameters = self.lagrangian.parameters.iter();
+        let Some(parameter) = parameters.find(|p| p.contains(number as usize)) else { return };
         let place = self.span_of(&parameter.name);
         self.errors.note(&body.mass_span, &place, "declared here");
     }

@@ -1,6 +1,5 @@
 //! `kinetic += …` and its like, and generalized forces.
 
-use super::check::Places;
 use super::constant::Dependence;
 use super::dimension::{Dimension, lacking};
 use super::evaluate::{Argument, Resolved, Resolver, in_words};
@@ -38,17 +37,15 @@ impl<'d, 'g> Resolver<'d, 'g> {
             return Err(self.refuse(&expression.span, message, help));
         }
         self.check_dependence(term, scalar.expr, expression)?;
-        match term {
-            EnergyTerm::Kinetic => self.lagrangian.kinetic.push(scalar.expr),
-            EnergyTerm::Potential => self.lagrangian.potential.push(scalar.expr),
-            EnergyTerm::Dissipation => self.lagrangian.dissipation.push(scalar.expr),
-            EnergyTerm::Lagrangian => self.lagrangian.lagrangian.push(scalar.expr),
-        }
-        let Places { kinetic, potential, lagrangian, dissipation, .. } = &mut self.places;
-        dissipation.resize(self.lagrangian.dissipation.len(), expression.span.clone());
-        kinetic.resize(self.lagrangian.kinetic.len(), expression.span.clone());
-        potential.resize(self.lagrangian.potential.len(), expression.span.clone());
-        lagrangian.resize(self.lagrangian.lagrangian.len(), expression.span.clone());
+        let (lagrangian, places) = (&mut self.lagrangian, &mut self.places);
+        let (terms, places) = match term {
+            EnergyTerm::Kinetic => (&mut lagrangian.kinetic, &mut places.kinetic),
+            EnergyTerm::Potential => (&mut lagrangian.potential, &mut places.potential),
+            EnergyTerm::Dissipation => (&mut lagrangian.dissipation, &mut places.dissipation),
+            EnergyTerm::Lagrangian => (&mut lagrangian.lagrangian, &mut places.lagrangian),
+        };
+        terms.push(scalar.expr);
+        places.push(expression.span.clone());
         Ok(())
     }
 

@@ -31,6 +31,11 @@ impl Variable {
         self.length.unwrap_or(1)
     }
 
+    /// Whether the component with this number, among all of its kind, is one of its own.
+    pub fn contains(&self, number: usize) -> bool {
+        (self.first..self.first + self.count()).contains(&number)
+    }
+
     /// The names of the components: `x`, or `q_0`, `q_1`, ….
     pub fn component_names(&self) -> Vec<String> {
         match self.length {

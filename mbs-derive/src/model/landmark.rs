@@ -251,12 +251,13 @@ fn terms<'g>(sum: Expr<'g>, known: impl Fn(Id) -> bool) -> Vec<(Expr<'g>, Expr<'
 /// A longer sum is left as one number.
 const MOST_TERMS: usize = 10_000;
 
-fn is_still(e: Expr<'_>) -> bool {
+/// Whether it is constant in time.
+pub(crate) fn is_still(e: Expr<'_>) -> bool {
     !moving_nodes(e)[&e.id()]
 }
 
 /// Which of the nodes change in time.
-fn moving_nodes(root: Expr<'_>) -> IdMap<bool> {
+pub(crate) fn moving_nodes(root: Expr<'_>) -> IdMap<bool> {
     let graph = root.graph();
     let mut moving: IdMap<bool> = IdMap::default();
     for id in graph.reachable([root.id()]) {

@@ -386,8 +386,22 @@ fn unit(mut dimensions: Vec<Dimension>) -> String {
 
 #[cfg(test)]
 mod tests {
+    use std::collections::BTreeSet;
+
     use super::super::trial::{mechanism, near, refusals, refused, value, value_with_unit};
     use super::super::{FrameId, OutputValue};
+
+    /// [`GENERATED`](super::GENERATED) lists what is emitted for a mechanism with everything that one may have.
+    #[test]
+    fn outputs_cannot_take_the_name_of_a_function() {
+        let text = "#![dimensionless] mechanism A { param m: 1 = 2; coord x: 1; coord y: 1; constraint c: x = y; \
+                    kinetic += m*(dt(x)^2 + dt(y)^2); output o = x; }";
+        let code = crate::generate("a", text, &Default::default()).expect("as good as any").code;
+        let functions = code.lines().filter_map(|line| line.trim().trim_start_matches("pub ").strip_prefix("fn "));
+        let names = functions.filter_map(|rest| rest.split(['(', '<']).next());
+        let emitted: BTreeSet<&str> = names.filter(|name| *name != "o" && !name.starts_with("o_")).collect();
+        assert_eq!(emitted, super::GENERATED.into());
+    }
 
     #[test]
     fn blocks_shadow_and_assign() {

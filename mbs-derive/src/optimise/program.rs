@@ -130,16 +130,6 @@ impl Program {
     pub fn uses(&self, chosen: impl Fn(Symbol) -> bool) -> bool {
         self.instructions.iter().any(|i| matches!(i, Instruction::Symbol(symbol) if chosen(*symbol)))
     }
-
-    /// How often each value is used, by instructions and as a result.
-    pub fn uses_of_values(&self) -> Vec<usize> {
-        let mut uses = vec![0; self.instructions.len()];
-        let operands = self.instructions.iter().flat_map(|i| i.operands());
-        for value in operands.chain(self.results.iter().copied()) {
-            uses[value.index()] += 1;
-        }
-        uses
-    }
 }
 
 /// One instruction a line: `v3 = v1 * v2`; `v3 = sqrt(v1) where v2, !v4` on one side of branches, or `on demand`.

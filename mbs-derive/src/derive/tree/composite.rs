@@ -31,7 +31,7 @@ fn across<'g>(inertia: Inertia<'g>, edge: &Edge<'g>) -> Inertia<'g> {
     }
 }
 
-/// M over the moving edges, in the order of `moving`; the lower triangle, pairs on different branches are 0.
+/// M over the moving edges, in the order of `moving`; pairs on different branches are 0.
 pub(super) fn mass_matrix<'g>(linkage: &Linkage<'g>, moving: &[usize], composites: &[Inertia<'g>]) -> Rows<'g> {
     let zero = composites[0].mass.graph().integer(0);
     let mut m = vec![vec![zero; moving.len()]; moving.len()];

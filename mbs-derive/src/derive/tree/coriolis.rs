@@ -18,7 +18,7 @@ use crate::expr::{Expr, Matrix, Vector};
 use super::super::Rows;
 use super::composite::{momentum, on_joints};
 use super::inertia::Inertia;
-use super::linkage::{Edge, Linkage, rates};
+use super::linkage::{Edge, Linkage, rate};
 use super::twist::{Twist, twists};
 use super::wrench::{Wrench, turned_about};
 
@@ -74,12 +74,12 @@ impl<'g> Within<'g> {
         match *edge {
             Edge::Turn(_) | Edge::Tilt { .. } | Edge::Shift(_) => self,
             Edge::Revolute { axis, angle, .. } => {
-                let (rate, _) = rates(angle, false);
+                let rate = rate(angle);
                 let turning = skew(Vector::unit(rate.graph(), axis).scale(rate));
                 self.plus(Within { moments: turning * body.second.matrix(), momentum: turning * body.first })
             }
             Edge::Slide { direction, displacement } => {
-                let (rate, _) = rates(displacement, false);
+                let rate = rate(displacement);
                 let velocity = direction.scale(rate);
                 self.plus(Within { moments: velocity.outer(body.first), momentum: velocity.scale(body.mass) })
             }

@@ -11,15 +11,14 @@ use super::linkage::{Edge, Link, Linkage};
 
 /// The same mechanism, its frames turned so.
 pub(super) fn turned<'g>(linkage: &Linkage<'g>, inertias: &[Inertia<'g>]) -> (Linkage<'g>, Vec<Inertia<'g>>) {
-    let graph = inertias[0].mass.graph();
     let splits: Vec<Option<Split>> = (0..linkage.links.len()).map(|link| linkage.split(link)).collect();
-    let mut new = Turned { links: Vec::new(), inertias: Vec::new(), numbers: Vec::new(), about: Vec::new() };
+    let mut new = Turned { links: Vec::new(), inertias: Vec::new(), numbers: Vec::new(), gauges: Vec::new() };
     let mut claimed = vec![None; linkage.links.len()];
     for split in splits.iter().flatten() {
         claimed[split.outer].get_or_insert(split.before);
     }
     for (number, link) in linkage.links.iter().enumerate() {
-        new.add(number, link, &inertias[number], splits[number].as_ref(), claimed[number], graph);
+        new.add(link, inertias[number], splits[number].as_ref(), claimed[number]);
     }
     (Linkage { links: new.links }, new.inertias)
 }
@@ -77,97 +76,113 @@ impl<'g> Linkage<'g> {
     }
 }
 
+/// How the axes of a link are turned against the old ones.
+#[derive(Clone, Copy)]
+struct Gauge {
+    axis: usize,
+    angle: f64,
+}
+
+impl Gauge {
+    /// From the old axes to the turned ones.
+    fn turn_from_old<'g>(self, graph: &'g Graph) -> Matrix<'g> {
+        rotation(self.axis, -self.angle, graph)
+    }
+}
+
 /// The links so far.
 struct Turned<'g> {
     links: Vec<Link<'g>>,
     inertias: Vec<Inertia<'g>>,
     /// Of each old link the new one.
     numbers: Vec<usize>,
-    /// Of each old link the angle by which its axes are turned, and about which of them.
-    about: Vec<Option<(usize, f64)>>,
+    /// Of each old link.
+    gauges: Vec<Option<Gauge>>,
 }
 
 impl<'g> Turned<'g> {
-    fn add(
-        &mut self,
-        number: usize,
-        link: &Link<'g>,
-        inertia: &Inertia<'g>,
-        split: Option<&Split>,
-        claimed: Option<f64>,
-        graph: &'g Graph,
-    ) {
+    /// `claimed` is the angle that a turn behind this joint wants of it.
+    fn add(&mut self, link: &Link<'g>, inertia: Inertia<'g>, split: Option<&Split>, claimed: Option<f64>) {
+        let graph = inertia.mass.graph();
         let (Some(parent), Some(edge)) = (link.parent, link.edge) else {
-            return self.push(None, None, *inertia, None);
+            let base = self.push(*link, graph);
+            return self.settle(base, None, inertia);
         };
-        let (above, turned) = (self.numbers[parent], self.about[parent]);
-        let back = |v: Vector<'g>| turned.map_or(v, |(axis, angle)| rotation(axis, -angle, graph) * v);
-        match (edge, split) {
-            (Edge::Turn(_), Some(split)) => {
-                let (axis, quarter) = ((split.axis + 1) % 3, split.axis != split.inner_axis);
-                // What another joint has claimed of the parent's turn is made good here.
-                let before = split.before - turned.map_or(0.0, |(_, angle)| angle);
-                let mut at = above;
-                if before != 0.0 {
-                    at = self.link(at, tilt(split.axis, before, graph), graph);
-                }
-                at = self.link(at, tilt(axis, split.middle, graph), graph);
-                if quarter {
-                    at = self.link(at, Edge::Turn(ring(split.axis, split.inner_axis, graph).transpose()), graph);
-                }
-                let about = (split.inner_axis, -split.after);
-                self.inertias[at] = inertia.turned(rotation(about.0, -about.1, graph));
-                self.numbers.push(at);
-                self.about.push(Some(about));
-                debug_assert_eq!(self.numbers.len(), number + 1);
-            }
-            (Edge::Turn(r), None) => {
-                let r = turned.map_or(r, |(axis, angle)| rotation(axis, -angle, graph) * r);
-                self.push(Some((above, Edge::Turn(r))), None, *inertia, None);
-            }
-            (Edge::Shift(t), _) => self.push(Some((above, Edge::Shift(back(t)))), turned, *inertia, turned),
-            (Edge::Slide { direction, displacement }, _) => {
-                let edge = Edge::Slide { direction: back(direction), displacement };
-                self.push(Some((above, edge)), turned, *inertia, turned);
-            }
+        let (above, gauge) = (self.numbers[parent], self.gauges[parent]);
+        let from_old = |v: Vector<'g>| gauge.map_or(v, |gauge| gauge.turn_from_old(graph) * v);
+        let (edge, own) = match (edge, split) {
+            (Edge::Turn(_), Some(split)) => return self.add_split(above, gauge, split, inertia),
             (Edge::Revolute { axis, angle, .. }, _) => {
-                let (mut above, mut before) = (above, 0.0);
-                match turned {
-                    // A joint about another axis: the parent is turned back for it.
-                    Some((other, angle)) if other != axis => {
-                        above = self.link(above, tilt(other, -angle, graph), graph)
-                    }
-                    Some((_, angle)) => before = angle,
-                    None => {}
-                }
-                let own = claimed.map(|angle| (axis, angle));
-                let more = own.map_or(0.0, |(_, angle)| angle) - before;
-                let angle = if more == 0.0 { angle } else { angle + rounded(more, graph) };
-                self.push(Some((above, Edge::revolute(axis, angle))), own, *inertia, own);
+                return self.add_joint(above, gauge, (axis, angle), claimed, inertia);
+            }
+            (Edge::Turn(r), None) => (Edge::Turn(gauge.map_or(r, |gauge| gauge.turn_from_old(graph) * r)), None),
+            (Edge::Shift(t), _) => (Edge::Shift(from_old(t)), gauge),
+            (Edge::Slide { direction, displacement }, _) => {
+                (Edge::Slide { direction: from_old(direction), displacement }, gauge)
             }
             (Edge::Tilt { .. }, _) => unreachable!("tilts are made here"),
-        }
+        };
+        let at = self.hang(above, edge, graph);
+        self.settle(at, own, inertia);
     }
 
-    /// A link whose axes are turned against the old one's.
-    fn push(
+    /// A turn in its three parts, of which the last is left to the joint behind it.
+    fn add_split(&mut self, mut above: usize, gauge: Option<Gauge>, split: &Split, inertia: Inertia<'g>) {
+        let graph = inertia.mass.graph();
+        // What another joint has claimed of the parent's turn is made good here.
+        let before = split.before - gauge.map_or(0.0, |gauge| gauge.angle);
+        if before != 0.0 {
+            above = self.hang(above, tilt(split.axis, before, graph), graph);
+        }
+        above = self.hang(above, tilt((split.axis + 1) % 3, split.middle, graph), graph);
+        if split.axis != split.inner_axis {
+            above = self.hang(above, Edge::Turn(ring(split.axis, split.inner_axis, graph).transpose()), graph);
+        }
+        self.settle(above, Some(Gauge { axis: split.inner_axis, angle: -split.after }), inertia);
+    }
+
+    /// A turning joint, whose angle takes up what is claimed of it and what the parent's axes are turned by.
+    fn add_joint(
         &mut self,
-        edge: Option<(usize, Edge<'g>)>,
-        about: Option<(usize, f64)>,
+        mut above: usize,
+        gauge: Option<Gauge>,
+        (axis, angle): (usize, Expr<'g>),
+        claimed: Option<f64>,
         inertia: Inertia<'g>,
-        turned: Option<(usize, f64)>,
     ) {
         let graph = inertia.mass.graph();
-        self.links.push(Link { parent: edge.map(|(parent, _)| parent), edge: edge.map(|(_, edge)| edge) });
-        self.inertias.push(turned.map_or(inertia, |(axis, angle)| inertia.turned(rotation(axis, -angle, graph))));
-        self.numbers.push(self.links.len() - 1);
-        self.about.push(about);
+        let before = match gauge {
+            // A joint about another axis: the parent is turned back for it.
+            Some(gauge) if gauge.axis != axis => {
+                above = self.hang(above, tilt(gauge.axis, -gauge.angle, graph), graph);
+                0.0
+            }
+            Some(gauge) => gauge.angle,
+            None => 0.0,
+        };
+        let more = claimed.unwrap_or(0.0) - before;
+        let angle = if more == 0.0 { angle } else { angle + rounded(more, graph) };
+        let at = self.hang(above, Edge::revolute(axis, angle), graph);
+        self.settle(at, claimed.map(|angle| Gauge { axis, angle }), inertia);
     }
 
-    fn link(&mut self, parent: usize, edge: Edge<'g>, graph: &'g Graph) -> usize {
-        self.links.push(Link { parent: Some(parent), edge: Some(edge) });
+    /// A further link, without masses.
+    fn hang(&mut self, parent: usize, edge: Edge<'g>, graph: &'g Graph) -> usize {
+        self.push(Link { parent: Some(parent), edge: Some(edge) }, graph)
+    }
+
+    fn push(&mut self, link: Link<'g>, graph: &'g Graph) -> usize {
+        self.links.push(link);
         self.inertias.push(Inertia::zero(graph));
         self.links.len() - 1
+    }
+
+    /// The next old link is this new one, its axes turned so; there its masses are.
+    fn settle(&mut self, link: usize, gauge: Option<Gauge>, inertia: Inertia<'g>) {
+        let graph = inertia.mass.graph();
+        self.inertias[link] = gauge.map_or(inertia, |gauge| inertia.turned(gauge.turn_from_old(graph)));
+        self.numbers.push(link);
+        self.gauges.push(gauge);
     }
 }
 
@@ -197,4 +212,61 @@ fn numbers(r: Matrix<'_>) -> Option<[[f64; 3]; 3]> {
         *value = entry.as_constant()?.to_f64();
     }
     Some(values)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::trial::{body, joint, linkage, same_energy};
+    use super::*;
+    use crate::expr::Symbol;
+
+    /// Two joints with a skew turn and a shift between them; what is behind the second is turned too.
+    fn arm<'g>(inner_axis: usize, graph: &'g Graph) -> Linkage<'g> {
+        let skew = |x, y| rotation(0, x, graph) * rotation(1, y, graph);
+        linkage(&[
+            (0, joint(2, 0, graph)),
+            (1, Edge::Shift(Vector([1, 2, 3].map(|i| graph.integer(i))))),
+            (2, Edge::Turn(skew(0.4, -1.1))),
+            (3, joint(inner_axis, 1, graph)),
+            (4, Edge::Turn(skew(2.0, 0.3))),
+            (5, joint(0, 2, graph)),
+        ])
+    }
+
+    /// Whether a turn takes axes to axes.
+    fn is_ring(r: Matrix<'_>) -> bool {
+        numbers(r).is_some_and(|r| r.as_flattened().iter().all(|e| [0.0, 1.0, -1.0].contains(e)))
+    }
+
+    #[test]
+    fn constant_turns_between_joints_become_plane() {
+        let graph = Graph::new();
+        for inner_axis in 0..3 {
+            let old = arm(inner_axis, &graph);
+            let inertias: Vec<_> = (0..old.links.len()).map(|link| body(link, &graph)).collect();
+            let (new, turned) = turned(&old, &inertias);
+            let is_plane = |link: &Link<'_>| !matches!(link.edge, Some(Edge::Turn(r)) if !is_ring(r));
+            assert!(new.links.iter().all(is_plane), "{inner_axis}");
+            same_energy((&old, &inertias), (&new, &turned));
+        }
+    }
+
+    /// The second branch finds the axes of its parent turned for the first.
+    #[test]
+    fn a_branch_is_not_disturbed_by_the_other() {
+        let graph = Graph::new();
+        let mut old = arm(1, &graph);
+        for (parent, edge) in [
+            (1, joint(2, 3, &graph)),
+            (1, joint(0, 4, &graph)),
+            (1, Edge::Turn(rotation(1, 0.7, &graph))),
+            (9, joint(1, 5, &graph)),
+            (3, Edge::Slide { direction: Vector::unit(&graph, 1), displacement: graph.symbol(Symbol::Coordinate(6)) }),
+        ] {
+            old.links.push(Link { parent: Some(parent), edge: Some(edge) });
+        }
+        let inertias: Vec<_> = (0..old.links.len()).map(|link| body(link, &graph)).collect();
+        let (new, turned) = turned(&old, &inertias);
+        same_energy((&old, &inertias), (&new, &turned));
+    }
 }

@@ -1,13 +1,16 @@
 //! The declared frames, reduced to what moves: a tree of links, each behind one elementary motion.
 //!
-//! Constant turns and shifts in a row become one of each; a turn about a skew axis e becomes a constant turn of e onto z, a turn
+//! Constant turns and shifts in a row become one of each; a turn about a skew axis e becomes a constant turn of z onto e, a turn
 //! about z, and the turn back, which joins what follows; a translation that moves becomes slides along constant directions.
 
-use crate::expr::{Expr, Graph, HalfInteger, Matrix, Node, Number, Symbol, Tangent, Vector, carry_out};
+use crate::expr::graph::IdMap;
+use crate::expr::{Expr, Graph, HalfInteger, Matrix, Node, Tangent, Vector};
 use crate::model::Lagrangian;
 use crate::model::frame::{Edge as Declared, FrameId};
+use crate::model::landmark::{is_still, moving_nodes};
 
-use super::super::time_derivative;
+use super::super::lagrange::velocity_direction;
+use super::super::{carried, time_derivative};
 
 /// How a link moves in its parent.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -117,7 +120,7 @@ impl<'g> Linkage<'g> {
     }
 
     /// Whether there is a joint at all.
-    pub(crate) fn moves(&self) -> bool {
+    pub(crate) fn has_joints(&self) -> bool {
         self.links.iter().any(|link| link.edge.is_some_and(|edge| edge.displacement().is_some()))
     }
 
@@ -131,10 +134,9 @@ impl<'g> Linkage<'g> {
                     Node::Symbol(_) | Node::Constant(_) | Node::Neg(_) | Node::Add(..) | Node::Sub(..) | Node::Mul(..)
                 )
             };
-            let mut products = graph.reachable([displacement.id()]).into_iter();
-            products.all(|id| {
-                linear(id) && !matches!(graph.node(id), Node::Mul(a, b) if moves(graph.expr(a)) && moves(graph.expr(b)))
-            })
+            let moving = moving_nodes(displacement);
+            let mut nodes = graph.reachable([displacement.id()]).into_iter();
+            nodes.all(|id| linear(id) && !matches!(graph.node(id), Node::Mul(a, b) if moving[&a] && moving[&b]))
         })
     }
 
@@ -143,7 +145,10 @@ impl<'g> Linkage<'g> {
         match edge {
             Declared::Rotation { axis, angle } => {
                 let [x, y, z, angle] = carried([axis.0[0], axis.0[1], axis.0[2], angle], graph);
-                Some(self.turned(seat, Vector([x, y, z]), angle))
+                let axis = Vector([x, y, z]);
+                // The language has axes of numbers only; a mechanism built by hand may have others, and is derived plainly.
+                let is_number = axis.0.iter().all(|e| e.as_constant().is_some());
+                (is_number || is_still(angle)).then(|| self.turned(seat, axis, angle))
             }
             Declared::Translation(t) => Some(self.translated(seat, Vector(carried(t.0, graph)))),
             Declared::Quaternion(_) => None,
@@ -152,14 +157,14 @@ impl<'g> Linkage<'g> {
 
     fn turned(&mut self, seat: Seat<'g>, axis: Vector<'g>, angle: Expr<'g>) -> Seat<'g> {
         let graph = angle.graph();
-        if !moves(angle) {
+        if is_still(angle) {
             return seat.turned(Matrix::rotation(axis, angle));
         }
         let along = (0..3).find(|&k| axis == Vector::unit(graph, k));
-        let before = along.map_or_else(|| seat.turned(onto_z(axis)), |_| seat);
+        let before = along.map_or_else(|| seat.turned(rotation_from_z(axis)), |_| seat);
         let link = self.settled(before);
         let link = self.link(link, Edge::revolute(along.unwrap_or(2), angle));
-        let back = along.is_none().then(|| onto_z(axis).transpose());
+        let back = along.is_none().then(|| rotation_from_z(axis).transpose());
         Seat { link, shift: Vector::zero(graph), turn: back }
     }
 
@@ -205,27 +210,15 @@ impl<'g> Seat<'g> {
     }
 }
 
-fn carried<'g, const N: usize>(expressions: [Expr<'_>; N], graph: &'g Graph) -> [Expr<'g>; N] {
-    let carried = carry_out(&expressions, graph, |symbol| time_derivative(symbol, graph));
-    std::array::from_fn(|i| carried[i])
-}
-
 /// How many components are not 0.
 fn components(v: Vector<'_>) -> usize {
     v.0.iter().filter(|c| !c.is_zero()).count()
 }
 
-/// Whether it changes in time.
-pub(crate) fn moves(e: Expr<'_>) -> bool {
-    let graph = e.graph();
-    let moving = |symbol: Symbol| !matches!(symbol, Symbol::Parameter(_));
-    graph.reachable([e.id()]).iter().any(|&id| matches!(graph.node(id), Node::Symbol(s) if moving(s)))
-}
-
-/// A constant rotation that takes z to the axis: its columns are two unit vectors across it, and the axis.
-fn onto_z<'g>(axis: Vector<'g>) -> Matrix<'g> {
+/// A constant rotation that takes z to a unit axis of numbers: its columns are two unit vectors across it, and the axis.
+fn rotation_from_z<'g>(axis: Vector<'g>) -> Matrix<'g> {
     let graph = axis.0[0].graph();
-    let number = |e: Expr<'g>| e.as_constant().map_or(0.0, Number::to_f64);
+    let number = |e: Expr<'g>| e.as_constant().expect("`attach` lets no other axis turn").to_f64();
     // The coordinate axis that is farthest from it, so that nothing is divided by little.
     let k = (0..3).min_by(|&i, &j| number(axis.0[i]).abs().total_cmp(&number(axis.0[j]).abs())).unwrap_or(0);
     let across = Vector::unit(graph, k).cross(axis);
@@ -267,34 +260,35 @@ impl<'g> Affine<'g> {
     fn of(e: Expr<'g>) -> Self {
         let graph = e.graph();
         let (zero, one) = (graph.integer(0), graph.integer(1));
+        let moving = moving_nodes(e);
         let mut split = Affine { constant: zero, factor: one, variable: e };
-        if !moves(e) {
+        if !moving[&e.id()] {
             return Affine { constant: e, factor: zero, variable: one };
         }
-        while let Some(next) = split.peeled() {
+        while let Some(next) = split.peeled(&moving) {
             split = next;
         }
         split
     }
 
-    fn peeled(self) -> Option<Self> {
+    fn peeled(self, moving: &IdMap<bool>) -> Option<Self> {
         let graph = self.variable.graph();
         let part = |id| graph.expr(id);
         let Affine { constant, factor, .. } = self;
         match self.variable.node() {
             Node::Neg(a) => Some(Affine { factor: -factor, variable: part(a), ..self }),
-            Node::Mul(a, b) if !moves(part(a)) => Some(Affine { factor: factor * part(a), variable: part(b), ..self }),
-            Node::Mul(a, b) if !moves(part(b)) => Some(Affine { factor: factor * part(b), variable: part(a), ..self }),
-            Node::Add(a, b) | Node::Sub(a, b) if !moves(part(b)) => {
+            Node::Mul(a, b) if !moving[&a] => Some(Affine { factor: factor * part(a), variable: part(b), ..self }),
+            Node::Mul(a, b) if !moving[&b] => Some(Affine { factor: factor * part(b), variable: part(a), ..self }),
+            Node::Add(a, b) | Node::Sub(a, b) if !moving[&b] => {
                 let added = factor * part(b);
                 let minus = matches!(self.variable.node(), Node::Sub(..));
                 let constant = if minus { constant - added } else { constant + added };
                 Some(Affine { constant, variable: part(a), ..self })
             }
-            Node::Add(a, b) if !moves(part(a)) => {
+            Node::Add(a, b) if !moving[&a] => {
                 Some(Affine { constant: constant + factor * part(a), variable: part(b), ..self })
             }
-            Node::Sub(a, b) if !moves(part(a)) => {
+            Node::Sub(a, b) if !moving[&a] => {
                 Some(Affine { constant: constant + factor * part(a), factor: -factor, variable: part(b) })
             }
             _ => None,
@@ -302,13 +296,95 @@ impl<'g> Affine<'g> {
     }
 }
 
-/// The rate of a displacement, and the rate of that with accelerations or without.
-pub(crate) fn rates<'g>(displacement: Expr<'g>, accelerated: bool) -> (Expr<'g>, Expr<'g>) {
+/// Whether q̈ is given or 0.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Accelerations {
+    /// As symbols.
+    Given,
+    /// For the bias.
+    Zero,
+}
+
+/// The rate of a displacement.
+pub(super) fn rate<'g>(displacement: Expr<'g>) -> Expr<'g> {
     let graph = displacement.graph();
-    let rate = Tangent::new(|symbol| time_derivative(symbol, graph)).of(displacement);
-    let direction = |symbol| match symbol {
-        Symbol::Velocity(_) if !accelerated => None,
-        other => time_derivative(other, graph),
+    Tangent::new(|symbol| time_derivative(symbol, graph)).of(displacement)
+}
+
+/// The rate of a displacement, and the rate of that.
+pub(super) fn rates<'g>(displacement: Expr<'g>, accelerations: Accelerations) -> (Expr<'g>, Expr<'g>) {
+    let (graph, rate) = (displacement.graph(), rate(displacement));
+    let direction = |symbol| match accelerations {
+        Accelerations::Given => time_derivative(symbol, graph),
+        Accelerations::Zero => velocity_direction(symbol, rate),
     };
     (rate, Tangent::new(direction).of(rate))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::trial::{linkage, value};
+    use super::*;
+    use crate::expr::Symbol;
+
+    #[test]
+    fn what_is_constant_in_time_is_split_off() {
+        let graph = Graph::new();
+        let (q, l) = (graph.symbol(Symbol::Coordinate(0)), graph.symbol(Symbol::Parameter(0)));
+        for e in [l - 2 * (l * q + 3), -(q - l) * l, (l + q) / 2, l - (3 - q), l * 3, q.sin() * l] {
+            let Affine { constant, factor, variable } = Affine::of(e);
+            assert!(is_still(constant) && is_still(factor), "{e}");
+            assert!((value(constant + factor * variable) - value(e)).abs() < 1e-12, "{e}");
+            assert!(variable == q || variable == q.sin() || factor.is_zero(), "{e}: {variable}");
+        }
+    }
+
+    #[test]
+    fn a_translation_along_a_line_is_one_slide() {
+        let graph = Graph::new();
+        let [zero, one, two] = [0, 1, 2].map(|i| graph.integer(i));
+        let [x, y] = [0, 1].map(|i| graph.symbol(Symbol::Coordinate(i)));
+        let line = slides_of(Vector([x, 2 * x + one, one]));
+        assert_eq!(line, (Vector([zero, one, one]), vec![(Vector([one, two, zero]), x)]));
+        let plane = slides_of(Vector([x, 2 * y, one]));
+        let slides = vec![(Vector([one, zero, zero]), x), (Vector([zero, two, zero]), y)];
+        assert_eq!(plane, (Vector([zero, zero, one]), slides));
+    }
+
+    #[test]
+    fn skew_axes_are_turned_from_z() {
+        let graph = Graph::new();
+        let thirds = [1, -2, 2].map(|i| graph.integer(i) / 3);
+        let fifths = [3, 0, 4].map(|i| graph.integer(i) / 5);
+        for axis in [fifths, [0, 0, -1].map(|i| graph.integer(i)), thirds].map(Vector) {
+            let r = rotation_from_z(axis);
+            assert_eq!(r * Vector::unit(&graph, 2), axis);
+            let square = r.transpose() * r;
+            for (entry, unit) in square.0.as_flattened().iter().zip(Matrix::identity(&graph).0.as_flattened()) {
+                assert!((value(*entry) - value(*unit)).abs() < 1e-15, "{entry}");
+            }
+        }
+    }
+
+    #[test]
+    fn joints_that_follow_coordinates_linearly() {
+        let graph = Graph::new();
+        let (q, l, t) =
+            (graph.symbol(Symbol::Coordinate(0)), graph.symbol(Symbol::Parameter(0)), graph.symbol(Symbol::Time));
+        let is_linear = |displacement| linkage(&[(0, Edge::revolute(0, displacement))]).is_linear();
+        assert!([q, l * q + 3 * t - l, -(q - t) / 2].into_iter().all(is_linear));
+        assert!(![q * q, q * t, q.sin(), (q + 1).powi(3)].into_iter().any(is_linear));
+    }
+
+    /// Each node of a long sum is looked at once, not once for each sum that it is part of.
+    #[test]
+    fn long_displacements_take_time_in_proportion() {
+        let graph = Graph::new();
+        let l = graph.symbol(Symbol::Parameter(0));
+        let sum = (1..20_000).fold(graph.symbol(Symbol::Coordinate(0)), |sum, i| sum + i * l);
+        let start = std::time::Instant::now();
+        assert!(linkage(&[(0, Edge::revolute(0, sum))]).is_linear());
+        assert_eq!(Affine::of(sum).variable, graph.symbol(Symbol::Coordinate(0)));
+        assert!(start.elapsed().as_secs() < 5, "{:?}", start.elapsed());
+    }
 }

@@ -13,7 +13,7 @@
 use crate::expr::{Expr, Matrix, Vector};
 
 use super::inertia::{Inertia, Symmetric};
-use super::linkage::{Edge, Linkage, rates};
+use super::linkage::{Accelerations, Edge, Linkage, rates};
 use super::wrench::{Wrench, turned_about};
 
 /// How a link moves.
@@ -67,14 +67,14 @@ impl<'g> Spin<'g> {
 
 /// Forces along the links' motions: `M q̈ + C q̇ + G` of the bodies, one per moving edge.
 ///
-/// Without accelerations it is the bias.
+/// Where accelerations are zero it is the bias.
 pub(super) fn joint_forces<'g>(
     linkage: &Linkage<'g>,
     inertias: &[Inertia<'g>],
     gravity: Vector<'g>,
-    accelerated: bool,
+    accelerations: Accelerations,
 ) -> Vec<Option<Expr<'g>>> {
-    let motions = motions(linkage, gravity, accelerated);
+    let motions = motions(linkage, gravity, accelerations);
     let mut wrenches: Vec<Wrench<'g>> = inertias.iter().zip(&motions).map(|(i, m)| inertial(i, m)).collect();
     let mut forces = vec![None; linkage.links.len()];
     for (number, link) in linkage.links.iter().enumerate().rev() {
@@ -85,7 +85,7 @@ pub(super) fn joint_forces<'g>(
     forces
 }
 
-fn motions<'g>(linkage: &Linkage<'g>, gravity: Vector<'g>, accelerated: bool) -> Vec<Motion<'g>> {
+fn motions<'g>(linkage: &Linkage<'g>, gravity: Vector<'g>, accelerations: Accelerations) -> Vec<Motion<'g>> {
     let zero = Vector::zero(gravity.0[0].graph());
     let base = Motion {
         angular_velocity: zero,
@@ -96,18 +96,18 @@ fn motions<'g>(linkage: &Linkage<'g>, gravity: Vector<'g>, accelerated: bool) ->
     let mut motions: Vec<Motion<'g>> = vec![base];
     for link in &linkage.links[1..] {
         let (Some(parent), Some(edge)) = (link.parent, link.edge) else { unreachable!("only the base has no parent") };
-        motions.push(motions[parent].beyond(&edge, accelerated));
+        motions.push(motions[parent].beyond(&edge, accelerations));
     }
     motions
 }
 
 impl<'g> Motion<'g> {
-    fn beyond(&self, edge: &Edge<'g>, accelerated: bool) -> Self {
+    fn beyond(&self, edge: &Edge<'g>, accelerations: Accelerations) -> Self {
         let Motion { angular_velocity: w, angular_acceleration: wd, acceleration: a, spin } = *self;
         match *edge {
             Edge::Shift(t) => Motion { acceleration: a + spin.matrix * t, ..*self },
             Edge::Slide { direction, displacement } => {
-                let (rate, acceleration) = rates(displacement, accelerated);
+                let (rate, acceleration) = rates(displacement, accelerations);
                 let coriolis = w.cross(direction).scale(2 * rate);
                 let carried = spin.matrix * direction.scale(displacement);
                 Motion { acceleration: a + carried + coriolis + direction.scale(acceleration), ..*self }
@@ -122,7 +122,7 @@ impl<'g> Motion<'g> {
             }
             Edge::Revolute { axis, angle, sin, cos } => {
                 let [w, wd, a] = [w, wd, a].map(|v| turned_about(v, axis, -sin, cos));
-                let (rate, acceleration) = rates(angle, accelerated);
+                let (rate, acceleration) = rates(angle, accelerations);
                 let e = Vector::unit(rate.graph(), axis);
                 let (spin, own) = (e.scale(rate), e.scale(acceleration));
                 Self::turned(w + spin, wd + w.cross(spin) + own, a)

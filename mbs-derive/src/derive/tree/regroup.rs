@@ -75,3 +75,65 @@ fn seen_from_parent<'g>(inertia: Inertia<'g>, edge: &Edge<'g>) -> Inertia<'g> {
         Edge::Revolute { .. } | Edge::Slide { .. } => inertia,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::trial::{body, joint, linkage, same_energy};
+    use super::*;
+    use crate::expr::{Matrix, Symbol, Vector};
+
+    /// On a base that does not move: a joint, all constant edges, a slide.
+    fn arm(graph: &Graph) -> Linkage<'_> {
+        let numbers = |v: [i64; 3]| Vector(v.map(|i| graph.integer(i)));
+        let angle = graph.integer(2);
+        linkage(&[
+            (0, joint(1, 0, graph)),
+            (1, Edge::Shift(numbers([1, -2, 3]))),
+            (2, Edge::Turn(Matrix::rotation(Vector::unit(graph, 0), angle))),
+            (3, Edge::Tilt { axis: 2, sin: angle.sin(), cos: angle.cos() }),
+            (4, joint(2, 1, graph)),
+            (2, Edge::Slide { direction: numbers([3, 0, 4]), displacement: graph.symbol(Symbol::Coordinate(2)) }),
+        ])
+    }
+
+    #[test]
+    fn regrouping_keeps_the_kinetic_energy() {
+        let graph = Graph::new();
+        let arm = arm(&graph);
+        let inertias: Vec<_> = (0..arm.links.len()).map(|link| body(link, &graph)).collect();
+        same_energy((&arm, &inertias), (&arm, &regrouped(&arm, inertias.clone())));
+    }
+
+    #[test]
+    fn nothing_is_left_that_a_joint_does_not_feel() {
+        let graph = Graph::new();
+        let arm = arm(&graph);
+        let grouped = regrouped(&arm, (0..arm.links.len()).map(|link| body(link, &graph)).collect());
+        for still in [0, 2, 3, 4] {
+            assert!(grouped[still].is_zero(), "constant edges hand on all, and nothing moves the base");
+        }
+        let [tip, slide] = [&grouped[5], &grouped[6]];
+        assert!(tip.mass.is_zero() && tip.first.0[2].is_zero() && tip.second.diagonal[2].is_zero());
+        assert!(!tip.first.0[0].is_zero() && !slide.mass.is_zero());
+        assert!(slide.second.diagonal.iter().chain(&slide.second.products).all(|e| e.is_zero()));
+    }
+
+    #[test]
+    fn a_round_tip_needs_no_axes_that_spin() {
+        let graph = Graph::new();
+        let arm = linkage(&[(0, joint(1, 0, &graph)), (1, joint(2, 1, &graph))]);
+        let number = |i| graph.integer(i);
+        let mut wheel = Inertia::zero(&graph);
+        (wheel.mass, wheel.first.0[2]) = (number(3), number(2));
+        wheel.second.diagonal = [number(5), number(5), number(7)];
+        let inertias = [Inertia::zero(&graph), body(1, &graph), wheel];
+        let calm = without_spin(&arm, &inertias);
+        assert!(matches!(calm.links[2].edge, Some(Edge::Revolute { sin, .. }) if sin.is_zero()));
+        assert_eq!(calm.links[1].edge, arm.links[1].edge, "what carries something else is turned");
+        same_energy((&arm, &inertias), (&calm, &inertias));
+
+        wheel.second.diagonal[0] = number(6);
+        let inertias = [inertias[0], inertias[1], wheel];
+        assert_eq!(without_spin(&arm, &inertias).links[2].edge, arm.links[2].edge);
+    }
+}

@@ -3,7 +3,7 @@
 use crate::expr::{Expr, Vector};
 
 use super::inertia::Inertia;
-use super::linkage::{Edge, Linkage, rates};
+use super::linkage::{Edge, Linkage, rate};
 use super::wrench::turned_about;
 
 /// ω and the velocity of the origin, in the axes of the link.
@@ -34,11 +34,11 @@ impl<'g> Twist<'g> {
             }
             Edge::Shift(t) => Twist { angular: w, linear: v + w.cross(t) },
             Edge::Slide { direction, displacement } => {
-                let (rate, _) = rates(displacement, false);
+                let rate = rate(displacement);
                 Twist { angular: w, linear: v + w.cross(direction.scale(displacement)) + direction.scale(rate) }
             }
             Edge::Revolute { axis, angle, sin, cos } => {
-                let (rate, _) = rates(angle, false);
+                let rate = rate(angle);
                 let [w, v] = [w, v].map(|u| turned_about(u, axis, -sin, cos));
                 Twist { angular: w + Vector::unit(rate.graph(), axis).scale(rate), linear: v }
             }
