@@ -24,8 +24,12 @@ use crate::error::{IntegrationError, SingularMassMatrix};
 use crate::scalar::Scalar;
 use crate::state::{Coordinates, State};
 
+mod adaptive;
 pub(crate) mod dop853;
+mod fixed;
+mod hermite;
 pub(crate) mod rk4;
+mod run;
 
 /// A method that integrates `q̈ = f(t, q, q̇)`.
 pub trait Integrator<T: Scalar> {
@@ -156,6 +160,14 @@ pub trait Step<V: Coordinates> {
     ///
     /// The solution inside the step stays what it was. `Break(time)` with a time before the end drops it.
     fn replace(&mut self, state: &State<V>);
+
+    /// Goes on from `state` at the time `t` inside the step, and drops what came after it: for an impact.
+    ///
+    /// The solution inside the step stays what it was. `Break(t)` with this time ends the integration with `state`.
+    ///
+    /// # Errors
+    /// [`IntegrationError::InvalidTime`] if `t` is not inside the step; the integration ends with this error, too.
+    fn restart(&mut self, t: f64, state: &State<V>) -> Result<(), IntegrationError>;
 }
 
 /// What an integration did.
@@ -197,177 +209,6 @@ impl Outcome for Result<(), SingularMassMatrix> {
     fn into_result(self) -> Result<(), SingularMassMatrix> {
         self
     }
-}
-
-/// Why a step is refused.
-#[derive(Clone, Copy, Debug)]
-enum Fault {
-    Inaccurate,
-    NonFinite,
-    Singular(SingularMassMatrix),
-}
-
-impl Fault {
-    /// The error to end with, at the last accepted `time`, when a step of length `step` could not be made.
-    fn at(self, time: f64, step: f64) -> IntegrationError {
-        match self {
-            Self::Inaccurate => IntegrationError::StepTooSmall { time, step },
-            Self::NonFinite => IntegrationError::NonFiniteState { time },
-            Self::Singular(SingularMassMatrix { pivot, index }) => {
-                IntegrationError::SingularMassMatrix { time, pivot, index }
-            }
-        }
-    }
-}
-
-/// The right-hand side, and how often it was evaluated.
-struct System<F> {
-    acceleration: F,
-    evaluations: usize,
-}
-
-impl<F> System<F> {
-    fn new(acceleration: F) -> Self {
-        Self { acceleration, evaluations: 0 }
-    }
-
-    /// `q̈ = f(t, q, q̇)`, finite.
-    #[inline]
-    fn evaluate<V, R>(&mut self, t: f64, q: &V, qd: &V, qdd: &mut V) -> Result<(), Fault>
-    where
-        V: Coordinates,
-        F: FnMut(V::Scalar, &V, &V, &mut V) -> R,
-        R: Outcome,
-    {
-        self.evaluations += 1;
-        (self.acceleration)(V::Scalar::from_f64(t), q, qd, qdd).into_result().map_err(Fault::Singular)?;
-        if qdd.is_finite() { Ok(()) } else { Err(Fault::NonFinite) }
-    }
-}
-
-/// The two ends of an accepted step.
-struct Span<'a, V> {
-    start: f64,
-    end: f64,
-    old: &'a State<V>,
-    new: &'a State<V>,
-}
-
-/// How a method continues its solution into the step that it has just made.
-trait Interpolant<V: Coordinates> {
-    /// Evaluates and stores what [`interpolate`](Self::interpolate) needs.
-    fn prepare<F, R>(&mut self, system: &mut System<F>, span: &Span<'_, V>) -> Result<(), Fault>
-    where
-        F: FnMut(V::Scalar, &V, &V, &mut V) -> R,
-        R: Outcome;
-
-    /// The solution at the fraction `theta` of the step.
-    fn interpolate(&self, span: &Span<'_, V>, theta: V::Scalar, state: &mut State<V>);
-}
-
-/// A step on its way through the observer.
-struct Accepted<'a, V, F, M> {
-    span: Span<'a, V>,
-    system: &'a mut System<F>,
-    method: &'a mut M,
-    replacement: &'a mut State<V>,
-    prepared: bool,
-    replaced: bool,
-    fault: Option<IntegrationError>,
-}
-
-impl<V, F, R, M> Accepted<'_, V, F, M>
-where
-    V: Coordinates,
-    F: FnMut(V::Scalar, &V, &V, &mut V) -> R,
-    R: Outcome,
-    M: Interpolant<V>,
-{
-    /// Shows the step to the observer; how the integration goes on.
-    fn observe<O>(mut self, observer: &mut O) -> Result<Onward, IntegrationError>
-    where
-        O: FnMut(&mut dyn Step<V>) -> ControlFlow<f64>,
-    {
-        let answer = observer(&mut self);
-        if let Some(error) = self.fault {
-            return Err(error);
-        }
-        match answer {
-            ControlFlow::Continue(()) => {
-                Ok(Onward { stopped_at: None, prepared: self.prepared, replaced: self.replaced })
-            }
-            ControlFlow::Break(time) => {
-                if time != self.span.end {
-                    let mut state = self.replacement.clone();
-                    self.interpolate(time, &mut state)?;
-                    self.replace(&state);
-                }
-                Ok(Onward { stopped_at: Some(time), prepared: self.prepared, replaced: self.replaced })
-            }
-        }
-    }
-
-    fn try_interpolate(&mut self, t: f64, state: &mut State<V>) -> Result<(), IntegrationError> {
-        let Span { start, end, old, new } = self.span;
-        if t == end {
-            state.copy_from(new);
-        } else if t == start {
-            state.copy_from(old);
-        } else if is_between(start, t, end) {
-            if !self.prepared {
-                self.method.prepare(self.system, &self.span).map_err(|fault| fault.at(end, end - start))?;
-                self.prepared = true;
-            }
-            let theta = V::Scalar::from_f64((t - start) / (end - start));
-            self.method.interpolate(&self.span, theta, state);
-        } else {
-            return Err(IntegrationError::InvalidTime { time: t });
-        }
-        Ok(())
-    }
-}
-
-impl<V, F, R, M> Step<V> for Accepted<'_, V, F, M>
-where
-    V: Coordinates,
-    F: FnMut(V::Scalar, &V, &V, &mut V) -> R,
-    R: Outcome,
-    M: Interpolant<V>,
-{
-    fn previous_time(&self) -> f64 {
-        self.span.start
-    }
-
-    fn time(&self) -> f64 {
-        self.span.end
-    }
-
-    fn previous_state(&self) -> &State<V> {
-        self.span.old
-    }
-
-    fn state(&self) -> &State<V> {
-        self.span.new
-    }
-
-    fn interpolate(&mut self, t: f64, state: &mut State<V>) -> Result<(), IntegrationError> {
-        self.try_interpolate(t, state).inspect_err(|&error| self.fault = Some(error))
-    }
-
-    fn replace(&mut self, state: &State<V>) {
-        self.replacement.copy_from(state);
-        self.replaced = true;
-    }
-}
-
-/// What the observer wants.
-struct Onward {
-    /// Where it ended the integration.
-    stopped_at: Option<f64>,
-    /// Whether the interpolant was prepared.
-    prepared: bool,
-    /// Whether the integration goes on from the replacement.
-    replaced: bool,
 }
 
 /// Refuses what no method can start from.
