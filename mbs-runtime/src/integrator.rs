@@ -2,10 +2,14 @@
 //!
 //! An [`Integrator`] is a small set of settings; one method per file:
 //!
-//! | method                     | step                                                | file         |
-//! |----------------------------|-----------------------------------------------------|--------------|
-//! | [`Rk4`](crate::Rk4)        | fixed; order 4; any [`Scalar`], lanes too           | `rk4.rs`     |
-//! | [`Dop853`](crate::Dop853)  | by error control; order 8, dense output of order 7  | `dop853.rs`  |
+//! | method | step | file |
+//! |--------|------|------|
+//! | [`SemiImplicitEuler`](crate::SemiImplicitEuler) | fixed; order 1, symplectic; any [`Scalar`] | `semi_implicit_euler.rs` |
+//! | [`StormerVerlet`](crate::StormerVerlet) | fixed; order 2, symplectic, for `f(t, q)`; any [`Scalar`] | `verlet.rs` |
+//! | [`Rk4`](crate::Rk4) | fixed; order 4; any [`Scalar`], lanes too | `rk4.rs` |
+//! | [`GaussLegendre4`](crate::GaussLegendre4) | fixed; order 4, symplectic, implicit | `gauss_legendre.rs` |
+//! | [`Dopri5`](crate::Dopri5) | by error control; order 5, dense output of order 4 | `dopri5.rs` |
+//! | [`Dop853`](crate::Dop853) | by error control; order 8, dense output of order 7 | `dop853.rs` |
 //!
 //! The right-hand side is a closure `|t, q, qd, qdd|` that writes the accelerations into its last argument. It returns
 //! nothing, or a `Result<(), SingularMassMatrix>`. Time is `f64` whatever the scalar, so that a long run of `f32` keeps
@@ -25,11 +29,18 @@ use crate::scalar::Scalar;
 use crate::state::{Coordinates, State};
 
 mod adaptive;
+mod compensation;
 pub(crate) mod dop853;
+pub(crate) mod dopri5;
 mod fixed;
+pub(crate) mod gauss_legendre;
 mod hermite;
+#[cfg(all(test, feature = "std"))]
+mod long_runs;
 pub(crate) mod rk4;
 mod run;
+pub(crate) mod semi_implicit_euler;
+pub(crate) mod verlet;
 
 /// A method that integrates `q̈ = f(t, q, q̇)`.
 pub trait Integrator<T: Scalar> {
@@ -245,7 +256,7 @@ fn is_between(start: f64, time: f64, end: f64) -> bool {
 #[cfg(all(test, any(feature = "std", feature = "libm")))]
 mod tests {
     use super::*;
-    use crate::{Dop853, Rk4};
+    use crate::{Dop853, Dopri5, GaussLegendre4, Rk4, SemiImplicitEuler, StormerVerlet};
 
     fn oscillate(_: f64, q: &[f64; 1], _: &[f64; 1], qdd: &mut [f64; 1]) {
         qdd[0] = -q[0];
@@ -280,6 +291,10 @@ mod tests {
         ] {
             check_samples(&dop853, times, 1e-9);
             check_samples(&rk4, times, 1e-8);
+            check_samples(&Dopri5::new(1e-10, 1e-12), times, 1e-8);
+            check_samples(&GaussLegendre4::new(0.01), times, 1e-8);
+            check_samples(&StormerVerlet::new(0.01), times, 1e-3);
+            check_samples(&SemiImplicitEuler::new(1e-4), times, 1e-2);
         }
     }
 
@@ -358,6 +373,90 @@ mod tests {
     fn an_observer_stops_interpolates_and_replaces() {
         check_observer(&Dop853::new(1e-11, 1e-12));
         check_observer(&Rk4::new(0.01));
+        check_observer(&Dopri5::new(1e-11, 1e-12));
+        check_observer(&GaussLegendre4::new(0.01));
+        check_observer(&StormerVerlet::new(1e-4));
+    }
+
+    #[test]
+    fn a_restart_drops_the_rest_of_the_step() {
+        fn check(integrator: &impl Integrator<f64>) {
+            // Thrown back at q = cos 1: from there it moves as before time 1, backwards.
+            let mut state = State::new([1.0], [0.0]);
+            let mut thrown = false;
+            let summary = integrator
+                .integrate(oscillate, 0.0, 2.0, &mut state, |step| {
+                    if !thrown && step.time() >= 1.0 {
+                        thrown = true;
+                        let mut there = State::default();
+                        step.interpolate(1.0, &mut there).unwrap();
+                        step.restart(1.0, &State::new(there.q, [-there.qd[0]])).unwrap();
+                    }
+                    ControlFlow::Continue(())
+                })
+                .unwrap();
+            assert_eq!((summary.time, summary.stopped), (2.0, false));
+            assert!((state.q[0] - 1.0).abs() < 1e-7 && state.qd[0].abs() < 1e-7, "{state:?}");
+            // A time outside is an error, the time of a restart one to stop at.
+            let outside = |step: &mut dyn Step<[f64; 1]>| {
+                let state = *step.state();
+                step.restart(-1.0, &state).unwrap_err();
+                ControlFlow::Continue(())
+            };
+            let result = integrator.integrate(oscillate, 0.0, 2.0, &mut state, outside);
+            assert_eq!(result, Err(IntegrationError::InvalidTime { time: -1.0 }));
+            let summary = integrator.integrate(oscillate, 0.0, 2.0, &mut state, |step| {
+                let middle = 0.5 * (step.previous_time() + step.time());
+                step.restart(middle, &State::new([7.0], [8.0])).unwrap();
+                ControlFlow::Break(middle)
+            });
+            assert!(summary.unwrap().stopped && state == State::new([7.0], [8.0]));
+        }
+        check(&Dop853::new(1e-10, 1e-12));
+        check(&Dopri5::new(1e-10, 1e-12));
+        check(&Rk4::new(0.013));
+        check(&GaussLegendre4::new(0.013));
+        check(&StormerVerlet::new(0.7e-4));
+    }
+
+    /// The slope of the error at `t = 4` over the step, in logarithms, for `q = cos t + sin(2t)/2`.
+    ///
+    /// The solution solves `q̈ = −q − (3/2) sin 2t + friction (q̇ − d/dt (cos t + sin(2t)/2))` whatever the friction.
+    fn order<I: Integrator<f64>>(method: impl Fn(f64) -> I, friction: f64, steps: [f64; 4]) -> f64 {
+        let velocity = |t: f64| Scalar::cos(2.0 * t) - Scalar::sin(t);
+        let points = steps.map(|steps| {
+            let mut state = State::new([1.0], [1.0]);
+            let forced = |t: f64, q: &[f64; 1], qd: &[f64; 1], qdd: &mut [f64; 1]| {
+                qdd[0] = -q[0] - 1.5 * Scalar::sin(2.0 * t) + friction * (qd[0] - velocity(t));
+            };
+            let summary =
+                method(4.0 / steps).integrate(forced, 0.0, 4.0, &mut state, |_| ControlFlow::Continue(())).unwrap();
+            assert_eq!(summary.accepted as f64, steps);
+            let q = Scalar::cos(4.0) + 0.5 * Scalar::sin(8.0);
+            let error = Scalar::abs(state.q[0] - q).max(Scalar::abs(state.qd[0] - velocity(4.0)));
+            [Scalar::ln(4.0 / steps), Scalar::ln(error)]
+        });
+        let mean = [0, 1].map(|i| points.iter().map(|point| point[i]).sum::<f64>() / 4.0);
+        let moment = |i: usize, j: usize| -> f64 { points.iter().map(|p| (p[i] - mean[i]) * (p[j] - mean[j])).sum() };
+        moment(0, 1) / moment(0, 0)
+    }
+
+    #[test]
+    fn every_method_has_its_order() {
+        let dopri5 = |h| Dopri5 { first_step: Some(h), max_step: h, ..Dopri5::new(1e9, 1e9) };
+        let dop853 = |h| Dop853 { first_step: Some(h), max_step: h, ..Dop853::new(1e9, 1e9) };
+        let many = [100.0, 140.0, 200.0, 280.0];
+        for (name, found, expected) in [
+            ("semi-implicit Euler", order(SemiImplicitEuler::new, 0.2, [400.0, 600.0, 800.0, 1200.0]), 1.0),
+            ("Störmer–Verlet", order(StormerVerlet::new, 0.0, many), 2.0),
+            ("Störmer–Verlet with friction", order(StormerVerlet::new, 0.2, many.map(|n| 10.0 * n)), 1.0),
+            ("Runge–Kutta", order(Rk4::new, 0.2, many), 4.0),
+            ("Gauss–Legendre", order(GaussLegendre4::new, 0.2, many), 4.0),
+            ("Dormand–Prince 5", order(dopri5, 0.2, many), 5.0),
+            ("Dormand–Prince 8", order(dop853, 0.2, [10.0, 14.0, 20.0, 28.0]), 8.0),
+        ] {
+            assert!(Scalar::abs(found - expected) < 0.15, "{name}: order {found}");
+        }
     }
 
     fn check_bad_input(integrator: &impl Integrator<f64>) {
@@ -382,6 +481,10 @@ mod tests {
 
     #[test]
     fn bad_input_is_an_error() {
+        check_bad_input(&Dopri5 { max_steps: 1000, ..Dopri5::new(1e-9, 1e-9) });
+        check_bad_input(&SemiImplicitEuler { max_steps: 1000, ..SemiImplicitEuler::new(0.01) });
+        check_bad_input(&StormerVerlet { max_steps: 1000, ..StormerVerlet::new(0.01) });
+        check_bad_input(&GaussLegendre4 { max_steps: 1000, ..GaussLegendre4::new(0.01) });
         check_bad_input(&Dop853 { max_steps: 1000, ..Dop853::new(1e-9, 1e-9) });
         check_bad_input(&Rk4 { max_steps: 1000, ..Rk4::new(0.01) });
     }
@@ -414,6 +517,10 @@ mod tests {
 
     #[test]
     fn failures_leave_the_last_good_state() {
+        check_failures(&Dopri5::new(1e-9, 1e-9));
+        check_failures(&SemiImplicitEuler::new(0.01));
+        check_failures(&StormerVerlet::new(0.01));
+        check_failures(&GaussLegendre4::new(0.0123));
         check_failures(&Dop853::new(1e-9, 1e-9));
         check_failures(&Rk4::new(0.01));
     }
