@@ -25,6 +25,7 @@
 use core::ops::ControlFlow;
 
 use crate::error::{IntegrationError, SingularMassMatrix};
+use crate::event::{Event, Watch};
 use crate::scalar::Scalar;
 use crate::state::{Coordinates, State};
 
@@ -140,6 +141,55 @@ pub trait Integrator<T: Scalar> {
             ControlFlow::Continue(())
         })
     }
+
+    /// [`integrate`](Integrator::integrate), with events: where their functions pass zero they happen.
+    ///
+    /// Each event is found on the dense output of the step, to the resolution of the clock, and its action may change the
+    /// state, have the rest of the step made anew, or end the integration; see [`event`](crate::event) for what is found
+    /// and what is not. Looking between the ends of steps costs the interpolant of each of them: three evaluations for
+    /// [`Dop853`](crate::Dop853), two for [`GaussLegendre4`](crate::GaussLegendre4), none for the others.
+    ///
+    /// The observer sees each step after its events: as far as the one from which the integration goes on anew, with the
+    /// state before its action. `replace` does not undo an action there. An event that never happens is no error: its
+    /// [`count`](Event::count) is 0.
+    ///
+    /// ```
+    /// use core::ops::ControlFlow;
+    /// use mbs_runtime::{Dop853, Event, Integrator, State};
+    ///
+    /// // A stone falls from 20 m. When does it arrive?
+    /// let fall = |_, _: &[f64; 1], _: &[f64; 1], qdd: &mut [f64; 1]| qdd[0] = -10.0;
+    /// let mut stone = State::new([20.0], [0.0]);
+    /// let mut ground = [Event::new(&|_, stone: &State<[f64; 1]>| stone.q[0]).falling().terminal()];
+    /// let summary = Dop853::new(1e-10, 1e-12)
+    ///     .integrate_with_events(fall, 0.0, 60.0, &mut stone, &mut ground, |_| ControlFlow::Continue(()))
+    ///     .unwrap();
+    /// assert!(summary.stopped && (summary.time - 2.0).abs() < 1e-12);
+    /// ```
+    ///
+    /// # Errors
+    /// [`IntegrationError::NonFiniteEvent`] if an event's function is infinite or NaN,
+    /// [`IntegrationError::EventsAccumulate`] if one follows itself too closely, [`IntegrationError::NonFiniteState`] if an
+    /// action leaves such numbers; otherwise as [`integrate`](Integrator::integrate).
+    fn integrate_with_events<V, F, R, O>(
+        &self,
+        acceleration: F,
+        t: f64,
+        t_end: f64,
+        state: &mut State<V>,
+        events: &mut [Event<'_, V>],
+        mut observer: O,
+    ) -> Result<Summary, IntegrationError>
+    where
+        V: Coordinates<Scalar = T>,
+        F: FnMut(T, &V, &V, &mut V) -> R,
+        R: Outcome,
+        O: FnMut(&mut dyn Step<V>) -> ControlFlow<f64>,
+    {
+        let mut watch = Watch::new(events, state);
+        let result = self.integrate(acceleration, t, t_end, state, |step| watch.observe(step, &mut observer));
+        watch.conclude(result)
+    }
 }
 
 /// One accepted step, as an observer sees it.
@@ -159,7 +209,8 @@ pub trait Step<V: Coordinates> {
     /// Writes the solution at the time `t` inside the step; exact at both ends.
     ///
     /// The first call in a step evaluates what the interpolant needs: three accelerations for
-    /// [`Dop853`](crate::Dop853); for [`Rk4`](crate::Rk4) the one that the next step begins with.
+    /// [`Dop853`](crate::Dop853), two for [`GaussLegendre4`](crate::GaussLegendre4), for [`Rk4`](crate::Rk4) the one that
+    /// the next step begins with; none for the others.
     ///
     /// # Errors
     /// [`IntegrationError::InvalidTime`] if `t` is not inside the step; [`IntegrationError::NonFiniteState`] or
@@ -249,7 +300,7 @@ fn check_order(t: f64, times: &[f64], t_end: f64) -> Result<(), IntegrationError
 }
 
 /// True where `time` is on the way from `start` to `end`, both included; false for NaN.
-fn is_between(start: f64, time: f64, end: f64) -> bool {
+pub(crate) fn is_between(start: f64, time: f64, end: f64) -> bool {
     if start <= end { start <= time && time <= end } else { end <= time && time <= start }
 }
 

@@ -194,7 +194,8 @@ impl<V: Coordinates<Scalar: Real>> Work<V> {
             stalled += 1;
             // Changes that no longer decrease are rounding if the coordinates do not feel them; or hardly, and for long.
             let reach = largest(&old.q) + h.abs() * (largest(&old.qd) + h.abs() * size);
-            let felt = if stalled < 4 { V::Scalar::from_f64(64.0) * V::Scalar::EPSILON } else { V::Scalar::EPSILON.sqrt() };
+            let felt =
+                if stalled < 4 { V::Scalar::from_f64(64.0) * V::Scalar::EPSILON } else { V::Scalar::EPSILON.sqrt() };
             if h * h * change <= felt * reach {
                 return Ok(());
             }
