@@ -22,7 +22,7 @@ pub enum IntegrationError {
         /// The step given \[s\].
         step: f64,
     },
-    /// The gain `β` of the step control is negative, NaN, or so large that an error would not shorten the step.
+    /// The gain `β` of the step control is negative, NaN, or outweighs that of the last error.
     InvalidGain {
         /// The gain given.
         beta: f64,

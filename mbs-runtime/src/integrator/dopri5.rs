@@ -103,7 +103,7 @@ pub struct Dopri5 {
     pub max_step: f64,
     /// The number of steps allowed in one integration, rejected ones included.
     pub max_steps: usize,
-    /// `β` of the step control, from 0 to 0.25.
+    /// `β` of the step control, from 0 to 0.11.
     pub beta: f64,
 }
 
