@@ -18,6 +18,7 @@ use mbs_runtime::{Dual, Mechanism, Scalar};
 use mbs_tests::compare::assert_close;
 use mbs_tests::mechanisms::branches::Branches;
 use mbs_tests::mechanisms::long_branches::LongBranches;
+use mbs_tests::mechanisms::switched_spring::{Params, SwitchedSpring};
 use watched::{Tally, Watched};
 
 /// `q`, `q̇`, `q̈` and `u`.
@@ -342,4 +343,18 @@ fn comparisons_are_those_of_ieee_754() {
         });
         check("witness", witness.iter().map(|v| v.value.value).collect());
     }
+}
+
+/// Conditions on parameters alone are no numbers that a constructor could keep.
+#[test]
+fn parameters_choose_a_side() {
+    let (m, k, q) = (1.5, 3.0, [0.4, -0.7]);
+    let accelerations =
+        |kind: f64| SwitchedSpring::new(Params { m, k, kind }).forward_dynamics(&q, &[0.0; 2]).map(|qdd| m * qdd);
+    let [x, y] = q;
+    assert_close("hard", &accelerations(2.0), &[-2.0 * k * x * 2.0_f64.sqrt(), -k * y], 1e-15);
+    assert_close("soft", &accelerations(0.5), &[-k * x - k * x, -k * y], 1e-15);
+    assert_close("a force", &accelerations(-4.0), &[-k * x, 2.0 * k * x], 1e-15);
+    let chosen = |kind: f64| SwitchedSpring::new(Params { m, k, kind }).chosen(&q);
+    assert_eq!([chosen(2.0), chosen(1.0)], [x, 2.0 * x + y]);
 }

@@ -37,6 +37,32 @@ fn exact_zeros_may_come_out_as_rounding() {
     dimensionless("coord x: 1; kinetic += dt(x)^2; potential += sin(x)^2 + cos(x)^2 + (x+1/3)^2 - x^2 - 2/3*x;");
 }
 
+/// Tilts of 20° and 30° have irrational sines: what cancels among their products is nothing but rounding.
+#[test]
+fn constants_cancel_as_exact_ones_do() {
+    let chain = |tilts: [f64; 3]| {
+        let link = |i: usize| {
+            format!(
+                "p = p * dh(q[{i}] + 45*deg, 0, 0.4*m, {:?}*deg); \
+                 kinetic += rigid_body(1.5*kg, [-0.2*m, 0, 0], 0.05*kg*m^2*diag(1, 1, 1), p); \
+                 potential += 1.5*kg*9.81*m/s^2*p.point([-0.2*m, 0, 0]).z; ",
+                tilts[i]
+            )
+        };
+        proved(&format!(
+            "mechanism Chain {{ const kg: kg = 1; const m: m = 1; const s: s = 1; coord rail: m; coord q[3]: rad; \
+             kinetic += 1/2*kg*dt(rail)^2; \
+             let mut p = translation([rail*cos(30*deg), 0, rail*sin(30*deg)]) * rot_z(1) * rot_x(0.3); \
+             {}{}{} output w = angular_velocity(p); }}",
+            link(0),
+            link(1),
+            link(2)
+        ));
+    };
+    let tilts = [-60.0, 20.0, 30.0, 45.0, 90.0];
+    (0..25).for_each(|i| chain([tilts[i % 5], tilts[i / 5], tilts[(i + i / 5) % 5]]));
+}
+
 #[test]
 fn bad_scales_and_saturation_are_no_disagreement() {
     dimensionless(

@@ -167,8 +167,9 @@ fn equations<'g>(
 ) -> Equations<'g> {
     let constraints = constraint::constraints(lagrangian, graph, symbols);
     let forward_dynamics = form.forward_dynamics(&lagrange, &constraints);
-    let inverse_dynamics_jacobian = linearize::inverse_dynamics_jacobian(&lagrange, form, symbols);
-    let linearization = linearize::linearization(&lagrange, &forward_dynamics, form, &constraints, symbols);
+    let slopes = linearize::inverse_dynamics_slopes(&lagrange, symbols);
+    let inverse_dynamics_jacobian = linearize::inverse_dynamics_jacobian(&slopes, form, symbols);
+    let linearization = linearize::linearization(&lagrange, &slopes, &forward_dynamics, form, &constraints, symbols);
     let conserved = conserved::conserved(&lagrange, energies, &constraints, symbols, lagrangian);
     let outputs = output::outputs(lagrangian, graph, symbols);
     Equations {

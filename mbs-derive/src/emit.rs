@@ -164,6 +164,7 @@ mod tests {
     fn awkward_names_are_made_good() {
         let text = emitted(&oscillator("Params", "q", "T"));
         check(&text, &["pub struct ParamsMechanism<T = f64> {"]);
+        check(&emitted(&oscillator("f64", "q", "x")), &["pub struct f64Mechanism<T = f64> {"]);
         check(&text, &["let [q] = *q;", "let [q_ddot] = *qdd;", "let Params { T: T_2, k } = self.params;"]);
         let text = emitted(&oscillator("Match", "zero", "force_dot"));
         check(&text, &["pub mod match_ {"]);

@@ -14,6 +14,7 @@
 //! - [`evaluate`](mod@evaluate): numerical values, over doubles or dual numbers;
 //! - [`dual`]: dual numbers, the witness of the symbolic sweeps;
 //! - [`rounded`]: numbers with a bound on their rounding errors;
+//! - `table`: tables over nodes, where a hash map would be slow;
 //! - [`vector`]: vectors and matrices over expressions;
 //! - [`display`]: infix printing.
 
@@ -28,6 +29,7 @@ pub mod normal;
 pub mod number;
 pub mod rounded;
 pub mod substitute;
+pub(crate) mod table;
 pub mod tangent;
 pub mod vector;
 

@@ -170,7 +170,7 @@ impl<V: Value> Run<'_, V> {
     fn step(&self, instruction: Instruction, values: &[Option<V>]) -> V {
         let v = |operand| known(values, operand);
         match instruction {
-            Instruction::Constant(number) => V::constant(number.to_f64()),
+            Instruction::Constant(number) => V::number(number),
             Instruction::Symbol(symbol) => self.symbol(symbol),
             Instruction::Hoisted(k) => self.hoisted[k as usize],
             Instruction::Neg(a) => v(a).neg(),

@@ -22,7 +22,7 @@ use crate::model::{Constraint, Lagrangian, Variable};
 pub use cost::Operations;
 pub use program::{Instruction, Program, Value};
 
-use schedule::Hoisting;
+use schedule::{Forms, Hoisting};
 
 /// A mechanism ready to be proved, emitted or interpreted.
 #[derive(Clone, Debug)]
@@ -186,8 +186,9 @@ pub enum Completion {
 
 /// Makes the Programs, each function by its cheapest route; the routes are equal in value, the first wins a draw.
 pub fn straight_line(lagrangian: &Lagrangian<'_>, routes: &[Equations<'_>]) -> Derivation {
-    let roots = cheapest(routes.iter().map(|route| (route.route, functions(route))).collect());
-    let hoisting = Hoisting::of(roots.iter().map(|f| f.roots.as_slice()));
+    let mut forms = Forms::default();
+    let roots = cheapest(routes.iter().map(|route| (route.route, functions(route))).collect(), &mut forms);
+    let hoisting = Hoisting::of(roots.iter().map(|f| f.roots.as_slice()), &mut forms);
     let functions: Vec<Function> = roots.into_iter().map(|f| f.into_function(&hoisting)).collect();
     let depends_on_time = functions.iter().any(|f| f.program.uses(|symbol| symbol == Symbol::Time));
     Derivation {
@@ -253,8 +254,8 @@ impl<'g> Roots<'g> {
     }
 
     /// What a call would cost if nothing else were generated.
-    fn cost(&self) -> Operations {
-        let hoisting = Hoisting::of([self.roots.as_slice()].into_iter());
+    fn cost(&self, forms: &mut Forms) -> Operations {
+        let hoisting = Hoisting::of([self.roots.as_slice()].into_iter(), forms);
         self.completed(cost::operations(&lower::program(&self.roots, &hoisting)))
     }
 
@@ -275,12 +276,12 @@ impl<'g> Roots<'g> {
 }
 
 /// The cheapest of several ways to compute each function; the first wins a draw.
-fn cheapest<'g>(routes: Vec<(Route, Vec<Roots<'g>>)>) -> Vec<Roots<'g>> {
+fn cheapest<'g>(routes: Vec<(Route, Vec<Roots<'g>>)>, forms: &mut Forms) -> Vec<Roots<'g>> {
     let only_one = routes.len() == 1;
     let mut best: Vec<(usize, Roots<'g>)> = Vec::new();
     for (route, functions) in routes {
         for (i, function) in functions.into_iter().enumerate() {
-            let cost = if only_one { 0 } else { function.cost().weight() };
+            let cost = if only_one { 0 } else { function.cost(forms).weight() };
             let function = Roots { route, ..function };
             match best.get_mut(i) {
                 Some(one) if cost < one.0 => *one = (cost, function),
@@ -294,8 +295,9 @@ fn cheapest<'g>(routes: Vec<(Route, Vec<Roots<'g>>)>) -> Vec<Roots<'g>> {
 
 /// What each function would cost by each route, in the order of the functions and of the routes.
 pub fn compared(routes: &[Equations<'_>]) -> Vec<Vec<(Route, Operations)>> {
-    let by_route: Vec<Vec<Operations>> =
-        routes.iter().map(|route| functions(route).iter().map(Roots::cost).collect()).collect();
+    let mut forms = Forms::default();
+    let mut costs = |route| functions(route).iter().map(|function| function.cost(&mut forms)).collect();
+    let by_route: Vec<Vec<Operations>> = routes.iter().map(&mut costs).collect();
     let function = |i: usize| routes.iter().zip(&by_route).map(|(route, costs)| (route.route, costs[i])).collect();
     (0..by_route.first().map_or(0, Vec::len)).map(function).collect()
 }

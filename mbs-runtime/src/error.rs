@@ -170,6 +170,55 @@ impl fmt::Display for SingularMassMatrix {
 
 impl Error for SingularMassMatrix {}
 
+/// Why no state satisfies the constraints.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ConstraintError {
+    /// The row stays open: no small change of the coordinates brings it closer to zero.
+    Open {
+        /// Which row, counted from 0 through all constraints.
+        row: usize,
+        /// What it is instead of zero, in its unit.
+        residual: f64,
+    },
+    /// The row depends on the others: it restricts no motion that they do not.
+    Redundant {
+        /// Which row.
+        row: usize,
+    },
+    /// The row depends on the others and asks for something else than they do.
+    Contradiction {
+        /// Which row.
+        row: usize,
+        /// What is left of it when the others are satisfied, in its unit.
+        residual: f64,
+    },
+    /// A motion that the constraints leave has no inertia.
+    SingularMassMatrix(SingularMassMatrix),
+    /// A constraint or its derivative is infinite or NaN.
+    NonFinite,
+}
+
+impl fmt::Display for ConstraintError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match *self {
+            Self::Open { row, residual } => {
+                write!(f, "row {row} of the constraints does not close: {residual:e} is left")
+            }
+            Self::Redundant { row } => write!(f, "row {row} of the constraints depends on the others"),
+            Self::Contradiction { row, residual } => {
+                write!(
+                    f,
+                    "row {row} of the constraints depends on the others and contradicts them: {residual:e} is left"
+                )
+            }
+            Self::SingularMassMatrix(error) => write!(f, "on the motions that the constraints leave: {error}"),
+            Self::NonFinite => f.write_str("a constraint or its derivative is infinite or NaN"),
+        }
+    }
+}
+
+impl Error for ConstraintError {}
+
 /// A row of another length than the trajectory holds, or tables of different lengths.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct DimensionMismatch {

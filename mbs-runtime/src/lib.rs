@@ -138,6 +138,7 @@ pub use serde;
 #[cfg(feature = "wide")]
 pub use wide;
 
+pub mod constraint;
 mod dual;
 pub mod dynamics;
 mod error;
@@ -150,9 +151,10 @@ mod state;
 #[cfg(feature = "std")]
 pub mod trajectory;
 
+pub use constraint::{Constraints, Projector, RedundantRows};
 pub use dual::Dual;
 pub use dynamics::{Ldlt, ldlt_solve, ldlt_solve_many, try_ldlt_solve};
-pub use error::{DimensionMismatch, IntegrationError, SingularMassMatrix};
+pub use error::{ConstraintError, DimensionMismatch, IntegrationError, SingularMassMatrix};
 pub use event::{Direction, Event, Response};
 pub use integrator::dop853::Dop853;
 pub use integrator::dopri5::Dopri5;

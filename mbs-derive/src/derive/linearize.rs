@@ -4,7 +4,7 @@
 //! `∂q̈/∂x = −M⁻¹ ∂r/∂x` at that q̈ (implicit differentiation): no derivative of a factorization is needed. With constraints
 //! r has `−Aᵀ λ` and the rows `A q̈ + γ` besides, and M is bordered by A.
 
-use crate::expr::{Expr, Symbol, substitute};
+use crate::expr::{Expr, Symbol, gradient, substitute};
 
 use super::constraint::Constraints;
 use super::lagrange::{Lagrange, jacobian_by_rows, sub, transpose};
@@ -30,15 +30,15 @@ pub struct Linearization<'g> {
     pub parameters: Rows<'g>,
 }
 
-/// One reverse sweep per generalized force.
-pub fn inverse_dynamics_jacobian<'g>(
-    lagrange: &Lagrange<'g>,
-    form: Form,
-    symbols: &Symbols,
-) -> InverseDynamicsJacobian<'g> {
-    let x: Vec<Symbol> = symbols.q.iter().chain(&symbols.qd).copied().collect();
-    let rows = form.rows(&jacobian_by_rows(&lagrange.inverse_dynamics, &x));
+/// `∂τ/∂x` for all x but the parameters: q, q̇ and u. One reverse sweep per generalized force.
+pub fn inverse_dynamics_slopes<'g>(lagrange: &Lagrange<'g>, symbols: &Symbols) -> Rows<'g> {
+    jacobian_by_rows(&lagrange.inverse_dynamics, &[symbols.q.as_slice(), &symbols.qd, &symbols.u].concat())
+}
+
+/// Those in q and q̇.
+pub fn inverse_dynamics_jacobian<'g>(slopes: &Rows<'g>, form: Form, symbols: &Symbols) -> InverseDynamicsJacobian<'g> {
     let n = symbols.q.len();
+    let rows = form.rows(&slopes.iter().map(|row| row[..2 * n].to_vec()).collect());
     InverseDynamicsJacobian {
         q: rows.iter().map(|row| row[..n].to_vec()).collect(),
         qd: rows.iter().map(|row| row[n..].to_vec()).collect(),
@@ -48,6 +48,7 @@ pub fn inverse_dynamics_jacobian<'g>(
 /// `∂q̈/∂x = −M⁻¹ ∂r/∂x`
 pub fn linearization<'g>(
     lagrange: &Lagrange<'g>,
+    inverse_dynamics_slopes: &Rows<'g>,
     forward: &ForwardDynamics<'g>,
     form: Form,
     constraints: &Constraints<'g>,
@@ -65,7 +66,12 @@ pub fn linearization<'g>(
     );
     // One sweep a row for all symbols.
     let x = [symbols.q.as_slice(), &symbols.qd, &symbols.u, &symbols.parameters];
-    let slopes = negative(&jacobian_by_rows(&residual, &x.concat()));
+    let known = |i: usize| {
+        let is_less_force = symbols.parameters.is_empty() && constraints.count() == 0;
+        is_less_force.then(|| less_force(&inverse_dynamics_slopes[i], lagrange.generalized_force[i], &x.concat()))?
+    };
+    let row = |i: usize| known(i).unwrap_or_else(|| gradient(residual[i], &x.concat()));
+    let slopes = negative(&(0..residual.len()).map(row).collect());
     let [q, qd, u, parameters] = split(&slopes, x.map(<[_]>::len));
     let [q, qd, u] = together(form, [q, qd, u]);
     let parameters = form.rows(&parameters);
@@ -84,6 +90,13 @@ pub fn linearization<'g>(
         solved
     };
     Linearization { state: [finish(q), finish(qd), finish(u)], parameters: finish(parameters) }
+}
+
+/// `∂(τ − Q)/∂x` from `∂τ/∂x`, without the long sweep over τ, where no symbol moves both: often Q is an input alone.
+fn less_force<'g>(slopes: &[Expr<'g>], force: Expr<'g>, x: &[Symbol]) -> Option<Vec<Expr<'g>>> {
+    let force_slopes = gradient(force, x);
+    let are_apart = slopes.iter().zip(&force_slopes).all(|(a, b)| a.is_zero() || b.is_zero());
+    are_apart.then(|| sub(slopes, &force_slopes))
 }
 
 /// Matrices that stand side by side, by their numbers of columns.

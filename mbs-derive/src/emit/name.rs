@@ -28,6 +28,12 @@ const RESERVED: [&str; 12] = [
 /// Arguments that a component may shadow where it is destructured after all others that are read.
 const ARGUMENTS: [&str; 6] = ["q", "qd", "qdd", "u", "prescribed", "multipliers"];
 
+/// What a struct cannot be called: names that the module has for other types, and the primitive types.
+const TYPES: [&str; 20] = [
+    "Params", "Self", "T", "bool", "char", "f32", "f64", "i8", "i16", "i32", "i64", "i128", "isize", "str", "u8",
+    "u16", "u32", "u64", "u128", "usize",
+];
+
 /// Names of methods that generated functions may not take.
 const METHODS: [&str; 4] = ["new", "params", "default", "clone"];
 
@@ -146,7 +152,7 @@ impl Names {
         let mut fields = Scope::default();
         let mut methods = Scope::with(&METHODS);
         let mechanism = identifier(&derivation.name);
-        let clashes = ["Params", "Self", "T"].contains(&derivation.name.as_str());
+        let clashes = TYPES.contains(&derivation.name.as_str());
         Names {
             mechanism: if clashes { format!("{}Mechanism", derivation.name) } else { mechanism },
             fields: derivation.parameters.iter().map(|p| fields.unique(&p.name)).collect(),

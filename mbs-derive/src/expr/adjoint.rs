@@ -1,6 +1,7 @@
 //! Reverse sweep: the gradient of one expression at a small multiple of its own cost.
 
-use super::graph::{Expr, Graph, Id, IdMap, Node, Symbol};
+use super::graph::{Expr, Graph, Id, Node, Symbol};
+use super::table::Table;
 use super::tangent::{Tangent, power_derivative};
 
 /// `∂root/∂symbol` for each symbol.
@@ -31,38 +32,35 @@ pub fn gradient_of_combination<'g>(roots: &[(Expr<'g>, Expr<'g>)], symbols: &[Sy
 
 /// The nodes of the roots that depend on a chosen symbol, operands first.
 pub(super) fn active(graph: &Graph, roots: impl Iterator<Item = Id>, chosen: impl Fn(Symbol) -> bool) -> Vec<Id> {
-    let mut depends: IdMap<()> = IdMap::default();
     let mut order = graph.reachable(roots);
+    let mut depends = Table::new(&order, false);
     order.retain(|&id| {
-        let active = match graph.node(id) {
+        depends[id] = match graph.node(id) {
             Node::Symbol(symbol) => chosen(symbol),
-            node => node.operands().any(|operand| depends.contains_key(&operand)),
+            node => node.operands().any(|operand| depends[operand]),
         };
-        if active {
-            depends.insert(id, ());
-        }
-        active
+        depends[id]
     });
     order
 }
 
 /// The adjoints of the active nodes; contributions to others are dropped.
 pub(super) struct Adjoints<'g> {
-    values: IdMap<Option<Expr<'g>>>,
+    values: Table<Option<Expr<'g>>>,
     graph: &'g Graph,
 }
 
 impl<'g> Adjoints<'g> {
     pub(super) fn new(graph: &'g Graph, active: &[Id]) -> Self {
-        Adjoints { values: active.iter().map(|&id| (id, None)).collect(), graph }
+        Adjoints { values: Table::new(active, None), graph }
     }
 
     pub(super) fn get(&self, id: Id) -> Option<Expr<'g>> {
-        self.values.get(&id).copied().flatten()
+        self.values.position(id).and_then(|_| self.values[id])
     }
 
     pub(super) fn add(&mut self, id: Id, contribution: Expr<'g>) {
-        if let Some(value) = self.values.get_mut(&id) {
+        if let Some(value) = self.values.get_mut(id) {
             *value = Some(match *value {
                 Some(sum) => sum + contribution,
                 None => contribution,
@@ -71,7 +69,7 @@ impl<'g> Adjoints<'g> {
     }
 
     pub(super) fn is_active(&self, id: Id) -> bool {
-        self.values.contains_key(&id)
+        self.values.position(id).is_some()
     }
 
     pub(super) fn add_product(&mut self, id: Id, partial: Partial<'g>, adjoint: Expr<'g>) {
@@ -136,10 +134,13 @@ impl<'g> Branches<'g> {
     }
 
     /// The nodes that a node's derivative is passed to: its operands, or of a piecewise expression the symbols.
-    pub(super) fn partials(&mut self, expr: Expr<'g>) -> Vec<(Id, Partial<'g>)> {
-        if !matches!(expr.node(), Node::Select(..)) {
-            return partials(expr).collect();
-        }
+    pub(super) fn partials(&mut self, expr: Expr<'g>) -> impl Iterator<Item = (Id, Partial<'g>)> + use<'g> {
+        let slopes = if matches!(expr.node(), Node::Select(..)) { self.slopes(expr) } else { Vec::new() };
+        partials(expr).chain(slopes)
+    }
+
+    /// The derivatives of a piecewise expression in the symbols.
+    fn slopes(&mut self, expr: Expr<'g>) -> Vec<(Id, Partial<'g>)> {
         let graph = self.graph;
         let slopes = self.sweeps.iter_mut().map(|(symbol, sweep)| (graph.symbol(*symbol).id(), sweep.of(expr)));
         slopes.filter(|(_, slope)| !slope.is_zero()).map(|(id, slope)| (id, Partial::Given(slope))).collect()
@@ -160,14 +161,14 @@ impl<'g> Branches<'g> {
     }
 }
 
-/// The operands of a node, each with the node's derivative in it.
-pub(super) fn partials<'g>(expr: Expr<'g>) -> impl Iterator<Item = (Id, Partial<'g>)> {
+/// The operands of a node, each with the node's derivative in it; none of a piecewise expression.
+fn partials<'g>(expr: Expr<'g>) -> impl Iterator<Item = (Id, Partial<'g>)> {
     let graph = expr.graph();
     let (first, second) = match expr.node() {
-        Node::Constant(_) | Node::Symbol(_) | Node::Less(..) | Node::LessEqual(..) | Node::And(..) | Node::Not(_) => {
-            (None, None)
-        }
-        Node::Select(..) => unreachable!("branches are differentiated by `Branches`"),
+        Node::Constant(_) | Node::Symbol(_) => (None, None),
+        Node::Less(..) | Node::LessEqual(..) | Node::And(..) | Node::Not(_) => (None, None),
+        // Branches are differentiated by `Branches`.
+        Node::Select(..) => (None, None),
         Node::Rate(_) => unreachable!("time derivatives are carried out before others"),
         Node::Neg(a) => (Some((a, Partial::MinusOne)), None),
         Node::Add(a, b) => (Some((a, Partial::One)), Some((b, Partial::One))),

@@ -4,6 +4,7 @@
 
 use super::evaluate::Value;
 use super::function::{Binary, Function};
+use super::number::Number;
 
 /// `value + derivative ε` with `ε² = 0`.
 ///
@@ -32,6 +33,9 @@ impl<S: Value> Dual<S> {
 impl<S: Value> Value for Dual<S> {
     fn constant(value: f64) -> Self {
         Dual::fixed(S::constant(value))
+    }
+    fn number(number: Number) -> Self {
+        Dual::fixed(S::number(number))
     }
     fn neg(self) -> Self {
         Dual::new(self.value.neg(), self.derivative.neg())

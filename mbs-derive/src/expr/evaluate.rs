@@ -1,12 +1,18 @@
 //! Numerical values of expressions, over any kind of number: doubles, or dual numbers that carry derivatives.
 
 use super::function::{Binary, Function};
-use super::graph::{Expr, Id, IdMap, Node, Symbol};
+use super::graph::{Expr, Id, Node, Symbol};
+use super::number::Number;
+use super::table::Table;
 
 /// What expressions can be evaluated over.
 pub trait Value: Copy {
     /// An exact constant, rounded.
     fn constant(value: f64) -> Self;
+    /// A constant of the graph.
+    fn number(number: Number) -> Self {
+        Self::constant(number.to_f64())
+    }
     /// `−a`
     fn neg(self) -> Self;
     /// `a + b`
@@ -97,8 +103,8 @@ impl Tape {
         let Some(first) = roots.first() else { return Tape { steps: Vec::new(), roots: Vec::new() } };
         let graph = first.graph();
         let order = graph.reachable(roots.iter().map(|root| root.id()));
-        let positions: IdMap<u32> = order.iter().enumerate().map(|(i, &id)| (id, i as u32)).collect();
-        let at = |id: Id| Id(positions[&id]);
+        let positions = Table::new(&order, ());
+        let at = |id: Id| Id(positions.position(id).expect("one of the nodes") as u32);
         let steps = order.iter().map(|&id| match graph.node(id) {
             Node::Rate(a) => Node::Rate(at(a)),
             Node::Neg(a) => Node::Neg(at(a)),
@@ -124,7 +130,7 @@ impl Tape {
         for step in &self.steps {
             let v = |operand: Id| values[operand.index()];
             let value = match *step {
-                Node::Constant(value) => V::constant(value.to_f64()),
+                Node::Constant(value) => V::number(value),
                 Node::Symbol(symbol) => point(symbol),
                 Node::Rate(a) => v(a).rate(),
                 Node::Neg(a) => v(a).neg(),

@@ -9,8 +9,11 @@ use std::fmt;
 use std::hash::{BuildHasherDefault, Hasher};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
+use super::evaluate::Value;
 use super::function::{Binary, Function};
 use super::number::Number;
+use super::rounded::Rounded;
+use super::table::Finder;
 
 /// Number of a node in its graph; operands have smaller numbers than what is made of them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -121,19 +124,20 @@ pub enum Node {
 impl Node {
     /// The operands, in order.
     pub fn operands(self) -> impl Iterator<Item = Id> {
-        let operands = match self {
-            Node::Constant(_) | Node::Symbol(_) => [None; 3],
-            Node::Rate(a) | Node::Neg(a) | Node::Power(a, _) | Node::Call(_, a) | Node::Not(a) => [Some(a), None, None],
+        let none = Id(0);
+        let (operands, count) = match self {
+            Node::Constant(_) | Node::Symbol(_) => ([none; 3], 0),
+            Node::Rate(a) | Node::Neg(a) | Node::Power(a, _) | Node::Call(_, a) | Node::Not(a) => ([a, none, none], 1),
             Node::Add(a, b)
             | Node::Sub(a, b)
             | Node::Mul(a, b)
             | Node::Call2(_, a, b)
             | Node::Less(a, b)
             | Node::LessEqual(a, b)
-            | Node::And(a, b) => [Some(a), Some(b), None],
-            Node::Select(c, a, b) => [Some(c), Some(a), Some(b)],
+            | Node::And(a, b) => ([a, b, none], 2),
+            Node::Select(c, a, b) => ([c, a, b], 3),
         };
-        operands.into_iter().flatten()
+        operands.into_iter().take(count)
     }
 }
 
@@ -150,7 +154,7 @@ struct Arena {
     keys: Vec<u64>,
     /// Whether a node depends on parameters alone, or on nothing.
     parametric: Vec<bool>,
-    ids: HashMap<Node, Id, BuildHasherDefault<MixHasher>>,
+    ids: Finder,
 }
 
 impl Graph {
@@ -206,31 +210,38 @@ impl Graph {
     /// The nodes that the roots are made of, operands first.
     pub fn reachable(&self, roots: impl IntoIterator<Item = Id>) -> Vec<Id> {
         let arena = self.arena.borrow();
-        let mut stack: Vec<Id> = roots.into_iter().collect();
-        let mut marked = vec![false; stack.iter().map(|id| id.index() + 1).max().unwrap_or(0)];
-        while let Some(id) = stack.pop() {
-            if !std::mem::replace(&mut marked[id.index()], true) {
-                stack.extend(arena.nodes[id.index()].operands());
+        let roots: Vec<Id> = roots.into_iter().collect();
+        // One bit per node. Operands have smaller numbers, so that one pass from above finds all.
+        let mut marked = vec![0u64; roots.iter().max().map_or(0, |last| last.index() / 64 + 1)];
+        let mark = |marked: &mut [u64], id: Id| marked[id.index() / 64] |= 1 << (id.index() % 64);
+        roots.into_iter().for_each(|root| mark(&mut marked, root));
+        let mut found = Vec::new();
+        for word in (0..marked.len()).rev() {
+            let mut above = 0;
+            while let rest @ 1.. = marked[word] & !above {
+                let highest = rest.ilog2();
+                above |= 1 << highest;
+                let id = Id(64 * word as u32 + highest);
+                found.push(id);
+                arena.nodes[id.index()].operands().for_each(|operand| mark(&mut marked, operand));
             }
         }
-        (0..marked.len()).filter(|&i| marked[i]).map(|i| Id(i as u32)).collect()
+        found.reverse();
+        found
     }
 
     fn intern(&self, node: Node) -> Expr<'_> {
         let mut arena = self.arena.borrow_mut();
-        let id = match arena.ids.get(&node) {
-            Some(&id) => id,
-            None => {
-                let id = Id(u32::try_from(arena.nodes.len()).expect("fewer than 2^32 nodes"));
-                let (key, parametric) = (arena.key(node), arena.is_parametric(node));
-                arena.nodes.push(node);
-                arena.keys.push(key);
-                arena.parametric.push(parametric);
-                arena.ids.insert(node, id);
-                id
-            }
-        };
-        Expr { graph: self, id }
+        let arena = &mut *arena;
+        let key = arena.key(node);
+        let known = arena.ids.find_or_add(key, |number| arena.nodes[number as usize] == node);
+        let number = known.unwrap_or_else(|| {
+            arena.parametric.push(arena.is_parametric(node));
+            arena.nodes.push(node);
+            arena.keys.push(key);
+            arena.nodes.len() as u32 - 1
+        });
+        Expr { graph: self, id: Id(number) }
     }
 
     /// Whether the node depends on parameters alone, or on nothing.
@@ -451,7 +462,9 @@ impl<'g> Expr<'g> {
             return graph.intern(Node::Call(function, self.id));
         }
         if let Some(value) = self.as_constant() {
-            let folded = exact_value(function, value).unwrap_or_else(|| Number::real(function.folded(value.to_f64())));
+            let rounded =
+                || Number::rounded(function.folded(value.to_f64()), Rounded::from(value).call(function).error);
+            let folded = exact_value(function, value).unwrap_or_else(rounded);
             if folded.to_f64().is_finite() {
                 return graph.constant(folded);
             }
@@ -494,7 +507,8 @@ impl<'g> Expr<'g> {
         {
             let folded = function.folded(a.to_f64(), b.to_f64());
             if folded.is_finite() {
-                return graph.constant(Number::real(folded));
+                let error = Rounded::from(a).call2(function, Rounded::from(b)).error;
+                return graph.constant(Number::rounded(folded, error));
             }
         }
         graph.intern(Node::Call2(function, self.id, other.id))

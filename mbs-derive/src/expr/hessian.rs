@@ -24,8 +24,8 @@ pub fn hessian<'g>(root: Expr<'g>, symbols: &[Symbol]) -> Vec<Vec<Expr<'g>>> {
         if matches!(graph.node(id), Node::Symbol(_)) {
             continue;
         }
-        let mut operands = branches.partials(graph.expr(id));
-        operands.retain(|(operand, _)| adjoints.is_active(*operand));
+        let partials = branches.partials(graph.expr(id));
+        let operands: Vec<_> = partials.filter(|(operand, _)| adjoints.is_active(*operand)).collect();
         for (neighbour, weight) in edges.take(id) {
             push(graph, &mut edges, id, neighbour, weight, &operands);
         }

@@ -6,7 +6,8 @@ use std::ops::{Add, Mul, Neg};
 /// A constant of the graph.
 ///
 /// `Exact` is `numerator / denominator · π^pi`, in lowest terms with a positive denominator. What cannot be held so
-/// (a square root of two, an overflow) is `Real`. Equality and hashing are by bits, so that numbers can be hash-consed.
+/// (a square root of two, an overflow) is `Real`, and 0 as soon as it may be nothing but rounding: what cancels in exact numbers
+/// leaves no trace in rounded ones. Equality and hashing are by bits of the values, so that numbers can be hash-consed.
 #[derive(Clone, Copy, Debug)]
 pub enum Number {
     /// `numerator / denominator · π^pi`
@@ -19,7 +20,12 @@ pub enum Number {
         pi: i8,
     },
     /// A double; never a value that `Exact` holds by construction.
-    Real(f64),
+    Real {
+        /// What the double holds.
+        value: f64,
+        /// How far, to first order, rounding may have carried it from the constant that is meant.
+        error: f64,
+    },
 }
 
 impl Number {
@@ -68,7 +74,7 @@ impl Number {
             let scale = 10i128.checked_pow(exponent.unsigned_abs())?;
             if exponent >= 0 { Self::rational(digits.checked_mul(scale)?, 1) } else { Self::rational(digits, scale) }
         };
-        Some(exactly().unwrap_or(Number::Real(nearest)))
+        Some(exactly().unwrap_or(Number::rounded(nearest, 0.0)))
     }
 
     /// The shortest decimal that reads back as `value`, exactly; `None` if it is not finite.
@@ -79,7 +85,7 @@ impl Number {
     /// The nearest double.
     pub fn to_f64(self) -> f64 {
         match self {
-            Number::Real(value) => value,
+            Number::Real { value, .. } => value,
             Number::Exact { numerator, denominator, pi } => {
                 let ratio = divide_correctly_rounded(numerator, denominator);
                 (0..pi.unsigned_abs()).fold(ratio, |value, _| {
@@ -91,7 +97,10 @@ impl Number {
 
     /// Whether it is 0.
     pub fn is_zero(self) -> bool {
-        self.to_f64() == 0.0
+        match self {
+            Number::Exact { numerator, .. } => numerator == 0,
+            Number::Real { value, .. } => value == 0.0,
+        }
     }
 
     /// Whether it is 1.
@@ -103,7 +112,7 @@ impl Number {
     pub fn is_negative(self) -> bool {
         match self {
             Number::Exact { numerator, .. } => numerator < 0,
-            Number::Real(value) => value < 0.0,
+            Number::Real { value, .. } => value < 0.0,
         }
     }
 
@@ -123,9 +132,15 @@ impl Number {
                 let pi = i32::from(pi).checked_mul(exponent)?.try_into().ok()?;
                 if exponent >= 0 { Self::exact(n1, n2, pi) } else { Self::exact(n2, n1, pi) }
             }
-            Number::Real(_) => None,
+            Number::Real { .. } => None,
         };
-        let value = exactly().unwrap_or_else(|| Self::real(integer_power(self.to_f64(), exponent)));
+        let rounded = || {
+            let power = integer_power(self.to_f64(), exponent);
+            // n relative errors, and one rounding a product.
+            let relative = self.error() / self.to_f64().abs() + f64::EPSILON;
+            Self::rounded(power, f64::from(exponent.unsigned_abs()) * relative * power.abs())
+        };
+        let value = exactly().unwrap_or_else(rounded);
         value.to_f64().is_finite().then_some(value)
     }
 
@@ -139,12 +154,31 @@ impl Number {
             }
             _ => None,
         };
-        Some(exactly().unwrap_or_else(|| Number::Real(libm::sqrt(self.to_f64()))))
+        let rounded = || {
+            let root = libm::sqrt(self.to_f64());
+            Number::rounded(root, self.error() / (2.0 * root))
+        };
+        Some(exactly().unwrap_or_else(rounded))
     }
 
-    /// A double, held exactly where it is a small integer (0 and 1 above all).
-    pub fn real(value: f64) -> Number {
-        if value.fract() == 0.0 && value.abs() < 1e9 { Number::integer(value as i64) } else { Number::Real(value) }
+    /// The result of an operation that is rounded once, of operands that bring in so much error; held exactly where it is a small
+    /// integer (0 and 1 above all).
+    pub fn rounded(value: f64, inherited: f64) -> Number {
+        if value.fract() == 0.0 && value.abs() < 1e9 {
+            Number::integer(value as i64)
+        } else {
+            // Where a slope is vertical nothing is known of the error.
+            let inherited = if inherited.is_finite() { inherited } else { 0.0 };
+            Number::Real { value, error: inherited + value.abs() * f64::EPSILON }
+        }
+    }
+
+    /// How far, to first order, the constant that is meant may be from [`to_f64`](Self::to_f64).
+    pub fn error(self) -> f64 {
+        match self {
+            Number::Real { error, .. } => error,
+            Number::Exact { .. } => self.to_f64().abs() * f64::EPSILON,
+        }
     }
 
     /// For `r π` with `2 r` an integer: that integer modulo 4, the number of quarter turns.
@@ -174,7 +208,10 @@ impl Add for Number {
             }
             _ => None,
         };
-        exactly().unwrap_or_else(|| Number::real(self.to_f64() + other.to_f64()))
+        exactly().unwrap_or_else(|| {
+            let (sum, error) = (self.to_f64() + other.to_f64(), self.error() + other.error());
+            if sum.abs() <= error { Number::ZERO } else { Number::rounded(sum, error) }
+        })
     }
 }
 
@@ -189,7 +226,10 @@ impl Mul for Number {
             ) => Number::exact(a.checked_mul(c)?, b.checked_mul(d)?, p.checked_add(q)?),
             _ => None,
         };
-        exactly().unwrap_or_else(|| Number::real(self.to_f64() * other.to_f64()))
+        exactly().unwrap_or_else(|| {
+            let (a, b) = (self.to_f64(), other.to_f64());
+            Number::rounded(a * b, a.abs() * other.error() + b.abs() * self.error())
+        })
     }
 }
 
@@ -199,7 +239,7 @@ impl Neg for Number {
     fn neg(self) -> Number {
         match self {
             Number::Exact { numerator, denominator, pi } => Number::Exact { numerator: -numerator, denominator, pi },
-            Number::Real(value) => Number::Real(-value),
+            Number::Real { value, error } => Number::Real { value: -value, error },
         }
     }
 }
@@ -222,7 +262,7 @@ impl Number {
     fn bits(self) -> (i128, i128, i8) {
         match self {
             Number::Exact { numerator, denominator, pi } => (numerator, denominator, pi),
-            Number::Real(value) => (i128::from(value.to_bits()), 0, 0),
+            Number::Real { value, .. } => (i128::from(value.to_bits()), 0, 0),
         }
     }
 }
@@ -231,7 +271,7 @@ impl Number {
 impl fmt::Display for Number {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match *self {
-            Number::Real(value) => write!(f, "{value:?}"),
+            Number::Real { value, .. } => write!(f, "{value:?}"),
             Number::Exact { numerator, denominator, pi } => {
                 match (numerator, pi) {
                     (n, 0) => write!(f, "{n}")?,
@@ -262,7 +302,7 @@ fn exact_square_root(value: i128) -> Option<i128> {
 fn divide_correctly_rounded(numerator: i128, denominator: i128) -> f64 {
     const EXACT: u128 = 1 << 53;
     if numerator.unsigned_abs() <= EXACT && denominator.unsigned_abs() <= EXACT {
-        return numerator as f64 / denominator as f64; // one rounding
+        return numerator as i64 as f64 / denominator as i64 as f64; // one rounding
     }
     // Long division to 64 significant bits, the last of them sticky; then one rounding.
     let (mut remainder, divisor) = (numerator.unsigned_abs(), denominator.unsigned_abs());

@@ -8,6 +8,7 @@ use std::ops::{Add, Mul, Neg, Sub};
 use super::dual::slope;
 use super::evaluate::Value;
 use super::function::{Binary, Function};
+use super::number::Number;
 
 /// A double and a bound, to first order, on its distance from the exact result.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -27,6 +28,12 @@ impl Rounded {
     /// The result of an operation whose operands bring in so much error.
     fn of(value: f64, inherited: f64) -> Self {
         Rounded { value, error: inherited + value.abs() * f64::EPSILON + f64::MIN_POSITIVE }
+    }
+}
+
+impl From<Number> for Rounded {
+    fn from(number: Number) -> Self {
+        Rounded { value: number.to_f64(), error: number.error() }
     }
 }
 
@@ -68,6 +75,9 @@ impl Sum for Rounded {
 impl Value for Rounded {
     fn constant(value: f64) -> Self {
         Rounded { value, error: value.abs() * f64::EPSILON }
+    }
+    fn number(number: Number) -> Self {
+        number.into()
     }
     fn neg(self) -> Self {
         -self

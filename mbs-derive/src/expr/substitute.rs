@@ -1,21 +1,23 @@
 //! Copies expressions, replacing symbols, into the same or another graph; the target's local rules apply.
 
-use super::graph::{Condition, Expr, Graph, Id, IdMap, Node, Symbol};
+use super::graph::{Condition, Expr, Graph, Id, Node, Symbol};
+use super::table::Table;
 use super::tangent::Tangent;
 
 /// The expressions with each symbol replaced as `replacement` says; `None` leaves it.
 pub fn substitute<'g>(roots: &[Expr<'g>], replacement: impl Fn(Symbol) -> Option<Expr<'g>>) -> Vec<Expr<'g>> {
     let Some(first) = roots.first() else { return Vec::new() };
     let graph = first.graph();
-    let mut copies: IdMap<Expr<'g>> = IdMap::default();
-    for id in graph.reachable(roots.iter().map(|root| root.id())) {
+    let order = graph.reachable(roots.iter().map(|root| root.id()));
+    let mut copies = Table::new(&order, *first);
+    for id in order {
         let copy = match graph.node(id) {
             Node::Symbol(symbol) => replacement(symbol).unwrap_or(graph.expr(id)),
-            node => rebuild(graph, node, |operand| copies[&operand]),
+            node => rebuild(graph, node, |operand| copies[operand]),
         };
-        copies.insert(id, copy);
+        copies[id] = copy;
     }
-    roots.iter().map(|root| copies[&root.id()]).collect()
+    roots.iter().map(|root| copies[root.id()]).collect()
 }
 
 /// Copies verbatim expressions into `graph`, carrying out the time derivatives along `direction`.
@@ -27,16 +29,17 @@ pub fn carry_out<'v, 'g>(
     let Some(first) = roots.first() else { return Vec::new() };
     let verbatim = first.graph();
     let mut dt = Tangent::new(direction);
-    let mut copies: IdMap<Expr<'g>> = IdMap::default();
-    for id in verbatim.reachable(roots.iter().map(|root| root.id())) {
+    let order = verbatim.reachable(roots.iter().map(|root| root.id()));
+    let mut copies = Table::new(&order, graph.integer(0));
+    for id in order {
         let copy = match verbatim.node(id) {
             Node::Symbol(symbol) => graph.symbol(symbol),
-            Node::Rate(a) => dt.of(copies[&a]),
-            node => rebuild(graph, node, |operand| copies[&operand]),
+            Node::Rate(a) => dt.of(copies[a]),
+            node => rebuild(graph, node, |operand| copies[operand]),
         };
-        copies.insert(id, copy);
+        copies[id] = copy;
     }
-    roots.iter().map(|root| copies[&root.id()]).collect()
+    roots.iter().map(|root| copies[root.id()]).collect()
 }
 
 /// The same operation on new operands.

@@ -5,6 +5,7 @@ use super::dimension::Dimension;
 use super::evaluate::{Argument, Resolved, Resolver};
 use super::lagrangian::PointForce;
 use super::value::{Free, Value};
+use crate::expr::Vector;
 use crate::parse::syntax::{Expression, Span};
 
 impl<'d, 'g> Resolver<'d, 'g> {
@@ -17,14 +18,23 @@ impl<'d, 'g> Resolver<'d, 'g> {
 
     /// `torque on pose += value;`
     pub(super) fn torque_on(&mut self, pose: &Expression, value: &Expression) -> Resolved<()> {
-        let pose = self.argument(pose).and_then(|pose| self.frame(&pose));
-        let velocity = pose.map(|frame| Free {
-            components: self.lagrangian.frames.get(frame).angular_velocity,
-            frame,
-            dimension: Dimension::ANGULAR_VELOCITY,
-        });
+        let velocity = self.argument(pose).and_then(|pose| self.angular_velocity_of(&pose));
         let torque = self.argument(value);
         self.does_work(velocity, torque, "a torque", Dimension::ENERGY)
+    }
+
+    fn angular_velocity_of(&mut self, pose: &Argument<'g>) -> Resolved<Free<'g>> {
+        let frame = self.frame(pose)?;
+        let components = self.lagrangian.frames.get(frame).angular_velocity;
+        if !self.is_moved(&components) {
+            let message = "no coordinate turns this pose: a torque does no work here";
+            return Err(self.refuse(&pose.span, message, "leave the torque out"));
+        }
+        Ok(Free { components, frame, dimension: Dimension::ANGULAR_VELOCITY })
+    }
+
+    fn is_moved(&mut self, rate: &Vector<'g>) -> bool {
+        rate.0.iter().any(|c| self.facts.dependence(*c).on(Dependence::VELOCITY))
     }
 
     fn velocity_at(&mut self, point: &Expression) -> Resolved<Free<'g>> {
@@ -48,8 +58,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
     /// A force on what no coordinate moves does nothing.
     fn check_moved(&mut self, rate: &Value<'g>, span: &Span) -> Resolved<()> {
         let Free { components, .. } = self.vector(&Argument { value: rate.clone(), span: span.clone() })?;
-        let moved = components.0.iter().any(|c| self.facts.dependence(*c).on(Dependence::VELOCITY));
-        if moved {
+        if self.is_moved(&components) {
             return Ok(());
         }
         Err(self.refuse(span, "no coordinate moves this point: a force does no work here", "leave the force out"))
@@ -154,6 +163,10 @@ mod tests {
         refused(
             "force at world.origin() += [u, 0, 0];",
             "world.origin(): no coordinate moves this point: a force does no work here; leave the force out",
+        );
+        refused(
+            "torque on translation([x, 0, 0]) += [0, 0, u*l];",
+            "translation([x, 0, 0]): no coordinate turns this pose: a torque does no work here; leave the torque out",
         );
         refused("torque on rot_z(theta) += [0, 0, u];", "[0, 0, u]: a torque must be kg·m²/s², this is kg·m/s²");
         refused(

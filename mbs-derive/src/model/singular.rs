@@ -2,7 +2,7 @@
 //! `atan2(0, 0)`, 0/0.
 //!
 //! While expressions are built, every call and operator whose derivative fails at some argument is noted with its place.
-//! The finished energies, constraints and outputs, simplified as `derive` will simplify them (`sqrt(x)^2` is x), are then
+//! The finished energies, constraints, outputs and forces, simplified as `derive` will simplify them (`sqrt(x)^2` is x), are then
 //! evaluated at special states: each coordinate zero, each angle π or π/2, at rest, all zero, all equal. Where an argument
 //! is one at which its derivative fails, while the value stays bounded around, there is a warning at the noted place.
 //! Gravity `-k/r` grows without bound towards r = 0: no mechanism gets there, and there is no warning.
@@ -69,7 +69,7 @@ fn critical(expr: Expr<'_>) -> Option<Expr<'_>> {
 
 fn is_critical(node: Node) -> bool {
     match node {
-        Node::Power(_, n) => n.to_halves() <= 1,
+        Node::Power(_, n) => n.to_halves() <= Wanted::Second.critical_halves(),
         Node::Call(function, _) => matches!(function, Function::Asin | Function::Acos | Function::Abs),
         Node::Call2(..) => true,
         _ => false,
@@ -81,11 +81,34 @@ fn is_critical(node: Node) -> bool {
 /// Expressions that are wanted with their derivatives, and what it means where these fail.
 struct Group {
     roots: Vec<Id>,
+    wanted: Wanted,
     means: &'static str,
+}
+
+/// Up to which derivatives.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Wanted {
+    /// Of energies for the equations of motion, of constraints and outputs for their rates.
+    First,
+    /// Of forces for the linearization, which kinks do no harm.
+    FirstBesideKinks,
+    /// Of energies for the linearization.
+    Second,
+}
+
+impl Wanted {
+    /// `x^(halves/2)` has no such derivative at 0 where the exponent is no greater.
+    fn critical_halves(self) -> i32 {
+        match self {
+            Wanted::First | Wanted::FirstBesideKinks => 1,
+            Wanted::Second => 3,
+        }
+    }
 }
 
 const EQUATIONS: &str = "the equations of motion are not numbers there";
 const CONSTRAINT: &str = "the constraint's Jacobian is not a number there";
+const LINEARIZATION: &str = "the motion goes on, its linearization is not a number there";
 const OUTPUT: &str = "the output's velocity and Jacobian are not numbers there";
 
 /// The declared expressions as `derive` sees them, ready to be evaluated.
@@ -149,18 +172,29 @@ impl<'l, 'g, 's> Search<'l, 'g, 's> {
     /// The search, and the copies of the sites.
     fn new(lagrangian: &'l Lagrangian<'g>, sites: &[Site<'g>], graph: &'s Graph) -> (Self, Vec<Expr<'s>>) {
         let energies = [&lagrangian.kinetic, &lagrangian.potential, &lagrangian.dissipation, &lagrangian.lagrangian];
-        let mut declared = vec![(EQUATIONS, energies.into_iter().flatten().copied().collect::<Vec<_>>())];
-        declared.extend(lagrangian.constraints.iter().map(|c| (CONSTRAINT, c.rows.clone())));
-        declared.extend(lagrangian.outputs.iter().map(|o| (OUTPUT, components(lagrangian, &o.value))));
+        let energies: Vec<Expr<'g>> = energies.into_iter().flatten().copied().collect();
+        let at_points = lagrangian.point_forces.iter().flat_map(|f| f.force.0.iter().chain(&f.velocity.0));
+        let forces: Vec<Expr<'g>> =
+            lagrangian.forces.iter().map(|(_, force)| force).chain(at_points).copied().collect();
+        let mut declared = vec![(EQUATIONS, Wanted::First, energies.clone())];
+        declared.extend(lagrangian.constraints.iter().map(|c| (CONSTRAINT, Wanted::First, c.rows.clone())));
+        let outputs = lagrangian.outputs.iter().map(|o| components(lagrangian, &o.value));
+        declared.extend(outputs.map(|components| (OUTPUT, Wanted::First, components)));
+        declared.push((LINEARIZATION, Wanted::FirstBesideKinks, forces));
+        declared.push((LINEARIZATION, Wanted::Second, energies));
         let noted = sites.iter().map(|site| site.expr);
-        let all: Vec<Expr<'g>> = declared.iter().flat_map(|(_, exprs)| exprs.clone()).chain(noted).collect();
+        let all: Vec<Expr<'g>> = declared.iter().flat_map(|(.., exprs)| exprs.clone()).chain(noted).collect();
         let mut copies = carry_out(&all, graph, |symbol| along_the_motion(graph, symbol));
         let of_sites = copies.split_off(copies.len() - sites.len());
 
         let mut ids = copies.iter().map(|copy| copy.id());
         let groups: Vec<Group> = declared
             .iter()
-            .map(|(means, exprs)| Group { roots: ids.by_ref().take(exprs.len()).collect(), means })
+            .map(|(means, wanted, exprs)| Group {
+                roots: ids.by_ref().take(exprs.len()).collect(),
+                wanted: *wanted,
+                means,
+            })
             .collect();
         let kinds = lagrangian.constraints.iter().map(|c| c.kind);
         let holonomic = groups[1..].iter().zip(kinds).filter(|(_, kind)| *kind == ConstraintKind::Holonomic);
@@ -300,15 +334,18 @@ impl Search<'_, '_, '_> {
 
     fn fault(&self, group: usize, id: Id, node: Node, values: &[Rounded]) -> Option<Fault> {
         let value = |id: Id| values[self.positions[&id]];
+        let wanted = self.groups[group].wanted;
         let fails = match node {
-            Node::Power(a, n) => n.to_halves() <= 1 && is_zero(value(a)),
-            Node::Call(Function::Abs, a) => is_zero(value(a)),
+            Node::Power(a, n) => n.to_halves() <= wanted.critical_halves() && is_zero(value(a)),
+            Node::Call(Function::Abs, a) => wanted == Wanted::First && is_zero(value(a)),
             Node::Call(Function::Asin | Function::Acos, a) => {
                 let distance = Rounded { value: value(a).value.abs() - 1.0, error: value(a).error + f64::EPSILON };
                 is_zero(distance)
             }
             Node::Call2(Binary::Atan2, a, b) => is_zero(value(a)) && is_zero(value(b)),
-            Node::Call2(Binary::Powf, a, b) => is_zero(value(a)) && value(b).value < 1.0,
+            Node::Call2(Binary::Powf, a, b) => {
+                is_zero(value(a)) && 2.0 * value(b).value < f64::from(wanted.critical_halves() + 1)
+            }
             _ => false,
         };
         let arguments = || node.operands().filter(|a| self.moves[self.positions[a]]).collect::<Vec<_>>();
@@ -403,7 +440,11 @@ impl Search<'_, '_, '_> {
             Node::Power(_, n) if n.to_halves() < 0 && n.to_integer().is_some() => {
                 format!("this is 0/0 where {place}: {means}")
             }
-            _ => format!("the derivative of this is not finite where {place}: {means}"),
+            _ => {
+                let which =
+                    if self.groups[fault.group].wanted == Wanted::Second { "second derivative" } else { "derivative" };
+                format!("the {which} of this is not finite where {place}: {means}")
+            }
         }
     }
 
@@ -530,7 +571,6 @@ mod tests {
         fine(
             "potential += k*sqrt(x^2 + y^2)*sqrt(x^2 + y^2) + k*hypot(x, y)^2 + k*abs(x)^2 + spring(k, hypot(x, y), 0);",
         );
-        fine("potential += k*hypot(x, y)^3/l;");
         fine("potential += k*sqrt(x^2 + y^2 + l^2)*l;");
         // Gravity, a metric of Poincaré's half plane, a dipole: nobody gets to the centre.
         fine("potential += -k*l^3/[x, y, z].norm();");
@@ -542,8 +582,19 @@ mod tests {
         // Parameters do not move, and branches that are not taken do not count.
         fine("param e: 1 = 0; potential += sqrt(e)*k*x^2 + abs(e)*k*x^2;");
         fine("potential += if x^2 + y^2 > l^2/1000 { k*l*hypot(x, y) } else { k*(x^2 + y^2) };");
-        // Forces are not differentiated for the equations of motion.
-        fine("force x += -k*l*x/(hypot(x, y) + l);");
+    }
+
+    /// Forces are differentiated once, energies twice.
+    #[test]
+    fn what_the_linearization_needs() {
+        let drag = "const c: N*s^2/m^2 = 1; let v = dt([x, y, z]);";
+        let at_rest = "`dt(x)` = 0, `dt(y)` = 0, `dt(z)` = 0";
+        warned(&format!("{drag} force at [x, y, z] += -c*v.norm()*v;"), "v.norm()", at_rest);
+        warned(&format!("{drag} dissipation += c/3*v.norm()^3;"), "v.norm()", at_rest);
+        warned("potential += k*hypot(x, y)^3/l;", "hypot(x, y)", "`x` = 0, `y` = 0");
+        warned("force x += -k*l*x/(hypot(x, y) + l);", "hypot(x, y)", "`x` = 0, `y` = 0");
+        fine(&format!("{drag} force x += -c*abs(dt(x))*dt(x); force y += -c*v.norm_squared();"));
+        fine("force x += -k*abs(x); potential += k*hypot(x, y)^4/l^2;");
     }
 
     #[test]
@@ -562,7 +613,8 @@ mod tests {
         warned("potential += k*l^2*acos(cos(theta));", "acos(cos(theta))", "`theta` = 0");
         warned("potential += k*l^2*asin(sin(theta));", "asin(sin(theta))", "`theta` = π/2");
         warned("potential += k*l^2*(theta^2)^(1/3);", "(theta^2)^(1/3)", "`theta` = 0");
-        fine("potential += k*l^2*(theta^2)^(4/3) + k*l^(2/3)*(x^2)^(2/3 + 1/3)*(l^2)^(-1/3);");
+        warned("potential += k*l^2*(theta^2)^(4/3);", "(theta^2)^(4/3)", "`theta` = 0");
+        fine("potential += k*l^2*(theta^2)^(7/3) + k*l^(2/3)*(x^2)^(2/3 + 1/3)*(l^2)^(-1/3);");
         fine("output angle = atan2(l + abs(x)*x/l, l) + asin(sin(theta)/2);");
     }
 

@@ -1,8 +1,9 @@
 //! Graph nodes → instructions, in the order in which the roots need them.
 
-use std::collections::HashMap;
+use std::hash::{Hash, Hasher};
 
-use crate::expr::graph::IdMap;
+use crate::expr::graph::MixHasher;
+use crate::expr::table::{Finder, Table};
 use crate::expr::{Expr, Graph, HalfInteger, Id, Node, Number};
 
 use super::program::{Instruction, Program, Value};
@@ -18,13 +19,21 @@ pub fn program(roots: &[Expr<'_>], hoisting: &Hoisting) -> Program {
 
 struct Lowering<'a> {
     graph: &'a Graph,
-    hoisting: &'a Hoisting,
-    /// How often each node is used, by nodes that are computed here and as a root.
-    uses: IdMap<usize>,
+    nodes: Table<Entry>,
     instructions: Vec<Instruction>,
     /// Equal instructions are one.
-    known: HashMap<Instruction, Value>,
-    values: IdMap<Value>,
+    known: Finder,
+}
+
+/// What is known of a node.
+#[derive(Clone, Copy, Default)]
+struct Entry {
+    /// How often it is used, by nodes that are computed here and as a root.
+    uses: u32,
+    /// Its number, where the constructor computes it.
+    hoisted: Option<u32>,
+    /// Its value, once it is computed.
+    value: Option<Value>,
 }
 
 /// How a node is computed from the values of other nodes.
@@ -42,59 +51,66 @@ enum Recipe {
 
 impl Recipe {
     fn operands(self) -> impl Iterator<Item = Id> {
-        let operands = match self {
-            Recipe::Leaf(_) => [None; 3],
-            Recipe::Neg(a) | Recipe::Power(a, _) | Recipe::Call(_, a) | Recipe::Not(a) => [Some(a), None, None],
-            Recipe::Binary(_, a, b) | Recipe::Call2(_, a, b) => [Some(a), Some(b), None],
-            Recipe::Select(c, a, b) => [Some(c), Some(a), Some(b)],
+        let none = Id(0);
+        let (operands, count) = match self {
+            Recipe::Leaf(_) => ([none; 3], 0),
+            Recipe::Neg(a) | Recipe::Power(a, _) | Recipe::Call(_, a) | Recipe::Not(a) => ([a, none, none], 1),
+            Recipe::Binary(_, a, b) | Recipe::Call2(_, a, b) => ([a, b, none], 2),
+            Recipe::Select(c, a, b) => ([c, a, b], 3),
         };
-        operands.into_iter().flatten()
+        operands.into_iter().take(count)
     }
 }
 
 impl<'a> Lowering<'a> {
-    fn new(graph: &'a Graph, roots: &[Expr<'_>], hoisting: &'a Hoisting) -> Self {
-        let mut uses: IdMap<usize> = IdMap::default();
-        let mut stack: Vec<Id> = Vec::new();
-        let mut count = |id: Id, stack: &mut Vec<Id>| {
-            let uses = uses.entry(id).or_insert(0);
-            *uses += 1;
-            if *uses == 1 {
-                stack.push(id);
-            }
-        };
-        roots.iter().for_each(|root| count(root.id(), &mut stack));
-        while let Some(id) = stack.pop() {
-            if hoisting.number(id).is_none() {
-                graph.node(id).operands().for_each(|operand| count(operand, &mut stack));
+    fn new(graph: &'a Graph, roots: &[Expr<'_>], hoisting: &Hoisting) -> Self {
+        let order = graph.reachable(roots.iter().map(|root| root.id()));
+        let mut nodes = Table::new(&order, Entry::default());
+        roots.iter().for_each(|root| nodes[root.id()].uses += 1);
+        for &id in order.iter().rev() {
+            nodes[id].hoisted = hoisting.number(id);
+            if nodes[id].uses > 0 && nodes[id].hoisted.is_none() {
+                graph.node(id).operands().for_each(|operand| nodes[operand].uses += 1);
             }
         }
-        Lowering { graph, hoisting, uses, instructions: Vec::new(), known: HashMap::new(), values: IdMap::default() }
+        let most = order.len();
+        Lowering { graph, nodes, instructions: Vec::with_capacity(most), known: Finder::with_capacity(most) }
     }
 
     /// The value of a node, after those that it needs, depth first.
     fn value(&mut self, root: Id) -> Value {
         let mut stack = vec![root];
         while let Some(&id) = stack.last() {
-            if self.values.contains_key(&id) {
+            if self.nodes[id].value.is_some() {
                 stack.pop();
                 continue;
             }
             let recipe = self.recipe(id);
             let before = stack.len();
-            stack.extend(recipe.operands().filter(|operand| !self.values.contains_key(operand)));
+            recipe
+                .operands()
+                .filter(|&operand| self.nodes[operand].value.is_none())
+                .for_each(|operand| stack.push(operand));
             stack[before..].reverse();
             if stack.len() == before {
-                let value = self.follow(recipe);
-                self.values.insert(id, value);
+                self.nodes[id].value = Some(self.follow(recipe));
                 stack.pop();
             }
         }
-        self.values[&root]
+        self.known_value(root)
+    }
+
+    fn known_value(&self, id: Id) -> Value {
+        self.nodes[id].value.expect("operands are computed first")
+    }
+
+    /// Whether one other node takes it, and it is computed here.
+    fn is_used_once(&self, id: Id) -> bool {
+        self.nodes[id].uses == 1 && self.nodes[id].hoisted.is_none()
     }
 
     fn recipe(&self, id: Id) -> Recipe {
-        if let Some(number) = self.hoisting.number(id) {
+        if let Some(number) = self.nodes[id].hoisted {
             return Recipe::Leaf(Instruction::Hoisted(number));
         }
         match self.graph.node(id) {
@@ -103,9 +119,7 @@ impl<'a> Lowering<'a> {
             Node::Rate(_) => unreachable!("time derivatives were carried out by derive"),
             // −(a − b) is b − a where nobody else wants a − b.
             Node::Neg(a) => match self.graph.node(a) {
-                Node::Sub(x, y) if self.uses[&a] == 1 && self.hoisting.number(a).is_none() => {
-                    Recipe::Binary(Instruction::Sub, y, x)
-                }
+                Node::Sub(x, y) if self.is_used_once(a) => Recipe::Binary(Instruction::Sub, y, x),
                 _ => Recipe::Neg(a),
             },
             Node::Add(a, b) => Recipe::Binary(Instruction::Add, a, b),
@@ -129,25 +143,22 @@ impl<'a> Lowering<'a> {
     /// The base of a reciprocal that is used once: multiplying by it is a division.
     fn divisor(&self, id: Id) -> Option<Id> {
         match self.graph.node(id) {
-            Node::Power(base, n)
-                if n == HalfInteger::MINUS_ONE && self.uses[&id] == 1 && self.hoisting.number(id).is_none() =>
-            {
-                Some(base)
-            }
+            Node::Power(base, n) if n == HalfInteger::MINUS_ONE && self.is_used_once(id) => Some(base),
             _ => None,
         }
     }
 
     fn follow(&mut self, recipe: Recipe) -> Value {
+        let value = |id| self.known_value(id);
         let instruction = match recipe {
             Recipe::Leaf(instruction) => instruction,
-            Recipe::Neg(a) => Instruction::Neg(self.values[&a]),
-            Recipe::Binary(operation, a, b) => operation(self.values[&a], self.values[&b]),
-            Recipe::Power(a, halves) => return self.power(self.values[&a], halves),
-            Recipe::Call(function, a) => Instruction::Call(function, self.values[&a]),
-            Recipe::Call2(function, a, b) => Instruction::Call2(function, self.values[&a], self.values[&b]),
-            Recipe::Not(a) => Instruction::Not(self.values[&a]),
-            Recipe::Select(c, a, b) => Instruction::Select(self.values[&c], self.values[&a], self.values[&b]),
+            Recipe::Neg(a) => Instruction::Neg(value(a)),
+            Recipe::Binary(operation, a, b) => operation(value(a), value(b)),
+            Recipe::Power(a, halves) => return self.power(value(a), halves),
+            Recipe::Call(function, a) => Instruction::Call(function, value(a)),
+            Recipe::Call2(function, a, b) => Instruction::Call2(function, value(a), value(b)),
+            Recipe::Not(a) => Instruction::Not(value(a)),
+            Recipe::Select(c, a, b) => Instruction::Select(value(c), value(a), value(b)),
         };
         self.push(instruction)
     }
@@ -178,10 +189,13 @@ impl<'a> Lowering<'a> {
     }
 
     fn push(&mut self, instruction: Instruction) -> Value {
-        *self.known.entry(instruction).or_insert_with(|| {
+        let mut hasher = MixHasher::default();
+        instruction.hash(&mut hasher);
+        let known = self.known.find_or_add(hasher.finish(), |number| self.instructions[number as usize] == instruction);
+        Value(known.unwrap_or_else(|| {
             self.instructions.push(instruction);
-            Value(self.instructions.len() as u32 - 1)
-        })
+            self.instructions.len() as u32 - 1
+        }))
     }
 }
 

@@ -57,10 +57,11 @@ pub enum Instruction {
 impl Instruction {
     /// The operands, in order.
     pub fn operands(self) -> impl Iterator<Item = Value> {
-        let operands = match self {
-            Instruction::Constant(_) | Instruction::Symbol(_) | Instruction::Hoisted(_) => [None; 3],
+        let none = Value(0);
+        let (operands, count) = match self {
+            Instruction::Constant(_) | Instruction::Symbol(_) | Instruction::Hoisted(_) => ([none; 3], 0),
             Instruction::Neg(a) | Instruction::Sqrt(a) | Instruction::Call(_, a) | Instruction::Not(a) => {
-                [Some(a), None, None]
+                ([a, none, none], 1)
             }
             Instruction::Add(a, b)
             | Instruction::Sub(a, b)
@@ -69,10 +70,10 @@ impl Instruction {
             | Instruction::Less(a, b)
             | Instruction::LessEqual(a, b)
             | Instruction::And(a, b)
-            | Instruction::Call2(_, a, b) => [Some(a), Some(b), None],
-            Instruction::Select(c, a, b) => [Some(c), Some(a), Some(b)],
+            | Instruction::Call2(_, a, b) => ([a, b, none], 2),
+            Instruction::Select(c, a, b) => ([c, a, b], 3),
         };
-        operands.into_iter().flatten()
+        operands.into_iter().take(count)
     }
 }
 

@@ -1,6 +1,7 @@
 //! What is computed when: once per set of parameters, or at each call.
 
 use crate::expr::graph::IdMap;
+use crate::expr::table::Table;
 use crate::expr::{Expr, Function, Graph, Id, Node, Symbol, normal_form};
 
 use super::lower;
@@ -23,7 +24,7 @@ impl Hoisting {
     }
 
     /// Finds the largest subexpressions of parameters alone that the functions use.
-    pub fn of<'g, 'r>(functions: impl Iterator<Item = &'r [Expr<'g>]>) -> Self
+    pub fn of<'g, 'r>(functions: impl Iterator<Item = &'r [Expr<'g>]>, forms: &mut Forms) -> Self
     where
         'g: 'r,
     {
@@ -35,7 +36,7 @@ impl Hoisting {
             let graph = first.graph();
             for id in candidates(graph, roots) {
                 numbers.entry(id).or_insert_with(|| {
-                    *by_value.entry(value(graph.expr(id)).id()).or_insert_with(|| {
+                    *by_value.entry(forms.form(graph.expr(id))).or_insert_with(|| {
                         hoisted.push(graph.expr(id));
                         hoisted.len() as u32 - 1
                     })
@@ -53,9 +54,16 @@ impl Hoisting {
     }
 }
 
-/// One expression for all ways to multiply and add the same parameters, so that `(m g) l` and `m (g l)` are one value.
-fn value(expr: Expr<'_>) -> Expr<'_> {
-    normal_form(&[expr], MOST_TERMS).map_or(expr, |forms| forms[0])
+/// One expression for all ways to multiply and add the same parameters, so that `(m g) l` and `m (g l)` are one value. Each is
+/// found once.
+#[derive(Default)]
+pub struct Forms(IdMap<Id>);
+
+impl Forms {
+    fn form(&mut self, expr: Expr<'_>) -> Id {
+        let form = || normal_form(&[expr], MOST_TERMS).map_or(expr, |forms| forms[0]).id();
+        *self.0.entry(expr.id()).or_insert_with(form)
+    }
 }
 
 /// What a node depends on.
@@ -70,13 +78,18 @@ enum Dependence {
 /// needs is among them where it has a value whatever the parameters are.
 fn candidates(graph: &Graph, roots: &[Expr<'_>]) -> Vec<Id> {
     let order = graph.reachable(roots.iter().map(|root| root.id()));
+    if !order.iter().any(|id| matches!(graph.node(*id), Node::Symbol(Symbol::Parameter(_)))) {
+        return Vec::new();
+    }
     let facts = facts(graph, &order);
-    let mut certain: IdMap<bool> = roots.iter().map(|root| (root.id(), true)).collect();
+    let mut certain: Table<Option<bool>> = Table::new(&order, None);
+    roots.iter().for_each(|root| certain[root.id()] = Some(true));
     let mut found: Vec<Id> = Vec::new();
     for &id in order.iter().rev() {
-        let Some(&needed) = certain.get(&id) else { continue };
-        let (dependence, total) = facts[&id];
-        if dependence == Dependence::Parameters && (needed || total) {
+        let Some(needed) = certain[id] else { continue };
+        let (dependence, total) = facts[id];
+        let is_number = !is_condition(graph.node(id));
+        if dependence == Dependence::Parameters && is_number && (needed || total) {
             found.extend(Some(behind_sign(graph, id)).filter(|id| !matches!(graph.node(*id), Node::Symbol(_))));
             continue;
         }
@@ -85,7 +98,8 @@ fn candidates(graph: &Graph, roots: &[Expr<'_>]) -> Vec<Id> {
             _ => None,
         };
         for operand in graph.node(id).operands() {
-            *certain.entry(operand).or_insert(false) |= needed && arms.is_none_or(|condition| condition == operand);
+            let needed = needed && arms.is_none_or(|condition| condition == operand);
+            certain[operand] = Some(needed || certain[operand] == Some(true));
         }
     }
     found.sort();
@@ -94,20 +108,25 @@ fn candidates(graph: &Graph, roots: &[Expr<'_>]) -> Vec<Id> {
 }
 
 /// What each node depends on, and whether it has a value for all values of the symbols.
-fn facts(graph: &Graph, order: &[Id]) -> IdMap<(Dependence, bool)> {
-    let mut facts: IdMap<(Dependence, bool)> = IdMap::default();
+fn facts(graph: &Graph, order: &[Id]) -> Table<(Dependence, bool)> {
+    let mut facts = Table::new(order, (Dependence::Constant, false));
     for &id in order {
         let node = graph.node(id);
         let dependence = match node {
             Node::Constant(_) => Dependence::Constant,
             Node::Symbol(Symbol::Parameter(_)) => Dependence::Parameters,
             Node::Symbol(_) => Dependence::State,
-            _ => node.operands().map(|operand| facts[&operand].0).max().unwrap_or(Dependence::Constant),
+            _ => node.operands().map(|operand| facts[operand].0).max().unwrap_or(Dependence::Constant),
         };
-        let total = is_total(node) && node.operands().all(|operand| facts[&operand].1);
-        facts.insert(id, (dependence, total));
+        let total = is_total(node) && node.operands().all(|operand| facts[operand].1);
+        facts[id] = (dependence, total);
     }
     facts
+}
+
+/// Whether it is true or false, which the fields of a mechanism do not hold.
+fn is_condition(node: Node) -> bool {
+    matches!(node, Node::Less(..) | Node::LessEqual(..) | Node::And(..) | Node::Not(_))
 }
 
 /// Whether an operation has a value for all values of its operands.

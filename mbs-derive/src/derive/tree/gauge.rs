@@ -4,7 +4,7 @@
 //! θ from θ + α. Between two joints a constant turn is `R_k(α) R_i(β) R_k(γ)` (Euler), of which the outer two join the angles
 //! of the two joints; what remains costs a plane rotation instead of a full one, as Denavit and Hartenberg's convention has it.
 
-use crate::expr::{Graph, Matrix, Number, Vector};
+use crate::expr::{Expr, Graph, Matrix, Number, Vector};
 
 use super::inertia::Inertia;
 use super::linkage::{Edge, Link, Linkage};
@@ -142,7 +142,7 @@ impl<'g> Turned<'g> {
                 }
                 let own = claimed.map(|angle| (axis, angle));
                 let more = own.map_or(0.0, |(_, angle)| angle) - before;
-                let angle = if more == 0.0 { angle } else { angle + graph.constant(Number::real(more)) };
+                let angle = if more == 0.0 { angle } else { angle + rounded(more, graph) };
                 self.push(Some((above, Edge::revolute(axis, angle))), own, *inertia, own);
             }
             (Edge::Tilt { .. }, _) => unreachable!("tilts are made here"),
@@ -171,13 +171,18 @@ impl<'g> Turned<'g> {
     }
 }
 
+/// An angle, or its sine or cosine, after a few operations on numbers of about one.
+fn rounded(value: f64, graph: &Graph) -> Expr<'_> {
+    graph.constant(Number::rounded(value, 4.0 * f64::EPSILON))
+}
+
 fn tilt<'g>(axis: usize, angle: f64, graph: &'g Graph) -> Edge<'g> {
-    let [sin, cos] = [libm::sin(angle), libm::cos(angle)].map(|value| graph.constant(Number::real(value)));
+    let [sin, cos] = [libm::sin(angle), libm::cos(angle)].map(|value| rounded(value, graph));
     Edge::Tilt { axis, sin, cos }
 }
 
 fn rotation<'g>(axis: usize, angle: f64, graph: &'g Graph) -> Matrix<'g> {
-    Matrix::rotation(Vector::unit(graph, axis), graph.constant(Number::real(angle)))
+    Matrix::rotation(Vector::unit(graph, axis), rounded(angle, graph))
 }
 
 /// The rotation that takes one coordinate axis to another, and the others in a ring.

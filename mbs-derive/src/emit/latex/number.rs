@@ -71,6 +71,6 @@ mod tests {
                 .map(|text| text.replace("1 \\cdot ", ""))
         );
         assert_eq!(number(Number::PI * Number::rational(3, 2).unwrap_or(Number::ONE)), r"\frac{3 \pi}{2}");
-        assert_eq!(number(Number::Real(1.5e-11)), r"1.5 \cdot 10^{-11}");
+        assert_eq!(number(Number::rounded(1.5e-11, 0.0)), r"1.5 \cdot 10^{-11}");
     }
 }

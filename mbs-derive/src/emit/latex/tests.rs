@@ -81,7 +81,7 @@ fn contrived(graph: &Graph) -> Lagrangian<'_> {
     l.dissipation.push(m * vx.call(Function::Cosh).call(Function::Ln) + (m + k) * vy.powi(2) / 4);
     l.lagrangian.push(k * (x * vy - y * vx) * (-t).call(Function::Exp));
     l.forces.push((0, u * (x - y).cos().powi(3) - m * (y * 3).call(Function::Tanh)));
-    l.forces.push((1, graph.constant(Number::Real(6.67e-11)) * u / (x - y).powi(3)));
+    l.forces.push((1, graph.constant(Number::rounded(6.67e-11, 0.0)) * u / (x - y).powi(3)));
     l
 }
 

@@ -1,0 +1,408 @@
+//! States and accelerations that satisfy constraints.
+//!
+//! Holonomic rows `φ(q, t) = 0` and Pfaffian rows `a(q, t)·q̇ + b(q, t) = 0` restrict velocities to `A q̇ + b = 0`, with
+//! `A = ∂φ/∂q` and `b = ∂φ/∂t` of the holonomic ones, and accelerations to `A q̈ + γ = 0`. An integrator keeps neither `φ` nor
+//! `A q̇ + b` exactly at zero; [`Projector`] brings a state back by the smallest change in the metric of the mass matrix:
+//!
+//! ```text
+//! δq = −M⁻¹ Aᵀ (A M⁻¹ Aᵀ)⁻¹ φ    (repeated, Newton's method),    δq̇ = −M⁻¹ Aᵀ (A M⁻¹ Aᵀ)⁻¹ (A q̇ + b)
+//! ```
+//!
+//! `A M⁻¹ Aᵀ` is never formed. With `M = L Lᵀ`, rows `L⁻¹ aᵢ` are made orthogonal one after the other, those that are left with
+//! the greatest share of their length first; a row that is left with nothing depends on those before: it is redundant.
+//!
+//! | step                                                        | file              |
+//! |-------------------------------------------------------------|-------------------|
+//! | least change in the metric of M                             | `least_change.rs` |
+//!
+//! Source: E. Hairer, C. Lubich, G. Wanner, *Geometric Numerical Integration*, 2nd ed. 2006, section IV.4 (projection); G. H.
+//! Golub, C. F. Van Loan, *Matrix Computations*, 4th ed. 2013, sections 5.2.8 (modified Gram–Schmidt), 5.4.2 (pivoting), 6.2.
+
+use crate::error::{ConstraintError, SingularMassMatrix};
+use crate::scalar::Real;
+use crate::state::{Coordinates, State};
+
+mod least_change;
+
+use least_change::Workspace;
+
+/// The constraints of a mechanism with its parameters and inputs, as [`Projector`] evaluates them.
+///
+/// Results are written into slices: `n` numbers a coordinate, `k` a row; matrices row by row.
+pub trait Constraints<T: Real> {
+    /// The number of rows `k`.
+    fn rows(&self) -> usize;
+
+    /// Whether a row is holonomic, `φ(q, t) = 0`; otherwise it is `a·q̇ + b = 0`.
+    fn is_holonomic(&self, row: usize) -> bool;
+
+    /// Writes `M(q, t)`, `n × n`.
+    fn mass_matrix(&mut self, t: T, q: &[T], m: &mut [T]);
+
+    /// Writes `φ(q, t)` of holonomic rows; what stands in the others is not looked at.
+    fn position(&mut self, t: T, q: &[T], phi: &mut [T]);
+
+    /// Writes `A q̇ + b`.
+    fn rate(&mut self, t: T, q: &[T], qd: &[T], rate: &mut [T]);
+
+    /// Writes `A(q, t)`, `k × n`.
+    fn jacobian(&mut self, t: T, q: &[T], a: &mut [T]);
+}
+
+/// Brings states back onto constraints, in the metric of the mass matrix.
+///
+/// It works in memory that it is given: an array of [`SIZE`](Self::size) numbers, or a `Vec`.
+///
+/// ```
+/// use mbs_runtime::{Constraints, Projector, State};
+///
+/// /// A point of mass 2 on a circle of radius 1.
+/// struct Circle;
+///
+/// impl Constraints<f64> for Circle {
+///     fn rows(&self) -> usize {
+///         1
+///     }
+///     fn is_holonomic(&self, _: usize) -> bool {
+///         true
+///     }
+///     fn mass_matrix(&mut self, _: f64, _: &[f64], m: &mut [f64]) {
+///         m.copy_from_slice(&[2.0, 0.0, 0.0, 2.0]);
+///     }
+///     fn position(&mut self, _: f64, q: &[f64], phi: &mut [f64]) {
+///         phi[0] = (q[0] * q[0] + q[1] * q[1] - 1.0) / 2.0;
+///     }
+///     fn rate(&mut self, _: f64, q: &[f64], qd: &[f64], rate: &mut [f64]) {
+///         rate[0] = q[0] * qd[0] + q[1] * qd[1];
+///     }
+///     fn jacobian(&mut self, _: f64, q: &[f64], a: &mut [f64]) {
+///         a.copy_from_slice(q);
+///     }
+/// }
+///
+/// let mut state = State::new([0.6, 0.9], [1.0, 0.0]);
+/// let mut projector = Projector::new([0.0; Projector::<f64, [f64; 0]>::size(2, 1)]);
+/// projector.project(&mut Circle, 0.0, &mut state).unwrap();
+/// assert!((state.q[0].hypot(state.q[1]) - 1.0).abs() < 1e-15);
+/// assert!((state.q[0] * state.qd[0] + state.q[1] * state.qd[1]).abs() < 1e-15);
+/// ```
+#[derive(Clone, Debug)]
+pub struct Projector<T, S> {
+    memory: S,
+    /// Rows that depend on others: whether they are left out, as long as they are satisfied, or refused.
+    pub redundant_rows: RedundantRows,
+    _scalar: core::marker::PhantomData<T>,
+}
+
+/// What is done about rows of A that depend on others.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum RedundantRows {
+    /// [`ConstraintError::Redundant`] names the row.
+    #[default]
+    Refuse,
+    /// They are left out, which gives multipliers of the least norm; where they contradict the others,
+    /// [`ConstraintError::Contradiction`] names the row.
+    LeaveOut,
+}
+
+/// Newton's method converges quadratically near the constraints; from afar it is given some time.
+const MOST_ITERATIONS: usize = 50;
+/// So often a step of Newton's method may be halved.
+const MOST_HALVINGS: usize = 10;
+
+impl<T: Real, S: AsMut<[T]>> Projector<T, S> {
+    /// How many numbers it works in for `n` coordinates and `k` rows: `n² + 2 k n + 4 n + 4 k`.
+    #[must_use]
+    pub const fn size(n: usize, k: usize) -> usize {
+        Workspace::<T>::size(n, k)
+    }
+
+    /// In this memory; redundant rows are refused.
+    ///
+    /// It panics later, where it is used with less memory than [`size`](Self::size) says.
+    pub const fn new(memory: S) -> Self {
+        Self { memory, redundant_rows: RedundantRows::Refuse, _scalar: core::marker::PhantomData }
+    }
+
+    /// Redundant rows are treated so.
+    #[must_use]
+    pub fn with_redundant_rows(mut self, redundant_rows: RedundantRows) -> Self {
+        self.redundant_rows = redundant_rows;
+        self
+    }
+
+    /// Brings positions onto `φ = 0`, then velocities onto `A q̇ + b = 0`, by the smallest change in the metric of M.
+    ///
+    /// # Errors
+    /// As [`assemble`](Self::assemble); `state` is then as it was.
+    pub fn project<C, V>(&mut self, constraints: &mut C, t: f64, state: &mut State<V>) -> Result<(), ConstraintError>
+    where
+        C: Constraints<T>,
+        V: Coordinates<Scalar = T>,
+    {
+        self.assemble(constraints, t, state, |_| false)
+    }
+
+    /// Finds a state that satisfies the constraints from a guess of which some coordinates are held, and their velocities too.
+    ///
+    /// Newton's method with steps that are halved while the residual grows; bounded.
+    ///
+    /// # Errors
+    /// [`ConstraintError`]: a row stays open; a row is redundant, or contradicts others; M is singular on the motions that A
+    /// leaves; something is not finite. `state` is then as it was.
+    pub fn assemble<C, V>(
+        &mut self,
+        constraints: &mut C,
+        t: f64,
+        state: &mut State<V>,
+        held: impl Fn(usize) -> bool,
+    ) -> Result<(), ConstraintError>
+    where
+        C: Constraints<T>,
+        V: Coordinates<Scalar = T>,
+    {
+        let t = T::from_f64(t);
+        let n = state.q.as_slice().len();
+        let mut work = Workspace::new(self.memory.as_mut(), n, constraints.rows(), self.redundant_rows);
+        work.q.copy_from_slice(state.q.as_slice());
+        work.close(constraints, t, &held)?;
+        work.qd.copy_from_slice(state.qd.as_slice());
+        work.slow(constraints, t, &held)?;
+        state.q.as_mut_slice().copy_from_slice(work.q);
+        state.qd.as_mut_slice().copy_from_slice(work.qd);
+        Ok(())
+    }
+}
+
+impl<T: Real> Workspace<'_, T> {
+    /// Newton's method for `φ(q) = 0`.
+    fn close<C: Constraints<T>>(
+        &mut self,
+        constraints: &mut C,
+        t: T,
+        held: &impl Fn(usize) -> bool,
+    ) -> Result<(), ConstraintError> {
+        if (0..constraints.rows()).all(|row| !constraints.is_holonomic(row)) {
+            return Ok(());
+        }
+        let mut residual = self.residual(constraints, t)?;
+        for _ in 0..MOST_ITERATIONS {
+            if residual == T::zero() {
+                return Ok(());
+            }
+            self.linearize(constraints, t, held);
+            self.least_change(|row| constraints.is_holonomic(row))?;
+            let size = self.q.iter().fold(T::one(), |size, &q| size.maximum(q.abs()));
+            let step = self.change.iter().fold(T::zero(), |step, &x| step.maximum(x.abs()));
+            let start = residual;
+            self.begin.copy_from_slice(self.q);
+            let mut share = T::one();
+            for halving in 0..=MOST_HALVINGS {
+                for i in 0..self.q.len() {
+                    self.q[i] = self.begin[i] + share * self.change[i];
+                }
+                residual = self.residual(constraints, t).unwrap_or(T::one() / T::zero());
+                if residual < start || halving == MOST_HALVINGS {
+                    break;
+                }
+                share = share * T::from_f64(0.5);
+            }
+            if residual >= start {
+                // No change makes it smaller: rounding, or a loop that does not close.
+                self.q.copy_from_slice(self.begin);
+                self.residual(constraints, t)?;
+                return self.closed(size);
+            }
+            // The next step would be of the order of this one's square.
+            if share == T::one() && step <= size * T::EPSILON.sqrt() * T::from_f64(1e-2) {
+                return self.closed(size);
+            }
+        }
+        self.closed(T::zero())
+    }
+
+    /// Whether all rows are zero but for what a change of the coordinates by a small part of their `size` explains.
+    fn closed(&self, size: T) -> Result<(), ConstraintError> {
+        let n = self.q.len();
+        let explained = |row: usize| {
+            let slopes = self.jacobian[row * n..(row + 1) * n].iter();
+            T::EPSILON.sqrt() * size * slopes.fold(T::zero(), |sum, slope| sum + slope.abs())
+        };
+        match (0..self.residual.len()).find(|&row| self.residual[row].abs() > explained(row)) {
+            Some(row) => Err(ConstraintError::Open { row, residual: self.residual[row].to_f64() }),
+            None => Ok(()),
+        }
+    }
+
+    /// Velocities with `A q̇ + b = 0`.
+    fn slow<C: Constraints<T>>(
+        &mut self,
+        constraints: &mut C,
+        t: T,
+        held: &impl Fn(usize) -> bool,
+    ) -> Result<(), ConstraintError> {
+        // A second time for the rounding of the first.
+        for _ in 0..2 {
+            constraints.rate(t, self.q, self.qd, self.residual);
+            if !self.residual.iter().all(|x| x.is_finite()) {
+                return Err(ConstraintError::NonFinite);
+            }
+            self.linearize(constraints, t, held);
+            self.least_change(|_| true)?;
+            for i in 0..self.qd.len() {
+                self.qd[i] = self.qd[i] + self.change[i];
+            }
+        }
+        constraints.rate(t, self.q, self.qd, self.residual);
+        let n = self.q.len();
+        let rounding = |row: usize| {
+            let terms = self.jacobian[row * n..(row + 1) * n].iter().zip(&*self.qd).map(|(&a, &qd)| (a * qd).abs());
+            T::EPSILON.sqrt() * terms.fold(T::EPSILON.sqrt(), |sum, term| sum + term)
+        };
+        match (0..constraints.rows()).find(|&row| self.residual[row].abs() > rounding(row)) {
+            Some(row) => Err(ConstraintError::Contradiction { row, residual: self.residual[row].to_f64() }),
+            None => Ok(()),
+        }
+    }
+
+    /// φ of the holonomic rows, zero in the others; the largest of them.
+    fn residual<C: Constraints<T>>(&mut self, constraints: &mut C, t: T) -> Result<T, ConstraintError> {
+        constraints.position(t, self.q, self.residual);
+        for row in 0..self.residual.len() {
+            if !constraints.is_holonomic(row) {
+                self.residual[row] = T::zero();
+            }
+        }
+        let largest = self.residual.iter().fold(T::zero(), |largest, &x| largest.maximum(x.abs()));
+        if largest.is_finite() { Ok(largest) } else { Err(ConstraintError::NonFinite) }
+    }
+
+    /// M and A at q; coordinates that are held take no part.
+    fn linearize<C: Constraints<T>>(&mut self, constraints: &mut C, t: T, held: &impl Fn(usize) -> bool) {
+        let n = self.q.len();
+        constraints.mass_matrix(t, self.q, self.metric);
+        constraints.jacobian(t, self.q, self.jacobian);
+        for i in (0..n).filter(|&i| held(i)) {
+            for j in 0..n {
+                self.metric[i * n + j] = T::zero();
+                self.metric[j * n + i] = T::zero();
+            }
+            self.metric[i * n + i] = T::one();
+            self.jacobian.iter_mut().skip(i).step_by(n).for_each(|a| *a = T::zero());
+        }
+    }
+}
+
+impl From<SingularMassMatrix> for ConstraintError {
+    fn from(error: SingularMassMatrix) -> Self {
+        ConstraintError::SingularMassMatrix(error)
+    }
+}
+
+#[cfg(all(test, any(feature = "std", feature = "libm")))]
+mod tests {
+    use super::*;
+
+    /// Two points of masses 1 and 3 in a plane, joined by a rod of length 1; the first one is on the line y = x/2 + t.
+    struct Rod {
+        /// The rod once more.
+        twice: bool,
+        /// How much longer the second rod is.
+        misfit: f64,
+    }
+
+    impl Constraints<f64> for Rod {
+        fn rows(&self) -> usize {
+            if self.twice { 3 } else { 2 }
+        }
+        fn is_holonomic(&self, _: usize) -> bool {
+            true
+        }
+        fn mass_matrix(&mut self, _: f64, _: &[f64], m: &mut [f64]) {
+            m.fill(0.0);
+            [1.0, 1.0, 3.0, 3.0].into_iter().enumerate().for_each(|(i, mass)| m[5 * i] = mass);
+        }
+        fn position(&mut self, t: f64, q: &[f64], phi: &mut [f64]) {
+            let [dx, dy] = [q[2] - q[0], q[3] - q[1]];
+            let rod = dx * dx + dy * dy - 1.0;
+            phi[..2].copy_from_slice(&[rod, q[1] - q[0] / 2.0 - t]);
+            phi[2..].iter_mut().for_each(|phi| *phi = 2.0 * rod - self.misfit);
+        }
+        fn rate(&mut self, t: f64, q: &[f64], qd: &[f64], rate: &mut [f64]) {
+            let mut a = [0.0; 12];
+            self.jacobian(t, q, &mut a[..4 * self.rows()]);
+            for (row, rate) in rate.iter_mut().enumerate() {
+                *rate = (0..4).map(|i| a[4 * row + i] * qd[i]).sum::<f64>() - if row == 1 { 1.0 } else { 0.0 };
+            }
+        }
+        fn jacobian(&mut self, _: f64, q: &[f64], a: &mut [f64]) {
+            let [dx, dy] = [2.0 * (q[2] - q[0]), 2.0 * (q[3] - q[1])];
+            a[..8].copy_from_slice(&[-dx, -dy, dx, dy, -0.5, 1.0, 0.0, 0.0]);
+            let twice = [-2.0 * dx, -2.0 * dy, 2.0 * dx, 2.0 * dy];
+            a[8..].iter_mut().zip(twice).for_each(|(a, value)| *a = value);
+        }
+    }
+
+    const MEMORY: usize = Projector::<f64, [f64; 0]>::size(4, 3);
+    const GUESS: State<[f64; 4]> = State::new([0.1, 0.3, 0.8, 1.2], [1.0, -1.0, 0.5, 0.25]);
+
+    fn largest(rod: &mut Rod, t: f64, state: &State<[f64; 4]>) -> f64 {
+        let (mut phi, mut rate) = ([0.0; 3], [0.0; 3]);
+        let rows = rod.rows();
+        rod.position(t, &state.q, &mut phi[..rows]);
+        rod.rate(t, &state.q, &state.qd, &mut rate[..rows]);
+        phi.iter().chain(&rate).fold(0.0, |largest, x| largest.max(x.abs()))
+    }
+
+    #[test]
+    fn projected_states_are_on_the_constraints() {
+        let mut rod = Rod { twice: false, misfit: 0.0 };
+        let mut projector = Projector::new([0.0; MEMORY]);
+        let mut state = GUESS;
+        projector.project(&mut rod, 0.2, &mut state).unwrap();
+        assert!(largest(&mut rod, 0.2, &state) < 1e-15, "{state:?}");
+        // What was taken away is a force of the constraints: M δq̇ = Aᵀ λ.
+        let mut a = [0.0; 8];
+        rod.jacobian(0.2, &state.q, &mut a);
+        let change: [f64; 4] = core::array::from_fn(|i| [1.0, 1.0, 3.0, 3.0][i] * (state.qd[i] - GUESS.qd[i]));
+        let first = change[2] / a[2];
+        let second = (change[0] - first * a[0]) / a[4];
+        assert!((change[3] - first * a[3]).abs() < 1e-14);
+        assert!((change[1] - first * a[1] - second * a[5]).abs() < 1e-14);
+    }
+
+    #[test]
+    fn held_coordinates_stay() {
+        let mut rod = Rod { twice: false, misfit: 0.0 };
+        let mut state = GUESS;
+        Projector::new([0.0; MEMORY]).assemble(&mut rod, 0.2, &mut state, |i| i == 0 || i == 2).unwrap();
+        assert!(largest(&mut rod, 0.2, &state) < 1e-15, "{state:?}");
+        assert_eq!([state.q[0], state.q[2], state.qd[0], state.qd[2]], [0.1, 0.8, 1.0, 0.5]);
+    }
+
+    #[test]
+    fn redundant_rows_are_named_or_left_out() {
+        let mut rod = Rod { twice: true, misfit: 0.0 };
+        let mut state = GUESS;
+        let refused = Projector::new([0.0; MEMORY]).project(&mut rod, 0.2, &mut state);
+        assert!(matches!(refused, Err(ConstraintError::Redundant { row: 0 | 2 })), "{refused:?}");
+        assert_eq!(state, GUESS);
+        let mut projector = Projector::new([0.0; MEMORY]).with_redundant_rows(RedundantRows::LeaveOut);
+        projector.project(&mut rod, 0.2, &mut state).unwrap();
+        assert!(largest(&mut rod, 0.2, &state) < 1e-15, "{state:?}");
+    }
+
+    #[test]
+    fn what_does_not_close_is_said() {
+        let mut projector = Projector::new([0.0; MEMORY]).with_redundant_rows(RedundantRows::LeaveOut);
+        let contradiction = projector.project(&mut Rod { twice: true, misfit: 0.5 }, 0.2, &mut GUESS.clone());
+        assert!(matches!(contradiction, Err(ConstraintError::Open { row: 0 | 2, .. })), "{contradiction:?}");
+        // Both ends held, too far apart.
+        let mut state = State::new([0.0, 0.0, 3.0, 0.0], [0.0; 4]);
+        let open = projector.assemble(&mut Rod { twice: false, misfit: 0.0 }, 0.0, &mut state, |i| i % 2 == 0);
+        assert!(matches!(open, Err(ConstraintError::Open { row: 0, .. })), "{open:?}");
+        let mut state = State::new([f64::NAN; 4], [0.0; 4]);
+        let refused = projector.project(&mut Rod { twice: false, misfit: 0.0 }, 0.0, &mut state);
+        assert_eq!(refused, Err(ConstraintError::NonFinite));
+    }
+}

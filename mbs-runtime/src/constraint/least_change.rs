@@ -1,0 +1,191 @@
+//! The least change, in the metric of a mass matrix, that satisfies linear equations.
+
+use super::RedundantRows;
+use crate::error::{ConstraintError, SingularMassMatrix};
+use crate::scalar::Real;
+
+/// What a projection works in, for `n` coordinates and `k` rows.
+pub(super) struct Workspace<'m, T> {
+    /// Coordinates, on their way.
+    pub(super) q: &'m mut [T],
+    /// Velocities, on their way.
+    pub(super) qd: &'m mut [T],
+    /// Where a step of Newton's method begins.
+    pub(super) begin: &'m mut [T],
+    /// The change δ that was found.
+    pub(super) change: &'m mut [T],
+    /// M, `n × n`; its lower triangle becomes L.
+    pub(super) metric: &'m mut [T],
+    /// A, `k × n`.
+    pub(super) jacobian: &'m mut [T],
+    /// What the rows are instead of zero.
+    pub(super) residual: &'m mut [T],
+    /// Rows `L⁻¹ aᵢ`, less and less of them as they are made orthogonal.
+    rows: &'m mut [T],
+    /// What δ is still to contribute to the rows.
+    targets: &'m mut [T],
+    /// The rows' lengths at first.
+    lengths: &'m mut [T],
+    /// One where a row has been dealt with.
+    done: &'m mut [T],
+    redundant_rows: RedundantRows,
+}
+
+impl<'m, T: Real> Workspace<'m, T> {
+    pub(super) const fn size(n: usize, k: usize) -> usize {
+        n * n + 2 * k * n + 4 * n + 4 * k
+    }
+
+    pub(super) fn new(memory: &'m mut [T], n: usize, k: usize, redundant_rows: RedundantRows) -> Self {
+        let (q, memory) = memory.split_at_mut(n);
+        let (qd, memory) = memory.split_at_mut(n);
+        let (begin, memory) = memory.split_at_mut(n);
+        let (change, memory) = memory.split_at_mut(n);
+        let (metric, memory) = memory.split_at_mut(n * n);
+        let (jacobian, memory) = memory.split_at_mut(k * n);
+        let (rows, memory) = memory.split_at_mut(k * n);
+        let (residual, memory) = memory.split_at_mut(k);
+        let (targets, memory) = memory.split_at_mut(k);
+        let (lengths, memory) = memory.split_at_mut(k);
+        let done = &mut memory[..k];
+        Self { q, qd, begin, change, metric, jacobian, residual, rows, targets, lengths, done, redundant_rows }
+    }
+
+    /// `change` ← δ of least `δᵀ M δ` with `A δ = −residual`, for the rows that take part.
+    pub(super) fn least_change(&mut self, takes_part: impl Fn(usize) -> bool) -> Result<(), ConstraintError> {
+        let n = self.q.len();
+        self.factorize()?;
+        self.rows.copy_from_slice(self.jacobian);
+        for (row, a) in self.rows.chunks_exact_mut(n.max(1)).enumerate() {
+            forward(self.metric, a);
+            self.targets[row] = -self.residual[row];
+            self.lengths[row] = dot(a, a).sqrt();
+            self.done[row] = if takes_part(row) { T::zero() } else { T::one() };
+        }
+        self.change.iter_mut().for_each(|x| *x = T::zero());
+        while let Some((row, share)) = self.longest() {
+            if share.is_nan() {
+                return Err(ConstraintError::NonFinite);
+            }
+            if share <= T::EPSILON.sqrt() * T::from_f64(1e-2) {
+                match self.redundant_rows {
+                    RedundantRows::Refuse => return Err(ConstraintError::Redundant { row }),
+                    RedundantRows::LeaveOut => break,
+                }
+            }
+            self.satisfy(row);
+        }
+        backward(self.metric, self.change);
+        if self.change.iter().all(|x| x.is_finite()) { Ok(()) } else { Err(ConstraintError::NonFinite) }
+    }
+
+    /// The row of which the greatest share of its length is left, among those that have not been dealt with.
+    fn longest(&self) -> Option<(usize, T)> {
+        let n = self.q.len();
+        let share = |row: usize| {
+            let rest = &self.rows[row * n..(row + 1) * n];
+            let rest = dot(rest, rest).sqrt();
+            // A row of zeros has no share of anything.
+            if rest == T::zero() { rest } else { rest / self.lengths[row] }
+        };
+        let waiting = (0..self.residual.len()).filter(|&row| self.done[row] == T::zero());
+        waiting.map(|row| (row, share(row))).reduce(|a, b| if b.1 > a.1 || b.1.is_nan() { b } else { a })
+    }
+
+    /// Adds to the change what this row asks for, and makes the others orthogonal to it.
+    fn satisfy(&mut self, row: usize) {
+        let n = self.q.len();
+        self.done[row] = T::one();
+        let length = {
+            let rest = &self.rows[row * n..(row + 1) * n];
+            dot(rest, rest).sqrt()
+        };
+        let target = self.targets[row] / length;
+        for i in 0..n {
+            self.rows[row * n + i] = self.rows[row * n + i] / length;
+            self.change[i] = self.change[i] + target * self.rows[row * n + i];
+        }
+        for other in (0..self.residual.len()).filter(|&other| self.done[other] == T::zero()) {
+            let along = dot(&self.rows[row * n..(row + 1) * n], &self.rows[other * n..(other + 1) * n]);
+            for i in 0..n {
+                self.rows[other * n + i] = self.rows[other * n + i] - along * self.rows[row * n + i];
+            }
+            self.targets[other] = self.targets[other] - along * target;
+        }
+    }
+}
+
+impl<T: Real> Workspace<'_, T> {
+    /// `M = L Lᵀ` in the lower triangle. Where M is singular, `M + s Aᵀ A` takes its place: δ stays the same, because `A δ` is
+    /// given.
+    fn factorize(&mut self) -> Result<(), SingularMassMatrix> {
+        let n = self.q.len();
+        for i in 0..n {
+            self.change[i] = self.metric[i * n + i];
+        }
+        if cholesky(self.metric, self.change).is_ok() {
+            return Ok(());
+        }
+        let largest = |numbers: &[T]| numbers.iter().fold(T::zero(), |largest, &x| largest.maximum(x.abs()));
+        let (mass, slope) = (largest(self.change), largest(self.jacobian));
+        let weight = if slope == T::zero() { T::zero() } else { mass / (slope * slope) };
+        for i in 0..n {
+            for j in 0..=i {
+                // What is above the diagonal is still M.
+                let inertia = if i == j { self.change[i] } else { self.metric[j * n + i] };
+                let a = self.jacobian.chunks_exact(n);
+                self.metric[i * n + j] = a.fold(inertia, |sum, row| sum + weight * row[i] * row[j]);
+            }
+        }
+        for i in 0..n {
+            self.change[i] = self.metric[i * n + i];
+        }
+        cholesky(self.metric, self.change)
+    }
+}
+
+/// `M = L Lᵀ` in the lower triangle of `m`, M's diagonal being given; what is above it stays.
+///
+/// Source: G. H. Golub, C. F. Van Loan, *Matrix Computations*, 4th ed. 2013, algorithm 4.2.1.
+fn cholesky<T: Real>(m: &mut [T], diagonal: &[T]) -> Result<(), SingularMassMatrix> {
+    let n = diagonal.len();
+    let rounding = T::from_f64(n as f64) * T::EPSILON;
+    for j in 0..n {
+        for i in j..n {
+            let (upper, lower) = (&m[j * n..j * n + j], &m[i * n..i * n + j]);
+            m[i * n + j] = m[i * n + j] - dot(upper, lower);
+        }
+        let pivot = m[j * n + j];
+        if pivot.is_nan() || pivot <= rounding * diagonal[j].abs() {
+            return Err(SingularMassMatrix { pivot: pivot.to_f64(), index: j });
+        }
+        let root = pivot.sqrt();
+        for i in j..n {
+            m[i * n + j] = m[i * n + j] / root;
+        }
+    }
+    Ok(())
+}
+
+/// `x ← L⁻¹ x`
+fn forward<T: Real>(l: &[T], x: &mut [T]) {
+    let n = x.len();
+    for i in 0..n {
+        x[i] = (x[i] - dot(&l[i * n..i * n + i], &x[..i])) / l[i * n + i];
+    }
+}
+
+/// `x ← L⁻ᵀ x`
+fn backward<T: Real>(l: &[T], x: &mut [T]) {
+    let n = x.len();
+    for i in (0..n).rev() {
+        x[i] = x[i] / l[i * n + i];
+        for j in 0..i {
+            x[j] = x[j] - l[i * n + j] * x[i];
+        }
+    }
+}
+
+fn dot<T: Real>(a: &[T], b: &[T]) -> T {
+    a.iter().zip(b).fold(T::zero(), |sum, (&a, &b)| sum + a * b)
+}
