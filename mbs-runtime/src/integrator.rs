@@ -38,6 +38,8 @@ pub(crate) mod gauss_legendre;
 mod hermite;
 #[cfg(all(test, feature = "std"))]
 mod long_runs;
+#[cfg(all(test, feature = "std"))]
+mod projected;
 pub(crate) mod rk4;
 mod run;
 pub(crate) mod semi_implicit_euler;
@@ -574,6 +576,48 @@ mod tests {
         check_failures(&GaussLegendre4::new(0.0123));
         check_failures(&Dop853::new(1e-9, 1e-9));
         check_failures(&Rk4::new(0.01));
+    }
+
+    #[test]
+    fn a_solution_that_ends_is_an_error() {
+        // q̇ = 1/(1 − t): its acceleration is its square. Fixed steps go past the end, and overflow soon after.
+        fn check(integrator: &impl Integrator<f64>) {
+            let explosive = |_: f64, _: &[f64; 1], qd: &[f64; 1], qdd: &mut [f64; 1]| qdd[0] = qd[0] * qd[0];
+            let mut state = State::new([0.0], [1.0]);
+            let mut last = (0.0, state);
+            let error = integrator
+                .integrate(explosive, 0.0, 2.0, &mut state, |step| {
+                    assert!(step.state().is_finite());
+                    last = (step.time(), *step.state());
+                    ControlFlow::Continue(())
+                })
+                .unwrap_err();
+            assert_eq!((error.time(), state), (Some(last.0), last.1));
+            assert!((last.0 - 1.0).abs() < 0.05, "{error}");
+        }
+        check(&Dopri5::new(1e-8, 1e-8));
+        check(&Dop853::new(1e-8, 1e-8));
+        check(&Rk4::new(1e-3));
+        check(&GaussLegendre4::new(1e-3));
+        check(&StormerVerlet::new(1e-3));
+        check(&SemiImplicitEuler::new(1e-3));
+    }
+
+    #[test]
+    fn steps_used_up_are_an_error() {
+        fn check(integrator: &impl Integrator<f64>) {
+            let mut state = State::new([1.0], [0.0]);
+            let result = integrator.integrate(oscillate, 0.0, 50.0, &mut state, |_| ControlFlow::Continue(()));
+            let Err(IntegrationError::TooManySteps { time, steps: 7 }) = result else { panic!("{result:?}") };
+            assert!((state.q[0] - Scalar::cos(time)).abs() < 1e-3, "{time}");
+        }
+        let max_steps = 7;
+        check(&Dopri5 { max_steps, ..Dopri5::new(1e-5, 1e-5) });
+        check(&Dop853 { max_steps, ..Dop853::new(1e-5, 1e-5) });
+        check(&Rk4 { max_steps, ..Rk4::new(0.1) });
+        check(&GaussLegendre4 { max_steps, ..GaussLegendre4::new(0.1) });
+        check(&StormerVerlet { max_steps, ..StormerVerlet::new(0.1) });
+        check(&SemiImplicitEuler { max_steps, ..SemiImplicitEuler::new(0.1) });
     }
 
     #[cfg(feature = "std")]

@@ -317,6 +317,37 @@ mod tests {
     }
 
     #[test]
+    fn the_proportional_part_calms_the_steps() {
+        // Friction that settles at once: stability limits the step, not the error. There the elementary controller is
+        // refused every other step, and the PI controller hardly ever.
+        let settle = |_: f64, q: &[f64; 1], qd: &[f64; 1], qdd: &mut [f64; 1]| qdd[0] = -q[0] - 200.0 * qd[0];
+        let [elementary, pi] = [0.0, 0.08].map(|beta| {
+            let mut state = State::new([1.0], [0.0]);
+            let summary =
+                Dopri5 { beta, ..Dopri5::new(1e-6, 1e-6) }.integrate(settle, 0.0, 20.0, &mut state, go_on).unwrap();
+            // The slow root of x² + 200 x + 1.
+            assert!((state.q[0] - (-20.0 * (100.0 - 9999.0_f64.sqrt())).exp()).abs() < 1e-3, "{state:?}");
+            summary
+        });
+        assert!(pi.rejected * 5 < elementary.rejected, "{elementary:?} {pi:?}");
+    }
+
+    #[test]
+    fn steps_keep_within_limits() {
+        let limited = Dopri5 { max_step: 0.05, ..Dopri5::new(1e-3, 1e-3) };
+        let summary = limited
+            .integrate(oscillate, 0.0, 3.0, &mut State::new([1.0], [0.0]), |step| {
+                assert!(step.time() - step.previous_time() <= 0.05 * (1.0 + 1e-8));
+                ControlFlow::Continue(())
+            })
+            .unwrap();
+        assert!((60..65).contains(&summary.accepted), "{summary:?}");
+        let hurried = Dopri5 { min_step: 1.0, ..Dopri5::new(1e-12, 1e-12) };
+        let result = hurried.integrate(oscillate, 0.0, 6.0, &mut State::new([1.0], [0.0]), go_on);
+        assert_eq!(result, Err(IntegrationError::StepTooSmall { time: 0.0, step: 1.0 }));
+    }
+
+    #[test]
     fn bad_settings_are_refused() {
         let go = |dopri5: Dopri5| dopri5.integrate(oscillate, 0.0, 1.0, &mut State::default(), go_on).unwrap_err();
         for bad in [0.0, -1e-9, f64::NAN, f64::INFINITY] {
