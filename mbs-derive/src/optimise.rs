@@ -41,6 +41,8 @@ pub struct Derivation {
     pub prescribed: Vec<Variable>,
     /// The rows of the constraints by name: `closure`, or `closure_0`, `closure_1`, ….
     pub constraints: Vec<String>,
+    /// Which of the rows are holonomic.
+    pub holonomic: Vec<bool>,
     /// Whether any function depends on t; then all of them take it.
     pub depends_on_time: bool,
     /// From parameters to the values that depend on them alone, computed once.
@@ -103,6 +105,8 @@ pub enum FunctionKind {
     InverseDynamicsJacobian,
     /// φ, or the Pfaffian rows at q̇
     Constraint,
+    /// `A q̇ + b`
+    ConstraintRate,
     /// A
     ConstraintJacobian,
     /// γ
@@ -199,6 +203,7 @@ pub fn straight_line(lagrangian: &Lagrangian<'_>, routes: &[Equations<'_>]) -> D
         inputs: lagrangian.inputs.clone(),
         prescribed: lagrangian.prescribed.clone(),
         constraints: lagrangian.constraints.iter().flat_map(row_names).collect(),
+        holonomic: lagrangian.holonomic_rows(),
         depends_on_time,
         constructor: hoisting.constructor,
         functions,
@@ -411,6 +416,7 @@ fn constraints<'g>(equations: &Equations<'g>) -> Vec<Roots<'g>> {
     let multipliers = Roots::new("multipliers", FunctionKind::Multipliers, &[Q, Qd, U], rows, roots);
     vec![
         Roots::new("constraint", FunctionKind::Constraint, &[Q, Qd], rows, constraints.value.clone()),
+        Roots::new("constraint_rate", FunctionKind::ConstraintRate, &[Q, Qd], rows, constraints.rate.clone()),
         Roots::new("constraint_jacobian", FunctionKind::ConstraintJacobian, &[Q], Shape::Matrix(m, n), jacobian),
         Roots::new("constraint_bias", FunctionKind::ConstraintBias, &[Q, Qd], rows, constraints.bias.clone()),
         Roots { completion, size: forward.matrix.len(), ..multipliers },

@@ -37,16 +37,16 @@ pub trait Constraints<T: Real> {
     fn is_holonomic(&self, row: usize) -> bool;
 
     /// Writes `M(q, t)`, `n × n`.
-    fn mass_matrix(&mut self, t: T, q: &[T], m: &mut [T]);
+    fn mass_matrix(&self, t: T, q: &[T], m: &mut [T]);
 
     /// Writes `φ(q, t)` of holonomic rows; what stands in the others is not looked at.
-    fn position(&mut self, t: T, q: &[T], phi: &mut [T]);
+    fn position(&self, t: T, q: &[T], phi: &mut [T]);
 
     /// Writes `A q̇ + b`.
-    fn rate(&mut self, t: T, q: &[T], qd: &[T], rate: &mut [T]);
+    fn rate(&self, t: T, q: &[T], qd: &[T], rate: &mut [T]);
 
     /// Writes `A(q, t)`, `k × n`.
-    fn jacobian(&mut self, t: T, q: &[T], a: &mut [T]);
+    fn jacobian(&self, t: T, q: &[T], a: &mut [T]);
 }
 
 /// Brings states back onto constraints, in the metric of the mass matrix.
@@ -66,23 +66,23 @@ pub trait Constraints<T: Real> {
 ///     fn is_holonomic(&self, _: usize) -> bool {
 ///         true
 ///     }
-///     fn mass_matrix(&mut self, _: f64, _: &[f64], m: &mut [f64]) {
+///     fn mass_matrix(&self, _: f64, _: &[f64], m: &mut [f64]) {
 ///         m.copy_from_slice(&[2.0, 0.0, 0.0, 2.0]);
 ///     }
-///     fn position(&mut self, _: f64, q: &[f64], phi: &mut [f64]) {
+///     fn position(&self, _: f64, q: &[f64], phi: &mut [f64]) {
 ///         phi[0] = (q[0] * q[0] + q[1] * q[1] - 1.0) / 2.0;
 ///     }
-///     fn rate(&mut self, _: f64, q: &[f64], qd: &[f64], rate: &mut [f64]) {
+///     fn rate(&self, _: f64, q: &[f64], qd: &[f64], rate: &mut [f64]) {
 ///         rate[0] = q[0] * qd[0] + q[1] * qd[1];
 ///     }
-///     fn jacobian(&mut self, _: f64, q: &[f64], a: &mut [f64]) {
+///     fn jacobian(&self, _: f64, q: &[f64], a: &mut [f64]) {
 ///         a.copy_from_slice(q);
 ///     }
 /// }
 ///
 /// let mut state = State::new([0.6, 0.9], [1.0, 0.0]);
 /// let mut projector = Projector::new([0.0; Projector::<f64, [f64; 0]>::size(2, 1)]);
-/// projector.project(&mut Circle, 0.0, &mut state).unwrap();
+/// projector.project(&Circle, 0.0, &mut state).unwrap();
 /// assert!((state.q[0].hypot(state.q[1]) - 1.0).abs() < 1e-15);
 /// assert!((state.q[0] * state.qd[0] + state.q[1] * state.qd[1]).abs() < 1e-15);
 /// ```
@@ -135,7 +135,7 @@ impl<T: Real, S: AsMut<[T]>> Projector<T, S> {
     ///
     /// # Errors
     /// As [`assemble`](Self::assemble); `state` is then as it was.
-    pub fn project<C, V>(&mut self, constraints: &mut C, t: f64, state: &mut State<V>) -> Result<(), ConstraintError>
+    pub fn project<C, V>(&mut self, constraints: &C, t: f64, state: &mut State<V>) -> Result<(), ConstraintError>
     where
         C: Constraints<T>,
         V: Coordinates<Scalar = T>,
@@ -152,7 +152,7 @@ impl<T: Real, S: AsMut<[T]>> Projector<T, S> {
     /// leaves; something is not finite. `state` is then as it was.
     pub fn assemble<C, V>(
         &mut self,
-        constraints: &mut C,
+        constraints: &C,
         t: f64,
         state: &mut State<V>,
         held: impl Fn(usize) -> bool,
@@ -178,7 +178,7 @@ impl<T: Real> Workspace<'_, T> {
     /// Newton's method for `φ(q) = 0`.
     fn close<C: Constraints<T>>(
         &mut self,
-        constraints: &mut C,
+        constraints: &C,
         t: T,
         held: &impl Fn(usize) -> bool,
     ) -> Result<(), ConstraintError> {
@@ -237,7 +237,7 @@ impl<T: Real> Workspace<'_, T> {
     /// Velocities with `A q̇ + b = 0`.
     fn slow<C: Constraints<T>>(
         &mut self,
-        constraints: &mut C,
+        constraints: &C,
         t: T,
         held: &impl Fn(usize) -> bool,
     ) -> Result<(), ConstraintError> {
@@ -266,7 +266,7 @@ impl<T: Real> Workspace<'_, T> {
     }
 
     /// φ of the holonomic rows, zero in the others; the largest of them.
-    fn residual<C: Constraints<T>>(&mut self, constraints: &mut C, t: T) -> Result<T, ConstraintError> {
+    fn residual<C: Constraints<T>>(&mut self, constraints: &C, t: T) -> Result<T, ConstraintError> {
         constraints.position(t, self.q, self.residual);
         for row in 0..self.residual.len() {
             if !constraints.is_holonomic(row) {
@@ -278,7 +278,7 @@ impl<T: Real> Workspace<'_, T> {
     }
 
     /// M and A at q; coordinates that are held take no part.
-    fn linearize<C: Constraints<T>>(&mut self, constraints: &mut C, t: T, held: &impl Fn(usize) -> bool) {
+    fn linearize<C: Constraints<T>>(&mut self, constraints: &C, t: T, held: &impl Fn(usize) -> bool) {
         let n = self.q.len();
         constraints.mass_matrix(t, self.q, self.metric);
         constraints.jacobian(t, self.q, self.jacobian);
@@ -318,24 +318,24 @@ mod tests {
         fn is_holonomic(&self, _: usize) -> bool {
             true
         }
-        fn mass_matrix(&mut self, _: f64, _: &[f64], m: &mut [f64]) {
+        fn mass_matrix(&self, _: f64, _: &[f64], m: &mut [f64]) {
             m.fill(0.0);
             [1.0, 1.0, 3.0, 3.0].into_iter().enumerate().for_each(|(i, mass)| m[5 * i] = mass);
         }
-        fn position(&mut self, t: f64, q: &[f64], phi: &mut [f64]) {
+        fn position(&self, t: f64, q: &[f64], phi: &mut [f64]) {
             let [dx, dy] = [q[2] - q[0], q[3] - q[1]];
             let rod = dx * dx + dy * dy - 1.0;
             phi[..2].copy_from_slice(&[rod, q[1] - q[0] / 2.0 - t]);
             phi[2..].iter_mut().for_each(|phi| *phi = 2.0 * rod - self.misfit);
         }
-        fn rate(&mut self, t: f64, q: &[f64], qd: &[f64], rate: &mut [f64]) {
+        fn rate(&self, t: f64, q: &[f64], qd: &[f64], rate: &mut [f64]) {
             let mut a = [0.0; 12];
             self.jacobian(t, q, &mut a[..4 * self.rows()]);
             for (row, rate) in rate.iter_mut().enumerate() {
                 *rate = (0..4).map(|i| a[4 * row + i] * qd[i]).sum::<f64>() - if row == 1 { 1.0 } else { 0.0 };
             }
         }
-        fn jacobian(&mut self, _: f64, q: &[f64], a: &mut [f64]) {
+        fn jacobian(&self, _: f64, q: &[f64], a: &mut [f64]) {
             let [dx, dy] = [2.0 * (q[2] - q[0]), 2.0 * (q[3] - q[1])];
             a[..8].copy_from_slice(&[-dx, -dy, dx, dy, -0.5, 1.0, 0.0, 0.0]);
             let twice = [-2.0 * dx, -2.0 * dy, 2.0 * dx, 2.0 * dy];
@@ -346,7 +346,7 @@ mod tests {
     const MEMORY: usize = Projector::<f64, [f64; 0]>::size(4, 3);
     const GUESS: State<[f64; 4]> = State::new([0.1, 0.3, 0.8, 1.2], [1.0, -1.0, 0.5, 0.25]);
 
-    fn largest(rod: &mut Rod, t: f64, state: &State<[f64; 4]>) -> f64 {
+    fn largest(rod: &Rod, t: f64, state: &State<[f64; 4]>) -> f64 {
         let (mut phi, mut rate) = ([0.0; 3], [0.0; 3]);
         let rows = rod.rows();
         rod.position(t, &state.q, &mut phi[..rows]);
@@ -356,11 +356,11 @@ mod tests {
 
     #[test]
     fn projected_states_are_on_the_constraints() {
-        let mut rod = Rod { twice: false, misfit: 0.0 };
+        let rod = Rod { twice: false, misfit: 0.0 };
         let mut projector = Projector::new([0.0; MEMORY]);
         let mut state = GUESS;
-        projector.project(&mut rod, 0.2, &mut state).unwrap();
-        assert!(largest(&mut rod, 0.2, &state) < 1e-15, "{state:?}");
+        projector.project(&rod, 0.2, &mut state).unwrap();
+        assert!(largest(&rod, 0.2, &state) < 1e-15, "{state:?}");
         // What was taken away is a force of the constraints: M δq̇ = Aᵀ λ.
         let mut a = [0.0; 8];
         rod.jacobian(0.2, &state.q, &mut a);
@@ -373,36 +373,36 @@ mod tests {
 
     #[test]
     fn held_coordinates_stay() {
-        let mut rod = Rod { twice: false, misfit: 0.0 };
+        let rod = Rod { twice: false, misfit: 0.0 };
         let mut state = GUESS;
-        Projector::new([0.0; MEMORY]).assemble(&mut rod, 0.2, &mut state, |i| i == 0 || i == 2).unwrap();
-        assert!(largest(&mut rod, 0.2, &state) < 1e-15, "{state:?}");
+        Projector::new([0.0; MEMORY]).assemble(&rod, 0.2, &mut state, |i| i == 0 || i == 2).unwrap();
+        assert!(largest(&rod, 0.2, &state) < 1e-15, "{state:?}");
         assert_eq!([state.q[0], state.q[2], state.qd[0], state.qd[2]], [0.1, 0.8, 1.0, 0.5]);
     }
 
     #[test]
     fn redundant_rows_are_named_or_left_out() {
-        let mut rod = Rod { twice: true, misfit: 0.0 };
+        let rod = Rod { twice: true, misfit: 0.0 };
         let mut state = GUESS;
-        let refused = Projector::new([0.0; MEMORY]).project(&mut rod, 0.2, &mut state);
+        let refused = Projector::new([0.0; MEMORY]).project(&rod, 0.2, &mut state);
         assert!(matches!(refused, Err(ConstraintError::Redundant { row: 0 | 2 })), "{refused:?}");
         assert_eq!(state, GUESS);
         let mut projector = Projector::new([0.0; MEMORY]).with_redundant_rows(RedundantRows::LeaveOut);
-        projector.project(&mut rod, 0.2, &mut state).unwrap();
-        assert!(largest(&mut rod, 0.2, &state) < 1e-15, "{state:?}");
+        projector.project(&rod, 0.2, &mut state).unwrap();
+        assert!(largest(&rod, 0.2, &state) < 1e-15, "{state:?}");
     }
 
     #[test]
     fn what_does_not_close_is_said() {
         let mut projector = Projector::new([0.0; MEMORY]).with_redundant_rows(RedundantRows::LeaveOut);
-        let contradiction = projector.project(&mut Rod { twice: true, misfit: 0.5 }, 0.2, &mut GUESS.clone());
+        let contradiction = projector.project(&Rod { twice: true, misfit: 0.5 }, 0.2, &mut GUESS.clone());
         assert!(matches!(contradiction, Err(ConstraintError::Open { row: 0 | 2, .. })), "{contradiction:?}");
         // Both ends held, too far apart.
         let mut state = State::new([0.0, 0.0, 3.0, 0.0], [0.0; 4]);
-        let open = projector.assemble(&mut Rod { twice: false, misfit: 0.0 }, 0.0, &mut state, |i| i % 2 == 0);
+        let open = projector.assemble(&Rod { twice: false, misfit: 0.0 }, 0.0, &mut state, |i| i % 2 == 0);
         assert!(matches!(open, Err(ConstraintError::Open { row: 0, .. })), "{open:?}");
         let mut state = State::new([f64::NAN; 4], [0.0; 4]);
-        let refused = projector.project(&mut Rod { twice: false, misfit: 0.0 }, 0.0, &mut state);
+        let refused = projector.project(&Rod { twice: false, misfit: 0.0 }, 0.0, &mut state);
         assert_eq!(refused, Err(ConstraintError::NonFinite));
     }
 }

@@ -15,6 +15,8 @@ use super::{Rows, Symbols, time_derivative};
 pub struct Constraints<'g> {
     /// `φ`, or `a·q̇ + b` of Pfaffian rows.
     pub value: Vec<Expr<'g>>,
+    /// `A q̇ + b`
+    pub rate: Vec<Expr<'g>>,
     /// A
     pub jacobian: Rows<'g>,
     /// b
@@ -53,6 +55,7 @@ pub fn constraints<'g>(lagrangian: &Lagrangian<'_>, graph: &'g Graph, symbols: &
             };
             all.multipliers.push(Symbol::Multiplier(all.value.len() as u32));
             all.value.push(row);
+            all.rate.push(rate);
             all.jacobian.push(at_rest(&gradient(rate, &symbols.qd)));
             all.drift.push(at_rest(&[rate])[0]);
             all.bias.push(Tangent::new(|symbol| velocity_direction(symbol, row)).of(rate));

@@ -123,6 +123,7 @@ pub(super) fn function(derivation: &Derivation, function: &Function) -> Vec<Stri
             );
         }
         FunctionKind::Constraint
+        | FunctionKind::ConstraintRate
         | FunctionKind::ConstraintJacobian
         | FunctionKind::ConstraintBias
         | FunctionKind::Multipliers => {
@@ -177,6 +178,7 @@ fn summary(derivation: &Derivation, function: &Function) -> String {
         FunctionKind::Constraint => {
             format!("What must vanish: `φ(q, t)`, or `a·q̇ + b` of Pfaffian constraints, {shape}.")
         }
+        FunctionKind::ConstraintRate => format!("What velocities must satisfy: `A q̇ + b`, {shape}."),
         FunctionKind::ConstraintJacobian => {
             format!("Constraint matrix `A`, {shape}: `∂φ/∂q`, or `a` of Pfaffian constraints.")
         }

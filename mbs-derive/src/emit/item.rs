@@ -41,6 +41,7 @@ pub(super) fn module(derivation: &Derivation, options: &Options) -> TokenStream 
     let mechanism = emitter.mechanism();
     let methods = emitter.methods();
     let implementation = emitter.implementation();
+    let constraints = emitter.constraints();
     let constants = emitter.constants();
     quote! {
         #docs
@@ -53,6 +54,7 @@ pub(super) fn module(derivation: &Derivation, options: &Options) -> TokenStream 
             #mechanism
             #methods
             #implementation
+            #constraints
             #constants
         }
     }
@@ -426,6 +428,65 @@ impl<'d> Emitter<'d> {
         }
     }
 
+    /// What the runtime's `Projector` asks for, where it can be implemented.
+    fn constraints(&self) -> TokenStream {
+        let derivation = self.derivation;
+        let find = |kind| self.functions.iter().find(|(_, function)| function.kind == kind);
+        let found = [
+            FunctionKind::MassMatrix,
+            FunctionKind::Constraint,
+            FunctionKind::ConstraintRate,
+            FunctionKind::ConstraintJacobian,
+        ]
+        .map(find);
+        let [Some(mass_matrix), Some(position), Some(rate), Some(jacobian)] = found else { return TokenStream::new() };
+        if !derivation.prescribed.is_empty() {
+            return TokenStream::new();
+        }
+        let [n, rows] = [derivation.dof(), derivation.constraints.len()].map(Literal::usize_unsuffixed);
+        let name = ident(&self.names.mechanism);
+        let holonomic = &derivation.holonomic;
+        let call = |(number, function): &(usize, &Function)| {
+            let inherent = ident(&self.names.functions[*number]);
+            let passed = self.arguments(function).into_iter().map(|(name, _)| name);
+            quote!(self.#inherent(#(#passed),*))
+        };
+        let [mass_matrix, position, rate, jacobian] = [mass_matrix, position, rate, jacobian].map(call);
+        let sized = |slice: &str| {
+            let (slice, expected) = (ident(slice), format!("{} coordinates", derivation.dof()));
+            quote!(let #slice = #slice.first_chunk::<#n>().expect(#expected);)
+        };
+        let (q, qd) = (sized("q"), sized("qd"));
+        quote! {
+            impl<T: ::mbs_runtime::Real> ::mbs_runtime::Constraints<T> for #name<T> {
+                fn rows(&self) -> usize {
+                    #rows
+                }
+                fn is_holonomic(&self, row: usize) -> bool {
+                    [#(#holonomic),*][row]
+                }
+                fn mass_matrix(&self, t: T, q: &[T], m: &mut [T]) {
+                    #q
+                    m.copy_from_slice(#mass_matrix.as_flattened());
+                }
+                fn position(&self, t: T, q: &[T], phi: &mut [T]) {
+                    #q
+                    let qd = &[T::zero(); #n];
+                    phi.copy_from_slice(&#position);
+                }
+                fn rate(&self, t: T, q: &[T], qd: &[T], rate: &mut [T]) {
+                    #q
+                    #qd
+                    rate.copy_from_slice(&#rate);
+                }
+                fn jacobian(&self, t: T, q: &[T], a: &mut [T]) {
+                    #q
+                    a.copy_from_slice(#jacobian.as_flattened());
+                }
+            }
+        }
+    }
+
     /// Names for indices, of parameters and of first integrals.
     fn constants(&self) -> TokenStream {
         let coordinates =
@@ -535,6 +596,7 @@ fn trait_name(kind: &FunctionKind) -> &'static str {
         FunctionKind::InverseDynamicsJacobian => "inverse_dynamics_jacobian",
         FunctionKind::LinearizeParameters
         | FunctionKind::Constraint
+        | FunctionKind::ConstraintRate
         | FunctionKind::ConstraintJacobian
         | FunctionKind::ConstraintBias
         | FunctionKind::Multipliers

@@ -185,6 +185,12 @@ impl<'g> Lagrangian<'g> {
         self.coordinates.iter().map(Variable::count).sum()
     }
 
+    /// Whether each row of the constraints is holonomic.
+    pub fn holonomic_rows(&self) -> Vec<bool> {
+        let rows = |c: &Constraint<'_>| vec![c.kind == ConstraintKind::Holonomic; c.rows.len()];
+        self.constraints.iter().flat_map(rows).collect()
+    }
+
     /// Adds a coordinate, or an array of them.
     pub fn coordinate(&mut self, name: &str, unit: &str, length: Option<usize>) -> Vec<Expr<'g>> {
         declare(self.graph, &mut self.coordinates, name, unit, length, Vec::new(), Symbol::Coordinate)

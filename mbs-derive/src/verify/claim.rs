@@ -2,7 +2,6 @@
 
 use crate::expr::{Dual, Rounded, Symbol, Value};
 use crate::interpret::{Interpreter, State};
-use crate::model::ConstraintKind;
 use crate::model::degree::eliminate;
 use crate::optimise::{Derivation, Function, FunctionKind};
 
@@ -233,18 +232,16 @@ impl<'a> Trial<'a> {
     /// The rows as declared; `A q̇ + b` is the rate of φ, or the Pfaffian row; `A q̈ + γ` is the rate of that.
     fn constraints(&self) -> Result<(), Failure> {
         let declared = self.witness.constraints(self.state, self.parameters);
-        let kinds = self.witness.lagrangian.constraints.iter().flat_map(|c| c.rows.iter().map(|_| c.kind));
         let (value, bias) = (self.call_if_any("constraint"), self.call_if_any("constraint_bias"));
         let jacobian = self.call_if_any("constraint_jacobian");
         let expected: Vec<Rounded> = declared.iter().map(|[row, _]| row.value).collect();
         self.equal("constraint", &value, &expected)?;
-        let second: Vec<Rounded> = kinds
-            .zip(&declared)
-            .map(|(kind, [row, rate])| match kind {
-                ConstraintKind::Holonomic => rate.derivative,
-                ConstraintKind::Pfaffian => row.derivative,
-            })
-            .collect();
+        // The velocity equation of each row, and its rate.
+        let velocity = |(holonomic, [row, rate]): (&bool, &[Dual<Rounded>; 2])| if *holonomic { *rate } else { *row };
+        let velocity: Vec<_> = self.derivation.holonomic.iter().zip(&declared).map(velocity).collect();
+        let first: Vec<Rounded> = velocity.iter().map(|row| row.value).collect();
+        self.equal("A q̇ + b", &self.call_if_any("constraint_rate"), &first)?;
+        let second: Vec<Rounded> = velocity.iter().map(|row| row.derivative).collect();
         let product = times(&jacobian, &self.state.qdd);
         self.equal("A q̈ + γ", &add(&product, &bias), &second)
     }
@@ -338,15 +335,13 @@ impl<'a> Trial<'a> {
     /// not get there.
     pub fn consistent_state(&self) -> Option<State<Rounded>> {
         let n = self.n();
-        let holonomic = self.witness.lagrangian.constraints.iter();
-        let holonomic: Vec<bool> =
-            holonomic.flat_map(|c| c.rows.iter().map(|_| c.kind == ConstraintKind::Holonomic)).collect();
+        let holonomic = &self.derivation.holonomic;
         let mut state = self.state.clone();
         for _ in 0..50 {
             let [value, a] = ["constraint", "constraint_jacobian"].map(|name| {
                 let values = self.interpreter.call(name, &state).unwrap_or_default();
                 let width = values.len() / holonomic.len();
-                let rows = values.chunks(width).zip(&holonomic).filter(|(_, holonomic)| **holonomic);
+                let rows = values.chunks(width).zip(holonomic).filter(|(_, holonomic)| **holonomic);
                 rows.flat_map(|(row, _)| row.to_vec()).collect::<Vec<Rounded>>()
             });
             if value.iter().all(|v| v.value.abs() < 1e-13) {
@@ -366,12 +361,7 @@ impl<'a> Trial<'a> {
     /// The velocities nearest to the state's with `A q̇ + b = 0`: `q̇ − Aᵀ (A Aᵀ)⁻¹ (A q̇ + b)`.
     fn allowed_velocities(&self) -> Vec<Rounded> {
         let (n, a) = (self.n(), self.call_if_any("constraint_jacobian"));
-        let declared = self.witness.constraints(self.state, self.parameters);
-        let kinds = self.witness.lagrangian.constraints.iter().flat_map(|c| c.rows.iter().map(|_| c.kind));
-        let violation: Vec<Rounded> = kinds
-            .zip(&declared)
-            .map(|(kind, [row, rate])| if kind == ConstraintKind::Holonomic { rate.value } else { row.value })
-            .collect();
+        let violation = self.call_if_any("constraint_rate");
         let products: Vec<Rounded> = a.chunks(n).flat_map(|x| a.chunks(n).map(move |y| dot(x, y))).collect();
         let y = solve(&products, &violation);
         (0..n).map(|i| self.state.qd[i] - (0..y.len()).map(|k| a[k * n + i] * y[k]).sum::<Rounded>()).collect()

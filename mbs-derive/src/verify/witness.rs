@@ -2,7 +2,7 @@
 
 use crate::expr::{Dual, Expr, Rounded, Symbol, Tape, Value};
 use crate::interpret::State;
-use crate::model::{ConstraintKind, Lagrangian, OutputValue};
+use crate::model::{Lagrangian, OutputValue};
 
 /// The declared scalars, ready to be evaluated over any kind of number.
 pub struct Witness<'l, 'g> {
@@ -73,11 +73,12 @@ impl<'l, 'g> Witness<'l, 'g> {
 
     /// Holonomic rows with two derivatives, Pfaffian ones with one.
     fn constraints_are_finite(&self, state: &State<Rounded>, parameters: &[Rounded]) -> bool {
-        let kinds = self.lagrangian.constraints.iter().flat_map(|c| c.rows.iter().map(|_| c.kind));
-        self.constraints(state, parameters).iter().zip(kinds).all(|([row, rate], kind)| {
-            let last = if kind == ConstraintKind::Holonomic { rate.derivative } else { row.derivative };
-            row.value.value.is_finite() && last.value.is_finite()
-        })
+        self.constraints(state, parameters).iter().zip(self.lagrangian.holonomic_rows()).all(
+            |([row, rate], holonomic)| {
+                let last = if holonomic { rate.derivative } else { row.derivative };
+                row.value.value.is_finite() && last.value.is_finite()
+            },
+        )
     }
 
     /// L, T, V, D.

@@ -6,7 +6,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use crate::derive::{Equations, Rows, time_derivative};
 use crate::expr::normal::combination::Polynomial;
 use crate::expr::{Expr, Graph, Id, Node, carry_out};
-use crate::model::{ConstraintKind, Lagrangian};
+use crate::model::Lagrangian;
 
 use super::algebra::Algebra;
 use super::layout::{Entry, LINE, LINES, width};
@@ -123,9 +123,7 @@ impl<'g> Page<'g> {
         if constraints.count() == 0 {
             return;
         }
-        let holonomic = lagrangian.constraints.iter().flat_map(|constraint| {
-            std::iter::repeat_n(constraint.kind == ConstraintKind::Holonomic, constraint.rows.len())
-        });
+        let holonomic = lagrangian.holonomic_rows();
         let mut rows = Vec::new();
         for (i, (&value, holonomic)) in constraints.value.iter().zip(holonomic).enumerate() {
             let number = (i + 1).to_string();
