@@ -19,16 +19,16 @@ impl Constraints<f64> for Circle {
     fn is_holonomic(&self, _: usize) -> bool {
         true
     }
-    fn mass_matrix(&mut self, _: f64, _: &[f64], m: &mut [f64]) {
+    fn mass_matrix(&self, _: f64, _: &[f64], m: &mut [f64]) {
         m.copy_from_slice(&[1.0, 0.0, 0.0, 1.0]);
     }
-    fn position(&mut self, _: f64, q: &[f64], phi: &mut [f64]) {
+    fn position(&self, _: f64, q: &[f64], phi: &mut [f64]) {
         phi[0] = length_error(q);
     }
-    fn rate(&mut self, _: f64, q: &[f64], qd: &[f64], rate: &mut [f64]) {
+    fn rate(&self, _: f64, q: &[f64], qd: &[f64], rate: &mut [f64]) {
         rate[0] = q[0] * qd[0] + q[1] * qd[1];
     }
-    fn jacobian(&mut self, _: f64, q: &[f64], a: &mut [f64]) {
+    fn jacobian(&self, _: f64, q: &[f64], a: &mut [f64]) {
         a.copy_from_slice(q);
     }
 }
@@ -55,7 +55,7 @@ fn energy(state: &State<[f64; 2]>) -> f64 {
 }
 
 /// Goes on from the state on the constraints that is next to the end of the step.
-fn project<C: Constraints<f64>, const N: usize>(constraints: &mut C, step: &mut dyn Step<[f64; N]>) {
+fn project<C: Constraints<f64>, const N: usize>(constraints: &C, step: &mut dyn Step<[f64; N]>) {
     let mut state = *step.state();
     Projector::new([0.0; 64]).project(constraints, step.time(), &mut state).unwrap();
     step.replace(&state);
@@ -71,7 +71,7 @@ fn the_pendulum_stays_on_its_circle() {
             // What the step begins with is what the projection left.
             open = open.max(length_error(&step.previous_state().q).abs());
             drift = drift.max((energy(step.previous_state()) / initial - 1.0).abs());
-            project(&mut Circle, step);
+            project(&Circle, step);
             ControlFlow::Continue(())
         })
         .unwrap();
@@ -90,7 +90,7 @@ fn the_pendulum_keeps_its_period() {
     let mut lowest = [Event::new(&|_, state: &State<[f64; 2]>| state.q[0]).with_action(&mut note)];
     Dop853::new(1e-12, 1e-13)
         .integrate_with_events(swing, 0.0, 22.0, &mut raised(), &mut lowest, |step| {
-            project(&mut Circle, step);
+            project(&Circle, step);
             ControlFlow::Continue(())
         })
         .unwrap();
@@ -111,14 +111,14 @@ impl Constraints<f64> for KnifeEdge {
     fn is_holonomic(&self, _: usize) -> bool {
         false
     }
-    fn mass_matrix(&mut self, _: f64, _: &[f64], m: &mut [f64]) {
+    fn mass_matrix(&self, _: f64, _: &[f64], m: &mut [f64]) {
         m.copy_from_slice(&[1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0]);
     }
-    fn position(&mut self, _: f64, _: &[f64], _: &mut [f64]) {}
-    fn rate(&mut self, _: f64, q: &[f64], qd: &[f64], rate: &mut [f64]) {
+    fn position(&self, _: f64, _: &[f64], _: &mut [f64]) {}
+    fn rate(&self, _: f64, q: &[f64], qd: &[f64], rate: &mut [f64]) {
         rate[0] = q[2].sin() * qd[0] - q[2].cos() * qd[1];
     }
-    fn jacobian(&mut self, _: f64, q: &[f64], a: &mut [f64]) {
+    fn jacobian(&self, _: f64, q: &[f64], a: &mut [f64]) {
         a.copy_from_slice(&[q[2].sin(), -q[2].cos(), 0.0]);
     }
 }
@@ -138,7 +138,7 @@ fn the_knife_edge_goes_where_it_points() {
     {
         Dop853::new(1e-12, 1e-13)
             .integrate(slide, t - 1.0, t, &mut state, |step| {
-                project(&mut KnifeEdge, step);
+                project(&KnifeEdge, step);
                 ControlFlow::Continue(())
             })
             .unwrap();
