@@ -22,6 +22,11 @@ pub enum IntegrationError {
         /// The step given \[s\].
         step: f64,
     },
+    /// The gain `β` of the step control is negative, NaN, or outweighs that of the last error.
+    InvalidGain {
+        /// The gain given.
+        beta: f64,
+    },
     /// A time is not finite, an output time lies before its predecessor, or an observer asked for a time outside the
     /// step.
     InvalidTime {
@@ -57,6 +62,27 @@ pub enum IntegrationError {
         /// The row of the pivot, counted from 0.
         index: usize,
     },
+    /// The equations of an implicit method's stages were not solved: the step is too long for the iteration.
+    NotConverged {
+        /// The time of the last accepted state \[s\].
+        time: f64,
+        /// The number of iterations allowed.
+        iterations: usize,
+    },
+    /// An event's function is infinite or NaN right after `time`.
+    NonFiniteEvent {
+        /// The time of the state left, where the function was last finite, or the first time \[s\].
+        time: f64,
+        /// The index of the event, counted from 0.
+        event: usize,
+    },
+    /// Events follow each other too closely to be told apart, as the bounces of a ball that comes to rest do.
+    EventsAccumulate {
+        /// The time of the last event \[s\].
+        time: f64,
+        /// The index of the event, counted from 0.
+        event: usize,
+    },
     /// The allowed number of steps was used up.
     TooManySteps {
         /// The time of the last accepted state \[s\].
@@ -73,11 +99,15 @@ impl IntegrationError {
         match *self {
             Self::InvalidTolerance { .. }
             | Self::InvalidStep { .. }
+            | Self::InvalidGain { .. }
             | Self::InvalidTime { .. }
             | Self::DimensionMismatch { .. } => None,
             Self::StepTooSmall { time, .. }
             | Self::NonFiniteState { time }
             | Self::SingularMassMatrix { time, .. }
+            | Self::NotConverged { time, .. }
+            | Self::NonFiniteEvent { time, .. }
+            | Self::EventsAccumulate { time, .. }
             | Self::TooManySteps { time, .. } => Some(time),
         }
     }
@@ -90,6 +120,7 @@ impl fmt::Display for IntegrationError {
                 write!(f, "tolerances must be positive and finite, found relative {relative}, absolute {absolute}")
             }
             Self::InvalidStep { step } => write!(f, "a step must be positive, found {step} s"),
+            Self::InvalidGain { beta } => write!(f, "the gain of the step control is out of range: {beta}"),
             Self::InvalidTime { time } => {
                 write!(f, "{time} s is not finite, out of order, or outside the step asked")
             }
@@ -104,6 +135,15 @@ impl fmt::Display for IntegrationError {
             }
             Self::SingularMassMatrix { time, pivot, index } => {
                 write!(f, "singular mass matrix right after t = {time} s: pivot {index} is {pivot}")
+            }
+            Self::NotConverged { time, iterations } => {
+                write!(f, "the stages do not converge in {iterations} iterations at t = {time} s: a shorter step helps")
+            }
+            Self::NonFiniteEvent { time, event } => {
+                write!(f, "the function of event {event} is infinite or NaN right after t = {time} s")
+            }
+            Self::EventsAccumulate { time, event } => {
+                write!(f, "event {event} follows itself ever closer and ends the motion at t = {time} s")
             }
             Self::TooManySteps { time, steps } => write!(f, "{steps} steps used up at t = {time} s"),
         }

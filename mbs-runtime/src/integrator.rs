@@ -2,10 +2,14 @@
 //!
 //! An [`Integrator`] is a small set of settings; one method per file:
 //!
-//! | method                     | step                                                | file         |
-//! |----------------------------|-----------------------------------------------------|--------------|
-//! | [`Rk4`](crate::Rk4)        | fixed; order 4; any [`Scalar`], lanes too           | `rk4.rs`     |
-//! | [`Dop853`](crate::Dop853)  | by error control; order 8, dense output of order 7  | `dop853.rs`  |
+//! | method | step | file |
+//! |--------|------|------|
+//! | [`SemiImplicitEuler`](crate::SemiImplicitEuler) | fixed; order 1, symplectic; any [`Scalar`] | `semi_implicit_euler.rs` |
+//! | [`StormerVerlet`](crate::StormerVerlet) | fixed; order 2, symplectic, for `f(t, q)`; any [`Scalar`] | `verlet.rs` |
+//! | [`Rk4`](crate::Rk4) | fixed; order 4; any [`Scalar`], lanes too | `rk4.rs` |
+//! | [`GaussLegendre4`](crate::GaussLegendre4) | fixed; order 4, symplectic, implicit | `gauss_legendre.rs` |
+//! | [`Dopri5`](crate::Dopri5) | by error control; order 5, dense output of order 4 | `dopri5.rs` |
+//! | [`Dop853`](crate::Dop853) | by error control; order 8, dense output of order 7 | `dop853.rs` |
 //!
 //! The right-hand side is a closure `|t, q, qd, qdd|` that writes the accelerations into its last argument. It returns
 //! nothing, or a `Result<(), SingularMassMatrix>`. Time is `f64` whatever the scalar, so that a long run of `f32` keeps
@@ -21,11 +25,25 @@
 use core::ops::ControlFlow;
 
 use crate::error::{IntegrationError, SingularMassMatrix};
+use crate::event::{Event, Watch};
 use crate::scalar::Scalar;
 use crate::state::{Coordinates, State};
 
+mod adaptive;
+mod compensation;
 pub(crate) mod dop853;
+pub(crate) mod dopri5;
+mod fixed;
+pub(crate) mod gauss_legendre;
+mod hermite;
+#[cfg(all(test, feature = "std"))]
+mod long_runs;
+#[cfg(all(test, feature = "std"))]
+mod projected;
 pub(crate) mod rk4;
+mod run;
+pub(crate) mod semi_implicit_euler;
+pub(crate) mod verlet;
 
 /// A method that integrates `q̈ = f(t, q, q̇)`.
 pub trait Integrator<T: Scalar> {
@@ -125,6 +143,55 @@ pub trait Integrator<T: Scalar> {
             ControlFlow::Continue(())
         })
     }
+
+    /// [`integrate`](Integrator::integrate), with events: where their functions pass zero they happen.
+    ///
+    /// Each event is found on the dense output of the step, to the resolution of the clock, and its action may change the
+    /// state, have the rest of the step made anew, or end the integration; see [`event`](crate::event) for what is found
+    /// and what is not. Looking between the ends of steps costs the interpolant of each of them: three evaluations for
+    /// [`Dop853`](crate::Dop853), two for [`GaussLegendre4`](crate::GaussLegendre4), none for the others.
+    ///
+    /// The observer sees each step after its events: as far as the one from which the integration goes on anew, with the
+    /// state before its action. `replace` does not undo an action there. An event that never happens is no error: its
+    /// [`count`](Event::count) is 0.
+    ///
+    /// ```
+    /// use core::ops::ControlFlow;
+    /// use mbs_runtime::{Dop853, Event, Integrator, State};
+    ///
+    /// // A stone falls from 20 m. When does it arrive?
+    /// let fall = |_, _: &[f64; 1], _: &[f64; 1], qdd: &mut [f64; 1]| qdd[0] = -10.0;
+    /// let mut stone = State::new([20.0], [0.0]);
+    /// let mut ground = [Event::new(&|_, stone: &State<[f64; 1]>| stone.q[0]).falling().terminal()];
+    /// let summary = Dop853::new(1e-10, 1e-12)
+    ///     .integrate_with_events(fall, 0.0, 60.0, &mut stone, &mut ground, |_| ControlFlow::Continue(()))
+    ///     .unwrap();
+    /// assert!(summary.stopped && (summary.time - 2.0).abs() < 1e-12);
+    /// ```
+    ///
+    /// # Errors
+    /// [`IntegrationError::NonFiniteEvent`] if an event's function is infinite or NaN,
+    /// [`IntegrationError::EventsAccumulate`] if one follows itself too closely, [`IntegrationError::NonFiniteState`] if an
+    /// action leaves such numbers; otherwise as [`integrate`](Integrator::integrate).
+    fn integrate_with_events<V, F, R, O>(
+        &self,
+        acceleration: F,
+        t: f64,
+        t_end: f64,
+        state: &mut State<V>,
+        events: &mut [Event<'_, V>],
+        mut observer: O,
+    ) -> Result<Summary, IntegrationError>
+    where
+        V: Coordinates<Scalar = T>,
+        F: FnMut(T, &V, &V, &mut V) -> R,
+        R: Outcome,
+        O: FnMut(&mut dyn Step<V>) -> ControlFlow<f64>,
+    {
+        let mut watch = Watch::new(events, state);
+        let result = self.integrate(acceleration, t, t_end, state, |step| watch.observe(step, &mut observer));
+        watch.conclude(result)
+    }
 }
 
 /// One accepted step, as an observer sees it.
@@ -144,7 +211,8 @@ pub trait Step<V: Coordinates> {
     /// Writes the solution at the time `t` inside the step; exact at both ends.
     ///
     /// The first call in a step evaluates what the interpolant needs: three accelerations for
-    /// [`Dop853`](crate::Dop853); for [`Rk4`](crate::Rk4) the one that the next step begins with.
+    /// [`Dop853`](crate::Dop853), two for [`GaussLegendre4`](crate::GaussLegendre4), for [`Rk4`](crate::Rk4) the one that
+    /// the next step begins with; none for the others.
     ///
     /// # Errors
     /// [`IntegrationError::InvalidTime`] if `t` is not inside the step; [`IntegrationError::NonFiniteState`] or
@@ -156,6 +224,14 @@ pub trait Step<V: Coordinates> {
     ///
     /// The solution inside the step stays what it was. `Break(time)` with a time before the end drops it.
     fn replace(&mut self, state: &State<V>);
+
+    /// Goes on from `state` at the time `t` inside the step, and drops what came after it: for an impact.
+    ///
+    /// The solution inside the step stays what it was. `Break(t)` with this time ends the integration with `state`.
+    ///
+    /// # Errors
+    /// [`IntegrationError::InvalidTime`] if `t` is not inside the step; the integration ends with this error, too.
+    fn restart(&mut self, t: f64, state: &State<V>) -> Result<(), IntegrationError>;
 }
 
 /// What an integration did.
@@ -199,177 +275,6 @@ impl Outcome for Result<(), SingularMassMatrix> {
     }
 }
 
-/// Why a step is refused.
-#[derive(Clone, Copy, Debug)]
-enum Fault {
-    Inaccurate,
-    NonFinite,
-    Singular(SingularMassMatrix),
-}
-
-impl Fault {
-    /// The error to end with, at the last accepted `time`, when a step of length `step` could not be made.
-    fn at(self, time: f64, step: f64) -> IntegrationError {
-        match self {
-            Self::Inaccurate => IntegrationError::StepTooSmall { time, step },
-            Self::NonFinite => IntegrationError::NonFiniteState { time },
-            Self::Singular(SingularMassMatrix { pivot, index }) => {
-                IntegrationError::SingularMassMatrix { time, pivot, index }
-            }
-        }
-    }
-}
-
-/// The right-hand side, and how often it was evaluated.
-struct System<F> {
-    acceleration: F,
-    evaluations: usize,
-}
-
-impl<F> System<F> {
-    fn new(acceleration: F) -> Self {
-        Self { acceleration, evaluations: 0 }
-    }
-
-    /// `q̈ = f(t, q, q̇)`, finite.
-    #[inline]
-    fn evaluate<V, R>(&mut self, t: f64, q: &V, qd: &V, qdd: &mut V) -> Result<(), Fault>
-    where
-        V: Coordinates,
-        F: FnMut(V::Scalar, &V, &V, &mut V) -> R,
-        R: Outcome,
-    {
-        self.evaluations += 1;
-        (self.acceleration)(V::Scalar::from_f64(t), q, qd, qdd).into_result().map_err(Fault::Singular)?;
-        if qdd.is_finite() { Ok(()) } else { Err(Fault::NonFinite) }
-    }
-}
-
-/// The two ends of an accepted step.
-struct Span<'a, V> {
-    start: f64,
-    end: f64,
-    old: &'a State<V>,
-    new: &'a State<V>,
-}
-
-/// How a method continues its solution into the step that it has just made.
-trait Interpolant<V: Coordinates> {
-    /// Evaluates and stores what [`interpolate`](Self::interpolate) needs.
-    fn prepare<F, R>(&mut self, system: &mut System<F>, span: &Span<'_, V>) -> Result<(), Fault>
-    where
-        F: FnMut(V::Scalar, &V, &V, &mut V) -> R,
-        R: Outcome;
-
-    /// The solution at the fraction `theta` of the step.
-    fn interpolate(&self, span: &Span<'_, V>, theta: V::Scalar, state: &mut State<V>);
-}
-
-/// A step on its way through the observer.
-struct Accepted<'a, V, F, M> {
-    span: Span<'a, V>,
-    system: &'a mut System<F>,
-    method: &'a mut M,
-    replacement: &'a mut State<V>,
-    prepared: bool,
-    replaced: bool,
-    fault: Option<IntegrationError>,
-}
-
-impl<V, F, R, M> Accepted<'_, V, F, M>
-where
-    V: Coordinates,
-    F: FnMut(V::Scalar, &V, &V, &mut V) -> R,
-    R: Outcome,
-    M: Interpolant<V>,
-{
-    /// Shows the step to the observer; how the integration goes on.
-    fn observe<O>(mut self, observer: &mut O) -> Result<Onward, IntegrationError>
-    where
-        O: FnMut(&mut dyn Step<V>) -> ControlFlow<f64>,
-    {
-        let answer = observer(&mut self);
-        if let Some(error) = self.fault {
-            return Err(error);
-        }
-        match answer {
-            ControlFlow::Continue(()) => {
-                Ok(Onward { stopped_at: None, prepared: self.prepared, replaced: self.replaced })
-            }
-            ControlFlow::Break(time) => {
-                if time != self.span.end {
-                    let mut state = self.replacement.clone();
-                    self.interpolate(time, &mut state)?;
-                    self.replace(&state);
-                }
-                Ok(Onward { stopped_at: Some(time), prepared: self.prepared, replaced: self.replaced })
-            }
-        }
-    }
-
-    fn try_interpolate(&mut self, t: f64, state: &mut State<V>) -> Result<(), IntegrationError> {
-        let Span { start, end, old, new } = self.span;
-        if t == end {
-            state.copy_from(new);
-        } else if t == start {
-            state.copy_from(old);
-        } else if is_between(start, t, end) {
-            if !self.prepared {
-                self.method.prepare(self.system, &self.span).map_err(|fault| fault.at(end, end - start))?;
-                self.prepared = true;
-            }
-            let theta = V::Scalar::from_f64((t - start) / (end - start));
-            self.method.interpolate(&self.span, theta, state);
-        } else {
-            return Err(IntegrationError::InvalidTime { time: t });
-        }
-        Ok(())
-    }
-}
-
-impl<V, F, R, M> Step<V> for Accepted<'_, V, F, M>
-where
-    V: Coordinates,
-    F: FnMut(V::Scalar, &V, &V, &mut V) -> R,
-    R: Outcome,
-    M: Interpolant<V>,
-{
-    fn previous_time(&self) -> f64 {
-        self.span.start
-    }
-
-    fn time(&self) -> f64 {
-        self.span.end
-    }
-
-    fn previous_state(&self) -> &State<V> {
-        self.span.old
-    }
-
-    fn state(&self) -> &State<V> {
-        self.span.new
-    }
-
-    fn interpolate(&mut self, t: f64, state: &mut State<V>) -> Result<(), IntegrationError> {
-        self.try_interpolate(t, state).inspect_err(|&error| self.fault = Some(error))
-    }
-
-    fn replace(&mut self, state: &State<V>) {
-        self.replacement.copy_from(state);
-        self.replaced = true;
-    }
-}
-
-/// What the observer wants.
-struct Onward {
-    /// Where it ended the integration.
-    stopped_at: Option<f64>,
-    /// Whether the interpolant was prepared.
-    prepared: bool,
-    /// Whether the integration goes on from the replacement.
-    replaced: bool,
-}
-
 /// Refuses what no method can start from.
 fn check_input<V: Coordinates>(t: f64, t_end: f64, state: &State<V>) -> Result<(), IntegrationError> {
     for time in [t, t_end] {
@@ -397,14 +302,14 @@ fn check_order(t: f64, times: &[f64], t_end: f64) -> Result<(), IntegrationError
 }
 
 /// True where `time` is on the way from `start` to `end`, both included; false for NaN.
-fn is_between(start: f64, time: f64, end: f64) -> bool {
+pub(crate) fn is_between(start: f64, time: f64, end: f64) -> bool {
     if start <= end { start <= time && time <= end } else { end <= time && time <= start }
 }
 
 #[cfg(all(test, any(feature = "std", feature = "libm")))]
 mod tests {
     use super::*;
-    use crate::{Dop853, Rk4};
+    use crate::{Dop853, Dopri5, GaussLegendre4, Rk4, SemiImplicitEuler, StormerVerlet};
 
     fn oscillate(_: f64, q: &[f64; 1], _: &[f64; 1], qdd: &mut [f64; 1]) {
         qdd[0] = -q[0];
@@ -439,6 +344,10 @@ mod tests {
         ] {
             check_samples(&dop853, times, 1e-9);
             check_samples(&rk4, times, 1e-8);
+            check_samples(&Dopri5::new(1e-10, 1e-12), times, 1e-8);
+            check_samples(&GaussLegendre4::new(0.01), times, 1e-8);
+            check_samples(&StormerVerlet::new(0.01), times, 1e-3);
+            check_samples(&SemiImplicitEuler::new(1e-4), times, 1e-2);
         }
     }
 
@@ -517,6 +426,90 @@ mod tests {
     fn an_observer_stops_interpolates_and_replaces() {
         check_observer(&Dop853::new(1e-11, 1e-12));
         check_observer(&Rk4::new(0.01));
+        check_observer(&Dopri5::new(1e-11, 1e-12));
+        check_observer(&GaussLegendre4::new(0.01));
+        check_observer(&StormerVerlet::new(1e-4));
+    }
+
+    #[test]
+    fn a_restart_drops_the_rest_of_the_step() {
+        fn check(integrator: &impl Integrator<f64>) {
+            // Thrown back at q = cos 1: from there it moves as before time 1, backwards.
+            let mut state = State::new([1.0], [0.0]);
+            let mut thrown = false;
+            let summary = integrator
+                .integrate(oscillate, 0.0, 2.0, &mut state, |step| {
+                    if !thrown && step.time() >= 1.0 {
+                        thrown = true;
+                        let mut there = State::default();
+                        step.interpolate(1.0, &mut there).unwrap();
+                        step.restart(1.0, &State::new(there.q, [-there.qd[0]])).unwrap();
+                    }
+                    ControlFlow::Continue(())
+                })
+                .unwrap();
+            assert_eq!((summary.time, summary.stopped), (2.0, false));
+            assert!((state.q[0] - 1.0).abs() < 1e-7 && state.qd[0].abs() < 1e-7, "{state:?}");
+            // A time outside is an error, the time of a restart one to stop at.
+            let outside = |step: &mut dyn Step<[f64; 1]>| {
+                let state = *step.state();
+                step.restart(-1.0, &state).unwrap_err();
+                ControlFlow::Continue(())
+            };
+            let result = integrator.integrate(oscillate, 0.0, 2.0, &mut state, outside);
+            assert_eq!(result, Err(IntegrationError::InvalidTime { time: -1.0 }));
+            let summary = integrator.integrate(oscillate, 0.0, 2.0, &mut state, |step| {
+                let middle = 0.5 * (step.previous_time() + step.time());
+                step.restart(middle, &State::new([7.0], [8.0])).unwrap();
+                ControlFlow::Break(middle)
+            });
+            assert!(summary.unwrap().stopped && state == State::new([7.0], [8.0]));
+        }
+        check(&Dop853::new(1e-10, 1e-12));
+        check(&Dopri5::new(1e-10, 1e-12));
+        check(&Rk4::new(0.013));
+        check(&GaussLegendre4::new(0.013));
+        check(&StormerVerlet::new(0.7e-4));
+    }
+
+    /// The slope of the error at `t = 4` over the step, in logarithms, for `q = cos t + sin(2t)/2`.
+    ///
+    /// The solution solves `q̈ = −q − (3/2) sin 2t + friction (q̇ − d/dt (cos t + sin(2t)/2))` whatever the friction.
+    fn order<I: Integrator<f64>>(method: impl Fn(f64) -> I, friction: f64, steps: [f64; 4]) -> f64 {
+        let velocity = |t: f64| Scalar::cos(2.0 * t) - Scalar::sin(t);
+        let points = steps.map(|steps| {
+            let mut state = State::new([1.0], [1.0]);
+            let forced = |t: f64, q: &[f64; 1], qd: &[f64; 1], qdd: &mut [f64; 1]| {
+                qdd[0] = -q[0] - 1.5 * Scalar::sin(2.0 * t) + friction * (qd[0] - velocity(t));
+            };
+            let summary =
+                method(4.0 / steps).integrate(forced, 0.0, 4.0, &mut state, |_| ControlFlow::Continue(())).unwrap();
+            assert_eq!(summary.accepted as f64, steps);
+            let q = Scalar::cos(4.0) + 0.5 * Scalar::sin(8.0);
+            let error = Scalar::abs(state.q[0] - q).max(Scalar::abs(state.qd[0] - velocity(4.0)));
+            [Scalar::ln(4.0 / steps), Scalar::ln(error)]
+        });
+        let mean = [0, 1].map(|i| points.iter().map(|point| point[i]).sum::<f64>() / 4.0);
+        let moment = |i: usize, j: usize| -> f64 { points.iter().map(|p| (p[i] - mean[i]) * (p[j] - mean[j])).sum() };
+        moment(0, 1) / moment(0, 0)
+    }
+
+    #[test]
+    fn every_method_has_its_order() {
+        let dopri5 = |h| Dopri5 { first_step: Some(h), max_step: h, ..Dopri5::new(1e9, 1e9) };
+        let dop853 = |h| Dop853 { first_step: Some(h), max_step: h, ..Dop853::new(1e9, 1e9) };
+        let many = [100.0, 140.0, 200.0, 280.0];
+        for (name, found, expected) in [
+            ("semi-implicit Euler", order(SemiImplicitEuler::new, 0.2, [400.0, 600.0, 800.0, 1200.0]), 1.0),
+            ("Störmer–Verlet", order(StormerVerlet::new, 0.0, many), 2.0),
+            ("Störmer–Verlet with friction", order(StormerVerlet::new, 0.2, many.map(|n| 10.0 * n)), 1.0),
+            ("Runge–Kutta", order(Rk4::new, 0.2, many), 4.0),
+            ("Gauss–Legendre", order(GaussLegendre4::new, 0.2, many), 4.0),
+            ("Dormand–Prince 5", order(dopri5, 0.2, many), 5.0),
+            ("Dormand–Prince 8", order(dop853, 0.2, [10.0, 14.0, 20.0, 28.0]), 8.0),
+        ] {
+            assert!(Scalar::abs(found - expected) < 0.15, "{name}: order {found}");
+        }
     }
 
     fn check_bad_input(integrator: &impl Integrator<f64>) {
@@ -541,6 +534,10 @@ mod tests {
 
     #[test]
     fn bad_input_is_an_error() {
+        check_bad_input(&Dopri5 { max_steps: 1000, ..Dopri5::new(1e-9, 1e-9) });
+        check_bad_input(&SemiImplicitEuler { max_steps: 1000, ..SemiImplicitEuler::new(0.01) });
+        check_bad_input(&StormerVerlet { max_steps: 1000, ..StormerVerlet::new(0.01) });
+        check_bad_input(&GaussLegendre4 { max_steps: 1000, ..GaussLegendre4::new(0.01) });
         check_bad_input(&Dop853 { max_steps: 1000, ..Dop853::new(1e-9, 1e-9) });
         check_bad_input(&Rk4 { max_steps: 1000, ..Rk4::new(0.01) });
     }
@@ -573,8 +570,54 @@ mod tests {
 
     #[test]
     fn failures_leave_the_last_good_state() {
+        check_failures(&Dopri5::new(1e-9, 1e-9));
+        check_failures(&SemiImplicitEuler::new(0.01));
+        check_failures(&StormerVerlet::new(0.01));
+        check_failures(&GaussLegendre4::new(0.0123));
         check_failures(&Dop853::new(1e-9, 1e-9));
         check_failures(&Rk4::new(0.01));
+    }
+
+    #[test]
+    fn a_solution_that_ends_is_an_error() {
+        // q̇ = 1/(1 − t): its acceleration is its square. Fixed steps go past the end, and overflow soon after.
+        fn check(integrator: &impl Integrator<f64>) {
+            let explosive = |_: f64, _: &[f64; 1], qd: &[f64; 1], qdd: &mut [f64; 1]| qdd[0] = qd[0] * qd[0];
+            let mut state = State::new([0.0], [1.0]);
+            let mut last = (0.0, state);
+            let error = integrator
+                .integrate(explosive, 0.0, 2.0, &mut state, |step| {
+                    assert!(step.state().is_finite());
+                    last = (step.time(), *step.state());
+                    ControlFlow::Continue(())
+                })
+                .unwrap_err();
+            assert_eq!((error.time(), state), (Some(last.0), last.1));
+            assert!((last.0 - 1.0).abs() < 0.05, "{error}");
+        }
+        check(&Dopri5::new(1e-8, 1e-8));
+        check(&Dop853::new(1e-8, 1e-8));
+        check(&Rk4::new(1e-3));
+        check(&GaussLegendre4::new(1e-3));
+        check(&StormerVerlet::new(1e-3));
+        check(&SemiImplicitEuler::new(1e-3));
+    }
+
+    #[test]
+    fn steps_used_up_are_an_error() {
+        fn check(integrator: &impl Integrator<f64>) {
+            let mut state = State::new([1.0], [0.0]);
+            let result = integrator.integrate(oscillate, 0.0, 50.0, &mut state, |_| ControlFlow::Continue(()));
+            let Err(IntegrationError::TooManySteps { time, steps: 7 }) = result else { panic!("{result:?}") };
+            assert!((state.q[0] - Scalar::cos(time)).abs() < 1e-3, "{time}");
+        }
+        let max_steps = 7;
+        check(&Dopri5 { max_steps, ..Dopri5::new(1e-5, 1e-5) });
+        check(&Dop853 { max_steps, ..Dop853::new(1e-5, 1e-5) });
+        check(&Rk4 { max_steps, ..Rk4::new(0.1) });
+        check(&GaussLegendre4 { max_steps, ..GaussLegendre4::new(0.1) });
+        check(&StormerVerlet { max_steps, ..StormerVerlet::new(0.1) });
+        check(&SemiImplicitEuler { max_steps, ..SemiImplicitEuler::new(0.1) });
     }
 
     #[cfg(feature = "std")]

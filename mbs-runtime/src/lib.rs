@@ -129,6 +129,11 @@
 #[cfg(feature = "std")]
 extern crate std;
 
+/// The examples of the manual.
+#[cfg(all(doctest, feature = "std"))]
+#[doc = include_str!("../../docs/integrators.md")]
+pub mod manual {}
+
 /// The nalgebra that conversions speak of.
 pub use nalgebra;
 /// The serde that generated code derives through.
@@ -142,6 +147,7 @@ pub mod constraint;
 mod dual;
 pub mod dynamics;
 mod error;
+pub mod event;
 pub mod integrator;
 mod matrix;
 mod mechanism;
@@ -154,8 +160,13 @@ pub use constraint::{Constraints, Projector, RedundantRows};
 pub use dual::Dual;
 pub use dynamics::{Ldlt, ldlt_solve, ldlt_solve_many, try_ldlt_solve};
 pub use error::{ConstraintError, DimensionMismatch, IntegrationError, SingularMassMatrix};
+pub use event::{Direction, Event, Response};
 pub use integrator::dop853::Dop853;
+pub use integrator::dopri5::Dopri5;
+pub use integrator::gauss_legendre::GaussLegendre4;
 pub use integrator::rk4::{Rk4, Rk4Stepper};
+pub use integrator::semi_implicit_euler::SemiImplicitEuler;
+pub use integrator::verlet::StormerVerlet;
 pub use integrator::{Integrator, Outcome, Step, Summary};
 pub use matrix::{to_matrix, to_rows, to_vector};
 pub use mechanism::{InverseDynamicsJacobian, Linearization, Mechanism, Pose, accelerations};

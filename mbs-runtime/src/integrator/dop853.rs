@@ -11,24 +11,21 @@
 
 use core::ops::ControlFlow;
 
-use super::{Accepted, Fault, Integrator, Interpolant, Outcome, Span, Step, Summary, System, check_input};
+use super::adaptive::{self, Control, Pair, Stages, Weight, weighted};
+use super::run::{Fault, Method, Span, System};
+use super::{Integrator, Outcome, Step, Summary};
 use crate::error::IntegrationError;
 use crate::scalar::{Real, Scalar};
 use crate::state::{Coordinates, State};
 
 mod tableau;
 
-use tableau::{A1, A2, A3, A4, A5, A6, A7, A8, A9, A10, A11, A13, A14, A15, B, D4, D5, D6, D7, E3, E5, NODES, Weight};
+use tableau::{A1, A2, A3, A4, A5, A6, A7, A8, A9, A10, A11, A13, A14, A15, B, D4, D5, D6, D7, E3, E5, NODES};
 
 /// The stages of a step, those of the dense output included.
 const STAGES: usize = 16;
 /// The stage at the end of the step, which is the first one of the next.
 const END: usize = 12;
-
-/// How much of the step that would just do is taken.
-const SAFETY: f64 = 0.9;
-/// How far the next step may be shorter or longer than this one.
-const FACTORS: [f64; 2] = [1.0 / 3.0, 6.0];
 
 /// Dormand and Prince's method of order 8 with error control: twelve evaluations a step, smooth problems, tight
 /// tolerances.
@@ -40,8 +37,9 @@ const FACTORS: [f64; 2] = [1.0 / 3.0, 6.0];
 /// scale = atol + rtol · max(|y₀|, |y₁|)
 /// ```
 ///
-/// with the errors of the embedded formulas of order 5 and 3, and the next one is `0.9 error^(−1/8)` times as long,
-/// from a third to six times, not longer right after a rejected step.
+/// with the errors of the embedded formulas of order 5 and 3, and the next one is `0.9 error^(β/5 − 1/8) previous^β`
+/// times as long, from a third to six times, not longer right after a rejected step; `previous` is the error of the
+/// step before, `1e-4` at least. `β = 0`, the default, makes it the elementary controller, `β > 0` a PI controller.
 ///
 /// ```
 /// use mbs_runtime::Dop853;
@@ -63,36 +61,22 @@ pub struct Dop853 {
     pub max_step: f64,
     /// The number of steps allowed in one integration, rejected ones included.
     pub max_steps: usize,
+    /// `β` of the step control, from 0 to 0.1.
+    pub beta: f64,
 }
 
 impl Dop853 {
-    /// These tolerances; the first step chosen, no limits of the step, a million steps.
+    /// These tolerances; the first step chosen, no limits of the step, a million steps, `β = 0`.
     #[must_use]
     pub const fn new(rtol: f64, atol: f64) -> Self {
-        Self { rtol, atol, first_step: None, min_step: 0.0, max_step: f64::INFINITY, max_steps: 1_000_000 }
+        let max_step = f64::INFINITY;
+        Self { rtol, atol, first_step: None, min_step: 0.0, max_step, max_steps: 1_000_000, beta: 0.0 }
     }
 
-    fn check(&self) -> Result<(), IntegrationError> {
-        let positive = |x: f64| x > 0.0 && x.is_finite();
-        if !(positive(self.rtol) && positive(self.atol)) {
-            return Err(IntegrationError::InvalidTolerance { relative: self.rtol, absolute: self.atol });
-        }
-        let first = self.first_step.unwrap_or(1.0);
-        for (step, good) in [
-            (first, positive(first)),
-            (self.min_step, self.min_step == 0.0 || positive(self.min_step)),
-            (self.max_step, self.max_step > 0.0),
-        ] {
-            if !good {
-                return Err(IntegrationError::InvalidStep { step });
-            }
-        }
-        Ok(())
-    }
-
-    /// The shortest step to try at the time `t`.
-    fn shortest<T: Real>(&self, t: f64) -> f64 {
-        self.min_step.max(16.0 * f64::EPSILON * t.abs()).max(T::MIN_POSITIVE.to_f64())
+    fn control(&self) -> Control {
+        let Self { rtol, atol, first_step, min_step, max_step, max_steps, beta } = *self;
+        let alpha = 1.0 / 8.0 - 0.2 * beta;
+        Control { rtol, atol, first_step, min_step, max_step, max_steps, beta, alpha, factors: [1.0 / 3.0, 6.0] }
     }
 }
 
@@ -106,7 +90,7 @@ impl<T: Real> Integrator<T> for Dop853 {
         t: f64,
         t_end: f64,
         state: &mut State<V>,
-        mut observer: O,
+        observer: O,
     ) -> Result<Summary, IntegrationError>
     where
         V: Coordinates<Scalar = T>,
@@ -114,140 +98,68 @@ impl<T: Real> Integrator<T> for Dop853 {
         R: Outcome,
         O: FnMut(&mut dyn Step<V>) -> ControlFlow<f64>,
     {
-        check_input(t, t_end, state)?;
-        self.check()?;
-        let mut summary = Summary { time: t, stopped: false, evaluations: 0, accepted: 0, rejected: 0, next_step: 0.0 };
-        if t == t_end {
-            return Ok(summary);
-        }
-        let direction = if t_end > t { 1.0 } else { -1.0 };
-        let mut system = System::new(acceleration);
-        let mut stages = Stages::new(state, T::from_f64(self.rtol), T::from_f64(self.atol));
-        let mut new = state.clone();
-        let mut replacement = state.clone();
-        stages.begin(&mut system, t, state).map_err(|fault| fault.at(t, 0.0))?;
-        let mut step = match self.first_step {
-            Some(step) => step,
-            None => stages.initial_step(&mut system, t, direction, (t_end - t).abs().min(self.max_step), state),
-        };
-        let mut rejected = false;
-        loop {
-            let start = summary.time;
-            if summary.accepted + summary.rejected == self.max_steps {
-                return Err(IntegrationError::TooManySteps { time: start, steps: self.max_steps });
-            }
-            let shortest = self.shortest::<T>(start);
-            step = step.min(self.max_step).max(shortest);
-            let remaining = (t_end - start).abs();
-            // A rest of less than a hundredth of a step is worth no step of its own.
-            let last = 1.01 * step >= remaining && remaining <= (1.0 + 1e-9) * self.max_step;
-            let (end, length) = if last { (t_end, remaining) } else { (start + direction * step, step) };
-
-            let error = match stages.advance(&mut system, start, end - start, state, &mut new) {
-                Ok(error) if error <= T::one() => error,
-                refused => {
-                    let (fault, factor) = match refused {
-                        Ok(error) => (Fault::Inaccurate, factor(error)),
-                        Err(fault) => (fault, FACTORS[0]),
-                    };
-                    if length <= shortest {
-                        return Err(fault.at(start, length));
-                    }
-                    summary.rejected += 1;
-                    rejected = true;
-                    step = length * factor.min(SAFETY);
-                    continue;
-                }
-            };
-
-            let onward = Accepted {
-                span: Span { start, end, old: state, new: &new },
-                system: &mut system,
-                method: &mut stages,
-                replacement: &mut replacement,
-                prepared: false,
-                replaced: false,
-                fault: None,
-            }
-            .observe(&mut observer);
-            state.copy_from(&new);
-            let onward = onward?;
-            let proposed = length * if rejected { factor(error).min(1.0) } else { factor(error) };
-            // A last step that was cut short says little about the next one.
-            step = if last { proposed.max(step) } else { proposed };
-            rejected = false;
-            summary.accepted += 1;
-            summary.time = end;
-            summary.next_step = step.min(self.max_step);
-            if onward.replaced {
-                state.copy_from(&replacement);
-            }
-            if let Some(time) = onward.stopped_at {
-                (summary.time, summary.stopped) = (time, true);
-            }
-            summary.evaluations = system.evaluations;
-            if last || summary.stopped {
-                return Ok(summary);
-            }
-            if onward.replaced {
-                stages.begin(&mut system, end, state).map_err(|fault| fault.at(end, step))?;
-            } else {
-                stages.proceed();
-            }
-        }
-    }
-}
-
-/// How much longer the step may be for this error: `0.9 error^(−1/8)` within bounds, the shortest for NaN.
-fn factor<T: Real>(error: T) -> f64 {
-    if error.is_finite() {
-        // An error of zero gives infinity, and so the upper bound.
-        (SAFETY * error.powf(T::from_f64(-1.0 / 8.0)).to_f64()).clamp(FACTORS[0], FACTORS[1])
-    } else {
-        FACTORS[0]
+        let control = self.control();
+        let work = Work { stages: Stages::new(state, &control), parts: core::array::from_fn(|_| state.clone()) };
+        adaptive::integrate(&control, work, acceleration, t, t_end, state, observer)
     }
 }
 
 /// What the steps of one integration work in.
-struct Stages<V: Coordinates> {
-    /// `q̇` of the stages: the slopes of `q`.
-    v: [V; STAGES],
-    /// `q̈` of the stages: the slopes of `q̇`.
-    a: [V; STAGES],
-    /// The coordinates of the stage at hand.
-    q: V,
+struct Work<V: Coordinates> {
+    stages: Stages<V, STAGES>,
     /// The parts of the dense output, `r₁` to `r₇`.
     parts: [State<V>; 7],
-    rtol: V::Scalar,
-    atol: V::Scalar,
 }
 
-impl<V: Coordinates<Scalar: Real>> Stages<V> {
-    fn new(like: &State<V>, rtol: V::Scalar, atol: V::Scalar) -> Self {
-        Self {
-            v: core::array::from_fn(|_| like.q.clone()),
-            a: core::array::from_fn(|_| like.q.clone()),
-            q: like.q.clone(),
-            parts: core::array::from_fn(|_| like.clone()),
-            rtol,
-            atol,
-        }
+impl<V: Coordinates<Scalar: Real>> Work<V> {
+    /// Stage `s` of the step of the length `length`.
+    #[inline(always)] // the row is a constant: with it in sight the sums unroll
+    fn stage<F, R, const N: usize>(
+        &mut self,
+        system: &mut System<F>,
+        t: f64,
+        length: f64,
+        old: &State<V>,
+        s: usize,
+        row: &[Weight; N],
+    ) -> Result<(), Fault>
+    where
+        F: FnMut(V::Scalar, &V, &V, &mut V) -> R,
+        R: Outcome,
+    {
+        self.stages.stage(system, t + NODES[s] * length, V::Scalar::from_f64(length), old, s, row)
     }
 
-    /// The first stage of the first step.
+    /// The error of the step in units of the tolerance: of order 5, damped where the one of order 3 is larger.
+    fn error(&self, h: V::Scalar, old: &State<V>, new: &State<V>) -> V::Scalar {
+        let [fifth, third] = self.stages.squares([&E5, &E3], old, new);
+        let damped = fifth + V::Scalar::from_f64(0.01) * third;
+        if damped == V::Scalar::zero() {
+            return damped;
+        }
+        let count = V::Scalar::from_f64(2.0 * old.q.as_slice().len() as f64);
+        h.abs() * fifth / (damped * count).sqrt()
+    }
+}
+
+impl<V: Coordinates<Scalar: Real>> Method<V> for Work<V> {
+    type Error = V::Scalar;
+
     fn begin<F, R>(&mut self, system: &mut System<F>, t: f64, state: &State<V>) -> Result<(), Fault>
     where
         F: FnMut(V::Scalar, &V, &V, &mut V) -> R,
         R: Outcome,
     {
-        self.v[0].copy_from(&state.qd);
-        system.evaluate(t, &state.q, &state.qd, &mut self.a[0])
+        self.stages.begin(system, t, state)
     }
 
-    /// The first stage of a later step is the end of the one before.
-    fn proceed(&mut self) {
-        self.v.swap(0, END);
-        self.a.swap(0, END);
+    fn proceed<F, R>(&mut self, _: &mut System<F>, _: f64, _: &State<V>, _: bool) -> Result<(), Fault>
+    where
+        F: FnMut(V::Scalar, &V, &V, &mut V) -> R,
+        R: Outcome,
+    {
+        self.stages.proceed(END);
+        Ok(())
     }
 
     /// All stages of a step, its end, finite, and its error in units of the tolerance.
@@ -275,145 +187,18 @@ impl<V: Coordinates<Scalar: Real>> Stages<V> {
         self.stage(system, t, length, old, 10, &A10)?;
         self.stage(system, t, length, old, 11, &A11)?;
         let h = V::Scalar::from_f64(length);
-        combine(&mut new.q, &old.q, h, &B, &self.v);
-        combine(&mut new.qd, &old.qd, h, &B, &self.a);
+        self.stages.finish(h, old, &B, new);
         let error = self.error(h, old, new);
         // An error that overflows, under absurd tolerances, is a large one: the step is rejected and shortened.
         if !new.is_finite() {
             return Err(Fault::NonFinite);
         }
         if error <= V::Scalar::one() {
-            self.v[END].copy_from(&new.qd);
-            system.evaluate(t + length, &new.q, &new.qd, &mut self.a[END])?;
+            self.stages.end(system, t + length, new, END)?;
         }
         Ok(error)
     }
 
-    /// Stage `s`: `y₀ + h Σ a[s][j] k[j]` and the acceleration there.
-    #[inline]
-    fn stage<F, R, const S: usize>(
-        &mut self,
-        system: &mut System<F>,
-        t: f64,
-        length: f64,
-        old: &State<V>,
-        s: usize,
-        row: &[Weight; S],
-    ) -> Result<(), Fault>
-    where
-        F: FnMut(V::Scalar, &V, &V, &mut V) -> R,
-        R: Outcome,
-    {
-        let h = V::Scalar::from_f64(length);
-        combine(&mut self.q, &old.q, h, row, &self.v);
-        combine(&mut self.v[s], &old.qd, h, row, &self.a);
-        system.evaluate(t + NODES[s] * length, &self.q, &self.v[s], &mut self.a[s])
-    }
-
-    /// The error of the step in units of the tolerance: of order 5, damped where the one of order 3 is larger.
-    fn error(&self, h: V::Scalar, old: &State<V>, new: &State<V>) -> V::Scalar {
-        let (mut fifth, mut third) = (V::Scalar::zero(), V::Scalar::zero());
-        for (slopes, y0, y1) in [(&self.v, &old.q, &new.q), (&self.a, &old.qd, &new.qd)] {
-            let (y0, y1) = (y0.as_slice(), y1.as_slice());
-            for i in 0..y0.len() {
-                let scale = self.atol + self.rtol * y0[i].abs().maximum(y1[i].abs());
-                let (e5, e3) = (weighted(&E5, slopes, i) / scale, weighted(&E3, slopes, i) / scale);
-                fifth = fifth + e5 * e5;
-                third = third + e3 * e3;
-            }
-        }
-        let damped = fifth + V::Scalar::from_f64(0.01) * third;
-        if damped == V::Scalar::zero() {
-            return damped;
-        }
-        let count = V::Scalar::from_f64(2.0 * old.q.as_slice().len() as f64);
-        h.abs() * fifth / (damped * count).sqrt()
-    }
-
-    /// Hairer's choice of the first step (section II.4), positive \[s\].
-    ///
-    /// One explicit Euler step, a hundredth of `|y|/|y'|` long, estimates the second derivative; then the step is such
-    /// that `hᵖ max(|y'|, |y''|) = 1/100`, in the norm of the tolerances.
-    fn initial_step<F, R>(
-        &mut self,
-        system: &mut System<F>,
-        t: f64,
-        direction: f64,
-        longest: f64,
-        state: &State<V>,
-    ) -> f64
-    where
-        F: FnMut(V::Scalar, &V, &V, &mut V) -> R,
-        R: Outcome,
-    {
-        let small = V::Scalar::from_f64(1e-5);
-        let (d0, d1) = (self.norm(state, &state.q, &state.qd), self.norm(state, &self.v[0], &self.a[0]));
-        let guess = if d0 < small || d1 < small { 1e-6 } else { 0.01 * (d0 / d1).to_f64() };
-        // Infinite norms (of f32) make NaN here, and `min` drops it.
-        let guess = guess.min(longest);
-
-        let h = V::Scalar::from_f64(direction * guess);
-        combine(&mut self.q, &state.q, h, &[(0, 1.0)], &self.v);
-        combine(&mut self.v[1], &state.qd, h, &[(0, 1.0)], &self.a);
-        if system.evaluate(t + direction * guess, &self.q, &self.v[1], &mut self.a[1]).is_err() {
-            return guess;
-        }
-        for stages in [&mut self.v, &mut self.a] {
-            let [first, second, ..] = stages;
-            for (x, x0) in second.as_mut_slice().iter_mut().zip(first.as_slice()) {
-                *x = *x - *x0;
-            }
-        }
-        let d2 = self.norm(state, &self.v[1], &self.a[1]) / h.abs();
-        let steepest = d1.maximum(d2);
-        let step = if steepest <= V::Scalar::from_f64(1e-15) {
-            (guess * 1e-3).max(1e-6)
-        } else {
-            (V::Scalar::from_f64(0.01) / steepest).powf(V::Scalar::from_f64(1.0 / 8.0)).to_f64()
-        };
-        step.min(100.0 * guess).min(longest)
-    }
-
-    /// The root mean square of `(x, y)` in units of the tolerance at `state`.
-    fn norm(&self, state: &State<V>, x: &V, y: &V) -> V::Scalar {
-        let mut sum = V::Scalar::zero();
-        for (at, x) in [(&state.q, x), (&state.qd, y)] {
-            for (at, x) in at.as_slice().iter().zip(x.as_slice()) {
-                let scaled = *x / (self.atol + self.rtol * at.abs());
-                sum = sum + scaled * scaled;
-            }
-        }
-        let count = (2 * x.as_slice().len()).max(1);
-        (sum / V::Scalar::from_f64(count as f64)).sqrt()
-    }
-}
-
-/// `base + h Σ weight · slope`.
-#[inline(always)] // the row is a constant: with it in sight the loop over the stages unrolls
-fn combine<V: Coordinates, const S: usize>(
-    out: &mut V,
-    base: &V,
-    h: V::Scalar,
-    row: &[Weight; S],
-    slopes: &[V; STAGES],
-) {
-    let (out, base) = (out.as_mut_slice(), base.as_slice());
-    for i in 0..out.len() {
-        out[i] = base[i] + h * weighted(row, slopes, i);
-    }
-}
-
-/// `Σ weight · slope` of the number `i`.
-#[inline(always)]
-fn weighted<V: Coordinates, const S: usize>(row: &[Weight; S], slopes: &[V; STAGES], i: usize) -> V::Scalar {
-    let mut sum = V::Scalar::zero();
-    for &(stage, weight) in row {
-        sum = sum + V::Scalar::from_f64(weight) * slopes[stage].as_slice()[i];
-    }
-    sum
-}
-
-impl<V: Coordinates<Scalar: Real>> Interpolant<V> for Stages<V> {
     /// `r₁ = Δy`, `r₂ = h y₀' − Δy`, `r₃ = 2Δy − h (y₀' + y₁')`, `r₄ … r₇ = h Σ d k`.
     fn prepare<F, R>(&mut self, system: &mut System<F>, span: &Span<'_, V>) -> Result<(), Fault>
     where
@@ -427,8 +212,8 @@ impl<V: Coordinates<Scalar: Real>> Interpolant<V> for Stages<V> {
         self.stage(system, start, length, old, 15, &A15)?;
         let h = V::Scalar::from_f64(length);
         for (slopes, y0, y1, part) in [
-            (&self.v, &old.q, &new.q, (|state| &mut state.q) as fn(&mut State<V>) -> &mut V),
-            (&self.a, &old.qd, &new.qd, |state| &mut state.qd),
+            (&self.stages.v, &old.q, &new.q, (|state| &mut state.q) as fn(&mut State<V>) -> &mut V),
+            (&self.stages.a, &old.qd, &new.qd, |state| &mut state.qd),
         ] {
             let (y0, y1) = (y0.as_slice(), y1.as_slice());
             let parts = self.parts.each_mut().map(|state| part(state).as_mut_slice());
@@ -460,6 +245,23 @@ impl<V: Coordinates<Scalar: Real>> Interpolant<V> for Stages<V> {
             q[i] = at(span.old.q.as_slice()[i], parts.map(|(part, _)| part[i]));
             qd[i] = at(span.old.qd.as_slice()[i], parts.map(|(_, part)| part[i]));
         }
+    }
+}
+
+impl<V: Coordinates<Scalar: Real>> Pair<V> for Work<V> {
+    fn initial_step<F, R>(
+        &mut self,
+        system: &mut System<F>,
+        t: f64,
+        direction: f64,
+        longest: f64,
+        state: &State<V>,
+    ) -> f64
+    where
+        F: FnMut(V::Scalar, &V, &V, &mut V) -> R,
+        R: Outcome,
+    {
+        self.stages.initial_step(system, t, direction, longest, state, 8.0)
     }
 }
 

@@ -11,11 +11,12 @@
 //!
 //! Source: W. Kutta, *Beitrag zur näherungsweisen Integration totaler Differentialgleichungen*, 1901; E. Hairer, S. P.
 //! Nørsett and G. Wanner, *Solving Ordinary Differential Equations I*, 2nd ed. 1993, table II.1.2. Between the ends of
-//! a step: the cubic Hermite polynomials of `(q, q̇)` and `(q̇, q̈)`, section II.6, formula 6.7.
+//! a step: cubic Hermite polynomials.
 
 use core::ops::ControlFlow;
 
-use super::{Accepted, Fault, Integrator, Interpolant, Outcome, Span, Step, Summary, System, check_input};
+use super::run::{Fault, Method, Span, System};
+use super::{Integrator, Outcome, Step, Summary, fixed, hermite};
 use crate::error::{IntegrationError, SingularMassMatrix};
 use crate::scalar::Scalar;
 use crate::state::{Coordinates, State};
@@ -38,19 +39,6 @@ impl Rk4 {
     pub const fn new(step: f64) -> Self {
         Self { step, max_steps: usize::MAX }
     }
-
-    /// How many steps it takes over `duration` \[s\].
-    fn count(&self, t: f64, duration: f64) -> Result<usize, IntegrationError> {
-        // 0.3/0.1 is not 3: what is beyond a whole number by rounding alone makes no step of its own.
-        let ratio = duration.abs() / self.step * (1.0 - 4.0 * f64::EPSILON);
-        let whole = ratio as usize;
-        let steps = if (whole as f64) < ratio { whole.saturating_add(1) } else { whole.max(1) };
-        let allowed = self.max_steps.min(1 << 53);
-        if steps > allowed || !duration.is_finite() {
-            return Err(IntegrationError::TooManySteps { time: t, steps: self.max_steps });
-        }
-        Ok(steps)
-    }
 }
 
 impl<T: Scalar> Integrator<T> for Rk4 {
@@ -63,7 +51,7 @@ impl<T: Scalar> Integrator<T> for Rk4 {
         t: f64,
         t_end: f64,
         state: &mut State<V>,
-        mut observer: O,
+        observer: O,
     ) -> Result<Summary, IntegrationError>
     where
         V: Coordinates<Scalar = T>,
@@ -71,57 +59,8 @@ impl<T: Scalar> Integrator<T> for Rk4 {
         R: Outcome,
         O: FnMut(&mut dyn Step<V>) -> ControlFlow<f64>,
     {
-        check_input(t, t_end, state)?;
-        if self.step.is_nan() || self.step <= 0.0 {
-            return Err(IntegrationError::InvalidStep { step: self.step });
-        }
-        let mut summary =
-            Summary { time: t, stopped: false, evaluations: 0, accepted: 0, rejected: 0, next_step: self.step };
-        if t == t_end {
-            return Ok(summary);
-        }
-        let steps = self.count(t, t_end - t)?;
-        let h = (t_end - t) / steps as f64;
-        let mut system = System::new(acceleration);
-        let mut method = Rk4Stepper::new(state);
-        let mut new = state.clone();
-        let mut replacement = state.clone();
-        // Whether the first stage is known from the end of the previous step.
-        let mut started = false;
-        for i in 1..=steps {
-            let start = summary.time;
-            let end = if i == steps { t_end } else { t + i as f64 * h };
-            if !started {
-                method.begin(&mut system, start, state).map_err(|fault| fault.at(start, h))?;
-            }
-            method.advance(&mut system, start, end - start, state, &mut new).map_err(|fault| fault.at(start, h))?;
-            let onward = Accepted {
-                span: Span { start, end, old: state, new: &new },
-                system: &mut system,
-                method: &mut method,
-                replacement: &mut replacement,
-                prepared: false,
-                replaced: false,
-                fault: None,
-            }
-            .observe(&mut observer);
-            state.copy_from(&new);
-            let onward = onward?;
-            if onward.replaced {
-                state.copy_from(&replacement);
-            } else if onward.prepared {
-                method.k.swap(0, 4);
-            }
-            started = onward.prepared && !onward.replaced;
-            summary.accepted += 1;
-            summary.time = end;
-            summary.evaluations = system.evaluations;
-            if let Some(time) = onward.stopped_at {
-                (summary.time, summary.stopped) = (time, true);
-                break;
-            }
-        }
-        Ok(summary)
+        let method = Rk4Stepper::new(state);
+        fixed::integrate((self.step, self.max_steps), method, acceleration, t, t_end, state, observer)
     }
 }
 
@@ -183,36 +122,6 @@ impl<V: Coordinates> Rk4Stepper<V> {
         Ok(())
     }
 
-    /// The first stage: `q̈` at the beginning of the step.
-    fn begin<F, R>(&mut self, system: &mut System<F>, t: f64, state: &State<V>) -> Result<(), Fault>
-    where
-        F: FnMut(V::Scalar, &V, &V, &mut V) -> R,
-        R: Outcome,
-    {
-        system.evaluate(t, &state.q, &state.qd, &mut self.k[0])
-    }
-
-    /// The other stages and the end of the step, finite.
-    fn advance<F, R>(
-        &mut self,
-        system: &mut System<F>,
-        t: f64,
-        h: f64,
-        old: &State<V>,
-        new: &mut State<V>,
-    ) -> Result<(), Fault>
-    where
-        F: FnMut(V::Scalar, &V, &V, &mut V) -> R,
-        R: Outcome,
-    {
-        self.stages(V::Scalar::from_f64(h), old, |stage, q, qd, qdd| {
-            system.evaluate(if stage == 3 { t + h } else { t + 0.5 * h }, q, qd, qdd)
-        })?;
-        new.copy_from(old);
-        self.finish(V::Scalar::from_f64(h), new);
-        if new.is_finite() { Ok(()) } else { Err(Fault::NonFinite) }
-    }
-
     /// Stages 1 to 3 from stage 0.
     #[inline]
     fn stages<E>(
@@ -257,7 +166,49 @@ fn advance<V: Coordinates>(out: &mut V, base: &V, h: V::Scalar, slope: &V) {
     }
 }
 
-impl<V: Coordinates> Interpolant<V> for Rk4Stepper<V> {
+impl<V: Coordinates> Method<V> for Rk4Stepper<V> {
+    type Error = ();
+
+    fn begin<F, R>(&mut self, system: &mut System<F>, t: f64, state: &State<V>) -> Result<(), Fault>
+    where
+        F: FnMut(V::Scalar, &V, &V, &mut V) -> R,
+        R: Outcome,
+    {
+        system.evaluate(t, &state.q, &state.qd, &mut self.k[0])
+    }
+
+    fn proceed<F, R>(&mut self, system: &mut System<F>, t: f64, state: &State<V>, prepared: bool) -> Result<(), Fault>
+    where
+        F: FnMut(V::Scalar, &V, &V, &mut V) -> R,
+        R: Outcome,
+    {
+        if prepared {
+            self.k.swap(0, 4);
+            return Ok(());
+        }
+        self.begin(system, t, state)
+    }
+
+    fn advance<F, R>(
+        &mut self,
+        system: &mut System<F>,
+        t: f64,
+        length: f64,
+        old: &State<V>,
+        new: &mut State<V>,
+    ) -> Result<(), Fault>
+    where
+        F: FnMut(V::Scalar, &V, &V, &mut V) -> R,
+        R: Outcome,
+    {
+        self.stages(V::Scalar::from_f64(length), old, |stage, q, qd, qdd| {
+            system.evaluate(if stage == 3 { t + length } else { t + 0.5 * length }, q, qd, qdd)
+        })?;
+        new.copy_from(old);
+        self.finish(V::Scalar::from_f64(length), new);
+        if new.is_finite() { Ok(()) } else { Err(Fault::NonFinite) }
+    }
+
     fn prepare<F, R>(&mut self, system: &mut System<F>, span: &Span<'_, V>) -> Result<(), Fault>
     where
         F: FnMut(V::Scalar, &V, &V, &mut V) -> R,
@@ -267,20 +218,7 @@ impl<V: Coordinates> Interpolant<V> for Rk4Stepper<V> {
     }
 
     fn interpolate(&self, span: &Span<'_, V>, theta: V::Scalar, state: &mut State<V>) {
-        let (old, new, h) = (span.old, span.new, V::Scalar::from_f64(span.end - span.start));
-        hermite(&mut state.q, theta, h, [&old.q, &new.q], [&old.qd, &new.qd]);
-        hermite(&mut state.qd, theta, h, [&old.qd, &new.qd], [&self.k[0], &self.k[4]]);
-    }
-}
-
-/// `(1 − θ) y₀ + θ y₁ + θ (θ − 1) ((1 − 2θ)(y₁ − y₀) + (θ − 1) h y₀' + θ h y₁')`.
-fn hermite<V: Coordinates>(out: &mut V, theta: V::Scalar, h: V::Scalar, value: [&V; 2], slope: [&V; 2]) {
-    let one = V::Scalar::one();
-    let ([y0, y1], [s0, s1]) = (value.map(V::as_slice), slope.map(V::as_slice));
-    for (i, out) in out.as_mut_slice().iter_mut().enumerate() {
-        let rise = y1[i] - y0[i];
-        let bend = (one - theta - theta) * rise + h * ((theta - one) * s0[i] + theta * s1[i]);
-        *out = y0[i] + theta * rise + theta * (theta - one) * bend;
+        hermite::interpolate(span, [&self.k[0], &self.k[4]], theta, state);
     }
 }
 

@@ -10,8 +10,7 @@
 
 #![allow(clippy::excessive_precision)] // all digits that were published
 
-/// A stage and what it counts for.
-pub(super) type Weight = (usize, f64);
+use crate::integrator::adaptive::Weight;
 
 /// The nodes `c` of the stages.
 pub(super) const NODES: [f64; 16] = [

@@ -1,0 +1,366 @@
+//! Steps by error control, for explicit Runge–Kutta pairs.
+//!
+//! Source: E. Hairer, S. P. Nørsett and G. Wanner, *Solving Ordinary Differential Equations I*, 2nd ed. 1993, section
+//! II.4 (step control, initial step); K. Gustafsson, *Control theoretic techniques for stepsize selection in explicit
+//! Runge–Kutta methods*, 1991, and in the form of E. Hairer and G. Wanner, *Solving Ordinary Differential Equations II*,
+//! 2nd ed. 1996, section IV.2, formula 2.43c (the PI controller).
+
+use core::ops::ControlFlow;
+
+use super::run::{Fault, Method, Next, Run, System};
+use super::{Outcome, Step, Summary};
+use crate::error::IntegrationError;
+use crate::scalar::{Real, Scalar};
+use crate::state::{Coordinates, State};
+
+/// A stage and what it counts for.
+pub(super) type Weight = (usize, f64);
+
+/// How much of the step that would just do is taken.
+const SAFETY: f64 = 0.9;
+
+/// What the caller sets, and what the method adds.
+pub(super) struct Control {
+    pub(super) rtol: f64,
+    pub(super) atol: f64,
+    pub(super) first_step: Option<f64>,
+    pub(super) min_step: f64,
+    pub(super) max_step: f64,
+    pub(super) max_steps: usize,
+    /// `β`, the weight of the error of the step before.
+    pub(super) beta: f64,
+    /// `α`, the weight of the error of this step.
+    pub(super) alpha: f64,
+    /// How far the next step may be shorter or longer than this one.
+    pub(super) factors: [f64; 2],
+}
+
+impl Control {
+    fn check(&self) -> Result<(), IntegrationError> {
+        let positive = |x: f64| x > 0.0 && x.is_finite();
+        if !(positive(self.rtol) && positive(self.atol)) {
+            return Err(IntegrationError::InvalidTolerance { relative: self.rtol, absolute: self.atol });
+        }
+        // The step would follow the error before more than this one.
+        if !(self.beta >= 0.0 && self.alpha > self.beta) {
+            return Err(IntegrationError::InvalidGain { beta: self.beta });
+        }
+        let first = self.first_step.unwrap_or(1.0);
+        for (step, good) in [
+            (first, positive(first)),
+            (self.min_step, self.min_step == 0.0 || positive(self.min_step)),
+            (self.max_step, self.max_step > 0.0),
+        ] {
+            if !good {
+                return Err(IntegrationError::InvalidStep { step });
+            }
+        }
+        Ok(())
+    }
+
+    /// The shortest step to try at the time `t`.
+    fn shortest<T: Real>(&self, t: f64) -> f64 {
+        self.min_step.max(16.0 * f64::EPSILON * t.abs()).max(T::MIN_POSITIVE.to_f64())
+    }
+
+    /// How much longer the next step may be: `0.9 error^(−α) previous^β` within bounds, the shortest for NaN.
+    fn factor<T: Real>(&self, error: T, previous: f64) -> f64 {
+        if !error.is_finite() {
+            return self.factors[0];
+        }
+        // An error of zero gives infinity, and so the upper bound.
+        let root = if self.alpha == 1.0 / 8.0 {
+            // A tenth of the time of a step goes into the library's power otherwise.
+            T::one() / error.sqrt().sqrt().sqrt()
+        } else {
+            error.powf(T::from_f64(-self.alpha))
+        };
+        let integral = SAFETY * root.to_f64();
+        let proportional =
+            if self.beta == 0.0 { 1.0 } else { T::from_f64(previous).powf(T::from_f64(self.beta)).to_f64() };
+        (integral * proportional).clamp(self.factors[0], self.factors[1])
+    }
+}
+
+/// An explicit Runge–Kutta pair, whose error is in units of the tolerance.
+pub(super) trait Pair<V: Coordinates>: Method<V, Error = V::Scalar> {
+    /// The length of the first step, positive \[s\], from where the method has begun; `longest` at the most.
+    fn initial_step<F, R>(
+        &mut self,
+        system: &mut System<F>,
+        t: f64,
+        direction: f64,
+        longest: f64,
+        state: &State<V>,
+    ) -> f64
+    where
+        F: FnMut(V::Scalar, &V, &V, &mut V) -> R,
+        R: Outcome;
+}
+
+/// Steps whose error is at most 1, to `t_end`.
+pub(super) fn integrate<T, V, M, F, R, O>(
+    control: &Control,
+    method: M,
+    acceleration: F,
+    t: f64,
+    t_end: f64,
+    state: &mut State<V>,
+    observer: O,
+) -> Result<Summary, IntegrationError>
+where
+    T: Real,
+    V: Coordinates<Scalar = T>,
+    M: Pair<V>,
+    F: FnMut(T, &V, &V, &mut V) -> R,
+    R: Outcome,
+    O: FnMut(&mut dyn Step<V>) -> ControlFlow<f64>,
+{
+    let mut run = Run::new(method, acceleration, t, t_end, state, observer)?;
+    control.check()?;
+    if t == t_end {
+        return Ok(run.summary);
+    }
+    let direction = if t_end > t { 1.0 } else { -1.0 };
+    run.ready().map_err(|fault| fault.at(t, 0.0))?;
+    let mut step = control.first_step.unwrap_or_else(|| {
+        let longest = (t_end - t).abs().min(control.max_step);
+        run.method.initial_step(&mut run.system, t, direction, longest, run.state)
+    });
+    // The error of the last accepted step, and whether this step was rejected before.
+    let (mut previous, mut rejected) = (1e-4, false);
+    loop {
+        let start = run.summary.time;
+        if run.summary.accepted + run.summary.rejected == control.max_steps {
+            return Err(IntegrationError::TooManySteps { time: start, steps: control.max_steps });
+        }
+        let shortest = control.shortest::<T>(start);
+        step = step.min(control.max_step).max(shortest);
+        let remaining = (t_end - start).abs();
+        // A rest of less than a hundredth of a step is worth no step of its own.
+        let last = 1.01 * step >= remaining && remaining <= (1.0 + 1e-9) * control.max_step;
+        let (end, length) = if last { (t_end, remaining) } else { (start + direction * step, step) };
+
+        let error = match run.advance(end - start) {
+            Ok(error) if error <= T::one() => error,
+            refused => {
+                let (fault, factor) = match refused {
+                    Ok(error) => (Fault::Inaccurate, control.factor(error, 1.0)),
+                    Err(fault) => (fault, control.factors[0]),
+                };
+                if length <= shortest {
+                    return Err(fault.at(start, length));
+                }
+                run.summary.rejected += 1;
+                rejected = true;
+                step = length * factor.min(SAFETY);
+                continue;
+            }
+        };
+
+        let next = run.accept(end)?;
+        let factor = control.factor(error, previous);
+        let proposed = length * if rejected { factor.min(1.0) } else { factor };
+        // A last step that was cut short says little about the next one.
+        step = if last { proposed.max(step) } else { proposed };
+        (previous, rejected) = (error.to_f64().max(1e-4), false);
+        run.summary.next_step = step.min(control.max_step);
+        if next == Next::Stop || run.summary.time == t_end {
+            return Ok(run.summary);
+        }
+        run.ready().map_err(|fault| fault.at(run.summary.time, step))?;
+    }
+}
+
+/// What the steps of an explicit Runge–Kutta method with `S` stages work in.
+pub(super) struct Stages<V: Coordinates, const S: usize> {
+    /// `q̇` of the stages: the slopes of `q`.
+    pub(super) v: [V; S],
+    /// `q̈` of the stages: the slopes of `q̇`.
+    pub(super) a: [V; S],
+    /// The coordinates of the stage at hand.
+    q: V,
+    rtol: V::Scalar,
+    atol: V::Scalar,
+}
+
+impl<V: Coordinates<Scalar: Real>, const S: usize> Stages<V, S> {
+    pub(super) fn new(like: &State<V>, control: &Control) -> Self {
+        Self {
+            v: core::array::from_fn(|_| like.q.clone()),
+            a: core::array::from_fn(|_| like.q.clone()),
+            q: like.q.clone(),
+            rtol: V::Scalar::from_f64(control.rtol),
+            atol: V::Scalar::from_f64(control.atol),
+        }
+    }
+
+    /// The first stage of the first step.
+    pub(super) fn begin<F, R>(&mut self, system: &mut System<F>, t: f64, state: &State<V>) -> Result<(), Fault>
+    where
+        F: FnMut(V::Scalar, &V, &V, &mut V) -> R,
+        R: Outcome,
+    {
+        self.v[0].copy_from(&state.qd);
+        system.evaluate(t, &state.q, &state.qd, &mut self.a[0])
+    }
+
+    /// The first stage of a later step is the stage `end` of the one before.
+    pub(super) fn proceed(&mut self, end: usize) {
+        self.v.swap(0, end);
+        self.a.swap(0, end);
+    }
+
+    /// Stage `s` at the time `t`: `y₀ + h Σ a[s][j] k[j]` and the acceleration there.
+    #[inline(always)] // as `combine`
+    pub(super) fn stage<F, R, const N: usize>(
+        &mut self,
+        system: &mut System<F>,
+        t: f64,
+        h: V::Scalar,
+        old: &State<V>,
+        s: usize,
+        row: &[Weight; N],
+    ) -> Result<(), Fault>
+    where
+        F: FnMut(V::Scalar, &V, &V, &mut V) -> R,
+        R: Outcome,
+    {
+        combine(&mut self.q, &old.q, h, row, &self.v);
+        combine(&mut self.v[s], &old.qd, h, row, &self.a);
+        system.evaluate(t, &self.q, &self.v[s], &mut self.a[s])
+    }
+
+    /// The end of the step: `y₀ + h Σ b[j] k[j]`.
+    #[inline(always)]
+    pub(super) fn finish<const N: usize>(&self, h: V::Scalar, old: &State<V>, row: &[Weight; N], new: &mut State<V>) {
+        combine(&mut new.q, &old.q, h, row, &self.v);
+        combine(&mut new.qd, &old.qd, h, row, &self.a);
+    }
+
+    /// The acceleration at the end of the step, as stage `s`.
+    #[inline]
+    pub(super) fn end<F, R>(&mut self, system: &mut System<F>, t: f64, new: &State<V>, s: usize) -> Result<(), Fault>
+    where
+        F: FnMut(V::Scalar, &V, &V, &mut V) -> R,
+        R: Outcome,
+    {
+        self.v[s].copy_from(&new.qd);
+        system.evaluate(t, &new.q, &new.qd, &mut self.a[s])
+    }
+
+    /// For each row of weights the sum over `q` and `q̇` of `(Σ weight · slope / scale)²`.
+    #[inline(always)] // as in `combine`
+    pub(super) fn squares<const N: usize, const K: usize>(
+        &self,
+        rows: [&[Weight; N]; K],
+        old: &State<V>,
+        new: &State<V>,
+    ) -> [V::Scalar; K] {
+        let mut sums = [V::Scalar::zero(); K];
+        for (slopes, y0, y1) in [(&self.v, &old.q, &new.q), (&self.a, &old.qd, &new.qd)] {
+            let (y0, y1) = (y0.as_slice(), y1.as_slice());
+            for i in 0..y0.len() {
+                let per_scale = V::Scalar::one() / (self.atol + self.rtol * y0[i].abs().maximum(y1[i].abs()));
+                for (sum, row) in sums.iter_mut().zip(rows) {
+                    let error = weighted(row, slopes, i) * per_scale;
+                    *sum = *sum + error * error;
+                }
+            }
+        }
+        sums
+    }
+
+    /// Hairer's choice of the first step of a method of the order `order` (section II.4), positive \[s\].
+    ///
+    /// One explicit Euler step, a hundredth of `|y|/|y'|` long, estimates the second derivative; then the step is such
+    /// that `hᵖ max(|y'|, |y''|) = 1/100`, in the norm of the tolerances.
+    pub(super) fn initial_step<F, R>(
+        &mut self,
+        system: &mut System<F>,
+        t: f64,
+        direction: f64,
+        longest: f64,
+        state: &State<V>,
+        order: f64,
+    ) -> f64
+    where
+        F: FnMut(V::Scalar, &V, &V, &mut V) -> R,
+        R: Outcome,
+    {
+        let small = V::Scalar::from_f64(1e-5);
+        let (d0, d1) = (self.norm(state, &state.q, &state.qd), self.norm(state, &self.v[0], &self.a[0]));
+        let guess = if d0 < small || d1 < small { 1e-6 } else { 0.01 * (d0 / d1).to_f64() };
+        // Infinite norms (of f32) make NaN here, and `min` drops it.
+        let guess = guess.min(longest);
+
+        let h = V::Scalar::from_f64(direction * guess);
+        combine(&mut self.q, &state.q, h, &[(0, 1.0)], &self.v);
+        combine(&mut self.v[1], &state.qd, h, &[(0, 1.0)], &self.a);
+        if system.evaluate(t + direction * guess, &self.q, &self.v[1], &mut self.a[1]).is_err() {
+            return guess;
+        }
+        for stages in [&mut self.v, &mut self.a] {
+            let (first, rest) = stages.split_at_mut(1);
+            for (x, x0) in rest[0].as_mut_slice().iter_mut().zip(first[0].as_slice()) {
+                *x = *x - *x0;
+            }
+        }
+        let d2 = self.norm(state, &self.v[1], &self.a[1]) / h.abs();
+        let steepest = d1.maximum(d2);
+        let step = if steepest <= V::Scalar::from_f64(1e-15) {
+            (guess * 1e-3).max(1e-6)
+        } else {
+            (V::Scalar::from_f64(0.01) / steepest).powf(V::Scalar::from_f64(1.0 / order)).to_f64()
+        };
+        step.min(100.0 * guess).min(longest)
+    }
+
+    /// The root mean square of `(x, y)` in units of the tolerance at `state`.
+    fn norm(&self, state: &State<V>, x: &V, y: &V) -> V::Scalar {
+        let mut sum = V::Scalar::zero();
+        for (at, x) in [(&state.q, x), (&state.qd, y)] {
+            for (at, x) in at.as_slice().iter().zip(x.as_slice()) {
+                let scaled = *x / (self.atol + self.rtol * at.abs());
+                sum = sum + scaled * scaled;
+            }
+        }
+        let count = (2 * x.as_slice().len()).max(1);
+        (sum / V::Scalar::from_f64(count as f64)).sqrt()
+    }
+}
+
+/// `base + Σ (h weight) · slope`: what waits for the last slope is a product and two sums.
+#[inline(always)] // the row is a constant: with it in sight the loop over the stages unrolls
+fn combine<V: Coordinates, const N: usize, const S: usize>(
+    out: &mut V,
+    base: &V,
+    h: V::Scalar,
+    row: &[Weight; N],
+    slopes: &[V; S],
+) {
+    let (out, base) = (out.as_mut_slice(), base.as_slice());
+    for i in 0..out.len() {
+        let term = |(stage, weight): Weight| (h * V::Scalar::from_f64(weight)) * slopes[stage].as_slice()[i];
+        let mut sum = term(row[0]);
+        for &weight in &row[1..] {
+            sum = sum + term(weight);
+        }
+        out[i] = base[i] + sum;
+    }
+}
+
+/// `Σ weight · slope` of the number `i`.
+#[inline(always)]
+pub(super) fn weighted<V: Coordinates, const N: usize, const S: usize>(
+    row: &[Weight; N],
+    slopes: &[V; S],
+    i: usize,
+) -> V::Scalar {
+    let term = |(stage, weight): Weight| V::Scalar::from_f64(weight) * slopes[stage].as_slice()[i];
+    let mut sum = term(row[0]);
+    for &weight in &row[1..] {
+        sum = sum + term(weight);
+    }
+    sum
+}

@@ -1,0 +1,65 @@
+//! Steps of fixed length.
+
+use core::ops::ControlFlow;
+
+use super::run::{Method, Next, Run};
+use super::{Outcome, Step, Summary};
+use crate::error::IntegrationError;
+use crate::scalar::Scalar;
+use crate::state::{Coordinates, State};
+
+/// How many steps it takes from `t` to `t_end`.
+fn count(t: f64, t_end: f64, step: f64, allowed: usize) -> Option<usize> {
+    // 0.3/0.1 is not 3: what is beyond a whole number by rounding alone makes no step of its own.
+    let duration = (t_end - t).abs();
+    let ratio = duration / step * (1.0 - 4.0 * f64::EPSILON);
+    let whole = ratio as usize;
+    let steps = if (whole as f64) < ratio { whole.saturating_add(1) } else { whole.max(1) };
+    (steps <= allowed.min(1 << 53) && duration.is_finite()).then_some(steps)
+}
+
+/// Equal steps of `step` seconds or a little less, as many as needed, so that the last one ends at `t_end`; `max_steps`
+/// of them at the most.
+///
+/// The length is the same number for all of them: the clock is rounded, a symplectic method's step is not.
+pub(super) fn integrate<T, V, M, F, R, O>(
+    (step, max_steps): (f64, usize),
+    method: M,
+    acceleration: F,
+    t: f64,
+    t_end: f64,
+    state: &mut State<V>,
+    observer: O,
+) -> Result<Summary, IntegrationError>
+where
+    T: Scalar,
+    V: Coordinates<Scalar = T>,
+    M: Method<V, Error = ()>,
+    F: FnMut(T, &V, &V, &mut V) -> R,
+    R: Outcome,
+    O: FnMut(&mut dyn Step<V>) -> ControlFlow<f64>,
+{
+    let mut run = Run::new(method, acceleration, t, t_end, state, observer)?;
+    if step.is_nan() || step <= 0.0 {
+        return Err(IntegrationError::InvalidStep { step });
+    }
+    run.summary.next_step = step;
+    while run.summary.time != t_end {
+        let origin = run.summary.time;
+        let Some(steps) = count(origin, t_end, step, max_steps - run.summary.accepted) else {
+            return Err(IntegrationError::TooManySteps { time: origin, steps: max_steps });
+        };
+        let h = (t_end - origin) / steps as f64;
+        for i in 1..=steps {
+            let start = run.summary.time;
+            let end = if i == steps { t_end } else { origin + i as f64 * h };
+            run.ready().and_then(|()| run.advance(h)).map_err(|fault| fault.at(start, h))?;
+            match run.accept(end)? {
+                Next::Step => {}
+                Next::Again => break,
+                Next::Stop => return Ok(run.summary),
+            }
+        }
+    }
+    Ok(run.summary)
+}

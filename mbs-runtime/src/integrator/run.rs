@@ -1,0 +1,316 @@
+//! What all methods share: the right-hand side, a step on its way through the observer, and what goes before and after.
+
+use core::ops::ControlFlow;
+
+use super::{Outcome, Step, Summary, check_input, is_between};
+use crate::error::{IntegrationError, SingularMassMatrix};
+use crate::scalar::Scalar;
+use crate::state::{Coordinates, State};
+
+/// Why a step is refused.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Fault {
+    Inaccurate,
+    NonFinite,
+    Singular(SingularMassMatrix),
+    /// The stages of an implicit method, after as many iterations.
+    NotConverged(usize),
+}
+
+impl Fault {
+    /// The error to end with, at the last accepted `time`, when a step of length `step` could not be made.
+    pub(super) fn at(self, time: f64, step: f64) -> IntegrationError {
+        match self {
+            Self::Inaccurate => IntegrationError::StepTooSmall { time, step },
+            Self::NonFinite => IntegrationError::NonFiniteState { time },
+            Self::Singular(SingularMassMatrix { pivot, index }) => {
+                IntegrationError::SingularMassMatrix { time, pivot, index }
+            }
+            Self::NotConverged(iterations) => IntegrationError::NotConverged { time, iterations },
+        }
+    }
+}
+
+/// The right-hand side, and how often it was evaluated.
+pub(super) struct System<F> {
+    acceleration: F,
+    evaluations: usize,
+}
+
+impl<F> System<F> {
+    /// `q̈ = f(t, q, q̇)`, finite.
+    #[inline]
+    pub(super) fn evaluate<V, R>(&mut self, t: f64, q: &V, qd: &V, qdd: &mut V) -> Result<(), Fault>
+    where
+        V: Coordinates,
+        F: FnMut(V::Scalar, &V, &V, &mut V) -> R,
+        R: Outcome,
+    {
+        self.evaluations += 1;
+        (self.acceleration)(V::Scalar::from_f64(t), q, qd, qdd).into_result().map_err(Fault::Singular)?;
+        if qdd.is_finite() { Ok(()) } else { Err(Fault::NonFinite) }
+    }
+}
+
+/// The two ends of an accepted step.
+pub(super) struct Span<'a, V> {
+    pub(super) start: f64,
+    pub(super) end: f64,
+    pub(super) old: &'a State<V>,
+    pub(super) new: &'a State<V>,
+}
+
+/// A method of one step at a time, with what it carries from step to step.
+pub(super) trait Method<V: Coordinates> {
+    /// What a step says about its error: nothing, or its size in units of the tolerance.
+    type Error;
+
+    /// Makes ready for a step from a state that does not come from this method: the first one, or after a jump.
+    fn begin<F, R>(&mut self, system: &mut System<F>, t: f64, state: &State<V>) -> Result<(), Fault>
+    where
+        F: FnMut(V::Scalar, &V, &V, &mut V) -> R,
+        R: Outcome;
+
+    /// Makes ready for the step after the one just made; `prepared` where that one was interpolated.
+    fn proceed<F, R>(&mut self, system: &mut System<F>, t: f64, state: &State<V>, prepared: bool) -> Result<(), Fault>
+    where
+        F: FnMut(V::Scalar, &V, &V, &mut V) -> R,
+        R: Outcome;
+
+    /// The step from `old` at the time `t` to `new`, finite, `length` \[s\] later; negative backwards.
+    fn advance<F, R>(
+        &mut self,
+        system: &mut System<F>,
+        t: f64,
+        length: f64,
+        old: &State<V>,
+        new: &mut State<V>,
+    ) -> Result<Self::Error, Fault>
+    where
+        F: FnMut(V::Scalar, &V, &V, &mut V) -> R,
+        R: Outcome;
+
+    /// Evaluates and stores what [`interpolate`](Self::interpolate) needs.
+    fn prepare<F, R>(&mut self, system: &mut System<F>, span: &Span<'_, V>) -> Result<(), Fault>
+    where
+        F: FnMut(V::Scalar, &V, &V, &mut V) -> R,
+        R: Outcome;
+
+    /// The solution at the fraction `theta` of the step.
+    fn interpolate(&self, span: &Span<'_, V>, theta: V::Scalar, state: &mut State<V>);
+}
+
+/// One integration under way.
+pub(super) struct Run<'a, V, F, M, O> {
+    pub(super) system: System<F>,
+    pub(super) method: M,
+    observer: O,
+    pub(super) state: &'a mut State<V>,
+    new: State<V>,
+    /// Where the observer wants to go on from.
+    replacement: State<V>,
+    pub(super) summary: Summary,
+    /// Whether the method knows `state` as the end of its last step, and whether that one was interpolated.
+    known: Option<bool>,
+}
+
+/// How the integration goes on after a step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Next {
+    /// From the end of the step.
+    Step,
+    /// From a time inside the step.
+    Again,
+    /// Not at all.
+    Stop,
+}
+
+impl<'a, V, F, R, M, O> Run<'a, V, F, M, O>
+where
+    V: Coordinates,
+    F: FnMut(V::Scalar, &V, &V, &mut V) -> R,
+    R: Outcome,
+    M: Method<V>,
+    O: FnMut(&mut dyn Step<V>) -> ControlFlow<f64>,
+{
+    /// Checks what is given; nothing is evaluated yet.
+    pub(super) fn new(
+        method: M,
+        acceleration: F,
+        t: f64,
+        t_end: f64,
+        state: &'a mut State<V>,
+        observer: O,
+    ) -> Result<Self, IntegrationError> {
+        check_input(t, t_end, state)?;
+        Ok(Self {
+            system: System { acceleration, evaluations: 0 },
+            method,
+            observer,
+            new: state.clone(),
+            replacement: state.clone(),
+            state,
+            summary: Summary { time: t, stopped: false, evaluations: 0, accepted: 0, rejected: 0, next_step: 0.0 },
+            known: None,
+        })
+    }
+
+    /// Makes the method ready for a step from here.
+    pub(super) fn ready(&mut self) -> Result<(), Fault> {
+        let t = self.summary.time;
+        match self.known {
+            None => self.method.begin(&mut self.system, t, self.state),
+            Some(prepared) => self.method.proceed(&mut self.system, t, self.state, prepared),
+        }
+    }
+
+    /// Tries a step of the length `length`.
+    #[inline]
+    pub(super) fn advance(&mut self, length: f64) -> Result<M::Error, Fault> {
+        self.method.advance(&mut self.system, self.summary.time, length, self.state, &mut self.new)
+    }
+
+    /// Accepts the step just made, which ends at the time `end`, and asks the observer.
+    pub(super) fn accept(&mut self, end: f64) -> Result<Next, IntegrationError> {
+        let onward = Accepted {
+            span: Span { start: self.summary.time, end, old: self.state, new: &self.new },
+            system: &mut self.system,
+            method: &mut self.method,
+            replacement: &mut self.replacement,
+            prepared: false,
+            origin: None,
+            fault: None,
+        }
+        .observe(&mut self.observer);
+        self.state.copy_from(&self.new);
+        let Onward { stopped, prepared, origin } = onward?;
+        if origin.is_some() {
+            self.state.copy_from(&self.replacement);
+        }
+        self.known = if origin.is_some() { None } else { Some(prepared) };
+        self.summary.accepted += 1;
+        self.summary.time = origin.unwrap_or(end);
+        self.summary.stopped = stopped;
+        self.summary.evaluations = self.system.evaluations;
+        Ok(match origin {
+            _ if stopped => Next::Stop,
+            Some(time) if time != end => Next::Again,
+            _ => Next::Step,
+        })
+    }
+}
+
+/// A step on its way through the observer.
+struct Accepted<'a, V, F, M> {
+    span: Span<'a, V>,
+    system: &'a mut System<F>,
+    method: &'a mut M,
+    replacement: &'a mut State<V>,
+    prepared: bool,
+    /// The time at which the integration goes on from the replacement.
+    origin: Option<f64>,
+    fault: Option<IntegrationError>,
+}
+
+/// What the observer wants.
+struct Onward {
+    /// Whether it ended the integration.
+    stopped: bool,
+    /// Whether the interpolant was prepared.
+    prepared: bool,
+    /// The time at which the integration goes on, or ends, with the replacement.
+    origin: Option<f64>,
+}
+
+impl<V, F, R, M> Accepted<'_, V, F, M>
+where
+    V: Coordinates,
+    F: FnMut(V::Scalar, &V, &V, &mut V) -> R,
+    R: Outcome,
+    M: Method<V>,
+{
+    /// Shows the step to the observer; how the integration goes on.
+    fn observe<O>(mut self, observer: &mut O) -> Result<Onward, IntegrationError>
+    where
+        O: FnMut(&mut dyn Step<V>) -> ControlFlow<f64>,
+    {
+        let answer = observer(&mut self);
+        if let Some(error) = self.fault {
+            return Err(error);
+        }
+        if let ControlFlow::Break(time) = answer
+            && time != self.origin.unwrap_or(self.span.end)
+        {
+            let mut state = self.replacement.clone();
+            self.try_interpolate(time, &mut state)?;
+            self.go_on_from(time, &state);
+        }
+        Ok(Onward { stopped: answer.is_break(), prepared: self.prepared, origin: self.origin })
+    }
+
+    fn try_interpolate(&mut self, t: f64, state: &mut State<V>) -> Result<(), IntegrationError> {
+        let Span { start, end, old, new } = self.span;
+        if t == end {
+            state.copy_from(new);
+        } else if t == start {
+            state.copy_from(old);
+        } else if is_between(start, t, end) {
+            if !self.prepared {
+                self.method.prepare(self.system, &self.span).map_err(|fault| fault.at(end, end - start))?;
+                self.prepared = true;
+            }
+            let theta = V::Scalar::from_f64((t - start) / (end - start));
+            self.method.interpolate(&self.span, theta, state);
+        } else {
+            return Err(IntegrationError::InvalidTime { time: t });
+        }
+        Ok(())
+    }
+
+    fn go_on_from(&mut self, t: f64, state: &State<V>) {
+        self.replacement.copy_from(state);
+        self.origin = Some(t);
+    }
+}
+
+impl<V, F, R, M> Step<V> for Accepted<'_, V, F, M>
+where
+    V: Coordinates,
+    F: FnMut(V::Scalar, &V, &V, &mut V) -> R,
+    R: Outcome,
+    M: Method<V>,
+{
+    fn previous_time(&self) -> f64 {
+        self.span.start
+    }
+
+    fn time(&self) -> f64 {
+        self.span.end
+    }
+
+    fn previous_state(&self) -> &State<V> {
+        self.span.old
+    }
+
+    fn state(&self) -> &State<V> {
+        self.span.new
+    }
+
+    fn interpolate(&mut self, t: f64, state: &mut State<V>) -> Result<(), IntegrationError> {
+        self.try_interpolate(t, state).inspect_err(|&error| self.fault = Some(error))
+    }
+
+    fn replace(&mut self, state: &State<V>) {
+        self.go_on_from(self.span.end, state);
+    }
+
+    fn restart(&mut self, t: f64, state: &State<V>) -> Result<(), IntegrationError> {
+        if !is_between(self.span.start, t, self.span.end) {
+            let error = IntegrationError::InvalidTime { time: t };
+            self.fault = Some(error);
+            return Err(error);
+        }
+        self.go_on_from(t, state);
+        Ok(())
+    }
+}
