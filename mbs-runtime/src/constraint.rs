@@ -111,10 +111,11 @@ const MOST_ITERATIONS: usize = 50;
 const MOST_HALVINGS: usize = 10;
 
 impl<T: Real, S: AsMut<[T]>> Projector<T, S> {
-    /// How many numbers it works in for `n` coordinates and `k` rows: `n² + 2 k n + 4 n + 4 k`.
+    /// How many numbers it works in for `n` coordinates and `k` rows: `n² + k² + 4 k n + 8 n + 8 k`.
     #[must_use]
     pub const fn size(n: usize, k: usize) -> usize {
-        Workspace::<T>::size(n, k)
+        // The second one is for multipliers.
+        Workspace::<T>::size(n, k) + Workspace::<T>::size(k, n)
     }
 
     /// In this memory; redundant rows are refused.
@@ -172,6 +173,90 @@ impl<T: Real, S: AsMut<[T]>> Projector<T, S> {
         state.qd.as_mut_slice().copy_from_slice(work.qd);
         Ok(())
     }
+
+    /// Accelerations and multipliers of `M q̈ = f + Aᵀ λ`, `A q̈ + γ = 0`, of least norm where rows are redundant.
+    ///
+    /// | argument      | meaning                                                                             | length |
+    /// |---------------|-------------------------------------------------------------------------------------|--------|
+    /// | `q`           | positions                                                                           | n      |
+    /// | `force`       | `f = Q − C q̇ − G − ∂D/∂q̇`                                                           | n      |
+    /// | `bias`        | `γ`; Baumgarte's stabilization is `γ + 2α (A q̇ + b) + β² φ` \[`α`, `β` in 1/s\]     | k      |
+    /// | `qdd`         | receives `q̈`                                                                        | n      |
+    /// | `multipliers` | receives `λ`                                                                        | k      |
+    ///
+    /// The generated `forward_dynamics` and `multipliers` do the same in closed form where all rows are independent.
+    ///
+    /// Source: J. Baumgarte, *Stabilization of constraints and integrals of motion in dynamical systems*, Computer Methods in
+    /// Applied Mechanics and Engineering 1 (1972).
+    ///
+    /// # Errors
+    /// [`ConstraintError`]: a row is redundant, unless such are left out; M is singular on the motions that A leaves;
+    /// something is not finite. What is to be received is then undefined.
+    #[allow(clippy::too_many_arguments)] // two equations with two unknowns
+    pub fn accelerations<C: Constraints<T>>(
+        &mut self,
+        constraints: &C,
+        t: f64,
+        q: &[T],
+        force: &[T],
+        bias: &[T],
+        qdd: &mut [T],
+        multipliers: &mut [T],
+    ) -> Result<(), ConstraintError> {
+        let (t, n, k) = (T::from_f64(t), q.len(), constraints.rows());
+        let (first, second) = self.memory.as_mut().split_at_mut(Workspace::<T>::size(n, k));
+        let mut work = Workspace::new(first, n, k, self.redundant_rows);
+        work.q.copy_from_slice(q);
+        work.linearize(constraints, t, &|_| false)?;
+        // The nearest to the free accelerations: Gauss's principle of least constraint.
+        work.begin.copy_from_slice(force);
+        work.solve_begin();
+        work.residual_at_begin(bias);
+        work.least_change(|_| true)?;
+        for (i, qdd) in qdd.iter_mut().enumerate() {
+            *qdd = work.begin[i] + work.change[i];
+        }
+
+        // λ of least norm with Aᵀ λ = M q̈ − f.
+        constraints.mass_matrix(t, q, work.metric);
+        let mut transposed = Workspace::new(second, k, n, RedundantRows::LeaveOut);
+        for i in 0..n {
+            let inertia = work.metric[i * n..(i + 1) * n].iter().zip(&*qdd);
+            transposed.residual[i] = inertia.fold(force[i], |rest, (&m, &qdd)| rest - m * qdd);
+            for row in 0..k {
+                transposed.jacobian[i * k + row] = work.jacobian[row * n + i];
+            }
+        }
+        for row in 0..k {
+            for column in 0..k {
+                transposed.metric[row * k + column] = if row == column { T::one() } else { T::zero() };
+            }
+        }
+        transposed.least_change(|_| true)?;
+        multipliers.copy_from_slice(transposed.change);
+        Ok(())
+    }
+
+    /// The rank of A at `q`; `redundant` is told the rows that depend on the others.
+    ///
+    /// # Errors
+    /// [`ConstraintError`]: M is singular on the motions that A leaves; something is not finite.
+    pub fn rank<C: Constraints<T>>(
+        &mut self,
+        constraints: &C,
+        t: f64,
+        q: &[T],
+        mut redundant: impl FnMut(usize),
+    ) -> Result<usize, ConstraintError> {
+        let k = constraints.rows();
+        let mut work = Workspace::new(self.memory.as_mut(), q.len(), k, RedundantRows::LeaveOut);
+        work.q.copy_from_slice(q);
+        work.linearize(constraints, T::from_f64(t), &|_| false)?;
+        work.residual.iter_mut().for_each(|x| *x = T::zero());
+        work.least_change(|_| true)?;
+        (0..k).filter(|&row| !work.is_done(row)).for_each(&mut redundant);
+        Ok((0..k).filter(|&row| work.is_done(row)).count())
+    }
 }
 
 impl<T: Real> Workspace<'_, T> {
@@ -190,7 +275,7 @@ impl<T: Real> Workspace<'_, T> {
             if residual == T::zero() {
                 return Ok(());
             }
-            self.linearize(constraints, t, held);
+            self.linearize(constraints, t, held)?;
             self.least_change(|row| constraints.is_holonomic(row))?;
             let size = self.q.iter().fold(T::one(), |size, &q| size.maximum(q.abs()));
             let step = self.change.iter().fold(T::zero(), |step, &x| step.maximum(x.abs()));
@@ -247,7 +332,7 @@ impl<T: Real> Workspace<'_, T> {
             if !self.residual.iter().all(|x| x.is_finite()) {
                 return Err(ConstraintError::NonFinite);
             }
-            self.linearize(constraints, t, held);
+            self.linearize(constraints, t, held)?;
             self.least_change(|_| true)?;
             for i in 0..self.qd.len() {
                 self.qd[i] = self.qd[i] + self.change[i];
@@ -277,8 +362,13 @@ impl<T: Real> Workspace<'_, T> {
         if largest.is_finite() { Ok(largest) } else { Err(ConstraintError::NonFinite) }
     }
 
-    /// M and A at q; coordinates that are held take no part.
-    fn linearize<C: Constraints<T>>(&mut self, constraints: &C, t: T, held: &impl Fn(usize) -> bool) {
+    /// M, factorized, and A at q; coordinates that are held take no part.
+    fn linearize<C: Constraints<T>>(
+        &mut self,
+        constraints: &C,
+        t: T,
+        held: &impl Fn(usize) -> bool,
+    ) -> Result<(), SingularMassMatrix> {
         let n = self.q.len();
         constraints.mass_matrix(t, self.q, self.metric);
         constraints.jacobian(t, self.q, self.jacobian);
@@ -290,6 +380,7 @@ impl<T: Real> Workspace<'_, T> {
             self.metric[i * n + i] = T::one();
             self.jacobian.iter_mut().skip(i).step_by(n).for_each(|a| *a = T::zero());
         }
+        self.factorize()
     }
 }
 
@@ -390,6 +481,40 @@ mod tests {
         let mut projector = Projector::new([0.0; MEMORY]).with_redundant_rows(RedundantRows::LeaveOut);
         projector.project(&rod, 0.2, &mut state).unwrap();
         assert!(largest(&rod, 0.2, &state) < 1e-15, "{state:?}");
+    }
+
+    #[test]
+    fn redundant_rows_share_their_multiplier() {
+        let (q, force) = ([0.1, 0.3, 0.7, 1.1], [1.0, -2.0, 0.5, 3.0]);
+        let solve = |twice: bool| {
+            let rod = Rod { twice, misfit: 0.0 };
+            let (rows, bias) = (rod.rows(), [0.25, -1.0, 0.5]);
+            let (mut qdd, mut multipliers) = ([0.0; 4], [0.0; 3]);
+            let mut projector = Projector::new([0.0; MEMORY]).with_redundant_rows(RedundantRows::LeaveOut);
+            assert_eq!(projector.rank(&rod, 0.0, &q, |row| assert!(row != 1)), Ok(2));
+            let multiplier = &mut multipliers[..rows];
+            projector.accelerations(&rod, 0.0, &q, &force, &bias[..rows], &mut qdd, multiplier).unwrap();
+            let mut a = [0.0; 12];
+            rod.jacobian(0.0, &q, &mut a[..4 * rows]);
+            for i in 0..4 {
+                let reaction: f64 = (0..rows).map(|row| a[4 * row + i] * multipliers[row]).sum();
+                assert!(([1.0, 1.0, 3.0, 3.0][i] * qdd[i] - force[i] - reaction).abs() < 1e-14);
+            }
+            for row in 0..rows {
+                let along: f64 = (0..4).map(|i| a[4 * row + i] * qdd[i]).sum();
+                assert!((along + bias[row]).abs() < 1e-14);
+            }
+            (qdd, multipliers)
+        };
+        let ((once, one), (twice, two)) = (solve(false), solve(true));
+        assert!(once.iter().zip(&twice).all(|(a, b)| (a - b).abs() < 1e-14), "{once:?} {twice:?}");
+        // λ₀ + 2 λ₂ is given; its squares are least where λ₂ = 2 λ₀.
+        let expected = [one[0] / 5.0, one[1], 2.0 * one[0] / 5.0];
+        assert!(expected.iter().zip(&two).all(|(a, b)| (a - b).abs() < 1e-14), "{one:?} {two:?}");
+        let mut refusing = Projector::new([0.0; MEMORY]);
+        let (rod, mut qdd, mut multipliers) = (Rod { twice: true, misfit: 0.0 }, [0.0; 4], [0.0; 3]);
+        let refused = refusing.accelerations(&rod, 0.0, &q, &force, &[0.0; 3], &mut qdd, &mut multipliers);
+        assert!(matches!(refused, Err(ConstraintError::Redundant { row: 0 | 2 })), "{refused:?}");
     }
 
     #[test]

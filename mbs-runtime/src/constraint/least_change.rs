@@ -51,10 +51,9 @@ impl<'m, T: Real> Workspace<'m, T> {
         Self { q, qd, begin, change, metric, jacobian, residual, rows, targets, lengths, done, redundant_rows }
     }
 
-    /// `change` ← δ of least `δᵀ M δ` with `A δ = −residual`, for the rows that take part.
+    /// `change` ← δ of least `δᵀ M δ` with `A δ = −residual`, for the rows that take part; M is factorized.
     pub(super) fn least_change(&mut self, takes_part: impl Fn(usize) -> bool) -> Result<(), ConstraintError> {
         let n = self.q.len();
-        self.factorize()?;
         self.rows.copy_from_slice(self.jacobian);
         for (row, a) in self.rows.chunks_exact_mut(n.max(1)).enumerate() {
             forward(self.metric, a);
@@ -77,6 +76,11 @@ impl<'m, T: Real> Workspace<'m, T> {
         }
         backward(self.metric, self.change);
         if self.change.iter().all(|x| x.is_finite()) { Ok(()) } else { Err(ConstraintError::NonFinite) }
+    }
+
+    /// Whether the row is among those that were satisfied, or took no part.
+    pub(super) fn is_done(&self, row: usize) -> bool {
+        self.done[row] != T::zero()
     }
 
     /// The row of which the greatest share of its length is left, among those that have not been dealt with.
@@ -118,7 +122,7 @@ impl<'m, T: Real> Workspace<'m, T> {
 impl<T: Real> Workspace<'_, T> {
     /// `M = L Lᵀ` in the lower triangle. Where M is singular, `M + s Aᵀ A` takes its place: δ stays the same, because `A δ` is
     /// given.
-    fn factorize(&mut self) -> Result<(), SingularMassMatrix> {
+    pub(super) fn factorize(&mut self) -> Result<(), SingularMassMatrix> {
         let n = self.q.len();
         for i in 0..n {
             self.change[i] = self.metric[i * n + i];
@@ -141,6 +145,22 @@ impl<T: Real> Workspace<'_, T> {
             self.change[i] = self.metric[i * n + i];
         }
         cholesky(self.metric, self.change)
+    }
+}
+
+impl<T: Real> Workspace<'_, T> {
+    /// `begin` ← `M⁻¹ begin`; M is factorized.
+    pub(super) fn solve_begin(&mut self) {
+        forward(self.metric, self.begin);
+        backward(self.metric, self.begin);
+    }
+
+    /// `residual` ← `A begin + bias`
+    pub(super) fn residual_at_begin(&mut self, bias: &[T]) {
+        let n = self.q.len();
+        for (row, &bias) in bias.iter().enumerate() {
+            self.residual[row] = bias + dot(&self.jacobian[row * n..(row + 1) * n], self.begin);
+        }
     }
 }
 
