@@ -397,6 +397,8 @@ mod tests {
         let text = "#![dimensionless] mechanism A { param m: 1 = 2; coord x: 1; coord y: 1; constraint c: x = y; \
                     kinetic += m*(dt(x)^2 + dt(y)^2); output o = x; }";
         let code = crate::generate("a", text, &Default::default()).expect("as good as any").code;
+        // An output may have the name of a function that only the trait has.
+        let (code, _) = code.split_once("::mbs_runtime::Constraints<T> for").expect("a constrained mechanism");
         let functions = code.lines().filter_map(|line| line.trim().trim_start_matches("pub ").strip_prefix("fn "));
         let names = functions.filter_map(|rest| rest.split(['(', '<']).next());
         let emitted: BTreeSet<&str> = names.filter(|name| *name != "o" && !name.starts_with("o_")).collect();
