@@ -1,5 +1,7 @@
 //! `mbs check`: is the declaration good, and can its equations be proved.
 
+mod freedom;
+
 use std::path::PathBuf;
 
 use mbs_derive::model::Variable;
@@ -25,12 +27,13 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         count => format!(", at {count} of which some motion has no inertia"),
     };
     output::print(&format!(
-        "{}: {}, {}, {}, {}; proved at {}{singular}\n",
+        "{}: {}, {}, {}, {}{}; proved at {}{singular}\n",
         derivation.name,
         counted(&derivation.coordinates, "coordinate"),
         counted(&derivation.inputs, "input"),
         counted(&derivation.parameters, "parameter"),
         plural(mechanism.bodies, "body", "bodies"),
+        freedom::summary(derivation)?,
         plural(mechanism.proved_at, "state", "states"),
     ))
 }

@@ -8,14 +8,15 @@
 //! - [`eval`]: every function's value at given states;
 //! - [`simulate`]: a motion as a table and as a figure.
 //!
-//! What they share: [`mechanism`] runs the generator's passes on a file, [`state`] reads states, [`output`] writes, and
-//! [`failure`] is how a command ends early.
+//! What they share: [`mechanism`] runs the generator's passes on a file, [`state`] reads states, [`mod@equations`]
+//! evaluates them along a motion, [`output`] writes, and [`failure`] is how a command ends early.
 //!
 //! Exit codes: 0 fine, 1 the model or the input is bad, 2 wrong usage. Results go to standard output or to the files
 //! asked for, once everything has succeeded; errors, warnings and the progress bar go to standard error.
 
 mod check;
 mod derive;
+mod equations;
 mod eval;
 mod failure;
 mod mechanism;

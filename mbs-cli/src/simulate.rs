@@ -1,19 +1,30 @@
 //! `mbs simulate`: a motion as a table and as a figure.
 //!
+//! - [`method`]: the choice of an integrator;
+//! - [`assembly`]: the first state on the constraints;
 //! - [`motion`]: integration, and what is recorded of it;
 //! - [`progress`]: the progress bar;
 //! - [`table`][]: CSV;
 //! - [`figure`]: SVG and PNG.
 
+mod assembly;
 mod figure;
+mod method;
 mod motion;
 mod progress;
 mod table;
 
 use std::path::PathBuf;
 
+use clap::ValueEnum;
+use mbs_derive::diagnostic::nearest;
+use mbs_derive::model::lagrangian::component_names;
+use mbs_derive::optimise::Derivation;
+use mbs_runtime::RedundantRows;
+
 use figure::Format;
-use motion::{Method, Motion};
+use method::{Accuracy, Method};
+use motion::{Drift, Motion, Settings};
 
 use crate::failure::Failure;
 use crate::mechanism;
@@ -23,7 +34,8 @@ use crate::state::{self, Point, Request};
 /// Integrate a mechanism's equations of motion from a state; inputs and parameters stay as they are.
 ///
 /// The CSV has the header `t,<coordinates>,<coordinates>_dot,energy`, energy being T + V, and one row every `--dt` seconds;
-/// the last row is at the end time exactly.
+/// the last row is at the end time exactly. Where there are constraints, multipliers `lambda_<row>` and what is left of the
+/// rows, `residual_<row>`, follow; the motion starts from the nearest state that satisfies them and is kept on them.
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
     /// The mechanism.
@@ -39,21 +51,40 @@ pub(crate) struct Arguments {
     /// Integration method.
     #[arg(long, value_enum, default_value_t = Method::Dop853)]
     method: Method,
-    /// Relative tolerance of dop853 [default: 1e-10].
+    /// Relative tolerance of dop853 and dopri5 [default: 1e-10].
     #[arg(long, value_parser = positive, allow_negative_numbers = true)]
     rtol: Option<f64>,
-    /// Absolute tolerance of dop853 [default: 1e-12].
+    /// Absolute tolerance of dop853 and dopri5 [default: 1e-12].
     #[arg(long, value_parser = positive, allow_negative_numbers = true)]
     atol: Option<f64>,
-    /// Seconds between rows, and the step of rk4; a thousandth of the duration if not given.
+    /// Seconds between rows, and the step of methods without error control; a thousandth of the duration if not given.
     #[arg(long, value_name = "SECONDS", value_parser = positive, allow_negative_numbers = true)]
     dt: Option<f64>,
+    /// How constraints are kept: `state`, positions and velocities are projected after each step; `baumgarte:ALPHA,BETA`,
+    /// stabilization with these gains in 1/s; `none`.
+    #[arg(long, value_name = "HOW", default_value = "state", value_parser = drift)]
+    project: Drift,
+    /// Constraints that depend on others: an error, or multipliers of the least norm.
+    #[arg(long, value_enum, default_value_t = Redundant::Refuse)]
+    redundant: Redundant,
+    /// Coordinates that stay as given, with their velocities, when the first state is brought onto the constraints.
+    #[arg(long, value_name = "COORDINATES", value_delimiter = ',')]
+    hold: Vec<String>,
     /// Write the table to a file instead of standard output.
     #[arg(long, value_name = "FILE")]
     csv: Option<PathBuf>,
     /// Draw coordinates, velocities and energies over time.
     #[arg(long, value_name = "FILE.svg|FILE.png", value_parser = figure_path)]
     plot: Option<(PathBuf, Format)>,
+}
+
+/// What to do about constraints that depend on others.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+enum Redundant {
+    /// Refuse them, by name.
+    Refuse,
+    /// Go on with multipliers of the least norm.
+    LeastNorm,
 }
 
 /// Integrates, then writes.
@@ -69,12 +100,45 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         }
     };
     let times = times(&point, arguments)?;
-    if arguments.method == Method::Rk4 && (arguments.rtol.is_some() || arguments.atol.is_some()) {
-        output::report("warning: rk4 has no error control, --rtol and --atol do nothing\n");
+    if !arguments.method.has_error_control() && (arguments.rtol.is_some() || arguments.atol.is_some()) {
+        let method = arguments.method.to_possible_value();
+        let name = method.as_ref().map_or("this method", |value| value.get_name());
+        output::report(&format!("warning: {name} has no error control, --rtol and --atol do nothing\n"));
     }
-    let (relative, absolute) = (arguments.rtol.unwrap_or(1e-10), arguments.atol.unwrap_or(1e-12));
-    let motion = Motion::integrate(&derivation, &point, &times, arguments.method, relative, absolute)?;
+    let settings = Settings {
+        method: arguments.method,
+        accuracy: Accuracy {
+            relative: arguments.rtol.unwrap_or(1e-10),
+            absolute: arguments.atol.unwrap_or(1e-12),
+            step: times.get(1).map_or(1.0, |second| second - times[0]),
+        },
+        drift: arguments.project,
+        redundant_rows: match arguments.redundant {
+            Redundant::Refuse => RedundantRows::Refuse,
+            Redundant::LeastNorm => RedundantRows::LeaveOut,
+        },
+        held: held(&arguments.hold, &derivation)?,
+    };
+    let motion = Motion::integrate(&derivation, &point, &times, &settings)?;
     deliver(&motion, arguments)
+}
+
+/// Which coordinates are named: an array's name stands for all of its components.
+fn held(names: &[String], derivation: &Derivation) -> Result<Vec<bool>, Failure> {
+    let components = component_names(&derivation.coordinates);
+    let mut held = vec![false; components.len()];
+    for name in names {
+        let range =
+            derivation.coordinates.iter().find(|variable| variable.name == *name).map(|v| v.first..v.first + v.count());
+        let one = || components.iter().position(|component| component == name).map(|i| i..i + 1);
+        let Some(range) = range.or_else(one) else {
+            let near = nearest(name, components.iter().map(String::as_str));
+            let hint = near.map_or(String::new(), |near| format!(", did you mean `{near}`?"));
+            return Err(Failure::new(format_args!("--hold: there is no coordinate `{name}`{hint}")));
+        };
+        held[range].fill(true);
+    }
+    Ok(held)
 }
 
 /// Files bear their names only after all have been written.
@@ -121,6 +185,21 @@ fn times(point: &Point, arguments: &Arguments) -> Result<Vec<f64>, Failure> {
     let mut times: Vec<f64> = (0..count as usize).map(|i| start + i as f64 * step).collect();
     times.push(end);
     Ok(times)
+}
+
+fn drift(text: &str) -> Result<Drift, String> {
+    let gain = |text: &str| match finite(text.trim()) {
+        Ok(gain) if gain < 0.0 => Err(format!("a gain must not be negative, found {gain}")),
+        gain => gain,
+    };
+    match text {
+        "state" => Ok(Drift::Projected),
+        "none" => Ok(Drift::Left),
+        _ => match text.strip_prefix("baumgarte:").map(|gains| gains.split_once(',')) {
+            Some(Some((alpha, beta))) => Ok(Drift::Baumgarte([gain(alpha)?, gain(beta)?])),
+            _ => Err("one of `state`, `none`, `baumgarte:ALPHA,BETA`".to_string()),
+        },
+    }
 }
 
 fn finite(text: &str) -> Result<f64, String> {

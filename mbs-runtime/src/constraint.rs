@@ -340,9 +340,10 @@ impl<T: Real> Workspace<'_, T> {
         }
         constraints.rate(t, self.q, self.qd, self.residual);
         let n = self.q.len();
+        let speed = self.qd.iter().fold(T::EPSILON.sqrt(), |speed, &qd| speed.maximum(qd.abs()));
         let rounding = |row: usize| {
-            let terms = self.jacobian[row * n..(row + 1) * n].iter().zip(&*self.qd).map(|(&a, &qd)| (a * qd).abs());
-            T::EPSILON.sqrt() * terms.fold(T::EPSILON.sqrt(), |sum, term| sum + term)
+            let slopes = self.jacobian[row * n..(row + 1) * n].iter();
+            T::EPSILON.sqrt() * speed * slopes.fold(T::zero(), |sum, slope| sum + slope.abs())
         };
         match (0..constraints.rows()).find(|&row| self.residual[row].abs() > rounding(row)) {
             Some(row) => Err(ConstraintError::Contradiction { row, residual: self.residual[row].to_f64() }),

@@ -1,22 +1,40 @@
 //! Integration, and what is recorded of it.
 
-use mbs_derive::interpret::{Interpreter, State};
+use std::ops::ControlFlow;
+
 use mbs_derive::model::Variable;
 use mbs_derive::model::lagrangian::component_names;
-use mbs_derive::optimise::{Derivation, Function};
-use mbs_runtime::{Dop853, IntegrationError, Integrator, Rk4};
+use mbs_derive::optimise::Derivation;
+use mbs_runtime::{Constraints, IntegrationError, RedundantRows, Step};
 
+use super::assembly;
+use super::method::{Accuracy, Method};
 use super::progress::Progress;
+use crate::equations::{Equations, Motion as Moving, Solver};
 use crate::failure::Failure;
+use crate::output;
 use crate::state::Point;
 
-/// How to integrate.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
-pub(crate) enum Method {
-    /// Dormand and Prince's method of order 8 with error control; rows between its steps are interpolated.
-    Dop853,
-    /// The classical method of order 4, with the fixed step --dt.
-    Rk4,
+/// What is done about constraints that an integration does not keep by itself.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Drift {
+    /// States are projected onto the constraints after each step.
+    Projected,
+    /// Baumgarte's stabilization with the gains α and β.
+    Baumgarte([f64; 2]),
+    /// Nothing.
+    Left,
+}
+
+/// How to integrate, and how constraints are kept.
+#[derive(Clone, Debug)]
+pub(crate) struct Settings {
+    pub(crate) method: Method,
+    pub(crate) accuracy: Accuracy,
+    pub(crate) drift: Drift,
+    pub(crate) redundant_rows: RedundantRows,
+    /// The coordinates that stay as given when the first state is assembled.
+    pub(crate) held: Vec<bool>,
 }
 
 /// A motion, row by row.
@@ -57,22 +75,21 @@ impl Motion {
         derivation: &Derivation,
         start: &Point,
         times: &[f64],
-        method: Method,
-        relative: f64,
-        absolute: f64,
+        settings: &Settings,
     ) -> Result<Motion, Failure> {
         let equations = Equations::new(derivation, start)?;
-        let rows = match (method, times) {
-            (Method::Dop853, _) => equations.rows(&Dop853::new(relative, absolute), times),
-            (Method::Rk4, [first, second, ..]) => equations.rows(&Rk4::new(second - first), times),
-            (Method::Rk4, _) => equations.rows(&Rk4::new(1.0), times),
-        };
+        if settings.method.is_for_separable() && equations.depends_on_velocities() {
+            output::report(
+                "warning: accelerations depend on velocities: the method is of order 1 and not symplectic here\n",
+            );
+        }
+        let rows = Run { equations: &equations, settings }.rows(times)?;
         Ok(Motion {
             name: derivation.name.clone(),
             coordinates: component_names(&derivation.coordinates),
             units: derivation.coordinates.iter().flat_map(units).collect(),
             constraints: derivation.constraints.clone(),
-            rows: rows?,
+            rows,
         })
     }
 }
@@ -81,73 +98,127 @@ fn units(variable: &Variable) -> Vec<String> {
     vec![variable.unit.clone(); variable.count()]
 }
 
-/// The equations of motion with parameters and inputs as they stay.
-struct Equations<'d> {
-    interpreter: Interpreter<'d>,
-    forward_dynamics: &'d Function,
-    kinetic_energy: &'d Function,
-    potential_energy: &'d Function,
-    start: State,
+/// One integration.
+struct Run<'a, 'd> {
+    equations: &'a Equations<'d>,
+    settings: &'a Settings,
 }
 
-impl<'d> Equations<'d> {
-    fn new(derivation: &'d Derivation, start: &Point) -> Result<Self, Failure> {
-        let function = |name: &str| {
-            derivation.function(name).ok_or_else(|| Failure::new(format_args!("{} has no {name}", derivation.name)))
-        };
-        Ok(Equations {
-            interpreter: Interpreter::with_parameters(derivation, start.parameters.clone()),
-            forward_dynamics: function("forward_dynamics")?,
-            kinetic_energy: function("kinetic_energy")?,
-            potential_energy: function("potential_energy")?,
-            start: start.state.clone(),
-        })
-    }
+impl<'a, 'd> Run<'a, 'd> {
+    fn rows(&self, times: &[f64]) -> Result<Vec<Row>, Failure> {
+        let (equations, start) = (self.equations, self.equations.start_time());
+        let end = times.last().copied().unwrap_or(start);
+        let mut motion = equations.start();
+        self.begin(&mut motion)?;
 
-    fn rows(&self, integrator: &impl Integrator<f64>, times: &[f64]) -> Result<Vec<Row>, Failure> {
+        let (mut solver, mut recorder) = (self.solver(), self.solver());
+        let mut projector = equations.projector(self.settings.redundant_rows);
+        let is_projected = equations.rows() > 0 && self.settings.drift == Drift::Projected;
+        let mut closed = |t: f64, moving: &mut Moving| {
+            if !is_projected {
+                return Ok(());
+            }
+            let free = moving.clone();
+            projector
+                .project(equations, t, moving)
+                .map_err(|error| assembly::explained(equations, error, t, &free))
+                .and_then(|()| assembly::stays_near(t, &free, moving))
+        };
+
         let mut rows = Vec::with_capacity(times.len());
-        let mut motion = mbs_runtime::State::new(self.start.q.clone(), self.start.qd.clone());
-        let mut progress = Progress::new(self.start.t, times.last().copied().unwrap_or(self.start.t));
-        let mut state = self.start.clone();
+        let mut remaining = times.iter().copied().peekable();
+        let mut record = |t: f64, moving: &Moving| rows.push(self.row(&mut recorder, t, moving));
+        while remaining.next_if(|&time| time <= start).is_some() {
+            record(start, &motion);
+        }
+        let mut progress = Progress::new(start, end);
         let accelerations = |t: f64, q: &Vec<f64>, qd: &Vec<f64>, qdd: &mut Vec<f64>| {
             progress.at(t);
-            state.t = t;
-            state.q.copy_from_slice(q);
-            state.qd.copy_from_slice(qd);
-            qdd.copy_from_slice(&self.interpreter.evaluate(self.forward_dynamics, &state));
+            match solver.accelerations(&equations.state(t, q, qd)) {
+                Ok(found) => qdd.copy_from_slice(&found),
+                // The method tries shorter steps; what is wrong is said where there is no way on.
+                Err(_) => qdd.fill(f64::NAN),
+            }
         };
-        let record = |t: f64, motion: &mbs_runtime::State<Vec<f64>>| rows.push(self.row(t, motion));
-        let outcome = integrator.sample(accelerations, self.start.t, times, &mut motion, record);
+        let mut sampled = motion.clone();
+        let mut open = None;
+        let observer = |step: &mut dyn Step<Vec<f64>>| {
+            let end = step.time();
+            while let Some(time) = remaining.next_if(|&time| time <= end) {
+                if step.interpolate(time, &mut sampled).is_err() {
+                    return ControlFlow::Break(end);
+                }
+                if let Err(reason) = closed(time, &mut sampled) {
+                    open = Some(reason);
+                    return ControlFlow::Break(end);
+                }
+                record(time, &sampled);
+            }
+            if is_projected {
+                sampled.clone_from(step.state());
+                if let Err(reason) = closed(end, &mut sampled) {
+                    open = Some(reason);
+                    return ControlFlow::Break(end);
+                }
+                step.replace(&sampled);
+            }
+            ControlFlow::Continue(())
+        };
+        let method = self.settings.method;
+        let outcome = method.integrate(self.settings.accuracy, accelerations, (start, end), &mut motion, observer);
         progress.finish();
-        match outcome {
-            Ok(_) => Ok(rows),
-            Err(error) => Err(self.stopped(error, &motion)),
+        match (outcome, open) {
+            (_, Some(reason)) => Err(Failure::new(format_args!("the integration stopped: {reason}"))),
+            (Err(error), None) => Err(self.stopped(error, &motion)),
+            (Ok(_), None) => Ok(rows),
         }
     }
 
-    fn state(&self, t: f64, motion: &mbs_runtime::State<Vec<f64>>) -> State {
-        State { t, q: motion.q.clone(), qd: motion.qd.clone(), ..self.start.clone() }
+    /// The first state, on the constraints unless they are left alone.
+    fn begin(&self, motion: &mut Moving) -> Result<(), Failure> {
+        let (equations, settings) = (self.equations, self.settings);
+        if equations.rows() == 0 {
+            return Ok(());
+        }
+        match settings.drift {
+            Drift::Left => assembly::leave_open(equations, motion, settings.redundant_rows),
+            Drift::Projected | Drift::Baumgarte(_) => {
+                assembly::assemble(equations, motion, &settings.held, settings.redundant_rows)
+            }
+        }
     }
 
-    fn row(&self, t: f64, motion: &mbs_runtime::State<Vec<f64>>) -> Row {
-        let state = self.state(t, motion);
-        let energy = |function| self.interpreter.evaluate(function, &state)[0];
-        let (kinetic, potential) = (energy(self.kinetic_energy), energy(self.potential_energy));
-        let constraints = ["multipliers", "constraint"]
-            .into_iter()
-            .filter_map(|name| self.interpreter.call(name, &state))
-            .flatten()
-            .collect();
+    fn solver(&self) -> Solver<'a, 'd> {
+        let Settings { drift, redundant_rows, .. } = *self.settings;
+        match (drift, redundant_rows) {
+            _ if self.equations.rows() == 0 => Solver::closed(self.equations),
+            (Drift::Baumgarte(gains), _) => Solver::numerical(self.equations, redundant_rows, gains),
+            (_, RedundantRows::LeaveOut) => Solver::numerical(self.equations, redundant_rows, [0.0; 2]),
+            (_, RedundantRows::Refuse) => Solver::closed(self.equations),
+        }
+    }
+
+    fn row(&self, solver: &mut Solver<'_, '_>, t: f64, moving: &Moving) -> Row {
+        let equations = self.equations;
+        let state = equations.state(t, &moving.q, &moving.qd);
+        let energy = |name: &str| equations.call(name, &state).first().copied().unwrap_or(0.0);
+        let (kinetic, potential) = (energy("kinetic_energy"), energy("potential_energy"));
+        let multipliers = solver.multipliers(&state).unwrap_or_else(|_| vec![f64::NAN; equations.rows()]);
+        let constraints = [multipliers, equations.call("constraint", &state)].concat();
         Row { t, q: state.q, qd: state.qd, kinetic, potential, constraints }
     }
 
     /// One line with the time and the state from which there was no way on.
-    fn stopped(&self, error: IntegrationError, motion: &mbs_runtime::State<Vec<f64>>) -> Failure {
-        let state = self.state(error.time().unwrap_or(self.start.t), motion);
-        let accelerations = self.interpreter.evaluate(self.forward_dynamics, &state);
-        let singular = accelerations.iter().any(|qdd| !qdd.is_finite());
-        let hint = if singular { "; the accelerations are not finite there: is the mass matrix singular?" } else { "" };
-        let (q, qd) = (&state.q, &state.qd);
+    fn stopped(&self, error: IntegrationError, motion: &Moving) -> Failure {
+        let t = error.time().unwrap_or(self.equations.start_time());
+        let (q, qd) = (&motion.q, &motion.qd);
+        let hint = match self.solver().accelerations(&self.equations.state(t, q, qd)) {
+            Err(reason) => format!("; {}", assembly::explained(self.equations, reason, t, motion)),
+            Ok(accelerations) if accelerations.iter().any(|qdd| !qdd.is_finite()) => {
+                "; the accelerations are not finite there: is the mass matrix singular?".to_string()
+            }
+            Ok(_) => String::new(),
+        };
         Failure::new(format_args!("the integration stopped: {error}, at q = {q:?}, qd = {qd:?}{hint}"))
     }
 }

@@ -1,6 +1,7 @@
 //! The program `mbs` as outside programs call it: what it prints, what it writes, how it ends.
 
 mod check;
+mod constrained;
 mod derive;
 mod eval;
 mod graph;

@@ -1,0 +1,50 @@
+//! How many motions constraints leave: as their rows are counted, and as their rank says.
+
+use mbs_derive::expr::Number;
+use mbs_derive::interpret::State;
+use mbs_derive::optimise::Derivation;
+use mbs_runtime::RedundantRows;
+
+use super::plural;
+use crate::equations::Equations;
+use crate::failure::Failure;
+use crate::state::Point;
+
+/// So many guesses are brought onto the constraints.
+const GUESSES: usize = 8;
+
+/// `2 constraint rows: 1 degree of freedom`, with default parameters; empty without constraints. The rank is the least that is
+/// found: where there are several ways to close a loop, the one that moves the most is meant.
+pub(super) fn summary(derivation: &Derivation) -> Result<String, Failure> {
+    let (coordinates, rows) = (derivation.dof(), derivation.constraints.len());
+    if rows == 0 {
+        return Ok(String::new());
+    }
+    let defaults = derivation.parameters.iter().flat_map(|p| &p.defaults).copied().map(Number::to_f64);
+    let state = State {
+        q: vec![0.0; coordinates],
+        qd: vec![0.0; coordinates],
+        qdd: vec![0.0; coordinates],
+        u: vec![0.0; derivation.inputs.iter().map(|input| input.count()).sum()],
+        prescribed: vec![[0.0; 3]; derivation.prescribed.iter().map(|signal| signal.count()).sum()],
+        t: 0.0,
+    };
+    let equations = Equations::new(derivation, &Point { state, parameters: defaults.collect() })?;
+    let mut projector = equations.projector(RedundantRows::LeaveOut);
+    let ranks = (0..GUESSES).filter_map(|guess| {
+        let mut motion = equations.start();
+        // Nothing special about them: angles and lengths of the order of 1.
+        motion.q.iter_mut().enumerate().for_each(|(i, q)| *q = (1.0 + 2.3 * i as f64 + 1.7 * guess as f64).sin());
+        projector.project(&equations, 0.0, &mut motion).ok()?;
+        projector.rank(&equations, 0.0, &motion.q, |_| ()).ok()
+    });
+    let count = plural(rows, "constraint row", "constraint rows");
+    let free = |rank: usize| plural(coordinates - rank, "degree of freedom", "degrees of freedom");
+    Ok(match ranks.min() {
+        None => format!(", {count} that no state near the origin was found to satisfy"),
+        Some(rank) if rank == rows => format!(", {count}: {}", free(rank)),
+        Some(rank) => {
+            format!(", {count} of rank {rank}: {} (Grübler counts {})", free(rank), coordinates as i64 - rows as i64)
+        }
+    })
+}

@@ -1,0 +1,161 @@
+//! The equations of motion, with parameters, inputs and prescribed motions as they stay.
+
+use mbs_derive::expr::Symbol;
+use mbs_derive::interpret::{Interpreter, State};
+use mbs_derive::optimise::{Derivation, Function};
+use mbs_runtime::{ConstraintError, Constraints, Projector, RedundantRows};
+
+use crate::failure::Failure;
+use crate::state::Point;
+
+/// Positions and velocities, as the runtime integrates them.
+pub(crate) type Motion = mbs_runtime::State<Vec<f64>>;
+
+/// Evaluates a mechanism's functions along a motion.
+pub(crate) struct Equations<'d> {
+    interpreter: Interpreter<'d>,
+    derivation: &'d Derivation,
+    forward_dynamics: &'d Function,
+    start: State,
+}
+
+impl<'d> Equations<'d> {
+    /// Of this mechanism, from this state.
+    pub(crate) fn new(derivation: &'d Derivation, start: &Point) -> Result<Self, Failure> {
+        let missing = || Failure::new(format_args!("{} has no forward_dynamics", derivation.name));
+        Ok(Equations {
+            interpreter: Interpreter::with_parameters(derivation, start.parameters.clone()),
+            derivation,
+            forward_dynamics: derivation.function("forward_dynamics").ok_or_else(missing)?,
+            start: start.state.clone(),
+        })
+    }
+
+    /// The first time.
+    pub(crate) fn start_time(&self) -> f64 {
+        self.start.t
+    }
+
+    /// Where the motion starts.
+    pub(crate) fn start(&self) -> Motion {
+        Motion::new(self.start.q.clone(), self.start.qd.clone())
+    }
+
+    /// Whether accelerations depend on velocities.
+    pub(crate) fn depends_on_velocities(&self) -> bool {
+        self.forward_dynamics.program.uses(|symbol| matches!(symbol, Symbol::Velocity(_)))
+    }
+
+    /// The arguments of the mechanism's functions.
+    pub(crate) fn state(&self, t: f64, q: &[f64], qd: &[f64]) -> State {
+        State { t, q: q.to_vec(), qd: qd.to_vec(), ..self.start.clone() }
+    }
+
+    /// The results of a function; none where the mechanism does not have it.
+    pub(crate) fn call(&self, name: &str, state: &State) -> Vec<f64> {
+        self.interpreter.call(name, state).unwrap_or_default()
+    }
+
+    /// `q̈` in closed form.
+    pub(crate) fn accelerations(&self, state: &State) -> Vec<f64> {
+        self.interpreter.evaluate(self.forward_dynamics, state)
+    }
+
+    /// How constraints bring states back.
+    pub(crate) fn projector(&self, redundant_rows: RedundantRows) -> Projector<f64, Vec<f64>> {
+        let size = Projector::<f64, Vec<f64>>::size(self.derivation.dof(), self.rows());
+        Projector::new(vec![0.0; size]).with_redundant_rows(redundant_rows)
+    }
+
+    /// The names of the constraints' rows.
+    pub(crate) fn row_names(&self) -> &'d [String] {
+        &self.derivation.constraints
+    }
+}
+
+impl Constraints<f64> for Equations<'_> {
+    fn rows(&self) -> usize {
+        self.derivation.constraints.len()
+    }
+
+    fn is_holonomic(&self, row: usize) -> bool {
+        self.derivation.holonomic[row]
+    }
+
+    fn mass_matrix(&self, t: f64, q: &[f64], m: &mut [f64]) {
+        m.copy_from_slice(&self.call("mass_matrix", &self.state(t, q, &self.start.qd)));
+    }
+
+    fn position(&self, t: f64, q: &[f64], phi: &mut [f64]) {
+        phi.copy_from_slice(&self.call("constraint", &self.state(t, q, &self.start.qd)));
+    }
+
+    fn rate(&self, t: f64, q: &[f64], qd: &[f64], rate: &mut [f64]) {
+        rate.copy_from_slice(&self.call("constraint_rate", &self.state(t, q, qd)));
+    }
+
+    fn jacobian(&self, t: f64, q: &[f64], a: &mut [f64]) {
+        a.copy_from_slice(&self.call("constraint_jacobian", &self.state(t, q, &self.start.qd)));
+    }
+}
+
+/// Accelerations and multipliers: in closed form, or where rows are redundant or stabilized, by the runtime's factorization.
+pub(crate) struct Solver<'e, 'd> {
+    equations: &'e Equations<'d>,
+    numerical: Option<Numerical>,
+}
+
+struct Numerical {
+    projector: Projector<f64, Vec<f64>>,
+    /// Baumgarte's `α` and `β`.
+    gains: [f64; 2],
+}
+
+impl<'e, 'd> Solver<'e, 'd> {
+    /// In closed form.
+    pub(crate) fn closed(equations: &'e Equations<'d>) -> Self {
+        Solver { equations, numerical: None }
+    }
+
+    /// By factorization of A, with Baumgarte's gains.
+    pub(crate) fn numerical(equations: &'e Equations<'d>, redundant_rows: RedundantRows, gains: [f64; 2]) -> Self {
+        let projector = equations.projector(redundant_rows);
+        Solver { equations, numerical: Some(Numerical { projector, gains }) }
+    }
+
+    /// `q̈`
+    pub(crate) fn accelerations(&mut self, state: &State) -> Result<Vec<f64>, ConstraintError> {
+        match &mut self.numerical {
+            None => Ok(self.equations.accelerations(state)),
+            Some(numerical) => numerical.solve(self.equations, state).map(|(accelerations, _)| accelerations),
+        }
+    }
+
+    /// `λ`
+    pub(crate) fn multipliers(&mut self, state: &State) -> Result<Vec<f64>, ConstraintError> {
+        match &mut self.numerical {
+            None => Ok(self.equations.call("multipliers", state)),
+            Some(numerical) => numerical.solve(self.equations, state).map(|(_, multipliers)| multipliers),
+        }
+    }
+}
+
+impl Numerical {
+    fn solve(&mut self, equations: &Equations<'_>, state: &State) -> Result<(Vec<f64>, Vec<f64>), ConstraintError> {
+        let call = |name: &str| equations.call(name, state);
+        let (applied, bias, dissipation) = (call("generalized_force"), call("bias"), call("dissipation_force"));
+        let force: Vec<f64> = (0..bias.len()).map(|i| applied[i] - bias[i] - dissipation[i]).collect();
+        let (gamma, rate, position) = (call("constraint_bias"), call("constraint_rate"), call("constraint"));
+        let [alpha, beta] = self.gains;
+        let stabilized = |row: usize| {
+            // A Pfaffian row has no position to come back to.
+            let position = if equations.is_holonomic(row) { position[row] } else { 0.0 };
+            gamma[row] + 2.0 * alpha * rate[row] + beta * beta * position
+        };
+        let bias: Vec<f64> = (0..gamma.len()).map(stabilized).collect();
+        let (mut accelerations, mut multipliers) = (vec![0.0; force.len()], vec![0.0; bias.len()]);
+        let (qdd, lambda) = (&mut accelerations, &mut multipliers);
+        self.projector.accelerations(equations, state.t, &state.q, &force, &bias, qdd, lambda)?;
+        Ok((accelerations, multipliers))
+    }
+}

@@ -1,0 +1,122 @@
+//! A first state on the constraints, and what there is to say where there is none.
+
+use mbs_runtime::{ConstraintError, RedundantRows};
+
+use crate::check::abridged;
+use crate::equations::{Equations, Motion};
+use crate::failure::Failure;
+use crate::output;
+
+/// A change of a coordinate by less than this, relative to 1 or its size, is rounding of the input.
+const NOTICEABLE: f64 = 1e-9;
+
+/// Brings the state onto the constraints, those coordinates excepted that are held, and says so where that is more than
+/// rounding.
+pub(crate) fn assemble(
+    equations: &Equations<'_>,
+    motion: &mut Motion,
+    held: &[bool],
+    redundant_rows: RedundantRows,
+) -> Result<(), Failure> {
+    let t = equations.start_time();
+    let given = motion.clone();
+    equations
+        .projector(redundant_rows)
+        .assemble(equations, t, motion, |i| held[i])
+        .map_err(|error| Failure::new(explained(equations, error, t, &given)))?;
+    let moved =
+        |from: &[f64], to: &[f64]| from.iter().zip(to).any(|(a, b)| (a - b).abs() > NOTICEABLE * (1.0 + a.abs()));
+    let mut changes = Vec::new();
+    for (name, from, to) in [("q", &given.q, &motion.q), ("qd", &given.qd, &motion.qd)] {
+        if moved(from, to) {
+            changes.push(format!("{name} = {to:?}"));
+        }
+    }
+    if !changes.is_empty() {
+        output::report(&format!(
+            "warning: the state does not satisfy the constraints; the motion starts from {}\n",
+            changes.join(", ")
+        ));
+    }
+    Ok(())
+}
+
+/// Says so where the state is off the constraints, or rows of A depend on others though they must not.
+pub(crate) fn leave_open(
+    equations: &Equations<'_>,
+    motion: &Motion,
+    redundant_rows: RedundantRows,
+) -> Result<(), Failure> {
+    let t = equations.start_time();
+    let mut rows = Vec::new();
+    equations
+        .projector(redundant_rows)
+        .rank(equations, t, &motion.q, |row| rows.push(row))
+        .map_err(|error| Failure::new(explained(equations, error, t, motion)))?;
+    if let (Some(&row), RedundantRows::Refuse) = (rows.first(), redundant_rows) {
+        return Err(Failure::new(explained(equations, ConstraintError::Redundant { row }, t, motion)));
+    }
+    let residuals = equations.call("constraint", &equations.state(t, &motion.q, &motion.qd));
+    let open: Vec<String> = equations
+        .row_names()
+        .iter()
+        .zip(&residuals)
+        .filter(|(_, residual)| residual.abs() > NOTICEABLE)
+        .map(|(name, residual)| format!("`{name}` by {residual:e}"))
+        .collect();
+    if !open.is_empty() {
+        output::report(&format!("warning: the motion starts off the constraints: {}\n", abridged(&open)));
+    }
+    Ok(())
+}
+
+/// A projection takes away an integrator's error. Where it takes away more, constraints lose rank there, as those of a
+/// flattened parallelogram do, and the nearest state may be on another branch.
+pub(crate) fn stays_near(t: f64, free: &Motion, projected: &Motion) -> Result<(), String> {
+    const NEAR: f64 = 1e-3;
+    let largest = |numbers: &[f64]| numbers.iter().fold(0.0_f64, |largest, x| largest.max(x.abs()));
+    let change = |from: &[f64], to: &[f64]| {
+        from.iter().zip(to).fold(0.0_f64, |largest, (from, to)| largest.max((to - from).abs()))
+    };
+    let (positions, velocities) = (change(&free.q, &projected.q), change(&free.qd, &projected.qd));
+    if positions <= NEAR * (1.0 + largest(&free.q)) && velocities <= NEAR * (1.0 + largest(&free.qd)) {
+        return Ok(());
+    }
+    Err(format!(
+        "the nearest state on the constraints is far, q = {:?}, qd = {:?}, at t = {t:?}, q = {:?}, qd = {:?}: they lose \
+         rank there, so that the motion may branch, or the steps are too long",
+        projected.q, projected.qd, free.q, free.qd
+    ))
+}
+
+/// What went wrong with which row, and where.
+pub(crate) fn explained(equations: &Equations<'_>, error: ConstraintError, t: f64, motion: &Motion) -> String {
+    let name = |row: usize| &equations.row_names()[row];
+    let at = format!("at t = {t:?}, q = {:?}, qd = {:?}", motion.q, motion.qd);
+    match error {
+        ConstraintError::Open { row, residual } => {
+            format!("the constraints do not close: `{}` stays open by {residual:e}, {at}", name(row))
+        }
+        ConstraintError::Redundant { row } => {
+            let mut rows = Vec::new();
+            let found =
+                equations.projector(RedundantRows::LeaveOut).rank(equations, t, &motion.q, |row| rows.push(row));
+            if found.is_err() || rows.is_empty() {
+                rows = vec![row];
+            }
+            let names: Vec<String> = rows.iter().map(|&row| format!("`{}`", name(row))).collect();
+            let [what, depends] = if rows.len() == 1 { ["constraint", "depends"] } else { ["constraints", "depend"] };
+            format!(
+                "{what} {} {depends} on the others, {at}; `--redundant least-norm` goes on with multipliers of the least norm",
+                abridged(&names)
+            )
+        }
+        ConstraintError::Contradiction { row, residual } => {
+            format!("constraint `{}` contradicts the others: {residual:e} is left of it, {at}", name(row))
+        }
+        ConstraintError::SingularMassMatrix(singular) => {
+            format!("a motion that the constraints leave has no inertia, {at}: {singular}")
+        }
+        ConstraintError::NonFinite => format!("a constraint or its derivative is infinite or NaN, {at}"),
+    }
+}

@@ -1,0 +1,68 @@
+//! The choice of an integrator.
+
+use std::ops::ControlFlow;
+
+use mbs_runtime::{
+    Dop853, Dopri5, GaussLegendre4, IntegrationError, Integrator, Rk4, SemiImplicitEuler, State, Step, StormerVerlet,
+    Summary,
+};
+
+/// How to integrate.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub(crate) enum Method {
+    /// Dormand and Prince's method of order 8 with error control; rows between its steps are interpolated.
+    Dop853,
+    /// Dormand and Prince's method of order 5 with error control, for loose tolerances and forces with kinks.
+    Dopri5,
+    /// The classical method of order 4, with the fixed step --dt.
+    Rk4,
+    /// Gauss and Legendre's method of order 4, implicit and symplectic, with the fixed step --dt.
+    #[value(name = "gauss-legendre4")]
+    GaussLegendre4,
+    /// Order 2, symplectic where accelerations do not depend on velocities, with the fixed step --dt.
+    StormerVerlet,
+    /// Order 1, symplectic where accelerations do not depend on velocities, with the fixed step --dt.
+    SemiImplicitEuler,
+}
+
+/// What methods are told: tolerances those with error control, the step those without.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Accuracy {
+    pub(crate) relative: f64,
+    pub(crate) absolute: f64,
+    pub(crate) step: f64,
+}
+
+impl Method {
+    /// Whether it chooses its steps by an estimate of their errors.
+    pub(crate) fn has_error_control(self) -> bool {
+        matches!(self, Method::Dop853 | Method::Dopri5)
+    }
+
+    /// Whether it takes accelerations for functions of the coordinates alone.
+    pub(crate) fn is_for_separable(self) -> bool {
+        matches!(self, Method::StormerVerlet | Method::SemiImplicitEuler)
+    }
+
+    /// The runtime's integration by this method.
+    pub(crate) fn integrate(
+        self,
+        accuracy: Accuracy,
+        accelerations: impl FnMut(f64, &Vec<f64>, &Vec<f64>, &mut Vec<f64>),
+        (t, t_end): (f64, f64),
+        state: &mut State<Vec<f64>>,
+        observer: impl FnMut(&mut dyn Step<Vec<f64>>) -> ControlFlow<f64>,
+    ) -> Result<Summary, IntegrationError> {
+        let Accuracy { relative, absolute, step } = accuracy;
+        match self {
+            Method::Dop853 => Dop853::new(relative, absolute).integrate(accelerations, t, t_end, state, observer),
+            Method::Dopri5 => Dopri5::new(relative, absolute).integrate(accelerations, t, t_end, state, observer),
+            Method::Rk4 => Rk4::new(step).integrate(accelerations, t, t_end, state, observer),
+            Method::GaussLegendre4 => GaussLegendre4::new(step).integrate(accelerations, t, t_end, state, observer),
+            Method::StormerVerlet => StormerVerlet::new(step).integrate(accelerations, t, t_end, state, observer),
+            Method::SemiImplicitEuler => {
+                SemiImplicitEuler::new(step).integrate(accelerations, t, t_end, state, observer)
+            }
+        }
+    }
+}

@@ -1,0 +1,189 @@
+//! `mbs simulate` and `mbs check` of constrained mechanisms.
+
+use crate::Workshop;
+
+/// The pendulum of the other tests without friction, in Cartesian coordinates.
+const ROD: &str = "\
+mechanism Rod {
+    param m: kg = 3;
+    param l: m = 2;
+    param g: m/s^2 = 10;
+    coord x: m;
+    coord z: m;
+    kinetic += particle(m, [x, 0, z]);
+    potential += m*g*z;
+    constraint rod: (x^2 + z^2 - l^2)/l = 0;
+}
+";
+
+/// Three equal parallel cranks carry a platform: one more than is needed.
+const PARALLEL: &str = "\
+mechanism Parallel {
+    param m: kg = 2;
+    param l: m = 0.5;
+    param w: m = 1;
+    param g: m/s^2 = 9.81;
+    coord a[3]: rad;
+    coord x: m;
+    coord z: m;
+    coord phi: rad;
+    fn along(angle, length) = [length*cos(angle), 0, length*sin(angle)];
+    for i in 0..3 {
+        kinetic += 1/12*m*l^2*dt(a[i])^2;
+    }
+    kinetic += 1/2*m*(dt(x)^2 + dt(z)^2) + 1/24*m*w^2*dt(phi)^2;
+    potential += m*g*z;
+    constraint left: [x, 0, z] = along(phi, w/2) + along(a[0], l);
+    constraint middle: [x, 0, z] = [w/2, 0, 0] + along(a[1], l);
+    constraint right: [x, 0, z] = [w, 0, 0] - along(phi, w/2) + along(a[2], l);
+}
+";
+
+fn workshop() -> Workshop {
+    let workshop = Workshop::new();
+    workshop.write("rod.mbs", ROD);
+    workshop.write("parallel.mbs", PARALLEL);
+    workshop
+}
+
+/// The last row by column.
+fn last(csv: &str) -> impl Fn(&str) -> f64 + use<> {
+    let header: Vec<String> = csv.lines().next().unwrap().split(',').map(str::to_string).collect();
+    let row: Vec<f64> = csv.lines().last().unwrap().split(',').map(|number| number.parse().unwrap()).collect();
+    move |name| row[header.iter().position(|column| column == name).unwrap()]
+}
+
+const START: &str = r#"{"q": [1.2, -1.6], "qd": [0.8, 0.6]}"#;
+
+/// `θ` from below with `tan θ = 1.2/1.6`, `l θ̇ = 1`.
+#[test]
+fn the_rod_swings_as_the_pendulum_does() {
+    let workshop = workshop();
+    let state = format!(r#"{{"q": [{:?}], "qd": [0.5], "params": {{"b": 0}}}}"#, 0.75_f64.atan());
+    let pendulum = last(&workshop.good(&["simulate", "pendulum.mbs", "--state", &state, "--t-end", "5"]));
+    let (theta, rate) = (pendulum("theta"), pendulum("theta_dot"));
+    let tension = 3.0 * (2.0 * rate * rate + 10.0 * theta.cos());
+    for (method, tolerance) in [
+        ("dop853", 1e-8),
+        ("dopri5", 1e-7),
+        ("gauss-legendre4", 1e-6),
+        ("rk4", 1e-6),
+        ("stormer-verlet", 0.1),
+        ("semi-implicit-euler", 0.1),
+    ] {
+        let arguments = ["simulate", "rod.mbs", "--state", START, "--t-end", "5", "--dt", "0.005", "--method", method];
+        let outcome = workshop.mbs(&arguments);
+        let is_for_separable = tolerance == 0.1;
+        assert_eq!(
+            (outcome.code, outcome.stderr.starts_with("warning: ")),
+            (0, is_for_separable),
+            "{}",
+            outcome.stderr
+        );
+        let rod = last(&outcome.stdout);
+        for (name, expected) in [("x", 2.0 * theta.sin()), ("z", -2.0 * theta.cos())] {
+            assert!((rod(name) - expected).abs() < tolerance, "{method}: {name} = {}", rod(name));
+        }
+        // (x² + z²)/l has the slope 2 along the rod.
+        assert!((rod("lambda_rod") + tension / 2.0).abs() < 30.0 * tolerance, "{method}: {}", rod("lambda_rod"));
+        assert!(rod("residual_rod").abs() < 1e-14, "{method}: {}", rod("residual_rod"));
+    }
+}
+
+#[test]
+fn drift_is_projected_stabilized_or_left() {
+    let workshop = workshop();
+    let residual = |how: &str| {
+        let step = ["--method", "rk4", "--dt", "0.05", "--project", how];
+        let run = [&["simulate", "rod.mbs", "--state", START, "--t-end", "50"], step.as_slice()].concat();
+        last(&workshop.good(&run))("residual_rod")
+    };
+    let [projected, stabilized, left] = ["state", "baumgarte:10,10", "none"].map(|how| residual(how).abs());
+    assert!(projected < 1e-14 && stabilized < left / 10.0 && stabilized > 1e-8, "{projected} {stabilized} {left}");
+    // Without gains, the same equations by another factorization.
+    assert!((residual("none") - residual("baumgarte:0,0")).abs() < 1e-9);
+}
+
+#[test]
+fn the_first_state_is_assembled() {
+    let workshop = workshop();
+    let run = |state: &str, rest: &[&str]| {
+        let outcome = workshop.mbs(&[&["simulate", "rod.mbs", "--state", state, "--t-end", "0"], rest].concat());
+        assert_eq!(outcome.code, 0, "{}", outcome.stderr);
+        (last(&outcome.stdout), outcome.stderr)
+    };
+    let (found, warning) = run(r#"{"q": [1.5, -2], "qd": [4, 0]}"#, &[]);
+    assert!(warning.starts_with("warning: the state does not satisfy the constraints; the motion starts from q = ["));
+    let (x, z) = (found("x"), found("z"));
+    assert!((x - 1.2).abs() < 1e-14 && (z + 1.6).abs() < 1e-14, "{x} {z}");
+    assert!((found("x_dot") - 2.56).abs() < 1e-14 && (found("z_dot") - 1.92).abs() < 1e-14);
+    let (found, _) = run(r#"{"q": [1.2, -2], "qd": [4, 0]}"#, &["--hold", "x"]);
+    assert_eq!((found("x"), found("x_dot")), (1.2, 4.0));
+    assert!((found("z") + 1.6).abs() < 1e-14 && (found("z_dot") - 3.0).abs() < 1e-14);
+    let (found, warning) = run(r#"{"q": [1.5, -2]}"#, &["--project", "none"]);
+    assert_eq!((found("x"), found("z")), (1.5, -2.0));
+    assert_eq!(warning, "warning: the motion starts off the constraints: `rod` by 1.125e0\n");
+}
+
+#[test]
+fn what_does_not_close_is_refused() {
+    let workshop = workshop();
+    let bad = |state: &str, rest: &[&str]| {
+        workshop.bad(&[&["simulate", "rod.mbs", "--state", state, "--t-end", "1", "--csv", "rod.csv"], rest].concat())
+    };
+    let report = bad(r#"{"q": [3, 1]}"#, &["--hold", "x"]);
+    assert!(report.starts_with("error: the constraints do not close: `rod` stays open by "), "{report}");
+    assert!(report.ends_with("at t = 0.0, q = [3.0, 1.0], qd = [0.0, 0.0]\n"), "{report}");
+    let report = bad(r#"{"q": [0, 0]}"#, &[]);
+    assert!(report.starts_with("error: constraint `rod` depends on the others, at t = 0.0"), "{report}");
+    let report = bad(START, &["--hold", "y"]);
+    assert_eq!(report, "error: --hold: there is no coordinate `y`\n");
+    for usage in
+        [["--project", "states"], ["--project", "baumgarte:1"], ["--project", "baumgarte:-1,2"], ["--redundant", "no"]]
+    {
+        let outcome =
+            workshop.mbs(&[&["simulate", "rod.mbs", "--state", START, "--t-end", "1"], usage.as_slice()].concat());
+        assert_eq!((outcome.code, outcome.stdout.as_str()), (2, ""), "{usage:?}: {}", outcome.stderr);
+    }
+}
+
+/// All cranks turn as one: `3/2 m l² α̈ = −m g l cos α`.
+#[test]
+fn redundant_rows_are_named_or_share_their_force() {
+    let workshop = workshop();
+    let state = r#"{"q": [1, 1, 1, 0.7701511529340698, 0.42073549240394825, 0]}"#;
+    let run = ["simulate", "parallel.mbs", "--state", state, "--t-end", "0.5"];
+    let report = workshop.bad(&run);
+    assert!(report.starts_with("error: constraint `"), "{report}");
+    assert!(report.contains("depends on the others, at t = 0.0, q = [1.0, 1.0, 1.0, 0.77"), "{report}");
+    let csv = workshop.good(&[run.as_slice(), &["--redundant", "least-norm"]].concat());
+    let end = last(&csv);
+    let one = "mechanism One { param l: m = 0.5; param m: kg = 2; param g: m/s^2 = 9.81; coord a: rad; \
+               kinetic += 1/2*3/2*m*l^2*dt(a)^2; potential += m*g*l*sin(a); }";
+    workshop.write("one.mbs", one);
+    let expected = last(&workshop.good(&["simulate", "one.mbs", "--state", r#"{"q": [1]}"#, "--t-end", "0.5"]));
+    for (name, value) in [("a_0", expected("a")), ("a_1", expected("a")), ("a_2", expected("a")), ("phi", 0.0)] {
+        assert!((end(name) - value).abs() < 1e-9, "{name}: {} {value}", end(name));
+    }
+    assert!((end("energy") - expected("energy")).abs() < 1e-9);
+    for [one, other] in
+        [["left_1", "middle_1"], ["middle_1", "right_1"], ["left_0", "middle_0"], ["middle_0", "right_0"]]
+    {
+        let [one, other] = [one, other].map(|row| end(&format!("lambda_{row}")));
+        assert!((one - other).abs() < 1e-6, "{one} {other}");
+    }
+    // Flattened, the parallelogram may go on as another: the motion ends there rather than on a branch of its choice.
+    let report =
+        workshop.bad(&["simulate", "parallel.mbs", "--state", state, "--t-end", "3", "--redundant", "least-norm"]);
+    assert!(report.starts_with("error: the integration stopped: "), "{report}");
+}
+
+#[test]
+fn freedom_is_counted_by_rows_and_by_rank() {
+    let workshop = workshop();
+    let rod = workshop.good(&["check", "rod.mbs"]);
+    assert!(rod.contains(", 1 constraint row: 1 degree of freedom; proved at "), "{rod}");
+    let parallel = workshop.good(&["check", "parallel.mbs"]);
+    let expected = ", 6 constraint rows of rank 5: 1 degree of freedom (Grübler counts 0); proved at ";
+    assert!(parallel.contains(expected), "{parallel}");
+}
