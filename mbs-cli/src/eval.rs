@@ -63,6 +63,9 @@ fn evaluation(derivation: &Derivation, point: &Point, place: &str) -> Value {
         "conserved": conserved(derivation, evaluated),
         "outputs": outputs(derivation, evaluated),
     });
+    if !derivation.reactions.is_empty() {
+        evaluation["reactions"] = reactions(derivation, &interpreter, point).into();
+    }
     for name in ["constraint", "constraint_rate", "constraint_jacobian", "constraint_bias"] {
         if derivation.function(name).is_some() {
             evaluation[name] = value(name);
@@ -90,6 +93,24 @@ fn outputs(derivation: &Derivation, evaluated: impl Fn(&Function) -> Vec<f64>) -
     outputs.map(|function| (function.name.clone(), shaped(function, &evaluated(function)))).collect()
 }
 
+/// Force and moment at each joint by name, at the given accelerations, or at those of the motion.
+fn reactions(derivation: &Derivation, interpreter: &Interpreter<'_>, point: &Point) -> Map<String, Value> {
+    let mut state = point.state.clone();
+    if !point.accelerations_are_given {
+        state.qdd = interpreter.call("forward_dynamics", &state).unwrap_or_default();
+    }
+    let functions = derivation.functions.iter().filter_map(|function| match function.kind {
+        FunctionKind::Reaction(number) => Some((function, &derivation.reactions[number])),
+        _ => None,
+    });
+    let joints = functions.flat_map(|(function, reaction)| {
+        let wrenches = interpreter.evaluate(function, &state);
+        let wrenches: Vec<Value> = wrenches.chunks(6).map(|wrench| in_shape(Shape::Wrench, wrench)).collect();
+        reaction.component_names().into_iter().zip(wrenches)
+    });
+    joints.collect()
+}
+
 /// A function's results in their shape: one value, or an object of named ones.
 fn shaped(function: &Function, values: &[f64]) -> Value {
     if let [ResultPart { name: "", shape }] = function.results.as_slice() {
@@ -111,6 +132,8 @@ fn in_shape(shape: Shape, values: &[f64]) -> Value {
         Shape::Matrix(height, width) => rows(values, height, width),
         Shape::Symmetric(n) => rows(values, n, n),
         Shape::Pose => json!({ "position": values[..3], "rotation": rows(&values[3..], 3, 3) }),
+        Shape::Wrench => json!({ "force": values[..3], "moment": values[3..6] }),
+        Shape::Wrenches(_) => values.chunks(6).map(|wrench| in_shape(Shape::Wrench, wrench)).collect(),
     }
 }
 

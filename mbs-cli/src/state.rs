@@ -37,6 +37,8 @@ pub(crate) enum Request {
 pub(crate) struct Point {
     /// Time, coordinates, velocities, accelerations, inputs.
     pub(crate) state: State,
+    /// Whether accelerations are among what was given.
+    pub(crate) accelerations_are_given: bool,
     /// All parameters, flattened in declaration order.
     pub(crate) parameters: Vec<f64>,
 }
@@ -155,7 +157,8 @@ impl Reader<'_> {
             u: self.numbers_or_zeros(object, "u", &inputs),
             prescribed: self.prescribed(object.get("prescribed")),
         };
-        Point { state, parameters: self.parameters(object.get("params")) }
+        let accelerations_are_given = object.contains_key("qdd");
+        Point { state, accelerations_are_given, parameters: self.parameters(object.get("params")) }
     }
 
     fn numbers_or_zeros(&mut self, object: &Map<String, Value>, key: &str, names: &[String]) -> Vec<f64> {

@@ -15,7 +15,8 @@
 //! - [`linearize`]: Jacobians of the equations of motion;
 //! - [`constraint`]: what must vanish, its Jacobian and its bias;
 //! - [`conserved`]: cyclic coordinates and the energy integral;
-//! - [`output`]: outputs, their velocities and Jacobians.
+//! - [`output`]: outputs, their velocities and Jacobians;
+//! - [`reaction`]: forces and moments that joints transmit.
 
 pub mod conserved;
 pub mod constraint;
@@ -24,6 +25,7 @@ pub mod lagrange;
 mod lift;
 pub mod linearize;
 pub mod output;
+pub mod reaction;
 pub mod solve;
 pub mod textbook;
 mod tree;
@@ -43,6 +45,7 @@ pub use solve::ForwardDynamics;
 pub use textbook::Form;
 
 use lift::Lifted;
+use reaction::{Reactions, Wrenches};
 use tree::Masses;
 
 /// Rows of expressions.
@@ -132,6 +135,8 @@ pub struct Equations<'g> {
     pub conserved: Vec<Conserved<'g>>,
     /// Outputs with their velocities and Jacobians.
     pub outputs: Vec<OutputEquations<'g>>,
+    /// What the joints of each reaction transmit.
+    pub reactions: Vec<Wrenches<'g>>,
 }
 
 /// Derives the equations of motion into `graph`, by every route that applies.
@@ -164,7 +169,15 @@ fn derived_by<'g>(lagrangian: &Lagrangian<'_>, graph: &'g Graph, routes: &[Route
     };
     let constraints = constraint::constraints(lagrangian, graph, symbols);
     let mechanism = Mechanism { lagrangian, symbols, energies, constraints, outputs: OnceCell::new() };
-    routes.iter().filter_map(|&route| Some(mechanism.equations(route, by(route)?))).collect()
+    let mut found: Vec<_> = routes.iter().filter_map(|&route| Some(mechanism.equations(route, by(route)?))).collect();
+    // Reactions come last, so that all else is the same without them.
+    if let Some(reactions) = Reactions::of(lagrangian, graph) {
+        let plain = reactions.by(Route::Plain).unwrap_or_default();
+        for equations in &mut found {
+            equations.reactions = reactions.by(equations.route).unwrap_or_else(|| plain.clone());
+        }
+    }
+    found
 }
 
 /// What does not depend on the route.
@@ -198,6 +211,7 @@ impl<'g> Mechanism<'_, '_, 'g> {
             constraints: constraints.clone(),
             conserved,
             outputs: outputs.get_or_init(|| output::outputs(lagrangian, graph, symbols)).clone(),
+            reactions: Vec::new(),
         }
     }
 }

@@ -2,7 +2,9 @@
 
 use crate::expr::evaluate::{holds, truth};
 use crate::expr::{Number, Symbol, Value};
-use crate::optimise::{Completion, Derivation, Function, Instruction, Program, ResultPart, Shape, Value as Step};
+use crate::optimise::{
+    Argument, Completion, Derivation, Function, Instruction, Program, ResultPart, Shape, Value as Step,
+};
 
 /// The arguments of a mechanism's functions, flattened in declaration order.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -63,11 +65,19 @@ impl<'d, V: Value> Interpreter<'d, V> {
         self.derivation.function(name).map(|function| self.evaluate(function, state))
     }
 
-    /// The results of one of the mechanism's functions, part by part and row by row, symmetric matrices in full.
+    /// The results of one of the mechanism's functions, part by part and row by row, symmetric matrices in full. Where it takes
+    /// multipliers, they are those of forward dynamics.
     pub fn evaluate(&self, function: &Function, state: &State<V>) -> Vec<V> {
+        let takes_multipliers = function.arguments.contains(&Argument::Multipliers);
+        let multipliers = takes_multipliers.then(|| self.call("multipliers", state)).flatten().unwrap_or_default();
+        self.evaluate_with(function, state, &multipliers)
+    }
+
+    /// The same with these multipliers.
+    pub fn evaluate_with(&self, function: &Function, state: &State<V>, multipliers: &[V]) -> Vec<V> {
         match function.completion {
             Completion::None => {
-                let values = self.run(&function.program, state, &[]);
+                let values = self.run(&function.program, state, multipliers);
                 expand_symmetric(&function.results, values)
             }
             Completion::Solve | Completion::SolveMultipliers => self.solve(function, state),

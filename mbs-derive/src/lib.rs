@@ -196,7 +196,7 @@ pub fn declared_from<'g>(
 /// What each function of [`derived`] would cost by each route, those for comparison included; in the same order.
 pub fn compared(lagrangian: &Lagrangian<'_>) -> Vec<Vec<(derive::Route, optimise::Operations)>> {
     let graph = Graph::new();
-    optimise::compared(&derive::all_routes(lagrangian, &graph))
+    optimise::compared(lagrangian, &derive::all_routes(lagrangian, &graph))
 }
 
 /// `derive` and `optimise`: a Lagrangian → its Programs, not yet proved.

@@ -10,6 +10,7 @@
 //! - `value`: what expressions stand for; `scope`: what names stand for; `constant`: what is known of an expression;
 //! - `statement`: statements in order; `declare`: parameters, coordinates, inputs, prescribed motions, constants;
 //! - `energy`: energies, generalized forces; `point_force`: forces at points, torques; `constraint`: constraints;
+//! - `reaction`: joints whose wrenches are asked for, held and let go;
 //! - `evaluate`: expressions → values; `operator`: `+ - * / ^` and `dt`; `condition`: `if … else`;
 //! - `builtin`: functions and methods; `function`: functions written in the language; `body`: bodies;
 //! - `import`: what imported files declare;
@@ -38,6 +39,7 @@ mod manual;
 pub(crate) mod moments;
 mod operator;
 mod point_force;
+mod reaction;
 pub mod sample;
 mod scope;
 mod sign;
@@ -51,9 +53,12 @@ use crate::diagnostic::Diagnostics;
 use crate::expr::Graph;
 use crate::parse::syntax::Declaration;
 use evaluate::Resolver;
+use reaction::Hold;
 
 pub use frame::{Edge, Frame, FrameId, Frames};
-pub use lagrangian::{Body, Constraint, ConstraintKind, Lagrangian, Output, OutputValue, PointForce, Variable};
+pub use lagrangian::{
+    Body, Constraint, ConstraintKind, Lagrangian, Output, OutputValue, PointForce, Reaction, Variable,
+};
 
 /// What a declaration means, in the verbatim `graph`, and warnings about it.
 ///
@@ -61,15 +66,37 @@ pub use lagrangian::{Body, Constraint, ConstraintKind, Lagrangian, Output, Outpu
 /// Every mistake in the declaration, in source order.
 pub fn resolve<'g>(declaration: &Declaration, graph: &'g Graph) -> Result<(Lagrangian<'g>, Diagnostics), Diagnostics> {
     let library = function::library();
+    let mut resolver = gone_through(declaration, &library, graph, Hold::of(declaration));
+    if !resolver.errors.has_errors() {
+        resolver.check(&declaration.name);
+    }
+    if resolver.errors.has_errors() {
+        return Err(resolver.errors);
+    }
+    if let Some(hold) = resolver.released() {
+        let Resolver { lagrangian, errors, .. } = gone_through(declaration, &library, graph, hold);
+        if errors.has_errors() {
+            return Err(errors);
+        }
+        resolver.lagrangian.released = Some(Box::new(lagrangian));
+    }
+    Ok((resolver.lagrangian, resolver.errors))
+}
+
+/// The statements in order.
+fn gone_through<'d, 'g>(
+    declaration: &'d Declaration,
+    library: &'d Declaration,
+    graph: &'g Graph,
+    hold: Hold<'g>,
+) -> Resolver<'d, 'g> {
     let mut resolver = Resolver::new(graph, &declaration.name.text, declaration.dimensionless);
+    resolver.hold = hold;
     resolver.lagrangian.docs = declaration.docs.clone();
     resolver.provide(&library.statements);
     resolver.import(&declaration.imported);
     resolver.survey(&declaration.statements);
     resolver.statements(&declaration.statements);
-    if !resolver.errors.has_errors() {
-        resolver.check(&declaration.name);
-    }
-    let Resolver { lagrangian, errors, .. } = resolver;
-    if errors.has_errors() { Err(errors) } else { Ok((lagrangian, errors)) }
+    resolver.let_go();
+    resolver
 }

@@ -17,7 +17,7 @@ pub mod schedule;
 use crate::derive::output::OutputShape;
 use crate::derive::{Equations, Route, Rows};
 use crate::expr::{Expr, Symbol};
-use crate::model::{Constraint, Lagrangian, Variable};
+use crate::model::{Constraint, Lagrangian, Reaction, Variable};
 
 pub use cost::Operations;
 pub use program::{Instruction, Program, Value};
@@ -43,6 +43,8 @@ pub struct Derivation {
     pub constraints: Vec<String>,
     /// Which of the rows are holonomic.
     pub holonomic: Vec<bool>,
+    /// Joints whose wrenches are asked for.
+    pub reactions: Vec<Reaction>,
     /// Whether any function depends on t; then all of them take it.
     pub depends_on_time: bool,
     /// From parameters to the values that depend on them alone, computed once.
@@ -123,6 +125,8 @@ pub enum FunctionKind {
     OutputJacobian(usize),
     /// The time derivative of the Jacobian of the output with this number.
     OutputJacobianRate(usize),
+    /// The wrenches at the joints of the reaction with this number.
+    Reaction(usize),
 }
 
 /// An argument of a generated function.
@@ -136,6 +140,8 @@ pub enum Argument {
     Qdd,
     /// u
     U,
+    /// λ
+    Multipliers,
 }
 
 /// A returned value and its shape.
@@ -160,6 +166,10 @@ pub enum Shape {
     Symmetric(usize),
     /// A position, then the rows of a rotation.
     Pose,
+    /// A force, then a moment.
+    Wrench,
+    /// So many of them.
+    Wrenches(usize),
 }
 
 impl Shape {
@@ -171,6 +181,8 @@ impl Shape {
             Shape::Matrix(rows, columns) => rows * columns,
             Shape::Symmetric(n) => n * (n + 1) / 2,
             Shape::Pose => 12,
+            Shape::Wrench => 6,
+            Shape::Wrenches(n) => 6 * n,
         }
     }
 }
@@ -191,7 +203,8 @@ pub enum Completion {
 /// Makes the Programs, each function by its cheapest route; the routes are equal in value, the first wins a draw.
 pub fn straight_line(lagrangian: &Lagrangian<'_>, routes: &[Equations<'_>]) -> Derivation {
     let mut forms = Forms::default();
-    let roots = cheapest(routes.iter().map(|route| (route.route, functions(route))).collect(), &mut forms);
+    let ways = routes.iter().map(|route| (route.route, functions(route, &lagrangian.reactions)));
+    let roots = cheapest(ways.collect(), &mut forms);
     let hoisting = Hoisting::of(roots.iter().map(|f| f.roots.as_slice()), &mut forms);
     let functions: Vec<Function> = roots.into_iter().map(|f| f.into_function(&hoisting)).collect();
     let depends_on_time = functions.iter().any(|f| f.program.uses(|symbol| symbol == Symbol::Time));
@@ -204,6 +217,7 @@ pub fn straight_line(lagrangian: &Lagrangian<'_>, routes: &[Equations<'_>]) -> D
         prescribed: lagrangian.prescribed.clone(),
         constraints: lagrangian.constraints.iter().flat_map(row_names).collect(),
         holonomic: lagrangian.holonomic_rows(),
+        reactions: lagrangian.reactions.clone(),
         depends_on_time,
         constructor: hoisting.constructor,
         functions,
@@ -299,8 +313,9 @@ fn cheapest<'g>(routes: Vec<(Route, Vec<Roots<'g>>)>, forms: &mut Forms) -> Vec<
 }
 
 /// What each function would cost by each route, in the order of the functions and of the routes.
-pub fn compared(routes: &[Equations<'_>]) -> Vec<Vec<(Route, Operations)>> {
+pub fn compared(lagrangian: &Lagrangian<'_>, routes: &[Equations<'_>]) -> Vec<Vec<(Route, Operations)>> {
     let mut forms = Forms::default();
+    let functions = |route| functions(route, &lagrangian.reactions);
     let mut costs = |route| functions(route).iter().map(|function| function.cost(&mut forms)).collect();
     let by_route: Vec<Vec<Operations>> = routes.iter().map(&mut costs).collect();
     let function = |i: usize| routes.iter().zip(&by_route).map(|(route, costs)| (route.route, costs[i])).collect();
@@ -308,7 +323,7 @@ pub fn compared(routes: &[Equations<'_>]) -> Vec<Vec<(Route, Operations)>> {
 }
 
 /// The functions of a mechanism, in the order of the documentation.
-fn functions<'g>(equations: &Equations<'g>) -> Vec<Roots<'g>> {
+fn functions<'g>(equations: &Equations<'g>, reactions: &[Reaction]) -> Vec<Roots<'g>> {
     use Argument::{Q, Qd, Qdd, U};
     use FunctionKind as Kind;
     let n = equations.symbols.q.len();
@@ -334,6 +349,8 @@ fn functions<'g>(equations: &Equations<'g>) -> Vec<Roots<'g>> {
         functions.extend(constraints(equations));
     }
     functions.extend((0..equations.outputs.len()).flat_map(|i| output(equations, i)));
+    let wrenches = reactions.iter().zip(&equations.reactions).enumerate();
+    functions.extend(wrenches.map(|(i, (joints, wrenches))| reaction(i, joints, wrenches)));
     functions
 }
 
@@ -460,6 +477,16 @@ fn output<'g>(equations: &Equations<'g>, number: usize) -> Vec<Roots<'g>> {
     functions
 }
 
+/// The wrenches of a reaction; it takes q, q̇ and q̈ in any case.
+fn reaction<'g>(number: usize, reaction: &Reaction, wrenches: &[Expr<'g>]) -> Roots<'g> {
+    let shape = reaction.length.map_or(Shape::Wrench, Shape::Wrenches);
+    let mut arguments = vec![Argument::Q, Argument::Qd, Argument::Qdd];
+    arguments.extend(arguments_of(wrenches));
+    arguments.sort();
+    arguments.dedup();
+    Roots::new(&reaction.name, FunctionKind::Reaction(number), &arguments, shape, wrenches.to_vec())
+}
+
 fn arguments_of(roots: &[Expr<'_>]) -> Vec<Argument> {
     let mut arguments = vec![Argument::Q];
     if let Some(first) = roots.first() {
@@ -483,6 +510,7 @@ fn argument_of(symbol: Symbol) -> Option<Argument> {
         Symbol::Velocity(_) => Some(Argument::Qd),
         Symbol::Acceleration(_) => Some(Argument::Qdd),
         Symbol::Input(_) => Some(Argument::U),
-        Symbol::Time | Symbol::Parameter(_) | Symbol::Prescribed(..) | Symbol::Multiplier(_) => None,
+        Symbol::Multiplier(_) => Some(Argument::Multipliers),
+        Symbol::Time | Symbol::Parameter(_) | Symbol::Prescribed(..) => None,
     }
 }

@@ -113,12 +113,12 @@
 //!
 //! # Features
 //!
-//! | feature | gives                                                                                          |
-//! |---------|------------------------------------------------------------------------------------------------|
-//! | `std`   | default: mathematics of the standard library, `Trajectory`, `Vec` as coordinates               |
-//! | `libm`  | mathematics of the libm crate, for `no_std`; where both are on, `std` computes                 |
-//! | `serde` | states, poses and trajectories serialize; `mbs_runtime::serde` for generated parameters        |
-//! | `wide`  | `wide::f64x4` and `wide::f32x8` are scalars; `mbs_runtime::wide`                               |
+//! | feature | gives                                                                                             |
+//! |---------|---------------------------------------------------------------------------------------------------|
+//! | `std`   | default: mathematics of the standard library, `Trajectory`, `Vec` as coordinates                  |
+//! | `libm`  | mathematics of the libm crate, for `no_std`; where both are on, `std` computes                    |
+//! | `serde` | states, poses, wrenches and trajectories serialize; `mbs_runtime::serde` for generated parameters |
+//! | `wide`  | `wide::f64x4` and `wide::f32x8` are scalars; `mbs_runtime::wide`                                  |
 //!
 //! Without `std` and `libm` the crate compiles, but `f32` and `f64` are no scalars. There is no allocation but in
 //! `Trajectory` and where `Vec`s are coordinates, and no unsafe code.
@@ -169,7 +169,7 @@ pub use integrator::semi_implicit_euler::SemiImplicitEuler;
 pub use integrator::verlet::StormerVerlet;
 pub use integrator::{Integrator, Outcome, Step, Summary};
 pub use matrix::{to_matrix, to_rows, to_vector};
-pub use mechanism::{InverseDynamicsJacobian, Linearization, Mechanism, Pose, accelerations};
+pub use mechanism::{InverseDynamicsJacobian, Linearization, Mechanism, Pose, Wrench, accelerations};
 pub use scalar::{Mask, Real, Scalar};
 pub use state::{Coordinates, State};
 #[cfg(feature = "std")]

@@ -160,6 +160,31 @@ impl<T: Scalar> Pose<T> {
     }
 }
 
+/// What a joint transmits: the force and the moment that the part before it exerts on the part behind it.
+///
+/// Both are in the axes of the joint's pose, the moment is about the pose's origin.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Wrench<T> {
+    /// \[N\]
+    pub force: [T; 3],
+    /// \[N·m\]
+    pub moment: [T; 3],
+}
+
+impl<T: Scalar> Wrench<T> {
+    /// The same about the point `x` of the same axes: `moment − x × force`.
+    #[must_use]
+    pub fn about(&self, x: [T; 3]) -> Self {
+        let (f, m) = (self.force, self.moment);
+        let component = |i: usize| {
+            let (j, k) = ((i + 1) % 3, (i + 2) % 3);
+            m[i] - (x[j] * f[k] - x[k] * f[j])
+        };
+        Wrench { force: f, moment: core::array::from_fn(component) }
+    }
+}
+
 /// Exact: the rotation stays a matrix.
 impl<T: RealField> From<Pose<T>> for IsometryMatrix3<T> {
     fn from(pose: Pose<T>) -> Self {
@@ -180,6 +205,14 @@ impl<T: RealField> From<Pose<T>> for Isometry3<T> {
 mod tests {
     use super::*;
     use nalgebra::Point3;
+
+    #[test]
+    fn a_wrench_about_another_point() {
+        // A weight of 2 N at (3, 0, 0) has no moment about its place.
+        let weight = Wrench { force: [0.0, 0.0, -2.0], moment: [0.0, 6.0, 0.0] };
+        assert_eq!(weight.about([3.0, 0.0, 0.0]), Wrench { force: [0.0, 0.0, -2.0], moment: [0.0; 3] });
+        assert_eq!(weight.about([0.0, 1.0, 0.0]).moment, [2.0, 6.0, 0.0]);
+    }
 
     #[test]
     fn a_pose_and_its_isometries_agree() {

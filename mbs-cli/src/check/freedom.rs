@@ -29,7 +29,8 @@ pub(super) fn summary(derivation: &Derivation) -> Result<String, Failure> {
         prescribed: vec![[0.0; 3]; derivation.prescribed.iter().map(|signal| signal.count()).sum()],
         t: 0.0,
     };
-    let equations = Equations::new(derivation, &Point { state, parameters: defaults.collect() })?;
+    let equations =
+        Equations::new(derivation, &Point { state, accelerations_are_given: false, parameters: defaults.collect() })?;
     let mut projector = equations.projector(RedundantRows::LeaveOut);
     let ranks = (0..GUESSES).filter_map(|guess| {
         let mut motion = equations.start();

@@ -90,6 +90,7 @@ fn argument(argument: Argument) -> &'static str {
         Argument::Qd => "qd",
         Argument::Qdd => "qdd",
         Argument::U => "u",
+        Argument::Multipliers => "multipliers",
     }
 }
 
@@ -100,6 +101,8 @@ fn shape(shape: Shape) -> Value {
         Shape::Matrix(rows, columns) => json!(["matrix", rows, columns]),
         Shape::Symmetric(n) => json!(["symmetric", n]),
         Shape::Pose => json!(["pose"]),
+        Shape::Wrench => json!(["wrench"]),
+        Shape::Wrenches(n) => json!(["wrenches", n]),
     }
 }
 

@@ -84,7 +84,7 @@ fn gravity<'g>(rest: Expr<'g>, a: &[Expr<'g>], symbols: &Symbols) -> Vec<Expr<'g
 }
 
 /// `ṗ`
-fn rate<'g>(momentum: &[Expr<'g>]) -> Vec<Expr<'g>> {
+pub(super) fn rate<'g>(momentum: &[Expr<'g>]) -> Vec<Expr<'g>> {
     Tangent::new(|symbol| time_derivative(symbol, momentum[0].graph())).of_all(momentum)
 }
 

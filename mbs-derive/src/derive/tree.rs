@@ -70,6 +70,12 @@ pub(super) fn equations<'g>(
     }
 }
 
+/// `M q̈ + C q̇ + G` of the bodies, for the coordinates from a number on.
+pub(super) fn forces<'g>(lifted: &Lifted<'g>, masses: Masses, symbols: &Symbols, first: usize) -> Vec<Expr<'g>> {
+    let symbols = Symbols { q: symbols.q[first..].to_vec(), ..symbols.clone() };
+    Tree::new(lifted, masses, &symbols).forces(Accelerations::Given)
+}
+
 /// The tree with its masses grouped, and how its joints follow the coordinates.
 struct Tree<'g> {
     linkage: Linkage<'g>,

@@ -138,6 +138,10 @@ pub(super) fn function(derivation: &Derivation, function: &Function) -> Vec<Stri
         | FunctionKind::OutputVelocity(_)
         | FunctionKind::OutputJacobian(_)
         | FunctionKind::OutputJacobianRate(_) => {}
+        FunctionKind::Reaction(number) => {
+            facts.extend(derivation.reactions.get(*number).into_iter().flat_map(|reaction| declared(&reaction.docs)));
+            facts.extend(reaction(derivation, function));
+        }
     }
     if function.kind == FunctionKind::LinearizeParameters {
         let names = component_names(&derivation.parameters).join("`, `");
@@ -221,7 +225,26 @@ fn summary(derivation: &Derivation, function: &Function) -> String {
             };
             format!("Time derivative `J̇` of the Jacobian `J` of the output `{name}`, {shape}: {motion}.")
         }
+        FunctionKind::Reaction(_) => format!(
+            "Reaction `{}`, {shape}: what the part before the joint exerts on the part behind it, in the axes of the joint's \
+             pose, about its origin.",
+            function.name
+        ),
     }
+}
+
+/// Which accelerations and multipliers a reaction is for, and its units.
+fn reaction(derivation: &Derivation, function: &Function) -> Vec<String> {
+    let has_units = force_units(derivation).is_some();
+    let units = has_units.then(|| "Forces in N, moments in N·m.".to_string());
+    let multipliers = function.arguments.contains(&Argument::Multipliers);
+    let of_motion = match multipliers {
+        true => {
+            "For the motion itself, `qdd` is what `forward_dynamics` gives, and `multipliers` those of `multipliers`."
+        }
+        false => "For the motion itself, `qdd` is what `forward_dynamics` gives.",
+    };
+    units.into_iter().chain([of_motion.to_string()]).collect()
 }
 
 fn is_pose(derivation: &Derivation, output: usize) -> bool {
@@ -250,6 +273,8 @@ fn shape(shape: Shape) -> String {
         Shape::Matrix(rows, columns) => format!("{rows} × {columns}"),
         Shape::Symmetric(n) => format!("{n} × {n}"),
         Shape::Pose => "a pose".to_string(),
+        Shape::Wrench => "a force and a moment".to_string(),
+        Shape::Wrenches(n) => format!("{n} forces and moments"),
     }
 }
 
@@ -276,6 +301,7 @@ pub(super) fn argument(argument: Argument) -> &'static str {
         Argument::Qd => "qd",
         Argument::Qdd => "qdd",
         Argument::U => "u",
+        Argument::Multipliers => "multipliers",
     }
 }
 

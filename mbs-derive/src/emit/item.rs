@@ -253,6 +253,7 @@ impl<'d> Emitter<'d> {
             let n = match argument {
                 Argument::Q | Argument::Qd | Argument::Qdd => self.derivation.dof(),
                 Argument::U => self.inputs(),
+                Argument::Multipliers => self.derivation.constraints.len(),
             };
             let length = Literal::usize_unsuffixed(n);
             (argument != Argument::U || n > 0).then(|| (ident(doc::argument(argument)), quote!(&[T; #length])))
@@ -533,7 +534,7 @@ fn components(derivation: &Derivation, function: &Function) -> Vec<Component> {
                 let (row, column) = (i.max(j), i.min(j));
                 Component::Result(start + triangular(row, column), format!("m_{row}_{column}"))
             })),
-            Shape::Scalar | Shape::Vector(_) | Shape::Matrix(..) | Shape::Pose => {
+            Shape::Scalar | Shape::Vector(_) | Shape::Matrix(..) | Shape::Pose | Shape::Wrench | Shape::Wrenches(_) => {
                 let wish = |i| result_name(derivation, function, shape, i);
                 components.extend((0..shape.count()).map(|i| Component::Result(start + i, wish(i))));
             }
@@ -553,7 +554,9 @@ fn right_side_shape(derivation: &Derivation, shape: Shape) -> Shape {
     let size = system_size(derivation);
     match shape {
         Shape::Matrix(_, columns) => Shape::Matrix(size, columns),
-        Shape::Scalar | Shape::Vector(_) | Shape::Symmetric(_) | Shape::Pose => Shape::Vector(size),
+        Shape::Scalar | Shape::Vector(_) | Shape::Symmetric(_) | Shape::Pose | Shape::Wrench | Shape::Wrenches(_) => {
+            Shape::Vector(size)
+        }
     }
 }
 
@@ -604,7 +607,8 @@ fn trait_name(kind: &FunctionKind) -> &'static str {
         | FunctionKind::Output(_)
         | FunctionKind::OutputVelocity(_)
         | FunctionKind::OutputJacobian(_)
-        | FunctionKind::OutputJacobianRate(_) => unreachable!("not in the trait"),
+        | FunctionKind::OutputJacobianRate(_)
+        | FunctionKind::Reaction(_) => unreachable!("not in the trait"),
     }
 }
 
@@ -642,6 +646,8 @@ fn shape_type(shape: Shape) -> TokenStream {
         Shape::Matrix(rows, columns) => array(array(quote!(T), Some(columns)), Some(rows)),
         Shape::Symmetric(n) => array(array(quote!(T), Some(n)), Some(n)),
         Shape::Pose => quote!(::mbs_runtime::Pose<T>),
+        Shape::Wrench => quote!(::mbs_runtime::Wrench<T>),
+        Shape::Wrenches(n) => array(shape_type(Shape::Wrench), Some(n)),
     }
 }
 
@@ -661,6 +667,14 @@ fn shaped(shape: Shape, values: &mut impl Iterator<Item = TokenStream>) -> Token
         Shape::Pose => {
             let (position, rotation) = (shaped(Shape::Vector(3), values), shaped(Shape::Matrix(3, 3), values));
             quote!(::mbs_runtime::Pose { position: #position, rotation: #rotation })
+        }
+        Shape::Wrench => {
+            let (force, moment) = (shaped(Shape::Vector(3), values), shaped(Shape::Vector(3), values));
+            quote!(::mbs_runtime::Wrench { force: #force, moment: #moment })
+        }
+        Shape::Wrenches(n) => {
+            let wrenches: Vec<_> = (0..n).map(|_| shaped(Shape::Wrench, values)).collect();
+            quote!([#(#wrenches),*])
         }
     }
 }

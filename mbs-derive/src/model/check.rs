@@ -36,6 +36,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
     /// Looks at the finished mechanism; `name` is where what concerns all of it is reported.
     pub(super) fn check(&mut self, name: &Name) {
         self.check_names();
+        self.check_reactions();
         self.check_bodies();
         if self.lagrangian.dof() == 0 {
             let message = format!("`{}` has no coordinates", name.text);

@@ -28,7 +28,12 @@ impl<'d, 'g> Resolver<'d, 'g> {
             return Err(self.refuse(&name.span, message, "choose another name"));
         }
         let rows = self.differences(left?, right?, &span)?;
-        let rows = self.effective(rows, &span)?;
+        let rows = match self.rows_when_held(rows.len()) {
+            None => self.effective(rows, &span)?,
+            Some(effective) => {
+                rows.into_iter().zip(effective).filter(|(_, is_in)| *is_in).map(|(row, _)| row).collect()
+            }
+        };
         let kind = self.kind_of(&rows, &span)?;
         self.lagrangian.constraints.push(Constraint { name: name.text.clone(), docs: docs.to_vec(), kind, rows });
         self.places.constraints.push(span);
@@ -115,6 +120,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
         let simplified = simplified(&rows, &simple);
         let vanishing = vanishing(&simplified, &self.lagrangian);
         let mut effective = Vec::new();
+        let are_effective = vanishing.iter().map(|vanishes| !vanishes).collect();
         for ((row, simplified), vanishes) in rows.iter().zip(simplified).zip(vanishing) {
             match simplified.as_constant() {
                 _ if vanishes => continue,
@@ -128,6 +134,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
                 return Err(self.refuse(span, "this constrains no coordinate", help));
             }
         }
+        self.effective_rows.push(are_effective);
         if effective.is_empty() {
             return Err(self.refuse(span, "this constraint always holds", "leave it out"));
         }

@@ -13,6 +13,7 @@ use super::frame::{Edge, FrameId};
 use super::function::{Call, Function, Home};
 use super::lagrangian::Lagrangian;
 use super::landmark::Place;
+use super::reaction::{Hold, Joint};
 use super::scope::Scope;
 use super::singular::Sites;
 use super::value::{Array, Free, Point, Pose, Scalar, Shape, Tensor, Value, shared};
@@ -73,6 +74,12 @@ pub(super) struct Resolver<'d, 'g> {
     pub(super) physical: Vec<Physical<'g>>,
     /// Where each kinetic, potential and lagrangian term and each constraint stands.
     pub(super) places: Places,
+    /// Whether joints whose wrenches are asked for are held.
+    pub(super) hold: Hold<'g>,
+    /// These joints, as far as they have been met.
+    pub(super) joints: Vec<Joint>,
+    /// Of each constraint, which of its rows do not vanish.
+    pub(super) effective_rows: Vec<Vec<bool>>,
     /// Where derivatives may fail.
     pub(super) sites: Sites<'g>,
     /// Turns of loops so far.
@@ -106,6 +113,9 @@ impl<'d, 'g> Resolver<'d, 'g> {
             defining: None,
             physical: Vec::new(),
             places: Places::default(),
+            hold: Hold::Always,
+            joints: Vec::new(),
+            effective_rows: Vec::new(),
             sites: Sites::new(),
             turns: 0,
             depth_of_blocks: 0,
@@ -353,9 +363,13 @@ impl<'d, 'g> Resolver<'d, 'g> {
 // ---- names
 
 impl<'d, 'g> Resolver<'d, 'g> {
-    fn name(&mut self, name: &str, span: &Span) -> Resolved<Value<'g>> {
+    pub(super) fn name(&mut self, name: &str, span: &Span) -> Resolved<Value<'g>> {
         if let Some(binding) = self.scope.get(name) {
-            return binding.value.clone().ok_or(Refused);
+            let value = binding.value.clone().ok_or(Refused);
+            if let Ok(Value::Pose(_)) = value {
+                self.scope.note_use(name, span);
+            }
+            return value;
         }
         match name {
             "pi" => Ok(Value::Scalar(Scalar::plain(self.graph.constant(Number::PI)))),

@@ -201,8 +201,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
             Home::Import | Home::Library => self.scope.enter_shared_function(),
         }
         for (parameter, argument) in function.parameters.iter().zip(arguments) {
-            let binding =
-                Binding { origin: Origin::Argument, value: Some(argument.value), span: parameter.span.clone() };
+            let binding = Binding::new(Origin::Argument, Some(argument.value), parameter.span.clone());
             // Two of one name have been reported.
             let _ = self.scope.declare(&parameter.text, binding);
         }

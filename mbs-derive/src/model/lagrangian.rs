@@ -94,6 +94,32 @@ pub struct Constraint<'g> {
     pub rows: Vec<Expr<'g>>,
 }
 
+/// A joint whose wrench is asked for, or an array of them.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Reaction {
+    /// As declared.
+    pub name: String,
+    /// Doc comments.
+    pub docs: Vec<String>,
+    /// How many, where it is an array.
+    pub length: Option<usize>,
+}
+
+impl Reaction {
+    /// How many joints.
+    pub fn count(&self) -> usize {
+        self.length.unwrap_or(1)
+    }
+
+    /// The names of the joints: `hinge`, or `joint_0`, `joint_1`, ….
+    pub fn component_names(&self) -> Vec<String> {
+        match self.length {
+            None => vec![self.name.clone()],
+            Some(n) => (0..n).map(|i| format!("{}_{i}", self.name)).collect(),
+        }
+    }
+}
+
 /// What an output is.
 #[derive(Clone, Debug)]
 pub enum OutputValue<'g> {
@@ -121,6 +147,9 @@ pub struct Output<'g> {
     /// Whether the time derivative of its Jacobian is generated; only where the value depends on no velocities or inputs.
     pub jacobian_rate: bool,
 }
+
+/// Auxiliary coordinates of a joint that is let go: shifts along the axes of its pose, then turns about them.
+pub const AUXILIARY: usize = 6;
 
 /// A mechanism as declared: `L = T − V + Σ lagrangian terms`, with `D`, `Q` and outputs.
 #[derive(Clone, Debug)]
@@ -155,6 +184,12 @@ pub struct Lagrangian<'g> {
     pub constraints: Vec<Constraint<'g>>,
     /// Outputs in declaration order.
     pub outputs: Vec<Output<'g>>,
+    /// Joints whose wrenches are asked for, in declaration order.
+    pub reactions: Vec<Reaction>,
+    /// The mechanism with these joints let go, where there are any: behind its own coordinates it has
+    /// [six](AUXILIARY) more for each joint, in the order of `reactions`, and is the same mechanism where they are zero. Its
+    /// constraints have the same rows.
+    pub released: Option<Box<Lagrangian<'g>>>,
     /// The frames, with their twists.
     pub frames: Frames<'g>,
     /// What some of the expressions stand for in space: bodies, places.
@@ -180,6 +215,8 @@ impl<'g> Lagrangian<'g> {
             prescribed: Vec::new(),
             constraints: Vec::new(),
             outputs: Vec::new(),
+            reactions: Vec::new(),
+            released: None,
             frames: Frames::new(graph),
             landmarks: Landmarks::default(),
         }

@@ -26,7 +26,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
     fn angular_velocity_of(&mut self, pose: &Argument<'g>) -> Resolved<Free<'g>> {
         let frame = self.frame(pose)?;
         let components = self.lagrangian.frames.get(frame).angular_velocity;
-        if !self.is_moved(&components) {
+        if !self.is_moved(&components) && !self.may_be_released() {
             let message = "no coordinate turns this pose: a torque does no work here";
             return Err(self.refuse(&pose.span, message, "leave the torque out"));
         }
@@ -58,7 +58,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
     /// A force on what no coordinate moves does nothing.
     fn check_moved(&mut self, rate: &Value<'g>, span: &Span) -> Resolved<()> {
         let Free { components, .. } = self.vector(&Argument { value: rate.clone(), span: span.clone() })?;
-        if self.is_moved(&components) {
+        if self.is_moved(&components) || self.may_be_released() {
             return Ok(());
         }
         Err(self.refuse(span, "no coordinate moves this point: a force does no work here", "leave the force out"))

@@ -60,6 +60,15 @@ pub(super) struct Binding<'g> {
     /// `None` where its declaration was wrong: what is made of it is silently given up.
     pub(super) value: Option<Value<'g>>,
     pub(super) span: Span,
+    /// Where the value is used first, since it was given.
+    pub(super) used: Option<Span>,
+}
+
+impl<'g> Binding<'g> {
+    /// A value that nothing has used yet.
+    pub(super) fn new(origin: Origin, value: Option<Value<'g>>, span: Span) -> Self {
+        Binding { origin, value, span, used: None }
+    }
 }
 
 /// The blocks that are open: what imported files declare, then the mechanism, then its inner blocks.
@@ -155,6 +164,15 @@ impl<'g> Scope<'g> {
         self.blocks.iter_mut().rev().find_map(|block| block.get_mut(name))
     }
 
+    /// That the value of a name is used here; what functions do with their arguments is no use of the name.
+    pub(super) fn note_use(&mut self, name: &str, place: &Span) {
+        if self.functions.is_empty()
+            && let Some(binding) = self.get_mut(name)
+        {
+            binding.used.get_or_insert_with(|| place.clone());
+        }
+    }
+
     /// All names, those of inner blocks first.
     pub(super) fn names(&self) -> impl Iterator<Item = (&str, &Binding<'g>)> {
         let all = self.blocks.iter().rev().flatten().map(|(name, binding)| (name.as_str(), binding));
@@ -168,7 +186,7 @@ mod tests {
 
     #[test]
     fn functions_see_what_is_the_mechanisms_own() {
-        let binding = |origin| Binding { origin, value: None, span: 0..0 };
+        let binding = |origin| Binding::new(origin, None, 0..0);
         let mut scope = Scope::new();
         scope.enter();
         for (name, origin) in [("m", Origin::Parameter), ("a", Origin::Local), ("b", Origin::Local)] {
@@ -187,7 +205,7 @@ mod tests {
 
     #[test]
     fn imported_names_are_the_mechanisms_and_not_the_other_way() {
-        let binding = |origin| Binding { origin, value: None, span: 0..0 };
+        let binding = |origin| Binding::new(origin, None, 0..0);
         let mut scope = Scope::new();
         assert!(scope.is_shared());
         assert_eq!(scope.declare("k", binding(Origin::Constant)), Ok(()));
@@ -212,7 +230,7 @@ mod tests {
 
     #[test]
     fn inner_blocks_shadow_and_end() {
-        let binding = |origin| Binding { origin, value: None, span: 0..0 };
+        let binding = |origin| Binding::new(origin, None, 0..0);
         let mut scope = Scope::new();
         scope.enter();
         assert_eq!(scope.declare("a", binding(Origin::Parameter)), Ok(()));

@@ -44,6 +44,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
                 | StatementKind::Energy { .. }
                 | StatementKind::ForceAt { .. }
                 | StatementKind::TorqueOn { .. }
+                | StatementKind::Reaction { .. }
                 | StatementKind::Constraint { .. }
                 | StatementKind::Force { .. }
                 | StatementKind::Output { .. }
@@ -90,6 +91,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
             StatementKind::Force { coordinate, index, value } => self.force(coordinate, index.as_ref(), value),
             StatementKind::ForceAt { point, value } => self.force_at(point, value),
             StatementKind::TorqueOn { pose, value } => self.torque_on(pose, value),
+            StatementKind::Reaction { docs, name, index, pose } => self.reaction(docs, name, index.as_ref(), pose),
             StatementKind::Constraint { docs, name, left, right } => {
                 self.outermost("constraint", &statement.span).and_then(|()| self.constraint(docs, name, left, right))
             }
@@ -131,11 +133,11 @@ impl<'d, 'g> Resolver<'d, 'g> {
             self.functions.get(text.as_str()).filter(|f| f.home != Home::Library && self.scope.is_outermost());
         if let Some(first) = function.map(|f| f.place()) {
             // What is made of it is given up without a word.
-            let _ = self.scope.declare(text, Binding { origin, value: None, span: span.clone() });
+            let _ = self.scope.declare(text, Binding::new(origin, None, span.clone()));
             let (message, help) = (format!("`{text}` is already a function"), "choose another name".to_string());
             return Err(self.refuse_twice(&span, message, help, first));
         }
-        match self.scope.declare(text, Binding { origin, value, span: span.clone() }) {
+        match self.scope.declare(text, Binding::new(origin, value, span.clone())) {
             Ok(()) => Ok(()),
             Err(known) => {
                 let help = match known {
@@ -169,6 +171,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
         }
         if let Some(binding) = self.scope.get_mut(&name.text) {
             binding.value = value.ok().map(|argument| argument.value);
+            binding.used = None;
         }
         Ok(())
     }
@@ -287,10 +290,18 @@ impl<'d, 'g> Resolver<'d, 'g> {
         Err(self.refuse(request, message, "leave it out; positions and attitudes have one"))
     }
 
+    /// `what` is put out under this name; functions of every mechanism are called otherwise.
+    pub(super) fn check_is_free(&mut self, name: &Name, functions: &[String], what: &str) -> Resolved<()> {
+        if functions.iter().any(|f| GENERATED.contains(&f.as_str())) {
+            let message = format!("`{}` is a function of every mechanism", name.text);
+            return Err(self.refuse(&name.span, message, format!("choose another name for this {what}")));
+        }
+        Ok(())
+    }
+
     fn check_output_name(&mut self, name: &Name) -> Resolved<()> {
         let text = name.text.as_str();
-        let functions =
-            |name: &str| ["", "_velocity", "_jacobian", "_jacobian_rate"].map(|suffix| format!("{name}{suffix}"));
+        let functions = functions_of_output;
         let clashes = |other: &str| functions(other).iter().any(|f| functions(text).contains(f));
         if let Some(output) = self.lagrangian.outputs.iter().find(|output| clashes(&output.name)) {
             let other = &output.name;
@@ -298,11 +309,12 @@ impl<'d, 'g> Resolver<'d, 'g> {
                 format!("there is already an output `{other}`, with its `{other}_velocity` and `{other}_jacobian`");
             return Err(self.refuse(&name.span, message, "choose another name"));
         }
-        if functions(text).iter().any(|f| GENERATED.contains(&f.as_str())) {
-            let message = format!("`{text}` is a function of every mechanism");
-            return Err(self.refuse(&name.span, message, "choose another name for this output"));
+        if let Some(joint) = self.joints.iter().find(|joint| functions(text).contains(&joint.name.text)) {
+            let (message, first) =
+                (format!("there is already a reaction `{}`", joint.name.text), joint.name.span.clone());
+            return Err(self.refuse_twice(&name.span, message, "choose another name".to_string(), first));
         }
-        Ok(())
+        self.check_is_free(name, &functions(text), "output")
     }
 
     /// In world axes, with its unit.
@@ -372,6 +384,11 @@ impl<'d, 'g> Resolver<'d, 'g> {
         }
         Ok(numbers)
     }
+}
+
+/// The functions that an output becomes.
+pub(super) fn functions_of_output(name: &str) -> [String; 4] {
+    ["", "_velocity", "_jacobian", "_jacobian_rate"].map(|suffix| format!("{name}{suffix}"))
 }
 
 /// Of several numbers: the one that they share, else all.

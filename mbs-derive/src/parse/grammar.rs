@@ -4,7 +4,7 @@
 //! file        := (inner | doc | import)* "mechanism" name "{" statement* "}"
 //! inner       := "#![dimensionless]"
 //! statement   := doc* (param | coord | input | prescribed | const | fn | let | assignment | energy | force | force_at
-//!                | torque | constraint | output) ";" | doc* for
+//!                | torque | reaction | constraint | output) ";" | doc* for
 //! ```
 //!
 //! A function that cannot go on notes why in `errors` and answers [`Refused`]; [`Reader::statements`] goes on with the
@@ -21,7 +21,9 @@ use super::import::Shared;
 use super::keyword::STATEMENTS;
 use super::quantity::{CONST, COORD, INPUT, PARAM, PRESCRIBED};
 use super::reader::{Parsed, Reader, Refused, opens, sign, word};
-use super::syntax::{Declaration, EnergyTerm, Expression, Import, Name, Span, Statement, StatementKind};
+use super::syntax::{
+    Declaration, EnergyTerm, Expression, ExpressionKind, Import, Name, Span, Statement, StatementKind,
+};
 use crate::diagnostic::{Diagnostics, nearest};
 
 /// One file, read by itself.
@@ -256,6 +258,7 @@ impl Reader<'_> {
             "lagrangian" => self.energy(input, EnergyTerm::Lagrangian)?,
             "force" => self.force(input)?,
             "torque" => self.torque(input)?,
+            "reaction" => self.reaction(input, docs)?,
             "constraint" => self.constraint(input, docs)?,
             "output" => self.output(input, docs)?,
             "if" => return Err(self.no_conditional_statement(here)),
@@ -282,8 +285,8 @@ impl Reader<'_> {
     fn no_statement(&mut self, input: ParseStream<'_>) -> Refused {
         let span = self.next(input);
         let forms = "a statement begins with `param`, `coord`, `input`, `prescribed`, `const`, `fn`, `let`, `kinetic`, \
-                     `potential`, `dissipation`, `lagrangian`, `force`, `torque`, `constraint`, `output` or `for`, \
-                     or is an assignment `x = …;`";
+                     `potential`, `dissipation`, `lagrangian`, `force`, `torque`, `reaction`, `constraint`, `output` or \
+                     `for`, or is an assignment `x = …;`";
         match word(input.cursor()) {
             Some((text, _)) if text == "mechanism" => {
                 self.refuse(span, "a mechanism stands within a mechanism", "write it in a file of its own")
@@ -410,6 +413,24 @@ impl Reader<'_> {
         let pose = self.expression(input)?;
         self.adds(input, start)?;
         Ok(StatementKind::TorqueOn { pose, value: self.expression(input)? })
+    }
+
+    /// `reaction := "reaction" name ("[" expression "]")? "at" name`
+    fn reaction(&mut self, input: ParseStream<'_>, docs: Vec<String>) -> Parsed<StatementKind> {
+        self.eat_word(input, "reaction");
+        let name = self.declared_name(input, "reaction")?;
+        let index = self.index(input)?;
+        let form = format!("write `reaction {} at pose;`", name.text);
+        if !self.eat_word(input, "at") {
+            return Err(self.unexpected(input, "`at`", &form));
+        }
+        let here = self.next(input);
+        let pose = self.expression(input)?;
+        let ExpressionKind::Name(text) = &pose.kind else {
+            let help = "name the pose, and build on the name: `let joint = …; reaction name at joint;`";
+            return Err(self.refuse(pose.span.clone(), "a reaction is that of a pose with a name", help));
+        };
+        Ok(StatementKind::Reaction { docs, name, index, pose: Name { text: text.clone(), span: here } })
     }
 
     /// `constraint := "constraint" name ":" expression "=" expression`

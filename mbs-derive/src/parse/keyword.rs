@@ -1,7 +1,7 @@
 //! The words that cannot be names.
 
 /// What a statement begins with.
-pub(super) const STATEMENTS: [&str; 16] = [
+pub(super) const STATEMENTS: [&str; 17] = [
     "param",
     "coord",
     "input",
@@ -16,6 +16,7 @@ pub(super) const STATEMENTS: [&str; 16] = [
     "lagrangian",
     "force",
     "torque",
+    "reaction",
     "constraint",
     "output",
 ];

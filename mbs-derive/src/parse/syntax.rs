@@ -119,6 +119,17 @@ pub enum StatementKind {
         /// The torque, a vector.
         value: Expression,
     },
+    /// `reaction name at pose;`, `reaction name[i] at pose;`: the wrench that a joint transmits to what hangs on the pose.
+    Reaction {
+        /// Doc comments before it.
+        docs: Vec<String>,
+        /// Its name.
+        name: Name,
+        /// Which one, where it is an array.
+        index: Option<Expression>,
+        /// The variable that holds the pose.
+        pose: Name,
+    },
     /// `constraint name: left = right;`: holonomic where no velocity occurs, else linear in the velocities (Pfaffian).
     Constraint {
         /// Doc comments before it.

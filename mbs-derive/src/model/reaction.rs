@@ -1,0 +1,243 @@
+//! `reaction name at pose;`: joints whose wrenches are asked for.
+//!
+//! A declaration with reactions is gone through twice. The first time the joints are held, and a `reaction` statement changes
+//! nothing: the mechanism is what it would be without it, and so is all that is derived from it but the reactions. The second
+//! time the joints are let go: each pose moves, from its statement on, with six auxiliary coordinates,
+//!
+//! ```text
+//! pose · translation(ξ) · rot_x(ψ₁) · rot_y(ψ₂) · rot_z(ψ₃)
+//! ```
+//!
+//! whose generalized forces, where all of them are zero, are the force and the moment at the joint.
+
+use std::collections::BTreeMap;
+
+use super::evaluate::{Argument, Refused, Resolved, Resolver};
+use super::frame::Edge;
+use super::lagrangian::{AUXILIARY, Reaction, Variable};
+use super::statement::functions_of_output;
+use super::value::{Pose, Shape, Value};
+use crate::expr::{Expr, Graph, Symbol, Vector};
+use crate::parse::syntax::{Declaration, Expression, Name, Span, Statement, StatementKind};
+
+/// More joints than any mechanism of so few coordinates has.
+const MAX_JOINTS: usize = 100;
+
+/// Whether joints are held.
+#[derive(Clone, Debug)]
+pub(super) enum Hold<'g> {
+    /// There are no reactions.
+    Always,
+    /// They are let go the next time.
+    Now,
+    /// They are let go.
+    Released(Released<'g>),
+}
+
+/// What is known of a mechanism when its joints are let go.
+#[derive(Clone, Debug)]
+pub(super) struct Released<'g> {
+    /// All joints.
+    reactions: Vec<Reaction>,
+    /// Their auxiliary coordinates, behind those of the mechanism.
+    auxiliary: Vec<Expr<'g>>,
+    /// Which rows of each constraint do not vanish when they are held.
+    effective_rows: Vec<Vec<bool>>,
+}
+
+/// A reaction, or an array of them, as far as its statements have been met.
+#[derive(Clone, Debug)]
+pub(super) struct Joint {
+    pub(super) name: Name,
+    docs: Vec<String>,
+    is_array: bool,
+    /// The elements, and where they are declared.
+    elements: BTreeMap<usize, Span>,
+}
+
+impl Hold<'_> {
+    /// Of what is gone through for the first time.
+    pub(super) fn of(declaration: &Declaration) -> Self {
+        if has_reactions(&declaration.statements) { Hold::Now } else { Hold::Always }
+    }
+}
+
+fn has_reactions(statements: &[Statement]) -> bool {
+    statements.iter().any(|statement| match &statement.kind {
+        StatementKind::Reaction { .. } => true,
+        StatementKind::For { body, .. } => has_reactions(body),
+        _ => false,
+    })
+}
+
+impl<'d, 'g> Resolver<'d, 'g> {
+    /// `reaction name at pose;`, `reaction name[i] at pose;`
+    pub(super) fn reaction(
+        &mut self,
+        docs: &[String],
+        name: &Name,
+        index: Option<&Expression>,
+        pose: &Name,
+    ) -> Resolved<()> {
+        let number = index.map(|index| self.number_of_joint(index));
+        let held = self.held(pose);
+        let number = number.transpose()?;
+        self.note_joint(docs, name, number)?;
+        let held = held?;
+        let Some(auxiliary) = self.auxiliary(&name.text, number.unwrap_or(0)) else { return Ok(()) };
+        let base = self.attached(&held, &pose.span)?;
+        let moved = Pose { base, edges: let_go(self.graph, auxiliary) };
+        if let Some(binding) = self.scope.get_mut(&pose.text) {
+            binding.value = Some(Value::Pose(moved));
+        }
+        Ok(())
+    }
+
+    fn number_of_joint(&mut self, index: &Expression) -> Resolved<usize> {
+        let index = self.argument(index)?;
+        self.index(&index, MAX_JOINTS)
+    }
+
+    /// The pose of a name that nothing has been built on.
+    fn held(&mut self, pose: &Name) -> Resolved<Pose<'g>> {
+        let used = self.scope.get(&pose.text).and_then(|binding| binding.used.clone());
+        let value = self.name(&pose.text, &pose.span)?;
+        let Value::Pose(held) = value else {
+            return Err(self.wrong_shape(&Argument { value, span: pose.span.clone() }, Shape::Pose));
+        };
+        if self.scope.get(&pose.text).is_none() {
+            let help = "name a pose that is made of it: `let base = world; reaction name at base;`";
+            return Err(self.refuse(&pose.span, format!("`{}` is built in", pose.text), help));
+        }
+        if let Some(place) = used {
+            let message = format!("something was built on `{}` before this reaction: it would not count", pose.text);
+            let help = format!("move the statement up, right behind the one that gives `{}` its value", pose.text);
+            self.errors.error(pose.span.clone(), message).help(help).note(place, "it is used here");
+            return Err(Refused);
+        }
+        // Asking for the reaction builds nothing on it.
+        if let Some(binding) = self.scope.get_mut(&pose.text) {
+            binding.used = None;
+        }
+        Ok(held)
+    }
+
+    fn note_joint(&mut self, docs: &[String], name: &Name, number: Option<usize>) -> Resolved<()> {
+        let known = self.joints.iter().position(|joint| joint.name.text == name.text);
+        let Some(known) = known else {
+            self.check_reaction_name(name)?;
+            let elements = BTreeMap::from([(number.unwrap_or(0), name.span.clone())]);
+            let joint = Joint { name: name.clone(), docs: docs.to_vec(), is_array: number.is_some(), elements };
+            self.joints.push(joint);
+            return Ok(());
+        };
+        let joint = &mut self.joints[known];
+        if joint.is_array != number.is_some() {
+            let (message, first) =
+                (format!("`{}` is both one reaction and an array", name.text), joint.name.span.clone());
+            let help = "give all of them an index, or another name".to_string();
+            return Err(self.refuse_twice(&name.span, message, help, first));
+        }
+        match (joint.elements.insert(number.unwrap_or(0), name.span.clone()), number) {
+            (None, _) => Ok(()),
+            (Some(_), None) if !self.scope.is_outermost() => {
+                let message = format!("each turn of the loop declares a reaction `{}`", name.text);
+                Err(self.refuse(&name.span, message, format!("write `reaction {}[i] at …;`", name.text)))
+            }
+            (Some(first), None) => {
+                let message = format!("there is already a reaction `{}`", name.text);
+                Err(self.refuse_twice(&name.span, message, "choose another name".to_string(), first))
+            }
+            (Some(first), Some(i)) => {
+                let message = format!("there is already a reaction `{}[{i}]`", name.text);
+                Err(self.refuse_twice(&name.span, message, "each index stands for one joint".to_string(), first))
+            }
+        }
+    }
+
+    fn check_reaction_name(&mut self, name: &Name) -> Resolved<()> {
+        let outputs = &self.lagrangian.outputs;
+        if let Some(output) = outputs.iter().find(|output| functions_of_output(&output.name).contains(&name.text)) {
+            let message = format!("there is already an output `{}` with a function of this name", output.name);
+            return Err(self.refuse(&name.span, message, "choose another name"));
+        }
+        self.check_is_free(name, std::slice::from_ref(&name.text), "reaction")
+    }
+
+    /// Every index of an array stands for a joint, and no two joints have one name.
+    pub(super) fn check_reactions(&mut self) {
+        let mut reactions: Vec<Reaction> = Vec::new();
+        let total: usize = self.joints.iter().map(|joint| joint.elements.len()).sum();
+        for Joint { name, docs, is_array, elements } in self.joints.clone() {
+            if let Some(missing) = (0..elements.len()).find(|i| !elements.contains_key(i)) {
+                let message = format!("there is no reaction `{}[{missing}]`", name.text);
+                self.refuse(&name.span, message, "indices run from 0 on, without gaps");
+            }
+            let reaction = Reaction { name: name.text, docs, length: is_array.then_some(elements.len()) };
+            let names = reaction.component_names();
+            let same = |other: &&Reaction| other.component_names().iter().any(|known| names.contains(known));
+            if let Some(other) = reactions.iter().find(same) {
+                let message = format!("`{}` and `{}` both have a joint of one name", reaction.name, other.name);
+                self.refuse(&name.span, message, "choose another name");
+            }
+            if total > MAX_JOINTS && reactions.is_empty() {
+                let message = format!("a mechanism has at most {MAX_JOINTS} reactions, these are {total}");
+                self.refuse(&name.span, message, "ask for fewer");
+            }
+            reactions.push(reaction);
+        }
+        self.lagrangian.reactions = reactions;
+    }
+}
+
+// ---- joints let go
+
+impl<'g> Resolver<'_, 'g> {
+    /// How the declaration is gone through once more, where its joints are to be let go.
+    pub(super) fn released(&self) -> Option<Hold<'g>> {
+        let reactions = self.lagrangian.reactions.clone();
+        let (first, joints) = (self.lagrangian.dof(), reactions.iter().map(Reaction::count).sum::<usize>());
+        let symbol = |i: usize| self.graph.symbol(Symbol::Coordinate(i as u32));
+        let auxiliary = (first..first + AUXILIARY * joints).map(symbol).collect();
+        let effective_rows = self.effective_rows.clone();
+        (joints > 0).then_some(Hold::Released(Released { reactions, auxiliary, effective_rows }))
+    }
+
+    /// Whether what no coordinate moves may yet be moved by a joint that is let go.
+    pub(super) fn may_be_released(&self) -> bool {
+        matches!(self.hold, Hold::Now)
+    }
+
+    /// Which rows of the next constraint did not vanish when the joints were held; nothing where they are.
+    pub(super) fn rows_when_held(&self, rows: usize) -> Option<Vec<bool>> {
+        let Hold::Released(Released { effective_rows, .. }) = &self.hold else { return None };
+        effective_rows.get(self.lagrangian.constraints.len()).filter(|effective| effective.len() == rows).cloned()
+    }
+
+    /// The auxiliary coordinates of a joint, if it is let go.
+    fn auxiliary(&self, name: &str, number: usize) -> Option<[Expr<'g>; AUXILIARY]> {
+        let Hold::Released(Released { reactions, auxiliary, .. }) = &self.hold else { return None };
+        let before: usize = reactions.iter().take_while(|reaction| reaction.name != name).map(Reaction::count).sum();
+        auxiliary.as_chunks::<AUXILIARY>().0.get(before + number).copied()
+    }
+
+    /// The auxiliary coordinates follow those of the mechanism.
+    pub(super) fn let_go(&mut self) {
+        let Hold::Released(Released { auxiliary, .. }) = &self.hold else { return };
+        self.lagrangian.coordinates.push(Variable {
+            name: "auxiliary".to_string(),
+            docs: Vec::new(),
+            unit: "1".to_string(),
+            length: Some(auxiliary.len()),
+            first: self.lagrangian.dof(),
+            defaults: Vec::new(),
+        });
+    }
+}
+
+/// Shifted along the axes of the pose, then turned about them: for small angles the order does not matter.
+fn let_go<'g>(graph: &'g Graph, auxiliary: [Expr<'g>; AUXILIARY]) -> Vec<Edge<'g>> {
+    let [x, y, z, turns @ ..] = auxiliary;
+    let turn = |(axis, angle)| Edge::Rotation { axis: Vector::unit(graph, axis), angle };
+    std::iter::once(Edge::Translation(Vector([x, y, z]))).chain(turns.into_iter().enumerate().map(turn)).collect()
+}
