@@ -6,7 +6,7 @@ use crate::model::degree::eliminate;
 use crate::optimise::{Derivation, Function, FunctionKind};
 
 use super::group::Group;
-use super::witness::{LagrangeTerms, Witness, exact, explicit_path, lift, lift_all, path};
+use super::witness::{LagrangeTerms, Witness, exact, explicit_path, lift, lift_all, path, with_resting};
 use super::{Disagreement, Failure, TOLERANCE};
 
 /// One state at which a derivation is tried.
@@ -59,6 +59,7 @@ impl<'a> Trial<'a> {
             self.linearization()?;
             self.conserved()?;
         }
+        self.reactions()?;
         self.outputs()
     }
 
@@ -383,6 +384,26 @@ impl<'a> Trial<'a> {
         let augmented = |i: usize| f[i] - (0..m).map(|k| a[k * n + i] * bias[k]).sum::<Rounded>();
         let right: Vec<Rounded> = (0..n).map(augmented).chain(bias.iter().map(|&g| -g)).collect();
         solve(&matrix, &right)[..n].to_vec()
+    }
+
+    /// The wrenches at joints hold the auxiliary coordinates of the joints at zero, whatever the multipliers are.
+    fn reactions(&self) -> Result<(), Failure> {
+        let Some(released) = &self.witness.released else { return Ok(()) };
+        // Irregular, by the golden ratio, and others at other states.
+        let multiplier = |k: usize| 4.0 * (self.state.t.value + 0.618_033_988_749_894_9 * k as f64).fract() - 2.0;
+        let multipliers: Vec<Rounded> =
+            (0..self.derivation.constraints.len()).map(|k| Rounded::exact(multiplier(k))).collect();
+        let functions = self.derivation.functions.iter().filter(|f| matches!(f.kind, FunctionKind::Reaction(_)));
+        let found: Vec<Rounded> =
+            functions.flat_map(|f| self.interpreter.evaluate_with(f, self.state, &multipliers)).collect();
+        let (n, state) = (self.n(), with_resting(self.state, found.len()));
+        for group in Group::of(found.len()) {
+            let direction = |i: usize| group.weight_of(Symbol::Coordinate(i as u32), Symbol::Coordinate);
+            let direction = |i: usize| i.checked_sub(n).map_or(Rounded::default(), direction);
+            let expected = released.holding_force(direction, &state, self.parameters, &multipliers);
+            self.equal("reactions", &group.combined(&found, 1), &[expected])?;
+        }
+        Ok(())
     }
 
     fn outputs(&self) -> Result<(), Failure> {

@@ -15,6 +15,8 @@ pub struct Witness<'l, 'g> {
     constraints: Tape,
     outputs: Tape,
     frames: Tape,
+    /// The mechanism with the joints of its reactions let go.
+    pub released: Option<Box<Witness<'l, 'g>>>,
 }
 
 /// `∂L/∂q̇`, its time derivative, `∂L/∂q` and `∂D/∂q̇` for one coordinate.
@@ -58,6 +60,7 @@ impl<'l, 'g> Witness<'l, 'g> {
             constraints: Tape::new(&lagrangian.constraints.iter().flat_map(|c| c.rows.clone()).collect::<Vec<_>>()),
             outputs: Tape::new(&outputs),
             frames: Tape::new(&frames.collect::<Vec<_>>()),
+            released: lagrangian.released.as_deref().map(|released| Box::new(Witness::new(released))),
         }
     }
 
@@ -90,13 +93,18 @@ impl<'l, 'g> Witness<'l, 'g> {
     /// Q
     pub fn forces(&self, state: &State<Rounded>, parameters: &[Rounded]) -> Vec<Rounded> {
         let direct = self.forces.run(moving(state, parameters));
-        let by_work = (0..direct.len()).map(|i| self.virtual_work(i, state, parameters));
+        let by_work = (0..direct.len()).map(|i| self.virtual_work(unit(i), state, parameters));
         direct.iter().zip(by_work).map(|(q, work)| q.value + work).collect()
     }
 
-    /// `Σ F · ∂v/∂q̇ᵢ` over the forces on points and torques on bodies.
-    fn virtual_work(&self, i: usize, state: &State<Rounded>, parameters: &[Rounded]) -> Rounded {
-        let varied = lift(state, |symbol| Rounded::exact(f64::from(u8::from(symbol == Symbol::Velocity(i as u32)))));
+    /// `Σ F · ∂v/∂q̇`, along a direction of the coordinates, over the forces on points and torques on bodies.
+    fn virtual_work(
+        &self,
+        direction: impl Fn(usize) -> Rounded,
+        state: &State<Rounded>,
+        parameters: &[Rounded],
+    ) -> Rounded {
+        let varied = lift(state, |symbol| in_velocities(&direction, symbol));
         let values = self.point_forces.run(moving(&varied, &lift_all(parameters)));
         let work = |pair: &[Dual<Dual<Rounded>>]| -> Rounded {
             (0..3).map(|k| pair[k].value.derivative * pair[3 + k].value.value).sum()
@@ -123,14 +131,44 @@ impl<'l, 'g> Witness<'l, 'g> {
 
     /// The terms of Lagrange's equation of coordinate `i`.
     pub fn lagrange(&self, i: usize, state: &State<Rounded>, parameters: &[Rounded]) -> LagrangeTerms {
-        let i = i as u32;
-        let unit = |chosen: Symbol| move |symbol: Symbol| Rounded::exact(f64::from(u8::from(symbol == chosen)));
+        self.lagrange_along(unit(i), state, parameters)
+    }
+
+    /// What holds the coordinates on their way, along a direction of them, beside the declared forces:
+    /// `d/dt ∂L/∂q̇ − ∂L/∂q + ∂D/∂q̇ − (∂v/∂q̇)ᵀ F − Aᵀ λ`.
+    pub fn holding_force(
+        &self,
+        direction: impl Fn(usize) -> Rounded,
+        state: &State<Rounded>,
+        parameters: &[Rounded],
+        multipliers: &[Rounded],
+    ) -> Rounded {
+        let terms = self.lagrange_along(&direction, state, parameters);
+        let work = self.virtual_work(&direction, state, parameters);
+        // Of holonomic rows the slope in the coordinates is A, of Pfaffian ones that in the velocities.
+        let parameters = lift_all(parameters);
+        let slopes =
+            |varied| self.constraints.run(moving(&varied, &parameters)).into_iter().map(|row| row.value.derivative);
+        let by_position = slopes(lift(state, |symbol| in_coordinates(&direction, symbol)));
+        let by_velocity = slopes(lift(state, |symbol| in_velocities(&direction, symbol)));
+        let rows = self.lagrangian.holonomic_rows().into_iter().zip(by_position.zip(by_velocity));
+        let rows = rows.map(|(holonomic, (position, velocity))| if holonomic { position } else { velocity });
+        let constraint: Rounded = rows.zip(multipliers).map(|(a, &lambda)| a * lambda).sum();
+        terms.momentum_rate - terms.position_gradient + terms.dissipation_force - work - constraint
+    }
+
+    fn lagrange_along(
+        &self,
+        direction: impl Fn(usize) -> Rounded,
+        state: &State<Rounded>,
+        parameters: &[Rounded],
+    ) -> LagrangeTerms {
         let once = lift_all(parameters);
-        // ε along the motion, then δ along q̇ᵢ: the coefficient of εδ is d/dt ∂L/∂q̇ᵢ.
+        // ε along the motion, then δ along the direction of q̇: the coefficient of εδ is d/dt ∂L/∂q̇.
         let along_path = lift(state, |symbol| path(state, symbol));
-        let twice = lift(&along_path, |symbol| Dual::fixed(unit(Symbol::Velocity(i))(symbol)));
+        let twice = lift(&along_path, |symbol| Dual::fixed(in_velocities(&direction, symbol)));
         let [l, _, _, d] = self.energies(&twice, &lift_all(&once));
-        let varied = lift(state, unit(Symbol::Coordinate(i)));
+        let varied = lift(state, |symbol| in_coordinates(&direction, symbol));
         let [l_varied, ..] = self.energies(&varied, &once);
         LagrangeTerms {
             momentum: l.derivative.value,
@@ -139,6 +177,21 @@ impl<'l, 'g> Witness<'l, 'g> {
             dissipation_force: d.derivative.value,
         }
     }
+}
+
+/// Along one coordinate.
+fn unit(chosen: usize) -> impl Fn(usize) -> Rounded {
+    move |i| Rounded::exact(f64::from(u8::from(i == chosen)))
+}
+
+/// A direction of the coordinates.
+fn in_coordinates(direction: impl Fn(usize) -> Rounded, symbol: Symbol) -> Rounded {
+    if let Symbol::Coordinate(i) = symbol { direction(i as usize) } else { Rounded::default() }
+}
+
+/// A direction of the velocities.
+fn in_velocities(direction: impl Fn(usize) -> Rounded, symbol: Symbol) -> Rounded {
+    if let Symbol::Velocity(i) = symbol { direction(i as usize) } else { Rounded::default() }
 }
 
 /// How the symbols change along the motion.
@@ -194,6 +247,12 @@ pub fn lift<V: Value>(state: &State<V>, direction: impl Fn(Symbol) -> V) -> Stat
             })
             .collect(),
     }
+}
+
+/// The state with so many coordinates more that rest at zero.
+pub fn with_resting(state: &State<Rounded>, more: usize) -> State<Rounded> {
+    let all = |values: &[Rounded]| [values, vec![Rounded::default(); more].as_slice()].concat();
+    State { q: all(&state.q), qd: all(&state.qd), qdd: all(&state.qdd), ..state.clone() }
 }
 
 /// Values that do not change.
