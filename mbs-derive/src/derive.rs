@@ -34,7 +34,7 @@ use std::cell::OnceCell;
 use std::fmt;
 
 use crate::expr::{Expr, Graph, Symbol, carry_out, gradient_of_combination};
-use crate::model::Lagrangian;
+use crate::model::{Lagrangian, PointForce};
 
 pub use conserved::Conserved;
 pub use constraint::Constraints;
@@ -235,17 +235,12 @@ impl<'g> Energies<'g> {
     fn carried_out(lagrangian: &Lagrangian<'_>, graph: &'g Graph) -> Self {
         let sum = |terms: &[Expr<'_>]| sum(terms, graph);
         let (kinetic, potential) = (sum(&lagrangian.kinetic), sum(&lagrangian.potential));
-        let at_points = virtual_work(lagrangian, graph);
-        let force = |i: usize| {
-            let terms: Vec<_> = lagrangian.forces.iter().filter(|(c, _)| *c == i).map(|(_, force)| *force).collect();
-            sum(&terms) + at_points[i]
-        };
         Energies {
             kinetic,
             potential,
             dissipation: sum(&lagrangian.dissipation),
             lagrangian: kinetic - potential + sum(&lagrangian.lagrangian),
-            forces: (0..lagrangian.dof()).map(force).collect(),
+            forces: generalized_forces(lagrangian, &lagrangian.point_forces.iter().collect::<Vec<_>>(), graph),
         }
     }
 
@@ -270,15 +265,29 @@ fn carried<'g, const N: usize>(expressions: [Expr<'_>; N], graph: &'g Graph) -> 
     std::array::from_fn(|i| carried[i])
 }
 
+/// Q of the forces on coordinates and of these forces on points and torques on bodies.
+fn generalized_forces<'g>(
+    lagrangian: &Lagrangian<'_>,
+    point_forces: &[&PointForce<'_>],
+    graph: &'g Graph,
+) -> Vec<Expr<'g>> {
+    let at_points = virtual_work(point_forces, lagrangian.dof(), graph);
+    let force = |i: usize| {
+        let terms: Vec<_> = lagrangian.forces.iter().filter(|(c, _)| *c == i).map(|(_, force)| *force).collect();
+        sum(&terms, graph) + at_points[i]
+    };
+    (0..lagrangian.dof()).map(force).collect()
+}
+
 /// `Q = Σ (∂v/∂q̇)ᵀ F` over forces on points and torques on bodies: one reverse sweep for all of them.
-fn virtual_work<'g>(lagrangian: &Lagrangian<'_>, graph: &'g Graph) -> Vec<Expr<'g>> {
+fn virtual_work<'g>(point_forces: &[&PointForce<'_>], coordinates: usize, graph: &'g Graph) -> Vec<Expr<'g>> {
     let carried = |vectors: Vec<crate::expr::Vector<'_>>| {
         let components: Vec<_> = vectors.iter().flat_map(|v| v.0).collect();
         carry_out(&components, graph, |symbol| time_derivative(symbol, graph))
     };
-    let velocities = carried(lagrangian.point_forces.iter().map(|f| f.velocity).collect());
-    let forces = carried(lagrangian.point_forces.iter().map(|f| f.force).collect());
-    let qd: Vec<Symbol> = (0..lagrangian.dof() as u32).map(Symbol::Velocity).collect();
+    let velocities = carried(point_forces.iter().map(|f| f.velocity).collect());
+    let forces = carried(point_forces.iter().map(|f| f.force).collect());
+    let qd: Vec<Symbol> = (0..coordinates as u32).map(Symbol::Velocity).collect();
     let pairs: Vec<_> = velocities.into_iter().zip(forces).collect();
     if pairs.is_empty() { vec![graph.integer(0); qd.len()] } else { gradient_of_combination(&pairs, &qd) }
 }

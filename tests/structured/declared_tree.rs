@@ -372,6 +372,24 @@ impl DeclaredTree {
         text + "}\n"
     }
 
+    /// Statements that load its links: forces and torques in axes of the world and of the link, springs. Some may be refused,
+    /// where no coordinate moves the link.
+    pub(crate) fn loads(&self) -> Vec<String> {
+        let of = |i: usize| {
+            let point = format!("link{i}.point([0.1, {i}, -0.3])");
+            vec![
+                format!("force at {point} += [3, -1, q[0]];"),
+                format!("force at {point} += link{i}*[tau[0], 2, {i}];"),
+                format!("torque on link{i} += [0.5, {i}, 2];"),
+                format!("torque on link{i} += link{i}*[1, tau[0], -{i}];"),
+                format!("potential += 7*({point} - [1, {i}, t]).norm_squared();"),
+                format!("potential += 1/4*({point} - world.point([-2, 1, 3])).norm_squared()^2;"),
+                format!("potential += spring(5, ({point} - link0.point([2, -8, 9])).norm(), 2);"),
+            ]
+        };
+        (0..self.links.len()).flat_map(of).collect()
+    }
+
     fn parameter_text(&self) -> String {
         if !self.with_parameters {
             return String::new();

@@ -27,6 +27,10 @@ pub struct Lagrange<'g> {
     pub generalized_force: Vec<Expr<'g>>,
     /// `M q̈ + C q̇ + G + ∂D/∂q̇`
     pub inverse_dynamics: Vec<Expr<'g>>,
+    /// `M q̈ + C q̇ + G + ∂D/∂q̇ − Q`, which forward dynamics makes zero.
+    pub residual: Vec<Expr<'g>>,
+    /// `Q − C q̇ − G − ∂D/∂q̇`, what accelerates.
+    pub free_force: Vec<Expr<'g>>,
     /// `∂L/∂q`, which vanishes where the coordinate is cyclic.
     pub position_gradient: Vec<Expr<'g>>,
 }
@@ -42,14 +46,18 @@ pub fn equations<'g>(energies: &Energies<'g>, symbols: &Symbols) -> Lagrange<'g>
     let mass_matrix: Rows<'g> = hessian(l, &symbols.qd).iter().map(|row| at_rest(row)).collect();
     let a = at_rest(&momentum);
     let rest = at_rest(&[l])[0];
+    let bias = sub(&rate_without_acceleration(&momentum), &position_gradient);
+    let inverse_dynamics = add(&sub(&rate(&momentum), &position_gradient), &dissipation_force);
 
     Lagrange {
         kinetic_energy: energies.kinetic,
         potential_energy: energies.potential,
         coriolis_matrix: coriolis_matrix(&mass_matrix, &momentum, &a, symbols),
         gravity: gravity(rest, &a, symbols),
-        bias: sub(&rate_without_acceleration(&momentum), &position_gradient),
-        inverse_dynamics: add(&sub(&rate(&momentum), &position_gradient), &dissipation_force),
+        residual: sub(&inverse_dynamics, &energies.forces),
+        free_force: sub(&energies.forces, &add(&bias, &dissipation_force)),
+        bias,
+        inverse_dynamics,
         generalized_force: energies.forces.clone(),
         momentum,
         mass_matrix,

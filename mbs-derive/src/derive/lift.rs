@@ -1,13 +1,15 @@
 //! Bodies and gravity, found again among the declared energies.
 
 use crate::expr::{Expr, Graph, Matrix, Vector, evaluate};
+use crate::model::lagrangian::Application;
 use crate::model::moments::{Impossible, principal_moments};
-use crate::model::{Body, Edge, FrameId, Lagrangian};
+use crate::model::{Body, Edge, FrameId, Lagrangian, PointForce};
 
 use super::gravity;
 use super::tree::inertia::Inertia;
-use super::tree::linkage::Linkage;
-use super::{Energies, carried};
+use super::tree::linkage::{Linkage, Seat};
+use super::tree::load::Load;
+use super::{Energies, carried, generalized_forces};
 
 /// A mechanism as a tree of masses in a uniform field, and everything else that it has.
 #[derive(Clone, Debug)]
@@ -18,6 +20,8 @@ pub(super) struct Lifted<'g> {
     pub(crate) inertias: Vec<Inertia<'g>>,
     /// The field's acceleration, in world axes.
     pub(crate) gravity: Vector<'g>,
+    /// Forces on points of links and torques on them.
+    pub(crate) loads: Vec<Load<'g>>,
     /// What is left of the energies and forces.
     pub(crate) rest: Energies<'g>,
 }
@@ -35,13 +39,18 @@ impl Lifted<'_> {
 /// equations are about all quaternions. So does an inertia that no body has: regrouping would lose its digits.
 pub(super) fn lifted<'g>(lagrangian: &Lagrangian<'_>, energies: &Energies<'g>, graph: &'g Graph) -> Option<Lifted<'g>> {
     let (bodies, mut other_kinetic) = lagrangian.bodies();
-    let is_physical =
-        |body: &Body<'_>| !lagrangian.frames.path(body.frame).iter().any(is_quaternion) && !is_impossible(body.inertia);
+    let is_tree = |frame: FrameId| !lagrangian.frames.path(frame).iter().any(is_quaternion);
+    let is_physical = |body: &Body<'_>| is_tree(body.frame) && !is_impossible(body.inertia);
     let (bodies, others): (Vec<_>, Vec<_>) = bodies.into_iter().partition(is_physical);
     other_kinetic.extend(others.iter().map(|body| lagrangian.energy_of(body)));
     let bodies: Vec<Body<'g>> = bodies.iter().map(|body| carried_body(body, graph)).collect();
-    let frames: Vec<FrameId> = bodies.iter().map(|body| body.frame).collect();
+    let (applications, other_forces): (Vec<&PointForce<'_>>, Vec<_>) =
+        lagrangian.point_forces.iter().partition(|force| force.application.is_some_and(|at| is_tree(at.frame)));
+    let applications = applications.iter().filter_map(|force| force.application);
+    let frames: Vec<FrameId> =
+        bodies.iter().map(|body| body.frame).chain(applications.clone().map(|at| at.frame)).collect();
     let (linkage, seats) = Linkage::of(lagrangian, &frames, graph)?;
+    let loads = applications.zip(&seats[bodies.len()..]).map(|(at, seat)| load(&at, seat, graph)).collect();
     let mut inertias = vec![Inertia::zero(graph); linkage.links.len()];
     for (body, seat) in bodies.iter().zip(&seats) {
         let own = Inertia::of_body(body.mass, body.com, body.inertia);
@@ -53,8 +62,19 @@ pub(super) fn lifted<'g>(lagrangian: &Lagrangian<'_>, energies: &Energies<'g>, g
     }
     let field = gravity::field(lagrangian, &bodies, graph);
     let (gravity, other_potential) = field.unwrap_or_else(|| (Vector::zero(graph), lagrangian.potential.clone()));
-    let rest = energies.with_terms(&other_kinetic, &other_potential, lagrangian);
-    Some(Lifted { linkage, inertias, gravity, rest })
+    let forces = generalized_forces(lagrangian, &other_forces, graph);
+    let rest = Energies { forces, ..energies.with_terms(&other_kinetic, &other_potential, lagrangian) };
+    Some(Lifted { linkage, inertias, gravity, loads, rest })
+}
+
+fn load<'g>(at: &Application<'_>, seat: &Seat<'g>, graph: &'g Graph) -> Load<'g> {
+    let vector = Vector(carried(at.vector.0, graph));
+    Load {
+        link: seat.link,
+        point: at.point.map(|point| seat.shift + seat.in_link(Vector(carried(point.0, graph)))),
+        vector: if at.is_in_world { vector } else { seat.in_link(vector) },
+        is_in_world: at.is_in_world,
+    }
 }
 
 fn is_quaternion(edge: &Edge<'_>) -> bool {

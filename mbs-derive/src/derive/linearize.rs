@@ -55,8 +55,7 @@ pub fn linearization<'g>(
     symbols: &Symbols,
 ) -> Linearization<'g> {
     let graph = lagrange.kinetic_energy.graph();
-    let unforced = sub(&lagrange.inverse_dynamics, &lagrange.generalized_force);
-    let mut residual = sub(&unforced, &constraints.force(unforced.len(), graph));
+    let mut residual = sub(&lagrange.residual, &constraints.force(lagrange.residual.len(), graph));
     residual.extend(
         constraints
             .jacobian

@@ -34,8 +34,8 @@ pub(super) struct Reactions<'g> {
     lifted: Option<Lifted<'g>>,
     /// Numbers of the auxiliary coordinates.
     auxiliary: Auxiliary,
-    /// `−Q_s − A_sᵀ λ`
-    applied: Vec<Expr<'g>>,
+    /// `A_sᵀ λ`
+    constraint_force: Vec<Expr<'g>>,
 }
 
 /// Auxiliary coordinates are those from a number on.
@@ -54,20 +54,19 @@ impl<'g> Reactions<'g> {
         let lifted = lift::lifted(released, &energies, graph);
         let constraints = constraint::constraints(released, graph, &symbols);
         let constraint_force = constraint_force(&constraints, &symbols.qd[auxiliary.first..], graph);
-        let applied = add(&energies.forces[auxiliary.first..], &constraint_force);
-        let applied = auxiliary.held(&applied).into_iter().map(|force| -force).collect();
+        let constraint_force = auxiliary.held(&constraint_force);
         let counts = lagrangian.reactions.iter().map(|reaction| AUXILIARY * reaction.count());
-        Some(Reactions { counts: counts.collect(), symbols, energies, lifted, auxiliary, applied })
+        Some(Reactions { counts: counts.collect(), symbols, energies, lifted, auxiliary, constraint_force })
     }
 
     /// By a route, which need not apply.
     pub(super) fn by(&self, route: Route) -> Option<Vec<Wrenches<'g>>> {
-        let inertial = match route {
+        let net = match route {
             Route::Plain | Route::Textbook => self.plain(&self.energies),
             Route::Structured => self.structured(Masses::Regrouped)?,
             Route::Ungrouped => self.structured(Masses::AsDeclared)?,
         };
-        let mut all = add(&inertial, &self.applied).into_iter();
+        let mut all = sub(&net, &self.constraint_force).into_iter();
         let wrenches = self.counts.iter().map(|&count| all.by_ref().take(count).collect::<Vec<_>>());
         Some(match route {
             Route::Textbook => wrenches.map(|wrench| Form::Textbook.list(&wrench)).collect(),
@@ -75,20 +74,21 @@ impl<'g> Reactions<'g> {
         })
     }
 
-    /// `d/dt ∂L/∂ṡ − ∂L/∂s + ∂D/∂ṡ`
+    /// `d/dt ∂L/∂ṡ − ∂L/∂s + ∂D/∂ṡ − Q_s`
     fn plain(&self, energies: &Energies<'g>) -> Vec<Expr<'g>> {
         let (s, sd) = (&self.symbols.q[self.auxiliary.first..], &self.symbols.qd[self.auxiliary.first..]);
         let held = |expressions: Vec<Expr<'g>>| self.auxiliary.held(&expressions);
         let momentum = held(gradient(energies.lagrangian, sd));
         let position_gradient = held(gradient(energies.lagrangian, s));
         let dissipation = held(gradient(energies.dissipation, sd));
-        add(&sub(&rate(&momentum), &position_gradient), &dissipation)
+        let force = held(energies.forces[self.auxiliary.first..].to_vec());
+        sub(&add(&sub(&rate(&momentum), &position_gradient), &dissipation), &force)
     }
 
     /// The same by Newton–Euler; what is no body plainly.
     fn structured(&self, masses: Masses) -> Option<Vec<Expr<'g>>> {
         let lifted = self.lifted.as_ref()?;
-        let bodies = tree::forces(lifted, masses, &self.symbols, self.auxiliary.first);
+        let bodies = tree::net_forces(lifted, masses, &self.symbols, self.auxiliary.first);
         Some(add(&self.auxiliary.held(&bodies), &self.plain(&lifted.rest)))
     }
 }

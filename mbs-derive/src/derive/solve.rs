@@ -18,7 +18,7 @@ use crate::model::degree::eliminate;
 use super::Rows;
 use super::conserved::generic_value;
 use super::constraint::Constraints;
-use super::lagrange::{Lagrange, add, sub};
+use super::lagrange::Lagrange;
 
 /// Up to this many coordinates the factorization is unrolled in the generated function; beyond, the runtime's loop
 /// takes the mass matrix, because `n³/6` statements would be slower than a loop.
@@ -41,8 +41,7 @@ pub struct ForwardDynamics<'g> {
 
 /// Sets up `M q̈ = Q − h − ∂D/∂q̇`, with constraints if there are any, and solves it where the mechanism is small.
 pub fn forward_dynamics<'g>(lagrange: &Lagrange<'g>, constraints: &Constraints<'g>) -> ForwardDynamics<'g> {
-    let loads = add(&lagrange.bias, &lagrange.dissipation_force);
-    let mut right_side = sub(&lagrange.generalized_force, &loads);
+    let mut right_side = lagrange.free_force.clone();
     right_side.extend(constraints.bias.iter().map(|&bias| -bias));
     let a = &constraints.jacobian;
     let augmented = is_singular(&lagrange.mass_matrix);

@@ -5,7 +5,7 @@ use crate::expr::{Expr, cheapest_form, quotients};
 
 use super::Rows;
 use super::constraint::Constraints;
-use super::lagrange::Lagrange;
+use super::lagrange::{Lagrange, add, sub};
 use super::solve::{self, Factorization, ForwardDynamics, Step};
 
 /// Mechanisms with more coordinates keep the graph's own form: theirs has more terms than anybody would write.
@@ -58,6 +58,8 @@ pub fn normal_form<'g>(plain: &Lagrange<'g>) -> Option<Lagrange<'g>> {
     let kinetic_energy = cheapest_form(&[plain.kinetic_energy], MOST_TERMS)?[0];
     let list = |expressions: &[Expr<'g>]| Form::Textbook.list(expressions);
     let one = |expression: Expr<'g>| list(&[expression])[0];
+    let [bias, dissipation_force, generalized_force, inverse_dynamics] =
+        [&plain.bias, &plain.dissipation_force, &plain.generalized_force, &plain.inverse_dynamics].map(|e| list(e));
     Some(Lagrange {
         kinetic_energy,
         potential_energy: one(plain.potential_energy),
@@ -65,10 +67,12 @@ pub fn normal_form<'g>(plain: &Lagrange<'g>) -> Option<Lagrange<'g>> {
         mass_matrix: Form::Textbook.rows(&plain.mass_matrix),
         coriolis_matrix: Form::Textbook.rows(&plain.coriolis_matrix),
         gravity: list(&plain.gravity),
-        bias: list(&plain.bias),
-        dissipation_force: list(&plain.dissipation_force),
-        generalized_force: list(&plain.generalized_force),
-        inverse_dynamics: list(&plain.inverse_dynamics),
+        residual: sub(&inverse_dynamics, &generalized_force),
+        free_force: sub(&generalized_force, &add(&bias, &dissipation_force)),
+        bias,
+        dissipation_force,
+        generalized_force,
+        inverse_dynamics,
         position_gradient: list(&plain.position_gradient),
     })
 }

@@ -9,6 +9,7 @@
 //! - `regroup`: masses move towards the base as far as joints cannot tell;
 //! - `twist`: velocities, and the kinetic energy;
 //! - `newton_euler`: motions out, wrenches back: inverse dynamics, bias, gravity;
+//! - `load`: forces on points and torques on bodies, which ride along with the wrenches;
 //! - `composite`: the mass matrix; `coriolis`: the Coriolis matrix.
 //!
 //! What is no body is derived plainly and added.
@@ -18,6 +19,7 @@ mod coriolis;
 mod gauge;
 pub(super) mod inertia;
 pub(super) mod linkage;
+pub(super) mod load;
 mod newton_euler;
 mod regroup;
 #[cfg(test)]
@@ -25,13 +27,16 @@ mod trial;
 mod twist;
 mod wrench;
 
+use crate::expr::normal::weight;
 use crate::expr::{Expr, Symbol, Tangent, Vector, gradient};
 
-use super::lagrange::{Lagrange, add, at_rest, transpose};
+use super::lagrange::{Lagrange, add, at_rest, sub, transpose};
 use super::lift::Lifted;
 use super::{Energies, Rows, Symbols};
 use inertia::Inertia;
 use linkage::{Accelerations, Linkage};
+use load::Load;
+use wrench::Wrench;
 
 /// Where the masses are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -55,6 +60,14 @@ pub(super) fn equations<'g>(
     let kinetic_energy = tree.kinetic_energy() + rest.kinetic_energy;
     // L with T written shorter.
     let lagrangian = energies.lagrangian - energies.kinetic + kinetic_energy;
+    let inverse_dynamics = add(&tree.forces(Accelerations::Given), &rest.inverse_dynamics);
+    let (residual, free_force) = match tree.loads.is_empty() {
+        true => (sub(&inverse_dynamics, &rest.generalized_force), free_force(&bias, rest)),
+        false => (
+            add(&tree.net_forces(Accelerations::Given), &rest.residual),
+            sub(&rest.free_force, &tree.net_forces(Accelerations::Zero)),
+        ),
+    };
     Lagrange {
         kinetic_energy,
         potential_energy: energies.potential,
@@ -63,17 +76,29 @@ pub(super) fn equations<'g>(
         mass_matrix: sum(&tree.mass_matrix(), &rest.mass_matrix),
         coriolis_matrix: sum(&tree.coriolis_matrix(), &rest.coriolis_matrix),
         gravity: at_rest(&bias),
-        inverse_dynamics: add(&tree.forces(Accelerations::Given), &rest.inverse_dynamics),
+        inverse_dynamics,
         bias,
         dissipation_force: rest.dissipation_force.clone(),
-        generalized_force: rest.generalized_force.clone(),
+        generalized_force: cheaper(energies.forces.clone(), add(&tree.applied_forces(), &rest.generalized_force)),
+        residual,
+        free_force,
     }
 }
 
-/// `M q̈ + C q̇ + G` of the bodies, for the coordinates from a number on.
-pub(super) fn forces<'g>(lifted: &Lifted<'g>, masses: Masses, symbols: &Symbols, first: usize) -> Vec<Expr<'g>> {
+/// `M q̈ + C q̇ + G` of the bodies less Q of the loads, for the coordinates from a number on.
+pub(super) fn net_forces<'g>(lifted: &Lifted<'g>, masses: Masses, symbols: &Symbols, first: usize) -> Vec<Expr<'g>> {
     let symbols = Symbols { q: symbols.q[first..].to_vec(), ..symbols.clone() };
-    Tree::new(lifted, masses, &symbols).forces(Accelerations::Given)
+    Tree::new(lifted, masses, &symbols).net_forces(Accelerations::Given)
+}
+
+/// The one that costs less by itself; the first wins a draw.
+fn cheaper<'g>(a: Vec<Expr<'g>>, b: Vec<Expr<'g>>) -> Vec<Expr<'g>> {
+    if weight(&b) < weight(&a) { b } else { a }
+}
+
+/// `Q − h − ∂D/∂q̇` with the Q and D that are not bodies'.
+fn free_force<'g>(bias: &[Expr<'g>], rest: &Lagrange<'g>) -> Vec<Expr<'g>> {
+    sub(&rest.generalized_force, &add(bias, &rest.dissipation_force))
 }
 
 /// The tree with its masses grouped, and how its joints follow the coordinates.
@@ -81,6 +106,7 @@ struct Tree<'g> {
     linkage: Linkage<'g>,
     inertias: Vec<Inertia<'g>>,
     gravity: Vector<'g>,
+    loads: Vec<Load<'g>>,
     /// The links behind a moving edge, in order.
     moving: Vec<usize>,
     /// `S = ∂s/∂q`, a row per moving edge, s its displacement.
@@ -91,17 +117,18 @@ struct Tree<'g> {
 
 impl<'g> Tree<'g> {
     fn new(lifted: &Lifted<'g>, masses: Masses, symbols: &Symbols) -> Self {
-        let (linkage, inertias) = gauge::turned(&lifted.linkage, &lifted.inertias);
+        let (linkage, inertias, loads) = gauge::turned(&lifted.linkage, &lifted.inertias, &lifted.loads);
         let inertias = match masses {
             Masses::Regrouped => regroup::regrouped(&linkage, inertias),
             Masses::AsDeclared => inertias,
         };
-        let linkage = regroup::without_spin(&linkage, &inertias);
+        let linkage = regroup::without_spin(&linkage, &inertias, &loads);
         let displacement = |link: usize| linkage.links[link].edge?.displacement();
         let moving: Vec<usize> = (0..linkage.links.len()).filter(|&link| displacement(link).is_some()).collect();
         let joint_jacobian =
             moving.iter().filter_map(|&link| displacement(link)).map(|d| slope(d, &symbols.q)).collect();
-        Tree { linkage, inertias, gravity: lifted.gravity, moving, joint_jacobian, coordinates: symbols.q.len() }
+        let gravity = lifted.gravity;
+        Tree { linkage, inertias, gravity, loads, moving, joint_jacobian, coordinates: symbols.q.len() }
     }
 
     /// T of the bodies.
@@ -111,7 +138,30 @@ impl<'g> Tree<'g> {
 
     /// `M q̈ + C q̇ + G` of the bodies.
     fn forces(&self, accelerations: Accelerations) -> Vec<Expr<'g>> {
-        let joint = newton_euler::joint_forces(&self.linkage, &self.inertias, self.gravity, accelerations);
+        self.swept_back(self.inertial(accelerations))
+    }
+
+    /// The same less Q of the loads, in one sweep.
+    fn net_forces(&self, accelerations: Accelerations) -> Vec<Expr<'g>> {
+        let inertial = self.inertial(accelerations).into_iter().zip(self.applied());
+        self.swept_back(inertial.map(|(inertial, applied)| inertial.minus(applied)).collect())
+    }
+
+    /// Q of the loads.
+    fn applied_forces(&self) -> Vec<Expr<'g>> {
+        self.swept_back(self.applied())
+    }
+
+    fn inertial(&self, accelerations: Accelerations) -> Vec<Wrench<'g>> {
+        newton_euler::wrenches(&self.linkage, &self.inertias, self.gravity, accelerations)
+    }
+
+    fn applied(&self) -> Vec<Wrench<'g>> {
+        load::wrenches(&self.linkage, &self.loads, self.gravity.0[0].graph())
+    }
+
+    fn swept_back(&self, wrenches: Vec<Wrench<'g>>) -> Vec<Expr<'g>> {
+        let joint = newton_euler::joint_forces(&self.linkage, wrenches);
         let joint: Vec<_> = self.moving.iter().filter_map(|&link| joint[link]).collect();
         self.on_coordinates(&joint)
     }

@@ -70,6 +70,21 @@ pub struct PointForce<'g> {
     pub velocity: Vector<'g>,
     /// The force or torque, in the same axes.
     pub force: Vector<'g>,
+    /// Where it acts, if that is a frame or a place that is fixed in one.
+    pub application: Option<Application<'g>>,
+}
+
+/// Where a force or torque acts, and as what it was declared.
+#[derive(Clone, Copy, Debug)]
+pub struct Application<'g> {
+    /// The frame.
+    pub frame: FrameId,
+    /// The place that a force acts on, in the axes of the frame; a torque acts on all of it.
+    pub point: Option<Vector<'g>>,
+    /// The force or torque.
+    pub vector: Vector<'g>,
+    /// Whether it is in the axes of the world, not of the frame.
+    pub is_in_world: bool,
 }
 
 /// What kind of constraint.

@@ -3,9 +3,11 @@
 use super::constant::Dependence;
 use super::dimension::Dimension;
 use super::evaluate::{Argument, Resolved, Resolver};
-use super::lagrangian::PointForce;
+use super::frame::FrameId;
+use super::lagrangian::{Application, PointForce};
+use super::landmark::Motion;
 use super::value::{Free, Value};
-use crate::expr::Vector;
+use crate::expr::{Matrix, Vector};
 use crate::parse::syntax::{Expression, Span};
 
 impl<'d, 'g> Resolver<'d, 'g> {
@@ -26,6 +28,8 @@ impl<'d, 'g> Resolver<'d, 'g> {
     fn angular_velocity_of(&mut self, pose: &Argument<'g>) -> Resolved<Free<'g>> {
         let frame = self.frame(pose)?;
         let components = self.lagrangian.frames.get(frame).angular_velocity;
+        let tensor = Matrix::identity(self.graph);
+        self.lagrangian.landmarks.note_motion(components, Motion::Turning { tensor, frame });
         if !self.is_moved(&components) && !self.may_be_released() {
             let message = "no coordinate turns this pose: a torque does no work here";
             return Err(self.refuse(&pose.span, message, "leave the torque out"));
@@ -75,10 +79,22 @@ impl<'d, 'g> Resolver<'d, 'g> {
         let force = self.vector(&value)?;
         self.check_dimension(force.fit(), what, wanted, &value.span)?;
         let Free { components: velocity, frame, .. } = velocity?;
+        let application = self.application(velocity, &force);
         // A force is turned, not the velocity, which depends on more.
         let force = self.in_axes(force, frame);
-        self.lagrangian.point_forces.push(PointForce { velocity, force });
+        self.lagrangian.point_forces.push(PointForce { velocity, force, application });
         Ok(())
+    }
+
+    /// What moves at this velocity, and the force in axes that need no further turn.
+    fn application(&mut self, velocity: Vector<'g>, force: &Free<'g>) -> Option<Application<'g>> {
+        let (frame, point) = match self.lagrangian.landmarks.motion(velocity)? {
+            Motion::Velocity { factor, coordinates, frame } => factor.is_one().then_some((frame, Some(coordinates)))?,
+            Motion::Turning { tensor, frame } => (tensor == Matrix::identity(self.graph)).then_some((frame, None))?,
+        };
+        let is_in_world = self.same_axes(force.frame, FrameId::WORLD);
+        let vector = if is_in_world { force.components } else { self.in_axes(force.clone(), frame) };
+        Some(Application { frame, point, vector, is_in_world })
     }
 }
 

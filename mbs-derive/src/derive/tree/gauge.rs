@@ -8,9 +8,14 @@ use crate::expr::{Expr, Graph, Matrix, Number, Vector};
 
 use super::inertia::Inertia;
 use super::linkage::{Edge, Link, Linkage};
+use super::load::Load;
 
 /// The same mechanism, its frames turned so.
-pub(super) fn turned<'g>(linkage: &Linkage<'g>, inertias: &[Inertia<'g>]) -> (Linkage<'g>, Vec<Inertia<'g>>) {
+pub(super) fn turned<'g>(
+    linkage: &Linkage<'g>,
+    inertias: &[Inertia<'g>],
+    loads: &[Load<'g>],
+) -> (Linkage<'g>, Vec<Inertia<'g>>, Vec<Load<'g>>) {
     let splits: Vec<Option<Split>> = (0..linkage.links.len()).map(|link| linkage.split(link)).collect();
     let mut new = Turned { links: Vec::new(), inertias: Vec::new(), numbers: Vec::new(), gauges: Vec::new() };
     let mut claimed = vec![None; linkage.links.len()];
@@ -20,7 +25,8 @@ pub(super) fn turned<'g>(linkage: &Linkage<'g>, inertias: &[Inertia<'g>]) -> (Li
     for (number, link) in linkage.links.iter().enumerate() {
         new.add(link, inertias[number], splits[number].as_ref(), claimed[number]);
     }
-    (Linkage { links: new.links }, new.inertias)
+    let loads = loads.iter().map(|load| new.carried_over(load)).collect();
+    (Linkage { links: new.links }, new.inertias, loads)
 }
 
 /// A constant turn between two turning joints, as `R_k(before) R_i(middle) R_k(after) Qᵀ`.
@@ -166,6 +172,19 @@ impl<'g> Turned<'g> {
         self.settle(at, claimed.map(|angle| Gauge { axis, angle }), inertia);
     }
 
+    /// The load on the new link, in its axes.
+    fn carried_over(&self, load: &Load<'g>) -> Load<'g> {
+        let graph = load.vector.0[0].graph();
+        let gauge = self.gauges[load.link];
+        let from_old = |v: Vector<'g>| gauge.map_or(v, |gauge| gauge.turn_from_old(graph) * v);
+        Load {
+            link: self.numbers[load.link],
+            point: load.point.map(from_old),
+            vector: if load.is_in_world { load.vector } else { from_old(load.vector) },
+            ..*load
+        }
+    }
+
     /// A further link, without masses.
     fn hang(&mut self, parent: usize, edge: Edge<'g>, graph: &'g Graph) -> usize {
         self.push(Link { parent: Some(parent), edge: Some(edge) }, graph)
@@ -244,7 +263,7 @@ mod tests {
         for inner_axis in 0..3 {
             let old = arm(inner_axis, &graph);
             let inertias: Vec<_> = (0..old.links.len()).map(|link| body(link, &graph)).collect();
-            let (new, turned) = turned(&old, &inertias);
+            let (new, turned, _) = turned(&old, &inertias, &[]);
             let is_plane = |link: &Link<'_>| !matches!(link.edge, Some(Edge::Turn(r)) if !is_ring(r));
             assert!(new.links.iter().all(is_plane), "{inner_axis}");
             same_energy((&old, &inertias), (&new, &turned));
@@ -266,7 +285,7 @@ mod tests {
             old.links.push(Link { parent: Some(parent), edge: Some(edge) });
         }
         let inertias: Vec<_> = (0..old.links.len()).map(|link| body(link, &graph)).collect();
-        let (new, turned) = turned(&old, &inertias);
+        let (new, turned, _) = turned(&old, &inertias, &[]);
         same_energy((&old, &inertias), (&new, &turned));
     }
 }

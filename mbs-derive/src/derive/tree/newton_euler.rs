@@ -65,17 +65,21 @@ impl<'g> Spin<'g> {
     }
 }
 
-/// Forces along the links' motions: `M q̈ + C q̇ + G` of the bodies, one per moving edge.
+/// What it takes to move the links: swept back, it is `M q̈ + C q̇ + G` of the bodies.
 ///
 /// Where accelerations are zero it is the bias.
-pub(super) fn joint_forces<'g>(
+pub(super) fn wrenches<'g>(
     linkage: &Linkage<'g>,
     inertias: &[Inertia<'g>],
     gravity: Vector<'g>,
     accelerations: Accelerations,
-) -> Vec<Option<Expr<'g>>> {
+) -> Vec<Wrench<'g>> {
     let motions = motions(linkage, gravity, accelerations);
-    let mut wrenches: Vec<Wrench<'g>> = inertias.iter().zip(&motions).map(|(i, m)| inertial(i, m)).collect();
+    inertias.iter().zip(&motions).map(|(i, m)| inertial(i, m)).collect()
+}
+
+/// What wrenches on the links do along the joints: swept back, each edge takes what is along it.
+pub(super) fn joint_forces<'g>(linkage: &Linkage<'g>, mut wrenches: Vec<Wrench<'g>>) -> Vec<Option<Expr<'g>>> {
     let mut forces = vec![None; linkage.links.len()];
     for (number, link) in linkage.links.iter().enumerate().rev() {
         let (Some(parent), Some(edge)) = (link.parent, link.edge) else { continue };

@@ -1,6 +1,6 @@
 //! Wrenches: a force and a couple about the origin of a link, in its axes, and how edges carry them to the parent.
 
-use crate::expr::{Expr, Vector};
+use crate::expr::{Expr, Graph, Vector};
 
 use super::linkage::Edge;
 
@@ -14,6 +14,16 @@ pub(super) struct Wrench<'g> {
 }
 
 impl<'g> Wrench<'g> {
+    /// None at all.
+    pub(super) fn zero(graph: &'g Graph) -> Self {
+        Wrench { force: Vector::zero(graph), couple: Vector::zero(graph) }
+    }
+
+    /// What is left of it where another one acts.
+    pub(super) fn minus(self, other: Self) -> Self {
+        Wrench { force: self.force - other.force, couple: self.couple - other.couple }
+    }
+
     /// Both together.
     pub(super) fn plus(self, other: Self) -> Self {
         Wrench { force: self.force + other.force, couple: self.couple + other.couple }

@@ -1,0 +1,46 @@
+//! Loads: forces on points and torques on bodies, as wrenches on links.
+//!
+//! Swept back together with what it takes to move the masses, a load costs its turn into the axes of its link and no more.
+
+use crate::expr::{Graph, Vector};
+
+use super::linkage::{Edge, Linkage};
+use super::wrench::{Wrench, turned_about};
+
+/// A force on a point of a link, or a torque on it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Load<'g> {
+    /// The link.
+    pub(crate) link: usize,
+    /// Where the force acts, in the link's axes; a torque acts nowhere.
+    pub(crate) point: Option<Vector<'g>>,
+    /// The force or torque.
+    pub(crate) vector: Vector<'g>,
+    /// Whether its components are along the axes of the world, not those of the link.
+    pub(crate) is_in_world: bool,
+}
+
+/// What acts on each link.
+pub(super) fn wrenches<'g>(linkage: &Linkage<'g>, loads: &[Load<'g>], graph: &'g Graph) -> Vec<Wrench<'g>> {
+    let mut wrenches = vec![Wrench::zero(graph); linkage.links.len()];
+    for load in loads {
+        let vector = if load.is_in_world { in_link(linkage, load.link, load.vector) } else { load.vector };
+        let wrench = match load.point {
+            Some(point) => Wrench { force: vector, couple: point.cross(vector) },
+            None => Wrench { force: Vector::zero(graph), couple: vector },
+        };
+        wrenches[load.link] = wrenches[load.link].plus(wrench);
+    }
+    wrenches
+}
+
+/// A vector of the world in the axes of a link, turned edge by edge.
+fn in_link<'g>(linkage: &Linkage<'g>, link: usize, vector: Vector<'g>) -> Vector<'g> {
+    let up = |&link: &usize| linkage.links[link].parent;
+    let way: Vec<usize> = std::iter::successors(Some(link), up).collect();
+    way.iter().rev().filter_map(|&link| linkage.links[link].edge).fold(vector, |v, edge| match edge {
+        Edge::Turn(r) => r.transpose() * v,
+        Edge::Revolute { axis, sin, cos, .. } | Edge::Tilt { axis, sin, cos } => turned_about(v, axis, -sin, cos),
+        Edge::Shift(_) | Edge::Slide { .. } => v,
+    })
+}
