@@ -92,6 +92,34 @@ fn rates_of_jacobians_stand_beside_their_outputs() {
     assert!(table.lines().any(|row| row.starts_with("swing_jacobian_rate ")), "{table}");
 }
 
+/// Of a mass on a rod in polar form by hand; at the accelerations of the motion, or at those that are given.
+#[test]
+fn reactions_by_joint() {
+    let workshop = Workshop::new();
+    assert!(workshop.eval("pendulum.mbs", r#"{"q": [0.3]}"#)["reactions"].is_null(), "only where there are any");
+    workshop.write(
+        "chain.mbs",
+        "mechanism Chain { param m: kg = 2; param l: m = 0.5; param g: m/s^2 = 10; coord q[2]: rad; input tau: N*m; \
+         let mut link = world; force q[1] += tau; \
+         for i in 0..2 { link = link*rot_y(-q[i]); reaction joint[i] at link; link = link*translation([0, 0, -l]); \
+         kinetic += particle(m, link.origin()); potential += m*g*link.origin().z; } }",
+    );
+    // Straight down and at rest, but for the torque on the elbow.
+    let found = workshop.eval("chain.mbs", r#"{"q": [0, 0], "qdd": [0, 4], "u": [1]}"#);
+    let wrench = |force: [f64; 3], moment: f64| json!({ "force": force, "moment": [0.0, moment, 0.0] });
+    let reactions = json!({ "joint_0": wrench([4.0, 0.0, 40.0], -4.0), "joint_1": wrench([4.0, 0.0, 20.0], -2.0) });
+    assert_close(&found["reactions"], &reactions);
+    let found = workshop.eval("chain.mbs", r#"{"q": [0, 0], "u": [1]}"#);
+    assert_close(&found["reactions"]["joint_0"]["moment"], &json!([0.0, 0.0, 0.0]));
+    assert_close(&found["reactions"]["joint_1"]["moment"], &json!([0.0, -1.0, 0.0]));
+    let report: Value = serde_json::from_str(&workshop.good(&["derive", "chain.mbs", "--emit", "json"])).unwrap();
+    let joint = &report["functions"]["joint"];
+    assert_eq!(joint["arguments"], json!(["q", "qd", "qdd"]));
+    assert_eq!(joint["returns"][0]["shape"], json!(["wrenches", 2]));
+    let table = workshop.good(&["ops", "chain.mbs"]);
+    assert!(table.lines().any(|row| row.starts_with("joint ")), "{table}");
+}
+
 #[test]
 fn parameters_by_name_whole_or_by_component() {
     let workshop = Workshop::new();

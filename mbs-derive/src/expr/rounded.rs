@@ -96,6 +96,10 @@ impl Value for Rounded {
         Rounded::of(quotient, (self.error + quotient.abs() * other.error) / other.value.abs())
     }
     fn power(self, halves: i32) -> Self {
+        // Whatever x is: the slope below would be 0 · ∞ at zero.
+        if halves == 0 {
+            return Rounded::exact(1.0);
+        }
         let slope = f64::from(halves) / 2.0 * self.value.power(halves - 2);
         Rounded::of(self.value.power(halves), f64::from(halves.abs()) * f64::EPSILON * self.value.power(halves).abs())
             .widened(slope, self.error)
@@ -142,6 +146,17 @@ mod tests {
         let zero = unit - Rounded::exact(1.0);
         assert!(zero.value.abs() <= zero.error);
         assert!(zero.error < 1e-14);
+    }
+
+    /// Where x is a zero that was computed, its second derivative is known all the same.
+    #[test]
+    fn a_square_at_zero_has_a_bound_in_every_derivative() {
+        use crate::expr::Dual;
+        let zero = Rounded::exact(0.7) - Rounded::exact(0.7);
+        let x = Dual::new(Dual::new(zero, Rounded::exact(1.0)), Dual::fixed(Rounded::exact(1.0)));
+        let square = x.power(4);
+        assert_eq!(square.derivative.derivative.value, 2.0);
+        assert!(square.derivative.derivative.error < 1e-14);
     }
 
     #[test]

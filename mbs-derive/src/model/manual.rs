@@ -7,6 +7,7 @@ use super::declare::MAX_COORDINATES;
 use super::dimension::UNITS;
 use super::evaluate::{MAX_NODES, MAX_STEPS};
 use super::function::{MAX_CALLS, library};
+use super::reaction::MAX_JOINTS;
 use super::statement::MAX_TURNS;
 use crate::parse::MAX_DEPTH;
 use crate::parse::syntax::StatementKind;
@@ -88,6 +89,7 @@ fn limits_are_those_of_the_manual() {
     };
     limit("nesting", spaced(MAX_DEPTH));
     limit("coordinates", spaced(MAX_COORDINATES));
+    limit("joints", spaced(MAX_JOINTS));
     limit("loops", spaced(MAX_TURNS));
     limit("calls", spaced(MAX_CALLS));
     limit("nodes", spaced(MAX_NODES));

@@ -21,7 +21,7 @@ use crate::expr::{Expr, Graph, Symbol, Vector};
 use crate::parse::syntax::{Declaration, Expression, Name, Span, Statement, StatementKind};
 
 /// More joints than any mechanism of so few coordinates has.
-const MAX_JOINTS: usize = 100;
+pub(super) const MAX_JOINTS: usize = 100;
 
 /// Whether joints are held.
 #[derive(Clone, Debug)]
@@ -240,4 +240,70 @@ fn let_go<'g>(graph: &'g Graph, auxiliary: [Expr<'g>; AUXILIARY]) -> Vec<Edge<'g
     let [x, y, z, turns @ ..] = auxiliary;
     let turn = |(axis, angle)| Edge::Rotation { axis: Vector::unit(graph, axis), angle };
     std::iter::once(Edge::Translation(Vector([x, y, z]))).chain(turns.into_iter().enumerate().map(turn)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::trial::{at, mechanism, refused};
+    use super::super::{Lagrangian, OutputValue};
+    use super::*;
+    use crate::expr::evaluate;
+
+    const ARM: &str = "let arm = translation([x, 0, 0]) * rot_z(theta);";
+
+    #[test]
+    fn held_joints_change_nothing_and_released_ones_move() {
+        let statements = format!("{ARM} reaction hinge at arm; output tip = arm.point([l, 0, 0]);");
+        mechanism(&statements, |lagrangian| {
+            let released = lagrangian.released.as_deref().expect("there is a reaction");
+            assert_eq!(lagrangian.reactions[0].component_names(), ["hinge"]);
+            let n = lagrangian.dof();
+            assert_eq!(released.dof(), n + AUXILIARY);
+            let tip = |lagrangian: &Lagrangian<'_>, moved: Option<usize>| {
+                let OutputValue::Array(tip) = &lagrangian.outputs[0].value else { panic!("a vector") };
+                evaluate(tip, |symbol| match symbol {
+                    Symbol::Coordinate(i) if i as usize >= n => f64::from(u8::from(moved == Some(i as usize - n))),
+                    other => at(other),
+                })
+            };
+            let held = tip(&lagrangian, None);
+            assert_eq!(tip(released, None), held);
+            // Shifted by 1 along the arm's y; turned by 1 about its z.
+            let (s, c) = 0.4f64.sin_cos();
+            let shifted = tip(released, Some(1));
+            assert!((shifted[0] - held[0] + s).abs() < 1e-12 && (shifted[1] - held[1] - c).abs() < 1e-12);
+            let turned = tip(released, Some(5));
+            assert!((turned[1] - 3.0 * 1.4f64.sin()).abs() < 1e-12);
+        });
+    }
+
+    #[test]
+    fn rows_that_are_left_out_stay_out() {
+        let statements = format!(
+            "{ARM} reaction hinge at arm; \
+             constraint closed: arm.point([l, 0, 0]) = [y, z, 0]; kinetic += m*(dt(y)^2 + dt(z)^2);"
+        );
+        mechanism(&statements, |lagrangian| {
+            let released = lagrangian.released.as_deref().expect("there is a reaction");
+            assert_eq!(lagrangian.constraints[0].rows.len(), 2);
+            assert_eq!(released.constraints[0].rows.len(), 2);
+        });
+    }
+
+    #[test]
+    fn wrong_reactions() {
+        refused(
+            "reaction r at theta;",
+            "theta: expected a pose, found a number; poses are made by `rot_z(angle)`, `translation([x, y, z])`, `dh(theta, d, a, alpha)`",
+        );
+        refused(
+            &format!("{ARM} let tip = arm.origin(); reaction r at arm;"),
+            "arm: something was built on `arm` before this reaction: it would not count; move the statement up, right behind \
+             the one that gives `arm` its value",
+        );
+        refused(
+            &format!("{ARM} reaction r[1] at arm;"),
+            "r: there is no reaction `r[0]`; indices run from 0 on, without gaps",
+        );
+    }
 }

@@ -777,6 +777,11 @@ mechanism CartPole {
         refused("constraint rod: x == l;", "==: expected `=`, found `==`; write `constraint name: left = right;`");
         assert!(matches!(statement("force at p + q += F;"), StatementKind::ForceAt { .. }));
         assert!(matches!(statement("torque on arm[2] += [0, 0, u];"), StatementKind::TorqueOn { .. }));
+        let StatementKind::Reaction { name, index, pose, .. } = statement("reaction joint[i + 1] at link;") else {
+            panic!()
+        };
+        assert_eq!((name.text.as_str(), pose.text.as_str()), ("joint", "link"));
+        assert_eq!(index.as_ref().map(prefix), Some("(+ i 1)".to_string()));
         refused(
             "if a < b { kinetic += x; }",
             "if: `if` chooses between values, not between statements; write `let x = if a < b { … } else { … };`, or `kinetic += if …`",

@@ -126,13 +126,20 @@ impl<const N: usize> SerialArm<N> {
         from_fn(|row| columns.map(|column| column[row]))
     }
 
-    /// Torques that cause `q̈`, base to flange and back with 3-vectors in base axes.
+    /// Torques that cause `q̈`.
+    pub fn newton_euler(&self, q: &[f64; N], qd: &[f64; N], qdd: &[f64; N]) -> [f64; N] {
+        let (poses, wrenches) = (self.poses(q), self.joint_wrenches(q, qd, qdd));
+        from_fn(|i| axis(&poses[i]).dot(&wrenches[i].1))
+    }
+
+    /// For each joint the force and the moment of the link before it on the link behind it, in base axes, the moment about the
+    /// origin of frame `i − 1`, on the joint's axis; base to flange and back with 3-vectors.
     ///
     /// # Source
     ///
     /// Luh, Walker, Paul, *On-line computational scheme for mechanical manipulators*, J. Dyn. Syst. Meas. Control 102,
     /// 1980; here in base axes instead of link axes. Gravity is an acceleration `−g` of the base.
-    pub fn newton_euler(&self, q: &[f64; N], qd: &[f64; N], qdd: &[f64; N]) -> [f64; N] {
+    pub fn joint_wrenches(&self, q: &[f64; N], qd: &[f64; N], qdd: &[f64; N]) -> [(Vector3<f64>, Vector3<f64>); N] {
         let poses = self.poses(q);
         let mut omega = Vector3::zeros();
         let mut alpha = Vector3::zeros();
@@ -152,19 +159,23 @@ impl<const N: usize> SerialArm<N> {
             let force = self.links[i].mass * (acceleration + transport(&center));
             wrenches[i] = (force, inertia * alpha + omega.cross(&(inertia * omega)));
         }
-        let mut torques = [0.0; N];
         let mut force = Vector3::zeros();
         let mut moment = Vector3::zeros();
         for i in (0..N).rev() {
-            // Moment about the origin of frame i − 1, on the joint axis.
             let r = poses[i + 1].position - poses[i].position;
             let center = r + poses[i + 1].rotation * Vector3::from(self.links[i].center_of_mass);
             let (link_force, link_moment) = wrenches[i];
             moment += r.cross(&force) + center.cross(&link_force) + link_moment;
             force += link_force;
-            torques[i] = axis(&poses[i]).dot(&moment);
+            wrenches[i] = (force, moment);
         }
-        torques
+        wrenches
+    }
+
+    /// For each joint the axes of frame `i − 1` turned by its angle, as columns in base axes: those of the link, before its twist.
+    pub fn joint_rotations(&self, q: &[f64; N]) -> [Matrix3<f64>; N] {
+        let poses = self.poses(q);
+        from_fn(|i| poses[i].rotation * Rotation3::from_axis_angle(&Vector3::z_axis(), q[i]))
     }
 
     /// Mass matrix; the bodies beyond a joint are one.

@@ -261,6 +261,7 @@ const WORDS: &[&str] = &[
     "lagrangian",
     "force",
     "torque",
+    "reaction",
     "at",
     "on",
     "constraint",
