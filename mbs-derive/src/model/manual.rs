@@ -8,8 +8,8 @@ use super::dimension::UNITS;
 use super::evaluate::{MAX_NODES, MAX_STEPS};
 use super::function::{MAX_CALLS, library};
 use super::statement::MAX_TURNS;
-use crate::parse::MAX_DEPTH;
 use crate::parse::syntax::StatementKind;
+use crate::parse::{MAX_DEPTH, MAX_TOKENS};
 use crate::source::{self, MAX_BYTES, MAX_IMPORTS};
 
 const MANUAL: &str = include_str!("../../../docs/language.md");
@@ -93,6 +93,7 @@ fn limits_are_those_of_the_manual() {
     limit("nodes", spaced(MAX_NODES));
     limit("steps", spaced(MAX_STEPS));
     limit("file", spaced(MAX_BYTES >> 20));
+    limit("names, numbers", spaced(MAX_TOKENS));
     limit("imports", spaced(MAX_IMPORTS));
     limit("imports", spaced(source::MAX_DEPTH));
 }
