@@ -283,7 +283,7 @@ mod tests {
             "constraint a: [x, y, z] = l;",
             "[x, y, z] = l: both sides of a constraint are of one shape, these are a vector and a number; or one side is `0`",
         );
-        refused("constraint a: x + m = l;", "x + m: a sum needs equal dimensions, these are m and kg");
+        refused("constraint a: x + m = l;", "m: a sum needs equal dimensions, this term is kg, not m");
         refused(
             "constraint a: k*x = u;",
             "k*x = u: a constraint cannot depend on an input; a motion given from outside is a `prescribed` signal: its derivatives are known",
