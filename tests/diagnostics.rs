@@ -87,7 +87,7 @@ fn meant(report: &str) -> Vec<Vec<&str>> {
 #[test]
 fn the_advice_mends_them() {
     // Of imports it is mostly the other file that is to be mended.
-    let mendable = |name: &str| name != "empty" && !name.starts_with("import_");
+    let mendable = |name: &str| !["empty", "lines_of_carriage_returns"].contains(&name) && !name.starts_with("import_");
     for (name, bytes) in bad().into_iter().filter(|(name, _)| mendable(name)) {
         // What is not UTF-8 here is Latin-1.
         let source =

@@ -37,6 +37,12 @@ struct Guard<'s> {
 impl<'s> Guard<'s> {
     fn file(&mut self) {
         self.at += if self.source.starts_with('\u{feff}') { '\u{feff}'.len_utf8() } else { 0 };
+        if let Some(at) = self.source.find('\r').filter(|_| !self.source.contains('\n')) {
+            // A `//` would reach to the end of the file.
+            let error = self.errors.error(at..at + 1, "the lines of this file end with carriage returns alone");
+            error.help("save it with line feeds, `\\n` or `\\r\\n`");
+            return;
+        }
         while let Some(c) = self.rest().chars().next() {
             if self.errors.is_full() {
                 return;
@@ -156,6 +162,14 @@ impl<'s> Guard<'s> {
     fn apostrophe(&mut self) {
         let quoted = self.rest()[1..].split(['\'', '\n']).next().unwrap_or_default();
         let closed = self.rest()[1 + quoted.len()..].starts_with('\'');
+        if closed && self.imports() {
+            let place = self.at..self.at + quoted.len() + 2;
+            let shown = if quoted.contains(['"', '\\']) { "file.mbs" } else { quoted };
+            let error = self.errors.error(place.clone(), "a path stands in double quotation marks");
+            error.help(format!("write `import \"{shown}\";`"));
+            self.at = place.end;
+            return;
+        }
         if closed && (quoted.chars().count() == 1 || quoted.starts_with('\\')) {
             return self.quotation(self.at, 1, "'", true);
         }
@@ -470,6 +484,22 @@ mod tests {
         );
         assert_eq!(report("r'").len(), 1);
         assert_eq!(report("'a").len(), 1);
+    }
+
+    #[test]
+    fn paths_in_single_quotes_get_double_ones() {
+        let expected = "7..12: a path stands in double quotation marks; write `import \"lib\";`";
+        assert_eq!(report("import 'lib'; mechanism A { }"), [expected]);
+        assert_eq!(report("import 'l'; x").len(), 1);
+        assert_eq!(report("import 'l").len(), 1);
+    }
+
+    #[test]
+    fn lines_of_carriage_returns_are_refused() {
+        let expected = "13..14: the lines of this file end with carriage returns alone; save it with line feeds, `\\n` or `\\r\\n`";
+        assert_eq!(report("mechanism A {\r // x\r }"), [expected]);
+        accepted("x\r\ny");
+        accepted("x\r y\n");
     }
 
     #[test]
