@@ -248,9 +248,24 @@ impl<'d, 'g> Resolver<'d, 'g> {
         place: Span,
     ) -> Resolved<Value<'g>> {
         let span = place.start..right.span.end;
+        let factors = !matches!(operator, BinaryOperator::Add | BinaryOperator::Sub)
+            && self.is_nonzero_constant(&left)
+            && (operator == BinaryOperator::Pow || self.is_nonzero_constant(&right.value));
         let value = self.binary(operator, Argument { value: left, span: place }, right, &span)?;
+        if factors && self.is_zero_constant(&value) {
+            let message = "this is not zero, but nearer to it than an `f64` can be";
+            return Err(self.refuse(&span, message, "choose other units, or check the exponents"));
+        }
         self.watch(&value, &span);
         self.defined(value, &span)
+    }
+
+    fn is_nonzero_constant(&mut self, value: &Value<'g>) -> bool {
+        matches!(value, Value::Scalar(a) if self.facts.constant(a.expr).is_some_and(|number| !number.is_zero()))
+    }
+
+    fn is_zero_constant(&mut self, value: &Value<'g>) -> bool {
+        matches!(value, Value::Scalar(a) if self.facts.constant(a.expr).is_some_and(Number::is_zero))
     }
 
     /// The value of an expression, with its place.

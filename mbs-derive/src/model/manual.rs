@@ -72,6 +72,22 @@ fn units_are_those_of_the_manual() {
     equal("units", manual, UNITS.iter().map(|unit| unit.name).collect());
 }
 
+/// Those of a mechanism that has all of them, outputs aside.
+#[test]
+fn generated_functions_are_those_of_the_manual() {
+    let text = section(11);
+    let cells = text.lines().filter_map(|line| line.strip_prefix("| `")?.split_once(" |")).map(|(names, _)| names);
+    let manual =
+        cells.flat_map(|names| names.split(|c| c == '`' || c == ',' || c == ' ')).filter(|name| !name.is_empty());
+    let source = "#![dimensionless] mechanism A { param m: 1 = 1; coord x: 1; coord y: 1; \
+                  kinetic += m*dt(x)^2 + m*dt(y)^2; constraint c: x = y; }";
+    let graph = crate::expr::Graph::verbatim();
+    let (lagrangian, _) = crate::declared(source, &graph, &[]).unwrap_or_else(|e| panic!("{}", e.render("a", source)));
+    let derivation = crate::derived(&lagrangian);
+    let code = derivation.functions.iter().map(|function| function.name.as_str()).collect();
+    equal("generated functions", manual.collect(), code);
+}
+
 /// Thousands apart, as the manual writes them.
 fn spaced(number: usize) -> String {
     let digits = number.to_string();

@@ -403,6 +403,12 @@ impl<'d, 'g> Resolver<'d, 'g> {
             _ => None,
         };
         fraction.and_then(|(n, d)| base.power(n, d)).ok_or_else(|| {
+            if let Some(Number::Exact { numerator, denominator, pi: 0 }) = exponent {
+                let message = format!("{base} to the power of {numerator}/{denominator} is no dimension");
+                let help = "the exponents of a dimension are small fractions: divide the base by a quantity of its \
+                            dimension to make it a plain number";
+                return self.refuse(span, message, help);
+            }
             let message = format!("a power of {base} needs a constant exponent, such as 2, -1 or 1/3");
             self.refuse(span, message, "divide the base by a quantity of its dimension to make it a plain number")
         })
@@ -549,6 +555,21 @@ mod tests {
         refused(
             "let a = l^theta;",
             "theta: a power of m needs a constant exponent, such as 2, -1 or 1/3; divide the base by a quantity of its dimension to make it a plain number",
+        );
+        refused(
+            "let a = l^(1/1000000007);",
+            "(1/1000000007): m to the power of 1/1000000007 is no dimension; the exponents of a dimension are small \
+             fractions: divide the base by a quantity of its dimension to make it a plain number",
+        );
+        // Underflow is no zero.
+        let underflow =
+            "this is not zero, but nearer to it than an `f64` can be; choose other units, or check the exponents";
+        refused("let a = 1e-200*1e-200;", &format!("1e-200*1e-200: {underflow}"));
+        refused("const c = 1e-200; let a = x*c^2;", &format!("c^2: {underflow}"));
+        refused("let a = x*(1e-300/1e300);", &format!("1e-300/1e300: {underflow}"));
+        refused(
+            "param a: mm = 1e-322;",
+            "1e-322: in m this is nearer to zero than an `f64` can be; choose other units, or check the exponent",
         );
         refused("let a = l^1000;", "1000: an exponent is at most 100; `exp(n * ln(x))` takes any");
         refused(
