@@ -354,6 +354,10 @@ impl<'d, 'g> Resolver<'d, 'g> {
                 let number = |expr| Value::Scalar(Scalar::new(expr, dimension));
                 self.in_world(vector).0.map(number).to_vec()
             }
+            Value::Scalar(_) => {
+                let message = "some elements of this output are numbers, others are rows of them";
+                return Err(self.refuse(&row.span, message, "write several outputs, or rows of equal length"));
+            }
             other => {
                 let message = format!(
                     "an output is a number, vector, matrix, pose, or rows of numbers; here is {}",
