@@ -145,6 +145,8 @@ macro_rules! compiled_is_interpreted {
                     assert!(error(compiled, &interpreted) <= 1e-12, "{name}: {compiled:?} {interpreted:?} at {state:?}");
                 };
                 same("constraint", &mechanism.constraint(&q, &qd));
+                same("constraint_rate", &mechanism.constraint_rate(&q, &qd));
+                same("constraint_rate_jacobian", &mechanism.constraint_rate_jacobian(&q, &qd).concat());
                 same("constraint_jacobian", &mechanism.constraint_jacobian(&q).concat());
                 same("constraint_bias", &mechanism.constraint_bias(&q, &qd));
                 $(let $input = &u;)?
