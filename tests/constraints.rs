@@ -29,7 +29,17 @@ fn constrained() -> Vec<(&'static str, &'static str)> {
 #[test]
 fn some_mechanisms_are_constrained() {
     let modules: Vec<&str> = constrained().iter().map(|(module, _)| *module).collect();
-    assert_eq!(modules, ["four_bar", "chaplygin_sleigh", "rolling_coin", "swaying"]);
+    let expected = [
+        "four_bar",
+        "bouncing_pendulum",
+        "cartesian_pendulum",
+        "chaplygin_sleigh",
+        "knife_edge",
+        "rolling_coin",
+        "slider_crank",
+        "swaying",
+    ];
+    assert_eq!(modules, expected);
 }
 
 /// Along `q(s) = q + s q̇ + ½ s² q̈` at t + s: a holonomic φ has the slope `A q̇ + b` and the curvature `A q̈ + γ`; a Pfaffian `A q̇ + b`
@@ -160,6 +170,10 @@ macro_rules! compiled_is_interpreted {
 }
 compiled_is_interpreted! {
     four_bar: mbs_models::four_bar::FourBar<f64>, 3 1, (inputs);
+    bouncing_pendulum: mbs_tests::mechanisms::bouncing_pendulum::BouncingPendulum<f64>, 3 0, ();
+    cartesian_pendulum: mbs_tests::mechanisms::cartesian_pendulum::CartesianPendulum<f64>, 2 0, ();
     chaplygin_sleigh: mbs_tests::mechanisms::chaplygin_sleigh::ChaplyginSleigh<f64>, 3 2, (inputs);
+    knife_edge: mbs_tests::mechanisms::knife_edge::KnifeEdge<f64>, 3 0, ();
     rolling_coin: mbs_tests::mechanisms::rolling_coin::RollingCoin<f64>, 5 0, ();
+    slider_crank: mbs_tests::mechanisms::slider_crank::SliderCrank<f64>, 3 2, (inputs);
 }
