@@ -64,7 +64,8 @@ fn evaluation(derivation: &Derivation, point: &Point, place: &str) -> Value {
         "conserved": conserved(derivation, evaluated),
         "outputs": outputs(derivation, evaluated),
     });
-    for name in ["constraint", "constraint_rate", "constraint_jacobian", "constraint_bias"] {
+    for name in ["constraint", "constraint_rate", "constraint_rate_jacobian", "constraint_jacobian", "constraint_bias"]
+    {
         if derivation.function(name).is_some() {
             evaluation[name] = value(name);
         }
