@@ -77,8 +77,7 @@ fn units_are_those_of_the_manual() {
 fn generated_functions_are_those_of_the_manual() {
     let text = section(11);
     let cells = text.lines().filter_map(|line| line.strip_prefix("| `")?.split_once(" |")).map(|(names, _)| names);
-    let manual =
-        cells.flat_map(|names| names.split(|c| c == '`' || c == ',' || c == ' ')).filter(|name| !name.is_empty());
+    let manual = cells.flat_map(|names| names.split(['`', ',', ' '])).filter(|name| !name.is_empty());
     let source = "#![dimensionless] mechanism A { param m: 1 = 1; coord x: 1; coord y: 1; \
                   kinetic += m*dt(x)^2 + m*dt(y)^2; constraint c: x = y; }";
     let graph = crate::expr::Graph::verbatim();
