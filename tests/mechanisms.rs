@@ -10,9 +10,9 @@ use mbs_tests::mechanisms as written;
 use mbs_tests::random::{Random, State, positive, states};
 use mbs_tests::reference::dynamics::{Dynamics, motion};
 use mbs_tests::reference::{
-    bead_on_hoop, cart_with_five_links, chaplygin_sleigh, charged_particle, elastic_joint_arm, four_bar,
-    furuta_pendulum, heavy_top, quadrotor_with_slung_load, restricted_three_body, rolling_coin, shaken_pendulum,
-    turntable,
+    bead_on_hoop, bouncing_pendulum, cart_with_five_links, cartesian_pendulum, chaplygin_sleigh, charged_particle,
+    elastic_joint_arm, four_bar, furuta_pendulum, heavy_top, knife_edge, quadrotor_with_slung_load,
+    restricted_three_body, rolling_coin, shaken_pendulum, slider_crank, turntable,
 };
 
 /// Of the largest entry.
@@ -332,5 +332,88 @@ fn four_bar_closes() {
         let q = reference.closed(0.1 * f64::from(step)).expect("Grashof's crank turns all the way round");
         let phi = FourBar::<f64>::default().constraint(&q, &reference.closed_rates(&q, 1.0));
         assert!(error(&phi, &[0.0; 2]) < 1e-14, "{phi:?}");
+    }
+}
+
+#[test]
+fn cartesian_pendulum() {
+    use written::cartesian_pendulum::{CartesianPendulum, Params};
+    for (seed, [m, l, g]) in sets::<3>() {
+        let generated = CartesianPendulum::new(Params { m, l, g });
+        let reference = cartesian_pendulum::CartesianPendulum { m, l, g };
+        check(seed, &reference, |q, qd| Found {
+            constraints: Constraints {
+                jacobian: generated.constraint_jacobian(q).to_vec(),
+                bias: generated.constraint_bias(q, qd).to_vec(),
+                multipliers: generated.multipliers(q, qd).to_vec(),
+            },
+            ..found(&generated, 0.0, (q, qd), &[])
+        });
+    }
+}
+
+#[test]
+fn knife_edge() {
+    use written::knife_edge::{KnifeEdge, Params};
+    for (seed, [m, moment, slope, g]) in sets::<4>() {
+        let generated = KnifeEdge::new(Params { m, moment, slope, g });
+        let reference = knife_edge::KnifeEdge { m, moment, slope, g };
+        check(seed, &reference, |q, qd| Found {
+            constraints: Constraints {
+                jacobian: generated.constraint_jacobian(q).to_vec(),
+                bias: generated.constraint_bias(q, qd).to_vec(),
+                multipliers: generated.multipliers(q, qd).to_vec(),
+            },
+            ..found(&generated, 0.0, (q, qd), &[])
+        });
+    }
+}
+
+#[test]
+fn slider_crank() {
+    use written::slider_crank::{Params, SliderCrank};
+    for (seed, p) in sets::<8>() {
+        let (m, l, offset, g, c) = ([p[0], p[1], p[2]], [p[3], p[4]], p[5], p[6], p[7]);
+        let u = inputs(seed);
+        let generated = SliderCrank::new(Params { m, l, offset, g, c });
+        let reference = slider_crank::SliderCrank { m, l, offset, g, c, inputs: u };
+        check(seed, &reference, |q, qd| Found {
+            constraints: Constraints {
+                jacobian: generated.constraint_jacobian(q).to_vec(),
+                bias: generated.constraint_bias(q, qd).to_vec(),
+                multipliers: generated.multipliers(q, qd, &u).to_vec(),
+            },
+            ..found(&generated, 0.0, (q, qd), &u)
+        });
+    }
+}
+
+/// Where the piston is where the rod puts it, φ vanishes.
+#[test]
+fn slider_crank_closes() {
+    use written::slider_crank::{Params, SliderCrank};
+    let Params { m, l, offset, g, c } = Params::default();
+    let reference = slider_crank::SliderCrank { m, l, offset, g, c, inputs: [0.0; 2] };
+    for step in 0..60 {
+        let q = reference.closed(0.1 * f64::from(step)).expect("the rod is longer than the crank");
+        let phi = SliderCrank::<f64>::default().constraint(&q, &reference.closed_rates(&q, 1.0));
+        assert!(error(&phi, &[0.0; 2]) < 1e-15, "{phi:?}");
+    }
+}
+
+#[test]
+fn bouncing_pendulum() {
+    use written::bouncing_pendulum::{BouncingPendulum, Params};
+    for (seed, [m, l, moment, g]) in sets::<4>() {
+        let generated = BouncingPendulum::new(Params { m, l, moment, g });
+        let reference = bouncing_pendulum::BouncingPendulum { m, l, moment, g };
+        check(seed, &reference, |q, qd| Found {
+            constraints: Constraints {
+                jacobian: generated.constraint_jacobian(q).to_vec(),
+                bias: generated.constraint_bias(q, qd).to_vec(),
+                multipliers: generated.multipliers(q, qd).to_vec(),
+            },
+            ..found(&generated, 0.0, (q, qd), &[])
+        });
     }
 }

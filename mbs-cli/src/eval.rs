@@ -18,8 +18,9 @@ pub(crate) struct Arguments {
     /// The mechanism.
     #[arg(value_name = "FILE.mbs")]
     file: PathBuf,
-    /// A file with a JSON object, or an array of them: {"t": 0, "q": […], "qd": […], "qdd": […], "u": […], "params": {…}},
-    /// all but q optional. `-` is standard input; JSON itself is taken, too.
+    /// A file with a JSON object, or an array of them: {"t": 0, "q": […], "qd": […], "qdd": […], "u": […], "params": {name:
+    /// value}, "prescribed": {name: [value, rate, acceleration]}}, all but q optional: zero, or the declared default. `-` is
+    /// standard input; JSON itself is taken, too.
     #[arg(long, value_name = "STATE.json")]
     state: String,
 }
@@ -66,7 +67,8 @@ fn evaluation(derivation: &Derivation, point: &Point, place: &str) -> Value {
     if !derivation.reactions.is_empty() {
         evaluation["reactions"] = reactions(derivation, &interpreter, point).into();
     }
-    for name in ["constraint", "constraint_rate", "constraint_jacobian", "constraint_bias"] {
+    for name in ["constraint", "constraint_rate", "constraint_rate_jacobian", "constraint_jacobian", "constraint_bias"]
+    {
         if derivation.function(name).is_some() {
             evaluation[name] = value(name);
         }

@@ -7,8 +7,11 @@
 //!
 //! All but `q` may be left out: zero, or the declared default. Arrays are flattened in declaration order. A parameter is
 //! given by its name, an array parameter as an array or component by component (`length_0`). All that is wrong with a
-//! state is reported at once.
+//! state is reported at once; nothing is given twice. Signals that are left out are warned of: hardly any motion that comes
+//! from outside is no motion.
 
+use std::collections::BTreeSet;
+use std::fmt;
 use std::fs;
 use std::io;
 
@@ -18,10 +21,12 @@ use mbs_derive::interpret::State;
 use mbs_derive::model::Variable;
 use mbs_derive::model::lagrangian::component_names;
 use mbs_derive::optimise::Derivation;
+use serde::de::{Deserialize, Deserializer, Error, MapAccess, SeqAccess, Visitor};
 use serde_json::{Map, Value};
 
 use crate::check::{abridged, plural};
 use crate::failure::Failure;
+use crate::output;
 
 /// What a state file asks for.
 #[derive(Clone, Debug)]
@@ -67,10 +72,66 @@ fn text(name: &str, content: io::Result<String>) -> Result<String, Failure> {
 
 /// JSON, and beyond it the words `NaN` and `Infinity`, as strings, so that the key they stand under can be named.
 fn parse(name: &str, text: &str) -> Result<Value, Failure> {
-    serde_json::from_str(text).or_else(|error| {
+    let read = |text: &str| serde_json::from_str(text).map(|Unambiguous(json)| json);
+    read(text).or_else(|error| {
         let quoted = with_words_quoted(text);
-        serde_json::from_str(&quoted).ok().filter(|_| quoted != text).ok_or_else(|| syntax_error(name, text, &error))
+        read(&quoted).ok().filter(|_| quoted != text).ok_or_else(|| syntax_error(name, text, &error))
     })
+}
+
+/// JSON in whose objects no key stands twice; [`Value`] alone takes the last of them.
+struct Unambiguous(Value);
+
+impl<'de> Deserialize<'de> for Unambiguous {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_any(UnambiguousVisitor).map(Unambiguous)
+    }
+}
+
+struct UnambiguousVisitor;
+
+impl<'de> Visitor<'de> for UnambiguousVisitor {
+    type Value = Value;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("JSON")
+    }
+    fn visit_unit<E>(self) -> Result<Value, E> {
+        Ok(Value::Null)
+    }
+    fn visit_bool<E>(self, value: bool) -> Result<Value, E> {
+        Ok(value.into())
+    }
+    fn visit_i64<E>(self, value: i64) -> Result<Value, E> {
+        Ok(value.into())
+    }
+    fn visit_u64<E>(self, value: u64) -> Result<Value, E> {
+        Ok(value.into())
+    }
+    fn visit_f64<E>(self, value: f64) -> Result<Value, E> {
+        Ok(value.into())
+    }
+    fn visit_str<E>(self, value: &str) -> Result<Value, E> {
+        Ok(value.into())
+    }
+    fn visit_seq<A: SeqAccess<'de>>(self, mut items: A) -> Result<Value, A::Error> {
+        let mut values = Vec::new();
+        while let Some(Unambiguous(value)) = items.next_element()? {
+            values.push(value);
+        }
+        Ok(Value::Array(values))
+    }
+    fn visit_map<A: MapAccess<'de>>(self, mut entries: A) -> Result<Value, A::Error> {
+        let mut values = Map::new();
+        while let Some(key) = entries.next_key::<String>()? {
+            if values.contains_key(&key) {
+                return Err(A::Error::custom(format_args!("the key {} stands here twice", Value::from(key))));
+            }
+            let Unambiguous(value) = entries.next_value()?;
+            values.insert(key, value);
+        }
+        Ok(Value::Object(values))
+    }
 }
 
 fn with_words_quoted(text: &str) -> String {
@@ -106,8 +167,9 @@ fn syntax_error(name: &str, text: &str, error: &serde_json::Error) -> Failure {
 
 fn request(name: &str, json: &Value, derivation: &Derivation) -> Result<Request, Failure> {
     let mut errors = Vec::new();
+    let mut left_out = BTreeSet::new();
     let mut point = |json: &Value, place: String| {
-        let mut reader = Reader { derivation, place, errors: Vec::new() };
+        let mut reader = Reader { derivation, place, errors: Vec::new(), left_out: &mut left_out };
         let point = reader.point(json);
         errors.append(&mut reader.errors);
         point
@@ -118,7 +180,20 @@ fn request(name: &str, json: &Value, derivation: &Derivation) -> Result<Request,
         }
         _ => Request::One(point(json, name.to_string())),
     };
-    if errors.is_empty() { Ok(request) } else { Err(Failure::several(&errors)) }
+    if !errors.is_empty() {
+        return Err(Failure::several(&errors));
+    }
+    if !left_out.is_empty() {
+        let names = component_names(&derivation.prescribed);
+        let signals: Vec<String> = left_out.into_iter().map(|i| names[i].clone()).collect();
+        let many = matches!(request, Request::Many(_));
+        output::report(&format!(
+            "warning: {name}: \"prescribed\" does not give {}{}: zero, at rest\n",
+            abridged(&signals),
+            if many { " in all states" } else { "" }
+        ));
+    }
+    Ok(request)
 }
 
 /// Matches one JSON object with a mechanism.
@@ -127,6 +202,8 @@ struct Reader<'a> {
     /// Which file and which of its states.
     place: String,
     errors: Vec<String>,
+    /// The numbers of the prescribed signals that this or another state does not give.
+    left_out: &'a mut BTreeSet<usize>,
 }
 
 impl Reader<'_> {
@@ -202,6 +279,11 @@ impl Reader<'_> {
         let components = component_names(declared);
         for (name, json) in given {
             let key = format!("\"params\".{}", Value::from(name.as_str()));
+            let whole = declared.iter().find(|p| p.length.is_some() && p.component_names().contains(name));
+            if let Some(whole) = whole.filter(|whole| given.contains_key(&whole.name)) {
+                let whole = Value::from(whole.name.as_str());
+                self.error(format!("{key} is given twice, by itself and in \"params\".{whole}"));
+            }
             if let Some(variable) = declared.iter().find(|p| p.name == *name) {
                 let numbers = self.parameter(&key, json, variable);
                 values[variable.first..variable.first + variable.count()].copy_from_slice(&numbers);
@@ -226,6 +308,8 @@ impl Reader<'_> {
     fn prescribed(&mut self, json: Option<&Value>) -> Vec<[f64; 3]> {
         let names = component_names(&self.derivation.prescribed);
         let mut signals = vec![[0.0; 3]; names.len()];
+        let is_given = |name: &String| json.is_some_and(|json| json.get(name).is_some());
+        self.left_out.extend((0..names.len()).filter(|&i| !is_given(&names[i])));
         let Some(json) = json else { return signals };
         let Some(given) = json.as_object() else {
             let found = kind(json);

@@ -42,6 +42,6 @@ pub use hessian::hessian;
 pub use normal::{cheapest_form, normal_form, quotients};
 pub use number::Number;
 pub use rounded::Rounded;
-pub use substitute::{carry_out, substitute};
+pub use substitute::{carry_out, cut, substitute, substitute_into};
 pub use tangent::Tangent;
 pub use vector::{Matrix, Vector};

@@ -109,6 +109,8 @@ pub enum FunctionKind {
     Constraint,
     /// `A q̇ + b`
     ConstraintRate,
+    /// `∂(A q̇ + b)/∂q`
+    ConstraintRateJacobian,
     /// A
     ConstraintJacobian,
     /// γ
@@ -419,7 +421,7 @@ fn inverse_dynamics_jacobian<'g>(equations: &Equations<'g>) -> Roots<'g> {
     }
 }
 
-/// φ, A, γ and λ.
+/// φ, `A q̇ + b` and its slopes, A, γ and λ.
 fn constraints<'g>(equations: &Equations<'g>) -> Vec<Roots<'g>> {
     use Argument::{Q, Qd, U};
     let (constraints, forward) = (&equations.constraints, &equations.forward_dynamics);
@@ -429,12 +431,14 @@ fn constraints<'g>(equations: &Equations<'g>) -> Vec<Roots<'g>> {
         None => ([lower_triangle(&forward.matrix), forward.right_side.clone()].concat(), Completion::SolveMultipliers),
     };
     let rows = Shape::Vector(m);
-    let jacobian = constraints.jacobian.concat();
+    let [jacobian, rate_jacobian] = [&constraints.jacobian, &constraints.rate_jacobian].map(|rows| rows.concat());
+    let matrix = Shape::Matrix(m, n);
     let multipliers = Roots::new("multipliers", FunctionKind::Multipliers, &[Q, Qd, U], rows, roots);
     vec![
         Roots::new("constraint", FunctionKind::Constraint, &[Q, Qd], rows, constraints.value.clone()),
         Roots::new("constraint_rate", FunctionKind::ConstraintRate, &[Q, Qd], rows, constraints.rate.clone()),
-        Roots::new("constraint_jacobian", FunctionKind::ConstraintJacobian, &[Q], Shape::Matrix(m, n), jacobian),
+        Roots::new("constraint_rate_jacobian", FunctionKind::ConstraintRateJacobian, &[Q, Qd], matrix, rate_jacobian),
+        Roots::new("constraint_jacobian", FunctionKind::ConstraintJacobian, &[Q], matrix, jacobian),
         Roots::new("constraint_bias", FunctionKind::ConstraintBias, &[Q, Qd], rows, constraints.bias.clone()),
         Roots { completion, size: forward.matrix.len(), ..multipliers },
     ]

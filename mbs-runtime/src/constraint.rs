@@ -14,6 +14,7 @@
 //! | step                                                        | file              |
 //! |-------------------------------------------------------------|-------------------|
 //! | least change in the metric of M                             | `least_change.rs` |
+//! | linearization in independent coordinates and speeds         | `reduction.rs`    |
 //!
 //! Source: E. Hairer, C. Lubich, G. Wanner, *Geometric Numerical Integration*, 2nd ed. 2006, section IV.4 (projection); G. H.
 //! Golub, C. F. Van Loan, *Matrix Computations*, 4th ed. 2013, sections 5.2.8 (modified Gram–Schmidt), 5.4.2 (pivoting), 6.2.
@@ -23,6 +24,7 @@ use crate::scalar::Real;
 use crate::state::{Coordinates, State};
 
 mod least_change;
+pub mod reduction;
 
 use least_change::Workspace;
 

@@ -219,6 +219,75 @@ impl fmt::Display for ConstraintError {
 
 impl Error for ConstraintError {}
 
+/// Why a linearization cannot be reduced to the coordinates and speeds that were named.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ReductionError {
+    /// There is no coordinate of this number, or it is named twice.
+    InvalidCoordinate {
+        /// Counted from 0.
+        index: usize,
+    },
+    /// There is no speed of this number, or it is named twice.
+    InvalidSpeed {
+        /// Counted from 0.
+        index: usize,
+    },
+    /// The constraints tie the coordinate to the others that are named.
+    DependentCoordinate {
+        /// Which coordinate.
+        index: usize,
+    },
+    /// The constraints tie the speed to the others that are named.
+    DependentSpeed {
+        /// Of which coordinate.
+        index: usize,
+    },
+    /// The coordinate is not named, and does not follow from those that are.
+    FreeCoordinate {
+        /// Which coordinate.
+        index: usize,
+    },
+    /// The speed is not named, and does not follow from those that are.
+    FreeSpeed {
+        /// Of which coordinate.
+        index: usize,
+    },
+    /// The row of the constraints depends on the others in this state alone: a singular one.
+    RankChanges {
+        /// Which row.
+        row: usize,
+    },
+    /// A constraint's derivative is infinite or NaN.
+    NonFinite,
+}
+
+impl fmt::Display for ReductionError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match *self {
+            Self::InvalidCoordinate { index } => write!(f, "coordinate {index} does not exist or is named twice"),
+            Self::InvalidSpeed { index } => write!(f, "speed {index} does not exist or is named twice"),
+            Self::DependentCoordinate { index } => {
+                write!(f, "coordinate {index} follows from the others that are named as independent")
+            }
+            Self::DependentSpeed { index } => {
+                write!(f, "speed {index} follows from the others that are named as independent")
+            }
+            Self::FreeCoordinate { index } => {
+                write!(f, "coordinate {index} does not follow from those that are named as independent")
+            }
+            Self::FreeSpeed { index } => {
+                write!(f, "speed {index} does not follow from those that are named as independent")
+            }
+            Self::RankChanges { row } => {
+                write!(f, "row {row} of the constraints depends on the others here, but not in neighbouring states")
+            }
+            Self::NonFinite => f.write_str("a constraint's derivative is infinite or NaN"),
+        }
+    }
+}
+
+impl Error for ReductionError {}
+
 /// A row of another length than the trajectory holds, or tables of different lengths.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct DimensionMismatch {

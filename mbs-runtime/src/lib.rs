@@ -156,10 +156,11 @@ mod state;
 #[cfg(feature = "std")]
 pub mod trajectory;
 
+pub use constraint::reduction::{ReducedLinearization, Reduction};
 pub use constraint::{Constraints, Projector, RedundantRows};
 pub use dual::Dual;
 pub use dynamics::{Ldlt, ldlt_solve, ldlt_solve_many, try_ldlt_solve};
-pub use error::{ConstraintError, DimensionMismatch, IntegrationError, SingularMassMatrix};
+pub use error::{ConstraintError, DimensionMismatch, IntegrationError, ReductionError, SingularMassMatrix};
 pub use event::{Direction, Event, Response};
 pub use integrator::dop853::Dop853;
 pub use integrator::dopri5::Dopri5;

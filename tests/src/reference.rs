@@ -8,16 +8,18 @@
 //! - closed forms typed by hand from textbooks: [`pendulum`], [`cart_pole`], [`double_pendulum`],
 //!   [`spherical_pendulum`], [`heavy_top`], [`n_pendulum`];
 //! - and of mechanisms that are driven, constrained or full of friction ([`dynamics`]): [`bead_on_hoop`],
-//!   [`cart_with_five_links`], [`chaplygin_sleigh`], [`charged_particle`], [`elastic_joint_arm`], [`four_bar`],
-//!   [`furuta_pendulum`], [`quadrotor_with_slung_load`], [`restricted_three_body`], [`rolling_coin`],
-//!   [`shaken_pendulum`], [`turntable`].
+//!   [`bouncing_pendulum`], [`cart_with_five_links`], [`cartesian_pendulum`], [`chaplygin_sleigh`], [`charged_particle`],
+//!   [`elastic_joint_arm`], [`four_bar`], [`furuta_pendulum`], [`knife_edge`], [`quadrotor_with_slung_load`],
+//!   [`restricted_three_body`], [`rolling_coin`], [`shaken_pendulum`], [`slider_crank`], [`turntable`].
 //!
 //! The former answer to [`EquationsOfMotion`], the latter to [`dynamics::Dynamics`]. z points up, gravity is `g` downwards, units are SI.
 
 pub mod arms;
 pub mod bead_on_hoop;
+pub mod bouncing_pendulum;
 pub mod cart_pole;
 pub mod cart_with_five_links;
+pub mod cartesian_pendulum;
 pub mod chaplygin_sleigh;
 pub mod charged_particle;
 pub mod double_pendulum;
@@ -26,6 +28,7 @@ pub mod elastic_joint_arm;
 pub mod four_bar;
 pub mod furuta_pendulum;
 pub mod heavy_top;
+pub mod knife_edge;
 pub mod lagrange;
 pub mod n_pendulum;
 pub mod pendulum;
@@ -35,6 +38,7 @@ pub mod rigid_body;
 pub mod robots;
 pub mod rolling_coin;
 pub mod shaken_pendulum;
+pub mod slider_crank;
 pub mod spherical_pendulum;
 pub mod tree;
 pub mod turntable;

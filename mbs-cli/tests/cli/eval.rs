@@ -202,6 +202,10 @@ fn wrong_states_are_refused_by_name() {
             r#"{"q": [1, 2], "prescribed": {"heave": [0, 0, 0]}}"#,
             r#"unknown signal "prescribed"."heave"; the mechanism has no prescribed signals"#,
         ),
+        (
+            r#"{"q": [1, 2], "params": {"m": [1, 2], "m_0": 3}}"#,
+            r#""params"."m_0" is given twice, by itself and in "params"."m""#,
+        ),
         ("7", r#"a state is an object {"q": […], …}, found the number 7"#),
     ];
     for (state, message) in table {
@@ -238,6 +242,18 @@ error: unreadable JSON: expected `,` or `]`
   |           ^
 ";
     assert_eq!(report, expected);
+    workshop.write("twice.json", "{\"q\": [1, 2], \"params\": {\"k\": 1,\n \"m\": [1, 2], \"k\": 2}}");
+    let report = workshop.bad(&["eval", "chain.mbs", "--state", "twice.json"]);
+    let expected = "\
+error: unreadable JSON: the key \"k\" stands here twice
+ --> twice.json:2:17
+  |
+2 |  \"m\": [1, 2], \"k\": 2}}
+  |                 ^
+";
+    assert_eq!(report, expected);
+    let report = workshop.bad(&["eval", "chain.mbs", "--state", r#"{"q": [1, 2], "q": [3, NaN]}"#]);
+    assert!(report.contains("the key \"q\" stands here twice"), "{report}");
     workshop.write("huge.json", "{\"q\": [1, 1e999]}");
     let report = workshop.bad(&["eval", "chain.mbs", "--state", "huge.json"]);
     assert!(report.starts_with("error: unreadable JSON: number out of range\n --> huge.json:1:"), "{report}");
@@ -249,4 +265,29 @@ error: unreadable JSON: expected `,` or `]`
     let report = workshop.bad(&["eval", "chain.mbs", "--state", "missing.json"]);
     assert!(report.starts_with("error: cannot read missing.json: "), "{report}");
     assert!(workshop.bad(&["eval", "chain.mbs", "--state", "."]).starts_with("error: cannot read .: "));
+}
+
+/// The contract takes them for zero; a motion that was forgotten is not kept quiet about.
+#[test]
+fn signals_that_are_left_out_are_named() {
+    let workshop = Workshop::new();
+    workshop.write(
+        "shaken.mbs",
+        "mechanism Shaken { param m: kg = 1; param k: N/m = 2; coord x: m; prescribed p[2]: m; prescribed heave: m; \
+         prescribed still: m = 0; kinetic += 1/2*m*(dt(x) + dt(p[0]) + dt(p[1]) + dt(heave))^2; potential += k*(x - still)^2; }",
+    );
+    let warned = |state: &str, expected: &str| {
+        let found = workshop.mbs(&["eval", "shaken.mbs", "--state", state]);
+        assert_eq!((found.code, found.stderr.as_str()), (0, expected), "{state}");
+        assert!(found.stdout.contains("mass_matrix"));
+    };
+    warned(r#"{"q": [0]}"#, "warning: --state: \"prescribed\" does not give p_0, p_1, heave: zero, at rest\n");
+    let all = r#"{"p_0": [0, 0, 0], "p_1": [0, 0, 0], "heave": [1, 0, 0]}"#;
+    warned(&format!(r#"{{"q": [0], "prescribed": {all}}}"#), "");
+    warned(
+        &format!(
+            r#"[{{"q": [0], "prescribed": {all}}}, {{"q": [0], "prescribed": {{"p_0": [0, 0, 0], "heave": [1, 0, 0]}}}}]"#
+        ),
+        "warning: --state: \"prescribed\" does not give p_1 in all states: zero, at rest\n",
+    );
 }

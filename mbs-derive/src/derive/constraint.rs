@@ -17,6 +17,8 @@ pub struct Constraints<'g> {
     pub value: Vec<Expr<'g>>,
     /// `A q̇ + b`
     pub rate: Vec<Expr<'g>>,
+    /// `∂(A q̇ + b)/∂q`
+    pub rate_jacobian: Rows<'g>,
     /// A
     pub jacobian: Rows<'g>,
     /// b
@@ -56,6 +58,7 @@ pub fn constraints<'g>(lagrangian: &Lagrangian<'_>, graph: &'g Graph, symbols: &
             all.multipliers.push(Symbol::Multiplier(all.value.len() as u32));
             all.value.push(row);
             all.rate.push(rate);
+            all.rate_jacobian.push(gradient(rate, &symbols.q));
             all.jacobian.push(at_rest(&gradient(rate, &symbols.qd)));
             all.drift.push(at_rest(&[rate])[0]);
             all.bias.push(Tangent::new(|symbol| velocity_direction(symbol, row)).of(rate));

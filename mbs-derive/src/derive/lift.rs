@@ -2,6 +2,7 @@
 
 use crate::expr::{Expr, Graph, Matrix, Vector, evaluate};
 use crate::model::lagrangian::Application;
+use crate::model::landmark::Place;
 use crate::model::moments::{Impossible, principal_moments};
 use crate::model::{Body, Edge, FrameId, Lagrangian, PointForce};
 
@@ -9,6 +10,7 @@ use super::gravity;
 use super::tree::inertia::Inertia;
 use super::tree::linkage::{Linkage, Seat};
 use super::tree::load::Load;
+use super::tree::spring::{Anchor, Held, Spring};
 use super::{Energies, carried, generalized_forces};
 
 /// A mechanism as a tree of masses in a uniform field, and everything else that it has.
@@ -22,6 +24,8 @@ pub(super) struct Lifted<'g> {
     pub(crate) gravity: Vector<'g>,
     /// Forces on points of links and torques on them.
     pub(crate) loads: Vec<Load<'g>>,
+    /// Terms of V that pull at points of links.
+    pub(crate) springs: Vec<Held<'g>>,
     /// What is left of the energies and forces.
     pub(crate) rest: Energies<'g>,
 }
@@ -47,12 +51,24 @@ pub(super) fn lifted<'g>(lagrangian: &Lagrangian<'_>, energies: &Energies<'g>, g
     let (applications, other_forces): (Vec<&PointForce<'_>>, Vec<_>) =
         lagrangian.point_forces.iter().partition(|force| force.application.is_some_and(|at| is_tree(at.frame)));
     let applications = applications.iter().filter_map(|force| force.application);
-    let frames: Vec<FrameId> =
-        bodies.iter().map(|body| body.frame).chain(applications.clone().map(|at| at.frame)).collect();
-    let (linkage, seats) = Linkage::of(lagrangian, &frames, graph)?;
-    let loads = applications.zip(&seats[bodies.len()..]).map(|(at, seat)| load(&at, seat, graph)).collect();
+    let field = gravity::field(lagrangian, &bodies, graph);
+    let (gravity, other_potential) = field.unwrap_or_else(|| (Vector::zero(graph), lagrangian.potential.clone()));
+    let (springs, other_potential) = springs(lagrangian, &other_potential, is_tree);
+    let ends = springs.iter().flat_map(|(_, places)| places.iter().map(|place| place.frame));
+    let frames = bodies.iter().map(|body| body.frame).chain(applications.clone().map(|at| at.frame)).chain(ends);
+    let (linkage, seats) = Linkage::of(lagrangian, &frames.collect::<Vec<_>>(), graph)?;
+    let (seats_of_bodies, seats) = seats.split_at(bodies.len());
+    let (seats_of_loads, seats_of_ends) = seats.split_at(applications.clone().count());
+    let loads = applications.zip(seats_of_loads).map(|(at, seat)| load(&at, seat, graph)).collect();
+    let mut seats_of_ends = seats_of_ends.iter();
+    let springs = springs.into_iter().map(|(spring, places)| {
+        let anchors =
+            places.iter().zip(seats_of_ends.by_ref()).map(|(place, seat)| anchor(place, seat, graph)).collect();
+        Held { spring, anchors }
+    });
+    let springs = springs.collect();
     let mut inertias = vec![Inertia::zero(graph); linkage.links.len()];
-    for (body, seat) in bodies.iter().zip(&seats) {
+    for (body, seat) in bodies.iter().zip(seats_of_bodies) {
         let own = Inertia::of_body(body.mass, body.com, body.inertia);
         let turned = seat.turn.map_or(own, |turn| own.turned(turn));
         inertias[seat.link] = inertias[seat.link].plus(turned.shifted(seat.shift));
@@ -60,11 +76,31 @@ pub(super) fn lifted<'g>(lagrangian: &Lagrangian<'_>, energies: &Energies<'g>, g
     if inertias.iter().all(Inertia::is_zero) || !linkage.has_joints() {
         return None;
     }
-    let field = gravity::field(lagrangian, &bodies, graph);
-    let (gravity, other_potential) = field.unwrap_or_else(|| (Vector::zero(graph), lagrangian.potential.clone()));
     let forces = generalized_forces(lagrangian, &other_forces, graph);
     let rest = Energies { forces, ..energies.with_terms(&other_kinetic, &other_potential, lagrangian) };
-    Some(Lifted { linkage, inertias, gravity, loads, rest })
+    Some(Lifted { linkage, inertias, gravity, loads, springs, rest })
+}
+
+/// The terms of V that are functions of points on trees, with their places, and the others.
+#[allow(clippy::type_complexity)] // pairs of what belongs together, and the rest
+fn springs<'v>(
+    lagrangian: &Lagrangian<'v>,
+    potential: &[Expr<'v>],
+    is_tree: impl Fn(FrameId) -> bool,
+) -> (Vec<(Spring, Vec<Place<'v>>)>, Vec<Expr<'v>>) {
+    let (mut springs, mut others) = (Vec::new(), Vec::new());
+    for &term in potential {
+        match Spring::of(term, &lagrangian.landmarks) {
+            Some((spring, places)) if places.iter().all(|place| is_tree(place.frame)) => springs.push((spring, places)),
+            _ => others.push(term),
+        }
+    }
+    (springs, others)
+}
+
+fn anchor<'g>(place: &Place<'_>, seat: &Seat<'g>, graph: &'g Graph) -> Anchor<'g> {
+    let point = Vector(carried(place.coordinates.0, graph));
+    Anchor { link: seat.link, point: seat.shift + seat.in_link(point) }
 }
 
 fn load<'g>(at: &Application<'_>, seat: &Seat<'g>, graph: &'g Graph) -> Load<'g> {

@@ -10,6 +10,7 @@
 //! - `twist`: velocities, and the kinetic energy;
 //! - `newton_euler`: motions out, wrenches back: inverse dynamics, bias, gravity;
 //! - `load`: forces on points and torques on bodies, which ride along with the wrenches;
+//! - `spring`: terms of V that pull at points, likewise;
 //! - `composite`: the mass matrix; `coriolis`: the Coriolis matrix.
 //!
 //! What is no body is derived plainly and added.
@@ -22,6 +23,7 @@ pub(super) mod linkage;
 pub(super) mod load;
 mod newton_euler;
 mod regroup;
+pub(super) mod spring;
 #[cfg(test)]
 mod trial;
 mod twist;
@@ -36,6 +38,7 @@ use super::{Energies, Rows, Symbols};
 use inertia::Inertia;
 use linkage::{Accelerations, Linkage};
 use load::Load;
+use spring::{Anchor, Held};
 use wrench::Wrench;
 
 /// Where the masses are.
@@ -107,6 +110,8 @@ struct Tree<'g> {
     inertias: Vec<Inertia<'g>>,
     gravity: Vector<'g>,
     loads: Vec<Load<'g>>,
+    /// What terms of V pull with.
+    springs: Vec<Load<'g>>,
     /// The links behind a moving edge, in order.
     moving: Vec<usize>,
     /// `S = ∂s/∂q`, a row per moving edge, s its displacement.
@@ -117,18 +122,26 @@ struct Tree<'g> {
 
 impl<'g> Tree<'g> {
     fn new(lifted: &Lifted<'g>, masses: Masses, symbols: &Symbols) -> Self {
-        let (linkage, inertias, loads) = gauge::turned(&lifted.linkage, &lifted.inertias, &lifted.loads);
+        let graph = lifted.gravity.0[0].graph();
+        let turned = gauge::turned(&lifted.linkage, &lifted.inertias);
+        let loads: Vec<Load<'g>> = lifted.loads.iter().map(|load| turned.load(load)).collect();
+        let anchors_of = |spring: &Held<'g>| spring.anchors.iter().map(|anchor| turned.anchor(anchor)).collect();
+        let anchors: Vec<Vec<Anchor<'g>>> = lifted.springs.iter().map(anchors_of).collect();
+        let (linkage, inertias) = (turned.linkage, turned.inertias);
         let inertias = match masses {
             Masses::Regrouped => regroup::regrouped(&linkage, inertias),
             Masses::AsDeclared => inertias,
         };
-        let linkage = regroup::without_spin(&linkage, &inertias, &loads);
+        let held = loads.iter().map(|load| load.link).chain(anchors.iter().flatten().map(|anchor| anchor.link));
+        let linkage = regroup::without_spin(&linkage, &inertias, held);
+        let springs = lifted.springs.iter().zip(&anchors);
+        let springs = springs.flat_map(|(held, anchors)| held.spring.loads(anchors, &linkage, graph)).collect();
         let displacement = |link: usize| linkage.links[link].edge?.displacement();
         let moving: Vec<usize> = (0..linkage.links.len()).filter(|&link| displacement(link).is_some()).collect();
         let joint_jacobian =
             moving.iter().filter_map(|&link| displacement(link)).map(|d| slope(d, &symbols.q)).collect();
         let gravity = lifted.gravity;
-        Tree { linkage, inertias, gravity, loads, moving, joint_jacobian, coordinates: symbols.q.len() }
+        Tree { linkage, inertias, gravity, loads, springs, moving, joint_jacobian, coordinates: symbols.q.len() }
     }
 
     /// T of the bodies.
@@ -136,15 +149,14 @@ impl<'g> Tree<'g> {
         twist::kinetic_energy(&self.linkage, &self.inertias)
     }
 
-    /// `M q̈ + C q̇ + G` of the bodies.
+    /// `M q̈ + C q̇ + G` of the bodies and springs.
     fn forces(&self, accelerations: Accelerations) -> Vec<Expr<'g>> {
         self.swept_back(self.inertial(accelerations))
     }
 
     /// The same less Q of the loads, in one sweep.
     fn net_forces(&self, accelerations: Accelerations) -> Vec<Expr<'g>> {
-        let inertial = self.inertial(accelerations).into_iter().zip(self.applied());
-        self.swept_back(inertial.map(|(inertial, applied)| inertial.minus(applied)).collect())
+        self.swept_back(less(self.inertial(accelerations), self.applied()))
     }
 
     /// Q of the loads.
@@ -153,11 +165,16 @@ impl<'g> Tree<'g> {
     }
 
     fn inertial(&self, accelerations: Accelerations) -> Vec<Wrench<'g>> {
-        newton_euler::wrenches(&self.linkage, &self.inertias, self.gravity, accelerations)
+        let inertial = newton_euler::wrenches(&self.linkage, &self.inertias, self.gravity, accelerations);
+        if self.springs.is_empty() { inertial } else { less(inertial, self.wrenches(&self.springs)) }
     }
 
     fn applied(&self) -> Vec<Wrench<'g>> {
-        load::wrenches(&self.linkage, &self.loads, self.gravity.0[0].graph())
+        self.wrenches(&self.loads)
+    }
+
+    fn wrenches(&self, loads: &[Load<'g>]) -> Vec<Wrench<'g>> {
+        load::wrenches(&self.linkage, loads, self.gravity.0[0].graph())
     }
 
     fn swept_back(&self, wrenches: Vec<Wrench<'g>>) -> Vec<Expr<'g>> {
@@ -215,6 +232,11 @@ impl<'g> Tree<'g> {
         let on = |k: usize| forces.iter().zip(&self.joint_jacobian).fold(zero, |sum, (&f, slope)| sum + slope[k] * f);
         (0..self.coordinates).map(on).collect()
     }
+}
+
+/// Link by link.
+fn less<'g>(a: Vec<Wrench<'g>>, b: Vec<Wrench<'g>>) -> Vec<Wrench<'g>> {
+    a.into_iter().zip(b).map(|(a, b)| a.minus(b)).collect()
 }
 
 /// `∂e/∂q`

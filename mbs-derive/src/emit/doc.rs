@@ -124,6 +124,7 @@ pub(super) fn function(derivation: &Derivation, function: &Function) -> Vec<Stri
         }
         FunctionKind::Constraint
         | FunctionKind::ConstraintRate
+        | FunctionKind::ConstraintRateJacobian
         | FunctionKind::ConstraintJacobian
         | FunctionKind::ConstraintBias
         | FunctionKind::Multipliers => {
@@ -183,6 +184,9 @@ fn summary(derivation: &Derivation, function: &Function) -> String {
             format!("What must vanish: `φ(q, t)`, or `a·q̇ + b` of Pfaffian constraints, {shape}.")
         }
         FunctionKind::ConstraintRate => format!("What velocities must satisfy: `A q̇ + b`, {shape}."),
+        FunctionKind::ConstraintRateJacobian => {
+            format!("Derivatives `∂(A q̇ + b)/∂q`, {shape}, which the runtime's `Reduction` asks for.")
+        }
         FunctionKind::ConstraintJacobian => {
             format!("Constraint matrix `A`, {shape}: `∂φ/∂q`, or `a` of Pfaffian constraints.")
         }

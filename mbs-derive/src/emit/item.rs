@@ -600,6 +600,7 @@ fn trait_name(kind: &FunctionKind) -> &'static str {
         FunctionKind::LinearizeParameters
         | FunctionKind::Constraint
         | FunctionKind::ConstraintRate
+        | FunctionKind::ConstraintRateJacobian
         | FunctionKind::ConstraintJacobian
         | FunctionKind::ConstraintBias
         | FunctionKind::Multipliers

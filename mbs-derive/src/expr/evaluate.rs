@@ -90,17 +90,28 @@ pub fn holds<V: Value>(condition: V) -> bool {
     V::constant(0.0).less(condition)
 }
 
+/// Whether `a` and `b` cannot be compared: one of them is NaN.
+fn unordered<V: Value>(a: V, b: V) -> bool {
+    !a.less(b) && !b.less_equal(a)
+}
+
+/// 0/0, with all derivatives that the number carries: neither true nor false.
+fn undefined<V: Value>() -> V {
+    V::constant(0.0).div(V::constant(0.0))
+}
+
 /// Expressions in order of evaluation, to be evaluated many times.
 pub struct Tape {
     /// Operands are positions on the tape.
     steps: Vec<Node>,
     roots: Vec<usize>,
+    strict: bool,
 }
 
 impl Tape {
     /// A tape for these expressions.
     pub fn new(roots: &[Expr<'_>]) -> Self {
-        let Some(first) = roots.first() else { return Tape { steps: Vec::new(), roots: Vec::new() } };
+        let Some(first) = roots.first() else { return Tape { steps: Vec::new(), roots: Vec::new(), strict: false } };
         let graph = first.graph();
         let order = graph.reachable(roots.iter().map(|root| root.id()));
         let positions = Table::new(&order, ());
@@ -121,7 +132,15 @@ impl Tape {
             Node::Select(c, a, b) => Node::Select(at(c), at(a), at(b)),
             leaf @ (Node::Constant(_) | Node::Symbol(_)) => leaf,
         });
-        Tape { steps: steps.collect(), roots: roots.iter().map(|root| at(root.id()).index()).collect() }
+        Tape { steps: steps.collect(), roots: roots.iter().map(|root| at(root.id()).index()).collect(), strict: false }
+    }
+
+    /// A tape on which nothing hides that a value is undefined: what is decided by a comparison with NaN is NaN, a power with
+    /// NaN in it is NaN (`1^NaN` is 1 in IEEE 754), and so is `atan2` on its cut, where the sign of a zero would decide.
+    ///
+    /// Branches not taken do not count, nor does an operand of `&&` and `||` where the other one decides.
+    pub fn strict(roots: &[Expr<'_>]) -> Self {
+        Tape { strict: true, ..Tape::new(roots) }
     }
 
     /// The values of the roots where each symbol has the value that `point` gives it.
@@ -129,6 +148,10 @@ impl Tape {
         let mut values: Vec<V> = Vec::with_capacity(self.steps.len());
         for step in &self.steps {
             let v = |operand: Id| values[operand.index()];
+            if let Some(value) = self.strict.then(|| strictly(step, v)).flatten() {
+                values.push(value);
+                continue;
+            }
             let value = match *step {
                 Node::Constant(value) => V::number(value),
                 Node::Symbol(symbol) => point(symbol),
@@ -158,7 +181,90 @@ impl Tape {
     }
 }
 
+/// What a step gives on a strict tape, if it is not what it gives on others.
+fn strictly<V: Value>(step: &Node, v: impl Fn(Id) -> V) -> Option<V> {
+    let zero = V::constant(0.0);
+    let is_undecided = |condition: Id| unordered(zero, v(condition));
+    let is_false = |condition: Id| v(condition).less_equal(zero);
+    let is_undefined = match *step {
+        Node::Less(a, b) | Node::LessEqual(a, b) => unordered(v(a), v(b)),
+        Node::And(a, b) => (is_undecided(a) || is_undecided(b)) && !is_false(a) && !is_false(b),
+        Node::Not(a) | Node::Select(a, _, _) => is_undecided(a),
+        Node::Call2(Binary::Atan2, a, b) => v(b).less_equal(zero) && v(a).less_equal(zero) && zero.less_equal(v(a)),
+        Node::Call2(Binary::Powf, a, b) => unordered(v(a), v(b)),
+        Node::Constant(_)
+        | Node::Symbol(_)
+        | Node::Rate(_)
+        | Node::Neg(_)
+        | Node::Add(..)
+        | Node::Sub(..)
+        | Node::Mul(..)
+        | Node::Power(..)
+        | Node::Call(..) => false,
+    };
+    is_undefined.then(undefined)
+}
+
 /// The values of `roots` where each symbol has the value that `point` gives it.
 pub fn evaluate<V: Value>(roots: &[Expr<'_>], point: impl Fn(Symbol) -> V) -> Vec<V> {
     Tape::new(roots).run(point)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::expr::Graph;
+
+    /// The value of an expression in x, on a strict tape.
+    fn strict(x: f64, build: impl for<'g> Fn(&'g Graph, Expr<'g>) -> Expr<'g>) -> f64 {
+        let graph = Graph::verbatim();
+        let root = build(&graph, graph.symbol(Symbol::Time));
+        Tape::strict(&[root]).run(|_| x)[0]
+    }
+
+    #[test]
+    fn strict_tapes_pass_on_what_is_undefined() {
+        assert!(strict(-1.0, |graph, x| graph.select(x.sqrt().less(graph.integer(0)), graph.integer(0), x)).is_nan());
+        assert!(strict(-1.0, |graph, x| graph.select(x.less(x.sqrt()).not(), graph.integer(0), x)).is_nan());
+        assert!(strict(-1.0, |graph, x| graph.integer(1).call2(Binary::Powf, x.sqrt())).is_nan());
+    }
+
+    /// Not only the value: a constant NaN would be a value that does not change.
+    #[test]
+    fn what_is_undefined_has_no_derivative() {
+        use crate::expr::Dual;
+        let graph = Graph::verbatim();
+        let x = graph.symbol(Symbol::Time);
+        let root = graph.select(x.sqrt().less(x), x, graph.integer(0));
+        let value = Tape::strict(&[root]).run(|_| Dual::new(Dual::new(-1.0, 1.0), Dual::new(1.0, 0.0)))[0];
+        let all = [value.value.value, value.value.derivative, value.derivative.value, value.derivative.derivative];
+        assert!(all.iter().all(|v: &f64| v.is_nan()), "{all:?}");
+    }
+
+    #[test]
+    fn strict_tapes_look_at_no_branch_that_is_not_taken() {
+        assert_eq!(strict(-1.0, |graph, x| graph.select(graph.integer(0).less(x), x.sqrt(), x)), -1.0);
+        // x > 0 && √x < 1 is false, and x < 0 || √x < 1 true, whatever the root is.
+        assert_eq!(
+            strict(-1.0, |graph, x| {
+                let both = graph.integer(0).less(x).and(x.sqrt().less(graph.integer(1)));
+                graph.select(both, x.sqrt(), x)
+            }),
+            -1.0
+        );
+        assert_eq!(
+            strict(-1.0, |graph, x| {
+                let either = x.less(graph.integer(0)).or(x.sqrt().less(graph.integer(1)));
+                graph.select(either, x, x.sqrt())
+            }),
+            -1.0
+        );
+    }
+
+    #[test]
+    fn strict_tapes_have_no_value_on_the_cut_of_atan2() {
+        let angle = |y| strict(y, |graph, y| y.call2(Binary::Atan2, graph.integer(-1)));
+        assert!(angle(0.0).is_nan() && angle(-0.0).is_nan());
+        assert!(angle(1e-300) > 3.0 && angle(-1e-300) < -3.0);
+    }
 }

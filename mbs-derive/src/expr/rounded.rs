@@ -10,6 +10,9 @@ use super::evaluate::Value;
 use super::function::{Binary, Function};
 use super::number::Number;
 
+/// Below this no result is told from zero. Its square is still a normal number: arithmetic with those that are not is slow.
+const FLOOR: f64 = 1e-150;
+
 /// A double and a bound, to first order, on its distance from the exact result.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Rounded {
@@ -27,7 +30,7 @@ impl Rounded {
 
     /// The result of an operation whose operands bring in so much error.
     fn of(value: f64, inherited: f64) -> Self {
-        Rounded { value, error: inherited + value.abs() * f64::EPSILON + f64::MIN_POSITIVE }
+        Rounded { value, error: inherited + value.abs() * f64::EPSILON + FLOOR }
     }
 }
 

@@ -1,23 +1,66 @@
 //! Copies expressions, replacing symbols, into the same or another graph; the target's local rules apply.
 
+use std::collections::BTreeMap;
+
 use super::graph::{Condition, Expr, Graph, Id, Node, Symbol};
 use super::table::Table;
 use super::tangent::Tangent;
 
 /// The expressions with each symbol replaced as `replacement` says; `None` leaves it.
 pub fn substitute<'g>(roots: &[Expr<'g>], replacement: impl Fn(Symbol) -> Option<Expr<'g>>) -> Vec<Expr<'g>> {
-    let Some(first) = roots.first() else { return Vec::new() };
-    let graph = first.graph();
-    let order = graph.reachable(roots.iter().map(|root| root.id()));
-    let mut copies = Table::new(&order, *first);
+    roots.first().map_or(Vec::new(), |first| substitute_into(first.graph(), roots, replacement))
+}
+
+/// The same, copied into another graph.
+pub fn substitute_into<'g>(
+    graph: &'g Graph,
+    roots: &[Expr<'_>],
+    replacement: impl Fn(Symbol) -> Option<Expr<'g>>,
+) -> Vec<Expr<'g>> {
+    let Some(source) = roots.first().map(|first| first.graph()) else { return Vec::new() };
+    let order = source.reachable(roots.iter().map(|root| root.id()));
+    let mut copies = Table::new(&order, graph.integer(0));
     for id in order {
-        let copy = match graph.node(id) {
-            Node::Symbol(symbol) => replacement(symbol).unwrap_or(graph.expr(id)),
+        let copy = match source.node(id) {
+            Node::Symbol(symbol) => replacement(symbol).unwrap_or_else(|| graph.symbol(symbol)),
             node => rebuild(graph, node, |operand| copies[operand]),
         };
         copies[id] = copy;
     }
     roots.iter().map(|root| copies[root.id()]).collect()
+}
+
+/// A verbatim expression in another graph, cut where `cut` puts something else in the place of a node; `None` where it has time
+/// derivatives, or symbols that `allowed` does not let pass, besides.
+pub fn cut<'g>(
+    root: Expr<'_>,
+    graph: &'g Graph,
+    cut: impl Fn(Id) -> Option<Expr<'g>>,
+    allowed: impl Fn(Symbol) -> bool,
+) -> Option<Expr<'g>> {
+    let verbatim = root.graph();
+    let mut copies: BTreeMap<Id, Option<Expr<'g>>> = BTreeMap::new();
+    let mut waiting = vec![root.id()];
+    while let Some(id) = waiting.pop() {
+        if copies.contains_key(&id) {
+            continue;
+        }
+        let replaced = cut(id);
+        copies.insert(id, replaced);
+        match verbatim.node(id) {
+            _ if replaced.is_some() => {}
+            Node::Rate(_) => return None,
+            Node::Symbol(symbol) if !allowed(symbol) => return None,
+            node => waiting.extend(node.operands()),
+        }
+    }
+    // Operands have smaller numbers.
+    let order: Vec<Id> = copies.iter().filter(|(_, copy)| copy.is_none()).map(|(id, _)| *id).collect();
+    for id in order {
+        let copy = rebuild(graph, verbatim.node(id), |operand| copies[&operand].expect("it comes before"));
+        copies.insert(id, Some(copy));
+    }
+    copies[&root.id()]
 }
 
 /// Copies verbatim expressions into `graph`, carrying out the time derivatives along `direction`.

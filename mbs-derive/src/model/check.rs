@@ -6,7 +6,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use super::degree::{self, Problem};
 use super::evaluate::Resolver;
-use super::lagrangian::{OutputValue, Variable};
+use super::lagrangian::{Constraint, OutputValue, Variable};
 use super::moments::{Impossible, principal_moments};
 use super::sample::default_parameters;
 use crate::expr::{Expr, Matrix, Node, Symbol, evaluate};
@@ -55,6 +55,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
         if !self.errors.has_errors() {
             self.warn_of_signs();
             self.warn_of_singular_derivatives();
+            self.warn_of_unsatisfiable_constraints();
         }
     }
 
@@ -104,10 +105,44 @@ impl<'d, 'g> Resolver<'d, 'g> {
             let message = format!("`{name}` and `{other}` both have a component called `{component}`");
             self.refuse(&self.span_of(&name), message, "choose another name");
         }
+        self.check_columns();
+    }
+
+    /// A motion is a table with a column for each coordinate and each rate, `energy`, and two for each row of a constraint.
+    fn check_columns(&mut self) {
+        let coordinates = &self.lagrangian.coordinates;
+        let names: BTreeSet<String> = coordinates.iter().flat_map(Variable::component_names).collect();
+        let rows: BTreeSet<String> = self.lagrangian.constraints.iter().flat_map(row_names).collect();
+        let column = |component: &str| {
+            let rate = component.strip_suffix("_dot").filter(|of| names.contains(*of));
+            let row = ["lambda_", "residual_"].into_iter().find_map(|kind| component.strip_prefix(kind));
+            match (rate, row) {
+                (Some(of), _) => Some(format!("the rate of `{of}`")),
+                _ if component == "energy" => Some("the energy".to_string()),
+                (_, Some(row)) if rows.contains(row) => Some(format!("a number of the constraint `{row}`")),
+                _ => None,
+            }
+        };
+        let taken = |variable: &Variable| {
+            variable.component_names().iter().find_map(|component| Some((component.clone(), column(component)?)))
+        };
+        let taken: Vec<_> = coordinates.iter().filter_map(|c| Some((c.name.clone(), taken(c)?))).collect();
+        for (name, (component, what)) in taken {
+            let message = format!("`{component}` is what {what} is called in the table of a motion");
+            self.refuse(&self.span_of(&name), message, "choose another name for the coordinate");
+        }
     }
 
     fn span_of(&self, name: &str) -> Span {
         self.scope.get(name).map_or(0..0, |binding| binding.span.clone())
+    }
+}
+
+/// As the derivation calls them.
+fn row_names(constraint: &Constraint<'_>) -> Vec<String> {
+    match constraint.rows.len() {
+        1 => vec![constraint.name.clone()],
+        m => (0..m).map(|i| format!("{}_{i}", constraint.name)).collect(),
     }
 }
 

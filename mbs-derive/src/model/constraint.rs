@@ -9,7 +9,7 @@ use super::evaluate::{Argument, Resolved, Resolver, in_words};
 use super::lagrangian::{Constraint, ConstraintKind, Lagrangian};
 use super::sample::{Random, default_parameters};
 use super::value::{Free, Scalar, Shape, Value, shared};
-use crate::expr::{Expr, Graph, Node, Number, Rounded, Symbol, Tape, carry_out};
+use crate::expr::{Dual, Expr, Graph, Node, Number, Rounded, Symbol, Tape, carry_out};
 use crate::interpret::State;
 use crate::parse::syntax::{BinaryOperator, Expression, Name, Span};
 
@@ -141,6 +141,24 @@ impl<'d, 'g> Resolver<'d, 'g> {
         Ok(effective)
     }
 
+    /// Warns of rows that are of one sign wherever Newton's method leads from random states, and never zero.
+    pub(super) fn warn_of_unsatisfiable_constraints(&mut self) {
+        for (constraint, span) in self.lagrangian.constraints.iter().zip(&self.places.constraints) {
+            if constraint.kind != ConstraintKind::Holonomic {
+                continue;
+            }
+            let graph = Graph::new();
+            let rows = simplified(&constraint.rows, &graph);
+            if let Some(nearest) = rows.into_iter().find_map(|row| never_zero(row, &self.lagrangian)) {
+                let side = if nearest > 0.0 { "above" } else { "below" };
+                let help =
+                    format!("the difference of its sides stays {side} {nearest:.3}: is a sign or a default wrong?");
+                let message = format!("no state was found at which the constraint `{}` holds", constraint.name);
+                self.errors.warning(span.clone(), message).help(help);
+            }
+        }
+    }
+
     fn kind_of(&mut self, rows: &[Expr<'g>], span: &Span) -> Resolved<ConstraintKind> {
         let rates = rows.iter().filter(|row| self.facts.dependence(**row).on(Dependence::VELOCITY)).count();
         match rates {
@@ -189,6 +207,46 @@ fn vanishing(rows: &[Expr<'_>], lagrangian: &Lagrangian<'_>) -> Vec<bool> {
     tries.into_iter().zip(zeros).map(|(tries, zeros)| tries > 0 && tries == zeros).collect()
 }
 
+/// The value nearest to zero of a row that does not get there from any of some random states, and has one sign at all that
+/// are met on the way; `None` where it is zero somewhere, or nothing can be said.
+fn never_zero(row: Expr<'_>, lagrangian: &Lagrangian<'_>) -> Option<f64> {
+    const STARTS: usize = 16;
+    const STEPS: usize = 60;
+    let tape = Tape::new(&[row]);
+    let parameters = default_parameters(lagrangian);
+    let mut random = Random::new(0x0066_6561_7369_626c);
+    let (mut nearest, mut farthest, mut met) = (f64::INFINITY, 0.0f64, 0);
+    for _ in 0..STARTS {
+        let mut state = random.state(lagrangian);
+        for step in 0..STEPS {
+            let derivative = |i: usize| {
+                let along = |symbol| f64::from(u8::from(symbol == Symbol::Coordinate(i as u32)));
+                tape.run(|symbol| Dual::new(value(symbol, &state, &parameters), along(symbol)))[0]
+            };
+            let row = tape.run(|symbol| value(symbol, &state, &parameters))[0];
+            let gradient: Vec<f64> = (0..state.q.len()).map(|i| derivative(i).derivative).collect();
+            let square: f64 = gradient.iter().map(|slope| slope * slope).sum();
+            if !row.is_finite() || !square.is_finite() {
+                break;
+            }
+            met += 1;
+            // Near an extremum Newton's method leaps.
+            farthest = if step == 0 { farthest.max(row.abs()) } else { farthest };
+            if row.abs() <= 1e-9 * farthest || row * nearest < 0.0 && nearest.is_finite() {
+                return None;
+            }
+            if row.abs() < nearest.abs() {
+                nearest = row;
+            }
+            if square == 0.0 {
+                break;
+            }
+            state.q.iter_mut().zip(&gradient).for_each(|(q, slope)| *q -= slope * row / square);
+        }
+    }
+    (met > STARTS).then_some(nearest)
+}
+
 /// Rows depend neither on inputs nor on accelerations.
 fn value(symbol: Symbol, state: &State, parameters: &[f64]) -> f64 {
     match symbol {
@@ -216,7 +274,7 @@ fn holds(row: Expr<'_>, wanted: impl Fn(Symbol) -> bool) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::super::trial::{mechanism, near, refusals, refused, values};
+    use super::super::trial::{mechanism, messages, near, refusals, refused, values};
     use super::*;
 
     /// Kind and rows at the trial state of the only constraint.
@@ -231,6 +289,32 @@ mod tests {
         let (found, rows) = rows(statements);
         assert_eq!(found, kind, "{statements}");
         near(&rows, expected, statements);
+    }
+
+    #[test]
+    fn constraints_that_hold_nowhere_earn_a_warning() {
+        let warned = |statements: &str| {
+            let found = messages(&format!(
+                "mechanism A {{ param m: kg = 2; param l: m = 3; coord x: m; coord y: m; coord theta: rad; \
+                 kinetic += m*dt(x)^2 + m*dt(y)^2 + m*l^2*dt(theta)^2; {statements} }}"
+            ));
+            found.into_iter().filter(|message| message.contains("no state was found")).collect::<Vec<_>>()
+        };
+        let above = "x^2 + l^2 = 0: no state was found at which the constraint `c` holds; the difference of its sides stays above 9.000: is a sign or a default wrong?";
+        assert_eq!(warned("constraint c: x^2 + l^2 = 0;"), [above]);
+        assert_eq!(warned("constraint c: cos(theta) = 2;").len(), 1);
+        assert_eq!(warned("constraint c: [x, -y^2/l - l, 0] = [y, 0, 0];").len(), 1);
+        for satisfiable in [
+            "constraint c: x^2 + y^2 = (1e7*l)^2;",
+            "constraint c: x^2 + y^2 = (l/1e4)^2;",
+            "constraint c: sin(theta) = 1;",
+            "constraint c: x^2 = 0;",
+            "constraint c: sqrt(x/l) = 2;",
+            "constraint c: [x, y, 0] = l*[cos(theta), sin(theta), 0];",
+            "constraint c: exp(x/l) = 1e4;",
+        ] {
+            assert_eq!(warned(satisfiable), [""; 0], "{satisfiable}");
+        }
     }
 
     #[test]
@@ -290,7 +374,7 @@ mod tests {
             "constraint a: [x, y, z] = l;",
             "[x, y, z] = l: both sides of a constraint are of one shape, these are a vector and a number; or one side is `0`",
         );
-        refused("constraint a: x + m = l;", "x + m: a sum needs equal dimensions, these are m and kg");
+        refused("constraint a: x + m = l;", "m: a sum needs equal dimensions, this term is kg, not m");
         refused(
             "constraint a: k*x = u;",
             "k*x = u: a constraint cannot depend on an input; a motion given from outside is a `prescribed` signal: its derivatives are known",

@@ -345,7 +345,12 @@ impl<'d, 'g> Resolver<'d, 'g> {
         if measure.si == "rad" && measure.scale.is_one() {
             self.warn_of_degrees(number, span);
         }
-        let number = if plain { number * measure.scale } else { number };
+        let converted = if plain { number * measure.scale } else { number };
+        if converted.is_zero() && !number.is_zero() {
+            let message = format!("in {} this is nearer to zero than an `f64` can be", measure.si);
+            return Err(self.refuse(span, message, "choose other units, or check the exponent"));
+        }
+        let number = converted;
         Ok(Scalar::new(self.graph.constant(number), wanted))
     }
 }
@@ -503,5 +508,26 @@ mod tests {
     fn names_of_components_are_names() {
         let text = "mechanism A { coord q[2]: m; param q_1: kg = 1; kinetic += 1/2*q_1*(dt(q[0])^2 + dt(q[1])^2); }";
         assert_eq!(messages(text), ["q_1: `q_1` and `q` both have a component called `q_1`; choose another name"]);
+        // The columns of `mbs simulate`.
+        let column = |coordinate: &str| {
+            messages(&format!(
+                "#![dimensionless] mechanism A {{ coord x: 1; coord q[2]: 1; coord {coordinate}: 1; \
+                 lagrangian += dt(x)^2 + dt(q[0])^2 + dt(q[1])^2 + dt({coordinate})^2; constraint c: x = q[0]; }}"
+            ))
+        };
+        let taken = |name: &str, what: &str| {
+            let help = "choose another name for the coordinate";
+            assert!(
+                column(name)[0].starts_with(&format!("{name}: `{name}` is what {what} is called")),
+                "{:?}",
+                column(name)
+            );
+            assert!(column(name)[0].ends_with(help));
+        };
+        taken("x_dot", "the rate of `x`");
+        taken("q_1_dot", "the rate of `q_1`");
+        taken("energy", "the energy");
+        taken("lambda_c", "a number of the constraint `c`");
+        assert!(column("q_dot").is_empty() && column("lambda_x").is_empty());
     }
 }

@@ -163,9 +163,14 @@ pub(super) fn lacking(wanted: Dimension, found: Dimension) -> String {
 
 /// The same of the second of two things, where it is a power of one base unit: others say nothing about what was meant.
 pub(super) fn second_lacks(first: Dimension, second: Dimension) -> String {
+    lacks_power(first, second, "the second")
+}
+
+/// What something called `what` lacks, where it is a power of one base unit.
+pub(super) fn lacks_power(wanted: Dimension, found: Dimension, what: &str) -> String {
     let single = |d: &Dimension| d.0.iter().filter(|exponent| exponent.numerator != 0).count() == 1;
-    match first.over(second).filter(single) {
-        Some(missing) => format!("the second lacks a factor of {missing}"),
+    match wanted.over(found).filter(single) {
+        Some(missing) => format!("{what} lacks a factor of {missing}"),
         None => String::new(),
     }
 }

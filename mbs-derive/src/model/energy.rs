@@ -24,7 +24,7 @@ impl EnergyTerm {
 impl<'d, 'g> Resolver<'d, 'g> {
     /// `kinetic += value;`
     pub(super) fn energy(&mut self, term: EnergyTerm, expression: &Expression) -> Resolved<()> {
-        let value = self.argument(expression)?;
+        let value = self.argument_of(Some(term.described().2), expression)?;
         if value.value.shape() == Shape::Vector {
             return Err(self.no_energy_of_a_vector(term, expression));
         }
@@ -47,6 +47,14 @@ impl<'d, 'g> Resolver<'d, 'g> {
         terms.push(scalar.expr);
         places.push(expression.span.clone());
         Ok(())
+    }
+
+    /// A value that is to be of this dimension, which tells which terms of it are not.
+    fn argument_of(&mut self, wanted: Option<Dimension>, expression: &Expression) -> Resolved<Argument<'g>> {
+        self.wanted = wanted;
+        let value = self.argument(expression);
+        self.wanted = None;
+        value
     }
 
     /// `potential += m*g*bob;`: reported at the vector among the factors, or the first of two terms.
@@ -204,7 +212,9 @@ impl<'d, 'g> Resolver<'d, 'g> {
     /// `force q[i] += value;`; without an index on an array, one force for each of its components.
     pub(super) fn force(&mut self, name: &Name, index: Option<&Expression>, value: &Expression) -> Resolved<()> {
         let targets = self.targets(name, index);
-        let value = self.argument(value)?;
+        let energy = self.dimension(Dimension::ENERGY);
+        let wanted = targets.as_ref().ok().and_then(|targets| energy.over(targets.first()?.dimension));
+        let value = self.argument_of(wanted, value)?;
         let targets = targets?;
         if index.is_some() || targets.len() == 1 && value.value.shape() == Shape::Number {
             return targets.first().map_or(Ok(()), |target| self.force_on(target, &value));

@@ -13,6 +13,7 @@ use super::frame::{Edge, FrameId};
 use super::function::{Call, Function, Home};
 use super::lagrangian::Lagrangian;
 use super::landmark::Place;
+use super::operator::Sum;
 use super::reaction::{Hold, Joint};
 use super::scope::Scope;
 use super::singular::Sites;
@@ -90,6 +91,8 @@ pub(super) struct Resolver<'d, 'g> {
     /// Expressions looked at so far.
     steps: usize,
     exhausted: bool,
+    /// The dimension of what the statement at hand declares, where it is an energy, a power or a force.
+    pub(super) wanted: Option<Dimension>,
 }
 
 // ---- messages and limits
@@ -122,6 +125,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
             depth: 0,
             steps: 0,
             exhausted: false,
+            wanted: None,
         }
     }
 
@@ -198,9 +202,11 @@ impl<'d, 'g> Resolver<'d, 'g> {
             _ => None,
         });
         let lefts: Vec<&Span> = lefts.skip(1).map(|e| &e.span).collect();
+        let mut sum = Sum::default();
         for ((operator, right), left) in steps.into_iter().zip(lefts.into_iter().rev()) {
-            value = self.step(value, operator, right, left.clone());
+            value = self.step(value, operator, right, left.clone(), &mut sum);
         }
+        self.ended(&mut sum);
         self.depth -= 1;
         value
     }
@@ -231,9 +237,16 @@ impl<'d, 'g> Resolver<'d, 'g> {
         operator: BinaryOperator,
         right: &Expression,
         place: Span,
+        sum: &mut Sum,
     ) -> Resolved<Value<'g>> {
-        let value = self.expression(right)?;
-        self.combined(left?, operator, Argument { value, span: right.span.clone() }, place)
+        let right = self.argument(right);
+        if matches!(operator, BinaryOperator::Add | BinaryOperator::Sub) {
+            self.summed(sum, &left, &place, &right)?;
+        } else {
+            self.ended(sum);
+        }
+        let right = right?;
+        self.combined(left?, operator, right, place)
     }
 
     #[inline(never)]
@@ -245,9 +258,24 @@ impl<'d, 'g> Resolver<'d, 'g> {
         place: Span,
     ) -> Resolved<Value<'g>> {
         let span = place.start..right.span.end;
+        let factors = !matches!(operator, BinaryOperator::Add | BinaryOperator::Sub)
+            && self.is_nonzero_constant(&left)
+            && (operator == BinaryOperator::Pow || self.is_nonzero_constant(&right.value));
         let value = self.binary(operator, Argument { value: left, span: place }, right, &span)?;
+        if factors && self.is_zero_constant(&value) {
+            let message = "this is not zero, but nearer to it than an `f64` can be";
+            return Err(self.refuse(&span, message, "choose other units, or check the exponents"));
+        }
         self.watch(&value, &span);
         self.defined(value, &span)
+    }
+
+    fn is_nonzero_constant(&mut self, value: &Value<'g>) -> bool {
+        matches!(value, Value::Scalar(a) if self.facts.constant(a.expr).is_some_and(|number| !number.is_zero()))
+    }
+
+    fn is_zero_constant(&mut self, value: &Value<'g>) -> bool {
+        matches!(value, Value::Scalar(a) if self.facts.constant(a.expr).is_some_and(Number::is_zero))
     }
 
     /// The value of an expression, with its place.

@@ -282,11 +282,11 @@ mod tests {
                       fn inner(a) = a + x;\nfn outer(b) = 2*inner(b);\noutput r = outer(m);\n}";
         let report = resolved(source, |result| result.unwrap_err().render("a.mbs", source));
         let expected = "\
-error: a sum needs equal dimensions, these are kg and m
- --> a.mbs:5:15
+error: a sum needs equal dimensions, this term is m, not kg
+ --> a.mbs:5:19
   |
 5 | fn inner(a) = a + x;
-  |               ^^^^^
+  |                   ^
 note: in this call of `inner`
  --> a.mbs:6:17
   |
@@ -297,6 +297,11 @@ note: in this call of `outer`
   |
 7 | output r = outer(m);
   |            ^^^^^^^^
+note: this is kg
+ --> a.mbs:5:15
+  |
+5 | fn inner(a) = a + x;
+  |               ^
 ";
         assert_eq!(report, expected);
         refused("fn f(x) = x; let a = f();", "f: `f` takes 1 argument, 0 are given; write `f(x)`");
@@ -362,7 +367,7 @@ note: in this call of `outer`
         near(&value("const c: N*s/m = 100;", "contact(y, k, c, dt(y))"), &[0.0], "a contact never pulls");
         refused(
             "let a = spring(k, x, m);",
-            "spring(k, x, m): in `spring`: a sum needs equal dimensions, these are m and kg",
+            "spring(k, x, m): in `spring`: a sum needs equal dimensions, this term is kg, not m",
         );
         // A mechanism may have its own.
         same("fn spring(x) = 2*x;", "spring(x)", "2*x");

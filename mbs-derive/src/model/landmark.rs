@@ -167,6 +167,11 @@ impl<'g> Landmarks<'g> {
         by_rate.or(self.velocities.get(&squared)).copied()
     }
 
+    /// The place of which an expression is a world component.
+    pub fn place(&self, expression: Id) -> Option<Place<'g>> {
+        self.places.get(&expression).copied()
+    }
+
     /// Components of places that add up, with factors that are constant in time, to `energy`, and the terms left over.
     pub fn places_of(&self, energy: Expr<'g>) -> (Vec<(Expr<'g>, Place<'g>)>, Vec<Expr<'g>>) {
         let (mut places, mut rest) = (Vec::new(), Vec::new());

@@ -9,8 +9,8 @@ use super::evaluate::{MAX_NODES, MAX_STEPS};
 use super::function::{MAX_CALLS, library};
 use super::reaction::MAX_JOINTS;
 use super::statement::MAX_TURNS;
-use crate::parse::MAX_DEPTH;
 use crate::parse::syntax::StatementKind;
+use crate::parse::{MAX_DEPTH, MAX_TOKENS};
 use crate::source::{self, MAX_BYTES, MAX_IMPORTS};
 
 const MANUAL: &str = include_str!("../../../docs/language.md");
@@ -73,6 +73,21 @@ fn units_are_those_of_the_manual() {
     equal("units", manual, UNITS.iter().map(|unit| unit.name).collect());
 }
 
+/// Those of a mechanism that has all of them, outputs aside.
+#[test]
+fn generated_functions_are_those_of_the_manual() {
+    let text = section(11);
+    let cells = text.lines().filter_map(|line| line.strip_prefix("| `")?.split_once(" |")).map(|(names, _)| names);
+    let manual = cells.flat_map(|names| names.split(['`', ',', ' '])).filter(|name| !name.is_empty());
+    let source = "#![dimensionless] mechanism A { param m: 1 = 1; coord x: 1; coord y: 1; \
+                  kinetic += m*dt(x)^2 + m*dt(y)^2; constraint c: x = y; }";
+    let graph = crate::expr::Graph::verbatim();
+    let (lagrangian, _) = crate::declared(source, &graph, &[]).unwrap_or_else(|e| panic!("{}", e.render("a", source)));
+    let derivation = crate::derived(&lagrangian);
+    let code = derivation.functions.iter().map(|function| function.name.as_str()).collect();
+    equal("generated functions", manual.collect(), code);
+}
+
 /// Thousands apart, as the manual writes them.
 fn spaced(number: usize) -> String {
     let digits = number.to_string();
@@ -95,6 +110,7 @@ fn limits_are_those_of_the_manual() {
     limit("nodes", spaced(MAX_NODES));
     limit("steps", spaced(MAX_STEPS));
     limit("file", spaced(MAX_BYTES >> 20));
+    limit("names, numbers", spaced(MAX_TOKENS));
     limit("imports", spaced(MAX_IMPORTS));
     limit("imports", spaced(source::MAX_DEPTH));
 }

@@ -1,9 +1,10 @@
 //! `+ - * / ^` and the sign, on every pair of values that has one.
 
 use super::constant::Dependence;
-use super::dimension::{Dimension, second_lacks};
+use super::dimension::{Dimension, lacks_power, second_lacks};
 use super::evaluate::{Argument, Refused, Resolved, Resolver, in_words};
 use super::frame::FrameId;
+use super::function::Home;
 use super::landmark::Motion;
 use super::value::{Free, Point, Pose, Scalar, Shape, Tensor, Value, shared};
 use crate::expr::{Binary, Expr, HalfInteger, Matrix, Number};
@@ -81,7 +82,88 @@ impl<'d, 'g> Resolver<'d, 'g> {
 
 // ---- sums
 
+/// The terms of a sum that are not zero, as far as it has been read.
+#[derive(Default)]
+pub(super) struct Sum {
+    terms: Vec<Term>,
+    /// Whether their dimensions differ; which of them is wrong is seen when all have been read.
+    differ: bool,
+}
+
+struct Term {
+    span: Span,
+    shape: Shape,
+    dimension: Dimension,
+}
+
 impl<'d, 'g> Resolver<'d, 'g> {
+    /// Takes note of a term, and of what stands before the first sign; refused from the first term on that does not fit.
+    #[inline(never)]
+    pub(super) fn summed(
+        &mut self,
+        sum: &mut Sum,
+        left: &Resolved<Value<'g>>,
+        place: &Span,
+        right: &Resolved<Argument<'g>>,
+    ) -> Resolved<()> {
+        if let (true, Ok(left)) = (sum.terms.is_empty(), left) {
+            self.term(sum, &Argument { value: left.clone(), span: place.clone() });
+        }
+        if let Ok(right) = right {
+            self.term(sum, right);
+        }
+        if sum.differ { Err(Refused) } else { Ok(()) }
+    }
+
+    fn term(&mut self, sum: &mut Sum, term: &Argument<'g>) {
+        let shape = term.value.shape();
+        let (dimension, is_zero) = match shape {
+            Shape::Number => self.scalar(term).map(|a| a.fit()),
+            Shape::Vector => self.vector(term).map(|a| a.fit()),
+            Shape::Matrix => self.matrix(term).map(|a| a.fit()),
+            Shape::Pose | Shape::Array => return,
+        }
+        .unwrap_or((Dimension::ONE, true));
+        if !is_zero {
+            sum.differ |= sum.terms.iter().take(1).any(|first| first.shape == shape && first.dimension != dimension);
+            sum.terms.push(Term { span: term.span.clone(), shape, dimension });
+        }
+    }
+
+    /// At the end of a sum: reports the terms that have another dimension than the others, at the first of these.
+    pub(super) fn ended(&mut self, sum: &mut Sum) {
+        let Sum { terms, differ } = std::mem::take(sum);
+        if !differ {
+            return;
+        }
+        let mut counts: Vec<(Dimension, usize)> = Vec::new();
+        for term in &terms {
+            match counts.iter().position(|(dimension, _)| *dimension == term.dimension) {
+                Some(known) => counts[known].1 += 1,
+                // So many kinds of terms are no sum of anything.
+                None if counts.len() < 100 => counts.push((term.dimension, 1)),
+                None => {}
+            }
+        }
+        // What the statement is about, or what most terms are; of equally many the first.
+        let weight = |(dimension, count): &(Dimension, usize)| (Some(*dimension) == self.wanted, *count);
+        let Some(&(common, _)) = counts.iter().rev().max_by_key(|entry| weight(entry)) else { return };
+        let Some(fitting) = terms.iter().find(|term| term.dimension == common) else { return };
+        for odd in terms.iter().filter(|term| term.dimension != common) {
+            self.odd_term(odd, fitting);
+        }
+    }
+
+    fn odd_term(&mut self, odd: &Term, fitting: &Term) {
+        let (found, wanted) = (in_words(odd.dimension), in_words(fitting.dimension));
+        let message = format!("a sum needs equal dimensions, this term is {found}, not {wanted}");
+        self.refuse(&odd.span, message, lacks_power(fitting.dimension, odd.dimension, "it"));
+        // Of a library function only the call is shown.
+        if self.calls.iter().all(|call| call.home != Home::Library) {
+            self.errors.note(&odd.span, &fitting.span, &format!("this is {wanted}"));
+        }
+    }
+
     fn sum(&mut self, a: Argument<'g>, b: Argument<'g>, minus: bool, span: &Span) -> Resolved<Value<'g>> {
         match (a.value.shape(), b.value.shape()) {
             (Shape::Number, Shape::Number) => {
@@ -321,6 +403,12 @@ impl<'d, 'g> Resolver<'d, 'g> {
             _ => None,
         };
         fraction.and_then(|(n, d)| base.power(n, d)).ok_or_else(|| {
+            if let Some(Number::Exact { numerator, denominator, pi: 0 }) = exponent {
+                let message = format!("{base} to the power of {numerator}/{denominator} is no dimension");
+                let help = "the exponents of a dimension are small fractions: divide the base by a quantity of its \
+                            dimension to make it a plain number";
+                return self.refuse(span, message, help);
+            }
             let message = format!("a power of {base} needs a constant exponent, such as 2, -1 or 1/3");
             self.refuse(span, message, "divide the base by a quantity of its dimension to make it a plain number")
         })
@@ -440,15 +528,22 @@ mod tests {
         unit("[x, 0, l]", "m");
         unit("2*[x, 0, l]/t", "m/s");
         unit("diag(m, m, 0)*[x, 0, l]", "kg·m");
-        refused("let a = m + l;", "m + l: a sum needs equal dimensions, these are kg and m");
+        refused("let a = m + l;", "l: a sum needs equal dimensions, this term is m, not kg");
+        // The one that is unlike the others, wherever it stands; zeros are like all others.
+        refused("let a = 0 + m + l*l/x - x + l;", "m: a sum needs equal dimensions, this term is kg, not m");
+        refused("let a = 2*(x - (l + m) + x);", "m: a sum needs equal dimensions, this term is kg, not m");
+        refused("let a = (x - 2*m + l)*m + x*m;", "2*m: a sum needs equal dimensions, this term is kg, not m");
+        // An energy is wanted.
+        refused(
+            "kinetic += m*dt(x)/2 + m*dt(x)^2;",
+            "m*dt(x)/2: a sum needs equal dimensions, this term is kg·m/s, not kg·m²/s²",
+        );
+        refused("force x += m + k*x;", "m: a sum needs equal dimensions, this term is kg, not kg·m/s²");
         refused(
             "let a = l + 1;",
-            "l + 1: a sum needs equal dimensions, these are m and a plain number; the second lacks a factor of m",
+            "1: a sum needs equal dimensions, this term is a plain number, not m; it lacks a factor of m",
         );
-        refused(
-            "let a = [x, y, z] - [m, m, m];",
-            "[x, y, z] - [m, m, m]: a sum needs equal dimensions, these are m and kg",
-        );
+        refused("let a = [x, y, z] - [m, m, m];", "[m, m, m]: a sum needs equal dimensions, this term is kg, not m");
         refused(
             "let a = [x, theta, 0] + [x, 0, 0];",
             "[x, theta, 0]: the components of a vector share one dimension, these are m and 1",
@@ -460,6 +555,21 @@ mod tests {
         refused(
             "let a = l^theta;",
             "theta: a power of m needs a constant exponent, such as 2, -1 or 1/3; divide the base by a quantity of its dimension to make it a plain number",
+        );
+        refused(
+            "let a = l^(1/1000000007);",
+            "(1/1000000007): m to the power of 1/1000000007 is no dimension; the exponents of a dimension are small \
+             fractions: divide the base by a quantity of its dimension to make it a plain number",
+        );
+        // Underflow is no zero.
+        let underflow =
+            "this is not zero, but nearer to it than an `f64` can be; choose other units, or check the exponents";
+        refused("let a = 1e-200*1e-200;", &format!("1e-200*1e-200: {underflow}"));
+        refused("const c = 1e-200; let a = x*c^2;", &format!("c^2: {underflow}"));
+        refused("let a = x*(1e-300/1e300);", &format!("1e-300/1e300: {underflow}"));
+        refused(
+            "param a: mm = 1e-322;",
+            "1e-322: in m this is nearer to zero than an `f64` can be; choose other units, or check the exponent",
         );
         refused("let a = l^1000;", "1000: an exponent is at most 100; `exp(n * ln(x))` takes any");
         refused(

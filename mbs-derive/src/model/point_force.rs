@@ -93,7 +93,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
             Motion::Turning { tensor, frame } => (tensor == Matrix::identity(self.graph)).then_some((frame, None))?,
         };
         let is_in_world = self.same_axes(force.frame, FrameId::WORLD);
-        let vector = if is_in_world { force.components } else { self.in_axes(force.clone(), frame) };
+        let vector = if is_in_world { force.components } else { self.in_axes(*force, frame) };
         Some(Application { frame, point, vector, is_in_world })
     }
 }

@@ -18,10 +18,11 @@ const MAX_BLOCKS: usize = 100;
 
 /// Functions that every generated mechanism has: an output of that name would be a second one.
 #[rustfmt::skip]
-const GENERATED: [&str; 23] = [
+const GENERATED: [&str; 24] = [
     "kinetic_energy", "potential_energy", "mass_matrix", "coriolis_matrix", "gravity", "bias", "momentum",
     "inverse_dynamics", "forward_dynamics", "linearize", "inverse_dynamics_jacobian", "dissipation_force",
-    "generalized_force", "conserved", "constraint", "constraint_rate", "constraint_jacobian", "constraint_bias", "multipliers",
+    "generalized_force", "conserved", "constraint", "constraint_rate", "constraint_rate_jacobian", "constraint_jacobian",
+    "constraint_bias", "multipliers",
     "linearize_parameters", "new", "default", "params",
 ];
 
@@ -365,6 +366,10 @@ impl<'d, 'g> Resolver<'d, 'g> {
                 let Free { dimension, .. } = vector;
                 let number = |expr| Value::Scalar(Scalar::new(expr, dimension));
                 self.in_world(vector).0.map(number).to_vec()
+            }
+            Value::Scalar(_) => {
+                let message = "some elements of this output are numbers, others are rows of them";
+                return Err(self.refuse(&row.span, message, "write several outputs, or rows of equal length"));
             }
             other => {
                 let message = format!(

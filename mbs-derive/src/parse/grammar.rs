@@ -32,6 +32,8 @@ pub(super) struct File<T> {
     pub(super) imports: Vec<Import>,
     /// What it holds, as far as that could be read; nothing only where there are errors.
     pub(super) content: Option<T>,
+    /// How many names, numbers and signs it has.
+    pub(super) tokens: usize,
     pub(super) errors: Diagnostics,
 }
 
@@ -58,8 +60,12 @@ pub(super) fn asked<T>(source: &str, question: fn(ParseStream<'_>) -> T) -> Opti
 
 fn file<'s, T>(source: &'s str, read: impl Fn(&mut Reader<'s>, ParseStream<'_>) -> Parsed<T>) -> File<T> {
     let mut reader = Reader { source, last: 0, depth: 0, imports: Vec::new(), errors: Diagnostics::default() };
-    let content = match tokens(source) {
-        Ok(tokens) => (|input: ParseStream<'_>| Ok(read(&mut reader, input))).parse2(tokens),
+    let mut count = 0;
+    let content = match guard::check(source).and_then(|tokens| Ok((tokens, cut(source)?))) {
+        Ok((number, tokens)) => {
+            count = number;
+            (|input: ParseStream<'_>| Ok(read(&mut reader, input))).parse2(tokens)
+        }
         Err(errors) => {
             reader.errors = errors;
             Ok(Err(Refused))
@@ -76,11 +82,10 @@ fn file<'s, T>(source: &'s str, read: impl Fn(&mut Reader<'s>, ParseStream<'_>) 
             None
         }
     };
-    File { imports, content, errors }
+    File { imports, content, tokens: count, errors }
 }
 
-fn tokens(source: &str) -> Result<TokenStream, Diagnostics> {
-    guard::check(source)?;
+fn cut(source: &str) -> Result<TokenStream, Diagnostics> {
     TokenStream::from_str(source).map_err(|error| {
         let (at, mut errors) = (error.span().byte_range().start, Diagnostics::default());
         let message = "this is neither a number nor a name nor a sign";

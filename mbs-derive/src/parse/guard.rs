@@ -4,25 +4,29 @@
 //! this they say no more than "cannot parse". Outside comments and the paths of imports only ASCII without quotes gets past
 //! here.
 
-use super::MAX_DEPTH;
+use super::syntax::Span;
+use super::{MAX_DEPTH, MAX_TOKENS};
 use crate::diagnostic::Diagnostics;
 use crate::source::MAX_BYTES;
 
-/// Reports what cannot be cut into tokens safely.
-pub(super) fn check(source: &str) -> Result<(), Diagnostics> {
-    let mut guard = Guard { source, at: 0, open: Vec::new(), counted: (0, 0), errors: Diagnostics::default() };
+/// Reports what cannot be cut into tokens safely; how many tokens there are, counted before any of them takes memory.
+pub(super) fn check(source: &str) -> Result<usize, Diagnostics> {
+    let mut guard =
+        Guard { source, at: 0, tokens: 0, open: Vec::new(), counted: (0, 0), errors: Diagnostics::default() };
     if source.len() > MAX_BYTES {
         guard.errors.error(0..0, "this file is larger than 64 MiB").help("write one mechanism a file");
     } else {
         guard.file();
     }
-    guard.errors.finish(())
+    guard.errors.finish(guard.tokens)
 }
 
 struct Guard<'s> {
     source: &'s str,
     /// How far the text has been looked at; always where a character begins.
     at: usize,
+    /// Words, numbers, signs and brackets so far.
+    tokens: usize,
     /// Where the brackets that are open begin.
     open: Vec<usize>,
     /// The lines that end before an offset; counted so far.
@@ -33,9 +37,21 @@ struct Guard<'s> {
 impl<'s> Guard<'s> {
     fn file(&mut self) {
         self.at += if self.source.starts_with('\u{feff}') { '\u{feff}'.len_utf8() } else { 0 };
+        if let Some(at) = self.source.find('\r').filter(|_| !self.source.contains('\n')) {
+            // A `//` would reach to the end of the file.
+            let error = self.errors.error(at..at + 1, "the lines of this file end with carriage returns alone");
+            error.help("save it with line feeds, `\\n` or `\\r\\n`");
+            return;
+        }
         while let Some(c) = self.rest().chars().next() {
             if self.errors.is_full() {
                 return;
+            }
+            // Comments count where they document.
+            self.tokens +=
+                usize::from(!is_space(c) && !self.rest().starts_with("//") && !self.rest().starts_with("/*"));
+            if self.tokens > MAX_TOKENS {
+                return self.too_many(self.at..self.at + c.len_utf8());
             }
             match c {
                 '/' if self.rest().starts_with("//") => self.line_comment(),
@@ -62,11 +78,16 @@ impl<'s> Guard<'s> {
         &self.source[self.at..]
     }
 
+    fn too_many(&mut self, here: Span) {
+        let message = format!("this file is longer than {MAX_TOKENS} names, numbers and signs");
+        self.errors.error(here, message).help("write sums as loops, and leave tables to the program that uses them");
+    }
+
     fn line_comment(&mut self) {
         let line = self.rest().split_inclusive('\n').next().unwrap_or_default();
         let text = line.strip_suffix("\r\n").or(line.strip_suffix('\n')).unwrap_or(line);
         let documents = (text.starts_with("///") && !text.starts_with("////")) || text.starts_with("//!");
-        self.carriage_returns(text, documents);
+        self.documentation(text, documents);
         self.at += line.len();
     }
 
@@ -78,7 +99,7 @@ impl<'s> Guard<'s> {
         };
         let text = &self.rest()[..length];
         let plain = text == "/**/" || text.starts_with("/***");
-        self.carriage_returns(text, !plain && (text.starts_with("/**") || text.starts_with("/*!")));
+        self.documentation(text, !plain && (text.starts_with("/**") || text.starts_with("/*!")));
         self.at += length;
     }
 
@@ -88,8 +109,9 @@ impl<'s> Guard<'s> {
         self.at = self.source.len();
     }
 
-    /// The tokenizer refuses a documentation comment with a carriage return that ends no line.
-    fn carriage_returns(&mut self, text: &str, documents: bool) {
+    /// The tokenizer makes `#[doc = "…"]` of it, and refuses one with a carriage return that ends no line.
+    fn documentation(&mut self, text: &str, documents: bool) {
+        self.tokens += 6 * usize::from(documents);
         let stray = text.match_indices('\r').find(|(i, _)| !text[i + 1..].starts_with('\n'));
         if let (Some((i, _)), true) = (stray, documents) {
             let message = "a carriage return without a line feed stands in this documentation comment";
@@ -140,6 +162,14 @@ impl<'s> Guard<'s> {
     fn apostrophe(&mut self) {
         let quoted = self.rest()[1..].split(['\'', '\n']).next().unwrap_or_default();
         let closed = self.rest()[1 + quoted.len()..].starts_with('\'');
+        if closed && self.imports() {
+            let place = self.at..self.at + quoted.len() + 2;
+            let shown = if quoted.contains(['"', '\\']) { "file.mbs" } else { quoted };
+            let error = self.errors.error(place.clone(), "a path stands in double quotation marks");
+            error.help(format!("write `import \"{shown}\";`"));
+            self.at = place.end;
+            return;
+        }
         if closed && (quoted.chars().count() == 1 || quoted.starts_with('\\')) {
             return self.quotation(self.at, 1, "'", true);
         }
@@ -222,7 +252,13 @@ impl<'s> Guard<'s> {
 
     fn number(&mut self) {
         let is_part = |c: char| c.is_ascii_alphanumeric() || c == '_';
-        self.at += self.rest().find(|c| !is_part(c)).unwrap_or(self.rest().len());
+        let length = |text: &str| text.find(|c| !is_part(c)).unwrap_or(text.len());
+        self.at += length(self.rest());
+        if let Some(decimals) =
+            self.rest().strip_prefix('.').filter(|text| text.starts_with(|c: char| c.is_ascii_digit()))
+        {
+            self.at += 1 + length(decimals);
+        }
     }
 
     fn word(&mut self) {
@@ -451,6 +487,22 @@ mod tests {
     }
 
     #[test]
+    fn paths_in_single_quotes_get_double_ones() {
+        let expected = "7..12: a path stands in double quotation marks; write `import \"lib\";`";
+        assert_eq!(report("import 'lib'; mechanism A { }"), [expected]);
+        assert_eq!(report("import 'l'; x").len(), 1);
+        assert_eq!(report("import 'l").len(), 1);
+    }
+
+    #[test]
+    fn lines_of_carriage_returns_are_refused() {
+        let expected = "13..14: the lines of this file end with carriage returns alone; save it with line feeds, `\\n` or `\\r\\n`";
+        assert_eq!(report("mechanism A {\r // x\r }"), [expected]);
+        accepted("x\r\ny");
+        accepted("x\r y\n");
+    }
+
+    #[test]
     fn other_alphabets_are_refused_with_what_to_write() {
         let help =
             |source: &str| report(source).iter().map(|r| r.split("; ").last().unwrap().to_string()).collect::<Vec<_>>();
@@ -466,6 +518,19 @@ mod tests {
         assert_eq!(help("\u{1} \\ 🦀"), ["leave it out"; 3]);
         assert_eq!(help("(\0 \0"), ["is it the right file, saved as UTF-8?"]);
         assert_eq!(report("x²"), ["1..3: the character `²` has no meaning in a mechanism; write `^2`"]);
+    }
+
+    /// Before any of them is made a token of, which would take hundreds of bytes.
+    #[test]
+    fn the_number_of_tokens_is_limited() {
+        assert_eq!(check("// (1 2)\nlet x1 = f(-2.5e3)[0]; /* a b */").ok(), Some(12));
+        assert_eq!(check("/// two words\nx").ok(), Some(7), "#[doc = \"…\"]");
+        accepted(&"// 0.125, 0.250\n".repeat(MAX_TOKENS + 1));
+        accepted(&"x+".repeat(MAX_TOKENS / 2));
+        let expected = "1000000..1000001: this file is longer than 1000000 names, numbers and signs; write sums as loops, and \
+                        leave tables to the program that uses them";
+        assert_eq!(report(&"x+".repeat(10_000_000)), [expected]);
+        assert_eq!(report(&"/// x\n".repeat(MAX_TOKENS / 5)).len(), 1);
     }
 
     #[test]

@@ -13,9 +13,9 @@ use syn::buffer::Cursor;
 use syn::parse::ParseStream;
 
 use super::grammar::{self, File};
-use super::guard;
 use super::reader::{Parsed, Reader, Refused, word};
 use super::syntax::{Declaration, Import, Span, Statement, StatementKind};
+use super::{MAX_TOKENS, guard};
 use crate::diagnostic::Diagnostics;
 use crate::source::Sources;
 
@@ -175,8 +175,8 @@ pub(super) fn begins_as_shared(input: ParseStream<'_>) -> bool {
 /// All mistakes of all files, in the order of the files.
 pub(super) fn declaration(sources: &Sources) -> Result<Declaration, Diagnostics> {
     let text = sources.main().text.as_deref().unwrap_or_default();
-    let File { imports, content, errors } = grammar::mechanism(text);
-    let (imported, errors) = Walk::new(sources, State::Mechanism, errors).all(imports.clone());
+    let File { imports, content, tokens, errors } = grammar::mechanism(text);
+    let (imported, errors) = Walk::new(sources, State::Mechanism, tokens, errors).all(imports.clone());
     match content {
         Some(declaration) => errors.finish(Declaration { imports, imported, ..declaration }),
         None => Err(errors),
@@ -189,8 +189,8 @@ pub(super) fn shared(sources: &Sources) -> Option<Result<Vec<Statement>, Diagnos
     if !grammar::asked(text, begins_as_shared)? {
         return None;
     }
-    let File { imports, content, errors } = grammar::shared(text);
-    let (mut statements, errors) = Walk::new(sources, State::Open, errors).all(imports);
+    let File { imports, content, tokens, errors } = grammar::shared(text);
+    let (mut statements, errors) = Walk::new(sources, State::Open, tokens, errors).all(imports);
     if let Some(Shared::Declarations(own)) = content {
         statements.extend(own);
     }
@@ -212,6 +212,8 @@ struct Walk<'s> {
     sources: &'s Sources,
     states: Vec<State>,
     statements: Vec<Statement>,
+    /// In all files that were read.
+    tokens: usize,
     errors: Diagnostics,
 }
 
@@ -223,11 +225,11 @@ struct Open {
 }
 
 impl<'s> Walk<'s> {
-    /// `first` is what the first file is, `errors` are its errors.
-    fn new(sources: &'s Sources, first: State, errors: Diagnostics) -> Self {
+    /// `first` is what the first file is, `tokens` how many it has, `errors` are its errors.
+    fn new(sources: &'s Sources, first: State, tokens: usize, errors: Diagnostics) -> Self {
         let mut states = vec![State::Unread; sources.count()];
         states[0] = first;
-        Walk { sources, states, statements: Vec::new(), errors }
+        Walk { sources, states, statements: Vec::new(), tokens, errors }
     }
 
     /// What the first file imports, in an order in which names are known before they are used.
@@ -280,6 +282,13 @@ impl<'s> Walk<'s> {
             }
         };
         let mut read = grammar::shared(text);
+        self.tokens += read.tokens;
+        if self.tokens > MAX_TOKENS {
+            self.states[number] = State::Done;
+            let reason = format!("with it the mechanism is longer than {MAX_TOKENS} names, numbers and signs");
+            self.refuse(import, &reason, "import constants and functions, not data");
+            return None;
+        }
         read.shift(file.start);
         match read.content {
             Some(Shared::Mechanism) => {
@@ -395,6 +404,17 @@ mod tests {
         };
         let shifted: Vec<usize> = places(&alone).iter().map(|start| start + file.start).collect();
         assert_eq!(shifted, places(&declaration.imported[1..2]));
+    }
+
+    /// Each file is short enough by itself.
+    #[test]
+    fn files_are_limited_together() {
+        let table = format!("const a = {}1;", "1+".repeat(MAX_TOKENS / 4));
+        let files =
+            [("m.mbs", "import \"a.mbs\"; import \"b.mbs\"; mechanism M { }"), ("a.mbs", &table), ("b.mbs", &table)];
+        let expected = "m.mbs: import \"b.mbs\": cannot import `b.mbs`: with it the mechanism is longer than 1000000 names, \
+                        numbers and signs; import constants and functions, not data";
+        refused(&files, &[expected]);
     }
 
     #[test]

@@ -242,9 +242,19 @@ impl<'a> Trial<'a> {
         let velocity: Vec<_> = self.derivation.holonomic.iter().zip(&declared).map(velocity).collect();
         let first: Vec<Rounded> = velocity.iter().map(|row| row.value).collect();
         self.equal("A q̇ + b", &self.call_if_any("constraint_rate"), &first)?;
+        self.constraint_rate_jacobian()?;
         let second: Vec<Rounded> = velocity.iter().map(|row| row.derivative).collect();
         let product = times(&jacobian, &self.state.qdd);
         self.equal("A q̈ + γ", &add(&product, &bias), &second)
+    }
+
+    fn constraint_rate_jacobian(&self) -> Result<(), Failure> {
+        let (found, rows) = (self.call_if_any("constraint_rate_jacobian"), self.derivation.constraints.len());
+        for group in Group::of(if rows == 0 { 0 } else { self.n() }) {
+            let expected = self.slope("constraint_rate", |other| group.weight_of(other, Symbol::Coordinate));
+            self.equal("∂(A q̇ + b)/∂q", &group.combined(&found, rows), &expected)?;
+        }
+        Ok(())
     }
 
     /// `Aᵀ λ`

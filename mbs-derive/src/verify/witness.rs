@@ -54,12 +54,12 @@ impl<'l, 'g> Witness<'l, 'g> {
         });
         Witness {
             lagrangian,
-            energies: Tape::new(&[l, kinetic, potential, sum(&lagrangian.dissipation)]),
-            forces: Tape::new(&(0..lagrangian.dof()).map(force).collect::<Vec<_>>()),
-            point_forces: Tape::new(&point_forces),
-            constraints: Tape::new(&lagrangian.constraints.iter().flat_map(|c| c.rows.clone()).collect::<Vec<_>>()),
-            outputs: Tape::new(&outputs),
-            frames: Tape::new(&frames.collect::<Vec<_>>()),
+            energies: Tape::strict(&[l, kinetic, potential, sum(&lagrangian.dissipation)]),
+            forces: Tape::strict(&(0..lagrangian.dof()).map(force).collect::<Vec<_>>()),
+            point_forces: Tape::strict(&point_forces),
+            constraints: Tape::strict(&lagrangian.constraints.iter().flat_map(|c| c.rows.clone()).collect::<Vec<_>>()),
+            outputs: Tape::strict(&outputs),
+            frames: Tape::strict(&frames.collect::<Vec<_>>()),
             released: lagrangian.released.as_deref().map(|released| Box::new(Witness::new(released))),
         }
     }

@@ -9,15 +9,13 @@ use crate::expr::{Expr, Graph, Matrix, Number, Vector};
 use super::inertia::Inertia;
 use super::linkage::{Edge, Link, Linkage};
 use super::load::Load;
+use super::spring::Anchor;
 
 /// The same mechanism, its frames turned so.
-pub(super) fn turned<'g>(
-    linkage: &Linkage<'g>,
-    inertias: &[Inertia<'g>],
-    loads: &[Load<'g>],
-) -> (Linkage<'g>, Vec<Inertia<'g>>, Vec<Load<'g>>) {
+pub(super) fn turned<'g>(linkage: &Linkage<'g>, inertias: &[Inertia<'g>]) -> Turned<'g> {
     let splits: Vec<Option<Split>> = (0..linkage.links.len()).map(|link| linkage.split(link)).collect();
-    let mut new = Turned { links: Vec::new(), inertias: Vec::new(), numbers: Vec::new(), gauges: Vec::new() };
+    let empty = Linkage { links: Vec::new() };
+    let mut new = Turned { linkage: empty, inertias: Vec::new(), numbers: Vec::new(), gauges: Vec::new() };
     let mut claimed = vec![None; linkage.links.len()];
     for split in splits.iter().flatten() {
         claimed[split.outer].get_or_insert(split.before);
@@ -25,8 +23,7 @@ pub(super) fn turned<'g>(
     for (number, link) in linkage.links.iter().enumerate() {
         new.add(link, inertias[number], splits[number].as_ref(), claimed[number]);
     }
-    let loads = loads.iter().map(|load| new.carried_over(load)).collect();
-    (Linkage { links: new.links }, new.inertias, loads)
+    new
 }
 
 /// A constant turn between two turning joints, as `R_k(before) R_i(middle) R_k(after) Qᵀ`.
@@ -96,10 +93,12 @@ impl Gauge {
     }
 }
 
-/// The links so far.
-struct Turned<'g> {
-    links: Vec<Link<'g>>,
-    inertias: Vec<Inertia<'g>>,
+/// The mechanism in turned frames.
+pub(super) struct Turned<'g> {
+    /// The links.
+    pub(super) linkage: Linkage<'g>,
+    /// Their masses.
+    pub(super) inertias: Vec<Inertia<'g>>,
     /// Of each old link the new one.
     numbers: Vec<usize>,
     /// Of each old link.
@@ -173,16 +172,25 @@ impl<'g> Turned<'g> {
     }
 
     /// The load on the new link, in its axes.
-    fn carried_over(&self, load: &Load<'g>) -> Load<'g> {
-        let graph = load.vector.0[0].graph();
-        let gauge = self.gauges[load.link];
-        let from_old = |v: Vector<'g>| gauge.map_or(v, |gauge| gauge.turn_from_old(graph) * v);
+    pub(super) fn load(&self, load: &Load<'g>) -> Load<'g> {
+        let turned = |v: Vector<'g>| self.in_new_axes(load.link, v);
         Load {
             link: self.numbers[load.link],
-            point: load.point.map(from_old),
-            vector: if load.is_in_world { load.vector } else { from_old(load.vector) },
+            point: load.point.map(turned),
+            vector: if load.is_in_world { load.vector } else { turned(load.vector) },
             ..*load
         }
+    }
+
+    /// The point on the new link, in its axes.
+    pub(super) fn anchor(&self, anchor: &Anchor<'g>) -> Anchor<'g> {
+        Anchor { link: self.numbers[anchor.link], point: self.in_new_axes(anchor.link, anchor.point) }
+    }
+
+    /// A vector in the axes of an old link, in those of the new one.
+    fn in_new_axes(&self, link: usize, v: Vector<'g>) -> Vector<'g> {
+        let graph = v.0[0].graph();
+        self.gauges[link].map_or(v, |gauge| gauge.turn_from_old(graph) * v)
     }
 
     /// A further link, without masses.
@@ -191,9 +199,9 @@ impl<'g> Turned<'g> {
     }
 
     fn push(&mut self, link: Link<'g>, graph: &'g Graph) -> usize {
-        self.links.push(link);
+        self.linkage.links.push(link);
         self.inertias.push(Inertia::zero(graph));
-        self.links.len() - 1
+        self.linkage.links.len() - 1
     }
 
     /// The next old link is this new one, its axes turned so; there its masses are.
@@ -263,10 +271,10 @@ mod tests {
         for inner_axis in 0..3 {
             let old = arm(inner_axis, &graph);
             let inertias: Vec<_> = (0..old.links.len()).map(|link| body(link, &graph)).collect();
-            let (new, turned, _) = turned(&old, &inertias, &[]);
+            let new = turned(&old, &inertias);
             let is_plane = |link: &Link<'_>| !matches!(link.edge, Some(Edge::Turn(r)) if !is_ring(r));
-            assert!(new.links.iter().all(is_plane), "{inner_axis}");
-            same_energy((&old, &inertias), (&new, &turned));
+            assert!(new.linkage.links.iter().all(is_plane), "{inner_axis}");
+            same_energy((&old, &inertias), (&new.linkage, &new.inertias));
         }
     }
 
@@ -285,7 +293,7 @@ mod tests {
             old.links.push(Link { parent: Some(parent), edge: Some(edge) });
         }
         let inertias: Vec<_> = (0..old.links.len()).map(|link| body(link, &graph)).collect();
-        let (new, turned, _) = turned(&old, &inertias, &[]);
-        same_energy((&old, &inertias), (&new, &turned));
+        let new = turned(&old, &inertias);
+        same_energy((&old, &inertias), (&new.linkage, &new.inertias));
     }
 }

@@ -23,7 +23,7 @@ pub(crate) struct Load<'g> {
 /// What acts on each link.
 pub(super) fn wrenches<'g>(linkage: &Linkage<'g>, loads: &[Load<'g>], graph: &'g Graph) -> Vec<Wrench<'g>> {
     let mut wrenches = vec![Wrench::zero(graph); linkage.links.len()];
-    for load in loads {
+    for load in merged(loads) {
         let vector = if load.is_in_world { in_link(linkage, load.link, load.vector) } else { load.vector };
         let wrench = match load.point {
             Some(point) => Wrench { force: vector, couple: point.cross(vector) },
@@ -32,6 +32,21 @@ pub(super) fn wrenches<'g>(linkage: &Linkage<'g>, loads: &[Load<'g>], graph: &'g
         wrenches[load.link] = wrenches[load.link].plus(wrench);
     }
     wrenches
+}
+
+/// Those at one point added up: they are turned once.
+fn merged<'g>(loads: &[Load<'g>]) -> Vec<Load<'g>> {
+    let mut merged: Vec<Load<'g>> = Vec::new();
+    for load in loads {
+        let same = |other: &&mut Load<'g>| {
+            (other.link, other.point, other.is_in_world) == (load.link, load.point, load.is_in_world)
+        };
+        match merged.iter_mut().find(same) {
+            Some(other) => other.vector = other.vector + load.vector,
+            None => merged.push(*load),
+        }
+    }
+    merged
 }
 
 /// A vector of the world in the axes of a link, turned edge by edge.

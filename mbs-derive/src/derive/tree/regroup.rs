@@ -15,7 +15,6 @@ use crate::expr::{Expr, Graph};
 
 use super::inertia::Inertia;
 use super::linkage::{Edge, Linkage};
-use super::load::Load;
 
 /// The same mechanism with its masses where they are cheapest.
 pub(super) fn regrouped<'g>(linkage: &Linkage<'g>, inertias: Vec<Inertia<'g>>) -> Vec<Inertia<'g>> {
@@ -33,11 +32,15 @@ pub(super) fn regrouped<'g>(linkage: &Linkage<'g>, inertias: Vec<Inertia<'g>>) -
 
 /// The axes of a link at a tip need not follow a body that looks the same from all sides: a wheel, a rotor, a top.
 ///
-/// With `h = 0` across the axis and `Σ = diag(s, s, ·)` the body's moments are the same in axes that do not spin.
-pub(super) fn without_spin<'g>(linkage: &Linkage<'g>, inertias: &[Inertia<'g>], loads: &[Load<'g>]) -> Linkage<'g> {
+/// Links that are held by something need theirs. With `h = 0` across the axis and `Σ = diag(s, s, ·)` the body's moments are the same in axes that do not spin.
+pub(super) fn without_spin<'g>(
+    linkage: &Linkage<'g>,
+    inertias: &[Inertia<'g>],
+    held: impl Iterator<Item = usize>,
+) -> Linkage<'g> {
     let mut calm = linkage.clone();
     let mut loaded: Vec<bool> = vec![false; inertias.len()];
-    loads.iter().for_each(|load| loaded[load.link] = true);
+    held.for_each(|link| loaded[link] = true);
     for (number, link) in linkage.links.iter().enumerate().rev() {
         let Some(parent) = link.parent else { continue };
         if let (Some(Edge::Revolute { axis, angle, .. }), false) = (link.edge, loaded[number])
@@ -129,13 +132,13 @@ mod tests {
         (wheel.mass, wheel.first.0[2]) = (number(3), number(2));
         wheel.second.diagonal = [number(5), number(5), number(7)];
         let inertias = [Inertia::zero(&graph), body(1, &graph), wheel];
-        let calm = without_spin(&arm, &inertias, &[]);
+        let calm = without_spin(&arm, &inertias, [].into_iter());
         assert!(matches!(calm.links[2].edge, Some(Edge::Revolute { sin, .. }) if sin.is_zero()));
         assert_eq!(calm.links[1].edge, arm.links[1].edge, "what carries something else is turned");
         same_energy((&arm, &inertias), (&calm, &inertias));
 
         wheel.second.diagonal[0] = number(6);
         let inertias = [inertias[0], inertias[1], wheel];
-        assert_eq!(without_spin(&arm, &inertias, &[]).links[2].edge, arm.links[2].edge);
+        assert_eq!(without_spin(&arm, &inertias, [].into_iter()).links[2].edge, arm.links[2].edge);
     }
 }
