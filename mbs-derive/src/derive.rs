@@ -172,9 +172,9 @@ fn derived_by<'g>(lagrangian: &Lagrangian<'_>, graph: &'g Graph, routes: &[Route
     let mut found: Vec<_> = routes.iter().filter_map(|&route| Some(mechanism.equations(route, by(route)?))).collect();
     // Reactions come last, so that all else is the same without them.
     if let Some(reactions) = Reactions::of(lagrangian, graph) {
-        let plain = reactions.by(Route::Plain).unwrap_or_default();
         for equations in &mut found {
-            equations.reactions = reactions.by(equations.route).unwrap_or_else(|| plain.clone());
+            let wrenches = reactions.by(equations.route).or_else(|| reactions.by(Route::Plain));
+            equations.reactions = wrenches.unwrap_or_default();
         }
     }
     found

@@ -208,10 +208,12 @@ impl<'g> Resolver<'_, 'g> {
         matches!(self.hold, Hold::Now)
     }
 
-    /// Which rows of the next constraint did not vanish when the joints were held; nothing where they are.
+    /// Which rows of the next constraint, of so many, did not vanish when the joints were held; nothing where they are.
     pub(super) fn rows_when_held(&self, rows: usize) -> Option<Vec<bool>> {
         let Hold::Released(Released { effective_rows, .. }) = &self.hold else { return None };
-        effective_rows.get(self.lagrangian.constraints.len()).filter(|effective| effective.len() == rows).cloned()
+        let known = effective_rows.get(self.lagrangian.constraints.len()).filter(|known| known.len() == rows);
+        // Where a constraint before it has been refused, nothing comes of this one.
+        Some(known.cloned().unwrap_or_else(|| vec![true; rows]))
     }
 
     /// The auxiliary coordinates of a joint, if it is let go.
