@@ -34,6 +34,7 @@ fn some_mechanisms_are_constrained() {
         "bouncing_pendulum",
         "cartesian_pendulum",
         "chaplygin_sleigh",
+        "four_bar_with_reactions",
         "knife_edge",
         "rolling_coin",
         "slider_crank",

@@ -136,7 +136,8 @@ impl Tape {
     }
 
     /// A tape on which nothing hides that a value is undefined: what is decided by a comparison with NaN is NaN, a power with
-    /// NaN in it is NaN (`1^NaN` is 1 in IEEE 754), and so is `atan2` on its cut, where the sign of a zero would decide.
+    /// NaN in it is NaN (`1^NaN` is 1 in IEEE 754), and so are `atan2` on its cut, where the sign of a zero would decide, and `abs`
+    /// at its corner, where no derivative is right: 0 for |x| would be 0 for the second of |x|², which is 2.
     ///
     /// Branches not taken do not count, nor does an operand of `&&` and `||` where the other one decides.
     pub fn strict(roots: &[Expr<'_>]) -> Self {
@@ -186,11 +187,13 @@ fn strictly<V: Value>(step: &Node, v: impl Fn(Id) -> V) -> Option<V> {
     let zero = V::constant(0.0);
     let is_undecided = |condition: Id| unordered(zero, v(condition));
     let is_false = |condition: Id| v(condition).less_equal(zero);
+    let is_zero = |a: Id| v(a).less_equal(zero) && zero.less_equal(v(a));
     let is_undefined = match *step {
         Node::Less(a, b) | Node::LessEqual(a, b) => unordered(v(a), v(b)),
         Node::And(a, b) => (is_undecided(a) || is_undecided(b)) && !is_false(a) && !is_false(b),
         Node::Not(a) | Node::Select(a, _, _) => is_undecided(a),
-        Node::Call2(Binary::Atan2, a, b) => v(b).less_equal(zero) && v(a).less_equal(zero) && zero.less_equal(v(a)),
+        Node::Call2(Binary::Atan2, a, b) => v(b).less_equal(zero) && is_zero(a),
+        Node::Call(Function::Abs, a) => is_zero(a),
         Node::Call2(Binary::Powf, a, b) => unordered(v(a), v(b)),
         Node::Constant(_)
         | Node::Symbol(_)
@@ -259,6 +262,13 @@ mod tests {
             }),
             -1.0
         );
+    }
+
+    #[test]
+    fn strict_tapes_have_no_value_at_a_corner() {
+        let corner = |x| strict(x, |_, x| x.call(Function::Abs));
+        assert!(corner(0.0).is_nan() && corner(-0.0).is_nan());
+        assert_eq!((corner(2.0), corner(-2.0)), (2.0, 2.0));
     }
 
     #[test]
