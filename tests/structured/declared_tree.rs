@@ -372,7 +372,7 @@ impl DeclaredTree {
         text + "}\n"
     }
 
-    /// Statements that load its links: forces and torques in axes of the world and of the link, springs. Some may be refused,
+    /// Statements that load its links: forces and torques in axes of the world and of the link, springs, drag, dampers. Some may be refused,
     /// where no coordinate moves the link.
     pub(crate) fn loads(&self) -> Vec<String> {
         let of = |i: usize| {
@@ -385,6 +385,10 @@ impl DeclaredTree {
                 format!("potential += 7*({point} - [1, {i}, t]).norm_squared();"),
                 format!("potential += 1/4*({point} - world.point([-2, 1, 3])).norm_squared()^2;"),
                 format!("potential += spring(5, ({point} - link0.point([2, -8, 9])).norm(), 2);"),
+                format!("dissipation += 3*dt({point}).norm_squared();"),
+                format!("dissipation += 2*angular_velocity(link{i}).norm_squared();"),
+                format!("dissipation += 1/2*dt(({point} - link0.point([2, -8, 9])).norm())^2;"),
+                format!("dissipation += dt({point} - [1, t, {i}]).norm_squared()^2/7 + 2*dt({point}).x^2;"),
             ]
         };
         (0..self.links.len()).flat_map(of).collect()

@@ -7,11 +7,11 @@ use crate::model::moments::{Impossible, principal_moments};
 use crate::model::{Body, Edge, FrameId, Lagrangian, PointForce};
 
 use super::gravity;
+use super::tree::force_element::{Anchor, ForceElement, Held};
 use super::tree::inertia::Inertia;
 use super::tree::linkage::{Linkage, Seat};
 use super::tree::load::Load;
-use super::tree::spring::{Anchor, Held, Spring};
-use super::{Energies, carried, generalized_forces};
+use super::{Energies, carried, generalized_forces, sum};
 
 /// A mechanism as a tree of masses in a uniform field, and everything else that it has.
 #[derive(Clone, Debug)]
@@ -26,6 +26,10 @@ pub(super) struct Lifted<'g> {
     pub(crate) loads: Vec<Load<'g>>,
     /// Terms of V that pull at points of links.
     pub(crate) springs: Vec<Held<'g>>,
+    /// What drags on each link: masses whose kinetic energy is a part of D.
+    pub(crate) drags: Vec<Inertia<'g>>,
+    /// Terms of D between points of links.
+    pub(crate) dampers: Vec<Held<'g>>,
     /// What is left of the energies and forces.
     pub(crate) rest: Energies<'g>,
 }
@@ -48,54 +52,82 @@ pub(super) fn lifted<'g>(lagrangian: &Lagrangian<'_>, energies: &Energies<'g>, g
     let (bodies, others): (Vec<_>, Vec<_>) = bodies.into_iter().partition(is_physical);
     other_kinetic.extend(others.iter().map(|body| lagrangian.energy_of(body)));
     let bodies: Vec<Body<'g>> = bodies.iter().map(|body| carried_body(body, graph)).collect();
+    let (drags, mut other_dissipation) = lagrangian.landmarks.bodies_of(&lagrangian.dissipation);
+    let (drags, others): (Vec<_>, Vec<_>) = drags.into_iter().partition(is_physical);
+    other_dissipation.extend(others.iter().map(|body| lagrangian.energy_of(body)));
+    let drags: Vec<Body<'g>> = drags.iter().map(|body| carried_body(body, graph)).collect();
     let (applications, other_forces): (Vec<&PointForce<'_>>, Vec<_>) =
         lagrangian.point_forces.iter().partition(|force| force.application.is_some_and(|at| is_tree(at.frame)));
     let applications = applications.iter().filter_map(|force| force.application);
     let field = gravity::field(lagrangian, &bodies, graph);
     let (gravity, other_potential) = field.unwrap_or_else(|| (Vector::zero(graph), lagrangian.potential.clone()));
-    let (springs, other_potential) = springs(lagrangian, &other_potential, is_tree);
-    let ends = springs.iter().flat_map(|(_, places)| places.iter().map(|place| place.frame));
+    let on_trees = |element: &Element<'_>| element.1.iter().all(|place| is_tree(place.frame));
+    let landmarks = &lagrangian.landmarks;
+    let (springs, other_potential) =
+        split(&other_potential, |term| ForceElement::spring(term, landmarks).filter(on_trees));
+    let (dampers, other_dissipation) =
+        split(&other_dissipation, |term| ForceElement::damper(term, landmarks).filter(on_trees));
+    let ends = springs.iter().chain(&dampers).flat_map(|(_, places)| places.iter().map(|place| place.frame));
     let frames = bodies.iter().map(|body| body.frame).chain(applications.clone().map(|at| at.frame)).chain(ends);
+    let frames = frames.chain(drags.iter().map(|drag| drag.frame));
     let (linkage, seats) = Linkage::of(lagrangian, &frames.collect::<Vec<_>>(), graph)?;
-    let (seats_of_bodies, seats) = seats.split_at(bodies.len());
-    let (seats_of_loads, seats_of_ends) = seats.split_at(applications.clone().count());
-    let loads = applications.zip(seats_of_loads).map(|(at, seat)| load(&at, seat, graph)).collect();
-    let mut seats_of_ends = seats_of_ends.iter();
-    let springs = springs.into_iter().map(|(spring, places)| {
-        let anchors =
-            places.iter().zip(seats_of_ends.by_ref()).map(|(place, seat)| anchor(place, seat, graph)).collect();
-        Held { spring, anchors }
-    });
-    let springs = springs.collect();
-    let mut inertias = vec![Inertia::zero(graph); linkage.links.len()];
-    for (body, seat) in bodies.iter().zip(seats_of_bodies) {
-        let own = Inertia::of_body(body.mass, body.com, body.inertia);
-        let turned = seat.turn.map_or(own, |turn| own.turned(turn));
-        inertias[seat.link] = inertias[seat.link].plus(turned.shifted(seat.shift));
-    }
+    let mut seats = seats.iter();
+    let inertias = seated(&bodies, &mut seats, &linkage, graph);
+    let loads = applications.zip(seats.by_ref()).map(|(at, seat)| load(&at, seat, graph)).collect();
+    let mut held = |elements: Vec<Element<'_>>| -> Vec<Held<'g>> {
+        let hold = |(element, places): Element<'_>| {
+            let anchors = places.iter().zip(seats.by_ref()).map(|(place, seat)| anchor(place, seat, graph));
+            Held { element, anchors: anchors.collect() }
+        };
+        elements.into_iter().map(hold).collect()
+    };
+    let (springs, dampers) = (held(springs), held(dampers));
+    let drags = seated(&drags, &mut seats, &linkage, graph);
     if inertias.iter().all(Inertia::is_zero) || !linkage.has_joints() {
         return None;
     }
     let forces = generalized_forces(lagrangian, &other_forces, graph);
-    let rest = Energies { forces, ..energies.with_terms(&other_kinetic, &other_potential, lagrangian) };
-    Some(Lifted { linkage, inertias, gravity, loads, springs, rest })
+    let dissipation = sum(&other_dissipation, graph);
+    let rest = energies.with_terms(&other_kinetic, &other_potential, lagrangian);
+    let rest = Energies { forces, dissipation, ..rest };
+    Some(Lifted { linkage, inertias, gravity, loads, springs, drags, dampers, rest })
 }
 
-/// The terms of V that are functions of points on trees, with their places, and the others.
-#[allow(clippy::type_complexity)] // pairs of what belongs together, and the rest
-fn springs<'v>(
-    lagrangian: &Lagrangian<'v>,
-    potential: &[Expr<'v>],
-    is_tree: impl Fn(FrameId) -> bool,
-) -> (Vec<(Spring, Vec<Place<'v>>)>, Vec<Expr<'v>>) {
-    let (mut springs, mut others) = (Vec::new(), Vec::new());
-    for &term in potential {
-        match Spring::of(term, &lagrangian.landmarks) {
-            Some((spring, places)) if places.iter().all(|place| is_tree(place.frame)) => springs.push((spring, places)),
-            _ => others.push(term),
+/// A force element with its places.
+type Element<'v> = (ForceElement, Vec<Place<'v>>);
+
+/// The terms that are force elements, and the others.
+fn split<'v>(
+    terms: &[Expr<'v>],
+    element_of: impl Fn(Expr<'v>) -> Option<Element<'v>>,
+) -> (Vec<Element<'v>>, Vec<Expr<'v>>) {
+    let (mut elements, mut others) = (Vec::new(), Vec::new());
+    for &term in terms {
+        match element_of(term) {
+            Some(element) => elements.push(element),
+            None => others.push(term),
         }
     }
-    (springs, others)
+    (elements, others)
+}
+
+/// What bodies add up to on each link.
+fn seated<'g, 's>(
+    bodies: &[Body<'g>],
+    seats: &mut impl Iterator<Item = &'s Seat<'g>>,
+    linkage: &Linkage<'g>,
+    graph: &'g Graph,
+) -> Vec<Inertia<'g>>
+where
+    'g: 's,
+{
+    let mut inertias = vec![Inertia::zero(graph); linkage.links.len()];
+    for (body, seat) in bodies.iter().zip(seats) {
+        let own = Inertia::of_body(body.mass, body.com, body.inertia);
+        let turned = seat.turn.map_or(own, |turn| own.turned(turn));
+        inertias[seat.link] = inertias[seat.link].plus(turned.shifted(seat.shift));
+    }
+    inertias
 }
 
 fn anchor<'g>(place: &Place<'_>, seat: &Seat<'g>, graph: &'g Graph) -> Anchor<'g> {

@@ -10,20 +10,20 @@
 //! - `twist`: velocities, and the kinetic energy;
 //! - `newton_euler`: motions out, wrenches back: inverse dynamics, bias, gravity;
 //! - `load`: forces on points and torques on bodies, which ride along with the wrenches;
-//! - `spring`: terms of V that pull at points, likewise;
+//! - `force_element`: springs and dampers between points, likewise;
 //! - `composite`: the mass matrix; `coriolis`: the Coriolis matrix.
 //!
 //! What is no body is derived plainly and added.
 
 mod composite;
 mod coriolis;
+pub(super) mod force_element;
 mod gauge;
 pub(super) mod inertia;
 pub(super) mod linkage;
 pub(super) mod load;
 mod newton_euler;
 mod regroup;
-pub(super) mod spring;
 #[cfg(test)]
 mod trial;
 mod twist;
@@ -35,10 +35,11 @@ use crate::expr::{Expr, Symbol, Tangent, Vector, gradient};
 use super::lagrange::{Lagrange, add, at_rest, sub, transpose};
 use super::lift::Lifted;
 use super::{Energies, Rows, Symbols};
+use force_element::{Anchor, Held};
 use inertia::Inertia;
 use linkage::{Accelerations, Linkage};
 use load::Load;
-use spring::{Anchor, Held};
+use twist::Twist;
 use wrench::Wrench;
 
 /// Where the masses are.
@@ -59,18 +60,20 @@ pub(super) fn equations<'g>(
     symbols: &Symbols,
 ) -> Lagrange<'g> {
     let tree = Tree::new(lifted, masses, symbols);
-    let bias = add(&tree.forces(Accelerations::Zero), &rest.bias);
+    let bias = add(&tree.bias(), &rest.bias);
     let kinetic_energy = tree.kinetic_energy() + rest.kinetic_energy;
     // L with T written shorter.
     let lagrangian = energies.lagrangian - energies.kinetic + kinetic_energy;
-    let inverse_dynamics = add(&tree.forces(Accelerations::Given), &rest.inverse_dynamics);
-    let (residual, free_force) = match tree.loads.is_empty() {
-        true => (sub(&inverse_dynamics, &rest.generalized_force), free_force(&bias, rest)),
-        false => (
-            add(&tree.net_forces(Accelerations::Given), &rest.residual),
-            sub(&rest.free_force, &tree.net_forces(Accelerations::Zero)),
-        ),
+    let inverse_dynamics = add(&tree.inverse_dynamics(), &rest.inverse_dynamics);
+    let residual = match tree.loads.is_empty() {
+        true => sub(&inverse_dynamics, &rest.generalized_force),
+        false => add(&tree.net_forces(Accelerations::Given), &rest.residual),
     };
+    let free_force = match tree.is_free() {
+        true => free_force(&bias, rest),
+        false => sub(&rest.free_force, &tree.net_forces(Accelerations::Zero)),
+    };
+    let dissipation_force = gradient(energies.dissipation, &symbols.qd);
     Lagrange {
         kinetic_energy,
         potential_energy: energies.potential,
@@ -81,14 +84,14 @@ pub(super) fn equations<'g>(
         gravity: at_rest(&bias),
         inverse_dynamics,
         bias,
-        dissipation_force: rest.dissipation_force.clone(),
+        dissipation_force: cheaper(dissipation_force, add(&tree.dissipation_force(), &rest.dissipation_force)),
         generalized_force: cheaper(energies.forces.clone(), add(&tree.applied_forces(), &rest.generalized_force)),
         residual,
         free_force,
     }
 }
 
-/// `M q̈ + C q̇ + G` of the bodies less Q of the loads, for the coordinates from a number on.
+/// `M q̈ + C q̇ + G + ∂D/∂q̇` of the bodies less Q of the loads, for the coordinates from a number on.
 pub(super) fn net_forces<'g>(lifted: &Lifted<'g>, masses: Masses, symbols: &Symbols, first: usize) -> Vec<Expr<'g>> {
     let symbols = Symbols { q: symbols.q[first..].to_vec(), ..symbols.clone() };
     Tree::new(lifted, masses, &symbols).net_forces(Accelerations::Given)
@@ -108,10 +111,13 @@ fn free_force<'g>(bias: &[Expr<'g>], rest: &Lagrange<'g>) -> Vec<Expr<'g>> {
 struct Tree<'g> {
     linkage: Linkage<'g>,
     inertias: Vec<Inertia<'g>>,
+    /// What drags on the links, as masses whose T is D.
+    drags: Vec<Inertia<'g>>,
+    twists: Vec<Twist<'g>>,
     gravity: Vector<'g>,
     loads: Vec<Load<'g>>,
-    /// What terms of V pull with.
     springs: Vec<Load<'g>>,
+    dampers: Vec<Load<'g>>,
     /// The links behind a moving edge, in order.
     moving: Vec<usize>,
     /// `S = ∂s/∂q`, a row per moving edge, s its displacement.
@@ -125,38 +131,70 @@ impl<'g> Tree<'g> {
         let graph = lifted.gravity.0[0].graph();
         let turned = gauge::turned(&lifted.linkage, &lifted.inertias);
         let loads: Vec<Load<'g>> = lifted.loads.iter().map(|load| turned.load(load)).collect();
-        let anchors_of = |spring: &Held<'g>| spring.anchors.iter().map(|anchor| turned.anchor(anchor)).collect();
-        let anchors: Vec<Vec<Anchor<'g>>> = lifted.springs.iter().map(anchors_of).collect();
+        let anchored = |held: &[Held<'g>]| -> Vec<Vec<Anchor<'g>>> {
+            held.iter().map(|held| held.anchors.iter().map(|anchor| turned.anchor(anchor)).collect()).collect()
+        };
+        let (spring_anchors, damper_anchors) = (anchored(&lifted.springs), anchored(&lifted.dampers));
+        // The frames are turned alike: masses have no say in it.
+        let drags = gauge::turned(&lifted.linkage, &lifted.drags).inertias;
         let (linkage, inertias) = (turned.linkage, turned.inertias);
-        let inertias = match masses {
+        let grouped = |inertias: Vec<Inertia<'g>>| match masses {
             Masses::Regrouped => regroup::regrouped(&linkage, inertias),
             Masses::AsDeclared => inertias,
         };
-        let held = loads.iter().map(|load| load.link).chain(anchors.iter().flatten().map(|anchor| anchor.link));
+        let (inertias, drags) = (grouped(inertias), grouped(drags));
+        let anchors = spring_anchors.iter().chain(&damper_anchors).flatten().map(|anchor| anchor.link);
+        let dragged = (0..drags.len()).filter(|&link| !drags[link].is_zero());
+        let held = loads.iter().map(|load| load.link).chain(anchors).chain(dragged);
         let linkage = regroup::without_spin(&linkage, &inertias, held);
-        let springs = lifted.springs.iter().zip(&anchors);
-        let springs = springs.flat_map(|(held, anchors)| held.spring.loads(anchors, &linkage, graph)).collect();
+        let twists = twist::twists(&linkage, graph.integer(0));
+        let loads_of = |held: &[Held<'g>], anchors: &[Vec<Anchor<'g>>]| -> Vec<Load<'g>> {
+            let elements = held.iter().map(|held| &held.element).zip(anchors);
+            elements.flat_map(|(element, anchors)| element.loads(anchors, &linkage, &twists, graph)).collect()
+        };
+        let springs = loads_of(&lifted.springs, &spring_anchors);
+        let dampers = loads_of(&lifted.dampers, &damper_anchors);
         let displacement = |link: usize| linkage.links[link].edge?.displacement();
         let moving: Vec<usize> = (0..linkage.links.len()).filter(|&link| displacement(link).is_some()).collect();
         let joint_jacobian =
             moving.iter().filter_map(|&link| displacement(link)).map(|d| slope(d, &symbols.q)).collect();
         let gravity = lifted.gravity;
-        Tree { linkage, inertias, gravity, loads, springs, moving, joint_jacobian, coordinates: symbols.q.len() }
+        let coordinates = symbols.q.len();
+        Tree { linkage, inertias, drags, twists, gravity, loads, springs, dampers, moving, joint_jacobian, coordinates }
+    }
+
+    /// Whether nothing acts on the links that is neither inertia nor follows from V.
+    fn is_free(&self) -> bool {
+        self.loads.is_empty() && !self.is_damped()
+    }
+
+    fn is_damped(&self) -> bool {
+        !self.dampers.is_empty() || self.drags.iter().any(|drag| !drag.is_zero())
     }
 
     /// T of the bodies.
     fn kinetic_energy(&self) -> Expr<'g> {
-        twist::kinetic_energy(&self.linkage, &self.inertias)
+        twist::kinetic_energy(&self.inertias, &self.twists)
     }
 
-    /// `M q̈ + C q̇ + G` of the bodies and springs.
-    fn forces(&self, accelerations: Accelerations) -> Vec<Expr<'g>> {
-        self.swept_back(self.inertial(accelerations))
+    /// `C q̇ + G` of the bodies and springs.
+    fn bias(&self) -> Vec<Expr<'g>> {
+        self.swept_back(self.inertial(Accelerations::Zero))
+    }
+
+    /// `M q̈ + C q̇ + G + ∂D/∂q̇` of the bodies, springs and dampers.
+    fn inverse_dynamics(&self) -> Vec<Expr<'g>> {
+        self.swept_back(self.resisted(self.inertial(Accelerations::Given)))
     }
 
     /// The same less Q of the loads, in one sweep.
     fn net_forces(&self, accelerations: Accelerations) -> Vec<Expr<'g>> {
-        self.swept_back(less(self.inertial(accelerations), self.applied()))
+        self.swept_back(less(self.resisted(self.inertial(accelerations)), self.applied()))
+    }
+
+    /// `∂D/∂q̇` of the dampers.
+    fn dissipation_force(&self) -> Vec<Expr<'g>> {
+        self.swept_back(self.resisted(vec![Wrench::zero(self.gravity.0[0].graph()); self.linkage.links.len()]))
     }
 
     /// Q of the loads.
@@ -167,6 +205,16 @@ impl<'g> Tree<'g> {
     fn inertial(&self, accelerations: Accelerations) -> Vec<Wrench<'g>> {
         let inertial = newton_euler::wrenches(&self.linkage, &self.inertias, self.gravity, accelerations);
         if self.springs.is_empty() { inertial } else { less(inertial, self.wrenches(&self.springs)) }
+    }
+
+    /// These wrenches and those that it takes to move the links against drag and dampers.
+    fn resisted(&self, wrenches: Vec<Wrench<'g>>) -> Vec<Wrench<'g>> {
+        if !self.is_damped() {
+            return wrenches;
+        }
+        let drag = twist::momenta(&self.drags, &self.twists);
+        let dragged = wrenches.into_iter().zip(drag).map(|(wrench, drag)| wrench.plus(drag)).collect();
+        if self.dampers.is_empty() { dragged } else { less(dragged, self.wrenches(&self.dampers)) }
     }
 
     fn applied(&self) -> Vec<Wrench<'g>> {

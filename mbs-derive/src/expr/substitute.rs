@@ -30,8 +30,8 @@ pub fn substitute_into<'g>(
     roots.iter().map(|root| copies[root.id()]).collect()
 }
 
-/// A verbatim expression in another graph, cut where `cut` puts something else in the place of a node; `None` where it has time
-/// derivatives, or symbols that `allowed` does not let pass, besides.
+/// A verbatim expression in another verbatim graph, cut where `cut` puts something else in the place of a node; `None` where it
+/// has symbols besides that `allowed` does not let pass.
 pub fn cut<'g>(
     root: Expr<'_>,
     graph: &'g Graph,
@@ -49,7 +49,6 @@ pub fn cut<'g>(
         copies.insert(id, replaced);
         match verbatim.node(id) {
             _ if replaced.is_some() => {}
-            Node::Rate(_) => return None,
             Node::Symbol(symbol) if !allowed(symbol) => return None,
             node => waiting.extend(node.operands()),
         }

@@ -12,7 +12,7 @@ use crate::expr::graph::IdMap;
 use crate::expr::{Expr, HalfInteger, Id, Matrix, Node, Symbol, Vector};
 
 /// A world component of a place that is fixed in a frame.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Place<'g> {
     /// Along which axis of the world: 0, 1 or 2.
     pub axis: usize,
@@ -170,6 +170,11 @@ impl<'g> Landmarks<'g> {
     /// The place of which an expression is a world component.
     pub fn place(&self, expression: Id) -> Option<Place<'g>> {
         self.places.get(&expression).copied()
+    }
+
+    /// The place of whose velocity an expression is a world component.
+    pub fn velocity(&self, expression: Id) -> Option<Place<'g>> {
+        self.velocities.get(&expression).copied()
     }
 
     /// Components of places that add up, with factors that are constant in time, to `energy`, and the terms left over.

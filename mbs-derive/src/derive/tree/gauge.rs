@@ -6,10 +6,10 @@
 
 use crate::expr::{Expr, Graph, Matrix, Number, Vector};
 
+use super::force_element::Anchor;
 use super::inertia::Inertia;
 use super::linkage::{Edge, Link, Linkage};
 use super::load::Load;
-use super::spring::Anchor;
 
 /// The same mechanism, its frames turned so.
 pub(super) fn turned<'g>(linkage: &Linkage<'g>, inertias: &[Inertia<'g>]) -> Turned<'g> {

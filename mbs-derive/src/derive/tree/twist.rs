@@ -4,7 +4,7 @@ use crate::expr::{Expr, Vector};
 
 use super::inertia::Inertia;
 use super::linkage::{Edge, Linkage, rate};
-use super::wrench::turned_about;
+use super::wrench::{Wrench, turned_about};
 
 /// ω and the velocity of the origin, in the axes of the link.
 #[derive(Clone, Copy, Debug)]
@@ -47,10 +47,27 @@ impl<'g> Twist<'g> {
 }
 
 /// `Σ ½ m v·v + h·(v × ω) + ½ ωᵀ J ω` over the links.
-pub(super) fn kinetic_energy<'g>(linkage: &Linkage<'g>, inertias: &[Inertia<'g>]) -> Expr<'g> {
+pub(super) fn kinetic_energy<'g>(inertias: &[Inertia<'g>], twists: &[Twist<'g>]) -> Expr<'g> {
     let zero = inertias[0].mass.graph().integer(0);
-    let twists = twists(linkage, zero);
-    inertias.iter().zip(&twists).fold(zero, |sum, (inertia, twist)| sum + energy(inertia, twist))
+    inertias.iter().zip(twists).fold(zero, |sum, (inertia, twist)| sum + energy(inertia, twist))
+}
+
+/// `∂T/∂(v, ω)` of each link, a wrench: force `m v + ω × h`, couple `h × v + J ω`.
+pub(super) fn momenta<'g>(inertias: &[Inertia<'g>], twists: &[Twist<'g>]) -> Vec<Wrench<'g>> {
+    inertias.iter().zip(twists).map(|(inertia, twist)| momentum(inertia, twist)).collect()
+}
+
+fn momentum<'g>(inertia: &Inertia<'g>, twist: &Twist<'g>) -> Wrench<'g> {
+    let Twist { angular: w, linear: v } = *twist;
+    let second = &inertia.second;
+    let spin = |i: usize| {
+        let (j, k) = ((i + 1) % 3, (i + 2) % 3);
+        inertia.axial(i) * w.0[i] - (second.products[k] * w.0[j] + second.products[j] * w.0[k])
+    };
+    Wrench {
+        force: v.scale(inertia.mass) + w.cross(inertia.first),
+        couple: inertia.first.cross(v) + Vector([0, 1, 2].map(spin)),
+    }
 }
 
 fn energy<'g>(inertia: &Inertia<'g>, twist: &Twist<'g>) -> Expr<'g> {
