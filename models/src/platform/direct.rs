@@ -1,0 +1,269 @@
+//! Direct kinematics: the pose from the lengths of the legs, by Newton's method, damped and bounded.
+//!
+//! ```text
+//! f_i = (|R P_i + p − B_i|² − l_i²) / (2 l_i) = 0,   i = 0 … 5
+//! ```
+//!
+//! which is the leg's excess length, up to its square. The unknowns are the place `p` and a rotation matrix, which each step turns
+//! by a vector: no angle is evaluated between start and end, and none can be singular. A step that does not lessen `Σ f_i²` is
+//! halved. Steps are bounded in number, so that lengths which belong to no pose end in an error, not in an endless loop.
+//!
+//! A platform has up to forty poses with the same lengths (J.-P. Merlet, *Parallel Robots*, 2nd ed. 2006, section 4.3.2); the one
+//! found is that which the start leads to. In tracking a motion that is the last pose.
+
+use core::error::Error;
+use core::fmt;
+
+use mbs_runtime::Scalar;
+
+use super::geometry::attitude;
+use super::linear::Lu;
+use super::{Coordinates, LegVector, Platform, all_finite, cross, dot};
+
+/// A pose found.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DirectKinematics {
+    /// `(x, y, z, φ, θ, ψ)` \[m, rad\], θ between ±90°, φ and ψ between ±180°.
+    pub pose: Coordinates,
+    /// Steps that it took: solutions of six linear equations.
+    pub iterations: usize,
+    /// The largest difference of a leg's length at this pose from the length wanted \[m\].
+    pub residual: f64,
+}
+
+/// Why no pose was found.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum NotFound {
+    /// A length is not a positive number.
+    InvalidLength {
+        /// The leg, counted from 0.
+        leg: usize,
+        /// The length given \[m\].
+        length: f64,
+    },
+    /// A coordinate of the start is infinite or NaN.
+    NonFiniteStart,
+    /// The tolerance is not a positive number.
+    InvalidTolerance {
+        /// The tolerance given \[m\].
+        tolerance: f64,
+    },
+    /// The search came to a pose whose legs do not determine the next step.
+    Singular {
+        /// The pose.
+        pose: Coordinates,
+        /// Steps taken.
+        iterations: usize,
+        /// The largest `|f_i|` there \[m\].
+        residual: f64,
+    },
+    /// The steps allowed were used up, or no part of a step brought the lengths nearer: they may belong to no pose, or to one on
+    /// the other side of a singularity.
+    NotConverged {
+        /// The best pose.
+        pose: Coordinates,
+        /// Steps taken.
+        iterations: usize,
+        /// The largest `|f_i|` there \[m\].
+        residual: f64,
+    },
+}
+
+impl fmt::Display for NotFound {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match *self {
+            Self::InvalidLength { leg, length } => {
+                write!(f, "the length of leg {leg} must be positive, found {length}")
+            }
+            Self::NonFiniteStart => f.write_str("a coordinate of the start is infinite or NaN"),
+            Self::InvalidTolerance { tolerance } => write!(f, "the tolerance must be positive, found {tolerance}"),
+            Self::Singular { iterations, residual, .. } => {
+                write!(f, "singular pose after {iterations} steps, {residual:e} m off")
+            }
+            Self::NotConverged { iterations, residual, .. } => {
+                write!(f, "no pose found in {iterations} steps, lengths are {residual:e} m off")
+            }
+        }
+    }
+}
+
+impl Error for NotFound {}
+
+/// How the pose is searched.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Newton {
+    /// The largest `|f_i|` of a pose that is taken \[m\]; never less than what rounding leaves of the lengths.
+    pub tolerance: f64,
+    /// The most steps.
+    pub iterations: usize,
+}
+
+impl Default for Newton {
+    /// To 1e-13 m, in 50 steps.
+    fn default() -> Self {
+        Self { tolerance: 1e-13, iterations: 50 }
+    }
+}
+
+/// How often a step is halved at most.
+const HALVINGS: usize = 10;
+/// Rounding of `f_i`, as a part of the longest leg.
+const ROUNDING: f64 = 4.0 * f64::EPSILON;
+
+impl Platform {
+    /// The pose at which the legs have these lengths \[m\]: [`Newton::solve`] with its default options.
+    ///
+    /// # Errors
+    /// [`NotFound`].
+    pub fn direct(&self, lengths: &LegVector, start: &Coordinates) -> Result<DirectKinematics, NotFound> {
+        Newton::default().solve(self, lengths, start)
+    }
+}
+
+impl Newton {
+    /// The pose at which the legs have these lengths, searched from `start`.
+    ///
+    /// | argument  | meaning                     | unit   |
+    /// |-----------|-----------------------------|--------|
+    /// | `lengths` | of the legs                 | m      |
+    /// | `start`   | a pose near the one wanted  | m, rad |
+    ///
+    /// # Errors
+    /// [`NotFound::NotConverged`] after [`iterations`](Newton::iterations) steps at the latest; [`NotFound::Singular`] where the
+    /// search comes to a singular pose; else what is wrong with the input.
+    ///
+    /// # Source
+    /// Thesis, equation (4.5), solved as it proposes, by Newton and Raphson, with damping and an end.
+    pub fn solve(
+        &self,
+        platform: &Platform,
+        lengths: &LegVector,
+        start: &Coordinates,
+    ) -> Result<DirectKinematics, NotFound> {
+        if let Some(leg) = lengths.iter().position(|length| !(*length > 0.0 && length.is_finite())) {
+            return Err(NotFound::InvalidLength { leg, length: lengths[leg] });
+        }
+        if !all_finite(&[start]) {
+            return Err(NotFound::NonFiniteStart);
+        }
+        if !(self.tolerance > 0.0 && self.tolerance.is_finite()) {
+            return Err(NotFound::InvalidTolerance { tolerance: self.tolerance });
+        }
+        let longest = lengths.iter().fold(0.0, |longest: f64, length| longest.max(*length));
+        let tolerance = self.tolerance.max(ROUNDING * longest);
+        let reciprocal = lengths.map(|length| 1.0 / length);
+        let excess = |at: &Place| platform.excess(at, lengths, &reciprocal);
+
+        let mut place = Place { position: [start[0], start[1], start[2]], rotation: attitude(start) };
+        let mut now = excess(&place);
+        let mut iterations = 0;
+        // The merit is NaN where a square overflows, and then nothing is nearer.
+        while !(now.largest <= tolerance) {
+            if iterations == self.iterations {
+                return Err(NotFound::NotConverged { pose: place.pose(), iterations, residual: now.largest });
+            }
+            let Some(lu) = Lu::new(now.jacobian(&reciprocal)) else {
+                return Err(NotFound::Singular { pose: place.pose(), iterations, residual: now.largest });
+            };
+            let step = lu.solve(&now.f);
+            iterations += 1;
+            let nearer = (0..=HALVINGS).find_map(|halvings| {
+                let part = 1.0 / (1_u32 << halvings) as f64;
+                let trial = place.moved(&step, -part);
+                let then = excess(&trial);
+                (then.merit < now.merit || then.largest <= tolerance).then_some((trial, then))
+            });
+            let Some((trial, then)) = nearer else {
+                return Err(NotFound::NotConverged { pose: place.pose(), iterations, residual: now.largest });
+            };
+            (place, now) = (trial, then);
+        }
+        let residual = (0..6).fold(0.0, |largest: f64, i| {
+            largest.max((Scalar::sqrt(dot(&now.vector[i], &now.vector[i])) - lengths[i]).abs())
+        });
+        Ok(DirectKinematics { pose: place.pose(), iterations, residual })
+    }
+}
+
+/// Where the platform is, without angles.
+#[derive(Clone, Copy)]
+struct Place {
+    position: [f64; 3],
+    rotation: [[f64; 3]; 3],
+}
+
+/// The legs at a place, and how far their lengths are off.
+struct Excess {
+    /// `L_i = R P_i + p − B_i`
+    vector: [[f64; 3]; 6],
+    /// `R P_i`
+    lever: [[f64; 3]; 6],
+    /// `f_i`
+    f: [f64; 6],
+    /// The largest `|f_i|`, NaN where one is.
+    largest: f64,
+    /// `Σ f_i²`
+    merit: f64,
+}
+
+impl Platform {
+    #[inline]
+    fn excess(&self, at: &Place, lengths: &LegVector, reciprocal: &LegVector) -> Excess {
+        let geometry = self.geometry();
+        // The joints are in the plane z = 0 of their plates: (4.2).
+        let lever = geometry.platform.map(|[x, y, _]| at.rotation.map(|row| row[0] * x + row[1] * y));
+        let vector: [[f64; 3]; 6] = core::array::from_fn(|i| {
+            core::array::from_fn(|axis| at.position[axis] + lever[i][axis] - geometry.base[i][axis])
+        });
+        let f: [f64; 6] =
+            core::array::from_fn(|i| 0.5 * (dot(&vector[i], &vector[i]) - lengths[i] * lengths[i]) * reciprocal[i]);
+        let (mut largest, mut merit) = (0.0, 0.0);
+        for f in f {
+            merit += f * f;
+            largest = if f.abs() <= largest { largest } else { f.abs() + 0.0 * largest };
+        }
+        Excess { vector, lever, f, largest, merit }
+    }
+}
+
+impl Excess {
+    /// Rows `∂f_i/∂(p, rotation vector) = [L_i, R P_i × L_i] / l_i`.
+    #[inline]
+    fn jacobian(&self, reciprocal: &LegVector) -> [[f64; 6]; 6] {
+        core::array::from_fn(|i| {
+            let u = self.vector[i].map(|component| component * reciprocal[i]);
+            let moment = cross(&self.lever[i], &u);
+            [u[0], u[1], u[2], moment[0], moment[1], moment[2]]
+        })
+    }
+}
+
+impl Place {
+    /// Moved by `part` of the step: shifted, and turned about `w = part · step[3..]` by Cayley's rotation
+    /// `1 + (w× + ½ (w×)²) / (1 + ¼ |w|²)`, whose angle is `2 atan(|w|/2)`.
+    #[inline]
+    fn moved(&self, step: &[f64; 6], part: f64) -> Self {
+        let w = [part * step[3], part * step[4], part * step[5]];
+        let scale = 1.0 / (1.0 + 0.25 * dot(&w, &w));
+        let column = |j: usize| {
+            let r = [self.rotation[0][j], self.rotation[1][j], self.rotation[2][j]];
+            let once = cross(&w, &r);
+            let twice = cross(&w, &once);
+            [0, 1, 2].map(|i| r[i] + scale * (once[i] + 0.5 * twice[i]))
+        };
+        let [a, b, c] = [column(0), column(1), column(2)];
+        Self {
+            position: [0, 1, 2].map(|i| self.position[i] + part * step[i]),
+            rotation: [0, 1, 2].map(|i| [a[i], b[i], c[i]]),
+        }
+    }
+
+    fn pose(&self) -> Coordinates {
+        let r = &self.rotation;
+        // cos θ as the length of the row, so that θ is accurate near ±90°.
+        let phi = Scalar::atan2(r[2][1], r[2][2]);
+        let theta = Scalar::atan2(-r[2][0], Scalar::sqrt(r[2][1] * r[2][1] + r[2][2] * r[2][2]));
+        let psi = Scalar::atan2(r[1][0], r[0][0]);
+        [self.position[0], self.position[1], self.position[2], phi, theta, psi]
+    }
+}

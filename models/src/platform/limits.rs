@@ -1,0 +1,234 @@
+//! What the actuators allow: stroke, speed and force; and where a motion exceeds it.
+
+use core::fmt;
+
+use super::{Coordinates, LegVector, Motion, Platform, PoseError};
+
+/// Bounds of every leg.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ActuatorLimits {
+    /// Length of a leg whose piston is all in \[m\].
+    pub shortest: f64,
+    /// Length of a leg whose piston is all out \[m\].
+    pub longest: f64,
+    /// Largest magnitude of the rate of a length \[m/s\].
+    pub speed: f64,
+    /// Largest magnitude of a force \[N\].
+    pub force: f64,
+}
+
+impl ActuatorLimits {
+    /// 1.05 m to 1.70 m, 0.6 m/s, 10 kN.
+    ///
+    /// # Source
+    /// Assumed, of the size that a payload of 1500 kg asks for: no data of the manufacturer was at hand.
+    pub const PS_6TL_1500: Self = Self { shortest: 1.05, longest: 1.70, speed: 0.6, force: 10e3 };
+
+    /// Whether a leg of this length \[m\] is within the stroke; false for NaN.
+    #[must_use]
+    pub fn admits(&self, length: f64) -> bool {
+        self.shortest <= length && length <= self.longest
+    }
+
+    /// The forces \[N\], each cut to what the actuator gives.
+    #[must_use]
+    pub fn saturated(&self, forces: &LegVector) -> LegVector {
+        // Where a force is NaN it stays so: `clamp` keeps it.
+        forces.map(|force| force.clamp(-self.force, self.force))
+    }
+
+    /// What of these legs exceeds the limits, in order of legs.
+    pub fn violations(self, time: f64, legs: LegState) -> impl Iterator<Item = Violation> {
+        (0..6).flat_map(move |leg| {
+            Quantity::ALL.into_iter().filter_map(move |quantity| {
+                let (value, limit) = match quantity {
+                    Quantity::TooShort => (legs.length[leg], self.shortest),
+                    Quantity::TooLong => (legs.length[leg], self.longest),
+                    Quantity::Speed => (legs.rate[leg], self.speed),
+                    Quantity::Force => (legs.force[leg], self.force),
+                };
+                let violation = Violation { leg, quantity, time, value, limit };
+                // What is NaN is not within.
+                (!(violation.excess() <= 0.0)).then_some(violation)
+            })
+        })
+    }
+}
+
+/// Which limit is exceeded.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Quantity {
+    /// The length is below the stroke.
+    TooShort,
+    /// The length is above the stroke.
+    TooLong,
+    /// The rate of the length.
+    Speed,
+    /// The force.
+    Force,
+}
+
+impl Quantity {
+    /// All of them.
+    pub const ALL: [Self; 4] = [Self::TooShort, Self::TooLong, Self::Speed, Self::Force];
+
+    /// `m`, `m/s` or `N`.
+    #[must_use]
+    pub fn unit(self) -> &'static str {
+        match self {
+            Self::TooShort | Self::TooLong => "m",
+            Self::Speed => "m/s",
+            Self::Force => "N",
+        }
+    }
+}
+
+impl fmt::Display for Quantity {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::TooShort | Self::TooLong => "stroke",
+            Self::Speed => "speed",
+            Self::Force => "force",
+        })
+    }
+}
+
+/// A limit that a leg exceeds at a moment.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Violation {
+    /// The leg, counted from 0.
+    pub leg: usize,
+    /// Which limit.
+    pub quantity: Quantity,
+    /// When \[s\].
+    pub time: f64,
+    /// What the leg has: m, m/s or N.
+    pub value: f64,
+    /// What it may have.
+    pub limit: f64,
+}
+
+impl Violation {
+    /// By how much the limit is exceeded; negative where it is kept.
+    #[must_use]
+    pub fn excess(&self) -> f64 {
+        match self.quantity {
+            Quantity::TooShort => self.limit - self.value,
+            Quantity::TooLong => self.value - self.limit,
+            Quantity::Speed | Quantity::Force => self.value.abs() - self.limit,
+        }
+    }
+}
+
+impl fmt::Display for Violation {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { leg, quantity, time, value, limit } = self;
+        let unit = quantity.unit();
+        write!(f, "t = {time:.3} s, leg {}: {quantity} {value:.4} {unit}, the limit is {limit} {unit}", leg + 1)
+    }
+}
+
+/// What the legs do at a moment.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LegState {
+    /// Lengths \[m\].
+    pub length: LegVector,
+    /// Their rates \[m/s\].
+    pub rate: LegVector,
+    /// Forces \[N\].
+    pub force: LegVector,
+}
+
+/// Where a motion exceeds one limit of one leg.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Excess {
+    /// The first sample at which it does.
+    pub first: Violation,
+    /// The sample at which it does most.
+    pub worst: Violation,
+}
+
+/// What a motion asks of the platform.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Survey {
+    /// By leg and [`Quantity::ALL`]; `None` where the limit is kept.
+    pub excesses: [[Option<Excess>; 4]; 6],
+    /// Shortest and longest length of any leg \[m\].
+    pub length: [f64; 2],
+    /// The largest speed of any leg \[m/s\].
+    pub speed: f64,
+    /// The largest magnitude of any force \[N\].
+    pub force: f64,
+    /// The largest condition of the Jacobian by twists, and when \[s\].
+    pub condition: (f64, f64),
+}
+
+impl Survey {
+    /// True where no limit is exceeded.
+    #[must_use]
+    pub fn is_clear(&self) -> bool {
+        self.excesses.as_flattened().iter().all(Option::is_none)
+    }
+}
+
+impl Platform {
+    /// Lengths, rates and forces of the legs for an imposed motion.
+    ///
+    /// # Errors
+    /// [`PoseError`].
+    pub fn leg_state(&self, q: &Coordinates, qd: &Coordinates, qdd: &Coordinates) -> Result<LegState, PoseError> {
+        Ok(LegState { length: self.lengths(q)?, rate: self.leg_rates(q, qd)?, force: self.leg_forces(q, qd, qdd)? })
+    }
+
+    /// Whether the pose is in the workspace: all lengths within the stroke, and the pose not singular.
+    ///
+    /// # Errors
+    /// [`PoseError::NonFinite`], [`PoseError::ZeroLength`].
+    pub fn reaches(&self, q: &Coordinates) -> Result<bool, PoseError> {
+        let within = self.lengths(q)?.iter().all(|&length| self.limits.admits(length));
+        Ok(within && !self.regularity(q)?.is_singular())
+    }
+
+    /// What the motion asks of the legs, sampled at `0, step, 2 step, …` up to `end` \[s\].
+    ///
+    /// # Errors
+    /// [`PoseError`] of the first sample that has no legs or no forces.
+    pub fn survey(&self, motion: &Motion, end: f64, step: f64) -> Result<Survey, PoseError> {
+        let mut survey = Survey {
+            excesses: [[None; 4]; 6],
+            length: [f64::INFINITY, f64::NEG_INFINITY],
+            speed: 0.0,
+            force: 0.0,
+            condition: (0.0, 0.0),
+        };
+        let mut sample = 0_u32;
+        loop {
+            let t = f64::from(sample) * step;
+            // A step of zero or NaN is one sample.
+            if sample > 0 && !(t <= end && step > 0.0) {
+                return Ok(survey);
+            }
+            let [q, qd, qdd] = motion.at(t);
+            let legs = self.leg_state(&q, &qd, &qdd)?;
+            for leg in 0..6 {
+                survey.length[0] = survey.length[0].min(legs.length[leg]);
+                survey.length[1] = survey.length[1].max(legs.length[leg]);
+                survey.speed = survey.speed.max(legs.rate[leg].abs());
+                survey.force = survey.force.max(legs.force[leg].abs());
+            }
+            let condition = self.regularity(&q)?.condition;
+            if condition > survey.condition.0 {
+                survey.condition = (condition, t);
+            }
+            for violation in self.limits.violations(t, legs) {
+                let place = Quantity::ALL.iter().position(|quantity| *quantity == violation.quantity).unwrap_or(0);
+                let excess = &mut survey.excesses[violation.leg][place];
+                let known = excess.get_or_insert(Excess { first: violation, worst: violation });
+                if violation.excess() > known.worst.excess() {
+                    known.worst = violation;
+                }
+            }
+            sample += 1;
+        }
+    }
+}
