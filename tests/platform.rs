@@ -545,7 +545,8 @@ fn motions_beyond_the_limits_are_flagged_with_leg_and_time() {
 #[test]
 fn computed_torque_makes_the_errors_oscillators() {
     let platform = Platform::default();
-    let (control, omega) = (ComputedTorque::critically_damped(5.0).unwrap(), 5.0);
+    let omega = 5.0_f64;
+    let control = ComputedTorque::critically_damped(omega).unwrap();
     let motion = Motion::COMBINED;
     let [reference, rate, _] = motion.at(0.0);
     let off = [0.02, -0.03, 0.01, 0.05, -0.04, 0.03];
