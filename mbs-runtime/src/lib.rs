@@ -143,6 +143,8 @@ pub use serde;
 #[cfg(feature = "wide")]
 pub use wide;
 
+#[cfg(any(feature = "std", feature = "libm"))]
+pub mod attitude;
 pub mod constraint;
 mod dual;
 pub mod dynamics;
