@@ -151,6 +151,8 @@ pub mod dynamics;
 mod error;
 pub mod event;
 pub mod integrator;
+#[cfg(any(feature = "std", feature = "libm"))]
+pub mod inverse_kinematics;
 mod matrix;
 mod mechanism;
 mod scalar;

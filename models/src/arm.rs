@@ -5,6 +5,8 @@
 //! |-------------------|-----------------------------------------------------------------------------------------------|
 //! | (3.1)–(3.4)       | [`Arm::pose`]: direct kinematics                                                              |
 //! | (3.5)–(3.12)      | [`inverse`]: all configurations of a pose, in closed form; [`printed`]: the formulas as printed |
+//! | (3.13)–(3.16)     | [`jacobian`]: of the flange and of the mass centres; singularities, velocities, forces        |
+//! | (3.17)–(3.19)     | [`irb7600`](crate::irb7600), generated; [`control`] by it; [`limits`] of the drives           |
 //!
 //! Angles are those of Denavit and Hartenberg \[rad\], as in the thesis' tables: the second is the robot's own angle minus
 //! 90°. Positions are in m, axes those of the base, z up.
@@ -26,7 +28,9 @@
 //! # Source
 //! Doctoral thesis *Dynamics of multibody systems in a gravitational field*, chapter 3.
 
+pub mod control;
 pub mod inverse;
+pub mod jacobian;
 pub mod limits;
 pub mod printed;
 
