@@ -246,3 +246,163 @@ fn cofactors(x: &Matrix3<f64>) -> Matrix3<f64> {
     let [a, b, c] = [x.column(0), x.column(1), x.column(2)];
     Matrix3::from_columns(&[b.cross(&c), c.cross(&a), a.cross(&b)])
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use core::f64::consts::PI;
+    use nalgebra::{UnitQuaternion, UnitVector3};
+
+    /// From nothing to half a turn, dense at both ends.
+    const ANGLES: [f64; 22] = [
+        0.0,
+        1e-300,
+        1e-160,
+        1e-20,
+        1e-12,
+        1e-9,
+        1e-6,
+        1e-3,
+        0.1,
+        0.5,
+        1.0,
+        PI / 2.0,
+        2.0 * PI / 3.0,
+        2.5,
+        3.0,
+        PI - 1e-3,
+        PI - 1e-6,
+        PI - 1e-9,
+        PI - 1e-12,
+        PI - 1e-14,
+        PI - 1e-15,
+        PI,
+    ];
+
+    /// The axes of the world and its diagonals, in all senses, and others near them.
+    fn axes() -> impl Iterator<Item = UnitVector3<f64>> {
+        let components = [-1.0, -0.3, -1e-9, 0.0, 1e-17, 0.7, 1.0];
+        components
+            .into_iter()
+            .flat_map(move |x| {
+                components.into_iter().flat_map(move |y| components.into_iter().map(move |z| Vector3::new(x, y, z)))
+            })
+            .filter(|axis| axis.norm() > 0.1)
+            .map(UnitVector3::new_normalize)
+    }
+
+    fn largest(matrix: Matrix3<f64>) -> f64 {
+        matrix.iter().fold(0.0, |largest, x| if x.abs() <= largest { largest } else { x.abs() })
+    }
+
+    #[test]
+    fn exp_is_the_rotation_of_the_quaternion() {
+        for axis in axes() {
+            for angle in ANGLES {
+                let want = UnitQuaternion::from_axis_angle(&axis, angle).to_rotation_matrix();
+                let found = exp(&(axis.into_inner() * angle));
+                let error = largest(found - want.matrix());
+                assert!(error < 1e-15, "{axis:?} by {angle}: {error:e}");
+            }
+        }
+    }
+
+    #[test]
+    fn log_is_the_rotation_vector_of_the_quaternion() {
+        for axis in axes() {
+            for angle in ANGLES {
+                let rotation = UnitQuaternion::from_axis_angle(&axis, angle).to_rotation_matrix();
+                let found = log(rotation.matrix());
+                let want = axis.into_inner() * angle;
+                // Within rounding of half a turn both senses are right.
+                let error = if angle > PI - 4e-16 {
+                    (found - want).amax().min((found + want).amax())
+                } else {
+                    (found - want).amax()
+                };
+                assert!(error < 1e-15 * angle.clamp(1e-3, 1.0), "{axis:?} by {angle}: {error:e}");
+                assert!(found.norm() <= PI * (1.0 + f64::EPSILON));
+            }
+        }
+    }
+
+    #[test]
+    fn log_inverts_exp() {
+        for axis in axes() {
+            for angle in ANGLES {
+                let vector = axis.into_inner() * angle;
+                let found = log(&exp(&vector));
+                let error = if angle > PI - 4e-16 {
+                    (found - vector).amax().min((found + vector).amax())
+                } else {
+                    (found - vector).amax()
+                };
+                assert!(error < 1e-15, "{axis:?} by {angle}: {error:e}");
+                // Of small rotations all digits come back.
+                assert!(angle > 1e-6 || error <= 4.0 * f64::EPSILON * angle, "{axis:?} by {angle}: {error:e}");
+            }
+        }
+    }
+
+    #[test]
+    fn ends_are_exact() {
+        assert_eq!(exp(&Vector3::zeros()), Matrix3::identity());
+        assert_eq!(log(&Matrix3::identity()), Vector3::zeros());
+        for i in 0..3 {
+            let half_turn = Matrix3::from_fn(|row, column| match (row == column, row == i) {
+                (true, true) => 1.0,
+                (true, false) => -1.0,
+                (false, _) => 0.0,
+            });
+            let vector = Vector3::from_fn(|row, _| if row == i { PI } else { 0.0 });
+            assert_eq!(log(&half_turn), vector);
+        }
+        // Half a turn about the diagonal of x and y exchanges them.
+        let exchange = Matrix3::new(0.0, 1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, -1.0);
+        let diagonal = Vector3::new(1.0, 1.0, 0.0) * (PI / Scalar::sqrt(2.0_f64));
+        assert!((log(&exchange) - diagonal).amax() < 1e-15);
+    }
+
+    #[test]
+    fn more_than_a_turn() {
+        let vector = Vector3::new(0.6, -0.8, 0.0) * (2.0 * PI + 0.5);
+        assert!((log(&exp(&vector)) - Vector3::new(0.3, -0.4, 0.0)).amax() < 1e-14);
+    }
+
+    #[test]
+    fn the_nearest_rotation() {
+        for axis in axes().step_by(7) {
+            let rotation = exp(&(axis.into_inner() * 2.0));
+            // A stretch: symmetric, positive. The polar decomposition takes it off again.
+            let stretch = Matrix3::new(1.0003, 1e-4, -2e-4, 1e-4, 0.9998, 3e-4, -2e-4, 3e-4, 1.0001);
+            let found = orthonormalized(&(rotation * stretch)).expect("within the tolerance");
+            assert!(largest(found - rotation) < 1e-15);
+            assert!(check_rotation(&found, 2e-15).is_ok());
+            // Far from orthogonal, where that is allowed.
+            let large = Matrix3::new(3.0, 0.5, 0.0, 0.5, 0.2, 0.1, 0.0, 0.1, 7.0);
+            let found = orthonormalized_within(&(rotation * large), 100.0).expect("within the tolerance");
+            assert!(largest(found - rotation) < 1e-13);
+        }
+        let exact = exp(&Vector3::new(0.1, -0.7, 0.4));
+        assert_eq!(orthonormalized(&exact), Ok(exact), "what is a rotation stays as it is");
+    }
+
+    #[test]
+    fn what_is_no_rotation_is_refused() {
+        let rotation = exp(&Vector3::new(0.3, 0.2, -0.5));
+        let mut broken = rotation;
+        broken[(1, 2)] = f64::NAN;
+        assert_eq!(orthonormalized(&broken), Err(NotARotation::NonFinite { row: 1, column: 2 }));
+        broken[(0, 0)] = f64::INFINITY;
+        assert_eq!(orthonormalized(&broken), Err(NotARotation::NonFinite { row: 0, column: 0 }));
+        let mirrored = orthonormalized(&(-rotation));
+        assert!(matches!(mirrored, Err(NotARotation::Reflection { determinant }) if (determinant + 1.0).abs() < 1e-15));
+        let stretched = orthonormalized(&(1.01 * rotation));
+        assert!(
+            matches!(stretched, Err(NotARotation::NotOrthogonal { error, tolerance }) if (error - 0.0201).abs() < 1e-12 && tolerance == ROTATION_TOLERANCE)
+        );
+        assert_eq!(orthonormalized(&Matrix3::zeros()), Err(NotARotation::Reflection { determinant: 0.0 }));
+        let columns_alike = Matrix3::from_columns(&[Vector3::x(), Vector3::x(), Vector3::z()]);
+        assert!(matches!(orthonormalized(&columns_alike), Err(NotARotation::Reflection { determinant: 0.0 })));
+    }
+}

@@ -355,3 +355,130 @@ impl<const N: usize> Evaluation<N> {
         self.cost.is_finite() && self.jacobian.iter().flatten().all(|entry| entry.is_finite())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use core::f64::consts::PI;
+
+    /// Two links of one metre in the x, y plane, and a hand that turns.
+    fn planar(q: &[f64; 3]) -> (Pose<f64>, [[f64; 3]; 6]) {
+        let [(s1, c1), (s12, c12), (s, c)] = [q[0], q[0] + q[1], q[0] + q[1] + q[2]].map(Scalar::sin_cos);
+        let pose = Pose { position: [c1 + c12, s1 + s12, 0.0], rotation: [[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]] };
+        let mut jacobian = [[0.0; 3]; 6];
+        jacobian[0] = [-s1 - s12, -s12, 0.0];
+        jacobian[1] = [c1 + c12, c12, 0.0];
+        jacobian[5] = [1.0; 3];
+        (pose, jacobian)
+    }
+
+    /// The same with a fourth link of half a metre between: one coordinate more than needed.
+    fn redundant(q: &[f64; 4]) -> (Pose<f64>, [[f64; 4]; 6]) {
+        let mut angle = 0.0;
+        let mut position = [0.0; 3];
+        let mut jacobian = [[0.0; 4]; 6];
+        for (i, length) in [1.0, 0.5, 1.0, 0.0].into_iter().enumerate() {
+            angle += q[i];
+            let (s, c) = Scalar::sin_cos(angle);
+            position[0] += length * c;
+            position[1] += length * s;
+            for k in 0..=i {
+                jacobian[0][k] -= length * s;
+                jacobian[1][k] += length * c;
+            }
+            jacobian[5][i] = 1.0;
+        }
+        let (s, c) = Scalar::sin_cos(angle);
+        (Pose { position, rotation: [[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]] }, jacobian)
+    }
+
+    fn difference(a: &Pose<f64>, b: &Pose<f64>) -> f64 {
+        let entries = |pose: &Pose<f64>| [pose.position, pose.rotation[0], pose.rotation[1], pose.rotation[2]];
+        let (a, b) = (entries(a), entries(b));
+        a.iter().flatten().zip(b.iter().flatten()).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+    }
+
+    #[test]
+    fn a_regular_pose_is_found_in_a_few_steps() {
+        let (target, _) = planar(&[0.4, -1.1, 2.0]);
+        let solver = DampedLeastSquares { position_tolerance: 1e-13, rotation_tolerance: 1e-13, ..Default::default() };
+        let found = solver.solve(planar, &target, &[0.0, -0.5, 1.5]).expect("reached");
+        assert!(difference(&planar(&found.q).0, &target) < 1e-13);
+        assert!(found.evaluations <= 10, "{}", found.evaluations);
+    }
+
+    #[test]
+    fn a_redundant_mechanism_has_a_solution_near_the_guess() {
+        let guess = [0.3, 0.4, -0.2, 0.1];
+        let (target, _) = redundant(&[0.35, 0.3, -0.1, 0.2]);
+        let found = DampedLeastSquares::default().solve(redundant, &target, &guess).expect("reached");
+        assert!(difference(&redundant(&found.q).0, &target) < 1e-10);
+        assert!(found.q.iter().zip(guess).all(|(q, guess)| (q - guess).abs() < 0.3));
+    }
+
+    #[test]
+    fn a_singular_guess_is_left() {
+        // Stretched, a pull inwards moves nothing to first order; sideways it does.
+        let (target, _) = planar(&[0.2, 1.0, -0.3]);
+        let found = DampedLeastSquares::default().solve(planar, &target, &[0.0, 0.0, 0.0]).expect("reached");
+        assert!(difference(&planar(&found.q).0, &target) < 1e-9);
+    }
+
+    #[test]
+    fn out_of_reach_the_best_is_told() {
+        let target = Pose { position: [2.5, 0.0, 0.0], ..planar(&[0.0; 3]).0 };
+        let best = match DampedLeastSquares::default().solve(planar, &target, &[0.3, 0.4, -0.5]) {
+            Err(NotReached::Stationary(best) | NotReached::TooManyEvaluations(best)) => best,
+            other => panic!("{other:?}"),
+        };
+        assert!((best.position_error - 0.5).abs() < 1e-3, "{best:?}");
+        assert!(best.evaluations <= DampedLeastSquares::<3>::default().evaluations);
+    }
+
+    #[test]
+    fn limits_hold() {
+        // Elbow up is forbidden: the other configuration is found from the other side of it, or nothing.
+        let (target, _) = planar(&[0.2, 1.0, -0.3]);
+        let within = DampedLeastSquares { upper: [PI, 0.0, PI], lower: [-PI; 3], ..Default::default() };
+        let found = within.solve(planar, &target, &[0.9, -0.4, 0.0]).expect("reached with the elbow down");
+        assert!((found.q[1] + 1.0).abs() < 1e-8, "{found:?}");
+        // No configuration has the second joint within these.
+        let narrow = DampedLeastSquares { upper: [PI, 0.5, PI], lower: [-PI, 0.2, -PI], ..Default::default() };
+        match narrow.solve(planar, &target, &[0.2, 0.3, -0.3]) {
+            Err(NotReached::AtLimits { best, held }) => {
+                assert_eq!(held, [false, true, false]);
+                assert_eq!(best.q[1], 0.5);
+                assert!(best.position_error > 0.05);
+            }
+            other => panic!("{other:?}"),
+        }
+        // A guess beyond the limits starts at them.
+        let found = within.solve(planar, &target, &[0.9, 3.0, 0.0]);
+        assert!(found.is_ok_and(|found| found.q[1] <= 0.0));
+    }
+
+    #[test]
+    fn bad_input_is_refused() {
+        let (target, _) = planar(&[0.4, -1.1, 2.0]);
+        let solver = DampedLeastSquares::default();
+        let guess = [0.0, 1.0, 0.0];
+        let nowhere = Pose { position: [0.0, f64::NAN, 0.0], ..target };
+        assert_eq!(solver.solve(planar, &nowhere, &guess), Err(NotReached::NonFiniteTarget { component: 1 }));
+        let mirror = Pose { rotation: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, -1.0]], ..target };
+        let reflection = NotReached::Rotation(NotARotation::Reflection { determinant: -1.0 });
+        assert_eq!(solver.solve(planar, &mirror, &guess), Err(reflection));
+        let found = solver.solve(planar, &target, &[0.0, f64::NAN, 0.0]);
+        assert!(matches!(found, Err(NotReached::InvalidLimits { coordinate: 1, .. })), "{found:?}");
+        let crossed = DampedLeastSquares { lower: [1.0; 3], upper: [1.0, 1.0, 0.0], ..Default::default() };
+        let found = crossed.solve(planar, &target, &guess);
+        assert_eq!(found, Err(NotReached::InvalidLimits { coordinate: 2, lower: 1.0, guess: 0.0, upper: 0.0 }));
+        let exact = DampedLeastSquares { rotation_tolerance: 0.0, ..Default::default() };
+        let found = exact.solve(planar, &target, &guess);
+        assert_eq!(found, Err(NotReached::InvalidTolerance { position: 1e-10, rotation: 0.0, length: 1.0 }));
+        let nan = |_: &[f64; 3]| (target, [[f64::NAN; 3]; 6]);
+        assert_eq!(solver.solve(nan, &target, &guess), Err(NotReached::NonFinite { q: guess }));
+        let short = DampedLeastSquares { evaluations: 2, ..Default::default() };
+        let found = short.solve(planar, &target, &guess);
+        assert!(matches!(found, Err(NotReached::TooManyEvaluations(best)) if best.evaluations == 2), "{found:?}");
+    }
+}
