@@ -1,6 +1,8 @@
 //! Trajectories of the IRB 7600: the thesis' Table 2 against its reference values, extrema and continuity, limits, work,
 //! the fastest motion along a path, and what is refused.
 
+#[path = "arm_trajectory/cartesian.rs"]
+mod cartesian;
 #[path = "arm_trajectory/polynomials.rs"]
 mod polynomials;
 #[path = "arm_trajectory/refused.rs"]

@@ -8,6 +8,7 @@
 #[cfg(feature = "std")]
 extern crate std;
 
+#[cfg(any(feature = "std", feature = "libm"))]
 pub mod arm;
 
 include!(concat!(env!("OUT_DIR"), "/mechanisms.rs"));

@@ -9,8 +9,9 @@
 //! | [`through`] | degrees 4, 3 … 3, 4 | points with times, C² |
 //! | [`time_optimal::retime`] | the fastest motion along a path | limits of speed, acceleration and torque |
 //! | [`cartesian`] | the flange along a straight line | one branch of the inverse kinematics |
+//! | [`AlongPath`] | along a path by a law of time | |
 //!
-//! The first five are [`Piecewise`] polynomials: [`Motion::at`] evaluates q, q̇ and q̈, and extrema are found exactly,
+//! The first five rows are [`Piecewise`] polynomials: [`Motion::at`] evaluates q, q̇ and q̈, and extrema are found exactly,
 //! from the zeros of derivatives. [`work`] integrates the work and the effort of any [`Motion`]; [`sign_change`] finds where a
 //! function of the posture, such as the determinant of the Jacobian, changes sign.
 //!
@@ -38,13 +39,14 @@ mod quintic;
 mod trapezoidal;
 mod via;
 
+pub mod cartesian;
 pub mod sign_change;
 #[cfg(feature = "std")]
 pub mod time_optimal;
 pub mod work;
 
 pub use error::{Quantity, TrajectoryError};
-pub use path::{JointPath, PathPoint, StraightPath};
+pub use path::{AlongPath, JointPath, PathPoint, StraightPath};
 pub use piecewise::{Extrema, Extremum, Piecewise};
 pub use quartic::{quartic, two_piece_quartic};
 pub use quintic::{quintic, quintic_between};

@@ -119,6 +119,11 @@ pub enum TrajectoryError {
         /// The path goes from 0 to here.
         length: f64,
     },
+    /// The path has no posture with a tangent here: it is singular.
+    PathSingular {
+        /// The path parameter.
+        s: f64,
+    },
     /// No joint moves with the path parameter here: the path has a corner or is badly parametrized.
     PathStandsStill {
         /// The path parameter.
@@ -178,6 +183,7 @@ impl fmt::Display for TrajectoryError {
             }
             Self::InvalidLength { length } => write!(f, "the length of a path must be positive and finite: {length}"),
             Self::OutsidePath { s, length } => write!(f, "{s} is not on the path, which goes from 0 to {length}"),
+            Self::PathSingular { s } => write!(f, "the path is singular at s = {s}"),
             Self::PathStandsStill { s } => write!(f, "no joint moves along the path at s = {s}"),
             Self::Infeasible { s } => write!(f, "no speed along the path satisfies the limits at s = {s}"),
             Self::VelocityForce { s, joint } => {

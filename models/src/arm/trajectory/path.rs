@@ -1,6 +1,6 @@
 //! Curves in the joints' space, without time.
 
-use super::{Motion, Piecewise, Quantity, TrajectoryError, check_finite};
+use super::{Extrema, JointState, Motion, Piecewise, Quantity, TrajectoryError, check_finite};
 
 /// A point of a path with its tangent and curvature.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -78,5 +78,44 @@ impl<const N: usize, const P: usize> JointPath<N> for Piecewise<N, P> {
     fn point(&self, s: f64) -> Result<PathPoint<N>, TrajectoryError> {
         let state = self.at(s).map_err(|_| TrajectoryError::OutsidePath { s, length: self.duration() })?;
         Ok(PathPoint { q: state.q, tangent: state.qd, curvature: state.qdd })
+    }
+}
+
+/// A motion along a path, by a law that says which path parameter is reached when.
+///
+/// `q̇ = q′ ṡ` and `q̈ = q′ s̈ + q″ ṡ²`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AlongPath<P, const N: usize, const PIECES: usize> {
+    path: P,
+    law: Piecewise<1, PIECES>,
+}
+
+impl<const N: usize, const PIECES: usize, P: JointPath<N>> AlongPath<P, N, PIECES> {
+    /// Along `path` by `law`, a trajectory of the path parameter as if it were a joint.
+    ///
+    /// # Errors
+    /// [`TrajectoryError::OutsidePath`] if the law leaves the path, by more than rounding.
+    pub fn new(path: P, law: Piecewise<1, PIECES>) -> Result<Self, TrajectoryError> {
+        let [Extrema { lowest, highest }] = law.position_extrema();
+        let length = path.length();
+        for s in [lowest.value, highest.value] {
+            if s.is_nan() || s < -1e-12 * length || s > length * (1.0 + 1e-12) {
+                return Err(TrajectoryError::OutsidePath { s, length });
+            }
+        }
+        Ok(Self { path, law })
+    }
+}
+
+impl<const N: usize, const PIECES: usize, P: JointPath<N>> Motion<N> for AlongPath<P, N, PIECES> {
+    fn duration(&self) -> f64 {
+        self.law.duration()
+    }
+
+    fn at(&self, t: f64) -> Result<JointState<N>, TrajectoryError> {
+        let JointState { q: [s], qd: [rate], qdd: [acceleration] } = self.law.at(t)?;
+        let PathPoint { q, tangent, curvature } = self.path.point(s.clamp(0.0, self.path.length()))?;
+        let qdd = core::array::from_fn(|i| tangent[i] * acceleration + curvature[i] * rate * rate);
+        Ok(JointState { q, qd: tangent.map(|tangent| tangent * rate), qdd })
     }
 }

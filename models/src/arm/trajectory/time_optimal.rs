@@ -162,6 +162,13 @@ impl<const N: usize, P: JointPath<N>> Motion<N> for TimeOptimal<N, P> {
     }
 }
 
+impl From<&crate::arm::JointLimits> for MotorLimits<6> {
+    fn from(limits: &crate::arm::JointLimits) -> Self {
+        let rates = RateLimits { speed: limits.speed, acceleration: limits.acceleration };
+        Self { rates, torque: limits.torque }
+    }
+}
+
 impl<const N: usize> MotorLimits<N> {
     fn scaled(&self, factor: f64) -> Self {
         let scale = |limits: [f64; N]| limits.map(|limit| limit * factor);
