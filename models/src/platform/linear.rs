@@ -13,7 +13,7 @@ pub(crate) struct Lu<T> {
     order: [usize; 6],
 }
 
-/// A pivot that is no larger than this part of the largest entry is one of rounding.
+/// A pivot that is no larger than this part of the matrix' norm is one of rounding.
 const ROUNDING: f64 = 1e-14;
 
 impl<T: Scalar<Mask = bool>> Lu<T> {
@@ -21,13 +21,15 @@ impl<T: Scalar<Mask = bool>> Lu<T> {
     #[inline]
     pub(crate) fn new(mut a: [[T; 6]; 6]) -> Option<Self> {
         let mut order = [0, 1, 2, 3, 4, 5];
-        let mut largest = T::zero();
-        for entry in a.as_flattened() {
-            if largest.less(entry.abs()) {
-                largest = entry.abs();
+        // Frobenius' norm, squared, summed column by column: branches would cost more than squares.
+        let mut columns = [T::zero(); 6];
+        for row in &a {
+            for j in 0..6 {
+                columns[j] = columns[j] + row[j] * row[j];
             }
         }
-        let least = T::from_f64(ROUNDING) * largest;
+        let square = columns.into_iter().fold(T::zero(), |sum, column| sum + column);
+        let least = T::from_f64(ROUNDING * ROUNDING) * square;
         for k in 0..6 {
             let mut best = k;
             for i in k + 1..6 {
@@ -38,7 +40,7 @@ impl<T: Scalar<Mask = bool>> Lu<T> {
             a.swap(k, best);
             order.swap(k, best);
             // NaN is larger than nothing.
-            if !least.less(a[k][k].abs()) {
+            if !least.less(a[k][k] * a[k][k]) {
                 return None;
             }
             let reciprocal = T::one() / a[k][k];
