@@ -1,6 +1,9 @@
 //! The Stewart platform and what surrounds it, against `data/stewart.json`, the thesis' values computed by other laws; bad
 //! input; direct kinematics from a hundred thousand starts; computed torque with limited actuators.
 
+#[path = "platform/loops.rs"]
+mod loops;
+
 use std::f64::consts::FRAC_PI_2;
 use std::ops::ControlFlow;
 use std::time::Instant;
@@ -338,7 +341,9 @@ fn direct_kinematics_from_a_hundred_thousand_starts() {
         1e9 * times[50_000],
         1e9 * sines[500]
     );
-    assert!(worst <= 1e-11, "{worst:e}");
+    assert!(worst <= 1e-12, "{worst:e}");
+    // In units of an instruction of the same process; code that is not optimised says nothing.
+    assert!(cfg!(debug_assertions) || ratio <= 200.0, "{ratio}");
 }
 
 #[test]

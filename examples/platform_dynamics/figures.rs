@@ -1,0 +1,114 @@
+//! Figures 4.5 to 4.12 of the thesis, each with its numbers as CSV, and the platform in three poses.
+
+use std::path::Path;
+
+use mbs_cli::chart::{Curves, Figure, Line, Panel, Space, SpaceLine};
+use mbs_examples::Failure;
+use mbs_examples::output::{write_figure, write_table};
+use mbs_models::platform::{Coordinates, HOME, LegVector, Motion, Platform};
+
+use crate::tables::{DURATION, Run, Samples, TABLE_4, table_3, table_4};
+
+/// Lines of one panel: names and values at all samples.
+type Lines = Vec<(String, Vec<f64>)>;
+
+pub(crate) fn write(folder: &Path, platform: &Platform) -> Result<(), Failure> {
+    let samples = Samples::fine();
+    let runs = table_3(platform, &samples)?;
+    let lengths = vec![("l [m]".to_string(), legs(&runs[0].lengths))];
+    curves(folder, &samples, "figure_4_5", "Figure 4.5: lengths of the legs, table 3", &lengths)?;
+    for (number, run) in [6, 8, 7].into_iter().zip(&runs) {
+        let title = format!("Figure 4.{number}: forces of the legs, table 3, {}", payload(run));
+        curves(folder, &samples, &format!("figure_4_{number}"), &title, &forces(run))?;
+    }
+    let runs = TABLE_4.map(|(_, angles)| table_4(platform, angles, &samples).map(|run| (angles, run)));
+    let runs = runs.into_iter().collect::<Result<Vec<_>, _>>()?;
+    for leg in 0..4 {
+        let title = format!("Figure 4.{}: sensitivity of the force of leg {}, table 4", 9 + leg, leg + 1);
+        let of = |values: fn(&Run) -> &Vec<LegVector>| -> Lines {
+            let line = |(angles, run): &([f64; 3], Run)| {
+                (attitude_name(angles), values(run).iter().map(|row| row[leg]).collect::<Vec<_>>())
+            };
+            runs.iter().map(line).collect()
+        };
+        let panels = vec![
+            (format!("F{} [N]", leg + 1), of(|run| &run.forces)),
+            (format!("F{} [N], legs without mass", leg + 1), of(|run| &run.forces_without_actuators)),
+        ];
+        curves(folder, &samples, &format!("figure_4_{}", 9 + leg), &title, &panels)?;
+    }
+    poses(folder, platform)
+}
+
+fn payload(run: &Run) -> String {
+    if run.payload == 0 { "no payload".to_string() } else { format!("payload {} kg", run.payload) }
+}
+
+fn attitude_name([phi, theta, psi]: &[f64; 3]) -> String {
+    format!("φ {phi}°, θ {theta}°, ψ {psi}°")
+}
+
+fn forces(run: &Run) -> Vec<(String, Lines)> {
+    vec![
+        ("F [N]".to_string(), legs(&run.forces)),
+        ("F [N], legs without mass".to_string(), legs(&run.forces_without_actuators)),
+    ]
+}
+
+/// One line a leg.
+fn legs(rows: &[LegVector]) -> Lines {
+    (0..6).map(|leg| (format!("leg {}", leg + 1), rows.iter().map(|row| row[leg]).collect())).collect()
+}
+
+/// A figure with one panel for each set of lines, and a table with all of them.
+fn curves(
+    folder: &Path,
+    samples: &Samples,
+    name: &str,
+    title: &str,
+    panels: &[(String, Lines)],
+) -> Result<(), Failure> {
+    let panel = |(label, lines): &(String, Lines)| {
+        let line = |(name, values): &(String, Vec<f64>)| {
+            Line::new(name.clone(), samples.0.iter().copied().zip(values.iter().copied()).collect())
+        };
+        Panel::Curves(Curves {
+            x_label: "t [s]".to_string(),
+            y_label: label.clone(),
+            x_range: 0.0..DURATION,
+            lines: lines.iter().map(line).collect(),
+        })
+    };
+    let size = (1100, if panels.len() == 1 { 560 } else { 1000 });
+    let figure = Figure { title: title.to_string(), size, panels: panels.iter().map(panel).collect() };
+    write_figure(folder, name, &figure)?;
+    let columns = || panels.iter().flat_map(|(label, lines)| lines.iter().map(move |line| (label, line)));
+    let header: Vec<String> = std::iter::once("t [s]".to_string())
+        .chain(columns().map(|(label, (name, _))| format!("{name}: {label}")))
+        .collect();
+    let row = |i: usize| std::iter::once(samples.0[i]).chain(columns().map(|(_, (_, values))| values[i])).collect();
+    write_table(folder, name, &header, (0..samples.0.len()).map(row))
+}
+
+/// At home, and in the first pose of both tables.
+fn poses(folder: &Path, platform: &Platform) -> Result<(), Failure> {
+    let poses =
+        [("home", HOME), ("table 3, 0 s", Motion::TABLE_3.at(0.0)[0]), ("table 4, 1 s", Motion::TABLE_4.at(1.0)[0])];
+    let panels = poses.into_iter().map(|(name, q)| drawing(platform, name, &q)).collect::<Result<_, _>>()?;
+    let title = "The platform at home, on the motion of table 3 and on that of table 4".to_string();
+    write_figure(folder, "platform_poses", &Figure { title, size: (1000, 1800), panels })
+}
+
+fn drawing(platform: &Platform, name: &str, q: &Coordinates) -> Result<Panel, Failure> {
+    let legs = platform.legs(q)?;
+    let base = platform.geometry().base;
+    let joint = |i: usize| [0, 1, 2].map(|axis| base[i][axis] + legs.length[i] * legs.direction[i][axis]);
+    let closed = |point: &dyn Fn(usize) -> [f64; 3]| (0..=6).map(|i| point(i % 6)).collect::<Vec<_>>();
+    let line = |name: String, points| SpaceLine { name, points, marks: Vec::new() };
+    let mut lines =
+        vec![line(format!("base, {name}"), closed(&|i| base[i])), line("platform".to_string(), closed(&joint))];
+    for i in 0..6 {
+        lines.push(line(format!("leg {}: {:.2} m", i + 1, legs.length[i]), vec![base[i], joint(i)]));
+    }
+    Ok(Panel::Space(Space { labels: ["x [m]", "y [m]", "z [m]"].map(String::from), lines }))
+}

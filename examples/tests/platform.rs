@@ -1,0 +1,122 @@
+//! `platform_dynamics` as outside programs call it: what it prints and what it writes, against the thesis' values.
+
+use std::process::{Command, Output};
+
+use serde_json::Value;
+
+const PROGRAM: &str = env!("CARGO_BIN_EXE_platform_dynamics");
+
+fn run(arguments: &[&str]) -> Output {
+    Command::new(PROGRAM).args(arguments).output().unwrap()
+}
+
+/// Standard output of a run that ends with 0 and no complaint.
+fn good(arguments: &[&str]) -> String {
+    let output = run(arguments);
+    assert_eq!((output.status.code(), String::from_utf8_lossy(&output.stderr).as_ref()), (Some(0), ""));
+    String::from_utf8(output.stdout).unwrap()
+}
+
+fn keys(value: &Value) -> Vec<&str> {
+    value.as_object().unwrap().keys().map(String::as_str).collect()
+}
+
+/// All numbers in a value of nested arrays, in order.
+fn numbers(value: &Value) -> Vec<f64> {
+    match value {
+        Value::Array(entries) => entries.iter().flat_map(numbers).collect(),
+        other => vec![other.as_f64().unwrap_or_else(|| panic!("{other} is not a number"))],
+    }
+}
+
+/// Rows of six, each number to 1e-9 of the largest in its row.
+#[track_caller]
+fn assert_rows(found: &Value, expected: &Value) {
+    let (found, expected) = (found.as_array().unwrap(), expected.as_array().unwrap());
+    assert_eq!(found.len(), expected.len());
+    for (found, expected) in found.iter().zip(expected) {
+        let (found, expected) = (numbers(found), numbers(expected));
+        assert_eq!((found.len(), expected.len()), (6, 6));
+        let scale = expected.iter().fold(0.0_f64, |largest, x| largest.max(x.abs()));
+        for (found, expected) in found.iter().zip(&expected) {
+            assert!((found - expected).abs() <= 1e-9 * scale, "{found} instead of {expected}");
+        }
+    }
+}
+
+#[test]
+fn prints_the_reference_values() {
+    let found: Value = serde_json::from_str(&good(&["--json"])).unwrap();
+    let expected: Value = serde_json::from_str(include_str!("../../tests/data/stewart.json")).unwrap();
+    assert_eq!(keys(&found), ["table3", "table4", "direct_kinematics", "mass_matrix", "coriolis_matrix", "gravity"]);
+    assert_eq!(keys(&found["table3"]), ["lengths", "forces"]);
+    let forces = &found["table3"]["forces"];
+    assert_eq!(keys(forces), ["payload_0", "payload_300", "payload_1250"]);
+    for payload in keys(forces) {
+        assert_eq!(keys(&forces[payload]), ["with_actuators", "without_actuators"]);
+        for (key, name) in [("with_actuators", "True"), ("without_actuators", "False")] {
+            let case = &expected["table3"][format!("{payload}_act_{name}")];
+            assert_eq!(forces[payload][key].as_array().unwrap().len(), 9);
+            assert_rows(&found["table3"]["lengths"], &case["lengths"]);
+            assert_rows(&forces[payload][key], &case["forces"]);
+        }
+    }
+    assert_eq!(keys(&found["table4"]), ["base_psi20", "theta10_psi20", "phi10_psi20"]);
+    for (run, found) in found["table4"].as_object().unwrap() {
+        assert_eq!(keys(found), ["lengths", "with_actuators", "without_actuators"]);
+        for key in ["with_actuators", "without_actuators"] {
+            assert_rows(&found["lengths"], &expected["table4"][run][key]["lengths"]);
+            assert_rows(&found[key], &expected["table4"][run][key]["forces"]);
+        }
+    }
+    let direct = &found["direct_kinematics"];
+    assert_eq!(keys(direct), ["pose", "iterations", "residual"]);
+    assert!(direct["iterations"].as_u64().unwrap() <= 5 && direct["residual"].as_f64().unwrap() <= 1e-12);
+    for (found, expected) in numbers(&direct["pose"]).iter().zip(numbers(&expected["fk_newton"]["q_true"])) {
+        assert!((found - expected).abs() <= 1e-12, "{found} {expected}");
+    }
+    let expected = &expected["eq_4_18"]["with_actuators"];
+    assert_rows(&found["mass_matrix"], &expected["M"]);
+    assert_rows(&found["coriolis_matrix"], &expected["C"]);
+    assert_rows(&Value::from(vec![found["gravity"].clone()]), &Value::from(vec![expected["G"].clone()]));
+}
+
+#[test]
+fn writes_figures_and_tables() {
+    let folder = tempfile::tempdir().unwrap();
+    let summary = good(&["--out", folder.path().to_str().unwrap()]);
+    let figures = (5..=12).map(|number| format!("figure_4_{number}"));
+    for name in figures.clone().chain(["platform_poses".to_string()]) {
+        let svg = std::fs::read_to_string(folder.path().join(format!("{name}.svg"))).unwrap();
+        assert!(svg.starts_with("<svg") && svg.trim_end().ends_with("</svg>") && !svg.contains("NaN"), "{name}");
+        let png = std::fs::read(folder.path().join(format!("{name}.png"))).unwrap();
+        assert!(png.starts_with(b"\x89PNG") && png.len() > 10_000, "{name}");
+    }
+    for name in figures {
+        let mut table = csv::Reader::from_path(folder.path().join(format!("{name}.csv"))).unwrap();
+        let columns = table.headers().unwrap().len();
+        assert!([7, 13].contains(&columns), "{name}: {columns}");
+        let rows: Vec<Vec<f64>> = table.deserialize().map(Result::unwrap).collect();
+        assert_eq!((rows.len(), rows[400][0]), (401, 4.0));
+        // One period.
+        assert!(
+            rows[0][1..].iter().zip(&rows[400][1..]).all(|(a, b)| (a - b).abs() <= 1e-9 * (1.0 + a.abs())),
+            "{name}"
+        );
+    }
+    // Motion 6 leaves the stroke at once, and says which leg; what keeps the limits is not told of.
+    assert!(summary.contains("motion 6 (table 4), leg 1: stroke from 0.00 s on"), "{summary}");
+    assert!(!summary.contains("motion 8 (combined), "), "{summary}");
+    let limits = std::fs::read_to_string(folder.path().join("limits.csv")).unwrap();
+    assert!(limits.lines().any(|line| line.starts_with("6,table 4,1250,2,force,N,10000,")), "{limits}");
+    let sensitivity = std::fs::read_to_string(folder.path().join("sensitivity.csv")).unwrap();
+    assert_eq!(sensitivity.lines().count(), 10);
+    assert_eq!(std::fs::read_to_string(folder.path().join("stiffness.csv")).unwrap().lines().count(), 7);
+}
+
+#[test]
+fn refuses_what_it_does_not_know() {
+    let output = run(&["--fast"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&output.stderr).contains("unexpected argument --fast"));
+}
