@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 use mbs_examples::Failure;
 use mbs_models::platform::control::ComputedTorque;
 use mbs_models::platform::{HOME, Motion, Platform};
-use mbs_runtime::{Dop853, Integrator, State};
+use mbs_runtime::{Dop853, IntegrationError, Integrator, State};
 
 /// Of the errors \[rad/s\].
 const NATURAL_FREQUENCY: f64 = 8.0;
@@ -22,6 +22,8 @@ pub(crate) struct Following {
     pub(crate) saturated: f64,
     /// Distance \[m\] and largest angle \[rad\] from the motion at the end.
     pub(crate) error: [f64; 2],
+    /// When the legs could not hold the platform any more \[s\].
+    pub(crate) lost: Option<f64>,
 }
 
 pub(crate) fn follow(platform: &Platform, limit: f64) -> Result<Following, Failure> {
@@ -30,8 +32,8 @@ pub(crate) fn follow(platform: &Platform, limit: f64) -> Result<Following, Failu
     let control = ComputedTorque::critically_damped(NATURAL_FREQUENCY)?;
     let motion = Motion::COMBINED;
     let mut state = State::new(HOME, [0.0; 6]);
-    let mut following = Following { limit, asked: 0.0, saturated: 0.0, error: [0.0; 2] };
-    Dop853::new(1e-9, 1e-10).integrate(
+    let mut following = Following { limit, asked: 0.0, saturated: 0.0, error: [0.0; 2], lost: None };
+    let run = Dop853::new(1e-9, 1e-10).integrate(
         |t, q: &[f64; 6], qd: &[f64; 6], qdd: &mut [f64; 6]| {
             // Where the legs cannot hold the platform the integration ends, at its last good state.
             let forces = control.limited_forces(&platform, &motion.at(t), q, qd).unwrap_or([f64::NAN; 6]);
@@ -50,7 +52,12 @@ pub(crate) fn follow(platform: &Platform, limit: f64) -> Result<Following, Failu
             }
             ControlFlow::Continue(())
         },
-    )?;
+    );
+    following.lost = match run {
+        Ok(_) => None,
+        Err(IntegrationError::NonFiniteState { time } | IntegrationError::StepTooSmall { time, .. }) => Some(time),
+        Err(other) => return Err(other.into()),
+    };
     let wanted = motion.at(DURATION)[0];
     let off = |i: usize| wanted[i] - state.q[i];
     following.error = [off(0).hypot(off(1)).hypot(off(2)), (3..6).map(|i| off(i).abs()).fold(0.0, f64::max)];

@@ -176,12 +176,16 @@ fn print_control(platform: &Platform) -> Result<(), Failure> {
         "\nComputed torque, from rest at home onto the combined motion in {} s, payload 300 kg",
         control::DURATION
     );
-    for limit in [platform.limits.force, 1500.0] {
+    for limit in [platform.limits.force, 2000.0, 1500.0] {
         let following = follow(platform, limit)?;
-        println!(
-            "  actuators of {:.0} N, of which up to {:.0} N are asked: at the limit for {:.2} s, at the end off by {:.1e} m, {:.1e} rad",
-            following.limit, following.asked, following.saturated, following.error[0], following.error[1]
-        );
+        print!("  actuators of {:.0} N, at their limit for {:.2} s: ", following.limit, following.saturated);
+        match following.lost {
+            Some(time) => println!("the platform falls into a singular pose at {time:.2} s"),
+            None => println!(
+                "up to {:.0} N are asked, at the end off by {:.1e} m, {:.1e} rad",
+                following.asked, following.error[0], following.error[1]
+            ),
+        }
     }
     Ok(())
 }
@@ -225,5 +229,6 @@ pub(crate) fn write(folder: &Path, platform: &Platform) -> Result<(), Failure> {
 }
 
 fn row(numbers: &[f64], decimals: usize) -> String {
-    numbers.iter().map(|x| format!("{x:>1$.decimals$}", decimals + 7)).collect::<Vec<_>>().join(" ")
+    let width = decimals + 7;
+    numbers.iter().map(|x| format!("{x:>width$.decimals$}")).collect::<Vec<_>>().join(" ")
 }

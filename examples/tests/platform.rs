@@ -108,7 +108,7 @@ fn writes_figures_and_tables() {
     assert!(summary.contains("motion 6 (table 4), leg 1: stroke from 0.00 s on"), "{summary}");
     assert!(!summary.contains("motion 8 (combined), "), "{summary}");
     let limits = std::fs::read_to_string(folder.path().join("limits.csv")).unwrap();
-    assert!(limits.lines().any(|line| line.starts_with("6,table 4,1250,2,force,N,10000,")), "{limits}");
+    assert!(limits.lines().any(|line| line.starts_with("6,table 4,1250,3,force,N,10000,")), "{limits}");
     let sensitivity = std::fs::read_to_string(folder.path().join("sensitivity.csv")).unwrap();
     assert_eq!(sensitivity.lines().count(), 10);
     assert_eq!(std::fs::read_to_string(folder.path().join("stiffness.csv")).unwrap().lines().count(), 7);
