@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use mbs_examples::Failure;
+use mbs_examples::{Failure, output::write_table};
 use mbs_models::platform::limits::{Excess, Survey};
 use mbs_models::platform::{HOME, LegVector, Motion, Platform};
 
@@ -190,8 +190,25 @@ fn print_control(platform: &Platform) -> Result<(), Failure> {
     Ok(())
 }
 
-/// `limits.csv`: where motions exceed the limits, by payload and leg.
+/// `cases.csv`: what each motion asks of the legs, by payload; `limits.csv`: where it exceeds the limits, by payload and leg.
 pub(crate) fn write(folder: &Path, platform: &Platform) -> Result<(), Failure> {
+    let studies = studies(platform)?;
+    let header = [
+        "motion",
+        "payload [kg]",
+        "shortest leg [m]",
+        "longest leg [m]",
+        "largest speed [m/s]",
+        "largest condition",
+        "largest force [N]",
+        "largest force, legs without mass [N]",
+    ];
+    let rows = studies.iter().map(|Study { number, payload, with_actuators, without_actuators, .. }| {
+        let Survey { length: [shortest, longest], speed, force, condition, .. } = *with_actuators;
+        let payload = f64::from(*payload);
+        vec![*number as f64, payload, shortest, longest, speed, condition.0, force, without_actuators.force]
+    });
+    write_table(folder, "cases", &header.map(String::from), rows)?;
     let mut writer = csv::Writer::from_path(folder.join("limits.csv"))?;
     writer.write_record([
         "motion",
@@ -206,7 +223,7 @@ pub(crate) fn write(folder: &Path, platform: &Platform) -> Result<(), Failure> {
         "worst time [s]",
         "worst value",
     ])?;
-    for study in studies(platform)? {
+    for study in &studies {
         for Excess { first, worst } in excesses(&study.with_actuators) {
             let record = [
                 study.number.to_string(),

@@ -107,6 +107,8 @@ fn writes_figures_and_tables() {
     // Motion 6 leaves the stroke at once, and says which leg; what keeps the limits is not told of.
     assert!(summary.contains("motion 6 (table 4), leg 1: stroke from 0.00 s on"), "{summary}");
     assert!(!summary.contains("motion 8 (combined), "), "{summary}");
+    let cases = std::fs::read_to_string(folder.path().join("cases.csv")).unwrap();
+    assert_eq!(cases.lines().count(), 1 + 8 * 3);
     let limits = std::fs::read_to_string(folder.path().join("limits.csv")).unwrap();
     assert!(limits.lines().any(|line| line.starts_with("6,table 4,1250,3,force,N,10000,")), "{limits}");
     let sensitivity = std::fs::read_to_string(folder.path().join("sensitivity.csv")).unwrap();
