@@ -153,12 +153,13 @@ impl Newton {
         let tolerance = self.tolerance.max(ROUNDING * longest);
         let reciprocal = lengths.map(|length| 1.0 / length);
         let excess = |at: &Place| platform.excess(at, lengths, &reciprocal);
+        // What is NaN is not closed, and nothing is nearer.
+        let is_closed = |excess: &Excess| excess.largest <= tolerance;
 
         let mut place = Place { position: [start[0], start[1], start[2]], rotation: attitude(start) };
         let mut now = excess(&place);
         let mut iterations = 0;
-        // The merit is NaN where a square overflows, and then nothing is nearer.
-        while !(now.largest <= tolerance) {
+        while !is_closed(&now) {
             if iterations == self.iterations {
                 return Err(NotFound::NotConverged { pose: place.pose(), iterations, residual: now.largest });
             }
@@ -171,7 +172,7 @@ impl Newton {
                 let part = 1.0 / (1_u32 << halvings) as f64;
                 let trial = place.moved(&step, -part);
                 let then = excess(&trial);
-                (then.merit < now.merit || then.largest <= tolerance).then_some((trial, then))
+                (then.merit < now.merit || is_closed(&then)).then_some((trial, then))
             });
             let Some((trial, then)) = nearer else {
                 return Err(NotFound::NotConverged { pose: place.pose(), iterations, residual: now.largest });

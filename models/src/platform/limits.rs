@@ -48,8 +48,9 @@ impl ActuatorLimits {
                     Quantity::Force => (legs.force[leg], self.force),
                 };
                 let violation = Violation { leg, quantity, time, value, limit };
-                // What is NaN is not within.
-                (!(violation.excess() <= 0.0)).then_some(violation)
+                let is_within = violation.excess() <= 0.0;
+                // NaN is not.
+                (!is_within).then_some(violation)
             })
         })
     }
