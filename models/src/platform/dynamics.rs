@@ -4,7 +4,7 @@
 //! M(q) q̈ + C(q, q̇) q̇ + G(q) = J_qᵀ F                                                          (4.17)
 //! ```
 //!
-//! `M`, `C` and `G` are those of [`StewartPlatform`](crate::stewart_platform::StewartPlatform), with the cylinders and pistons of
+//! `M`, `C` and `G` are those of [`StewartPlatform`], with the cylinders and pistons of
 //! the legs.
 
 use mbs_runtime::Dual;

@@ -33,8 +33,12 @@ impl ActuatorLimits {
     /// The forces \[N\], each cut to what the actuator gives.
     #[must_use]
     pub fn saturated(&self, forces: &LegVector) -> LegVector {
-        // Where a force is NaN it stays so: `clamp` keeps it.
-        forces.map(|force| force.clamp(-self.force, self.force))
+        // Where a force is NaN it stays so.
+        forces.map(|force| match force {
+            _ if force > self.force => self.force,
+            _ if force < -self.force => -self.force,
+            _ => force,
+        })
     }
 
     /// What of these legs exceeds the limits, in order of legs.
