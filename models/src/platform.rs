@@ -148,6 +148,7 @@ impl Platform {
 
     /// Where its joints are.
     #[must_use]
+    #[inline]
     pub fn geometry(&self) -> &Geometry<f64> {
         &self.geometry
     }
@@ -213,14 +214,17 @@ impl Platform {
     }
 }
 
+#[inline]
 fn all_finite(values: &[&[f64]]) -> bool {
     values.iter().all(|values| values.iter().all(|x| x.is_finite()))
 }
 
+#[inline]
 fn cross<T: Scalar>(a: &[T; 3], b: &[T; 3]) -> [T; 3] {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
+#[inline]
 fn dot<T: Scalar>(a: &[T; 3], b: &[T; 3]) -> T {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }

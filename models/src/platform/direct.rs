@@ -105,8 +105,8 @@ impl Default for Newton {
     }
 }
 
-/// How often a step is halved at most.
-const HALVINGS: usize = 10;
+/// The least part of a step that is tried.
+const SMALLEST_PART: f64 = 1e-3;
 /// Rounding of `f_i`, as a part of the longest leg.
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
@@ -168,16 +168,19 @@ impl Newton {
             };
             let step = lu.solve(&now.f);
             iterations += 1;
-            let nearer = (0..=HALVINGS).find_map(|halvings| {
-                let part = 1.0 / (1_u32 << halvings) as f64;
+            let mut part = 1.0;
+            loop {
                 let trial = place.moved(&step, -part);
                 let then = excess(&trial);
-                (then.merit < now.merit || is_closed(&then)).then_some((trial, then))
-            });
-            let Some((trial, then)) = nearer else {
-                return Err(NotFound::NotConverged { pose: place.pose(), iterations, residual: now.largest });
-            };
-            (place, now) = (trial, then);
+                if then.merit < now.merit || is_closed(&then) {
+                    (place, now) = (trial, then);
+                    break;
+                }
+                part *= 0.5;
+                if part < SMALLEST_PART {
+                    return Err(NotFound::NotConverged { pose: place.pose(), iterations, residual: now.largest });
+                }
+            }
         }
         let residual = (0..6).fold(0.0, |largest: f64, i| {
             largest.max((Scalar::sqrt(dot(&now.vector[i], &now.vector[i])) - lengths[i]).abs())
@@ -211,19 +214,22 @@ impl Platform {
     #[inline]
     fn excess(&self, at: &Place, lengths: &LegVector, reciprocal: &LegVector) -> Excess {
         let geometry = self.geometry();
-        // The joints are in the plane z = 0 of their plates: (4.2).
-        let lever = geometry.platform.map(|[x, y, _]| at.rotation.map(|row| row[0] * x + row[1] * y));
-        let vector: [[f64; 3]; 6] = core::array::from_fn(|i| {
-            core::array::from_fn(|axis| at.position[axis] + lever[i][axis] - geometry.base[i][axis])
-        });
-        let f: [f64; 6] =
-            core::array::from_fn(|i| 0.5 * (dot(&vector[i], &vector[i]) - lengths[i] * lengths[i]) * reciprocal[i]);
-        let (mut largest, mut merit) = (0.0, 0.0);
-        for f in f {
-            merit += f * f;
-            largest = if f.abs() <= largest { largest } else { f.abs() + 0.0 * largest };
+        // Plain loops: closures over arrays are not always inlined, and then take as long as all the rest.
+        let mut excess = Excess { vector: [[0.0; 3]; 6], lever: [[0.0; 3]; 6], f: [0.0; 6], largest: 0.0, merit: 0.0 };
+        for i in 0..6 {
+            // The joints are in the plane z = 0 of their plates: (4.2).
+            let [x, y, _] = geometry.platform[i];
+            for axis in 0..3 {
+                excess.lever[i][axis] = at.rotation[axis][0] * x + at.rotation[axis][1] * y;
+                excess.vector[i][axis] = at.position[axis] + excess.lever[i][axis] - geometry.base[i][axis];
+            }
+            let square = dot(&excess.vector[i], &excess.vector[i]);
+            let f = 0.5 * (square - lengths[i] * lengths[i]) * reciprocal[i];
+            excess.f[i] = f;
+            excess.merit += f * f;
+            excess.largest = if f.abs() <= excess.largest { excess.largest } else { f.abs() + 0.0 * excess.largest };
         }
-        Excess { vector, lever, f, largest, merit }
+        excess
     }
 }
 
@@ -231,11 +237,14 @@ impl Excess {
     /// Rows `∂f_i/∂(p, rotation vector) = [L_i, R P_i × L_i] / l_i`.
     #[inline]
     fn jacobian(&self, reciprocal: &LegVector) -> [[f64; 6]; 6] {
-        core::array::from_fn(|i| {
-            let u = self.vector[i].map(|component| component * reciprocal[i]);
+        let mut rows = [[0.0; 6]; 6];
+        for i in 0..6 {
+            let [x, y, z] = self.vector[i];
+            let u = [x * reciprocal[i], y * reciprocal[i], z * reciprocal[i]];
             let moment = cross(&self.lever[i], &u);
-            [u[0], u[1], u[2], moment[0], moment[1], moment[2]]
-        })
+            rows[i] = [u[0], u[1], u[2], moment[0], moment[1], moment[2]];
+        }
+        rows
     }
 }
 
@@ -246,17 +255,17 @@ impl Place {
     fn moved(&self, step: &[f64; 6], part: f64) -> Self {
         let w = [part * step[3], part * step[4], part * step[5]];
         let scale = 1.0 / (1.0 + 0.25 * dot(&w, &w));
-        let column = |j: usize| {
+        let mut moved = *self;
+        for j in 0..3 {
             let r = [self.rotation[0][j], self.rotation[1][j], self.rotation[2][j]];
             let once = cross(&w, &r);
             let twice = cross(&w, &once);
-            [0, 1, 2].map(|i| r[i] + scale * (once[i] + 0.5 * twice[i]))
-        };
-        let [a, b, c] = [column(0), column(1), column(2)];
-        Self {
-            position: [0, 1, 2].map(|i| self.position[i] + part * step[i]),
-            rotation: [0, 1, 2].map(|i| [a[i], b[i], c[i]]),
+            for i in 0..3 {
+                moved.rotation[i][j] = r[i] + scale * (once[i] + 0.5 * twice[i]);
+            }
+            moved.position[j] += part * step[j];
         }
+        moved
     }
 
     fn pose(&self) -> Coordinates {

@@ -194,6 +194,7 @@ impl Geometry<f64> {
 
 /// `R = Rz(ψ) Ry(θ) Rx(φ)`, rows.
 #[must_use]
+#[inline]
 pub fn attitude<T: Scalar>(q: &Coordinates<T>) -> [[T; 3]; 3] {
     let [(s1, c1), (s2, c2), (s3, c3)] = [q[3].sin_cos(), q[4].sin_cos(), q[5].sin_cos()];
     [

@@ -61,7 +61,10 @@ impl<T: Scalar<Mask = bool>> Lu<T> {
     /// `x` with `A x = b`.
     #[inline]
     pub(crate) fn solve(&self, b: &[T; 6]) -> [T; 6] {
-        let mut x = self.order.map(|row| b[row]);
+        let mut x = *b;
+        for i in 0..6 {
+            x[i] = b[self.order[i]];
+        }
         for i in 1..6 {
             for j in 0..i {
                 x[i] = x[i] - self.factors[i][j] * x[j];
