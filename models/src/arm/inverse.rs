@@ -45,7 +45,8 @@ use core::ops::Deref;
 use mbs_runtime::attitude::{NotARotation, ROTATION_TOLERANCE, check_rotation, orthonormalized_within};
 use mbs_runtime::{Pose, Scalar, to_matrix, to_rows};
 
-use super::{A1, A2, A3, D1, D4, D6, JointLimits, JointVector};
+use super::limits::{InvalidLimits, JointLimits};
+use super::{A1, A2, A3, D1, D4, D6, JointVector};
 
 /// How the shoulder stands to the wrist.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -187,6 +188,51 @@ impl From<NotARotation> for Unsolvable {
     }
 }
 
+/// Why none of the configurations of a pose is within the ranges of the joints.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum OutsideLimits {
+    /// The ranges are no ranges.
+    Limits(InvalidLimits),
+    /// All configurations have an angle that no turn brings into its range.
+    Crossed {
+        /// The configuration that is outside by least.
+        best: Solution,
+        /// Its joint that is outside by most, counted from 0.
+        joint: usize,
+        /// By how much \[rad\].
+        by: f64,
+    },
+    /// There are no configurations.
+    Empty,
+}
+
+impl fmt::Display for OutsideLimits {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match *self {
+            Self::Limits(error) => error.fmt(f),
+            Self::Crossed { joint, by, .. } => {
+                write!(f, "every configuration crosses a limit, the best one that of joint {joint} by {by} rad")
+            }
+            Self::Empty => f.write_str("there are no configurations to choose from"),
+        }
+    }
+}
+
+impl Error for OutsideLimits {
+    fn source(&self) -> Option<&(dyn Error + 'static)> {
+        match self {
+            Self::Limits(error) => Some(error),
+            Self::Crossed { .. } | Self::Empty => None,
+        }
+    }
+}
+
+impl From<InvalidLimits> for OutsideLimits {
+    fn from(error: InvalidLimits) -> Self {
+        Self::Limits(error)
+    }
+}
+
 /// What becomes of a matrix that is not quite a rotation. Tolerances are of the largest entry of `RᵀR − 1`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Inexact {
@@ -215,7 +261,7 @@ impl Default for InverseKinematics {
 /// `l₁² = a₃² + d₄²` \[m²\].
 const L1_SQUARED: f64 = A3 * A3 + D4 * D4;
 /// `l₁`, the distance from axis 3 to the wrist \[m\].
-const L1: f64 = 1.068_812_892_886_308_7;
+pub(super) const L1: f64 = 1.068_812_892_886_308_7;
 /// `φ = atan2(d₄, a₃)`, by which `κ` is more than `θ₃` \[rad\].
 pub const PHI: f64 = 1.415_799_584_870_955_7;
 const COS_PHI: f64 = A3 / L1;
@@ -491,6 +537,24 @@ impl Solutions {
         admitted.iter().min_by(|a, b| distance(a).total_cmp(&distance(b))).copied()
     }
 
+    /// As [`nearest`](Self::nearest), and why there is none.
+    ///
+    /// # Errors
+    /// [`OutsideLimits`]: by how much the limits are crossed, or that they are none.
+    pub fn choose(&self, limits: &JointLimits, near: &JointVector) -> Result<Solution, OutsideLimits> {
+        limits.check()?;
+        if let Some(solution) = self.nearest(limits, near) {
+            return Ok(solution);
+        }
+        let outside = |solution: &Solution| {
+            let joints = (0..6).map(|joint| (joint, limits.excess(joint, solution.q[joint])));
+            let (joint, by) = joints.max_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((0, 0.0));
+            (*solution, joint, by)
+        };
+        let best = self.iter().map(outside).min_by(|a, b| a.2.total_cmp(&b.2));
+        Err(best.map_or(OutsideLimits::Empty, |(best, joint, by)| OutsideLimits::Crossed { best, joint, by }))
+    }
+
     /// The one of this branch.
     #[must_use]
     pub fn of_branch(&self, branch: Branch) -> Option<Solution> {
@@ -558,5 +622,46 @@ fn wrapped(angle: f64) -> f64 {
         rest + TAU
     } else {
         rest
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn constants_are_those_of_the_table() {
+        assert_eq!(L1, Scalar::sqrt(L1_SQUARED));
+        assert_eq!(PHI, Scalar::atan2(D4, A3));
+        assert!((COS_PHI * COS_PHI + SIN_PHI * SIN_PHI - 1.0).abs() < 1e-15);
+        // The folded arm does not reach axis 2, and the side along the upper arm is positive.
+        const { assert!(A2 > L1) };
+    }
+
+    #[test]
+    fn angles_are_wrapped() {
+        for (angle, want) in
+            [(0.0, 0.0), (PI, PI), (-PI, -PI), (4.0, 4.0 - TAU), (-4.0, TAU - 4.0), (9.0 * PI / 2.0, PI / 2.0)]
+        {
+            assert!((wrapped(angle) - want).abs() < 1e-14, "{angle}: {}", wrapped(angle));
+        }
+        assert_eq!([opposite(1.0), opposite(-1.0), opposite(0.0)], [1.0 - PI, PI - 1.0, PI]);
+    }
+
+    #[test]
+    fn the_law_of_cosines_by_half_angles() {
+        // A right angle between upper arm and forearm.
+        let triangle = Triangle::new(A2, L1).expect("a triangle");
+        assert!((triangle.kappa - PI / 2.0).abs() < 1e-15);
+        assert!((triangle.u - A2).abs() < 1e-15 && (triangle.v - L1).abs() < 1e-15);
+        let bent = triangle.solve(Elbow::Positive);
+        assert!(bent.theta_2.abs() < 1e-15 && (bent.theta_3 - (PI / 2.0 - PHI)).abs() < 1e-15);
+        // Straight, and 1e-12 m short of it: κ² l₁ a₂/(a₂ + l₁) = 2e-12.
+        let straight = Triangle::new(0.0, A2 + L1).expect("a triangle");
+        assert_eq!((straight.kappa, straight.v), (0.0, 0.0));
+        let short = Triangle::new(0.0, A2 + L1 - 1e-12).expect("a triangle");
+        let want = Scalar::sqrt(2e-12 * (A2 + L1) / (A2 * L1));
+        // The distance itself is known to 4e-16 of 1e-12.
+        assert!((short.kappa / want - 1.0).abs() < 3e-4, "{} {want}", short.kappa);
     }
 }
