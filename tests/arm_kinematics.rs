@@ -345,7 +345,7 @@ fn a_wrist_on_axis_1_takes_the_angle_of_the_reference() {
 }
 
 #[test]
-fn a_stretched_arm_has_one_elbow() {
+fn a_stretched_or_folded_arm_has_one_elbow() {
     let arm = Arm::default();
     let q = [0.3, -0.7, -PHI, 0.9, 0.5, -0.5];
     let pose = arm.pose(&q);
@@ -355,6 +355,16 @@ fn a_stretched_arm_has_one_elbow() {
     let front: Vec<_> = solutions.iter().filter(|solution| solution.branch.shoulder == Shoulder::Front).collect();
     assert_eq!(front.len(), 2);
     assert!(front.iter().all(|solution| solution.singular == only && solution.branch.elbow == Elbow::Positive));
+    // Folded, with the wrist 6 mm from axis 2, the branches are one as well.
+    let folded = arm.pose(&[0.3, -0.7, PI - PHI, 0.9, 0.5, -0.5]);
+    let solutions = arm.inverse(&folded).expect("reachable");
+    check(&arm, &folded, &solutions, 1e-12);
+    let front: Vec<_> = solutions.iter().filter(|solution| solution.branch.shoulder == Shoulder::Front).collect();
+    assert_eq!(front.len(), 2, "{front:?}");
+    assert!(front.iter().all(|solution| solution.singular == only));
+    assert!(
+        solutions.iter().filter(|solution| solution.branch.shoulder == Shoulder::Back).all(|back| !back.singular.any())
+    );
     let reference = &data()["elbow_singularity_theta3_deg"];
     assert_close("θ₃", &[(PI - PHI).to_degrees(), (-PHI).to_degrees()], &numbers::<2>(reference), 1e-14);
 }

@@ -29,7 +29,7 @@
 //! | singularity | where                                    | what is undetermined, and chosen               |
 //! |-------------|------------------------------------------|------------------------------------------------|
 //! | shoulder    | the wrist is on axis 1                   | `θ₁`: that of [`InverseKinematics::reference`] |
-//! | elbow       | the arm is stretched: `κ = 0`            | nothing; the branches are one                  |
+//! | elbow       | the arm is stretched or folded: `κ = 0, π` | nothing; the branches are one                  |
 //! | wrist       | axes 4 and 6 are in line: `sin θ₅ = 0`   | `θ₄` against `θ₆`: `θ₄` is that of the reference |
 //!
 //! # Source
@@ -91,7 +91,7 @@ pub struct Branch {
 pub struct Singularities {
     /// The wrist is on axis 1: any `θ₁` with the right sum of what follows reaches the pose.
     pub shoulder: bool,
-    /// The arm is stretched, up to [`STRETCHED`].
+    /// The arm is stretched or folded, up to [`STRETCHED`].
     pub elbow: bool,
     /// Axes 4 and 6 are in line: the pose says nothing of their angles but the sum, or the difference where `θ₅ = π`.
     pub wrist: bool,
@@ -109,8 +109,8 @@ impl Singularities {
 /// says nothing of the angle.
 pub const UNDETERMINED: f64 = 1e-13;
 
-/// How small `κ` is \[rad\] where the arm is stretched: a pose in double precision tells the branches apart down to
-/// `√(2 ε ρ / l₁ …)`, which is some 1e-8.
+/// How near `κ` is to 0 or π \[rad\] where the arm is stretched or folded: near the stretched arm the distance of the wrist changes
+/// with the square of `κ`, so that a pose in double precision tells the branches apart down to some 1e-8.
 pub const STRETCHED: f64 = 1e-7;
 
 /// How far beyond the stretched arm a wrist is still taken for reached \[m\]: what rounding adds to a pose.
@@ -327,7 +327,7 @@ impl InverseKinematics {
         let (c, s) = (facing.cos_1, facing.sin_1);
         let along: [f64; 3] = core::array::from_fn(|j| c * h[0][j] + s * h[1][j]);
         let across: [f64; 3] = core::array::from_fn(|j| s * h[0][j] - c * h[1][j]);
-        let stretched = triangle.kappa <= STRETCHED;
+        let stretched = triangle.kappa <= STRETCHED || PI - triangle.kappa <= STRETCHED;
         for elbow in [Elbow::Positive, Elbow::Negative] {
             if stretched && elbow == Elbow::Negative {
                 break;
