@@ -4,4 +4,7 @@
 //! mechanism to a macro, which is how the property tests reach all of them.
 #![no_std]
 
+#[cfg(any(feature = "std", feature = "libm"))]
+pub mod arm;
+
 include!(concat!(env!("OUT_DIR"), "/mechanisms.rs"));
