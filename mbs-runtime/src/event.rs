@@ -261,8 +261,11 @@ impl<'e, 'a, V: Coordinates> Watch<'e, 'a, V> {
         };
         let mut part = Part { whole: step, there: &self.there, cut, origin: None, fault: None };
         let answer = observer(&mut part);
-        let Part { origin, fault, .. } = part;
+        let (end, Part { origin, fault, .. }) = (part.time(), part);
         self.fault = fault;
+        if fault.is_some() {
+            return ControlFlow::Break(end);
+        }
         self.jumped = origin.is_some() || cut.is_some();
         match (answer, cut) {
             (ControlFlow::Continue(()), Some(cut)) => {
@@ -488,7 +491,18 @@ impl<V: Coordinates> Part<'_, V> {
         if is_between(self.previous_time(), t, self.time()) {
             return Ok(());
         }
-        let error = IntegrationError::InvalidTime { time: t };
+        self.refuse(IntegrationError::InvalidTime { time: t })
+    }
+
+    /// Refuses states to go on from that are not finite.
+    fn check_state(&mut self, state: &State<V>) -> Result<(), IntegrationError> {
+        if state.is_finite() {
+            return Ok(());
+        }
+        self.refuse(IntegrationError::NonFiniteState { time: self.time() })
+    }
+
+    fn refuse(&mut self, error: IntegrationError) -> Result<(), IntegrationError> {
         self.fault = Some(error);
         Err(error)
     }
@@ -517,6 +531,9 @@ impl<V: Coordinates> Step<V> for Part<'_, V> {
     }
 
     fn replace(&mut self, state: &State<V>) {
+        if self.check_state(state).is_err() {
+            return;
+        }
         match self.cut {
             None => {
                 self.origin = Some(self.whole.time());
@@ -535,6 +552,7 @@ impl<V: Coordinates> Step<V> for Part<'_, V> {
 
     fn restart(&mut self, t: f64, state: &State<V>) -> Result<(), IntegrationError> {
         self.check(t)?;
+        self.check_state(state)?;
         self.whole.restart(t, state)?;
         self.origin = Some(t);
         Ok(())
@@ -865,6 +883,17 @@ mod tests {
             })
             .unwrap();
         assert!(replaced && events[0].count() == 0 && state.q[0] < 0.0);
+        // A replacement that is no number is refused, at an event, too: the state is the one before.
+        let mut dry = [Event::new(&height).terminal()];
+        let mut state = State::new([1.0], [0.0]);
+        let result = dop853.integrate_with_events(oscillate, 0.0, 9.0, &mut state, &mut dry, |step| {
+            if step.state().q[0] < 1e-3 {
+                step.replace(&State::new([f64::NAN], [0.0]));
+            }
+            ControlFlow::Continue(())
+        });
+        let Err(IntegrationError::NonFiniteState { time }) = result else { panic!("{result:?}") };
+        assert!((time - core::f64::consts::FRAC_PI_2).abs() < 1e-9 && state.q[0].abs() < 1e-12, "{state:?}");
         // Times after the cut are outside the step.
         let mut stop = [Event::new(&height).terminal()];
         let result =
