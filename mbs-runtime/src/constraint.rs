@@ -250,7 +250,7 @@ impl<T: Real, S: AsMut<[T]>> Projector<T, S> {
         }
         transposed.least_change(RedundantRows::LeaveOut, |_| true)?;
         multipliers.copy_from_slice(transposed.change);
-        Ok(())
+        if qdd.iter().all(|x| x.is_finite()) { Ok(()) } else { Err(ConstraintError::NonFinite) }
     }
 
     /// The rank of A at `q`; `redundant` is told the rows that depend on the others.
@@ -602,6 +602,22 @@ mod tests {
         let (rod, mut qdd, mut multipliers) = (Rod { twice: true, misfit: 0.0 }, [0.0; 4], [0.0; 3]);
         let refused = refusing.accelerations(&rod, 0.0, &q, &force, &[0.0; 3], &mut qdd, &mut multipliers);
         assert!(matches!(refused, Err(ConstraintError::Redundant { row: 0 | 2 })), "{refused:?}");
+    }
+
+    #[test]
+    fn forces_that_are_no_numbers_are_refused() {
+        let rod = Rod { twice: false, misfit: 0.0 };
+        for force in [[f64::INFINITY, 0.0, 0.0, 0.0], [0.0, 0.0, f64::NAN, 0.0], [f64::MAX; 4]] {
+            let (q, mut qdd, mut multipliers) = ([0.0, 0.0, 1.0, 0.0], [0.0; 4], [0.0; 2]);
+            let mut projector = Projector::new([0.0; MEMORY]);
+            let found = projector.accelerations(&rod, 0.0, &q, &force, &[0.0; 2], &mut qdd, &mut multipliers);
+            assert_eq!(found, Err(ConstraintError::NonFinite), "{force:?}");
+        }
+        // Along the rail, where no row feels it.
+        let (force, mut qdd, mut multiplier) = ([f64::INFINITY, 0.0], [0.0; 2], [0.0]);
+        let mut projector = Projector::new([0.0; 64]);
+        let along = projector.accelerations(&Rail, 0.0, &[0.0; 2], &force, &[0.0], &mut qdd, &mut multiplier);
+        assert_eq!(along, Err(ConstraintError::NonFinite));
     }
 
     #[test]

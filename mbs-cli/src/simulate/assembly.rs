@@ -1,6 +1,6 @@
 //! A first state on the constraints, and what there is to say where there is none.
 
-use mbs_runtime::{ConstraintError, RedundantRows};
+use mbs_runtime::{ConstraintError, Constraints, RedundantRows};
 
 use crate::check::abridged;
 use crate::equations::{Equations, Motion};
@@ -20,10 +20,9 @@ pub(crate) fn assemble(
 ) -> Result<(), Failure> {
     let t = equations.start_time();
     let given = motion.clone();
-    equations
-        .projector(redundant_rows)
-        .assemble(equations, t, motion, |i| held[i])
-        .map_err(|error| Failure::new(explained(equations, error, t, &given)))?;
+    if let Err(error) = equations.projector(redundant_rows).assemble(equations, t, motion, |i| held[i]) {
+        return Err(Failure::new(unassembled(equations, error, &given, held)));
+    }
     let moved =
         |from: &[f64], to: &[f64]| from.iter().zip(to).any(|(a, b)| (a - b).abs() > NOTICEABLE * (1.0 + a.abs()));
     let mut changes = Vec::new();
@@ -39,6 +38,30 @@ pub(crate) fn assemble(
         ));
     }
     Ok(())
+}
+
+/// Why there is no first state, where that shows, and what may help.
+fn unassembled(equations: &Equations<'_>, error: ConstraintError, given: &Motion, held: &[bool]) -> String {
+    let t = equations.start_time();
+    let mut projector = equations.projector(RedundantRows::LeaveOut);
+    match error {
+        // Not in the guess, but in the state that was found.
+        ConstraintError::Redundant { .. } => {
+            let mut found = given.clone();
+            let at = if projector.assemble(equations, t, &mut found, |i| held[i]).is_ok() { &found } else { given };
+            explained(equations, error, t, at)
+        }
+        ConstraintError::Open { .. } | ConstraintError::Contradiction { .. } if held.contains(&true) => {
+            explained(equations, error, t, given) + "; `--hold` may leave too few coordinates free"
+        }
+        ConstraintError::Open { .. } => {
+            let rank = projector.rank(equations, t, &given.q, |_| ());
+            let is_singular = rank.is_ok_and(|rank| rank < equations.rows());
+            let hint = if is_singular { "; constraints lose rank there: another guess may do" } else { "" };
+            explained(equations, error, t, given) + hint
+        }
+        _ => explained(equations, error, t, given),
+    }
 }
 
 /// Says so where the state is off the constraints, or rows of A depend on others though they must not.
@@ -115,7 +138,8 @@ pub(crate) fn explained(equations: &Equations<'_>, error: ConstraintError, t: f6
             format!("constraint `{}` contradicts the others: {residual:e} is left of it, {at}", name(row))
         }
         ConstraintError::SingularMassMatrix(singular) => {
-            format!("a motion that the constraints leave has no inertia, {at}: {singular}")
+            let motion = if equations.rows() == 0 { "a motion" } else { "a motion that the constraints leave" };
+            format!("{motion} has no inertia, {at}: {singular}")
         }
         ConstraintError::NonFinite => format!("a constraint or its derivative is infinite or NaN, {at}"),
     }

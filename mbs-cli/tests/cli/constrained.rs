@@ -125,6 +125,57 @@ fn the_first_state_is_assembled() {
     assert_eq!(warning, "warning: the motion starts off the constraints: `rod` by 1.125e0\n");
 }
 
+/// Next to the centre of the circle Newton's first step is ten million lengths long.
+#[test]
+fn a_bad_guess_will_do() {
+    let workshop = workshop();
+    let run = |state: &str, rest: &[&str]| {
+        let all = [&["simulate", "rod.mbs", "--state", state, "--t-end", "0"], rest].concat();
+        let outcome = workshop.mbs(&all);
+        assert_eq!(outcome.code, 0, "{}", outcome.stderr);
+        let found = last(&outcome.stdout);
+        [found("x"), found("z")]
+    };
+    assert_eq!(run(r#"{"q": [1e-7, 0]}"#, &[]), [2.0, 0.0]);
+    // All held, on the constraint.
+    assert_eq!(run(r#"{"q": [1.2, -1.6], "qd": [0.8, 0.6]}"#, &["--hold", "x,z"]), [1.2, -1.6]);
+}
+
+/// The rod's mass in its other coordinate: M is singular, but not on the circle. `x = 2 cos α` without weight, `ẋ` stays.
+#[test]
+fn inertia_is_needed_where_constraints_leave_motion() {
+    let workshop = workshop();
+    let rod = ROD.replace("particle(m, [x, 0, z])", "1/2*m*dt(x)^2 + 1/2*m_z*dt(z)^2");
+    workshop.write("rod.mbs", rod.replace("param l:", "param m_z: kg = 1;\n    param l:"));
+    let state = r#"{"q": [1.2, -1.6], "qd": [0.8, 0.6], "params": {"m_z": 0, "g": 0}}"#;
+    let end = last(&workshop.good(&["simulate", "rod.mbs", "--state", state, "--t-end", "0.5"]));
+    assert!((end("x") - 1.6).abs() < 1e-12 && (end("z") + 1.2).abs() < 1e-12, "{} {}", end("x"), end("z"));
+    assert!((end("x_dot") - 0.8).abs() < 1e-12 && end("lambda_rod").abs() < 1e-12);
+    // At the side of the circle the motion is along z, and has none.
+    let report = workshop.bad(&["simulate", "rod.mbs", "--state", state, "--t-end", "5"]);
+    assert!(report.starts_with("error: the integration stopped: "), "{report}");
+    let nothing = r#"{"q": [2, 0], "params": {"m_z": 0}}"#;
+    let report = workshop.bad(&["simulate", "rod.mbs", "--state", nothing, "--t-end", "5"]);
+    assert!(report.starts_with("error: a motion that the constraints leave has no inertia, at t = 0.0"), "{report}");
+}
+
+#[test]
+fn options_without_an_object_are_named() {
+    let workshop = workshop();
+    for (options, warning) in [
+        (["--hold", "theta"], "warning: Pendulum has no constraints, --project, --redundant and --hold do nothing\n"),
+        (["--project", "none"], "warning: Pendulum has no constraints, --project, --redundant and --hold do nothing\n"),
+    ] {
+        let run = ["simulate", "pendulum.mbs", "--state", r#"{"q": [1]}"#, "--t-end", "1"];
+        let outcome = workshop.mbs(&[run.as_slice(), &options].concat());
+        assert_eq!((outcome.code, outcome.stderr.as_str()), (0, warning));
+    }
+    let run = ["simulate", "rod.mbs", "--state", START, "--t-end", "1", "--project", "none", "--hold", "x"];
+    let outcome = workshop.mbs(&run);
+    let warning = "warning: with --project none the first state stays as given, --hold does nothing\n";
+    assert_eq!((outcome.code, outcome.stderr.as_str()), (0, warning));
+}
+
 #[test]
 fn what_does_not_close_is_refused() {
     let workshop = workshop();
@@ -133,11 +184,16 @@ fn what_does_not_close_is_refused() {
     };
     let report = bad(r#"{"q": [3, 1]}"#, &["--hold", "x"]);
     assert!(report.starts_with("error: the constraints do not close: `rod` stays open by "), "{report}");
-    assert!(report.ends_with("at t = 0.0, q = [3.0, 1.0], qd = [0.0, 0.0]\n"), "{report}");
+    let hint = "at t = 0.0, q = [3.0, 1.0], qd = [0.0, 0.0]; `--hold` may leave too few coordinates free\n";
+    assert!(report.ends_with(hint), "{report}");
     let report = bad(r#"{"q": [0, 0]}"#, &[]);
-    assert!(report.starts_with("error: constraint `rod` depends on the others, at t = 0.0"), "{report}");
+    assert!(
+        report.starts_with("error: the constraints do not close: `rod` stays open by -2e0, at t = 0.0"),
+        "{report}"
+    );
+    assert!(report.ends_with("; constraints lose rank there: another guess may do\n"), "{report}");
     let report = bad(START, &["--hold", "y"]);
-    assert_eq!(report, "error: --hold: there is no coordinate `y`\n");
+    assert_eq!(report, "error: --hold: there is no coordinate `y`; the coordinates are x, z\n");
     for usage in
         [["--project", "states"], ["--project", "baumgarte:1"], ["--project", "baumgarte:-1,2"], ["--redundant", "no"]]
     {
