@@ -100,6 +100,11 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     };
     let times = times(&point, arguments)?;
     warn_of_idle_options(arguments, &derivation);
+    if point.state.prescribed.iter().any(|[_, rate, acceleration]| *rate != 0.0 || *acceleration != 0.0) {
+        output::report(
+            "warning: prescribed signals stay as given: a value that stays contradicts a rate that is not zero\n",
+        );
+    }
     let settings = Settings {
         method: arguments.method,
         accuracy: Accuracy {

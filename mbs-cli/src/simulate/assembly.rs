@@ -79,14 +79,16 @@ pub(crate) fn leave_open(
     if let (Some(&row), RedundantRows::Refuse) = (rows.first(), redundant_rows) {
         return Err(Failure::new(explained(equations, ConstraintError::Redundant { row }, t, motion)));
     }
-    let residuals = equations.call("constraint", &equations.state(t, &motion.q, &motion.qd));
-    let open: Vec<String> = equations
-        .row_names()
-        .iter()
-        .zip(&residuals)
-        .filter(|(_, residual)| residual.abs() > NOTICEABLE)
-        .map(|(name, residual)| format!("`{name}` by {residual:e}"))
-        .collect();
+    let state = equations.state(t, &motion.q, &motion.qd);
+    let (residuals, rates) = (equations.call("constraint", &state), equations.call("constraint_rate", &state));
+    let mut open = Vec::new();
+    for (row, name) in equations.row_names().iter().enumerate() {
+        if residuals[row].abs() > NOTICEABLE {
+            open.push(format!("`{name}` by {:e}", residuals[row]));
+        } else if equations.is_holonomic(row) && rates[row].abs() > NOTICEABLE {
+            open.push(format!("the rate of `{name}` by {:e}", rates[row]));
+        }
+    }
     if !open.is_empty() {
         output::report(&format!("warning: the motion starts off the constraints: {}\n", abridged(&open)));
     }

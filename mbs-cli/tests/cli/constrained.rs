@@ -123,6 +123,9 @@ fn the_first_state_is_assembled() {
     let (found, warning) = run(r#"{"q": [1.5, -2]}"#, &["--project", "none"]);
     assert_eq!((found("x"), found("z")), (1.5, -2.0));
     assert_eq!(warning, "warning: the motion starts off the constraints: `rod` by 1.125e0\n");
+    let (found, warning) = run(r#"{"q": [1.2, -1.6], "qd": [1, 0]}"#, &["--project", "none"]);
+    assert_eq!((found("x_dot"), found("z_dot")), (1.0, 0.0));
+    assert_eq!(warning, "warning: the motion starts off the constraints: the rate of `rod` by 1.2e0\n");
 }
 
 /// Next to the centre of the circle Newton's first step is ten million lengths long.
@@ -157,6 +160,40 @@ fn inertia_is_needed_where_constraints_leave_motion() {
     let nothing = r#"{"q": [2, 0], "params": {"m_z": 0}}"#;
     let report = workshop.bad(&["simulate", "rod.mbs", "--state", nothing, "--t-end", "5"]);
     assert!(report.starts_with("error: a motion that the constraints leave has no inertia, at t = 0.0"), "{report}");
+}
+
+/// Hanging at rest, the rod carries the weight.
+#[test]
+fn the_force_of_constraints_is_evaluated() {
+    let workshop = workshop();
+    let evaluation = workshop.eval("rod.mbs", r#"{"q": [0, -2]}"#);
+    // (x² + z²)/l has the slope −2 there.
+    assert_eq!(evaluation["multipliers"], serde_json::json!([-15.0]));
+    assert_eq!(evaluation["constraint_force"], serde_json::json!([0.0, 30.0]));
+    assert!(workshop.eval("pendulum.mbs", r#"{"q": [1]}"#).get("constraint_force").is_none());
+}
+
+/// Points on a line that is hauled: how far is given, and how fast.
+#[test]
+fn prescribed_signals_that_contradict_themselves_are_named() {
+    let workshop = Workshop::new();
+    let hauled = "mechanism Hauled { param m: kg = 1; prescribed far: m; coord x: m; coord y: m; \
+                  kinetic += particle(m, [x, y, 0]); constraint line: x = far; }";
+    workshop.write("hauled.mbs", hauled);
+    for (signal, warning) in [
+        ("[1, 0, 0]", ""),
+        (
+            "[1, 2, 0]",
+            "warning: prescribed signals stay as given: a value that stays contradicts a rate that is not zero\n",
+        ),
+    ] {
+        let state = format!(r#"{{"q": [1, 0], "qd": [2, 1], "prescribed": {{"far": {signal}}}}}"#);
+        let outcome = workshop.mbs(&["simulate", "hauled.mbs", "--state", &state, "--t-end", "0"]);
+        assert_eq!(outcome.code, 0, "{}", outcome.stderr);
+        let warnings: Vec<&str> =
+            outcome.stderr.split_inclusive('\n').filter(|line| line.contains("signals")).collect();
+        assert_eq!(warnings.concat(), warning);
+    }
 }
 
 #[test]
