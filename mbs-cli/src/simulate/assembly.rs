@@ -96,15 +96,14 @@ pub(crate) fn leave_open(
 }
 
 /// A projection takes away an integrator's error. Where it takes away more, constraints lose rank there, as those of a
-/// flattened parallelogram do, and the nearest state may be on another branch.
-pub(crate) fn stays_near(t: f64, free: &Motion, projected: &Motion) -> Result<(), String> {
-    const NEAR: f64 = 1e-3;
+/// flattened parallelogram do, and the nearest state may be on another branch. `near` is relative to 1 or the largest number.
+pub(crate) fn stays_near(t: f64, near: f64, free: &Motion, projected: &Motion) -> Result<(), String> {
     let largest = |numbers: &[f64]| numbers.iter().fold(0.0_f64, |largest, x| largest.max(x.abs()));
     let change = |from: &[f64], to: &[f64]| {
         from.iter().zip(to).fold(0.0_f64, |largest, (from, to)| largest.max((to - from).abs()))
     };
     let (positions, velocities) = (change(&free.q, &projected.q), change(&free.qd, &projected.qd));
-    if positions <= NEAR * (1.0 + largest(&free.q)) && velocities <= NEAR * (1.0 + largest(&free.qd)) {
+    if positions <= near * (1.0 + largest(&free.q)) && velocities <= near * (1.0 + largest(&free.qd)) {
         return Ok(());
     }
     Err(format!(

@@ -37,6 +37,16 @@ pub(crate) struct Settings {
     pub(crate) held: Vec<bool>,
 }
 
+impl Settings {
+    /// How far a projection may move a state: a thousandth, or what the tolerances let the integrator err.
+    fn near(&self) -> f64 {
+        const LEAST: f64 = 1e-3;
+        // Between its ends a step may err by more than there.
+        let error = 20.0 * (self.accuracy.relative + self.accuracy.absolute);
+        if self.method.has_error_control() { error.max(LEAST) } else { LEAST }
+    }
+}
+
 /// A motion, row by row.
 #[derive(Debug)]
 pub(crate) struct Motion {
@@ -113,6 +123,7 @@ impl<'a, 'd> Run<'a, 'd> {
 
         let (mut solver, mut recorder) = (self.solver(), self.solver());
         let mut projector = equations.projector(self.settings.redundant_rows);
+        let near = self.settings.near();
         let is_projected = equations.rows() > 0 && self.settings.drift == Drift::Projected;
         let mut closed = |t: f64, moving: &mut Moving| {
             if !is_projected {
@@ -122,7 +133,7 @@ impl<'a, 'd> Run<'a, 'd> {
             projector
                 .project(equations, t, moving)
                 .map_err(|error| assembly::explained(equations, error, t, &free))
-                .and_then(|()| assembly::stays_near(t, &free, moving))
+                .and_then(|()| assembly::stays_near(t, near, &free, moving))
         };
 
         let mut rows = Vec::with_capacity(times.len());

@@ -104,6 +104,24 @@ fn drift_is_projected_stabilized_or_left() {
     assert!((residual("none") - residual("baumgarte:0,0")).abs() < 1e-9);
 }
 
+/// A projection takes away more where more error is allowed.
+#[test]
+fn loose_tolerances_are_no_branches() {
+    let workshop = workshop();
+    for method in ["dopri5", "dop853"] {
+        for tolerance in ["1e-3", "1e-4"] {
+            let options = ["--method", method, "--rtol", tolerance, "--atol", tolerance];
+            let run = ["simulate", "rod.mbs", "--state", r#"{"q": [1.2, -1.6]}"#, "--t-end", "20"];
+            let end = last(&workshop.good(&[run.as_slice(), &options].concat()));
+            assert!(
+                end("residual_rod").abs() < 1e-14 && end("energy") < 0.0,
+                "{method} {tolerance}: {}",
+                end("energy")
+            );
+        }
+    }
+}
+
 #[test]
 fn the_first_state_is_assembled() {
     let workshop = workshop();
