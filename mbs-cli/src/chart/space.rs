@@ -153,7 +153,7 @@ fn draw_box<D: DrawingBackend>(space: &Space, axes: &[Axis; 3], view: &View, can
         let ends = [axis.range.start, axis.range.end].map(|value| view.pixel(edge(i, value)[0]));
         canvas.area.draw(&PathElement::new(ends.to_vec(), canvas.stroke(BLACK, 1)))?;
         // Away from the box: down and out, by the edge.
-        let (right, down) = [(-10, 14), (14, 12), (-10, 0)][i];
+        let (right, down) = [(0, 18), (14, 12), (-10, 0)][i];
         let anchor = [
             Pos::new(HPos::Right, VPos::Center),
             Pos::new(HPos::Left, VPos::Center),
