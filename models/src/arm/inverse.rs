@@ -118,7 +118,7 @@ pub const REACH_TOLERANCE: f64 = 1e-12;
 /// One configuration that reaches the pose.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Solution {
-    /// Joint angles \[rad\], in `(−π, π]` unless they were moved into ranges.
+    /// Joint angles \[rad\], in `[−π, π]` unless they were moved into ranges.
     pub q: JointVector,
     /// Which configuration it is.
     pub branch: Branch,
@@ -129,7 +129,7 @@ pub struct Solution {
 /// Up to eight configurations, as a slice.
 ///
 /// Front before back, then positive before negative elbow, then positive before negative wrist.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy)]
 pub struct Solutions {
     /// The first `len` of them count.
     list: [Solution; 8],
@@ -222,7 +222,7 @@ const COS_PHI: f64 = A3 / L1;
 const SIN_PHI: f64 = D4 / L1;
 
 impl InverseKinematics {
-    /// All configurations that reach the pose: up to eight, with angles in `(−π, π]`.
+    /// All configurations that reach the pose: up to eight, with angles in `[−π, π]`.
     ///
     /// | argument | meaning                                      | unit |
     /// |----------|----------------------------------------------|------|
@@ -471,7 +471,7 @@ impl Solutions {
     }
 
     /// All of them, every angle moved into its range by whole turns where that can be done; of several values that nearest to
-    /// `near` is taken. Angles that no turn brings into range are left in `(−π, π]`.
+    /// `near` is taken. Angles that no turn brings into range are left in `[−π, π]`.
     #[must_use]
     pub fn wrapped(&self, limits: &JointLimits, near: &JointVector) -> Self {
         let mut moved = *self;
@@ -523,6 +523,12 @@ impl<'a> IntoIterator for &'a Solutions {
     }
 }
 
+impl fmt::Debug for Solutions {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_list().entries(self).finish()
+    }
+}
+
 impl PartialEq for Solutions {
     fn eq(&self, other: &Self) -> bool {
         self[..] == other[..]
@@ -533,22 +539,22 @@ fn square(x: f64) -> f64 {
     x * x
 }
 
-/// The direction half a turn further, in `(−π, π]`.
+/// The direction half a turn further, in `[−π, π]`.
 #[inline]
 fn opposite(angle: f64) -> f64 {
     if angle > 0.0 { angle - PI } else { angle + PI }
 }
 
-/// The angle in `(−π, π]` that differs by whole turns.
+/// The angle in `[−π, π]` that differs by whole turns.
 #[inline]
 fn wrapped(angle: f64) -> f64 {
-    if angle > -PI && angle <= PI {
+    if (-PI..=PI).contains(&angle) {
         return angle;
     }
     let rest = angle % TAU;
     if rest > PI {
         rest - TAU
-    } else if rest <= -PI {
+    } else if rest < -PI {
         rest + TAU
     } else {
         rest
