@@ -2,13 +2,16 @@
 
 use std::f64::consts::{PI, TAU};
 
-use mbs_models::arm::inverse::{Branch, Elbow, Inexact, PHI, Shoulder, Singularities, Wrist};
+use mbs_models::arm::inverse::{Branch, Elbow, Inexact, OutsideLimits, PHI, Shoulder, Singularities, Wrist};
+use mbs_models::arm::limits::InvalidLimits;
 use mbs_models::arm::printed;
 use mbs_models::arm::{
-    A1, A2, A3, Arm, D1, D4, D6, InverseKinematics, JointLimits, JointVector, Solutions, Unsolvable,
+    A1, A2, A3, Arm, D1, D4, D6, InverseKinematics, JointLimits, JointVector, Solution, Solutions, Unsolvable,
 };
+use mbs_models::arm6::Arm6;
+use mbs_models::scara::Scara;
 use mbs_runtime::attitude::NotARotation;
-use mbs_runtime::inverse_kinematics::DampedLeastSquares;
+use mbs_runtime::inverse_kinematics::{DampedLeastSquares, NotReached};
 use mbs_runtime::{Pose, to_matrix};
 use mbs_tests::compare::assert_close;
 use mbs_tests::random::Random;
@@ -216,6 +219,55 @@ fn a_numerical_search_finds_the_same_configurations() {
     assert!(converged * 10 > starts * 8, "{converged} of {starts}");
 }
 
+/// Within the ranges of the drives, and for mechanisms without a closed form: the benchmark arm, and four joints of a SCARA arm.
+#[test]
+fn the_numerical_search_keeps_limits_and_serves_any_mechanism() {
+    let arm = Arm::default();
+    let limits = &arm.limits;
+    let solver = DampedLeastSquares { lower: limits.lower, upper: limits.upper, ..Default::default() };
+    let mut random = Random::new(31);
+    let mut within = || -> JointVector { std::array::from_fn(|i| random.uniform(limits.lower[i]..limits.upper[i])) };
+    let (mut found, mut held) = (0, 0);
+    for _ in 0..200 {
+        let (pose, guess) = (arm.pose(&within()), within());
+        match solver.solve(|q| arm.pose_and_jacobian(q), &pose, &guess) {
+            Ok(approach) => {
+                found += 1;
+                assert_eq!(limits.violation(&approach.q), None);
+                assert!(apart(&arm.pose(&approach.q), &pose) < 2e-10);
+                assert!(approach.evaluations <= solver.evaluations);
+            }
+            Err(NotReached::AtLimits { best, held: joints }) => {
+                held += 1;
+                assert_eq!(limits.violation(&best.q), None);
+                assert!((0..6).all(|i| !joints[i] || best.q[i] == limits.lower[i] || best.q[i] == limits.upper[i]));
+            }
+            Err(NotReached::Stationary(best) | NotReached::TooManyEvaluations(best)) => {
+                assert_eq!(limits.violation(&best.q), None);
+            }
+            Err(other) => panic!("{other}"),
+        }
+    }
+    assert!(found > 60 && held > 10, "{found} {held}");
+
+    let benchmark = Arm6::<f64>::default();
+    let solver = DampedLeastSquares::default();
+    let model = |q: &JointVector| (benchmark.flange(q), benchmark.flange_jacobian(q));
+    let (target, _) = model(&[0.4, -1.1, 0.3, 0.5, 0.8, -0.1]);
+    let approach = solver.solve(model, &target, &[0.0, -1.0, 0.0, 0.0, 0.5, 0.0]).expect("reached");
+    assert!(apart(&benchmark.flange(&approach.q), &target) < 2e-10 && approach.evaluations < 20);
+
+    let scara = Scara::<f64>::default();
+    let model = |q: &[f64; 4]| (scara.flange(q), scara.flange_jacobian(q));
+    let (target, _) = model(&[0.4, 1.1, 0.1, 0.5]);
+    let approach = DampedLeastSquares::default().solve(model, &target, &[0.0, 0.5, 0.0, 0.0]).expect("reached");
+    assert!(apart(&scara.flange(&approach.q), &target) < 2e-10 && approach.evaluations < 20);
+    // Four joints do not tilt the hand.
+    let tilted = Pose { rotation: arm.pose(&table_1()).rotation, ..target };
+    let error = DampedLeastSquares::default().solve(model, &tilted, &[0.0, 0.5, 0.0, 0.0]);
+    assert!(matches!(error, Err(NotReached::Stationary(best)) if best.rotation_error > 0.5), "{error:?}");
+}
+
 #[test]
 fn a_straight_wrist_takes_the_angle_of_the_reference() {
     let arm = Arm::default();
@@ -293,7 +345,7 @@ fn a_wrist_on_axis_1_takes_the_angle_of_the_reference() {
 }
 
 #[test]
-fn a_stretched_arm_has_one_elbow() {
+fn a_stretched_or_folded_arm_has_one_elbow() {
     let arm = Arm::default();
     let q = [0.3, -0.7, -PHI, 0.9, 0.5, -0.5];
     let pose = arm.pose(&q);
@@ -303,6 +355,16 @@ fn a_stretched_arm_has_one_elbow() {
     let front: Vec<_> = solutions.iter().filter(|solution| solution.branch.shoulder == Shoulder::Front).collect();
     assert_eq!(front.len(), 2);
     assert!(front.iter().all(|solution| solution.singular == only && solution.branch.elbow == Elbow::Positive));
+    // Folded, with the wrist 6 mm from axis 2, the branches are one as well.
+    let folded = arm.pose(&[0.3, -0.7, PI - PHI, 0.9, 0.5, -0.5]);
+    let solutions = arm.inverse(&folded).expect("reachable");
+    check(&arm, &folded, &solutions, 1e-12);
+    let front: Vec<_> = solutions.iter().filter(|solution| solution.branch.shoulder == Shoulder::Front).collect();
+    assert_eq!(front.len(), 2, "{front:?}");
+    assert!(front.iter().all(|solution| solution.singular == only));
+    assert!(
+        solutions.iter().filter(|solution| solution.branch.shoulder == Shoulder::Back).all(|back| !back.singular.any())
+    );
     let reference = &data()["elbow_singularity_theta3_deg"];
     assert_close("θ₃", &[(PI - PHI).to_degrees(), (-PHI).to_degrees()], &numbers::<2>(reference), 1e-14);
 }
@@ -347,8 +409,28 @@ fn limits_are_kept_on_request() {
     let thesis = arm.inverse(&arm.pose(&table_1())).expect("reachable");
     assert_eq!(limits.violation(&table_1()), Some(1));
     assert!(thesis.within(limits, &table_1()).iter().all(|solution| turned_apart(&solution.q, &table_1()) > 0.1));
+    // By how much, where all cross a limit.
+    assert_eq!(solutions.choose(limits, &home), Ok(nearest_of(&solutions, limits, &home)));
+    let narrow = JointLimits { lower: [-0.1; 6], upper: [0.1; 6], ..*limits };
+    match solutions.choose(&narrow, &home) {
+        Err(error @ OutsideLimits::Crossed { best, joint, by }) => {
+            let worst = |q: &JointVector| (0..6).map(|i| narrow.excess(i, q[i])).fold(0.0, f64::max);
+            assert!(by > 0.0 && by == worst(&best.q) && by == narrow.excess(joint, best.q[joint]));
+            assert!(solutions.iter().all(|solution| worst(&solution.q) >= by));
+            assert!(error.to_string().contains(&format!("joint {joint} by {by}")), "{error}");
+        }
+        other => panic!("{other:?}"),
+    }
+    assert!(matches!(
+        solutions.choose(&crossed, &home),
+        Err(OutsideLimits::Limits(InvalidLimits::Range { joint: 0, .. }))
+    ));
     let free = JointLimits { lower: [-TAU; 6], upper: [TAU; 6], ..*limits };
     assert_close("table 1", &thesis.nearest(&free, &table_1()).expect("free").q, &table_1(), 1e-13);
+}
+
+fn nearest_of(solutions: &Solutions, limits: &JointLimits, near: &JointVector) -> Solution {
+    solutions.nearest(limits, near).expect("within")
 }
 
 #[test]

@@ -29,7 +29,7 @@
 //! | singularity | where                                    | what is undetermined, and chosen               |
 //! |-------------|------------------------------------------|------------------------------------------------|
 //! | shoulder    | the wrist is on axis 1                   | `θ₁`: that of [`InverseKinematics::reference`] |
-//! | elbow       | the arm is stretched: `κ = 0`            | nothing; the branches are one                  |
+//! | elbow       | the arm is stretched or folded: `κ = 0, π` | nothing; the branches are one                  |
 //! | wrist       | axes 4 and 6 are in line: `sin θ₅ = 0`   | `θ₄` against `θ₆`: `θ₄` is that of the reference |
 //!
 //! # Source
@@ -45,7 +45,8 @@ use core::ops::Deref;
 use mbs_runtime::attitude::{NotARotation, ROTATION_TOLERANCE, check_rotation, orthonormalized_within};
 use mbs_runtime::{Pose, Scalar, to_matrix, to_rows};
 
-use super::{A1, A2, A3, D1, D4, D6, JointLimits, JointVector};
+use super::limits::{InvalidLimits, JointLimits};
+use super::{A1, A2, A3, D1, D4, D6, JointVector};
 
 /// How the shoulder stands to the wrist.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -90,7 +91,7 @@ pub struct Branch {
 pub struct Singularities {
     /// The wrist is on axis 1: any `θ₁` with the right sum of what follows reaches the pose.
     pub shoulder: bool,
-    /// The arm is stretched, up to [`STRETCHED`].
+    /// The arm is stretched or folded, up to [`STRETCHED`].
     pub elbow: bool,
     /// Axes 4 and 6 are in line: the pose says nothing of their angles but the sum, or the difference where `θ₅ = π`.
     pub wrist: bool,
@@ -108,8 +109,8 @@ impl Singularities {
 /// says nothing of the angle.
 pub const UNDETERMINED: f64 = 1e-13;
 
-/// How small `κ` is \[rad\] where the arm is stretched: a pose in double precision tells the branches apart down to
-/// `√(2 ε ρ / l₁ …)`, which is some 1e-8.
+/// How near `κ` is to 0 or π \[rad\] where the arm is stretched or folded: near the stretched arm the distance of the wrist changes
+/// with the square of `κ`, so that a pose in double precision tells the branches apart down to some 1e-8.
 pub const STRETCHED: f64 = 1e-7;
 
 /// How far beyond the stretched arm a wrist is still taken for reached \[m\]: what rounding adds to a pose.
@@ -184,6 +185,51 @@ impl Error for Unsolvable {
 impl From<NotARotation> for Unsolvable {
     fn from(error: NotARotation) -> Self {
         Self::Rotation(error)
+    }
+}
+
+/// Why none of the configurations of a pose is within the ranges of the joints.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum OutsideLimits {
+    /// The ranges are no ranges.
+    Limits(InvalidLimits),
+    /// All configurations have an angle that no turn brings into its range.
+    Crossed {
+        /// The configuration that is outside by least.
+        best: Solution,
+        /// Its joint that is outside by most, counted from 0.
+        joint: usize,
+        /// By how much \[rad\].
+        by: f64,
+    },
+    /// There are no configurations.
+    Empty,
+}
+
+impl fmt::Display for OutsideLimits {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match *self {
+            Self::Limits(error) => error.fmt(f),
+            Self::Crossed { joint, by, .. } => {
+                write!(f, "every configuration crosses a limit, the best one that of joint {joint} by {by} rad")
+            }
+            Self::Empty => f.write_str("there are no configurations to choose from"),
+        }
+    }
+}
+
+impl Error for OutsideLimits {
+    fn source(&self) -> Option<&(dyn Error + 'static)> {
+        match self {
+            Self::Limits(error) => Some(error),
+            Self::Crossed { .. } | Self::Empty => None,
+        }
+    }
+}
+
+impl From<InvalidLimits> for OutsideLimits {
+    fn from(error: InvalidLimits) -> Self {
+        Self::Limits(error)
     }
 }
 
@@ -281,7 +327,7 @@ impl InverseKinematics {
         let (c, s) = (facing.cos_1, facing.sin_1);
         let along: [f64; 3] = core::array::from_fn(|j| c * h[0][j] + s * h[1][j]);
         let across: [f64; 3] = core::array::from_fn(|j| s * h[0][j] - c * h[1][j]);
-        let stretched = triangle.kappa <= STRETCHED;
+        let stretched = triangle.kappa <= STRETCHED || PI - triangle.kappa <= STRETCHED;
         for elbow in [Elbow::Positive, Elbow::Negative] {
             if stretched && elbow == Elbow::Negative {
                 break;
@@ -491,6 +537,24 @@ impl Solutions {
         admitted.iter().min_by(|a, b| distance(a).total_cmp(&distance(b))).copied()
     }
 
+    /// As [`nearest`](Self::nearest), and why there is none.
+    ///
+    /// # Errors
+    /// [`OutsideLimits`]: by how much the limits are crossed, or that they are none.
+    pub fn choose(&self, limits: &JointLimits, near: &JointVector) -> Result<Solution, OutsideLimits> {
+        limits.check()?;
+        if let Some(solution) = self.nearest(limits, near) {
+            return Ok(solution);
+        }
+        let outside = |solution: &Solution| {
+            let joints = (0..6).map(|joint| (joint, limits.excess(joint, solution.q[joint])));
+            let (joint, by) = joints.max_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((0, 0.0));
+            (*solution, joint, by)
+        };
+        let best = self.iter().map(outside).min_by(|a, b| a.2.total_cmp(&b.2));
+        Err(best.map_or(OutsideLimits::Empty, |(best, joint, by)| OutsideLimits::Crossed { best, joint, by }))
+    }
+
     /// The one of this branch.
     #[must_use]
     pub fn of_branch(&self, branch: Branch) -> Option<Solution> {
@@ -558,5 +622,46 @@ fn wrapped(angle: f64) -> f64 {
         rest + TAU
     } else {
         rest
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn constants_are_those_of_the_table() {
+        assert_eq!(L1, Scalar::sqrt(L1_SQUARED));
+        assert_eq!(PHI, Scalar::atan2(D4, A3));
+        assert!((COS_PHI * COS_PHI + SIN_PHI * SIN_PHI - 1.0).abs() < 1e-15);
+        // The folded arm does not reach axis 2, and the side along the upper arm is positive.
+        const { assert!(A2 > L1) };
+    }
+
+    #[test]
+    fn angles_are_wrapped() {
+        for (angle, want) in
+            [(0.0, 0.0), (PI, PI), (-PI, -PI), (4.0, 4.0 - TAU), (-4.0, TAU - 4.0), (9.0 * PI / 2.0, PI / 2.0)]
+        {
+            assert!((wrapped(angle) - want).abs() < 1e-14, "{angle}: {}", wrapped(angle));
+        }
+        assert_eq!([opposite(1.0), opposite(-1.0), opposite(0.0)], [1.0 - PI, PI - 1.0, PI]);
+    }
+
+    #[test]
+    fn the_law_of_cosines_by_half_angles() {
+        // A right angle between upper arm and forearm.
+        let triangle = Triangle::new(A2, L1).expect("a triangle");
+        assert!((triangle.kappa - PI / 2.0).abs() < 1e-15);
+        assert!((triangle.u - A2).abs() < 1e-15 && (triangle.v - L1).abs() < 1e-15);
+        let bent = triangle.solve(Elbow::Positive);
+        assert!(bent.theta_2.abs() < 1e-15 && (bent.theta_3 - (PI / 2.0 - PHI)).abs() < 1e-15);
+        // Straight, and 1e-12 m short of it: κ² l₁ a₂/(a₂ + l₁) = 2e-12.
+        let straight = Triangle::new(0.0, A2 + L1).expect("a triangle");
+        assert_eq!((straight.kappa, straight.v), (0.0, 0.0));
+        let short = Triangle::new(0.0, A2 + L1 - 1e-12).expect("a triangle");
+        let want = Scalar::sqrt(2e-12 * (A2 + L1) / (A2 * L1));
+        // The distance itself is known to 4e-16 of 1e-12.
+        assert!((short.kappa / want - 1.0).abs() < 3e-4, "{} {want}", short.kappa);
     }
 }

@@ -73,8 +73,8 @@ impl fmt::Display for SingularJacobian {
 
 impl Error for SingularJacobian {}
 
-/// How small the smallest singular value is, against the largest, where the Jacobian counts as singular: a millionth of a
-/// millimetre.
+/// How small the smallest singular value is, against the largest, where the Jacobian counts as singular: of what is carried over,
+/// half of the digits would be left.
 pub const SINGULAR: f64 = 1e-9;
 
 /// The factors of the Jacobian's determinant, one for each way of being singular.
