@@ -4,4 +4,6 @@
 //! mechanism to a macro, which is how the property tests reach all of them.
 #![no_std]
 
+pub mod quadrotor;
+
 include!(concat!(env!("OUT_DIR"), "/mechanisms.rs"));
