@@ -223,8 +223,9 @@ impl Landing {
     ) -> Result<Touchdown, LandingError> {
         self.check()?;
         let height = |t: f64, state: &State<[f64; 6]>| state.q[2] - self.heave.at(t).value;
-        if !(height(0.0, &state) > 0.0) {
-            return Err(LandingError::NotAbove { height: height(0.0, &state) });
+        let first = height(0.0, &state);
+        if first.is_nan() || first <= 0.0 {
+            return Err(LandingError::NotAbove { height: first });
         }
         let mut way = Way::new();
         let mut events = [Event::new(&height).falling().terminal()];
