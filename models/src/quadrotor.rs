@@ -1,5 +1,6 @@
 //! A quadrotor that lands on a moving platform, as chapter 5 of the thesis treats it: what surrounds the generated dynamics of
-//! [`quadrotor_euler`](crate::quadrotor_euler).
+//! [`quadrotor_euler`](crate::quadrotor_euler), and of
+//! [`quadrotor_quaternion`](crate::quadrotor_quaternion), the same vehicle without the singularity of the angles.
 //!
 //! | thesis                | here                                                                              |
 //! |-----------------------|-----------------------------------------------------------------------------------|
