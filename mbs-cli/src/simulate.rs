@@ -17,12 +17,12 @@ mod table;
 use std::path::PathBuf;
 
 use clap::ValueEnum;
+use mbs_cli::chart::Format;
 use mbs_derive::diagnostic::nearest;
 use mbs_derive::model::lagrangian::component_names;
 use mbs_derive::optimise::Derivation;
 use mbs_runtime::RedundantRows;
 
-use figure::Format;
 use method::{Accuracy, Method};
 use motion::{Drift, Motion, Settings};
 

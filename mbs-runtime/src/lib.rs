@@ -143,12 +143,16 @@ pub use serde;
 #[cfg(feature = "wide")]
 pub use wide;
 
+#[cfg(any(feature = "std", feature = "libm"))]
+pub mod attitude;
 pub mod constraint;
 mod dual;
 pub mod dynamics;
 mod error;
 pub mod event;
 pub mod integrator;
+#[cfg(any(feature = "std", feature = "libm"))]
+pub mod inverse_kinematics;
 mod matrix;
 mod mechanism;
 mod scalar;

@@ -1,9 +1,16 @@
 //! The mechanisms of mbs, each described once by its energies in `mechanisms/*.mbs` and generated at build time.
 //!
 //! A new mechanism is one new file there. [`SOURCES`] lists the declarations; [`for_each_mechanism!`] hands every
-//! mechanism to a macro, which is how the property tests reach all of them.
+//! mechanism to a macro, which is how the property tests reach all of them. Beside them stands what they need around
+//! their dynamics: [`arm`], [`quadrotor`].
 #![no_std]
 
+#[cfg(feature = "std")]
+extern crate std;
+
+#[cfg(any(feature = "std", feature = "libm"))]
+pub mod arm;
+#[cfg(any(feature = "std", feature = "libm"))]
 pub mod quadrotor;
 
 include!(concat!(env!("OUT_DIR"), "/mechanisms.rs"));

@@ -1,0 +1,68 @@
+//! What does the IRB 7600 do on its way from the start to the stop of the thesis' Table 2, in 50 s?
+//!
+//! Case 1 starts from rest, case 2 with 1.5 °/s in every joint. Each is done by one quartic per joint, which cannot end
+//! without acceleration, by two quartics that meet half-way, and by a quintic. Look at the accelerations at the end (figures
+//! 3.10 and 3.11), at the flange below the base (3.4), at the time at which the arm is stretched or folded, and at the energies:
+//! the thesis says that case 2 needs more.
+//!
+//! `--out DIR` writes figures 3.4 to 3.11 and the torques as SVG and PNG, every curve as CSV, and the joint angles as RAPID
+//! modules for the robot's controller or its simulator.
+
+#[path = "arm_trajectory/cases.rs"]
+mod cases;
+#[path = "arm_trajectory/figures.rs"]
+mod figures;
+#[path = "arm_trajectory/rapid.rs"]
+mod rapid;
+#[path = "arm_trajectory/summary.rs"]
+mod summary;
+#[path = "arm_trajectory/tables.rs"]
+mod tables;
+
+use mbs_examples::{Failure, arguments::Arguments};
+use mbs_models::arm::Arm;
+use serde_json::{Value, json};
+
+use cases::{Case, Run};
+
+fn main() -> Result<(), Failure> {
+    let arguments = Arguments::from_process();
+    let arm = Arm::default();
+    let cases = cases::both(&arm)?;
+    if let Some(folder) = &arguments.out {
+        std::fs::create_dir_all(folder)?;
+        for case in &cases {
+            figures::write(folder, &arm, case)?;
+            tables::write(folder, &arm, case)?;
+            let text = rapid::module(&arm, case)?;
+            std::fs::write(folder.join(format!("{}.mod", case.name)), text)?;
+        }
+    }
+    if arguments.json {
+        println!("{}", cases.iter().map(|case| (case.name.to_string(), to_json(case))).collect::<Value>());
+    } else {
+        print!("{}", summary::of(&arm, &cases)?);
+    }
+    Ok(())
+}
+
+fn to_json(case: &Case) -> Value {
+    case.runs.iter().map(|run| (run.method.to_string(), run_to_json(run))).collect()
+}
+
+/// Rows by time, every five seconds; degrees, N·m and J.
+fn run_to_json(run: &Run) -> Value {
+    let rows = |of: &dyn Fn(&cases::Sample) -> [f64; 6]| {
+        run.samples.iter().step_by(run.samples.len() / 10).map(of).collect::<Vec<_>>()
+    };
+    json!({
+        "t": run.samples.iter().step_by(run.samples.len() / 10).map(|sample| sample.t).collect::<Vec<_>>(),
+        "q_deg": rows(&|sample| sample.state.q.map(f64::to_degrees)),
+        "qd_deg": rows(&|sample| sample.state.qd.map(f64::to_degrees)),
+        "qdd_deg": rows(&|sample| sample.state.qdd.map(f64::to_degrees)),
+        "torque": rows(&|sample| sample.torque),
+        "peak_speed_deg": run.peak_speed.map(f64::to_degrees),
+        "energy_joule": run.energy.value,
+        "singularities": run.singularities.iter().map(|(time, _)| *time).collect::<Vec<_>>(),
+    })
+}

@@ -1,0 +1,74 @@
+//! Figures 3.4 to 3.11 of the thesis, and the torques that it does not show.
+
+use std::path::Path;
+
+use mbs_cli::chart::{Curves, Figure, Line, Panel, Space, SpaceLine};
+use mbs_examples::{Failure, output::write_figure};
+use mbs_models::arm::Arm;
+
+use crate::cases::{Case, DURATION, Run, Sample};
+
+/// Names, titles, axes and values of what is drawn over time; the number of the figure for each case.
+type Curve = (&'static str, [usize; 2], &'static str, fn(&Sample) -> [f64; 6]);
+const CURVES: [Curve; 3] = [
+    ("joint angles", [6, 7], "q [°]", |sample| sample.state.q.map(f64::to_degrees)),
+    ("joint velocities", [8, 9], "dq/dt [°/s]", |sample| sample.state.qd.map(f64::to_degrees)),
+    ("joint accelerations", [10, 11], "d²q/dt² [°/s²]", |sample| sample.state.qdd.map(f64::to_degrees)),
+];
+
+pub(crate) fn write(folder: &Path, arm: &Arm, case: &Case) -> Result<(), Failure> {
+    let number = 3 + case.number;
+    let title = format!("Figure 3.{number}: path of the flange, case {}", case.number);
+    let figure = Figure { title, size: (1100, 800), panels: vec![path(arm, case)?] };
+    write_figure(folder, &format!("figure_3_{number}"), &figure)?;
+    for (what, numbers, label, value) in CURVES {
+        let number = numbers[case.number - 1];
+        let title = format!("Figure 3.{number}: {what}, case {}", case.number);
+        write_figure(folder, &format!("figure_3_{number}"), &over_time(title, case, label, value))?;
+    }
+    write_figure(folder, &format!("torques_{}", case.name), &torques(case))
+}
+
+/// One panel for each method.
+fn over_time(title: String, case: &Case, label: &str, value: fn(&Sample) -> [f64; 6]) -> Figure {
+    let panels = case.runs.iter().map(|run| panel(run, label, value, &[0, 1, 2, 3, 4, 5])).collect();
+    Figure { title, size: (1100, 1000), panels }
+}
+
+/// Two panels for each method: axes 2 and 3 carry the arm, the torques of the others are small beside theirs.
+fn torques(case: &Case) -> Figure {
+    let groups = |run| [&[1, 2][..], &[0, 3, 4, 5]].map(|joints| panel(run, "τ [N·m]", |sample| sample.torque, joints));
+    let panels = case.runs.iter().flat_map(groups).collect();
+    Figure { title: format!("Joint torques, case {}", case.number), size: (1100, 1800), panels }
+}
+
+fn panel(run: &Run, label: &str, value: fn(&Sample) -> [f64; 6], joints: &[usize]) -> Panel {
+    let curve = |i: usize| run.samples.iter().map(|sample| (sample.t, value(sample)[i])).collect();
+    Panel::Curves(Curves {
+        x_label: "t [s]".to_string(),
+        y_label: format!("{}: {label}", method_name(run)),
+        x_range: 0.0..DURATION,
+        lines: joints.iter().map(|&i| Line::new(format!("joint {}", i + 1), curve(i))).collect(),
+    })
+}
+
+fn method_name(run: &Run) -> &'static str {
+    match run.method {
+        "quartic" => "quartic",
+        "two_piece_quartic" => "two quartics",
+        _ => "quintic",
+    }
+}
+
+/// By the quartic; the other methods lead along nearly the same way, and from rest along the very same.
+fn path(arm: &Arm, case: &Case) -> Result<Panel, Failure> {
+    let run = &case.runs[0];
+    let [first, last] = [&run.samples[0], &run.samples[run.samples.len() - 1]].map(|sample| sample.position);
+    let mut marks = vec![(first, "start".to_string()), (last, "stop".to_string())];
+    for (time, singularity) in &run.singularities {
+        marks.push((arm.pose(&run.motion.at(*time)?.q).position, format!("{singularity} singular at {time:.1} s")));
+    }
+    let points = run.samples.iter().map(|sample| sample.position).collect();
+    let lines = vec![SpaceLine { name: method_name(run).to_string(), points, marks }];
+    Ok(Panel::Space(Space { labels: ["x [m]", "y [m]", "z [m]"].map(String::from), lines }))
+}

@@ -1,0 +1,37 @@
+//! Figures and tables in a folder.
+
+use std::path::Path;
+
+use mbs_cli::chart::{self, Figure, Format};
+
+use crate::Failure;
+
+/// Writes `name.svg` and `name.png`.
+///
+/// # Errors
+/// What drawing or the file system refuses.
+pub fn write_figure(folder: &Path, name: &str, figure: &Figure) -> Result<(), Failure> {
+    for (format, extension) in [(Format::Svg, "svg"), (Format::Png, "png")] {
+        std::fs::write(folder.join(format!("{name}.{extension}")), chart::draw(figure, format)?)?;
+    }
+    Ok(())
+}
+
+/// Writes `name.csv`: a header, then rows of numbers that read back as the same.
+///
+/// # Errors
+/// Rows of another length than the header, and what the file system refuses.
+pub fn write_table(
+    folder: &Path,
+    name: &str,
+    header: &[String],
+    rows: impl IntoIterator<Item = Vec<f64>>,
+) -> Result<(), Failure> {
+    let mut writer = csv::Writer::from_path(folder.join(format!("{name}.csv")))?;
+    writer.write_record(header)?;
+    for row in rows {
+        writer.write_record(row.iter().map(f64::to_string))?;
+    }
+    writer.flush()?;
+    Ok(())
+}

@@ -1,0 +1,3 @@
+//! What the program `mbs` shares with the examples: figures.
+
+pub mod chart;

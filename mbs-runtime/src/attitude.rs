@@ -1,0 +1,408 @@
+//! Attitudes as rotation matrices and as rotation vectors: axis times angle.
+//!
+//! The rotation vector `φ` of a rotation `R` is the axis that it turns about, as long as the angle that it turns by \[rad\]:
+//! `R = exp(φ×)`, where `φ×` is the skew-symmetric matrix with `(φ×) x = φ × x`. The difference of two attitudes is one:
+//! `log(R₂ R₁ᵀ)` turns `R₁` into `R₂`, in world axes. Differences that are matrices, or Euler angles, vanish at half a turn
+//! or depend on the axes chosen; this one does neither.
+
+use core::error::Error;
+use core::fmt;
+
+use nalgebra::{Matrix3, Vector3};
+
+use crate::scalar::Scalar;
+
+/// How far from orthogonal a matrix may be for [`orthonormalized`]: the largest entry of `RᵀR − 1`.
+///
+/// A rotation written with four digits is off by some 1e-4.
+pub const ROTATION_TOLERANCE: f64 = 1e-3;
+
+/// Why a matrix is not taken for a rotation.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum NotARotation {
+    /// An entry is infinite or NaN.
+    NonFinite {
+        /// Its row, counted from 0.
+        row: usize,
+        /// Its column.
+        column: usize,
+    },
+    /// The determinant is not positive: a reflection, or a matrix without inverse.
+    Reflection {
+        /// The determinant, −1 for a reflection.
+        determinant: f64,
+    },
+    /// The columns are not orthogonal unit vectors.
+    NotOrthogonal {
+        /// The largest entry of `RᵀR − 1` by magnitude.
+        error: f64,
+        /// The largest allowed.
+        tolerance: f64,
+    },
+}
+
+impl fmt::Display for NotARotation {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match *self {
+            Self::NonFinite { row, column } => {
+                write!(f, "entry ({row}, {column}) of the rotation is infinite or NaN")
+            }
+            Self::Reflection { determinant } => {
+                write!(f, "a rotation has the determinant 1, this matrix has {determinant}")
+            }
+            Self::NotOrthogonal { error, tolerance } => {
+                write!(f, "the rotation is off orthogonal by {error:e}, {tolerance:e} is allowed")
+            }
+        }
+    }
+}
+
+impl Error for NotARotation {}
+
+/// The rotation `exp(φ×)` by the angle `|φ|` about the axis `φ/|φ|`.
+///
+/// ```text
+/// R = 1 + (sin θ / θ) φ× + ½ (sin ½θ / ½θ)² (φ×)²,   θ = |φ|
+/// ```
+///
+/// Exact where `φ` is zero, and accurate to rounding for angles of any size. An entry of `φ` that is infinite or NaN
+/// gives NaN.
+///
+/// | argument          | meaning                      | shape | unit |
+/// |-------------------|------------------------------|-------|------|
+/// | `rotation_vector` | axis times angle, world axes | 3     | rad  |
+///
+/// ```
+/// use mbs_runtime::attitude::exp;
+/// use mbs_runtime::nalgebra::Vector3;
+///
+/// // A quarter turn about z takes x to y.
+/// let turned = exp(&Vector3::new(0.0, 0.0, core::f64::consts::FRAC_PI_2)) * Vector3::x();
+/// assert!((turned - Vector3::y()).norm() < 1e-15);
+/// ```
+///
+/// # Source
+/// O. Rodrigues, *Des lois géométriques qui régissent les déplacements d'un système solide*, 1840; with half angles, because
+/// `1 − cos θ` cancels.
+#[must_use]
+pub fn exp(rotation_vector: &Vector3<f64>) -> Matrix3<f64> {
+    let [x, y, z] = [rotation_vector.x, rotation_vector.y, rotation_vector.z];
+    let angle = Scalar::sqrt(x * x + y * y + z * z);
+    // sin θ / θ and (1 − cos θ) / θ²; an angle that vanishes, or whose square does, has their limits.
+    let (sine, versine) = if angle == 0.0 {
+        (1.0, 0.5)
+    } else {
+        let (sin, cos) = Scalar::sin_cos(0.5 * angle);
+        let half = sin / (0.5 * angle);
+        (half * cos, 0.5 * half * half)
+    };
+    let [a, b, c] = [sine * x, sine * y, sine * z];
+    let [xy, xz, yz] = [versine * x * y, versine * x * z, versine * y * z];
+    let [xx, yy, zz] = [versine * x * x, versine * y * y, versine * z * z];
+    #[rustfmt::skip]
+    let rotation = Matrix3::new(
+        1.0 - (yy + zz), xy - c, xz + b,
+        xy + c, 1.0 - (xx + zz), yz - a,
+        xz - b, yz + a, 1.0 - (xx + yy),
+    );
+    rotation
+}
+
+/// The rotation vector of a rotation: its axis times its angle, which is in `[0, π]`.
+///
+/// Zero for the identity, and accurate to rounding up to half a turn, where both signs of the axis turn alike: there the
+/// largest component of the axis is positive.
+///
+/// | argument   | meaning                                | shape   | unit |
+/// |------------|----------------------------------------|---------|------|
+/// | `rotation` | a rotation; [`orthonormalized`] checks | `3 × 3` |      |
+///
+/// The result \[rad\] is in the axes that `rotation` turns; the axis of a rotation is the same in both.
+///
+/// ```
+/// use mbs_runtime::attitude::log;
+/// use mbs_runtime::nalgebra::{Matrix3, Vector3};
+///
+/// // Half a turn about y.
+/// let vector = log(&Matrix3::from_diagonal(&Vector3::new(-1.0, 1.0, -1.0)));
+/// assert_eq!(vector, Vector3::new(0.0, core::f64::consts::PI, 0.0));
+/// ```
+///
+/// # Source
+/// By the quaternion whose largest component is found first: S. W. Shepperd, *Quaternion from rotation matrix*, Journal of
+/// Guidance and Control 1:3, 1978; its angle is `2 atan2(|v|, w)`.
+#[must_use]
+pub fn log(rotation: &Matrix3<f64>) -> Vector3<f64> {
+    let r = |i: usize, j: usize| rotation[(i, j)];
+    let trace = r(0, 0) + r(1, 1) + r(2, 2);
+    let largest = (0..3).fold(0, |best, i| if r(i, i) > r(best, best) { i } else { best });
+    // Four times the quaternion's largest component, squared, is at least 4; all of it is scaled by one factor.
+    let (mut v, w);
+    if trace >= r(largest, largest) {
+        v = [r(2, 1) - r(1, 2), r(0, 2) - r(2, 0), r(1, 0) - r(0, 1)];
+        w = 1.0 + trace;
+    } else {
+        let (i, j, k) = (largest, (largest + 1) % 3, (largest + 2) % 3);
+        v = [0.0; 3];
+        v[i] = 1.0 + r(i, i) - r(j, j) - r(k, k);
+        v[j] = r(j, i) + r(i, j);
+        v[k] = r(k, i) + r(i, k);
+        w = r(k, j) - r(j, k);
+    }
+    // q and −q are the same rotation: the one with w ≥ 0 has the angle up to π.
+    let (v, w) = if w < 0.0 { (v.map(|x| -x), -w) } else { (v, w) };
+    // Scaled, so that no square vanishes while its root does not.
+    let scale = v[0].abs().max(v[1].abs()).max(v[2].abs());
+    if scale == 0.0 {
+        return Vector3::zeros();
+    }
+    let [x, y, z] = v.map(|x| x / scale);
+    let norm = Scalar::sqrt(x * x + y * y + z * z);
+    let angle = 2.0 * Scalar::atan2(scale * norm, w);
+    Vector3::new(x, y, z) * (angle / norm)
+}
+
+/// The rotation nearest to `matrix`, if that is one up to [`ROTATION_TOLERANCE`].
+///
+/// # Errors
+/// As [`orthonormalized_within`].
+pub fn orthonormalized(matrix: &Matrix3<f64>) -> Result<Matrix3<f64>, NotARotation> {
+    orthonormalized_within(matrix, ROTATION_TOLERANCE)
+}
+
+/// The rotation nearest to `matrix` (the sum of the squared differences of all entries is least), if no entry of `RᵀR − 1`
+/// is larger than `tolerance`.
+///
+/// It is the orthogonal factor of the polar decomposition. A matrix that is a rotation up to rounding comes back
+/// unchanged.
+///
+/// ```
+/// use mbs_runtime::attitude::{NotARotation, orthonormalized};
+/// use mbs_runtime::nalgebra::{Matrix3, Vector3};
+///
+/// assert_eq!(orthonormalized(&(1.0001 * Matrix3::identity())).unwrap(), Matrix3::identity());
+/// let mirror = Matrix3::from_diagonal(&Vector3::new(1.0, 1.0, -1.0));
+/// assert_eq!(orthonormalized(&mirror), Err(NotARotation::Reflection { determinant: -1.0 }));
+/// ```
+///
+/// # Errors
+/// [`NotARotation`], as [`check_rotation`].
+///
+/// # Source
+/// Newton's iteration `X ← ½ (X + X⁻ᵀ)`: N. J. Higham, *Computing the polar decomposition – with applications*, SIAM Journal
+/// on Scientific and Statistical Computing 7:4, 1986, equation (3.1).
+pub fn orthonormalized_within(matrix: &Matrix3<f64>, tolerance: f64) -> Result<Matrix3<f64>, NotARotation> {
+    let mut error = check_rotation(matrix, tolerance)?;
+    let mut x = *matrix;
+    // Quadratic: from an error of 1e-3 the second step reaches rounding.
+    for _ in 0..NEWTON_STEPS {
+        if error <= ROUNDING {
+            break;
+        }
+        x = 0.5 * (x + cofactors(&x) / x.determinant());
+        error = defect(&x).0;
+    }
+    Ok(x)
+}
+
+/// What rounding leaves of `RᵀR − 1` where every entry is within half a unit in the last place, or nearly.
+const ROUNDING: f64 = 8.0 * f64::EPSILON;
+/// Newton's steps from a matrix of positive determinant whose error is some thousands, with room.
+const NEWTON_STEPS: usize = 30;
+
+/// The largest entry of `RᵀR − 1` by magnitude, if it is at most `tolerance`.
+///
+/// # Errors
+/// [`NotARotation::NonFinite`] where an entry is infinite or NaN, [`NotARotation::NotOrthogonal`] where the columns are not
+/// orthogonal unit vectors within `tolerance`, [`NotARotation::Reflection`] where the determinant is not positive.
+pub fn check_rotation(matrix: &Matrix3<f64>, tolerance: f64) -> Result<f64, NotARotation> {
+    let (error, determinant) = defect(matrix);
+    // Where an entry is NaN so is the error, and no comparison with it holds.
+    if error <= tolerance && determinant > 0.0 {
+        return Ok(error);
+    }
+    for (row, column) in (0..3).flat_map(|i| (0..3).map(move |j| (i, j))) {
+        if !matrix[(row, column)].is_finite() {
+            return Err(NotARotation::NonFinite { row, column });
+        }
+    }
+    if determinant > 0.0 {
+        Err(NotARotation::NotOrthogonal { error, tolerance })
+    } else {
+        Err(NotARotation::Reflection { determinant })
+    }
+}
+
+/// The largest entry of `RᵀR − 1`, NaN where an entry is, and the determinant of `R`.
+fn defect(matrix: &Matrix3<f64>) -> (f64, f64) {
+    let [a, b, c] = [matrix.column(0), matrix.column(1), matrix.column(2)];
+    let entries = [a.dot(&a) - 1.0, b.dot(&b) - 1.0, c.dot(&c) - 1.0, a.dot(&b), a.dot(&c), b.dot(&c)];
+    let larger = |largest: f64, x: f64| if largest.is_nan() || x.abs() <= largest { largest } else { x.abs() };
+    (entries.into_iter().fold(0.0, larger), matrix.determinant())
+}
+
+/// `det(X) X⁻ᵀ`: the columns are the cross products of the others.
+fn cofactors(x: &Matrix3<f64>) -> Matrix3<f64> {
+    let [a, b, c] = [x.column(0), x.column(1), x.column(2)];
+    Matrix3::from_columns(&[b.cross(&c), c.cross(&a), a.cross(&b)])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use core::f64::consts::PI;
+    use nalgebra::{UnitQuaternion, UnitVector3};
+
+    /// From nothing to half a turn, dense at both ends.
+    const ANGLES: [f64; 22] = [
+        0.0,
+        1e-300,
+        1e-160,
+        1e-20,
+        1e-12,
+        1e-9,
+        1e-6,
+        1e-3,
+        0.1,
+        0.5,
+        1.0,
+        PI / 2.0,
+        2.0 * PI / 3.0,
+        2.5,
+        3.0,
+        PI - 1e-3,
+        PI - 1e-6,
+        PI - 1e-9,
+        PI - 1e-12,
+        PI - 1e-14,
+        PI - 1e-15,
+        PI,
+    ];
+
+    /// The axes of the world and its diagonals, in all senses, and others near them.
+    fn axes() -> impl Iterator<Item = UnitVector3<f64>> {
+        let components = [-1.0, -0.3, -1e-9, 0.0, 1e-17, 0.7, 1.0];
+        components
+            .into_iter()
+            .flat_map(move |x| {
+                components.into_iter().flat_map(move |y| components.into_iter().map(move |z| Vector3::new(x, y, z)))
+            })
+            .filter(|axis| axis.norm() > 0.1)
+            .map(UnitVector3::new_normalize)
+    }
+
+    fn largest(matrix: Matrix3<f64>) -> f64 {
+        matrix.iter().fold(0.0, |largest, x| if x.abs() <= largest { largest } else { x.abs() })
+    }
+
+    #[test]
+    fn exp_is_the_rotation_of_the_quaternion() {
+        for axis in axes() {
+            for angle in ANGLES {
+                let want = UnitQuaternion::from_axis_angle(&axis, angle).to_rotation_matrix();
+                let found = exp(&(axis.into_inner() * angle));
+                let error = largest(found - want.matrix());
+                assert!(error < 1e-15, "{axis:?} by {angle}: {error:e}");
+            }
+        }
+    }
+
+    #[test]
+    fn log_is_the_rotation_vector_of_the_quaternion() {
+        for axis in axes() {
+            for angle in ANGLES {
+                let rotation = UnitQuaternion::from_axis_angle(&axis, angle).to_rotation_matrix();
+                let found = log(rotation.matrix());
+                let want = axis.into_inner() * angle;
+                // Within rounding of half a turn both senses are right.
+                let error = if angle > PI - 4e-16 {
+                    (found - want).amax().min((found + want).amax())
+                } else {
+                    (found - want).amax()
+                };
+                assert!(error < 1e-15 * angle.clamp(1e-3, 1.0), "{axis:?} by {angle}: {error:e}");
+                assert!(found.norm() <= PI * (1.0 + f64::EPSILON));
+            }
+        }
+    }
+
+    #[test]
+    fn log_inverts_exp() {
+        for axis in axes() {
+            for angle in ANGLES {
+                let vector = axis.into_inner() * angle;
+                let found = log(&exp(&vector));
+                let error = if angle > PI - 4e-16 {
+                    (found - vector).amax().min((found + vector).amax())
+                } else {
+                    (found - vector).amax()
+                };
+                assert!(error < 1e-15, "{axis:?} by {angle}: {error:e}");
+                // Of small rotations all digits come back.
+                assert!(angle > 1e-6 || error <= 4.0 * f64::EPSILON * angle, "{axis:?} by {angle}: {error:e}");
+            }
+        }
+    }
+
+    #[test]
+    fn ends_are_exact() {
+        assert_eq!(exp(&Vector3::zeros()), Matrix3::identity());
+        assert_eq!(log(&Matrix3::identity()), Vector3::zeros());
+        for i in 0..3 {
+            let half_turn = Matrix3::from_fn(|row, column| match (row == column, row == i) {
+                (true, true) => 1.0,
+                (true, false) => -1.0,
+                (false, _) => 0.0,
+            });
+            let vector = Vector3::from_fn(|row, _| if row == i { PI } else { 0.0 });
+            assert_eq!(log(&half_turn), vector);
+        }
+        // Half a turn about the diagonal of x and y exchanges them.
+        let exchange = Matrix3::new(0.0, 1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, -1.0);
+        let diagonal = Vector3::new(1.0, 1.0, 0.0) * (PI / Scalar::sqrt(2.0_f64));
+        assert!((log(&exchange) - diagonal).amax() < 1e-15);
+    }
+
+    #[test]
+    fn more_than_a_turn() {
+        let vector = Vector3::new(0.6, -0.8, 0.0) * (2.0 * PI + 0.5);
+        assert!((log(&exp(&vector)) - Vector3::new(0.3, -0.4, 0.0)).amax() < 1e-14);
+    }
+
+    #[test]
+    fn the_nearest_rotation() {
+        for axis in axes().step_by(7) {
+            let rotation = exp(&(axis.into_inner() * 2.0));
+            // A stretch: symmetric, positive. The polar decomposition takes it off again.
+            let stretch = Matrix3::new(1.0003, 1e-4, -2e-4, 1e-4, 0.9998, 3e-4, -2e-4, 3e-4, 1.0001);
+            let found = orthonormalized(&(rotation * stretch)).expect("within the tolerance");
+            assert!(largest(found - rotation) < 1e-15);
+            assert!(check_rotation(&found, 2e-15).is_ok());
+            // Far from orthogonal, where that is allowed.
+            let large = Matrix3::new(3.0, 0.5, 0.0, 0.5, 0.2, 0.1, 0.0, 0.1, 7.0);
+            let found = orthonormalized_within(&(rotation * large), 100.0).expect("within the tolerance");
+            assert!(largest(found - rotation) < 1e-13);
+        }
+        let exact = exp(&Vector3::new(0.1, -0.7, 0.4));
+        assert_eq!(orthonormalized(&exact), Ok(exact), "what is a rotation stays as it is");
+    }
+
+    #[test]
+    fn what_is_no_rotation_is_refused() {
+        let rotation = exp(&Vector3::new(0.3, 0.2, -0.5));
+        let mut broken = rotation;
+        broken[(1, 2)] = f64::NAN;
+        assert_eq!(orthonormalized(&broken), Err(NotARotation::NonFinite { row: 1, column: 2 }));
+        broken[(0, 0)] = f64::INFINITY;
+        assert_eq!(orthonormalized(&broken), Err(NotARotation::NonFinite { row: 0, column: 0 }));
+        let mirrored = orthonormalized(&(-rotation));
+        assert!(matches!(mirrored, Err(NotARotation::Reflection { determinant }) if (determinant + 1.0).abs() < 1e-15));
+        let stretched = orthonormalized(&(1.01 * rotation));
+        assert!(
+            matches!(stretched, Err(NotARotation::NotOrthogonal { error, tolerance }) if (error - 0.0201).abs() < 1e-12 && tolerance == ROTATION_TOLERANCE)
+        );
+        assert_eq!(orthonormalized(&Matrix3::zeros()), Err(NotARotation::Reflection { determinant: 0.0 }));
+        let columns_alike = Matrix3::from_columns(&[Vector3::x(), Vector3::x(), Vector3::z()]);
+        assert!(matches!(orthonormalized(&columns_alike), Err(NotARotation::Reflection { determinant: 0.0 })));
+    }
+}

@@ -1,0 +1,198 @@
+//! Why there is no such trajectory, with the numbers that matter.
+
+use core::error::Error;
+use core::fmt;
+
+/// What a limit is about.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Quantity {
+    /// A joint angle \[rad\].
+    Position,
+    /// A joint velocity \[rad/s\].
+    Velocity,
+    /// A joint acceleration \[rad/s²\].
+    Acceleration,
+    /// A joint torque \[N·m\].
+    Torque,
+}
+
+impl Quantity {
+    const fn unit(self) -> &'static str {
+        match self {
+            Self::Position => "rad",
+            Self::Velocity => "rad/s",
+            Self::Acceleration => "rad/s²",
+            Self::Torque => "N·m",
+        }
+    }
+}
+
+impl fmt::Display for Quantity {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Position => "position",
+            Self::Velocity => "velocity",
+            Self::Acceleration => "acceleration",
+            Self::Torque => "torque",
+        })
+    }
+}
+
+/// Why a trajectory was refused. Joints are counted from 0.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum TrajectoryError {
+    /// A duration is zero, negative, infinite or NaN.
+    InvalidDuration {
+        /// The duration given \[s\].
+        duration: f64,
+    },
+    /// Start and stop are the same posture, and nothing moves in between.
+    NoMotion,
+    /// An angle, a velocity or an acceleration given is infinite or NaN.
+    NonFinite {
+        /// Which of them.
+        quantity: Quantity,
+        /// Of which joint.
+        joint: usize,
+    },
+    /// A time does not lie after the one before it, or is not finite.
+    TimesOutOfOrder {
+        /// Which knot, counted from 0.
+        index: usize,
+        /// The time of the knot before it \[s\].
+        before: f64,
+        /// Its time \[s\].
+        time: f64,
+    },
+    /// The time asked for is not within the motion.
+    OutsideDuration {
+        /// The time asked for \[s\].
+        time: f64,
+        /// The motion lasts from 0 to here \[s\].
+        duration: f64,
+    },
+    /// The time of acceleration is not positive, or takes more than half of the motion.
+    InvalidAccelerationTime {
+        /// The time given \[s\].
+        time: f64,
+        /// The duration of the motion \[s\].
+        duration: f64,
+    },
+    /// A limit is zero, negative or NaN, or a range is empty.
+    InvalidLimit {
+        /// What is limited.
+        quantity: Quantity,
+        /// Of which joint.
+        joint: usize,
+        /// The limit given.
+        value: f64,
+    },
+    /// A joint goes beyond its limit.
+    LimitExceeded {
+        /// What exceeds the limit.
+        quantity: Quantity,
+        /// Which joint.
+        joint: usize,
+        /// When it is farthest beyond the limit \[s\].
+        time: f64,
+        /// What it is then.
+        value: f64,
+        /// What it may be.
+        limit: f64,
+    },
+    /// A path needs at least this many intervals of its grid.
+    GridTooCoarse {
+        /// The number of intervals given.
+        intervals: usize,
+        /// The least number.
+        least: usize,
+    },
+    /// A path has no length, an infinite one, or a NaN.
+    InvalidLength {
+        /// The length given.
+        length: f64,
+    },
+    /// The path parameter asked for is not on the path.
+    OutsidePath {
+        /// The path parameter asked for.
+        s: f64,
+        /// The path goes from 0 to here.
+        length: f64,
+    },
+    /// The path has no posture with a tangent here: it is singular.
+    PathSingular {
+        /// The path parameter.
+        s: f64,
+    },
+    /// No joint moves with the path parameter here: the path has a corner or is badly parametrized.
+    PathStandsStill {
+        /// The path parameter.
+        s: f64,
+    },
+    /// No speed along the path satisfies all limits here, at the best approach and continuation.
+    Infeasible {
+        /// The path parameter.
+        s: f64,
+    },
+    /// The mechanism has forces that grow with the velocity (dissipation): limits are then not linear in the square of
+    /// the speed along the path.
+    VelocityForce {
+        /// The path parameter at which it was noticed.
+        s: f64,
+        /// Which joint.
+        joint: usize,
+    },
+    /// A function of the posture is infinite or NaN.
+    NonFiniteFunction {
+        /// When \[s\].
+        time: f64,
+    },
+    /// An integral did not come to its tolerance.
+    NotConverged {
+        /// The time around which it did not \[s\].
+        time: f64,
+    },
+}
+
+impl fmt::Display for TrajectoryError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match *self {
+            Self::InvalidDuration { duration } => {
+                write!(f, "a duration must be positive and finite, found {duration} s")
+            }
+            Self::NoMotion => f.write_str("start and stop are the same posture"),
+            Self::NonFinite { quantity, joint } => write!(f, "the {quantity} of joint {joint} is infinite or NaN"),
+            Self::TimesOutOfOrder { index, before, time } => {
+                write!(f, "knot {index} is at {time} s, not after the one before it at {before} s")
+            }
+            Self::OutsideDuration { time, duration } => {
+                write!(f, "{time} s is not within the motion, which lasts from 0 to {duration} s")
+            }
+            Self::InvalidAccelerationTime { time, duration } => {
+                write!(f, "an acceleration of {time} s does not fit twice into a motion of {duration} s")
+            }
+            Self::InvalidLimit { quantity, joint, value } => {
+                write!(f, "the {quantity} limit of joint {joint} is not one: {value} {}", quantity.unit())
+            }
+            Self::LimitExceeded { quantity, joint, time, value, limit } => {
+                let unit = quantity.unit();
+                write!(f, "the {quantity} of joint {joint} is {value} {unit} at {time} s, its limit is {limit} {unit}")
+            }
+            Self::GridTooCoarse { intervals, least } => {
+                write!(f, "a grid of {intervals} intervals is too coarse: at least {least}")
+            }
+            Self::InvalidLength { length } => write!(f, "the length of a path must be positive and finite: {length}"),
+            Self::OutsidePath { s, length } => write!(f, "{s} is not on the path, which goes from 0 to {length}"),
+            Self::PathSingular { s } => write!(f, "the path is singular at s = {s}"),
+            Self::PathStandsStill { s } => write!(f, "no joint moves along the path at s = {s}"),
+            Self::Infeasible { s } => write!(f, "no speed along the path satisfies the limits at s = {s}"),
+            Self::VelocityForce { s, joint } => {
+                write!(f, "joint {joint} has a force that grows with the velocity (s = {s}): not of this method")
+            }
+            Self::NonFiniteFunction { time } => write!(f, "the function is infinite or NaN at t = {time} s"),
+            Self::NotConverged { time } => write!(f, "the integral does not converge around t = {time} s"),
+        }
+    }
+}
+
+impl Error for TrajectoryError {}
