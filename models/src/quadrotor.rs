@@ -9,7 +9,7 @@
 //! | (5.9)                 | [`heave`]: the platform's elevation                                                 |
 //! | (5.10), (5.11)        | [`flatness`]: the attitude that an acceleration asks for                            |
 //! | control law           | [`backstepping`]                                                                   |
-//! | cases I and II        | [`landing`]: guidance, simulation up to the touchdown                                |
+//! | cases I and II        | [`landing`]: guidance, simulation up to the touchdown; [`sampled`]: by a sampled controller |
 //!
 //! Coordinates are those of the mechanism, `q = (x, y, z, φ, θ, ψ)`, attitude by `R = Rz(ψ) Ry(θ) Rx(φ)`, z up.
 //!
@@ -21,4 +21,5 @@ pub mod flatness;
 pub mod heave;
 pub mod landing;
 pub mod mixer;
+pub mod sampled;
 pub mod small_angle;

@@ -107,7 +107,7 @@ pub struct Touchdown {
 /// Why there is no touchdown.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum LandingError {
-    /// A parameter of the vehicle that must be positive is not (or is no number).
+    /// What must be positive is not (or is no number, or infinite).
     NotPositive {
         /// Its name.
         parameter: &'static str,
@@ -126,6 +126,11 @@ pub enum LandingError {
         /// `z − z_p` then \[m\].
         height: f64,
     },
+    /// A sensor gave a value that is no number.
+    Sensor {
+        /// When \[s\].
+        time: f64,
+    },
     /// The integration failed.
     Integration(IntegrationError),
 }
@@ -138,6 +143,7 @@ impl fmt::Display for LandingError {
             LandingError::NoTouchdown { time, height } => {
                 write!(f, "no touchdown until t = {time} s, {height} m over the platform")
             }
+            LandingError::Sensor { time } => write!(f, "a sensor gives no number at t = {time} s"),
             LandingError::Integration(error) => error.fmt(f),
         }
     }
@@ -200,14 +206,18 @@ impl Landing {
         self.controller.command(&self.reference(t), q, qd)
     }
 
-    /// `q̈` under control.
+    /// `q̈` at these rotor speeds \[rad/s\].
     #[must_use]
-    pub fn accelerations(&self, t: f64, q: &[f64; 6], qd: &[f64; 6]) -> [f64; 6] {
-        let speeds = self.command(t, q, qd).rotors.speed;
+    pub fn accelerations(&self, q: &[f64; 6], qd: &[f64; 6], speeds: &[f64; 4]) -> [f64; 6] {
         match self.plant {
-            Plant::Exact => self.vehicle.forward_dynamics(&self.wind.map(|v| [v, 0.0, 0.0]), q, qd, &speeds),
-            Plant::SmallAngle => small_angle::accelerations(self.vehicle.params(), q, qd, &speeds),
+            Plant::Exact => self.vehicle.forward_dynamics(&self.wind.map(|v| [v, 0.0, 0.0]), q, qd, speeds),
+            Plant::SmallAngle => small_angle::accelerations(self.vehicle.params(), q, qd, speeds),
         }
+    }
+
+    /// `z − z_p` \[m\].
+    pub(super) fn height(&self, t: f64, state: &State<[f64; 6]>) -> f64 {
+        state.q[2] - self.heave.at(t).value
     }
 
     /// Simulates from a state at t = 0 up to the touchdown, `z = z_p` on the way down, found on the dense output.
@@ -221,12 +231,8 @@ impl Landing {
         mut state: State<[f64; 6]>,
         mut observer: impl FnMut(f64, &State<[f64; 6]>, &Command),
     ) -> Result<Touchdown, LandingError> {
-        self.check()?;
-        let height = |t: f64, state: &State<[f64; 6]>| state.q[2] - self.heave.at(t).value;
-        let first = height(0.0, &state);
-        if first.is_nan() || first <= 0.0 {
-            return Err(LandingError::NotAbove { height: first });
-        }
+        self.check(&state)?;
+        let height = |t: f64, state: &State<[f64; 6]>| self.height(t, state);
         let mut way = Way::new();
         let mut events = [Event::new(&height).falling().terminal()];
         let mut sample = state;
@@ -244,8 +250,9 @@ impl Landing {
             }
             ControlFlow::Continue(())
         };
-        let accelerations =
-            |t: f64, q: &[f64; 6], qd: &[f64; 6], qdd: &mut [f64; 6]| *qdd = self.accelerations(t, q, qd);
+        let accelerations = |t: f64, q: &[f64; 6], qd: &[f64; 6], qdd: &mut [f64; 6]| {
+            *qdd = self.accelerations(q, qd, &self.command(t, q, qd).rotors.speed);
+        };
         let summary =
             self.integrator.integrate_with_events(accelerations, 0.0, self.t_end, &mut state, &mut events, look)?;
         if !summary.stopped {
@@ -255,7 +262,7 @@ impl Landing {
         Ok(self.touchdown(summary.time, state, &way))
     }
 
-    fn touchdown(&self, time: f64, state: State<[f64; 6]>, way: &Way) -> Touchdown {
+    pub(super) fn touchdown(&self, time: f64, state: State<[f64; 6]>, way: &Way) -> Touchdown {
         let length = |a: f64, b: f64| Scalar::sqrt(a * a + b * b);
         Touchdown {
             time,
@@ -270,7 +277,8 @@ impl Landing {
         }
     }
 
-    fn check(&self) -> Result<(), LandingError> {
+    /// Whether this can be a landing, from this state.
+    pub(super) fn check(&self, state: &State<[f64; 6]>) -> Result<(), LandingError> {
         let params = self.vehicle.params();
         let [x, y, z] = params.inertias;
         let positive = [
@@ -283,14 +291,19 @@ impl Landing {
             ("drag_factor", params.drag_factor),
             ("approach.duration", self.approach.duration),
             ("approach.sink_rate", self.approach.sink_rate),
+            ("t_end", self.t_end),
         ];
         let bad = positive.into_iter().find(|&(_, value)| !(value > 0.0 && value.is_finite()));
-        bad.map_or(Ok(()), |(parameter, value)| Err(LandingError::NotPositive { parameter, value }))
+        if let Some((parameter, value)) = bad {
+            return Err(LandingError::NotPositive { parameter, value });
+        }
+        let height = self.height(0.0, state);
+        if height.is_nan() || height <= 0.0 { Err(LandingError::NotAbove { height }) } else { Ok(()) }
     }
 }
 
 /// Extremes on the way down.
-struct Way {
+pub(super) struct Way {
     greatest_tilt: [f64; 2],
     settling_time: f64,
     thrust_range: [f64; 2],
@@ -299,7 +312,7 @@ struct Way {
 }
 
 impl Way {
-    fn new() -> Self {
+    pub(super) fn new() -> Self {
         Way {
             greatest_tilt: [0.0; 2],
             settling_time: 0.0,
@@ -309,7 +322,7 @@ impl Way {
         }
     }
 
-    fn add(&mut self, t: f64, state: &State<[f64; 6]>, command: &Command) {
+    pub(super) fn add(&mut self, t: f64, state: &State<[f64; 6]>, command: &Command) {
         let [.., roll, pitch, yaw] = state.q.map(f64::abs);
         self.greatest_tilt = [self.greatest_tilt[0].max(roll), self.greatest_tilt[1].max(pitch)];
         if [roll, pitch, yaw].iter().any(|&angle| angle > SETTLED) {
