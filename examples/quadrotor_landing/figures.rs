@@ -63,6 +63,6 @@ pub(crate) fn write_table(folder: &Path, flight: &Flight) -> Result<(), Failure>
     header.extend(["vx_m_s", "vy_m_s", "vz_m_s", "phi_dot", "theta_dot", "psi_dot"].map(String::from));
     header.extend(["platform_m", "thrust_N", "rotor1_N", "rotor2_N", "rotor3_N", "rotor4_N"].map(String::from));
     let row = |m: &Moment| [&[m.t][..], &m.state.q, &m.state.qd, &[m.platform, m.thrust], &m.rotor_thrust].concat();
-    let name = format!("case_{}_{}", flight.case.name, flight.plant_name());
+    let name = format!("case_{}_{}", flight.case.name, flight.name());
     output::write_table(folder, &name, &header, flight.moments.iter().map(row))
 }

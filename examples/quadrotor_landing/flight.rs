@@ -2,7 +2,8 @@
 
 use mbs_examples::Failure;
 use mbs_models::quadrotor::heave::Heave;
-use mbs_models::quadrotor::landing::{Landing, Plant, Touchdown};
+use mbs_models::quadrotor::landing::{Controller, Landing, Plant, Touchdown};
+use mbs_models::quadrotor::lqr::{Lqr, Weights};
 use mbs_runtime::State;
 
 /// A motion of the platform.
@@ -30,9 +31,17 @@ pub(crate) struct Moment {
     pub(crate) rotor_thrust: [f64; 4],
 }
 
+/// Who flies.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Pilot {
+    Backstepping,
+    Lqr,
+}
+
 pub(crate) struct Flight {
     pub(crate) case: Case,
-    pub(crate) plant: Plant,
+    plant: Plant,
+    pilot: Pilot,
     /// Every 10 ms.
     pub(crate) moments: Vec<Moment>,
     pub(crate) touchdown: Touchdown,
@@ -42,8 +51,11 @@ pub(crate) struct Flight {
 const KEPT: usize = 5;
 
 impl Flight {
-    pub(crate) fn of(case: Case, plant: Plant) -> Result<Self, Failure> {
-        let landing = Landing::new(plant, case.heave);
+    pub(crate) fn of(case: Case, plant: Plant, pilot: Pilot) -> Result<Self, Failure> {
+        let mut landing = Landing::new(plant, case.heave);
+        if pilot == Pilot::Lqr {
+            landing.controller = Controller::Lqr(Lqr::new(*landing.vehicle.params(), &Weights::default())?);
+        }
         let (mut moments, mut seen) = (Vec::new(), 0);
         let touchdown = landing.simulate(Landing::initial_state(), |t, state, command| {
             if seen % KEPT == 0 {
@@ -57,14 +69,16 @@ impl Flight {
             }
             seen += 1;
         })?;
-        Ok(Flight { case, plant, moments, touchdown })
+        Ok(Flight { case, plant, pilot, moments, touchdown })
     }
 
     /// In the JSON.
-    pub(crate) fn plant_name(&self) -> &'static str {
-        match self.plant {
-            Plant::Exact => "exact",
-            Plant::SmallAngle => "small_angle",
+    pub(crate) fn name(&self) -> &'static str {
+        match (self.pilot, self.plant) {
+            (Pilot::Backstepping, Plant::Exact) => "exact",
+            (Pilot::Backstepping, Plant::SmallAngle) => "small_angle",
+            (Pilot::Lqr, Plant::Exact) => "lqr",
+            (Pilot::Lqr, Plant::SmallAngle) => "lqr_small_angle",
         }
     }
 }

@@ -8,7 +8,7 @@
 //! | (5.8), (5.12)         | [`small_angle`]: the plant for small angles, corrected                              |
 //! | (5.9)                 | [`heave`]: the platform's elevation                                                 |
 //! | (5.10), (5.11)        | [`flatness`]: the attitude that an acceleration asks for                            |
-//! | control law           | [`backstepping`]                                                                   |
+//! | control law           | [`backstepping`]; for comparison [`lqr`]                                            |
 //! | cases I and II        | [`landing`]: guidance, simulation up to the touchdown; [`sampled`]: by a sampled controller |
 //!
 //! Coordinates are those of the mechanism, `q = (x, y, z, φ, θ, ψ)`, attitude by `R = Rz(ψ) Ry(θ) Rx(φ)`, z up.
@@ -20,6 +20,7 @@ pub mod backstepping;
 pub mod flatness;
 pub mod heave;
 pub mod landing;
+pub mod lqr;
 pub mod mixer;
 pub mod sampled;
 pub mod small_angle;

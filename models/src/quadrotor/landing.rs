@@ -7,6 +7,7 @@ use mbs_runtime::{Dop853, Event, IntegrationError, Integrator, Scalar, State, St
 
 use super::backstepping::{Backstepping, Command, Reference};
 use super::heave::Heave;
+use super::lqr::Lqr;
 use super::small_angle;
 use crate::quadrotor_euler::QuadrotorEuler;
 
@@ -58,6 +59,26 @@ pub enum Plant {
     SmallAngle,
 }
 
+/// Who flies.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Controller {
+    /// Backstepping in six channels.
+    Backstepping(Backstepping),
+    /// A regulator about the flat trajectory.
+    Lqr(Lqr),
+}
+
+impl Controller {
+    /// The command at a state that is to follow a position, with yaw 0.
+    #[must_use]
+    pub fn command(&self, position: &[Reference; 3], q: &[f64; 6], qd: &[f64; 6]) -> Command {
+        match self {
+            Controller::Backstepping(controller) => controller.command(position, q, qd),
+            Controller::Lqr(controller) => controller.command(position, q, qd),
+        }
+    }
+}
+
 /// A landing that is to be simulated.
 #[derive(Clone, Debug)]
 pub struct Landing {
@@ -66,7 +87,7 @@ pub struct Landing {
     /// Which equations move it.
     pub plant: Plant,
     /// Its controller.
-    pub controller: Backstepping,
+    pub controller: Controller,
     /// Height over the platform that it is to keep.
     pub approach: Approach,
     /// Elevation of the platform.
@@ -100,6 +121,8 @@ pub struct Touchdown {
     pub settling_time: f64,
     /// The least and the greatest thrust that the controller asked for \[N\].
     pub thrust_range: [f64; 2],
+    /// What the rotors spend on turning the air, `∫ Σ d Ω³ dt` \[J\].
+    pub rotor_work: f64,
     /// The part of the time in which thrust, tilt or a rotor was at its limit.
     pub limited: f64,
 }
@@ -169,7 +192,7 @@ impl Landing {
     pub fn new(plant: Plant, heave: Heave<4>) -> Self {
         let vehicle = QuadrotorEuler::default();
         Landing {
-            controller: Backstepping::new(*vehicle.params()),
+            controller: Controller::Backstepping(Backstepping::new(*vehicle.params())),
             vehicle,
             plant,
             approach: Approach::default(),
@@ -273,6 +296,7 @@ impl Landing {
             greatest_tilt: way.greatest_tilt,
             settling_time: way.settling_time,
             thrust_range: way.thrust_range,
+            rotor_work: self.vehicle.params().drag_factor * way.cubes,
             limited: f64::from(way.limited) / f64::from(way.samples),
         }
     }
@@ -307,6 +331,9 @@ pub(super) struct Way {
     greatest_tilt: [f64; 2],
     settling_time: f64,
     thrust_range: [f64; 2],
+    /// `∫ Σ Ω³ dt`, until `time`.
+    cubes: f64,
+    time: f64,
     samples: u32,
     limited: u32,
 }
@@ -317,6 +344,8 @@ impl Way {
             greatest_tilt: [0.0; 2],
             settling_time: 0.0,
             thrust_range: [f64::INFINITY, f64::NEG_INFINITY],
+            cubes: 0.0,
+            time: 0.0,
             samples: 0,
             limited: 0,
         }
@@ -330,6 +359,9 @@ impl Way {
         }
         let [least, greatest] = self.thrust_range;
         self.thrust_range = [least.min(command.effort.thrust), greatest.max(command.effort.thrust)];
+        let cubes: f64 = command.rotors.speed.iter().map(|speed| speed * speed * speed).sum();
+        self.cubes += cubes * (t - self.time);
+        self.time = t;
         self.samples += 1;
         self.limited += u32::from(command.limited || command.rotors.saturated);
     }
