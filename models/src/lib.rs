@@ -2,7 +2,7 @@
 //!
 //! A new mechanism is one new file there. [`SOURCES`] lists the declarations; [`for_each_mechanism!`] hands every
 //! mechanism to a macro, which is how the property tests reach all of them. Beside them stands what they need around
-//! their dynamics: [`arm`].
+//! their dynamics: [`arm`], [`quadrotor`].
 #![no_std]
 
 #[cfg(feature = "std")]
@@ -10,5 +10,7 @@ extern crate std;
 
 #[cfg(any(feature = "std", feature = "libm"))]
 pub mod arm;
+#[cfg(any(feature = "std", feature = "libm"))]
+pub mod quadrotor;
 
 include!(concat!(env!("OUT_DIR"), "/mechanisms.rs"));
