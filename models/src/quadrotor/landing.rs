@@ -61,6 +61,7 @@ pub enum Plant {
 
 /// Who flies.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[allow(clippy::large_enum_variant)] // there is no heap
 pub enum Controller {
     /// Backstepping in six channels.
     Backstepping(Backstepping),
