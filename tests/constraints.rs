@@ -31,6 +31,7 @@ fn some_mechanisms_are_constrained() {
     let modules: Vec<&str> = constrained().iter().map(|(module, _)| *module).collect();
     let expected = [
         "four_bar",
+        "quadrotor_quaternion",
         "bouncing_pendulum",
         "cartesian_pendulum",
         "chaplygin_sleigh",

@@ -26,22 +26,30 @@ pub(crate) fn write(folder: &Path, arm: &Arm, case: &Case) -> Result<(), Failure
         let title = format!("Figure 3.{number}: {what}, case {}", case.number);
         write_figure(folder, &format!("figure_3_{number}"), &over_time(title, case, label, value))?;
     }
-    let title = format!("Joint torques, case {}", case.number);
-    write_figure(folder, &format!("torques_{}", case.name), &over_time(title, case, "τ [N·m]", |sample| sample.torque))
+    write_figure(folder, &format!("torques_{}", case.name), &torques(case))
 }
 
-/// One panel for each method; the torques of axes 1 and 4 to 6 are small beside those that carry the arm, and have one more.
+/// One panel for each method.
 fn over_time(title: String, case: &Case, label: &str, value: fn(&Sample) -> [f64; 6]) -> Figure {
-    let panel = |run: &Run| {
-        let curve = |i: usize| run.samples.iter().map(|sample| (sample.t, value(sample)[i])).collect();
-        Panel::Curves(Curves {
-            x_label: "t [s]".to_string(),
-            y_label: format!("{}: {label}", method_name(run)),
-            x_range: 0.0..DURATION,
-            lines: (0..6).map(|i| Line::new(format!("joint {}", i + 1), curve(i))).collect(),
-        })
-    };
-    Figure { title, size: (1100, 1000), panels: case.runs.iter().map(panel).collect() }
+    let panels = case.runs.iter().map(|run| panel(run, label, value, &[0, 1, 2, 3, 4, 5])).collect();
+    Figure { title, size: (1100, 1000), panels }
+}
+
+/// Two panels for each method: axes 2 and 3 carry the arm, the torques of the others are small beside theirs.
+fn torques(case: &Case) -> Figure {
+    let groups = |run| [&[1, 2][..], &[0, 3, 4, 5]].map(|joints| panel(run, "τ [N·m]", |sample| sample.torque, joints));
+    let panels = case.runs.iter().flat_map(groups).collect();
+    Figure { title: format!("Joint torques, case {}", case.number), size: (1100, 1800), panels }
+}
+
+fn panel(run: &Run, label: &str, value: fn(&Sample) -> [f64; 6], joints: &[usize]) -> Panel {
+    let curve = |i: usize| run.samples.iter().map(|sample| (sample.t, value(sample)[i])).collect();
+    Panel::Curves(Curves {
+        x_label: "t [s]".to_string(),
+        y_label: format!("{}: {label}", method_name(run)),
+        x_range: 0.0..DURATION,
+        lines: joints.iter().map(|&i| Line::new(format!("joint {}", i + 1), curve(i))).collect(),
+    })
 }
 
 fn method_name(run: &Run) -> &'static str {
@@ -52,18 +60,15 @@ fn method_name(run: &Run) -> &'static str {
     }
 }
 
-/// From rest all methods go the same way.
+/// By the quartic; the other methods lead along nearly the same way, and from rest along the very same.
 fn path(arm: &Arm, case: &Case) -> Result<Panel, Failure> {
-    let shown = if case.number == 1 { 1 } else { case.runs.len() };
-    let line = |run: &Run| -> Result<SpaceLine, Failure> {
-        let [first, last] = [&run.samples[0], &run.samples[run.samples.len() - 1]].map(|sample| sample.position);
-        let mut marks = vec![(first, "start".to_string()), (last, "stop".to_string())];
-        for (time, singularity) in &run.singularities {
-            marks.push((arm.pose(&run.motion.at(*time)?.q).position, format!("{singularity}, {time:.1} s")));
-        }
-        let points = run.samples.iter().map(|sample| sample.position).collect();
-        Ok(SpaceLine { name: method_name(run).to_string(), points, marks })
-    };
-    let lines = case.runs[..shown].iter().map(line).collect::<Result<_, _>>()?;
+    let run = &case.runs[0];
+    let [first, last] = [&run.samples[0], &run.samples[run.samples.len() - 1]].map(|sample| sample.position);
+    let mut marks = vec![(first, "start".to_string()), (last, "stop".to_string())];
+    for (time, singularity) in &run.singularities {
+        marks.push((arm.pose(&run.motion.at(*time)?.q).position, format!("{singularity} singular at {time:.1} s")));
+    }
+    let points = run.samples.iter().map(|sample| sample.position).collect();
+    let lines = vec![SpaceLine { name: method_name(run).to_string(), points, marks }];
     Ok(Panel::Space(Space { labels: ["x [m]", "y [m]", "z [m]"].map(String::from), lines }))
 }

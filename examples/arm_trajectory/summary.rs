@@ -5,7 +5,7 @@ use std::fmt::Write;
 use mbs_examples::Failure;
 use mbs_models::arm::Arm;
 use mbs_models::arm::trajectory::Motion;
-use mbs_models::arm::trajectory::cartesian::{CartesianPath, FlangeLine};
+use mbs_models::arm::trajectory::cartesian::{CartesianError, CartesianPath, FlangeLine, branch_of};
 
 use crate::cases::{self, Case};
 use crate::rapid;
@@ -93,9 +93,12 @@ fn lines(text: &mut String, arm: &Arm) -> Result<(), Failure> {
     writeln!(text, "\nThe flange on a straight line between the same poses:")?;
     let on_line = |arm: &Arm| match CartesianPath::<65>::new(arm, line, &start) {
         Ok(path) => {
-            let angles = path.postures()[64].map(|q| format!("{:.2}", q.to_degrees())).join(", ");
-            format!("it arrives with ({angles})°")
+            let end = path.postures()[64];
+            let other = branch_of(&end) != branch_of(&stop);
+            let elbow = if other { ", on another branch than the stop of Table 2" } else { "" };
+            format!("it arrives with ({})°{elbow}", end.map(|q| format!("{:.2}", q.to_degrees())).join(", "))
         }
+        Err(CartesianError::LimitExceeded { s, joint, .. }) => format!("axis {} is out of range at s = {s}", joint + 1),
         Err(error) => error.to_string(),
     };
     writeln!(text, "  within the ranges of the axes: {}", on_line(arm))?;

@@ -1,5 +1,6 @@
-//! `[--json] [--out DIR]`
+//! `[--json] [--out DIR]`, and numbers that an example may ask for
 
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 /// What every example is told.
@@ -9,25 +10,39 @@ pub struct Arguments {
     pub json: bool,
     /// Where figures and tables go; none are written without.
     pub out: Option<PathBuf>,
+    /// Numbers that the example asks for, by their names.
+    pub numbers: BTreeMap<&'static str, usize>,
 }
 
 impl Arguments {
     /// Those of this process; wrong ones end it with exit code 2.
     #[must_use]
     pub fn from_process() -> Self {
-        Self::parse(std::env::args().skip(1)).unwrap_or_else(|wrong| {
-            eprintln!("error: {wrong}\nusage: [--json] [--out DIR]");
+        Self::with_numbers(&[])
+    }
+
+    /// The same, for an example with options that are followed by a positive whole number.
+    #[must_use]
+    pub fn with_numbers(names: &[&'static str]) -> Self {
+        Self::parse(std::env::args().skip(1), names).unwrap_or_else(|wrong| {
+            let numbers: String = names.iter().map(|name| format!(" [{name} N]")).collect();
+            eprintln!("error: {wrong}\nusage: [--json] [--out DIR]{numbers}");
             std::process::exit(2)
         })
     }
 
-    fn parse(mut arguments: impl Iterator<Item = String>) -> Result<Self, String> {
+    fn parse(mut arguments: impl Iterator<Item = String>, names: &[&'static str]) -> Result<Self, String> {
         let mut parsed = Self::default();
         while let Some(argument) = arguments.next() {
             match argument.as_str() {
                 "--json" => parsed.json = true,
                 "--out" => parsed.out = Some(arguments.next().ok_or("--out needs a folder")?.into()),
-                _ => return Err(format!("unexpected argument {argument}")),
+                _ => {
+                    let name = names.iter().find(|&&name| name == argument);
+                    let name = name.ok_or_else(|| format!("unexpected argument {argument}"))?;
+                    let number = arguments.next().and_then(|text| text.parse().ok()).filter(|&n| n > 0);
+                    parsed.numbers.insert(name, number.ok_or_else(|| format!("{name} needs a positive whole number"))?);
+                }
             }
         }
         Ok(parsed)
@@ -40,10 +55,15 @@ mod tests {
 
     #[test]
     fn arguments_in_any_order() {
-        let parse = |text: &str| Arguments::parse(text.split_whitespace().map(String::from));
+        let parse = |text: &str| Arguments::parse(text.split_whitespace().map(String::from), &["--members"]);
         assert_eq!(parse(""), Ok(Arguments::default()));
-        assert_eq!(parse("--out a/b --json"), Ok(Arguments { json: true, out: Some("a/b".into()) }));
+        assert_eq!(
+            parse("--out a/b --json"),
+            Ok(Arguments { json: true, out: Some("a/b".into()), ..Arguments::default() })
+        );
         assert_eq!(parse("--out"), Err("--out needs a folder".to_string()));
+        assert_eq!(parse("--members 12").map(|parsed| parsed.numbers["--members"]), Ok(12));
+        assert_eq!(parse("--members 0"), Err("--members needs a positive whole number".to_string()));
         assert_eq!(parse("--fast"), Err("unexpected argument --fast".to_string()));
     }
 }

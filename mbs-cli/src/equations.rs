@@ -61,6 +61,13 @@ impl<'d> Equations<'d> {
         self.interpreter.evaluate(self.forward_dynamics, state)
     }
 
+    /// Whether inertia and forces are numbers: then accelerations are, too, unless M is singular.
+    pub(crate) fn are_finite(&self, state: &State) -> bool {
+        ["mass_matrix", "bias", "generalized_force", "dissipation_force"]
+            .iter()
+            .all(|name| self.call(name, state).iter().all(|x| x.is_finite()))
+    }
+
     /// How constraints bring states back.
     pub(crate) fn projector(&self, redundant_rows: RedundantRows) -> Projector<f64, Vec<f64>> {
         let size = Projector::<f64, Vec<f64>>::size(self.derivation.dof(), self.rows());
@@ -99,49 +106,42 @@ impl Constraints<f64> for Equations<'_> {
     }
 }
 
-/// Accelerations and multipliers: in closed form, or where rows are redundant or stabilized, by the runtime's factorization.
+/// Accelerations and multipliers: in closed form, or by the runtime's factorization where rows are redundant or stabilized, or
+/// where M is singular, but not on the motions that constraints leave.
 pub(crate) struct Solver<'e, 'd> {
     equations: &'e Equations<'d>,
-    numerical: Option<Numerical>,
-}
-
-struct Numerical {
+    /// Whether the closed form is taken where it is finite.
+    is_closed: bool,
     projector: Projector<f64, Vec<f64>>,
     /// Baumgarte's `α` and `β`.
     gains: [f64; 2],
 }
 
 impl<'e, 'd> Solver<'e, 'd> {
-    /// In closed form.
+    /// In closed form where that is finite.
     pub(crate) fn closed(equations: &'e Equations<'d>) -> Self {
-        Solver { equations, numerical: None }
+        Solver { is_closed: true, ..Self::numerical(equations, RedundantRows::Refuse, [0.0; 2]) }
     }
 
     /// By factorization of A, with Baumgarte's gains.
     pub(crate) fn numerical(equations: &'e Equations<'d>, redundant_rows: RedundantRows, gains: [f64; 2]) -> Self {
-        let projector = equations.projector(redundant_rows);
-        Solver { equations, numerical: Some(Numerical { projector, gains }) }
+        Solver { equations, is_closed: false, projector: equations.projector(redundant_rows), gains }
     }
 
     /// `q̈`
     pub(crate) fn accelerations(&mut self, state: &State) -> Result<Vec<f64>, ConstraintError> {
-        match &mut self.numerical {
-            None => Ok(self.equations.accelerations(state)),
-            Some(numerical) => numerical.solve(self.equations, state).map(|(accelerations, _)| accelerations),
-        }
+        let closed = self.is_closed.then(|| self.equations.accelerations(state));
+        finite(closed).map_or_else(|| self.factorize(state).map(|(accelerations, _)| accelerations), Ok)
     }
 
     /// `λ`
     pub(crate) fn multipliers(&mut self, state: &State) -> Result<Vec<f64>, ConstraintError> {
-        match &mut self.numerical {
-            None => Ok(self.equations.call("multipliers", state)),
-            Some(numerical) => numerical.solve(self.equations, state).map(|(_, multipliers)| multipliers),
-        }
+        let closed = self.is_closed.then(|| self.equations.call("multipliers", state));
+        finite(closed).map_or_else(|| self.factorize(state).map(|(_, multipliers)| multipliers), Ok)
     }
-}
 
-impl Numerical {
-    fn solve(&mut self, equations: &Equations<'_>, state: &State) -> Result<(Vec<f64>, Vec<f64>), ConstraintError> {
+    fn factorize(&mut self, state: &State) -> Result<(Vec<f64>, Vec<f64>), ConstraintError> {
+        let equations = self.equations;
         let call = |name: &str| equations.call(name, state);
         let (applied, bias, dissipation) = (call("generalized_force"), call("bias"), call("dissipation_force"));
         let force: Vec<f64> = (0..bias.len()).map(|i| applied[i] - bias[i] - dissipation[i]).collect();
@@ -158,4 +158,9 @@ impl Numerical {
         self.projector.accelerations(equations, state.t, &state.q, &force, &bias, qdd, lambda)?;
         Ok((accelerations, multipliers))
     }
+}
+
+/// The numbers, if all of them are finite.
+fn finite(numbers: Option<Vec<f64>>) -> Option<Vec<f64>> {
+    numbers.filter(|numbers| numbers.iter().all(|x| x.is_finite()))
 }

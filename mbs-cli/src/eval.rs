@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use mbs_derive::interpret::Interpreter;
+use mbs_derive::interpret::{Interpreter, State};
 use mbs_derive::optimise::{Derivation, Function, FunctionKind, ResultPart, Shape};
 use serde_json::{Map, Value, json};
 
@@ -73,8 +73,21 @@ fn evaluation(derivation: &Derivation, point: &Point, place: &str) -> Value {
             evaluation[name] = value(name);
         }
     }
+    if derivation.function("multipliers").is_some() {
+        evaluation["constraint_force"] = constraint_force(&interpreter, &point.state).into();
+    }
     warn_of_nulls(&evaluation, place);
     evaluation
+}
+
+/// `Aᵀ λ`, with the multipliers of the motion.
+fn constraint_force(interpreter: &Interpreter<'_>, state: &State) -> Vec<f64> {
+    let call = |name: &str| interpreter.call(name, state).unwrap_or_default();
+    let mut force = vec![0.0; state.q.len()];
+    for (row, multiplier) in call("constraint_jacobian").chunks(force.len()).zip(call("multipliers")) {
+        force.iter_mut().zip(row).for_each(|(force, a)| *force += a * multiplier);
+    }
+    force
 }
 
 /// First integrals by name.

@@ -18,7 +18,6 @@ use std::path::PathBuf;
 
 use clap::ValueEnum;
 use mbs_cli::chart::Format;
-use mbs_derive::diagnostic::nearest;
 use mbs_derive::model::lagrangian::component_names;
 use mbs_derive::optimise::Derivation;
 use mbs_runtime::RedundantRows;
@@ -100,10 +99,11 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         }
     };
     let times = times(&point, arguments)?;
-    if !arguments.method.has_error_control() && (arguments.rtol.is_some() || arguments.atol.is_some()) {
-        let method = arguments.method.to_possible_value();
-        let name = method.as_ref().map_or("this method", |value| value.get_name());
-        output::report(&format!("warning: {name} has no error control, --rtol and --atol do nothing\n"));
+    warn_of_idle_options(arguments, &derivation);
+    if point.state.prescribed.iter().any(|[_, rate, acceleration]| *rate != 0.0 || *acceleration != 0.0) {
+        output::report(
+            "warning: prescribed signals stay as given: a value that stays contradicts a rate that is not zero\n",
+        );
     }
     let settings = Settings {
         method: arguments.method,
@@ -123,6 +123,24 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     deliver(&motion, arguments)
 }
 
+/// Says which of the options that were given have nothing to act on.
+fn warn_of_idle_options(arguments: &Arguments, derivation: &Derivation) {
+    if !arguments.method.has_error_control() && (arguments.rtol.is_some() || arguments.atol.is_some()) {
+        let method = arguments.method.to_possible_value();
+        let name = method.as_ref().map_or("this method", |value| value.get_name());
+        output::report(&format!("warning: {name} has no error control, --rtol and --atol do nothing\n"));
+    }
+    let is_held = !arguments.hold.is_empty();
+    if derivation.constraints.is_empty()
+        && (is_held || arguments.project != Drift::Projected || arguments.redundant != Redundant::Refuse)
+    {
+        let name = &derivation.name;
+        output::report(&format!("warning: {name} has no constraints, --project, --redundant and --hold do nothing\n"));
+    } else if is_held && arguments.project == Drift::Left {
+        output::report("warning: with --project none the first state stays as given, --hold does nothing\n");
+    }
+}
+
 /// Which coordinates are named: an array's name stands for all of its components.
 fn held(names: &[String], derivation: &Derivation) -> Result<Vec<bool>, Failure> {
     let components = component_names(&derivation.coordinates);
@@ -132,8 +150,7 @@ fn held(names: &[String], derivation: &Derivation) -> Result<Vec<bool>, Failure>
             derivation.coordinates.iter().find(|variable| variable.name == *name).map(|v| v.first..v.first + v.count());
         let one = || components.iter().position(|component| component == name).map(|i| i..i + 1);
         let Some(range) = range.or_else(one) else {
-            let near = nearest(name, components.iter().map(String::as_str));
-            let hint = near.map_or(String::new(), |near| format!(", did you mean `{near}`?"));
+            let hint = state::hint(name, &components, "coordinates");
             return Err(Failure::new(format_args!("--hold: there is no coordinate `{name}`{hint}")));
         };
         held[range].fill(true);

@@ -340,7 +340,7 @@ fn expected(names: &[String]) -> String {
 }
 
 /// What to write instead of an unknown name.
-fn hint(name: &str, known: &[String], what: &str) -> String {
+pub(crate) fn hint(name: &str, known: &[String], what: &str) -> String {
     match nearest(name, known.iter().map(String::as_str)) {
         Some(near) => format!("; did you mean {}?", Value::from(near)),
         None if known.is_empty() => format!("; the mechanism has no {what}"),

@@ -108,7 +108,7 @@ pub enum RedundantRows {
 }
 
 /// Newton's method converges quadratically near the constraints; from afar it is given some time.
-const MOST_ITERATIONS: usize = 50;
+const MOST_ITERATIONS: usize = 100;
 /// So often a step of Newton's method may be halved.
 const MOST_HALVINGS: usize = 10;
 
@@ -148,11 +148,14 @@ impl<T: Real, S: AsMut<[T]>> Projector<T, S> {
 
     /// Finds a state that satisfies the constraints from a guess of which some coordinates are held, and their velocities too.
     ///
-    /// Newton's method with steps that are halved while the residual grows; bounded.
+    /// Newton's method with steps no longer than the largest coordinate or 1, that are halved while the residual grows;
+    /// bounded. On the way from the guess rows may depend on others; in the state that is found they must not, unless such
+    /// rows are left out.
     ///
     /// # Errors
-    /// [`ConstraintError`]: a row stays open; a row is redundant, or contradicts others; M is singular on the motions that A
-    /// leaves; something is not finite. `state` is then as it was.
+    /// [`ConstraintError`]: a row stays open, which may be for want of another guess or of fewer coordinates that are held;
+    /// a row is redundant, or contradicts others; M is singular on the motions that A leaves; something is not finite.
+    /// `state` is then as it was.
     pub fn assemble<C, V>(
         &mut self,
         constraints: &C,
@@ -166,11 +169,22 @@ impl<T: Real, S: AsMut<[T]>> Projector<T, S> {
     {
         let t = T::from_f64(t);
         let n = state.q.as_slice().len();
-        let mut work = Workspace::new(self.memory.as_mut(), n, constraints.rows(), self.redundant_rows);
+        let mut work = Workspace::new(self.memory.as_mut(), n, constraints.rows());
         work.q.copy_from_slice(state.q.as_slice());
         work.close(constraints, t, &held)?;
         work.qd.copy_from_slice(state.qd.as_slice());
-        work.slow(constraints, t, &held)?;
+        if (0..n).any(&held) {
+            // Rows that depend on others because of what is held may still be satisfied.
+            work.slow(constraints, t, &held, RedundantRows::LeaveOut)?;
+            work.linearize(constraints, t, &|_| false)?;
+            work.residual.iter_mut().for_each(|x| *x = T::zero());
+            work.least_change(self.redundant_rows, |_| true)?;
+        } else {
+            work.slow(constraints, t, &held, self.redundant_rows)?;
+        }
+        if !work.q.iter().chain(&*work.qd).all(|x| x.is_finite()) {
+            return Err(ConstraintError::NonFinite);
+        }
         state.q.as_mut_slice().copy_from_slice(work.q);
         state.qd.as_mut_slice().copy_from_slice(work.qd);
         Ok(())
@@ -207,21 +221,21 @@ impl<T: Real, S: AsMut<[T]>> Projector<T, S> {
     ) -> Result<(), ConstraintError> {
         let (t, n, k) = (T::from_f64(t), q.len(), constraints.rows());
         let (first, second) = self.memory.as_mut().split_at_mut(Workspace::<T>::size(n, k));
-        let mut work = Workspace::new(first, n, k, self.redundant_rows);
+        let mut work = Workspace::new(first, n, k);
         work.q.copy_from_slice(q);
         work.linearize(constraints, t, &|_| false)?;
         // The nearest to the free accelerations: Gauss's principle of least constraint.
         work.begin.copy_from_slice(force);
         work.solve_begin();
         work.residual_at_begin(bias);
-        work.least_change(|_| true)?;
+        work.least_change(self.redundant_rows, |_| true)?;
         for (i, qdd) in qdd.iter_mut().enumerate() {
             *qdd = work.begin[i] + work.change[i];
         }
 
         // λ of least norm with Aᵀ λ = M q̈ − f.
         constraints.mass_matrix(t, q, work.metric);
-        let mut transposed = Workspace::new(second, k, n, RedundantRows::LeaveOut);
+        let mut transposed = Workspace::new(second, k, n);
         for i in 0..n {
             let inertia = work.metric[i * n..(i + 1) * n].iter().zip(&*qdd);
             transposed.residual[i] = inertia.fold(force[i], |rest, (&m, &qdd)| rest - m * qdd);
@@ -234,9 +248,9 @@ impl<T: Real, S: AsMut<[T]>> Projector<T, S> {
                 transposed.metric[row * k + column] = if row == column { T::one() } else { T::zero() };
             }
         }
-        transposed.least_change(|_| true)?;
+        transposed.least_change(RedundantRows::LeaveOut, |_| true)?;
         multipliers.copy_from_slice(transposed.change);
-        Ok(())
+        if qdd.iter().all(|x| x.is_finite()) { Ok(()) } else { Err(ConstraintError::NonFinite) }
     }
 
     /// The rank of A at `q`; `redundant` is told the rows that depend on the others.
@@ -251,11 +265,11 @@ impl<T: Real, S: AsMut<[T]>> Projector<T, S> {
         mut redundant: impl FnMut(usize),
     ) -> Result<usize, ConstraintError> {
         let k = constraints.rows();
-        let mut work = Workspace::new(self.memory.as_mut(), q.len(), k, RedundantRows::LeaveOut);
+        let mut work = Workspace::new(self.memory.as_mut(), q.len(), k);
         work.q.copy_from_slice(q);
         work.linearize(constraints, T::from_f64(t), &|_| false)?;
         work.residual.iter_mut().for_each(|x| *x = T::zero());
-        work.least_change(|_| true)?;
+        work.least_change(RedundantRows::LeaveOut, |_| true)?;
         (0..k).filter(|&row| !work.is_done(row)).for_each(&mut redundant);
         Ok((0..k).filter(|&row| work.is_done(row)).count())
     }
@@ -278,12 +292,13 @@ impl<T: Real> Workspace<'_, T> {
                 return Ok(());
             }
             self.linearize(constraints, t, held)?;
-            self.least_change(|row| constraints.is_holonomic(row))?;
+            self.least_change(RedundantRows::LeaveOut, |row| constraints.is_holonomic(row))?;
             let size = self.q.iter().fold(T::one(), |size, &q| size.maximum(q.abs()));
             let step = self.change.iter().fold(T::zero(), |step, &x| step.maximum(x.abs()));
             let start = residual;
             self.begin.copy_from_slice(self.q);
-            let mut share = T::one();
+            // Next to where A loses rank Newton's steps are long, and lead anywhere.
+            let mut share = if step > size { size / step } else { T::one() };
             for halving in 0..=MOST_HALVINGS {
                 for i in 0..self.q.len() {
                     self.q[i] = self.begin[i] + share * self.change[i];
@@ -298,27 +313,34 @@ impl<T: Real> Workspace<'_, T> {
                 // No change makes it smaller: rounding, or a loop that does not close.
                 self.q.copy_from_slice(self.begin);
                 self.residual(constraints, t)?;
-                return self.closed(size);
+                return self.closed(constraints, t, size);
             }
             // The next step would be of the order of this one's square.
             if share == T::one() && step <= size * T::EPSILON.sqrt() * T::from_f64(1e-2) {
-                return self.closed(size);
+                return self.closed(constraints, t, size);
             }
         }
-        self.closed(T::zero())
+        self.closed(constraints, t, T::zero())
     }
 
     /// Whether all rows are zero but for what a change of the coordinates by a small part of their `size` explains.
-    fn closed(&self, size: T) -> Result<(), ConstraintError> {
+    fn closed<C: Constraints<T>>(&mut self, constraints: &C, t: T, size: T) -> Result<(), ConstraintError> {
+        match self.unexplained(constraints, t, size) {
+            Some(row) => Err(ConstraintError::Open { row, residual: self.residual[row].to_f64() }),
+            None => Ok(()),
+        }
+    }
+
+    /// The first row whose residual is more than what changes by a small part of `size` make, of coordinates or velocities, of
+    /// those that are held, too.
+    fn unexplained<C: Constraints<T>>(&mut self, constraints: &C, t: T, size: T) -> Option<usize> {
+        constraints.jacobian(t, self.q, self.jacobian);
         let n = self.q.len();
         let explained = |row: usize| {
             let slopes = self.jacobian[row * n..(row + 1) * n].iter();
             T::EPSILON.sqrt() * size * slopes.fold(T::zero(), |sum, slope| sum + slope.abs())
         };
-        match (0..self.residual.len()).find(|&row| self.residual[row].abs() > explained(row)) {
-            Some(row) => Err(ConstraintError::Open { row, residual: self.residual[row].to_f64() }),
-            None => Ok(()),
-        }
+        (0..self.residual.len()).find(|&row| self.residual[row].is_nan() || self.residual[row].abs() > explained(row))
     }
 
     /// Velocities with `A q̇ + b = 0`.
@@ -327,6 +349,7 @@ impl<T: Real> Workspace<'_, T> {
         constraints: &C,
         t: T,
         held: &impl Fn(usize) -> bool,
+        redundant_rows: RedundantRows,
     ) -> Result<(), ConstraintError> {
         // A second time for the rounding of the first.
         for _ in 0..2 {
@@ -335,19 +358,14 @@ impl<T: Real> Workspace<'_, T> {
                 return Err(ConstraintError::NonFinite);
             }
             self.linearize(constraints, t, held)?;
-            self.least_change(|_| true)?;
+            self.least_change(redundant_rows, |_| true)?;
             for i in 0..self.qd.len() {
                 self.qd[i] = self.qd[i] + self.change[i];
             }
         }
         constraints.rate(t, self.q, self.qd, self.residual);
-        let n = self.q.len();
         let speed = self.qd.iter().fold(T::EPSILON.sqrt(), |speed, &qd| speed.maximum(qd.abs()));
-        let rounding = |row: usize| {
-            let slopes = self.jacobian[row * n..(row + 1) * n].iter();
-            T::EPSILON.sqrt() * speed * slopes.fold(T::zero(), |sum, slope| sum + slope.abs())
-        };
-        match (0..constraints.rows()).find(|&row| self.residual[row].abs() > rounding(row)) {
+        match self.unexplained(constraints, t, speed) {
             Some(row) => Err(ConstraintError::Contradiction { row, residual: self.residual[row].to_f64() }),
             None => Ok(()),
         }
@@ -437,6 +455,30 @@ mod tests {
         }
     }
 
+    /// A point that stays on the x axis, however fast along it.
+    struct Rail;
+
+    impl Constraints<f64> for Rail {
+        fn rows(&self) -> usize {
+            1
+        }
+        fn is_holonomic(&self, _: usize) -> bool {
+            true
+        }
+        fn mass_matrix(&self, _: f64, _: &[f64], m: &mut [f64]) {
+            m.copy_from_slice(&[1.0, 0.0, 0.0, 1.0]);
+        }
+        fn position(&self, _: f64, q: &[f64], phi: &mut [f64]) {
+            phi[0] = 4.0 * q[1];
+        }
+        fn rate(&self, _: f64, _: &[f64], qd: &[f64], rate: &mut [f64]) {
+            rate[0] = 4.0 * qd[1];
+        }
+        fn jacobian(&self, _: f64, _: &[f64], a: &mut [f64]) {
+            a.copy_from_slice(&[0.0, 4.0]);
+        }
+    }
+
     const MEMORY: usize = Projector::<f64, [f64; 0]>::size(4, 3);
     const GUESS: State<[f64; 4]> = State::new([0.1, 0.3, 0.8, 1.2], [1.0, -1.0, 0.5, 0.25]);
 
@@ -472,6 +514,48 @@ mod tests {
         Projector::new([0.0; MEMORY]).assemble(&rod, 0.2, &mut state, |i| i == 0 || i == 2).unwrap();
         assert!(largest(&rod, 0.2, &state) < 1e-15, "{state:?}");
         assert_eq!([state.q[0], state.q[2], state.qd[0], state.qd[2]], [0.1, 0.8, 1.0, 0.5]);
+    }
+
+    /// Where both rods would be of the same direction, Newton's method has no direct way.
+    #[test]
+    fn a_guess_where_rows_depend_on_each_other_will_do() {
+        // From the centre of its circle, and nearly, the second point goes out by one length, not by ten thousand.
+        let rod = Rod { twice: false, misfit: 0.0 };
+        let mut projector = Projector::new([0.0; MEMORY]);
+        for off in [1e-3, 1e-7, 1e-12] {
+            let mut state = State::new([0.0, 0.0, off, 0.0], [0.0, 1.0, 0.0, 0.0]);
+            projector.assemble(&rod, 0.0, &mut state, |i| i < 2).unwrap();
+            assert!(largest(&rod, 0.0, &state) < 1e-15 && (state.q[2] - 1.0).abs() < 1e-15, "{state:?}");
+        }
+        // At the centre itself there is no way to tell where: it stays open.
+        let open = projector.assemble(&rod, 0.0, &mut State::new([0.0; 4], [0.0; 4]), |i| i < 2);
+        assert_eq!(open, Err(ConstraintError::Open { row: 0, residual: -1.0 }));
+        // From afar.
+        let mut state = State::new([0.0, 0.0, 1e12, 0.0], [0.0, 1.0, 0.0, 0.0]);
+        projector.assemble(&rod, 0.0, &mut state, |i| i < 2).unwrap();
+        assert!((state.q[2] - 1.0).abs() < 1e-15);
+    }
+
+    /// What is held may leave nothing to a row; it may be satisfied all the same.
+    #[test]
+    fn a_state_that_is_held_whole_is_checked() {
+        let rod = Rod { twice: false, misfit: 0.0 };
+        let mut projector = Projector::new([0.0; MEMORY]);
+        let mut good = GUESS;
+        projector.project(&rod, 0.2, &mut good).unwrap();
+        let mut held = good;
+        projector.assemble(&rod, 0.2, &mut held, |_| true).unwrap();
+        assert_eq!(held, good);
+        let open = projector.assemble(&rod, 0.2, &mut GUESS.clone(), |_| true);
+        assert!(
+            matches!(open, Err(ConstraintError::Open { row: 0, residual }) if (residual - 0.3).abs() < 1e-12),
+            "{open:?}"
+        );
+        let fast = projector.assemble(&rod, 0.2, &mut State::new(good.q, GUESS.qd), |_| true);
+        assert!(matches!(fast, Err(ConstraintError::Contradiction { .. })), "{fast:?}");
+        // Rows that depend on each other whatever is held are refused.
+        let refused = projector.assemble(&Rod { twice: true, misfit: 0.0 }, 0.2, &mut good, |_| true);
+        assert!(matches!(refused, Err(ConstraintError::Redundant { row: 0 | 2 })), "{refused:?}");
     }
 
     #[test]
@@ -521,6 +605,22 @@ mod tests {
     }
 
     #[test]
+    fn forces_that_are_no_numbers_are_refused() {
+        let rod = Rod { twice: false, misfit: 0.0 };
+        for force in [[f64::INFINITY, 0.0, 0.0, 0.0], [0.0, 0.0, f64::NAN, 0.0], [f64::MAX; 4]] {
+            let (q, mut qdd, mut multipliers) = ([0.0, 0.0, 1.0, 0.0], [0.0; 4], [0.0; 2]);
+            let mut projector = Projector::new([0.0; MEMORY]);
+            let found = projector.accelerations(&rod, 0.0, &q, &force, &[0.0; 2], &mut qdd, &mut multipliers);
+            assert_eq!(found, Err(ConstraintError::NonFinite), "{force:?}");
+        }
+        // Along the rail, where no row feels it.
+        let (force, mut qdd, mut multiplier) = ([f64::INFINITY, 0.0], [0.0; 2], [0.0]);
+        let mut projector = Projector::new([0.0; 64]);
+        let along = projector.accelerations(&Rail, 0.0, &[0.0; 2], &force, &[0.0], &mut qdd, &mut multiplier);
+        assert_eq!(along, Err(ConstraintError::NonFinite));
+    }
+
+    #[test]
     fn what_does_not_close_is_said() {
         let mut projector = Projector::new([0.0; MEMORY]).with_redundant_rows(RedundantRows::LeaveOut);
         let contradiction = projector.project(&Rod { twice: true, misfit: 0.5 }, 0.2, &mut GUESS.clone());
@@ -529,8 +629,15 @@ mod tests {
         let mut state = State::new([0.0, 0.0, 3.0, 0.0], [0.0; 4]);
         let open = projector.assemble(&Rod { twice: false, misfit: 0.0 }, 0.0, &mut state, |i| i % 2 == 0);
         assert!(matches!(open, Err(ConstraintError::Open { row: 0, .. })), "{open:?}");
-        let mut state = State::new([f64::NAN; 4], [0.0; 4]);
-        let refused = projector.project(&Rod { twice: false, misfit: 0.0 }, 0.0, &mut state);
-        assert_eq!(refused, Err(ConstraintError::NonFinite));
+        for mut state in [State::new([f64::NAN; 4], [0.0; 4]), State::new(GUESS.q, [0.0, 0.0, 0.0, f64::INFINITY])] {
+            let refused = projector.project(&Rod { twice: false, misfit: 0.0 }, 0.0, &mut state);
+            assert_eq!(refused, Err(ConstraintError::NonFinite));
+        }
+        // A velocity that no row knows, and velocities whose change leads out of the numbers.
+        for [along, across] in [[f64::NAN, 0.0], [f64::INFINITY, 0.0], [0.0, f64::MAX]] {
+            let mut state = State::new([0.0, 0.0], [along, across]);
+            let refused = Projector::new([0.0; 64]).project(&Rail, 0.0, &mut state);
+            assert_eq!(refused, Err(ConstraintError::NonFinite), "{along} {across}");
+        }
     }
 }

@@ -117,35 +117,38 @@ impl fmt::Display for IntegrationError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match *self {
             Self::InvalidTolerance { relative, absolute } => {
-                write!(f, "tolerances must be positive and finite, found relative {relative}, absolute {absolute}")
+                write!(f, "tolerances must be positive and finite, found relative {relative:?}, absolute {absolute:?}")
             }
-            Self::InvalidStep { step } => write!(f, "a step must be positive, found {step} s"),
-            Self::InvalidGain { beta } => write!(f, "the gain of the step control is out of range: {beta}"),
+            Self::InvalidStep { step } => write!(f, "a step must be positive, found {step:?} s"),
+            Self::InvalidGain { beta } => write!(f, "the gain of the step control is out of range: {beta:?}"),
             Self::InvalidTime { time } => {
-                write!(f, "{time} s is not finite, out of order, or outside the step asked")
+                write!(f, "{time:?} s is not finite, out of order, or outside the step asked")
             }
             Self::DimensionMismatch { coordinates, velocities } => {
                 write!(f, "{coordinates} coordinates, but {velocities} velocities")
             }
             Self::StepTooSmall { time, step } => {
-                write!(f, "the tolerances are not met at t = {time} s even by a step of {step:e} s")
+                write!(f, "the tolerances are not met at t = {time:?} s even by a step of {step:e} s")
             }
             Self::NonFiniteState { time } => {
-                write!(f, "state or acceleration become infinite or NaN right after t = {time} s")
+                write!(f, "state or acceleration become infinite or NaN right after t = {time:?} s")
             }
             Self::SingularMassMatrix { time, pivot, index } => {
-                write!(f, "singular mass matrix right after t = {time} s: pivot {index} is {pivot}")
+                write!(f, "singular mass matrix right after t = {time:?} s: pivot {index} is {pivot:?}")
             }
             Self::NotConverged { time, iterations } => {
-                write!(f, "the stages do not converge in {iterations} iterations at t = {time} s: a shorter step helps")
+                write!(
+                    f,
+                    "the stages do not converge in {iterations} iterations at t = {time:?} s: a shorter step helps"
+                )
             }
             Self::NonFiniteEvent { time, event } => {
-                write!(f, "the function of event {event} is infinite or NaN right after t = {time} s")
+                write!(f, "the function of event {event} is infinite or NaN right after t = {time:?} s")
             }
             Self::EventsAccumulate { time, event } => {
-                write!(f, "event {event} follows itself ever closer and ends the motion at t = {time} s")
+                write!(f, "event {event} follows itself ever closer and ends the motion at t = {time:?} s")
             }
-            Self::TooManySteps { time, steps } => write!(f, "{steps} steps used up at t = {time} s"),
+            Self::TooManySteps { time, steps } => write!(f, "{steps} steps used up at t = {time:?} s"),
         }
     }
 }
@@ -164,7 +167,7 @@ pub struct SingularMassMatrix {
 
 impl fmt::Display for SingularMassMatrix {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "mass matrix is not positive definite: pivot {} is {}", self.index, self.pivot)
+        write!(f, "mass matrix is not positive definite: pivot {} is {:?}", self.index, self.pivot)
     }
 }
 
@@ -315,7 +318,11 @@ mod tests {
         let error = IntegrationError::StepTooSmall { time: 1.5, step: 1e-17 };
         assert_eq!(error.to_string(), "the tolerances are not met at t = 1.5 s even by a step of 1e-17 s");
         let error = IntegrationError::SingularMassMatrix { time: 0.0, pivot: -2.0, index: 3 };
-        assert_eq!(error.to_string(), "singular mass matrix right after t = 0 s: pivot 3 is -2");
+        assert_eq!(error.to_string(), "singular mass matrix right after t = 0.0 s: pivot 3 is -2.0");
+        assert_eq!(
+            SingularMassMatrix { pivot: 5e-17, index: 1 }.to_string(),
+            "mass matrix is not positive definite: pivot 1 is 5e-17"
+        );
         assert_eq!(error.time(), Some(0.0));
         assert_eq!(IntegrationError::InvalidStep { step: 0.0 }.time(), None);
     }

@@ -10,6 +10,9 @@
 //! - Two roots of one function less than an eighth of a step apart may go unseen; `max_step` or `step` of the method
 //!   is the remedy. Of three in an eighth one is seen.
 //! - Events of one step happen in the order of their times, those of the same time in the order in which they are given.
+//! - Where the observer replaces the end of a step, what changes the function by no more than an eighth of the step did is a
+//!   correction, such as a projection: an event does not happen twice or not at all for it. What changes it by more is a jump,
+//!   and passing zero with it no event.
 //! - After an action that changes the state, or says [`Response::Restart`], the rest of the step is dropped, and the
 //!   integration goes on from the state it left.
 //! - Impacts that accumulate (Zeno: a ball that comes to rest) end with
@@ -100,6 +103,9 @@ pub struct Event<'a, V> {
     since: f64,
     /// Its sign at the next place looked at.
     next: f64,
+    /// Its value at the last place looked at, and how far it had come there from the place before.
+    value: f64,
+    travel: f64,
     /// When it happens in the part of the step that is looked at, or NaN.
     root: f64,
     /// When it happened last; NaN where it has not.
@@ -124,6 +130,8 @@ impl<'a, V> Event<'a, V> {
             side: 0.0,
             since: f64::NAN,
             next: 0.0,
+            value: f64::NAN,
+            travel: 0.0,
             root: f64::NAN,
             last: f64::NAN,
             came: 0.0,
@@ -214,6 +222,8 @@ pub(crate) struct Watch<'e, 'a, V> {
     events: &'e mut [Event<'a, V>],
     /// Whether the next step begins with a state that no event function has seen.
     jumped: bool,
+    /// Whether that state stands for the end of the step before, as a projection does.
+    replaced: bool,
     /// The state at the time looked at.
     there: State<V>,
     /// The state that the actions left.
@@ -236,7 +246,7 @@ impl<'e, 'a, V: Coordinates> Watch<'e, 'a, V> {
         for event in events.iter_mut() {
             (event.count, event.last) = (0, f64::NAN);
         }
-        Self { events, jumped: true, there: like.clone(), after: like.clone(), fault: None }
+        Self { events, jumped: true, replaced: false, there: like.clone(), after: like.clone(), fault: None }
     }
 
     /// The error that ended the integration from here, or else its result.
@@ -261,9 +271,13 @@ impl<'e, 'a, V: Coordinates> Watch<'e, 'a, V> {
         };
         let mut part = Part { whole: step, there: &self.there, cut, origin: None, fault: None };
         let answer = observer(&mut part);
-        let Part { origin, fault, .. } = part;
+        let (end, Part { origin, fault, .. }) = (part.time(), part);
         self.fault = fault;
+        if fault.is_some() {
+            return ControlFlow::Break(end);
+        }
         self.jumped = origin.is_some() || cut.is_some();
+        self.replaced = cut.is_none() && origin == Some(end);
         match (answer, cut) {
             (ControlFlow::Continue(()), Some(cut)) => {
                 let time = origin.unwrap_or(cut.time);
@@ -300,6 +314,8 @@ impl<'e, 'a, V: Coordinates> Watch<'e, 'a, V> {
                 // What has not left zero yet still has to, beyond rounding.
                 let zero = event.side == 0.0 && value.abs() <= 8.0 * event.residue;
                 event.next = if zero { 0.0 } else { sign(value) };
+                event.travel = (value - event.value).abs();
+                event.value = value;
             }
             for index in 0..self.events.len() {
                 let root = if self.events[index].has_root() { self.locate(step, index, to)? } else { f64::NAN };
@@ -327,6 +343,12 @@ impl<'e, 'a, V: Coordinates> Watch<'e, 'a, V> {
             let value = self.value(index, start, start)?;
             let event = &mut self.events[index];
             event.since = start;
+            let change = (value - event.value).abs();
+            event.value = value;
+            // A correction keeps the side: where it passes zero the event happens, where it leads back it has happened.
+            if self.replaced && event.side != 0.0 && change <= event.travel {
+                continue;
+            }
             event.side = sign(value);
             if event.last == start && value.abs() <= 8.0 * event.residue {
                 event.side = 0.0;
@@ -488,7 +510,18 @@ impl<V: Coordinates> Part<'_, V> {
         if is_between(self.previous_time(), t, self.time()) {
             return Ok(());
         }
-        let error = IntegrationError::InvalidTime { time: t };
+        self.refuse(IntegrationError::InvalidTime { time: t })
+    }
+
+    /// Refuses states to go on from that are not finite.
+    fn check_state(&mut self, state: &State<V>) -> Result<(), IntegrationError> {
+        if state.is_finite() {
+            return Ok(());
+        }
+        self.refuse(IntegrationError::NonFiniteState { time: self.time() })
+    }
+
+    fn refuse(&mut self, error: IntegrationError) -> Result<(), IntegrationError> {
         self.fault = Some(error);
         Err(error)
     }
@@ -517,6 +550,9 @@ impl<V: Coordinates> Step<V> for Part<'_, V> {
     }
 
     fn replace(&mut self, state: &State<V>) {
+        if self.check_state(state).is_err() {
+            return;
+        }
         match self.cut {
             None => {
                 self.origin = Some(self.whole.time());
@@ -535,6 +571,7 @@ impl<V: Coordinates> Step<V> for Part<'_, V> {
 
     fn restart(&mut self, t: f64, state: &State<V>) -> Result<(), IntegrationError> {
         self.check(t)?;
+        self.check_state(state)?;
         self.whole.restart(t, state)?;
         self.origin = Some(t);
         Ok(())
@@ -865,6 +902,34 @@ mod tests {
             })
             .unwrap();
         assert!(replaced && events[0].count() == 0 && state.q[0] < 0.0);
+        // A correction is no jump: what it leads past zero happens, what it leads back has happened. Steps end at 1.
+        for (level, correction) in [(1.0001, 2e-4), (0.9999, -2e-4)] {
+            let ahead = |_: f64, state: &One| state.q[0] - level;
+            let mut passed = [Event::new(&ahead), Event::new(&ahead).rising()];
+            let mut state = State::new([0.0], [1.0]);
+            let drift = |_: f64, _: &[f64; 1], _: &[f64; 1], qdd: &mut [f64; 1]| qdd[0] = 0.0;
+            Rk4::new(0.25)
+                .integrate_with_events(drift, 0.0, 2.0, &mut state, &mut passed, |step| {
+                    let correction = if step.time() == 1.0 { correction } else { 0.0 };
+                    let State { q, qd } = *step.state();
+                    step.replace(&State::new([q[0] + correction], qd));
+                    ControlFlow::Continue(())
+                })
+                .unwrap();
+            assert_eq!([passed[0].count(), passed[1].count()], [1, 1], "{level}");
+            assert!((passed[0].last_time().unwrap() - 1.0).abs() < 2e-4, "{:?}", passed[0].last_time());
+        }
+        // A replacement that is no number is refused, at an event, too: the state is the one before.
+        let mut dry = [Event::new(&height).terminal()];
+        let mut state = State::new([1.0], [0.0]);
+        let result = dop853.integrate_with_events(oscillate, 0.0, 9.0, &mut state, &mut dry, |step| {
+            if step.state().q[0] < 1e-3 {
+                step.replace(&State::new([f64::NAN], [0.0]));
+            }
+            ControlFlow::Continue(())
+        });
+        let Err(IntegrationError::NonFiniteState { time }) = result else { panic!("{result:?}") };
+        assert!((time - core::f64::consts::FRAC_PI_2).abs() < 1e-9 && state.q[0].abs() < 1e-12, "{state:?}");
         // Times after the cut are outside the step.
         let mut stop = [Event::new(&height).terminal()];
         let result =

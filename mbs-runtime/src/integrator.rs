@@ -222,7 +222,8 @@ pub trait Step<V: Coordinates> {
 
     /// Goes on from `state` instead of the end of the step: for a projection onto constraints, or a jump.
     ///
-    /// The solution inside the step stays what it was. `Break(time)` with a time before the end drops it.
+    /// The solution inside the step stays what it was. `Break(time)` with a time before the end drops it. A state that is not
+    /// finite is not taken: the integration ends with [`IntegrationError::NonFiniteState`].
     fn replace(&mut self, state: &State<V>);
 
     /// Goes on from `state` at the time `t` inside the step, and drops what came after it: for an impact.
@@ -230,7 +231,8 @@ pub trait Step<V: Coordinates> {
     /// The solution inside the step stays what it was. `Break(t)` with this time ends the integration with `state`.
     ///
     /// # Errors
-    /// [`IntegrationError::InvalidTime`] if `t` is not inside the step; the integration ends with this error, too.
+    /// [`IntegrationError::InvalidTime`] if `t` is not inside the step, [`IntegrationError::NonFiniteState`] if the state is
+    /// not finite; the integration ends with this error, too.
     fn restart(&mut self, t: f64, state: &State<V>) -> Result<(), IntegrationError>;
 }
 
@@ -540,6 +542,48 @@ mod tests {
         check_bad_input(&GaussLegendre4 { max_steps: 1000, ..GaussLegendre4::new(0.01) });
         check_bad_input(&Dop853 { max_steps: 1000, ..Dop853::new(1e-9, 1e-9) });
         check_bad_input(&Rk4 { max_steps: 1000, ..Rk4::new(0.01) });
+    }
+
+    /// An observer that goes on from nonsense, or never goes on.
+    fn check_bad_observer(integrator: &impl Integrator<f64>) {
+        let nonsense = State::new([1.0], [f64::NAN]);
+        for when in [0.5, 1.0] {
+            let mut state = State::new([1.0], [0.0]);
+            let mut last = (0.0, state);
+            let result = integrator.integrate(oscillate, 0.0, 1.0, &mut state, |step| {
+                last = (step.time(), *step.state());
+                if step.time() >= when {
+                    step.replace(&nonsense);
+                }
+                ControlFlow::Continue(())
+            });
+            assert_eq!((result, state), (Err(IntegrationError::NonFiniteState { time: last.0 }), last.1));
+        }
+        let mut state = State::new([1.0], [0.0]);
+        let result = integrator.integrate(oscillate, 0.0, 1.0, &mut state, |step| {
+            let start = step.previous_time();
+            assert!(matches!(step.restart(start, &nonsense), Err(IntegrationError::NonFiniteState { .. })));
+            ControlFlow::Break(start)
+        });
+        assert!(matches!(result, Err(IntegrationError::NonFiniteState { .. })) && state.is_finite(), "{result:?}");
+        let mut state = State::new([1.0], [0.0]);
+        let result = integrator.integrate(oscillate, 0.0, 1.0, &mut state, |step| {
+            let (start, before) = (step.previous_time(), *step.previous_state());
+            step.restart(start, &before).unwrap();
+            ControlFlow::Continue(())
+        });
+        assert!(matches!(result, Err(IntegrationError::TooManySteps { time: 0.0, .. })), "{result:?}");
+        assert_eq!(state, State::new([1.0], [0.0]));
+    }
+
+    #[test]
+    fn an_observer_that_errs_is_an_error() {
+        check_bad_observer(&Dopri5::new(1e-9, 1e-9));
+        check_bad_observer(&SemiImplicitEuler::new(0.01));
+        check_bad_observer(&StormerVerlet::new(0.01));
+        check_bad_observer(&GaussLegendre4::new(0.01));
+        check_bad_observer(&Dop853::new(1e-9, 1e-9));
+        check_bad_observer(&Rk4::new(0.01));
     }
 
     fn check_failures(integrator: &impl Integrator<f64>) {

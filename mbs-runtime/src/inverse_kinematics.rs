@@ -9,13 +9,13 @@
 //! where `L` is the length that counts as one radian. A step solves
 //!
 //! ```text
-//! (JᵀJ + λ 1) Δq = Jᵀ e,   λ = μ (E + w)
+//! (JᵀJ + λ 1) Δq = Jᵀ e,   λ = μ E + max(μ, 1) w
 //! ```
 //!
-//! with the Jacobian's first three rows divided by `L`. The damping `E + w` fades with the error, so that regular solutions are
-//! approached quadratically, and never vanishes, so that singular ones and targets out of reach do no harm; `μ` grows where a
-//! step makes the error larger, which is then taken back, and shrinks again. Coordinates at a limit that the error
-//! pushes against are held there; the others go on.
+//! with the Jacobian's first three rows divided by `L`. The damping fades with the error, so that regular solutions are
+//! approached quadratically, but for a small `w`, so that singular ones do no harm. `μ` begins at 1; it grows where a step makes the
+//! error larger, which is then taken back, and shrinks with every other, so that the best place is found soon where the target is
+//! out of reach. Coordinates at a limit that the error pushes against are held there; the others go on.
 //!
 //! The method is local: it finds a solution near the guess, or a place that is the best around it. Start it from several
 //! guesses to find several.
@@ -25,7 +25,7 @@
 //! Journal of Dynamic Systems, Measurement, and Control 108:3, 1986; C. W. Wampler, *Manipulator inverse kinematic solutions
 //! based on vector formulations and damped least-squares methods*, IEEE Transactions on Systems, Man, and Cybernetics 16:1,
 //! 1986; the damping by the error: T. Sugihara, *Solvability-unconcerned inverse kinematics by the Levenberg–Marquardt
-//! method*, IEEE Transactions on Robotics 27:5, 2011, equation (17).
+//! method*, IEEE Transactions on Robotics 27:5, 2011.
 
 use core::error::Error;
 use core::fmt;
@@ -175,7 +175,9 @@ impl<const N: usize> From<NotARotation> for NotReached<N> {
 const RESIDUAL_DAMPING: f64 = 1e-9;
 /// By how much a rejected step damps the next one more.
 const GROWTH: f64 = 8.0;
-/// The factor of the damping at which a step that still makes the error larger is below rounding.
+/// The smallest `μ`.
+const LEAST: f64 = 1e-6;
+/// The `μ` at which a step that still makes the error larger is below rounding.
 const MOST: f64 = 1e18;
 
 /// A step that promises less of the error than this part of it leads nowhere; a regular one promises nearly all.
@@ -259,7 +261,7 @@ impl<const N: usize> DampedLeastSquares<N> {
             evaluations += 1;
             if candidate.is_finite() && candidate.cost < at.cost {
                 at = candidate;
-                factor = (factor / GROWTH).max(1.0);
+                factor = (factor / GROWTH).max(LEAST);
             } else {
                 factor *= GROWTH;
             }
@@ -309,7 +311,7 @@ impl<const N: usize> DampedLeastSquares<N> {
         }
     }
 
-    /// The step `Δq` with the damping `factor · (E + w)`.
+    /// The step `Δq` with `μ = factor`.
     fn step(&self, at: &Evaluation<N>, factor: f64) -> Step<N> {
         let j = &at.jacobian;
         let gradient: [f64; N] = core::array::from_fn(|i| (0..6).map(|r| j[r][i] * at.error[r]).sum());
@@ -317,7 +319,7 @@ impl<const N: usize> DampedLeastSquares<N> {
             (at.q[i] <= self.lower[i] && gradient[i] < 0.0) || (at.q[i] >= self.upper[i] && gradient[i] > 0.0)
         });
         let trace: f64 = j.iter().flatten().map(|entry| entry * entry).sum();
-        let damping = factor * (at.cost + RESIDUAL_DAMPING * trace / N as f64);
+        let damping = factor * at.cost + factor.max(1.0) * RESIDUAL_DAMPING * trace / N as f64;
         let mut normal = [[0.0; N]; N];
         for a in 0..N {
             for b in 0..=a {
@@ -331,7 +333,7 @@ impl<const N: usize> DampedLeastSquares<N> {
         let right = core::array::from_fn(|i| if held[i] { 0.0 } else { gradient[i] });
         // The damping is far above the rounding that a pivot may hold; where all is zero, so is the step.
         let change = try_ldlt_solve(normal, right).unwrap_or([0.0; N]);
-        let gain = (0..N).map(|i| right[i] * change[i]).sum::<f64>() * factor;
+        let gain = (0..N).map(|i| right[i] * change[i]).sum::<f64>() * factor.max(1.0);
         Step { change, held, gain }
     }
 }

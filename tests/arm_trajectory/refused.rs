@@ -69,6 +69,17 @@ fn numbers_that_are_not_finite() {
 }
 
 #[test]
+fn numbers_that_overflow() {
+    let error = |quantity| NonFinite { quantity, joint: 0 };
+    assert_eq!(polynomials([-1e308, 0.0], REST, [1e308, 0.0], 1.0), error(Quantity::Position));
+    assert_eq!(polynomials(START, REST, STOP, 1e-308), error(Quantity::Velocity));
+    assert_eq!(polynomials(START, REST, STOP, 1e-160), error(Quantity::Acceleration));
+    assert_eq!(trapezoidal(START, STOP, 1.0, 1e-320).unwrap_err(), error(Quantity::Acceleration));
+    let knots = [Knot { time: 1e-320, q: STOP }, Knot { time: 1.0, q: START }];
+    assert!(matches!(through(&JointState::at_rest(START), &knots, REST).unwrap_err(), NonFinite { .. }));
+}
+
+#[test]
 fn times_out_of_order() {
     let start = JointState::at_rest(START);
     let knots = |times: [f64; 3]| times.map(|time| Knot { time, q: [2.0, 2.0] });

@@ -126,8 +126,12 @@ pub(super) fn draw<D: DrawingBackend>(space: &Space, canvas: &Canvas<D>) -> Draw
             let (at, below) = (view.pixel(*point), view.pixel([x, y, floor]));
             canvas.area.draw(&PathElement::new(vec![at, below], canvas.stroke(SHADOW, 1)))?;
             canvas.area.draw(&Circle::new(at, canvas.length(4), stroke.filled()))?;
-            let beside = (at.0 + canvas.length(8) as i32, at.1 - canvas.length(18) as i32);
-            canvas.area.draw(&Text::new(word.clone(), beside, canvas.font(14)))?;
+            // Outwards, where there is room.
+            let middle = (canvas.area.dim_in_pixel().0 / 2) as i32;
+            let (side, anchor) = if at.0 < middle { (-8, HPos::Right) } else { (8, HPos::Left) };
+            let style = canvas.font(14).into_text_style(&canvas.area).pos(Pos::new(anchor, VPos::Bottom));
+            let (dx, dy) = canvas.place(side, -4);
+            canvas.area.draw(&Text::new(word.clone(), (at.0 + dx, at.1 + dy), style))?;
         }
     }
     let names: Vec<&str> = space.lines.iter().map(|line| line.name.as_str()).collect();
@@ -153,7 +157,7 @@ fn draw_box<D: DrawingBackend>(space: &Space, axes: &[Axis; 3], view: &View, can
         let ends = [axis.range.start, axis.range.end].map(|value| view.pixel(edge(i, value)[0]));
         canvas.area.draw(&PathElement::new(ends.to_vec(), canvas.stroke(BLACK, 1)))?;
         // Away from the box: down and out, by the edge.
-        let (right, down) = [(-10, 14), (14, 12), (-10, 0)][i];
+        let (right, down) = [(0, 18), (14, 12), (-10, 0)][i];
         let anchor = [
             Pos::new(HPos::Right, VPos::Center),
             Pos::new(HPos::Left, VPos::Center),

@@ -1,6 +1,6 @@
 //! A first state on the constraints, and what there is to say where there is none.
 
-use mbs_runtime::{ConstraintError, RedundantRows};
+use mbs_runtime::{ConstraintError, Constraints, RedundantRows};
 
 use crate::check::abridged;
 use crate::equations::{Equations, Motion};
@@ -20,10 +20,9 @@ pub(crate) fn assemble(
 ) -> Result<(), Failure> {
     let t = equations.start_time();
     let given = motion.clone();
-    equations
-        .projector(redundant_rows)
-        .assemble(equations, t, motion, |i| held[i])
-        .map_err(|error| Failure::new(explained(equations, error, t, &given)))?;
+    if let Err(error) = equations.projector(redundant_rows).assemble(equations, t, motion, |i| held[i]) {
+        return Err(Failure::new(unassembled(equations, error, &given, held)));
+    }
     let moved =
         |from: &[f64], to: &[f64]| from.iter().zip(to).any(|(a, b)| (a - b).abs() > NOTICEABLE * (1.0 + a.abs()));
     let mut changes = Vec::new();
@@ -41,6 +40,30 @@ pub(crate) fn assemble(
     Ok(())
 }
 
+/// Why there is no first state, where that shows, and what may help.
+fn unassembled(equations: &Equations<'_>, error: ConstraintError, given: &Motion, held: &[bool]) -> String {
+    let t = equations.start_time();
+    let mut projector = equations.projector(RedundantRows::LeaveOut);
+    match error {
+        // Not in the guess, but in the state that was found.
+        ConstraintError::Redundant { .. } => {
+            let mut found = given.clone();
+            let at = if projector.assemble(equations, t, &mut found, |i| held[i]).is_ok() { &found } else { given };
+            explained(equations, error, t, at)
+        }
+        ConstraintError::Open { .. } | ConstraintError::Contradiction { .. } if held.contains(&true) => {
+            explained(equations, error, t, given) + "; `--hold` may leave too few coordinates free"
+        }
+        ConstraintError::Open { .. } => {
+            let rank = projector.rank(equations, t, &given.q, |_| ());
+            let is_singular = rank.is_ok_and(|rank| rank < equations.rows());
+            let hint = if is_singular { "; constraints lose rank there: another guess may do" } else { "" };
+            explained(equations, error, t, given) + hint
+        }
+        _ => explained(equations, error, t, given),
+    }
+}
+
 /// Says so where the state is off the constraints, or rows of A depend on others though they must not.
 pub(crate) fn leave_open(
     equations: &Equations<'_>,
@@ -56,14 +79,16 @@ pub(crate) fn leave_open(
     if let (Some(&row), RedundantRows::Refuse) = (rows.first(), redundant_rows) {
         return Err(Failure::new(explained(equations, ConstraintError::Redundant { row }, t, motion)));
     }
-    let residuals = equations.call("constraint", &equations.state(t, &motion.q, &motion.qd));
-    let open: Vec<String> = equations
-        .row_names()
-        .iter()
-        .zip(&residuals)
-        .filter(|(_, residual)| residual.abs() > NOTICEABLE)
-        .map(|(name, residual)| format!("`{name}` by {residual:e}"))
-        .collect();
+    let state = equations.state(t, &motion.q, &motion.qd);
+    let (residuals, rates) = (equations.call("constraint", &state), equations.call("constraint_rate", &state));
+    let mut open = Vec::new();
+    for (row, name) in equations.row_names().iter().enumerate() {
+        if residuals[row].abs() > NOTICEABLE {
+            open.push(format!("`{name}` by {:e}", residuals[row]));
+        } else if equations.is_holonomic(row) && rates[row].abs() > NOTICEABLE {
+            open.push(format!("the rate of `{name}` by {:e}", rates[row]));
+        }
+    }
     if !open.is_empty() {
         output::report(&format!("warning: the motion starts off the constraints: {}\n", abridged(&open)));
     }
@@ -71,15 +96,14 @@ pub(crate) fn leave_open(
 }
 
 /// A projection takes away an integrator's error. Where it takes away more, constraints lose rank there, as those of a
-/// flattened parallelogram do, and the nearest state may be on another branch.
-pub(crate) fn stays_near(t: f64, free: &Motion, projected: &Motion) -> Result<(), String> {
-    const NEAR: f64 = 1e-3;
+/// flattened parallelogram do, and the nearest state may be on another branch. `near` is relative to 1 or the largest number.
+pub(crate) fn stays_near(t: f64, near: f64, free: &Motion, projected: &Motion) -> Result<(), String> {
     let largest = |numbers: &[f64]| numbers.iter().fold(0.0_f64, |largest, x| largest.max(x.abs()));
     let change = |from: &[f64], to: &[f64]| {
         from.iter().zip(to).fold(0.0_f64, |largest, (from, to)| largest.max((to - from).abs()))
     };
     let (positions, velocities) = (change(&free.q, &projected.q), change(&free.qd, &projected.qd));
-    if positions <= NEAR * (1.0 + largest(&free.q)) && velocities <= NEAR * (1.0 + largest(&free.qd)) {
+    if positions <= near * (1.0 + largest(&free.q)) && velocities <= near * (1.0 + largest(&free.qd)) {
         return Ok(());
     }
     Err(format!(
@@ -115,7 +139,8 @@ pub(crate) fn explained(equations: &Equations<'_>, error: ConstraintError, t: f6
             format!("constraint `{}` contradicts the others: {residual:e} is left of it, {at}", name(row))
         }
         ConstraintError::SingularMassMatrix(singular) => {
-            format!("a motion that the constraints leave has no inertia, {at}: {singular}")
+            let motion = if equations.rows() == 0 { "a motion" } else { "a motion that the constraints leave" };
+            format!("{motion} has no inertia, {at}: {singular}")
         }
         ConstraintError::NonFinite => format!("a constraint or its derivative is infinite or NaN, {at}"),
     }

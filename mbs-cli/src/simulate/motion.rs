@@ -37,6 +37,16 @@ pub(crate) struct Settings {
     pub(crate) held: Vec<bool>,
 }
 
+impl Settings {
+    /// How far a projection may move a state: a thousandth, or what the tolerances let the integrator err.
+    fn near(&self) -> f64 {
+        const LEAST: f64 = 1e-3;
+        // Between its ends a step may err by more than there.
+        let error = 20.0 * (self.accuracy.relative + self.accuracy.absolute);
+        if self.method.has_error_control() { error.max(LEAST) } else { LEAST }
+    }
+}
+
 /// A motion, row by row.
 #[derive(Debug)]
 pub(crate) struct Motion {
@@ -113,6 +123,7 @@ impl<'a, 'd> Run<'a, 'd> {
 
         let (mut solver, mut recorder) = (self.solver(), self.solver());
         let mut projector = equations.projector(self.settings.redundant_rows);
+        let near = self.settings.near();
         let is_projected = equations.rows() > 0 && self.settings.drift == Drift::Projected;
         let mut closed = |t: f64, moving: &mut Moving| {
             if !is_projected {
@@ -122,14 +133,14 @@ impl<'a, 'd> Run<'a, 'd> {
             projector
                 .project(equations, t, moving)
                 .map_err(|error| assembly::explained(equations, error, t, &free))
-                .and_then(|()| assembly::stays_near(t, &free, moving))
+                .and_then(|()| assembly::stays_near(t, near, &free, moving))
         };
 
         let mut rows = Vec::with_capacity(times.len());
         let mut remaining = times.iter().copied().peekable();
-        let mut record = |t: f64, moving: &Moving| rows.push(self.row(&mut recorder, t, moving));
+        let mut record = |t: f64, moving: &Moving| self.row(&mut recorder, t, moving).map(|row| rows.push(row));
         while remaining.next_if(|&time| time <= start).is_some() {
-            record(start, &motion);
+            record(start, &motion).map_err(Failure::new)?;
         }
         let mut progress = Progress::new(start, end);
         let accelerations = |t: f64, q: &Vec<f64>, qd: &Vec<f64>, qdd: &mut Vec<f64>| {
@@ -148,11 +159,10 @@ impl<'a, 'd> Run<'a, 'd> {
                 if step.interpolate(time, &mut sampled).is_err() {
                     return ControlFlow::Break(end);
                 }
-                if let Err(reason) = closed(time, &mut sampled) {
+                if let Err(reason) = closed(time, &mut sampled).and_then(|()| record(time, &sampled)) {
                     open = Some(reason);
                     return ControlFlow::Break(end);
                 }
-                record(time, &sampled);
             }
             if is_projected {
                 sampled.clone_from(step.state());
@@ -198,26 +208,34 @@ impl<'a, 'd> Run<'a, 'd> {
         }
     }
 
-    fn row(&self, solver: &mut Solver<'_, '_>, t: f64, moving: &Moving) -> Row {
+    /// What is recorded of a state, all of it numbers.
+    fn row(&self, solver: &mut Solver<'_, '_>, t: f64, moving: &Moving) -> Result<Row, String> {
         let equations = self.equations;
         let state = equations.state(t, &moving.q, &moving.qd);
         let energy = |name: &str| equations.call(name, &state).first().copied().unwrap_or(0.0);
         let (kinetic, potential) = (energy("kinetic_energy"), energy("potential_energy"));
-        let multipliers = solver.multipliers(&state).unwrap_or_else(|_| vec![f64::NAN; equations.rows()]);
+        let multipliers =
+            solver.multipliers(&state).map_err(|error| assembly::explained(equations, error, t, moving))?;
         let constraints = [multipliers, equations.call("constraint", &state)].concat();
-        Row { t, q: state.q, qd: state.qd, kinetic, potential, constraints }
+        let at = format!("at t = {t:?}, q = {:?}, qd = {:?}", state.q, state.qd);
+        if !(kinetic + potential).is_finite() {
+            return Err(format!("T is {kinetic:?}, V is {potential:?}, {at}"));
+        }
+        if !constraints.iter().all(|x| x.is_finite()) {
+            return Err(format!("a multiplier or a constraint is infinite or NaN, {at}"));
+        }
+        Ok(Row { t, q: state.q, qd: state.qd, kinetic, potential, constraints })
     }
 
     /// One line with the time and the state from which there was no way on.
     fn stopped(&self, error: IntegrationError, motion: &Moving) -> Failure {
         let t = error.time().unwrap_or(self.equations.start_time());
         let (q, qd) = (&motion.q, &motion.qd);
-        let hint = match self.solver().accelerations(&self.equations.state(t, q, qd)) {
-            Err(reason) => format!("; {}", assembly::explained(self.equations, reason, t, motion)),
-            Ok(accelerations) if accelerations.iter().any(|qdd| !qdd.is_finite()) => {
-                "; the accelerations are not finite there: is the mass matrix singular?".to_string()
-            }
+        let state = self.equations.state(t, q, qd);
+        let hint = match self.solver().accelerations(&state) {
             Ok(_) => String::new(),
+            Err(_) if !self.equations.are_finite(&state) => "; inertia or forces are not finite there".to_string(),
+            Err(reason) => format!("; {}", assembly::explained(self.equations, reason, t, motion)),
         };
         Failure::new(format_args!("the integration stopped: {error}, at q = {q:?}, qd = {qd:?}{hint}"))
     }

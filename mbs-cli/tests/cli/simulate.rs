@@ -123,7 +123,38 @@ fn an_integration_that_stops_says_where() {
     let state = r#"{"q": [0.5], "params": {"m": 0}}"#;
     let report = workshop.bad(&["simulate", "pendulum.mbs", "--state", state, "--t-end", "1", "--csv", "motion.csv"]);
     assert!(report.starts_with("error: the integration stopped: ") && report.lines().count() == 1, "{report}");
-    assert!(report.contains("t = 0 s") && report.contains("q = [0.5], qd = [0.0]"), "{report}");
+    assert!(report.contains("t = 0.0 s") && report.contains("q = [0.5], qd = [0.0]"), "{report}");
+}
+
+/// No NaN and no infinity in a table: 1/√r from the centre, √x of a negative x, forces that overflow.
+#[test]
+fn what_is_no_number_is_not_recorded() {
+    let workshop = Workshop::new();
+    let declare = |name: &str, statement: &str| {
+        let text = format!(
+            "mechanism M {{ param k: N*s^2/m^2 = 1; param c: N*m^2 = 1; param m: kg = 1; coord x: m; \
+                            kinetic += 1/2*m*dt(x)^2; {statement} }}"
+        );
+        workshop.write(name, &text);
+    };
+    declare("well.mbs", "potential += -c/sqrt(x^2);");
+    declare("blow_up.mbs", "force x += k*dt(x)^2;");
+    let bad = |name: &str, state: &str, rest: &[&str]| {
+        let all = [&["simulate", name, "--state", state, "--csv", "motion.csv"], rest].concat();
+        workshop.bad(&all)
+    };
+    for end in ["0", "1"] {
+        let report = bad("well.mbs", r#"{"q": [0]}"#, &["--t-end", end]);
+        assert!(report.contains("error: T is 0.0, V is -inf, at t = 0.0, q = [0.0], qd = [0.0]\n"), "{report}");
+    }
+    // q̇ = 1/(1 − t). Fixed steps go past the end.
+    for method in ["dop853", "dopri5", "rk4", "gauss-legendre4", "stormer-verlet", "semi-implicit-euler"] {
+        let report = bad("blow_up.mbs", r#"{"q": [0], "qd": [1]}"#, &["--t-end", "5", "--method", method]);
+        assert!(report.contains("error: the integration stopped: "), "{method}: {report}");
+    }
+    declare("pull.mbs", "force x += -c/x^2;");
+    let report = bad("pull.mbs", r#"{"q": [0], "qd": [1]}"#, &["--t-end", "1"]);
+    assert!(report.ends_with("at q = [0.0], qd = [1.0]; inertia or forces are not finite there\n"), "{report}");
 }
 
 #[test]

@@ -28,7 +28,6 @@ pub(super) struct Workspace<'m, T> {
     lengths: &'m mut [T],
     /// One where a row has been dealt with.
     done: &'m mut [T],
-    redundant_rows: RedundantRows,
 }
 
 impl<'m, T: Real> Workspace<'m, T> {
@@ -36,7 +35,7 @@ impl<'m, T: Real> Workspace<'m, T> {
         n * n + 2 * k * n + 4 * n + 4 * k
     }
 
-    pub(super) fn new(memory: &'m mut [T], n: usize, k: usize, redundant_rows: RedundantRows) -> Self {
+    pub(super) fn new(memory: &'m mut [T], n: usize, k: usize) -> Self {
         let (q, memory) = memory.split_at_mut(n);
         let (qd, memory) = memory.split_at_mut(n);
         let (begin, memory) = memory.split_at_mut(n);
@@ -48,11 +47,15 @@ impl<'m, T: Real> Workspace<'m, T> {
         let (targets, memory) = memory.split_at_mut(k);
         let (lengths, memory) = memory.split_at_mut(k);
         let done = &mut memory[..k];
-        Self { q, qd, begin, change, metric, jacobian, residual, rows, targets, lengths, done, redundant_rows }
+        Self { q, qd, begin, change, metric, jacobian, residual, rows, targets, lengths, done }
     }
 
     /// `change` ← δ of least `δᵀ M δ` with `A δ = −residual`, for the rows that take part; M is factorized.
-    pub(super) fn least_change(&mut self, takes_part: impl Fn(usize) -> bool) -> Result<(), ConstraintError> {
+    pub(super) fn least_change(
+        &mut self,
+        redundant_rows: RedundantRows,
+        takes_part: impl Fn(usize) -> bool,
+    ) -> Result<(), ConstraintError> {
         let n = self.q.len();
         self.rows.copy_from_slice(self.jacobian);
         for (row, a) in self.rows.chunks_exact_mut(n.max(1)).enumerate() {
@@ -67,7 +70,7 @@ impl<'m, T: Real> Workspace<'m, T> {
                 return Err(ConstraintError::NonFinite);
             }
             if share <= T::EPSILON.sqrt() * T::from_f64(1e-2) {
-                match self.redundant_rows {
+                match redundant_rows {
                     RedundantRows::Refuse => return Err(ConstraintError::Redundant { row }),
                     RedundantRows::LeaveOut => break,
                 }

@@ -112,7 +112,12 @@ pub(super) struct Run<'a, V, F, M, O> {
     pub(super) summary: Summary,
     /// Whether the method knows `state` as the end of its last step, and whether that one was interpolated.
     known: Option<bool>,
+    /// How many times in succession the observer went on from where a step had begun.
+    idle: usize,
 }
+
+/// An observer may have a step made anew from its beginning, but not for ever.
+const MOST_IDLE: usize = 1000;
 
 /// How the integration goes on after a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -152,6 +157,7 @@ where
             state,
             summary: Summary { time: t, stopped: false, evaluations: 0, accepted: 0, rejected: 0, next_step: 0.0 },
             known: None,
+            idle: 0,
         })
     }
 
@@ -188,8 +194,12 @@ where
             self.state.copy_from(&self.replacement);
         }
         self.known = if origin.is_some() { None } else { Some(prepared) };
+        self.idle = if origin == Some(self.summary.time) { self.idle + 1 } else { 0 };
         self.summary.accepted += 1;
         self.summary.time = origin.unwrap_or(end);
+        if self.idle > MOST_IDLE {
+            return Err(IntegrationError::TooManySteps { time: self.summary.time, steps: self.summary.accepted });
+        }
         self.summary.stopped = stopped;
         self.summary.evaluations = self.system.evaluations;
         Ok(match origin {
@@ -243,7 +253,7 @@ where
         {
             let mut state = self.replacement.clone();
             self.try_interpolate(time, &mut state)?;
-            self.go_on_from(time, &state);
+            self.go_on_from(time, &state)?;
         }
         Ok(Onward { stopped: answer.is_break(), prepared: self.prepared, origin: self.origin })
     }
@@ -267,9 +277,15 @@ where
         Ok(())
     }
 
-    fn go_on_from(&mut self, t: f64, state: &State<V>) {
+    fn go_on_from(&mut self, t: f64, state: &State<V>) -> Result<(), IntegrationError> {
+        if !state.is_finite() {
+            let error = IntegrationError::NonFiniteState { time: self.span.end };
+            self.fault = Some(error);
+            return Err(error);
+        }
         self.replacement.copy_from(state);
         self.origin = Some(t);
+        Ok(())
     }
 }
 
@@ -301,7 +317,8 @@ where
     }
 
     fn replace(&mut self, state: &State<V>) {
-        self.go_on_from(self.span.end, state);
+        // The integration ends with the error when the observer returns.
+        let _ = self.go_on_from(self.span.end, state);
     }
 
     fn restart(&mut self, t: f64, state: &State<V>) -> Result<(), IntegrationError> {
@@ -310,7 +327,6 @@ where
             self.fault = Some(error);
             return Err(error);
         }
-        self.go_on_from(t, state);
-        Ok(())
+        self.go_on_from(t, state)
     }
 }

@@ -29,7 +29,7 @@
 //! | singularity | where                                    | what is undetermined, and chosen               |
 //! |-------------|------------------------------------------|------------------------------------------------|
 //! | shoulder    | the wrist is on axis 1                   | `θ₁`: that of [`InverseKinematics::reference`] |
-//! | elbow       | the arm is stretched: `κ = 0`            | nothing; the branches are one                  |
+//! | elbow       | the arm is stretched or folded: `κ = 0, π` | nothing; the branches are one                  |
 //! | wrist       | axes 4 and 6 are in line: `sin θ₅ = 0`   | `θ₄` against `θ₆`: `θ₄` is that of the reference |
 //!
 //! # Source
@@ -45,7 +45,8 @@ use core::ops::Deref;
 use mbs_runtime::attitude::{NotARotation, ROTATION_TOLERANCE, check_rotation, orthonormalized_within};
 use mbs_runtime::{Pose, Scalar, to_matrix, to_rows};
 
-use super::{A1, A2, A3, D1, D4, D6, JointLimits, JointVector};
+use super::limits::{InvalidLimits, JointLimits};
+use super::{A1, A2, A3, D1, D4, D6, JointVector};
 
 /// How the shoulder stands to the wrist.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -90,7 +91,7 @@ pub struct Branch {
 pub struct Singularities {
     /// The wrist is on axis 1: any `θ₁` with the right sum of what follows reaches the pose.
     pub shoulder: bool,
-    /// The arm is stretched, up to [`STRETCHED`].
+    /// The arm is stretched or folded, up to [`STRETCHED`].
     pub elbow: bool,
     /// Axes 4 and 6 are in line: the pose says nothing of their angles but the sum, or the difference where `θ₅ = π`.
     pub wrist: bool,
@@ -108,8 +109,8 @@ impl Singularities {
 /// says nothing of the angle.
 pub const UNDETERMINED: f64 = 1e-13;
 
-/// How small `κ` is \[rad\] where the arm is stretched: a pose in double precision tells the branches apart down to
-/// `√(2 ε ρ / l₁ …)`, which is some 1e-8.
+/// How near `κ` is to 0 or π \[rad\] where the arm is stretched or folded: near the stretched arm the distance of the wrist changes
+/// with the square of `κ`, so that a pose in double precision tells the branches apart down to some 1e-8.
 pub const STRETCHED: f64 = 1e-7;
 
 /// How far beyond the stretched arm a wrist is still taken for reached \[m\]: what rounding adds to a pose.
@@ -118,7 +119,7 @@ pub const REACH_TOLERANCE: f64 = 1e-12;
 /// One configuration that reaches the pose.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Solution {
-    /// Joint angles \[rad\], in `(−π, π]` unless they were moved into ranges.
+    /// Joint angles \[rad\], in `[−π, π]` unless they were moved into ranges.
     pub q: JointVector,
     /// Which configuration it is.
     pub branch: Branch,
@@ -129,7 +130,7 @@ pub struct Solution {
 /// Up to eight configurations, as a slice.
 ///
 /// Front before back, then positive before negative elbow, then positive before negative wrist.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy)]
 pub struct Solutions {
     /// The first `len` of them count.
     list: [Solution; 8],
@@ -187,6 +188,51 @@ impl From<NotARotation> for Unsolvable {
     }
 }
 
+/// Why none of the configurations of a pose is within the ranges of the joints.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum OutsideLimits {
+    /// The ranges are no ranges.
+    Limits(InvalidLimits),
+    /// All configurations have an angle that no turn brings into its range.
+    Crossed {
+        /// The configuration that is outside by least.
+        best: Solution,
+        /// Its joint that is outside by most, counted from 0.
+        joint: usize,
+        /// By how much \[rad\].
+        by: f64,
+    },
+    /// There are no configurations.
+    Empty,
+}
+
+impl fmt::Display for OutsideLimits {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match *self {
+            Self::Limits(error) => error.fmt(f),
+            Self::Crossed { joint, by, .. } => {
+                write!(f, "every configuration crosses a limit, the best one that of joint {joint} by {by} rad")
+            }
+            Self::Empty => f.write_str("there are no configurations to choose from"),
+        }
+    }
+}
+
+impl Error for OutsideLimits {
+    fn source(&self) -> Option<&(dyn Error + 'static)> {
+        match self {
+            Self::Limits(error) => Some(error),
+            Self::Crossed { .. } | Self::Empty => None,
+        }
+    }
+}
+
+impl From<InvalidLimits> for OutsideLimits {
+    fn from(error: InvalidLimits) -> Self {
+        Self::Limits(error)
+    }
+}
+
 /// What becomes of a matrix that is not quite a rotation. Tolerances are of the largest entry of `RᵀR − 1`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Inexact {
@@ -222,7 +268,7 @@ const COS_PHI: f64 = A3 / L1;
 const SIN_PHI: f64 = D4 / L1;
 
 impl InverseKinematics {
-    /// All configurations that reach the pose: up to eight, with angles in `(−π, π]`.
+    /// All configurations that reach the pose: up to eight, with angles in `[−π, π]`.
     ///
     /// | argument | meaning                                      | unit |
     /// |----------|----------------------------------------------|------|
@@ -281,7 +327,7 @@ impl InverseKinematics {
         let (c, s) = (facing.cos_1, facing.sin_1);
         let along: [f64; 3] = core::array::from_fn(|j| c * h[0][j] + s * h[1][j]);
         let across: [f64; 3] = core::array::from_fn(|j| s * h[0][j] - c * h[1][j]);
-        let stretched = triangle.kappa <= STRETCHED;
+        let stretched = triangle.kappa <= STRETCHED || PI - triangle.kappa <= STRETCHED;
         for elbow in [Elbow::Positive, Elbow::Negative] {
             if stretched && elbow == Elbow::Negative {
                 break;
@@ -471,7 +517,7 @@ impl Solutions {
     }
 
     /// All of them, every angle moved into its range by whole turns where that can be done; of several values that nearest to
-    /// `near` is taken. Angles that no turn brings into range are left in `(−π, π]`.
+    /// `near` is taken. Angles that no turn brings into range are left in `[−π, π]`.
     #[must_use]
     pub fn wrapped(&self, limits: &JointLimits, near: &JointVector) -> Self {
         let mut moved = *self;
@@ -489,6 +535,24 @@ impl Solutions {
         let distance = |solution: &Solution| -> f64 { (0..6).map(|i| square(solution.q[i] - near[i])).sum() };
         let admitted = self.within(limits, near);
         admitted.iter().min_by(|a, b| distance(a).total_cmp(&distance(b))).copied()
+    }
+
+    /// As [`nearest`](Self::nearest), and why there is none.
+    ///
+    /// # Errors
+    /// [`OutsideLimits`]: by how much the limits are crossed, or that they are none.
+    pub fn choose(&self, limits: &JointLimits, near: &JointVector) -> Result<Solution, OutsideLimits> {
+        limits.check()?;
+        if let Some(solution) = self.nearest(limits, near) {
+            return Ok(solution);
+        }
+        let outside = |solution: &Solution| {
+            let joints = (0..6).map(|joint| (joint, limits.excess(joint, solution.q[joint])));
+            let (joint, by) = joints.max_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((0, 0.0));
+            (*solution, joint, by)
+        };
+        let best = self.iter().map(outside).min_by(|a, b| a.2.total_cmp(&b.2));
+        Err(best.map_or(OutsideLimits::Empty, |(best, joint, by)| OutsideLimits::Crossed { best, joint, by }))
     }
 
     /// The one of this branch.
@@ -523,6 +587,12 @@ impl<'a> IntoIterator for &'a Solutions {
     }
 }
 
+impl fmt::Debug for Solutions {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_list().entries(self).finish()
+    }
+}
+
 impl PartialEq for Solutions {
     fn eq(&self, other: &Self) -> bool {
         self[..] == other[..]
@@ -533,24 +603,65 @@ fn square(x: f64) -> f64 {
     x * x
 }
 
-/// The direction half a turn further, in `(−π, π]`.
+/// The direction half a turn further, in `[−π, π]`.
 #[inline]
 fn opposite(angle: f64) -> f64 {
     if angle > 0.0 { angle - PI } else { angle + PI }
 }
 
-/// The angle in `(−π, π]` that differs by whole turns.
+/// The angle in `[−π, π]` that differs by whole turns.
 #[inline]
 fn wrapped(angle: f64) -> f64 {
-    if angle > -PI && angle <= PI {
+    if (-PI..=PI).contains(&angle) {
         return angle;
     }
     let rest = angle % TAU;
     if rest > PI {
         rest - TAU
-    } else if rest <= -PI {
+    } else if rest < -PI {
         rest + TAU
     } else {
         rest
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn constants_are_those_of_the_table() {
+        assert_eq!(L1, Scalar::sqrt(L1_SQUARED));
+        assert_eq!(PHI, Scalar::atan2(D4, A3));
+        assert!((COS_PHI * COS_PHI + SIN_PHI * SIN_PHI - 1.0).abs() < 1e-15);
+        // The folded arm does not reach axis 2, and the side along the upper arm is positive.
+        const { assert!(A2 > L1) };
+    }
+
+    #[test]
+    fn angles_are_wrapped() {
+        for (angle, want) in
+            [(0.0, 0.0), (PI, PI), (-PI, -PI), (4.0, 4.0 - TAU), (-4.0, TAU - 4.0), (9.0 * PI / 2.0, PI / 2.0)]
+        {
+            assert!((wrapped(angle) - want).abs() < 1e-14, "{angle}: {}", wrapped(angle));
+        }
+        assert_eq!([opposite(1.0), opposite(-1.0), opposite(0.0)], [1.0 - PI, PI - 1.0, PI]);
+    }
+
+    #[test]
+    fn the_law_of_cosines_by_half_angles() {
+        // A right angle between upper arm and forearm.
+        let triangle = Triangle::new(A2, L1).expect("a triangle");
+        assert!((triangle.kappa - PI / 2.0).abs() < 1e-15);
+        assert!((triangle.u - A2).abs() < 1e-15 && (triangle.v - L1).abs() < 1e-15);
+        let bent = triangle.solve(Elbow::Positive);
+        assert!(bent.theta_2.abs() < 1e-15 && (bent.theta_3 - (PI / 2.0 - PHI)).abs() < 1e-15);
+        // Straight, and 1e-12 m short of it: κ² l₁ a₂/(a₂ + l₁) = 2e-12.
+        let straight = Triangle::new(0.0, A2 + L1).expect("a triangle");
+        assert_eq!((straight.kappa, straight.v), (0.0, 0.0));
+        let short = Triangle::new(0.0, A2 + L1 - 1e-12).expect("a triangle");
+        let want = Scalar::sqrt(2e-12 * (A2 + L1) / (A2 * L1));
+        // The distance itself is known to 4e-16 of 1e-12.
+        assert!((short.kappa / want - 1.0).abs() < 3e-4, "{} {want}", short.kappa);
     }
 }

@@ -32,7 +32,7 @@ use core::error::Error;
 use core::fmt;
 
 use mbs_runtime::nalgebra::{Matrix6, SVD, Vector6};
-use mbs_runtime::{Pose, Scalar, to_matrix, to_rows, to_vector, try_ldlt_solve};
+use mbs_runtime::{Pose, Scalar, to_matrix, to_vector};
 
 use super::inverse::PHI;
 use super::{A1, A2, A3, Arm, D1, D4, D6, JointVector};
@@ -73,8 +73,8 @@ impl fmt::Display for SingularJacobian {
 
 impl Error for SingularJacobian {}
 
-/// How small the smallest singular value is, against the largest, where the Jacobian counts as singular: a millionth of a
-/// millimetre.
+/// How small the smallest singular value is, against the largest, where the Jacobian counts as singular: of what is carried over,
+/// half of the digits would be left.
 pub const SINGULAR: f64 = 1e-9;
 
 /// The factors of the Jacobian's determinant, one for each way of being singular.
@@ -234,7 +234,7 @@ impl Arm {
     }
 
     /// The joint velocities \[rad/s\] that move the flange nearly so, and stay bounded near singularities:
-    /// `Jᵀ (J Jᵀ + λ² 1)⁻¹ [v; ω]`, the minimum of `|J q̇ − [v; ω]|² + λ² |q̇|²`.
+    /// `Jᵀ (J Jᵀ + λ² 1)⁻¹ [v; ω]`, by singular values; the minimum of `|J q̇ − [v; ω]|² + λ² |q̇|²`.
     ///
     /// They are no larger than `|[v; ω]|/(2 λ)`.
     ///
@@ -244,8 +244,7 @@ impl Arm {
     /// | `damping` | `λ`                                         | m, or 1    |
     ///
     /// # Errors
-    /// [`SingularJacobian::InvalidDamping`] if `λ` is not positive, [`SingularJacobian::NonFinite`] if something is not finite,
-    /// [`SingularJacobian::Singular`] if `λ²` is lost in rounding.
+    /// [`SingularJacobian::InvalidDamping`] if `λ` is not positive, [`SingularJacobian::NonFinite`] if something is not finite.
     ///
     /// # Source
     /// Y. Nakamura and H. Hanafusa, *Inverse kinematic solutions with singularity robustness for robot manipulator control*,
@@ -259,16 +258,10 @@ impl Arm {
         if !(damping > 0.0 && damping.is_finite()) {
             return Err(SingularJacobian::InvalidDamping { damping });
         }
-        let rows = self.jacobian(q);
-        let j = to_matrix(&rows);
-        if !(rows.iter().flatten().chain(twist).all(|x| x.is_finite())) {
-            return Err(SingularJacobian::NonFinite);
-        }
-        let square = j * j.transpose() + Matrix6::identity() * (damping * damping);
-        let values = singular_values(&rows);
-        let weights = try_ldlt_solve(to_rows(&square), *twist)
-            .map_err(|_| SingularJacobian::Singular { smallest: values[5], largest: values[0] })?;
-        Ok(finite(j.tr_mul(&to_vector(&weights)))?.into())
+        let (u, values, v_t) = self.decomposed(q, twist)?;
+        // σ/(σ² + λ²), of which nothing is lost where σ vanishes.
+        let gain = values.map(|value| if value == 0.0 { 0.0 } else { value / (value * value + damping * damping) });
+        Ok(finite(v_t.tr_mul(&u.tr_mul(&to_vector(twist)).component_mul(&gain)))?.into())
     }
 
     /// The joint torques \[N·m\] that a force \[N\] and a moment \[N·m\] on the flange are worth: `Jᵀ [f; m]`.
@@ -289,24 +282,24 @@ impl Arm {
     }
 
     /// `U`, the singular values and `Vᵀ` of the Jacobian, where it can be inverted.
-    #[allow(clippy::type_complexity)] // the three factors of the decomposition
-    fn regular(
-        &self,
-        q: &JointVector,
-        of: &[f64; 6],
-    ) -> Result<(Matrix6<f64>, Vector6<f64>, Matrix6<f64>), SingularJacobian> {
+    fn regular(&self, q: &JointVector, of: &[f64; 6]) -> Result<Factorization, SingularJacobian> {
+        let factors = self.decomposed(q, of)?;
+        let (smallest, largest) = (factors.1[5], factors.1[0]);
+        if smallest > SINGULAR * largest { Ok(factors) } else { Err(SingularJacobian::Singular { smallest, largest }) }
+    }
+
+    /// `U`, the singular values and `Vᵀ` of the Jacobian, where all numbers are finite.
+    fn decomposed(&self, q: &JointVector, of: &[f64; 6]) -> Result<Factorization, SingularJacobian> {
         if !of.iter().all(|x| x.is_finite()) {
             return Err(SingularJacobian::NonFinite);
         }
         let svd = decomposition(&self.jacobian(q), true).ok_or(SingularJacobian::NonFinite)?;
-        let values = svd.singular_values;
-        match (svd.u, svd.v_t) {
-            (Some(u), Some(v_t)) if values[5] > SINGULAR * values[0] => Ok((u, values, v_t)),
-            _ => Err(SingularJacobian::Singular { smallest: values[5], largest: values[0] }),
-        }
+        let (u, v_t) = svd.u.zip(svd.v_t).ok_or(SingularJacobian::NonFinite)?;
+        Ok((u, svd.singular_values, v_t))
     }
 }
 
+type Factorization = (Matrix6<f64>, Vector6<f64>, Matrix6<f64>);
 type Decomposition = SVD<f64, mbs_runtime::nalgebra::U6, mbs_runtime::nalgebra::U6>;
 
 /// The singular value decomposition, ordered; `None` where an entry is infinite or NaN.

@@ -1,6 +1,8 @@
 //! What the drives of the arm allow.
 
+use core::error::Error;
 use core::f64::consts::TAU;
+use core::fmt;
 
 use super::JointVector;
 
@@ -18,6 +20,40 @@ pub struct JointLimits {
     /// Largest torques \[N·m\].
     pub torque: JointVector,
 }
+
+/// Limits that nothing can keep.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum InvalidLimits {
+    /// The range of a joint is empty, or NaN bounds it.
+    Range {
+        /// Which, counted from 0.
+        joint: usize,
+        /// Its smallest angle \[rad\].
+        lower: f64,
+        /// Its largest angle \[rad\].
+        upper: f64,
+    },
+    /// A speed, an acceleration or a torque is not positive.
+    Bound {
+        /// Of which joint, counted from 0.
+        joint: usize,
+        /// The bound \[rad/s, rad/s² or N·m\].
+        bound: f64,
+    },
+}
+
+impl fmt::Display for InvalidLimits {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match *self {
+            Self::Range { joint, lower, upper } => write!(f, "joint {joint} has the range {lower} to {upper} rad"),
+            Self::Bound { joint, bound } => {
+                write!(f, "speed, acceleration and torque of joint {joint} must be positive, found {bound}")
+            }
+        }
+    }
+}
+
+impl Error for InvalidLimits {}
 
 /// How far past a limit an angle counts as on it \[rad\]: what rounding may add to an angle that was computed.
 pub const LIMIT_TOLERANCE: f64 = 1e-10;
@@ -48,6 +84,41 @@ impl JointLimits {
         acceleration: radians([90.0, 60.0, 70.0, 150.0, 150.0, 250.0]),
         torque: [20e3, 25e3, 12e3, 2.5e3, 2.5e3, 1.2e3],
     };
+
+    /// Whether every range holds an angle, and every bound is positive; infinite ones are.
+    ///
+    /// # Errors
+    /// [`InvalidLimits`], the first joint that has others.
+    pub fn check(&self) -> Result<(), InvalidLimits> {
+        for joint in 0..6 {
+            let (lower, upper) = (self.lower[joint], self.upper[joint]);
+            // NaN compares false.
+            let in_order = lower <= upper;
+            if !in_order {
+                return Err(InvalidLimits::Range { joint, lower, upper });
+            }
+            for bound in [self.speed[joint], self.acceleration[joint], self.torque[joint]] {
+                let positive = bound > 0.0;
+                if !positive {
+                    return Err(InvalidLimits::Bound { joint, bound });
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// How far the angle is out of the joint's range, turned as near to it as whole turns bring it \[rad\]; zero within.
+    #[must_use]
+    pub fn excess(&self, joint: usize, angle: f64) -> f64 {
+        let (lower, upper) = (self.lower[joint], self.upper[joint]);
+        if lower == f64::NEG_INFINITY || upper == f64::INFINITY {
+            return 0.0;
+        }
+        let middle = 0.5 * (lower + upper);
+        let difference = angle - middle;
+        let nearest = difference - round(difference / TAU) * TAU;
+        (nearest.abs() - 0.5 * (upper - lower)).max(0.0)
+    }
 
     /// The first joint whose angle is out of its range by more than [`LIMIT_TOLERANCE`], or NaN, counted from 0.
     #[must_use]
@@ -109,4 +180,76 @@ fn ceil(x: f64) -> f64 {
 
 fn round(x: f64) -> f64 {
     floor(x + 0.5)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn integers() {
+        for (x, down, up, nearest) in
+            [(1.5, 1.0, 2.0, 2.0), (-1.5, -2.0, -1.0, -1.0), (3.0, 3.0, 3.0, 3.0), (-0.2, -1.0, 0.0, 0.0)]
+        {
+            assert_eq!((floor(x), ceil(x), round(x)), (down, up, nearest), "{x}");
+        }
+    }
+
+    #[test]
+    fn turns_are_found_where_the_range_has_them() {
+        let limits = JointLimits { lower: radians([-300.0; 6]), upper: radians([300.0; 6]), ..JointLimits::IRB7600 };
+        for angle in -720..=720 {
+            for near in -400..=400 {
+                let [angle, near] = [f64::from(angle), f64::from(near)];
+                let found = limits.nearest_turn(0, angle.to_radians(), near.to_radians()).map(f64::to_degrees);
+                let turns = (-4..=4).map(|turn| angle + 360.0 * f64::from(turn)).filter(|turn| turn.abs() <= 300.0);
+                let best = turns.map(|turn| (turn - near).abs()).fold(f64::INFINITY, f64::min);
+                assert!(
+                    found.is_some_and(|found| ((found - near).abs() - best).abs() < 1e-9),
+                    "{angle} near {near}: {found:?}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn limits_that_nothing_can_keep_are_named() {
+        let limits = JointLimits::IRB7600;
+        assert_eq!(limits.check(), Ok(()));
+        let mut crossed = limits;
+        crossed.upper[2] = -4.0;
+        assert_eq!(crossed.check(), Err(InvalidLimits::Range { joint: 2, lower: limits.lower[2], upper: -4.0 }));
+        let mut still = limits;
+        still.torque[5] = 0.0;
+        assert_eq!(still.check(), Err(InvalidLimits::Bound { joint: 5, bound: 0.0 }));
+        let mut unknown = limits;
+        unknown.lower[1] = f64::NAN;
+        assert!(matches!(unknown.check(), Err(InvalidLimits::Range { joint: 1, .. })));
+    }
+
+    #[test]
+    fn the_excess_is_that_of_the_nearest_turn() {
+        let limits = JointLimits::IRB7600;
+        for (joint, degrees, want) in
+            [(4, 110.0, 10.0), (4, -110.0, 10.0), (4, 250.0, 10.0), (4, 180.0, 80.0), (4, 0.0, 0.0), (1, 10.0, 15.0)]
+        {
+            let found = limits.excess(joint, f64::to_radians(degrees)).to_degrees();
+            assert!((found - want).abs() < 1e-12, "{joint} at {degrees}: {found}");
+        }
+    }
+
+    #[test]
+    fn ends_belong_to_the_range() {
+        let limits = JointLimits::IRB7600;
+        assert_eq!((limits.violation(&limits.lower), limits.violation(&limits.upper)), (None, None));
+        assert_eq!(limits.nearest_turn(1, limits.lower[1] - 1e-12, 0.0), Some(limits.lower[1] - 1e-12));
+        assert_eq!(limits.nearest_turn(1, limits.lower[1] - 1e-6, 0.0), None);
+        let mut q = [-0.5; 6];
+        assert_eq!(limits.violation(&q), None);
+        q[4] = f64::NAN;
+        assert_eq!((limits.violation(&q), limits.nearest_turn(4, f64::NAN, 0.0)), (Some(4), None));
+        assert_eq!(limits.nearest_turn(3, f64::INFINITY, 0.0), None);
+        // Where nothing is known of the wanted place, the value itself if it can be.
+        assert_eq!(limits.nearest_turn(3, 2.0, f64::NAN), Some(2.0));
+    }
 }

@@ -246,8 +246,9 @@ fn check_start(arm: &Arm, line: &FlangeLine, start: &JointVector) -> Result<(), 
     }
 }
 
-/// The branch that a posture is on.
-fn branch_of(q: &JointVector) -> Branch {
+/// The branch that a posture is on; where branches meet, the positive one.
+#[must_use]
+pub fn branch_of(q: &JointVector) -> Branch {
     use crate::arm::inverse::{Elbow, Shoulder, Wrist};
     let factors = determinant_factors(q);
     Branch {

@@ -48,7 +48,7 @@ pub enum TrajectoryError {
     },
     /// Start and stop are the same posture, and nothing moves in between.
     NoMotion,
-    /// An angle, a velocity or an acceleration given is infinite or NaN.
+    /// An angle, a velocity or an acceleration, given or what comes of those given, is infinite or NaN.
     NonFinite {
         /// Which of them.
         quantity: Quantity,

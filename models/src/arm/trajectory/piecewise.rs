@@ -1,7 +1,7 @@
 //! Joints that follow polynomials, one after the other.
 
 use super::polynomial::{COEFFICIENTS, Polynomial};
-use super::{JointState, Motion, Quantity, RateLimits, TrajectoryError, check_limits};
+use super::{JointState, Motion, Quantity, RateLimits, TrajectoryError};
 
 /// `P` polynomials of degree five at most for each of `N` joints, one after the other in time.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -48,10 +48,29 @@ impl Extrema {
 }
 
 impl<const N: usize, const P: usize> Piecewise<N, P> {
-    /// Pieces that end at `ends`, with the coefficients of `Σ cₖ sᵏ`, `s` from 0 to 1 within each.
-    pub(super) fn new(ends: [f64; P], coefficients: [[[f64; COEFFICIENTS]; N]; P]) -> Self {
+    /// Pieces that end at `ends`, with the coefficients of `Σ cₖ sᵏ`, `s` from 0 to 1 within each; refused where an angle,
+    /// a velocity or an acceleration overflows.
+    pub(super) fn new(ends: [f64; P], coefficients: [[[f64; COEFFICIENTS]; N]; P]) -> Result<Self, TrajectoryError> {
         const { assert!(P > 0, "a motion has at least one piece") };
-        Self { ends, pieces: coefficients.map(|piece| piece.map(Polynomial)) }
+        let motion = Self { ends, pieces: coefficients.map(|piece| piece.map(Polynomial)) };
+        for piece in (0..P).filter(|&piece| motion.interval(piece).1 > 0.0) {
+            let length = motion.interval(piece).1;
+            for (joint, Polynomial(c)) in motion.pieces[piece].iter().enumerate() {
+                // No value of a derivative is larger than the sum of its coefficients.
+                let sum =
+                    |factor: fn(f64) -> f64| -> f64 { (0..COEFFICIENTS).map(|k| factor(k as f64) * c[k].abs()).sum() };
+                for (quantity, bound) in [
+                    (Quantity::Position, sum(|_| 1.0)),
+                    (Quantity::Velocity, sum(|k| k) / length),
+                    (Quantity::Acceleration, sum(|k| k * (k - 1.0)) / (length * length)),
+                ] {
+                    if !bound.is_finite() {
+                        return Err(TrajectoryError::NonFinite { quantity, joint });
+                    }
+                }
+            }
+        }
+        Ok(motion)
     }
 
     /// When each piece ends \[s\]; the last one is the duration.
@@ -161,7 +180,6 @@ impl<const N: usize, const P: usize> Piecewise<N, P> {
         let velocity = (Quantity::Velocity, self.velocity_extrema(), &limits.speed);
         let acceleration = (Quantity::Acceleration, self.acceleration_extrema(), &limits.acceleration);
         for (quantity, extrema, limits) in [velocity, acceleration] {
-            check_limits(quantity, limits)?;
             for (joint, (extrema, &limit)) in extrema.iter().zip(limits).enumerate() {
                 let Extremum { value, time } = extrema.farthest();
                 if value.abs() > limit {

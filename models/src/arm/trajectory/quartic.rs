@@ -32,7 +32,7 @@ pub fn quartic<const N: usize>(
         let (d, v) = (stop[i] - start[i], velocity[i] * duration);
         [start[i], v, 0.0, 4.0 * d - 3.0 * v, 2.0 * v - 3.0 * d, 0.0]
     });
-    Ok(Piecewise::new([duration], [coefficients]))
+    Piecewise::new([duration], [coefficients])
 }
 
 /// "Start–move–stop": two quartics per joint that meet at half the time with three continuous derivatives, from `start`
@@ -66,7 +66,7 @@ pub fn two_piece_quartic<const N: usize>(
         let (d, v) = parts(i);
         backwards(stop[i], 0.75 * v - d, 0.5 * d - 0.4375 * v)
     });
-    Ok(Piecewise::new([0.5 * duration, duration], [first, second]))
+    Piecewise::new([0.5 * duration, duration], [first, second])
 }
 
 /// `q + c₃ r³ + c₄ r⁴` in powers of `s = 1 − r`.

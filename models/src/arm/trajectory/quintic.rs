@@ -40,7 +40,7 @@ pub fn quintic_between<const N: usize>(
     if start == stop && *start == JointState::at_rest(start.q) {
         return Err(TrajectoryError::NoMotion);
     }
-    Ok(Piecewise::new([duration], [core::array::from_fn(|i| coefficients(start, stop, i, duration))]))
+    Piecewise::new([duration], [core::array::from_fn(|i| coefficients(start, stop, i, duration))])
 }
 
 /// Those of joint `i`, over the part of the time that is over.

@@ -29,14 +29,14 @@ pub fn trapezoidal<const N: usize>(
     let piece = |curve: &dyn Fn(f64, f64, f64) -> [f64; 6]| {
         core::array::from_fn(|i| curve(start[i], stop[i], stop[i] - start[i]))
     };
-    Ok(Piecewise::new(
+    Piecewise::new(
         [acceleration_time, duration - acceleration_time, duration],
         [
             piece(&|start, _, d| [start, 0.0, d * ramp, 0.0, 0.0, 0.0]),
             piece(&|start, _, d| [start + d * ramp, d * even, 0.0, 0.0, 0.0, 0.0]),
             piece(&|_, stop, d| [stop - d * ramp, 2.0 * d * ramp, -d * ramp, 0.0, 0.0, 0.0]),
         ],
-    ))
+    )
 }
 
 /// The fastest motion with trapezoidal speed along a straight line in the joints' space, all of them in step.

@@ -59,7 +59,7 @@ pub fn through<const N: usize, const P: usize>(
             coefficients[k][joint] = boundary.piece(k, from, &velocity);
         }
     }
-    Ok(Piecewise::new(knots.map(|knot| knot.time), coefficients))
+    Piecewise::new(knots.map(|knot| knot.time), coefficients)
 }
 
 fn check<const N: usize>(

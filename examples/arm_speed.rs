@@ -1,0 +1,240 @@
+//! What does the kinematics of an arm cost, counted in sines?
+//!
+//! Inverse kinematics in closed form with all eight branches, pose and Jacobian of the flange, against one `sin_cos` of the
+//! standard library and against the same written plainly with nalgebra. All contenders agree before anything is timed; times
+//! are medians of rounds in which everyone has a turn, in one process. Look at the column `sin_cos`: 60 and 15 are the bounds
+//! that the two are held to.
+
+use std::hint::black_box;
+use std::path::PathBuf;
+use std::time::Instant;
+
+use mbs_models::arm::{Arm, InverseKinematics};
+use mbs_runtime::Pose;
+use serde_json::{Map, Value, json};
+
+/// Configurations that are gone through in a round.
+const STATES: usize = 1024;
+/// Rounds, in each of which every contender has a turn.
+const ROUNDS: usize = 201;
+
+/// One function of one contender, and the seconds that a round of it takes.
+struct Contender {
+    name: &'static str,
+    round: Box<dyn FnMut() -> f64>,
+}
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let as_json = arguments.iter().any(|argument| argument == "--json");
+    let folder = arguments.iter().position(|argument| argument == "--out").and_then(|at| arguments.get(at + 1));
+
+    let arm = Arm::default();
+    let configurations = configurations(&arm);
+    let poses: Vec<Pose<f64>> = configurations.iter().map(|q| arm.pose(q)).collect();
+    agree(&arm, &configurations, &poses)?;
+
+    let angles: Vec<f64> = configurations.iter().map(|q| q[0]).collect();
+    let solver = InverseKinematics::default();
+    let model = arm.clone();
+    let both = arm.clone();
+    let mut contenders = vec![
+        contender("sin_cos", angles, |angle| angle.sin_cos()),
+        contender("inverse", poses.clone(), move |pose| solver.solve(pose)),
+        contender("inverse_nalgebra", poses, plain::inverse),
+        contender("pose_and_jacobian", configurations.clone(), move |q| both.pose_and_jacobian(q)),
+        contender("pose_and_jacobian_generated", configurations.clone(), move |q| (model.pose(q), model.jacobian(q))),
+        contender("pose_and_jacobian_nalgebra", configurations, plain::pose_and_jacobian),
+    ];
+    let report = timed(&mut contenders);
+    if let Some(folder) = folder.map(PathBuf::from) {
+        std::fs::create_dir_all(&folder)?;
+        std::fs::write(folder.join("arm_speed.json"), format!("{report}\n"))?;
+    }
+    if as_json {
+        println!("{report}");
+    } else {
+        print!("{}", table(&report));
+    }
+    Ok(())
+}
+
+/// The loop over the arguments is compiled with the function in it, so that nothing but the function is timed.
+fn contender<A: 'static, R>(
+    name: &'static str,
+    arguments: Vec<A>,
+    mut call: impl FnMut(&A) -> R + 'static,
+) -> Contender {
+    let round = move || {
+        let start = Instant::now();
+        for argument in &arguments {
+            black_box(call(black_box(argument)));
+        }
+        start.elapsed().as_secs_f64()
+    };
+    Contender { name, round: Box::new(round) }
+}
+
+/// Medians in ns a call, and in calls of `sin_cos`, which is the first contender.
+fn timed(contenders: &mut [Contender]) -> Value {
+    let mut seconds = vec![Vec::with_capacity(ROUNDS); contenders.len()];
+    for _ in 0..ROUNDS {
+        for (contender, seconds) in contenders.iter_mut().zip(&mut seconds) {
+            seconds.push((contender.round)());
+        }
+    }
+    let median = |seconds: &mut Vec<f64>| {
+        seconds.sort_by(f64::total_cmp);
+        seconds[ROUNDS / 2] * 1e9 / STATES as f64
+    };
+    let medians: Vec<f64> = seconds.iter_mut().map(median).collect();
+    let tenths = |x: f64| (x * 10.0).round() / 10.0;
+    let entry = |(contender, ns): (&Contender, &f64)| {
+        (contender.name.to_string(), json!({ "ns": tenths(*ns), "sin_cos": tenths(ns / medians[0]) }))
+    };
+    Value::Object(contenders.iter().zip(&medians).map(entry).collect::<Map<_, _>>())
+}
+
+fn table(report: &Value) -> String {
+    let mut text = format!("{:30} {:>9} {:>9}\n", "", "ns", "sin_cos");
+    for (name, times) in report.as_object().into_iter().flatten() {
+        let number = |key: &str| times[key].as_f64().unwrap_or(f64::NAN);
+        text += &format!("{name:30} {:9.1} {:9.1}\n", number("ns"), number("sin_cos"));
+    }
+    text
+}
+
+/// Everybody computes the same, to 1e-9.
+fn agree(arm: &Arm, configurations: &[[f64; 6]], poses: &[Pose<f64>]) -> Result<(), String> {
+    for (q, pose) in configurations.iter().zip(poses) {
+        let (by_hand, jacobian) = arm.pose_and_jacobian(q);
+        let (plain, plain_jacobian) = plain::pose_and_jacobian(q);
+        let generated = arm.jacobian(q);
+        let mut difference = apart(&by_hand, pose);
+        for (i, j) in (0..6).flat_map(|i| (0..6).map(move |j| (i, j))) {
+            difference = difference.max((jacobian[i][j] - generated[i][j]).abs());
+            difference = difference.max((plain_jacobian[(i, j)] - generated[i][j]).abs());
+        }
+        for (i, j) in (0..3).flat_map(|i| (0..3).map(move |j| (i, j))) {
+            difference = difference.max((plain[(i, j)] - pose.rotation[i][j]).abs());
+            difference = difference.max((plain[(i, 3)] - pose.position[i]).abs());
+        }
+        let found = arm.inverse(pose).map_err(|error| error.to_string())?;
+        let rival = plain::inverse(pose);
+        if found.len() != rival.len() {
+            return Err(format!("{} against {} configurations at {q:?}", found.len(), rival.len()));
+        }
+        for (solution, rival) in found.iter().zip(&rival) {
+            difference = difference.max(apart(&arm.pose(&solution.q), pose));
+            for (a, b) in solution.q.iter().zip(rival) {
+                difference = difference.max((0.5 * (a - b)).sin().abs());
+            }
+        }
+        if difference.is_nan() || difference > 1e-9 {
+            return Err(format!("off by {difference:e} at {q:?}"));
+        }
+    }
+    Ok(())
+}
+
+/// The largest difference of two poses.
+fn apart(a: &Pose<f64>, b: &Pose<f64>) -> f64 {
+    let rows = |pose: &Pose<f64>| [pose.position, pose.rotation[0], pose.rotation[1], pose.rotation[2]].concat();
+    rows(a).iter().zip(rows(b)).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+}
+
+/// Configurations whose poses have eight, away from singularities by 0.05; the same in every run.
+fn configurations(arm: &Arm) -> Vec<[f64; 6]> {
+    let mut seed = 1_u64;
+    // SplitMix64: Steele, Lea, Flood, *Fast splittable pseudorandom number generators*, OOPSLA 2014.
+    let mut uniform = || {
+        seed = seed.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut bits = (seed ^ (seed >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        bits = (bits ^ (bits >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((bits ^ (bits >> 31)) as f64 / u64::MAX as f64 * 2.0 - 1.0) * std::f64::consts::PI
+    };
+    let regular = |q: &[f64; 6]| {
+        let factors = mbs_models::arm::jacobian::determinant_factors(q);
+        [factors.shoulder, factors.elbow, factors.wrist].iter().all(|factor| factor.abs() > 0.05)
+    };
+    std::iter::repeat_with(|| std::array::from_fn(|_| uniform()))
+        .filter(|q| regular(q) && arm.inverse(&arm.pose(q)).is_ok_and(|solutions| solutions.len() == 8))
+        .take(STATES)
+        .collect()
+}
+
+/// The same with nalgebra, as one writes it down: matrices of the links, and the angles by their formulas.
+mod plain {
+    use std::f64::consts::{FRAC_PI_2, PI};
+
+    use mbs_models::arm::{A1, A2, A3, D1, D4, D6};
+    use mbs_runtime::Pose;
+    use nalgebra::{Matrix3, Matrix4, Matrix6, Vector3};
+
+    const D: [f64; 6] = [D1, 0.0, 0.0, D4, 0.0, D6];
+    const A: [f64; 6] = [A1, A2, A3, 0.0, 0.0, 0.0];
+    const ALPHA: [f64; 6] = [-FRAC_PI_2, 0.0, -FRAC_PI_2, FRAC_PI_2, -FRAC_PI_2, 0.0];
+
+    /// The matrix (3.1) of a link.
+    fn link(i: usize, theta: f64) -> Matrix4<f64> {
+        let (s, c) = theta.sin_cos();
+        let (sa, ca) = ALPHA[i].sin_cos();
+        #[rustfmt::skip]
+        let matrix = Matrix4::new(
+            c, -s * ca, s * sa, A[i] * c,
+            s, c * ca, -c * sa, A[i] * s,
+            0.0, sa, ca, D[i],
+            0.0, 0.0, 0.0, 1.0,
+        );
+        matrix
+    }
+
+    /// The chain (3.2), and the columns (3.15), (3.16).
+    pub(super) fn pose_and_jacobian(q: &[f64; 6]) -> (Matrix4<f64>, Matrix6<f64>) {
+        let mut frames = [Matrix4::identity(); 7];
+        for i in 0..6 {
+            frames[i + 1] = frames[i] * link(i, q[i]);
+        }
+        let column = |i: usize, j: usize| Vector3::new(frames[i][(0, j)], frames[i][(1, j)], frames[i][(2, j)]);
+        let mut jacobian = Matrix6::zeros();
+        for i in 0..6 {
+            let axis = column(i, 2);
+            jacobian.fixed_view_mut::<3, 1>(0, i).copy_from(&axis.cross(&(column(6, 3) - column(i, 3))));
+            jacobian.fixed_view_mut::<3, 1>(3, i).copy_from(&axis);
+        }
+        (frames[6], jacobian)
+    }
+
+    /// All configurations, (3.7)–(3.12) with the signs of each branch; those with angles that are no numbers left out.
+    pub(super) fn inverse(pose: &Pose<f64>) -> Vec<[f64; 6]> {
+        let h = Matrix3::from_fn(|i, j| pose.rotation[i][j]);
+        let wrist = Vector3::from(pose.position) - D6 * h.column(2);
+        let l1 = A3.hypot(D4);
+        let phi = D4.atan2(A3);
+        let mut solutions = Vec::with_capacity(8);
+        for shoulder in [0.0, PI] {
+            let theta_1 = wrist.y.atan2(wrist.x) + shoulder;
+            let forward = wrist.x * theta_1.cos() + wrist.y * theta_1.sin() - A1;
+            let down = D1 - wrist.z;
+            let p14 = forward.hypot(down);
+            let gamma = ((A2 * A2 + l1 * l1 - p14 * p14) / (2.0 * A2 * l1)).acos();
+            let beta = ((A2 * A2 + p14 * p14 - l1 * l1) / (2.0 * A2 * p14)).acos();
+            for elbow in [1.0, -1.0] {
+                let theta_3 = elbow * (PI - gamma) - phi;
+                let theta_2 = down.atan2(forward) - elbow * beta;
+                if theta_2.is_nan() || theta_3.is_nan() {
+                    continue;
+                }
+                let frame = link(0, theta_1) * link(1, theta_2) * link(2, theta_3);
+                let rest = frame.fixed_view::<3, 3>(0, 0).transpose() * h;
+                for wrist in [1.0, -1.0] {
+                    let theta_4 = (-wrist * rest[(1, 2)]).atan2(-wrist * rest[(0, 2)]);
+                    let theta_5 = (wrist * rest[(0, 2)].hypot(rest[(1, 2)])).atan2(rest[(2, 2)]);
+                    let theta_6 = (-wrist * rest[(2, 1)]).atan2(wrist * rest[(2, 0)]);
+                    solutions.push([theta_1, theta_2, theta_3, theta_4, theta_5, theta_6]);
+                }
+            }
+        }
+        solutions
+    }
+}

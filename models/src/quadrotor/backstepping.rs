@@ -1,0 +1,165 @@
+//! Backstepping control of each channel, and of the quadrotor by six of them.
+//!
+//! With the reference r of a channel `ÿ = a`, the error `z₁ = r − y` and its velocity's `z₂ = ẏ − ṙ − k₁ z₁`, the law
+//!
+//! ```text
+//! a = r̈ + z₁ − k₂ z₂ − k₁ (z₂ + k₁ z₁)
+//! ```
+//!
+//! makes `V = ½ (z₁² + z₂²)` fall as `V̇ = −k₁ z₁² − k₂ z₂²`: from `ż₁ = −z₂ − k₁ z₁`, and `ż₂ = a − r̈ − k₁ ż₁ = z₁ − k₂ z₂`. The
+//! error obeys `ë + (k₁ + k₂) ė + (1 + k₁ k₂) e = 0`.
+//!
+//! Source: Bouabdallah & Siegwart, *Backstepping and sliding-mode techniques applied to an indoor micro quadrotor*, 2005, for the
+//! structure; here with feed-forward of the reference.
+
+use mbs_runtime::Scalar;
+
+use super::flatness;
+use super::mixer::{Effort, Mixer, RotorSpeeds};
+use crate::quadrotor_euler::Params;
+
+/// What a channel is to follow: value, rate, acceleration.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Reference {
+    /// r
+    pub value: f64,
+    /// ṙ
+    pub rate: f64,
+    /// r̈
+    pub acceleration: f64,
+}
+
+impl Reference {
+    /// A value to stay at.
+    #[must_use]
+    pub fn fixed(value: f64) -> Self {
+        Reference { value, ..Reference::default() }
+    }
+}
+
+/// Gains of one channel \[1/s\], positive.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Channel {
+    /// k₁
+    pub k1: f64,
+    /// k₂
+    pub k2: f64,
+}
+
+impl Channel {
+    /// The acceleration that brings y, with the rate v, to the reference.
+    #[must_use]
+    pub fn acceleration(&self, reference: Reference, y: f64, v: f64) -> f64 {
+        let z1 = reference.value - y;
+        let z2 = v - reference.rate - self.k1 * z1;
+        reference.acceleration + z1 - self.k2 * z2 - self.k1 * (z2 + self.k1 * z1)
+    }
+}
+
+/// The controller of a quadrotor, with what it knows of it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Backstepping {
+    /// The quadrotor as the controller believes it to be.
+    pub params: Params<f64>,
+    /// Its rotors.
+    pub mixer: Mixer,
+    /// x and y.
+    pub horizontal: Channel,
+    /// z
+    pub vertical: Channel,
+    /// φ and θ
+    pub tilt: Channel,
+    /// ψ
+    pub yaw: Channel,
+    /// Least and greatest thrust, in units of the weight.
+    pub thrust_range: [f64; 2],
+    /// The greatest tilt that horizontal errors may ask for \[rad\].
+    pub greatest_tilt: f64,
+}
+
+/// What the controller asks for, and what the rotors make of it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Command {
+    /// Thrust \[N\] and torques \[N·m\] that are asked for, thrust within its range.
+    pub effort: Effort,
+    /// Whether thrust or tilt was limited.
+    pub limited: bool,
+    /// The rotors.
+    pub rotors: RotorSpeeds,
+}
+
+/// The least part of g that counts as upward acceleration where the tilt is limited.
+const LEAST_LIFT: f64 = 0.3;
+
+impl Backstepping {
+    /// Gains and limits for the landings of the thesis, assumed.
+    #[must_use]
+    pub fn new(params: Params<f64>) -> Self {
+        Backstepping {
+            params,
+            mixer: Mixer::new(&params),
+            horizontal: Channel { k1: 1.0, k2: 1.0 },
+            vertical: Channel { k1: 2.5, k2: 2.5 },
+            tilt: Channel { k1: 8.0, k2: 8.0 },
+            yaw: Channel { k1: 4.0, k2: 4.0 },
+            thrust_range: [0.05, 2.2],
+            greatest_tilt: 25.0_f64.to_radians(),
+        }
+    }
+
+    /// The command at a state that is to follow a position, with yaw 0.
+    ///
+    /// Desired roll and pitch are taken as constant: the tilt is much faster than the position.
+    #[must_use]
+    pub fn command(&self, position: &[Reference; 3], q: &[f64; 6], qd: &[f64; 6]) -> Command {
+        let Params { g, inertias: [ix, iy, iz], .. } = self.params;
+        let [phi, theta, psi] = [q[3], q[4], q[5]];
+        let [phid, thetad, psid] = [qd[3], qd[4], qd[5]];
+        let upward = self.vertical.acceleration(position[2], q[2], qd[2]);
+        let (thrust, thrust_limited) = self.thrust(upward, phi, theta);
+
+        let lift = (g + upward).max(LEAST_LIFT * g);
+        let greatest = lift * Scalar::tan(self.greatest_tilt);
+        let ahead: [f64; 2] = [0, 1].map(|i| self.horizontal.acceleration(position[i], q[i], qd[i]));
+        let size = Scalar::sqrt(ahead[0] * ahead[0] + ahead[1] * ahead[1]);
+        let scale = if size > greatest { greatest / size } else { 1.0 };
+        let [x, y] = ahead.map(|a| a * scale);
+        let desired = flatness::attitude([x, y, lift - g], psi, g);
+        let (roll, pitch) = desired.map_or((0.0, 0.0), |desired| (desired.roll, desired.pitch));
+
+        let roll = self.tilt.acceleration(Reference::fixed(roll), phi, phid);
+        let pitch = self.tilt.acceleration(Reference::fixed(pitch), theta, thetad);
+        let yaw = self.yaw.acceleration(Reference::default(), psi, psid);
+        let torque = [
+            ix * roll - (iy - iz) * thetad * psid,
+            iy * pitch - (iz - ix) * phid * psid,
+            iz * yaw - (ix - iy) * phid * thetad,
+        ];
+        let effort = Effort { thrust, torque };
+        Command { effort, limited: thrust_limited || scale < 1.0, rotors: self.mixer.speeds(&effort) }
+    }
+
+    /// `m (g + a) / cφ cθ` within its range, and whether it was limited.
+    fn thrust(&self, upward: f64, phi: f64, theta: f64) -> (f64, bool) {
+        let Params { m, g, .. } = self.params;
+        let asked = m * (g + upward) / (Scalar::cos(phi) * Scalar::cos(theta));
+        let [least, greatest] = self.thrust_range.map(|part| part * m * g);
+        let thrust = asked.clamp(least, greatest);
+        (thrust, thrust != asked)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Poles of the closed channel: `s² + (k₁ + k₂) s + 1 + k₁ k₂`.
+    #[test]
+    fn a_channel_is_linear_in_its_errors() {
+        let channel = Channel { k1: 3.0, k2: 2.0 };
+        let reference = Reference { value: 1.0, rate: -0.5, acceleration: 0.25 };
+        let (e, ed) = (0.7, -0.3);
+        let a = channel.acceleration(reference, reference.value - e, reference.rate - ed);
+        assert!((reference.acceleration - a + 5.0 * ed + 7.0 * e).abs() < 1e-15);
+    }
+}

@@ -1,0 +1,202 @@
+//! A linear quadratic regulator about the flat trajectory, from the generated linearization.
+//!
+//! Straight over the platform the flat trajectory is upright, with equal rotor speeds `Ω² = m (g + z̈) / 4b`. About hovering,
+//! errors `e = (q − q_r, q̇ − q̇_r)` and changes of speed v obey `ė = A e + B v`, with A and B from
+//! [`QuadrotorEuler::linearize`]. `v = −K e` makes `∫ eᵀ Q e + vᵀ R v dt` least, with `K = R⁻¹ Bᵀ X` and
+//!
+//! ```text
+//! Aᵀ X + X A − X B R⁻¹ Bᵀ X + Q = 0
+//! ```
+//!
+//! whose stabilizing solution comes from the sign of the Hamiltonian matrix `[[A, −B R⁻¹ Bᵀ], [−Q, −Aᵀ]]`, by Newton's iteration.
+//!
+//! Sources: Roberts, *Linear model reduction and solution of the algebraic Riccati equation by use of the sign function*, 1980;
+//! Byers, *Solving the algebraic Riccati equation with the matrix sign function*, 1987, for the scaling by the determinant.
+
+use core::fmt;
+
+use mbs_runtime::Scalar;
+use mbs_runtime::nalgebra::SMatrix;
+
+use super::backstepping::{Command, Reference};
+use super::mixer::Mixer;
+use crate::quadrotor_euler::{Params, QuadrotorEuler};
+
+/// Coordinates and velocities.
+const STATES: usize = 12;
+const INPUTS: usize = 4;
+/// Of the Hamiltonian matrix.
+const DOUBLE: usize = 2 * STATES;
+/// Newton's iteration needs about ten.
+const ITERATIONS: usize = 60;
+
+/// Deviations that count as much as each other, in the sense of Bryson: Q and R have their inverse squares on the diagonal.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Weights {
+    /// Of each position \[m\].
+    pub position: f64,
+    /// Of each angle \[rad\].
+    pub angle: f64,
+    /// Of each velocity \[m/s\].
+    pub velocity: f64,
+    /// Of each rate of an angle \[rad/s\].
+    pub rate: f64,
+    /// Of each rotor's speed \[rad/s\].
+    pub rotor_speed: f64,
+}
+
+impl Default for Weights {
+    /// Half a metre, 10°, 1 m/s, 1 rad/s, 30 rad/s.
+    fn default() -> Self {
+        Weights { position: 0.5, angle: 10.0_f64.to_radians(), velocity: 1.0, rate: 1.0, rotor_speed: 30.0 }
+    }
+}
+
+/// The equation has no stabilizing solution that the iteration finds: a parameter is no number, or some motion is out of control.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct NoRegulator;
+
+impl fmt::Display for NoRegulator {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("no stabilizing solution of the Riccati equation was found")
+    }
+}
+
+impl core::error::Error for NoRegulator {}
+
+/// The regulator.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Lqr {
+    /// The quadrotor as the controller believes it to be.
+    pub params: Params<f64>,
+    /// Its rotors.
+    pub mixer: Mixer,
+    /// K: rotor speeds \[rad/s\] against errors of `q` and `q̇`.
+    pub gain: SMatrix<f64, INPUTS, STATES>,
+}
+
+impl Lqr {
+    /// For these deviations, about hovering.
+    ///
+    /// # Errors
+    /// [`NoRegulator`].
+    pub fn new(params: Params<f64>, weights: &Weights) -> Result<Self, NoRegulator> {
+        let mixer = Mixer::new(&params);
+        let (a, b) = linearized(&params);
+        let square = |deviation: f64| 1.0 / (deviation * deviation);
+        let q = SMatrix::from_fn(|i, j| match (i == j, i / 3) {
+            (false, _) => 0.0,
+            (true, 0) => square(weights.position),
+            (true, 1) => square(weights.angle),
+            (true, 2) => square(weights.velocity),
+            (true, _) => square(weights.rate),
+        });
+        let scaled = b * (weights.rotor_speed * weights.rotor_speed); // B R⁻¹
+        let x = riccati(&a, &(scaled * b.transpose()), &q).ok_or(NoRegulator)?;
+        Ok(Lqr { params, mixer, gain: scaled.transpose() * x })
+    }
+
+    /// The command at a state that is to follow a position, with yaw 0.
+    #[must_use]
+    pub fn command(&self, position: &[Reference; 3], q: &[f64; 6], qd: &[f64; 6]) -> Command {
+        let Params { m, g, .. } = self.params;
+        let steady = hover_speed(&self.params, m * (g + position[2].acceleration).max(0.0));
+        let error = SMatrix::<f64, STATES, 1>::from_fn(|i, _| match (i / 3, i % 3) {
+            (0, k) => q[k] - position[k].value,
+            (1, k) => q[3 + k],
+            (2, k) => qd[k] - position[k].rate,
+            (_, k) => qd[3 + k],
+        });
+        let change = self.gain * error;
+        let asked: [f64; 4] = core::array::from_fn(|i| steady - change[i]);
+        let limited = asked.iter().any(|&speed| speed < 0.0 || speed > self.mixer.greatest_speed);
+        let effort = self.mixer.effort(&asked.map(|speed| speed.max(0.0)));
+        Command { effort, limited, rotors: self.mixer.speeds(&effort) }
+    }
+}
+
+/// Of each rotor, for this thrust \[N\].
+fn hover_speed(params: &Params<f64>, thrust: f64) -> f64 {
+    Scalar::sqrt(thrust / (4.0 * params.thrust_factor))
+}
+
+/// A and B about hovering; errors in the order positions, angles, velocities, rates.
+fn linearized(params: &Params<f64>) -> (SMatrix<f64, STATES, STATES>, SMatrix<f64, STATES, INPUTS>) {
+    let speed = hover_speed(params, params.m * params.g);
+    let rest = [[0.0; 3]; 3];
+    let slopes = QuadrotorEuler::new(*params).linearize(&rest, &[0.0; 6], &[0.0; 6], &[speed; 4]);
+    let n = STATES / 2;
+    let a = SMatrix::from_fn(|i, j| match (i < n, j < n) {
+        (true, _) => f64::from(u8::from(j == i + n)),
+        (false, true) => slopes.q[i - n][j],
+        (false, false) => slopes.qd[i - n][j - n],
+    });
+    let b = SMatrix::from_fn(|i, j| if i < n { 0.0 } else { slopes.u[i - n][j] });
+    (a, b)
+}
+
+type Square = SMatrix<f64, STATES, STATES>;
+
+/// The stabilizing X of `Aᵀ X + X A − X S X + Q = 0`.
+fn riccati(a: &Square, s: &Square, q: &Square) -> Option<Square> {
+    let mut z = SMatrix::<f64, DOUBLE, DOUBLE>::zeros();
+    z.fixed_view_mut::<STATES, STATES>(0, 0).copy_from(a);
+    z.fixed_view_mut::<STATES, STATES>(0, STATES).copy_from(&-s);
+    z.fixed_view_mut::<STATES, STATES>(STATES, 0).copy_from(&-q);
+    z.fixed_view_mut::<STATES, STATES>(STATES, STATES).copy_from(&-a.transpose());
+    let mut converged = false;
+    for _ in 0..ITERATIONS {
+        let determinant = z.determinant().abs();
+        // Zeros of the determinant, and what under- or overflows, are not scaled by.
+        let scale = if determinant.is_normal() { Scalar::powf(determinant, -1.0 / DOUBLE as f64) } else { 1.0 };
+        let next = (z * scale + z.try_inverse()? / scale) * 0.5;
+        let change = (next - z).norm();
+        z = next;
+        if change <= 1e-13 * z.norm() {
+            converged = true;
+            break;
+        }
+    }
+    if !converged {
+        return None;
+    }
+    // (sign + 1) (1; X) = 0
+    let one = Square::identity();
+    let mut left = SMatrix::<f64, DOUBLE, STATES>::zeros();
+    left.fixed_view_mut::<STATES, STATES>(0, 0).copy_from(&z.fixed_view::<STATES, STATES>(0, STATES));
+    left.fixed_view_mut::<STATES, STATES>(STATES, 0).copy_from(&(z.fixed_view::<STATES, STATES>(STATES, STATES) + one));
+    let mut right = SMatrix::<f64, DOUBLE, STATES>::zeros();
+    right.fixed_view_mut::<STATES, STATES>(0, 0).copy_from(&-(z.fixed_view::<STATES, STATES>(0, 0) + one));
+    right.fixed_view_mut::<STATES, STATES>(STATES, 0).copy_from(&-z.fixed_view::<STATES, STATES>(STATES, 0));
+    let qr = left.qr();
+    let x = qr.r().solve_upper_triangular(&qr.q().tr_mul(&right))?;
+    let symmetric = (x + x.transpose()) * 0.5;
+    symmetric.iter().all(|entry| entry.is_finite()).then_some(symmetric)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_gain_solves_riccatis_equation_and_stabilizes() {
+        let params = Params::default();
+        let (a, b) = linearized(&params);
+        let weights = Weights::default();
+        let q = Square::identity();
+        let s = b * b.transpose() * 900.0;
+        let x = riccati(&a, &s, &q).expect("a solution");
+        let residual = a.transpose() * x + x * a - x * s * x + q;
+        assert!(residual.norm() < 1e-9 * x.norm(), "{}", residual.norm());
+        assert!(x.cholesky().is_some());
+        let closed = a - b * Lqr::new(params, &weights).expect("a regulator").gain;
+        let slowest = closed.complex_eigenvalues().iter().map(|value| value.re).fold(f64::NEG_INFINITY, f64::max);
+        assert!(slowest < -0.3, "{slowest}");
+    }
+
+    #[test]
+    fn nothing_is_regulated_without_rotors() {
+        let params = Params { thrust_factor: f64::NAN, ..Params::default() };
+        assert_eq!(Lqr::new(params, &Weights::default()), Err(NoRegulator));
+    }
+}
