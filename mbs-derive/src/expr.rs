@@ -22,6 +22,7 @@ pub mod adjoint;
 pub mod display;
 pub mod dual;
 pub mod evaluate;
+mod factors;
 pub mod function;
 pub mod graph;
 pub mod hessian;

@@ -104,20 +104,27 @@ impl<'d, V: Value> Interpreter<'d, V> {
         };
         let values = self.run(&function.program, &State { qdd, ..state.clone() }, &multipliers);
         let (triangle, right_sides) = values.split_at(size * (size + 1) / 2);
-        let (factors, mut x) = (Factors::new(size, triangle), right_sides.to_vec());
         if function.completion == Completion::SolveMultipliers {
-            factors.solve(|i| i, &mut x);
-            return x[n..].iter().map(|l| l.neg()).collect();
+            let mut column = [right_sides.to_vec()];
+            V::solve_symmetric(triangle, &mut column);
+            return column[0][n..].iter().map(|l| l.neg()).collect();
         }
-        let mut results = Vec::new();
-        let mut start = 0;
-        for part in &function.results {
-            let columns = part.shape.count() / n;
-            (0..columns).for_each(|column| factors.solve(|i| start + i * columns + column, &mut x));
-            results.extend_from_slice(&x[start..start + n * columns]);
-            start += size * columns;
+        // Each part has so many columns of its own, row by row.
+        let widths: Vec<usize> = function.results.iter().map(|part| part.shape.count() / n).collect();
+        let mut columns: Vec<Vec<V>> = Vec::new();
+        let mut rest = right_sides;
+        for &width in &widths {
+            let (part, behind) = rest.split_at(size * width);
+            columns.extend((0..width).map(|column| part.iter().skip(column).step_by(width).copied().collect()));
+            rest = behind;
         }
-        results
+        V::solve_symmetric(triangle, &mut columns);
+        let mut columns = columns.iter();
+        let parts = widths.iter().flat_map(|&width| {
+            let part: Vec<&Vec<V>> = columns.by_ref().take(width).collect();
+            (0..n).flat_map(move |i| part.clone().into_iter().map(move |column| column[i])).collect::<Vec<V>>()
+        });
+        parts.collect()
     }
 }
 
@@ -215,45 +222,6 @@ impl<V: Value> Run<'_, V> {
 
 fn known<V: Copy>(values: &[Option<V>], value: Step) -> V {
     values[value.index()].expect("what a value needs is computed before it")
-}
-
-/// `M = L D Lᵀ` in the order of operations of the runtime's `Ldlt`, so that the results are the same bits.
-struct Factors<V> {
-    lower: Vec<Vec<V>>,
-    reciprocal: Vec<V>,
-}
-
-impl<V: Value> Factors<V> {
-    fn new(n: usize, triangle: &[V]) -> Self {
-        let m = |i: usize, j: usize| triangle[i * (i + 1) / 2 + j];
-        let mut lower: Vec<Vec<V>> = Vec::new();
-        let mut reciprocal: Vec<V> = Vec::new();
-        for i in 0..n {
-            let mut scaled: Vec<V> = Vec::new();
-            for j in 0..i {
-                scaled.push((0..j).fold(m(i, j), |sum, k| sum.sub(scaled[k].mul(lower[j][k]))));
-            }
-            let row: Vec<V> = (0..i).map(|j| scaled[j].mul(reciprocal[j])).collect();
-            let pivot = (0..i).fold(m(i, i), |sum, k| sum.sub(scaled[k].mul(row[k])));
-            reciprocal.push(V::constant(1.0).div(pivot));
-            lower.push(row);
-        }
-        Factors { lower, reciprocal }
-    }
-
-    /// Solves in place for the column whose components stand at `at(0)`, `at(1)`, ….
-    fn solve(&self, at: impl Fn(usize) -> usize, x: &mut [V]) {
-        let n = self.reciprocal.len();
-        for i in 0..n {
-            x[at(i)] = (0..i).fold(x[at(i)], |sum, k| sum.sub(self.lower[i][k].mul(x[at(k)])));
-        }
-        for i in 0..n {
-            x[at(i)] = x[at(i)].mul(self.reciprocal[i]);
-        }
-        for i in (0..n).rev() {
-            x[at(i)] = (i + 1..n).fold(x[at(i)], |sum, k| sum.sub(self.lower[k][i].mul(x[at(k)])));
-        }
-    }
 }
 
 #[cfg(test)]

@@ -3,6 +3,7 @@
 //! The independent witness of the symbolic sweeps: nothing here shares a line with them.
 
 use super::evaluate::Value;
+use super::factors::{Factors, symmetric_times};
 use super::function::{Binary, Function};
 use super::number::Number;
 
@@ -86,6 +87,21 @@ impl<S: Value> Value for Dual<S> {
     }
     fn less_equal(self, other: Self) -> bool {
         self.value.less_equal(other.value)
+    }
+    /// From `M x = b` follows `M x′ = b′ − M′ x`: one factorization, of numbers without derivatives.
+    fn solve_symmetric(triangle: &[Self], columns: &mut [Vec<Self>]) {
+        let Some(first) = columns.first() else { return };
+        let values: Vec<S> = triangle.iter().map(|entry| entry.value).collect();
+        let derivatives: Vec<S> = triangle.iter().map(|entry| entry.derivative).collect();
+        let factors = Factors::new(first.len(), &values);
+        for column in columns {
+            let mut x: Vec<S> = column.iter().map(|b| b.value).collect();
+            factors.solve(&mut x);
+            let turned = symmetric_times(&derivatives, &x);
+            let mut rate: Vec<S> = column.iter().zip(turned).map(|(b, turned)| b.derivative.sub(turned)).collect();
+            factors.solve(&mut rate);
+            *column = x.into_iter().zip(rate).map(|(x, rate)| Dual::new(x, rate)).collect();
+        }
     }
 }
 

@@ -1,5 +1,6 @@
 //! Numerical values of expressions, over any kind of number: doubles, or dual numbers that carry derivatives.
 
+use super::factors::Factors;
 use super::function::{Binary, Function};
 use super::graph::{Expr, Id, Node, Symbol};
 use super::number::Number;
@@ -35,6 +36,16 @@ pub trait Value: Copy {
     fn less(self, other: Self) -> bool;
     /// Whether `a <= b`, as IEEE 754 has it: not where one of them is NaN.
     fn less_equal(self, other: Self) -> bool;
+    /// Whether it is zero and known to be exactly that, so that products with it can be left out.
+    fn is_exactly_zero(self) -> bool {
+        false
+    }
+    /// `M⁻¹ x` in the place of each column x, of a symmetric matrix given by its lower triangle, row by row.
+    fn solve_symmetric(triangle: &[Self], columns: &mut [Vec<Self>]) {
+        let Some(first) = columns.first() else { return };
+        let factors = Factors::new(first.len(), triangle);
+        columns.iter_mut().for_each(|column| factors.solve(column));
+    }
 }
 
 impl Value for f64 {

@@ -122,6 +122,9 @@ impl Value for Rounded {
     fn rate(self) -> Self {
         Rounded::exact(f64::NAN)
     }
+    fn is_exactly_zero(self) -> bool {
+        self.value == 0.0 && self.error == 0.0
+    }
     fn less(self, other: Self) -> bool {
         self.value < other.value
     }
