@@ -145,7 +145,7 @@ fn mechanisms_are_proved_without_a_warning() {
 #[test]
 fn every_route_is_proved() {
     // A body that turns by a quaternion, and energies without a body.
-    let without_bodies = ["heavy_top", "branches", "long_branches", "switched_spring"];
+    let without_bodies = ["heavy_top", "quadrotor_quaternion", "branches", "long_branches", "switched_spring"];
     for (name, source) in every_mechanism() {
         let graph = Graph::verbatim();
         let (lagrangian, _) =
