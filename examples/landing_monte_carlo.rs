@@ -48,6 +48,10 @@ mod scatter {
 fn main() -> Result<(), Failure> {
     let arguments = Arguments::with_numbers(&["--members", "--threads"]);
     let members = arguments.numbers.get("--members").copied().unwrap_or(MEMBERS);
+    if members < 2 {
+        eprintln!("error: statistics need two members at least");
+        std::process::exit(2);
+    }
     if let Some(&threads) = arguments.numbers.get("--threads") {
         rayon::ThreadPoolBuilder::new().num_threads(threads).build_global()?;
     }
@@ -66,10 +70,16 @@ fn main() -> Result<(), Failure> {
     let seconds = start.elapsed().as_secs_f64();
 
     let touchdowns: Vec<&Touchdown> = landings.iter().flatten().collect();
+    if touchdowns.len() < 2 {
+        return Err(format!("{} of {members} members touched down", touchdowns.len()).into());
+    }
     if let Some(folder) = &arguments.out {
         std::fs::create_dir_all(folder)?;
-        let header = ["touchdown_time_s", "relative_velocity_m_s", "horizontal_offset_m"].map(String::from);
-        output::write_table(folder, "landings", &header, touchdowns.iter().map(|end| results(end).to_vec()))?;
+        let header = ["member", "touchdown_time_s", "relative_velocity_m_s", "horizontal_offset_m"].map(String::from);
+        let row = |(member, end): (usize, &Result<Touchdown, LandingError>)| {
+            end.as_ref().ok().map(|end| [&[member as f64][..], &results(end)].concat())
+        };
+        output::write_table(folder, "landings", &header, landings.iter().enumerate().filter_map(row))?;
     }
     let [time, velocity, offset] =
         [0, 1, 2].map(|i| Statistics::of(&touchdowns.iter().map(|end| results(end)[i]).collect::<Vec<_>>()));

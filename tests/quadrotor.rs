@@ -10,7 +10,8 @@ use std::ops::ControlFlow;
 
 use mbs_models::quadrotor::backstepping::Reference;
 use mbs_models::quadrotor::heave::Heave;
-use mbs_models::quadrotor::landing::{Approach, Landing, LandingError, Plant};
+use mbs_models::quadrotor::landing::{Approach, Controller, Landing, LandingError, Plant};
+use mbs_models::quadrotor::lqr::{Lqr, Weights};
 use mbs_models::quadrotor::mixer::{Effort, Mixer};
 use mbs_models::quadrotor::small_angle;
 use mbs_models::quadrotor_euler::{Params, QuadrotorEuler};
@@ -273,6 +274,28 @@ fn landings_of_the_thesis() {
     }
 }
 
+/// A controller sampled at 500 Hz is nearly one in continuous time; a regulator lands as well.
+#[test]
+fn other_pilots_land_alike() {
+    let start = Landing::initial_state();
+    let landing = Landing::new(Plant::Exact, Heave::CASE_I);
+    let sampled = landing.simulate_sampled(start, 0.002, |_, state| *state).expect("a touchdown");
+    close(sampled.time, 13.254_64, 5e-3);
+    close(sampled.relative_velocity, -0.200_22, 2e-3);
+    let finer = landing.simulate_sampled(start, 0.0002, |_, state| *state).expect("a touchdown");
+    assert!((finer.time - 13.254_642_8).abs() < 0.2 * (sampled.time - 13.254_642_8).abs());
+
+    let mut regulated = landing.clone();
+    let lqr = Lqr::new(*regulated.vehicle.params(), &Weights::default()).expect("a regulator");
+    regulated.controller = Controller::Lqr(lqr);
+    for heave in [Heave::CASE_I, Heave::CASE_II] {
+        regulated.heave = heave;
+        let end = regulated.simulate(start, |_, _, _| ()).expect("a touchdown");
+        close(end.relative_velocity, -0.2, 0.01);
+        close(end.horizontal_offset, 0.0, 1e-5);
+    }
+}
+
 #[test]
 fn landings_that_cannot_be_are_refused() {
     let start = Landing::initial_state();
@@ -288,6 +311,29 @@ fn landings_that_cannot_be_are_refused() {
     assert!(matches!(landing.simulate(nowhere, |_, _, _| ()), Err(LandingError::NotAbove { .. })));
     let nowhere = State::new([f64::NAN, 7.0, 10.0, 0.0, 0.0, 0.0], [0.0; 6]);
     assert!(matches!(landing.simulate(nowhere, |_, _, _| ()), Err(LandingError::Integration(_))));
+
+    let broken: [(&str, fn(&mut Landing)); 3] = [
+        ("approach.last_height", |landing| landing.approach.last_height = f64::NAN),
+        ("platform[1]", |landing| landing.platform[1] = f64::INFINITY),
+        ("wind[2]", |landing| landing.wind[2] = f64::NAN),
+    ];
+    for (name, damage) in broken {
+        let mut landing = Landing::new(Plant::Exact, Heave::CASE_I);
+        damage(&mut landing);
+        let refused = landing.simulate(start, |_, _, _| ());
+        assert!(matches!(refused, Err(LandingError::NotFinite { parameter, .. }) if parameter == name), "{refused:?}");
+    }
+    // A controller that believes in no number commands none: the flight ends with an error, not with rotors that stand still.
+    let mut blind = Landing::new(Plant::Exact, Heave::CASE_I);
+    if let Controller::Backstepping(controller) = &mut blind.controller {
+        controller.params.m = f64::NAN;
+    }
+    assert!(matches!(blind.simulate(start, |_, _, _| ()), Err(LandingError::Integration(_))));
+    let sampled = landing
+        .simulate_sampled(start, 0.002, |t, state| if t > 1.0 { State::new([f64::NAN; 6], state.qd) } else { *state });
+    assert!(matches!(sampled, Err(LandingError::Sensor { time }) if (time - 1.002).abs() < 1e-9), "{sampled:?}");
+    let refused = landing.simulate_sampled(start, 0.0, |_, state| *state);
+    assert_eq!(refused, Err(LandingError::NotPositive { parameter: "period", value: 0.0 }));
 
     landing.t_end = 5.0;
     let refused = landing.simulate(start, |_, _, _| ());

@@ -118,7 +118,7 @@ impl Backstepping {
         let upward = self.vertical.acceleration(position[2], q[2], qd[2]);
         let (thrust, thrust_limited) = self.thrust(upward, phi, theta);
 
-        let lift = (g + upward).max(LEAST_LIFT * g);
+        let lift = if g + upward < LEAST_LIFT * g { LEAST_LIFT * g } else { g + upward };
         let greatest = lift * Scalar::tan(self.greatest_tilt);
         let ahead: [f64; 2] = [0, 1].map(|i| self.horizontal.acceleration(position[i], q[i], qd[i]));
         let size = Scalar::sqrt(ahead[0] * ahead[0] + ahead[1] * ahead[1]);
@@ -144,7 +144,9 @@ impl Backstepping {
         let Params { m, g, .. } = self.params;
         let asked = m * (g + upward) / (Scalar::cos(phi) * Scalar::cos(theta));
         let [least, greatest] = self.thrust_range.map(|part| part * m * g);
-        let thrust = asked.clamp(least, greatest);
+        // What is no number stays none.
+        let thrust = if asked < least { least } else { asked };
+        let thrust = if thrust > greatest { greatest } else { thrust };
         (thrust, thrust != asked)
     }
 }

@@ -138,6 +138,13 @@ pub enum LandingError {
         /// Its value.
         value: f64,
     },
+    /// What must be a finite number is none.
+    NotFinite {
+        /// Its name.
+        parameter: &'static str,
+        /// Its value.
+        value: f64,
+    },
     /// The vehicle does not stand over the platform at the beginning.
     NotAbove {
         /// `z − z_p` \[m\].
@@ -163,6 +170,7 @@ impl fmt::Display for LandingError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             LandingError::NotPositive { parameter, value } => write!(f, "{parameter} must be positive, it is {value}"),
+            LandingError::NotFinite { parameter, value } => write!(f, "{parameter} must be finite, it is {value}"),
             LandingError::NotAbove { height } => write!(f, "the vehicle begins {height} m over the platform"),
             LandingError::NoTouchdown { time, height } => {
                 write!(f, "no touchdown until t = {time} s, {height} m over the platform")
@@ -260,10 +268,10 @@ impl Landing {
         let mut way = Way::new();
         let mut events = [Event::new(&height).falling().terminal()];
         let mut sample = state;
-        let mut next = 0_u32;
+        let mut next = 0_u64;
         let look = |step: &mut dyn Step<[f64; 6]>| {
-            while f64::from(next) * SAMPLING <= step.time() {
-                let t = f64::from(next) * SAMPLING;
+            while next as f64 * SAMPLING <= step.time() {
+                let t = next as f64 * SAMPLING;
                 if step.interpolate(t, &mut sample).is_err() {
                     return ControlFlow::Break(step.time());
                 }
@@ -308,6 +316,7 @@ impl Landing {
         let [x, y, z] = params.inertias;
         let positive = [
             ("m", params.m),
+            ("g", params.g),
             ("inertias[0]", x),
             ("inertias[1]", y),
             ("inertias[2]", z),
@@ -321,6 +330,19 @@ impl Landing {
         let bad = positive.into_iter().find(|&(_, value)| !(value > 0.0 && value.is_finite()));
         if let Some((parameter, value)) = bad {
             return Err(LandingError::NotPositive { parameter, value });
+        }
+        let finite = [
+            ("rotor_inertia", params.rotor_inertia),
+            ("approach.height", self.approach.height),
+            ("approach.last_height", self.approach.last_height),
+            ("platform[0]", self.platform[0]),
+            ("platform[1]", self.platform[1]),
+            ("wind[0]", self.wind[0]),
+            ("wind[1]", self.wind[1]),
+            ("wind[2]", self.wind[2]),
+        ];
+        if let Some((parameter, value)) = finite.into_iter().find(|(_, value)| !value.is_finite()) {
+            return Err(LandingError::NotFinite { parameter, value });
         }
         let height = self.height(0.0, state);
         if height.is_nan() || height <= 0.0 { Err(LandingError::NotAbove { height }) } else { Ok(()) }

@@ -73,10 +73,11 @@ impl Mixer {
         let (pitch, roll) = (y / lever / 2.0, x / lever / 2.0);
         let squares = [odd - pitch, even - roll, odd + pitch, even + roll];
         let least_square = squares.into_iter().fold(f64::INFINITY, f64::min);
-        let asked = squares.map(|square| Scalar::sqrt(square.max(0.0)));
+        // What is no number stays none.
+        let asked = squares.map(|square| Scalar::sqrt(if square < 0.0 { 0.0 } else { square }));
         let greatest = asked.into_iter().fold(0.0, f64::max);
         RotorSpeeds {
-            speed: asked.map(|speed| speed.min(self.greatest_speed)),
+            speed: asked.map(|speed| if speed > self.greatest_speed { self.greatest_speed } else { speed }),
             least_square,
             greatest,
             saturated: least_square < 0.0 || greatest > self.greatest_speed,
@@ -99,6 +100,13 @@ mod tests {
         let back = mixer.effort(&speeds.speed);
         assert!((back.thrust - 420.0).abs() < 1e-9 && !speeds.saturated);
         assert!(back.torque.iter().zip(effort.torque).all(|(a, b)| (a - b).abs() < 1e-9));
+    }
+
+    #[test]
+    fn what_is_no_number_is_no_speed() {
+        let mixer = Mixer::new(&Params::default());
+        let speeds = mixer.speeds(&Effort { thrust: f64::NAN, torque: [0.0; 3] });
+        assert!(speeds.speed.iter().all(|speed| speed.is_nan()));
     }
 
     #[test]

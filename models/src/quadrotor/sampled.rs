@@ -27,8 +27,8 @@ impl Landing {
         }
         let mut way = Way::new();
         let mut stepper = Rk4Stepper::new(&state);
-        for i in 0_u32.. {
-            let t = f64::from(i) * period;
+        for i in 0_u64.. {
+            let t = i as f64 * period;
             let seen = sensor(t, &state);
             if !seen.is_finite() {
                 return Err(LandingError::Sensor { time: t });
@@ -58,6 +58,6 @@ impl Landing {
             }
             return Ok(self.touchdown(t + below, step(below)?, &way));
         }
-        unreachable!("t_end is finite")
+        unreachable!("t passes t_end before the counter ends")
     }
 }
