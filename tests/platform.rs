@@ -460,6 +460,24 @@ fn bad_platforms_and_poses() {
     // θ = 90°: the legs are fine, the angles are not.
     let upended = platform.leg_forces(&[0.0, 0.0, 1.5, 0.0, FRAC_PI_2, 0.0], &[0.0; 6], &[0.0; 6]);
     assert!(matches!(upended, Err(PoseError::Singular { .. })), "{upended:?}");
+    // Nor do accelerations follow there, or so near that M, which goes as cos² θ, is rounding.
+    for off in [0.0, 1e-12, -1e-8, 1e-5] {
+        for side in [1.0, -1.0] {
+            let q = [0.0, 0.0, 1.5, 0.2, side * (FRAC_PI_2 + off), 0.3];
+            let upended = platform.accelerations(&q, &[0.1; 6], &[1000.0; 6]);
+            assert!(
+                matches!(upended, Err(PoseError::Singular { smallest, largest }) if smallest < 1e-5 && (largest - 2.0_f64.sqrt()).abs() < 1e-9),
+                "{upended:?}"
+            );
+        }
+    }
+    // Where they are given they are right.
+    let (q, qd, qdd) = ([0.0, 0.0, 1.5, 0.2, FRAC_PI_2 - 1e-3, 0.3], [0.1; 6], [0.5; 6]);
+    let forces = platform.leg_forces(&q, &qd, &qdd).unwrap();
+    assert_close("q̈ near θ = 90°", &platform.accelerations(&q, &qd, &forces).unwrap(), &qdd, 1e-6);
+    // The legs of equal plates cannot hold the platform, and yet it falls.
+    let falling = stacked.accelerations(&HOME, &[0.0; 6], &[0.0; 6]).unwrap();
+    assert!(falling[2] < -9.0, "{falling:?}");
 }
 
 #[test]
