@@ -10,11 +10,12 @@ use std::time::Instant;
 
 use mbs_derive::expr::Graph;
 use mbs_derive::{declared, derived};
-use mbs_models::platform::control::ComputedTorque;
+use mbs_models::platform::control::{ComputedTorque, NotControlled};
 use mbs_models::platform::direct::Newton;
 use mbs_models::platform::dynamics::{Direction, STILL};
 use mbs_models::platform::geometry::{Plate, attitude};
 use mbs_models::platform::leg::{LegMotion, NotSpherical};
+use mbs_models::platform::limits::{InvalidLimits, NotSurveyed};
 use mbs_models::platform::{
     ActuatorLimits, Coordinates, HOME, InvalidPlatform, LegVector, Motion, NotFound, Platform, PoseError, Quantity,
 };
@@ -579,6 +580,45 @@ fn motions_beyond_the_limits_are_flagged_with_leg_and_time() {
     let weak = ActuatorLimits { force: 100.0, ..platform.limits };
     assert!(weak.saturated(&[f64::NAN; 6]).iter().all(|force| force.is_nan()));
     assert_eq!(weak.saturated(&[50.0, 200.0, -200.0, 0.0, -50.0, 100.0]), [50.0, 100.0, -100.0, 0.0, -50.0, 100.0]);
+}
+
+#[test]
+fn limits_that_nothing_can_keep_are_refused() {
+    let mut platform = Platform::default();
+    let good = platform.limits;
+    assert_eq!(good.check(), Ok(()));
+    let free = ActuatorLimits { shortest: 0.0, longest: f64::INFINITY, speed: f64::INFINITY, force: f64::INFINITY };
+    assert_eq!(free.check(), Ok(()));
+    let crossed = ActuatorLimits { shortest: 1.8, ..good };
+    assert_eq!(crossed.check(), Err(InvalidLimits::Stroke { shortest: 1.8, longest: 1.70 }));
+    for limits in [
+        ActuatorLimits { shortest: -0.1, ..good },
+        ActuatorLimits { shortest: f64::NAN, ..good },
+        ActuatorLimits { longest: f64::NAN, ..good },
+    ] {
+        assert!(matches!(limits.check(), Err(InvalidLimits::Stroke { .. })), "{limits:?}");
+    }
+    let control = ComputedTorque::critically_damped(5.0).unwrap();
+    for bad in [0.0, -1.0, f64::NAN] {
+        for (limits, of) in [
+            (ActuatorLimits { speed: bad, ..good }, Quantity::Speed),
+            (ActuatorLimits { force: bad, ..good }, Quantity::Force),
+        ] {
+            let refused = limits.check().unwrap_err();
+            assert!(
+                matches!(refused, InvalidLimits::Bound { quantity, bound } if quantity == of && bound.to_bits() == bad.to_bits()),
+                "{refused:?}"
+            );
+            // Who uses them refuses them.
+            platform.limits = limits;
+            let survey = platform.survey(&Motion::COMBINED, 1.0, 0.1);
+            assert!(matches!(survey, Err(NotSurveyed::Limits(InvalidLimits::Bound { .. }))), "{survey:?}");
+            let forces = control.limited_forces(&platform, &Motion::COMBINED.at(0.0), &HOME, &[0.0; 6]);
+            assert!(matches!(forces, Err(NotControlled::Limits(InvalidLimits::Bound { .. }))), "{forces:?}");
+        }
+    }
+    let weak = ActuatorLimits { force: -5.0, ..good }.check().unwrap_err();
+    assert_eq!(weak.to_string(), "the largest force must be positive, found -5 N");
 }
 
 /// The errors obey `ë + 2 ω ė + ω² e = 0`, of which the solution is known.
