@@ -583,6 +583,43 @@ fn motions_beyond_the_limits_are_flagged_with_leg_and_time() {
 }
 
 #[test]
+fn surveys_without_samples_or_without_end_are_refused() {
+    let (platform, motion) = (Platform::default(), Motion::COMBINED);
+    let bad = [
+        (4.0, 0.0),
+        (4.0, -0.01),
+        (4.0, f64::NAN),
+        (4.0, f64::INFINITY),
+        (f64::NAN, 0.01),
+        (-1.0, 0.01),
+        (f64::INFINITY, 0.01),
+        // 10⁷ + 1 samples, more than a counter of 32 bits holds, and more than any.
+        (1e5, 0.01),
+        (4.0, 1e-10),
+        (4.0, f64::MIN_POSITIVE),
+    ];
+    for (end, step) in bad {
+        match platform.survey(&motion, end, step) {
+            Err(NotSurveyed::InvalidSampling { end: found_end, step: found_step }) => {
+                assert_eq!([found_end, found_step].map(f64::to_bits), [end, step].map(f64::to_bits));
+            }
+            other => panic!("{end} {step}: {other:?}"),
+        }
+    }
+    // One sample: the start.
+    for (end, step) in [(0.0, 0.01), (0.5, 1.0)] {
+        let survey = platform.survey(&motion, end, step).unwrap();
+        assert_eq!(survey.condition.1, 0.0);
+        let lengths = platform.lengths(&motion.at(0.0)[0]).unwrap();
+        assert_eq!(survey.length[1], lengths.into_iter().fold(0.0, f64::max));
+    }
+    // The moment at which a pose ends it: level at 0 s, upended after a second.
+    let turning = Motion { sine: [0.0, 0.0, 0.0, 0.0, FRAC_PI_2, 0.0], ..Motion::TABLE_3 };
+    let upended = platform.survey(&turning, 4.0, 1.0);
+    assert!(matches!(upended, Err(NotSurveyed::Pose { time: 1.0, error: PoseError::Singular { .. } })), "{upended:?}");
+}
+
+#[test]
 fn limits_that_nothing_can_keep_are_refused() {
     let mut platform = Platform::default();
     let good = platform.limits;

@@ -221,9 +221,19 @@ pub struct Survey {
     pub condition: (f64, f64),
 }
 
+/// A survey has no more samples than this.
+pub const MOST_SAMPLES: u32 = 10_000_000;
+
 /// Why there is no survey of a motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum NotSurveyed {
+    /// The end is negative, the step is not positive, one of them is infinite or NaN, or there are more than [`MOST_SAMPLES`].
+    InvalidSampling {
+        /// The last moment \[s\].
+        end: f64,
+        /// Between samples \[s\].
+        step: f64,
+    },
     /// Nothing can keep the limits.
     Limits(InvalidLimits),
     /// A sample has no legs or no forces.
@@ -238,6 +248,9 @@ pub enum NotSurveyed {
 impl fmt::Display for NotSurveyed {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
+            Self::InvalidSampling { end, step } => {
+                write!(f, "samples every {step} s up to {end} s are none, without end or more than {MOST_SAMPLES}")
+            }
             Self::Limits(error) => error.fmt(f),
             Self::Pose { time, error } => write!(f, "t = {time:.3} s: {error}"),
         }
@@ -281,8 +294,13 @@ impl Platform {
     /// What the motion asks of the legs, sampled at `0, step, 2 step, …` up to `end` \[s\].
     ///
     /// # Errors
-    /// [`NotSurveyed::Limits`]; [`NotSurveyed::Pose`], the first sample that has no legs or no forces.
+    /// [`NotSurveyed::InvalidSampling`]; [`NotSurveyed::Limits`]; [`NotSurveyed::Pose`], the first sample that has no legs or no forces.
     pub fn survey(&self, motion: &Motion, end: f64, step: f64) -> Result<Survey, NotSurveyed> {
+        // NaN compares false.
+        let sampled = step > 0.0 && step.is_finite() && end >= 0.0 && end / step < f64::from(MOST_SAMPLES);
+        if !sampled {
+            return Err(NotSurveyed::InvalidSampling { end, step });
+        }
         self.limits.check()?;
         let mut survey = Survey {
             excesses: [[None; 4]; 6],
@@ -294,8 +312,7 @@ impl Platform {
         let mut sample = 0_u32;
         loop {
             let t = f64::from(sample) * step;
-            // A step of zero or NaN is one sample.
-            if sample > 0 && !(t <= end && step > 0.0) {
+            if t > end {
                 return Ok(survey);
             }
             let [q, qd, qdd] = motion.at(t);
