@@ -513,6 +513,33 @@ fn derivatives_of_forces_are_those_of_finite_differences() {
         // Differences are good to h² and ε/h.
         assert_close(name, &got, &want, 1e-7);
     }
+    // Displaced along each coordinate, and along all of them, while the rates stay.
+    let displaced = |dq: &Coordinates, h: f64| {
+        let q = std::array::from_fn(|i| q[i] + h * dq[i]);
+        platform.leg_forces(&q, &qd, &qdd).unwrap()
+    };
+    let one = |coordinate: usize| std::array::from_fn(|i| if i == coordinate { 1.0 } else { 0.0 });
+    for (name, dq) in [
+        ("x", one(0)),
+        ("y", one(1)),
+        ("z", one(2)),
+        ("φ", one(3)),
+        ("θ", one(4)),
+        ("ψ", one(5)),
+        ("all", [0.3, -0.2, 0.1, -0.5, 0.4, 0.6]),
+    ] {
+        let got = platform.leg_forces_displaced(&dq, &q, &qd, &qdd).unwrap();
+        let h = 1e-5;
+        let (more, less) = (displaced(&dq, h), displaced(&dq, -h));
+        let want: LegVector = std::array::from_fn(|i| (more[i] - less[i]) / (2.0 * h));
+        assert_close(name, &got, &want, 1e-7);
+    }
+    // The terms of velocity are in them: at rest, derivatives differ by more than differences could.
+    let (moving, still) = (
+        platform.leg_forces_displaced(&one(3), &q, &qd, &qdd).unwrap(),
+        platform.leg_forces_displaced(&one(3), &q, &[0.0; 6], &qdd).unwrap(),
+    );
+    assert!((0..6).any(|i| (moving[i] - still[i]).abs() > 1e-3 * moving[i].abs()), "{moving:?} {still:?}");
 }
 
 /// `∂F/∂k` against the forces of a platform on springs, whose pose is found by balance.
