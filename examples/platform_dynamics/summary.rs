@@ -133,7 +133,7 @@ fn print_studies(platform: &Platform) -> Result<(), Failure> {
 }
 
 fn print_sensitivity(platform: &Platform) -> Result<(), Failure> {
-    println!("\nDerivatives of the forces of legs 1 to 6, table 3 at 0 s, payload 300 kg");
+    println!("\nDerivatives of the forces of legs 1 to 6, combined motion at {MOMENT} s, payload 300 kg");
     for (by, unit, derivatives) in sensitivity::rows(platform)? {
         println!("  {} {unit} by {by}", row(&derivatives, 4));
     }
