@@ -363,8 +363,10 @@ fn direct_kinematics_from_a_hundred_thousand_starts() {
         1e9 * sines[500]
     );
     assert!(worst <= 1e-12, "{worst:e}");
-    // In units of an instruction of the same process; code that is not optimised says nothing.
-    assert!(cfg!(debug_assertions) || ratio <= 200.0, "{ratio}");
+    // In sines with their cosine of the same process, which a busy machine slows alike. Optimised code keeps to 200; test builds
+    // are optimised by half and checked, take 140 to 150 of a library's sines that are optimised in full, and are given room of two.
+    let most = if cfg!(debug_assertions) { 300.0 } else { 200.0 };
+    assert!(ratio <= most, "{ratio} > {most}");
 }
 
 #[test]
