@@ -10,11 +10,12 @@ use std::time::Instant;
 
 use mbs_derive::expr::Graph;
 use mbs_derive::{declared, derived};
-use mbs_models::platform::control::ComputedTorque;
+use mbs_models::platform::control::{ComputedTorque, NotControlled};
 use mbs_models::platform::direct::Newton;
 use mbs_models::platform::dynamics::{Direction, STILL};
 use mbs_models::platform::geometry::{Plate, attitude};
 use mbs_models::platform::leg::{LegMotion, NotSpherical};
+use mbs_models::platform::limits::{InvalidLimits, NotSurveyed};
 use mbs_models::platform::{
     ActuatorLimits, Coordinates, HOME, InvalidPlatform, LegVector, Motion, NotFound, Platform, PoseError, Quantity,
 };
@@ -240,9 +241,12 @@ fn the_printed_mass_matrix_is_wrong() {
     let coupling = (0..36).filter(|i| i / 6 != i % 6).map(|i| matrix[i / 6][i % 6].abs()).fold(0.0, f64::max);
     assert!((coupling - 119.628_893_702).abs() < 1e-8, "{coupling}");
     let (right, wrong) = (bare.leg_forces(&q, &qd, &qdd).unwrap(), bare.printed_leg_forces(&q, &qd, &qdd).unwrap());
-    // 22 N of 1425 N here: the motion is slow.
-    let worst = (0..6).map(|i| (right[i] - wrong[i]).abs()).fold(0.0, f64::max);
-    assert!(worst > 10.0, "{worst}");
+    let off: LegVector = std::array::from_fn(|i| (right[i] - wrong[i]).abs());
+    let leg = (0..6).max_by(|&i, &j| off[i].total_cmp(&off[j])).expect("six legs");
+    // The worst leg is off by 18.8 N of 907.7 N, two parts of a hundred: the motion is slow.
+    assert_eq!(leg, 1);
+    assert!((right[leg] / 907.727_073_077 - 1.0).abs() < 1e-6, "{}", right[leg]);
+    assert!((off[leg] / 18.842_506_900 - 1.0).abs() < 1e-6, "{}", off[leg]);
     // It is right where its assumptions hold.
     let level = bare.with_payload(0.0).unwrap().without_actuator_inertia();
     let (matrix, printed_level) = (level.model().mass_matrix(&HOME), level.printed_mass_matrix());
@@ -359,8 +363,10 @@ fn direct_kinematics_from_a_hundred_thousand_starts() {
         1e9 * sines[500]
     );
     assert!(worst <= 1e-12, "{worst:e}");
-    // In units of an instruction of the same process; code that is not optimised says nothing.
-    assert!(cfg!(debug_assertions) || ratio <= 200.0, "{ratio}");
+    // In sines with their cosine of the same process, which a busy machine slows alike. Optimised code keeps to 200; test builds
+    // are optimised by half and checked, take 140 to 150 of a library's sines that are optimised in full, and are given room of two.
+    let most = if cfg!(debug_assertions) { 300.0 } else { 200.0 };
+    assert!(ratio <= most, "{ratio} > {most}");
 }
 
 #[test]
@@ -460,6 +466,24 @@ fn bad_platforms_and_poses() {
     // θ = 90°: the legs are fine, the angles are not.
     let upended = platform.leg_forces(&[0.0, 0.0, 1.5, 0.0, FRAC_PI_2, 0.0], &[0.0; 6], &[0.0; 6]);
     assert!(matches!(upended, Err(PoseError::Singular { .. })), "{upended:?}");
+    // Nor do accelerations follow there, or so near that M, which goes as cos² θ, is rounding.
+    for off in [0.0, 1e-12, -1e-8, 1e-5] {
+        for side in [1.0, -1.0] {
+            let q = [0.0, 0.0, 1.5, 0.2, side * (FRAC_PI_2 + off), 0.3];
+            let upended = platform.accelerations(&q, &[0.1; 6], &[1000.0; 6]);
+            assert!(
+                matches!(upended, Err(PoseError::Singular { smallest, largest }) if smallest < 1e-5 && (largest - 2.0_f64.sqrt()).abs() < 1e-9),
+                "{upended:?}"
+            );
+        }
+    }
+    // Where they are given they are right.
+    let (q, qd, qdd) = ([0.0, 0.0, 1.5, 0.2, FRAC_PI_2 - 1e-3, 0.3], [0.1; 6], [0.5; 6]);
+    let forces = platform.leg_forces(&q, &qd, &qdd).unwrap();
+    assert_close("q̈ near θ = 90°", &platform.accelerations(&q, &qd, &forces).unwrap(), &qdd, 1e-6);
+    // The legs of equal plates cannot hold the platform, and yet it falls.
+    let falling = stacked.accelerations(&HOME, &[0.0; 6], &[0.0; 6]).unwrap();
+    assert!(falling[2] < -9.0, "{falling:?}");
 }
 
 #[test]
@@ -491,6 +515,33 @@ fn derivatives_of_forces_are_those_of_finite_differences() {
         // Differences are good to h² and ε/h.
         assert_close(name, &got, &want, 1e-7);
     }
+    // Displaced along each coordinate, and along all of them, while the rates stay.
+    let displaced = |dq: &Coordinates, h: f64| {
+        let q = std::array::from_fn(|i| q[i] + h * dq[i]);
+        platform.leg_forces(&q, &qd, &qdd).unwrap()
+    };
+    let one = |coordinate: usize| std::array::from_fn(|i| if i == coordinate { 1.0 } else { 0.0 });
+    for (name, dq) in [
+        ("x", one(0)),
+        ("y", one(1)),
+        ("z", one(2)),
+        ("φ", one(3)),
+        ("θ", one(4)),
+        ("ψ", one(5)),
+        ("all", [0.3, -0.2, 0.1, -0.5, 0.4, 0.6]),
+    ] {
+        let got = platform.leg_forces_displaced(&dq, &q, &qd, &qdd).unwrap();
+        let h = 1e-5;
+        let (more, less) = (displaced(&dq, h), displaced(&dq, -h));
+        let want: LegVector = std::array::from_fn(|i| (more[i] - less[i]) / (2.0 * h));
+        assert_close(name, &got, &want, 1e-7);
+    }
+    // The terms of velocity are in them: at rest, derivatives differ by more than differences could.
+    let (moving, still) = (
+        platform.leg_forces_displaced(&one(3), &q, &qd, &qdd).unwrap(),
+        platform.leg_forces_displaced(&one(3), &q, &[0.0; 6], &qdd).unwrap(),
+    );
+    assert!((0..6).any(|i| (moving[i] - still[i]).abs() > 1e-3 * moving[i].abs()), "{moving:?} {still:?}");
 }
 
 /// `∂F/∂k` against the forces of a platform on springs, whose pose is found by balance.
@@ -561,6 +612,82 @@ fn motions_beyond_the_limits_are_flagged_with_leg_and_time() {
     let weak = ActuatorLimits { force: 100.0, ..platform.limits };
     assert!(weak.saturated(&[f64::NAN; 6]).iter().all(|force| force.is_nan()));
     assert_eq!(weak.saturated(&[50.0, 200.0, -200.0, 0.0, -50.0, 100.0]), [50.0, 100.0, -100.0, 0.0, -50.0, 100.0]);
+}
+
+#[test]
+fn surveys_without_samples_or_without_end_are_refused() {
+    let (platform, motion) = (Platform::default(), Motion::COMBINED);
+    let bad = [
+        (4.0, 0.0),
+        (4.0, -0.01),
+        (4.0, f64::NAN),
+        (4.0, f64::INFINITY),
+        (f64::NAN, 0.01),
+        (-1.0, 0.01),
+        (f64::INFINITY, 0.01),
+        // 10⁷ + 1 samples, more than a counter of 32 bits holds, and more than any.
+        (1e5, 0.01),
+        (4.0, 1e-10),
+        (4.0, f64::MIN_POSITIVE),
+    ];
+    for (end, step) in bad {
+        match platform.survey(&motion, end, step) {
+            Err(NotSurveyed::InvalidSampling { end: found_end, step: found_step }) => {
+                assert_eq!([found_end, found_step].map(f64::to_bits), [end, step].map(f64::to_bits));
+            }
+            other => panic!("{end} {step}: {other:?}"),
+        }
+    }
+    // One sample: the start.
+    for (end, step) in [(0.0, 0.01), (0.5, 1.0)] {
+        let survey = platform.survey(&motion, end, step).unwrap();
+        assert_eq!(survey.condition.1, 0.0);
+        let lengths = platform.lengths(&motion.at(0.0)[0]).unwrap();
+        assert_eq!(survey.length[1], lengths.into_iter().fold(0.0, f64::max));
+    }
+    // The moment at which a pose ends it: level at 0 s, upended after a second.
+    let turning = Motion { sine: [0.0, 0.0, 0.0, 0.0, FRAC_PI_2, 0.0], ..Motion::TABLE_3 };
+    let upended = platform.survey(&turning, 4.0, 1.0);
+    assert!(matches!(upended, Err(NotSurveyed::Pose { time: 1.0, error: PoseError::Singular { .. } })), "{upended:?}");
+}
+
+#[test]
+fn limits_that_nothing_can_keep_are_refused() {
+    let mut platform = Platform::default();
+    let good = platform.limits;
+    assert_eq!(good.check(), Ok(()));
+    let free = ActuatorLimits { shortest: 0.0, longest: f64::INFINITY, speed: f64::INFINITY, force: f64::INFINITY };
+    assert_eq!(free.check(), Ok(()));
+    let crossed = ActuatorLimits { shortest: 1.8, ..good };
+    assert_eq!(crossed.check(), Err(InvalidLimits::Stroke { shortest: 1.8, longest: 1.70 }));
+    for limits in [
+        ActuatorLimits { shortest: -0.1, ..good },
+        ActuatorLimits { shortest: f64::NAN, ..good },
+        ActuatorLimits { longest: f64::NAN, ..good },
+    ] {
+        assert!(matches!(limits.check(), Err(InvalidLimits::Stroke { .. })), "{limits:?}");
+    }
+    let control = ComputedTorque::critically_damped(5.0).unwrap();
+    for bad in [0.0, -1.0, f64::NAN] {
+        for (limits, of) in [
+            (ActuatorLimits { speed: bad, ..good }, Quantity::Speed),
+            (ActuatorLimits { force: bad, ..good }, Quantity::Force),
+        ] {
+            let refused = limits.check().unwrap_err();
+            assert!(
+                matches!(refused, InvalidLimits::Bound { quantity, bound } if quantity == of && bound.to_bits() == bad.to_bits()),
+                "{refused:?}"
+            );
+            // Who uses them refuses them.
+            platform.limits = limits;
+            let survey = platform.survey(&Motion::COMBINED, 1.0, 0.1);
+            assert!(matches!(survey, Err(NotSurveyed::Limits(InvalidLimits::Bound { .. }))), "{survey:?}");
+            let forces = control.limited_forces(&platform, &Motion::COMBINED.at(0.0), &HOME, &[0.0; 6]);
+            assert!(matches!(forces, Err(NotControlled::Limits(InvalidLimits::Bound { .. }))), "{forces:?}");
+        }
+    }
+    let weak = ActuatorLimits { force: -5.0, ..good }.check().unwrap_err();
+    assert_eq!(weak.to_string(), "the largest force must be positive, found -5 N");
 }
 
 /// The errors obey `ë + 2 ω ė + ω² e = 0`, of which the solution is known.

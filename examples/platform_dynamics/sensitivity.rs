@@ -1,5 +1,5 @@
 //! What the forces of the legs depend on: derivatives by parameters, by the attitude and by the stiffness of the legs, all of
-//! them by differentiation, at one state of motion.
+//! them by differentiation, at one state of motion. It has velocity, so that the terms of velocity are in the derivatives.
 
 use std::path::Path;
 
@@ -7,16 +7,17 @@ use mbs_examples::Failure;
 use mbs_models::platform::dynamics::{Direction, STILL};
 use mbs_models::platform::{LegVector, Motion, Platform};
 
+use crate::MOMENT;
+
 /// Of a leg along itself, assumed \[N/m\].
 pub(crate) const LEG_STIFFNESS: f64 = 2e7;
-/// The moment of the motion of table 3 \[s\].
-const TIME: f64 = 0.0;
 
 /// By what the forces are differentiated, the unit of the derivatives, and they themselves.
 pub(crate) type Row = (&'static str, &'static str, LegVector);
 
+/// At the moment of the combined motion at which matrices are shown.
 pub(crate) fn rows(platform: &Platform) -> Result<Vec<Row>, Failure> {
-    let [q, qd, qdd] = Motion::TABLE_3.at(TIME);
+    let [q, qd, qdd] = Motion::COMBINED.at(MOMENT);
     let along = |direction: Direction, per: f64| -> Result<LegVector, Failure> {
         Ok(platform.leg_forces_along(&direction, &q, &qd, &qdd)?.map(|derivative| derivative * per))
     };
@@ -43,21 +44,23 @@ pub(crate) fn rows(platform: &Platform) -> Result<Vec<Row>, Failure> {
 
 /// `Jᵀ K J` in the same pose: N/m, N and N·m.
 pub(crate) fn stiffness(platform: &Platform) -> Result<[[f64; 6]; 6], Failure> {
-    Ok(platform.stiffness(&Motion::TABLE_3.at(TIME)[0], &[LEG_STIFFNESS; 6])?)
+    Ok(platform.stiffness(&Motion::COMBINED.at(MOMENT)[0], &[LEG_STIFFNESS; 6])?)
 }
 
 /// The table as `sensitivity.csv`, the stiffness as `stiffness.csv`.
 pub(crate) fn write(folder: &Path, platform: &Platform) -> Result<(), Failure> {
+    // Where the platform cannot be held no file is begun.
+    let (rows, stiffness) = (rows(platform)?, stiffness(platform)?);
     let mut writer = csv::Writer::from_path(folder.join("sensitivity.csv"))?;
     writer.write_record(["by", "unit", "leg 1", "leg 2", "leg 3", "leg 4", "leg 5", "leg 6"])?;
-    for (by, unit, derivatives) in rows(platform)? {
+    for (by, unit, derivatives) in rows {
         let numbers = derivatives.iter().map(f64::to_string);
         writer.write_record([by.to_string(), unit.to_string()].into_iter().chain(numbers))?;
     }
     writer.flush()?;
     let mut writer = csv::Writer::from_path(folder.join("stiffness.csv"))?;
     writer.write_record(["v_x", "v_y", "v_z", "w_x", "w_y", "w_z"])?;
-    for row in stiffness(platform)? {
+    for row in stiffness {
         writer.write_record(row.iter().map(f64::to_string))?;
     }
     writer.flush()?;

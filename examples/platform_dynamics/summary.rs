@@ -133,7 +133,7 @@ fn print_studies(platform: &Platform) -> Result<(), Failure> {
 }
 
 fn print_sensitivity(platform: &Platform) -> Result<(), Failure> {
-    println!("\nDerivatives of the forces of legs 1 to 6, table 3 at 0 s, payload 300 kg");
+    println!("\nDerivatives of the forces of legs 1 to 6, combined motion at {MOMENT} s, payload 300 kg");
     for (by, unit, derivatives) in sensitivity::rows(platform)? {
         println!("  {} {unit} by {by}", row(&derivatives, 4));
     }
@@ -191,6 +191,8 @@ fn print_control(platform: &Platform) -> Result<(), Failure> {
 }
 
 /// `cases.csv`: what each motion asks of the legs, by payload; `limits.csv`: where it exceeds the limits, by payload and leg.
+///
+/// Forces in `limits.csv` are those on legs with mass; `cases.csv` has the largest ones on legs without mass too.
 pub(crate) fn write(folder: &Path, platform: &Platform) -> Result<(), Failure> {
     let studies = studies(platform)?;
     let header = [
@@ -200,7 +202,7 @@ pub(crate) fn write(folder: &Path, platform: &Platform) -> Result<(), Failure> {
         "longest leg [m]",
         "largest speed [m/s]",
         "largest condition",
-        "largest force [N]",
+        "largest force, legs with mass [N]",
         "largest force, legs without mass [N]",
     ];
     let rows = studies.iter().map(|Study { number, payload, with_actuators, without_actuators, .. }| {
@@ -222,6 +224,7 @@ pub(crate) fn write(folder: &Path, platform: &Platform) -> Result<(), Failure> {
         "first value",
         "worst time [s]",
         "worst value",
+        "legs",
     ])?;
     for study in &studies {
         for Excess { first, worst } in excesses(&study.with_actuators) {
@@ -237,6 +240,7 @@ pub(crate) fn write(folder: &Path, platform: &Platform) -> Result<(), Failure> {
                 first.value.to_string(),
                 worst.time.to_string(),
                 worst.value.to_string(),
+                "with mass".to_string(),
             ];
             writer.write_record(record)?;
         }

@@ -2,6 +2,7 @@
 
 use std::process::{Command, Output};
 
+use mbs_models::platform::{Motion, Platform};
 use serde_json::Value;
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_platform_dynamics");
@@ -111,9 +112,51 @@ fn writes_figures_and_tables() {
     assert_eq!(cases.lines().count(), 1 + 8 * 3);
     let limits = std::fs::read_to_string(folder.path().join("limits.csv")).unwrap();
     assert!(limits.lines().any(|line| line.starts_with("6,table 4,1250,3,force,N,10000,")), "{limits}");
+    assert!(limits.lines().skip(1).all(|line| line.ends_with(",with mass")), "{limits}");
+    forces_beyond_the_limit_are_those_with_mass(&limits);
     let sensitivity = std::fs::read_to_string(folder.path().join("sensitivity.csv")).unwrap();
     assert_eq!(sensitivity.lines().count(), 10);
+    derivatives_are_those_of_a_moving_platform(&sensitivity);
     assert_eq!(std::fs::read_to_string(folder.path().join("stiffness.csv")).unwrap().lines().count(), 7);
+}
+
+/// The first force of each row, on legs with mass, at the moment the row names.
+fn forces_beyond_the_limit_are_those_with_mass(table: &str) {
+    let mut compared = 0;
+    for row in table.lines().map(|line| line.split(',').collect::<Vec<_>>()).filter(|row| row[4] == "force") {
+        let [motion, leg] = [0, 3].map(|i| row[i].parse::<usize>().unwrap() - 1);
+        let [payload, time, force] = [2, 7, 8].map(|i| row[i].parse::<f64>().unwrap());
+        let [q, qd, qdd] = Motion::CASES[motion].1.at(time);
+        let loaded = Platform::default().with_payload(payload).unwrap();
+        let forces = |platform: Platform| platform.leg_forces(&q, &qd, &qdd).unwrap()[leg];
+        assert_eq!(force, forces(loaded.clone()));
+        assert!((force - forces(loaded.without_actuator_inertia())).abs() > 1.0);
+        compared += 1;
+    }
+    assert!(compared > 0, "{table}");
+}
+
+/// The rows of φ, θ, ψ against differences of the forces over a hundredth of a degree, along the combined motion at 0.3 s.
+fn derivatives_are_those_of_a_moving_platform(table: &str) {
+    let (platform, [q, qd, qdd]) = (Platform::default(), Motion::COMBINED.at(0.3));
+    for (coordinate, name) in [(3, "φ"), (4, "θ"), (5, "ψ")] {
+        let row = table.lines().find_map(|line| line.strip_prefix(&format!("{name},N/°,"))).unwrap();
+        let row: Vec<f64> = row.split(',').map(|number| number.parse().unwrap()).collect();
+        let turned = |degrees: f64, qd: &[f64; 6]| {
+            let mut q = q;
+            q[coordinate] += degrees.to_radians();
+            platform.leg_forces(&q, qd, &qdd).unwrap()
+        };
+        let differences = |qd: &[f64; 6]| -> Vec<f64> {
+            let (more, less) = (turned(0.01, qd), turned(-0.01, qd));
+            (0..6).map(|leg| (more[leg] - less[leg]) / 0.02).collect()
+        };
+        let scale = row.iter().fold(0.0_f64, |largest, x| largest.max(x.abs()));
+        let off = |wanted: &[f64]| (0..6).map(|leg| (row[leg] - wanted[leg]).abs() / scale).fold(0.0, f64::max);
+        assert!(off(&differences(&qd)) < 1e-6, "{name}: {row:?} {:?}", differences(&qd));
+        // At rest they are others.
+        assert!(off(&differences(&[0.0; 6])) > 1e-4, "{name}: {row:?}");
+    }
 }
 
 #[test]

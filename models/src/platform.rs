@@ -98,7 +98,8 @@ pub enum PoseError {
     },
     /// The legs do not hold the platform, or the angles do not tell its attitude (θ = ±90°).
     Singular {
-        /// The smallest singular value of the Jacobian by coordinates.
+        /// The smallest singular value of the Jacobian by coordinates; where accelerations are asked for, of the matrix of
+        /// angular rates.
         smallest: f64,
         /// The largest one.
         largest: f64,
@@ -111,7 +112,7 @@ impl fmt::Display for PoseError {
             Self::NonFinite => f.write_str("a coordinate, rate, acceleration or force is infinite or NaN"),
             Self::ZeroLength { leg, length } => write!(f, "leg {leg} has the length {length:e} m, and no direction"),
             Self::Singular { smallest, largest } => {
-                write!(f, "the pose is singular: singular values of the Jacobian from {largest} down to {smallest:e}")
+                write!(f, "the pose is singular: singular values from {largest} down to {smallest:e}")
             }
         }
     }

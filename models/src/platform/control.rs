@@ -29,6 +29,7 @@
 use core::error::Error;
 use core::fmt;
 
+use super::limits::InvalidLimits;
 use super::{Coordinates, LegVector, Platform, PoseError};
 
 /// A gain that is not a positive number.
@@ -47,6 +48,38 @@ impl fmt::Display for InvalidGain {
 }
 
 impl Error for InvalidGain {}
+
+/// Why there are no forces within the limits.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum NotControlled {
+    /// Nothing can keep the limits.
+    Limits(InvalidLimits),
+    /// The pose, the reference or the forces.
+    Pose(PoseError),
+}
+
+impl fmt::Display for NotControlled {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Limits(error) => error.fmt(f),
+            Self::Pose(error) => error.fmt(f),
+        }
+    }
+}
+
+impl Error for NotControlled {}
+
+impl From<InvalidLimits> for NotControlled {
+    fn from(error: InvalidLimits) -> Self {
+        Self::Limits(error)
+    }
+}
+
+impl From<PoseError> for NotControlled {
+    fn from(error: PoseError) -> Self {
+        Self::Pose(error)
+    }
+}
 
 /// Computed-torque control: the model turns the platform into six independent oscillators.
 ///
@@ -133,14 +166,15 @@ impl ComputedTorque {
     /// The forces of the legs \[N\], cut to what the actuators of `platform` give.
     ///
     /// # Errors
-    /// [`PoseError`], as [`Platform::leg_forces`].
+    /// [`NotControlled::Limits`]; [`NotControlled::Pose`], as [`Platform::leg_forces`].
     pub fn limited_forces(
         &self,
         platform: &Platform,
         reference: &[Coordinates; 3],
         q: &Coordinates,
         qd: &Coordinates,
-    ) -> Result<LegVector, PoseError> {
+    ) -> Result<LegVector, NotControlled> {
+        platform.limits.check()?;
         Ok(platform.limits.saturated(&self.forces(platform, reference, q, qd)?))
     }
 }

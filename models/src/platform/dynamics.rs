@@ -10,7 +10,7 @@
 use mbs_runtime::Dual;
 
 use super::geometry::Geometry;
-use super::jacobian::{by_coordinates, product, solved_transposed};
+use super::jacobian::{SINGULAR, by_coordinates, extreme_angular_rates, product, solved_transposed};
 use super::linear::{Lu, transpose};
 use super::{Coordinates, LegVector, Platform, PoseError, all_finite};
 use crate::stewart_platform::{Params, StewartPlatform};
@@ -78,8 +78,12 @@ impl Platform {
 
     /// Accelerations under these forces of the legs \[N\].
     ///
+    /// A pose that the legs cannot hold has accelerations too. One near θ = ±90° has none: M is singular there. Its condition
+    /// grows as the square of that of the [matrix of angular rates](super::jacobian::angular_rates).
+    ///
     /// # Errors
-    /// [`PoseError::NonFinite`], [`PoseError::ZeroLength`].
+    /// [`PoseError::NonFinite`], [`PoseError::ZeroLength`]; [`PoseError::Singular`], with the singular values of the matrix of
+    /// angular rates, where the square of their ratio is at most [`SINGULAR`], within 0.004° of ±90°.
     pub fn accelerations(
         &self,
         q: &Coordinates,
@@ -87,6 +91,10 @@ impl Platform {
         forces: &LegVector,
     ) -> Result<Coordinates, PoseError> {
         self.legs(q)?;
+        let [smallest, largest] = extreme_angular_rates(q);
+        if smallest * smallest <= SINGULAR * (largest * largest) {
+            return Err(PoseError::Singular { smallest, largest });
+        }
         let accelerations = self.model().forward_dynamics(q, qd, forces);
         if all_finite(&[&accelerations]) { Ok(accelerations) } else { Err(PoseError::NonFinite) }
     }

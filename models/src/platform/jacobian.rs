@@ -51,6 +51,15 @@ pub fn angular_rates<T: Scalar>(q: &Coordinates<T>) -> [[T; 3]; 3] {
     [[c3 * c2, -s3, T::zero()], [s3 * c2, c3, T::zero()], [-s2, T::zero(), T::one()]]
 }
 
+/// The smallest and the largest singular value of [`angular_rates`]: `|cos θ| / √(1 + |sin θ|)` and `√(1 + |sin θ|)`.
+///
+/// The third one is 1. In this form the smallest one does not suffer from cancellation.
+pub(crate) fn extreme_angular_rates(q: &Coordinates) -> [f64; 2] {
+    let (sin, cos) = Scalar::sin_cos(q[4]);
+    let largest = Scalar::sqrt(1.0 + sin.abs());
+    [cos.abs() / largest, largest]
+}
+
 /// `J_q` of these legs.
 #[must_use]
 pub fn by_coordinates<T: Scalar>(legs: &Legs<T>, q: &Coordinates<T>) -> Jacobian<T> {

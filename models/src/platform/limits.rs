@@ -1,5 +1,6 @@
 //! What the actuators allow: stroke, speed and force; and where a motion exceeds it.
 
+use core::error::Error;
 use core::fmt;
 
 use super::{Coordinates, LegVector, Motion, Platform, PoseError};
@@ -17,6 +18,38 @@ pub struct ActuatorLimits {
     pub force: f64,
 }
 
+/// Limits that nothing can keep.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum InvalidLimits {
+    /// The stroke is crossed, begins below zero, or NaN bounds it.
+    Stroke {
+        /// The shortest length \[m\].
+        shortest: f64,
+        /// The longest one \[m\].
+        longest: f64,
+    },
+    /// The speed or the force is not positive.
+    Bound {
+        /// Which.
+        quantity: Quantity,
+        /// The bound \[m/s or N\].
+        bound: f64,
+    },
+}
+
+impl fmt::Display for InvalidLimits {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match *self {
+            Self::Stroke { shortest, longest } => write!(f, "the legs have the stroke {shortest} to {longest} m"),
+            Self::Bound { quantity, bound } => {
+                write!(f, "the largest {quantity} must be positive, found {bound} {}", quantity.unit())
+            }
+        }
+    }
+}
+
+impl Error for InvalidLimits {}
+
 impl ActuatorLimits {
     /// 1.05 m to 1.70 m, 0.6 m/s, 10 kN.
     ///
@@ -24,13 +57,33 @@ impl ActuatorLimits {
     /// Assumed, of the size that a payload of 1500 kg asks for: no data of the manufacturer was at hand.
     pub const PS_6TL_1500: Self = Self { shortest: 1.05, longest: 1.70, speed: 0.6, force: 10e3 };
 
+    /// Whether the stroke holds a length, and speed and force are positive; infinite ones are.
+    ///
+    /// # Errors
+    /// [`InvalidLimits`], the first that is not so.
+    pub fn check(&self) -> Result<(), InvalidLimits> {
+        let Self { shortest, longest, speed, force } = *self;
+        // NaN compares false.
+        let in_order = 0.0 <= shortest && shortest <= longest;
+        if !in_order {
+            return Err(InvalidLimits::Stroke { shortest, longest });
+        }
+        for (quantity, bound) in [(Quantity::Speed, speed), (Quantity::Force, force)] {
+            let positive = bound > 0.0;
+            if !positive {
+                return Err(InvalidLimits::Bound { quantity, bound });
+            }
+        }
+        Ok(())
+    }
+
     /// Whether a leg of this length \[m\] is within the stroke; false for NaN.
     #[must_use]
     pub fn admits(&self, length: f64) -> bool {
         self.shortest <= length && length <= self.longest
     }
 
-    /// The forces \[N\], each cut to what the actuator gives.
+    /// The forces \[N\], each cut to what the actuator gives, for limits that pass the [check](Self::check).
     #[must_use]
     pub fn saturated(&self, forces: &LegVector) -> LegVector {
         // Where a force is NaN it stays so.
@@ -168,6 +221,50 @@ pub struct Survey {
     pub condition: (f64, f64),
 }
 
+/// A survey has no more samples than this.
+pub const MOST_SAMPLES: u32 = 10_000_000;
+
+/// Why there is no survey of a motion.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum NotSurveyed {
+    /// The end is negative, the step is not positive, one of them is infinite or NaN, or there are more than [`MOST_SAMPLES`].
+    InvalidSampling {
+        /// The last moment \[s\].
+        end: f64,
+        /// Between samples \[s\].
+        step: f64,
+    },
+    /// Nothing can keep the limits.
+    Limits(InvalidLimits),
+    /// A sample has no legs or no forces.
+    Pose {
+        /// Of which moment \[s\].
+        time: f64,
+        /// Why.
+        error: PoseError,
+    },
+}
+
+impl fmt::Display for NotSurveyed {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::InvalidSampling { end, step } => {
+                write!(f, "samples every {step} s up to {end} s are none, without end or more than {MOST_SAMPLES}")
+            }
+            Self::Limits(error) => error.fmt(f),
+            Self::Pose { time, error } => write!(f, "t = {time:.3} s: {error}"),
+        }
+    }
+}
+
+impl Error for NotSurveyed {}
+
+impl From<InvalidLimits> for NotSurveyed {
+    fn from(error: InvalidLimits) -> Self {
+        Self::Limits(error)
+    }
+}
+
 impl Survey {
     /// True where no limit is exceeded.
     #[must_use]
@@ -197,8 +294,14 @@ impl Platform {
     /// What the motion asks of the legs, sampled at `0, step, 2 step, …` up to `end` \[s\].
     ///
     /// # Errors
-    /// [`PoseError`] of the first sample that has no legs or no forces.
-    pub fn survey(&self, motion: &Motion, end: f64, step: f64) -> Result<Survey, PoseError> {
+    /// [`NotSurveyed::InvalidSampling`]; [`NotSurveyed::Limits`]; [`NotSurveyed::Pose`], the first sample that has no legs or no forces.
+    pub fn survey(&self, motion: &Motion, end: f64, step: f64) -> Result<Survey, NotSurveyed> {
+        // NaN compares false.
+        let sampled = step > 0.0 && step.is_finite() && end >= 0.0 && end / step < f64::from(MOST_SAMPLES);
+        if !sampled {
+            return Err(NotSurveyed::InvalidSampling { end, step });
+        }
+        self.limits.check()?;
         let mut survey = Survey {
             excesses: [[None; 4]; 6],
             length: [f64::INFINITY, f64::NEG_INFINITY],
@@ -209,19 +312,19 @@ impl Platform {
         let mut sample = 0_u32;
         loop {
             let t = f64::from(sample) * step;
-            // A step of zero or NaN is one sample.
-            if sample > 0 && !(t <= end && step > 0.0) {
+            if t > end {
                 return Ok(survey);
             }
             let [q, qd, qdd] = motion.at(t);
-            let legs = self.leg_state(&q, &qd, &qdd)?;
+            let pose = |error: PoseError| NotSurveyed::Pose { time: t, error };
+            let legs = self.leg_state(&q, &qd, &qdd).map_err(pose)?;
             for leg in 0..6 {
                 survey.length[0] = survey.length[0].min(legs.length[leg]);
                 survey.length[1] = survey.length[1].max(legs.length[leg]);
                 survey.speed = survey.speed.max(legs.rate[leg].abs());
                 survey.force = survey.force.max(legs.force[leg].abs());
             }
-            let condition = self.regularity(&q)?.condition;
+            let condition = self.regularity(&q).map_err(pose)?.condition;
             if condition > survey.condition.0 {
                 survey.condition = (condition, t);
             }
