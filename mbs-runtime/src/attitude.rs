@@ -117,7 +117,8 @@ pub fn exp(rotation_vector: &Vector3<f64>) -> Matrix3<f64> {
 /// |------------|----------------------------------------|---------|------|
 /// | `rotation` | a rotation; [`orthonormalized`] checks | `3 × 3` |      |
 ///
-/// The result \[rad\] is in the axes that `rotation` turns; the axis of a rotation is the same in both.
+/// The result \[rad\] is in the axes that `rotation` turns; the axis of a rotation is the same in both. An entry of `rotation`
+/// that is infinite or NaN gives NaN.
 ///
 /// ```
 /// use mbs_runtime::attitude::log;
@@ -151,6 +152,10 @@ pub fn log(rotation: &Matrix3<f64>) -> Vector3<f64> {
     }
     // q and −q are the same rotation: the one with w ≥ 0 has the angle up to π.
     let (v, w) = if w < 0.0 { (v.map(|x| -x), -w) } else { (v, w) };
+    // Every entry is in one of these four. `max` below would drop a NaN, and `atan2` an infinity.
+    if ![v[0], v[1], v[2], w].iter().all(|x| x.is_finite()) {
+        return Vector3::repeat(f64::NAN);
+    }
     // Scaled, so that no square vanishes while its root does not.
     let scale = v[0].abs().max(v[1].abs()).max(v[2].abs());
     if scale == 0.0 {
@@ -361,6 +366,21 @@ mod tests {
         let exchange = Matrix3::new(0.0, 1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, -1.0);
         let diagonal = Vector3::new(1.0, 1.0, 0.0) * (PI / Scalar::sqrt(2.0_f64));
         assert!((log(&exchange) - diagonal).amax() < 1e-15);
+    }
+
+    #[test]
+    fn no_entry_that_is_not_finite_is_lost() {
+        let half_turn = Matrix3::from_diagonal(&Vector3::new(-1.0, 1.0, -1.0));
+        for rotation in [Matrix3::identity(), half_turn, exp(&Vector3::new(0.3, 0.2, -0.5))] {
+            for (row, column) in (0..3).flat_map(|i| (0..3).map(move |j| (i, j))) {
+                for value in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+                    let mut broken = rotation;
+                    broken[(row, column)] = value;
+                    let found = log(&broken);
+                    assert!(found.iter().all(|x| x.is_nan()), "{value} at ({row}, {column}): {found:?}");
+                }
+            }
+        }
     }
 
     #[test]
