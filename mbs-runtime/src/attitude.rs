@@ -191,7 +191,8 @@ pub fn orthonormalized(matrix: &Matrix3<f64>) -> Result<Matrix3<f64>, NotARotati
 /// ```
 ///
 /// # Errors
-/// [`NotARotation`], as [`check_rotation`].
+/// [`NotARotation`], as [`check_rotation`]; [`NotARotation::NotOrthogonal`] with what is left after the iteration, if it does
+/// not come to 1e-12, as for matrices that are nearly singular.
 ///
 /// # Source
 /// Newton's iteration `X ← ½ (X + X⁻ᵀ)`: N. J. Higham, *Computing the polar decomposition – with applications*, SIAM Journal
@@ -207,11 +208,14 @@ pub fn orthonormalized_within(matrix: &Matrix3<f64>, tolerance: f64) -> Result<M
         x = 0.5 * (x + cofactors(&x) / x.determinant());
         error = defect(&x).0;
     }
-    Ok(x)
+    // Where an entry is NaN so is the error, and no comparison with it holds.
+    if error <= ACCURACY { Ok(x) } else { Err(NotARotation::NotOrthogonal { error, tolerance: ACCURACY }) }
 }
 
 /// What rounding leaves of `RᵀR − 1` where every entry is within half a unit in the last place, or nearly.
 const ROUNDING: f64 = 8.0 * f64::EPSILON;
+/// What may be left of `RᵀR − 1` in a result.
+const ACCURACY: f64 = 1e-12;
 /// Newton's steps from a matrix of positive determinant whose error is some thousands, with room.
 const NEWTON_STEPS: usize = 30;
 
@@ -402,6 +406,15 @@ mod tests {
             let large = Matrix3::new(3.0, 0.5, 0.0, 0.5, 0.2, 0.1, 0.0, 0.1, 7.0);
             let found = orthonormalized_within(&(rotation * large), 100.0).expect("within the tolerance");
             assert!(largest(found - rotation) < 1e-13);
+        }
+        // Nearly singular, the iteration ends far from a rotation, or in numbers that are none.
+        for least in [1e-30, 1e-200, 1e-305, 5e-324] {
+            let flat = Matrix3::from_diagonal(&Vector3::new(least, 1.0, 1.0));
+            let refused = orthonormalized_within(&flat, 2.0);
+            assert!(
+                matches!(refused, Err(NotARotation::NotOrthogonal { error, tolerance }) if !(error <= 1e-12) && tolerance == 1e-12),
+                "{least:e}: {refused:?}"
+            );
         }
         let exact = exp(&Vector3::new(0.1, -0.7, 0.4));
         assert_eq!(orthonormalized(&exact), Ok(exact), "what is a rotation stays as it is");
