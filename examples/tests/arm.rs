@@ -7,6 +7,7 @@ use serde_json::Value;
 
 const KINEMATICS: &str = env!("CARGO_BIN_EXE_arm_kinematics");
 const TRAJECTORY: &str = env!("CARGO_BIN_EXE_arm_trajectory");
+const SPEED: &str = env!("CARGO_BIN_EXE_arm_speed");
 
 fn run(program: &str, arguments: &[&str]) -> Output {
     Command::new(program).args(arguments).output().unwrap()
@@ -246,13 +247,15 @@ fn the_same_bytes_again() {
 
 #[test]
 fn wrong_usage_ends_with_2_and_a_folder_that_cannot_be_with_1() {
-    for program in [KINEMATICS, TRAJECTORY] {
+    for program in [KINEMATICS, TRAJECTORY, SPEED] {
         for arguments in [&["--fast"][..], &["--out"]] {
             let output = run(program, arguments);
             assert_eq!(output.status.code(), Some(2));
             assert!(String::from_utf8_lossy(&output.stderr).contains("usage: [--json] [--out DIR]"));
             assert!(output.stdout.is_empty());
         }
+    }
+    for program in [KINEMATICS, TRAJECTORY] {
         let file = tempfile::NamedTempFile::new().unwrap();
         let inside = file.path().join("folder");
         let output = run(program, &["--out", inside.to_str().unwrap()]);
