@@ -6,9 +6,9 @@
 //! that the two are held to.
 
 use std::hint::black_box;
-use std::path::PathBuf;
 use std::time::Instant;
 
+use mbs_examples::{Failure, arguments::Arguments};
 use mbs_models::arm::{Arm, InverseKinematics};
 use mbs_runtime::Pose;
 use serde_json::{Map, Value, json};
@@ -24,10 +24,8 @@ struct Contender {
     round: Box<dyn FnMut() -> f64>,
 }
 
-fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let as_json = arguments.iter().any(|argument| argument == "--json");
-    let folder = arguments.iter().position(|argument| argument == "--out").and_then(|at| arguments.get(at + 1));
+fn main() -> Result<(), Failure> {
+    let arguments = Arguments::from_process();
 
     let arm = Arm::default();
     let configurations = configurations(&arm);
@@ -47,11 +45,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         contender("pose_and_jacobian_nalgebra", configurations, plain::pose_and_jacobian),
     ];
     let report = timed(&mut contenders);
-    if let Some(folder) = folder.map(PathBuf::from) {
-        std::fs::create_dir_all(&folder)?;
+    if let Some(folder) = &arguments.out {
+        std::fs::create_dir_all(folder)?;
         std::fs::write(folder.join("arm_speed.json"), format!("{report}\n"))?;
     }
-    if as_json {
+    if arguments.json {
         println!("{report}");
     } else {
         print!("{}", table(&report));

@@ -7,6 +7,7 @@ use serde_json::Value;
 
 const KINEMATICS: &str = env!("CARGO_BIN_EXE_arm_kinematics");
 const TRAJECTORY: &str = env!("CARGO_BIN_EXE_arm_trajectory");
+const SPEED: &str = env!("CARGO_BIN_EXE_arm_speed");
 
 fn run(program: &str, arguments: &[&str]) -> Output {
     Command::new(program).args(arguments).output().unwrap()
@@ -52,6 +53,12 @@ fn assert_close(found: &Value, expected: &Value, tolerance: f64) {
     }
 }
 
+/// How far two angles are apart, but for whole turns \[°\].
+fn apart(a: f64, b: f64) -> f64 {
+    let rest = (a - b).rem_euclid(360.0);
+    rest.min(360.0 - rest)
+}
+
 #[test]
 fn kinematics_has_the_thesis_values() {
     let found = json(&good(KINEMATICS, &["--json"]));
@@ -88,6 +95,17 @@ fn kinematics_has_the_thesis_values() {
         ("torque", &dynamics["tau_rnea_N_m"], 1e-12),
     ] {
         assert_close(&found[key], expected, tolerance);
+    }
+    let reference = json(include_str!("../../tests/data/arm_kinematics.json"));
+    let configurations = reference["ik_table1"].as_array().unwrap().iter().map(|entry| numbers(&entry["theta_rad"]));
+    let mut missing: Vec<Vec<f64>> =
+        configurations.map(|angles| angles.iter().map(|angle| angle.to_degrees()).collect()).collect();
+    assert_eq!(missing.len(), 8);
+    for row in found["ik"].as_array().unwrap() {
+        let row = numbers(row);
+        let is_row = |expected: &Vec<f64>| row.iter().zip(expected).all(|(q, expected)| apart(*q, *expected) < 1e-11);
+        let position = missing.iter().position(is_row).unwrap_or_else(|| panic!("{row:?} is none of {missing:?}"));
+        missing.swap_remove(position);
     }
     // The first configuration is the posture itself; the thesis prints the angles of its formulas with four decimals.
     assert_close(&found["ik"][0], &json("[45, 30, 30, -45, 30, 0]"), 1e-12);
@@ -246,13 +264,15 @@ fn the_same_bytes_again() {
 
 #[test]
 fn wrong_usage_ends_with_2_and_a_folder_that_cannot_be_with_1() {
-    for program in [KINEMATICS, TRAJECTORY] {
+    for program in [KINEMATICS, TRAJECTORY, SPEED] {
         for arguments in [&["--fast"][..], &["--out"]] {
             let output = run(program, arguments);
             assert_eq!(output.status.code(), Some(2));
             assert!(String::from_utf8_lossy(&output.stderr).contains("usage: [--json] [--out DIR]"));
             assert!(output.stdout.is_empty());
         }
+    }
+    for program in [KINEMATICS, TRAJECTORY] {
         let file = tempfile::NamedTempFile::new().unwrap();
         let inside = file.path().join("folder");
         let output = run(program, &["--out", inside.to_str().unwrap()]);

@@ -117,7 +117,8 @@ pub fn exp(rotation_vector: &Vector3<f64>) -> Matrix3<f64> {
 /// |------------|----------------------------------------|---------|------|
 /// | `rotation` | a rotation; [`orthonormalized`] checks | `3 × 3` |      |
 ///
-/// The result \[rad\] is in the axes that `rotation` turns; the axis of a rotation is the same in both.
+/// The result \[rad\] is in the axes that `rotation` turns; the axis of a rotation is the same in both. An entry of `rotation`
+/// that is infinite or NaN gives NaN.
 ///
 /// ```
 /// use mbs_runtime::attitude::log;
@@ -151,6 +152,10 @@ pub fn log(rotation: &Matrix3<f64>) -> Vector3<f64> {
     }
     // q and −q are the same rotation: the one with w ≥ 0 has the angle up to π.
     let (v, w) = if w < 0.0 { (v.map(|x| -x), -w) } else { (v, w) };
+    // Every entry is in one of these four. `max` below would drop a NaN, and `atan2` an infinity.
+    if ![v[0], v[1], v[2], w].iter().all(|x| x.is_finite()) {
+        return Vector3::repeat(f64::NAN);
+    }
     // Scaled, so that no square vanishes while its root does not.
     let scale = v[0].abs().max(v[1].abs()).max(v[2].abs());
     if scale == 0.0 {
@@ -186,7 +191,8 @@ pub fn orthonormalized(matrix: &Matrix3<f64>) -> Result<Matrix3<f64>, NotARotati
 /// ```
 ///
 /// # Errors
-/// [`NotARotation`], as [`check_rotation`].
+/// [`NotARotation`], as [`check_rotation`]; [`NotARotation::NotOrthogonal`] with what is left after the iteration, if it does
+/// not come to 1e-12, as for matrices that are nearly singular.
 ///
 /// # Source
 /// Newton's iteration `X ← ½ (X + X⁻ᵀ)`: N. J. Higham, *Computing the polar decomposition – with applications*, SIAM Journal
@@ -202,11 +208,14 @@ pub fn orthonormalized_within(matrix: &Matrix3<f64>, tolerance: f64) -> Result<M
         x = 0.5 * (x + cofactors(&x) / x.determinant());
         error = defect(&x).0;
     }
-    Ok(x)
+    // Where an entry is NaN so is the error, and no comparison with it holds.
+    if error <= ACCURACY { Ok(x) } else { Err(NotARotation::NotOrthogonal { error, tolerance: ACCURACY }) }
 }
 
 /// What rounding leaves of `RᵀR − 1` where every entry is within half a unit in the last place, or nearly.
 const ROUNDING: f64 = 8.0 * f64::EPSILON;
+/// What may be left of `RᵀR − 1` in a result.
+const ACCURACY: f64 = 1e-12;
 /// Newton's steps from a matrix of positive determinant whose error is some thousands, with room.
 const NEWTON_STEPS: usize = 30;
 
@@ -364,6 +373,21 @@ mod tests {
     }
 
     #[test]
+    fn no_entry_that_is_not_finite_is_lost() {
+        let half_turn = Matrix3::from_diagonal(&Vector3::new(-1.0, 1.0, -1.0));
+        for rotation in [Matrix3::identity(), half_turn, exp(&Vector3::new(0.3, 0.2, -0.5))] {
+            for (row, column) in (0..3).flat_map(|i| (0..3).map(move |j| (i, j))) {
+                for value in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+                    let mut broken = rotation;
+                    broken[(row, column)] = value;
+                    let found = log(&broken);
+                    assert!(found.iter().all(|x| x.is_nan()), "{value} at ({row}, {column}): {found:?}");
+                }
+            }
+        }
+    }
+
+    #[test]
     fn more_than_a_turn() {
         let vector = Vector3::new(0.6, -0.8, 0.0) * (2.0 * PI + 0.5);
         assert!((log(&exp(&vector)) - Vector3::new(0.3, -0.4, 0.0)).amax() < 1e-14);
@@ -382,6 +406,15 @@ mod tests {
             let large = Matrix3::new(3.0, 0.5, 0.0, 0.5, 0.2, 0.1, 0.0, 0.1, 7.0);
             let found = orthonormalized_within(&(rotation * large), 100.0).expect("within the tolerance");
             assert!(largest(found - rotation) < 1e-13);
+        }
+        // Nearly singular, the iteration ends far from a rotation, or in numbers that are none.
+        for least in [1e-30, 1e-200, 1e-305, 5e-324] {
+            let flat = Matrix3::from_diagonal(&Vector3::new(least, 1.0, 1.0));
+            let refused = orthonormalized_within(&flat, 2.0);
+            assert!(
+                matches!(refused, Err(NotARotation::NotOrthogonal { error, tolerance }) if (error.is_nan() || error > 1e-12) && tolerance == 1e-12),
+                "{least:e}: {refused:?}"
+            );
         }
         let exact = exp(&Vector3::new(0.1, -0.7, 0.4));
         assert_eq!(orthonormalized(&exact), Ok(exact), "what is a rotation stays as it is");

@@ -190,6 +190,8 @@ struct Evaluation<const N: usize> {
     error: [f64; 6],
     /// `E`.
     cost: f64,
+    /// Whether every entry of the pose and of the Jacobian is finite, and `E` is.
+    is_finite: bool,
 }
 
 impl<const N: usize> DampedLeastSquares<N> {
@@ -234,7 +236,7 @@ impl<const N: usize> DampedLeastSquares<N> {
             self.evaluation(q, &pose, jacobian, &target)
         };
         let mut at = evaluate(self.admitted(guess));
-        if !at.is_finite() {
+        if !at.is_finite {
             return Err(NotReached::NonFinite { q: at.q });
         }
         let mut factor = 1.0;
@@ -259,7 +261,7 @@ impl<const N: usize> DampedLeastSquares<N> {
             }
             let candidate = evaluate(next);
             evaluations += 1;
-            if candidate.is_finite() && candidate.cost < at.cost {
+            if candidate.is_finite && candidate.cost < at.cost {
                 at = candidate;
                 factor = (factor / GROWTH).max(LEAST);
             } else {
@@ -298,7 +300,9 @@ impl<const N: usize> DampedLeastSquares<N> {
         let error = [position.x, position.y, position.z, rotation.x, rotation.y, rotation.z];
         jacobian[..3].iter_mut().flatten().for_each(|entry| *entry /= self.length);
         let cost = 0.5 * error.iter().map(|e| e * e).sum::<f64>();
-        Evaluation { q, jacobian, error, cost }
+        let mut entries = pose.position.iter().chain(pose.rotation.iter().flatten()).chain(jacobian.iter().flatten());
+        let is_finite = cost.is_finite() && entries.all(|entry| entry.is_finite());
+        Evaluation { q, jacobian, error, cost, is_finite }
     }
 
     fn approach(&self, at: &Evaluation<N>, evaluations: usize) -> Approach<N> {
@@ -350,12 +354,6 @@ struct Step<const N: usize> {
 struct Target {
     position: Vector3<f64>,
     rotation: nalgebra::Matrix3<f64>,
-}
-
-impl<const N: usize> Evaluation<N> {
-    fn is_finite(&self) -> bool {
-        self.cost.is_finite() && self.jacobian.iter().flatten().all(|entry| entry.is_finite())
-    }
 }
 
 #[cfg(test)]
@@ -479,6 +477,17 @@ mod tests {
         assert_eq!(found, Err(NotReached::InvalidTolerance { position: 1e-10, rotation: 0.0, length: 1.0 }));
         let nan = |_: &[f64; 3]| (target, [[f64::NAN; 3]; 6]);
         assert_eq!(solver.solve(nan, &target, &guess), Err(NotReached::NonFinite { q: guess }));
+        for entry in 0..12 {
+            let broken = |q: &[f64; 3]| {
+                let (mut pose, jacobian) = planar(q);
+                let mut entries = pose.position.iter_mut().chain(pose.rotation.iter_mut().flatten());
+                *entries.nth(entry).expect("twelve entries") = f64::NAN;
+                (pose, jacobian)
+            };
+            // At the solution nothing but the NaN is off.
+            let found = solver.solve(broken, &target, &[0.4, -1.1, 2.0]);
+            assert_eq!(found, Err(NotReached::NonFinite { q: [0.4, -1.1, 2.0] }), "entry {entry}");
+        }
         let short = DampedLeastSquares { evaluations: 2, ..Default::default() };
         let found = short.solve(planar, &target, &guess);
         assert!(matches!(found, Err(NotReached::TooManyEvaluations(best)) if best.evaluations == 2), "{found:?}");

@@ -148,6 +148,13 @@ pub enum Unsolvable {
     },
     /// The rotation is none.
     Rotation(NotARotation),
+    /// An angle of [`InverseKinematics::reference`] that may be needed, the first or the fourth, is infinite or NaN.
+    NonFiniteReference {
+        /// Of which joint, counted from 0.
+        joint: usize,
+        /// The angle \[rad\].
+        value: f64,
+    },
     /// The wrist centre is farther from axis 2 than the stretched arm reaches, even with the shoulder that is nearer.
     TooFar {
         /// By how much \[m\].
@@ -167,6 +174,9 @@ impl fmt::Display for Unsolvable {
                 write!(f, "component {component} of the position is infinite or NaN")
             }
             Self::Rotation(error) => error.fmt(f),
+            Self::NonFiniteReference { joint, value } => {
+                write!(f, "the reference of joint {joint} must be finite, found {value} rad")
+            }
             Self::TooFar { by } => write!(f, "the wrist is out of reach by {by} m"),
             Self::TooNear { by } => write!(f, "the wrist is too near to the shoulder by {by} m"),
         }
@@ -177,7 +187,10 @@ impl Error for Unsolvable {
     fn source(&self) -> Option<&(dyn Error + 'static)> {
         match self {
             Self::Rotation(error) => Some(error),
-            Self::NonFinitePosition { .. } | Self::TooFar { .. } | Self::TooNear { .. } => None,
+            Self::NonFinitePosition { .. }
+            | Self::NonFiniteReference { .. }
+            | Self::TooFar { .. }
+            | Self::TooNear { .. } => None,
         }
     }
 }
@@ -248,7 +261,8 @@ pub struct InverseKinematics {
     /// What becomes of matrices that are not quite rotations; by default they are orthonormalized up to
     /// [`ROTATION_TOLERANCE`].
     pub inexact: Inexact,
-    /// The angles of which `θ₁` and `θ₄` are taken where the pose leaves them open \[rad\]; by default zero.
+    /// The angles of which `θ₁` and `θ₄` are taken where the pose leaves them open \[rad\]; by default zero. These two must
+    /// be finite.
     pub reference: JointVector,
 }
 
@@ -275,8 +289,15 @@ impl InverseKinematics {
     /// | `pose`   | of the flange, in the axes of the base       | m    |
     ///
     /// # Errors
-    /// [`Unsolvable`]: a rotation that is none or not near enough to one, a position that is not finite or out of reach.
+    /// [`Unsolvable`]: a rotation that is none or not near enough to one, a position that is not finite or out of reach, a
+    /// reference that is not finite, whether this pose needs it or not.
     pub fn solve(&self, pose: &Pose<f64>) -> Result<Solutions, Unsolvable> {
+        for joint in [0, 3] {
+            let value = self.reference[joint];
+            if !value.is_finite() {
+                return Err(Unsolvable::NonFiniteReference { joint, value });
+            }
+        }
         let h = self.rotation(&pose.rotation)?;
         let p = &pose.position;
         if let Some(component) = p.iter().position(|x| !x.is_finite()) {
@@ -487,7 +508,7 @@ impl Unsolvable {
     fn by(&self) -> f64 {
         match *self {
             Self::TooFar { by } | Self::TooNear { by } => by,
-            Self::NonFinitePosition { .. } | Self::Rotation(_) => f64::INFINITY,
+            Self::NonFinitePosition { .. } | Self::NonFiniteReference { .. } | Self::Rotation(_) => f64::INFINITY,
         }
     }
 }
@@ -646,6 +667,31 @@ mod tests {
             assert!((wrapped(angle) - want).abs() < 1e-14, "{angle}: {}", wrapped(angle));
         }
         assert_eq!([opposite(1.0), opposite(-1.0), opposite(0.0)], [1.0 - PI, PI - 1.0, PI]);
+    }
+
+    #[test]
+    fn a_reference_that_is_not_finite_is_refused() {
+        let arm = crate::arm::Arm::default();
+        // The wrist straight; and any pose at all.
+        for q in [[0.3, -1.0, 0.2, 0.4, 0.0, 0.1], [0.3, -1.0, 0.2, 0.4, 0.5, 0.1]] {
+            let pose = arm.pose(&q);
+            for joint in [0, 3] {
+                for value in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+                    let mut reference = [0.0; 6];
+                    reference[joint] = value;
+                    match (InverseKinematics { reference, ..Default::default() }).solve(&pose) {
+                        Err(Unsolvable::NonFiniteReference { joint: found, value: angle }) => {
+                            assert_eq!((found, angle.to_bits()), (joint, value.to_bits()));
+                        }
+                        other => panic!("joint {joint} at {value}: {other:?}"),
+                    }
+                }
+            }
+            // The other angles are not asked for.
+            let reference = [0.0, f64::NAN, f64::NAN, 0.0, f64::NAN, f64::NAN];
+            let solutions = (InverseKinematics { reference, ..Default::default() }).solve(&pose).expect("reachable");
+            assert!(solutions.iter().all(|solution| solution.q.iter().all(|angle| angle.is_finite())));
+        }
     }
 
     #[test]

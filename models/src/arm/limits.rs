@@ -108,9 +108,17 @@ impl JointLimits {
     }
 
     /// How far the angle is out of the joint's range, turned as near to it as whole turns bring it \[rad\]; zero within.
+    ///
+    /// Infinite where the angle is, which no turn brings anywhere; NaN where the angle or an end of the range is.
     #[must_use]
     pub fn excess(&self, joint: usize, angle: f64) -> f64 {
         let (lower, upper) = (self.lower[joint], self.upper[joint]);
+        if angle.is_nan() || lower.is_nan() || upper.is_nan() {
+            return f64::NAN;
+        }
+        if angle.is_infinite() {
+            return f64::INFINITY;
+        }
         if lower == f64::NEG_INFINITY || upper == f64::INFINITY {
             return 0.0;
         }
@@ -236,6 +244,24 @@ mod tests {
             let found = limits.excess(joint, f64::to_radians(degrees)).to_degrees();
             assert!((found - want).abs() < 1e-12, "{joint} at {degrees}: {found}");
         }
+    }
+
+    #[test]
+    fn what_is_no_angle_is_never_within() {
+        let bounded = JointLimits::IRB7600;
+        let unbounded = JointLimits { lower: [f64::NEG_INFINITY; 6], upper: [f64::INFINITY; 6], ..bounded };
+        for limits in [bounded, unbounded] {
+            assert!(limits.excess(2, f64::NAN).is_nan());
+            assert_eq!(limits.excess(2, f64::INFINITY), f64::INFINITY);
+            assert_eq!(limits.excess(2, f64::NEG_INFINITY), f64::INFINITY);
+            let mut unknown = limits;
+            unknown.lower[2] = f64::NAN;
+            assert!(unknown.excess(2, 0.0).is_nan());
+            unknown = limits;
+            unknown.upper[2] = f64::NAN;
+            assert!(unknown.excess(2, 0.0).is_nan());
+        }
+        assert_eq!(unbounded.excess(2, 1e9), 0.0);
     }
 
     #[test]

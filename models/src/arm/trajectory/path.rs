@@ -87,6 +87,8 @@ impl<const N: usize, const P: usize> JointPath<N> for Piecewise<N, P> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AlongPath<P, const N: usize, const PIECES: usize> {
     path: P,
+    /// Of the path, positive and finite.
+    length: f64,
     law: Piecewise<1, PIECES>,
 }
 
@@ -94,16 +96,20 @@ impl<const N: usize, const PIECES: usize, P: JointPath<N>> AlongPath<P, N, PIECE
     /// Along `path` by `law`, a trajectory of the path parameter as if it were a joint.
     ///
     /// # Errors
+    /// [`TrajectoryError::InvalidLength`] if the length of the path is not positive and finite;
     /// [`TrajectoryError::OutsidePath`] if the law leaves the path, by more than rounding.
     pub fn new(path: P, law: Piecewise<1, PIECES>) -> Result<Self, TrajectoryError> {
-        let [Extrema { lowest, highest }] = law.position_extrema();
         let length = path.length();
+        if !(length > 0.0 && length.is_finite()) {
+            return Err(TrajectoryError::InvalidLength { length });
+        }
+        let [Extrema { lowest, highest }] = law.position_extrema();
         for s in [lowest.value, highest.value] {
             if s.is_nan() || s < -1e-12 * length || s > length * (1.0 + 1e-12) {
                 return Err(TrajectoryError::OutsidePath { s, length });
             }
         }
-        Ok(Self { path, law })
+        Ok(Self { path, length, law })
     }
 }
 
@@ -114,8 +120,43 @@ impl<const N: usize, const PIECES: usize, P: JointPath<N>> Motion<N> for AlongPa
 
     fn at(&self, t: f64) -> Result<JointState<N>, TrajectoryError> {
         let JointState { q: [s], qd: [rate], qdd: [acceleration] } = self.law.at(t)?;
-        let PathPoint { q, tangent, curvature } = self.path.point(s.clamp(0.0, self.path.length()))?;
+        let PathPoint { q, tangent, curvature } = self.path.point(s.clamp(0.0, self.length))?;
         let qdd = core::array::from_fn(|i| tangent[i] * acceleration + curvature[i] * rate * rate);
         Ok(JointState { q, qd: tangent.map(|tangent| tangent * rate), qdd })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::arm::trajectory::quintic;
+
+    /// A straight line that claims another length.
+    #[derive(Clone, Copy, Debug)]
+    struct Claimed(f64);
+
+    impl JointPath<1> for Claimed {
+        fn length(&self) -> f64 {
+            self.0
+        }
+
+        fn point(&self, s: f64) -> Result<PathPoint<1>, TrajectoryError> {
+            Ok(PathPoint { q: [s], tangent: [1.0], curvature: [0.0] })
+        }
+    }
+
+    #[test]
+    fn a_path_needs_a_length() {
+        let law = quintic([0.0], [0.0], [1.0], 2.0).expect("a motion");
+        for length in [f64::NAN, -1.0, 0.0, f64::INFINITY, f64::NEG_INFINITY] {
+            match AlongPath::new(Claimed(length), law) {
+                Err(TrajectoryError::InvalidLength { length: found }) => {
+                    assert_eq!(found.to_bits(), length.to_bits());
+                }
+                other => panic!("{length}: {other:?}"),
+            }
+        }
+        let motion = AlongPath::new(Claimed(1.0), law).expect("the law ends with the path");
+        assert_eq!(motion.at(2.0).map(|end| end.q), Ok([1.0]));
     }
 }

@@ -2,6 +2,7 @@
 
 use super::polynomial::{COEFFICIENTS, Polynomial};
 use super::{JointState, Motion, Quantity, RateLimits, TrajectoryError};
+use crate::arm::limits::LIMIT_TOLERANCE;
 
 /// `P` polynomials of degree five at most for each of `N` joints, one after the other in time.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -142,7 +143,8 @@ impl<const N: usize, const P: usize> Piecewise<N, P> {
         })
     }
 
-    /// Refuses a motion that leaves the ranges of its joints; `ranges` are lowest and highest angles \[rad\].
+    /// Refuses a motion that leaves the ranges of its joints by more than [`LIMIT_TOLERANCE`]; `ranges` are lowest and highest
+    /// angles \[rad\], equal ones for a joint that must not move.
     ///
     /// # Errors
     /// [`TrajectoryError::LimitExceeded`] with the first joint that leaves its range, at its farthest;
@@ -152,16 +154,17 @@ impl<const N: usize, const P: usize> Piecewise<N, P> {
         for (joint, (Extrema { lowest, highest }, [low, high])) in
             self.position_extrema().into_iter().zip(*ranges).enumerate()
         {
-            if low.is_nan() || high.is_nan() || low >= high {
+            if low.is_nan() || high.is_nan() || low > high {
                 return Err(TrajectoryError::InvalidLimit {
                     quantity,
                     joint,
                     value: if low.is_nan() { low } else { high },
                 });
             }
-            for (Extremum { value, time }, limit, beyond) in
-                [(lowest, low, lowest.value < low), (highest, high, highest.value > high)]
-            {
+            for (Extremum { value, time }, limit, beyond) in [
+                (lowest, low, lowest.value < low - LIMIT_TOLERANCE),
+                (highest, high, highest.value > high + LIMIT_TOLERANCE),
+            ] {
                 if beyond {
                     return Err(TrajectoryError::LimitExceeded { quantity, joint, time, value, limit });
                 }
@@ -214,5 +217,44 @@ impl<const N: usize, const P: usize> Motion<N> for Piecewise<N, P> {
             qdd[joint] = velocity.derivative().value(s) / (length * length);
         }
         Ok(JointState { q, qd, qdd })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::arm::trajectory::{quintic, two_piece_quartic};
+
+    #[test]
+    fn a_motion_may_start_and_stop_on_a_limit() {
+        let [low, high] = [-150.0, 60.0].map(f64::to_radians);
+        for (start, stop) in [(low, high), (high, low)] {
+            // To the end of the range, and an ulp further, as rounding may have it.
+            for (start, stop) in
+                [(start, stop), (start.next_down(), stop.next_up()), (start.next_up(), stop.next_down())]
+            {
+                let quintic = quintic([start], [0.0], [stop], 7.0).expect("a motion");
+                assert_eq!(quintic.check_ranges(&[[low, high]]), Ok(()), "{start} to {stop}");
+                let quartics = two_piece_quartic([start], [0.0], [stop], 7.0).expect("a motion");
+                assert_eq!(quartics.check_ranges(&[[low, high]]), Ok(()), "{start} to {stop}");
+            }
+        }
+        let beyond = quintic([low], [0.0], [high + 2.0 * LIMIT_TOLERANCE], 7.0).expect("a motion");
+        let refused = beyond.check_ranges(&[[low, high]]);
+        assert!(
+            matches!(refused, Err(TrajectoryError::LimitExceeded { joint: 0, limit, .. }) if limit == high),
+            "{refused:?}"
+        );
+    }
+
+    #[test]
+    fn a_joint_that_must_not_move_has_a_range_of_one_angle() {
+        let motion = quintic([0.0, 0.7], [0.0; 2], [1.0, 0.7], 2.0).expect("a motion");
+        assert_eq!(motion.check_ranges(&[[0.0, 1.0], [0.7, 0.7]]), Ok(()));
+        let refused = motion.check_ranges(&[[0.0, 0.0], [0.7, 0.7]]);
+        assert!(matches!(refused, Err(TrajectoryError::LimitExceeded { joint: 0, limit: 0.0, .. })), "{refused:?}");
+        let refused = motion.check_ranges(&[[0.0, 1.0], [0.7_f64.next_up(), 0.7]]);
+        let empty = TrajectoryError::InvalidLimit { quantity: Quantity::Position, joint: 1, value: 0.7 };
+        assert_eq!(refused, Err(empty));
     }
 }
