@@ -312,7 +312,8 @@ fn landings_that_cannot_be_are_refused() {
     let nowhere = State::new([f64::NAN, 7.0, 10.0, 0.0, 0.0, 0.0], [0.0; 6]);
     assert!(matches!(landing.simulate(nowhere, |_, _, _| ()), Err(LandingError::Integration(_))));
 
-    let broken: [(&str, fn(&mut Landing)); 3] = [
+    type Damage = fn(&mut Landing);
+    let broken: [(&str, Damage); 3] = [
         ("approach.last_height", |landing| landing.approach.last_height = f64::NAN),
         ("platform[1]", |landing| landing.platform[1] = f64::INFINITY),
         ("wind[2]", |landing| landing.wind[2] = f64::NAN),
