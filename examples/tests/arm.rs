@@ -1,40 +1,15 @@
 //! The arm's examples as outside programs call them: what they print and what they write, against the thesis' values.
 
+mod support;
+
 use std::path::Path;
-use std::process::{Command, Output};
 
 use serde_json::Value;
+use support::{good, json, keys, numbers, run};
 
 const KINEMATICS: &str = env!("CARGO_BIN_EXE_arm_kinematics");
 const TRAJECTORY: &str = env!("CARGO_BIN_EXE_arm_trajectory");
 const SPEED: &str = env!("CARGO_BIN_EXE_arm_speed");
-
-fn run(program: &str, arguments: &[&str]) -> Output {
-    Command::new(program).args(arguments).output().unwrap()
-}
-
-/// Standard output of a run that ends with 0 and no complaint.
-fn good(program: &str, arguments: &[&str]) -> String {
-    let output = run(program, arguments);
-    assert_eq!((output.status.code(), String::from_utf8_lossy(&output.stderr).as_ref()), (Some(0), ""));
-    String::from_utf8(output.stdout).unwrap()
-}
-
-fn json(text: &str) -> Value {
-    serde_json::from_str(text).unwrap()
-}
-
-fn keys(value: &Value) -> Vec<&str> {
-    value.as_object().unwrap().keys().map(String::as_str).collect()
-}
-
-/// All numbers in a value of nested arrays, in order.
-fn numbers(value: &Value) -> Vec<f64> {
-    match value {
-        Value::Array(entries) => entries.iter().flat_map(numbers).collect(),
-        other => vec![other.as_f64().unwrap_or_else(|| panic!("{other} is not a number"))],
-    }
-}
 
 /// Lengths of the array, and of its rows.
 fn shape(value: &Value) -> (usize, usize) {

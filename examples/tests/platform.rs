@@ -1,34 +1,12 @@
 //! `platform_dynamics` as outside programs call it: what it prints and what it writes, against the thesis' values.
 
-use std::process::{Command, Output};
+mod support;
 
 use mbs_models::platform::{Motion, Platform};
 use serde_json::Value;
+use support::{good, json, keys, numbers, run};
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_platform_dynamics");
-
-fn run(arguments: &[&str]) -> Output {
-    Command::new(PROGRAM).args(arguments).output().unwrap()
-}
-
-/// Standard output of a run that ends with 0 and no complaint.
-fn good(arguments: &[&str]) -> String {
-    let output = run(arguments);
-    assert_eq!((output.status.code(), String::from_utf8_lossy(&output.stderr).as_ref()), (Some(0), ""));
-    String::from_utf8(output.stdout).unwrap()
-}
-
-fn keys(value: &Value) -> Vec<&str> {
-    value.as_object().unwrap().keys().map(String::as_str).collect()
-}
-
-/// All numbers in a value of nested arrays, in order.
-fn numbers(value: &Value) -> Vec<f64> {
-    match value {
-        Value::Array(entries) => entries.iter().flat_map(numbers).collect(),
-        other => vec![other.as_f64().unwrap_or_else(|| panic!("{other} is not a number"))],
-    }
-}
 
 /// Rows of six, each number to 1e-9 of the largest in its row.
 #[track_caller]
@@ -47,8 +25,8 @@ fn assert_rows(found: &Value, expected: &Value) {
 
 #[test]
 fn prints_the_reference_values() {
-    let found: Value = serde_json::from_str(&good(&["--json"])).unwrap();
-    let expected: Value = serde_json::from_str(include_str!("../../tests/data/stewart.json")).unwrap();
+    let found = json(&good(PROGRAM, &["--json"]));
+    let expected = json(include_str!("../../tests/data/stewart.json"));
     assert_eq!(keys(&found), ["table3", "table4", "direct_kinematics", "mass_matrix", "coriolis_matrix", "gravity"]);
     assert_eq!(keys(&found["table3"]), ["lengths", "forces"]);
     let forces = &found["table3"]["forces"];
@@ -85,7 +63,7 @@ fn prints_the_reference_values() {
 #[test]
 fn writes_figures_and_tables() {
     let folder = tempfile::tempdir().unwrap();
-    let summary = good(&["--out", folder.path().to_str().unwrap()]);
+    let summary = good(PROGRAM, &["--out", folder.path().to_str().unwrap()]);
     let figures = (5..=12).map(|number| format!("figure_4_{number}"));
     for name in figures.clone().chain(["platform_poses".to_string()]) {
         let svg = std::fs::read_to_string(folder.path().join(format!("{name}.svg"))).unwrap();
@@ -161,7 +139,7 @@ fn derivatives_are_those_of_a_moving_platform(table: &str) {
 
 #[test]
 fn refuses_what_it_does_not_know() {
-    let output = run(&["--fast"]);
+    let output = run(PROGRAM, &["--fast"]);
     assert_eq!(output.status.code(), Some(2));
     assert!(String::from_utf8_lossy(&output.stderr).contains("unexpected argument --fast"));
 }
