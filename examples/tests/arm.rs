@@ -4,6 +4,7 @@ mod support;
 
 use std::path::Path;
 
+use mbs_models::arm::Arm;
 use serde_json::Value;
 use support::{good, json, keys, numbers, run};
 
@@ -218,6 +219,78 @@ fn figures_tables_and_modules_are_written() {
     assert_eq!(module.matches("OUT OF RANGE").count(), 2);
     // A controller reads plain ASCII.
     assert!(module.is_ascii());
+}
+
+/// A row of a table: time, and six numbers each.
+struct Row {
+    t: f64,
+    q: [f64; 6],
+    qd: [f64; 6],
+    qdd: [f64; 6],
+    torque: [f64; 6],
+    determinant: f64,
+}
+
+impl Row {
+    fn of(line: &str) -> Self {
+        let values: Vec<f64> = line.split(',').map(|text| text.parse().unwrap()).collect();
+        let six = |first: usize| std::array::from_fn(|i| values[first + i]);
+        let radians = |first: usize| six(first).map(f64::to_radians);
+        let [q, qd, qdd] = [radians(1), radians(7), radians(13)];
+        Row { t: values[0], q, qd, qdd, torque: six(19), determinant: values[28] }
+    }
+
+    fn power(&self, of: fn(f64) -> f64) -> f64 {
+        (0..6).map(|i| of(self.torque[i] * self.qd[i])).sum()
+    }
+}
+
+/// Of every method: rates are slopes, the determinant is the closed form of the thesis' Jacobian, what the drives do is what the
+/// arm's energy gains, and what is printed follows from the rows.
+#[test]
+fn tables_are_motions_of_the_arm() {
+    let folder = tempfile::tempdir().unwrap();
+    let printed = json(&good(TRAJECTORY, &["--json", "--out", folder.path().to_str().unwrap()]));
+    let arm = Arm::default();
+    for case in ["case1", "case2"] {
+        for method in ["quartic", "two_piece_quartic", "quintic"] {
+            let table = std::fs::read_to_string(folder.path().join(format!("{case}_{method}.csv"))).unwrap();
+            let rows: Vec<Row> = table.lines().skip(1).map(Row::of).collect();
+            let step = rows[1].t - rows[0].t;
+            for three in rows.windows(3) {
+                let [before, row, after] = three else { unreachable!() };
+                for i in 0..6 {
+                    let slope = (after.q[i] - before.q[i]) / (2.0 * step);
+                    assert!((slope - row.qd[i]).abs() < 1e-5, "{case} {method}, joint {i} at {} s", row.t);
+                    let slope = (after.qd[i] - before.qd[i]) / (2.0 * step);
+                    // Two quartics meet in the middle: the third derivative has a corner there.
+                    assert!((slope - row.qdd[i]).abs() < 1e-5, "{case} {method}, joint {i} at {} s", row.t);
+                }
+                let ([s3, s5], c3) = ([row.q[2].sin(), row.q[4].sin()], row.q[2].cos());
+                let (c2, (s23, c23)) = (row.q[1].cos(), (row.q[1] + row.q[2]).sin_cos());
+                let (stretch, reach) = (0.165 * s3 + 1.056 * c3, 0.41 + 1.075 * c2 + 0.165 * c23 - 1.056 * s23);
+                assert!((row.determinant + 1.075 * stretch * s5 * reach).abs() < 1e-12, "{case} {method}");
+            }
+            let sum = |of: fn(f64) -> f64| -> f64 {
+                rows.windows(2).map(|two| 0.5 * step * (two[0].power(of) + two[1].power(of))).sum()
+            };
+            let energy = |row: &Row| arm.model.kinetic_energy(&row.q, &row.qd) + arm.model.potential_energy(&row.q);
+            let gained = energy(&rows[rows.len() - 1]) - energy(&rows[0]);
+            let found = &printed[case][method];
+            let spent = found["energy_joule"].as_f64().unwrap();
+            assert!((sum(|power| power) - gained).abs() < 1e-5 * spent, "{case} {method}: {gained} J");
+            assert!((sum(f64::abs) - spent).abs() < 1e-5 * spent, "{case} {method}: {spent} J");
+
+            let changes: Vec<f64> = rows
+                .windows(2)
+                .filter(|two| two[0].determinant * two[1].determinant < 0.0)
+                .map(|two| two[0].t)
+                .collect();
+            let singular = numbers(&found["singularities"]);
+            assert_eq!(changes.len(), singular.len());
+            assert!(changes.iter().zip(&singular).all(|(&t, &time)| t <= time && time <= t + step), "{singular:?}");
+        }
+    }
 }
 
 #[test]
