@@ -2,6 +2,7 @@
 
 use std::ops::ControlFlow;
 
+use mbs_models::cr3bp::{self, Cr3bp};
 use mbs_models::double_pendulum::DoublePendulum;
 use mbs_models::four_bar::FourBar;
 use mbs_models::heavy_top::HeavyTop;
@@ -10,7 +11,6 @@ use mbs_runtime::{Dop853, Integrator, Mechanism, State, accelerations};
 use mbs_tests::compare::assert_close;
 use mbs_tests::mechanisms::chaplygin_sleigh::ChaplyginSleigh;
 use mbs_tests::mechanisms::charged_particle::{self, ChargedParticle};
-use mbs_tests::mechanisms::restricted_three_body::{self, RestrictedThreeBody};
 use mbs_tests::mechanisms::rolling_coin::{self, RollingCoin};
 use mbs_tests::reference;
 
@@ -98,8 +98,8 @@ fn charged_particle_keeps_its_energy_in_both_fields() {
 /// Off L₄ in space, for 30 turns of the primaries.
 #[test]
 fn jacobis_constant_is_kept() {
-    assert_eq!(restricted_three_body::CONSERVED, ["energy_integral"]);
-    let system = RestrictedThreeBody::<f64>::default();
+    assert_eq!(cr3bp::CONSERVED, ["energy_integral"]);
+    let system = Cr3bp::<f64>::default();
     let exact = reference::restricted_three_body::RestrictedThreeBody { mu: system.params().mu };
     let start = State { q: [0.47, 0.88, 0.1], qd: [0.01, -0.02, 0.03] };
     let jacobi = |s: &State<[f64; 3]>| exact.jacobi_constant(&s.q, &s.qd);

@@ -1,4 +1,4 @@
-//! The mechanisms of `mechanisms/*.mbs`, and the two of `models/mechanisms/` that came with them, against their references:
+//! The mechanisms of `mechanisms/*.mbs`, and those of `models/mechanisms/` that have references of the same kind, against their references:
 //! `M`, `h`, `Q − ∂D/∂q̇`, `q̈`, and `A`, `γ`, `λ` where there are constraints, at random parameters and states, straight and zero ones among
 //! them.
 //!
@@ -183,10 +183,10 @@ fn turntable() {
 
 #[test]
 fn restricted_three_body() {
-    use written::restricted_three_body::{Params, RestrictedThreeBody};
+    use mbs_models::cr3bp::{Cr3bp, Params};
     for (seed, [part, t]) in sets::<2>() {
         let mu = part / 6.0;
-        let generated = RestrictedThreeBody::new(Params { mu });
+        let generated = Cr3bp::new(Params { mu });
         let reference = restricted_three_body::RestrictedThreeBody { mu };
         check(seed, &reference, |q, qd| found(&generated, t, (q, qd), &[]));
     }

@@ -144,8 +144,16 @@ fn mechanisms_are_proved_without_a_warning() {
 /// A program takes of each function the cheapest route; here each route has to compute all of them.
 #[test]
 fn every_route_is_proved() {
-    // A body that turns by a quaternion, and energies without a body.
-    let without_bodies = ["heavy_top", "quadrotor_quaternion", "branches", "long_branches", "switched_spring"];
+    // A body that turns by a quaternion, and energies without a body on a pose.
+    let without_bodies = [
+        "heavy_top",
+        "moving_frame",
+        "quadrotor_quaternion",
+        "branches",
+        "long_branches",
+        "slow_frame",
+        "switched_spring",
+    ];
     for (name, source) in every_mechanism() {
         let graph = Graph::verbatim();
         let (lagrangian, _) =

@@ -14,9 +14,11 @@ pub mod factor;
 pub mod half_angle;
 pub mod wave;
 
-use super::Function;
+use std::borrow::Cow;
+
 use super::graph::{Expr, Graph, HalfInteger, Id, IdMap, Node};
 use super::number::Number;
+use super::{Function, Symbol};
 
 use combination::{Combination, Polynomial, Powers, power_of_powers, product_of_powers};
 pub use factor::weight;
@@ -149,7 +151,7 @@ impl<'g> Expansion<'g> {
             Node::Neg(a) => self.sums[&a].negative(),
             Node::Add(a, b) => self.sums[&a].plus(&self.sums[&b], Number::ONE),
             Node::Sub(a, b) => self.sums[&a].plus(&self.sums[&b], minus),
-            Node::Mul(a, b) => self.sums[&a].times_sum(&self.sums[&b], self.limit)?,
+            Node::Mul(a, b) => self.product(&self.sums[&a], &self.sums[&b])?,
             Node::Power(a, n) => self.power(&self.sums[&a], n)?,
             Node::Call(function @ (Function::Sin | Function::Cos), a) => match angle_of(&self.sums[&a], self.graph) {
                 Some(angle) => {
@@ -164,6 +166,31 @@ impl<'g> Expansion<'g> {
                 self.opaque(self.graph.expr(id))
             }
         })
+    }
+
+    /// Sums multiplied out.
+    fn product(&self, a: &Sum, b: &Sum) -> Option<Sum> {
+        self.beside(a, b)?.times_sum(self.beside(b, a)?.as_ref(), self.limit)
+    }
+
+    /// A factor as it is multiplied out: a difference of places stays one beside what changes with places itself.
+    fn beside<'a>(&self, factor: &'a Sum, other: &Sum) -> Option<Cow<'a, Sum>> {
+        let is_kept =
+            self.is_difference_of_places(factor) && self.has_atom(other, |node| !matches!(node, Node::Symbol(_)));
+        Some(if is_kept { Cow::Owned(self.opaque(self.expression(factor)?)) } else { Cow::Borrowed(factor) })
+    }
+
+    /// Whether powers of the sum are kept, and products with what is as steep: a sum like x + a of coordinates, in which no
+    /// sines and cosines could cancel. Near x = −a, where two points come together, x² + 2 a x + a² has lost the digits that
+    /// (x + a)² has.
+    fn is_difference_of_places(&self, sum: &Sum) -> bool {
+        sum.0.len() > 1
+            && sum.0.keys().all(|term| term.wave == Wave::One)
+            && self.has_atom(sum, |node| matches!(node, Node::Symbol(Symbol::Coordinate(_))))
+    }
+
+    fn has_atom(&self, sum: &Sum, is_it: impl Fn(Node) -> bool) -> bool {
+        sum.0.keys().any(|term| term.powers.keys().any(|&id| is_it(self.graph.node(id))))
     }
 
     /// An indivisible expression, unless the local rules made a constant of it.
@@ -220,7 +247,9 @@ impl<'g> Expansion<'g> {
     }
 
     fn power(&self, base: &Sum, n: HalfInteger) -> Option<Sum> {
-        if let Some(k @ 0..=4) = n.to_integer() {
+        if let Some(k @ 0..=4) = n.to_integer()
+            && !self.is_difference_of_places(base)
+        {
             return (0..k).try_fold(Sum::constant(Number::ONE), |product, _| product.times_sum(base, self.limit));
         }
         if let (Some((powers, coefficient)), Some(k)) = (base.as_monomial(), n.to_integer()) {
@@ -255,7 +284,6 @@ fn angle_of(sum: &Sum, graph: &Graph) -> Option<Angle> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::expr::Symbol;
 
     #[test]
     fn products_of_waves_become_multiple_angles() {
@@ -325,6 +353,31 @@ mod tests {
         // Sums and their negatives are one.
         let form = cheapest_form(&[m * x - s * y, s * y - m * x], 100).unwrap();
         assert_eq!(form[0], -form[1]);
+    }
+
+    /// Next to x = −a the square of the difference has digits that the sum of its products has lost.
+    #[test]
+    fn differences_of_places_are_kept() {
+        let graph = Graph::new();
+        let [x, y] = [0, 1].map(|i| graph.symbol(Symbol::Coordinate(i)));
+        let [a, m] = [0, 1].map(|i| graph.symbol(Symbol::Parameter(i)));
+        let distance = ((x + a).powi(2) + y.powi(2)).sqrt();
+        for f in [(x + a).powi(2), distance, (x + a) * distance.powi(-3)] {
+            let form = normal_form(&[f], 100).unwrap()[0];
+            let value = |symbol| match symbol {
+                Symbol::Coordinate(0) => 1e-6 - 0.3,
+                Symbol::Coordinate(_) => 1e-6,
+                _ => 0.3,
+            };
+            let values: Vec<f64> = crate::expr::evaluate(&[form, f], value);
+            assert!((values[0] - values[1]).abs() < 1e-15 * values[1], "{values:?}");
+        }
+        // What is as flat as they are is multiplied out, so that like terms meet.
+        assert_eq!(normal_form(&[m * (x + a) - m * a], 100), Some(vec![m * x]));
+        // With sines and cosines there may be something to cancel.
+        let turned = (x * y.cos() + a).powi(2) + (x * y.sin()).powi(2);
+        assert!(agree(normal_form(&[turned], 100).unwrap()[0], turned));
+        assert_eq!(normal_form(&[turned - 2 * a * x * y.cos()], 100), Some(vec![a.powi(2) + x.powi(2)]));
     }
 
     #[test]
