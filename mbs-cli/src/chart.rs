@@ -4,9 +4,11 @@
 //! the program. The same figure is the same bytes everywhere.
 //!
 //! - [`curves`]: lines over one horizontal axis;
+//! - [`plane`]: paths in a plane, both axes to one scale;
 //! - [`space`]: lines in three dimensions, seen from the side.
 
 pub mod curves;
+pub mod plane;
 pub mod space;
 
 use std::fmt;
@@ -18,6 +20,7 @@ use plotters::prelude::*;
 use plotters::style::{FontStyle, register_font};
 
 pub use curves::{Curves, Line};
+pub use plane::{Plane, PlaneLine};
 pub use space::{Space, SpaceLine};
 
 /// Vector or raster graphics.
@@ -45,6 +48,8 @@ pub struct Figure {
 pub enum Panel {
     /// Lines over one horizontal axis.
     Curves(Curves),
+    /// Paths in a plane.
+    Plane(Plane),
     /// Lines in space.
     Space(Space),
 }
@@ -173,6 +178,7 @@ fn draw_panels<D: DrawingBackend>(canvas: &Canvas<D>, figure: &Figure) -> Drawn<
     for (panel, area) in figure.panels.iter().zip(rest.split_evenly((figure.panels.len(), 1))) {
         match panel {
             Panel::Curves(curves) => curves::draw(curves, &canvas.with(area))?,
+            Panel::Plane(plane) => plane::draw(plane, &canvas.with(area))?,
             Panel::Space(space) => space::draw(space, &canvas.with(area))?,
         }
     }

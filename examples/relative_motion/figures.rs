@@ -1,0 +1,60 @@
+//! Figures 7.3 and 7.4 of the thesis and their like, and the motions as numbers.
+
+use std::path::Path;
+
+use mbs_cli::chart::{Figure, Panel, Plane, PlaneLine};
+use mbs_examples::{Failure, output};
+
+use crate::flight::{Flight, ORBITS};
+
+/// File, title, the unit of length in metres with its name, and the motions drawn.
+type Drawing = (&'static str, &'static str, (f64, &'static str), &'static str, &'static [&'static str]);
+
+const DRAWINGS: [Drawing; 5] = [
+    (
+        "figure_7_3",
+        "Figure 7.3: 1000 km from a station on a circle",
+        (1e3, "km"),
+        "circular",
+        &["far_radial", "far_tangent", "far_same_orbit"],
+    ),
+    (
+        "figure_7_4",
+        "Figure 7.4: 3 m from a station on a circle",
+        (1.0, "m"),
+        "circular",
+        &["near_radial", "near_tangent", "near_2to1_ellipse"],
+    ),
+    (
+        "near_with_station_mass",
+        "3 m from a station that attracts as a point of 420 t",
+        (1.0, "m"),
+        "station_mass",
+        &["near_radial", "near_tangent", "near_2to1_ellipse"],
+    ),
+    ("elliptic_near", "4 m from a station on an ellipse", (1.0, "m"), "elliptic", &["near"]),
+    ("elliptic_far", "1000 km from a station on an ellipse", (1e3, "km"), "elliptic", &["far"]),
+];
+
+pub(crate) fn write(folder: &Path, flights: &[Flight]) -> Result<(), Failure> {
+    for (file, title, (unit, unit_name), group, names) in DRAWINGS {
+        let drawn = flights.iter().filter(|flight| flight.case.group == group && names.contains(&flight.case.name));
+        let line = |flight: &Flight| {
+            let points = flight.path.iter().map(|(_, state)| [state.q[1] / unit, state.q[0] / unit]).collect();
+            PlaneLine::new(flight.case.name, points)
+        };
+        let plane = Plane {
+            labels: [format!("along the track [{unit_name}]"), format!("away from the Earth [{unit_name}]")],
+            lines: drawn.map(line).collect(),
+            marks: vec![([0.0, 0.0], "station".to_string())],
+        };
+        let title = format!("{title}, {ORBITS} orbits");
+        output::write_figure(folder, file, &Figure { title, size: (1100, 800), panels: vec![Panel::Plane(plane)] })?;
+    }
+    let header = ["t_s", "x_m", "y_m", "z_m", "vx_m_s", "vy_m_s", "vz_m_s"].map(String::from);
+    for flight in flights {
+        let rows = flight.path.iter().map(|(t, state)| [&[*t][..], &state.q, &state.qd].concat());
+        output::write_table(folder, &format!("{}_{}", flight.case.group, flight.case.name), &header, rows)?;
+    }
+    Ok(())
+}

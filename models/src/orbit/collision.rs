@@ -1,0 +1,100 @@
+//! Integration up to the end or to a collision, whichever comes first.
+
+use core::fmt;
+use core::ops::ControlFlow;
+
+use mbs_runtime::{Dop853, Event, IntegrationError, Integrator, State, Step, Summary};
+
+/// Why a flight ended before its time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum FlightError {
+    /// Two bodies met.
+    Collision {
+        /// When \[s\].
+        time: f64,
+        /// Their distance then \[m\].
+        distance: f64,
+    },
+    /// They touch at the beginning already.
+    StartsInside {
+        /// Their distance \[m\].
+        distance: f64,
+        /// The distance at which they touch \[m\].
+        contact: f64,
+    },
+    /// The distance at which they touch is negative, infinite or no number.
+    Contact {
+        /// Its value \[m\].
+        contact: f64,
+    },
+    /// The integrator gave up for another reason.
+    Integration(IntegrationError),
+}
+
+impl fmt::Display for FlightError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Collision { time, distance } => write!(f, "collision at {time} s, at a distance of {distance} m"),
+            Self::StartsInside { distance, contact } => {
+                write!(f, "the bodies are {distance} m apart at the beginning, and touch at {contact} m")
+            }
+            Self::Contact { contact } => {
+                write!(f, "the distance of contact must be zero or positive, it is {contact} m")
+            }
+            Self::Integration(error) => error.fmt(f),
+        }
+    }
+}
+
+impl core::error::Error for FlightError {}
+
+/// Of the first distance: a motion that cannot be continued closer than that has ended in a point.
+const POINT: f64 = 1e-3;
+
+/// Integrates `q̈ = f(t, q, q̇)` from `t` to `t_end`, and ends where the distance of two bodies falls to that at which they touch.
+///
+/// | argument   | meaning                                                        | unit |
+/// |------------|----------------------------------------------------------------|------|
+/// | `distance` | of the two bodies at a time and state                            | m    |
+/// | `contact`  | where they touch; 0 for points, which collide where they meet     | m    |
+/// | `state`    | afterwards the one at the end or at the collision               |      |
+/// | `observer` | called after each accepted step                                 |      |
+///
+/// Points that fall into each other leave the integrator no step: from there the time of the collision is that of the last state,
+/// which is before it by less than the step that was refused.
+///
+/// # Errors
+/// [`FlightError`].
+pub fn fly<const N: usize>(
+    integrator: &Dop853,
+    mut acceleration: impl FnMut(f64, &[f64; N], &[f64; N], &mut [f64; N]),
+    [t, t_end]: [f64; 2],
+    state: &mut State<[f64; N]>,
+    distance: impl Fn(f64, &State<[f64; N]>) -> f64,
+    contact: f64,
+    mut observer: impl FnMut(&mut dyn Step<[f64; N]>),
+) -> Result<Summary, FlightError> {
+    if !(contact >= 0.0 && contact.is_finite()) {
+        return Err(FlightError::Contact { contact });
+    }
+    let first = distance(t, state);
+    if first <= contact {
+        return Err(FlightError::StartsInside { distance: first, contact });
+    }
+    let gap = |t: f64, state: &State<[f64; N]>| distance(t, state) - contact;
+    let mut events = [Event::new(&gap).falling().terminal()];
+    let flown = integrator.integrate_with_events(&mut acceleration, t, t_end, state, &mut events, |step| {
+        observer(step);
+        ControlFlow::Continue(())
+    });
+    match flown {
+        Ok(summary) if summary.stopped => {
+            Err(FlightError::Collision { time: summary.time, distance: distance(summary.time, state) })
+        }
+        Ok(summary) => Ok(summary),
+        Err(error) => Err(match error.time().map(|time| (time, distance(time, state))) {
+            Some((time, distance)) if distance <= contact + POINT * first => FlightError::Collision { time, distance },
+            _ => FlightError::Integration(error),
+        }),
+    }
+}
