@@ -169,7 +169,7 @@ impl Conic {
         let e = Scalar::sqrt(if alpha * p < 0.5 { 1.0 - alpha * p } else { along * along + alpha * sigma * sigma });
         let shape = Shape { alpha, q: p / (1.0 + e), e };
         let at_far_end = alpha > 0.0 && along < 0.0;
-        let shape = if at_far_end { shape.from_the_other_apsis() } else { shape };
+        let shape = if at_far_end { shape.seen_from_the_other_apsis() } else { shape };
         let (s, universal) = shape.of_state(r, sigma);
         let sqrt_p = h / sqrt_mu;
         // Turn back by the angle from the apsis.
@@ -199,7 +199,7 @@ impl Conic {
             // What is left of the way first: it is nearly as long as the half revolutions, so that their difference is exact.
             target = (going - half_revolutions * half) + self.time;
             if is_odd(half_revolutions) {
-                shape = shape.from_the_other_apsis();
+                shape = shape.seen_from_the_other_apsis();
                 (toward, ahead) = (scaled(-1.0, &toward), scaled(-1.0, &ahead));
             }
         }
@@ -235,6 +235,11 @@ impl Conic {
         2.0 * PI / (alpha * Scalar::sqrt(alpha)) * (1.0 - 1.5 * self.energy.low / alpha)
     }
 
+    /// Distance of the nearest point.
+    pub(super) fn nearest(&self) -> f64 {
+        if self.shape.e < 0.0 { self.shape.seen_from_the_other_apsis().q } else { self.shape.q }
+    }
+
     /// `1/a`
     pub(super) fn alpha(&self) -> f64 {
         self.shape.alpha
@@ -260,7 +265,7 @@ fn is_odd(whole: f64) -> bool {
 
 /// To the nearest whole number.
 #[inline]
-fn rounded(x: f64) -> f64 {
+pub(super) fn rounded(x: f64) -> f64 {
     // What is larger has no fraction.
     const WHOLE: f64 = 4_503_599_627_370_496.0;
     if x.abs() < WHOLE { (x.abs() + WHOLE - WHOLE).copysign(x) } else { x }

@@ -139,7 +139,7 @@ const CLOSE: f64 = 1e-5;
 impl Shape {
     /// Of an ellipse.
     #[inline]
-    pub(super) fn from_the_other_apsis(&self) -> Self {
+    pub(super) fn seen_from_the_other_apsis(&self) -> Self {
         Self { q: (1.0 + self.e) / self.alpha, e: -self.e, ..*self }
     }
 
@@ -200,7 +200,8 @@ impl Shape {
             let halley = -f / (d1 + 0.5 * newton * d2);
             let mut step = -f / (d1 + halley * (0.5 * d2 + halley * d3 / 6.0));
             // A step that is no number, or leaves the bounds, is not taken.
-            if !(s + step > low && s + step < high) && !(step.abs() <= CLOSE * s) {
+            let within = s + step > low && s + step < high;
+            if !(within || step.abs() <= CLOSE * s) {
                 step = if high.is_finite() { 0.5 * (low + high) - s } else { s };
             }
             let done = step.abs() <= CLOSE * s;

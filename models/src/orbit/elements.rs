@@ -1,0 +1,234 @@
+//! Classical orbital elements, from states and back.
+//!
+//! The size is given by p, which every conic has. Angles that a position does not fix are chosen so that a state comes back from its
+//! elements:
+//!
+//! | orbit                              | chosen                                                                 |
+//! |------------------------------------|------------------------------------------------------------------------|
+//! | in the plane z = 0                 | Ω = 0: ω counts from the x axis, in the direction of the motion         |
+//! | a circle                           | ω = 0: ν counts from the ascending node                                 |
+//! | a circle in the plane z = 0        | Ω = ω = 0: ν counts from the x axis, in the direction of the motion     |
+//!
+//! An inclination or eccentricity counts as zero up to [`NONE`], where it is rounding alone.
+//!
+//! # Source
+//! Battin, *An Introduction to the Mathematics and Methods of Astrodynamics*, 1999, section 3.4.
+
+use core::f64::consts::PI;
+use core::fmt;
+
+use mbs_runtime::Scalar;
+
+use super::integrals::angular_momentum;
+use super::vector::{StateVector, Vector, combined, cross, dot, norm, scaled};
+
+/// Below, an eccentricity or the sine of an inclination is none.
+pub const NONE: f64 = 16.0 * f64::EPSILON;
+
+/// A conic and a place on it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Elements {
+    /// `p = a (1 − e²) = h²/μ`, positive \[m\].
+    pub semi_latus_rectum: f64,
+    /// e
+    pub eccentricity: f64,
+    /// i, from 0 to π \[rad\].
+    pub inclination: f64,
+    /// Ω, from 0 to 2π \[rad\].
+    pub ascending_node: f64,
+    /// ω, from the ascending node to the nearest point, from 0 to 2π \[rad\].
+    pub argument_of_periapsis: f64,
+    /// ν, from −π to π \[rad\].
+    pub true_anomaly: f64,
+}
+
+/// Why there are no elements, or no state.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ElementsError {
+    /// What must be positive and finite is not: μ or p; the eccentricity may be zero.
+    NotPositive {
+        /// Its name.
+        parameter: &'static str,
+        /// Its value.
+        value: f64,
+    },
+    /// A component of the state, or an angle, is infinite or no number.
+    NotFinite {
+        /// Its name.
+        parameter: &'static str,
+        /// Its value.
+        value: f64,
+    },
+    /// The state lies in the centre, or moves towards it or away from it: no angular momentum.
+    Straight,
+    /// A parabola or hyperbola does not reach this true anomaly.
+    BeyondAsymptote {
+        /// The true anomaly \[rad\].
+        true_anomaly: f64,
+        /// The eccentricity.
+        eccentricity: f64,
+    },
+}
+
+impl fmt::Display for ElementsError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            ElementsError::NotPositive { parameter, value } => write!(f, "{parameter} must be positive, it is {value}"),
+            ElementsError::NotFinite { parameter, value } => write!(f, "{parameter} must be finite, it is {value}"),
+            ElementsError::Straight => write!(f, "a motion along a straight line has no orbital plane"),
+            ElementsError::BeyondAsymptote { true_anomaly, eccentricity } => {
+                write!(f, "an orbit of eccentricity {eccentricity} does not reach the true anomaly {true_anomaly} rad")
+            }
+        }
+    }
+}
+
+impl core::error::Error for ElementsError {}
+
+/// From 0 to 2π.
+fn positive_angle(angle: f64) -> f64 {
+    // A tiny negative angle is rounded to 2π.
+    let turned = if angle < 0.0 { angle + 2.0 * PI } else { angle };
+    if turned >= 2.0 * PI { 0.0 } else { turned }
+}
+
+impl Elements {
+    /// Of a state \[m, m/s\] about a centre with μ \[m³/s²\].
+    ///
+    /// ```text
+    /// e cos ν = p/r − 1,   e sin ν = √(p/μ) ṙ
+    /// ```
+    ///
+    /// # Errors
+    /// [`ElementsError`].
+    pub fn from_state(mu: f64, state: &StateVector) -> Result<Self, ElementsError> {
+        if !(mu > 0.0 && mu.is_finite()) {
+            return Err(ElementsError::NotPositive { parameter: "mu", value: mu });
+        }
+        const NAMES: [&str; 6] = ["x", "y", "z", "velocity x", "velocity y", "velocity z"];
+        for (parameter, value) in NAMES.into_iter().zip(state.to_array()) {
+            if !value.is_finite() {
+                return Err(ElementsError::NotFinite { parameter, value });
+            }
+        }
+        let momentum = angular_momentum(state);
+        let (r, v, h) = (norm(&state.position), norm(&state.velocity), norm(&momentum));
+        if h <= 4.0 * f64::EPSILON * r * v {
+            return Err(ElementsError::Straight);
+        }
+        let p = h * h / mu;
+        let radial = dot(&state.position, &state.velocity) / r;
+        let (e_cos, e_sin) = (p / r - 1.0, Scalar::sqrt(p / mu) * radial);
+        let eccentricity = Scalar::sqrt(e_cos * e_cos + e_sin * e_sin);
+        let circular = eccentricity <= NONE;
+        let horizontal = Scalar::sqrt(momentum[0] * momentum[0] + momentum[1] * momentum[1]);
+        let equatorial = horizontal <= NONE * h;
+        let node =
+            if equatorial { [1.0, 0.0, 0.0] } else { [-momentum[1] / horizontal, momentum[0] / horizontal, 0.0] };
+        let beside = scaled(1.0 / h, &cross(&momentum, &node));
+        // From the node, in the direction of the motion.
+        let argument_of_latitude = Scalar::atan2(dot(&state.position, &beside), dot(&state.position, &node));
+        let true_anomaly = if circular { argument_of_latitude } else { Scalar::atan2(e_sin, e_cos) };
+        let argument_of_periapsis = if circular { 0.0 } else { positive_angle(argument_of_latitude - true_anomaly) };
+        let elements = Self {
+            semi_latus_rectum: p,
+            eccentricity,
+            inclination: Scalar::atan2(horizontal, momentum[2]),
+            ascending_node: if equatorial { 0.0 } else { positive_angle(Scalar::atan2(momentum[0], -momentum[1])) },
+            argument_of_periapsis,
+            true_anomaly,
+        };
+        elements.check()?;
+        Ok(elements)
+    }
+
+    /// The state \[m, m/s\] about a centre with μ \[m³/s²\].
+    ///
+    /// # Errors
+    /// [`ElementsError`].
+    pub fn to_state(&self, mu: f64) -> Result<StateVector, ElementsError> {
+        if !(mu > 0.0 && mu.is_finite()) {
+            return Err(ElementsError::NotPositive { parameter: "mu", value: mu });
+        }
+        self.check()?;
+        let Self { semi_latus_rectum: p, eccentricity: e, .. } = *self;
+        let (sin, cos) = Scalar::sin_cos(self.true_anomaly);
+        let [toward, ahead] = self.axes();
+        let (r, speed) = (p / (1.0 + e * cos), Scalar::sqrt(mu / p));
+        Ok(StateVector {
+            position: combined(r * cos, &toward, r * sin, &ahead),
+            velocity: combined(-speed * sin, &toward, speed * (e + cos), &ahead),
+        })
+    }
+
+    /// Unit vectors to the nearest point, and a quarter of a turn on.
+    #[must_use]
+    pub fn axes(&self) -> [Vector; 2] {
+        let (sin_node, cos_node) = Scalar::sin_cos(self.ascending_node);
+        let (sin_i, cos_i) = Scalar::sin_cos(self.inclination);
+        let (sin, cos) = Scalar::sin_cos(self.argument_of_periapsis);
+        let node = [cos_node, sin_node, 0.0];
+        let beside = [-cos_i * sin_node, cos_i * cos_node, sin_i];
+        [combined(cos, &node, sin, &beside), combined(-sin, &node, cos, &beside)]
+    }
+
+    /// `a = p/(1 − e²)` \[m\]: negative for hyperbolas, infinite for parabolas.
+    #[must_use]
+    pub fn semi_major_axis(&self) -> f64 {
+        self.semi_latus_rectum / ((1.0 - self.eccentricity) * (1.0 + self.eccentricity))
+    }
+
+    /// Distance of the nearest point, `p/(1 + e)` \[m\].
+    #[must_use]
+    pub fn periapsis(&self) -> f64 {
+        self.semi_latus_rectum / (1.0 + self.eccentricity)
+    }
+
+    /// Distance of the farthest point \[m\]: infinite for parabolas and hyperbolas.
+    #[must_use]
+    pub fn apoapsis(&self) -> f64 {
+        if self.eccentricity < 1.0 { self.semi_latus_rectum / (1.0 - self.eccentricity) } else { f64::INFINITY }
+    }
+
+    /// Rate of the mean anomaly of [`anomaly`](super::anomaly) \[rad/s\].
+    #[must_use]
+    pub fn mean_motion(&self, mu: f64) -> f64 {
+        let p = self.semi_latus_rectum;
+        let rate = Scalar::sqrt(mu / p) / p;
+        if self.eccentricity == 1.0 {
+            return 2.0 * rate;
+        }
+        let difference = ((1.0 - self.eccentricity) * (1.0 + self.eccentricity)).abs();
+        rate * difference * Scalar::sqrt(difference)
+    }
+
+    /// Time of one revolution \[s\]: infinite for parabolas and hyperbolas.
+    #[must_use]
+    pub fn period(&self, mu: f64) -> f64 {
+        if self.eccentricity < 1.0 { 2.0 * PI / self.mean_motion(mu) } else { f64::INFINITY }
+    }
+
+    fn check(&self) -> Result<(), ElementsError> {
+        let Self { semi_latus_rectum: p, eccentricity, true_anomaly, .. } = *self;
+        if !(p > 0.0 && p.is_finite()) {
+            return Err(ElementsError::NotPositive { parameter: "semi_latus_rectum", value: p });
+        }
+        if !(eccentricity >= 0.0 && eccentricity.is_finite()) {
+            return Err(ElementsError::NotPositive { parameter: "eccentricity", value: eccentricity });
+        }
+        let angles = [
+            ("inclination", self.inclination),
+            ("ascending_node", self.ascending_node),
+            ("argument_of_periapsis", self.argument_of_periapsis),
+            ("true_anomaly", true_anomaly),
+        ];
+        if let Some((parameter, value)) = angles.into_iter().find(|(_, value)| !value.is_finite()) {
+            return Err(ElementsError::NotFinite { parameter, value });
+        }
+        if 1.0 + eccentricity * Scalar::cos(true_anomaly) > 0.0 {
+            Ok(())
+        } else {
+            Err(ElementsError::BeyondAsymptote { true_anomaly, eccentricity })
+        }
+    }
+}
