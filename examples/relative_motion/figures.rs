@@ -49,7 +49,7 @@ pub(crate) fn write(folder: &Path, flights: &[Flight]) -> Result<(), Failure> {
             marks: vec![([0.0, 0.0], "station".to_string())],
         };
         let title = format!("{title}, {ORBITS} orbits");
-        output::write_figure(folder, file, &Figure { title, size: (1100, 800), panels: vec![Panel::Plane(plane)] })?;
+        output::write_figure(folder, file, &Figure { title, size: (1100, 560), panels: vec![Panel::Plane(plane)] })?;
     }
     let header = ["t_s", "x_m", "y_m", "z_m", "vx_m_s", "vy_m_s", "vz_m_s"].map(String::from);
     for flight in flights {

@@ -17,7 +17,7 @@ const ROWS: usize = 500;
 /// Orbits of the station in figures and tables.
 pub(crate) const ORBITS: f64 = 2.0;
 
-/// A motion and what it is compared with.
+/// A motion and what it is compared with; differences are those of the component that differs most.
 pub(crate) struct Flight {
     pub(crate) case: Case,
     /// After one orbit.
@@ -36,14 +36,15 @@ pub(crate) fn integrator() -> Dop853 {
     Dop853::new(2.3e-14, 1e-13)
 }
 
+/// The greatest difference of a component.
 fn apart(a: &[f64; 3], b: &[f64; 3]) -> f64 {
-    let [x, y, z] = std::array::from_fn(|i| a[i] - b[i]);
-    f64::hypot(x, y).hypot(z)
+    a.iter().zip(b).fold(0.0, |most, (a, b)| most.max((a - b).abs()))
 }
 
 /// Distance from the station.
 fn distance(_: f64, state: &State<[f64; 3]>) -> f64 {
-    apart(&state.q, &[0.0; 3])
+    let [x, y, z] = state.q;
+    x.hypot(y).hypot(z)
 }
 
 /// The state of a case at a time, integrated from the beginning.

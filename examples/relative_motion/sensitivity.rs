@@ -12,10 +12,11 @@ const ORBITS: usize = 6;
 
 /// What the thesis calls chaos, said plainly.
 pub(crate) const PLAINLY: &str = "\
-Without a mass of the station the displacement grows by the same amount with every orbit, as the drift of two satellites of unlike
-periods does: that is regular motion, and the 1/r of the thesis is one of its coordinates, not of the forces. A station that attracts
-as a point scatters what passes it closely, and each passage multiplies the displacement: that is sensitive, and as long as the
-passages go on it is chaotic. A real station of that size has no such point: its hull is wider than the 1.94 m of its Hill sphere.
+The displacement grows by the same amount with every orbit, as the drift of two satellites of unlike periods does: regular motion. The 1/r
+of the thesis is one of its coordinates, not of the forces. Where the station attracts as a point of 420 t, the one passage close by
+multiplies the displacement, five times for the release on the 2:1 ellipse, and then the astronaut has drifted away and it grows evenly
+again: sensitive, but not chaotic over these orbits. A real station has no such point: its hull is wider than the 1.94 m of its Hill
+sphere.
 ";
 
 /// The growth of a displacement.

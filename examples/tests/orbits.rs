@@ -1,0 +1,109 @@
+//! The examples of orbits as outside programs call them, against the reference values of `tests/data/orbit.json`.
+
+mod support;
+
+use serde_json::Value;
+use support::{good, json, keys, numbers};
+
+const TWO_BODY: &str = env!("CARGO_BIN_EXE_two_body");
+const THREE_BODY: &str = env!("CARGO_BIN_EXE_three_body");
+const RELATIVE_MOTION: &str = env!("CARGO_BIN_EXE_relative_motion");
+
+fn reference() -> Value {
+    json(include_str!("../../tests/data/orbit.json"))
+}
+
+/// What the program prints, and a folder in which it wrote these figures and tables.
+fn printed(program: &str, figures: &[&str], tables: &[&str]) -> Value {
+    let folder = tempfile::tempdir().unwrap();
+    let value = json(&good(program, &["--json", "--out", folder.path().to_str().unwrap()]));
+    let names = figures.iter().flat_map(|name| [format!("{name}.svg"), format!("{name}.png")]);
+    for file in names.chain(tables.iter().map(|name| format!("{name}.csv"))) {
+        assert!(folder.path().join(&file).metadata().unwrap().len() > 1000, "{file}");
+    }
+    value
+}
+
+#[track_caller]
+fn near(what: &str, found: &Value, expected: &Value, tolerance: f64) {
+    let (found, expected) = (numbers(found), numbers(expected));
+    assert_eq!(found.len(), expected.len(), "{what}");
+    for (found, expected) in found.iter().zip(&expected) {
+        assert!((found - expected).abs() <= tolerance, "{what}: {found}, not {expected}");
+    }
+}
+
+#[test]
+fn two_bodies() {
+    let (found, expected) =
+        (printed(TWO_BODY, &["two_body_barycentre", "two_body_relative"], &["two_body"]), reference());
+    assert_eq!(keys(&found), ["dimensionless", "earth_moon", "drift"]);
+    for (way, tolerance) in [("kepler", 1e-13), ("dop853", 1e-12)] {
+        let samples = found["dimensionless"][way].as_array().unwrap();
+        for (sample, expected) in samples.iter().zip(expected["dimensionless"].as_array().unwrap()) {
+            assert_eq!(sample["t"], expected["t"]);
+            near(way, &sample["state"], &expected["state"], tolerance);
+        }
+        assert_eq!(samples.len(), 5);
+    }
+    for body in ["body1_m", "body2_m"] {
+        near(body, &found["earth_moon"][body], &expected["earth_moon"][body], 1e-3);
+    }
+    near("barycentre", &found["earth_moon"]["barycentre_m"], &json("[0, 0, 0]"), 1e-6);
+    for drift in ["energy", "angular_momentum", "laplace_vector", "earth_moon_energy", "earth_moon_angular_momentum"] {
+        assert!(numbers(&found["drift"][drift])[0] < 1e-12, "{drift}");
+    }
+}
+
+#[test]
+fn three_bodies() {
+    let (found, expected) = (printed(THREE_BODY, &["arenstorf", "tadpole", "horseshoe"], &["arenstorf"]), reference());
+    for pair in ["earth_moon", "arenstorf"] {
+        near(pair, &found["libration"][pair], &expected["libration"][pair], 1e-12);
+        let growth = numbers(&found["libration_growth"][pair]);
+        assert!(growth[..3].iter().all(|growth| *growth > 0.1) && growth[3..] == [0.0, 0.0], "{growth:?}");
+    }
+    assert!(numbers(&found["arenstorf_return_error"])[0] <= 1e-9);
+    assert!(numbers(&found["jacobi_drift"])[0] <= 1e-12);
+    for asteroid in ["tadpole", "horseshoe"] {
+        assert!(numbers(&found["asteroids"][asteroid]["jacobi_drift"])[0] <= 1e-12, "{asteroid}");
+    }
+}
+
+#[test]
+fn motion_about_a_station() {
+    let figures = ["figure_7_3", "figure_7_4", "near_with_station_mass", "elliptic_near", "elliptic_far"];
+    let (found, expected) = (printed(RELATIVE_MOTION, &figures, &["circular_far_radial"]), reference());
+    for group in ["circular", "elliptic", "station_mass"] {
+        assert_eq!(keys(&found[group]), keys(&expected[group]), "{group}");
+        for (case, values) in expected[group].as_object().unwrap() {
+            for (what, value) in values.as_object().unwrap() {
+                // Kilometres; near the station metres.
+                let tolerance = if case.starts_with("far") || what.ends_with("_m") || what.ends_with("_m_s") {
+                    1e-9
+                } else {
+                    1e-12
+                };
+                near(&format!("{group} {case} {what}"), &found[group][case][what], value, tolerance);
+            }
+        }
+    }
+    near("HCW", &found["hcw_difference_m"], &expected["hcw_difference_m"], 1e-9);
+    for row in expected["amplification"].as_array().unwrap() {
+        let is_it = |growth: &&Value| growth["case"] == row[0] && growth["station_mass_kg"].as_f64() == row[1].as_f64();
+        let growth = found["sensitivity"].as_array().unwrap().iter().find(is_it).unwrap();
+        let factors = numbers(&growth["amplification_after_orbits"]);
+        let expected = row[2].as_f64().unwrap();
+        assert!((factors[0] - expected).abs() < 1e-3 * expected, "{row}: {factors:?}");
+        // No chaos: from the second orbit on it grows evenly.
+        let steps: Vec<f64> = factors.windows(2).map(|pair| pair[1] - pair[0]).collect();
+        assert!(steps.iter().all(|step| (step - steps[0]).abs() < 0.05 * steps[0]), "{row}: {factors:?}");
+    }
+}
+
+#[test]
+fn summaries_are_for_people() {
+    for (program, word) in [(TWO_BODY, "Laplace"), (THREE_BODY, "Arenstorf"), (RELATIVE_MOTION, "not chaotic")] {
+        assert!(good(program, &[]).contains(word), "{program}");
+    }
+}
