@@ -1,10 +1,13 @@
 //! Elevation of the platform: a sum of sines, (5.9).
+//!
+//! As a motion of the platform it is [`Heave::about`]; [`Superposition`] has sums of sines in all six coordinates.
 
 use core::f64::consts::PI;
 
 use mbs_runtime::Scalar;
 
 use super::backstepping::Reference;
+use crate::platform::Superposition;
 
 /// `z(t) = Σ Aᵢ sin(ωᵢ t)`
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -36,6 +39,18 @@ impl<const K: usize> Heave<K> {
             at.acceleration -= a * w * w * sin;
         }
         at
+    }
+
+    /// The same motion with all amplitudes larger by a factor.
+    #[must_use]
+    pub fn scaled(&self, factor: f64) -> Self {
+        Heave { amplitude: self.amplitude.map(|amplitude| factor * amplitude), ..*self }
+    }
+
+    /// A platform that heaves so, level, about this height over its base \[m\].
+    #[must_use]
+    pub fn about(&self, middle: f64) -> Superposition<K> {
+        Superposition::heave(middle, &self.amplitude, &self.frequency)
     }
 
     /// The greatest downward acceleration that it may have, `Σ Aᵢ ωᵢ²` \[m/s²\]: above g nothing that only falls can follow.
