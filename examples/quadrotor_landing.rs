@@ -59,8 +59,8 @@ impl Landings {
     /// What the legs do along the motion of a case in full, exactly as it is to be, up to a time \[s\].
     fn legs(&self, case: &str, end: f64) -> Result<Vec<(f64, LegState)>, Failure> {
         match self.on_platform(case) {
-            Some(on_platform) => platform::legs(&on_platform.motion, end),
-            None => platform::legs(&self.marine.motion, end),
+            Some(on_platform) => platform::legs(&on_platform.full.motion, end),
+            None => platform::legs(&self.marine.full.motion, end),
         }
     }
 }

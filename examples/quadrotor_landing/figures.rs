@@ -78,21 +78,15 @@ fn leg_lines(values: impl Iterator<Item = (f64, LegVector)>) -> Vec<Line> {
 /// `NAME_platform`: the deck as it is to be and as it is, how far it is off, and what the legs are asked for.
 pub(crate) fn write_platform<const K: usize>(folder: &Path, on_platform: &OnPlatform<K>) -> Result<(), Failure> {
     let case = table_name(on_platform.case);
-    for (name, comparison) in on_platform.comparisons() {
-        let Comparison { scale, middle, driven, moments, .. } = comparison;
-        let end = driven.touchdown.time;
+    for (name, Comparison { scale, motion, driven, moments, .. }) in on_platform.comparisons() {
+        let (end, middle) = (driven.touchdown.time, motion.mean()[2]);
         let of = |value: &dyn Fn(&DrivenMoment) -> f64| moments.iter().map(|m| (m.time, value(m))).collect();
-        let motion = if *scale == 1.0 { on_platform.motion } else { on_platform.motion.scaled(*scale) };
         let plan = |m: &DrivenMoment| motion.at(m.time)[0];
         let elevations = vec![
-            Line::new("to be", of(&|m| plan(m)[2] - motion.mean()[2])),
+            Line::new("to be", of(&|m| plan(m)[2] - middle)),
             Line::new("platform", of(&|m| m.platform.q[2] - middle)),
         ];
-        let error = |m: &DrivenMoment| {
-            let mut plan = plan(m);
-            plan[2] += middle - motion.mean()[2];
-            TrackingError::between(&m.platform.q, &plan)
-        };
+        let error = |m: &DrivenMoment| TrackingError::between(&m.platform.q, &plan(m));
         let mut errors = vec![Line::new("distance [mm]", of(&|m| 1e3 * error(m).distance))];
         if driven.greatest_error.angle > 1e-9 {
             errors.push(Line::new("angle [mrad]", of(&|m| 1e3 * error(m).angle)));
@@ -113,11 +107,9 @@ pub(crate) fn write_platform<const K: usize>(folder: &Path, on_platform: &OnPlat
         }
         header.extend(leg_header());
         let row = |m: &DrivenMoment| {
-            let mut plan = plan(m);
-            plan[2] += middle - motion.mean()[2];
             let height = m.deck.relative(&m.vehicle.q, &m.vehicle.qd).offset[2];
             let LegState { length, rate, force } = m.legs;
-            [&[m.time, m.vehicle.q[2], height][..], &m.platform.q, &plan, &length, &rate, &force].concat()
+            [&[m.time, m.vehicle.q[2], height][..], &m.platform.q, &plan(m), &length, &rate, &force].concat()
         };
         output::write_table(folder, &name, &header, moments.iter().map(row))?;
     }

@@ -33,11 +33,11 @@ pub(crate) fn platform() -> Result<Platform, Failure> {
 }
 
 /// A landing on the driven platform and the same one on an exact deck.
-pub(crate) struct Comparison {
+pub(crate) struct Comparison<const K: usize> {
     /// Of the motion.
     pub(crate) scale: f64,
-    /// Mean height of the platform over its base \[m\].
-    pub(crate) middle: f64,
+    /// The motion, over the base.
+    pub(crate) motion: Superposition<K>,
     /// The deck moves exactly, the controller acts in continuous time.
     pub(crate) exact: Touchdown,
     pub(crate) driven: DrivenTouchdown,
@@ -48,10 +48,10 @@ pub(crate) struct Comparison {
 /// What the Stewart platform makes of a motion.
 pub(crate) struct OnPlatform<const K: usize> {
     pub(crate) case: &'static str,
-    /// The motion in full, raised.
-    pub(crate) motion: Superposition<K>,
-    pub(crate) full: Comparison,
-    pub(crate) scaled: Comparison,
+    /// The motion in full, on a platform that is raised.
+    pub(crate) full: Comparison<K>,
+    /// About home, scaled.
+    pub(crate) scaled: Comparison<K>,
 }
 
 impl<const K: usize> OnPlatform<K> {
@@ -62,13 +62,12 @@ impl<const K: usize> OnPlatform<K> {
         let scale = platform.admissible_scale(motion, DURATION, STEP)?;
         Ok(OnPlatform {
             case,
-            motion: raised,
             full: Comparison::of(&platform, raised, 1.0, point)?,
             scaled: Comparison::of(&platform, motion.scaled(scale), scale, point)?,
         })
     }
 
-    pub(crate) fn comparisons(&self) -> [(&'static str, &Comparison); 2] {
+    pub(crate) fn comparisons(&self) -> [(&'static str, &Comparison<K>); 2] {
         [("full", &self.full), ("scaled", &self.scaled)]
     }
 }
@@ -96,13 +95,8 @@ fn raised<const K: usize>(platform: &Platform, motion: &Superposition<K>) -> Res
     Ok(about(high))
 }
 
-impl Comparison {
-    fn of<const K: usize>(
-        platform: &Platform,
-        motion: Superposition<K>,
-        scale: f64,
-        point: [f64; 3],
-    ) -> Result<Self, Failure> {
+impl<const K: usize> Comparison<K> {
+    fn of(platform: &Platform, motion: Superposition<K>, scale: f64, point: [f64; 3]) -> Result<Self, Failure> {
         let landing: Landing<MovingDeck<_>> = Landing::on(Plant::Exact, over_base(motion, point));
         let exact = landing.simulate(Landing::initial_state(), |_, _, _| ())?;
         let drive =
@@ -114,7 +108,7 @@ impl Comparison {
             }
             seen += 1;
         })?;
-        Ok(Comparison { scale, middle: motion.mean()[2], exact, driven, moments })
+        Ok(Comparison { scale, motion, exact, driven, moments })
     }
 
     /// By how much the driven platform changes the landing: time \[s\], relative velocity \[m/s\], offset \[m\].
@@ -129,7 +123,7 @@ impl Comparison {
         let DrivenTouchdown { touchdown, greatest_error, last_error, survey, .. } = &self.driven;
         json!({
             "scale": self.scale,
-            "middle": self.middle,
+            "middle": self.motion.mean()[2],
             "touchdown_time": touchdown.time,
             "relative_velocity": touchdown.relative_velocity,
             "horizontal_offset": touchdown.horizontal_offset,
@@ -168,7 +162,7 @@ impl Comparison {
             "{case:<6} {name:<6} motion × {:.3} about {:.3} m: touchdown {:.5} s ({time:+.2e}), {:.5} m/s ({velocity:+.2e}), offset {:.2e} m ({offset:+.1e})\n\
              {:14}platform off by up to {:.4} m and {:.2}°, at the touchdown {:.1e} m; legs {shortest:.2} to {longest:.2} m, up to {:.2} m/s, {:.0} N; {limits}\n",
             self.scale,
-            self.middle,
+            self.motion.mean()[2],
             end.time,
             end.relative_velocity,
             end.horizontal_offset,
