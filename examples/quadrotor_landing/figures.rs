@@ -27,7 +27,11 @@ pub(crate) fn write(folder: &Path, flight: &Flight, legs: &[(f64, LegState)]) ->
             MARINE => format!("Deck at sea: {what}"),
             case => format!("Figure {}: {what}, case {case}", name.trim_start_matches("figure_").replace('_', ".")),
         };
-        output::write_figure(folder, name, &Figure { title, size: (1100, 400 + 200 * panels.len() as u32), panels })
+        output::write_figure(
+            folder,
+            name,
+            &Figure { title, size: (1100, if panels.len() > 2 { 1000 } else { 800 }), panels },
+        )
     };
     write(&names[0], "path of the quadrotor", vec![path(flight)])?;
     let elevation: [Series; 2] = [("quadrotor", |m| m.state.q[2]), ("platform", |m| m.platform)];
@@ -97,7 +101,8 @@ pub(crate) fn write_platform<const K: usize>(folder: &Path, on_platform: &OnPlat
             panel("length of a leg [m]", end, leg_lines(moments.iter().map(|m| (m.time, m.legs.length)))),
             panel("force asked for [N]", end, leg_lines(moments.iter().map(|m| (m.time, m.legs.force)))),
         ];
-        let title = format!("The platform under control, {}, motion × {scale:.3}", case.replace('_', " "));
+        let how = if name == "full" { "motion in full, raised".to_string() } else { format!("motion × {scale:.3}") };
+        let title = format!("The platform under control, {}, {how}", case.replace('_', " "));
         let name = format!("{case}_platform_{name}");
         output::write_figure(folder, &name, &Figure { title, size: (1100, 1100), panels })?;
         let mut header: Vec<String> = ["t_s", "z_m", "height_m"].map(String::from).into();

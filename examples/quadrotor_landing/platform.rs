@@ -40,6 +40,8 @@ pub(crate) struct Comparison<const K: usize> {
     pub(crate) motion: Superposition<K>,
     /// The deck moves exactly, the controller acts in continuous time.
     pub(crate) exact: Touchdown,
+    /// The deck moves exactly, the controller is sampled.
+    pub(crate) sampled: Touchdown,
     pub(crate) driven: DrivenTouchdown,
     /// Every 10 ms.
     pub(crate) moments: Vec<DrivenMoment>,
@@ -48,6 +50,8 @@ pub(crate) struct Comparison<const K: usize> {
 /// What the Stewart platform makes of a motion.
 pub(crate) struct OnPlatform<const K: usize> {
     pub(crate) case: &'static str,
+    /// How low the motion in full would come about home \[m\]: the base is at zero.
+    pub(crate) lowest: f64,
     /// The motion in full, on a platform that is raised.
     pub(crate) full: Comparison<K>,
     /// About home, scaled.
@@ -62,6 +66,7 @@ impl<const K: usize> OnPlatform<K> {
         let scale = platform.admissible_scale(motion, DURATION, STEP)?;
         Ok(OnPlatform {
             case,
+            lowest: samples().map(|t| motion.at(t)[0][2]).fold(f64::INFINITY, f64::min),
             full: Comparison::of(&platform, raised, 1.0, point)?,
             scaled: Comparison::of(&platform, motion.scaled(scale), scale, point)?,
         })
@@ -72,17 +77,18 @@ impl<const K: usize> OnPlatform<K> {
     }
 }
 
+fn samples() -> impl Iterator<Item = f64> {
+    (0..=(DURATION / STEP) as u32).map(|i| f64::from(i) * STEP)
+}
+
 /// The motion about a pose above home, as low as it can be without a leg shorter than the shortest.
 fn raised<const K: usize>(platform: &Platform, motion: &Superposition<K>) -> Result<Superposition<K>, Failure> {
     let about = |middle: f64| motion.about(&[0.0, 0.0, middle, 0.0, 0.0, 0.0]);
     let shortest = |middle: f64| -> Result<f64, Failure> {
-        let lengths =
-            (0..=(DURATION / STEP) as u32).map(|i| platform.lengths(&about(middle).at(f64::from(i) * STEP)[0]));
-        let mut least = f64::INFINITY;
-        for lengths in lengths {
-            least = lengths?.into_iter().fold(least, f64::min);
-        }
-        Ok(least)
+        let motion = about(middle);
+        samples().try_fold(f64::INFINITY, |least, t| {
+            Ok(platform.lengths(&motion.at(t)[0])?.into_iter().fold(least, f64::min))
+        })
     };
     let (mut low, mut high) = (HOME[2], HOME[2]);
     while shortest(high)? < platform.limits.shortest {
@@ -99,6 +105,7 @@ impl<const K: usize> Comparison<K> {
     fn of(platform: &Platform, motion: Superposition<K>, scale: f64, point: [f64; 3]) -> Result<Self, Failure> {
         let landing: Landing<MovingDeck<_>> = Landing::on(Plant::Exact, over_base(motion, point));
         let exact = landing.simulate(Landing::initial_state(), |_, _, _| ())?;
+        let sampled = landing.simulate_sampled(Landing::initial_state(), PERIOD, |_, state| *state)?;
         let drive =
             Drive { platform: platform.clone(), control: ComputedTorque::critically_damped(NATURAL_FREQUENCY)? };
         let (mut moments, mut seen) = (Vec::new(), 0);
@@ -108,18 +115,21 @@ impl<const K: usize> Comparison<K> {
             }
             seen += 1;
         })?;
-        Ok(Comparison { scale, motion, exact, driven, moments })
+        Ok(Comparison { scale, motion, exact, sampled, driven, moments })
     }
 
-    /// By how much the driven platform changes the landing: time \[s\], relative velocity \[m/s\], offset \[m\].
-    pub(crate) fn difference(&self) -> [f64; 3] {
+    /// By how much a landing is another one than that on the exact deck: time \[s\], relative velocity \[m/s\], offset \[m\].
+    fn difference(&self, end: &Touchdown) -> [f64; 3] {
         let results = |end: &Touchdown| [end.time, end.relative_velocity, end.horizontal_offset];
-        let (driven, exact) = (results(&self.driven.touchdown), results(&self.exact));
-        std::array::from_fn(|i| driven[i] - exact[i])
+        let (changed, exact) = (results(end), results(&self.exact));
+        std::array::from_fn(|i| changed[i] - exact[i])
     }
 
     pub(crate) fn to_json(&self) -> Value {
-        let [time, velocity, offset] = self.difference();
+        let difference = |end: &Touchdown| {
+            let [time, velocity, offset] = self.difference(end);
+            json!({ "touchdown_time": time, "relative_velocity": velocity, "horizontal_offset": offset })
+        };
         let DrivenTouchdown { touchdown, greatest_error, last_error, survey, .. } = &self.driven;
         json!({
             "scale": self.scale,
@@ -127,7 +137,8 @@ impl<const K: usize> Comparison<K> {
             "touchdown_time": touchdown.time,
             "relative_velocity": touchdown.relative_velocity,
             "horizontal_offset": touchdown.horizontal_offset,
-            "difference": { "touchdown_time": time, "relative_velocity": velocity, "horizontal_offset": offset },
+            "difference": difference(touchdown),
+            "difference_of_sampling": difference(&self.sampled),
             "tracking_error_max": greatest_error.distance,
             "tracking_error_max_deg": greatest_error.angle.to_degrees(),
             "tracking_error_touchdown": last_error.distance,
@@ -143,8 +154,11 @@ impl<const K: usize> Comparison<K> {
     }
 
     pub(crate) fn summary(&self, case: &str, name: &str) -> String {
-        let [time, velocity, offset] = self.difference();
         let DrivenTouchdown { touchdown: end, greatest_error, last_error, survey, .. } = &self.driven;
+        let difference = |end: &Touchdown| {
+            let [time, velocity, offset] = self.difference(end);
+            format!("{time:+.2e} s, {velocity:+.2e} m/s, {offset:+.1e} m")
+        };
         let [shortest, longest] = survey.length;
         let excess = [
             ("stroke", "m", worst(survey, &[Quantity::TooShort, Quantity::TooLong])),
@@ -159,17 +173,23 @@ impl<const K: usize> Comparison<K> {
         let limits =
             if excess.is_empty() { "all limits kept".to_string() } else { format!("BEYOND {}", excess.join(", ")) };
         format!(
-            "{case:<6} {name:<6} motion × {:.3} about {:.3} m: touchdown {:.5} s ({time:+.2e}), {:.5} m/s ({velocity:+.2e}), offset {:.2e} m ({offset:+.1e})\n\
-             {:14}platform off by up to {:.4} m and {:.2}°, at the touchdown {:.1e} m; legs {shortest:.2} to {longest:.2} m, up to {:.2} m/s, {:.0} N; {limits}\n",
+            "{case:<6} {name:<6} motion × {:.3} about {:.3} m: touchdown {:.5} s, {:.5} m/s, {:.2e} m off\n\
+             {:14}difference {}; by sampling alone {}\n\
+             {:14}platform off by up to {:.4} m and {:.2}°, at the touchdown {:.1e} m\n\
+             {:14}legs {shortest:.2} to {longest:.2} m, up to {:.2} m/s and {:.0} N; {limits}\n",
             self.scale,
             self.motion.mean()[2],
             end.time,
             end.relative_velocity,
             end.horizontal_offset,
             "",
+            difference(end),
+            difference(&self.sampled),
+            "",
             greatest_error.distance,
             greatest_error.angle.to_degrees(),
             last_error.distance,
+            "",
             survey.speed,
             survey.force,
         )

@@ -19,10 +19,11 @@ pub(crate) fn to_json(landings: &Landings) -> Result<Value, Failure> {
             flights.clone().map(|flight| (flight.kind.name().to_string(), results(flight))).collect();
         let end = flights.map(|flight| flight.touchdown.time).next().unwrap_or_default();
         let [least, greatest] = force_range(&landings.legs(case, end)?);
-        let mut on_platform = match landings.on_platform(case) {
-            Some(on_platform) => comparisons(on_platform),
-            None => comparisons(&landings.marine),
+        let (mut on_platform, lowest) = match landings.on_platform(case) {
+            Some(on_platform) => (comparisons(on_platform), on_platform.lowest),
+            None => (comparisons(&landings.marine), landings.marine.lowest),
         };
+        on_platform.insert("lowest_about_home".to_string(), lowest.into());
         on_platform.insert("leg_force".to_string(), json!({ "min": least, "max": greatest }));
         of_case.insert("platform".to_string(), on_platform.into());
         all.insert(case.to_string(), of_case.into());
@@ -106,8 +107,8 @@ pub(crate) fn text(landings: &Landings) -> Result<String, Failure> {
         text += &format!("  {:<6} {least:.0} to {greatest:.0} N a leg\n", flight.case);
     }
 
-    text += "\nOn the Stewart platform under its own control, from rest, controllers sampled at 500 Hz; in brackets the difference \
-             from an exact deck and a controller in continuous time\n";
+    text += "\nOn the Stewart platform under its own control, from rest, controllers sampled at 500 Hz; differences \
+             are from an exact deck and a controller in continuous time\n";
     for on_platform in &landings.heaving {
         text += &comparison_text(on_platform);
     }
@@ -116,5 +117,13 @@ pub(crate) fn text(landings: &Landings) -> Result<String, Failure> {
 }
 
 fn comparison_text<const K: usize>(on_platform: &OnPlatform<K>) -> String {
-    on_platform.comparisons().map(|(name, comparison)| comparison.summary(on_platform.case, name)).concat()
+    let OnPlatform { case, lowest, .. } = *on_platform;
+    let mut text = on_platform.comparisons().map(|(name, comparison)| comparison.summary(case, name)).concat();
+    if lowest <= 0.0 {
+        text += &format!(
+            "{:14}in full about home the platform would come down to {lowest:.3} m, through its own base, where no leg can hold it\n",
+            ""
+        );
+    }
+    text
 }

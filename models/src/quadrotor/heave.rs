@@ -41,12 +41,6 @@ impl<const K: usize> Heave<K> {
         at
     }
 
-    /// The same motion with all amplitudes larger by a factor.
-    #[must_use]
-    pub fn scaled(&self, factor: f64) -> Self {
-        Heave { amplitude: self.amplitude.map(|amplitude| factor * amplitude), ..*self }
-    }
-
     /// A platform that heaves so, level, about this height over its base \[m\].
     #[must_use]
     pub fn about(&self, middle: f64) -> Superposition<K> {
