@@ -162,7 +162,7 @@ impl<M: PlatformMotion> Landing<MovingDeck<M>> {
         let plan = self.deck.motion.at(time);
         let deck = self.deck.over_base(&[stands.q, stands.qd, plan[2]]);
         Ok(DrivenTouchdown {
-            touchdown: self.touchdown(time, vehicle, deck, &way),
+            touchdown: self.touchdown(time, vehicle, deck, &way)?,
             platform: stands,
             greatest_error,
             last_error: TrackingError::between(&stands.q, &plan[0]),

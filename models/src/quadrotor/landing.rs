@@ -308,11 +308,20 @@ impl<D> Landing<D> {
         }
     }
 
-    pub(super) fn touchdown(&self, time: f64, state: State<[f64; 6]>, deck: DeckState, way: &Way) -> Touchdown {
+    pub(super) fn touchdown(
+        &self,
+        time: f64,
+        state: State<[f64; 6]>,
+        deck: DeckState,
+        way: &Way,
+    ) -> Result<Touchdown, LandingError> {
+        if !deck.is_finite() {
+            return Err(LandingError::Deck { time });
+        }
         let length = |a: f64, b: f64| Scalar::sqrt(a * a + b * b);
         let relative = deck.relative(&state.q, &state.qd);
         let Relative { offset: [x, y, _], velocity: [xd, yd, zd], .. } = relative;
-        Touchdown {
+        Ok(Touchdown {
             time,
             relative_velocity: zd,
             horizontal_offset: length(x, y),
@@ -326,7 +335,7 @@ impl<D> Landing<D> {
             thrust_range: way.thrust_range,
             rotor_work: self.vehicle.params().drag_factor * way.cubes,
             limited: f64::from(way.limited) / f64::from(way.samples),
-        }
+        })
     }
 }
 
@@ -395,7 +404,7 @@ impl<D: Deck> Landing<D> {
         }
         let deck = self.deck.at(summary.time);
         way.add(summary.time, &state, &self.command_over(&deck, summary.time, &state.q, &state.qd), &deck);
-        Ok(self.touchdown(summary.time, state, deck, &way))
+        self.touchdown(summary.time, state, deck, &way)
     }
 
     /// Whether this can be a landing, from this state.

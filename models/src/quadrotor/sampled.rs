@@ -31,6 +31,9 @@ impl<D: Deck> Landing<D> {
                 return Err(LandingError::Sensor { time: t });
             }
             let deck = self.deck.at(t);
+            if !deck.is_finite() {
+                return Err(LandingError::Deck { time: t });
+            }
             let command = self.command_over(&deck, t, &seen.q, &seen.qd);
             way.add(t, state, &command, &deck);
             Ok(command)
@@ -45,7 +48,7 @@ impl<D: Deck> Landing<D> {
             height: |t: f64, state: &State<[f64; 6]>| self.height(t, &state.q),
         };
         let (time, state) = run.until_touchdown(state)?;
-        Ok(self.touchdown(time, state, self.deck.at(time), &way))
+        self.touchdown(time, state, self.deck.at(time), &way)
     }
 }
 
@@ -94,7 +97,9 @@ impl<Hold, Accelerations, Height> Sampled<Hold, Accelerations, Height> {
                 moved.then_some(end).ok_or(IntegrationError::NonFiniteState { time: t })
             };
             let end = step(period)?;
-            if height(t + period, &end) > 0.0 {
+            let after = height(t + period, &end);
+            if after > 0.0 || after.is_nan() {
+                // Where there is no deck any more, `hold` says so.
                 state = end;
                 continue;
             }
