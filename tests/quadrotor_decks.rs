@@ -338,6 +338,24 @@ fn the_driven_platform_is_late_as_its_gains_say() {
     close(too_long.expect("out of stroke").worst.value, lengths[0], 1e-3);
 }
 
+/// A platform that is to stand still stands: the vehicle lands as on an exact deck, ground effect and wind included.
+#[test]
+fn a_driven_platform_can_stand() {
+    let still =
+        Superposition([Motion { mean: [0.0, 0.0, HOME[2], 0.05, -0.03, 0.2], ..Motion::TABLE_3 }; 1]).scaled(0.0);
+    let mut landing = Landing::on(Plant::Exact, at_the_place(still, [0.3, 0.2, 0.1]));
+    landing.ground_effect = Some(GroundEffect::new(0.4).expect("rotors"));
+    landing.wind = [3.0, -1.0, 0.5];
+    let start = Landing::initial_state();
+    let exact = landing.simulate_sampled(start, 0.002, |_, state| *state).expect("a touchdown");
+    let driven = landing.simulate_driven(start, &drive(8.0), 0.002, |_| ()).expect("a touchdown");
+    alike(&driven.touchdown, &exact, 1e-9);
+    assert!(driven.greatest_error.distance < 1e-12 && driven.survey.is_clear(), "{driven:?}");
+    landing.ground_effect = None;
+    let without = landing.simulate_sampled(start, 0.002, |_, state| *state).expect("a touchdown");
+    assert!(without.time < exact.time - 0.5, "{} {}", without.time, exact.time);
+}
+
 /// Actuators that are too weak fall behind, are said to be, and the touchdown is on the platform where it is.
 #[test]
 fn weak_actuators_are_told_of() {

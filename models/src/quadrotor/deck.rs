@@ -1,4 +1,21 @@
 //! What is landed on, as it moves: a level deck that heaves, and one that moves in all six degrees of freedom.
+//!
+//! A [`Deck`] is a function of time: [`HeavingDeck`] is that of the thesis, [`MovingDeck`] that of a platform which moves as
+//! [`PlatformMotion`] says, for example [`Superposition::MARINE`](crate::platform::Superposition::MARINE), a deck at sea.
+//!
+//! ```
+//! use mbs_models::platform::{HOME, Superposition};
+//! use mbs_models::quadrotor::deck::MovingDeck;
+//! use mbs_models::quadrotor::landing::{Landing, Plant};
+//!
+//! // A landing field beside the middle of the platform, whose mean height is that of the world's origin.
+//! let deck = MovingDeck { motion: Superposition::MARINE, base: [12.0, 7.0, -HOME[2]], point: [0.4, -0.3, 0.3] };
+//! let end = Landing::on(Plant::Exact, deck).simulate(Landing::initial_state(), |_, _, _| ()).unwrap();
+//! let [roll, pitch, yaw] = end.relative.attitude.map(f64::to_degrees);
+//! assert!(end.horizontal_offset < 0.01 && (end.relative_velocity + 0.2).abs() < 0.01);
+//! // The vehicle stands upright on the deck, which rolls and pitches, and has its yaw.
+//! assert!(roll > 5.0 && pitch > 1.0 && yaw.abs() < 0.5);
+//! ```
 
 use mbs_runtime::Scalar;
 
