@@ -1,104 +1,92 @@
-//! How does a quadrotor come down on a platform that heaves under it?
+//! How does a quadrotor come down on a platform that moves under it?
 //!
-//! Cases I and II of the thesis, each by the exact equations and by those for small angles, under backstepping control in
-//! continuous time; for comparison by a linear quadratic regulator. In case II the platform falls faster than a quadrotor can follow: look at the thrust, which is at its limits
+//! Cases I and II of the thesis, where the platform heaves, each by the exact equations and by those for small angles, under
+//! backstepping control in continuous time; for comparison by a linear quadratic regulator, and with rotors that push harder
+//! near the deck. In case II the platform falls faster than a quadrotor can follow: look at the thrust, which is at its limits
 //! for a part of the time, and at the attitude, which takes longer to settle.
 //!
-//! `--out DIR` writes figures 5.2 to 5.9 as SVG and PNG, and every curve as CSV.
+//! Then a deck at sea, which heaves, rolls, pitches and yaws: look at the offset and the attitude in the axes of the deck.
+//!
+//! Then the same decks on the Stewart platform of chapter 4 under its own control, with sampled controllers: look at what that
+//! changes, and at how far beyond its limits the platform would have to go.
+//!
+//! `--out DIR` writes figures 5.2 to 5.9 and those of the other decks as SVG and PNG, and every curve as CSV.
 
 #[path = "quadrotor_landing/figures.rs"]
 mod figures;
 #[path = "quadrotor_landing/flight.rs"]
 mod flight;
+#[path = "quadrotor_landing/platform.rs"]
+mod platform;
+#[path = "quadrotor_landing/summary.rs"]
+mod summary;
 
 use mbs_examples::{Failure, arguments::Arguments};
-use mbs_models::quadrotor::landing::Plant;
-use serde_json::{Value, json};
+use mbs_models::platform::limits::LegState;
+use mbs_models::platform::{HOME, Superposition};
 
-use flight::{CASES, Flight, Pilot};
+use flight::{CASES, Flight, Kind, MARINE};
+use platform::OnPlatform;
 
-/// What is flown in each case.
-const FLIGHTS: [(Plant, Pilot); 3] =
-    [(Plant::Exact, Pilot::Backstepping), (Plant::SmallAngle, Pilot::Backstepping), (Plant::Exact, Pilot::Lqr)];
+/// All landings.
+struct Landings {
+    flights: Vec<Flight>,
+    /// The cases of the thesis on the Stewart platform.
+    heaving: Vec<OnPlatform<4>>,
+    marine: OnPlatform<2>,
+}
+
+impl Landings {
+    fn simulated() -> Result<Self, Failure> {
+        let (mut flights, mut heaving) = (Vec::new(), Vec::new());
+        for (case, heave) in CASES {
+            for kind in Kind::ALL {
+                flights.push(Flight::of(case, kind, flight::heaving(heave))?);
+            }
+            heaving.push(OnPlatform::of(case, &heave.about(HOME[2]), [0.0; 3])?);
+        }
+        for kind in Kind::ALL {
+            flights.push(Flight::of(MARINE, kind, flight::marine(Superposition::MARINE))?);
+        }
+        Ok(Landings { flights, heaving, marine: OnPlatform::of(MARINE, &Superposition::MARINE, flight::FIELD)? })
+    }
+
+    /// Of a case of the thesis.
+    fn on_platform(&self, case: &str) -> Option<&OnPlatform<4>> {
+        self.heaving.iter().find(|on_platform| on_platform.case == case)
+    }
+
+    /// What the legs do along the motion of a case in full, exactly as it is to be, up to a time \[s\].
+    fn legs(&self, case: &str, end: f64) -> Result<Vec<(f64, LegState)>, Failure> {
+        match self.on_platform(case) {
+            Some(on_platform) => platform::legs(&on_platform.full.motion, end),
+            None => platform::legs(&self.marine.full.motion, end),
+        }
+    }
+}
 
 fn main() -> Result<(), Failure> {
     let arguments = Arguments::from_process();
-    let mut flights = Vec::new();
-    for case in CASES {
-        for (plant, pilot) in FLIGHTS {
-            flights.push(Flight::of(case, plant, pilot)?);
-        }
-    }
+    let landings = Landings::simulated()?;
     if let Some(folder) = &arguments.out {
         std::fs::create_dir_all(folder)?;
-        for flight in &flights {
+        for flight in &landings.flights {
             figures::write_table(folder, flight)?;
-            if flight.name() == "exact" {
-                figures::write(folder, flight)?;
+            if flight.kind == Kind::Exact {
+                let legs = landings.legs(flight.case, flight.touchdown.time)?;
+                figures::write_legs(folder, flight.case, &legs)?;
+                figures::write(folder, flight, &legs)?;
             }
         }
+        for on_platform in &landings.heaving {
+            figures::write_platform(folder, on_platform)?;
+        }
+        figures::write_platform(folder, &landings.marine)?;
     }
     if arguments.json {
-        println!("{}", to_json(&flights));
+        println!("{}", summary::to_json(&landings)?);
     } else {
-        print!("{}", summary(&flights));
+        print!("{}", summary::text(&landings)?);
     }
     Ok(())
-}
-
-fn to_json(flights: &[Flight]) -> Value {
-    let of_case = |case: flight::Case| -> Value {
-        let flights = flights.iter().filter(|flight| flight.case.name == case.name);
-        flights.map(|flight| (flight.name().to_string(), results(flight))).collect()
-    };
-    CASES.iter().map(|&case| (case.name.to_string(), of_case(case))).collect()
-}
-
-fn results(flight: &Flight) -> Value {
-    let end = &flight.touchdown;
-    json!({
-        "touchdown_time": end.time,
-        "relative_velocity": end.relative_velocity,
-        "max_phi_deg": end.greatest_tilt[0].to_degrees(),
-        "max_theta_deg": end.greatest_tilt[1].to_degrees(),
-        "settling_time": end.settling_time,
-        "thrust_min": end.thrust_range[0],
-        "thrust_max": end.thrust_range[1],
-        "horizontal_offset": end.horizontal_offset,
-        "rotor_work": end.rotor_work,
-    })
-}
-
-fn summary(flights: &[Flight]) -> String {
-    let mut text = String::from(
-        "case flight       touchdown    rel. velocity  offset     max φ   max θ   settled  thrust               at a limit  rotor work\n",
-    );
-    for flight in flights {
-        let end = &flight.touchdown;
-        text += &format!(
-            "{:<4} {:<12} {:>9.5} s {:>10.5} m/s {:>9.2e} m {:>5.2}° {:>6.2}° {:>6.2} s {:>6.1} to {:>6.1} N {:>8.1} % {:>9.0} J\n",
-            flight.case.name,
-            flight.name(),
-            end.time,
-            end.relative_velocity,
-            end.horizontal_offset,
-            end.greatest_tilt[0].to_degrees(),
-            end.greatest_tilt[1].to_degrees(),
-            end.settling_time,
-            end.thrust_range[0],
-            end.thrust_range[1],
-            100.0 * end.limited,
-            end.rotor_work,
-        );
-    }
-    for case in CASES {
-        let bound = case.heave.acceleration_bound();
-        if bound > 9.80665 {
-            text += &format!(
-                "case {}: the platform may fall with {bound:.2} m/s², faster than freely; nothing that only pushes upwards follows\n",
-                case.name
-            );
-        }
-    }
-    text
 }

@@ -1,84 +1,123 @@
-//! One landing, with what is drawn of it.
+//! One landing on a deck that moves exactly as it is to, with what is drawn of it.
 
 use mbs_examples::Failure;
+use mbs_models::platform::Superposition;
+use mbs_models::quadrotor::deck::{Deck, HeavingDeck, MovingDeck, Relative};
+use mbs_models::quadrotor::ground_effect::GroundEffect;
 use mbs_models::quadrotor::heave::Heave;
 use mbs_models::quadrotor::landing::{Controller, Landing, Plant, Touchdown};
 use mbs_models::quadrotor::lqr::{Lqr, Weights};
 use mbs_runtime::State;
 
-/// A motion of the platform.
-#[derive(Clone, Copy)]
-pub(crate) struct Case {
-    /// In the thesis.
-    pub(crate) name: &'static str,
-    /// The elevation of the platform.
-    pub(crate) heave: Heave<4>,
+/// Cases of the thesis.
+pub(crate) const CASES: [(&str, Heave<4>); 2] = [("I", Heave::CASE_I), ("II", Heave::CASE_II)];
+
+/// Where the middle of the platform is \[m\].
+const PLACE: [f64; 2] = [12.0, 7.0];
+
+/// The deck of a case.
+pub(crate) fn heaving(heave: Heave<4>) -> HeavingDeck<4> {
+    HeavingDeck { heave, place: PLACE }
 }
 
-/// Those of the thesis.
-pub(crate) const CASES: [Case; 2] =
-    [Case { name: "I", heave: Heave::CASE_I }, Case { name: "II", heave: Heave::CASE_II }];
+/// The name of the landing on a deck at sea.
+pub(crate) const MARINE: &str = "marine";
+
+/// The middle of the landing field in the axes of the platform \[m\]: beside its middle, and above it.
+pub(crate) const FIELD: [f64; 3] = [0.4, -0.3, 0.3];
+
+/// The deck at sea; with its base so far down that its mean height is zero.
+pub(crate) fn marine(motion: Superposition<2>) -> MovingDeck<Superposition<2>> {
+    over_base(motion, FIELD)
+}
+
+/// A platform at the place of the landing, with its base so far down that its mean height is zero.
+pub(crate) fn over_base<const K: usize>(motion: Superposition<K>, point: [f64; 3]) -> MovingDeck<Superposition<K>> {
+    let [x, y] = PLACE;
+    MovingDeck { motion, base: [x, y, -motion.mean()[2]], point }
+}
+
+/// How it is flown.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Kind {
+    /// By the exact equations under backstepping control.
+    Exact,
+    /// By those for small angles.
+    SmallAngle,
+    /// By a linear quadratic regulator.
+    Lqr,
+    /// Exact, with rotors that push harder near the deck.
+    GroundEffect,
+}
+
+impl Kind {
+    pub(crate) const ALL: [Self; 4] = [Self::Exact, Self::SmallAngle, Self::Lqr, Self::GroundEffect];
+
+    /// In the JSON.
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Exact => "exact",
+            Self::SmallAngle => "small_angle",
+            Self::Lqr => "lqr",
+            Self::GroundEffect => "ground_effect",
+        }
+    }
+}
+
+/// Of the rotors, assumed \[m\]: a thrust coefficient of 0.011 at hover.
+pub(crate) const ROTOR_RADIUS: f64 = 0.4;
 
 /// What happens at one moment.
 pub(crate) struct Moment {
     pub(crate) t: f64,
     pub(crate) state: State<[f64; 6]>,
-    /// Elevation of the platform \[m\].
+    /// Elevation of the deck \[m\].
     pub(crate) platform: f64,
+    /// The vehicle as the deck sees it.
+    pub(crate) relative: Relative,
     /// The thrust that is asked for \[N\].
     pub(crate) thrust: f64,
-    /// Of each rotor \[N\].
+    /// Of each rotor, far from the ground \[N\].
     pub(crate) rotor_thrust: [f64; 4],
 }
 
-/// Who flies.
-#[derive(Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Pilot {
-    Backstepping,
-    Lqr,
-}
-
 pub(crate) struct Flight {
-    pub(crate) case: Case,
-    plant: Plant,
-    pilot: Pilot,
+    /// Of the thesis, or [`MARINE`].
+    pub(crate) case: &'static str,
+    pub(crate) kind: Kind,
     /// Every 10 ms.
     pub(crate) moments: Vec<Moment>,
     pub(crate) touchdown: Touchdown,
 }
 
 /// Every so many moments that the simulation shows are kept.
-const KEPT: usize = 5;
+pub(crate) const KEPT: usize = 5;
 
 impl Flight {
-    pub(crate) fn of(case: Case, plant: Plant, pilot: Pilot) -> Result<Self, Failure> {
-        let mut landing = Landing::new(plant, case.heave);
-        if pilot == Pilot::Lqr {
-            landing.controller = Controller::Lqr(Lqr::new(*landing.vehicle.params(), &Weights::default())?);
+    pub(crate) fn of<D: Deck>(case: &'static str, kind: Kind, deck: D) -> Result<Self, Failure> {
+        let mut landing = Landing::on(if kind == Kind::SmallAngle { Plant::SmallAngle } else { Plant::Exact }, deck);
+        match kind {
+            Kind::Exact | Kind::SmallAngle => (),
+            Kind::Lqr => {
+                landing.controller = Controller::Lqr(Lqr::new(*landing.vehicle.params(), &Weights::default())?);
+            }
+            Kind::GroundEffect => landing.ground_effect = Some(GroundEffect::new(ROTOR_RADIUS)?),
         }
         let (mut moments, mut seen) = (Vec::new(), 0);
         let touchdown = landing.simulate(Landing::initial_state(), |t, state, command| {
             if seen % KEPT == 0 {
+                let deck = landing.deck.at(t);
                 moments.push(Moment {
                     t,
                     state: *state,
-                    platform: case.heave.at(t).value,
+                    platform: deck.position[2],
+                    relative: deck.relative(&state.q, &state.qd),
                     thrust: command.effort.thrust,
                     rotor_thrust: command.rotors.speed.map(|o| landing.vehicle.params().thrust_factor * o * o),
                 });
             }
             seen += 1;
         })?;
-        Ok(Flight { case, plant, pilot, moments, touchdown })
-    }
-
-    /// In the JSON.
-    pub(crate) fn name(&self) -> &'static str {
-        match (self.pilot, self.plant) {
-            (Pilot::Backstepping, Plant::Exact) => "exact",
-            (Pilot::Backstepping, Plant::SmallAngle) => "small_angle",
-            (Pilot::Lqr, Plant::Exact) => "lqr",
-            (Pilot::Lqr, Plant::SmallAngle) => "lqr_small_angle",
-        }
+        Ok(Flight { case, kind, moments, touchdown })
     }
 }

@@ -7,7 +7,7 @@
 //! | (4.5)         | [`direct`]: direct kinematics by damped Newton                                                    |
 //! | (4.6)–(4.11)  | [`leg`]: a leg in spherical coordinates, corrected                                                |
 //! | (4.12)–(4.18) | the generated mechanism; [`dynamics`]: forces of the legs for an imposed motion; [`control`] by it |
-//! | table 3, 4    | [`motion`]: the imposed motions                                                                   |
+//! | table 3, 4    | [`motion`]: the imposed motions, and sums of them                                                 |
 //!
 //! Coordinates are `q = (x, y, z, φ, θ, ψ)`: the place of the platform's frame \[m\] and the angles of
 //! `R = Rz(ψ) Ry(θ) Rx(φ)` \[rad\]. The frame lies in the plane of the platform's joints, the base's joints lie in the plane
@@ -48,7 +48,7 @@ use crate::stewart_platform::{Params, StewartPlatform};
 pub use direct::{DirectKinematics, NotFound};
 pub use geometry::{Geometry, InvalidPlatform};
 pub use limits::{ActuatorLimits, Quantity, Violation};
-pub use motion::Motion;
+pub use motion::{Motion, PlatformMotion, Superposition};
 
 /// `(x, y, z, φ, θ, ψ)` \[m, rad\], their rates or accelerations.
 pub type Coordinates<T = f64> = [T; 6];
@@ -221,7 +221,7 @@ fn all_finite(values: &[&[f64]]) -> bool {
 }
 
 #[inline]
-fn cross<T: Scalar>(a: &[T; 3], b: &[T; 3]) -> [T; 3] {
+pub(crate) fn cross<T: Scalar>(a: &[T; 3], b: &[T; 3]) -> [T; 3] {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 

@@ -3,7 +3,7 @@
 use core::error::Error;
 use core::fmt;
 
-use super::{Coordinates, LegVector, Motion, Platform, PoseError};
+use super::{Coordinates, LegVector, Platform, PlatformMotion, PoseError, Superposition};
 
 /// Bounds of every leg.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -266,6 +266,38 @@ impl From<InvalidLimits> for NotSurveyed {
 }
 
 impl Survey {
+    /// Of no sample.
+    pub(crate) fn new() -> Self {
+        Survey {
+            excesses: [[None; 4]; 6],
+            length: [f64::INFINITY, f64::NEG_INFINITY],
+            speed: 0.0,
+            force: 0.0,
+            condition: (0.0, 0.0),
+        }
+    }
+
+    /// Takes in what the legs do at a moment, and the condition of the Jacobian by twists.
+    pub(crate) fn add(&mut self, limits: &ActuatorLimits, t: f64, legs: &LegState, condition: f64) {
+        for leg in 0..6 {
+            self.length[0] = self.length[0].min(legs.length[leg]);
+            self.length[1] = self.length[1].max(legs.length[leg]);
+            self.speed = self.speed.max(legs.rate[leg].abs());
+            self.force = self.force.max(legs.force[leg].abs());
+        }
+        if condition > self.condition.0 {
+            self.condition = (condition, t);
+        }
+        for violation in limits.violations(t, *legs) {
+            let place = Quantity::ALL.iter().position(|quantity| *quantity == violation.quantity).unwrap_or(0);
+            let excess = &mut self.excesses[violation.leg][place];
+            let known = excess.get_or_insert(Excess { first: violation, worst: violation });
+            if violation.excess() > known.worst.excess() {
+                known.worst = violation;
+            }
+        }
+    }
+
     /// True where no limit is exceeded.
     #[must_use]
     pub fn is_clear(&self) -> bool {
@@ -295,20 +327,14 @@ impl Platform {
     ///
     /// # Errors
     /// [`NotSurveyed::InvalidSampling`]; [`NotSurveyed::Limits`]; [`NotSurveyed::Pose`], the first sample that has no legs or no forces.
-    pub fn survey(&self, motion: &Motion, end: f64, step: f64) -> Result<Survey, NotSurveyed> {
+    pub fn survey(&self, motion: &impl PlatformMotion, end: f64, step: f64) -> Result<Survey, NotSurveyed> {
         // NaN compares false.
         let sampled = step > 0.0 && step.is_finite() && end >= 0.0 && end / step < f64::from(MOST_SAMPLES);
         if !sampled {
             return Err(NotSurveyed::InvalidSampling { end, step });
         }
         self.limits.check()?;
-        let mut survey = Survey {
-            excesses: [[None; 4]; 6],
-            length: [f64::INFINITY, f64::NEG_INFINITY],
-            speed: 0.0,
-            force: 0.0,
-            condition: (0.0, 0.0),
-        };
+        let mut survey = Survey::new();
         let mut sample = 0_u32;
         loop {
             let t = f64::from(sample) * step;
@@ -318,25 +344,41 @@ impl Platform {
             let [q, qd, qdd] = motion.at(t);
             let pose = |error: PoseError| NotSurveyed::Pose { time: t, error };
             let legs = self.leg_state(&q, &qd, &qdd).map_err(pose)?;
-            for leg in 0..6 {
-                survey.length[0] = survey.length[0].min(legs.length[leg]);
-                survey.length[1] = survey.length[1].max(legs.length[leg]);
-                survey.speed = survey.speed.max(legs.rate[leg].abs());
-                survey.force = survey.force.max(legs.force[leg].abs());
-            }
-            let condition = self.regularity(&q).map_err(pose)?.condition;
-            if condition > survey.condition.0 {
-                survey.condition = (condition, t);
-            }
-            for violation in self.limits.violations(t, legs) {
-                let place = Quantity::ALL.iter().position(|quantity| *quantity == violation.quantity).unwrap_or(0);
-                let excess = &mut survey.excesses[violation.leg][place];
-                let known = excess.get_or_insert(Excess { first: violation, worst: violation });
-                if violation.excess() > known.worst.excess() {
-                    known.worst = violation;
-                }
-            }
+            survey.add(&self.limits, t, &legs, self.regularity(&q).map_err(pose)?.condition);
             sample += 1;
         }
+    }
+
+    /// The greatest factor up to 1 by which the motion can be scaled about its mean, so that the legs keep all limits at the
+    /// samples `0, step, 2 step, …` up to `end` \[s\]; to a thousandth, rounded down.
+    ///
+    /// It is found by halving: a factor is taken to keep the limits where a greater one does. Zero where not even the mean keeps
+    /// them. Factors at which a sample has no legs or no forces do not keep them.
+    ///
+    /// # Errors
+    /// [`NotSurveyed::InvalidSampling`]; [`NotSurveyed::Limits`]; [`NotSurveyed::Pose`] where the mean has no legs or no forces.
+    pub fn admissible_scale<const K: usize>(
+        &self,
+        motion: &Superposition<K>,
+        end: f64,
+        step: f64,
+    ) -> Result<f64, NotSurveyed> {
+        let keeps = |thousandths: u32| match self.survey(&motion.scaled(f64::from(thousandths) / 1000.0), end, step) {
+            Ok(survey) => Ok(survey.is_clear()),
+            Err(NotSurveyed::Pose { .. }) if thousandths > 0 => Ok(false),
+            Err(error) => Err(error),
+        };
+        if !keeps(0)? {
+            return Ok(0.0);
+        }
+        if keeps(1000)? {
+            return Ok(1.0);
+        }
+        let (mut good, mut bad) = (0, 1000);
+        while bad - good > 1 {
+            let middle = u32::midpoint(good, bad);
+            if keeps(middle)? { good = middle } else { bad = middle }
+        }
+        Ok(f64::from(good) / 1000.0)
     }
 }

@@ -1,13 +1,19 @@
-//! Imposed motions: every coordinate swings about a mean by itself; the eight cases of the thesis.
+//! Imposed motions: every coordinate swings about a mean by itself; the eight cases of the thesis, and sums of such motions.
 //!
 //! The thesis says that there are eight and prints two, tables 3 and 4, without their frequency; the others are proposals, and
-//! the frequency π/2 rad/s is assumed.
+//! the frequency π/2 rad/s is assumed. A [`Superposition`] has as many sines in each coordinate as it has motions: a deck at sea.
 
 use core::f64::consts::FRAC_PI_2;
 
 use mbs_runtime::Scalar;
 
 use super::{Coordinates, HOME};
+
+/// A motion of the platform that is given as a function of time.
+pub trait PlatformMotion {
+    /// Coordinates, rates and accelerations at a time \[s\].
+    fn at(&self, t: f64) -> [Coordinates; 3];
+}
 
 /// `q_i(t) = mean_i + sine_i sin(ω_i t) + cosine_i cos(ω_i t)`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -89,5 +95,141 @@ impl Motion {
             motion[2][i] = -(w * w) * swing;
         }
         motion
+    }
+}
+
+impl PlatformMotion for Motion {
+    fn at(&self, t: f64) -> [Coordinates; 3] {
+        Motion::at(self, t)
+    }
+}
+
+/// Several motions at once: coordinates, rates and accelerations are the sums of theirs.
+///
+/// ```text
+/// q_i(t) = Σ_k mean_ik + sine_ik sin(ω_ik t) + cosine_ik cos(ω_ik t)
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Superposition<const K: usize>(pub [Motion; K]);
+
+/// What swings by itself, about zero.
+const SWING: Motion = Motion { mean: [0.0; 6], ..STILL };
+
+impl Superposition<2> {
+    /// A deck at sea, about home: heave, roll, pitch and yaw, each a swell and a shorter wave.
+    ///
+    /// | coordinate | swell                  | shorter wave              |
+    /// |------------|------------------------|---------------------------|
+    /// | heave      | 0.6 m, 0.7 rad/s       | 0.2 m, 1.15 rad/s         |
+    /// | roll       | 5°, 0.8 rad/s          | 1.5°, 1.3 rad/s           |
+    /// | pitch      | 2.5°, 0.7 rad/s        | 1°, 1.15 rad/s            |
+    /// | yaw        | 2°, 0.5 rad/s          | 0.5°, 1.0 rad/s           |
+    ///
+    /// # Source
+    /// The thesis names a marine platform with four degrees of freedom and says neither which nor how they move. These four are
+    /// one reading: those of a ship that keeps its place. Amplitudes, frequencies and phases are assumed.
+    pub const MARINE: Self = Self([
+        Motion {
+            sine: [0.0, 0.0, 0.6, 5.0 * DEGREE, 0.0, 2.0 * DEGREE],
+            cosine: [0.0, 0.0, 0.0, 0.0, 2.5 * DEGREE, 0.0],
+            frequency: [0.0, 0.0, 0.7, 0.8, 0.7, 0.5],
+            ..STILL
+        },
+        Motion {
+            sine: [0.0, 0.0, 0.0, 1.5 * DEGREE, 1.0 * DEGREE, 0.0],
+            cosine: [0.0, 0.0, 0.2, 0.0, 0.0, 0.5 * DEGREE],
+            frequency: [0.0, 0.0, 1.15, 1.3, 1.15, 1.0],
+            ..SWING
+        },
+    ]);
+}
+
+impl<const K: usize> Superposition<K> {
+    /// A heave `z = middle + Σ A_k sin(ω_k t)` \[m\], level over the middle of the base.
+    ///
+    /// | argument    | meaning | unit  |
+    /// |-------------|---------|-------|
+    /// | `middle`    | mean height of the frame over the base | m |
+    /// | `amplitude` | `A_k`   | m     |
+    /// | `frequency` | `ω_k`   | rad/s |
+    ///
+    /// Without sines it stands still at a height of zero.
+    #[must_use]
+    pub fn heave(middle: f64, amplitude: &[f64; K], frequency: &[f64; K]) -> Self {
+        Self(core::array::from_fn(|k| {
+            let in_z = |value: f64| [0.0, 0.0, value, 0.0, 0.0, 0.0];
+            let mean = in_z(if k == 0 { middle } else { 0.0 });
+            Motion { mean, sine: in_z(amplitude[k]), frequency: [frequency[k]; 6], ..SWING }
+        }))
+    }
+
+    /// What it swings about \[m, rad\].
+    #[must_use]
+    pub fn mean(&self) -> Coordinates {
+        core::array::from_fn(|i| self.0.iter().map(|motion| motion.mean[i]).sum())
+    }
+
+    /// The same about another mean \[m, rad\].
+    #[must_use]
+    pub fn about(&self, mean: &Coordinates) -> Self {
+        let mut motions = self.0.map(|motion| Motion { mean: [0.0; 6], ..motion });
+        if let Some(first) = motions.first_mut() {
+            first.mean = *mean;
+        }
+        Self(motions)
+    }
+
+    /// The same with all swings larger by a factor, about the same mean.
+    #[must_use]
+    pub fn scaled(&self, factor: f64) -> Self {
+        let scaled = |swing: Coordinates| swing.map(|amplitude| factor * amplitude);
+        Self(self.0.map(|motion| Motion { sine: scaled(motion.sine), cosine: scaled(motion.cosine), ..motion }))
+    }
+}
+
+impl<const K: usize> PlatformMotion for Superposition<K> {
+    fn at(&self, t: f64) -> [Coordinates; 3] {
+        let mut total = [[0.0; 6]; 3];
+        for motion in self.0.map(|motion| motion.at(t)) {
+            for (total, part) in total.as_flattened_mut().iter_mut().zip(motion.as_flattened()) {
+                *total += part;
+            }
+        }
+        total
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// By the theorems of addition and by hand: two sines of one frequency are one, means and factors act where they should.
+    #[test]
+    fn motions_add_up() {
+        let t = 1.7;
+        let two = Superposition([Motion::COMBINED, Motion { mean: [0.0; 6], ..Motion::COMBINED }]);
+        let twice = Superposition([Motion::COMBINED]).scaled(2.0);
+        let (found, expected) = (two.at(t), twice.at(t));
+        let pairs = found.as_flattened().iter().zip(expected.as_flattened());
+        assert!(pairs.clone().all(|(a, b)| (a - b).abs() < 1e-15), "{found:?} {expected:?}");
+        assert_eq!((two.mean(), twice.mean()), (HOME, HOME));
+        let raised = two.about(&[0.0, 0.0, 2.0, 0.0, 0.0, 0.1]).at(t);
+        assert!((raised[0][2] - found[0][2] - 0.9).abs() < 1e-15 && (raised[0][5] - found[0][5] - 0.1).abs() < 1e-15);
+        assert_eq!(raised[1..], found[1..]);
+    }
+
+    #[test]
+    fn the_marine_platform_has_four_degrees_of_freedom() {
+        let marine = Superposition::MARINE;
+        let h = 1e-4;
+        for t in [0.0, 0.9, 6.3, 20.0] {
+            let [before, here, after] = [t - h, t, t + h].map(|t| marine.at(t));
+            for i in 0..6 {
+                assert!((after[0][i] - before[0][i] - 2.0 * h * here[1][i]).abs() < 1e-11);
+                assert!((after[1][i] - before[1][i] - 2.0 * h * here[2][i]).abs() < 1e-11);
+                let moves = here[1][i] != 0.0;
+                assert_eq!(moves, i >= 2, "{i}");
+            }
+        }
     }
 }

@@ -9,7 +9,8 @@
 //! makes `V = ½ (z₁² + z₂²)` fall as `V̇ = −k₁ z₁² − k₂ z₂²`: from `ż₁ = −z₂ − k₁ z₁`, and `ż₂ = a − r̈ − k₁ ż₁ = z₁ − k₂ z₂`. The
 //! error obeys `ë + (k₁ + k₂) ė + (1 + k₁ k₂) e = 0`.
 //!
-//! Source: Bouabdallah & Siegwart, *Backstepping and sliding-mode techniques applied to an indoor micro quadrotor*, 2005, for the
+//! # Source
+//! S. Bouabdallah and R. Siegwart, *Backstepping and sliding-mode techniques applied to an indoor micro quadrotor*, 2005, for the
 //! structure; here with feed-forward of the reference.
 
 use mbs_runtime::Scalar;
@@ -107,11 +108,11 @@ impl Backstepping {
         }
     }
 
-    /// The command at a state that is to follow a position, with yaw 0.
+    /// The command at a state that is to follow a position and a yaw \[rad\].
     ///
     /// Desired roll and pitch are taken as constant: the tilt is much faster than the position.
     #[must_use]
-    pub fn command(&self, position: &[Reference; 3], q: &[f64; 6], qd: &[f64; 6]) -> Command {
+    pub fn command(&self, position: &[Reference; 3], heading: Reference, q: &[f64; 6], qd: &[f64; 6]) -> Command {
         let Params { g, inertias: [ix, iy, iz], .. } = self.params;
         let [phi, theta, psi] = [q[3], q[4], q[5]];
         let [phid, thetad, psid] = [qd[3], qd[4], qd[5]];
@@ -129,7 +130,7 @@ impl Backstepping {
 
         let roll = self.tilt.acceleration(Reference::fixed(roll), phi, phid);
         let pitch = self.tilt.acceleration(Reference::fixed(pitch), theta, thetad);
-        let yaw = self.yaw.acceleration(Reference::default(), psi, psid);
+        let yaw = self.yaw.acceleration(heading, psi, psid);
         let torque = [
             ix * roll - (iy - iz) * thetad * psid,
             iy * pitch - (iz - ix) * phid * psid,

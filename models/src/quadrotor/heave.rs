@@ -1,10 +1,16 @@
 //! Elevation of the platform: a sum of sines, (5.9).
+//!
+//! As a motion of the platform it is [`Heave::about`]; [`Superposition`] has sums of sines in all six coordinates.
+//!
+//! # Source
+//! Doctoral thesis *Dynamics of multibody systems in a gravitational field*, equation (5.9) and cases I and II.
 
 use core::f64::consts::PI;
 
 use mbs_runtime::Scalar;
 
 use super::backstepping::Reference;
+use crate::platform::Superposition;
 
 /// `z(t) = Σ Aᵢ sin(ωᵢ t)`
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -16,7 +22,7 @@ pub struct Heave<const K: usize> {
 }
 
 impl Heave<4> {
-    /// Case I of the thesis.
+    /// Case I of the thesis: up to ±1.45 m, which is beyond the stroke of the platform of chapter 4.
     pub const CASE_I: Self = Heave { amplitude: AMPLITUDE, frequency: [0.3 * PI, 0.4 * PI, 0.2 * PI, 0.25 * PI] };
     /// Case II: it falls faster than a quadrotor can follow, up to 11.04 m/s².
     pub const CASE_II: Self = Heave { amplitude: AMPLITUDE, frequency: [1.2 * PI, PI, 0.5 * PI, 0.75 * PI] };
@@ -36,6 +42,12 @@ impl<const K: usize> Heave<K> {
             at.acceleration -= a * w * w * sin;
         }
         at
+    }
+
+    /// A platform that heaves so, level, about this height over its base \[m\].
+    #[must_use]
+    pub fn about(&self, middle: f64) -> Superposition<K> {
+        Superposition::heave(middle, &self.amplitude, &self.frequency)
     }
 
     /// The greatest downward acceleration that it may have, `Σ Aᵢ ωᵢ²` \[m/s²\]: above g nothing that only falls can follow.

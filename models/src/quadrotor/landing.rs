@@ -1,4 +1,7 @@
-//! Landing on a heaving platform: guidance, and simulation up to the touchdown.
+//! Landing on a deck that moves: guidance, and simulation up to the touchdown.
+//!
+//! The vehicle is led down straight over the point of the deck that is to be landed on, with the deck's yaw; it touches down
+//! where its mass centre comes to the plane of the deck.
 
 use core::fmt;
 use core::ops::ControlFlow;
@@ -6,10 +9,14 @@ use core::ops::ControlFlow;
 use mbs_runtime::{Dop853, Event, IntegrationError, Integrator, Scalar, State, Step};
 
 use super::backstepping::{Backstepping, Command, Reference};
+use super::deck::{Deck, DeckState, HeavingDeck, Relative};
+use super::ground_effect::GroundEffect;
 use super::heave::Heave;
 use super::lqr::Lqr;
 use super::small_angle;
-use crate::quadrotor_euler::QuadrotorEuler;
+use crate::platform::PoseError;
+use crate::platform::limits::InvalidLimits;
+use crate::quadrotor_euler::{Params, QuadrotorEuler};
 
 /// Height over the platform against time: a quintic down to a last height, then a steady sink rate. Assumed; the thesis prints none.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -70,19 +77,19 @@ pub enum Controller {
 }
 
 impl Controller {
-    /// The command at a state that is to follow a position, with yaw 0.
+    /// The command at a state that is to follow a position and a yaw \[rad\].
     #[must_use]
-    pub fn command(&self, position: &[Reference; 3], q: &[f64; 6], qd: &[f64; 6]) -> Command {
+    pub fn command(&self, position: &[Reference; 3], heading: Reference, q: &[f64; 6], qd: &[f64; 6]) -> Command {
         match self {
-            Controller::Backstepping(controller) => controller.command(position, q, qd),
-            Controller::Lqr(controller) => controller.command(position, q, qd),
+            Controller::Backstepping(controller) => controller.command(position, heading, q, qd),
+            Controller::Lqr(controller) => controller.command(position, heading, q, qd),
         }
     }
 }
 
 /// A landing that is to be simulated.
 #[derive(Clone, Debug)]
-pub struct Landing {
+pub struct Landing<D = HeavingDeck<4>> {
     /// The vehicle as it is.
     pub vehicle: QuadrotorEuler<f64>,
     /// Which equations move it.
@@ -91,12 +98,12 @@ pub struct Landing {
     pub controller: Controller,
     /// Height over the platform that it is to keep.
     pub approach: Approach,
-    /// Elevation of the platform.
-    pub heave: Heave<4>,
-    /// Where the platform is \[m\].
-    pub platform: [f64; 2],
-    /// Velocity of the air \[m/s\]; the plant for small angles flies in air at rest.
+    /// What it lands on.
+    pub deck: D,
+    /// Velocity of the air \[m/s\].
     pub wind: [f64; 3],
+    /// How much harder the rotors push near the deck, if that counts; the controller does not know of it.
+    pub ground_effect: Option<GroundEffect>,
     /// When it is given up \[s\].
     pub t_end: f64,
     /// The integrator.
@@ -108,14 +115,21 @@ pub struct Landing {
 pub struct Touchdown {
     /// \[s\]
     pub time: f64,
-    /// `ż − ż_p`, negative \[m/s\].
+    /// Along the normal of the deck, against the point of it that is touched: `ż − ż_p` on a level one, negative \[m/s\].
     pub relative_velocity: f64,
-    /// Distance from the middle of the platform \[m\].
+    /// Distance from the point that was to be landed on, in the plane of the deck \[m\].
     pub horizontal_offset: f64,
-    /// \[m/s\]
+    /// Of the vehicle over the deck, in its plane \[m/s\].
     pub horizontal_speed: f64,
+    /// The vehicle as the deck sees it.
+    pub relative: Relative,
     /// The state.
     pub state: State<[f64; 6]>,
+    /// The deck.
+    pub deck: DeckState,
+    /// The greatest downward acceleration that the deck's point had on the way \[m/s²\]: where it is above g, nothing that only
+    /// pushes upwards could follow.
+    pub deck_fall: f64,
     /// The greatest roll and pitch on the way \[rad\].
     pub greatest_tilt: [f64; 2],
     /// When all three angles were within half a degree for good \[s\].
@@ -147,14 +161,19 @@ pub enum LandingError {
     },
     /// The vehicle does not stand over the platform at the beginning.
     NotAbove {
-        /// `z − z_p` \[m\].
+        /// Over the deck \[m\].
         height: f64,
+    },
+    /// A coordinate of the deck is infinite or NaN.
+    Deck {
+        /// When \[s\].
+        time: f64,
     },
     /// It has not touched down in time.
     NoTouchdown {
         /// When it was given up \[s\].
         time: f64,
-        /// `z − z_p` then \[m\].
+        /// Over the deck then \[m\].
         height: f64,
     },
     /// A sensor gave a value that is no number.
@@ -164,6 +183,15 @@ pub enum LandingError {
     },
     /// The integration failed.
     Integration(IntegrationError),
+    /// The legs of a driven platform cannot hold it.
+    Platform {
+        /// When \[s\].
+        time: f64,
+        /// Why.
+        error: PoseError,
+    },
+    /// Nothing can keep the limits of a driven platform.
+    Limits(InvalidLimits),
 }
 
 impl fmt::Display for LandingError {
@@ -176,7 +204,10 @@ impl fmt::Display for LandingError {
                 write!(f, "no touchdown until t = {time} s, {height} m over the platform")
             }
             LandingError::Sensor { time } => write!(f, "a sensor gives no number at t = {time} s"),
+            LandingError::Deck { time } => write!(f, "a coordinate of the deck is no number at t = {time} s"),
             LandingError::Integration(error) => error.fmt(f),
+            LandingError::Platform { time, error } => write!(f, "the platform at t = {time} s: {error}"),
+            LandingError::Limits(error) => error.fmt(f),
         }
     }
 }
@@ -196,21 +227,10 @@ const SETTLED: f64 = 0.5 * core::f64::consts::PI / 180.0;
 const SAMPLING: f64 = 0.002;
 
 impl Landing {
-    /// A case of the thesis: the vehicle of the declared parameters, at the platform at (12 m, 7 m).
+    /// A case of the thesis: the vehicle of the declared parameters, at a level platform at (12 m, 7 m).
     #[must_use]
     pub fn new(plant: Plant, heave: Heave<4>) -> Self {
-        let vehicle = QuadrotorEuler::default();
-        Landing {
-            controller: Controller::Backstepping(Backstepping::new(*vehicle.params())),
-            vehicle,
-            plant,
-            approach: Approach::default(),
-            heave,
-            platform: [12.0, 7.0],
-            wind: [0.0; 3],
-            t_end: 60.0,
-            integrator: Dop853::new(1e-11, 1e-12),
-        }
+        Landing::on(plant, HeavingDeck { heave, place: [12.0, 7.0] })
     }
 
     /// The state in which the cases of the thesis begin: 10 m up, tilted by 3°, 8° and 5°, at rest.
@@ -219,40 +239,131 @@ impl Landing {
         let [roll, pitch, yaw] = [3.0_f64, 8.0, 5.0].map(f64::to_radians);
         State::new([12.0, 7.0, 10.0, roll, pitch, yaw], [0.0; 6])
     }
+}
 
-    /// What the position is to follow.
+impl<D> Landing<D> {
+    /// Of the vehicle of the declared parameters on a deck, under backstepping control, in calm air.
+    #[must_use]
+    pub fn on(plant: Plant, deck: D) -> Self {
+        let vehicle = QuadrotorEuler::default();
+        Landing {
+            controller: Controller::Backstepping(Backstepping::new(*vehicle.params())),
+            vehicle,
+            plant,
+            approach: Approach::default(),
+            deck,
+            wind: [0.0; 3],
+            ground_effect: None,
+            t_end: 60.0,
+            integrator: Dop853::new(1e-11, 1e-12),
+        }
+    }
+
+    /// What the controller does over a deck.
+    pub(super) fn command_over(&self, deck: &DeckState, t: f64, q: &[f64; 6], qd: &[f64; 6]) -> Command {
+        self.controller.command(&self.reference_over(deck, t), deck.heading, q, qd)
+    }
+
+    fn reference_over(&self, deck: &DeckState, t: f64) -> [Reference; 3] {
+        let [x, y, z] = core::array::from_fn(|axis| Reference {
+            value: deck.position[axis],
+            rate: deck.velocity[axis],
+            acceleration: deck.acceleration[axis],
+        });
+        let height = self.approach.at(t);
+        let vertical = Reference {
+            value: z.value + height.value,
+            rate: z.rate + height.rate,
+            acceleration: z.acceleration + height.acceleration,
+        };
+        [x, y, vertical]
+    }
+
+    /// `q̈` at these rotor speeds \[rad/s\] and this height over the deck \[m\], which is asked for where it counts.
+    pub(super) fn accelerations_at(
+        &self,
+        height: impl FnOnce() -> f64,
+        q: &[f64; 6],
+        qd: &[f64; 6],
+        speeds: &[f64; 4],
+    ) -> [f64; 6] {
+        let Some(effect) = &self.ground_effect else {
+            return self.accelerations_of(&self.vehicle, q, qd, speeds);
+        };
+        let params = *self.vehicle.params();
+        let thrust_factor = effect.factor(height()) * params.thrust_factor;
+        self.accelerations_of(&QuadrotorEuler::new(Params { thrust_factor, ..params }), q, qd, speeds)
+    }
+
+    fn accelerations_of(
+        &self,
+        vehicle: &QuadrotorEuler<f64>,
+        q: &[f64; 6],
+        qd: &[f64; 6],
+        speeds: &[f64; 4],
+    ) -> [f64; 6] {
+        match self.plant {
+            Plant::Exact => vehicle.forward_dynamics(&self.wind.map(|v| [v, 0.0, 0.0]), q, qd, speeds),
+            Plant::SmallAngle => small_angle::accelerations(vehicle.params(), &self.wind, q, qd, speeds),
+        }
+    }
+
+    pub(super) fn touchdown(
+        &self,
+        time: f64,
+        state: State<[f64; 6]>,
+        deck: DeckState,
+        way: &Way,
+    ) -> Result<Touchdown, LandingError> {
+        if !deck.is_finite() {
+            return Err(LandingError::Deck { time });
+        }
+        let length = |a: f64, b: f64| Scalar::sqrt(a * a + b * b);
+        let relative = deck.relative(&state.q, &state.qd);
+        let Relative { offset: [x, y, _], velocity: [xd, yd, zd], .. } = relative;
+        Ok(Touchdown {
+            time,
+            relative_velocity: zd,
+            horizontal_offset: length(x, y),
+            horizontal_speed: length(xd, yd),
+            relative,
+            state,
+            deck,
+            deck_fall: way.deck_fall,
+            greatest_tilt: way.greatest_tilt,
+            settling_time: way.settling_time,
+            thrust_range: way.thrust_range,
+            rotor_work: self.vehicle.params().drag_factor * way.cubes,
+            limited: f64::from(way.limited) / f64::from(way.samples),
+        })
+    }
+}
+
+impl<D: Deck> Landing<D> {
+    /// What the position is to follow: the point of the deck, and the approach straight over it.
     #[must_use]
     pub fn reference(&self, t: f64) -> [Reference; 3] {
-        let (platform, height) = (self.heave.at(t), self.approach.at(t));
-        let vertical = Reference {
-            value: platform.value + height.value,
-            rate: platform.rate + height.rate,
-            acceleration: platform.acceleration + height.acceleration,
-        };
-        [Reference::fixed(self.platform[0]), Reference::fixed(self.platform[1]), vertical]
+        self.reference_over(&self.deck.at(t), t)
     }
 
     /// What the controller does at a state.
     #[must_use]
     pub fn command(&self, t: f64, q: &[f64; 6], qd: &[f64; 6]) -> Command {
-        self.controller.command(&self.reference(t), q, qd)
+        self.command_over(&self.deck.at(t), t, q, qd)
     }
 
     /// `q̈` at these rotor speeds \[rad/s\].
     #[must_use]
-    pub fn accelerations(&self, q: &[f64; 6], qd: &[f64; 6], speeds: &[f64; 4]) -> [f64; 6] {
-        match self.plant {
-            Plant::Exact => self.vehicle.forward_dynamics(&self.wind.map(|v| [v, 0.0, 0.0]), q, qd, speeds),
-            Plant::SmallAngle => small_angle::accelerations(self.vehicle.params(), q, qd, speeds),
-        }
+    pub fn accelerations(&self, t: f64, q: &[f64; 6], qd: &[f64; 6], speeds: &[f64; 4]) -> [f64; 6] {
+        self.accelerations_at(|| self.height(t, q), q, qd, speeds)
     }
 
-    /// `z − z_p` \[m\].
-    pub(super) fn height(&self, t: f64, state: &State<[f64; 6]>) -> f64 {
-        state.q[2] - self.heave.at(t).value
+    /// Over the deck \[m\].
+    pub(super) fn height(&self, t: f64, q: &[f64; 6]) -> f64 {
+        self.deck.at(t).height(&[q[0], q[1], q[2]])
     }
 
-    /// Simulates from a state at t = 0 up to the touchdown, `z = z_p` on the way down, found on the dense output.
+    /// Simulates from a state at t = 0 up to the touchdown, found on the dense output.
     ///
     /// The controller acts in continuous time. `observer` sees times, states and commands every 2 ms.
     ///
@@ -264,7 +375,7 @@ impl Landing {
         mut observer: impl FnMut(f64, &State<[f64; 6]>, &Command),
     ) -> Result<Touchdown, LandingError> {
         self.check(&state)?;
-        let height = |t: f64, state: &State<[f64; 6]>| self.height(t, state);
+        let height = |t: f64, state: &State<[f64; 6]>| self.height(t, &state.q);
         let mut way = Way::new();
         let mut events = [Event::new(&height).falling().terminal()];
         let mut sample = state;
@@ -275,39 +386,25 @@ impl Landing {
                 if step.interpolate(t, &mut sample).is_err() {
                     return ControlFlow::Break(step.time());
                 }
-                let command = self.command(t, &sample.q, &sample.qd);
-                way.add(t, &sample, &command);
+                let deck = self.deck.at(t);
+                let command = self.command_over(&deck, t, &sample.q, &sample.qd);
+                way.add(t, &sample, &command, &deck);
                 observer(t, &sample, &command);
                 next += 1;
             }
             ControlFlow::Continue(())
         };
         let accelerations = |t: f64, q: &[f64; 6], qd: &[f64; 6], qdd: &mut [f64; 6]| {
-            *qdd = self.accelerations(q, qd, &self.command(t, q, qd).rotors.speed);
+            *qdd = self.accelerations(t, q, qd, &self.command(t, q, qd).rotors.speed);
         };
         let summary =
             self.integrator.integrate_with_events(accelerations, 0.0, self.t_end, &mut state, &mut events, look)?;
         if !summary.stopped {
             return Err(LandingError::NoTouchdown { time: summary.time, height: height(summary.time, &state) });
         }
-        way.add(summary.time, &state, &self.command(summary.time, &state.q, &state.qd));
-        Ok(self.touchdown(summary.time, state, &way))
-    }
-
-    pub(super) fn touchdown(&self, time: f64, state: State<[f64; 6]>, way: &Way) -> Touchdown {
-        let length = |a: f64, b: f64| Scalar::sqrt(a * a + b * b);
-        Touchdown {
-            time,
-            relative_velocity: state.qd[2] - self.heave.at(time).rate,
-            horizontal_offset: length(state.q[0] - self.platform[0], state.q[1] - self.platform[1]),
-            horizontal_speed: length(state.qd[0], state.qd[1]),
-            state,
-            greatest_tilt: way.greatest_tilt,
-            settling_time: way.settling_time,
-            thrust_range: way.thrust_range,
-            rotor_work: self.vehicle.params().drag_factor * way.cubes,
-            limited: f64::from(way.limited) / f64::from(way.samples),
-        }
+        let deck = self.deck.at(summary.time);
+        way.add(summary.time, &state, &self.command_over(&deck, summary.time, &state.q, &state.qd), &deck);
+        self.touchdown(summary.time, state, deck, &way)
     }
 
     /// Whether this can be a landing, from this state.
@@ -335,8 +432,6 @@ impl Landing {
             ("rotor_inertia", params.rotor_inertia),
             ("approach.height", self.approach.height),
             ("approach.last_height", self.approach.last_height),
-            ("platform[0]", self.platform[0]),
-            ("platform[1]", self.platform[1]),
             ("wind[0]", self.wind[0]),
             ("wind[1]", self.wind[1]),
             ("wind[2]", self.wind[2]),
@@ -344,7 +439,11 @@ impl Landing {
         if let Some((parameter, value)) = finite.into_iter().find(|(_, value)| !value.is_finite()) {
             return Err(LandingError::NotFinite { parameter, value });
         }
-        let height = self.height(0.0, state);
+        let deck = self.deck.at(0.0);
+        if !deck.is_finite() {
+            return Err(LandingError::Deck { time: 0.0 });
+        }
+        let height = deck.height(&[state.q[0], state.q[1], state.q[2]]);
         if height.is_nan() || height <= 0.0 { Err(LandingError::NotAbove { height }) } else { Ok(()) }
     }
 }
@@ -359,6 +458,8 @@ pub(super) struct Way {
     time: f64,
     samples: u32,
     limited: u32,
+    /// The greatest downward acceleration of the deck.
+    deck_fall: f64,
 }
 
 impl Way {
@@ -371,10 +472,12 @@ impl Way {
             time: 0.0,
             samples: 0,
             limited: 0,
+            deck_fall: 0.0,
         }
     }
 
-    pub(super) fn add(&mut self, t: f64, state: &State<[f64; 6]>, command: &Command) {
+    pub(super) fn add(&mut self, t: f64, state: &State<[f64; 6]>, command: &Command, deck: &DeckState) {
+        self.deck_fall = self.deck_fall.max(-deck.acceleration[2]);
         let [.., roll, pitch, yaw] = state.q.map(f64::abs);
         self.greatest_tilt = [self.greatest_tilt[0].max(roll), self.greatest_tilt[1].max(pitch)];
         if [roll, pitch, yaw].iter().any(|&angle| angle > SETTLED) {

@@ -10,8 +10,9 @@
 //!
 //! whose stabilizing solution comes from the sign of the Hamiltonian matrix `[[A, −B R⁻¹ Bᵀ], [−Q, −Aᵀ]]`, by Newton's iteration.
 //!
-//! Sources: Roberts, *Linear model reduction and solution of the algebraic Riccati equation by use of the sign function*, 1980;
-//! Byers, *Solving the algebraic Riccati equation with the matrix sign function*, 1987, for the scaling by the determinant.
+//! # Source
+//! J. D. Roberts, *Linear model reduction and solution of the algebraic Riccati equation by use of the sign function*, 1980;
+//! R. Byers, *Solving the algebraic Riccati equation with the matrix sign function*, 1987, for the scaling by the determinant.
 
 use core::fmt;
 
@@ -96,16 +97,18 @@ impl Lqr {
         Ok(Lqr { params, mixer, gain: scaled.transpose() * x })
     }
 
-    /// The command at a state that is to follow a position, with yaw 0.
+    /// The command at a state that is to follow a position and a yaw \[rad\], both near to those that it was made about: yaw 0.
     #[must_use]
-    pub fn command(&self, position: &[Reference; 3], q: &[f64; 6], qd: &[f64; 6]) -> Command {
+    pub fn command(&self, position: &[Reference; 3], heading: Reference, q: &[f64; 6], qd: &[f64; 6]) -> Command {
         let Params { m, g, .. } = self.params;
         let steady = hover_speed(&self.params, m * (g + position[2].acceleration).max(0.0));
+        let level = Reference::default();
+        let attitude = [level, level, heading];
         let error = SMatrix::<f64, STATES, 1>::from_fn(|i, _| match (i / 3, i % 3) {
             (0, k) => q[k] - position[k].value,
-            (1, k) => q[3 + k],
+            (1, k) => q[3 + k] - attitude[k].value,
             (2, k) => qd[k] - position[k].rate,
-            (_, k) => qd[3 + k],
+            (_, k) => qd[3 + k] - attitude[k].rate,
         });
         let change = self.gain * error;
         let asked: [f64; 4] = core::array::from_fn(|i| steady - change[i]);

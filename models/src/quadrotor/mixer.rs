@@ -4,6 +4,9 @@
 //! U  = b (Ω₁² + Ω₂² + Ω₃² + Ω₄²)        τx = b l (Ω₄² − Ω₂²)
 //! τz = d (Ω₁² − Ω₂² + Ω₃² − Ω₄²)        τy = b l (Ω₃² − Ω₁²)
 //! ```
+//!
+//! # Source
+//! Doctoral thesis *Dynamics of multibody systems in a gravitational field*, equation (5.4).
 
 use mbs_runtime::Scalar;
 

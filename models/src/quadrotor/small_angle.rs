@@ -6,17 +6,27 @@
 //! z̈ = cθ cφ U/m − g − k |ż| ż                 ψ̈ = ((Ix − Iy) φ̇ θ̇ + τz) / Iz
 //! ```
 //!
-//! with `k = C ρ A / 2m` and `Ω = Ω₂ + Ω₄ − Ω₁ − Ω₃`. It takes the rates of the Euler angles for the angular velocity: its error
-//! is of the first order in the angles.
+//! with `k = C ρ A / 2m` and `Ω = Ω₂ + Ω₄ − Ω₁ − Ω₃`; in wind, velocities of the drag are those against the air. It takes the
+//! rates of the Euler angles for the angular velocity: its error is of the first order in the angles.
+//!
+//! # Source
+//! Doctoral thesis *Dynamics of multibody systems in a gravitational field*, equations (5.8) and (5.12), corrected: the sign of the
+//! drag and of a rotor's term, a lost dot, `cθ cφ` in z̈.
 
 use mbs_runtime::Scalar;
 
 use super::mixer::Mixer;
 use crate::quadrotor_euler::Params;
 
-/// `q̈` at the rotor speeds u \[rad/s\], in air at rest.
+/// `q̈` at these rotor speeds \[rad/s\], in wind with this velocity \[m/s\].
 #[must_use]
-pub fn accelerations(params: &Params<f64>, q: &[f64; 6], qd: &[f64; 6], rotor_speed: &[f64; 4]) -> [f64; 6] {
+pub fn accelerations(
+    params: &Params<f64>,
+    wind: &[f64; 3],
+    q: &[f64; 6],
+    qd: &[f64; 6],
+    rotor_speed: &[f64; 4],
+) -> [f64; 6] {
     let [_, _, _, phi, theta, psi] = *q;
     let [xd, yd, zd, phid, thetad, psid] = *qd;
     let [ix, iy, iz] = params.inertias;
@@ -28,9 +38,9 @@ pub fn accelerations(params: &Params<f64>, q: &[f64; 6], qd: &[f64; 6], rotor_sp
     let k = params.drag_coefficient * params.air_density * params.area / (2.0 * params.m);
     let drag = |v: f64| -k * v.abs() * v;
     [
-        (sr * sy + cr * sp * cy) * u + drag(xd),
-        (sy * sp * cr - cy * sr) * u + drag(yd),
-        cp * cr * u - params.g + drag(zd),
+        (sr * sy + cr * sp * cy) * u + drag(xd - wind[0]),
+        (sy * sp * cr - cy * sr) * u + drag(yd - wind[1]),
+        cp * cr * u - params.g + drag(zd - wind[2]),
         ((iy - iz) * thetad * psid - spin * thetad + effort.torque[0]) / ix,
         ((iz - ix) * phid * psid + spin * phid + effort.torque[1]) / iy,
         ((ix - iy) * phid * thetad + effort.torque[2]) / iz,
