@@ -99,7 +99,7 @@ fn summary(flights: &[Flight], growths: &[sensitivity::Growth]) -> String {
             or_dash(flight.cylindrical_difference)
         );
     }
-    text += "\nhow often a displacement of 1e-6 m is found after 1, 2, 3, … orbits\n";
+    text += "\nby what factor a displacement of 1e-6 m has grown after 1, 2, 3, … orbits\n";
     for growth in growths {
         let factors: Vec<String> = growth.amplification.iter().map(|factor| format!("{factor:9.1}")).collect();
         text += &format!("{:<17} station of {:>6.0} t {}\n", growth.case, growth.station_mass / 1e3, factors.join(" "));

@@ -14,7 +14,7 @@ use std::path::Path;
 
 use mbs_cli::chart::{Figure, Panel, Plane, PlaneLine};
 use mbs_examples::{Failure, arguments::Arguments, output};
-use mbs_models::orbit::libration::{Modes, points};
+use mbs_models::orbit::libration::{Modes, Point, points};
 use serde_json::{Value, json};
 
 use orbits::{Flight, arenstorf, asteroids};
@@ -76,7 +76,7 @@ fn main() -> Result<(), Failure> {
 
 /// How fast small motions about each of the five points grow.
 fn growths(mu: f64) -> Result<Vec<f64>, Failure> {
-    points(mu)?.iter().map(|&point| Ok(Modes::about(mu, point)?.growth())).collect()
+    Point::ALL.into_iter().map(|point| Ok(Modes::about(mu, point)?.growth())).collect()
 }
 
 fn write(folder: &Path, name: &str, title: &str, flight: &Flight) -> Result<(), Failure> {

@@ -55,7 +55,7 @@ fn elliptic() -> Result<Vec<Case>, Failure> {
     Ok(cases.map(|(name, start)| Case { group: "elliptic", name, station, mass: 0.0, start }).into())
 }
 
-/// The near motions in the plane about a station that attracts as a point, and the one to the side for comparison.
+/// The near motions in the plane, about a station that attracts as a point.
 pub(crate) fn with_mass() -> Result<Vec<Case>, Failure> {
     let names = ["near_radial", "near_tangent", "near_2to1_ellipse"];
     let heavy = |case: Case| {

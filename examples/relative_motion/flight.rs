@@ -50,7 +50,7 @@ fn distance(_: f64, state: &State<[f64; 3]>) -> f64 {
 /// The state of a case at a time, integrated from the beginning.
 pub(crate) fn carried(case: &Case, start: State<[f64; 3]>, [from, to]: [f64; 2]) -> Result<State<[f64; 3]>, Failure> {
     let mut state = start;
-    fly(&integrator(), case.station.relative_motion(), [from, to], &mut state, distance, 0.0, |_| ())?;
+    fly(&integrator(), case.station.accelerations_about(), [from, to], &mut state, distance, 0.0, |_| ())?;
     Ok(state)
 }
 

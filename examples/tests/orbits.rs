@@ -50,6 +50,7 @@ fn two_bodies() {
         near(body, &found["earth_moon"][body], &expected["earth_moon"][body], 1e-3);
     }
     near("barycentre", &found["earth_moon"]["barycentre_m"], &json("[0, 0, 0]"), 1e-6);
+    assert!(numbers(&found["drift"]["barycentre_m"])[0] < 1e-6);
     for drift in ["energy", "angular_momentum", "laplace_vector", "earth_moon_energy", "earth_moon_angular_momentum"] {
         assert!(numbers(&found["drift"][drift])[0] < 1e-12, "{drift}");
     }
@@ -70,6 +71,26 @@ fn three_bodies() {
     }
 }
 
+/// The tadpole stays on the side of L₄; the horseshoe passes L₃ and both L₄ and L₅, and turns round before the planet.
+#[test]
+fn asteroids_keep_company() {
+    let folder = tempfile::tempdir().unwrap();
+    good(THREE_BODY, &["--json", "--out", folder.path().to_str().unwrap()]);
+    let angles = |name: &str| -> Vec<f64> {
+        let table = std::fs::read_to_string(folder.path().join(format!("{name}.csv"))).unwrap();
+        let place = |row: &str| row.split(',').map(|cell| cell.parse().unwrap()).collect::<Vec<f64>>();
+        table.lines().skip(1).map(place).map(|row| row[2].atan2(row[1]).to_degrees()).collect()
+    };
+    let tadpole = angles("tadpole");
+    assert!(tadpole.iter().all(|angle| (20.0..160.0).contains(angle)));
+    assert!(tadpole.iter().any(|angle| *angle < 55.0) && tadpole.iter().any(|angle| *angle > 65.0));
+    let horseshoe = angles("horseshoe");
+    assert!(horseshoe.iter().all(|angle| angle.abs() > 10.0));
+    for passed in [-60.0, 60.0, 175.0, -175.0] {
+        assert!(horseshoe.iter().any(|angle| (angle - passed).abs() < 5.0), "{passed}");
+    }
+}
+
 #[test]
 fn motion_about_a_station() {
     let figures = ["figure_7_3", "figure_7_4", "near_with_station_mass", "elliptic_near", "elliptic_far"];
@@ -87,6 +108,15 @@ fn motion_about_a_station() {
                 near(&format!("{group} {case} {what}"), &found[group][case][what], value, tolerance);
             }
         }
+    }
+    // Against the difference of two Kepler motions, and in cylindrical coordinates, which lose digits near the station [m].
+    for (group, case) in
+        [("circular", "far_radial"), ("circular", "near_radial"), ("elliptic", "near"), ("elliptic", "far")]
+    {
+        let [kepler, cylindrical] =
+            ["kepler_difference_m", "cylindrical_difference_m"].map(|key| numbers(&found[group][case][key])[0]);
+        let tolerance = if case.starts_with("far") { [1e-7, 1e-5] } else { [1e-11, 1e-6] };
+        assert!(kepler <= tolerance[0] && cylindrical <= tolerance[1], "{group} {case}: {kepler:e} {cylindrical:e}");
     }
     near("HCW", &found["hcw_difference_m"], &expected["hcw_difference_m"], 1e-9);
     for row in expected["amplification"].as_array().unwrap() {

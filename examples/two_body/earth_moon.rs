@@ -1,6 +1,7 @@
 //! The Earth and the Moon in inertial axes about their barycentre, the Moon slower than it is.
 
 use mbs_examples::Failure;
+use mbs_models::orbit::EARTH_RADIUS;
 use mbs_models::orbit::collision::fly;
 use mbs_models::two_body::TwoBody;
 use mbs_runtime::{Dop853, State, accelerations};
@@ -10,7 +11,7 @@ pub(crate) const DAYS: f64 = 10.0;
 /// Distance \[m\] and relative speed \[m/s\] at the beginning, at right angles.
 const START: [f64; 2] = [384.4e6, 950.0];
 /// Radii of the Earth and the Moon, together \[m\]: nearer than that they touch.
-const RADII: f64 = 6_378_137.0 + 1_737_400.0;
+const RADII: f64 = EARTH_RADIUS + 1_737_400.0;
 /// Rows of the table in each period.
 const ROWS: usize = 600;
 

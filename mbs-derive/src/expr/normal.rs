@@ -173,16 +173,16 @@ impl<'g> Expansion<'g> {
         self.beside(a, b)?.times_sum(self.beside(b, a)?.as_ref(), self.limit)
     }
 
-    /// A factor as it is multiplied out: a difference of places stays one beside what changes with places itself.
+    /// A factor as it is multiplied out: a sum of coordinates stays one beside a factor that holds a power or a function.
     fn beside<'a>(&self, factor: &'a Sum, other: &Sum) -> Option<Cow<'a, Sum>> {
         let is_kept =
             self.is_difference_of_places(factor) && self.has_atom(other, |node| !matches!(node, Node::Symbol(_)));
         Some(if is_kept { Cow::Owned(self.opaque(self.expression(factor)?)) } else { Cow::Borrowed(factor) })
     }
 
-    /// Whether powers of the sum are kept, and products with what is as steep: a sum like x + a of coordinates, in which no
+    /// Whether powers of the sum are kept, and its products with powers and functions: a sum like x + a of coordinates, in which no
     /// sines and cosines could cancel. Near x = −a, where two points come together, x² + 2 a x + a² has lost the digits that
-    /// (x + a)² has.
+    /// (x + a)² has. The price is that (x + a)² − x² does not become a (a + 2 x).
     fn is_difference_of_places(&self, sum: &Sum) -> bool {
         sum.0.len() > 1
             && sum.0.keys().all(|term| term.wave == Wave::One)
@@ -372,8 +372,12 @@ mod tests {
             let values: Vec<f64> = crate::expr::evaluate(&[form, f], value);
             assert!((values[0] - values[1]).abs() < 1e-15 * values[1], "{values:?}");
         }
-        // What is as flat as they are is multiplied out, so that like terms meet.
+        // Beside numbers they are multiplied out, so that like terms meet; squares do not meet what they are made of.
         assert_eq!(normal_form(&[m * (x + a) - m * a], 100), Some(vec![m * x]));
+        let kept = (x + a).powi(2) - x.powi(2) - 2 * a * x;
+        assert!(
+            normal_form(&[kept], 100).unwrap()[0] != a.powi(2) && agree(normal_form(&[kept], 100).unwrap()[0], kept)
+        );
         // With sines and cosines there may be something to cancel.
         let turned = (x * y.cos() + a).powi(2) + (x * y.sin()).powi(2);
         assert!(agree(normal_form(&[turned], 100).unwrap()[0], turned));

@@ -48,8 +48,8 @@ impl fmt::Display for FlightError {
 
 impl core::error::Error for FlightError {}
 
-/// Of the first distance: a motion that cannot be continued closer than that has ended in a point.
-const POINT: f64 = 1e-3;
+/// Of the first distance: points whose motion cannot be continued closer than that have met.
+const MET: f64 = 1e-3;
 
 /// Integrates `q̈ = f(t, q, q̇)` from `t` to `t_end`, and ends where the distance of two bodies falls to that at which they touch.
 ///
@@ -60,8 +60,9 @@ const POINT: f64 = 1e-3;
 /// | `state`    | afterwards the one at the end or at the collision               |      |
 /// | `observer` | called after each accepted step                                 |      |
 ///
-/// Points that fall into each other leave the integrator no step: from there the time of the collision is that of the last state,
-/// which is before it by less than the step that was refused.
+/// Points that fall into each other leave the integrator no step. They have collided where that happens at less than a thousandth of
+/// their first distance, and the time is that of the last state. What is nearer for less than a step of the integrator, twice across
+/// the distance of contact between two places where it looks, is not seen.
 ///
 /// # Errors
 /// [`FlightError`].
@@ -78,6 +79,9 @@ pub fn fly<const N: usize>(
         return Err(FlightError::Contact { contact });
     }
     let first = distance(t, state);
+    if first.is_nan() {
+        return Err(FlightError::Integration(IntegrationError::NonFiniteState { time: t }));
+    }
     if first <= contact {
         return Err(FlightError::StartsInside { distance: first, contact });
     }
@@ -92,9 +96,13 @@ pub fn fly<const N: usize>(
             Err(FlightError::Collision { time: summary.time, distance: distance(summary.time, state) })
         }
         Ok(summary) => Ok(summary),
-        Err(error) => Err(match error.time().map(|time| (time, distance(time, state))) {
-            Some((time, distance)) if distance <= contact + POINT * first => FlightError::Collision { time, distance },
-            _ => FlightError::Integration(error),
+        Err(error) => Err(match error {
+            IntegrationError::StepTooSmall { time, .. } | IntegrationError::NonFiniteState { time }
+                if contact == 0.0 && distance(time, state) <= MET * first =>
+            {
+                FlightError::Collision { time, distance: distance(time, state) }
+            }
+            error => FlightError::Integration(error),
         }),
     }
 }

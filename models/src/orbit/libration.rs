@@ -12,8 +12,28 @@ use crate::cr3bp::{Cr3bp, Params};
 /// A mass ratio that is not in (0, ½].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct InvalidMassRatio {
-    /// Its value.
+    /// The part of the smaller primary that was given.
     pub mu: f64,
+}
+
+/// The libration points by their customary numbers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Point {
+    /// Between the primaries.
+    L1,
+    /// Beyond the smaller one.
+    L2,
+    /// Beyond the larger one.
+    L3,
+    /// Ahead of the smaller one.
+    L4,
+    /// Behind the smaller one.
+    L5,
+}
+
+impl Point {
+    /// All five, in order.
+    pub const ALL: [Self; 5] = [Self::L1, Self::L2, Self::L3, Self::L4, Self::L5];
 }
 
 impl fmt::Display for InvalidMassRatio {
@@ -86,17 +106,15 @@ pub struct Modes {
 }
 
 impl Modes {
-    /// About a point that [`points`] gives, from the generated linearization of the spatial problem.
+    /// About a libration point, from the generated linearization of the spatial problem.
     ///
     /// With `δq̈ = A δq + B δq̇`, A symmetric and B the gyroscopic `2 [[0, 1], [−1, 0]]` of the plane,
     /// `λ⁴ + (4 − tr A) λ² + det A = 0`.
     ///
     /// # Errors
     /// [`InvalidMassRatio`].
-    pub fn about(mu: f64, [x, y]: [f64; 2]) -> Result<Self, InvalidMassRatio> {
-        if !(mu > 0.0 && mu <= 0.5) {
-            return Err(InvalidMassRatio { mu });
-        }
+    pub fn about(mu: f64, point: Point) -> Result<Self, InvalidMassRatio> {
+        let [x, y] = points(mu)?[point as usize];
         let linear = Cr3bp::new(Params { mu }).linearize(&[x, y, 0.0], &[0.0; 3]);
         let [[a, b, _], [c, d, _], [_, _, normal]] = linear.q;
         let half = 0.5 * (a + d + linear.qd[0][1] * linear.qd[1][0]);

@@ -169,7 +169,7 @@ impl Station {
     /// The accelerations of a body about the station, in its local axes, as the integrators want them.
     ///
     /// Where the station's own motion is not found they are no numbers, and the integrator reports the time.
-    pub fn relative_motion(&self) -> impl FnMut(f64, &[f64; 3], &[f64; 3], &mut [f64; 3]) + use<> {
+    pub fn accelerations_about(&self) -> impl FnMut(f64, &[f64; 3], &[f64; 3], &mut [f64; 3]) + use<> {
         let station = *self;
         let body = RelativeLvlh::new(Params { mu: self.mu, station_mass: self.mass, ..Params::default() });
         move |t, q, qd, qdd| {
