@@ -4,7 +4,7 @@ use mbs_models::arm::inverse::Unsolvable;
 use mbs_models::arm::limits::InvalidLimits;
 use mbs_models::experiment::Experiment;
 use mbs_models::experiment::flight::{Flight, OutsideFlight};
-use mbs_models::experiment::plan::{AxisQuantity, BRANCH, Infeasible, PlanError};
+use mbs_models::experiment::plan::{Attitude, AxisQuantity, BRANCH, Infeasible, PlanError};
 use mbs_models::experiment::rail_arm::{FlangeMotion, NotFollowed, RailArm};
 use mbs_models::experiment::search::{Search, SearchError};
 use mbs_models::experiment::tracking::{Tracking, TrackingError};
@@ -143,6 +143,13 @@ fn limits_that_break_are_named() {
     experiment.robot.rail.acceleration = 0.1;
     let survey = experiment.plan(0.1).expect("a plan").survey().expect("reachable");
     assert_eq!(axis(survey.broken.expect("it breaks")), (0, AxisQuantity::Acceleration));
+    // Of the joints where they count: an attitude that is flown needs more at once, a level one does not.
+    experiment = Experiment { joint_accelerations: true, ..crate::flown(Heave::CASE_I) };
+    let survey = experiment.plan(0.02).expect("a plan").survey().expect("reachable");
+    let found = survey.broken.expect("it breaks");
+    assert!(axis(found) == (2, AxisQuantity::Acceleration) && found.time() == 0.0, "{found}");
+    experiment.attitude = Attitude::Level;
+    assert!(experiment.plan(0.1).expect("a plan").survey().expect("reachable").is_feasible());
 }
 
 #[test]

@@ -56,6 +56,11 @@ pub struct Experiment {
     pub attitude: Attitude,
     /// The least and the greatest stand-off of the carriage that may be chosen \[m\].
     pub standoffs: [f64; 2],
+    /// Whether the accelerations of the joints, [`JointLimits::acceleration`](crate::arm::JointLimits), are limits too.
+    ///
+    /// They are assumed, and by default they are not: torques limit the drives. An attitude that is flown breaks them at any scale,
+    /// since angles are not scaled: right at the start the vehicle's controller turns it back from the tilt it begins with.
+    pub joint_accelerations: bool,
     /// How long the platform heaves, at least to the touchdown \[s\].
     pub heaving: f64,
     /// Between the moments of a survey, positive \[s\].
@@ -201,7 +206,7 @@ pub enum AxisQuantity {
     Position,
     /// Its speed.
     Speed,
-    /// Its acceleration; of the carriage only.
+    /// Its acceleration.
     Acceleration,
     /// The force or the torque of its drive.
     Force,
@@ -235,6 +240,8 @@ impl fmt::Display for AxisQuantity {
     }
 }
 
+const DEGREES: f64 = 180.0 / core::f64::consts::PI;
+
 /// A limit that an axis exceeds at a moment.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AxisViolation {
@@ -252,13 +259,19 @@ pub struct AxisViolation {
 
 impl fmt::Display for AxisViolation {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { axis, quantity, time, value, limit } = self;
-        let unit = quantity.unit(*axis);
+        let Self { axis, quantity, time, value, limit } = *self;
         match axis {
             0 => write!(f, "t = {time:.3} s, carriage")?,
             joint => write!(f, "t = {time:.3} s, joint {joint}")?,
         }
-        write!(f, ": {quantity} {value:.4} {unit}, the limit is {limit:.4} {unit}")
+        // Angles are read in degrees.
+        let (unit, factor) = match (quantity, axis) {
+            (AxisQuantity::Force, _) | (_, 0) => (quantity.unit(axis), 1.0),
+            (AxisQuantity::Position, _) => ("°", DEGREES),
+            (AxisQuantity::Speed, _) => ("°/s", DEGREES),
+            (AxisQuantity::Acceleration, _) => ("°/s²", DEGREES),
+        };
+        write!(f, ": {quantity} {:.4} {unit}, the limit is {:.4} {unit}", factor * value, factor * limit)
     }
 }
 
@@ -313,8 +326,7 @@ pub struct Survey {
     pub forces: RailVector,
     /// The largest speed as a part of its limit.
     pub speed_ratio: Seen,
-    /// The largest acceleration as a part of its limit. That of the carriage is a limit; those of the joints are for
-    /// trajectories that are to be comfortable, and are not checked: their drives are limited by torque.
+    /// The largest acceleration as a part of its limit, whether that [counts](Experiment::joint_accelerations) or not.
     pub acceleration_ratio: Seen,
     /// The largest force or torque as a part of its limit.
     pub force_ratio: Seen,
@@ -365,6 +377,7 @@ impl Experiment {
             flight,
             attitude: Attitude::Flown,
             standoffs: [1.0, 2.0],
+            joint_accelerations: false,
             heaving: PERIOD,
             sampling: 0.01,
         }
@@ -567,8 +580,8 @@ impl<'a> Plan<'a> {
 
     /// What the plan asks of the machines, and which limit breaks first.
     ///
-    /// Positions, speeds and forces of all axes are checked, the acceleration of the carriage, and stroke, speed and force of the
-    /// platform's legs.
+    /// Positions, speeds and forces of all axes are checked, the acceleration of the carriage, those of the joints
+    /// [where they count](Experiment::joint_accelerations), and stroke, speed and force of the platform's legs.
     ///
     /// # Errors
     /// [`Infeasible::Arm`], [`Infeasible::Pose`], where there is nothing to survey.
@@ -606,7 +619,8 @@ impl<'a> Plan<'a> {
     /// The first limit that is broken at a moment: axis by axis, then leg by leg.
     #[must_use]
     pub fn broken(&self, moment: &Moment) -> Option<Infeasible> {
-        let axis = axis_violations(&self.experiment.robot, moment).next().map(Infeasible::Axis);
+        let Experiment { robot, joint_accelerations, .. } = self.experiment;
+        let axis = axis_violations(robot, *joint_accelerations, moment).next().map(Infeasible::Axis);
         axis.or_else(|| self.broken_leg(moment.time, moment.legs))
     }
 
@@ -636,10 +650,14 @@ fn angular_motion(q: &Coordinates, qd: &Coordinates, qdd: &Coordinates) -> [[f64
 }
 
 /// What of the axes exceeds the limits, axis by axis.
-fn axis_violations(robot: &RailArm, moment: &Moment) -> impl Iterator<Item = AxisViolation> {
+fn axis_violations(
+    robot: &RailArm,
+    all_accelerations: bool,
+    moment: &Moment,
+) -> impl Iterator<Item = AxisViolation> + use<> {
     let (ranges, speeds, forces) = (robot.ranges(), robot.speed_limits(), robot.force_limits());
     let (time, JointState { q, qd, qdd }, force) = (moment.time, moment.axes, moment.forces);
-    let acceleration = robot.rail.acceleration;
+    let accelerations = robot.acceleration_limits();
     (0..7).flat_map(move |axis| {
         let [lower, upper] = ranges[axis];
         let end = if q[axis] < lower { lower } else { upper };
@@ -648,7 +666,12 @@ fn axis_violations(robot: &RailArm, moment: &Moment) -> impl Iterator<Item = Axi
         let checks = [
             (AxisQuantity::Position, q[axis], end, inside),
             (AxisQuantity::Speed, qd[axis], speeds[axis], bounded(qd[axis], speeds[axis])),
-            (AxisQuantity::Acceleration, qdd[axis], acceleration, axis > 0 || bounded(qdd[axis], acceleration)),
+            (
+                AxisQuantity::Acceleration,
+                qdd[axis],
+                accelerations[axis],
+                (axis > 0 && !all_accelerations) || bounded(qdd[axis], accelerations[axis]),
+            ),
             (AxisQuantity::Force, force[axis], forces[axis], bounded(force[axis], forces[axis])),
         ];
         let broken = checks.into_iter().filter(|(.., kept)| !kept);
