@@ -40,8 +40,9 @@ fn main() -> Result<(), Failure> {
     let scale = word("--scale")
         .map(|text| text.parse::<f64>().unwrap_or_else(|_| refuse(format!("--scale needs a number, not {text}"))));
     let experiment = run::experiment(&case, attitude)?;
-    let run = Run::of(&experiment, case, scale)?;
+    let mut run = Run::of(&experiment, case, scale)?;
     if let Some(folder) = &arguments.out {
+        run = run.compared()?;
         std::fs::create_dir_all(folder)?;
         figures::write(folder, &run)?;
     }

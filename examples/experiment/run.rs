@@ -62,7 +62,7 @@ pub(crate) struct Run<'a> {
     pub(crate) next: Option<(f64, Infeasible)>,
     /// Nothing where the arm cannot follow.
     pub(crate) outcome: Option<Outcome<'a>>,
-    /// Scales below and above.
+    /// Scales below and above, where they are asked for.
     pub(crate) others: Vec<Other>,
 }
 
@@ -78,7 +78,7 @@ pub(crate) fn experiment(case: &Case, attitude: Attitude) -> Result<Experiment, 
 }
 
 impl<'a> Run<'a> {
-    /// At a scale, or at the greatest feasible one.
+    /// At a scale, or at the greatest feasible one; without others.
     pub(crate) fn of(experiment: &'a Experiment, case: Case, scale: Option<f64>) -> Result<Self, Failure> {
         let attitude = experiment.attitude;
         let (scale, planned, next) = match scale {
@@ -88,13 +88,18 @@ impl<'a> Run<'a> {
             }
             Some(scale) => (scale, surveyed(experiment, scale)?, None),
         };
-        let others = (1..=COMPARED.1).map(|k| other(experiment, f64::from(k) * COMPARED.0));
-        let others = others.collect::<Result<Vec<_>, _>>()?.into_iter().flatten().collect();
         let (broken, outcome) = match planned {
             Ok((plan, survey)) => (survey.broken, Some(Outcome { simulated: simulated(&plan), plan, survey })),
             Err(reason) => (Some(reason), None),
         };
-        Ok(Run { case, attitude, experiment, scale, broken, next, outcome, others })
+        Ok(Run { case, attitude, experiment, scale, broken, next, outcome, others: Vec::new() })
+    }
+
+    /// The same, with others.
+    pub(crate) fn compared(self) -> Result<Self, Failure> {
+        let others = (1..=COMPARED.1).map(|k| other(self.experiment, f64::from(k) * COMPARED.0));
+        let others = others.collect::<Result<Vec<_>, _>>()?.into_iter().flatten().collect();
+        Ok(Run { others, ..self })
     }
 }
 
