@@ -99,7 +99,7 @@ fn the_greatest_scale_is_where_the_wrist_ends() {
     assert!((violation.limit.to_degrees() - 100.0).abs() < 1e-12 && violation.value > violation.limit);
 
     let landing = Landing::new(Plant::Exact, Heave::CASE_I);
-    let height = |t: f64| landing.heave.at(t).value + landing.approach.at(t).value;
+    let height = |t: f64| Heave::CASE_I.at(t).value + landing.approach.at(t).value;
     let best = |scale: f64| {
         (200..=400).map(|k| greatest_wrist_angle(scale, 0.005 * f64::from(k), height)).fold(f64::INFINITY, f64::min)
     };

@@ -64,19 +64,19 @@ impl Flight {
     /// # Errors
     /// [`LandingError`], as of [`Landing::simulate`].
     pub fn simulated(landing: &Landing, state: State<[f64; 6]>) -> Result<Self, LandingError> {
+        let motion =
+            |t: f64, q: &[f64; 6], qd: &[f64; 6]| landing.accelerations(q, qd, &landing.command(t, q, qd).rotors.speed);
         let mut times = Vec::new();
         let mut moments = Vec::new();
-        let end = landing.simulate(state, |t, state, command| {
+        let end = landing.simulate(state, |t, state, _| {
             times.push(t);
-            moments.push([state.q, state.qd, landing.accelerations(&state.q, &state.qd, &command.rotors.speed)]);
+            moments.push([state.q, state.qd, motion(t, &state.q, &state.qd)]);
         })?;
         let step = match times[..] {
             [first, second, ..] => second - first,
             // It is down before it is seen twice.
             _ => STEP,
         };
-        let motion =
-            |t: f64, q: &[f64; 6], qd: &[f64; 6]| landing.accelerations(q, qd, &landing.command(t, q, qd).rotors.speed);
         let after: Vec<f64> =
             (moments.len()..).map(|k| k as f64 * step).take_while(|&t| t < end.time + OVERRUN + step).collect();
         let mut state = end.state;
