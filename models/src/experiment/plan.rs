@@ -360,7 +360,7 @@ pub const PERIOD: f64 = 40.0;
 const STANDOFF_STEP: f64 = 0.05;
 /// How often the best of them is then made better, by 0.618 each time: to less than a tenth of a millimetre.
 const REFINEMENTS: usize = 15;
-/// The moments at which stand-offs are compared: so many of a survey's are skipped.
+/// Stand-offs are compared at one of so many moments of a survey.
 const COMPARED: usize = 4;
 /// A survey has no more moments than this.
 const MOST_MOMENTS: f64 = 1e7;
@@ -547,7 +547,7 @@ impl<'a> Plan<'a> {
     }
 
     /// How far the arm keeps from the ends of its ranges, each as a part of half the range, and from singularities: the least on the
-    /// way, negative where a range is left.
+    /// way, at every fourth moment of a survey; negative where a range is left.
     ///
     /// # Errors
     /// [`Infeasible::Arm`], where the flange cannot go all the way.
