@@ -84,6 +84,7 @@ fn arms_are_trees() {
     check("arm6_params", robots::arm6_params);
     check("arm6_world", robots::arm6);
     check("irb7600", robots::irb7600);
+    check("irb7600_rail", robots::irb7600_rail);
 }
 
 #[test]

@@ -2,7 +2,7 @@
 //!
 //! A new mechanism is one new file there. [`SOURCES`] lists the declarations; [`for_each_mechanism!`] hands every
 //! mechanism to a macro, which is how the property tests reach all of them. Beside them stands what they need around
-//! their dynamics: [`arm`], [`orbit`], [`platform`], [`quadrotor`].
+//! their dynamics: [`arm`], [`orbit`], [`platform`], [`quadrotor`]; and what brings three of them together: [`experiment`].
 #![no_std]
 
 #[cfg(feature = "std")]
@@ -10,6 +10,8 @@ extern crate std;
 
 #[cfg(any(feature = "std", feature = "libm"))]
 pub mod arm;
+#[cfg(any(feature = "std", feature = "libm"))]
+pub mod experiment;
 #[cfg(any(feature = "std", feature = "libm"))]
 pub mod orbit;
 #[cfg(any(feature = "std", feature = "libm"))]

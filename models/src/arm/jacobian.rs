@@ -34,7 +34,7 @@ use core::fmt;
 use mbs_runtime::nalgebra::{Matrix6, SVD, Vector6};
 use mbs_runtime::{Pose, Scalar, to_matrix, to_vector};
 
-use super::inverse::PHI;
+use super::inverse::{L1, PHI};
 use super::{A1, A2, A3, Arm, D1, D4, D6, JointVector};
 
 /// Rows of `v`, then of `ω`; columns are joints.
@@ -93,6 +93,16 @@ impl Factors {
     #[must_use]
     pub fn determinant(&self) -> f64 {
         -A2 * self.elbow * self.wrist * self.shoulder
+    }
+
+    /// How far the arm is from its singularities: the smallest magnitude of the three, each as a part of the largest that it can
+    /// have. From 0, singular, to less than 1; NaN where a factor is.
+    #[must_use]
+    pub fn margin(&self) -> f64 {
+        let parts = [self.shoulder / (A1 + A2 + L1), self.elbow / L1, self.wrist];
+        parts
+            .into_iter()
+            .fold(1.0, |least, part| if least.is_nan() || part.abs() >= least { least } else { part.abs() })
     }
 }
 

@@ -55,6 +55,26 @@ pub fn irb7600(value: Values<'_>) -> Tree {
     serial(&SerialArm { gravity: down(value), ..arm })
 }
 
+/// `models/mechanisms/irb7600_rail.mbs`: a slide below the arm, a body more beyond it.
+pub fn irb7600_rail(value: Values<'_>) -> Tree {
+    let arm = irb7600(value);
+    let body = |mass, center, [xx, yy, zz]: [f64; 3]| body(mass, center, [xx, yy, zz, 0.0, 0.0, 0.0]);
+    // The carriage slides and does not turn: its mass centre and its inertia do not matter.
+    let carriage = body(value("carriage_mass", 0), [0.0; 3], [0.0; 3]);
+    let module_inertia = [0, 1, 2].map(|axis| value("module_inertia", axis));
+    let module = body(value("module_mass", 0), [0.0, 0.0, value("module_center", 0)], module_inertia);
+    let mut nodes = vec![node(None, Place::HERE, Motion::Slide([1.0, 0.0, 0.0], Law::of(0)), carriage)];
+    nodes.extend(arm.nodes.into_iter().enumerate().map(|(i, link)| {
+        let motion = match link.motion {
+            Motion::Turn(axis, _) => Motion::Turn(axis, Law::of(1 + i / 2)),
+            other => other,
+        };
+        node(Some(link.parent.map_or(0, |parent| parent + 1)), link.place, motion, link.body)
+    }));
+    nodes.push(node(Some(nodes.len() - 1), Place::HERE, Motion::Fixed, module));
+    tree(7, 0, nodes, down(value))
+}
+
 /// `models/mechanisms/scara.mbs`
 pub fn scara(value: Values<'_>) -> Tree {
     let body = |i| {

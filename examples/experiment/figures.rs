@@ -1,0 +1,147 @@
+//! What the machines do over time and over the scale, as figures and as numbers.
+
+use std::path::Path;
+
+use mbs_cli::chart::{Curves, Figure, Line, Panel, Space, SpaceLine};
+use mbs_examples::{Failure, output};
+
+use crate::run::{Other, Outcome, Run, Sample, Simulated};
+
+pub(crate) fn write(folder: &Path, run: &Run<'_>) -> Result<(), Failure> {
+    scales(folder, run)?;
+    let Some(outcome) = &run.outcome else { return Ok(()) };
+    let Ok(simulated) = &outcome.simulated else { return Ok(()) };
+    let Simulated { tracked, samples } = simulated;
+    let write = |name: &str, what: &str, panels: Vec<Panel>| {
+        let title = format!("{what}, case {} at {:.4}", run.case.name, run.scale);
+        let name = format!("case_{}_{name}", run.case.name);
+        output::write_figure(folder, &name, &Figure { title, size: (1100, 900), panels })
+    };
+    let end = tracked.contact.time;
+    let over_time = |label: &str, lines: Vec<Line>| curves(label, 0.0..end, lines);
+
+    let [x, y] = run.experiment.cell.platform;
+    let aside = vec![
+        line("x", samples, |s| 1e3 * (s.flange.position[0] - x)),
+        line("y", samples, |s| 1e3 * (s.flange.position[1] - y)),
+    ];
+    let panels = vec![path(run, outcome, simulated), over_time("from the middle [mm]", aside)];
+    write("path", "Path of the flange", panels)?;
+    let heights =
+        |samples: &[Sample]| vec![line("flange", samples, |s| s.flange.position[2]), line("deck", samples, |s| s.deck)];
+    let last = &samples[samples.partition_point(|s| s.look.time < end - LAST)..];
+    let near = curves("height [m]", (end - LAST).max(0.0)..end, heights(last));
+    write("elevation", "Elevation of flange and deck", vec![over_time("height [m]", heights(samples)), near])?;
+
+    let angles = (1..7).map(|axis| line(axis_name(axis), samples, move |s| s.look.state.q[axis].to_degrees()));
+    let carriage = vec![line("carriage", samples, |s| s.look.state.q[0])];
+    let panels = vec![over_time("q [°]", angles.collect()), over_time("carriage [m]", carriage)];
+    write("axes", "Axes", panels)?;
+
+    let robot = &run.experiment.robot;
+    let (speeds, forces) = (robot.speed_limits(), robot.force_limits());
+    let speeds =
+        (0..7).map(|axis| line(axis_name(axis), samples, move |s| 100.0 * s.look.state.qd[axis] / speeds[axis]));
+    let forces = (0..7).map(|axis| line(axis_name(axis), samples, move |s| 100.0 * s.look.forces[axis] / forces[axis]));
+    let panels = vec![
+        over_time("speed [% of limit]", speeds.collect()),
+        over_time("force, torque [% of limit]", forces.collect()),
+    ];
+    write("limits", "Speeds and forces of the axes", panels)?;
+
+    let panels = vec![
+        over_time("position [mm]", vec![line("error", samples, |s| 1e3 * s.look.error)]),
+        over_time("attitude [°]", vec![line("error", samples, |s| s.look.turn.to_degrees())]),
+    ];
+    write("tracking", "Tracking error of the flange", panels)?;
+
+    // A level deck that goes up and down moves all legs alike.
+    let leg = |which: usize| vec![line("leg 1 of 6 alike", samples, move |s| s.legs[which][0])];
+    let panels = vec![over_time("length [m]", leg(0)), over_time("force [N]", leg(1))];
+    write("platform", "Legs of the platform", panels)?;
+    table(folder, run, samples)
+}
+
+/// How long before the contact elevations are drawn once more \[s\].
+const LAST: f64 = 2.0;
+
+fn axis_name(axis: usize) -> String {
+    if axis == 0 { "carriage".to_string() } else { format!("joint {axis}") }
+}
+
+fn line(name: impl Into<String>, samples: &[Sample], value: impl Fn(&Sample) -> f64) -> Line {
+    Line::new(name, samples.iter().map(|s| (s.look.time, value(s))).collect())
+}
+
+fn curves(label: &str, x_range: std::ops::Range<f64>, lines: Vec<Line>) -> Panel {
+    Panel::Curves(Curves { x_label: "t [s]".to_string(), y_label: label.to_string(), x_range, lines })
+}
+
+fn path(run: &Run<'_>, outcome: &Outcome<'_>, simulated: &Simulated) -> Panel {
+    let Simulated { tracked, samples } = simulated;
+    let points: Vec<[f64; 3]> = samples.iter().map(|s| s.flange.position).collect();
+    let [x, y] = run.experiment.cell.platform;
+    let contact = &tracked.contact;
+    let place = [x + contact.position[0], y + contact.position[1], outcome.plan.deck_height(contact.time)[0]];
+    let marks = vec![(points[0], "start".to_string()), (place, format!("contact at {:.2} s", contact.time))];
+    let deck = samples.iter().map(|s| [x, y, s.deck]).collect();
+    let lines = vec![
+        SpaceLine { name: "flange".to_string(), points, marks },
+        SpaceLine { name: "middle of the deck".to_string(), points: deck, marks: Vec::new() },
+    ];
+    Panel::Space(Space { labels: ["x [m]", "y [m]", "z [m]"].map(String::from), lines })
+}
+
+/// What every scale asks for: the name of a column, that of a curve where one is drawn, and the value.
+type Column = (&'static str, Option<&'static str>, fn(&Other) -> f64);
+const COLUMNS: [Column; 6] = [
+    ("scale", None, |o| o.scale),
+    ("standoff_m", None, |o| o.standoff),
+    ("clearance", Some("clearance"), |o| o.clearance),
+    ("speed_ratio", Some("speed"), |o| o.survey.speed_ratio.value),
+    ("force_ratio", Some("force"), |o| o.survey.force_ratio.value),
+    ("singularity_margin", Some("singularity"), |o| o.survey.singularity_margin.value),
+];
+
+fn scales(folder: &Path, run: &Run<'_>) -> Result<(), Failure> {
+    let name = format!("case_{}_scales", run.case.name);
+    let header = COLUMNS.map(|(name, ..)| name.to_string());
+    output::write_table(
+        folder,
+        &name,
+        &header,
+        run.others.iter().map(|other| COLUMNS.map(|(.., of)| of(other)).into()),
+    )?;
+    let (Some(first), Some(last)) = (run.others.first(), run.others.last()) else { return Ok(()) };
+    let drawn = COLUMNS.iter().filter_map(|(_, name, of)| name.map(|name| (name, of)));
+    let lines =
+        drawn.map(|(name, of)| Line::new(name, run.others.iter().map(|other| (other.scale, of(other))).collect()));
+    let panel = Curves {
+        x_label: "scale".to_string(),
+        y_label: "part of the limit, or of the range".to_string(),
+        x_range: first.scale..last.scale,
+        lines: lines.collect(),
+    };
+    let title =
+        format!("Clearance of the ranges, speed, force and distance from singularities, case {}", run.case.name);
+    output::write_figure(folder, &name, &Figure { title, size: (1100, 700), panels: vec![Panel::Curves(panel)] })
+}
+
+fn table(folder: &Path, run: &Run<'_>, samples: &[Sample]) -> Result<(), Failure> {
+    let mut header = vec!["t_s".to_string()];
+    for (what, units) in
+        [("q", ["m", "rad"]), ("qd", ["m_s", "rad_s"]), ("wanted_q", ["m", "rad"]), ("force", ["N", "N_m"])]
+    {
+        header.extend((0..7).map(|axis| format!("{what}{axis}_{}", units[usize::from(axis > 0)])));
+    }
+    header.extend(["flange_x_m", "flange_y_m", "flange_z_m", "deck_m", "error_m", "turn_rad"].map(String::from));
+    for (what, unit) in [("leg_length", "m"), ("leg_force", "N")] {
+        header.extend((1..=6).map(|leg| format!("{what}{leg}_{unit}")));
+    }
+    let row = |s: &Sample| {
+        let Sample { look, flange, deck, legs: [lengths, forces] } = s;
+        let axes = [look.state.q, look.state.qd, look.wanted.q, look.forces].concat();
+        [&[look.time][..], &axes, &flange.position, &[*deck, look.error, look.turn], lengths, forces].concat()
+    };
+    output::write_table(folder, &format!("case_{}", run.case.name), &header, samples.iter().map(row))
+}

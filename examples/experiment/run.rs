@@ -1,0 +1,134 @@
+//! One experiment: its plan, what it asks of the machines, and the simulated arm.
+
+use mbs_examples::Failure;
+use mbs_models::experiment::flight::Flight;
+use mbs_models::experiment::plan::{Attitude, Experiment, Infeasible, Plan, PlanError, Survey};
+use mbs_models::experiment::search::Search;
+use mbs_models::experiment::tracking::{Look, Tracked, Tracking, TrackingError};
+use mbs_models::quadrotor::heave::Heave;
+use mbs_models::quadrotor::landing::{Landing, Plant};
+use mbs_runtime::Pose;
+
+/// A motion of the platform.
+#[derive(Clone, Copy)]
+pub(crate) struct Case {
+    /// In the thesis.
+    pub(crate) name: &'static str,
+    /// The elevation of the platform at full size.
+    pub(crate) heave: Heave<4>,
+}
+
+/// What the arm does at one moment.
+pub(crate) struct Sample {
+    pub(crate) look: Look,
+    /// Where the flange is.
+    pub(crate) flange: Pose<f64>,
+    /// Height of the deck over the arm's base \[m\].
+    pub(crate) deck: f64,
+    /// Lengths and forces of the platform's legs \[m, N\].
+    pub(crate) legs: [[f64; 6]; 2],
+}
+
+/// A scale that is not the one of the run, for comparison.
+pub(crate) struct Other {
+    pub(crate) scale: f64,
+    pub(crate) standoff: f64,
+    pub(crate) clearance: f64,
+    pub(crate) survey: Survey,
+}
+
+/// What comes of a scale at which the arm can follow.
+pub(crate) struct Outcome<'a> {
+    pub(crate) plan: Plan<'a>,
+    pub(crate) survey: Survey,
+    /// The arm under its controller, which may not come to a contact.
+    pub(crate) simulated: Result<Simulated, TrackingError>,
+}
+
+pub(crate) struct Simulated {
+    pub(crate) tracked: Tracked,
+    /// Every fifth look of the controller.
+    pub(crate) samples: Vec<Sample>,
+}
+
+pub(crate) struct Run<'a> {
+    pub(crate) case: Case,
+    pub(crate) attitude: Attitude,
+    pub(crate) experiment: &'a Experiment,
+    pub(crate) scale: f64,
+    /// What breaks first at this scale.
+    pub(crate) broken: Option<Infeasible>,
+    /// The next scale that was found infeasible, and why, where the greatest feasible one was searched.
+    pub(crate) next: Option<(f64, Infeasible)>,
+    /// Nothing where the arm cannot follow.
+    pub(crate) outcome: Option<Outcome<'a>>,
+    /// Scales below and above, where they are asked for.
+    pub(crate) others: Vec<Other>,
+}
+
+/// Every so many looks are kept.
+const KEPT: usize = 5;
+/// Between scales that are compared, and how many of them.
+const COMPARED: (f64, u32) = (0.01, 15);
+
+pub(crate) fn experiment(case: &Case, attitude: Attitude) -> Result<Experiment, Failure> {
+    let landing = Landing::new(Plant::Exact, case.heave);
+    let flight = Flight::simulated(&landing, Landing::initial_state())?;
+    Ok(Experiment { attitude, ..Experiment::new(flight) })
+}
+
+impl<'a> Run<'a> {
+    /// At a scale, or at the greatest feasible one; without others.
+    pub(crate) fn of(experiment: &'a Experiment, case: Case, scale: Option<f64>) -> Result<Self, Failure> {
+        let attitude = experiment.attitude;
+        let (scale, planned, next) = match scale {
+            None => {
+                let found = experiment.greatest_scale(&Search::default())?;
+                (found.plan.scale(), Ok((found.plan, found.survey)), found.next)
+            }
+            Some(scale) => (scale, surveyed(experiment, scale)?, None),
+        };
+        let (broken, outcome) = match planned {
+            Ok((plan, survey)) => (survey.broken, Some(Outcome { simulated: simulated(&plan), plan, survey })),
+            Err(reason) => (Some(reason), None),
+        };
+        Ok(Run { case, attitude, experiment, scale, broken, next, outcome, others: Vec::new() })
+    }
+
+    /// The same, with others.
+    pub(crate) fn compared(self) -> Result<Self, Failure> {
+        let others = (1..=COMPARED.1).map(|k| other(self.experiment, f64::from(k) * COMPARED.0));
+        let others = others.collect::<Result<Vec<_>, _>>()?.into_iter().flatten().collect();
+        Ok(Run { others, ..self })
+    }
+}
+
+fn simulated(plan: &Plan<'_>) -> Result<Simulated, TrackingError> {
+    let tracking = Tracking::new(&plan.experiment().robot);
+    let mut looks = Vec::new();
+    let tracked = plan.track(&tracking, |look| looks.push(*look))?;
+    let sample = |look: Look| {
+        let legs = plan.legs(look.time)?;
+        let flange = tracking.plant.flange(&look.state.q);
+        Ok(Sample { flange, deck: plan.deck_height(look.time)[0], legs: [legs.length, legs.force], look })
+    };
+    let samples = looks.into_iter().step_by(KEPT).map(sample).collect::<Result<_, TrackingError>>()?;
+    Ok(Simulated { tracked, samples })
+}
+
+type Surveyed<'a> = Result<(Plan<'a>, Survey), Infeasible>;
+
+/// The plan at a scale and what it asks for, or why the arm cannot follow.
+fn surveyed(experiment: &Experiment, scale: f64) -> Result<Surveyed<'_>, PlanError> {
+    match experiment.plan(scale) {
+        Ok(plan) => Ok(plan.survey().map(|survey| (plan, survey))),
+        Err(PlanError::Infeasible(reason)) => Ok(Err(reason)),
+        Err(error) => Err(error),
+    }
+}
+
+fn other(experiment: &Experiment, scale: f64) -> Result<Option<Other>, PlanError> {
+    let Ok((plan, survey)) = surveyed(experiment, scale)? else { return Ok(None) };
+    let clearance = plan.clearance()?;
+    Ok(Some(Other { scale, standoff: plan.standoff(), clearance, survey }))
+}

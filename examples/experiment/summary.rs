@@ -1,0 +1,133 @@
+//! What an experiment comes to, as JSON and as text.
+
+use std::fmt::Write;
+
+use mbs_models::experiment::plan::Attitude;
+use mbs_models::experiment::tracking::Tracked;
+use serde_json::{Value, json};
+
+use crate::run::{Outcome, Run};
+
+/// One object; what is not known where the arm cannot follow is null.
+pub(crate) fn to_json(run: &Run<'_>) -> Value {
+    let of = |value: fn(&Outcome<'_>) -> Value| run.outcome.as_ref().map_or(Value::Null, value);
+    let simulated = run.outcome.as_ref().and_then(|outcome| outcome.simulated.as_ref().ok());
+    let tracked = |value: fn(&Tracked) -> Value| simulated.map_or(Value::Null, |simulated| value(&simulated.tracked));
+    json!({
+        "case": run.case.name,
+        "attitude": attitude(run),
+        "scale": run.scale,
+        "feasible": run.broken.is_none(),
+        "limit": run.broken.map(|reason| reason.to_string()),
+        "next_scale": run.next.map(|(scale, _)| scale),
+        "next_limit": run.next.map(|(_, reason)| reason.to_string()),
+        "standoff": of(|o| o.plan.standoff().into()),
+        "max_joint_speed_ratio": of(|o| o.survey.speed_ratio.value.into()),
+        "max_torque_ratio": of(|o| o.survey.force_ratio.value.into()),
+        "max_joint_acceleration_ratio": of(|o| o.survey.acceleration_ratio.value.into()),
+        "singularity_margin": of(|o| o.survey.singularity_margin.value.into()),
+        "joint_range_deg": of(|o| json!(o.survey.positions[1..].iter().map(|ends| ends.map(f64::to_degrees)).collect::<Vec<_>>())),
+        "max_joint_speed_deg_s": of(|o| json!(o.survey.speeds[1..].iter().map(|speed| speed.to_degrees()).collect::<Vec<_>>())),
+        "max_joint_torque": of(|o| json!(o.survey.forces[1..])),
+        "carriage": of(|o| json!({
+            "range": o.survey.positions[0],
+            "speed": o.survey.speeds[0],
+            "acceleration": o.survey.accelerations[0],
+            "force": o.survey.forces[0],
+        })),
+        "platform": of(|o| json!({
+            "stroke": o.survey.platform_stroke(),
+            "leg_length": o.survey.leg_length,
+            "leg_speed": o.survey.leg_speed,
+            "leg_force": o.survey.leg_force,
+        })),
+        "tracking_error_max": tracked(|t| t.error.value.into()),
+        "tracking_turn_max_deg": tracked(|t| t.turn.value.to_degrees().into()),
+        "saturated": tracked(|t| t.saturated.into()),
+        "touchdown_time": tracked(|t| t.contact.time.into()),
+        "planned_touchdown_time": run.experiment.flight.touchdown(),
+        "relative_position": tracked(|t| json!(t.contact.position)),
+        "relative_velocity": tracked(|t| json!(t.contact.velocity)),
+        "relative_attitude_deg": tracked(|t| json!(t.contact.attitude.map(f64::to_degrees))),
+        "relative_angular_velocity_deg_s": tracked(|t| json!(t.contact.angular_velocity.map(f64::to_degrees))),
+    })
+}
+
+fn attitude(run: &Run<'_>) -> &'static str {
+    match run.attitude {
+        Attitude::Flown => "flown",
+        Attitude::Level => "level",
+    }
+}
+
+pub(crate) fn text(run: &Run<'_>) -> String {
+    let mut text = String::new();
+    // Writing to a string does not fail.
+    let _ = write(&mut text, run);
+    text
+}
+
+fn write(text: &mut String, run: &Run<'_>) -> std::fmt::Result {
+    let verdict = if run.broken.is_none() { "feasible" } else { "not feasible" };
+    writeln!(text, "case {}, attitude {}: the scale {:.4} is {verdict}", run.case.name, attitude(run), run.scale)?;
+    if let Some(reason) = run.broken {
+        writeln!(text, "  {reason}")?;
+    }
+    if let Some((scale, reason)) = run.next {
+        writeln!(text, "  at {scale:.4} it is not: {reason}")?;
+    }
+    let Some(Outcome { plan, survey, simulated }) = &run.outcome else { return Ok(()) };
+    writeln!(text, "the carriage stays {:.3} m behind the flange", plan.standoff())?;
+    writeln!(text, "axis         from        to          speed      force          of its limit")?;
+    let robot = &run.experiment.robot;
+    let (speeds, forces) = (robot.speed_limits(), robot.force_limits());
+    for axis in 0..7 {
+        let [from, to] = survey.positions[axis];
+        let (speed, force) = (survey.speeds[axis], survey.forces[axis]);
+        let parts = format!("{:>5.1} %, {:>5.1} %", 100.0 * speed / speeds[axis], 100.0 * force / forces[axis]);
+        match axis {
+            0 => writeln!(text, "carriage {from:>9.3} m {to:>9.3} m {speed:>8.3} m/s {force:>9.1} N     {parts}")?,
+            joint => writeln!(
+                text,
+                "joint {joint}  {:>9.2} ° {:>9.2} ° {:>8.2} °/s {force:>9.1} N·m   {parts}",
+                from.to_degrees(),
+                to.to_degrees(),
+                speed.to_degrees()
+            )?,
+        }
+    }
+    writeln!(
+        text,
+        "accelerations are up to {:.2} of those assumed for the joints, which do not count; singularities are {:.3} away",
+        survey.acceleration_ratio.value, survey.singularity_margin.value
+    )?;
+    writeln!(
+        text,
+        "platform: legs {:.4} to {:.4} m, a stroke of {:.4} m, {:.3} m/s, {:.0} N",
+        survey.leg_length[0],
+        survey.leg_length[1],
+        survey.platform_stroke(),
+        survey.leg_speed,
+        survey.leg_force
+    )?;
+    let tracked = match simulated {
+        Ok(simulated) => &simulated.tracked,
+        Err(error) => return writeln!(text, "simulated, heavier than its controller knows: {error}"),
+    };
+    let contact = &tracked.contact;
+    writeln!(
+        text,
+        "simulated, heavier than its controller knows: the flange is off by up to {:.3} mm (t = {:.2} s) and {:.4}°",
+        1e3 * tracked.error.value,
+        tracked.error.time,
+        tracked.turn.value.to_degrees()
+    )?;
+    let [x, y, _] = contact.position.map(|metres| 1e3 * metres);
+    let [vx, vy, vz] = contact.velocity.map(|speed| 1e3 * speed);
+    writeln!(
+        text,
+        "contact at {:.4} s (the vehicle's: {:.4} s), {x:.3} and {y:.3} mm from the middle, with {vx:.3}, {vy:.3}, {vz:.3} mm/s",
+        contact.time,
+        run.experiment.flight.touchdown()
+    )
+}

@@ -1,0 +1,27 @@
+//! The experiment of chapter 6: the arm on its rail against Newton's laws and the arm alone, plans against reference values and
+//! against geometry typed by hand, the simulated arm against what its mass error predicts, and bad input.
+
+#[path = "experiment/bad_input.rs"]
+mod bad_input;
+#[path = "experiment/plans.rs"]
+mod plans;
+#[path = "experiment/rail.rs"]
+mod rail;
+#[path = "experiment/tracks.rs"]
+mod tracks;
+
+use mbs_models::experiment::Experiment;
+use mbs_models::experiment::flight::Flight;
+use mbs_models::quadrotor::heave::Heave;
+use mbs_models::quadrotor::landing::{Landing, Plant};
+
+/// The landing of a case as it is flown.
+fn flown(heave: Heave<4>) -> Experiment {
+    let landing = Landing::new(Plant::Exact, heave);
+    Experiment::new(Flight::simulated(&landing, Landing::initial_state()).expect("a landing"))
+}
+
+/// Case I as its guidance asks for it.
+fn guided() -> Experiment {
+    Experiment::new(Flight::guided(&Landing::new(Plant::Exact, Heave::CASE_I)).expect("a landing"))
+}
