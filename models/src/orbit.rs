@@ -5,7 +5,7 @@
 //! | two-body problem              | [`kepler`]: states after a time, on every conic; [`transition`]: their derivatives; [`elements`], [`anomaly`] |
 //! | (7.4)–(7.11), two motions     | [`lvlh`]: the frame of a station, exact relative motions                                  |
 //! | 7.5, near a station           | [`clohessy_wiltshire`], [`yamanaka_ankersen`]: linear, on a circle and on an ellipse        |
-//! | rendezvous                    | [`lambert`]: from one place to another in a time                                            |
+//! | rendezvous                    | [`lambert`]: from one place to another in a time; [`mission`]: up to the port of a station     |
 //!
 //! Every function takes μ, G times the mass of the centre, and any consistent units; docs name SI units.
 //!
@@ -19,6 +19,7 @@ mod integrals;
 pub mod kepler;
 pub mod lambert;
 pub mod lvlh;
+pub mod mission;
 pub mod transition;
 mod universal;
 pub mod vector;
