@@ -17,18 +17,20 @@ pub(crate) fn write(folder: &Path, flight: &Flight) -> Result<(), Failure> {
         let title = format!("{what}, {axis}");
         output::write_figure(folder, name, &Figure { title, size: (1100, 850), panels })
     };
-    let far = way(flight, &[Phase::Phasing, Phase::Homing], "km", 1e-3);
-    let near = way(flight, &[Phase::Homing, Phase::Closing, Phase::Approach, Phase::Docking], "km", 1e-3);
+    let far = way(flight, &[Phase::Phasing, Phase::Homing]);
+    let near = way(flight, &[Phase::Homing, Phase::Closing, Phase::Approach, Phase::Docking]);
     write("docking_way", "Way to the station", vec![far, near])?;
-    let last = way(flight, &[Phase::Closing, Phase::Approach, Phase::Docking], "m", 1.0);
-    let Panel::Curves(mut last) = last else { unreachable!("a way is curves") };
-    last.lines.push(sphere(flight));
-    write("docking_closing", "Closing and approach", vec![Panel::Curves(last)])?;
-    write("docking_approach", "Approach in its corridor", vec![corridor(flight), speed(flight)])?;
+    let mut last = lines(flight, &[Phase::Closing, Phase::Approach, Phase::Docking], 1.0);
+    last.push(sphere(flight));
+    write("docking_closing", "Closing and approach", vec![curves("along the motion y [m]", "radial x [m]", last)])?;
+    let panels = vec![corridor(flight), beside(flight), speed(flight)];
+    write("docking_approach", "Approach in its corridor", panels)?;
     write("docking_delta_v", "Changes of velocity up to then", vec![budget(flight)])
 }
 
-fn curves(x_label: &str, y_label: &str, lines: Vec<(String, Vec<(f64, f64)>)>) -> Panel {
+type Points = Vec<(f64, f64)>;
+
+fn curves(x_label: &str, y_label: &str, lines: Vec<(String, Points)>) -> Panel {
     let abscissas = || lines.iter().flat_map(|line| &line.1).map(|point| point.0);
     let (low, high) = abscissas().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)));
     let margin = 0.02 * (high - low);
@@ -40,42 +42,59 @@ fn curves(x_label: &str, y_label: &str, lines: Vec<(String, Vec<(f64, f64)>)>) -
     })
 }
 
+/// The moments of a phase, from the last one of the phase before on.
 fn of_phase(flight: &Flight, phase: Phase) -> impl Iterator<Item = &Moment> {
-    flight.moments.iter().filter(move |moment| moment.phase == phase)
+    let moments = &flight.moments;
+    let first = moments.iter().position(|moment| moment.phase == phase).unwrap_or(moments.len());
+    let last = moments.iter().rposition(|moment| moment.phase == phase).map_or(first, |last| last + 1);
+    moments[first.saturating_sub(1)..last].iter()
 }
 
 /// In the orbital plane, seen from its pole: along the motion to the right, away from the Earth up.
-fn way(flight: &Flight, phases: &[Phase], unit: &str, scale: f64) -> Panel {
+fn lines(flight: &Flight, phases: &[Phase], scale: f64) -> Vec<(String, Points)> {
     let line = |&phase: &Phase| {
         let points = of_phase(flight, phase).map(|m| (scale * m.relative.position[1], scale * m.relative.position[0]));
         (phase.name().to_string(), points.collect())
     };
-    let labels = [format!("along the motion y [{unit}]"), format!("radial x [{unit}]")];
-    curves(&labels[0], &labels[1], phases.iter().map(line).collect())
+    phases.iter().map(line).collect()
+}
+
+fn way(flight: &Flight, phases: &[Phase]) -> Panel {
+    curves("along the motion y [km]", "radial x [km]", lines(flight, phases, 1e-3))
 }
 
 /// What of the keep-out sphere is in the orbital plane.
-fn sphere(flight: &Flight) -> Line {
+fn sphere(flight: &Flight) -> (String, Points) {
     let point = |k: u32| {
         let (sin, cos) = (std::f64::consts::PI * f64::from(k) / 60.0).sin_cos();
         (flight.mission.keep_out * cos, flight.mission.keep_out * sin)
     };
-    Line::new("keep-out sphere", (0..=120).map(point).collect())
+    ("keep-out sphere".to_string(), (0..=120).map(point).collect())
 }
 
-/// Distance from the axis against the distance to go.
+/// Distance from the axis against the distance to go \[m\].
+fn from_axis(flight: &Flight, phase: Phase) -> Points {
+    let zones = flight.mission.zones();
+    of_phase(flight, phase).map(|m| zones.from_port(&m.relative.position)).collect()
+}
+
 fn corridor(flight: &Flight) -> Panel {
     let zones = flight.mission.zones();
-    let line = |phase: Phase| {
-        (phase.name().to_string(), of_phase(flight, phase).map(|m| zones.from_port(&m.relative.position)).collect())
-    };
     let wall = |k: u32| {
         let along = flight.mission.approach_distance * f64::from(k) / 100.0;
         (along, zones.mouth + along * zones.half_angle.tan())
     };
-    let lines =
-        vec![line(Phase::Approach), line(Phase::Docking), ("corridor".to_string(), (0..=100).map(wall).collect())];
-    curves("distance to go [m]", "distance from the axis [m]", lines)
+    let mut lines = [Phase::Approach, Phase::Docking].map(|p| (p.name().to_string(), from_axis(flight, p))).to_vec();
+    lines.push(("corridor".to_string(), (0..=100).map(wall).collect()));
+    curves("distance to go [m]", "from the axis [m]", lines)
+}
+
+fn beside(flight: &Flight) -> Panel {
+    let line = |phase: Phase| {
+        let points = from_axis(flight, phase).into_iter().map(|(along, beside)| (along, 100.0 * beside));
+        (phase.name().to_string(), points.collect())
+    };
+    curves("distance to go [m]", "from the axis [cm]", vec![line(Phase::Approach), line(Phase::Docking)])
 }
 
 fn speed(flight: &Flight) -> Panel {

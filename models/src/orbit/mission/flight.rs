@@ -241,10 +241,15 @@ impl<T: FnMut(&Burn) -> Vector, O: FnMut(&Moment)> Flight<'_, T, O> {
         Ok(())
     }
 
-    /// So that half of the way to the sphere is the most that is gone unseen.
+    /// So that half of the way to the sphere is the most that is gone unseen; in the corridor always often.
     fn looking_step(&self) -> f64 {
         let StateVector { position, velocity } = &self.motion.relative;
-        (0.5 * (norm(position) - self.zones.keep_out) / norm(velocity)).clamp(DENSE, SPARSE)
+        match self.phase {
+            Phase::Approach | Phase::Docking => DENSE,
+            Phase::Phasing | Phase::Homing | Phase::Closing => {
+                (0.5 * (norm(position) - self.zones.keep_out) / norm(velocity)).clamp(DENSE, SPARSE)
+            }
+        }
     }
 
     fn look(&mut self) {
