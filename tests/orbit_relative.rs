@@ -285,6 +285,34 @@ fn velocities_that_lead_to_a_place() {
 }
 
 #[test]
+fn velocities_that_lead_to_a_place_on_an_ellipse() {
+    let mut random = Random::new(5);
+    for _ in 0..2000 {
+        let start = station(8000.0, random.uniform(0.0..0.6), random.uniform(-PI..PI));
+        let (from, to): ([f64; 3], [f64; 3]) = (random.array(-10.0..10.0), random.array(-10.0..10.0));
+        let time = random.uniform(100.0..2000.0);
+        let found = yamanaka_ankersen::transfer(KM_MU, &start, &from, &to, time).unwrap();
+        let phi = matrix(&yamanaka_ankersen::state_transition(KM_MU, &start, time).unwrap());
+        let end = phi * Vector6::from(StateVector::new(from, found.departure).to_array());
+        assert!(
+            distance(&[end[0], end[1], end[2]], &to) < 1e-9
+                && distance(&[end[3], end[4], end[5]], &found.arrival) < 1e-12
+        );
+    }
+    // On a circle as by Clohessy and Wiltshire, whose whole revolution is singular, too.
+    let start = station(7000.0, 0.0, 1.0);
+    let n = Frame::of(&start).unwrap().rate();
+    let (from, to) = ([-1.0, -5.0, 0.3], [0.0, -1.0, 0.0]);
+    let elliptic = yamanaka_ankersen::transfer(KM_MU, &start, &from, &to, 1000.0).unwrap();
+    let circular = clohessy_wiltshire::transfer(n, &from, &to, 1000.0).unwrap();
+    assert!(distance(&elliptic.departure, &circular.departure) < 1e-12);
+    for time in [2.0 * PI / n, PI / n] {
+        let found = yamanaka_ankersen::transfer(KM_MU, &start, &from, &to, time);
+        assert_eq!(found, Err(NoTransition::Singular { time }));
+    }
+}
+
+#[test]
 fn bad_input_is_refused() {
     let fast = StateVector::new([7000.0, 0.0, 0.0], [0.0, 12.0, 0.0]);
     let Err(NoTransition::NotElliptic { eccentricity }) = yamanaka_ankersen::state_transition(KM_MU, &fast, 10.0)

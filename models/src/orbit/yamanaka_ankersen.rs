@@ -9,7 +9,7 @@
 //!
 //! # Source
 //! Yamanaka, Ankersen, *New state transition matrix for relative motion on an arbitrary elliptical orbit*, Journal of Guidance,
-//! Control, and Dynamics 25(1), 2002, equations (82) to (88). Their x, y, z are y, −z, −x here.
+//! Control, and Dynamics 25(1), 2002: the transition in the plane and its inverse at the beginning. Their x, y, z are y, −z, −x here.
 
 use core::fmt;
 

@@ -9,7 +9,8 @@
 //! where nothing cancels for small ρ.
 //!
 //! # Source
-//! Thesis, equation (7.11), corrected; Battin, *An Introduction to the Mathematics and Methods of Astrodynamics*, 1999, section 8.4.
+//! Thesis, equation (7.11), corrected; Battin, *An Introduction to the Mathematics and Methods of Astrodynamics*, 1999, on
+//! Encke's method.
 
 use core::fmt;
 use core::ops::ControlFlow;

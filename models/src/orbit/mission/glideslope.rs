@@ -10,7 +10,7 @@
 //!
 //! # Source
 //! Hablani, Tapper, Dana-Bashian, *Guidance and relative navigation for autonomous rendezvous in a circular orbit*, Journal of
-//! Guidance, Control, and Dynamics 25(3), 2002, equations (13) to (21).
+//! Guidance, Control, and Dynamics 25(3), 2002.
 
 use core::fmt;
 

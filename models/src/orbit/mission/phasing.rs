@@ -5,7 +5,7 @@
 //! always.
 //!
 //! # Source
-//! Curtis, *Orbital Mechanics for Engineering Students*, 2020, sections 6.2 and 6.5; Izzo, *Revisiting Lambert's problem*, 2015.
+//! Curtis, *Orbital Mechanics for Engineering Students*, 2020, chapter 6; Izzo, *Revisiting Lambert's problem*, 2015.
 
 use core::f64::consts::PI;
 
