@@ -2,6 +2,7 @@
 
 use std::f64::consts::PI;
 
+use mbs_models::orbit::EARTH_MU;
 use mbs_models::orbit::clohessy_wiltshire::{self, TargetingError};
 use mbs_models::orbit::elements::Elements;
 use mbs_models::orbit::kepler::{KeplerError, propagate};
@@ -9,7 +10,6 @@ use mbs_models::orbit::lvlh::{Frame, RelativeMotionError, relative_motion};
 use mbs_models::orbit::transition;
 use mbs_models::orbit::vector::StateVector;
 use mbs_models::orbit::yamanaka_ankersen::{self, NoTransition};
-use mbs_models::orbit::{EARTH_MU, EARTH_RADIUS};
 use mbs_tests::random::Random;
 use nalgebra::{Matrix6, Vector3, Vector6};
 use serde_json::Value;
@@ -333,7 +333,4 @@ fn bad_input_is_refused() {
         relative_motion(KM_MU, &good, &nan, 1.0),
         Err(RelativeMotionError::Kepler(KeplerError::State { .. }))
     ));
-    let fall = StateVector::new([0.0; 3], Vector3::from([0.0, -9.0, 0.0]).into());
-    assert!(relative_motion(KM_MU, &good, &fall, 10_000.0).is_ok());
-    assert_eq!(EARTH_RADIUS, 6_378_137.0);
 }
