@@ -183,6 +183,10 @@ fn bad_input_is_refused_with_its_value() {
     let beyond = Elements { eccentricity: 2.0, true_anomaly: 2.2, ..elements };
     let expected = ElementsError::BeyondAsymptote { true_anomaly: 2.2, eccentricity: 2.0 };
     assert_eq!(beyond.to_state(1.0), Err(expected));
+    // Far out on a hyperbola there are elements, though the anomaly is that of the asymptote.
+    let far = Elements::from_state(1.0, &StateVector::new([1e17, 0.0, 0.0], [1.5e-8, 1e-17, 0.0])).unwrap();
+    close(far.semi_latus_rectum, 1.0, 1e-15);
+    close(far.eccentricity, 1.0, 1e-14);
     let negative = Elements { semi_latus_rectum: -1.0, ..elements };
     assert_eq!(negative.to_state(1.0), Err(ElementsError::NotPositive { parameter: "semi_latus_rectum", value: -1.0 }));
     let nan = Elements { inclination: f64::NAN, ..elements };

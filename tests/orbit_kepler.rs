@@ -113,6 +113,7 @@ fn the_dimensionless_orbit_of_the_reference() {
         (1.0, [-0.6289481768266242, 0.7996647309700393, -0.9825156909388113, -0.02276317009743042]),
         (2.0, [-1.3398590471389715, 0.5382095296765307, -0.4659288895440953, -0.40991821689643543]),
         (3.0, [-1.596083002870164, 0.0707385106686625, -0.055345757399723826, -0.49877413775984764]),
+        (10.0, [-1.5350235919098136, -0.28366840649978087, 0.22715073207749834, -0.47918775820321957]),
         (5.0, [-0.8837707793862566, -0.7671137155927865, 0.8193821223981331, -0.19398778461076005]),
     ];
     for (time, [x, y, u, v]) in expected {
@@ -247,5 +248,10 @@ fn bad_input_is_refused_with_its_value() {
             Err(error) => assert_eq!(error, KeplerError::OutOfRange),
         }
     }
+    // So many revolutions that nothing is known of the last one; so large an ellipse that a revolution is infinite.
+    assert_eq!(propagate(EARTH_MU, &state, 1e25), Err(KeplerError::OutOfRange));
+    assert!(propagate(EARTH_MU, &state, 1e15).is_ok());
+    let nearly_straight = StateVector::new([1.0, 0.0, 0.0], [0.0, 2.0_f64.sqrt().next_down(), 0.0]);
+    assert!(propagate(1.0, &nearly_straight, 1e6).unwrap().state.is_finite());
     assert_eq!(KeplerError::Mu { mu: -1.0 }.to_string(), "μ must be positive, it is -1");
 }

@@ -7,7 +7,7 @@
 //! | (7.4)–(7.11), two motions     | [`lvlh`]: the frame of a station, exact relative motions                                  |
 //! | (7.11), study cases           | [`station`]: about a station, by the generated mechanisms; [`collision`]: until bodies meet |
 //! | 7.5, near a station           | [`clohessy_wiltshire`], [`yamanaka_ankersen`]: linear, on a circle and on an ellipse        |
-//! | rendezvous                    | [`lambert`]: from one place to another in a time                                            |
+//! | rendezvous                    | [`lambert`]: from one place to another in a time; [`mission`]: up to the port of a station     |
 //!
 //! Every function takes μ, G times the mass of the centre, and any consistent units; docs name SI units.
 //!
@@ -23,6 +23,7 @@ pub mod kepler;
 pub mod lambert;
 pub mod libration;
 pub mod lvlh;
+pub mod mission;
 pub mod station;
 pub mod transition;
 mod universal;

@@ -153,8 +153,13 @@ impl Elements {
         self.check()?;
         let Self { semi_latus_rectum: p, eccentricity: e, .. } = *self;
         let (sin, cos) = Scalar::sin_cos(self.true_anomaly);
+        let ratio = 1.0 + e * cos;
+        // Also where rounding of the anomaly puts a state far out on its asymptote.
+        if ratio <= 0.0 {
+            return Err(ElementsError::BeyondAsymptote { true_anomaly: self.true_anomaly, eccentricity: e });
+        }
         let [toward, ahead] = self.axes();
-        let (r, speed) = (p / (1.0 + e * cos), Scalar::sqrt(mu / p));
+        let (r, speed) = (p / ratio, Scalar::sqrt(mu / p));
         Ok(StateVector {
             position: combined(r * cos, &toward, r * sin, &ahead),
             velocity: combined(-speed * sin, &toward, speed * (e + cos), &ahead),
@@ -225,10 +230,6 @@ impl Elements {
         if let Some((parameter, value)) = angles.into_iter().find(|(_, value)| !value.is_finite()) {
             return Err(ElementsError::NotFinite { parameter, value });
         }
-        if 1.0 + eccentricity * Scalar::cos(true_anomaly) > 0.0 {
-            Ok(())
-        } else {
-            Err(ElementsError::BeyondAsymptote { true_anomaly, eccentricity })
-        }
+        Ok(())
     }
 }

@@ -137,6 +137,9 @@ pub(super) struct Arrival {
     pub(super) half_revolutions: f64,
 }
 
+/// After more half revolutions rounding leaves nothing of the anomaly.
+const MOST_REVOLUTIONS: f64 = 1e15;
+
 /// An angular momentum below so many roundings of `r v` is none.
 const STRAIGHT: f64 = 4.0 * f64::EPSILON;
 
@@ -196,8 +199,13 @@ impl Conic {
         if alpha > 0.0 {
             let half = 0.5 * self.period();
             half_revolutions = rounded(target / half);
-            // What is left of the way first: it is nearly as long as the half revolutions, so that their difference is exact.
-            target = (going - half_revolutions * half) + self.time;
+            if half_revolutions.abs() > MOST_REVOLUTIONS {
+                return Err(KeplerError::OutOfRange);
+            }
+            if half_revolutions != 0.0 {
+                // What is left of the way first: it is nearly as long as the half revolutions, so that their difference is exact.
+                target = (going - half_revolutions * half) + self.time;
+            }
             if is_odd(half_revolutions) {
                 shape = shape.seen_from_the_other_apsis();
                 (toward, ahead) = (scaled(-1.0, &toward), scaled(-1.0, &ahead));

@@ -12,7 +12,7 @@
 //!
 //! # Source
 //! Izzo, *Revisiting Lambert's problem*, Celestial Mechanics and Dynamical Astronomy 121, 2015; Battin, *An Introduction to the
-//! Mathematics and Methods of Astrodynamics*, 1999, section 7.4.
+//! Mathematics and Methods of Astrodynamics*, 1999, chapter 7.
 
 use core::f64::consts::{LN_2, PI};
 use core::fmt;

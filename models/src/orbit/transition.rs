@@ -5,10 +5,10 @@
 //!                         | Ṽ  V |
 //! ```
 //!
-//! with the blocks of Battin's section 9.7, in the universal functions of the way χ between both states.
+//! with Battin's blocks, in the universal functions of the way χ between both states.
 //!
 //! # Source
-//! Battin, *An Introduction to the Mathematics and Methods of Astrodynamics*, 1999, equations (9.84) to (9.88).
+//! Battin, *An Introduction to the Mathematics and Methods of Astrodynamics*, 1999, chapter 9.
 
 use core::f64::consts::PI;
 

@@ -63,7 +63,7 @@ fn series(c: &[f64; 11], z: f64) -> f64 {
 }
 
 impl Universal {
-    /// At s, which for α > 0 is within one revolution of 0.
+    /// At s; beyond one revolution, too.
     #[inline]
     pub(super) fn at(s: f64, alpha: f64) -> Self {
         let z = alpha * s * s;

@@ -9,16 +9,17 @@
 //!
 //! # Source
 //! Yamanaka, Ankersen, *New state transition matrix for relative motion on an arbitrary elliptical orbit*, Journal of Guidance,
-//! Control, and Dynamics 25(1), 2002, equations (82) to (88). Their x, y, z are y, −z, −x here.
+//! Control, and Dynamics 25(1), 2002: the transition in the plane and its inverse at the beginning. Their x, y, z are y, −z, −x here.
 
 use core::fmt;
 
 use mbs_runtime::Scalar;
 
+use super::clohessy_wiltshire::Transfer;
 use super::integrals::angular_momentum;
 use super::kepler::{KeplerError, propagate};
 use super::lvlh::{Frame, NoFrame};
-use super::vector::{StateVector, dot, norm};
+use super::vector::{StateVector, Vector, dot, norm, transformed};
 
 /// Why there is no such matrix.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -32,6 +33,11 @@ pub enum NoTransition {
     Kepler(KeplerError),
     /// The station has no frame.
     Frame(NoFrame),
+    /// No velocity fixes the place after this time.
+    Singular {
+        /// \[s\]
+        time: f64,
+    },
 }
 
 impl fmt::Display for NoTransition {
@@ -42,6 +48,7 @@ impl fmt::Display for NoTransition {
             }
             NoTransition::Kepler(error) => error.fmt(f),
             NoTransition::Frame(error) => error.fmt(f),
+            NoTransition::Singular { time } => write!(f, "no velocity fixes the place after {time} s"),
         }
     }
 }
@@ -166,3 +173,37 @@ fn insert(matrix: &mut [[f64; 6]; 6], i: usize, j: usize, block: &[[f64; 2]; 2])
 fn product(a: &[[f64; 2]; 2], b: &[[f64; 2]; 2]) -> [[f64; 2]; 2] {
     core::array::from_fn(|i| core::array::from_fn(|j| a[i][0] * b[0][j] + a[i][1] * b[1][j]))
 }
+
+/// The velocities of the coast that leads from one place to another in a time, as
+/// [`clohessy_wiltshire::transfer`](super::clohessy_wiltshire::transfer) gives them on a circle.
+///
+/// # Errors
+/// [`NoTransition`]; [`NoTransition::Singular`] where the place after this time does not depend on some velocity.
+pub fn transfer(
+    mu: f64,
+    station: &StateVector,
+    from: &Vector,
+    to: &Vector,
+    time: f64,
+) -> Result<Transfer, NoTransition> {
+    let phi = state_transition(mu, station, time)?;
+    let missing: Vector = core::array::from_fn(|i| to[i] - (0..3).map(|j| phi[i][j] * from[j]).sum::<f64>());
+    // Cramer's rule, in the plane and across.
+    let (a, b, c, d) = (phi[0][3], phi[0][4], phi[1][3], phi[1][4]);
+    let determinant = a * d - b * c;
+    let across = phi[2][5];
+    let size = a * a + b * b + c * c + d * d;
+    if determinant.abs() <= SINGULAR * size || (across * across <= SINGULAR * SINGULAR * size && missing[2] != 0.0) {
+        return Err(NoTransition::Singular { time });
+    }
+    let w = if missing[2] == 0.0 { 0.0 } else { missing[2] / across };
+    let departure =
+        [(d * missing[0] - b * missing[1]) / determinant, (a * missing[1] - c * missing[0]) / determinant, w];
+    if !departure.iter().all(|v| v.is_finite()) {
+        return Err(NoTransition::Singular { time });
+    }
+    Ok(Transfer { departure, arrival: transformed(&phi, &StateVector::new(*from, departure)).velocity })
+}
+
+/// A determinant that is smaller than this part of the squares that it is made of is none.
+const SINGULAR: f64 = 1e-9;

@@ -1,0 +1,82 @@
+//! A straight approach by many pulses, slower the nearer it comes.
+//!
+//! ```text
+//! ρ̇ = a ρ + ρ̇_T,   a = (ρ̇₀ − ρ̇_T)/ρ₀,   T = ln(ρ̇_T/ρ̇₀)/a
+//! ρ(t) = ρ₀ e^{at} + (ρ̇_T/a) (e^{at} − 1)
+//! ```
+//!
+//! with ρ the distance to go and ρ̇ < 0. Pulses come at equal intervals; each aims at the point of the line where the next one is
+//! due. Between pulses the path leaves the line a little, less with more pulses.
+//!
+//! # Source
+//! Hablani, Tapper, Dana-Bashian, *Guidance and relative navigation for autonomous rendezvous in a circular orbit*, Journal of
+//! Guidance, Control, and Dynamics 25(3), 2002.
+
+use core::fmt;
+
+use mbs_runtime::Scalar;
+
+/// Distance to go, and speeds at both ends.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Glideslope {
+    distance: f64,
+    first_speed: f64,
+    last_speed: f64,
+}
+
+/// What must be positive is not, or is no number, or infinite.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NotPositive {
+    /// Its name.
+    pub parameter: &'static str,
+    /// Its value.
+    pub value: f64,
+}
+
+impl fmt::Display for NotPositive {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} must be positive, it is {}", self.parameter, self.value)
+    }
+}
+
+impl core::error::Error for NotPositive {}
+
+impl Glideslope {
+    /// Over a distance ρ₀ \[m\], from a speed −ρ̇₀ to a speed −ρ̇_T, both positive \[m/s\].
+    ///
+    /// # Errors
+    /// [`NotPositive`].
+    pub fn new(distance: f64, first_speed: f64, last_speed: f64) -> Result<Self, NotPositive> {
+        let all = [("distance", distance), ("first_speed", first_speed), ("last_speed", last_speed)];
+        match all.into_iter().find(|&(_, value)| !(value > 0.0 && value.is_finite())) {
+            Some((parameter, value)) => Err(NotPositive { parameter, value }),
+            None => Ok(Self { distance, first_speed, last_speed }),
+        }
+    }
+
+    /// `a`, negative where it slows down \[1/s\].
+    #[must_use]
+    pub fn rate(&self) -> f64 {
+        (self.last_speed - self.first_speed) / self.distance
+    }
+
+    /// `T` \[s\].
+    #[must_use]
+    pub fn duration(&self) -> f64 {
+        // ln(1 + x)/x, which is 1 where both speeds are one.
+        let x = (self.last_speed - self.first_speed) / self.first_speed;
+        let ratio = if x.abs() < 1e-4 { 1.0 - x * (0.5 - x * (1.0 / 3.0 - 0.25 * x)) } else { Scalar::ln(1.0 + x) / x };
+        self.distance / self.first_speed * ratio
+    }
+
+    /// Distance to go after a time \[m\].
+    #[must_use]
+    pub fn distance(&self, time: f64) -> f64 {
+        // (e^x − 1)/x, which is 1 where both speeds are one.
+        let x = self.rate() * time;
+        let ratio =
+            if x.abs() < 1e-4 { 1.0 + x * (0.5 + x * (1.0 / 6.0 + x / 24.0)) } else { (Scalar::exp(x) - 1.0) / x };
+        // ρ₀ + (a ρ₀ + ρ̇_T) t (e^x − 1)/x, and the bracket is ρ̇₀.
+        self.distance - self.first_speed * time * ratio
+    }
+}
