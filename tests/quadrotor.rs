@@ -8,9 +8,10 @@
 
 use std::ops::ControlFlow;
 
+use mbs_models::quadrotor::approach::Approach;
 use mbs_models::quadrotor::backstepping::Reference;
 use mbs_models::quadrotor::heave::Heave;
-use mbs_models::quadrotor::landing::{Approach, Controller, Landing, LandingError, Plant};
+use mbs_models::quadrotor::landing::{Controller, Landing, LandingError, Plant};
 use mbs_models::quadrotor::lqr::{Lqr, Weights};
 use mbs_models::quadrotor::mixer::{Effort, Mixer};
 use mbs_models::quadrotor::small_angle;

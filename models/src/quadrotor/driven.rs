@@ -9,16 +9,18 @@
 //! What legs cannot do is not held back but told: lengths, speeds and forces go into a [`Survey`] with all excesses. Legs that
 //! leave their stroke are as long as the motion needs; forces that are cut leave the motion behind its plan.
 
-use mbs_runtime::{Scalar, State};
+use mbs_runtime::State;
 
 use super::backstepping::Command;
 use super::deck::{DeckState, MovingDeck};
-use super::landing::{Landing, LandingError, Touchdown, Way};
+use super::landing::{Landing, LandingError, finite};
 use super::mixer::RotorSpeeds;
-use super::sampled::Sampled;
+use super::touchdown::{Touchdown, Way};
+use super::zero_order_hold::ZeroOrderHold;
 use crate::platform::control::ComputedTorque;
 use crate::platform::limits::{LegState, Survey};
-use crate::platform::{Coordinates, LegVector, Platform, PlatformMotion};
+use crate::platform::{Coordinates, LegVector, Platform, PlatformMotion, PoseError};
+use crate::vector::norm;
 
 /// What drives a deck.
 #[derive(Clone, Debug)]
@@ -39,14 +41,14 @@ pub struct TrackingError {
 }
 
 impl TrackingError {
-    /// Between two poses.
+    /// Between two poses; NaN where a coordinate of them is.
     #[must_use]
     pub fn between(a: &Coordinates, b: &Coordinates) -> Self {
-        let d: Coordinates = core::array::from_fn(|i| a[i] - b[i]);
-        TrackingError {
-            distance: Scalar::sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]),
-            angle: d[3..].iter().fold(0.0, |greatest, angle| angle.abs().max(greatest)),
-        }
+        let [x, y, z, phi, theta, psi]: Coordinates = core::array::from_fn(|i| a[i] - b[i]);
+        // What is no number stays none.
+        let greater =
+            |greatest: f64, angle: f64| if angle.abs() > greatest || angle.is_nan() { angle.abs() } else { greatest };
+        TrackingError { distance: norm(&[x, y, z]), angle: [phi, theta, psi].into_iter().fold(0.0, greater) }
     }
 }
 
@@ -106,7 +108,7 @@ impl<M: PlatformMotion> Landing<MovingDeck<M>> {
         period: f64,
         mut observer: impl FnMut(&DrivenMoment),
     ) -> Result<DrivenTouchdown, LandingError> {
-        self.check(&vehicle)?;
+        self.check(&vehicle, period)?;
         let Drive { platform, control } = drive;
         platform.limits.check().map_err(LandingError::Limits)?;
         let start = State::new(self.deck.motion.at(0.0)[0], [0.0; 6]);
@@ -126,12 +128,9 @@ impl<M: PlatformMotion> Landing<MovingDeck<M>> {
             greatest_error.distance = greatest_error.distance.max(error.distance);
             greatest_error.angle = greatest_error.angle.max(error.angle);
 
-            let deck = self.deck.over_base(&[stands.q, stands.qd, plan[2]]);
-            if !deck.is_finite() {
-                return Err(LandingError::Deck { time: t });
-            }
+            let deck = finite(self.deck.over_base(&[stands.q, stands.qd, plan[2]]), t)?;
             let command = self.command_over(&deck, t, &vehicle.q, &vehicle.qd);
-            way.add(t, &vehicle, &command, &deck);
+            way.hold(t, &vehicle, &command, &deck);
             observer(&DrivenMoment { time: t, vehicle, platform: stands, deck, command, legs });
             Ok(Held { rotors: command.rotors, forces: platform.limits.saturated(&force) })
         };
@@ -139,7 +138,7 @@ impl<M: PlatformMotion> Landing<MovingDeck<M>> {
             let [x, y, z, ..] = vehicle.q;
             self.deck.over_base(&[stands.q, stands.qd, [0.0; 6]]).height(&[x, y, z])
         };
-        let run = Sampled {
+        let run = ZeroOrderHold {
             period,
             t_end: self.t_end,
             hold,
@@ -160,9 +159,12 @@ impl<M: PlatformMotion> Landing<MovingDeck<M>> {
         let (time, both) = run.until_touchdown(both)?;
         let (vehicle, stands) = parted(&both);
         let plan = self.deck.motion.at(time);
+        if !plan.as_flattened().iter().all(|x| x.is_finite()) {
+            return Err(LandingError::Platform { time, error: PoseError::NonFinite });
+        }
         let deck = self.deck.over_base(&[stands.q, stands.qd, plan[2]]);
         Ok(DrivenTouchdown {
-            touchdown: self.touchdown(time, vehicle, deck, &way)?,
+            touchdown: way.touchdown(self.vehicle.params().drag_factor, time, vehicle, deck)?,
             platform: stands,
             greatest_error,
             last_error: TrackingError::between(&stands.q, &plan[0]),
