@@ -131,9 +131,9 @@ impl Backstepping {
         let level = if (x + y + lift).is_finite() { 0.0 } else { f64::NAN };
         let (roll, pitch) = desired.map_or((level, level), |desired| (desired.roll, desired.pitch));
 
-        let roll = self.tilt.acceleration(Reference::fixed(roll), phi, phid);
-        let pitch = self.tilt.acceleration(Reference::fixed(pitch), theta, thetad);
-        let yaw = self.yaw.acceleration(heading, psi, psid);
+        let roll = self.tilt.acceleration(Reference::fixed(roll), nearest_turn(phi, roll), phid);
+        let pitch = self.tilt.acceleration(Reference::fixed(pitch), nearest_turn(theta, pitch), thetad);
+        let yaw = self.yaw.acceleration(heading, nearest_turn(psi, heading.value), psid);
         let torque = [
             ix * roll - (iy - iz) * thetad * psid,
             iy * pitch - (iz - ix) * phid * psid,
@@ -153,6 +153,16 @@ impl Backstepping {
         let thrust = if thrust > greatest { greatest } else { thrust };
         (thrust, thrust != asked)
     }
+}
+
+/// The angle that differs from this one by whole turns and is nearest to another \[rad\].
+pub(super) fn nearest_turn(angle: f64, other: f64) -> f64 {
+    let d = angle - other;
+    if d.abs() <= core::f64::consts::PI {
+        return angle;
+    }
+    let (sin, cos) = Scalar::sin_cos(d);
+    other + Scalar::atan2(sin, cos)
 }
 
 #[cfg(test)]

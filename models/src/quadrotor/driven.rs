@@ -9,15 +9,16 @@
 //! What legs cannot do is not held back but told: lengths, speeds and forces go into a [`Survey`] with all excesses. Legs that
 //! leave their stroke are as long as the motion needs; forces that are cut leave the motion behind its plan.
 
-use mbs_runtime::State;
+use mbs_runtime::{Scalar, State};
 
 use super::backstepping::Command;
 use super::deck::{DeckState, MovingDeck};
-use super::landing::{Landing, LandingError, finite};
+use super::landing::{Landing, LandingError, attitude_told, finite};
 use super::mixer::RotorSpeeds;
 use super::touchdown::{Touchdown, Way};
 use super::zero_order_hold::ZeroOrderHold;
 use crate::platform::control::ComputedTorque;
+use crate::platform::jacobian::Regularity;
 use crate::platform::limits::{LegState, Survey};
 use crate::platform::{Coordinates, LegVector, Platform, PlatformMotion, PoseError};
 use crate::vector::norm;
@@ -100,7 +101,7 @@ impl<M: PlatformMotion> Landing<MovingDeck<M>> {
     ///
     /// # Errors
     /// [`LandingError`]; `NotPositive` where the period is not, `Limits` where nothing can keep those of the platform, `Platform`
-    /// where its legs cannot hold it.
+    /// where its legs cannot hold it, `ThroughSingularity` where they could not on the way from one moment to the next.
     pub fn simulate_driven(
         &self,
         vehicle: State<[f64; 6]>,
@@ -112,9 +113,22 @@ impl<M: PlatformMotion> Landing<MovingDeck<M>> {
         let Drive { platform, control } = drive;
         platform.limits.check().map_err(LandingError::Limits)?;
         let start = State::new(self.deck.motion.at(0.0)[0], [0.0; 6]);
+        let regularity =
+            |time: f64, q: &Coordinates| platform.regularity(q).map_err(|error| LandingError::Platform { time, error });
+        let before = determinant(&regularity(0.0, &start.q)?, &start.q);
+        // How far from a singular pose it is, on the side of the singular ones on which it began.
+        let held = |time: f64, q: &Coordinates| {
+            let regularity = regularity(time, q)?;
+            let determinant = determinant(&regularity, q);
+            if determinant * before < 0.0 {
+                return Err(LandingError::ThroughSingularity { time, determinant, before });
+            }
+            Ok(regularity)
+        };
         let (mut way, mut survey, mut greatest_error) = (Way::new(), Survey::new(), TrackingError::default());
         let hold = |t: f64, both: &State<[f64; 12]>| {
             let (vehicle, stands) = parted(both);
+            attitude_told(&vehicle, t)?;
             let plan = self.deck.motion.at(t);
             let failed = |error| LandingError::Platform { time: t, error };
             let force = control.forces(platform, &plan, &stands.q, &stands.qd).map_err(failed)?;
@@ -123,7 +137,7 @@ impl<M: PlatformMotion> Landing<MovingDeck<M>> {
                 rate: platform.leg_rates(&stands.q, &stands.qd).map_err(failed)?,
                 force,
             };
-            survey.add(&platform.limits, t, &legs, platform.regularity(&stands.q).map_err(failed)?.condition);
+            survey.add(&platform.limits, t, &legs, held(t, &stands.q)?.condition);
             let error = TrackingError::between(&stands.q, &plan[0]);
             greatest_error.distance = greatest_error.distance.max(error.distance);
             greatest_error.angle = greatest_error.angle.max(error.angle);
@@ -158,6 +172,7 @@ impl<M: PlatformMotion> Landing<MovingDeck<M>> {
         let both = State::new(joined(&vehicle.q, &start.q), joined(&vehicle.qd, &start.qd));
         let (time, both) = run.until_touchdown(both)?;
         let (vehicle, stands) = parted(&both);
+        held(time, &stands.q)?;
         let plan = self.deck.motion.at(time);
         if !plan.as_flattened().iter().all(|x| x.is_finite()) {
             return Err(LandingError::Platform { time, error: PoseError::NonFinite });
@@ -171,6 +186,11 @@ impl<M: PlatformMotion> Landing<MovingDeck<M>> {
             survey,
         })
     }
+}
+
+/// Determinant of the Jacobian of the legs by coordinates \[m³\]: that by twists times cos θ.
+fn determinant(regularity: &Regularity, q: &Coordinates) -> f64 {
+    regularity.determinant * Scalar::cos(q[4])
 }
 
 fn joined(vehicle: &[f64; 6], platform: &[f64; 6]) -> [f64; 12] {

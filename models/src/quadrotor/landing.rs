@@ -21,7 +21,7 @@ use super::small_angle;
 use super::touchdown::{Touchdown, Way};
 use crate::quadrotor_euler::{Params, QuadrotorEuler};
 
-pub(super) use check::{finite, upright};
+pub(super) use check::{attitude_told, finite, upright};
 pub use error::LandingError;
 
 /// The equations that move the quadrotor.
@@ -223,7 +223,8 @@ impl<D: Deck> Landing<D> {
                 let t = next as f64 * SAMPLING;
                 let deck = self.deck.at(t);
                 let seen = step.interpolate(t, &mut sample).map_err(LandingError::Integration);
-                if let Err(error) = seen.and_then(|()| finite(deck, t)) {
+                let told = seen.and_then(|()| attitude_told(&sample, t));
+                if let Err(error) = told.and_then(|()| finite(deck, t)) {
                     failed.set(Some(error));
                     return ControlFlow::Break(step.time());
                 }

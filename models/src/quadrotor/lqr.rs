@@ -19,7 +19,7 @@ use core::fmt;
 use mbs_runtime::Scalar;
 use mbs_runtime::nalgebra::SMatrix;
 
-use super::backstepping::{Command, Reference};
+use super::backstepping::{Command, Reference, nearest_turn};
 use super::mixer::Mixer;
 use crate::quadrotor_euler::{Params, QuadrotorEuler};
 
@@ -108,7 +108,7 @@ impl Lqr {
         let attitude = [level, level, heading];
         let error = SMatrix::<f64, STATES, 1>::from_fn(|i, _| match (i / 3, i % 3) {
             (0, k) => q[k] - position[k].value,
-            (1, k) => q[3 + k] - attitude[k].value,
+            (1, k) => nearest_turn(q[3 + k], attitude[k].value) - attitude[k].value,
             (2, k) => qd[k] - position[k].rate,
             (_, k) => qd[3 + k] - attitude[k].rate,
         });

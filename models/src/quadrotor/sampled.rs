@@ -4,7 +4,7 @@ use mbs_runtime::State;
 
 use super::backstepping::Command;
 use super::deck::Deck;
-use super::landing::{Landing, LandingError, finite};
+use super::landing::{Landing, LandingError, attitude_told, finite};
 use super::touchdown::{Touchdown, Way};
 use super::zero_order_hold::ZeroOrderHold;
 
@@ -29,6 +29,7 @@ impl<D: Deck> Landing<D> {
             if !seen.is_finite() {
                 return Err(LandingError::Sensor { time: t });
             }
+            attitude_told(state, t)?;
             let deck = finite(self.deck.at(t), t)?;
             let command = self.command_over(&deck, t, &seen.q, &seen.qd);
             way.hold(t, state, &command, &deck);

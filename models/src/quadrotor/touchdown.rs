@@ -2,9 +2,9 @@
 
 use mbs_runtime::{Scalar, State};
 
-use super::backstepping::Command;
+use super::backstepping::{Command, nearest_turn};
 use super::deck::{DeckState, Relative};
-use super::landing::{LandingError, finite, upright};
+use super::landing::{LandingError, attitude_told, finite, upright};
 use super::mixer::RotorSpeeds;
 
 /// How a landing ended.
@@ -42,6 +42,9 @@ pub struct Touchdown {
 
 /// The angle below which an attitude counts as settled \[rad\].
 const SETTLED: f64 = 0.5 * core::f64::consts::PI / 180.0;
+
+/// What a relative velocity may be above zero at a touchdown that grazes the deck \[m/s\].
+const ROUNDING: f64 = 1e-9;
 
 /// What is gathered on the way down.
 pub(super) struct Way {
@@ -99,11 +102,15 @@ impl Way {
         deck: DeckState,
     ) -> Result<Touchdown, LandingError> {
         let deck = upright(finite(deck, time)?, time)?;
+        attitude_told(&state, time)?;
         self.see(time, &state, &deck);
         self.spend_until(time);
         let length = |a: f64, b: f64| Scalar::sqrt(a * a + b * b);
         let relative = deck.relative(&state.q, &state.qd);
         let Relative { offset: [x, y, _], velocity: [xd, yd, zd], .. } = relative;
+        if zd > ROUNDING {
+            return Err(LandingError::Unresolved { time, relative_velocity: zd });
+        }
         Ok(Touchdown {
             time,
             relative_velocity: zd,
@@ -123,7 +130,7 @@ impl Way {
 
     fn see(&mut self, t: f64, state: &State<[f64; 6]>, deck: &DeckState) {
         self.deck_fall = self.deck_fall.max(-deck.acceleration[2]);
-        let [.., roll, pitch, yaw] = state.q.map(f64::abs);
+        let [.., roll, pitch, yaw] = state.q.map(|angle| nearest_turn(angle, 0.0).abs());
         self.greatest_tilt = [self.greatest_tilt[0].max(roll), self.greatest_tilt[1].max(pitch)];
         if [roll, pitch, yaw].iter().any(|&angle| angle > SETTLED) {
             self.settling_time = t;

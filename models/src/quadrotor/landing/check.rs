@@ -2,7 +2,7 @@
 
 use core::f64::consts::FRAC_PI_2;
 
-use mbs_runtime::State;
+use mbs_runtime::{Scalar, State};
 
 use super::{Controller, Landing, LandingError, MOST_MOMENTS};
 use crate::quadrotor::backstepping::Backstepping;
@@ -43,6 +43,7 @@ impl<D: Deck> Landing<D> {
         ])?;
         all_finite(&core::array::from_fn::<_, 6, _>(|i| (COORDINATES[i], state.q[i])))?;
         all_finite(&core::array::from_fn::<_, 6, _>(|i| (RATES[i], state.qd[i])))?;
+        attitude_told(state, 0.0)?;
         self.controller.check()?;
         if self.t_end / period > f64::from(MOST_MOMENTS) {
             return Err(LandingError::TooManyMoments { t_end: self.t_end, period });
@@ -63,10 +64,22 @@ pub(in crate::quadrotor) fn finite(deck: DeckState, time: f64) -> Result<DeckSta
     if deck.is_finite() { Ok(deck) } else { Err(LandingError::Deck { time }) }
 }
 
+/// Cosine of the pitch, 1° from ±90°.
+const LEAST_COSINE: f64 = 0.0175;
+
+/// Whether the angles tell the attitude: the pitch is not near ±90°, nor beyond.
+pub(in crate::quadrotor) fn attitude_told(state: &State<[f64; 6]>, time: f64) -> Result<(), LandingError> {
+    let pitch = state.q[4];
+    if Scalar::cos(pitch) > LEAST_COSINE { Ok(()) } else { Err(LandingError::Pitch { time, pitch }) }
+}
+
+/// The least vertical component of the normal of a deck that is not turned over: that of a vertical one, rounded.
+const LEAST_UPWARD: f64 = 1e-12;
+
 /// The deck at a time, where its normal points up.
 pub(in crate::quadrotor) fn upright(deck: DeckState, time: f64) -> Result<DeckState, LandingError> {
     let upward = deck.rotation[2][2];
-    if upward > 0.0 { Ok(deck) } else { Err(LandingError::Overturned { time, upward }) }
+    if upward > LEAST_UPWARD { Ok(deck) } else { Err(LandingError::Overturned { time, upward }) }
 }
 
 impl Controller {

@@ -58,6 +58,21 @@ pub enum LandingError {
         /// Vertical component of its normal.
         upward: f64,
     },
+    /// The vehicle's pitch is within 1° of ±90° or beyond: its angles do not tell its attitude.
+    Pitch {
+        /// When \[s\].
+        time: f64,
+        /// θ \[rad\].
+        pitch: f64,
+    },
+    /// The vehicle leaves the deck where it is to reach it: the period does not resolve the motion, or the velocity of the deck
+    /// is not the rate of its position.
+    Unresolved {
+        /// When \[s\].
+        time: f64,
+        /// Along the normal, upwards \[m/s\].
+        relative_velocity: f64,
+    },
     /// It has not touched down in time.
     NoTouchdown {
         /// When it was given up \[s\].
@@ -79,6 +94,15 @@ pub enum LandingError {
         /// Why.
         error: PoseError,
     },
+    /// A driven platform has come through a pose in which its legs could not hold it: through or past them.
+    ThroughSingularity {
+        /// When it was beyond \[s\].
+        time: f64,
+        /// Determinant of the Jacobian of its legs by coordinates then \[m³\].
+        determinant: f64,
+        /// The same at the beginning \[m³\], of the other sign.
+        before: f64,
+    },
     /// Nothing can keep the limits of a driven platform.
     Limits(InvalidLimits),
 }
@@ -95,6 +119,15 @@ impl fmt::Display for LandingError {
             LandingError::NoTouchdown { time, height } => {
                 write!(f, "no touchdown until t = {time} s, {height} m over the platform")
             }
+            LandingError::Pitch { time, pitch } => {
+                write!(f, "at t = {time} s the pitch is {pitch} rad, near ±90° or beyond")
+            }
+            LandingError::Unresolved { time, relative_velocity } => {
+                write!(
+                    f,
+                    "at t = {time} s the vehicle would leave the deck with {relative_velocity} m/s where it reaches it"
+                )
+            }
             LandingError::TooManyMoments { t_end, period } => {
                 write!(f, "moments every {period} s until {t_end} s are more than {MOST_MOMENTS}")
             }
@@ -105,6 +138,12 @@ impl fmt::Display for LandingError {
             }
             LandingError::Integration(error) => error.fmt(f),
             LandingError::Platform { time, error } => write!(f, "the platform at t = {time} s: {error}"),
+            LandingError::ThroughSingularity { time, determinant, before } => {
+                write!(
+                    f,
+                    "the platform is beyond a singular pose at t = {time} s: determinant {determinant} m³, {before} m³ before"
+                )
+            }
             LandingError::Limits(error) => error.fmt(f),
         }
     }
