@@ -5,8 +5,9 @@ use mbs_models::platform::Superposition;
 use mbs_models::quadrotor::deck::{Deck, HeavingDeck, MovingDeck, Relative};
 use mbs_models::quadrotor::ground_effect::GroundEffect;
 use mbs_models::quadrotor::heave::Heave;
-use mbs_models::quadrotor::landing::{Controller, Landing, Plant, Touchdown};
+use mbs_models::quadrotor::landing::{Controller, Landing, Plant};
 use mbs_models::quadrotor::lqr::{Lqr, Weights};
+use mbs_models::quadrotor::touchdown::Touchdown;
 use mbs_runtime::State;
 
 /// Cases of the thesis.

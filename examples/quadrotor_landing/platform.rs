@@ -12,7 +12,8 @@ use mbs_models::platform::limits::{LegState, Quantity, Survey};
 use mbs_models::platform::{HOME, Platform, PlatformMotion, Superposition};
 use mbs_models::quadrotor::deck::MovingDeck;
 use mbs_models::quadrotor::driven::{Drive, DrivenMoment, DrivenTouchdown};
-use mbs_models::quadrotor::landing::{Landing, Plant, Touchdown};
+use mbs_models::quadrotor::landing::{Landing, Plant};
+use mbs_models::quadrotor::touchdown::Touchdown;
 use serde_json::{Value, json};
 
 use crate::flight::{KEPT, over_base};

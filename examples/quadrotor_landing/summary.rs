@@ -2,14 +2,12 @@
 
 use mbs_examples::Failure;
 use mbs_models::quadrotor::deck::Relative;
+use mbs_models::quadrotor_euler::QuadrotorEuler;
 use serde_json::{Map, Value, json};
 
 use crate::Landings;
 use crate::flight::{CASES, Flight, MARINE, ROTOR_RADIUS};
 use crate::platform::{OnPlatform, force_range};
-
-/// \[m/s²\]
-const G: f64 = 9.80665;
 
 pub(crate) fn to_json(landings: &Landings) -> Result<Value, Failure> {
     let mut all = Map::new();
@@ -80,9 +78,10 @@ pub(crate) fn text(landings: &Landings) -> Result<String, Failure> {
             end.rotor_work,
         );
     }
+    let vehicle = QuadrotorEuler::<f64>::default();
     for (case, heave) in CASES {
         let bound = heave.acceleration_bound();
-        if bound > G {
+        if bound > vehicle.params().g {
             text += &format!(
                 "case {case}: the platform may fall with {bound:.2} m/s², faster than freely; nothing that only pushes upwards follows\n",
             );

@@ -18,5 +18,7 @@ pub mod orbit;
 pub mod platform;
 #[cfg(any(feature = "std", feature = "libm"))]
 pub mod quadrotor;
+#[cfg(any(feature = "std", feature = "libm"))]
+mod vector;
 
 include!(concat!(env!("OUT_DIR"), "/mechanisms.rs"));

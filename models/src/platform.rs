@@ -42,8 +42,6 @@ pub mod motion;
 use core::error::Error;
 use core::fmt;
 
-use mbs_runtime::Scalar;
-
 use crate::stewart_platform::{Params, StewartPlatform};
 pub use direct::{DirectKinematics, NotFound};
 pub use geometry::{Geometry, InvalidPlatform};
@@ -218,14 +216,4 @@ impl Platform {
 #[inline]
 fn all_finite(values: &[&[f64]]) -> bool {
     values.iter().all(|values| values.iter().all(|x| x.is_finite()))
-}
-
-#[inline]
-pub(crate) fn cross<T: Scalar>(a: &[T; 3], b: &[T; 3]) -> [T; 3] {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-}
-
-#[inline]
-fn dot<T: Scalar>(a: &[T; 3], b: &[T; 3]) -> T {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }

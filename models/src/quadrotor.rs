@@ -9,7 +9,7 @@
 //! | (5.9)                 | [`heave`]: the platform's elevation; [`deck`]: it, and decks that move in six degrees of freedom |
 //! | (5.10), (5.11)        | [`flatness`]: the attitude that an acceleration asks for                            |
 //! | control law           | [`backstepping`]; for comparison [`lqr`]                                            |
-//! | cases I and II        | [`landing`]: guidance, simulation up to the touchdown; [`sampled`]: by a sampled controller; [`driven`]: on the Stewart platform under control |
+//! | cases I and II        | [`approach`]: guidance; [`landing`]: simulation up to the [`touchdown`]; [`sampled`]: by a sampled controller; [`driven`]: on the Stewart platform under control |
 //! | ground effect         | [`ground_effect`], an option of the landing                                         |
 //!
 //! Coordinates are those of the mechanism, `q = (x, y, z, φ, θ, ψ)`, attitude by `R = Rz(ψ) Ry(θ) Rx(φ)`, z up.
@@ -17,6 +17,7 @@
 //! # Source
 //! Doctoral thesis *Dynamics of multibody systems in a gravitational field*, chapter 5.
 
+pub mod approach;
 pub mod backstepping;
 pub mod deck;
 pub mod driven;
@@ -28,3 +29,5 @@ pub mod lqr;
 pub mod mixer;
 pub mod sampled;
 pub mod small_angle;
+pub mod touchdown;
+mod zero_order_hold;

@@ -36,6 +36,7 @@ use mbs_runtime::{Pose, Scalar, to_matrix, to_vector};
 
 use super::inverse::{L1, PHI};
 use super::{A1, A2, A3, Arm, D1, D4, D6, JointVector};
+use crate::vector::cross;
 
 /// Rows of `v`, then of `ω`; columns are joints.
 pub type Jacobian = [[f64; 6]; 6];
@@ -325,9 +326,4 @@ const SVD_STEPS: usize = 1000;
 
 fn finite(x: Vector6<f64>) -> Result<Vector6<f64>, SingularJacobian> {
     if x.iter().all(|x| x.is_finite()) { Ok(x) } else { Err(SingularJacobian::NonFinite) }
-}
-
-#[inline]
-fn cross(a: &[f64; 3], b: &[f64; 3]) -> [f64; 3] {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }

@@ -1,6 +1,6 @@
 //! Vectors with three components, and the state of a point that they make.
 
-use mbs_runtime::Scalar;
+pub(super) use crate::vector::{cross, dot, minus, norm, plus};
 
 /// Components along three axes.
 pub type Vector = [f64; 3];
@@ -39,36 +39,6 @@ impl StateVector {
     pub fn is_finite(&self) -> bool {
         self.to_array().iter().all(|x| x.is_finite())
     }
-}
-
-/// `a·b`
-#[inline]
-pub(super) fn dot(a: &Vector, b: &Vector) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-/// `a × b`
-#[inline]
-pub(super) fn cross(a: &Vector, b: &Vector) -> Vector {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-}
-
-/// `|a|`
-#[inline]
-pub(super) fn norm(a: &Vector) -> f64 {
-    Scalar::sqrt(dot(a, a))
-}
-
-/// `a − b`
-#[inline]
-pub(super) fn minus(a: &Vector, b: &Vector) -> Vector {
-    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
-}
-
-/// `a + b`
-#[inline]
-pub(super) fn plus(a: &Vector, b: &Vector) -> Vector {
-    [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
 }
 
 /// `s a`

@@ -18,7 +18,8 @@ use mbs_runtime::Scalar;
 
 use super::geometry::attitude;
 use super::linear::Lu;
-use super::{Coordinates, LegVector, Platform, all_finite, cross, dot};
+use super::{Coordinates, LegVector, Platform, all_finite};
+use crate::vector::{cross, dot};
 
 /// A pose found.
 #[derive(Clone, Copy, Debug, PartialEq)]

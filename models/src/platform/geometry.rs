@@ -6,8 +6,9 @@ use core::fmt;
 
 use mbs_runtime::Scalar;
 
-use super::{Coordinates, LegVector, cross, dot};
+use super::{Coordinates, LegVector};
 use crate::stewart_platform::Params;
+use crate::vector::{cross, dot, minus, product};
 
 /// The joints of base and platform; leg i joins `base[i]` to `platform[i]`.
 ///
@@ -145,7 +146,7 @@ impl<T: Scalar> Geometry<T> {
     /// The legs with the platform's frame at `position` \[m\], turned by `rotation` (rows).
     #[must_use]
     pub fn legs_at(&self, position: &[T; 3], rotation: &[[T; 3]; 3]) -> Legs<T> {
-        let lever = self.platform.map(|joint| rotation.map(|row| dot(&row, &joint)));
+        let lever = self.platform.map(|joint| product(rotation, &joint));
         let vector: [[T; 3]; 6] =
             core::array::from_fn(|i| core::array::from_fn(|axis| position[axis] + lever[i][axis] - self.base[i][axis]));
         let length = vector.map(|vector| dot(&vector, &vector).sqrt());
@@ -181,7 +182,7 @@ impl Geometry<f64> {
                 return Err(InvalidPlatform::Radius { plate, radius });
             }
             for (i, j) in (0..6).flat_map(|i| (i + 1..6).map(move |j| (i, j))) {
-                let apart: [f64; 3] = core::array::from_fn(|axis| joints[i][axis] - joints[j][axis]);
+                let apart = minus(&joints[i], &joints[j]);
                 let distance = Scalar::sqrt(dot(&apart, &apart));
                 if distance <= COINCIDENT * radius {
                     return Err(InvalidPlatform::CoincidentJoints { plate, joints: [i, j], distance });

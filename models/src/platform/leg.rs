@@ -18,7 +18,8 @@ use core::fmt;
 use mbs_runtime::{Dual, Scalar};
 
 use super::geometry::Geometry;
-use super::{Coordinates, Platform, PoseError, all_finite, cross, dot};
+use super::{Coordinates, Platform, PoseError, all_finite};
+use crate::vector::{cross, dot, plus, product};
 
 /// `(ρ, α, β)` \[m, rad\], their rates or accelerations.
 pub type Spherical = [f64; 3];
@@ -134,7 +135,7 @@ impl LegMotion {
     /// Velocity of the platform's joint \[m/s\]: `C (ρ̇, α̇, β̇)`.
     #[must_use]
     pub fn joint_velocity(&self) -> [f64; 3] {
-        self.matrix().map(|row| dot(&row, &self.rate))
+        product(&self.matrix(), &self.rate)
     }
 
     /// `ω = (−β̇ sin α, β̇ cos α, α̇)` \[rad/s\].
@@ -160,7 +161,7 @@ impl LegMotion {
         let rho = e.map(|e| self.position[0] * e);
         let along = e.map(|e| 2.0 * self.rate[0] * e);
         let turned = cross(&w, &rho);
-        let around = cross(&w, &[0, 1, 2].map(|i| along[i] + turned[i]));
+        let around = cross(&w, &plus(&along, &turned));
         let tangential = cross(&wd, &rho);
         [0, 1, 2].map(|i| self.acceleration[0] * e[i] + tangential[i] + around[i])
     }

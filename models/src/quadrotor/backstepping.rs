@@ -110,7 +110,8 @@ impl Backstepping {
 
     /// The command at a state that is to follow a position and a yaw \[rad\].
     ///
-    /// Desired roll and pitch are taken as constant: the tilt is much faster than the position.
+    /// Desired roll and pitch are taken as constant: the tilt is much faster than the position. Where a number of these is none,
+    /// neither is a rotor's speed.
     #[must_use]
     pub fn command(&self, position: &[Reference; 3], heading: Reference, q: &[f64; 6], qd: &[f64; 6]) -> Command {
         let Params { g, inertias: [ix, iy, iz], .. } = self.params;
@@ -123,14 +124,16 @@ impl Backstepping {
         let greatest = lift * Scalar::tan(self.greatest_tilt);
         let ahead: [f64; 2] = [0, 1].map(|i| self.horizontal.acceleration(position[i], q[i], qd[i]));
         let size = Scalar::sqrt(ahead[0] * ahead[0] + ahead[1] * ahead[1]);
-        let scale = if size > greatest { greatest / size } else { 1.0 };
+        // What is no number stays none, here and where it allows no attitude.
+        let scale = if size <= greatest { 1.0 } else { greatest / size };
         let [x, y] = ahead.map(|a| a * scale);
         let desired = flatness::attitude([x, y, lift - g], psi, g);
-        let (roll, pitch) = desired.map_or((0.0, 0.0), |desired| (desired.roll, desired.pitch));
+        let level = if (x + y + lift).is_finite() { 0.0 } else { f64::NAN };
+        let (roll, pitch) = desired.map_or((level, level), |desired| (desired.roll, desired.pitch));
 
-        let roll = self.tilt.acceleration(Reference::fixed(roll), phi, phid);
-        let pitch = self.tilt.acceleration(Reference::fixed(pitch), theta, thetad);
-        let yaw = self.yaw.acceleration(heading, psi, psid);
+        let roll = self.tilt.acceleration(Reference::fixed(roll), nearest_turn(phi, roll), phid);
+        let pitch = self.tilt.acceleration(Reference::fixed(pitch), nearest_turn(theta, pitch), thetad);
+        let yaw = self.yaw.acceleration(heading, nearest_turn(psi, heading.value), psid);
         let torque = [
             ix * roll - (iy - iz) * thetad * psid,
             iy * pitch - (iz - ix) * phid * psid,
@@ -152,9 +155,44 @@ impl Backstepping {
     }
 }
 
+/// The angle that differs from this one by whole turns and is nearest to another \[rad\].
+pub(super) fn nearest_turn(angle: f64, other: f64) -> f64 {
+    let d = angle - other;
+    if d.abs() <= core::f64::consts::PI {
+        return angle;
+    }
+    let (sin, cos) = Scalar::sin_cos(d);
+    other + Scalar::atan2(sin, cos)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn nothing_is_commanded_of_no_number() {
+        let controller = Backstepping::new(Params::default());
+        let fixed = Reference::fixed(0.0);
+        let (position, q) = ([fixed; 3], [0.1; 6]);
+        assert!(controller.command(&position, fixed, &q, &q).rotors.speed.iter().all(|speed| speed.is_finite()));
+        let lost = |position: [Reference; 3], heading: Reference, q: [f64; 6], qd: [f64; 6]| {
+            let rotors = controller.command(&position, heading, &q, &qd).rotors;
+            assert!(rotors.speed.iter().any(|speed| speed.is_nan()), "{rotors:?}");
+            assert!(rotors.greatest.is_nan() && rotors.least_square.is_nan(), "{rotors:?}");
+        };
+        for i in 0..6 {
+            let mut unknown = q;
+            unknown[i] = f64::NAN;
+            lost(position, fixed, unknown, q);
+            lost(position, fixed, q, unknown);
+        }
+        for i in 0..3 {
+            let mut nowhere = position;
+            nowhere[i].acceleration = f64::NAN;
+            lost(nowhere, fixed, q, q);
+        }
+        lost(position, Reference::fixed(f64::NAN), q, q);
+    }
 
     /// Poles of the closed channel: `s² + (k₁ + k₂) s + 1 + k₁ k₂`.
     #[test]

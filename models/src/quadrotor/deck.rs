@@ -23,7 +23,8 @@ use super::backstepping::Reference;
 use super::heave::Heave;
 use crate::platform::geometry::attitude;
 use crate::platform::jacobian::angular_rates;
-use crate::platform::{Coordinates, PlatformMotion, cross};
+use crate::platform::{Coordinates, PlatformMotion};
+use crate::vector::{columns, cross, minus, plus, product, transposed_product};
 
 /// A deck, as a function of time.
 pub trait Deck {
@@ -71,17 +72,17 @@ impl DeckState {
     pub fn of_platform([q, qd, qdd]: &[Coordinates; 3], point: &[f64; 3]) -> Self {
         let rotation = attitude(q);
         let (rates, rates_dot) = (angular_rates(q), angular_rates_dot(q, qd));
-        let lever = times(&rotation, point);
+        let lever = product(&rotation, point);
         let angular = |x: &Coordinates| [x[3], x[4], x[5]];
-        let angular_velocity = times(&rates, &angular(qd));
-        let angular_acceleration = sum(&times(&rates, &angular(qdd)), &times(&rates_dot, &angular(qd)));
+        let angular_velocity = product(&rates, &angular(qd));
+        let angular_acceleration = plus(&product(&rates, &angular(qdd)), &product(&rates_dot, &angular(qd)));
         let around = cross(&angular_velocity, &lever);
         let linear = |x: &Coordinates| [x[0], x[1], x[2]];
-        let turning = sum(&cross(&angular_acceleration, &lever), &cross(&angular_velocity, &around));
+        let turning = plus(&cross(&angular_acceleration, &lever), &cross(&angular_velocity, &around));
         DeckState {
-            position: sum(&linear(q), &lever),
-            velocity: sum(&linear(qd), &around),
-            acceleration: sum(&linear(qdd), &turning),
+            position: plus(&linear(q), &lever),
+            velocity: plus(&linear(qd), &around),
+            acceleration: plus(&linear(qdd), &turning),
             rotation,
             angular_velocity,
             heading: Reference { value: q[5], rate: qd[5], acceleration: qdd[5] },
@@ -91,9 +92,8 @@ impl DeckState {
     /// How far a place is over the plane of the deck, along its normal \[m\].
     #[must_use]
     pub fn height(&self, place: &[f64; 3]) -> f64 {
-        let d = difference(place, &self.position);
-        let [row_x, row_y, row_z] = &self.rotation;
-        row_x[2] * d[0] + row_y[2] * d[1] + row_z[2] * d[2]
+        let [_, _, height] = transposed_product(&self.rotation, &minus(place, &self.position));
+        height
     }
 
     /// The vehicle with these coordinates `(x, y, z, φ, θ, ψ)` and rates, as the deck sees it.
@@ -101,15 +101,15 @@ impl DeckState {
     /// The velocity is `Rᵀ (ẋ − v − ω × d)`, that of the vehicle against the point of the deck below it, d being its offset.
     #[must_use]
     pub fn relative(&self, q: &Coordinates, qd: &Coordinates) -> Relative {
-        let axes = transposed(&self.rotation);
-        let offset = difference(&[q[0], q[1], q[2]], &self.position);
-        let velocity = difference(&[qd[0], qd[1], qd[2]], &self.velocity);
-        let velocity = difference(&velocity, &cross(&self.angular_velocity, &offset));
-        let vehicle = transposed(&attitude(q)).map(|axis| times(&axes, &axis)); // its axes, each in those of the deck
+        let seen = |vector: &[f64; 3]| transposed_product(&self.rotation, vector);
+        let offset = minus(&[q[0], q[1], q[2]], &self.position);
+        let velocity = minus(&[qd[0], qd[1], qd[2]], &self.velocity);
+        let velocity = minus(&velocity, &cross(&self.angular_velocity, &offset));
+        let vehicle = columns(&attitude(q)).map(|axis| seen(&axis));
         let [[xx, xy, xz], [_, _, yz], [_, _, zz]] = vehicle;
         Relative {
-            offset: times(&axes, &offset),
-            velocity: times(&axes, &velocity),
+            offset: seen(&offset),
+            velocity: seen(&velocity),
             attitude: [
                 Scalar::atan2(yz, zz),
                 Scalar::atan2(-xz, Scalar::sqrt(xx * xx + xy * xy)),
@@ -129,7 +129,8 @@ impl DeckState {
     }
 }
 
-/// A level deck that heaves and does nothing else, as in the thesis.
+/// A level deck that heaves and does nothing else, as in the thesis: up to rounding [`MovingDeck`] with [`Heave::about`], without
+/// the turns that are none.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HeavingDeck<const K: usize> {
     /// Its elevation.
@@ -188,20 +189,4 @@ fn angular_rates_dot(q: &Coordinates, qd: &Coordinates) -> [[f64; 3]; 3] {
         [c3 * c2 * yaw - s3 * s2 * pitch, -s3 * yaw, 0.0],
         [-c2 * pitch, 0.0, 0.0],
     ]
-}
-
-fn times(matrix: &[[f64; 3]; 3], x: &[f64; 3]) -> [f64; 3] {
-    matrix.map(|row| row[0] * x[0] + row[1] * x[1] + row[2] * x[2])
-}
-
-fn transposed(matrix: &[[f64; 3]; 3]) -> [[f64; 3]; 3] {
-    core::array::from_fn(|i| core::array::from_fn(|j| matrix[j][i]))
-}
-
-fn sum(a: &[f64; 3], b: &[f64; 3]) -> [f64; 3] {
-    core::array::from_fn(|i| a[i] + b[i])
-}
-
-fn difference(a: &[f64; 3], b: &[f64; 3]) -> [f64; 3] {
-    core::array::from_fn(|i| a[i] - b[i])
 }

@@ -13,12 +13,15 @@ use mbs_runtime::{Scalar, State};
 
 use super::backstepping::Command;
 use super::deck::{DeckState, MovingDeck};
-use super::landing::{Landing, LandingError, Touchdown, Way};
+use super::landing::{Landing, LandingError, attitude_told, finite};
 use super::mixer::RotorSpeeds;
-use super::sampled::Sampled;
+use super::touchdown::{Touchdown, Way};
+use super::zero_order_hold::ZeroOrderHold;
 use crate::platform::control::ComputedTorque;
+use crate::platform::jacobian::Regularity;
 use crate::platform::limits::{LegState, Survey};
-use crate::platform::{Coordinates, LegVector, Platform, PlatformMotion};
+use crate::platform::{Coordinates, LegVector, Platform, PlatformMotion, PoseError};
+use crate::vector::norm;
 
 /// What drives a deck.
 #[derive(Clone, Debug)]
@@ -39,14 +42,14 @@ pub struct TrackingError {
 }
 
 impl TrackingError {
-    /// Between two poses.
+    /// Between two poses; NaN where a coordinate of them is.
     #[must_use]
     pub fn between(a: &Coordinates, b: &Coordinates) -> Self {
-        let d: Coordinates = core::array::from_fn(|i| a[i] - b[i]);
-        TrackingError {
-            distance: Scalar::sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]),
-            angle: d[3..].iter().fold(0.0, |greatest, angle| angle.abs().max(greatest)),
-        }
+        let [x, y, z, phi, theta, psi]: Coordinates = core::array::from_fn(|i| a[i] - b[i]);
+        // What is no number stays none.
+        let greater =
+            |greatest: f64, angle: f64| if angle.abs() > greatest || angle.is_nan() { angle.abs() } else { greatest };
+        TrackingError { distance: norm(&[x, y, z]), angle: [phi, theta, psi].into_iter().fold(0.0, greater) }
     }
 }
 
@@ -98,7 +101,7 @@ impl<M: PlatformMotion> Landing<MovingDeck<M>> {
     ///
     /// # Errors
     /// [`LandingError`]; `NotPositive` where the period is not, `Limits` where nothing can keep those of the platform, `Platform`
-    /// where its legs cannot hold it.
+    /// where its legs cannot hold it, `ThroughSingularity` where they could not on the way from one moment to the next.
     pub fn simulate_driven(
         &self,
         vehicle: State<[f64; 6]>,
@@ -106,13 +109,26 @@ impl<M: PlatformMotion> Landing<MovingDeck<M>> {
         period: f64,
         mut observer: impl FnMut(&DrivenMoment),
     ) -> Result<DrivenTouchdown, LandingError> {
-        self.check(&vehicle)?;
+        self.check(&vehicle, period)?;
         let Drive { platform, control } = drive;
         platform.limits.check().map_err(LandingError::Limits)?;
         let start = State::new(self.deck.motion.at(0.0)[0], [0.0; 6]);
+        let regularity =
+            |time: f64, q: &Coordinates| platform.regularity(q).map_err(|error| LandingError::Platform { time, error });
+        let before = determinant(&regularity(0.0, &start.q)?, &start.q);
+        // How far from a singular pose it is, on the side of the singular ones on which it began.
+        let held = |time: f64, q: &Coordinates| {
+            let regularity = regularity(time, q)?;
+            let determinant = determinant(&regularity, q);
+            if determinant * before < 0.0 {
+                return Err(LandingError::ThroughSingularity { time, determinant, before });
+            }
+            Ok(regularity)
+        };
         let (mut way, mut survey, mut greatest_error) = (Way::new(), Survey::new(), TrackingError::default());
         let hold = |t: f64, both: &State<[f64; 12]>| {
             let (vehicle, stands) = parted(both);
+            attitude_told(&vehicle, t)?;
             let plan = self.deck.motion.at(t);
             let failed = |error| LandingError::Platform { time: t, error };
             let force = control.forces(platform, &plan, &stands.q, &stands.qd).map_err(failed)?;
@@ -121,17 +137,14 @@ impl<M: PlatformMotion> Landing<MovingDeck<M>> {
                 rate: platform.leg_rates(&stands.q, &stands.qd).map_err(failed)?,
                 force,
             };
-            survey.add(&platform.limits, t, &legs, platform.regularity(&stands.q).map_err(failed)?.condition);
+            survey.add(&platform.limits, t, &legs, held(t, &stands.q)?.condition);
             let error = TrackingError::between(&stands.q, &plan[0]);
             greatest_error.distance = greatest_error.distance.max(error.distance);
             greatest_error.angle = greatest_error.angle.max(error.angle);
 
-            let deck = self.deck.over_base(&[stands.q, stands.qd, plan[2]]);
-            if !deck.is_finite() {
-                return Err(LandingError::Deck { time: t });
-            }
+            let deck = finite(self.deck.over_base(&[stands.q, stands.qd, plan[2]]), t)?;
             let command = self.command_over(&deck, t, &vehicle.q, &vehicle.qd);
-            way.add(t, &vehicle, &command, &deck);
+            way.hold(t, &vehicle, &command, &deck);
             observer(&DrivenMoment { time: t, vehicle, platform: stands, deck, command, legs });
             Ok(Held { rotors: command.rotors, forces: platform.limits.saturated(&force) })
         };
@@ -139,7 +152,7 @@ impl<M: PlatformMotion> Landing<MovingDeck<M>> {
             let [x, y, z, ..] = vehicle.q;
             self.deck.over_base(&[stands.q, stands.qd, [0.0; 6]]).height(&[x, y, z])
         };
-        let run = Sampled {
+        let run = ZeroOrderHold {
             period,
             t_end: self.t_end,
             hold,
@@ -159,16 +172,25 @@ impl<M: PlatformMotion> Landing<MovingDeck<M>> {
         let both = State::new(joined(&vehicle.q, &start.q), joined(&vehicle.qd, &start.qd));
         let (time, both) = run.until_touchdown(both)?;
         let (vehicle, stands) = parted(&both);
+        held(time, &stands.q)?;
         let plan = self.deck.motion.at(time);
+        if !plan.as_flattened().iter().all(|x| x.is_finite()) {
+            return Err(LandingError::Platform { time, error: PoseError::NonFinite });
+        }
         let deck = self.deck.over_base(&[stands.q, stands.qd, plan[2]]);
         Ok(DrivenTouchdown {
-            touchdown: self.touchdown(time, vehicle, deck, &way)?,
+            touchdown: way.touchdown(self.vehicle.params().drag_factor, time, vehicle, deck)?,
             platform: stands,
             greatest_error,
             last_error: TrackingError::between(&stands.q, &plan[0]),
             survey,
         })
     }
+}
+
+/// Determinant of the Jacobian of the legs by coordinates \[m³\]: that by twists times cos θ.
+fn determinant(regularity: &Regularity, q: &Coordinates) -> f64 {
+    regularity.determinant * Scalar::cos(q[4])
 }
 
 fn joined(vehicle: &[f64; 6], platform: &[f64; 6]) -> [f64; 12] {

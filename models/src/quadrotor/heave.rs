@@ -1,6 +1,9 @@
 //! Elevation of the platform: a sum of sines, (5.9).
 //!
-//! As a motion of the platform it is [`Heave::about`]; [`Superposition`] has sums of sines in all six coordinates.
+//! As a motion of the platform it is [`Heave::about`], a [`Superposition`] of sines in all six coordinates. This one is kept
+//! beside it for two reasons: the landings of the thesis are computed with exactly these products, `A ω` and `A ω²`, which that
+//! one rounds in another order; and it needs one sine and one cosine a wave, not one of each for all six coordinates, at every
+//! evaluation of a landing. That both are the same motion is tested.
 //!
 //! # Source
 //! Doctoral thesis *Dynamics of multibody systems in a gravitational field*, equation (5.9) and cases I and II.

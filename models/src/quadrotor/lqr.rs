@@ -19,7 +19,7 @@ use core::fmt;
 use mbs_runtime::Scalar;
 use mbs_runtime::nalgebra::SMatrix;
 
-use super::backstepping::{Command, Reference};
+use super::backstepping::{Command, Reference, nearest_turn};
 use super::mixer::Mixer;
 use crate::quadrotor_euler::{Params, QuadrotorEuler};
 
@@ -101,19 +101,21 @@ impl Lqr {
     #[must_use]
     pub fn command(&self, position: &[Reference; 3], heading: Reference, q: &[f64; 6], qd: &[f64; 6]) -> Command {
         let Params { m, g, .. } = self.params;
-        let steady = hover_speed(&self.params, m * (g + position[2].acceleration).max(0.0));
+        // What is no number stays none.
+        let pushed = |x: f64| if x < 0.0 { 0.0 } else { x };
+        let steady = hover_speed(&self.params, m * pushed(g + position[2].acceleration));
         let level = Reference::default();
         let attitude = [level, level, heading];
         let error = SMatrix::<f64, STATES, 1>::from_fn(|i, _| match (i / 3, i % 3) {
             (0, k) => q[k] - position[k].value,
-            (1, k) => q[3 + k] - attitude[k].value,
+            (1, k) => nearest_turn(q[3 + k], attitude[k].value) - attitude[k].value,
             (2, k) => qd[k] - position[k].rate,
             (_, k) => qd[3 + k] - attitude[k].rate,
         });
         let change = self.gain * error;
         let asked: [f64; 4] = core::array::from_fn(|i| steady - change[i]);
         let limited = asked.iter().any(|&speed| speed < 0.0 || speed > self.mixer.greatest_speed);
-        let effort = self.mixer.effort(&asked.map(|speed| speed.max(0.0)));
+        let effort = self.mixer.effort(&asked.map(pushed));
         Command { effort, limited, rotors: self.mixer.speeds(&effort) }
     }
 }
@@ -195,6 +197,19 @@ mod tests {
         let closed = a - b * Lqr::new(params, &weights).expect("a regulator").gain;
         let slowest = closed.complex_eigenvalues().iter().map(|value| value.re).fold(f64::NEG_INFINITY, f64::max);
         assert!(slowest < -0.3, "{slowest}");
+    }
+
+    #[test]
+    fn nothing_is_commanded_of_no_number() {
+        let regulator = Lqr::new(Params::default(), &Weights::default()).expect("a regulator");
+        let lost = |vertical: Reference, q: [f64; 6]| {
+            let position = [Reference::default(), Reference::default(), vertical];
+            let speeds = regulator.command(&position, Reference::default(), &q, &[0.0; 6]).rotors.speed;
+            speeds.iter().any(|speed| speed.is_nan())
+        };
+        assert!(!lost(Reference::default(), [0.1; 6]));
+        assert!(lost(Reference { acceleration: f64::NAN, ..Reference::default() }, [0.1; 6]));
+        assert!(lost(Reference::default(), [0.1, f64::NAN, 0.1, 0.1, 0.1, 0.1]));
     }
 
     #[test]
