@@ -4,7 +4,7 @@
 //! Look at the eight configurations: all reach the pose to rounding, and the thesis has one of them, by formulas that are given the pose
 //! in four digits. It prints 45, 29.9977, 29.9993, −44.9962, 30.0036, −0.0052: what its formulas make of that input.
 
-use mbs_examples::{Failure, arguments::Arguments};
+use mbs_examples::{Failure, arguments::Arguments, output};
 use mbs_models::arm::inverse::Solution;
 use mbs_models::arm::jacobian::{self, Jacobian};
 use mbs_models::arm::{Arm, JointLimits, JointVector, printed};
@@ -26,7 +26,7 @@ fn main() -> Result<(), Failure> {
     let arguments = Arguments::from_process();
     let report = Report::new(&Arm::default())?;
     if let Some(folder) = &arguments.out {
-        std::fs::create_dir_all(folder)?;
+        output::create_folder(folder)?;
         std::fs::write(folder.join("arm_kinematics.json"), format!("{:#}\n", report.to_json()))?;
     }
     if arguments.json {
@@ -62,7 +62,10 @@ impl Report {
         let (pose, rows) = (arm.pose(&q), arm.jacobian(&q));
         let solutions = arm.inverse(&pose)?;
         let solutions = solutions.iter().map(|solution| (*solution, distance(&arm.pose(&solution.q), &pose))).collect();
-        let nearest = arm.inverse(&PRINTED)?.nearest(&unlimited(), &q).ok_or("the printed pose is out of reach")?;
+        let nearest = arm
+            .inverse(&PRINTED)?
+            .nearest(&unlimited(), &q)
+            .ok_or_else(|| Failure::new("the printed pose is out of reach"))?;
         let coriolis_matrix = arm.model.coriolis_matrix(&q, &VELOCITY);
         Ok(Self {
             pose,

@@ -8,7 +8,7 @@
 use std::hint::black_box;
 use std::time::Instant;
 
-use mbs_examples::{Failure, arguments::Arguments};
+use mbs_examples::{Failure, arguments::Arguments, output};
 use mbs_models::arm::{Arm, InverseKinematics};
 use mbs_runtime::Pose;
 use serde_json::{Map, Value, json};
@@ -46,7 +46,7 @@ fn main() -> Result<(), Failure> {
     ];
     let report = timed(&mut contenders);
     if let Some(folder) = &arguments.out {
-        std::fs::create_dir_all(folder)?;
+        output::create_folder(folder)?;
         std::fs::write(folder.join("arm_speed.json"), format!("{report}\n"))?;
     }
     if arguments.json {
@@ -103,7 +103,7 @@ fn table(report: &Value) -> String {
 }
 
 /// Everybody computes the same, to 1e-9.
-fn agree(arm: &Arm, configurations: &[[f64; 6]], poses: &[Pose<f64>]) -> Result<(), String> {
+fn agree(arm: &Arm, configurations: &[[f64; 6]], poses: &[Pose<f64>]) -> Result<(), Failure> {
     for (q, pose) in configurations.iter().zip(poses) {
         let (by_hand, jacobian) = arm.pose_and_jacobian(q);
         let (plain, plain_jacobian) = plain::pose_and_jacobian(q);
@@ -117,10 +117,10 @@ fn agree(arm: &Arm, configurations: &[[f64; 6]], poses: &[Pose<f64>]) -> Result<
             difference = difference.max((plain[(i, j)] - pose.rotation[i][j]).abs());
             difference = difference.max((plain[(i, 3)] - pose.position[i]).abs());
         }
-        let found = arm.inverse(pose).map_err(|error| error.to_string())?;
+        let found = arm.inverse(pose)?;
         let rival = plain::inverse(pose);
         if found.len() != rival.len() {
-            return Err(format!("{} against {} configurations at {q:?}", found.len(), rival.len()));
+            return Err(Failure::new(format!("{} against {} configurations at {q:?}", found.len(), rival.len())));
         }
         for (solution, rival) in found.iter().zip(&rival) {
             difference = difference.max(apart(&arm.pose(&solution.q), pose));
@@ -129,7 +129,7 @@ fn agree(arm: &Arm, configurations: &[[f64; 6]], poses: &[Pose<f64>]) -> Result<
             }
         }
         if difference.is_nan() || difference > 1e-9 {
-            return Err(format!("off by {difference:e} at {q:?}"));
+            return Err(Failure::new(format!("off by {difference:e} at {q:?}")));
         }
     }
     Ok(())

@@ -19,7 +19,7 @@ mod summary;
 #[path = "arm_trajectory/tables.rs"]
 mod tables;
 
-use mbs_examples::{Failure, arguments::Arguments};
+use mbs_examples::{Failure, arguments::Arguments, output};
 use mbs_models::arm::Arm;
 use serde_json::{Value, json};
 
@@ -30,7 +30,7 @@ fn main() -> Result<(), Failure> {
     let arm = Arm::default();
     let cases = cases::both(&arm)?;
     if let Some(folder) = &arguments.out {
-        std::fs::create_dir_all(folder)?;
+        output::create_folder(folder)?;
         for case in &cases {
             figures::write(folder, &arm, case)?;
             tables::write(folder, &arm, case)?;

@@ -13,7 +13,7 @@ mod figures;
 #[path = "docking/flight.rs"]
 mod flight;
 
-use mbs_examples::{Failure, arguments::Arguments};
+use mbs_examples::{Failure, arguments::Arguments, output};
 use mbs_models::orbit::mission::coast::Attraction;
 use mbs_models::orbit::mission::phasing::Method;
 use mbs_models::orbit::mission::{Axis, Mission, Phase, Report, STATION_ATTRACTION};
@@ -36,7 +36,7 @@ fn main() -> Result<(), Failure> {
     let perfect = Flight::of(&mission, Thrusters::Perfect)?;
     let attracted = Flight::of(&massive, Thrusters::Perfect)?;
     if let Some(folder) = &arguments.out {
-        std::fs::create_dir_all(folder)?;
+        output::create_folder(folder)?;
         figures::write(folder, &flown)?;
         figures::write_tables(folder, &flown)?;
     }
@@ -110,7 +110,9 @@ fn of_phase(flight: &Flight, phase: Phase) -> Value {
 fn summary(flown: &Flight, perfect: &Flight, attracted: &Flight) -> String {
     let report = &flown.report;
     let mut text = format!(
-        "approach along the {}; phasing by {} after a wait of {:.0} s\n\n",
+        "assumed: station on a circle 400 km above the Earth; start 80 km lower, 18° behind, 0.01° out of plane; keep-out sphere of {:.0} m\n\
+         approach along the {}; phasing by {} after a wait of {:.0} s; places and speeds in the station's axes, before the burn that ends a phase\n\n",
+        flown.mission.keep_out,
         axis_name(flown.mission.axis),
         method_name(report),
         report.plan.wait
@@ -128,11 +130,11 @@ fn summary(flown: &Flight, perfect: &Flight, attracted: &Flight) -> String {
             part.duration
         );
     }
-    text += "\nthrusters              Δv [m/s]   time [s]   beside the port [m]   speed [m/s]   in the keep-out sphere   out of the corridor\n";
+    text += "\nthrusters              Δv [m/s]   time [s]   beside the port [m]   speed [m/s]   in the sphere, out of the corridor   out of the corridor\n";
     for (name, flight) in [("errors 1 %, 0.5°", flown), ("perfect", perfect), ("perfect, station 420 t", attracted)] {
         let report = &flight.report;
         text += &format!(
-            "{name:<22} {:>8.4} {:>10.1} {:>21.3e} {:>13.5} {:>24} {:>21}\n",
+            "{name:<22} {:>8.4} {:>10.1} {:>21.3e} {:>13.5} {:>35} {:>21}\n",
             report.total_delta_v(),
             report.duration(),
             report.port_position_error(),

@@ -72,10 +72,10 @@ fn main() -> Result<(), Failure> {
 
     let touchdowns: Vec<&Touchdown> = landings.iter().flatten().collect();
     if touchdowns.len() < 2 {
-        return Err(format!("{} of {members} members touched down", touchdowns.len()).into());
+        return Err(Failure::new(format!("{} of {members} members touched down", touchdowns.len())));
     }
     if let Some(folder) = &arguments.out {
-        std::fs::create_dir_all(folder)?;
+        output::create_folder(folder)?;
         let header = ["member", "touchdown_time_s", "relative_velocity_m_s", "horizontal_offset_m"].map(String::from);
         let row = |(member, end): (usize, &Result<Touchdown, LandingError>)| {
             end.as_ref().ok().map(|end| [&[member as f64][..], &results(end)].concat())

@@ -15,7 +15,7 @@ mod summary;
 #[path = "platform_dynamics/tables.rs"]
 mod tables;
 
-use mbs_examples::{Failure, arguments::Arguments};
+use mbs_examples::{Failure, arguments::Arguments, output};
 use mbs_models::platform::{Coordinates, DirectKinematics, HOME, Motion, Platform};
 use serde_json::{Value, json};
 
@@ -30,7 +30,7 @@ fn main() -> Result<(), Failure> {
     let arguments = Arguments::from_process();
     let platform = Platform::default();
     if let Some(folder) = &arguments.out {
-        std::fs::create_dir_all(folder)?;
+        output::create_folder(folder)?;
         figures::write(folder, &platform)?;
         sensitivity::write(folder, &platform)?;
         summary::write(folder, &platform)?;

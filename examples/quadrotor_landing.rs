@@ -21,7 +21,7 @@ mod platform;
 #[path = "quadrotor_landing/summary.rs"]
 mod summary;
 
-use mbs_examples::{Failure, arguments::Arguments};
+use mbs_examples::{Failure, arguments::Arguments, output};
 use mbs_models::platform::limits::LegState;
 use mbs_models::platform::{HOME, Superposition};
 
@@ -69,7 +69,7 @@ fn main() -> Result<(), Failure> {
     let arguments = Arguments::from_process();
     let landings = Landings::simulated()?;
     if let Some(folder) = &arguments.out {
-        std::fs::create_dir_all(folder)?;
+        output::create_folder(folder)?;
         for flight in &landings.flights {
             figures::write_table(folder, flight)?;
             if flight.kind == Kind::Exact {

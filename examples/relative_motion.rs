@@ -16,7 +16,7 @@ mod flight;
 #[path = "relative_motion/sensitivity.rs"]
 mod sensitivity;
 
-use mbs_examples::{Failure, arguments::Arguments};
+use mbs_examples::{Failure, arguments::Arguments, output};
 use mbs_models::orbit::EARTH_RADIUS;
 use serde_json::{Map, Value, json};
 
@@ -33,7 +33,7 @@ fn main() -> Result<(), Failure> {
         }
     }
     if let Some(folder) = &arguments.out {
-        std::fs::create_dir_all(folder)?;
+        output::create_folder(folder)?;
         figures::write(folder, &flights)?;
     }
     if arguments.json {
@@ -86,7 +86,10 @@ fn results(flight: &Flight) -> Value {
 
 fn summary(flights: &[Flight], growths: &[sensitivity::Growth]) -> String {
     let mut text = String::from(
-        "after one orbit of the station                x [m]              y [m]         z [m]   two Keplers    linear  cylindrical\n",
+        "circular: 400 km above the Earth; elliptic: a = 7500 km, e = 0.1, from the perigee on; station_mass: circular, a point of 420 t\n\
+         released at rest in the station's axes, but for far_same_orbit, near_2to1_ellipse, near_3d and near\n\
+         the last columns: apart by how many metres from two Kepler motions, from Clohessy and Wiltshire, from cylindrical coordinates\n\n\
+         after one orbit of the station                x [m]              y [m]         z [m]   two Keplers    linear  cylindrical\n",
     );
     for flight in flights {
         let Case { group, name, .. } = flight.case;

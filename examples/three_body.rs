@@ -27,7 +27,7 @@ fn main() -> Result<(), Failure> {
     let closed = arenstorf()?;
     let asteroids = asteroids()?;
     if let Some(folder) = &arguments.out {
-        std::fs::create_dir_all(folder)?;
+        output::create_folder(folder)?;
         write(folder, "arenstorf", "Arenstorf's orbit", &closed)?;
         for asteroid in &asteroids {
             write(folder, asteroid.name, &format!("An asteroid: {}", asteroid.name), &asteroid.flight)?;
@@ -54,6 +54,7 @@ fn main() -> Result<(), Failure> {
         println!("{value}");
         return Ok(());
     }
+    println!("Units: the distance of the primaries, their mass together, the inverse of their rate of turn");
     for (name, mu) in PAIRS {
         println!("Points of rest for the mass ratio {mu} ({name})");
         for (i, (point, growth)) in points(mu)?.iter().zip(growths(mu)?).enumerate() {
@@ -65,7 +66,7 @@ fn main() -> Result<(), Failure> {
     println!("  comes back to {:.2e}, Jacobi's constant drifts by {:.2e}", closed.return_error(), closed.jacobi_drift);
     for asteroid in &asteroids {
         println!(
-            "An asteroid on a {}: {:.0} revolutions of the planet, Jacobi's constant drifts by {:.2e}",
+            "An asteroid on a {} with the Sun and Jupiter: {:.0} revolutions of the planet, Jacobi's constant drifts by {:.2e}",
             asteroid.name,
             asteroid.flight.time / std::f64::consts::TAU,
             asteroid.flight.jacobi_drift

@@ -20,7 +20,7 @@ fn main() -> Result<(), Failure> {
     let ellipse = ellipse::run()?;
     let earth_moon = earth_moon::run()?;
     if let Some(folder) = &arguments.out {
-        std::fs::create_dir_all(folder)?;
+        output::create_folder(folder)?;
         write(folder, &earth_moon)?;
     }
     if arguments.json {
@@ -43,7 +43,7 @@ fn main() -> Result<(), Failure> {
         println!("{value}");
         return Ok(());
     }
-    println!("An ellipse of eccentricity 0.6, by Kepler's equation and by DOP853");
+    println!("An ellipse of eccentricity 0.6, a = 1, mu = 1, from its pericentre, by Kepler's equation and by DOP853");
     for ((t, kepler), (_, dop853)) in ellipse.kepler.iter().zip(&ellipse.dop853) {
         let apart = kepler.iter().zip(dop853).fold(0.0_f64, |most, (a, b)| most.max((a - b).abs()));
         println!("  t = {t:4}  x = {:19.16}  y = {:19.16}  apart by {apart:.1e}", kepler[0], kepler[1]);
@@ -53,7 +53,10 @@ fn main() -> Result<(), Failure> {
         "  greatest drift: energy {:.1e}, angular momentum {:.1e}, Laplace's vector {:.1e}",
         drift.energy, drift.angular_momentum, drift.laplace_vector
     );
-    println!("The Earth and the Moon after {} days, from their barycentre [km]", earth_moon::DAYS);
+    println!(
+        "The Earth and a Moon that starts 384400 km away with 950 m/s, after {} days, from their barycentre [km]",
+        earth_moon::DAYS
+    );
     for (name, place) in ["Earth", "Moon"].iter().zip(earth_moon.bodies) {
         println!("  {name:<6} {:14.6} {:14.6}", place[0] / 1e3, place[1] / 1e3);
     }
@@ -68,24 +71,24 @@ fn write(folder: &std::path::Path, flight: &earth_moon::Flight) -> Result<(), Fa
     let km =
         |body: usize| flight.path.iter().map(|row| [row.bodies[body][0] / 1e3, row.bodies[body][1] / 1e3]).collect();
     let seen = flight.path.iter().map(|row| [0, 1].map(|i| (row.bodies[1][i] - row.bodies[0][i]) / 1e3)).collect();
-    let plane = |lines| {
+    let plane = |lines, origin: &str| {
         Panel::Plane(Plane {
             labels: ["x [km]", "y [km]"].map(String::from),
             lines,
-            marks: vec![([0.0, 0.0], String::new())],
+            marks: vec![([0.0, 0.0], origin.to_string())],
         })
     };
     let title = |what: &str| format!("The Earth and the Moon, {what}");
     let about_the_barycentre = Figure {
         title: title("seen from their barycentre"),
         size: (1000, 900),
-        panels: vec![plane(vec![PlaneLine::new("Earth", km(0)), PlaneLine::new("Moon", km(1))])],
+        panels: vec![plane(vec![PlaneLine::new("Earth", km(0)), PlaneLine::new("Moon", km(1))], "barycentre")],
     };
     output::write_figure(folder, "two_body_barycentre", &about_the_barycentre)?;
     let relative = Figure {
         title: title("the Moon seen from the Earth"),
         size: (1000, 900),
-        panels: vec![plane(vec![PlaneLine::new("Moon", seen)])],
+        panels: vec![plane(vec![PlaneLine::new("Moon", seen)], "Earth")],
     };
     output::write_figure(folder, "two_body_relative", &relative)?;
     let header = ["t_s", "earth_x_m", "earth_y_m", "earth_z_m", "moon_x_m", "moon_y_m", "moon_z_m"].map(String::from);

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use mbs_cli::chart::{Curves, Figure, Line, Panel};
+use mbs_cli::chart::{Curves, Figure, Line, Panel, Plane, PlaneLine};
 use mbs_examples::{Failure, output};
 use mbs_models::orbit::mission::{Axis, Moment, Phase};
 
@@ -22,7 +22,7 @@ pub(crate) fn write(folder: &Path, flight: &Flight) -> Result<(), Failure> {
     write("docking_way", "Way to the station", vec![far, near])?;
     let mut last = lines(flight, &[Phase::Closing, Phase::Approach, Phase::Docking], 1.0);
     last.push(sphere(flight));
-    write("docking_closing", "Closing and approach", vec![curves("along the motion y [m]", "radial x [m]", last)])?;
+    write("docking_closing", "Closing and approach", vec![plane(last)])?;
     let panels = vec![corridor(flight), beside(flight), speed(flight)];
     write("docking_approach", "Approach in its corridor", panels)?;
     write("docking_delta_v", "Changes of velocity up to then", vec![budget(flight)])
@@ -39,6 +39,17 @@ fn curves(x_label: &str, y_label: &str, lines: Vec<(String, Points)>) -> Panel {
         y_label: y_label.to_string(),
         x_range: low - margin..high + margin,
         lines: lines.into_iter().map(|(name, points)| Line::new(name, points)).collect(),
+    })
+}
+
+/// Metres in the orbital plane, both axes to one scale.
+fn plane(lines: Vec<(String, Points)>) -> Panel {
+    let line =
+        |(name, points): (String, Points)| PlaneLine::new(name, points.into_iter().map(|(y, x)| [y, x]).collect());
+    Panel::Plane(Plane {
+        labels: ["along the motion y [m]", "radial x [m]"].map(String::from),
+        lines: lines.into_iter().map(line).collect(),
+        marks: vec![([0.0, 0.0], "station".to_string())],
     })
 }
 

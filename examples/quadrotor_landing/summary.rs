@@ -33,6 +33,12 @@ fn comparisons<const K: usize>(on_platform: &OnPlatform<K>) -> Map<String, Value
     on_platform.comparisons().map(|(name, comparison)| (name.to_string(), comparison.to_json())).into_iter().collect()
 }
 
+/// When the attitude was within half a degree for good \[s\]; none where it is not at the touchdown.
+fn settled(flight: &Flight) -> Option<f64> {
+    let end = &flight.touchdown;
+    (end.settling_time < end.time).then_some(end.settling_time)
+}
+
 fn results(flight: &Flight) -> Value {
     let end = &flight.touchdown;
     let mut results = json!({
@@ -40,7 +46,7 @@ fn results(flight: &Flight) -> Value {
         "relative_velocity": end.relative_velocity,
         "max_phi_deg": end.greatest_tilt[0].to_degrees(),
         "max_theta_deg": end.greatest_tilt[1].to_degrees(),
-        "settling_time": end.settling_time,
+        "settling_time": settled(flight),
         "thrust_min": end.thrust_range[0],
         "thrust_max": end.thrust_range[1],
         "horizontal_offset": end.horizontal_offset,
@@ -63,7 +69,7 @@ pub(crate) fn text(landings: &Landings) -> Result<String, Failure> {
     for flight in &landings.flights {
         let end = &flight.touchdown;
         text += &format!(
-            "{:<6} {:<14} {:>9.5} s {:>10.5} m/s {:>9.2e} m {:>5.2}° {:>6.2}° {:>6.2} s {:>6.1} to {:>6.1} N {:>8.1} % {:>9.0} J\n",
+            "{:<6} {:<14} {:>9.5} s {:>10.5} m/s {:>9.2e} m {:>5.2}° {:>6.2}° {:>8} {:>6.1} to {:>6.1} N {:>8.1} % {:>9.0} J\n",
             flight.case,
             flight.kind.name(),
             end.time,
@@ -71,7 +77,7 @@ pub(crate) fn text(landings: &Landings) -> Result<String, Failure> {
             end.horizontal_offset,
             end.greatest_tilt[0].to_degrees(),
             end.greatest_tilt[1].to_degrees(),
-            end.settling_time,
+            settled(flight).map_or_else(|| "-".to_string(), |time| format!("{time:.2} s")),
             end.thrust_range[0],
             end.thrust_range[1],
             100.0 * end.limited,

@@ -32,13 +32,25 @@ const DRAWINGS: [Drawing; 5] = [
         "station_mass",
         &["near_radial", "near_tangent", "near_2to1_ellipse"],
     ),
-    ("elliptic_near", "4 m from a station on an ellipse", (1.0, "m"), "elliptic", &["near"]),
+    ("elliptic_near", "3.7 m from a station on an ellipse", (1.0, "m"), "elliptic", &["near"]),
     ("elliptic_far", "1000 km from a station on an ellipse", (1e3, "km"), "elliptic", &["far"]),
 ];
+
+/// Whether the motion stays within a hundredth of its first distance.
+fn stands(flight: &Flight) -> bool {
+    let [x, y, z] = flight.case.start.q;
+    let distance = x.hypot(y).hypot(z);
+    flight.path.iter().all(|(_, state)| (state.q[0] - x).hypot(state.q[1] - y).hypot(state.q[2] - z) < 0.01 * distance)
+}
 
 pub(crate) fn write(folder: &Path, flights: &[Flight]) -> Result<(), Failure> {
     for (file, title, (unit, unit_name), group, names) in DRAWINGS {
         let drawn = flights.iter().filter(|flight| flight.case.group == group && names.contains(&flight.case.name));
+        // A path too short to be seen is a point with its name.
+        let standing = drawn.clone().filter(|flight| stands(flight)).map(|flight| {
+            let [x, y, _] = flight.case.start.q;
+            ([y / unit, x / unit], flight.case.name.to_string())
+        });
         let line = |flight: &Flight| {
             let points = flight.path.iter().map(|(_, state)| [state.q[1] / unit, state.q[0] / unit]).collect();
             PlaneLine::new(flight.case.name, points)
@@ -46,7 +58,7 @@ pub(crate) fn write(folder: &Path, flights: &[Flight]) -> Result<(), Failure> {
         let plane = Plane {
             labels: [format!("along the track [{unit_name}]"), format!("away from the Earth [{unit_name}]")],
             lines: drawn.map(line).collect(),
-            marks: vec![([0.0, 0.0], "station".to_string())],
+            marks: standing.chain([([0.0, 0.0], "station".to_string())]).collect(),
         };
         let title = format!("{title}, {ORBITS} orbits");
         output::write_figure(folder, file, &Figure { title, size: (1100, 560), panels: vec![Panel::Plane(plane)] })?;

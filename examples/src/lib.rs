@@ -1,7 +1,36 @@
-//! What the examples share: their arguments, and the files they write.
+//! What the examples share: their arguments, the files they write, and how they fail.
 
 pub mod arguments;
 pub mod output;
 
-/// What ends an example early.
-pub type Failure = Box<dyn std::error::Error>;
+use std::error::Error;
+use std::fmt;
+
+/// What ends an example early, in words: `main` prints it after `Error: `.
+pub struct Failure(Box<dyn Error>);
+
+impl Failure {
+    /// With a text of its own.
+    #[must_use]
+    pub fn new(text: impl Into<String>) -> Self {
+        Self(text.into().into())
+    }
+}
+
+impl<E: Error + 'static> From<E> for Failure {
+    fn from(error: E) -> Self {
+        Self(Box::new(error))
+    }
+}
+
+impl fmt::Debug for Failure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}", self.0)?;
+        let mut cause = self.0.source();
+        while let Some(error) = cause {
+            write!(f, ": {error}")?;
+            cause = error.source();
+        }
+        Ok(())
+    }
+}

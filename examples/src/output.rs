@@ -6,6 +6,14 @@ use mbs_cli::chart::{self, Figure, Format};
 
 use crate::Failure;
 
+/// Makes a folder, with those that it lies in.
+///
+/// # Errors
+/// What the file system refuses, with the folder's name.
+pub fn create_folder(folder: &Path) -> Result<(), Failure> {
+    std::fs::create_dir_all(folder).map_err(|error| Failure::new(format!("{}: {error}", folder.display())))
+}
+
 /// Writes `name.svg` and `name.png`.
 ///
 /// # Errors

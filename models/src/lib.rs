@@ -22,3 +22,8 @@ pub mod quadrotor;
 mod vector;
 
 include!(concat!(env!("OUT_DIR"), "/mechanisms.rs"));
+
+/// The Rust on the page about frames that move is tested with that of this crate.
+#[cfg(doctest)]
+#[doc = include_str!("../../docs/moving_frames.md")]
+struct MovingFrames;
