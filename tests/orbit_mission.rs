@@ -7,7 +7,7 @@ use mbs_models::orbit::elements::{Elements, ElementsError};
 use mbs_models::orbit::kepler::propagate;
 use mbs_models::orbit::lvlh::{Frame, RelativeMotion, relative_motion};
 use mbs_models::orbit::mission::coast::Attraction;
-use mbs_models::orbit::mission::glideslope::{Glideslope, NotPositive};
+use mbs_models::orbit::mission::glideslope::{Glideslope, GlideslopeError};
 use mbs_models::orbit::mission::phasing::{Method, Phasing};
 use mbs_models::orbit::mission::safety::Zone;
 use mbs_models::orbit::mission::{Axis, LinearModel, Mission, MissionError, Phase, Report, STATION_ATTRACTION};
@@ -251,7 +251,7 @@ fn glideslopes_obey_their_equation() {
     let [one, other] = [1e-5, 9e-4].map(|x| Glideslope::new(10.0, 0.1, 0.1 * (1.0 + x)).unwrap());
     close(one.duration(), 100.0 * (1.0 - 0.5e-5), 1e-8);
     close(other.duration(), 100.0 * (9e-4_f64).ln_1p() / 9e-4, 1e-9);
-    let expected = NotPositive { parameter: "last_speed", value: 0.0 };
+    let expected = GlideslopeError { parameter: "last_speed", value: 0.0 };
     assert_eq!(Glideslope::new(1.0, 1.0, 0.0), Err(expected));
     assert!(Glideslope::new(f64::NAN, 1.0, 1.0).is_err());
 }
@@ -357,23 +357,26 @@ fn bad_input_is_refused_with_its_value() {
     let good = Mission::to_the_station(Axis::VBar);
     let error = |mission: Mission| mission.fly(|burn| burn.delta_v, |_| {}).unwrap_err();
     for value in [0.0, -1.0, f64::INFINITY] {
-        let expected = MissionError::NotPositive(NotPositive { parameter: "homing_duration", value });
+        let expected = MissionError::NotPositive { parameter: "homing_duration", value };
         assert_eq!(error(Mission { homing_duration: value, ..good }), expected);
     }
     let expected = MissionError::Negative { parameter: "attraction.station", value: -1.0 };
     assert_eq!(error(Mission { attraction: Attraction { station: -1.0, ..good.attraction }, ..good }), expected);
     assert!(matches!(
         error(Mission { approach_distance: f64::NAN, ..good }),
-        MissionError::NotPositive(NotPositive { parameter: "approach_distance", value }) if value.is_nan()
+        MissionError::NotPositive { parameter: "approach_distance", value } if value.is_nan()
     ));
     let parameter = "approach_distance - docking_distance";
-    let expected = MissionError::NotPositive(NotPositive { parameter, value: -50.0 });
+    let expected = MissionError::NotPositive { parameter, value: -50.0 };
     assert_eq!(error(Mission { docking_distance: 300.0, ..good }), expected);
     assert!(matches!(
         error(Mission { homing_end: [f64::NAN, 0.0, 0.0], ..good }),
         MissionError::Negative { parameter: "distance of homing_end", .. }
     ));
-    assert!(matches!(error(Mission { approach_pulses: 0, ..good }), MissionError::NotPositive(_)));
+    assert!(matches!(
+        error(Mission { approach_pulses: 0, ..good }),
+        MissionError::NotPositive { parameter: "approach_pulses", value: 0.0 }
+    ));
 
     let straight = StateVector::new(good.station.position, [0.0; 3]);
     assert_eq!(error(Mission { station: straight, ..good }), MissionError::Orbit(ElementsError::Straight));

@@ -39,12 +39,12 @@ use super::clohessy_wiltshire::TargetingError;
 use super::elements::Elements;
 use super::kepler::KeplerError;
 use super::lambert::LambertError;
-use super::lvlh::NoFrame;
+use super::lvlh::FrameError;
 use super::vector::{StateVector, Vector, norm, scaled};
-use super::yamanaka_ankersen::NoTransition;
+use super::yamanaka_ankersen::TransitionError;
 use super::{EARTH_MU, EARTH_RADIUS};
 use coast::{Attraction, CoastError};
-use glideslope::NotPositive;
+use glideslope::GlideslopeError;
 use phasing::Plan;
 use safety::{Zone, Zones};
 
@@ -275,7 +275,7 @@ impl Mission {
             ("corridor_half_angle", self.corridor_half_angle),
         ];
         if let Some((parameter, value)) = positive.into_iter().find(|&(_, value)| !(value > 0.0 && value.is_finite())) {
-            return Err(MissionError::NotPositive(NotPositive { parameter, value }));
+            return Err(MissionError::NotPositive { parameter, value });
         }
         let not_negative = [
             ("attraction.station", self.attraction.station),
@@ -390,7 +390,12 @@ impl Report {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum MissionError {
     /// What must be positive and finite is not.
-    NotPositive(NotPositive),
+    NotPositive {
+        /// Its name.
+        parameter: &'static str,
+        /// Its value.
+        value: f64,
+    },
     /// What must not be negative is, or is not finite.
     Negative {
         /// Its name.
@@ -403,7 +408,7 @@ pub enum MissionError {
     /// The station or the vehicle was not propagated.
     Kepler(KeplerError),
     /// The station has no frame.
-    Frame(NoFrame),
+    Frame(FrameError),
     /// A coast ended early.
     Coast {
         /// When it began \[s\].
@@ -437,7 +442,7 @@ pub enum MissionError {
         /// When \[s\].
         time: f64,
         /// Why.
-        error: NoTransition,
+        error: TransitionError,
     },
     /// The thrusters gave what is no number.
     Thrust {
@@ -456,7 +461,7 @@ pub enum MissionError {
 impl fmt::Display for MissionError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            MissionError::NotPositive(error) => error.fmt(f),
+            MissionError::NotPositive { parameter, value } => write!(f, "{parameter} must be positive, it is {value}"),
             MissionError::Negative { parameter, value } => write!(f, "{parameter} must not be negative, it is {value}"),
             MissionError::Orbit(error) => error.fmt(f),
             MissionError::Kepler(error) => error.fmt(f),
@@ -485,14 +490,14 @@ impl From<KeplerError> for MissionError {
     }
 }
 
-impl From<NoFrame> for MissionError {
-    fn from(error: NoFrame) -> Self {
+impl From<FrameError> for MissionError {
+    fn from(error: FrameError) -> Self {
         MissionError::Frame(error)
     }
 }
 
-impl From<NotPositive> for MissionError {
-    fn from(error: NotPositive) -> Self {
-        MissionError::NotPositive(error)
+impl From<GlideslopeError> for MissionError {
+    fn from(GlideslopeError { parameter, value }: GlideslopeError) -> Self {
+        MissionError::NotPositive { parameter, value }
     }
 }

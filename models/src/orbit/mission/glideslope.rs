@@ -26,30 +26,30 @@ pub struct Glideslope {
 
 /// What must be positive is not, or is no number, or infinite.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct NotPositive {
+pub struct GlideslopeError {
     /// Its name.
     pub parameter: &'static str,
     /// Its value.
     pub value: f64,
 }
 
-impl fmt::Display for NotPositive {
+impl fmt::Display for GlideslopeError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{} must be positive, it is {}", self.parameter, self.value)
     }
 }
 
-impl core::error::Error for NotPositive {}
+impl core::error::Error for GlideslopeError {}
 
 impl Glideslope {
     /// Over a distance ρ₀ \[m\], from a speed −ρ̇₀ to a speed −ρ̇_T, both positive \[m/s\].
     ///
     /// # Errors
-    /// [`NotPositive`].
-    pub fn new(distance: f64, first_speed: f64, last_speed: f64) -> Result<Self, NotPositive> {
+    /// [`GlideslopeError`].
+    pub fn new(distance: f64, first_speed: f64, last_speed: f64) -> Result<Self, GlideslopeError> {
         let all = [("distance", distance), ("first_speed", first_speed), ("last_speed", last_speed)];
         match all.into_iter().find(|&(_, value)| !(value > 0.0 && value.is_finite())) {
-            Some((parameter, value)) => Err(NotPositive { parameter, value }),
+            Some((parameter, value)) => Err(GlideslopeError { parameter, value }),
             None => Ok(Self { distance, first_speed, last_speed }),
         }
     }
