@@ -166,3 +166,34 @@ fn bad_input_is_refused() {
         "{error}"
     );
 }
+
+/// The long way and whole revolutions between places that are nearly one, down to where they are in line with the centre: the chord
+/// says all about the direction, and the time about the size of the ellipse.
+#[test]
+fn places_that_are_nearly_one() {
+    let mut random = Random::new(4);
+    let mut flown = 0;
+    for _ in 0..20_000 {
+        let from = random_vector(&mut random, 1.0);
+        let size = 10_f64.powf(random.uniform(-13.0..-1.0));
+        let step = random_vector(&mut random, size);
+        let to = std::array::from_fn(|i| from[i] + step[i]);
+        let time = 10_f64.powf(random.uniform(0.5..2.0));
+        let route = if random.one_in(2) { Route::prograde() } else { Route::retrograde() };
+        let route = route.with_revolutions((random.bits() % 3) as u32, Branch::LargerAxis);
+        let found = match arc(1.0, &from, &to, time, &route) {
+            Ok(found) => found,
+            Err(LambertError::TooManyRevolutions { .. } | LambertError::Collinear { .. }) => continue,
+            Err(error) => panic!("{error}: {from:?} {to:?} {time} {route:?}"),
+        };
+        // Nearly straight ones pass the centre so near that rounding of the departure decides how.
+        let momentum = Vector3::from(from).cross(&Vector3::from(found.departure)).norm();
+        if momentum < 0.1 {
+            continue;
+        }
+        flown += 1;
+        let (error, effect) = miss(&from, &to, time, &found);
+        assert!(error <= 50.0 * effect, "{error}, one unit causes {effect}: {from:?} {to:?} {time} {route:?}");
+    }
+    assert!(flown > 5000, "{flown}");
+}

@@ -251,7 +251,7 @@ fn glideslopes_obey_their_equation() {
     let [one, other] = [1e-5, 9e-4].map(|x| Glideslope::new(10.0, 0.1, 0.1 * (1.0 + x)).unwrap());
     close(one.duration(), 100.0 * (1.0 - 0.5e-5), 1e-8);
     close(other.duration(), 100.0 * (9e-4_f64).ln_1p() / 9e-4, 1e-9);
-    let expected = GlideslopeError { parameter: "last_speed", value: 0.0 };
+    let expected = GlideslopeError::NotPositive { parameter: "last_speed", value: 0.0 };
     assert_eq!(Glideslope::new(1.0, 1.0, 0.0), Err(expected));
     assert!(Glideslope::new(f64::NAN, 1.0, 1.0).is_err());
 }

@@ -39,6 +39,8 @@ pub enum AnomalyError {
         /// Less than this, either way \[rad\].
         limit: f64,
     },
+    /// What was asked for is too large for `f64`.
+    OutOfRange,
 }
 
 impl fmt::Display for AnomalyError {
@@ -51,6 +53,7 @@ impl fmt::Display for AnomalyError {
             AnomalyError::BeyondAsymptote { true_anomaly, limit } => {
                 write!(f, "the true anomaly {true_anomaly} rad is not within ±{limit} rad, where the asymptotes are")
             }
+            AnomalyError::OutOfRange => write!(f, "the anomaly leaves the range of floating-point numbers"),
         }
     }
 }
@@ -87,6 +90,10 @@ fn check(e: f64, anomaly: f64) -> Result<(), AnomalyError> {
     }
 }
 
+fn finite(anomaly: f64) -> Result<f64, AnomalyError> {
+    if anomaly.is_finite() { Ok(anomaly) } else { Err(AnomalyError::OutOfRange) }
+}
+
 /// The anomaly in between of a true anomaly: E or H \[rad\], or D.
 ///
 /// | argument       | meaning                 | unit |
@@ -110,7 +117,12 @@ pub fn eccentric_from_true(e: f64, true_anomaly: f64) -> Result<f64, AnomalyErro
     if !(ratio > 0.0 && true_anomaly.abs() < limit) {
         return Err(AnomalyError::BeyondAsymptote { true_anomaly, limit });
     }
-    Ok(if e > 1.0 { asinh(Scalar::sqrt((e - 1.0) * (e + 1.0)) * sin / ratio) } else { Scalar::tan(0.5 * true_anomaly) })
+    finite(if e > 1.0 {
+        // A product of roots: of squares of large numbers there is none.
+        asinh(Scalar::sqrt(e - 1.0) * Scalar::sqrt(e + 1.0) * sin / ratio)
+    } else {
+        Scalar::tan(0.5 * true_anomaly)
+    })
 }
 
 /// The true anomaly \[rad\] of E, D or H.
@@ -121,7 +133,7 @@ pub fn eccentric_from_true(e: f64, true_anomaly: f64) -> Result<f64, AnomalyErro
 /// | `anomaly` | E, D or H               | rad  |
 ///
 /// # Errors
-/// [`AnomalyError::Eccentricity`], [`AnomalyError::NotFinite`].
+/// [`AnomalyError`], not [`BeyondAsymptote`](AnomalyError::BeyondAsymptote).
 pub fn true_from_eccentric(e: f64, anomaly: f64) -> Result<f64, AnomalyError> {
     check(e, anomaly)?;
     if e < 1.0 {
@@ -141,15 +153,15 @@ pub fn true_from_eccentric(e: f64, anomaly: f64) -> Result<f64, AnomalyError> {
 /// | `anomaly` | E, D or H               | rad  |
 ///
 /// # Errors
-/// [`AnomalyError::Eccentricity`], [`AnomalyError::NotFinite`].
+/// [`AnomalyError`], not [`BeyondAsymptote`](AnomalyError::BeyondAsymptote).
 pub fn mean_from_eccentric(e: f64, anomaly: f64) -> Result<f64, AnomalyError> {
     check(e, anomaly)?;
     let shape = shape(e);
     if e == 1.0 {
-        return Ok(anomaly + anomaly * anomaly * anomaly / 3.0);
+        return finite(anomaly + anomaly * anomaly * anomaly / 3.0);
     }
     let (whole, rest) = if e < 1.0 { turns(anomaly) } else { (0.0, anomaly) };
-    Ok(whole + shape.time(rest, &Universal::at(rest, shape.alpha)))
+    finite(whole + shape.time(rest, &Universal::at(rest, shape.alpha)))
 }
 
 /// E or H \[rad\], or D, of a mean anomaly: Kepler's equation, solved.
@@ -160,15 +172,15 @@ pub fn mean_from_eccentric(e: f64, anomaly: f64) -> Result<f64, AnomalyError> {
 /// | `mean`   | mean anomaly            | rad  |
 ///
 /// # Errors
-/// [`AnomalyError::Eccentricity`], [`AnomalyError::NotFinite`].
+/// [`AnomalyError`], not [`BeyondAsymptote`](AnomalyError::BeyondAsymptote).
 pub fn eccentric_from_mean(e: f64, mean: f64) -> Result<f64, AnomalyError> {
     check(e, mean)?;
     let shape = shape(e);
     if e == 1.0 {
-        return Ok(shape.place(ROOT_2 * mean).s / ROOT_2);
+        return finite(shape.place(ROOT_2 * mean).s / ROOT_2);
     }
     let (whole, rest) = if e < 1.0 { turns(mean) } else { (0.0, mean) };
-    Ok(whole + shape.place(rest).s)
+    finite(whole + shape.place(rest).s)
 }
 
 /// The mean anomaly \[rad\] of a true one.
@@ -192,7 +204,7 @@ pub fn mean_from_true(e: f64, true_anomaly: f64) -> Result<f64, AnomalyError> {
 /// | `mean`   | mean anomaly            | rad  |
 ///
 /// # Errors
-/// [`AnomalyError::Eccentricity`], [`AnomalyError::NotFinite`].
+/// [`AnomalyError`], not [`BeyondAsymptote`](AnomalyError::BeyondAsymptote).
 pub fn true_from_mean(e: f64, mean: f64) -> Result<f64, AnomalyError> {
     true_from_eccentric(e, eccentric_from_mean(e, mean)?)
 }

@@ -75,6 +75,8 @@ pub enum ElementsError {
         /// The eccentricity.
         eccentricity: f64,
     },
+    /// The state is too large or too small for `f64`.
+    OutOfRange,
 }
 
 impl fmt::Display for ElementsError {
@@ -89,6 +91,7 @@ impl fmt::Display for ElementsError {
             ElementsError::BeyondAsymptote { true_anomaly, eccentricity } => {
                 write!(f, "an orbit of eccentricity {eccentricity} does not reach the true anomaly {true_anomaly} rad")
             }
+            ElementsError::OutOfRange => write!(f, "the motion leaves the range of floating-point numbers"),
         }
     }
 }
@@ -170,10 +173,11 @@ impl Elements {
         }
         let [toward, ahead] = self.axes();
         let (r, speed) = (p / ratio, Scalar::sqrt(mu / p));
-        Ok(StateVector {
+        let state = StateVector {
             position: combined(r * cos, &toward, r * sin, &ahead),
             velocity: combined(-speed * sin, &toward, speed * (e + cos), &ahead),
-        })
+        };
+        if state.is_finite() && r > 0.0 { Ok(state) } else { Err(ElementsError::OutOfRange) }
     }
 
     /// Unit vectors to the nearest point, and a quarter of a turn on.

@@ -173,9 +173,18 @@ impl Geometry {
             return Err(LambertError::OutOfRange);
         }
         let radial = [scaled(1.0 / r1, from), scaled(1.0 / r2, to)];
-        let mut normal = cross(&radial[0], &radial[1]);
-        let sine = norm(&normal);
-        let [sum, difference] = [norm(&plus(&radial[0], &radial[1])), norm(&minus(&radial[0], &radial[1]))];
+        let separation = minus(from, to);
+        let chord = norm(&separation);
+        let sum = norm(&plus(&radial[0], &radial[1]));
+        // The separation of near places is exact, that of their directions is rounding.
+        let (mut normal, sine, difference) = if chord < 0.5 * r1.min(r2) {
+            let normal = cross(&radial[0], &scaled(-1.0 / r2, &separation));
+            let sine = norm(&normal);
+            (normal, sine, 2.0 * sine / sum)
+        } else {
+            let normal = cross(&radial[0], &radial[1]);
+            (normal, norm(&normal), norm(&minus(&radial[0], &radial[1])))
+        };
         if sine <= COLLINEAR {
             return Err(LambertError::Collinear { angle: if difference > sum { PI } else { 0.0 } });
         }
@@ -187,8 +196,6 @@ impl Geometry {
         if sense < 0.0 {
             normal = scaled(-1.0, &normal);
         }
-        let separation = minus(from, to);
-        let chord = norm(&separation);
         let s = 0.5 * (r1 + r2 + chord);
         // Half the sum and difference of the unit vectors are cosine and sine of half the angle.
         let root = Scalar::sqrt(r1 / s) * Scalar::sqrt(r2 / s);

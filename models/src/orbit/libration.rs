@@ -9,7 +9,7 @@ use mbs_runtime::Scalar;
 
 use crate::cr3bp::{Cr3bp, Params};
 
-/// A mass ratio that is not in (0, ½].
+/// A mass ratio that is not in (0, ½], or so small that rounding puts a point where the smaller primary is.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MassRatioError {
     /// The part of the smaller primary that was given.
@@ -38,7 +38,11 @@ impl Point {
 
 impl fmt::Display for MassRatioError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "the part of the smaller primary is more than 0 and at most 1/2, it is {}", self.mu)
+        write!(
+            f,
+            "the part of the smaller primary must be more than 0, at most 1/2, and more than rounding, it is {}",
+            self.mu
+        )
     }
 }
 
@@ -117,6 +121,9 @@ impl Modes {
         let [x, y] = points(mu)?[point as usize];
         let linear = Cr3bp::new(Params { mu }).linearize(&[x, y, 0.0], &[0.0; 3]);
         let [[a, b, _], [c, d, _], [_, _, normal]] = linear.q;
+        if !linear.q.iter().flatten().all(|x| x.is_finite()) {
+            return Err(MassRatioError { mu });
+        }
         let half = 0.5 * (a + d + linear.qd[0][1] * linear.qd[1][0]);
         let determinant = a * d - b * c;
         let discriminant = half * half - determinant;

@@ -45,6 +45,8 @@ pub enum StationError {
     },
     /// A body at the station itself has no direction from it, and no cylindrical coordinates.
     AtTheStation,
+    /// Numbers are too large or too small for `f64`, or are none.
+    OutOfRange,
     /// The station's orbit was not found at a time.
     Kepler(KeplerError),
 }
@@ -55,6 +57,7 @@ impl fmt::Display for StationError {
             Self::NotPositive { parameter, value } => write!(f, "{parameter} must be positive, it is {value}"),
             Self::Negative { parameter, value } => write!(f, "{parameter} must not be negative, it is {value}"),
             Self::AtTheStation => write!(f, "a body at the station itself has no cylindrical coordinates about it"),
+            Self::OutOfRange => write!(f, "the motion leaves the range of floating-point numbers"),
             Self::Kepler(error) => error.fmt(f),
         }
     }
@@ -81,8 +84,13 @@ impl fmt::Display for BelowTheSurface {
 impl Station {
     /// On a circle.
     ///
+    /// | argument | meaning                        | unit  |
+    /// |----------|--------------------------------|-------|
+    /// | `mu`     | G times the mass of the centre | m³/s² |
+    /// | `radius` | of the circle                  | m     |
+    ///
     /// # Errors
-    /// [`StationError::NotPositive`].
+    /// [`StationError::NotPositive`], [`StationError::OutOfRange`].
     pub fn on_a_circle(mu: f64, radius: f64) -> Result<Self, StationError> {
         Self::from_periapsis(mu, radius, 0.0)
     }
@@ -96,7 +104,7 @@ impl Station {
     /// | `eccentricity` | 0 or more                        | 1     |
     ///
     /// # Errors
-    /// [`StationError::NotPositive`], [`StationError::Negative`].
+    /// [`StationError::NotPositive`], [`StationError::Negative`], [`StationError::OutOfRange`].
     pub fn from_periapsis(mu: f64, periapsis: f64, eccentricity: f64) -> Result<Self, StationError> {
         for (parameter, value) in [("mu", mu), ("periapsis", periapsis)] {
             if !(value > 0.0 && value.is_finite()) {
@@ -106,7 +114,9 @@ impl Station {
         not_negative("eccentricity", eccentricity)?;
         let speed = Scalar::sqrt(mu * (1.0 + eccentricity) / periapsis);
         let start = StateVector::new([periapsis, 0.0, 0.0], [0.0, speed, 0.0]);
-        Ok(Self { mu, periapsis, eccentricity, mass: 0.0, start })
+        let station = Self { mu, periapsis, eccentricity, mass: 0.0, start };
+        let (rate, period) = (station.rate(), station.period());
+        if rate > 0.0 && rate.is_finite() && period > 0.0 { Ok(station) } else { Err(StationError::OutOfRange) }
     }
 
     /// The same, with a mass that attracts as a point \[kg\].
@@ -148,21 +158,21 @@ impl Station {
         propagate(self.mu, &self.start, t).map(|arrival| arrival.state).map_err(StationError::Kepler)
     }
 
-    /// Distance and polar angle, each with its first and second derivative: the prescribed signals of
+    /// Distance \[m\] and polar angle \[rad\], each with its first and second derivative: the prescribed signals of
     /// [`relative_lvlh`](crate::relative_lvlh) and [`relative_cylindrical`](crate::relative_cylindrical). The angle is the true
     /// anomaly within ±π; on a circle it goes on.
     ///
     /// `r̈ = r ν̇² − μ/r²`, `ν̈ = −2 ṙ ν̇/r`.
     ///
     /// # Errors
-    /// [`StationError::Kepler`].
+    /// [`StationError::Kepler`], [`StationError::OutOfRange`].
     pub fn signals(&self, t: f64) -> Result<[[f64; 3]; 2], StationError> {
         if !t.is_finite() {
             return Err(StationError::Kepler(KeplerError::Time { time: t }));
         }
         if self.eccentricity == 0.0 {
             let rate = self.rate();
-            return Ok([[self.periapsis, 0.0, 0.0], [rate * t, rate, 0.0]]);
+            return finite([[self.periapsis, 0.0, 0.0], [rate * t, rate, 0.0]]);
         }
         let StateVector { position: [x, y, _], velocity: [u, v, _] } = self.state(t)?;
         let square = x * x + y * y;
@@ -170,7 +180,7 @@ impl Station {
         let radial = (x * u + y * v) / r;
         let rate = self.periapsis * self.start.velocity[1] / square;
         let signal = [r, radial, r * rate * rate - self.mu / square];
-        Ok([signal, [Scalar::atan2(y, x), rate, -2.0 * radial * rate / r]])
+        finite([signal, [Scalar::atan2(y, x), rate, -2.0 * radial * rate / r]])
     }
 
     /// The accelerations of a body about the station, in its local axes, as the integrators want them.
@@ -188,6 +198,10 @@ impl Station {
     }
 }
 
+fn finite(signals: [[f64; 3]; 2]) -> Result<[[f64; 3]; 2], StationError> {
+    if signals.iter().flatten().all(|x| x.is_finite()) { Ok(signals) } else { Err(StationError::OutOfRange) }
+}
+
 fn not_negative(parameter: &'static str, value: f64) -> Result<(), StationError> {
     if value >= 0.0 && value.is_finite() { Ok(()) } else { Err(StationError::Negative { parameter, value }) }
 }
@@ -195,7 +209,7 @@ fn not_negative(parameter: &'static str, value: f64) -> Result<(), StationError>
 /// Local axes to cylindrical coordinates r, θ, z about the station.
 ///
 /// # Errors
-/// [`StationError::AtTheStation`] at r = 0.
+/// [`StationError::AtTheStation`] at r = 0, [`StationError::OutOfRange`].
 pub fn to_cylindrical(local: &State<[f64; 3]>) -> Result<State<[f64; 3]>, StationError> {
     let ([x, y, z], [u, v, w]) = (local.q, local.qd);
     let square = x * x + y * y;
@@ -203,7 +217,8 @@ pub fn to_cylindrical(local: &State<[f64; 3]>) -> Result<State<[f64; 3]>, Statio
         return Err(StationError::AtTheStation);
     }
     let r = Scalar::sqrt(square);
-    Ok(State { q: [r, Scalar::atan2(y, x), z], qd: [(x * u + y * v) / r, (x * v - y * u) / square, w] })
+    let state = State { q: [r, Scalar::atan2(y, x), z], qd: [(x * u + y * v) / r, (x * v - y * u) / square, w] };
+    if state.q.iter().chain(&state.qd).all(|x| x.is_finite()) { Ok(state) } else { Err(StationError::OutOfRange) }
 }
 
 /// Cylindrical coordinates about the station to its local axes.

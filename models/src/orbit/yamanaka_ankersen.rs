@@ -38,6 +38,8 @@ pub enum TransitionError {
         /// \[s\]
         time: f64,
     },
+    /// A component of a place is not finite.
+    NotFinite,
 }
 
 impl fmt::Display for TransitionError {
@@ -48,6 +50,7 @@ impl fmt::Display for TransitionError {
             }
             TransitionError::Kepler(error) => error.fmt(f),
             TransitionError::Frame(error) => error.fmt(f),
+            TransitionError::NotFinite => write!(f, "a place is not finite"),
             TransitionError::Singular { time } => write!(f, "no velocity fixes the place after {time} s"),
         }
     }
@@ -158,7 +161,8 @@ pub fn state_transition(mu: f64, station: &StateVector, time: f64) -> Result<[[f
         }
     }
     insert(&mut matrix, 2, 2, &transformed(across));
-    Ok(matrix)
+    let finite = matrix.iter().flatten().all(|x| x.is_finite());
+    if finite { Ok(matrix) } else { Err(TransitionError::Kepler(KeplerError::OutOfRange)) }
 }
 
 /// Position and velocity of one axis by those of another.
@@ -177,6 +181,13 @@ fn product(a: &[[f64; 2]; 2], b: &[[f64; 2]; 2]) -> [[f64; 2]; 2] {
 /// The velocities of the coast that leads from one place to another in a time, as
 /// [`clohessy_wiltshire::transfer`](super::clohessy_wiltshire::transfer) gives them on a circle.
 ///
+/// | argument     | meaning                                    | unit   |
+/// |--------------|--------------------------------------------|--------|
+/// | `mu`         | G times the mass of the centre             | m³/s²  |
+/// | `station`    | inertial, relative to the centre, at first | m, m/s |
+/// | `from`, `to` | places in the station's frame              | m      |
+/// | `time`       | from one to the other; may be negative     | s      |
+///
 /// # Errors
 /// [`TransitionError`]; [`TransitionError::Singular`] where the place after this time does not depend on some velocity.
 pub fn transfer(
@@ -187,6 +198,9 @@ pub fn transfer(
     time: f64,
 ) -> Result<Transfer, TransitionError> {
     let phi = state_transition(mu, station, time)?;
+    if !from.iter().chain(to).all(|x| x.is_finite()) {
+        return Err(TransitionError::NotFinite);
+    }
     let missing: Vector = core::array::from_fn(|i| to[i] - (0..3).map(|j| phi[i][j] * from[j]).sum::<f64>());
     // Cramer's rule, in the plane and across.
     let (a, b, c, d) = (phi[0][3], phi[0][4], phi[1][3], phi[1][4]);
@@ -199,10 +213,12 @@ pub fn transfer(
     let w = if missing[2] == 0.0 { 0.0 } else { missing[2] / across };
     let departure =
         [(d * missing[0] - b * missing[1]) / determinant, (a * missing[1] - c * missing[0]) / determinant, w];
-    if !departure.iter().all(|v| v.is_finite()) {
-        return Err(TransitionError::Singular { time });
+    let end = transformed(&phi, &StateVector::new(*from, departure));
+    // An overflow on the way to the velocity reaches the end.
+    if !end.is_finite() {
+        return Err(TransitionError::Kepler(KeplerError::OutOfRange));
     }
-    Ok(Transfer { departure, arrival: transformed(&phi, &StateVector::new(*from, departure)).velocity })
+    Ok(Transfer { departure, arrival: end.velocity })
 }
 
 /// A determinant that is smaller than this part of the squares that it is made of is none.

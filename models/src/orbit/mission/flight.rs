@@ -175,7 +175,14 @@ impl<T: FnMut(&Burn) -> Vector, O: FnMut(&Moment)> Flight<'_, T, O> {
         }
         self.coast(high)?;
         let StateVector { position, velocity } = self.motion.relative;
-        Ok(StateVector::new(minus(&position, &port), velocity))
+        let beside = minus(&position, &port);
+        let distance = norm(&beside);
+        // What is no number has not come there either.
+        if distance <= self.zones.keep_out.max(self.mission.port_distance) {
+            Ok(StateVector::new(beside, velocity))
+        } else {
+            Err(MissionError::Missed { time: self.time, distance })
+        }
     }
 
     /// A burn that leads to a place after a time, by the linear model; left out where it is smaller than `smallest`.
