@@ -197,3 +197,25 @@ fn places_that_are_nearly_one() {
     }
     assert!(flown > 5000, "{flown}");
 }
+
+/// The short way in a time that is long for it: thrown up, a body falls back beside where it was, nearly along a line.
+#[test]
+fn thrown_up_and_back() {
+    let from = [0.39079016242358267, -0.6629435651643104, 0.6385834936483903];
+    let to = [0.39079016242357606, -0.6629435651643077, 0.6385834936483911];
+    let r = Vector3::from(from).norm();
+    for time in [1e-3, 0.120_976_507_419_622_52, 1.0, 2.5] {
+        for route in [Route::prograde(), Route::retrograde()] {
+            let found = arc(1.0, &from, &to, time, &route).unwrap();
+            let speed = Vector3::from(found.departure).dot(&Vector3::from(from)) / r;
+            let short = Vector3::from(from).cross(&Vector3::from(to)).dot(&Vector3::from(route.pole)) > 0.0;
+            if short {
+                // Up for half of the time: (η + sin η)/(1 + cos η)^{3/2}, cos²(η/2) = r/r_top, v² = 2/r − 2/r_top.
+                let top = 1.0 / (1.0 / r - 0.5 * speed * speed);
+                let eta = 2.0 * (r / top).sqrt().acos();
+                let flown = 2.0 * (top * top * top / 8.0).sqrt() * (eta + eta.sin());
+                assert!((flown / time - 1.0).abs() < 1e-7 && speed > 0.0, "{flown}, not {time}");
+            }
+        }
+    }
+}

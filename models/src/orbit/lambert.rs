@@ -304,9 +304,11 @@ impl Flight {
             } else {
                 high = w
             }
+            // Where the time hardly changes, for the short way between near places, derivatives are rounding: steps alone say nothing.
+            let is_near = residual.abs() <= 0.1 * target;
             let mut step = self.side * Self::householder(residual, self.derivatives(&trial));
             if !(w + step > low && w + step < high) {
-                let small = step.abs() <= 4.0 * f64::EPSILON * w;
+                let small = is_near && step.abs() <= 4.0 * f64::EPSILON * w;
                 step = if small {
                     return (w, iterations);
                 } else if high.is_finite() {
@@ -316,7 +318,7 @@ impl Flight {
                 };
             }
             w += step;
-            if step.abs() <= close * w {
+            if is_near && step.abs() <= close * w {
                 return (w, iterations);
             }
         }
@@ -348,6 +350,9 @@ impl Flight {
 
 /// Bisection alone would end within so many steps.
 const LIMIT: u32 = 100;
+
+/// A time that differs by more than this part was not found.
+const NOT_FOUND: f64 = 1e-6;
 
 /// A step of this part of w leaves an error of its fourth power.
 const CLOSE: f64 = 1e-5;
@@ -402,7 +407,7 @@ pub fn arc(mu: f64, from: &Vector, to: &Vector, time: f64, route: &Route) -> Res
         (if start < bound { start } else { 0.5 * bound }, bound)
     };
     let (w, iterations) = flight.search(target, start, bound);
-    let Trial { x, y, eta, .. } = flight.at(w);
+    let Trial { x, y, eta, time, .. } = flight.at(w);
     // Gooding's velocities; y + λ x without cancellation, as η.
     let lambda = geometry.lambda;
     let sum = if lambda * x < 0.0 { geometry.rest / (y - lambda * x) } else { y + lambda * x };
@@ -422,7 +427,9 @@ pub fn arc(mu: f64, from: &Vector, to: &Vector, time: f64, route: &Route) -> Res
         &geometry.across[1],
     );
     let finite = departure.iter().chain(&arrival).all(|x| x.is_finite());
-    if finite && eta.is_finite() && geometry.chord > 0.0 {
+    // A time that no x gives, by the rounding of both.
+    let found = (time - target).abs() <= NOT_FOUND * target;
+    if finite && found && eta.is_finite() && geometry.chord > 0.0 {
         Ok(ConicArc { departure, arrival, iterations })
     } else {
         Err(LambertError::OutOfRange)
