@@ -189,10 +189,21 @@ fn bad_input_is_refused_with_its_value() {
     close(far.eccentricity, 1.0, 1e-14);
     let negative = Elements { semi_latus_rectum: -1.0, ..elements };
     assert_eq!(negative.to_state(1.0), Err(ElementsError::NotPositive { parameter: "semi_latus_rectum", value: -1.0 }));
+    let negative = Elements { eccentricity: -0.1, ..elements }.to_state(1.0).unwrap_err();
+    assert_eq!(negative, ElementsError::Negative { parameter: "eccentricity", value: -0.1 });
+    assert_eq!(negative.to_string(), "eccentricity must not be negative, it is -0.1");
+    let infinite = Elements { eccentricity: f64::INFINITY, ..elements }.to_state(1.0);
+    assert_eq!(infinite, Err(ElementsError::NotFinite { parameter: "eccentricity", value: f64::INFINITY }));
     let nan = Elements { inclination: f64::NAN, ..elements };
     assert!(matches!(nan.to_state(1.0), Err(ElementsError::NotFinite { parameter: "inclination", .. })));
 
     assert_eq!(anomaly::eccentric_from_mean(-0.1, 1.0), Err(AnomalyError::Eccentricity { e: -0.1 }));
+    for (e, message) in [
+        (f64::INFINITY, "the eccentricity must be zero or positive and finite, it is inf"),
+        (f64::NAN, "the eccentricity must be zero or positive and finite, it is NaN"),
+    ] {
+        assert_eq!(anomaly::true_from_eccentric(e, 1.0).unwrap_err().to_string(), message);
+    }
     assert_eq!(anomaly::true_from_mean(0.5, f64::INFINITY), Err(AnomalyError::NotFinite { anomaly: f64::INFINITY }));
     let limit = (-1.0_f64 / 2.0).acos();
     for true_anomaly in [2.2, -2.2, PI, 7.0] {

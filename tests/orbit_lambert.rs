@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use mbs_models::orbit::kepler::propagate;
-use mbs_models::orbit::lambert::{Arc, LambertError, Path, arc};
+use mbs_models::orbit::lambert::{Branch, ConicArc, LambertError, Route, arc};
 use mbs_models::orbit::transition::state_transition;
 use mbs_models::orbit::vector::StateVector;
 use mbs_tests::random::Random;
@@ -19,7 +19,7 @@ fn random_vector(random: &mut Random, length: f64) -> [f64; 3] {
 }
 
 /// How far an arc ends from its place, relative to it; and what one unit in the last place of place and velocity causes there.
-fn miss(from: &[f64; 3], to: &[f64; 3], time: f64, found: &Arc) -> (f64, f64) {
+fn miss(from: &[f64; 3], to: &[f64; 3], time: f64, found: &ConicArc) -> (f64, f64) {
     let start = StateVector::new(*from, found.departure);
     let there = state_transition(1.0, &start, time).unwrap();
     let size = Vector3::from(*to).norm();
@@ -40,38 +40,43 @@ fn check_random_arcs(seed: u64, count: usize, sizes: f64, times: [f64; 2], good:
         let size = 10_f64.powf(random.uniform(-sizes..sizes));
         let to = random_vector(&mut random, size);
         let time = 10_f64.powf(random.uniform(times[0]..times[1]));
-        let path = if random.one_in(2) { Path::prograde() } else { Path::retrograde() };
+        let route = if random.one_in(2) { Route::prograde() } else { Route::retrograde() };
         let kind = (random.bits() % 3) as usize;
-        let path = if kind == 0 { path } else { path.with_revolutions(1 + (random.bits() % 5) as u32, kind == 1) };
-        match arc(1.0, &from, &to, time, &path) {
+        let route = if kind == 0 {
+            route
+        } else {
+            let branch = if kind == 1 { Branch::LargerAxis } else { Branch::SmallerAxis };
+            route.with_revolutions(1 + (random.bits() % 5) as u32, branch)
+        };
+        match arc(1.0, &from, &to, time, &route) {
             Ok(found) => {
                 flown[kind] += 1;
                 let (error, effect) = miss(&from, &to, time, &found);
-                assert!(good(error, effect), "{error}, one unit causes {effect}: {from:?} {to:?} {time} {path:?}");
-                assert!(found.iterations <= 8, "{} iterations: {from:?} {to:?} {time} {path:?}", found.iterations);
+                assert!(good(error, effect), "{error}, one unit causes {effect}: {from:?} {to:?} {time} {route:?}");
+                assert!(found.iterations <= 8, "{} iterations: {from:?} {to:?} {time} {route:?}", found.iterations);
                 let momentum = Vector3::from(from).cross(&Vector3::from(found.departure));
-                assert!(momentum.dot(&Vector3::from(path.pole)) > 0.0);
+                assert!(momentum.dot(&Vector3::from(route.pole)) > 0.0);
             }
             Err(LambertError::TooManyRevolutions { revolutions, time: given, least }) => {
                 refused += 1;
-                assert_eq!((revolutions, given), (path.revolutions, time));
-                assert!(least > time && path.revolutions > 0);
+                assert_eq!((revolutions, given), (route.revolutions, time));
+                assert!(least > time && route.revolutions > 0);
                 if refused % 8 != 0 {
                     continue;
                 }
                 // Given a little more than that, both conics are there, and nearly the same where it is very little.
                 for more in [1e-2, 1e-6, 1e-10] {
                     let enough = (1.0 + more) * least;
-                    let [low, high] =
-                        [false, true].map(|high| arc(1.0, &from, &to, enough, &Path { high, ..path }).unwrap());
+                    let [low, high] = [Branch::SmallerAxis, Branch::LargerAxis]
+                        .map(|branch| arc(1.0, &from, &to, enough, &Route { branch, ..route }).unwrap());
                     assert!(distance(&low.departure, &high.departure) > 1e-3 * more.sqrt());
                     for found in [low, high] {
                         let (error, effect) = miss(&from, &to, enough, &found);
-                        assert!(error <= 50.0 * effect, "{error}, {effect}: {from:?} {to:?} {enough} {path:?}");
+                        assert!(error <= 50.0 * effect, "{error}, {effect}: {from:?} {to:?} {enough} {route:?}");
                     }
                 }
             }
-            Err(error) => panic!("{error}: {from:?} {to:?} {time} {path:?}"),
+            Err(error) => panic!("{error}: {from:?} {to:?} {time} {route:?}"),
         }
     }
     assert!(flown.iter().all(|&n| n > count / 20) && refused > 0, "{flown:?} {refused}");
@@ -94,30 +99,31 @@ fn both_ends_and_both_ways() {
     for _ in 0..1000 {
         let (from, to) = (random_vector(&mut random, 1.0), random_vector(&mut random, 1.7));
         let time = random.uniform(0.5..5.0);
-        let path = Path::prograde();
-        let there = arc(1.0, &from, &to, time, &path).unwrap();
+        let route = Route::prograde();
+        let there = arc(1.0, &from, &to, time, &route).unwrap();
         let end = propagate(1.0, &StateVector::new(from, there.departure), time).unwrap().state;
         assert!(distance(&end.velocity, &there.arrival) < 1e-10);
         // Time reversed: the same arc, backwards.
-        let back = arc(1.0, &to, &from, time, &Path::retrograde()).unwrap();
+        let back = arc(1.0, &to, &from, time, &Route::retrograde()).unwrap();
         let reversed = back.departure.map(|v| -v);
         assert!(distance(&reversed, &there.arrival) < 1e-10, "{back:?} {there:?}");
         // The pole only says which way round.
         let pole = Vector3::from(from).cross(&Vector3::from(there.departure));
-        assert_eq!(arc(1.0, &from, &to, time, &path.about(pole.into())).unwrap(), there);
+        assert_eq!(arc(1.0, &from, &to, time, &route.about(pole.into())).unwrap(), there);
     }
 }
 
 /// With revolutions there are two conics: of the same time, one with a larger major axis.
 #[test]
-fn the_high_path_has_the_larger_axis() {
+fn the_branches_are_told_apart_by_the_axis() {
     let (from, to) = ([1.0, 0.0, 0.0], [0.2, 1.1, 0.3]);
-    let axis = |found: &Arc| 1.0 / (2.0 - Vector3::from(found.departure).norm_squared());
+    let axis = |found: &ConicArc| 1.0 / (2.0 - Vector3::from(found.departure).norm_squared());
     for revolutions in 1..20 {
         let time = 2.0 * PI * f64::from(revolutions) * 1.5;
-        let of = |high| arc(1.0, &from, &to, time, &Path::prograde().with_revolutions(revolutions, high)).unwrap();
-        let (low, high) = (of(false), of(true));
-        assert!(axis(&high) > axis(&low) && axis(&low) > 0.0, "{low:?} {high:?}");
+        let [smaller, larger] = [Branch::SmallerAxis, Branch::LargerAxis].map(|branch| {
+            arc(1.0, &from, &to, time, &Route::prograde().with_revolutions(revolutions, branch)).unwrap()
+        });
+        assert!(axis(&larger) > axis(&smaller) && axis(&smaller) > 0.0, "{smaller:?} {larger:?}");
     }
 }
 
@@ -129,7 +135,7 @@ fn the_parabola_in_between() {
     let chord = distance(&from, &to);
     let time = ((r + s + chord).powf(1.5) - (r + s - chord).powf(1.5)) / 6.0;
     for part in [1.0 - 1e-9, 1.0, 1.0 + 1e-9, 0.999, 1.001] {
-        let found = arc(1.0, &from, &to, part * time, &Path::prograde()).unwrap();
+        let found = arc(1.0, &from, &to, part * time, &Route::prograde()).unwrap();
         let energy = Vector3::from(found.departure).norm_squared() / 2.0 - 1.0 / r;
         assert!(energy.abs() < 1e-14 + 2.0 * (1.0 - part).abs() && (part - 1.0) * energy <= 1e-15, "{part}: {energy}");
         let (error, effect) = miss(&from, &to, part * time, &found);
@@ -140,23 +146,76 @@ fn the_parabola_in_between() {
 #[test]
 fn bad_input_is_refused() {
     let (x, y) = ([1.0, 0.0, 0.0], [0.0, 2.0, 0.0]);
-    let path = Path::prograde();
-    assert_eq!(arc(-1.0, &x, &y, 1.0, &path), Err(LambertError::Mu { mu: -1.0 }));
+    let route = Route::prograde();
+    assert_eq!(arc(-1.0, &x, &y, 1.0, &route), Err(LambertError::Mu { mu: -1.0 }));
     for time in [0.0, -1.0, f64::INFINITY] {
-        assert_eq!(arc(1.0, &x, &y, time, &path), Err(LambertError::Time { time }));
+        assert_eq!(arc(1.0, &x, &y, time, &route), Err(LambertError::Time { time }));
     }
-    assert!(matches!(arc(1.0, &x, &y, f64::NAN, &path), Err(LambertError::Time { time }) if time.is_nan()));
-    assert_eq!(arc(1.0, &[f64::NAN, 0.0, 0.0], &y, 1.0, &path), Err(LambertError::NotFinite));
-    assert_eq!(arc(1.0, &x, &y, 1.0, &path.about([f64::INFINITY; 3])), Err(LambertError::NotFinite));
-    assert_eq!(arc(1.0, &x, &[0.0; 3], 1.0, &path), Err(LambertError::AtCentre));
-    assert_eq!(arc(1.0, &x, &[-2.0, 0.0, 0.0], 1.0, &path), Err(LambertError::Collinear { angle: PI }));
+    assert!(matches!(arc(1.0, &x, &y, f64::NAN, &route), Err(LambertError::Time { time }) if time.is_nan()));
+    assert_eq!(arc(1.0, &[f64::NAN, 0.0, 0.0], &y, 1.0, &route), Err(LambertError::NotFinite));
+    assert_eq!(arc(1.0, &x, &y, 1.0, &route.about([f64::INFINITY; 3])), Err(LambertError::NotFinite));
+    assert_eq!(arc(1.0, &x, &[0.0; 3], 1.0, &route), Err(LambertError::AtCentre));
+    assert_eq!(arc(1.0, &x, &[-2.0, 0.0, 0.0], 1.0, &route), Err(LambertError::Collinear { angle: PI }));
     for multiple in [1.0, 3.0] {
-        assert_eq!(arc(1.0, &x, &[multiple, 0.0, 0.0], 1.0, &path), Err(LambertError::Collinear { angle: 0.0 }));
+        assert_eq!(arc(1.0, &x, &[multiple, 0.0, 0.0], 1.0, &route), Err(LambertError::Collinear { angle: 0.0 }));
     }
-    assert_eq!(arc(1.0, &x, &[0.0, 0.0, 1.0], 1.0, &path), Err(LambertError::PoleInPlane));
-    let error = arc(1.0, &x, &y, 3.0, &path.with_revolutions(2, true)).unwrap_err();
+    assert_eq!(arc(1.0, &x, &[0.0, 0.0, 1.0], 1.0, &route), Err(LambertError::PoleInPlane));
+    let error = arc(1.0, &x, &y, 3.0, &route.with_revolutions(2, Branch::LargerAxis)).unwrap_err();
     assert!(
         matches!(error, LambertError::TooManyRevolutions { revolutions: 2, time: 3.0, least } if least > 12.0),
         "{error}"
     );
+}
+
+/// The long way and whole revolutions between places that are nearly one, down to where they are in line with the centre: the chord
+/// says all about the direction, and the time about the size of the ellipse.
+#[test]
+fn places_that_are_nearly_one() {
+    let mut random = Random::new(4);
+    let mut flown = 0;
+    for _ in 0..20_000 {
+        let from = random_vector(&mut random, 1.0);
+        let size = 10_f64.powf(random.uniform(-13.0..-1.0));
+        let step = random_vector(&mut random, size);
+        let to = std::array::from_fn(|i| from[i] + step[i]);
+        let time = 10_f64.powf(random.uniform(0.5..2.0));
+        let route = if random.one_in(2) { Route::prograde() } else { Route::retrograde() };
+        let route = route.with_revolutions((random.bits() % 3) as u32, Branch::LargerAxis);
+        let found = match arc(1.0, &from, &to, time, &route) {
+            Ok(found) => found,
+            Err(LambertError::TooManyRevolutions { .. } | LambertError::Collinear { .. }) => continue,
+            Err(error) => panic!("{error}: {from:?} {to:?} {time} {route:?}"),
+        };
+        // Nearly straight ones pass the centre so near that rounding of the departure decides how.
+        let momentum = Vector3::from(from).cross(&Vector3::from(found.departure)).norm();
+        if momentum < 0.1 {
+            continue;
+        }
+        flown += 1;
+        let (error, effect) = miss(&from, &to, time, &found);
+        assert!(error <= 50.0 * effect, "{error}, one unit causes {effect}: {from:?} {to:?} {time} {route:?}");
+    }
+    assert!(flown > 5000, "{flown}");
+}
+
+/// The short way in a time that is long for it: thrown up, a body falls back beside where it was, nearly along a line.
+#[test]
+fn thrown_up_and_back() {
+    let from = [0.39079016242358267, -0.6629435651643104, 0.6385834936483903];
+    let to = [0.39079016242357606, -0.6629435651643077, 0.6385834936483911];
+    let r = Vector3::from(from).norm();
+    for time in [1e-3, 0.120_976_507_419_622_52, 1.0, 2.5] {
+        for route in [Route::prograde(), Route::retrograde()] {
+            let found = arc(1.0, &from, &to, time, &route).unwrap();
+            let speed = Vector3::from(found.departure).dot(&Vector3::from(from)) / r;
+            let short = Vector3::from(from).cross(&Vector3::from(to)).dot(&Vector3::from(route.pole)) > 0.0;
+            if short {
+                // Up for half of the time: (η + sin η)/(1 + cos η)^{3/2}, cos²(η/2) = r/r_top, v² = 2/r − 2/r_top.
+                let top = 1.0 / (1.0 / r - 0.5 * speed * speed);
+                let eta = 2.0 * (r / top).sqrt().acos();
+                let flown = 2.0 * (top * top * top / 8.0).sqrt() * (eta + eta.sin());
+                assert!((flown / time - 1.0).abs() < 1e-7 && speed > 0.0, "{flown}, not {time}");
+            }
+        }
+    }
 }

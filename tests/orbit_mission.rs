@@ -7,7 +7,7 @@ use mbs_models::orbit::elements::{Elements, ElementsError};
 use mbs_models::orbit::kepler::propagate;
 use mbs_models::orbit::lvlh::{Frame, RelativeMotion, relative_motion};
 use mbs_models::orbit::mission::coast::Attraction;
-use mbs_models::orbit::mission::glideslope::{Glideslope, NotPositive};
+use mbs_models::orbit::mission::glideslope::{Glideslope, GlideslopeError};
 use mbs_models::orbit::mission::phasing::{Method, Phasing};
 use mbs_models::orbit::mission::safety::Zone;
 use mbs_models::orbit::mission::{Axis, LinearModel, Mission, MissionError, Phase, Report, STATION_ATTRACTION};
@@ -251,7 +251,7 @@ fn glideslopes_obey_their_equation() {
     let [one, other] = [1e-5, 9e-4].map(|x| Glideslope::new(10.0, 0.1, 0.1 * (1.0 + x)).unwrap());
     close(one.duration(), 100.0 * (1.0 - 0.5e-5), 1e-8);
     close(other.duration(), 100.0 * (9e-4_f64).ln_1p() / 9e-4, 1e-9);
-    let expected = NotPositive { parameter: "last_speed", value: 0.0 };
+    let expected = GlideslopeError::NotPositive { parameter: "last_speed", value: 0.0 };
     assert_eq!(Glideslope::new(1.0, 1.0, 0.0), Err(expected));
     assert!(Glideslope::new(f64::NAN, 1.0, 1.0).is_err());
 }
@@ -357,23 +357,26 @@ fn bad_input_is_refused_with_its_value() {
     let good = Mission::to_the_station(Axis::VBar);
     let error = |mission: Mission| mission.fly(|burn| burn.delta_v, |_| {}).unwrap_err();
     for value in [0.0, -1.0, f64::INFINITY] {
-        let expected = MissionError::NotPositive(NotPositive { parameter: "homing_duration", value });
+        let expected = MissionError::NotPositive { parameter: "homing_duration", value };
         assert_eq!(error(Mission { homing_duration: value, ..good }), expected);
     }
     let expected = MissionError::Negative { parameter: "attraction.station", value: -1.0 };
     assert_eq!(error(Mission { attraction: Attraction { station: -1.0, ..good.attraction }, ..good }), expected);
     assert!(matches!(
         error(Mission { approach_distance: f64::NAN, ..good }),
-        MissionError::NotPositive(NotPositive { parameter: "approach_distance", value }) if value.is_nan()
+        MissionError::NotPositive { parameter: "approach_distance", value } if value.is_nan()
     ));
     let parameter = "approach_distance - docking_distance";
-    let expected = MissionError::NotPositive(NotPositive { parameter, value: -50.0 });
+    let expected = MissionError::NotPositive { parameter, value: -50.0 };
     assert_eq!(error(Mission { docking_distance: 300.0, ..good }), expected);
     assert!(matches!(
         error(Mission { homing_end: [f64::NAN, 0.0, 0.0], ..good }),
         MissionError::Negative { parameter: "distance of homing_end", .. }
     ));
-    assert!(matches!(error(Mission { approach_pulses: 0, ..good }), MissionError::NotPositive(_)));
+    assert!(matches!(
+        error(Mission { approach_pulses: 0, ..good }),
+        MissionError::NotPositive { parameter: "approach_pulses", value: 0.0 }
+    ));
 
     let straight = StateVector::new(good.station.position, [0.0; 3]);
     assert_eq!(error(Mission { station: straight, ..good }), MissionError::Orbit(ElementsError::Straight));
@@ -399,4 +402,47 @@ fn bad_input_is_refused_with_its_value() {
     };
     let lost = good.fly(failing, |_| {}).unwrap_err();
     assert!(matches!(lost, MissionError::NoContact { distance, .. } if distance > 0.0), "{lost}");
+}
+
+/// Plans that nobody should fly end with an error that says why, or dock.
+#[test]
+fn absurd_plans() {
+    let good = Mission::to_the_station(Axis::VBar);
+    let error = |mission: Mission| mission.fly(|burn| burn.delta_v, |_| {}).unwrap_err();
+    let too_large = |parameter, value, limit| MissionError::TooLarge { parameter, value, limit };
+    assert_eq!(error(Mission { longest_wait: 1e300, ..good }), too_large("longest_wait", 1e300, 1e7));
+    assert_eq!(error(Mission { corrections: 40, ..good }), too_large("corrections", 40.0, 20.0));
+    let slow = error(Mission { approach_speeds: [1e-300, 1e-300], ..good });
+    assert!(matches!(slow, MissionError::TooLarge { parameter: "duration of the approach", .. }), "{slow}");
+    for half_angle in [0.5 * PI, 3.0, 1e300] {
+        let wide = error(Mission { corridor_half_angle: half_angle, ..good });
+        assert!(matches!(wide, MissionError::TooLarge { parameter: "corridor_half_angle", .. }), "{wide}");
+    }
+    let none = MissionError::NotPositive { parameter: "keep_out", value: 0.0 };
+    assert_eq!(error(Mission { keep_out: 0.0, ..good }), none);
+    let fast = error(Mission { approach_speeds: [5e-324, 1e308], ..good });
+    assert!(matches!(fast, MissionError::Glideslope(GlideslopeError::OutOfRange)), "{fast}");
+
+    // From above, on a hyperbola, from where the station is, with the port in the middle: dearer, but no matter.
+    let escaping = StateVector { velocity: good.vehicle.velocity.map(|v| 1.5 * v), ..good.vehicle };
+    for (mission, keep_out_violations) in [
+        (Mission { vehicle: circle(600e3, -6.0, 51.6), ..good }, 0),
+        (Mission { vehicle: escaping, ..good }, 0),
+        (Mission { vehicle: good.station, ..good }, 1),
+        (Mission { port_distance: 1e-3, ..good }, 0),
+    ] {
+        let report = flown(&mission);
+        assert!(report.port_position_error() < 1e-6, "{report:?}");
+        assert_eq!(report.keep_out_violations, keep_out_violations);
+        assert_eq!(report.warnings, Default::default());
+    }
+    // Thrusters that err by half: it arrives, and the ways through the sphere are counted.
+    let mut random = Random::new(0);
+    let half = good.fly(|burn| burn.delta_v.map(|v| v * (1.0 + random.uniform(-0.5..0.5))), |_| {}).unwrap();
+    assert!(half.port_position_error() < 0.5 && half.total_delta_v() > 80.0, "{half:?}");
+    // Those that do nothing, or the contrary, do not dock.
+    for part in [0.0, -1.0] {
+        let lost = good.fly(|burn| burn.delta_v.map(|v| part * v), |_| {}).unwrap_err();
+        assert!(matches!(lost, MissionError::Missed { distance, .. } if distance > 200.0), "{lost}");
+    }
 }

@@ -6,7 +6,7 @@ use mbs_models::kepler::{self, Kepler};
 use mbs_models::orbit::EARTH_MU;
 use mbs_models::orbit::collision::{FlightError, fly};
 use mbs_models::orbit::kepler::KeplerError;
-use mbs_models::orbit::libration::{InvalidMassRatio, Modes, Point, points};
+use mbs_models::orbit::libration::{MassRatioError, Modes, Point, points};
 use mbs_models::orbit::station::{Station, StationError, from_cylindrical, to_cylindrical};
 use mbs_models::relative_isotropic::{self, RelativeIsotropic};
 use mbs_models::two_body::TwoBody;
@@ -31,7 +31,7 @@ fn bodies_rest_at_the_libration_points() {
         let refused = points(mu).unwrap_err();
         assert!(refused.mu == mu || mu.is_nan(), "{refused}");
     }
-    assert_eq!(Modes::about(0.7, Point::L4), Err(InvalidMassRatio { mu: 0.7 }));
+    assert_eq!(Modes::about(0.7, Point::L4), Err(MassRatioError { mu: 0.7 }));
 }
 
 /// L₁ to L₃ are never stable, L₄ and L₅ up to Routh's mass ratio; the rates are those of the characteristic equation in textbooks.
@@ -81,7 +81,7 @@ fn the_growth_is_that_of_the_motion() {
 #[test]
 fn the_signals_of_a_station_fit_together() {
     for eccentricity in [0.0, 0.1, 0.7, 1.0, 2.5] {
-        let station = Station::from_pericentre(EARTH_MU, 7e6, eccentricity).unwrap();
+        let station = Station::from_periapsis(EARTH_MU, 7e6, eccentricity).unwrap();
         for t in [-3000.0, -1.0, 0.0, 700.0, 9000.0] {
             let [[r, r_dot, r_ddot], [nu, nu_dot, nu_ddot]] = station.signals(t).unwrap();
             let state = station.state(t).unwrap();
@@ -104,20 +104,20 @@ fn the_signals_of_a_station_fit_together() {
 fn a_station_that_cannot_be_is_refused() {
     let not_positive = |parameter, value| Err(StationError::NotPositive { parameter, value });
     assert_eq!(Station::on_a_circle(-1.0, 7e6), not_positive("mu", -1.0));
-    assert_eq!(Station::on_a_circle(EARTH_MU, 0.0), not_positive("pericentre", 0.0));
+    assert_eq!(Station::on_a_circle(EARTH_MU, 0.0), not_positive("periapsis", 0.0));
     let negative = |parameter, value| Err(StationError::Negative { parameter, value });
-    assert_eq!(Station::from_pericentre(EARTH_MU, 7e6, -0.1), negative("eccentricity", -0.1));
+    assert_eq!(Station::from_periapsis(EARTH_MU, 7e6, -0.1), negative("eccentricity", -0.1));
     let station = Station::on_a_circle(EARTH_MU, 7e6).unwrap();
     assert_eq!(station.with_mass(-5.0), negative("station mass", -5.0));
     assert!(matches!(station.with_mass(f64::NAN), Err(StationError::Negative { .. })));
-    assert!(Station::from_pericentre(EARTH_MU, 7e6, f64::INFINITY).is_err());
+    assert!(Station::from_periapsis(EARTH_MU, 7e6, f64::INFINITY).is_err());
     assert!(
         matches!(station.signals(f64::NAN), Err(StationError::Kepler(KeplerError::Time { time })) if time.is_nan())
     );
     // Below the surface: computed all the same, with a warning that names both numbers.
     assert_eq!(station.below(6_378_137.0), None);
     let low = Station::on_a_circle(EARTH_MU, 6e6).unwrap().below(6_378_137.0).unwrap();
-    assert_eq!((low.pericentre, low.surface), (6e6, 6_378_137.0));
+    assert_eq!((low.periapsis, low.surface), (6e6, 6_378_137.0));
     assert!(low.to_string().contains("6000000") && low.to_string().contains("6378137"));
 }
 

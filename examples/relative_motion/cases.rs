@@ -47,7 +47,7 @@ const NEAR_3D: State<[f64; 3]> = State { q: [2.0, 1.0, 2.0], qd: [1e-3, -2e-3, 1
 
 /// On an ellipse of 7500 km and eccentricity 0.1, from its perigee on.
 fn elliptic() -> Result<Vec<Case>, Failure> {
-    let station = Station::from_pericentre(EARTH_MU, 0.9 * 7.5e6, 0.1)?;
+    let station = Station::from_periapsis(EARTH_MU, 0.9 * 7.5e6, 0.1)?;
     let cases = [
         ("near", State { q: [3.0, 1.0, 2.0], qd: [1e-3, -6e-3, 1e-3] }),
         ("far", State { q: [0.0, 1e6, 0.0], qd: [0.0; 3] }),

@@ -81,7 +81,7 @@ impl Flight {
 
         let is_light = case.mass == 0.0;
         let is_near_a_circle = case.group == "circular" && distance(0.0, &case.start) < 100.0;
-        let begin = StateVector::new(case.start.q, case.start.qd);
+        let begin = StateVector::from(case.start);
         let kepler_difference = match is_light {
             true => {
                 let exact = relative_motion(EARTH_MU, &case.station.state(0.0)?, &begin, period)?.relative;
@@ -89,8 +89,13 @@ impl Flight {
             }
             false => None,
         };
-        let linear = || clohessy_wiltshire::propagate(case.station.rate(), &begin, period).position;
-        let hcw_difference = (is_light && is_near_a_circle).then(|| apart(&end.q, &linear()));
+        let hcw_difference = match is_light && is_near_a_circle {
+            true => {
+                let linear = clohessy_wiltshire::propagate(case.station.rate(), &begin, period)?;
+                Some(apart(&end.q, &linear.position))
+            }
+            false => None,
+        };
         let cylindrical_difference = match is_light {
             true => Some(apart(&end.q, &by_cylindrical(&case, period)?.q)),
             false => None,

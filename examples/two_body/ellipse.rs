@@ -1,4 +1,4 @@
-//! The ellipse a = 1, e = 0.6 about a centre with μ = 1, from its pericentre.
+//! The ellipse a = 1, e = 0.6 about a centre with μ = 1, from its periapsis.
 
 use mbs_examples::Failure;
 use mbs_models::kepler::{Kepler, Params};

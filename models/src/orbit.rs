@@ -9,6 +9,28 @@
 //! | 7.5, near a station           | [`clohessy_wiltshire`], [`yamanaka_ankersen`]: linear, on a circle and on an ellipse        |
 //! | rendezvous                    | [`lambert`]: from one place to another in a time; [`mission`]: up to the port of a station     |
 //!
+//! # Start here
+//! A station goes round, and something is let go beside it. [`station::Station`] is on its orbit, [`lvlh::Frame`] turns inertial
+//! states into what is seen from it, [`lvlh::relative_motion`] says where the other one is later:
+//!
+//! ```
+//! use mbs_models::orbit::EARTH_MU;
+//! use mbs_models::orbit::lvlh::{Frame, relative_motion};
+//! use mbs_models::orbit::station::Station;
+//! use mbs_models::orbit::vector::StateVector;
+//!
+//! let station = Station::on_a_circle(EARTH_MU, 6_778_137.0).unwrap();
+//! // At rest in the station's frame, 3 m above it: x away from the Earth, y along the motion.
+//! let above = StateVector::new([3.0, 0.0, 0.0], [0.0; 3]);
+//! let after = relative_motion(EARTH_MU, &station.state(0.0).unwrap(), &above, station.period()).unwrap();
+//! // After one revolution it has fallen behind by 12π of its height, as Clohessy and Wiltshire say.
+//! assert!((after.relative.position[1] + 36.0 * std::f64::consts::PI).abs() < 1e-3);
+//! let inertial = Frame::of(&after.station).unwrap().to_inertial(&after.relative);
+//! assert!(inertial.position[1] < after.station.position[1]);
+//! ```
+//!
+//! [`kepler`] here carries states by formula; [`mbs_models::kepler`](crate::kepler) is the generated mechanism of the same motion.
+//!
 //! Every function takes μ, G times the mass of the centre, and any consistent units; docs name SI units.
 //!
 //! # Source

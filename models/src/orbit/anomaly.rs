@@ -6,6 +6,7 @@
 //! | parabola  | `D = tan(ν/2)`                                     | `D + D³/3`       | `2 √(μ/p³)`              |
 //! | hyperbola | `sinh H = √(e²−1) sin ν/(1 + e cos ν)`             | `e sinh H − H`   | `√(μ/|a|³)`              |
 //!
+//! e is the eccentricity, 0 or more. ν, E, H and the mean anomaly are in radians, a parabola's D and its mean anomaly are numbers.
 //! All are zero at the nearest point. On an ellipse whole turns are kept. Near the parabola nothing cancels.
 //!
 //! # Source
@@ -23,12 +24,12 @@ use super::universal::{Shape, Universal, asinh};
 pub enum AnomalyError {
     /// The eccentricity is negative, infinite or no number.
     Eccentricity {
-        /// Its value.
+        /// Its value \[1\].
         e: f64,
     },
     /// The anomaly is infinite or no number.
     NotFinite {
-        /// Its value.
+        /// Its value \[rad\]; a parabola's D has no unit.
         anomaly: f64,
     },
     /// A parabola or hyperbola does not reach this true anomaly.
@@ -38,16 +39,21 @@ pub enum AnomalyError {
         /// Less than this, either way \[rad\].
         limit: f64,
     },
+    /// What was asked for is too large for `f64`.
+    OutOfRange,
 }
 
 impl fmt::Display for AnomalyError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            AnomalyError::Eccentricity { e } => write!(f, "the eccentricity must not be negative, it is {e}"),
-            AnomalyError::NotFinite { anomaly } => write!(f, "the anomaly is {anomaly}"),
+            AnomalyError::Eccentricity { e } => {
+                write!(f, "the eccentricity must be zero or positive and finite, it is {e}")
+            }
+            AnomalyError::NotFinite { anomaly } => write!(f, "the anomaly must be finite, it is {anomaly}"),
             AnomalyError::BeyondAsymptote { true_anomaly, limit } => {
                 write!(f, "the true anomaly {true_anomaly} rad is not within ±{limit} rad, where the asymptotes are")
             }
+            AnomalyError::OutOfRange => write!(f, "the anomaly leaves the range of floating-point numbers"),
         }
     }
 }
@@ -84,7 +90,16 @@ fn check(e: f64, anomaly: f64) -> Result<(), AnomalyError> {
     }
 }
 
-/// The anomaly in between of a true anomaly: E, D or H.
+fn finite(anomaly: f64) -> Result<f64, AnomalyError> {
+    if anomaly.is_finite() { Ok(anomaly) } else { Err(AnomalyError::OutOfRange) }
+}
+
+/// The anomaly in between of a true anomaly: E or H \[rad\], or D.
+///
+/// | argument       | meaning                 | unit |
+/// |----------------|-------------------------|------|
+/// | `e`            | eccentricity, 0 or more | 1    |
+/// | `true_anomaly` | ν                       | rad  |
 ///
 /// # Errors
 /// [`AnomalyError`].
@@ -102,13 +117,23 @@ pub fn eccentric_from_true(e: f64, true_anomaly: f64) -> Result<f64, AnomalyErro
     if !(ratio > 0.0 && true_anomaly.abs() < limit) {
         return Err(AnomalyError::BeyondAsymptote { true_anomaly, limit });
     }
-    Ok(if e > 1.0 { asinh(Scalar::sqrt((e - 1.0) * (e + 1.0)) * sin / ratio) } else { Scalar::tan(0.5 * true_anomaly) })
+    finite(if e > 1.0 {
+        // A product of roots: of squares of large numbers there is none.
+        asinh(Scalar::sqrt(e - 1.0) * Scalar::sqrt(e + 1.0) * sin / ratio)
+    } else {
+        Scalar::tan(0.5 * true_anomaly)
+    })
 }
 
 /// The true anomaly \[rad\] of E, D or H.
 ///
+/// | argument  | meaning                 | unit |
+/// |-----------|-------------------------|------|
+/// | `e`       | eccentricity, 0 or more | 1    |
+/// | `anomaly` | E, D or H               | rad  |
+///
 /// # Errors
-/// [`AnomalyError::Eccentricity`], [`AnomalyError::NotFinite`].
+/// [`AnomalyError`], not [`BeyondAsymptote`](AnomalyError::BeyondAsymptote).
 pub fn true_from_eccentric(e: f64, anomaly: f64) -> Result<f64, AnomalyError> {
     check(e, anomaly)?;
     if e < 1.0 {
@@ -120,35 +145,50 @@ pub fn true_from_eccentric(e: f64, anomaly: f64) -> Result<f64, AnomalyError> {
     Ok(2.0 * Scalar::atan(tangent))
 }
 
-/// The mean anomaly of E, D or H.
+/// The mean anomaly \[rad\] of E, D or H.
+///
+/// | argument  | meaning                 | unit |
+/// |-----------|-------------------------|------|
+/// | `e`       | eccentricity, 0 or more | 1    |
+/// | `anomaly` | E, D or H               | rad  |
 ///
 /// # Errors
-/// [`AnomalyError::Eccentricity`], [`AnomalyError::NotFinite`].
+/// [`AnomalyError`], not [`BeyondAsymptote`](AnomalyError::BeyondAsymptote).
 pub fn mean_from_eccentric(e: f64, anomaly: f64) -> Result<f64, AnomalyError> {
     check(e, anomaly)?;
     let shape = shape(e);
     if e == 1.0 {
-        return Ok(anomaly + anomaly * anomaly * anomaly / 3.0);
+        return finite(anomaly + anomaly * anomaly * anomaly / 3.0);
     }
     let (whole, rest) = if e < 1.0 { turns(anomaly) } else { (0.0, anomaly) };
-    Ok(whole + shape.time(rest, &Universal::at(rest, shape.alpha)))
+    finite(whole + shape.time(rest, &Universal::at(rest, shape.alpha)))
 }
 
-/// E, D or H of a mean anomaly: Kepler's equation, solved.
+/// E or H \[rad\], or D, of a mean anomaly: Kepler's equation, solved.
+///
+/// | argument | meaning                 | unit |
+/// |----------|-------------------------|------|
+/// | `e`      | eccentricity, 0 or more | 1    |
+/// | `mean`   | mean anomaly            | rad  |
 ///
 /// # Errors
-/// [`AnomalyError::Eccentricity`], [`AnomalyError::NotFinite`].
+/// [`AnomalyError`], not [`BeyondAsymptote`](AnomalyError::BeyondAsymptote).
 pub fn eccentric_from_mean(e: f64, mean: f64) -> Result<f64, AnomalyError> {
     check(e, mean)?;
     let shape = shape(e);
     if e == 1.0 {
-        return Ok(shape.place(ROOT_2 * mean).s / ROOT_2);
+        return finite(shape.place(ROOT_2 * mean).s / ROOT_2);
     }
     let (whole, rest) = if e < 1.0 { turns(mean) } else { (0.0, mean) };
-    Ok(whole + shape.place(rest).s)
+    finite(whole + shape.place(rest).s)
 }
 
-/// The mean anomaly of a true one.
+/// The mean anomaly \[rad\] of a true one.
+///
+/// | argument       | meaning                 | unit |
+/// |----------------|-------------------------|------|
+/// | `e`            | eccentricity, 0 or more | 1    |
+/// | `true_anomaly` | ν                       | rad  |
 ///
 /// # Errors
 /// [`AnomalyError`].
@@ -158,8 +198,13 @@ pub fn mean_from_true(e: f64, true_anomaly: f64) -> Result<f64, AnomalyError> {
 
 /// The true anomaly \[rad\] of a mean one.
 ///
+/// | argument | meaning                 | unit |
+/// |----------|-------------------------|------|
+/// | `e`      | eccentricity, 0 or more | 1    |
+/// | `mean`   | mean anomaly            | rad  |
+///
 /// # Errors
-/// [`AnomalyError::Eccentricity`], [`AnomalyError::NotFinite`].
+/// [`AnomalyError`], not [`BeyondAsymptote`](AnomalyError::BeyondAsymptote).
 pub fn true_from_mean(e: f64, mean: f64) -> Result<f64, AnomalyError> {
     true_from_eccentric(e, eccentric_from_mean(e, mean)?)
 }

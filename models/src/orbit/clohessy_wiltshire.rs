@@ -14,7 +14,7 @@ use core::fmt;
 use super::universal::Universal;
 use super::vector::{StateVector, Vector, transformed};
 
-/// Why no velocity leads from one place to another in a time.
+/// Why a state was not carried on, or no velocity leads from one place to another in a time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum TargetingError {
     /// The mean motion is not positive, or no number, or infinite.
@@ -22,12 +22,12 @@ pub enum TargetingError {
         /// Its value \[rad/s\].
         n: f64,
     },
-    /// The time is not positive, or no number, or infinite.
+    /// The time is no number, or infinite; for a transfer it is not positive.
     Time {
         /// Its value \[s\].
         time: f64,
     },
-    /// A place is not finite.
+    /// A component of a place or state is not finite.
     NotFinite,
     /// After this time the place within the orbital plane does not depend on some velocities: whole revolutions, and some other
     /// times, the first 1.406 of a revolution.
@@ -40,14 +40,18 @@ pub enum TargetingError {
         /// \[s\]
         time: f64,
     },
+    /// Numbers on the way are too large or too small for `f64`.
+    OutOfRange,
 }
 
 impl fmt::Display for TargetingError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             TargetingError::MeanMotion { n } => write!(f, "the mean motion must be positive, it is {n} rad/s"),
+            TargetingError::Time { time } if !time.is_finite() => write!(f, "the time must be finite, it is {time} s"),
             TargetingError::Time { time } => write!(f, "the time must be positive, it is {time} s"),
-            TargetingError::NotFinite => write!(f, "a place is not finite"),
+            TargetingError::NotFinite => write!(f, "a place or a velocity is not finite"),
+            TargetingError::OutOfRange => write!(f, "the motion leaves the range of floating-point numbers"),
             TargetingError::SingularInPlane { time } => {
                 write!(f, "no velocity fixes the place in the orbital plane after {time} s")
             }
@@ -66,24 +70,46 @@ impl core::error::Error for TargetingError {}
 /// |----------|----------------------------|-------|
 /// | `n`      | mean motion of the station | rad/s |
 /// | `time`   | how far to go              | s     |
-#[must_use]
-pub fn state_transition(n: f64, time: f64) -> [[f64; 6]; 6] {
+///
+/// # Errors
+/// [`TargetingError::MeanMotion`], [`TargetingError::Time`], [`TargetingError::OutOfRange`].
+pub fn state_transition(n: f64, time: f64) -> Result<[[f64; 6]; 6], TargetingError> {
+    if !(n > 0.0 && n.is_finite()) {
+        return Err(TargetingError::MeanMotion { n });
+    }
+    if !time.is_finite() {
+        return Err(TargetingError::Time { time });
+    }
     // With α = 1 the universal functions are cos, sin, 1 − cos and nt − sin, the last two without cancellation.
     let Universal { u0: c, u1: s, u2: versine, u3: lag } = Universal::at(n * time, 1.0);
-    [
+    let matrix = [
         [1.0 + 3.0 * versine, 0.0, 0.0, s / n, 2.0 * versine / n, 0.0],
         [-6.0 * lag, 1.0, 0.0, -2.0 * versine / n, (s - 3.0 * lag) / n, 0.0],
         [0.0, 0.0, c, 0.0, 0.0, s / n],
         [3.0 * n * s, 0.0, 0.0, c, 2.0 * s, 0.0],
         [-6.0 * n * versine, 0.0, 0.0, -2.0 * s, 1.0 - 4.0 * versine, 0.0],
         [0.0, 0.0, -n * s, 0.0, 0.0, c],
-    ]
+    ];
+    if matrix.iter().flatten().all(|x| x.is_finite()) { Ok(matrix) } else { Err(TargetingError::OutOfRange) }
 }
 
 /// The state after a time.
-#[must_use]
-pub fn propagate(n: f64, state: &StateVector, time: f64) -> StateVector {
-    transformed(&state_transition(n, time), state)
+///
+/// | argument | meaning                    | unit   |
+/// |----------|----------------------------|--------|
+/// | `n`      | mean motion of the station | rad/s  |
+/// | `state`  | in the station's frame     | m, m/s |
+/// | `time`   | how far to go              | s      |
+///
+/// # Errors
+/// Those of [`state_transition`], and [`TargetingError::NotFinite`].
+pub fn propagate(n: f64, state: &StateVector, time: f64) -> Result<StateVector, TargetingError> {
+    let matrix = state_transition(n, time)?;
+    if !state.is_finite() {
+        return Err(TargetingError::NotFinite);
+    }
+    let end = transformed(&matrix, state);
+    if end.is_finite() { Ok(end) } else { Err(TargetingError::OutOfRange) }
 }
 
 /// A coast from one place to another.
@@ -112,16 +138,13 @@ const SINGULAR: f64 = 1e-9;
 /// # Errors
 /// [`TargetingError`].
 pub fn transfer(n: f64, from: &Vector, to: &Vector, time: f64) -> Result<Transfer, TargetingError> {
-    if !(n > 0.0 && n.is_finite()) {
-        return Err(TargetingError::MeanMotion { n });
-    }
-    if !(time > 0.0 && time.is_finite()) {
+    let phi = state_transition(n, time)?;
+    if time <= 0.0 {
         return Err(TargetingError::Time { time });
     }
     if !(from.iter().chain(to).all(|x| x.is_finite())) {
         return Err(TargetingError::NotFinite);
     }
-    let phi = state_transition(n, time);
     let coast: Vector = core::array::from_fn(|i| (0..3).map(|j| phi[i][j] * from[j]).sum());
     let missing = [to[0] - coast[0], to[1] - coast[1], to[2] - coast[2]];
     // | x |   | a  b | | u |
@@ -142,6 +165,7 @@ pub fn transfer(n: f64, from: &Vector, to: &Vector, time: f64) -> Result<Transfe
         return Err(TargetingError::SingularAcross { time });
     };
     let departure = [u, v, w];
-    let arrival = propagate(n, &StateVector::new(*from, departure), time).velocity;
-    Ok(Transfer { departure, arrival })
+    let end = transformed(&phi, &StateVector::new(*from, departure));
+    // An overflow on the way to the velocity reaches the end.
+    if end.is_finite() { Ok(Transfer { departure, arrival: end.velocity }) } else { Err(TargetingError::OutOfRange) }
 }

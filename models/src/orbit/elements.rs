@@ -45,18 +45,25 @@ pub struct Elements {
 /// Why there are no elements, or no state.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ElementsError {
-    /// What must be positive and finite is not: μ or p; the eccentricity may be zero.
+    /// What must be positive and finite is not: μ \[m³/s²\] or p \[m\].
     NotPositive {
         /// Its name.
         parameter: &'static str,
         /// Its value.
         value: f64,
     },
-    /// A component of the state, or an angle, is infinite or no number.
-    NotFinite {
+    /// What must not be negative is: the eccentricity.
+    Negative {
         /// Its name.
         parameter: &'static str,
         /// Its value.
+        value: f64,
+    },
+    /// A component of the state, the eccentricity or an angle is infinite or no number.
+    NotFinite {
+        /// Its name.
+        parameter: &'static str,
+        /// Its value \[m\], \[m/s\], \[1\] or \[rad\].
         value: f64,
     },
     /// The state lies in the centre, or moves towards it or away from it: no angular momentum.
@@ -68,17 +75,23 @@ pub enum ElementsError {
         /// The eccentricity.
         eccentricity: f64,
     },
+    /// The state is too large or too small for `f64`.
+    OutOfRange,
 }
 
 impl fmt::Display for ElementsError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             ElementsError::NotPositive { parameter, value } => write!(f, "{parameter} must be positive, it is {value}"),
+            ElementsError::Negative { parameter, value } => {
+                write!(f, "{parameter} must not be negative, it is {value}")
+            }
             ElementsError::NotFinite { parameter, value } => write!(f, "{parameter} must be finite, it is {value}"),
             ElementsError::Straight => write!(f, "a motion along a straight line has no orbital plane"),
             ElementsError::BeyondAsymptote { true_anomaly, eccentricity } => {
                 write!(f, "an orbit of eccentricity {eccentricity} does not reach the true anomaly {true_anomaly} rad")
             }
+            ElementsError::OutOfRange => write!(f, "the motion leaves the range of floating-point numbers"),
         }
     }
 }
@@ -160,10 +173,11 @@ impl Elements {
         }
         let [toward, ahead] = self.axes();
         let (r, speed) = (p / ratio, Scalar::sqrt(mu / p));
-        Ok(StateVector {
+        let state = StateVector {
             position: combined(r * cos, &toward, r * sin, &ahead),
             velocity: combined(-speed * sin, &toward, speed * (e + cos), &ahead),
-        })
+        };
+        if state.is_finite() && r > 0.0 { Ok(state) } else { Err(ElementsError::OutOfRange) }
     }
 
     /// Unit vectors to the nearest point, and a quarter of a turn on.
@@ -218,16 +232,17 @@ impl Elements {
         if !(p > 0.0 && p.is_finite()) {
             return Err(ElementsError::NotPositive { parameter: "semi_latus_rectum", value: p });
         }
-        if !(eccentricity >= 0.0 && eccentricity.is_finite()) {
-            return Err(ElementsError::NotPositive { parameter: "eccentricity", value: eccentricity });
+        if eccentricity < 0.0 {
+            return Err(ElementsError::Negative { parameter: "eccentricity", value: eccentricity });
         }
-        let angles = [
+        let finite = [
+            ("eccentricity", eccentricity),
             ("inclination", self.inclination),
             ("ascending_node", self.ascending_node),
             ("argument_of_periapsis", self.argument_of_periapsis),
             ("true_anomaly", true_anomaly),
         ];
-        if let Some((parameter, value)) = angles.into_iter().find(|(_, value)| !value.is_finite()) {
+        if let Some((parameter, value)) = finite.into_iter().find(|(_, value)| !value.is_finite()) {
             return Err(ElementsError::NotFinite { parameter, value });
         }
         Ok(())

@@ -12,6 +12,12 @@
 //! The result is that of a state which differs from the given one by some roundings: what is lost besides is what one unit in the
 //! last place of the given state causes. On the way back from a result, errors are of the size that its own rounding causes; the
 //! tests measure both.
+//!
+//! This module carries states; [`mbs_models::kepler`](crate::kepler) is the generated mechanism of the same motion, to be integrated,
+//! with thrust if need be.
+//!
+//! # Source
+//! Battin, *An Introduction to the Mathematics and Methods of Astrodynamics*, 1999, chapter 4; counting from an apsis is ours.
 
 use core::f64::consts::PI;
 use core::fmt;
@@ -27,26 +33,26 @@ use super::vector::{StateVector, Vector, combined, cross, dot, norm, scaled};
 pub enum KeplerError {
     /// μ is not positive, or no number, or infinite.
     Mu {
-        /// Its value.
+        /// Its value \[m³/s²\].
         mu: f64,
     },
     /// A component of the state is infinite or no number.
     State {
         /// Which: 0 to 2 position, 3 to 5 velocity.
         component: usize,
-        /// Its value.
+        /// Its value \[m\] or \[m/s\].
         value: f64,
     },
     /// The time is infinite or no number.
     Time {
-        /// Its value.
+        /// Its value \[s\].
         time: f64,
     },
     /// The state lies in the centre.
     AtCentre,
     /// The motion is along a straight line, as far as rounding lets tell, and meets the centre on the way.
     Collision {
-        /// When, from the given state on; negative before it.
+        /// When, from the given state on \[s\]; negative before it.
         time: f64,
     },
     /// Numbers on the way are too large or too small for `f64`.
@@ -246,6 +252,11 @@ impl Conic {
     /// Distance of the nearest point.
     pub(super) fn nearest(&self) -> f64 {
         if self.shape.e < 0.0 { self.shape.seen_from_the_other_apsis().q } else { self.shape.q }
+    }
+
+    /// e
+    pub(super) fn eccentricity(&self) -> f64 {
+        self.shape.e.abs()
     }
 
     /// `1/a`

@@ -22,24 +22,32 @@ use mbs_runtime::Scalar;
 use super::universal::{Universal, asinh};
 use super::vector::{Vector, combined, cross, dot, minus, norm, plus, scaled};
 
+/// Which of the two conics with the same revolutions.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Branch {
+    /// With the smaller major axis: Izzo's left one.
+    #[default]
+    SmallerAxis,
+    /// With the larger major axis: Izzo's right one.
+    LargerAxis,
+}
+
 /// Which of the conics between two places is wanted.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Path {
+pub struct Route {
     /// The motion goes round this direction counter-clockwise: `(r × v)·pole > 0`.
     pub pole: Vector,
     /// Whole revolutions on the way.
     pub revolutions: u32,
-    /// Of the two conics with revolutions the one with the larger major axis, Izzo's right branch, else the other.
-    ///
-    /// Without revolutions there is one, and this has no effect.
-    pub high: bool,
+    /// Without revolutions there is one conic, and this has no effect.
+    pub branch: Branch,
 }
 
-impl Path {
+impl Route {
     /// Round z counter-clockwise, less than one revolution.
     #[must_use]
     pub fn prograde() -> Self {
-        Self { pole: [0.0, 0.0, 1.0], revolutions: 0, high: false }
+        Self { pole: [0.0, 0.0, 1.0], revolutions: 0, branch: Branch::SmallerAxis }
     }
 
     /// Round z clockwise, less than one revolution.
@@ -56,14 +64,14 @@ impl Path {
 
     /// The same with whole revolutions.
     #[must_use]
-    pub fn with_revolutions(self, revolutions: u32, high: bool) -> Self {
-        Self { revolutions, high, ..self }
+    pub fn with_revolutions(self, revolutions: u32, branch: Branch) -> Self {
+        Self { revolutions, branch, ..self }
     }
 }
 
 /// A conic between two places.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Arc {
+pub struct ConicArc {
     /// Velocity at the beginning \[m/s\].
     pub departure: Vector,
     /// Velocity at the end \[m/s\].
@@ -77,7 +85,7 @@ pub struct Arc {
 pub enum LambertError {
     /// μ is not positive, or no number, or infinite.
     Mu {
-        /// Its value.
+        /// Its value \[m³/s²\].
         mu: f64,
     },
     /// The time is not positive, or no number, or infinite.
@@ -165,9 +173,18 @@ impl Geometry {
             return Err(LambertError::OutOfRange);
         }
         let radial = [scaled(1.0 / r1, from), scaled(1.0 / r2, to)];
-        let mut normal = cross(&radial[0], &radial[1]);
-        let sine = norm(&normal);
-        let [sum, difference] = [norm(&plus(&radial[0], &radial[1])), norm(&minus(&radial[0], &radial[1]))];
+        let separation = minus(from, to);
+        let chord = norm(&separation);
+        let sum = norm(&plus(&radial[0], &radial[1]));
+        // The separation of near places is exact, that of their directions is rounding.
+        let (mut normal, sine, difference) = if chord < 0.5 * r1.min(r2) {
+            let normal = cross(&radial[0], &scaled(-1.0 / r2, &separation));
+            let sine = norm(&normal);
+            (normal, sine, 2.0 * sine / sum)
+        } else {
+            let normal = cross(&radial[0], &radial[1]);
+            (normal, norm(&normal), norm(&minus(&radial[0], &radial[1])))
+        };
         if sine <= COLLINEAR {
             return Err(LambertError::Collinear { angle: if difference > sum { PI } else { 0.0 } });
         }
@@ -179,8 +196,6 @@ impl Geometry {
         if sense < 0.0 {
             normal = scaled(-1.0, &normal);
         }
-        let separation = minus(from, to);
-        let chord = norm(&separation);
         let s = 0.5 * (r1 + r2 + chord);
         // Half the sum and difference of the unit vectors are cosine and sine of half the angle.
         let root = Scalar::sqrt(r1 / s) * Scalar::sqrt(r2 / s);
@@ -289,9 +304,11 @@ impl Flight {
             } else {
                 high = w
             }
+            // Where the time hardly changes, for the short way between near places, derivatives are rounding: steps alone say nothing.
+            let is_near = residual.abs() <= 0.1 * target;
             let mut step = self.side * Self::householder(residual, self.derivatives(&trial));
             if !(w + step > low && w + step < high) {
-                let small = step.abs() <= 4.0 * f64::EPSILON * w;
+                let small = is_near && step.abs() <= 4.0 * f64::EPSILON * w;
                 step = if small {
                     return (w, iterations);
                 } else if high.is_finite() {
@@ -301,7 +318,7 @@ impl Flight {
                 };
             }
             w += step;
-            if step.abs() <= close * w {
+            if is_near && step.abs() <= close * w {
                 return (w, iterations);
             }
         }
@@ -334,6 +351,9 @@ impl Flight {
 /// Bisection alone would end within so many steps.
 const LIMIT: u32 = 100;
 
+/// A time that differs by more than this part was not found.
+const NOT_FOUND: f64 = 1e-6;
+
 /// A step of this part of w leaves an error of its fourth power.
 const CLOSE: f64 = 1e-5;
 
@@ -344,7 +364,7 @@ const CLOSE: f64 = 1e-5;
 ///
 /// // From over Greenwich to 90° east, both 7000 km from the centre, in half an hour.
 /// let (from, to) = ([7e6, 0.0, 0.0], [0.0, 7e6, 0.0]);
-/// let arc = lambert::arc(EARTH_MU, &from, &to, 1800.0, &lambert::Path::prograde()).unwrap();
+/// let arc = lambert::arc(EARTH_MU, &from, &to, 1800.0, &lambert::Route::prograde()).unwrap();
 /// let there = kepler::propagate(EARTH_MU, &StateVector::new(from, arc.departure), 1800.0).unwrap().state;
 /// assert!((0..3).all(|i| (there.position[i] - to[i]).abs() < 1e-6));
 /// ```
@@ -354,37 +374,40 @@ const CLOSE: f64 = 1e-5;
 /// | `mu`         | G times the mass of the centre  | m³/s² |
 /// | `from`, `to` | places relative to the centre   | m     |
 /// | `time`       | from one to the other           | s     |
-/// | `path`       | which of the conics             |       |
+/// | `route`      | which of the conics             |       |
 ///
 /// # Errors
 /// [`LambertError`].
-pub fn arc(mu: f64, from: &Vector, to: &Vector, time: f64, path: &Path) -> Result<Arc, LambertError> {
+pub fn arc(mu: f64, from: &Vector, to: &Vector, time: f64, route: &Route) -> Result<ConicArc, LambertError> {
     if !(mu > 0.0 && mu.is_finite()) {
         return Err(LambertError::Mu { mu });
     }
     if !(time > 0.0 && time.is_finite()) {
         return Err(LambertError::Time { time });
     }
-    let geometry = Geometry::new(from, to, &path.pole)?;
+    let geometry = Geometry::new(from, to, &route.pole)?;
     let unit = Scalar::sqrt(geometry.s / (2.0 * mu)) * geometry.s;
     let target = time / unit;
-    let revolutions = f64::from(path.revolutions);
+    let revolutions = f64::from(route.revolutions);
     let mut flight = Flight { lambda: geometry.lambda, rest: geometry.rest, revolutions, side: 1.0 };
-    let (start, bound) = if path.revolutions == 0 {
+    let (start, bound) = if route.revolutions == 0 {
         (1.0 + single_revolution_start(&flight, target), f64::INFINITY)
     } else {
         let turning = flight.least();
         let least = flight.at(turning).time;
         if target < least {
-            return Err(LambertError::TooManyRevolutions { revolutions: path.revolutions, time, least: least * unit });
+            return Err(LambertError::TooManyRevolutions { revolutions: route.revolutions, time, least: least * unit });
         }
-        let bound = if path.high { 2.0 - turning } else { turning };
-        flight.side = if path.high { -1.0 } else { 1.0 };
-        let start = many_revolutions_start(target, revolutions, path.high);
+        let bound;
+        (flight.side, bound) = match route.branch {
+            Branch::SmallerAxis => (1.0, turning),
+            Branch::LargerAxis => (-1.0, 2.0 - turning),
+        };
+        let start = many_revolutions_start(target, revolutions, route.branch);
         (if start < bound { start } else { 0.5 * bound }, bound)
     };
     let (w, iterations) = flight.search(target, start, bound);
-    let Trial { x, y, eta, .. } = flight.at(w);
+    let Trial { x, y, eta, time, .. } = flight.at(w);
     // Gooding's velocities; y + λ x without cancellation, as η.
     let lambda = geometry.lambda;
     let sum = if lambda * x < 0.0 { geometry.rest / (y - lambda * x) } else { y + lambda * x };
@@ -404,14 +427,24 @@ pub fn arc(mu: f64, from: &Vector, to: &Vector, time: f64, path: &Path) -> Resul
         &geometry.across[1],
     );
     let finite = departure.iter().chain(&arrival).all(|x| x.is_finite());
-    if finite && eta.is_finite() && geometry.chord > 0.0 {
-        Ok(Arc { departure, arrival, iterations })
+    // A time that no x gives, by the rounding of both.
+    let found = (time - target).abs() <= NOT_FOUND * target;
+    if finite && found && eta.is_finite() && geometry.chord > 0.0 {
+        Ok(ConicArc { departure, arrival, iterations })
     } else {
         Err(LambertError::OutOfRange)
     }
 }
 
-/// Izzo's equation (30).
+/// After Izzo: three pieces of the time as a function of x, with `T₀ = T(0)` and the parabola's `T₁ = T(1)`, inverted.
+///
+/// ```text
+/// x = (T₀/T)^{2/3} − 1                     T ≥ T₀
+/// x = (T/T₀)^{ln 2/ln(T₁/T₀)} − 1          T₁ ≤ T < T₀
+/// x = 5 T₁ (T₁ − T)/(2 T (1 − λ⁵)) + 1     T < T₁
+/// ```
+///
+/// The second one meets the others at both of its ends.
 fn single_revolution_start(flight: &Flight, target: f64) -> f64 {
     let Flight { lambda, rest, .. } = *flight;
     let root = Scalar::sqrt(rest);
@@ -427,9 +460,14 @@ fn single_revolution_start(flight: &Flight, target: f64) -> f64 {
     }
 }
 
-/// Izzo's equation (31), as w.
-fn many_revolutions_start(target: f64, revolutions: f64, high: bool) -> f64 {
-    if high {
+/// After Izzo: the two asymptotes of the time with M revolutions, inverted; as w.
+///
+/// ```text
+/// (1 + x)/(1 − x) = ((M + 1) π/8T)^{2/3}     the smaller axis, w = 1 + x
+/// (1 + x)/(1 − x) = (8T/Mπ)^{2/3}            the larger axis, w = 1 − x
+/// ```
+fn many_revolutions_start(target: f64, revolutions: f64, branch: Branch) -> f64 {
+    if branch == Branch::LargerAxis {
         let ratio = Scalar::powf(8.0 * target / (revolutions * PI), 2.0 / 3.0);
         2.0 / (ratio + 1.0)
     } else {

@@ -9,9 +9,9 @@ use mbs_runtime::Scalar;
 
 use crate::cr3bp::{Cr3bp, Params};
 
-/// A mass ratio that is not in (0, ½].
+/// A mass ratio that is not in (0, ½], or so small that rounding puts a point where the smaller primary is.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct InvalidMassRatio {
+pub struct MassRatioError {
     /// The part of the smaller primary that was given.
     pub mu: f64,
 }
@@ -36,13 +36,17 @@ impl Point {
     pub const ALL: [Self; 5] = [Self::L1, Self::L2, Self::L3, Self::L4, Self::L5];
 }
 
-impl fmt::Display for InvalidMassRatio {
+impl fmt::Display for MassRatioError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "the part of the smaller primary is more than 0 and at most 1/2, it is {}", self.mu)
+        write!(
+            f,
+            "the part of the smaller primary must be more than 0, at most 1/2, and more than rounding, it is {}",
+            self.mu
+        )
     }
 }
 
-impl core::error::Error for InvalidMassRatio {}
+impl core::error::Error for MassRatioError {}
 
 /// L₁ to L₅ as `[x, y]` in the units and axes of [`cr3bp`](crate::cr3bp), to the last digit or two.
 ///
@@ -56,10 +60,10 @@ impl core::error::Error for InvalidMassRatio {}
 /// ```
 ///
 /// # Errors
-/// [`InvalidMassRatio`].
-pub fn points(mu: f64) -> Result<[[f64; 2]; 5], InvalidMassRatio> {
+/// [`MassRatioError`].
+pub fn points(mu: f64) -> Result<[[f64; 2]; 5], MassRatioError> {
     if !(mu > 0.0 && mu <= 0.5) {
-        return Err(InvalidMassRatio { mu });
+        return Err(MassRatioError { mu });
     }
     let near = 1.0 - mu;
     let gammas = [
@@ -112,11 +116,14 @@ impl Modes {
     /// `λ⁴ + (4 − tr A) λ² + det A = 0`.
     ///
     /// # Errors
-    /// [`InvalidMassRatio`].
-    pub fn about(mu: f64, point: Point) -> Result<Self, InvalidMassRatio> {
+    /// [`MassRatioError`].
+    pub fn about(mu: f64, point: Point) -> Result<Self, MassRatioError> {
         let [x, y] = points(mu)?[point as usize];
         let linear = Cr3bp::new(Params { mu }).linearize(&[x, y, 0.0], &[0.0; 3]);
         let [[a, b, _], [c, d, _], [_, _, normal]] = linear.q;
+        if !linear.q.iter().flatten().all(|x| x.is_finite()) {
+            return Err(MassRatioError { mu });
+        }
         let half = 0.5 * (a + d + linear.qd[0][1] * linear.qd[1][0]);
         let determinant = a * d - b * c;
         let discriminant = half * half - determinant;

@@ -39,17 +39,24 @@ use super::clohessy_wiltshire::TargetingError;
 use super::elements::Elements;
 use super::kepler::KeplerError;
 use super::lambert::LambertError;
-use super::lvlh::NoFrame;
+use super::lvlh::FrameError;
 use super::vector::{StateVector, Vector, norm, scaled};
-use super::yamanaka_ankersen::NoTransition;
+use super::yamanaka_ankersen::TransitionError;
 use super::{EARTH_MU, EARTH_RADIUS};
 use coast::{Attraction, CoastError};
-use glideslope::NotPositive;
+use glideslope::{Glideslope, GlideslopeError};
 use phasing::Plan;
 use safety::{Zone, Zones};
 
 /// G times a mass of 420 t, a station's \[m³/s²\].
 pub const STATION_ATTRACTION: f64 = 6.6743e-11 * 420_000.0;
+
+/// No phase lasts longer \[s\]: it is looked at every few seconds.
+const LONGEST: f64 = 1e7;
+/// After so many halvings what is left of the time is milliseconds.
+const MOST_CORRECTIONS: f64 = 20.0;
+/// A corridor is a cone \[rad\].
+const WIDEST: f64 = 89.0 / 180.0 * PI;
 
 /// Along which axis of its frame the station is approached.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -128,7 +135,7 @@ pub struct Mission {
     pub model: LinearModel,
     /// Phasing ends so far behind the station, along its orbit \[m\].
     pub behind: f64,
-    /// The longest wait before the first burn \[s\].
+    /// The longest wait before the first burn, like every duration at most 10⁷ \[s\].
     pub longest_wait: f64,
     /// No arc comes lower over the surface \[m\].
     pub lowest_altitude: f64,
@@ -140,7 +147,7 @@ pub struct Mission {
     pub homing_duration: f64,
     /// How long closing takes \[s\].
     pub closing_duration: f64,
-    /// Corrections on the way of phasing, homing and closing each: after half of the time, half of the rest, and so on.
+    /// Corrections on the way of phasing, homing and closing each, at most 20: after half of the time, half of the rest, and so on.
     pub corrections: u32,
     /// Corrections that are smaller are left out \[m/s\].
     pub smallest_correction: f64,
@@ -160,7 +167,7 @@ pub struct Mission {
     pub docking_pulses: u32,
     /// Radius of the keep-out sphere \[m\].
     pub keep_out: f64,
-    /// Half the opening of the approach corridor \[rad\].
+    /// Half the opening of the approach corridor, at most 89° \[rad\].
     pub corridor_half_angle: f64,
     /// Radius of the corridor at the port \[m\].
     pub corridor_mouth: f64,
@@ -275,7 +282,7 @@ impl Mission {
             ("corridor_half_angle", self.corridor_half_angle),
         ];
         if let Some((parameter, value)) = positive.into_iter().find(|&(_, value)| !(value > 0.0 && value.is_finite())) {
-            return Err(MissionError::NotPositive(NotPositive { parameter, value }));
+            return Err(MissionError::NotPositive { parameter, value });
         }
         let not_negative = [
             ("attraction.station", self.attraction.station),
@@ -290,7 +297,22 @@ impl Mission {
         {
             return Err(MissionError::Negative { parameter, value });
         }
-        Ok(())
+        let [first, last] = self.approach_speeds;
+        let approach = Glideslope::new(self.approach_distance - self.docking_distance, first, last)?;
+        let docking = Glideslope::new(self.docking_distance, last, last)?;
+        let at_most = [
+            ("longest_wait", self.longest_wait, LONGEST),
+            ("homing_duration", self.homing_duration, LONGEST),
+            ("closing_duration", self.closing_duration, LONGEST),
+            ("duration of the approach", approach.duration(), LONGEST),
+            ("duration of docking", docking.duration(), LONGEST),
+            ("corridor_half_angle", self.corridor_half_angle, WIDEST),
+            ("corrections", f64::from(self.corrections), MOST_CORRECTIONS),
+        ];
+        match at_most.into_iter().find(|&(_, value, limit)| value > limit) {
+            Some((parameter, value, limit)) => Err(MissionError::TooLarge { parameter, value, limit }),
+            None => Ok(()),
+        }
     }
 }
 
@@ -390,7 +412,12 @@ impl Report {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum MissionError {
     /// What must be positive and finite is not.
-    NotPositive(NotPositive),
+    NotPositive {
+        /// Its name.
+        parameter: &'static str,
+        /// Its value.
+        value: f64,
+    },
     /// What must not be negative is, or is not finite.
     Negative {
         /// Its name.
@@ -398,12 +425,23 @@ pub enum MissionError {
         /// Its value.
         value: f64,
     },
+    /// A duration is longer than a mission may take, the corridor opens to half a space, or corrections are too many.
+    TooLarge {
+        /// Its name.
+        parameter: &'static str,
+        /// Its value \[s\], \[rad\] or \[1\].
+        value: f64,
+        /// At most this.
+        limit: f64,
+    },
     /// Station or vehicle are on no orbit.
     Orbit(super::elements::ElementsError),
     /// The station or the vehicle was not propagated.
     Kepler(KeplerError),
     /// The station has no frame.
-    Frame(NoFrame),
+    Frame(FrameError),
+    /// The approach or docking has no slope.
+    Glideslope(GlideslopeError),
     /// A coast ended early.
     Coast {
         /// When it began \[s\].
@@ -437,7 +475,7 @@ pub enum MissionError {
         /// When \[s\].
         time: f64,
         /// Why.
-        error: NoTransition,
+        error: TransitionError,
     },
     /// The thrusters gave what is no number.
     Thrust {
@@ -451,16 +489,27 @@ pub enum MissionError {
         /// Distance to go \[m\].
         distance: f64,
     },
+    /// The vehicle crossed the plane of the port outside the keep-out sphere: that is no docking.
+    Missed {
+        /// When \[s\].
+        time: f64,
+        /// From the port \[m\].
+        distance: f64,
+    },
 }
 
 impl fmt::Display for MissionError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            MissionError::NotPositive(error) => error.fmt(f),
+            MissionError::NotPositive { parameter, value } => write!(f, "{parameter} must be positive, it is {value}"),
             MissionError::Negative { parameter, value } => write!(f, "{parameter} must not be negative, it is {value}"),
+            MissionError::TooLarge { parameter, value, limit } => {
+                write!(f, "{parameter} must be at most {limit}, it is {value}")
+            }
             MissionError::Orbit(error) => error.fmt(f),
             MissionError::Kepler(error) => error.fmt(f),
             MissionError::Frame(error) => error.fmt(f),
+            MissionError::Glideslope(error) => error.fmt(f),
             MissionError::Coast { time, error } => write!(f, "the coast from t = {time} s ended early: {error}"),
             MissionError::NoPhasing { longest_wait, lowest_altitude } => write!(
                 f,
@@ -472,6 +521,9 @@ impl fmt::Display for MissionError {
             MissionError::Thrust { time } => write!(f, "the thrusters give no number at t = {time} s"),
             MissionError::NoContact { time, distance } => {
                 write!(f, "no contact until t = {time} s, {distance} m before the port")
+            }
+            MissionError::Missed { time, distance } => {
+                write!(f, "the vehicle passes the plane of the port at t = {time} s, {distance} m beside it")
             }
         }
     }
@@ -485,14 +537,14 @@ impl From<KeplerError> for MissionError {
     }
 }
 
-impl From<NoFrame> for MissionError {
-    fn from(error: NoFrame) -> Self {
+impl From<FrameError> for MissionError {
+    fn from(error: FrameError) -> Self {
         MissionError::Frame(error)
     }
 }
 
-impl From<NotPositive> for MissionError {
-    fn from(error: NotPositive) -> Self {
-        MissionError::NotPositive(error)
+impl From<GlideslopeError> for MissionError {
+    fn from(error: GlideslopeError) -> Self {
+        MissionError::Glideslope(error)
     }
 }

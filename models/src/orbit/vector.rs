@@ -1,11 +1,24 @@
 //! Vectors with three components, and the state of a point that they make.
 
+use mbs_runtime::State;
+
 pub(super) use crate::vector::{cross, dot, minus, norm, plus};
 
 /// Components along three axes.
 pub type Vector = [f64; 3];
 
-/// Where a point is and how it moves, in one frame.
+/// Where a point is and how it moves, in one frame: cartesian, with the names of a vector's two parts.
+///
+/// [`State`] is that of a mechanism, in whatever coordinates it has, as integrators move it. Where the coordinates are cartesian
+/// `From` leads from each to the other.
+///
+/// ```
+/// use mbs_models::orbit::vector::StateVector;
+/// use mbs_runtime::State;
+///
+/// let state = State::new([7e6, 0.0, 0.0], [0.0, 7.5e3, 0.0]);
+/// assert_eq!(State::from(StateVector::from(state)), state);
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct StateVector {
     /// \[m\], or another unit of length.
@@ -38,6 +51,18 @@ impl StateVector {
     #[must_use]
     pub fn is_finite(&self) -> bool {
         self.to_array().iter().all(|x| x.is_finite())
+    }
+}
+
+impl From<State<[f64; 3]>> for StateVector {
+    fn from(State { q, qd }: State<[f64; 3]>) -> Self {
+        Self { position: q, velocity: qd }
+    }
+}
+
+impl From<StateVector> for State<[f64; 3]> {
+    fn from(StateVector { position, velocity }: StateVector) -> Self {
+        Self { q: position, qd: velocity }
     }
 }
 

@@ -18,12 +18,12 @@ use mbs_runtime::Scalar;
 use super::clohessy_wiltshire::Transfer;
 use super::integrals::angular_momentum;
 use super::kepler::{KeplerError, propagate};
-use super::lvlh::{Frame, NoFrame};
+use super::lvlh::{Frame, FrameError};
 use super::vector::{StateVector, Vector, dot, norm, transformed};
 
 /// Why there is no such matrix.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum NoTransition {
+pub enum TransitionError {
     /// The orbit of the station is not an ellipse.
     NotElliptic {
         /// Its eccentricity.
@@ -32,28 +32,31 @@ pub enum NoTransition {
     /// The station was not propagated.
     Kepler(KeplerError),
     /// The station has no frame.
-    Frame(NoFrame),
+    Frame(FrameError),
     /// No velocity fixes the place after this time.
     Singular {
         /// \[s\]
         time: f64,
     },
+    /// A component of a place is not finite.
+    NotFinite,
 }
 
-impl fmt::Display for NoTransition {
+impl fmt::Display for TransitionError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            NoTransition::NotElliptic { eccentricity } => {
+            TransitionError::NotElliptic { eccentricity } => {
                 write!(f, "the orbit of the station must be an ellipse, its eccentricity is {eccentricity}")
             }
-            NoTransition::Kepler(error) => error.fmt(f),
-            NoTransition::Frame(error) => error.fmt(f),
-            NoTransition::Singular { time } => write!(f, "no velocity fixes the place after {time} s"),
+            TransitionError::Kepler(error) => error.fmt(f),
+            TransitionError::Frame(error) => error.fmt(f),
+            TransitionError::NotFinite => write!(f, "a place is not finite"),
+            TransitionError::Singular { time } => write!(f, "no velocity fixes the place after {time} s"),
         }
     }
 }
 
-impl core::error::Error for NoTransition {}
+impl core::error::Error for TransitionError {}
 
 /// One end of the time.
 struct Anomaly {
@@ -115,17 +118,17 @@ impl Anomaly {
 /// | `time`    | how far to go                               | s      |
 ///
 /// # Errors
-/// [`NoTransition`].
-pub fn state_transition(mu: f64, station: &StateVector, time: f64) -> Result<[[f64; 6]; 6], NoTransition> {
-    let end = propagate(mu, station, time).map_err(NoTransition::Kepler)?.state;
-    let frame = Frame::of(station).map_err(NoTransition::Frame)?;
+/// [`TransitionError`].
+pub fn state_transition(mu: f64, station: &StateVector, time: f64) -> Result<[[f64; 6]; 6], TransitionError> {
+    let end = propagate(mu, station, time).map_err(TransitionError::Kepler)?.state;
+    let frame = Frame::of(station).map_err(TransitionError::Frame)?;
     let h = norm(&angular_momentum(station));
     let (r, p) = (norm(&station.position), h * h / mu);
     let (e_cos, e_sin) = (p / r - 1.0, h / mu * dot(&station.position, &station.velocity) / r);
     let e = Scalar::sqrt(e_cos * e_cos + e_sin * e_sin);
     // `e < 1` by the energy would be no surer: e is known to some roundings.
     if e >= 1.0 {
-        return Err(NoTransition::NotElliptic { eccentricity: e });
+        return Err(TransitionError::NotElliptic { eccentricity: e });
     }
     let theta = Scalar::atan2(e_sin, e_cos);
     // What the station has gone round, so that a circle needs no nearest point.
@@ -158,7 +161,8 @@ pub fn state_transition(mu: f64, station: &StateVector, time: f64) -> Result<[[f
         }
     }
     insert(&mut matrix, 2, 2, &transformed(across));
-    Ok(matrix)
+    let finite = matrix.iter().flatten().all(|x| x.is_finite());
+    if finite { Ok(matrix) } else { Err(TransitionError::Kepler(KeplerError::OutOfRange)) }
 }
 
 /// Position and velocity of one axis by those of another.
@@ -177,16 +181,26 @@ fn product(a: &[[f64; 2]; 2], b: &[[f64; 2]; 2]) -> [[f64; 2]; 2] {
 /// The velocities of the coast that leads from one place to another in a time, as
 /// [`clohessy_wiltshire::transfer`](super::clohessy_wiltshire::transfer) gives them on a circle.
 ///
+/// | argument     | meaning                                    | unit   |
+/// |--------------|--------------------------------------------|--------|
+/// | `mu`         | G times the mass of the centre             | m³/s²  |
+/// | `station`    | inertial, relative to the centre, at first | m, m/s |
+/// | `from`, `to` | places in the station's frame              | m      |
+/// | `time`       | from one to the other; may be negative     | s      |
+///
 /// # Errors
-/// [`NoTransition`]; [`NoTransition::Singular`] where the place after this time does not depend on some velocity.
+/// [`TransitionError`]; [`TransitionError::Singular`] where the place after this time does not depend on some velocity.
 pub fn transfer(
     mu: f64,
     station: &StateVector,
     from: &Vector,
     to: &Vector,
     time: f64,
-) -> Result<Transfer, NoTransition> {
+) -> Result<Transfer, TransitionError> {
     let phi = state_transition(mu, station, time)?;
+    if !from.iter().chain(to).all(|x| x.is_finite()) {
+        return Err(TransitionError::NotFinite);
+    }
     let missing: Vector = core::array::from_fn(|i| to[i] - (0..3).map(|j| phi[i][j] * from[j]).sum::<f64>());
     // Cramer's rule, in the plane and across.
     let (a, b, c, d) = (phi[0][3], phi[0][4], phi[1][3], phi[1][4]);
@@ -194,15 +208,17 @@ pub fn transfer(
     let across = phi[2][5];
     let size = a * a + b * b + c * c + d * d;
     if determinant.abs() <= SINGULAR * size || (across * across <= SINGULAR * SINGULAR * size && missing[2] != 0.0) {
-        return Err(NoTransition::Singular { time });
+        return Err(TransitionError::Singular { time });
     }
     let w = if missing[2] == 0.0 { 0.0 } else { missing[2] / across };
     let departure =
         [(d * missing[0] - b * missing[1]) / determinant, (a * missing[1] - c * missing[0]) / determinant, w];
-    if !departure.iter().all(|v| v.is_finite()) {
-        return Err(NoTransition::Singular { time });
+    let end = transformed(&phi, &StateVector::new(*from, departure));
+    // An overflow on the way to the velocity reaches the end.
+    if !end.is_finite() {
+        return Err(TransitionError::Kepler(KeplerError::OutOfRange));
     }
-    Ok(Transfer { departure, arrival: transformed(&phi, &StateVector::new(*from, departure)).velocity })
+    Ok(Transfer { departure, arrival: end.velocity })
 }
 
 /// A determinant that is smaller than this part of the squares that it is made of is none.

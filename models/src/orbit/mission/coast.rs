@@ -18,7 +18,7 @@ use core::ops::ControlFlow;
 use mbs_runtime::{Dop853, IntegrationError, Integrator, Scalar, State};
 
 use super::super::kepler::{KeplerError, propagate};
-use super::super::lvlh::{Frame, NoFrame, RelativeMotion, RelativeMotionError, relative_motion};
+use super::super::lvlh::{Frame, FrameError, RelativeMotion, RelativeMotionError, relative_motion};
 use super::super::vector::{StateVector, Vector, dot, norm, plus, scaled};
 
 /// What attracts.
@@ -36,7 +36,7 @@ pub enum CoastError {
     /// The station or the vehicle was not propagated.
     Kepler(KeplerError),
     /// The station has no frame.
-    Frame(NoFrame),
+    Frame(FrameError),
     /// The vehicle was not integrated: it meets the point that the station is taken for, say.
     Integration(IntegrationError),
 }
@@ -59,8 +59,8 @@ impl From<KeplerError> for CoastError {
     }
 }
 
-impl From<NoFrame> for CoastError {
-    fn from(error: NoFrame) -> Self {
+impl From<FrameError> for CoastError {
+    fn from(error: FrameError) -> Self {
         CoastError::Frame(error)
     }
 }
@@ -83,8 +83,7 @@ impl Attraction {
         if self.station == 0.0 {
             return Ok(relative_motion(self.centre, &motion.station, &motion.relative, time)?);
         }
-        let difference = Frame::of(&motion.station)?.turned_out(&motion.relative);
-        let mut state = State::new(difference.position, difference.velocity);
+        let mut state = State::from(Frame::of(&motion.station)?.turned_out(&motion.relative));
         let station = |t: f64| propagate(self.centre, &motion.station, t);
         let acceleration = |t: f64, position: &Vector, _: &Vector, result: &mut Vector| {
             // What is not a number ends the integration.
@@ -94,7 +93,7 @@ impl Attraction {
             .integrate(acceleration, 0.0, time, &mut state, |_| ControlFlow::Continue(()))
             .map_err(CoastError::Integration)?;
         let end = station(time)?.state;
-        let relative = Frame::of(&end)?.turned_in(&StateVector::new(state.q, state.qd));
+        let relative = Frame::of(&end)?.turned_in(&StateVector::from(state));
         Ok(RelativeMotion { station: end, relative })
     }
 

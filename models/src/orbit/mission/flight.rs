@@ -4,7 +4,7 @@ use core::f64::consts::PI;
 
 use super::super::clohessy_wiltshire::{self, Transfer};
 use super::super::elements::Elements;
-use super::super::lambert::{self, Path};
+use super::super::lambert::{self, Route};
 use super::super::lvlh::{Frame, RelativeMotion};
 use super::super::vector::{StateVector, Vector, dot, minus, norm, plus, scaled};
 use super::super::yamanaka_ankersen;
@@ -103,12 +103,12 @@ impl<T: FnMut(&Burn) -> Vector, O: FnMut(&Moment)> Flight<'_, T, O> {
         self.burn_to(&plan.departure)?;
         let arrival = plan.wait + plan.duration;
         let aim = phasing.aim(arrival)?;
-        let path = Path::prograde().about(Frame::of(&mission.station)?.axes()[2]);
+        let route = Route::prograde().about(Frame::of(&mission.station)?.axes()[2]);
         for _ in 0..mission.corrections {
             self.coast(0.5 * (arrival - self.time))?;
             let here = self.inertial()?;
             let rest = arrival - self.time;
-            let arc = lambert::arc(phasing.mu, &here.position, &aim.position, rest, &path)
+            let arc = lambert::arc(phasing.mu, &here.position, &aim.position, rest, &route)
                 .map_err(|error| MissionError::Lambert { time: self.time, error })?;
             if norm(&minus(&arc.departure, &here.velocity)) >= mission.smallest_correction {
                 self.burn_to(&arc.departure)?;
@@ -175,7 +175,14 @@ impl<T: FnMut(&Burn) -> Vector, O: FnMut(&Moment)> Flight<'_, T, O> {
         }
         self.coast(high)?;
         let StateVector { position, velocity } = self.motion.relative;
-        Ok(StateVector::new(minus(&position, &port), velocity))
+        let beside = minus(&position, &port);
+        let distance = norm(&beside);
+        // What is no number has not come there either.
+        if distance <= self.zones.keep_out.max(self.mission.port_distance) {
+            Ok(StateVector::new(beside, velocity))
+        } else {
+            Err(MissionError::Missed { time: self.time, distance })
+        }
     }
 
     /// A burn that leads to a place after a time, by the linear model; left out where it is smaller than `smallest`.

@@ -24,34 +24,45 @@ pub struct Glideslope {
     last_speed: f64,
 }
 
-/// What must be positive is not, or is no number, or infinite.
+/// Why there is no such slope.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct NotPositive {
-    /// Its name.
-    pub parameter: &'static str,
-    /// Its value.
-    pub value: f64,
+pub enum GlideslopeError {
+    /// What must be positive is not, or is no number, or infinite.
+    NotPositive {
+        /// Its name.
+        parameter: &'static str,
+        /// Its value \[m\] or \[m/s\].
+        value: f64,
+    },
+    /// Its rate or its duration are too large or too small for `f64`.
+    OutOfRange,
 }
 
-impl fmt::Display for NotPositive {
+impl fmt::Display for GlideslopeError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{} must be positive, it is {}", self.parameter, self.value)
+        match self {
+            Self::NotPositive { parameter, value } => write!(f, "{parameter} must be positive, it is {value}"),
+            Self::OutOfRange => write!(f, "the approach leaves the range of floating-point numbers"),
+        }
     }
 }
 
-impl core::error::Error for NotPositive {}
+impl core::error::Error for GlideslopeError {}
 
 impl Glideslope {
     /// Over a distance ρ₀ \[m\], from a speed −ρ̇₀ to a speed −ρ̇_T, both positive \[m/s\].
     ///
     /// # Errors
-    /// [`NotPositive`].
-    pub fn new(distance: f64, first_speed: f64, last_speed: f64) -> Result<Self, NotPositive> {
+    /// [`GlideslopeError`].
+    pub fn new(distance: f64, first_speed: f64, last_speed: f64) -> Result<Self, GlideslopeError> {
         let all = [("distance", distance), ("first_speed", first_speed), ("last_speed", last_speed)];
-        match all.into_iter().find(|&(_, value)| !(value > 0.0 && value.is_finite())) {
-            Some((parameter, value)) => Err(NotPositive { parameter, value }),
-            None => Ok(Self { distance, first_speed, last_speed }),
+        if let Some((parameter, value)) = all.into_iter().find(|&(_, value)| !(value > 0.0 && value.is_finite())) {
+            return Err(GlideslopeError::NotPositive { parameter, value });
         }
+        let slope = Self { distance, first_speed, last_speed };
+        let (rate, duration) = (slope.rate(), slope.duration());
+        let is_in_range = rate.is_finite() && duration > 0.0 && duration.is_finite();
+        if is_in_range { Ok(slope) } else { Err(GlideslopeError::OutOfRange) }
     }
 
     /// `a`, negative where it slows down \[1/s\].
@@ -65,7 +76,11 @@ impl Glideslope {
     pub fn duration(&self) -> f64 {
         // ln(1 + x)/x, which is 1 where both speeds are one.
         let x = (self.last_speed - self.first_speed) / self.first_speed;
-        let ratio = if x.abs() < 1e-4 { 1.0 - x * (0.5 - x * (1.0 / 3.0 - 0.25 * x)) } else { Scalar::ln(1.0 + x) / x };
+        let ratio = if x.abs() < 1e-4 {
+            1.0 - x * (0.5 - x * (1.0 / 3.0 - 0.25 * x))
+        } else {
+            Scalar::ln(self.last_speed / self.first_speed) / x
+        };
         self.distance / self.first_speed * ratio
     }
 

@@ -14,7 +14,7 @@ use mbs_runtime::Scalar;
 use super::super::elements::Elements;
 use super::super::integrals::angular_momentum;
 use super::super::kepler::{KeplerError, propagate};
-use super::super::lambert::{self, Path};
+use super::super::lambert::{self, Route};
 use super::super::vector::{StateVector, Vector, cross, dot, minus, norm, scaled};
 
 /// What phasing has to do.
@@ -196,8 +196,8 @@ impl Phasing {
     fn arc(&self, wait: f64, duration: f64) -> Result<Option<Plan>, KeplerError> {
         let vehicle = propagate(self.mu, &self.vehicle, wait)?.state;
         let aim = self.aim(wait + duration)?;
-        let path = Path::prograde().about(angular_momentum(&self.station));
-        let Ok(arc) = lambert::arc(self.mu, &vehicle.position, &aim.position, duration, &path) else {
+        let route = Route::prograde().about(angular_momentum(&self.station));
+        let Ok(arc) = lambert::arc(self.mu, &vehicle.position, &aim.position, duration, &route) else {
             return Ok(None);
         };
         let Ok(elements) = Elements::from_state(self.mu, &StateVector::new(vehicle.position, arc.departure)) else {
