@@ -142,3 +142,29 @@ fn write(text: &mut String, run: &Run<'_>) -> std::fmt::Result {
         run.experiment.flight.touchdown()
     )
 }
+
+#[cfg(test)]
+mod tests {
+    use mbs_models::experiment::Experiment;
+    use mbs_models::experiment::flight::Flight;
+    use mbs_models::quadrotor::heave::Heave;
+    use mbs_models::quadrotor::landing::{Landing, Plant};
+
+    use super::*;
+    use crate::run::Case;
+
+    #[test]
+    fn a_simulation_that_fails_says_why() {
+        // A flight below the platform: the arm can follow, and there is nothing to come down to.
+        let mut landing = Landing::new(Plant::Exact, Heave::CASE_I);
+        landing.approach.height = -1.0;
+        let experiment = Experiment::new(Flight::guided(&landing).expect("a flight"));
+        let case = Case { name: "I", heave: Heave::CASE_I };
+        let run = Run::of(&experiment, case, Some(0.1)).expect("a plan");
+        let found = to_json(&run);
+        let reason = found["simulation_error"].as_str().expect("a reason");
+        assert!(reason.starts_with("the flange begins -0.1"), "{reason}");
+        assert!(found["max_torque_ratio"].is_number() && found["drive_ratio_max"].is_null());
+        assert!(text(&run).contains(&format!("heavier than the controller knows: {reason}")));
+    }
+}

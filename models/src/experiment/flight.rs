@@ -1,4 +1,17 @@
 //! The flight that the flange is to repeat: the vehicle's six coordinates as smooth functions of time.
+//!
+//! ```
+//! use mbs_models::experiment::flight::Flight;
+//! use mbs_models::quadrotor::heave::Heave;
+//! use mbs_models::quadrotor::landing::{Landing, Plant};
+//!
+//! let flight = Flight::guided(&Landing::new(Plant::Exact, Heave::CASE_I))?;
+//! // At the touchdown the vehicle is over the middle of the platform, at the height of its deck.
+//! let [q, ..] = flight.at(flight.touchdown())?;
+//! assert_eq!([q[0], q[1]], flight.platform);
+//! assert!((q[2] - flight.heave.at(flight.touchdown()).value).abs() < 1e-9);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 use core::error::Error;
 use core::fmt;

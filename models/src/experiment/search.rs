@@ -1,4 +1,21 @@
 //! The greatest scale at which no limit breaks.
+//!
+//! ```
+//! use mbs_models::experiment::Experiment;
+//! use mbs_models::experiment::flight::Flight;
+//! use mbs_models::experiment::search::Search;
+//! use mbs_models::quadrotor::heave::Heave;
+//! use mbs_models::quadrotor::landing::{Landing, Plant};
+//!
+//! let flight = Flight::guided(&Landing::new(Plant::Exact, Heave::CASE_I))?;
+//! let experiment = Experiment { sampling: 0.05, ..Experiment::new(flight) };
+//! let found = experiment.greatest_scale(&Search::default())?;
+//! assert!((found.plan.scale() - 0.119).abs() < 1e-3);
+//! // A little above, axis 5 comes to the end of its range.
+//! let (_, broken) = found.next.expect("full size is too large");
+//! assert!(broken.to_string().contains("joint 5: position 100."));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 use core::error::Error;
 use core::fmt;

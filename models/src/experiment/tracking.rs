@@ -207,6 +207,17 @@ impl From<IntegrationError> for TrackingError {
 impl Plan<'_> {
     /// Simulates the arm from where the plan begins to the contact with the deck. `observer` sees every look of the controller.
     ///
+    /// ```
+    /// # use mbs_models::experiment::{Experiment, flight::Flight, tracking::Tracking};
+    /// # use mbs_models::quadrotor::{heave::Heave, landing::{Landing, Plant}};
+    /// # let experiment = Experiment::new(Flight::guided(&Landing::new(Plant::Exact, Heave::CASE_I))?);
+    /// // An arm that is heavier than its controller knows is a millimetre off, and comes down early.
+    /// let tracked = experiment.plan_at(0.1, 1.5)?.track(&Tracking::new(&experiment.robot), |_| ())?;
+    /// assert!((1e-4..2e-3).contains(&tracked.error.value));
+    /// assert!(tracked.contact.time < experiment.flight.touchdown());
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
     /// # Errors
     /// [`TrackingError`].
     pub fn track(&self, tracking: &Tracking, mut observer: impl FnMut(&Look)) -> Result<Tracked, TrackingError> {
