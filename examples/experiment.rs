@@ -7,6 +7,8 @@
 //! `--case II` takes the faster platform, `--scale S` another scale, feasible or not, `--attitude level` lets the tool point
 //! straight down instead of taking on the vehicle's attitude. `--out DIR` writes figures as SVG and PNG, and CSV.
 
+#[path = "experiment/assumed.rs"]
+mod assumed;
 #[path = "experiment/figures.rs"]
 mod figures;
 #[path = "experiment/run.rs"]

@@ -13,7 +13,7 @@ pub(crate) fn write(folder: &Path, run: &Run<'_>) -> Result<(), Failure> {
     let Ok(simulated) = &outcome.simulated else { return Ok(()) };
     let Simulated { tracked, samples } = simulated;
     let write = |name: &str, what: &str, panels: Vec<Panel>| {
-        let title = format!("{what}, case {} at {:.4}", run.case.name, run.scale);
+        let title = format!("{what}, case {} at {:.5}", run.case.name, run.scale);
         let name = format!("case_{}_{name}", run.case.name);
         output::write_figure(folder, &name, &Figure { title, size: (1100, 900), panels })
     };
@@ -57,7 +57,10 @@ pub(crate) fn write(folder: &Path, run: &Run<'_>) -> Result<(), Failure> {
 
     // A level deck that goes up and down moves all legs alike.
     let leg = |which: usize| vec![line("leg 1 of 6 alike", samples, move |s| s.legs[which][0])];
-    let panels = vec![over_time("length [m]", leg(0)), over_time("force [N]", leg(1))];
+    let limits = &run.experiment.platform.limits;
+    let lengths =
+        leg(0).into_iter().chain([flat("shortest", limits.shortest, end), flat("longest", limits.longest, end)]);
+    let panels = vec![over_time("length [m]", lengths.collect()), over_time("force [N]", leg(1))];
     write("platform", "Legs of the platform", panels)?;
     table(folder, run, samples)
 }
@@ -71,6 +74,10 @@ fn axis_name(axis: usize) -> String {
 
 fn line(name: impl Into<String>, samples: &[Sample], value: impl Fn(&Sample) -> f64) -> Line {
     Line::new(name, samples.iter().map(|s| (s.look.time, value(s))).collect())
+}
+
+fn flat(name: &str, value: f64, end: f64) -> Line {
+    Line::new(name, vec![(0.0, value), (end, value)])
 }
 
 fn curves(label: &str, x_range: std::ops::Range<f64>, lines: Vec<Line>) -> Panel {

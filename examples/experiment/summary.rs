@@ -3,9 +3,10 @@
 use std::fmt::Write;
 
 use mbs_models::experiment::plan::Attitude;
-use mbs_models::experiment::tracking::Tracked;
+use mbs_models::experiment::tracking::{LINK_EXCESS, MODULE_EXCESS, Tracked};
 use serde_json::{Value, json};
 
+use crate::assumed;
 use crate::run::{Outcome, Run};
 
 /// One object; what is not known where the arm cannot follow is null.
@@ -25,6 +26,7 @@ pub(crate) fn to_json(run: &Run<'_>) -> Value {
         "max_joint_speed_ratio": of(|o| o.survey.speed_ratio.value.into()),
         "max_torque_ratio": of(|o| o.survey.force_ratio.value.into()),
         "max_joint_acceleration_ratio": of(|o| o.survey.acceleration_ratio.value.into()),
+        "drive_ratio_max": tracked(|t| t.force_ratio.value.into()),
         "singularity_margin": of(|o| o.survey.singularity_margin.value.into()),
         "joint_range_deg": of(|o| json!(o.survey.positions[1..].iter().map(|ends| ends.map(f64::to_degrees)).collect::<Vec<_>>())),
         "max_joint_speed_deg_s": of(|o| json!(o.survey.speeds[1..].iter().map(|speed| speed.to_degrees()).collect::<Vec<_>>())),
@@ -44,12 +46,14 @@ pub(crate) fn to_json(run: &Run<'_>) -> Value {
         "tracking_error_max": tracked(|t| t.error.value.into()),
         "tracking_turn_max_deg": tracked(|t| t.turn.value.to_degrees().into()),
         "saturated": tracked(|t| t.saturated.into()),
+        "simulation_error": of(|o| o.simulated.as_ref().err().map(ToString::to_string).into()),
         "touchdown_time": tracked(|t| t.contact.time.into()),
         "planned_touchdown_time": run.experiment.flight.touchdown(),
         "relative_position": tracked(|t| json!(t.contact.position)),
         "relative_velocity": tracked(|t| json!(t.contact.velocity)),
         "relative_attitude_deg": tracked(|t| json!(t.contact.attitude.map(f64::to_degrees))),
         "relative_angular_velocity_deg_s": tracked(|t| json!(t.contact.angular_velocity.map(f64::to_degrees))),
+        "assumed": assumed::to_json(),
     })
 }
 
@@ -64,17 +68,17 @@ pub(crate) fn text(run: &Run<'_>) -> String {
     let mut text = String::new();
     // Writing to a string does not fail.
     let _ = write(&mut text, run);
-    text
+    text + &assumed::text()
 }
 
 fn write(text: &mut String, run: &Run<'_>) -> std::fmt::Result {
     let verdict = if run.broken.is_none() { "feasible" } else { "not feasible" };
-    writeln!(text, "case {}, attitude {}: the scale {:.4} is {verdict}", run.case.name, attitude(run), run.scale)?;
+    writeln!(text, "case {}, attitude {}: the scale {:.5} is {verdict}", run.case.name, attitude(run), run.scale)?;
     if let Some(reason) = run.broken {
         writeln!(text, "  {reason}")?;
     }
     if let Some((scale, reason)) = run.next {
-        writeln!(text, "  at {scale:.4} it is not: {reason}")?;
+        writeln!(text, "  at {scale:.5} it is not: {reason}")?;
     }
     let Some(Outcome { plan, survey, simulated }) = &run.outcome else { return Ok(()) };
     writeln!(text, "the carriage stays {:.3} m behind the flange", plan.standoff())?;
@@ -98,7 +102,8 @@ fn write(text: &mut String, run: &Run<'_>) -> std::fmt::Result {
     }
     writeln!(
         text,
-        "accelerations are up to {:.2} of those assumed for the joints, which do not count; singularities are {:.3} away",
+        "accelerations are up to {:.2} of those assumed for the joints, which do not count; of the distances from singularities of \
+         shoulder, elbow and wrist the smallest is {:.3} of the largest possible",
         survey.acceleration_ratio.value, survey.singularity_margin.value
     )?;
     writeln!(
@@ -110,17 +115,23 @@ fn write(text: &mut String, run: &Run<'_>) -> std::fmt::Result {
         survey.leg_speed,
         survey.leg_force
     )?;
+    let heavier = format!(
+        "simulated, links {:.0} % and vehicle {:.0} % heavier than the controller knows",
+        100.0 * LINK_EXCESS,
+        100.0 * MODULE_EXCESS
+    );
     let tracked = match simulated {
         Ok(simulated) => &simulated.tracked,
-        Err(error) => return writeln!(text, "simulated, heavier than its controller knows: {error}"),
+        Err(error) => return writeln!(text, "{heavier}: {error}"),
     };
     let contact = &tracked.contact;
     writeln!(
         text,
-        "simulated, heavier than its controller knows: the flange is off by up to {:.3} mm (t = {:.2} s) and {:.4}°",
+        "{heavier}: the flange is off by up to {:.3} mm (t = {:.2} s) and {:.4}°, drives give up to {:.1} % of their limits",
         1e3 * tracked.error.value,
         tracked.error.time,
-        tracked.turn.value.to_degrees()
+        tracked.turn.value.to_degrees(),
+        100.0 * tracked.force_ratio.value
     )?;
     let [x, y, _] = contact.position.map(|metres| 1e3 * metres);
     let [vx, vy, vz] = contact.velocity.map(|speed| 1e3 * speed);
@@ -130,4 +141,30 @@ fn write(text: &mut String, run: &Run<'_>) -> std::fmt::Result {
         contact.time,
         run.experiment.flight.touchdown()
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use mbs_models::experiment::Experiment;
+    use mbs_models::experiment::flight::Flight;
+    use mbs_models::quadrotor::heave::Heave;
+    use mbs_models::quadrotor::landing::{Landing, Plant};
+
+    use super::*;
+    use crate::run::Case;
+
+    #[test]
+    fn a_simulation_that_fails_says_why() {
+        // A flight below the platform: the arm can follow, and there is nothing to come down to.
+        let mut landing = Landing::new(Plant::Exact, Heave::CASE_I);
+        landing.approach.height = -1.0;
+        let experiment = Experiment::new(Flight::guided(&landing).expect("a flight"));
+        let case = Case { name: "I", heave: Heave::CASE_I };
+        let run = Run::of(&experiment, case, Some(0.1)).expect("a plan");
+        let found = to_json(&run);
+        let reason = found["simulation_error"].as_str().expect("a reason");
+        assert!(reason.starts_with("the flange begins -0.09") && reason.ends_with("over the deck"), "{reason}");
+        assert!(found["max_torque_ratio"].is_number() && found["drive_ratio_max"].is_null());
+        assert!(text(&run).contains(&format!("heavier than the controller knows: {reason}")));
+    }
 }

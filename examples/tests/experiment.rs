@@ -32,6 +32,7 @@ fn the_greatest_scale_of_each_case() {
         assert!((numbers(&found["relative_velocity"])[2] + 0.2 * scale).abs() < 0.02 * scale);
         assert!(number(&found["platform"]["stroke"]) < 0.65);
         written(folder.path(), case, scale, number(&found["touchdown_time"]));
+        digits(case, scale, number(&found["next_scale"]), folder.path());
     }
 }
 
@@ -60,6 +61,19 @@ fn written(folder: &std::path::Path, case: &str, scale: f64, contact: f64) {
     assert!(rows.iter().all(|row| (standoff(row) - standoff(first)).abs() < 2e-3));
 }
 
+/// The feasible scale and the next one are told apart, in text and in titles.
+#[track_caller]
+fn digits(case: &str, scale: f64, next: f64, folder: &std::path::Path) {
+    let (scale, next) = (format!("{scale:.5}"), format!("{next:.5}"));
+    assert_ne!(scale, next);
+    let text = good(PROGRAM, &["--case", case]);
+    let head = format!("case {case}, attitude flown: the scale {scale} is feasible\n  at {next} it is not: ");
+    assert!(text.starts_with(&head), "{text}");
+    let platform = std::fs::read_to_string(folder.join(format!("case_{case}_platform.svg"))).unwrap();
+    assert!(platform.contains(&format!("case {case} at {scale}")));
+    assert!(platform.contains("shortest") && platform.contains("longest"));
+}
+
 #[test]
 fn scales_that_are_asked_for() {
     let of = |scale: &str| json(&good(PROGRAM, &["--json", "--scale", scale]));
@@ -77,8 +91,20 @@ fn scales_that_are_asked_for() {
     // A tool that points straight down, at the same scale.
     let level = json(&good(PROGRAM, &["--json", "--scale", "0.1", "--attitude", "level"]));
     assert!(number(&level["max_joint_speed_ratio"]) < number(&tenth["max_joint_speed_ratio"]));
+    // What the drives gave, which the plan did not know: the arm is heavier.
+    let (given, planned) = (number(&tenth["drive_ratio_max"]), number(&tenth["max_torque_ratio"]));
+    assert!(given > planned && given < 1.1 * planned, "{given}, planned {planned}");
+    assert_eq!((&tenth["simulation_error"], &out_of_reach["drive_ratio_max"]), (&Value::Null, &Value::Null));
+    for found in [&tenth, &out_of_reach] {
+        assert_eq!((number(&found["assumed"]["link_excess"]), number(&found["assumed"]["module_excess"])), (0.03, 0.1));
+        let unchecked = found["assumed"]["not_checked"].as_array().unwrap();
+        assert!(unchecked.iter().any(|what| what.as_str().unwrap().contains("collisions")), "{unchecked:?}");
+    }
     let text = good(PROGRAM, &["--scale", "0.1"]);
-    assert!(text.starts_with("case I, attitude flown: the scale 0.1000 is feasible\n"), "{text}");
+    assert!(text.contains("links 3 % and vehicle 10 % heavier than the controller knows: the flange"), "{text}");
+    let last: Vec<&str> = text.lines().rev().take(2).collect();
+    assert!(last[0].starts_with("not checked: collisions") && last[1].contains("assumed: "), "{text}");
+    assert!(text.starts_with("case I, attitude flown: the scale 0.10000 is feasible\n"), "{text}");
 }
 
 #[test]

@@ -43,12 +43,18 @@
 #[cfg(feature = "std")]
 pub mod flight;
 #[cfg(feature = "std")]
+mod masses;
+#[cfg(feature = "std")]
 pub mod plan;
 pub mod rail_arm;
 #[cfg(feature = "std")]
 pub mod search;
 #[cfg(feature = "std")]
+mod standoff;
+#[cfg(feature = "std")]
 pub mod tracking;
 
+#[cfg(feature = "std")]
+pub use masses::InvalidMass;
 #[cfg(feature = "std")]
 pub use plan::Experiment;

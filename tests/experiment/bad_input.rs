@@ -2,12 +2,13 @@
 
 use mbs_models::arm::inverse::Unsolvable;
 use mbs_models::arm::limits::InvalidLimits;
-use mbs_models::experiment::Experiment;
 use mbs_models::experiment::flight::{Flight, OutsideFlight};
 use mbs_models::experiment::plan::{Attitude, AxisQuantity, BRANCH, Infeasible, PlanError};
 use mbs_models::experiment::rail_arm::{FlangeMotion, NotFollowed, RailArm};
 use mbs_models::experiment::search::{Search, SearchError};
 use mbs_models::experiment::tracking::{Tracking, TrackingError};
+use mbs_models::experiment::{Experiment, InvalidMass};
+use mbs_models::irb7600_rail::{Irb7600Rail, Params};
 use mbs_models::platform::Quantity;
 use mbs_models::platform::limits::InvalidLimits as InvalidActuators;
 use mbs_models::quadrotor::heave::Heave;
@@ -86,7 +87,7 @@ fn numbers_that_are_none_have_a_name() {
     assert_eq!(named(with(|e| e.standoffs[0] = f64::NAN)), "standoffs[0]");
     assert_eq!(named(with(|e| e.heaving = f64::NAN)), "heaving");
     assert!(matches!(with(|e| e.standoffs = [2.0, 1.0]), PlanError::Standoffs { .. }));
-    for sampling in [0.0, -1.0, f64::NAN, 1e-9] {
+    for sampling in [0.0, -1.0, f64::NAN, 1e-9, 0.100_1, 1.0, 1e3, f64::INFINITY] {
         let experiment = Experiment { sampling, ..good.clone() };
         assert!(matches!(experiment.plan(0.1), Err(PlanError::Sampling { .. })), "{sampling}");
     }
@@ -108,6 +109,47 @@ fn numbers_that_are_none_have_a_name() {
     ] {
         assert!(matches!(good.greatest_scale(&search), Err(SearchError::Invalid(_))), "{search:?}");
     }
+}
+
+#[test]
+fn masses_are_those_of_bodies() {
+    let good = guided();
+    type Change = fn(&mut Params<f64>);
+    let changes: [(&str, Option<usize>, Change); 11] = [
+        ("carriage_mass", None, |p| p.carriage_mass = -1.0),
+        ("mass", Some(0), |p| p.mass = [0.0; 6]),
+        ("mass", Some(3), |p| p.mass[3] = f64::NAN),
+        ("i_xx", Some(1), |p| p.i_xx[1] = -1.0),
+        ("i_yy", Some(5), |p| p.i_yy[5] = f64::INFINITY),
+        ("i_zz", Some(2), |p| p.i_zz[2] = 0.0),
+        ("module_mass", None, |p| p.module_mass = -100.0),
+        ("module_mass", None, |p| p.module_mass = f64::NAN),
+        ("module_inertia", Some(1), |p| p.module_inertia[1] = -1e-3),
+        ("com_y", Some(4), |p| p.com_y[4] = f64::NAN),
+        ("g", None, |p| p.g = f64::INFINITY),
+    ];
+    let plan = good.plan_at(0.1, 1.5).expect("a plan");
+    for (parameter, index, change) in changes {
+        let mut params = *good.robot.model.params();
+        change(&mut params);
+        let mut experiment = good.clone();
+        experiment.robot.model = Irb7600Rail::new(params);
+        let found = experiment.plan(0.1).expect_err("no body");
+        let PlanError::Mass(InvalidMass { parameter: named, index: which, .. }) = found else { panic!("{found}") };
+        assert_eq!((named, which), (parameter, index), "{found}");
+        assert!(found.to_string().starts_with(parameter), "{found}");
+
+        let tracking = Tracking { plant: experiment.robot.model, ..Tracking::exact(&good.robot) };
+        let found = plan.track(&tracking, |_| ()).expect_err("no body");
+        assert!(matches!(found, TrackingError::Mass(wrong) if wrong.parameter == parameter), "{found}");
+    }
+    // Nothing at the flange.
+    let mut experiment = good.clone();
+    let params = Params { module_mass: 0.0, module_inertia: [0.0; 3], ..*good.robot.model.params() };
+    experiment.robot.model = Irb7600Rail::new(params);
+    let plan = experiment.plan(0.1).expect("a plan");
+    assert!(plan.survey().expect("reachable").is_feasible());
+    assert!(plan.track(&Tracking::exact(&experiment.robot), |_| ()).is_ok());
 }
 
 #[test]
@@ -166,9 +208,19 @@ fn flights_that_are_none() {
     let found = Flight::guided(&Landing::new(Plant::Exact, restless)).map(|flight| flight.touchdown());
     assert!(matches!(found, Err(LandingError::NotFinite { .. })), "{found:?}");
     assert!(matches!(with(|l| l.t_end = 5.0), Err(LandingError::NoTouchdown { .. })));
+    for t_end in [0.0, f64::NAN, f64::INFINITY] {
+        let found = Flight::guided(&Landing { t_end, ..good.clone() }).map(|flight| flight.touchdown());
+        assert!(matches!(found, Err(LandingError::NotPositive { parameter: "t_end", .. })), "{t_end}: {found:?}");
+    }
+    // It comes down, but after more moments than can be kept.
+    let slow = with(|l| (l.t_end, l.approach.sink_rate) = (1e9, 2e-7));
+    assert!(matches!(slow, Err(LandingError::TooManyMoments { t_end, .. }) if t_end < 1e9), "{slow:?}");
+    // A late end alone is none.
+    assert!(with(|l| l.t_end = 1e9).is_ok());
     let mut blind = Landing::initial_state();
     blind.q[2] = f64::NAN;
-    assert!(matches!(Flight::simulated(&good, blind), Err(LandingError::NotAbove { .. })));
+    let found = Flight::simulated(&good, blind).map(|flight| flight.touchdown());
+    assert!(matches!(found, Err(LandingError::NotFinite { parameter: "q[2]", .. })), "{found:?}");
 
     let flight = Flight::guided(&good).expect("a landing");
     for time in [-1e-9, 14.0, f64::NAN] {

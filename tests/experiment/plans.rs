@@ -1,6 +1,6 @@
 //! Plans at a scale, and the greatest of them.
 
-use mbs_models::experiment::plan::{Attitude, AxisQuantity, Infeasible, turned_over};
+use mbs_models::experiment::plan::{Attitude, AxisQuantity, Infeasible, PlanError, turned_over};
 use mbs_models::experiment::search::Search;
 use mbs_models::experiment::{Experiment, flight::Flight};
 use mbs_models::quadrotor::heave::Heave;
@@ -138,6 +138,51 @@ fn the_chosen_standoff_is_the_clearest() {
         let other = experiment.plan_at(0.1, 1.0 + 0.01 * f64::from(k)).expect("a plan");
         assert!(other.clearance().is_ok_and(|clearance| clearance <= best + 1e-9), "{}", other.standoff());
     }
+}
+
+/// No stand-off that is left by a short rail allows more than is found.
+#[test]
+fn a_short_rail_leaves_the_greatest_scale() {
+    let mut experiment = guided();
+    experiment.sampling = 0.05;
+    experiment.robot.rail.range = [0.0, 10.3];
+    let feasible = |scale: f64, standoff: f64| {
+        experiment.plan_at(scale, standoff).expect("a plan").survey().is_ok_and(|survey| survey.is_feasible())
+    };
+    let found = experiment.greatest_scale(&Search::default()).expect("a scale");
+    let scale = found.plan.scale();
+    assert!(scale > 0.1 && feasible(0.1, 1.7), "{scale}");
+    let standoff = found.plan.standoff();
+    assert!((1.7 - 1e-12..=2.0).contains(&standoff), "{standoff}");
+    for k in 0..=50 {
+        let standoff = 1.5 + 0.01 * f64::from(k);
+        assert!(!feasible(scale + 2e-4, standoff), "{standoff} m allows more than {scale}");
+    }
+
+    // The carriage is bolted down where it stands at 0.1.
+    experiment.robot.rail.range = [10.536; 2];
+    let plan = experiment.plan(0.1).expect("a plan");
+    assert!(plan.survey().expect("reachable").is_feasible() && (plan.standoff() - 1.464).abs() < 1e-12);
+    assert!(experiment.greatest_scale(&Search::default()).expect("a scale").plan.scale() >= 0.1);
+    // Where it moves along the rail it is not: the carriage leaves its place.
+    let mut moving = flown(Heave::CASE_II);
+    moving.robot.rail.range = [10.536; 2];
+    let broken = moving.plan(0.1).expect("a plan").survey().expect("reachable").broken.expect("it breaks");
+    assert!(matches!(broken, Infeasible::Axis(axis) if axis.axis == 0 && axis.quantity == AxisQuantity::Position));
+}
+
+#[test]
+fn standoffs_that_may_be_anything_are_those_in_reach() {
+    let mut experiment = guided();
+    experiment.sampling = 0.05;
+    let near = experiment.plan(0.1).expect("a plan").standoff();
+    for standoffs in [[-1e9, 1e9], [f64::MIN, f64::MAX], [-100.0, 3.0]] {
+        let found = Experiment { standoffs, ..experiment.clone() }.plan(0.1).map(|plan| plan.standoff());
+        assert!(found.is_ok_and(|standoff| (standoff - near).abs() < 2e-4), "{standoffs:?}: {found:?}, not {near}");
+    }
+    let far = Experiment { standoffs: [10.0, 1e9], ..experiment };
+    let found = far.plan(0.1).expect_err("out of reach");
+    assert!(matches!(found, PlanError::Infeasible(Infeasible::Arm { time: 0.0, .. })), "{found}");
 }
 
 /// Rates and accelerations of the axes against differences of their positions; poses against the flight.

@@ -1,4 +1,17 @@
 //! The flight that the flange is to repeat: the vehicle's six coordinates as smooth functions of time.
+//!
+//! ```
+//! use mbs_models::experiment::flight::Flight;
+//! use mbs_models::quadrotor::heave::Heave;
+//! use mbs_models::quadrotor::landing::{Landing, Plant};
+//!
+//! let flight = Flight::guided(&Landing::new(Plant::Exact, Heave::CASE_I))?;
+//! // At the touchdown the vehicle is over the middle of the platform, at the height of its deck.
+//! let [q, ..] = flight.at(flight.touchdown())?;
+//! assert_eq!([q[0], q[1]], flight.platform);
+//! assert!((q[2] - flight.heave.at(flight.touchdown()).value).abs() < 1e-9);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 use core::error::Error;
 use core::fmt;
@@ -10,7 +23,7 @@ use mbs_runtime::{Integrator, State};
 use crate::platform::Coordinates;
 use crate::quadrotor::backstepping::Reference;
 use crate::quadrotor::heave::Heave;
-use crate::quadrotor::landing::{Landing, LandingError};
+use crate::quadrotor::landing::{Landing, LandingError, MOST_MOMENTS};
 
 /// A landing, known at equal distances of time and interpolated between, and what it lands on.
 ///
@@ -94,13 +107,16 @@ impl Flight {
     /// The landing that the guidance asks for: level, over the middle of the platform, without any error.
     ///
     /// # Errors
-    /// [`LandingError::NotPositive`] where the approach never comes down, [`LandingError::NotFinite`].
+    /// [`LandingError::NotPositive`] where the approach never comes down or `t_end` is no time, [`LandingError::NoTouchdown`],
+    /// [`LandingError::TooManyMoments`] where the touchdown is more than [`MOST_MOMENTS`] moments of 2 ms away,
+    /// [`LandingError::NotFinite`].
     pub fn guided(landing: &Landing) -> Result<Self, LandingError> {
         let approach = &landing.approach;
         let positive = [
             ("approach.duration", approach.duration),
             ("approach.sink_rate", approach.sink_rate),
             ("approach.last_height", approach.last_height),
+            ("t_end", landing.t_end),
         ];
         if let Some((parameter, value)) = positive.into_iter().find(|(_, value)| !(*value > 0.0 && value.is_finite())) {
             return Err(LandingError::NotPositive { parameter, value });
@@ -108,6 +124,9 @@ impl Flight {
         let touchdown = approach.duration + approach.last_height / approach.sink_rate;
         if touchdown > landing.t_end {
             return Err(LandingError::NoTouchdown { time: landing.t_end, height: approach.at(landing.t_end).value });
+        }
+        if touchdown / STEP > f64::from(MOST_MOMENTS) {
+            return Err(LandingError::TooManyMoments { t_end: touchdown, period: STEP });
         }
         let moment = |t: f64| {
             let [x, y, z] = landing.reference(t);

@@ -3,9 +3,10 @@
 use core::error::Error;
 use core::fmt;
 
-use mbs_runtime::{Dual, Pose, Scalar};
+use mbs_runtime::{Dual, Pose};
 
 use super::flight::{Flight, OutsideFlight};
+use super::masses::{self, InvalidMass};
 use super::rail_arm::{FlangeMotion, NotFollowed, RailArm, RailVector, angles};
 use crate::arm::inverse::{Branch, Elbow, Shoulder, Wrist};
 use crate::arm::jacobian::determinant_factors;
@@ -54,7 +55,7 @@ pub struct Experiment {
     pub flight: Flight,
     /// What becomes of its attitude.
     pub attitude: Attitude,
-    /// The least and the greatest stand-off of the carriage that may be chosen \[m\].
+    /// The least and the greatest stand-off of the carriage that may be chosen \[m\]; [`plan`](Self::plan) chooses.
     pub standoffs: [f64; 2],
     /// Whether the accelerations of the joints, [`JointLimits::acceleration`](crate::arm::JointLimits), are limits too.
     ///
@@ -63,7 +64,7 @@ pub struct Experiment {
     pub joint_accelerations: bool,
     /// How long the platform heaves, at least to the touchdown \[s\].
     pub heaving: f64,
-    /// Between the moments of a survey, positive \[s\].
+    /// Between the moments of a survey, positive and no more than [`COARSEST`] \[s\].
     pub sampling: f64,
 }
 
@@ -90,13 +91,15 @@ pub enum PlanError {
         /// Those given \[m\].
         range: [f64; 2],
     },
-    /// Moments are not apart, or there are more than ten million.
+    /// Moments are not apart, or more than [`COARSEST`], or there are more than ten million.
     Sampling {
         /// Between moments \[s\].
         step: f64,
         /// The last one \[s\].
         end: f64,
     },
+    /// The arm has a mass that no body has.
+    Mass(InvalidMass),
     /// Nothing can keep the limits of the joints.
     Joints(InvalidLimits),
     /// Nothing can keep those of the platform.
@@ -121,8 +124,12 @@ impl fmt::Display for PlanError {
                 write!(f, "there is no stand-off from {least} to {greatest} m")
             }
             Self::Sampling { step, end } => {
-                write!(f, "moments every {step} s up to {end} s are none, without end or too many")
+                write!(
+                    f,
+                    "moments every {step} s up to {end} s are none, without end, too many or more than {COARSEST} s apart"
+                )
             }
+            Self::Mass(error) => error.fmt(f),
             Self::Joints(error) => error.fmt(f),
             Self::Actuators(error) => error.fmt(f),
             Self::Rail { range: [lower, upper], bounds: [speed, acceleration, force] } => write!(
@@ -356,14 +363,12 @@ impl Survey {
 
 /// After which the elevations of both cases of the thesis repeat themselves \[s\].
 pub const PERIOD: f64 = 40.0;
-/// Between stand-offs that are tried first \[m\].
-const STANDOFF_STEP: f64 = 0.05;
-/// How often the best of them is then made better, by 0.618 each time: to less than a tenth of a millimetre.
-const REFINEMENTS: usize = 15;
 /// Stand-offs are compared at one of so many moments of a survey.
 const COMPARED: usize = 4;
 /// A survey has no more moments than this.
 const MOST_MOMENTS: f64 = 1e7;
+/// The moments of a survey are no farther apart \[s\]: it would miss what happens between them.
+pub const COARSEST: f64 = 0.1;
 
 impl Experiment {
     /// The default arm and platform in [`Cell::LABORATORY`]; the flange takes on the vehicle's attitude, the platform heaves for
@@ -381,39 +386,6 @@ impl Experiment {
             heaving: PERIOD,
             sampling: 0.01,
         }
-    }
-
-    /// The plan at this scale, with the stand-off that keeps the arm farthest from the ends of its ranges and from
-    /// singularities: [`Plan::clearance`] is the greatest.
-    ///
-    /// Stand-offs are tried every 50 mm within [`standoffs`](Self::standoffs), and the best is made better by golden sections.
-    ///
-    /// # Errors
-    /// [`PlanError`]; [`PlanError::Infeasible`] if no stand-off lets the flange go all the way: why that in the middle does not.
-    pub fn plan(&self, scale: f64) -> Result<Plan<'_>, PlanError> {
-        let [least, greatest] = self.standoffs;
-        let middle = self.plan_at(scale, 0.5 * (least + greatest))?;
-        let clearance = |standoff: f64| Plan { standoff, ..middle }.clearance().unwrap_or(f64::NEG_INFINITY);
-        // `as` saturates; at most a hundred thousand are tried.
-        let steps = ((greatest - least) / STANDOFF_STEP).clamp(0.0, 1e5) as u32;
-        let (mut best, mut standoff) = (clearance(middle.standoff), middle.standoff);
-        for tried in (0..=steps).map(|k| least + f64::from(k) * STANDOFF_STEP) {
-            let found = clearance(tried);
-            if found > best {
-                (best, standoff) = (found, tried);
-            }
-        }
-        if best == f64::NEG_INFINITY {
-            middle.clearance()?;
-        }
-        let golden = 0.5 * (Scalar::sqrt(5.0_f64) - 1.0);
-        let (mut from, mut to) = ((standoff - STANDOFF_STEP).max(least), (standoff + STANDOFF_STEP).min(greatest));
-        for _ in 0..REFINEMENTS {
-            let (near, far) = (to - golden * (to - from), from + golden * (to - from));
-            if clearance(near) >= clearance(far) { to = far } else { from = near }
-        }
-        let refined = 0.5 * (from + to);
-        Ok(Plan { standoff: if clearance(refined) > best { refined } else { standoff }, ..middle })
     }
 
     /// The plan at this scale with this stand-off of the carriage \[m\].
@@ -449,9 +421,10 @@ impl Experiment {
             return Err(PlanError::Standoffs { range: self.standoffs });
         }
         let longest = self.flight.touchdown().max(self.heaving);
-        if !(self.sampling > 0.0 && longest / self.sampling < MOST_MOMENTS) {
+        if !(self.sampling > 0.0 && self.sampling <= COARSEST && longest / self.sampling < MOST_MOMENTS) {
             return Err(PlanError::Sampling { step: self.sampling, end: longest });
         }
+        masses::check(self.robot.model.params()).map_err(PlanError::Mass)?;
         self.robot.joints.check().map_err(PlanError::Joints)?;
         self.platform.limits.check().map_err(PlanError::Actuators)?;
         let rail = &self.robot.rail;
@@ -478,6 +451,11 @@ impl<'a> Plan<'a> {
     #[must_use]
     pub fn standoff(&self) -> f64 {
         self.standoff
+    }
+
+    /// The same with another stand-off, which is finite.
+    pub(super) fn standing_off(self, standoff: f64) -> Self {
+        Self { standoff, ..self }
     }
 
     /// What the flange is to do at a time \[s\].
@@ -703,38 +681,94 @@ impl Survey {
         let time = *time;
         for axis in 0..7 {
             let [least, greatest] = self.positions[axis];
-            self.positions[axis] = [least.min(q[axis]), greatest.max(q[axis])];
-            self.speeds[axis] = self.speeds[axis].max(qd[axis].abs());
-            self.accelerations[axis] = self.accelerations[axis].max(qdd[axis].abs());
-            self.forces[axis] = self.forces[axis].max(forces[axis].abs());
+            self.positions[axis] = [lesser(least, q[axis]), greater(greatest, q[axis])];
+            self.speeds[axis] = greater(self.speeds[axis], qd[axis].abs());
+            self.accelerations[axis] = greater(self.accelerations[axis], qdd[axis].abs());
+            self.forces[axis] = greater(self.forces[axis], forces[axis].abs());
         }
         self.speed_ratio.raise(greatest_part(qd, &robot.speed_limits()), time);
         self.acceleration_ratio.raise(greatest_part(qdd, &robot.acceleration_limits()), time);
         self.force_ratio.raise(greatest_part(forces, &robot.force_limits()), time);
-        if *margin < self.singularity_margin.value {
-            self.singularity_margin = Seen { value: *margin, time };
-        }
+        self.singularity_margin.lower(*margin, time);
         self.add_legs(legs);
     }
 
     fn add_legs(&mut self, legs: &LegState) {
         for leg in 0..6 {
             let [shortest, longest] = self.leg_length;
-            self.leg_length = [shortest.min(legs.length[leg]), longest.max(legs.length[leg])];
-            self.leg_speed = self.leg_speed.max(legs.rate[leg].abs());
-            self.leg_force = self.leg_force.max(legs.force[leg].abs());
+            self.leg_length = [lesser(shortest, legs.length[leg]), greater(longest, legs.length[leg])];
+            self.leg_speed = greater(self.leg_speed, legs.rate[leg].abs());
+            self.leg_force = greater(self.leg_force, legs.force[leg].abs());
         }
     }
 }
 
 impl Seen {
+    /// Where the value is greater, or the first that is NaN.
     pub(super) fn raise(&mut self, value: f64, time: f64) {
-        if value > self.value {
+        if value > self.value || (value.is_nan() && !self.value.is_nan()) {
+            *self = Self { value, time };
+        }
+    }
+
+    /// Where the value is less, or the first that is NaN.
+    fn lower(&mut self, value: f64, time: f64) {
+        if value < self.value || (value.is_nan() && !self.value.is_nan()) {
             *self = Self { value, time };
         }
     }
 }
 
-fn greatest_part(values: &RailVector, limits: &RailVector) -> f64 {
-    (0..7).map(|axis| values[axis].abs() / limits[axis]).fold(0.0, f64::max)
+/// The greater of two numbers; NaN where one is, which `f64::max` would leave out.
+fn greater(one: f64, other: f64) -> f64 {
+    if other > one || other.is_nan() { other } else { one }
+}
+
+/// The lesser of two numbers; NaN where one is.
+fn lesser(one: f64, other: f64) -> f64 {
+    if other < one || other.is_nan() { other } else { one }
+}
+
+/// The greatest magnitude as a part of its limit; NaN where one is.
+pub(super) fn greatest_part(values: &RailVector, limits: &RailVector) -> f64 {
+    (0..7).map(|axis| values[axis].abs() / limits[axis]).fold(0.0, greater)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::quadrotor::heave::Heave;
+    use crate::quadrotor::landing::{Landing, Plant};
+
+    #[test]
+    fn a_number_that_is_none_is_not_left_out() {
+        let flight = Flight::guided(&Landing::new(Plant::Exact, Heave::CASE_I)).expect("a landing");
+        let experiment = Experiment::new(flight);
+        let plan = experiment.plan_at(0.1, 1.5).expect("a plan");
+        let good = plan.moment(1.0).expect("reachable");
+        for axis in 0..7 {
+            let mut bad = plan.moment(2.0).expect("reachable");
+            for values in [&mut bad.axes.q, &mut bad.axes.qd, &mut bad.axes.qdd, &mut bad.forces] {
+                values[axis] = f64::NAN;
+            }
+            bad.margin = f64::NAN;
+            bad.legs.length[axis % 6] = f64::NAN;
+            bad.legs.rate[axis % 6] = f64::NAN;
+            bad.legs.force[axis % 6] = f64::NAN;
+            let mut survey = Survey::new();
+            // What comes after it does not hide it.
+            for moment in [&good, &bad, &good] {
+                survey.add(moment, &experiment.robot);
+            }
+            let of_axis = [survey.speeds, survey.accelerations, survey.forces].map(|values| values[axis]);
+            assert!(of_axis.iter().chain(&survey.positions[axis]).all(|x| x.is_nan()), "{survey:?}");
+            let Survey { speed_ratio, acceleration_ratio, force_ratio, singularity_margin, .. } = survey;
+            for seen in [speed_ratio, acceleration_ratio, force_ratio, singularity_margin] {
+                assert!(seen.value.is_nan() && seen.time == 2.0, "{survey:?}");
+            }
+            let Survey { leg_length: [shortest, longest], leg_speed, leg_force, .. } = survey;
+            assert!([shortest, longest, leg_speed, leg_force].iter().all(|x| x.is_nan()), "{survey:?}");
+            assert!(plan.broken(&bad).is_some());
+        }
+    }
 }

@@ -1,4 +1,21 @@
 //! The greatest scale at which no limit breaks.
+//!
+//! ```
+//! use mbs_models::experiment::Experiment;
+//! use mbs_models::experiment::flight::Flight;
+//! use mbs_models::experiment::search::Search;
+//! use mbs_models::quadrotor::heave::Heave;
+//! use mbs_models::quadrotor::landing::{Landing, Plant};
+//!
+//! let flight = Flight::guided(&Landing::new(Plant::Exact, Heave::CASE_I))?;
+//! let experiment = Experiment { sampling: 0.05, ..Experiment::new(flight) };
+//! let found = experiment.greatest_scale(&Search::default())?;
+//! assert!((found.plan.scale() - 0.119).abs() < 1e-3);
+//! // A little above, axis 5 comes to the end of its range.
+//! let (_, broken) = found.next.expect("full size is too large");
+//! assert!(broken.to_string().contains("joint 5: position 100."));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 use core::error::Error;
 use core::fmt;
@@ -70,6 +87,10 @@ impl Error for SearchError {}
 
 impl Experiment {
     /// The greatest feasible scale: by steps upwards to the first that is infeasible, then by halving.
+    ///
+    /// Of all stand-offs with which the carriage stays on the rail that with the greatest [clearance](Plan::clearance) is tried.
+    /// Ranges of the axes, reach and singularities choose it so; speeds, accelerations and forces do not. Where one of those breaks
+    /// first, another stand-off may allow a greater scale.
     ///
     /// Of a scale above one that is infeasible nothing is said: lengths grow with the scale, and limits that they break stay
     /// broken but in odd cases.

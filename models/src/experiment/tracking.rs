@@ -22,7 +22,8 @@ use core::ops::ControlFlow;
 use mbs_runtime::attitude::log;
 use mbs_runtime::{Dop853, Event, IntegrationError, Integrator, Scalar, State, to_matrix};
 
-use super::plan::{Infeasible, Plan, Seen, turned_over};
+use super::masses::{self, InvalidMass};
+use super::plan::{Infeasible, Plan, Seen, greatest_part, turned_over};
 use super::rail_arm::{RailArm, RailVector};
 use crate::arm::trajectory::JointState;
 use crate::irb7600_rail::{Irb7600Rail, Params};
@@ -75,6 +76,7 @@ impl Tracking {
     }
 
     fn check(&self, end: f64) -> Result<(), TrackingError> {
+        masses::check(self.plant.params()).map_err(TrackingError::Mass)?;
         let Self { natural_frequency, period, .. } = *self;
         if !(natural_frequency > 0.0 && natural_frequency.is_finite()) {
             return Err(TrackingError::InvalidFrequency { natural_frequency });
@@ -136,6 +138,8 @@ pub struct Tracked {
 /// Why there is no contact.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum TrackingError {
+    /// The simulated arm has a mass that no body has.
+    Mass(InvalidMass),
     /// The natural frequency is not a positive number.
     InvalidFrequency {
         /// The frequency given \[rad/s\].
@@ -169,6 +173,7 @@ pub enum TrackingError {
 impl fmt::Display for TrackingError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
+            Self::Mass(error) => error.fmt(f),
             Self::InvalidFrequency { natural_frequency } => {
                 write!(f, "the natural frequency must be positive and finite, it is {natural_frequency} rad/s")
             }
@@ -201,6 +206,17 @@ impl From<IntegrationError> for TrackingError {
 
 impl Plan<'_> {
     /// Simulates the arm from where the plan begins to the contact with the deck. `observer` sees every look of the controller.
+    ///
+    /// ```
+    /// # use mbs_models::experiment::{Experiment, flight::Flight, tracking::Tracking};
+    /// # use mbs_models::quadrotor::{heave::Heave, landing::{Landing, Plant}};
+    /// # let experiment = Experiment::new(Flight::guided(&Landing::new(Plant::Exact, Heave::CASE_I))?);
+    /// // An arm that is heavier than its controller knows is a millimetre off, and comes down early.
+    /// let tracked = experiment.plan_at(0.1, 1.5)?.track(&Tracking::new(&experiment.robot), |_| ())?;
+    /// assert!((1e-4..2e-3).contains(&tracked.error.value));
+    /// assert!(tracked.contact.time < experiment.flight.touchdown());
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     ///
     /// # Errors
     /// [`TrackingError`].
@@ -297,7 +313,7 @@ impl Default for Way {
 impl Way {
     fn add(&mut self, look: &Look, limits: &RailVector) {
         self.errors(look);
-        let part = (0..7).map(|axis| look.forces[axis].abs() / limits[axis]).fold(0.0, f64::max);
+        let part = greatest_part(&look.forces, limits);
         self.force_ratio.raise(part, look.time);
         self.looks += 1;
         self.saturated += u32::from(part >= 1.0);
