@@ -1,9 +1,11 @@
 //! One experiment: its plan, what it asks of the machines, and the simulated arm.
 
 use mbs_examples::Failure;
+use mbs_models::experiment::error::{Infeasible, PlanError};
 use mbs_models::experiment::flight::Flight;
-use mbs_models::experiment::plan::{Attitude, Experiment, Infeasible, Plan, PlanError, Survey};
+use mbs_models::experiment::plan::{Attitude, Experiment, Plan};
 use mbs_models::experiment::search::Search;
+use mbs_models::experiment::survey::Survey;
 use mbs_models::experiment::tracking::{Look, Tracked, Tracking, TrackingError};
 use mbs_models::quadrotor::heave::Heave;
 use mbs_models::quadrotor::landing::{Landing, Plant};

@@ -15,6 +15,7 @@ use std::fmt;
 use std::ops::Range;
 
 use plotters::coord::Shift;
+use plotters::coord::types::RangedCoordf64;
 use plotters::drawing::DrawingAreaErrorKind;
 use plotters::prelude::*;
 use plotters::style::{FontStyle, register_font};
@@ -183,6 +184,36 @@ fn draw_panels<D: DrawingBackend>(canvas: &Canvas<D>, figure: &Figure) -> Drawn<
         }
     }
     canvas.area.present()
+}
+
+/// One axis of a chart in a plane.
+struct Axis<'a> {
+    /// What it says, with its unit.
+    label: &'a str,
+    range: Range<f64>,
+    /// How many, about.
+    ticks: usize,
+}
+
+type PlaneChart<'a, D> = ChartContext<'a, D, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
+
+/// The horizontal and the vertical axis, with a grid.
+fn draw_axes<D: DrawingBackend>(chart: &mut PlaneChart<'_, D>, [x, y]: &[Axis<'_>; 2], canvas: &Canvas<D>) -> Drawn<D> {
+    chart
+        .configure_mesh()
+        .light_line_style(TRANSPARENT)
+        .bold_line_style(canvas.stroke(GRID, 1))
+        .axis_style(canvas.stroke(BLACK, 1))
+        .set_all_tick_mark_size(canvas.length(5))
+        .x_labels(x.ticks)
+        .y_labels(y.ticks)
+        .x_label_formatter(&|value| tick(*value, &x.range))
+        .y_label_formatter(&|value| tick(*value, &y.range))
+        .label_style(canvas.font(14))
+        .axis_desc_style(canvas.font(16))
+        .x_desc(x.label)
+        .y_desc(y.label)
+        .draw()
 }
 
 /// Names beside strokes of their colours, from the top; the last of more than fit is a count.

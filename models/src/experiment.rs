@@ -5,7 +5,10 @@
 //! |---------------|--------------------------------------------------------------------------------------------------|
 //! | [`rail_arm`]  | the arm on its rail, [`irb7600_rail`](crate::irb7600_rail): seven axes, redundancy, rates, forces   |
 //! | [`flight`]    | the landing of chapter 5 as a function of time                                                     |
-//! | [`plan`]      | what all machines do at one scale, and which limit breaks first                                    |
+//! | [`plan`]      | what all machines do at one scale                                                                  |
+//! | [`limits`]    | limits of carriage and joints, and what exceeds them                                               |
+//! | [`survey`]    | the extremes of a plan, and which limit breaks first                                               |
+//! | [`error`]     | why there is no plan, or none that can be followed                                                 |
 //! | [`search`]    | the greatest scale at which none breaks                                                            |
 //! | [`tracking`]  | the arm simulated under its controller, up to the contact with the platform                        |
 //!
@@ -41,7 +44,11 @@
 //! assumed: the thesis' summary prints none of it.
 
 #[cfg(feature = "std")]
+pub mod error;
+#[cfg(feature = "std")]
 pub mod flight;
+#[cfg(feature = "std")]
+pub mod limits;
 #[cfg(feature = "std")]
 mod masses;
 #[cfg(feature = "std")]
@@ -51,6 +58,8 @@ pub mod rail_arm;
 pub mod search;
 #[cfg(feature = "std")]
 mod standoff;
+#[cfg(feature = "std")]
+pub mod survey;
 #[cfg(feature = "std")]
 pub mod tracking;
 

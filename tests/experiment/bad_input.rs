@@ -2,8 +2,10 @@
 
 use mbs_models::arm::inverse::Unsolvable;
 use mbs_models::arm::limits::InvalidLimits;
+use mbs_models::experiment::error::{Infeasible, PlanError};
 use mbs_models::experiment::flight::{Flight, OutsideFlight};
-use mbs_models::experiment::plan::{Attitude, AxisQuantity, BRANCH, Infeasible, PlanError};
+use mbs_models::experiment::limits::AxisQuantity;
+use mbs_models::experiment::plan::{Attitude, BRANCH};
 use mbs_models::experiment::rail_arm::{FlangeMotion, NotFollowed, RailArm};
 use mbs_models::experiment::search::{Search, SearchError};
 use mbs_models::experiment::tracking::{Tracking, TrackingError};

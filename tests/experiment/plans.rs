@@ -1,6 +1,8 @@
 //! Plans at a scale, and the greatest of them.
 
-use mbs_models::experiment::plan::{Attitude, AxisQuantity, Infeasible, PlanError, turned_over};
+use mbs_models::experiment::error::{Infeasible, PlanError};
+use mbs_models::experiment::limits::AxisQuantity;
+use mbs_models::experiment::plan::{Attitude, turned_over};
 use mbs_models::experiment::search::Search;
 use mbs_models::experiment::{Experiment, flight::Flight};
 use mbs_models::quadrotor::heave::Heave;

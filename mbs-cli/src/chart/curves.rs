@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use plotters::prelude::*;
 
-use super::{Canvas, Drawn, GRID, color, draw_legend, tick};
+use super::{Axis, Canvas, Drawn, color, draw_axes, draw_legend};
 
 /// A line has at most so many points; beyond that a bucket of points is drawn by its extremes.
 const POINTS: usize = 4000;
@@ -72,21 +72,11 @@ pub(super) fn draw<D: DrawingBackend>(curves: &Curves, canvas: &Canvas<D>) -> Dr
         .x_label_area_size(canvas.length(44))
         .y_label_area_size(canvas.length(76))
         .build_cartesian_2d(abscissas.clone(), values.clone())?;
-    chart
-        .configure_mesh()
-        .light_line_style(TRANSPARENT)
-        .bold_line_style(canvas.stroke(GRID, 1))
-        .axis_style(canvas.stroke(BLACK, 1))
-        .set_all_tick_mark_size(canvas.length(5))
-        .x_labels(11)
-        .y_labels(7)
-        .x_label_formatter(&|t| tick(*t, &abscissas))
-        .y_label_formatter(&|y| tick(*y, &values))
-        .label_style(canvas.font(14))
-        .axis_desc_style(canvas.font(16))
-        .x_desc(&curves.x_label)
-        .y_desc(&curves.y_label)
-        .draw()?;
+    let axes = [
+        Axis { label: &curves.x_label, range: abscissas, ticks: 11 },
+        Axis { label: &curves.y_label, range: values, ticks: 7 },
+    ];
+    draw_axes(&mut chart, &axes, canvas)?;
     for (i, line) in curves.lines.iter().enumerate() {
         let finite = line.points.iter().copied().filter(|point| point.1.is_finite());
         chart.draw_series(LineSeries::new(finite, canvas.stroke(color(i, curves.lines.len()), 2)))?;

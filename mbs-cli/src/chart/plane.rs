@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use plotters::prelude::*;
 
-use super::{Canvas, Drawn, GRID, color, draw_legend, tick};
+use super::{Axis, Canvas, Drawn, color, draw_axes, draw_legend};
 
 /// Points that are drawn as one line: where a line in a PNG crosses itself it is not filled.
 const PIECE: usize = 32;
@@ -72,21 +72,9 @@ pub(super) fn draw<D: DrawingBackend>(plane: &Plane, canvas: &Canvas<D>) -> Draw
         .x_label_area_size(below)
         .y_label_area_size(left)
         .build_cartesian_2d(x.clone(), y.clone())?;
-    chart
-        .configure_mesh()
-        .light_line_style(TRANSPARENT)
-        .bold_line_style(canvas.stroke(GRID, 1))
-        .axis_style(canvas.stroke(BLACK, 1))
-        .set_all_tick_mark_size(canvas.length(5))
-        .x_labels(8)
-        .y_labels(8)
-        .x_label_formatter(&|value| tick(*value, &x))
-        .y_label_formatter(&|value| tick(*value, &y))
-        .label_style(canvas.font(14))
-        .axis_desc_style(canvas.font(16))
-        .x_desc(&plane.labels[0])
-        .y_desc(&plane.labels[1])
-        .draw()?;
+    let [right, up] = &plane.labels;
+    let axes = [Axis { label: right, range: x, ticks: 8 }, Axis { label: up, range: y, ticks: 8 }];
+    draw_axes(&mut chart, &axes, canvas)?;
     for (i, line) in plane.lines.iter().enumerate() {
         let is_finite = |point: &&[f64; 2]| point.iter().all(|x| x.is_finite());
         let finite: Vec<(f64, f64)> = line.points.iter().filter(is_finite).map(|&[x, y]| (x, y)).collect();

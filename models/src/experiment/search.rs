@@ -20,7 +20,9 @@
 use core::error::Error;
 use core::fmt;
 
-use super::plan::{Experiment, Infeasible, Plan, PlanError, Survey};
+use super::error::{Infeasible, PlanError};
+use super::plan::{Experiment, Plan};
+use super::survey::Survey;
 
 /// How scales are searched.
 #[derive(Clone, Copy, Debug, PartialEq)]

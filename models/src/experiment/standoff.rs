@@ -2,7 +2,8 @@
 
 use mbs_runtime::Scalar;
 
-use super::plan::{Experiment, Infeasible, Plan, PlanError};
+use super::error::{Infeasible, PlanError};
+use super::plan::{Experiment, Plan};
 use crate::arm::{A1, A2, A3, D1, D4, D6};
 
 /// Between stand-offs that are tried first \[m\].

@@ -22,9 +22,11 @@ use core::ops::ControlFlow;
 use mbs_runtime::attitude::log;
 use mbs_runtime::{Dop853, Event, IntegrationError, Integrator, Scalar, State, to_matrix};
 
+use super::error::Infeasible;
 use super::masses::{self, InvalidMass};
-use super::plan::{Infeasible, Plan, Seen, greatest_part, turned_over};
+use super::plan::{Plan, turned_over};
 use super::rail_arm::{RailArm, RailVector};
+use super::survey::{Seen, greatest_part};
 use crate::arm::trajectory::JointState;
 use crate::irb7600_rail::{Irb7600Rail, Params};
 

@@ -8,10 +8,11 @@ use super::super::lambert::{self, Route};
 use super::super::lvlh::{Frame, RelativeMotion};
 use super::super::vector::{StateVector, Vector, dot, minus, norm, plus, scaled};
 use super::super::yamanaka_ankersen;
+use super::error::MissionError;
 use super::glideslope::Glideslope;
 use super::phasing::{Phasing, Plan};
 use super::safety::{Zone, Zones};
-use super::{Burn, LinearModel, Mission, MissionError, Moment, Phase, PhaseReport, Report};
+use super::{Burn, LinearModel, Mission, Moment, Phase, PhaseReport, Report};
 
 /// Far from the sphere the way is looked at so often \[s\].
 const SPARSE: f64 = 20.0;
