@@ -1,4 +1,5 @@
-//! The examples of orbits as outside programs call them, against the reference values of `tests/data/orbit.json`.
+//! The examples of orbits as outside programs call them, against the reference values of `tests/data/orbit.json` and
+//! `orbit_relative.json`.
 
 mod support;
 
@@ -8,6 +9,15 @@ use support::{good, json, keys, numbers};
 const TWO_BODY: &str = env!("CARGO_BIN_EXE_two_body");
 const THREE_BODY: &str = env!("CARGO_BIN_EXE_three_body");
 const RELATIVE_MOTION: &str = env!("CARGO_BIN_EXE_relative_motion");
+
+/// Periods of the stations \[s\].
+const CIRCLE: f64 = 5553.624_271_252_228;
+const ELLIPSE: f64 = 6464.022_739_908_78;
+
+/// Those at this time.
+fn after(samples: &[Value], time: f64) -> impl Iterator<Item = &Value> {
+    samples.iter().filter(move |sample| sample["t_s"].as_f64() == Some(time))
+}
 
 fn reference() -> Value {
     json(include_str!("../../tests/data/orbit.json"))
@@ -95,20 +105,28 @@ fn asteroids_keep_company() {
 fn motion_about_a_station() {
     let figures = ["figure_7_3", "figure_7_4", "near_with_station_mass", "elliptic_near", "elliptic_far"];
     let (found, expected) = (printed(RELATIVE_MOTION, &figures, &["circular_far_radial"]), reference());
-    for group in ["circular", "elliptic", "station_mass"] {
-        assert_eq!(keys(&found[group]), keys(&expected[group]), "{group}");
-        for (case, values) in expected[group].as_object().unwrap() {
-            for (what, value) in values.as_object().unwrap() {
-                // Kilometres; near the station metres.
-                let tolerance = if case.starts_with("far") || what.ends_with("_m") || what.ends_with("_m_s") {
-                    1e-9
-                } else {
-                    1e-12
-                };
-                near(&format!("{group} {case} {what}"), &found[group][case][what], value, tolerance);
-            }
+    let motions = json(include_str!("../../tests/data/orbit_relative.json"));
+    let check = |group: &str, case: &str, sample: &Value| {
+        for what in ["position_km", "velocity_km_s", "position_m", "velocity_m_s"] {
+            let Some(value) = sample.get(what) else { continue };
+            // Kilometres; near the station metres.
+            let is_far_or_metres = case.starts_with("far") || what.ends_with("_m") || what.ends_with("_m_s");
+            let tolerance = if is_far_or_metres { 1e-9 } else { 1e-12 };
+            near(&format!("{group} {case} {what}"), &found[group][case][what], value, tolerance);
+        }
+    };
+    for (group, motions, period) in
+        [("circular", &motions["relative_circular"], CIRCLE), ("elliptic", &motions["relative_elliptic"], ELLIPSE)]
+    {
+        assert_eq!(keys(&found[group]), keys(motions), "{group}");
+        for (case, motion) in motions.as_object().unwrap() {
+            check(group, case, after(motion["samples"].as_array().unwrap(), period).next().unwrap());
         }
     }
+    let with_mass: Vec<&Value> = after(motions["relative_with_station_mass"].as_array().unwrap(), CIRCLE).collect();
+    let names: Vec<&str> = with_mass.iter().map(|sample| sample["case"].as_str().unwrap()).collect();
+    assert_eq!(keys(&found["station_mass"]), names);
+    with_mass.iter().zip(names).for_each(|(sample, case)| check("station_mass", case, sample));
     // Against the difference of two Kepler motions, and in cylindrical coordinates, which lose digits near the station [m].
     for (group, case) in
         [("circular", "far_radial"), ("circular", "near_radial"), ("elliptic", "near"), ("elliptic", "far")]
