@@ -11,8 +11,8 @@ const THREE_BODY: &str = env!("CARGO_BIN_EXE_three_body");
 const RELATIVE_MOTION: &str = env!("CARGO_BIN_EXE_relative_motion");
 
 /// Periods of the stations \[s\].
-const CIRCLE: f64 = 5553.624_271_252_228;
-const ELLIPSE: f64 = 6464.022_739_908_78;
+const CIRCLE: f64 = 5_553.624_271_252_228;
+const ELLIPSE: f64 = 6_464.022_739_908_78;
 
 /// Those at this time.
 fn after(samples: &[Value], time: f64) -> impl Iterator<Item = &Value> {
