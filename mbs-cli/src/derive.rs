@@ -6,11 +6,13 @@
 mod graph;
 mod json;
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
-use mbs_derive::{emit, source};
+use mbs_derive::emit;
+use mbs_derive::source::{self, Sources};
 
 use crate::failure::Failure;
+use crate::files::Files;
 use crate::{mechanism, output};
 
 /// Derive and prove the equations of motion, and print them as code.
@@ -39,10 +41,15 @@ enum Emit {
 
 /// Prints or writes the code.
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let mut files = Files::default();
+    let sources = mechanism::open(&arguments.file, &mut files)?;
+    if let Some(out) = &arguments.out {
+        files.writes("--out", out)?;
+    }
     let text = match arguments.emit {
-        Emit::Rust => rust(&arguments.file)?,
-        Emit::Latex => mechanism::latex(&arguments.file)?,
-        Emit::Json => json::programs(&mechanism::read(&arguments.file)?.derivation),
+        Emit::Rust => rust(&sources)?,
+        Emit::Latex => mechanism::latex(&sources)?,
+        Emit::Json => json::programs(&mechanism::proved(&sources)?.derivation),
     };
     match &arguments.out {
         None => output::print(&text),
@@ -50,8 +57,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
 }
 
-fn rust(file: &Path) -> Result<String, Failure> {
-    let derivation = mechanism::read(file)?.derivation;
-    let name = file.display().to_string();
-    Ok(emit::rust(&derivation, source::portable(&name), &emit::Options::default()))
+fn rust(sources: &Sources) -> Result<String, Failure> {
+    let derivation = mechanism::proved(sources)?.derivation;
+    Ok(emit::rust(&derivation, source::portable(&sources.main().name), &emit::Options::default()))
 }

@@ -9,7 +9,8 @@
 //! - [`simulate`]: a motion as a table and as a figure.
 //!
 //! What they share: [`mechanism`] runs the generator's passes on a file, [`state`] reads states, [`mod@equations`]
-//! evaluates them along a motion, [`output`] writes, and [`failure`] is how a command ends early.
+//! evaluates them along a motion, [`output`] writes, [`files`] sees that nothing
+//! that was read is overwritten, and [`failure`] is how a command ends early.
 //!
 //! Exit codes: 0 fine, 1 the model or the input is bad, 2 wrong usage. Results go to standard output or to the files
 //! asked for, once everything has succeeded; errors, warnings and the progress bar go to standard error.
@@ -19,6 +20,7 @@ mod derive;
 mod equations;
 mod eval;
 mod failure;
+mod files;
 mod mechanism;
 mod ops;
 mod output;

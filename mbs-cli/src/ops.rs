@@ -8,6 +8,7 @@ use mbs_derive::optimise::{Derivation, Operations};
 use serde_json::{Map, Value, json};
 
 use crate::failure::Failure;
+use crate::files::Files;
 use crate::mechanism::{self, Mechanism};
 use crate::output;
 use explanation::Explanation;
@@ -32,7 +33,8 @@ pub(crate) struct Arguments {
 
 /// Prints the operation counts.
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let (mechanism, explanation) = mechanism::read_and(&arguments.file, |lagrangian, _, derivation| {
+    let sources = mechanism::open(&arguments.file, &mut Files::default())?;
+    let (mechanism, explanation) = mechanism::proved_and(&sources, |lagrangian, _, derivation| {
         arguments.explain.then(|| Explanation::of(lagrangian, derivation))
     })?;
     output::print(&match (arguments.json, explanation) {

@@ -1,12 +1,14 @@
 //! Where results go: standard output, or files that are either whole or not there.
 
-use std::fs::{self, File};
+use std::fs;
 use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
 use serde_json::Value;
+use tempfile::NamedTempFile;
 
 use crate::failure::Failure;
+use crate::files;
 
 /// Writes a report to standard error; there is nobody to tell if that fails.
 pub(crate) fn report(text: &str) {
@@ -71,10 +73,27 @@ pub(crate) struct Staged {
 
 #[derive(Debug)]
 enum Content {
-    /// A sibling of the file to be; dropped, it is removed.
-    Sibling(Temporary),
+    /// A sibling of the file to be; dropped before it is renamed, it is removed.
+    Sibling { file: NamedTempFile, target: PathBuf },
     /// What is there is not a regular file (`/dev/stdout`, a pipe) and cannot be replaced; it gets the bytes.
     Bytes(Vec<u8>),
+}
+
+impl Content {
+    fn beside(target: PathBuf, content: &[u8], permissions: Option<fs::Permissions>) -> io::Result<Self> {
+        let folder = target.parent().ok_or(ErrorKind::InvalidFilename)?;
+        let mut builder = tempfile::Builder::new();
+        builder.prefix(".mbs-").suffix(".tmp");
+        // As any new file, under the user's mask; temporary files are closed to others by default.
+        #[cfg(unix)]
+        builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+        let mut file = builder.tempfile_in(folder)?;
+        file.write_all(content)?;
+        if let Some(permissions) = permissions {
+            file.as_file().set_permissions(permissions)?;
+        }
+        Ok(Content::Sibling { file, target })
+    }
 }
 
 impl Staged {
@@ -89,9 +108,9 @@ impl Staged {
             Ok(there) if !there.is_file() => Content::Bytes(content.to_vec()),
             Ok(there) if there.permissions().readonly() => return Err(ErrorKind::PermissionDenied.into()),
             // A symbolic link keeps pointing where it does.
-            Ok(there) => Content::Sibling(Temporary::new(path.canonicalize()?, content, Some(there.permissions()))?),
+            Ok(there) => Content::beside(path.canonicalize()?, content, Some(there.permissions()))?,
             Err(error) if error.kind() == ErrorKind::NotFound => {
-                Content::Sibling(Temporary::new(path.to_path_buf(), content, None)?)
+                Content::beside(files::destination(path)?, content, None)?
             }
             Err(error) => return Err(error),
         };
@@ -101,40 +120,13 @@ impl Staged {
     /// Puts the file in place.
     pub(crate) fn commit(self) -> Result<(), Failure> {
         let done = match self.content {
-            Content::Sibling(temporary) => fs::rename(&temporary.path, &temporary.target),
+            Content::Sibling { file, target } => file.persist(target).map(drop).map_err(|error| error.error),
             Content::Bytes(bytes) => match fs::OpenOptions::new().write(true).open(&self.path) {
                 Ok(mut file) => unless_unread(file.write_all(&bytes)),
                 Err(error) => Err(error),
             },
         };
         done.map_err(|error| cannot_write(&self.path, &error))
-    }
-}
-
-/// A file beside its target that is gone when it is dropped, unless it was renamed before.
-#[derive(Debug)]
-struct Temporary {
-    path: PathBuf,
-    target: PathBuf,
-}
-
-impl Temporary {
-    fn new(target: PathBuf, content: &[u8], permissions: Option<fs::Permissions>) -> io::Result<Self> {
-        let name = target.file_name().ok_or(ErrorKind::InvalidFilename)?.to_string_lossy().into_owned();
-        let path = target.with_file_name(format!(".{name}.{}.tmp", std::process::id()));
-        let mut file = File::create(&path)?;
-        let temporary = Temporary { path, target };
-        file.write_all(content)?;
-        if let Some(permissions) = permissions {
-            file.set_permissions(permissions)?;
-        }
-        Ok(temporary)
-    }
-}
-
-impl Drop for Temporary {
-    fn drop(&mut self) {
-        let _ = fs::remove_file(&self.path);
     }
 }
 

@@ -26,6 +26,7 @@ use method::{Accuracy, Method};
 use motion::{Drift, Motion, Settings};
 
 use crate::failure::Failure;
+use crate::files::Files;
 use crate::mechanism;
 use crate::output::{self, Staged};
 use crate::state::{self, Point, Request};
@@ -88,7 +89,10 @@ enum Redundant {
 
 /// Integrates, then writes.
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let derivation = mechanism::read(&arguments.file)?.derivation;
+    let mut files = Files::default();
+    let sources = mechanism::open(&arguments.file, &mut files)?;
+    check_outputs(arguments, &mut files)?;
+    let derivation = mechanism::proved(&sources)?.derivation;
     let point = match state::read(&arguments.state, &derivation)? {
         Request::One(point) => point,
         Request::Many(points) => {
@@ -121,6 +125,18 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     };
     let motion = Motion::integrate(&derivation, &point, &times, &settings)?;
     deliver(&motion, arguments)
+}
+
+/// No output is a file that was read, or another output.
+fn check_outputs(arguments: &Arguments, files: &mut Files) -> Result<(), Failure> {
+    state::note(&arguments.state, files);
+    if let Some(csv) = &arguments.csv {
+        files.writes("--csv", csv)?;
+    }
+    if let Some((plot, _)) = &arguments.plot {
+        files.writes("--plot", plot)?;
+    }
+    Ok(())
 }
 
 /// Says which of the options that were given have nothing to act on.
@@ -160,11 +176,6 @@ fn held(names: &[String], derivation: &Derivation) -> Result<Vec<bool>, Failure>
 
 /// Files bear their names only after all have been written.
 fn deliver(motion: &Motion, arguments: &Arguments) -> Result<(), Failure> {
-    if let (Some(csv), Some((plot, _))) = (&arguments.csv, &arguments.plot)
-        && csv == plot
-    {
-        return Err(Failure::new(format_args!("--csv and --plot name the same file, {}", csv.display())));
-    }
     let csv = table::csv(motion);
     let mut staged = Vec::new();
     if let Some(path) = &arguments.csv {

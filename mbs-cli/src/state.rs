@@ -14,6 +14,7 @@ use std::collections::BTreeSet;
 use std::fmt;
 use std::fs;
 use std::io;
+use std::path::Path;
 
 use mbs_derive::diagnostic::{Diagnostics, nearest};
 use mbs_derive::expr::Number;
@@ -26,6 +27,7 @@ use serde_json::{Map, Value};
 
 use crate::check::{abridged, plural};
 use crate::failure::Failure;
+use crate::files::Files;
 use crate::output;
 
 /// What a state file asks for.
@@ -50,9 +52,22 @@ pub(crate) struct Point {
 
 const KEYS: [&str; 7] = ["t", "q", "qd", "qdd", "u", "params", "prescribed"];
 
+/// Notes the file that the argument `--state` names.
+pub(crate) fn note(argument: &str, files: &mut Files) {
+    match argument {
+        "-" => files.reads_standard_input(),
+        _ if is_json(argument) => {}
+        _ => files.reads("--state", Path::new(argument)),
+    }
+}
+
+fn is_json(argument: &str) -> bool {
+    argument.trim_start().starts_with(['{', '['])
+}
+
 /// Reads the states that the argument `--state` stands for: a file, `-` for standard input, or JSON itself.
 pub(crate) fn read(argument: &str, derivation: &Derivation) -> Result<Request, Failure> {
-    let (name, text) = if argument.trim_start().starts_with(['{', '[']) {
+    let (name, text) = if is_json(argument) {
         ("--state".to_string(), argument.to_string())
     } else if argument == "-" {
         ("standard input".to_string(), text("standard input", io::read_to_string(io::stdin()))?)

@@ -85,8 +85,9 @@ impl Config {
     }
 
     fn write(&self, file: &Path) -> Result<(), String> {
-        let generated = self.generated(&watched(file)?)?;
-        self.write_file(&generated.module, &generated.code)
+        let sources = watched(file)?;
+        let generated = self.generated(&sources)?;
+        self.write_file(&generated.module, &generated.code, &[&sources])
     }
 
     fn generated(&self, sources: &Sources) -> Result<Generated, String> {
@@ -108,14 +109,15 @@ impl Config {
             }
         }
         check_modules(&mechanisms)?;
+        let sources: Vec<&Sources> = mechanisms.iter().map(|(_, sources)| sources).collect();
         for (mechanism, _) in &mechanisms {
-            self.write_file(&mechanism.module, &mechanism.code)?;
+            self.write_file(&mechanism.module, &mechanism.code, &sources)?;
         }
-        self.write_file(INDEX, &index(&mechanisms))
+        self.write_file(INDEX, &index(&mechanisms), &sources)
     }
 
-    /// Whole or not at all: written beside and renamed.
-    fn write_file(&self, module: &str, code: &str) -> Result<(), String> {
+    /// Whole or not at all: written beside and renamed; never over a file that was read.
+    fn write_file(&self, module: &str, code: &str, read: &[&Sources]) -> Result<(), String> {
         let folder = match (&self.out_dir, std::env::var_os("OUT_DIR")) {
             (Some(folder), _) => folder.clone(),
             (None, Some(folder)) => PathBuf::from(folder),
@@ -126,11 +128,19 @@ impl Config {
             }
         };
         let path = folder.join(format!("{module}.rs"));
+        if let Some(name) = read.iter().flat_map(|sources| sources.names()).find(|name| is_same(&path, Path::new(name))) {
+            return Err(format!("error: {module}.rs would overwrite {name}, which was read\n"));
+        }
         let beside = folder.join(format!("{module}.rs.new"));
         fs::write(&beside, code)
             .and_then(|()| fs::rename(&beside, &path))
             .map_err(|e| format!("error: cannot write {}: {e}", path.display()))
     }
+}
+
+/// Whether two paths lead to one file, through whichever links.
+fn is_same(a: &Path, b: &Path) -> bool {
+    a.canonicalize().is_ok_and(|a| b.canonicalize().is_ok_and(|b| a == b))
 }
 
 // ---- a folder of mechanisms
@@ -251,5 +261,22 @@ fn or_exit<T>(result: Result<T, String>) {
     if let Err(report) = result {
         eprintln!("{report}");
         std::process::exit(1);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn code_does_not_replace_what_it_is_made_of() {
+        let folder = std::env::temp_dir().join(format!("mbs_derive_{}", std::process::id()));
+        fs::create_dir_all(&folder).unwrap();
+        let (file, text) = (folder.join("spring.rs"), "mechanism Spring { param m: kg = 1; coord x: m; kinetic += m*dt(x)^2; }");
+        fs::write(&file, text).unwrap();
+        let report = Config::new().out_dir(folder.join(".")).write(&file).unwrap_err();
+        let left = fs::read_to_string(&file).unwrap();
+        fs::remove_dir_all(&folder).unwrap();
+        assert!(report.starts_with("error: spring.rs would overwrite ") && left == text, "{report}");
     }
 }

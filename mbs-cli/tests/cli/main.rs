@@ -4,6 +4,7 @@ mod check;
 mod constrained;
 mod derive;
 mod eval;
+mod files;
 mod graph;
 mod import;
 mod ops;
