@@ -13,9 +13,12 @@ fn count(t: f64, t_end: f64, step: f64, allowed: usize) -> Option<usize> {
     // 0.3/0.1 is not 3: what is beyond a whole number by rounding alone makes no step of its own.
     let duration = (t_end - t).abs();
     let ratio = duration / step * (1.0 - 4.0 * f64::EPSILON);
-    let whole = ratio as usize;
+    // In 64 bits wherever this runs: 2^53 steps are more than a `usize` of 32 bits counts.
+    let whole = ratio as u64;
     let steps = if (whole as f64) < ratio { whole.saturating_add(1) } else { whole.max(1) };
-    (steps <= allowed.min(1 << 53) && duration.is_finite()).then_some(steps)
+    let allowed = u64::try_from(allowed).unwrap_or(u64::MAX).min(1 << 53);
+    let steps = (steps <= allowed && duration.is_finite()).then_some(steps)?;
+    usize::try_from(steps).ok()
 }
 
 /// Equal steps of `step` seconds or a little less, as many as needed, so that the last one ends at `t_end`; `max_steps`
