@@ -128,7 +128,8 @@ impl Config {
             }
         };
         let path = folder.join(format!("{module}.rs"));
-        if let Some(name) = read.iter().flat_map(|sources| sources.names()).find(|name| is_same(&path, Path::new(name))) {
+        if let Some(name) = read.iter().flat_map(|sources| sources.names()).find(|name| is_same(&path, Path::new(name)))
+        {
             return Err(format!("error: {module}.rs would overwrite {name}, which was read\n"));
         }
         let beside = folder.join(format!("{module}.rs.new"));
@@ -272,7 +273,8 @@ mod tests {
     fn code_does_not_replace_what_it_is_made_of() {
         let folder = std::env::temp_dir().join(format!("mbs_derive_{}", std::process::id()));
         fs::create_dir_all(&folder).unwrap();
-        let (file, text) = (folder.join("spring.rs"), "mechanism Spring { param m: kg = 1; coord x: m; kinetic += m*dt(x)^2; }");
+        let (file, text) =
+            (folder.join("spring.rs"), "mechanism Spring { param m: kg = 1; coord x: m; kinetic += m*dt(x)^2; }");
         fs::write(&file, text).unwrap();
         let report = Config::new().out_dir(folder.join(".")).write(&file).unwrap_err();
         let left = fs::read_to_string(&file).unwrap();
