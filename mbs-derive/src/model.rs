@@ -10,6 +10,7 @@
 //! - `value`: what expressions stand for; `scope`: what names stand for; `constant`: what is known of an expression;
 //! - `statement`: statements in order; `declare`: parameters, coordinates, inputs, prescribed motions, constants;
 //! - `energy`: energies, generalized forces; `point_force`: forces at points, torques; `constraint`: constraints;
+//! - `gravity`: the field that all bodies weigh in;
 //! - `reaction`: joints whose wrenches are asked for, held and let go;
 //! - `evaluate`: expressions → values; `operator`: `+ - * / ^` and `dt`; `condition`: `if … else`;
 //! - `builtin`: functions and methods; `function`: functions written in the language; `body`: bodies;
@@ -31,6 +32,7 @@ mod energy;
 mod evaluate;
 pub mod frame;
 mod function;
+mod gravity;
 mod import;
 pub mod lagrangian;
 pub mod landmark;
@@ -97,6 +99,7 @@ fn gone_through<'d, 'g>(
     resolver.import(&declaration.imported);
     resolver.survey(&declaration.statements);
     resolver.statements(&declaration.statements);
+    resolver.weigh();
     resolver.let_go();
     resolver
 }

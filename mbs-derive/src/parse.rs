@@ -8,6 +8,7 @@
 //! - `encoding`: bytes → text;
 //! - `guard`: comments, brackets and characters, before the text is cut into tokens;
 //! - `grammar`: the file and its statements, one function a construct;
+//! - `contextual`: statements that begin with a word that may be a name, too;
 //! - `quantity`: what a declaration declares: names, units, values;
 //! - `expression`: operators, calls, arrays, numbers; `condition`: `if … else`, comparisons;
 //! - `reader`: tokens and refusals, what the three are written with;
@@ -15,6 +16,7 @@
 //! - `display`: the declaration as text again.
 
 mod condition;
+mod contextual;
 mod display;
 mod encoding;
 mod expression;

@@ -54,6 +54,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
         }
         if !self.errors.has_errors() {
             self.warn_of_signs();
+            self.warn_of_double_gravity();
             self.warn_of_singular_derivatives();
             self.warn_of_unsatisfiable_constraints();
         }

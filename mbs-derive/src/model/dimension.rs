@@ -36,6 +36,8 @@ impl Dimension {
     pub const ANGULAR_VELOCITY: Dimension = Dimension::integers([0, 0, -1, 0, 0, 0, 0]);
     /// m/s
     pub const VELOCITY: Dimension = Dimension::integers([0, 1, -1, 0, 0, 0, 0]);
+    /// m/s²
+    pub const ACCELERATION: Dimension = Dimension::integers([0, 1, -2, 0, 0, 0, 0]);
     /// kg·m²
     pub const INERTIA: Dimension = Dimension::integers([1, 2, 0, 0, 0, 0, 0]);
     /// kg·m²/s²

@@ -11,6 +11,7 @@ use super::constant::{Dependence, Facts};
 use super::dimension::Dimension;
 use super::frame::{Edge, FrameId};
 use super::function::{Call, Function, Home};
+use super::gravity::Weights;
 use super::lagrangian::Lagrangian;
 use super::landmark::Place;
 use super::operator::Sum;
@@ -73,6 +74,8 @@ pub(super) struct Resolver<'d, 'g> {
     pub(super) defining: Option<&'d str>,
     /// Masses and inertias, to be looked at when all is known.
     pub(super) physical: Vec<Physical<'g>>,
+    /// The field that bodies weigh in, and the bodies that were declared as such.
+    pub(super) weights: Weights<'g>,
     /// Where each kinetic, potential and lagrangian term and each constraint stands.
     pub(super) places: Places,
     /// Whether joints whose wrenches are asked for are held.
@@ -115,6 +118,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
             calls_so_far: 0,
             defining: None,
             physical: Vec::new(),
+            weights: Weights::default(),
             places: Places::default(),
             hold: Hold::Always,
             joints: Vec::new(),
@@ -498,18 +502,23 @@ impl<'d, 'g> Resolver<'d, 'g> {
             };
             return Err(self.refuse(&field.span, format!("there is no component `{}`", field.text), help));
         };
-        if let Value::Point(Point { coordinates, frame }) = value.value {
-            let place = self.lagrangian.frames.get(frame);
-            let turned = self.turned(coordinates, frame, axis);
-            let offset = self.lagrangian.frames.get(frame).position.0[axis];
-            let expr = if place.position.0.iter().all(|p| p.is_zero()) { turned } else { offset + turned };
-            self.lagrangian.landmarks.note_component(expr, Place { axis, coordinates, frame });
+        if let Value::Point(point) = value.value {
+            let expr = self.world_component(point, axis);
             return Ok(Value::Scalar(Scalar::new(expr, self.dimension(Dimension::LENGTH))));
         }
         let Free { components, frame, dimension } = self.vector(value)?;
         let component = self.turned(components, frame, axis);
         self.lagrangian.landmarks.note_component_of(components, axis, component);
         Ok(Value::Scalar(Scalar::new(component, dimension)))
+    }
+
+    /// One coordinate of a place in the world.
+    pub(super) fn world_component(&mut self, Point { coordinates, frame }: Point<'g>, axis: usize) -> Expr<'g> {
+        let place = self.lagrangian.frames.get(frame);
+        let turned = self.turned(coordinates, frame, axis);
+        let expr = if place.position.0.iter().all(|p| p.is_zero()) { turned } else { place.position.0[axis] + turned };
+        self.lagrangian.landmarks.note_component(expr, Place { axis, coordinates, frame });
+        expr
     }
 
     /// One component in world axes.

@@ -230,7 +230,7 @@ fn scaled<'g>(body: &Body<'g>, factor: Expr<'g>) -> Body<'g> {
 }
 
 /// The terms of a sum, each split into a factor that is constant in time and the rest; what is `known` is not taken apart.
-fn terms<'g>(sum: Expr<'g>, known: impl Fn(Id) -> bool) -> Vec<(Expr<'g>, Expr<'g>)> {
+pub(super) fn terms<'g>(sum: Expr<'g>, known: impl Fn(Id) -> bool) -> Vec<(Expr<'g>, Expr<'g>)> {
     let graph = sum.graph();
     let moving = moving_nodes(sum);
     let mut waiting = vec![(graph.integer(1), sum.id())];

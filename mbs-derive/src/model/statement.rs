@@ -45,6 +45,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
                 | StatementKind::Energy { .. }
                 | StatementKind::ForceAt { .. }
                 | StatementKind::TorqueOn { .. }
+                | StatementKind::Gravity { .. }
                 | StatementKind::Reaction { .. }
                 | StatementKind::Constraint { .. }
                 | StatementKind::Force { .. }
@@ -92,6 +93,9 @@ impl<'d, 'g> Resolver<'d, 'g> {
             StatementKind::Force { coordinate, index, value } => self.force(coordinate, index.as_ref(), value),
             StatementKind::ForceAt { point, value } => self.force_at(point, value),
             StatementKind::TorqueOn { pose, value } => self.torque_on(pose, value),
+            StatementKind::Gravity { acceleration } => {
+                self.outermost("gravity", &statement.span).and_then(|()| self.gravity(acceleration, &statement.span))
+            }
             StatementKind::Reaction { docs, name, index, pose } => self.reaction(docs, name, index.as_ref(), pose),
             StatementKind::Constraint { docs, name, left, right } => {
                 self.outermost("constraint", &statement.span).and_then(|()| self.constraint(docs, name, left, right))
@@ -109,6 +113,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
         }
         let message = format!("`{keyword}` cannot stand in a loop");
         let help = match keyword {
+            "gravity" => "one statement acts on all bodies, wherever they stand: move it out of the loop",
             "fn" => "functions are the mechanism's own: move it out of the loop",
             "constraint" => "write one constraint of an array: `constraint name: [a, b] = [c, d];`",
             _ => "declare an array before the loop, and use its elements in it",

@@ -53,6 +53,7 @@ fn lines(f: &mut Formatter<'_>, statement: &Statement, depth: usize) -> fmt::Res
         StatementKind::Prescribed(quantity) => declared(f, "prescribed", quantity, depth),
         StatementKind::ForceAt { point, value } => writeln!(f, "{indent}force at {point} += {value};"),
         StatementKind::TorqueOn { pose, value } => writeln!(f, "{indent}torque on {pose} += {value};"),
+        StatementKind::Gravity { acceleration } => writeln!(f, "{indent}gravity {acceleration};"),
         StatementKind::Reaction { docs: about, name, index, pose } => {
             docs(f, about, depth)?;
             let index = index.as_ref().map(|index| format!("[{index}]")).unwrap_or_default();

@@ -4,7 +4,7 @@
 //! file        := (inner | doc | import)* "mechanism" name "{" statement* "}"
 //! inner       := "#![dimensionless]"
 //! statement   := doc* (param | coord | input | prescribed | const | fn | let | assignment | energy | force | force_at
-//!                | torque | reaction | constraint | output) ";" | doc* for
+//!                | torque | gravity | reaction | constraint | output) ";" | doc* for
 //! ```
 //!
 //! A function that cannot go on notes why in `errors` and answers [`Refused`]; [`Reader::statements`] goes on with the
@@ -16,9 +16,10 @@ use proc_macro2::{Delimiter, TokenStream};
 use syn::buffer::Cursor;
 use syn::parse::{ParseStream, Parser};
 
+use super::contextual::is_assignment;
 use super::guard;
 use super::import::Shared;
-use super::keyword::STATEMENTS;
+use super::keyword::{CONTEXTUAL, STATEMENTS};
 use super::quantity::{CONST, COORD, INPUT, PARAM, PRESCRIBED};
 use super::reader::{Parsed, Reader, Refused, opens, sign, word};
 use super::syntax::{
@@ -266,6 +267,7 @@ impl Reader<'_> {
             "reaction" => self.reaction(input, docs)?,
             "constraint" => self.constraint(input, docs)?,
             "output" => self.output(input, docs)?,
+            "gravity" if !is_assignment(input) => self.gravity(input)?,
             "if" => return Err(self.no_conditional_statement(here)),
             "import" => return Err(self.late_import(here)),
             _ => self.assignment(input)?,
@@ -290,14 +292,14 @@ impl Reader<'_> {
     fn no_statement(&mut self, input: ParseStream<'_>) -> Refused {
         let span = self.next(input);
         let forms = "a statement begins with `param`, `coord`, `input`, `prescribed`, `const`, `fn`, `let`, `kinetic`, \
-                     `potential`, `dissipation`, `lagrangian`, `force`, `torque`, `reaction`, `constraint`, `output` or \
-                     `for`, or is an assignment `x = …;`";
+                     `potential`, `dissipation`, `lagrangian`, `force`, `torque`, `gravity`, `reaction`, `constraint`, `output` \
+                     or `for`, or is an assignment `x = …;`";
         match word(input.cursor()) {
             Some((text, _)) if text == "mechanism" => {
                 self.refuse(span, "a mechanism stands within a mechanism", "write it in a file of its own")
             }
             Some((text, _)) => {
-                let help = match nearest(&text, STATEMENTS) {
+                let help = match nearest(&text, STATEMENTS.into_iter().chain(CONTEXTUAL)) {
                     Some(keyword) => format!("did you mean `{keyword}`?"),
                     None => forms.to_string(),
                 };

@@ -21,6 +21,9 @@ pub(super) const STATEMENTS: [&str; 17] = [
     "output",
 ];
 
+/// What else a statement begins with, words that may be names all the same: what stands behind them tells.
+pub(super) const CONTEXTUAL: [&str; 1] = ["gravity"];
+
 /// Parts of statements.
 const PARTS: [&str; 6] = ["mechanism", "import", "mut", "in", "if", "else"];
 
@@ -86,6 +89,7 @@ mod tests {
         };
         let keywords = sorted(STATEMENTS.into_iter().chain(PARTS).collect());
         assert_eq!(listed("keywords of the language (`", "`)"), keywords);
+        assert_eq!(listed("words that may be names all the same (`", "`)"), sorted(CONTEXTUAL.to_vec()));
         let built_in = sorted(BUILT_IN.iter().map(|(name, _)| *name).collect());
         assert_eq!(listed("and the built-in values ", "`."), built_in);
     }

@@ -48,6 +48,7 @@ fn statement(statement: &mut Statement, start: usize) {
         | StatementKind::Force { .. }
         | StatementKind::ForceAt { .. }
         | StatementKind::TorqueOn { .. }
+        | StatementKind::Gravity { .. }
         | StatementKind::Reaction { .. }
         | StatementKind::Constraint { .. }
         | StatementKind::Output { .. }

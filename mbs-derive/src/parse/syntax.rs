@@ -119,6 +119,11 @@ pub enum StatementKind {
         /// The torque, a vector.
         value: Expression,
     },
+    /// `gravity [0, 0, -g];`: the uniform field that all bodies weigh in.
+    Gravity {
+        /// Its acceleration, a vector.
+        acceleration: Expression,
+    },
     /// `reaction name at pose;`, `reaction name[i] at pose;`: the wrench that a joint transmits to what hangs on the pose.
     Reaction {
         /// Doc comments before it.
