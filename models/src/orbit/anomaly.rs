@@ -7,7 +7,8 @@
 //! | hyperbola | `sinh H = √(e²−1) sin ν/(1 + e cos ν)`             | `e sinh H − H`   | `√(μ/|a|³)`              |
 //!
 //! e is the eccentricity, 0 or more. ν, E, H and the mean anomaly are in radians, a parabola's D and its mean anomaly are numbers.
-//! All are zero at the nearest point. On an ellipse whole turns are kept. Near the parabola nothing cancels.
+//! All are zero at the nearest point. On an ellipse whole turns are kept. Near the parabola nothing cancels: what is lost is a few
+//! times what rounding the anomaly given would change.
 //!
 //! # Source
 //! Battin, *An Introduction to the Mathematics and Methods of Astrodynamics*, 1999, sections 4.2 to 4.4.
@@ -17,6 +18,8 @@ use core::fmt;
 
 use mbs_runtime::Scalar;
 
+use super::integrals::product;
+use super::kepler::{is_odd, rounded};
 use super::universal::{Shape, Universal, asinh};
 
 /// Why there is no such anomaly.
@@ -60,24 +63,52 @@ impl fmt::Display for AnomalyError {
 
 impl core::error::Error for AnomalyError {}
 
-/// The conic of this eccentricity with `|a| = 1`, or q = 1 for a parabola.
-fn shape(e: f64) -> Shape {
-    if e < 1.0 {
-        Shape { alpha: 1.0, q: 1.0 - e, e }
-    } else if e > 1.0 {
-        Shape { alpha: -1.0, q: e - 1.0, e }
-    } else {
-        Shape { alpha: 0.0, q: 1.0, e }
-    }
+/// The parabola on which `s = D`: `√μ t = s/2 + s³/6` is half of the mean anomaly.
+const PARABOLA: Shape = Shape { alpha: 0.0, q: 0.5, e: 1.0 };
+
+/// What is left of π by its first double.
+const PI_LOW: f64 = 1.224_646_799_147_353_2e-16;
+
+/// Beyond, an angle is not known to half a turn, and all anomalies are the same to the last place but one.
+const WHOLE: f64 = 9_007_199_254_740_992.0;
+
+/// An angle on an ellipse without its whole turns, carried over by a function, and the turns put back.
+fn within_half_a_turn(angle: f64, function: impl FnOnce(f64) -> f64) -> f64 {
+    carried(angle, 2.0 * rounded(angle / (2.0 * PI)), function)
 }
 
-/// For a parabola q = 1 has `√μ t = s + s³/6` with `s = √2 D`.
-const ROOT_2: f64 = core::f64::consts::SQRT_2;
+/// An angle on an ellipse, carried over by a function of the eccentricity and of the angle from the nearer apsis.
+///
+/// All anomalies agree at the apsides; from the farther one the same equations hold with −e for e.
+fn from_nearer_apsis(e: f64, angle: f64, function: impl FnOnce(f64, f64) -> f64) -> f64 {
+    let half_turns = rounded(angle / PI);
+    carried(angle, half_turns, |rest| function(if is_odd(half_turns) { -e } else { e }, rest))
+}
 
-/// Whole turns of an angle \[rad\], and what is left, within half a turn.
-fn turns(angle: f64) -> (f64, f64) {
-    let whole = 2.0 * PI * super::kepler::rounded(angle / (2.0 * PI));
-    (whole, angle - whole)
+/// The multiple of π is kept to twice the precision, so that what is left of the angle is as exact as the angle.
+fn carried(angle: f64, half_turns: f64, function: impl FnOnce(f64) -> f64) -> f64 {
+    if angle.abs() > WHOLE {
+        return angle;
+    }
+    let whole = product(half_turns, PI);
+    let low = whole.low + half_turns * PI_LOW;
+    whole.high + (low + function(angle - whole.high - low))
+}
+
+/// The ellipse with a = 1 from its nearest point, with −e from its farthest one.
+fn ellipse(e: f64) -> Shape {
+    Shape { alpha: 1.0, q: 1.0 - e, e }
+}
+
+/// The hyperbola with a = −1.
+fn hyperbola(e: f64) -> Shape {
+    Shape { alpha: -1.0, q: e - 1.0, e }
+}
+
+/// Half of the angle at the centre for one of the foci, or with −e the reverse: `tan(E/2) = √((1−e)/(1+e)) tan(ν/2)`.
+fn half_angle(e: f64, half: f64) -> f64 {
+    let (sin, cos) = Scalar::sin_cos(half);
+    Scalar::atan2(Scalar::sqrt(1.0 - e) * sin, Scalar::sqrt(1.0 + e) * cos)
 }
 
 fn check(e: f64, anomaly: f64) -> Result<(), AnomalyError> {
@@ -106,20 +137,18 @@ fn finite(anomaly: f64) -> Result<f64, AnomalyError> {
 pub fn eccentric_from_true(e: f64, true_anomaly: f64) -> Result<f64, AnomalyError> {
     check(e, true_anomaly)?;
     if e < 1.0 {
-        let (whole, rest) = turns(true_anomaly);
-        let (sin, cos) = Scalar::sin_cos(0.5 * rest);
-        return Ok(whole + 2.0 * Scalar::atan2(Scalar::sqrt(1.0 - e) * sin, Scalar::sqrt(1.0 + e) * cos));
+        return Ok(within_half_a_turn(true_anomaly, |rest| 2.0 * half_angle(e, 0.5 * rest)));
     }
-    let limit = Scalar::acos(-1.0 / e);
-    let (sin, cos) = Scalar::sin_cos(true_anomaly);
-    // As 1 + e cos ν, which is p/r; beyond half a turn cosines repeat themselves.
-    let ratio = 1.0 + e * cos;
-    if !(ratio > 0.0 && true_anomaly.abs() < limit) {
-        return Err(AnomalyError::BeyondAsymptote { true_anomaly, limit });
+    let (less, more) = (Scalar::sqrt(e - 1.0), Scalar::sqrt(e + 1.0));
+    let (sin, cos) = Scalar::sin_cos(0.5 * true_anomaly);
+    // 1 + e cos ν, which is p/r, is the product of the two: so it does not cancel next to the parabola.
+    let (near, far) = (more * cos - less * sin.abs(), more * cos + less * sin.abs());
+    // Beyond half a turn cosines repeat themselves.
+    if !(near > 0.0 && true_anomaly.abs() <= PI) {
+        return Err(AnomalyError::BeyondAsymptote { true_anomaly, limit: 2.0 * Scalar::atan2(more, less) });
     }
     finite(if e > 1.0 {
-        // A product of roots: of squares of large numbers there is none.
-        asinh(Scalar::sqrt(e - 1.0) * Scalar::sqrt(e + 1.0) * sin / ratio)
+        asinh(2.0 * (less * sin / near) * (more * cos / far))
     } else {
         Scalar::tan(0.5 * true_anomaly)
     })
@@ -137,9 +166,7 @@ pub fn eccentric_from_true(e: f64, true_anomaly: f64) -> Result<f64, AnomalyErro
 pub fn true_from_eccentric(e: f64, anomaly: f64) -> Result<f64, AnomalyError> {
     check(e, anomaly)?;
     if e < 1.0 {
-        let (whole, rest) = turns(anomaly);
-        let (sin, cos) = Scalar::sin_cos(0.5 * rest);
-        return Ok(whole + 2.0 * Scalar::atan2(Scalar::sqrt(1.0 + e) * sin, Scalar::sqrt(1.0 - e) * cos));
+        return Ok(within_half_a_turn(anomaly, |rest| 2.0 * half_angle(-e, 0.5 * rest)));
     }
     let tangent = if e > 1.0 { Scalar::sqrt((e + 1.0) / (e - 1.0)) * Scalar::tanh(0.5 * anomaly) } else { anomaly };
     Ok(2.0 * Scalar::atan(tangent))
@@ -156,12 +183,14 @@ pub fn true_from_eccentric(e: f64, anomaly: f64) -> Result<f64, AnomalyError> {
 /// [`AnomalyError`], not [`BeyondAsymptote`](AnomalyError::BeyondAsymptote).
 pub fn mean_from_eccentric(e: f64, anomaly: f64) -> Result<f64, AnomalyError> {
     check(e, anomaly)?;
-    let shape = shape(e);
-    if e == 1.0 {
-        return finite(anomaly + anomaly * anomaly * anomaly / 3.0);
-    }
-    let (whole, rest) = if e < 1.0 { turns(anomaly) } else { (0.0, anomaly) };
-    finite(whole + shape.time(rest, &Universal::at(rest, shape.alpha)))
+    let time = |shape: Shape, s: f64| shape.time(s, &Universal::at(s, shape.alpha));
+    finite(if e < 1.0 {
+        within_half_a_turn(anomaly, |rest| time(ellipse(e), rest))
+    } else if e > 1.0 {
+        time(hyperbola(e), anomaly)
+    } else {
+        anomaly + anomaly * anomaly * anomaly / 3.0
+    })
 }
 
 /// E or H \[rad\], or D, of a mean anomaly: Kepler's equation, solved.
@@ -175,12 +204,13 @@ pub fn mean_from_eccentric(e: f64, anomaly: f64) -> Result<f64, AnomalyError> {
 /// [`AnomalyError`], not [`BeyondAsymptote`](AnomalyError::BeyondAsymptote).
 pub fn eccentric_from_mean(e: f64, mean: f64) -> Result<f64, AnomalyError> {
     check(e, mean)?;
-    let shape = shape(e);
-    if e == 1.0 {
-        return finite(shape.place(ROOT_2 * mean).s / ROOT_2);
-    }
-    let (whole, rest) = if e < 1.0 { turns(mean) } else { (0.0, mean) };
-    finite(whole + shape.place(rest).s)
+    finite(if e < 1.0 {
+        from_nearer_apsis(e, mean, |e, rest| ellipse(e).place(rest).s)
+    } else if e > 1.0 {
+        hyperbola(e).place(mean).s
+    } else {
+        PARABOLA.place(0.5 * mean).s
+    })
 }
 
 /// The mean anomaly \[rad\] of a true one.

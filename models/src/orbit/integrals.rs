@@ -32,7 +32,7 @@ fn sum(a: f64, b: f64) -> Double {
 
 /// `a b`, exactly, while nothing overflows or underflows.
 #[inline]
-fn product(a: f64, b: f64) -> Double {
+pub(super) fn product(a: f64, b: f64) -> Double {
     #[inline]
     fn halves(a: f64) -> (f64, f64) {
         let c = 134_217_729.0 * a; // 2²⁷ + 1

@@ -278,7 +278,7 @@ impl Conic {
 
 /// Of a whole number.
 #[inline]
-fn is_odd(whole: f64) -> bool {
+pub(super) fn is_odd(whole: f64) -> bool {
     2.0 * rounded(0.5 * whole) != whole
 }
 

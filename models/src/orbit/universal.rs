@@ -69,7 +69,7 @@ impl Universal {
         let z = alpha * s * s;
         if z.abs() < SERIES {
             let (c2, c3) = (series(&C2, z), series(&C3, z));
-            Self { u0: 1.0 - z * c2, u1: s * (1.0 - z * c3), u2: s * s * c2, u3: s * s * s * c3 }
+            Self { u0: 1.0 - z * c2, u1: s * (1.0 - z * c3), u2: s * s * c2, u3: s * s * c3 * s }
         } else if alpha > 0.0 {
             let w = Scalar::sqrt(alpha);
             let (half_sin, half_cos) = Scalar::sin_cos(0.5 * w * s);
@@ -176,6 +176,7 @@ impl Shape {
     ///
     /// `q s + e U₃(s)` grows with s, and its derivatives are r, e U₁ and e U₀; each iteration takes all three, which gives fourth
     /// order (Danby, *Fundamentals of Celestial Mechanics*, 1988, section 6.6), between bounds that bisection halves if need be.
+    /// The search ends with a short step of fourth order, never with one of bisection, and with one of Newton's method.
     #[inline]
     pub(super) fn place(&self, time: f64) -> Place {
         let target = time.abs();
@@ -186,7 +187,7 @@ impl Shape {
         let mut universal = Universal::at(s, self.alpha);
         while target > 0.0 && iterations < LIMIT {
             iterations += 1;
-            let f = self.q * s + self.e * universal.u3 - target;
+            let f = self.time(s, &universal) - target;
             if f == 0.0 {
                 break;
             }
@@ -195,29 +196,40 @@ impl Shape {
             } else {
                 high = s
             }
-            let (d1, d2, d3) = (self.q + self.e * universal.u2, self.e * universal.u1, self.e * universal.u0);
-            let newton = -f / d1;
-            let halley = -f / (d1 + 0.5 * newton * d2);
-            let mut step = -f / (d1 + halley * (0.5 * d2 + halley * d3 / 6.0));
-            // A step that is no number, or leaves the bounds, is not taken.
-            let within = s + step > low && s + step < high;
-            if !(within || step.abs() <= CLOSE * s) {
-                step = if high.is_finite() { 0.5 * (low + high) - s } else { s };
-            }
-            let done = step.abs() <= CLOSE * s;
-            s += step;
+            let (next, converged) = self.next(s, f, &universal, low, high);
+            // Where the bounds are neighbours there is nothing between them.
+            let done = converged || next == s;
+            s = next;
             universal = Universal::at(s, self.alpha);
             if done {
                 break;
             }
         }
-        // What s cannot say by rounding, its functions can: they are moved by the residual that is left.
-        let left = (target - (self.q * s + self.e * universal.u3)) / (self.q + self.e * universal.u2);
+        let left = (target - self.time(s, &universal)) / (self.q + self.e * universal.u2);
+        // Where nothing is finite there is no place, and none is made up.
+        let left = if left.abs() <= CLOSE * s + f64::MIN_POSITIVE { left } else { f64::NAN };
+        // What s cannot say by rounding, its functions can.
         let Universal { u0, u1, u2, u3 } = universal;
-        let left = if left.abs() < CLOSE * s { left } else { 0.0 };
-        let (u0, u1, u2) = (u0 - self.alpha * u1 * left, u1 + u0 * left, u2 + u1 * left);
+        let (u0, u1, u2, u3) = (u0 - self.alpha * u1 * left, u1 + u0 * left, u2 + u1 * left, u3 + u2 * left);
         let universal = Universal { u0, u1: u1.copysign(time), u2, u3: u3.copysign(time) };
-        Place { s: s.copysign(time), universal, iterations }
+        Place { s: (s + left).copysign(time), universal, iterations }
+    }
+
+    /// A better s than one at which the time is too large by f, and whether it is as good as the numbers are.
+    #[inline]
+    fn next(&self, s: f64, f: f64, universal: &Universal, low: f64, high: f64) -> (f64, bool) {
+        let (d1, d2, d3) = (self.q + self.e * universal.u2, self.e * universal.u1, self.e * universal.u0);
+        let newton = -f / d1;
+        let halley = -f / (d1 + 0.5 * newton * d2);
+        let step = -f / (d1 + halley * (0.5 * d2 + halley * d3 / 6.0));
+        // Near the solution rounding may put a step beyond the bounds.
+        if step.abs() <= CLOSE * s {
+            (s + step, true)
+        } else if s + step > low && s + step < high {
+            (s + step, false)
+        } else {
+            (if high.is_finite() { low + 0.5 * (high - low) } else { 2.0 * s }, false)
+        }
     }
 
     /// Near the solution: of `q s + e s³/6 = √μ t`, and for hyperbolas where that is far off of `e sinh H = M + H` besides.
@@ -226,9 +238,11 @@ impl Shape {
         let s = if self.e < 1e-3 {
             time / self.q
         } else {
-            let (p, r) = (2.0 * self.q / self.e, 3.0 * time / self.e);
-            let a = Scalar::powf(r + Scalar::sqrt(r * r + p * p * p), 1.0 / 3.0);
-            2.0 * r / (a * a + p + (p / a) * (p / a))
+            // As s³ + 3 p s = 2 m³, with s and p in units of m and m², which overflow nowhere.
+            let m = Scalar::powf(time, 1.0 / 3.0) * Scalar::powf(3.0 / self.e, 1.0 / 3.0);
+            let p = 2.0 * self.q / self.e / m / m;
+            let a = Scalar::powf(1.0 + Scalar::sqrt(1.0 + p * p * p), 1.0 / 3.0);
+            if p < 1e50 { 2.0 * m / (a * a + p + (p / a) * (p / a)) } else { time / self.q }
         };
         let w = Scalar::sqrt(self.alpha.abs());
         if self.alpha < 0.0 && w * s > 1.5 {
