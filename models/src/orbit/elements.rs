@@ -9,6 +9,10 @@
 //! | a circle                           | ω = 0: ν counts from the ascending node                                 |
 //! | a circle in the plane z = 0        | Ω = ω = 0: ν counts from the x axis, in the direction of the motion     |
 //!
+//! A state comes back to a few roundings times `r/p`. Far out on an orbit that is nearly a straight line that is too much for six
+//! numbers of this kind, and there are none: [`ElementsError::NearlyStraight`]. [`kepler`](super::kepler) carries such states all the
+//! same.
+//!
 //! An inclination or eccentricity counts as zero up to [`NONE`], where it is rounding alone.
 //!
 //! # Source
@@ -19,11 +23,14 @@ use core::fmt;
 
 use mbs_runtime::Scalar;
 
-use super::integrals::angular_momentum;
+use super::integrals::{angular_momentum, reciprocal_axis};
 use super::vector::{StateVector, Vector, combined, cross, dot, norm, scaled};
 
 /// Below, an eccentricity or the sine of an inclination is none.
 pub const NONE: f64 = 16.0 * f64::EPSILON;
+
+/// Elements that give the state back with a greater error than this part of it are refused.
+const LARGEST_LOSS: f64 = 1e-9;
 
 /// A conic and a place on it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -68,6 +75,13 @@ pub enum ElementsError {
     },
     /// The state lies in the centre, or moves towards it or away from it: no angular momentum.
     Straight,
+    /// The motion is so nearly one along a straight line that e and ν, as they are rounded, would not give the state back to 1e-9.
+    NearlyStraight {
+        /// `p = h²/μ` \[m\].
+        semi_latus_rectum: f64,
+        /// r \[m\]
+        distance: f64,
+    },
     /// A parabola or hyperbola does not reach this true anomaly.
     BeyondAsymptote {
         /// The true anomaly \[rad\].
@@ -88,6 +102,11 @@ impl fmt::Display for ElementsError {
             }
             ElementsError::NotFinite { parameter, value } => write!(f, "{parameter} must be finite, it is {value}"),
             ElementsError::Straight => write!(f, "a motion along a straight line has no orbital plane"),
+            ElementsError::NearlyStraight { semi_latus_rectum, distance } => write!(
+                f,
+                "at the distance {distance} an orbit of the semi-latus rectum {semi_latus_rectum} is too nearly a straight \
+                 line: its elements would not give the state back"
+            ),
             ElementsError::BeyondAsymptote { true_anomaly, eccentricity } => {
                 write!(f, "an orbit of eccentricity {eccentricity} does not reach the true anomaly {true_anomaly} rad")
             }
@@ -132,7 +151,10 @@ impl Elements {
         let p = h * h / mu;
         let radial = dot(&state.position, &state.velocity) / r;
         let (e_cos, e_sin) = (p / r - 1.0, Scalar::sqrt(p / mu) * radial);
-        let eccentricity = Scalar::sqrt(e_cos * e_cos + e_sin * e_sin);
+        // Near the parabola the sum of squares does not know how near it is.
+        let alpha_p = reciprocal_axis(mu, state).high * p;
+        let square = if alpha_p.abs() < 0.5 { 1.0 - alpha_p } else { e_cos * e_cos + e_sin * e_sin };
+        let eccentricity = Scalar::sqrt(square);
         let circular = eccentricity <= NONE;
         let horizontal = Scalar::sqrt(momentum[0] * momentum[0] + momentum[1] * momentum[1]);
         let equatorial = horizontal <= NONE * h;
@@ -152,7 +174,18 @@ impl Elements {
             true_anomaly,
         };
         elements.check()?;
-        Ok(elements)
+        if elements.loss(r) <= LARGEST_LOSS {
+            Ok(elements)
+        } else {
+            Err(ElementsError::NearlyStraight { semi_latus_rectum: p, distance: r })
+        }
+    }
+
+    /// By what part rounding of e and ν, half a unit in the last place each, moves the place at the distance r: `r = p/(1 + e cos ν)`.
+    fn loss(&self, r: f64) -> f64 {
+        let (sin, cos) = Scalar::sin_cos(self.true_anomaly);
+        let rounding = cos.abs() + (self.true_anomaly * sin).abs();
+        0.5 * f64::EPSILON * self.eccentricity * rounding * (r / self.semi_latus_rectum)
     }
 
     /// The state \[m, m/s\] about a centre with μ \[m³/s²\].
@@ -166,7 +199,10 @@ impl Elements {
         self.check()?;
         let Self { semi_latus_rectum: p, eccentricity: e, .. } = *self;
         let (sin, cos) = Scalar::sin_cos(self.true_anomaly);
-        let ratio = 1.0 + e * cos;
+        // 1 + e cos ν and e + cos ν, which cancel far out.
+        let half_cos = Scalar::cos(0.5 * self.true_anomaly);
+        let versine = 2.0 * half_cos * half_cos;
+        let (ratio, along) = ((1.0 - e) + e * versine, versine - (1.0 - e));
         // Also where rounding of the anomaly puts a state far out on its asymptote.
         if ratio <= 0.0 {
             return Err(ElementsError::BeyondAsymptote { true_anomaly: self.true_anomaly, eccentricity: e });
@@ -175,7 +211,7 @@ impl Elements {
         let (r, speed) = (p / ratio, Scalar::sqrt(mu / p));
         let state = StateVector {
             position: combined(r * cos, &toward, r * sin, &ahead),
-            velocity: combined(-speed * sin, &toward, speed * (e + cos), &ahead),
+            velocity: combined(-speed * sin, &toward, speed * along, &ahead),
         };
         if state.is_finite() && r > 0.0 { Ok(state) } else { Err(ElementsError::OutOfRange) }
     }
