@@ -12,7 +12,8 @@
 //! (JᵀJ + λ 1) Δq = Jᵀ e,   λ = μ E + max(μ, 1) w
 //! ```
 //!
-//! with the Jacobian's first three rows divided by `L`. The damping fades with the error, so that regular solutions are
+//! with the Jacobian's first three rows divided by `L`. Where that is so short that their squares might overflow, both halves are
+//! made smaller by one factor, which changes nothing. The damping fades with the error, so that regular solutions are
 //! approached quadratically, but for a small `w`, so that singular ones do no harm. `μ` begins at 1; it grows where a step makes the
 //! error larger, which is then taken back, and shrinks with every other, so that the best place is found soon where the target is
 //! out of reach. Coordinates at a limit that the error pushes against are held there; the others go on.
@@ -49,7 +50,8 @@ pub struct DampedLeastSquares<const N: usize> {
     pub position_tolerance: f64,
     /// How far it may be turned from its attitude \[rad\].
     pub rotation_tolerance: f64,
-    /// The length that counts as one radian \[m\]: that of the mechanism.
+    /// The length that counts as one radian \[m\]: that of the mechanism. Places or attitudes that it makes a millionth or less
+    /// of what is weighed against them are found slowly, and beyond that not at all: [`NotReached::LengthOutOfProportion`].
     pub length: f64,
     /// How often the pose and the Jacobian may be evaluated.
     pub evaluations: usize,
@@ -94,9 +96,18 @@ pub enum NotReached<const N: usize> {
         /// Which of them are held.
         held: [bool; N],
     },
+    /// The length that counts as one radian is so far from that of the mechanism that one half of the error hides the other.
+    LengthOutOfProportion {
+        /// The best coordinates.
+        best: Approach<N>,
+        /// The length that counts as one radian \[m\].
+        length: f64,
+        /// How far a unit of a coordinate moves the body at the most \[m\], and how far it turns it \[rad\].
+        reach: [f64; 2],
+    },
     /// The allowed number of evaluations was used up on the way.
     TooManyEvaluations(Approach<N>),
-    /// The pose or the Jacobian is infinite or NaN at the guess.
+    /// The pose, the Jacobian, or one of their squares is infinite or NaN at the guess.
     NonFinite {
         /// The coordinates, within the limits.
         q: [f64; N],
@@ -141,7 +152,14 @@ impl<const N: usize> fmt::Display for NotReached<N> {
             Self::TooManyEvaluations(best) => {
                 write!(f, "the pose is not reached in {} evaluations: {best}", best.evaluations)
             }
-            Self::NonFinite { q } => write!(f, "the pose or its Jacobian is infinite or NaN at {q:?}"),
+            Self::LengthOutOfProportion { best, length, reach: [moved, turned] } => write!(
+                f,
+                "the length that counts as one radian, {length:e} m, is out of proportion: a coordinate moves the body by \
+                 {moved:e} m and turns it by {turned:e} rad at the most; found {best}"
+            ),
+            Self::NonFinite { q } => {
+                write!(f, "the pose, its Jacobian, or one of their squares is infinite or NaN at {q:?}")
+            }
             Self::NonFiniteTarget { component } => {
                 write!(f, "component {component} of the target's position is infinite or NaN")
             }
@@ -183,9 +201,15 @@ const MOST: f64 = 1e18;
 /// A step that promises less of the error than this part of it leads nowhere; a regular one promises nearly all.
 const LEAST_GAIN: f64 = 1e-9;
 
+/// Where the squares of the halves of the Jacobian are farther apart, the damping of one hides the other.
+const PROPORTION: f64 = 1e14;
+
 /// The pose at some coordinates, its Jacobian, and what is missing to the target.
 struct Evaluation<const N: usize> {
     q: [f64; N],
+    /// What is missing to the position \[m\] and to the attitude \[rad\].
+    missing: [Vector3<f64>; 2],
+    /// Both, and the Jacobian, as they are weighed.
     jacobian: [[f64; N]; 6],
     error: [f64; 6],
     /// `E`.
@@ -250,7 +274,9 @@ impl<const N: usize> DampedLeastSquares<N> {
             let Step { change, held, gain } = self.step(&at, factor);
             let next = self.admitted(&core::array::from_fn(|i| at.q[i] + change[i]));
             if factor > MOST || gain <= LEAST_GAIN * at.cost || next == at.q {
-                return Err(if held.contains(&true) {
+                return Err(if let Some(reach) = self.out_of_proportion(&at.jacobian) {
+                    NotReached::LengthOutOfProportion { best: approach, length: self.length, reach }
+                } else if held.contains(&true) {
                     NotReached::AtLimits { best: approach, held }
                 } else {
                     NotReached::Stationary(approach)
@@ -294,25 +320,45 @@ impl<const N: usize> DampedLeastSquares<N> {
         core::array::from_fn(|i| q[i].max(self.lower[i]).min(self.upper[i]))
     }
 
+    /// What a metre and a radian count for.
+    fn weights(&self) -> [f64; 2] {
+        const MOST: f64 = 1e100;
+        if self.length * MOST > 1.0 { [1.0 / self.length, 1.0] } else { [MOST, MOST * self.length] }
+    }
+
     fn evaluation(&self, q: [f64; N], pose: &Pose<f64>, mut jacobian: [[f64; N]; 6], target: &Target) -> Evaluation<N> {
-        let position = (target.position - Vector3::from(pose.position)) / self.length;
-        let rotation = attitude::log(&(target.rotation * to_matrix(&pose.rotation).transpose()));
-        let error = [position.x, position.y, position.z, rotation.x, rotation.y, rotation.z];
-        jacobian[..3].iter_mut().flatten().for_each(|entry| *entry /= self.length);
+        let missing = [
+            target.position - Vector3::from(pose.position),
+            attitude::log(&(target.rotation * to_matrix(&pose.rotation).transpose())),
+        ];
+        let weights = self.weights();
+        let error = core::array::from_fn(|r| weights[r / 3] * missing[r / 3][r % 3]);
+        for (r, row) in jacobian.iter_mut().enumerate() {
+            row.iter_mut().for_each(|entry| *entry *= weights[r / 3]);
+        }
         let cost = 0.5 * error.iter().map(|e| e * e).sum::<f64>();
-        let mut entries = pose.position.iter().chain(pose.rotation.iter().flatten()).chain(jacobian.iter().flatten());
-        let is_finite = cost.is_finite() && entries.all(|entry| entry.is_finite());
-        Evaluation { q, jacobian, error, cost, is_finite }
+        let squares: f64 = jacobian.iter().flatten().map(|entry| entry * entry).sum();
+        let mut entries = pose.position.iter().chain(pose.rotation.iter().flatten());
+        let is_finite = (cost + squares).is_finite() && entries.all(|entry| entry.is_finite());
+        Evaluation { q, missing, jacobian, error, cost, is_finite }
     }
 
     fn approach(&self, at: &Evaluation<N>, evaluations: usize) -> Approach<N> {
-        let norm = |e: &[f64]| -> f64 { Scalar::sqrt(e.iter().map(|e| e * e).sum::<f64>()) };
-        Approach {
-            q: at.q,
-            position_error: self.length * norm(&at.error[..3]),
-            rotation_error: norm(&at.error[3..]),
-            evaluations,
-        }
+        let [position_error, rotation_error] = at.missing.map(|missing| norm(&missing));
+        Approach { q: at.q, position_error, rotation_error, evaluations }
+    }
+
+    /// How far coordinates move the body \[m\] and turn it \[rad\], where the length of a radian weighs one of the two away.
+    fn out_of_proportion(&self, jacobian: &[[f64; N]; 6]) -> Option<[f64; 2]> {
+        let greatest = |rows: &[[f64; N]]| rows.iter().flatten().fold(0.0, |most: f64, entry| most.max(entry.abs()));
+        let weighed = [greatest(&jacobian[..3]), greatest(&jacobian[3..])];
+        let weights = self.weights();
+        let [moved, turned] = core::array::from_fn(|half| weighed[half] / weights[half]);
+        let ratio = moved / self.length / turned;
+        let hidden = moved > 0.0 && turned > 0.0 && !(1.0 / PROPORTION..=PROPORTION).contains(&(ratio * ratio));
+        // A weight may be so small that nothing is left of an entry.
+        let vanished = weights.iter().any(|weight| weight * weight < f64::MIN_POSITIVE);
+        (hidden || vanished).then_some([moved, turned])
     }
 
     /// The step `Δq` with `μ = factor`.
@@ -349,6 +395,16 @@ struct Step<const N: usize> {
     held: [bool; N],
     /// By how much `E` would fall to first order, were the damping not increased.
     gain: f64,
+}
+
+/// The Euclidean norm, whatever the size of the components.
+fn norm(x: &Vector3<f64>) -> f64 {
+    let greatest = x.amax();
+    if greatest > 0.0 && greatest.is_finite() {
+        greatest * Scalar::sqrt((x / greatest).norm_squared())
+    } else {
+        greatest
+    }
 }
 
 struct Target {
@@ -431,8 +487,81 @@ mod tests {
             Err(NotReached::Stationary(best) | NotReached::TooManyEvaluations(best)) => best,
             other => panic!("{other:?}"),
         };
-        assert!((best.position_error - 0.5).abs() < 1e-3, "{best:?}");
-        assert!(best.evaluations <= DampedLeastSquares::<3>::default().evaluations);
+        // The damping shrinks with every good step: 19 evaluations to nine digits.
+        assert!((best.position_error - 0.5).abs() < 1e-9 && best.evaluations <= 25, "{best:?}");
+    }
+
+    /// The planar arm in another unit of length, of which `scale` make a metre.
+    fn scaled(scale: f64) -> impl Fn(&[f64; 3]) -> (Pose<f64>, [[f64; 3]; 6]) {
+        move |q| {
+            let (mut pose, mut jacobian) = planar(q);
+            pose.position.iter_mut().chain(jacobian[..3].iter_mut().flatten()).for_each(|x| *x *= scale);
+            (pose, jacobian)
+        }
+    }
+
+    /// The search is the same in millimetres and in miles, and the length of a radian counts.
+    #[test]
+    fn the_unit_of_length_does_not_matter() {
+        let wanted = [0.4, -1.1, 2.0];
+        for length in [0.03, 0.5, 1.0, 40.0] {
+            let mut evaluations = None;
+            for scale in [1.0, 1024.0, 2.0_f64.powi(-20), 2.0_f64.powi(400), 2.0_f64.powi(-400)] {
+                let model = scaled(scale);
+                let (target, _) = model(&wanted);
+                let solver = DampedLeastSquares {
+                    length: length * scale,
+                    position_tolerance: 1e-12 * scale,
+                    rotation_tolerance: 1e-12,
+                    ..Default::default()
+                };
+                let found = solver.solve(&model, &target, &[0.0, -0.5, 1.5]).expect("reached");
+                assert!(found.evaluations <= 12 && found.q.iter().zip(wanted).all(|(q, w)| (q - w).abs() < 1e-11));
+                // To the last evaluation, which rounding may make needless.
+                let first = *evaluations.get_or_insert(found.evaluations);
+                assert!(first.abs_diff(found.evaluations) <= 1, "{length} {scale}: {found:?}");
+            }
+        }
+    }
+
+    /// The finding: a miss of 0.65 m was returned as reached, because its square, weighed with such a length, is zero.
+    #[test]
+    fn a_length_out_of_proportion_is_refused() {
+        let (target, _) = planar(&[0.2, 1.0, -0.3]);
+        let guess = [0.0, 0.5, 0.4];
+        for length in [1e300, f64::MAX, 1e160, 1e100, 1e20, 1e-20, 1e-100, 1e-160, 1e-300, f64::MIN_POSITIVE] {
+            let solver = DampedLeastSquares { length, ..Default::default() };
+            let (best, reach) = match solver.solve(planar, &target, &guess) {
+                Err(NotReached::LengthOutOfProportion { best, length: told, reach }) if told == length => (best, reach),
+                other => panic!("{length:e}: {other:?}"),
+            };
+            let (pose, _) = planar(&best.q);
+            let miss = (Vector3::from(pose.position) - Vector3::from(target.position)).norm();
+            assert!((best.position_error - miss).abs() < 1e-15, "{length:e}: {best:?}, not {miss}");
+            assert!(best.position_error > 1e-10 || best.rotation_error > 1e-10, "{best:?}");
+            assert!((0.5..=2.0).contains(&reach[0]) && reach[1] == 1.0, "{reach:?}");
+        }
+    }
+
+    #[test]
+    fn lower_limits_hold_and_let_go() {
+        // The mirror image of a limit above: the second joint must not go below −0.5, where the target is.
+        let (target, _) = planar(&[-0.2, -1.0, 0.3]);
+        let narrow = DampedLeastSquares { upper: [PI, -0.2, PI], lower: [-PI, -0.5, -PI], ..Default::default() };
+        match narrow.solve(planar, &target, &[-0.2, -0.3, 0.3]) {
+            Err(NotReached::AtLimits { best, held }) => {
+                assert_eq!(held, [false, true, false]);
+                assert_eq!(best.q[1], -0.5);
+            }
+            other => panic!("{other:?}"),
+        }
+        // At a limit that the error pulls away from nothing is held, at either end.
+        for (lower, upper, sign) in [(0.0, 2.0, 1.0), (-2.0, 0.0, -1.0)] {
+            let (target, _) = planar(&[0.2 * sign, sign, -0.3 * sign]);
+            let limits = DampedLeastSquares { lower: [-PI, lower, -PI], upper: [PI, upper, PI], ..Default::default() };
+            let found = limits.solve(planar, &target, &[0.5 * sign, 0.0, 0.0]).expect("reached");
+            assert!((found.q[1] - sign).abs() < 1e-8, "{found:?}");
+        }
     }
 
     #[test]
