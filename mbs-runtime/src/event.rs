@@ -7,6 +7,8 @@
 //!
 //! - An event happens where its function reaches zero or passes it, not where it leaves zero: a function that is zero
 //!   at the start, or after an impact, waits until it has left zero.
+//! - A function that touches zero and turns back is not reliably seen: it counts as reaching zero where one of the nine places
+//!   falls on the zero itself, as round numbers and fixed steps let it, and goes unseen otherwise. Watch its derivative pass zero.
 //! - Two roots of one function less than an eighth of a step apart may go unseen; `max_step` or `step` of the method
 //!   is the remedy. Of three in an eighth one is seen.
 //! - Events of one step happen in the order of their times, those of the same time in the order in which they are given.
@@ -782,6 +784,93 @@ mod tests {
         check(&Dopri5::new(1e-10, 1e-12));
         check(&Rk4::new(10.0));
         check(&GaussLegendre4::new(0.5));
+    }
+
+    /// A touch counts where a place that is looked at falls on it, and only there.
+    #[test]
+    fn a_touch_is_seen_where_a_place_falls_on_it() {
+        for (touch, count) in [(0.5, 1), (0.53125, 1), (0.53, 0)] {
+            let function = |t: f64, _: &One| (t - touch) * (t - touch);
+            let derivative = |t: f64, _: &One| t - touch;
+            let mut events = [Event::new(&function), Event::new(&derivative)];
+            let mut state = State::new([1.0], [0.0]);
+            Rk4::new(0.25).integrate_with_events(oscillate, 0.0, 1.0, &mut state, &mut events, go_on).unwrap();
+            assert_eq!([events[0].count(), events[1].count()], [count, 1], "{touch}");
+            assert!((events[1].last_time().unwrap() - touch).abs() < 1e-15);
+        }
+    }
+
+    /// After an event, values of the size that the function had there are rounding, however often they change their sign.
+    #[test]
+    fn what_has_not_left_zero_is_no_event() {
+        const NOISE: f64 = 1e-9;
+        let function = |t: f64, _: &One| {
+            let noise = if t < 1.0 || (8.0 * t) as i64 % 2 == 0 { NOISE } else { -NOISE };
+            if t > 2.0 { noise - (t - 2.0) * (t - 4.0) } else { noise * if t == 1.0 { -1.0 } else { 1.0 } }
+        };
+        for step in [0.3, 1.1, 0.07] {
+            let mut restart = |_, _: &mut One| Response::Restart;
+            let mut events = [Event::new(&function).with_action(&mut restart)];
+            let mut state = State::new([1.0], [0.0]);
+            Rk4::new(step).integrate_with_events(oscillate, 0.0, 5.0, &mut state, &mut events, go_on).unwrap();
+            assert_eq!(events[0].count(), 2, "{step}: {:?}", events[0].last_time());
+            assert!((events[0].last_time().unwrap() - 4.0).abs() < 1e-8, "{:?}", events[0].last_time());
+        }
+    }
+
+    /// Two events between two places that are looked at happen in the order of the way.
+    #[test]
+    fn order_within_an_eighth_of_a_step_both_ways() {
+        for way in [1.0, -1.0] {
+            let log = core::cell::RefCell::new(Vec::new());
+            let [mut first, mut second] = ['1', '2'].map(|name| {
+                let log = &log;
+                move |t: f64, _: &mut One| {
+                    log.borrow_mut().push((name, t));
+                    Response::Continue
+                }
+            });
+            let [near, far] = [0.51, 0.6].map(|at| move |t: f64, _: &One| t - way * at);
+            // Given in the other order.
+            let mut events = [Event::new(&far).with_action(&mut second), Event::new(&near).with_action(&mut first)];
+            let mut state = State::new([1.0], [0.0]);
+            Rk4::new(1.0).integrate_with_events(oscillate, 0.0, way, &mut state, &mut events, go_on).unwrap();
+            let log = log.into_inner();
+            assert_eq!([log[0].0, log[1].0], ['1', '2'], "{log:?}");
+            assert!(log.len() == 2 && (log[0].1 - way * 0.51).abs() < 1e-15, "{log:?}");
+        }
+    }
+
+    /// An alarm that sets itself anew a little later each time: told at once where the clock cannot tell the times apart, and
+    /// after a million events in the time of one step where it can.
+    #[test]
+    fn an_alarm_without_progress_is_an_error() {
+        fn ring(integrator: &impl Integrator<f64>, later: f64) -> (IntegrationError, usize) {
+            let alarm = core::cell::Cell::new(1.0);
+            let mut again = |t: f64, _: &mut One| {
+                alarm.set(t + later);
+                Response::Restart
+            };
+            let function = |t: f64, _: &One| t - alarm.get();
+            let mut events = [Event::new(&function).rising().with_action(&mut again)];
+            let mut state = State::new([1.0], [0.0]);
+            let result = integrator.integrate_with_events(oscillate, 0.0, 3.0, &mut state, &mut events, go_on);
+            let error = result.unwrap_err();
+            assert!((error.time().unwrap() - 1.0).abs() < 1e-5 && (state.q[0] - 1.0_f64.cos()).abs() < 1e-3, "{error}");
+            (error, events[0].count())
+        }
+        fn check(integrator: &impl Integrator<f64>) {
+            let (error, count) = ring(integrator, 1e-15);
+            assert!(
+                matches!(error, IntegrationError::EventsAccumulate { event: 0, .. }) && count < 10,
+                "{error} {count}"
+            );
+            let (error, count) = ring(integrator, 1e-13);
+            assert!(matches!(error, IntegrationError::TooManySteps { .. }), "{error}");
+            assert!((900_000..=1_000_100).contains(&count), "{count}");
+        }
+        check(&Rk4::new(0.1));
+        check(&Dopri5::new(1e-9, 1e-9));
     }
 
     #[test]

@@ -317,6 +317,30 @@ mod tests {
         qdd[0] = -q[0];
     }
 
+    /// What is left of the way may be short; the step control goes on from the step that it would have made.
+    #[test]
+    fn a_short_last_step_says_little_about_the_next() {
+        fn check(integrator: &impl Integrator<f64>) {
+            let (mut ends, mut count) = ([0.0; 512], 0);
+            let watched = |step: &mut dyn Step<[f64; 1]>| {
+                count += 1;
+                ends[count] = step.time();
+                ControlFlow::Continue(())
+            };
+            integrator.integrate(oscillate, 0.0, 30.0, &mut State::new([1.0], [0.0]), watched).unwrap();
+            for k in 1..count - 1 {
+                let length = ends[k + 1] - ends[k];
+                let t_end = ends[k] + 0.05 * length;
+                let mut state = State::new([1.0], [0.0]);
+                let go_on = |_: &mut dyn Step<[f64; 1]>| ControlFlow::Continue(());
+                let summary = integrator.integrate(oscillate, 0.0, t_end, &mut state, go_on).unwrap();
+                assert!((0.999 * length..1e3 * length).contains(&summary.next_step), "{summary:?} after {length}");
+            }
+        }
+        check(&Dopri5::new(1e-8, 1e-8));
+        check(&Dop853::new(1e-10, 1e-10));
+    }
+
     /// The largest deviation from a cosine at the times asked for, and the number of answers.
     fn check_samples(integrator: &impl Integrator<f64>, times: &[f64], tolerance: f64) {
         let mut seen = 0;

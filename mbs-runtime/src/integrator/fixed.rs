@@ -21,6 +21,9 @@ fn count(t: f64, t_end: f64, step: f64, allowed: usize) -> Option<usize> {
     usize::try_from(steps).ok()
 }
 
+/// So many times an observer may cut steps short in the time of one: what goes on that way does not end.
+const MOST_CUTS: usize = 1_000_000;
+
 /// Equal steps of `step` seconds or a little less, as many as needed, so that the last one ends at `t_end`; `max_steps`
 /// of them at the most.
 ///
@@ -47,6 +50,8 @@ where
         return Err(IntegrationError::InvalidStep { step });
     }
     run.summary.next_step = step;
+    // How often steps were cut since the time `mark`.
+    let (mut cuts, mut mark) = (0, t);
     while run.summary.time != t_end {
         let origin = run.summary.time;
         let Some(steps) = count(origin, t_end, step, max_steps - run.summary.accepted) else {
@@ -59,7 +64,14 @@ where
             run.ready().and_then(|()| run.advance(h)).map_err(|fault| fault.at(start, h))?;
             match run.accept(end)? {
                 Next::Step => {}
-                Next::Again => break,
+                Next::Again => {
+                    let time = run.summary.time;
+                    (cuts, mark) = if (time - mark).abs() < step { (cuts + 1, mark) } else { (0, time) };
+                    if cuts > MOST_CUTS {
+                        return Err(IntegrationError::TooManySteps { time, steps: run.summary.accepted });
+                    }
+                    break;
+                }
                 Next::Stop => return Ok(run.summary),
             }
         }

@@ -2,7 +2,7 @@
 
 use core::ops::ControlFlow;
 
-use crate::{GaussLegendre4, Integrator, State, StormerVerlet};
+use crate::{GaussLegendre4, Integrator, SemiImplicitEuler, State, StormerVerlet};
 
 /// Steps in a period.
 const STEPS: usize = 200;
@@ -32,6 +32,21 @@ fn shift(method: &impl Integrator<f64>, periods: usize) -> f64 {
     });
     assert_eq!(summary.unwrap().accepted, periods * STEPS);
     ((last - first) / tenth as f64 / 0.5).abs()
+}
+
+/// Increments far below the last place of the velocity, each of them lost but for the compensation.
+#[test]
+fn velocities_keep_what_rounding_leaves_out() {
+    fn check(method: &impl Integrator<f64>) {
+        let mut state = State::new([0.0], [1.0]);
+        let push = |_: f64, _: &[f64; 1], _: &[f64; 1], qdd: &mut [f64; 1]| qdd[0] = 1e-17;
+        method.integrate(push, 0.0, 1e5, &mut state, |_| ControlFlow::Continue(())).unwrap();
+        assert!((state.qd[0] - 1.0 - 1e-12).abs() <= f64::EPSILON, "{:e}", state.qd[0] - 1.0);
+        assert!((state.q[0] - 1e5 - 5e-8).abs() <= 3e-11, "{:e}", state.q[0] - 1e5);
+    }
+    check(&StormerVerlet::new(1.0));
+    check(&GaussLegendre4::new(1.0));
+    check(&SemiImplicitEuler { max_steps: 100_000, ..SemiImplicitEuler::new(1.0) });
 }
 
 #[test]
