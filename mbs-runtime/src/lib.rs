@@ -146,6 +146,8 @@ pub use wide;
 #[cfg(any(feature = "std", feature = "libm"))]
 pub mod attitude;
 pub mod constraint;
+#[cfg(any(feature = "std", feature = "libm"))]
+pub mod control;
 mod dual;
 pub mod dynamics;
 mod error;

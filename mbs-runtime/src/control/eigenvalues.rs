@@ -1,0 +1,181 @@
+//! Eigenvalues of a real matrix: Francis' double steps on its Hessenberg form.
+
+use nalgebra::Complex;
+
+use super::ControlError;
+use super::dense::{balance, is_finite};
+use crate::scalar::Scalar;
+
+/// Steps for one eigenvalue; after every tenth without success the shift is an exceptional one.
+const STEPS: usize = 60;
+
+pub(super) fn eigenvalues<const N: usize>(a: &[[f64; N]; N]) -> Result<[Complex<f64>; N], ControlError> {
+    if !is_finite(a) {
+        return Err(ControlError::NotFinite { matrix: 'A' });
+    }
+    let mut h = *a;
+    balance(&mut h, &mut [[]; N]);
+    reduce(&mut h);
+    let values = deflate(&mut h)?;
+    let finite = values.iter().all(|value| value.re.is_finite() && value.im.is_finite());
+    if finite { Ok(values) } else { Err(ControlError::NotFinite { matrix: 'A' }) }
+}
+
+/// To Hessenberg form, column by column, by Householder's reflections.
+fn reduce<const N: usize>(h: &mut [[f64; N]; N]) {
+    for k in 1..N.saturating_sub(1) {
+        let greatest = (k..N).fold(0.0, |most: f64, i| most.max(h[i][k - 1].abs()));
+        if greatest == 0.0 {
+            continue;
+        }
+        let mut v = [0.0; N];
+        (k..N).for_each(|i| v[i] = h[i][k - 1] / greatest);
+        let length = Scalar::sqrt(v.iter().map(|x| x * x).sum::<f64>());
+        v[k] += length.copysign(v[k]);
+        let half: f64 = 0.5 * v.iter().map(|x| x * x).sum::<f64>();
+        for j in 0..N {
+            let along = (k..N).map(|i| v[i] * h[i][j]).sum::<f64>() / half;
+            (k..N).for_each(|i| h[i][j] -= along * v[i]);
+        }
+        for row in h.iter_mut() {
+            let along = (k..N).map(|j| row[j] * v[j]).sum::<f64>() / half;
+            (k..N).for_each(|j| row[j] -= along * v[j]);
+        }
+        (k + 1..N).for_each(|i| h[i][k - 1] = 0.0);
+    }
+}
+
+/// Splits off one or two eigenvalues at the lower end at a time.
+fn deflate<const N: usize>(h: &mut [[f64; N]; N]) -> Result<[Complex<f64>; N], ControlError> {
+    let mut values = [Complex::new(0.0, 0.0); N];
+    let size: f64 = h.iter().flatten().map(|entry| entry.abs()).sum();
+    // Rows from `end` on are done; `shifted` was taken off the diagonal of the others.
+    let (mut end, mut steps, mut shifted) = (N, 0, 0.0);
+    while end > 0 {
+        let last = end - 1;
+        let first = start_of_block(h, last, size);
+        if first == last {
+            values[last] = Complex::new(h[last][last] + shifted, 0.0);
+            (end, steps) = (last, 0);
+        } else if first + 1 == last {
+            let pair = pair(h[first][first], h[first][last], h[last][first], h[last][last]);
+            [values[first], values[last]] = pair.map(|value| value + shifted);
+            (end, steps) = (first, 0);
+        } else if steps == STEPS {
+            return Err(ControlError::NotConverged);
+        } else {
+            double_step(h, first, last, &mut shifted, steps);
+            steps += 1;
+        }
+    }
+    Ok(values)
+}
+
+/// The first row of the block that ends with the row `last`: above it the subdiagonal is zero to rounding.
+fn start_of_block<const N: usize>(h: &mut [[f64; N]; N], last: usize, size: f64) -> usize {
+    for row in (1..=last).rev() {
+        let near = h[row - 1][row - 1].abs() + h[row][row].abs();
+        let near = if near == 0.0 { size } else { near };
+        if h[row][row - 1].abs() <= f64::EPSILON * near {
+            h[row][row - 1] = 0.0;
+            return row;
+        }
+    }
+    0
+}
+
+/// The eigenvalues of `[[a, b], [c, d]]`.
+fn pair(a: f64, b: f64, c: f64, d: f64) -> [Complex<f64>; 2] {
+    let half = 0.5 * (a - d);
+    // The discriminant `half² + b c` in units of its parts, as squares may overflow.
+    let unit = half.abs().max(b.abs()).max(c.abs());
+    if unit == 0.0 {
+        return [Complex::new(a, 0.0), Complex::new(d, 0.0)];
+    }
+    let (p, bc) = (half / unit, (b / unit) * (c / unit));
+    let square = p * p + bc;
+    let root = Scalar::sqrt(square.abs());
+    if square < 0.0 {
+        let (re, im) = (0.5 * a + 0.5 * d, unit * root);
+        return [Complex::new(re, im), Complex::new(re, -im)];
+    }
+    // The larger distance from d by a sum that does not cancel, the other from their product.
+    let far = p + root.copysign(p);
+    let near = if far == 0.0 { 0.0 } else { -bc / far };
+    [Complex::new(d + unit * far, 0.0), Complex::new(d + unit * near, 0.0)]
+}
+
+/// One implicit step with two shifts, on the rows `first` to `last`.
+fn double_step<const N: usize>(h: &mut [[f64; N]; N], first: usize, last: usize, shifted: &mut f64, steps: usize) {
+    let (mut x, mut y) = (h[last][last], h[last - 1][last - 1]);
+    let mut w = h[last][last - 1] * h[last - 1][last];
+    if steps % 10 == 9 {
+        *shifted += x;
+        (0..=last).for_each(|i| h[i][i] -= x);
+        let size = h[last][last - 1].abs() + h[last - 1][last - 2].abs();
+        (x, y, w) = (0.75 * size, 0.75 * size, -0.4375 * size * size);
+    }
+    // The first column of (H − s₁)(H − s₂), begun where two subdiagonal entries in succession are small.
+    let mut m = last - 2;
+    let mut column: [f64; 3];
+    loop {
+        let z = h[m][m];
+        let (r, s) = (x - z, y - z);
+        column = [(r * s - w) / h[m + 1][m] + h[m][m + 1], h[m + 1][m + 1] - z - r - s, h[m + 2][m + 1]];
+        let size: f64 = column.iter().map(|entry| entry.abs()).sum();
+        column = column.map(|entry| entry / size);
+        if m == first {
+            break;
+        }
+        let beside = h[m][m - 1].abs() * (column[1].abs() + column[2].abs());
+        let around = h[m - 1][m - 1].abs() + z.abs() + h[m + 1][m + 1].abs();
+        if beside <= f64::EPSILON * column[0].abs() * around {
+            break;
+        }
+        m -= 1;
+    }
+    for i in m + 2..=last {
+        h[i][i - 2] = 0.0;
+        if i > m + 2 {
+            h[i][i - 3] = 0.0;
+        }
+    }
+    for k in m..last {
+        let three = k + 1 < last;
+        let mut size = 1.0;
+        if k > m {
+            column = [h[k][k - 1], h[k + 1][k - 1], if three { h[k + 2][k - 1] } else { 0.0 }];
+            size = column.iter().map(|entry| entry.abs()).sum();
+            if size == 0.0 {
+                continue;
+            }
+            column = column.map(|entry| entry / size);
+        }
+        let [p, q, r] = column;
+        let length = Scalar::sqrt(p * p + q * q + r * r).copysign(p);
+        if length == 0.0 {
+            continue;
+        }
+        if k > m {
+            h[k][k - 1] = -length * size;
+        } else if first != m {
+            h[k][k - 1] = -h[k][k - 1];
+        }
+        reflect(h, k, first, last, [p + length, q, r], length);
+    }
+}
+
+/// The reflection of the rows and columns k to k + 2 that takes `(p, q, r)` to the first axis; `v` is `(p + length, q, r)`.
+fn reflect<const N: usize>(h: &mut [[f64; N]; N], k: usize, first: usize, last: usize, v: [f64; 3], length: f64) {
+    let count = if k + 1 < last { 3 } else { 2 };
+    let left = v.map(|entry| entry / length);
+    let right = v.map(|entry| entry / v[0]);
+    for j in k..=last {
+        let along: f64 = (0..count).map(|i| right[i] * h[k + i][j]).sum();
+        (0..count).for_each(|i| h[k + i][j] -= along * left[i]);
+    }
+    for row in &mut h[first..=last.min(k + 3)] {
+        let along: f64 = (0..count).map(|i| left[i] * row[k + i]).sum();
+        (0..count).for_each(|i| row[k + i] -= along * right[i]);
+    }
+}

@@ -1,0 +1,72 @@
+//! What the inputs of a system reach.
+
+use super::ControlError;
+use super::dense::{balance, is_finite, norm};
+use crate::scalar::Scalar;
+
+/// What is left of a vector of length 1 beside the others counts as rounding below this.
+const NONE: f64 = 1e-10;
+
+/// The dimension of the span of `B, A B, A² B, …`.
+pub(super) fn reachable<const N: usize, const U: usize>(
+    a: &[[f64; N]; N],
+    b: &[[f64; U]; N],
+) -> Result<usize, ControlError> {
+    for (matrix, finite) in [('A', is_finite(a)), ('B', is_finite(b))] {
+        if !finite {
+            return Err(ControlError::NotFinite { matrix });
+        }
+    }
+    let (mut a, mut b) = (*a, *b);
+    balance(&mut a, &mut b);
+    let size = norm(&a);
+    let mut basis = Basis { vectors: [[0.0; N]; N], count: 0 };
+    for j in 0..U {
+        basis.add(core::array::from_fn(|i| b[i][j]), 0.0);
+    }
+    // Each vector of the basis is carried on by A, also those that are added on the way.
+    let mut next = 0;
+    while next < basis.count {
+        let from = basis.vectors[next];
+        basis.add(core::array::from_fn(|i| (0..N).map(|j| a[i][j] * from[j]).sum()), size * f64::EPSILON);
+        next += 1;
+    }
+    Ok(basis.count)
+}
+
+/// Orthonormal vectors, the first `count` of them.
+struct Basis<const N: usize> {
+    vectors: [[f64; N]; N],
+    count: usize,
+}
+
+impl<const N: usize> Basis<N> {
+    /// Takes in what is new in a vector, unless its length is `rounding` or less.
+    fn add(&mut self, mut vector: [f64; N], rounding: f64) {
+        let length = length(&vector);
+        if self.count == N || length <= rounding {
+            return;
+        }
+        vector = vector.map(|entry| entry / length);
+        // Twice is enough (Parlett, *The symmetric eigenvalue problem*, 1980, section 6.9, after Kahan).
+        for _ in 0..2 {
+            for known in &self.vectors[..self.count] {
+                let along: f64 = (0..N).map(|i| known[i] * vector[i]).sum();
+                (0..N).for_each(|i| vector[i] -= along * known[i]);
+            }
+        }
+        let left = self::length(&vector);
+        if left > NONE {
+            self.vectors[self.count] = vector.map(|entry| entry / left);
+            self.count += 1;
+        }
+    }
+}
+
+fn length<const N: usize>(x: &[f64; N]) -> f64 {
+    let greatest = x.iter().fold(0.0, |most: f64, entry| most.max(entry.abs()));
+    if greatest == 0.0 {
+        return 0.0;
+    }
+    greatest * Scalar::sqrt(x.iter().map(|entry| (entry / greatest) * (entry / greatest)).sum::<f64>())
+}
