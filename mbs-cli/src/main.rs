@@ -6,6 +6,7 @@
 //! - [`mod@derive`]: the generated code;
 //! - [`ops`]: operation counts;
 //! - [`eval`]: every function's value at given states;
+//! - [`linearize`]: the linear system about a state, its poles, what inputs reach;
 //! - [`simulate`]: a motion as a table and as a figure.
 //!
 //! What they share: [`mechanism`] runs the generator's passes on a file, [`state`] reads states, [`mod@equations`]
@@ -21,6 +22,7 @@ mod equations;
 mod eval;
 mod failure;
 mod files;
+mod linearize;
 mod mechanism;
 mod ops;
 mod output;
@@ -49,6 +51,7 @@ enum Command {
     Derive(derive::Arguments),
     Ops(ops::Arguments),
     Eval(eval::Arguments),
+    Linearize(linearize::Arguments),
     Simulate(simulate::Arguments),
 }
 
@@ -68,6 +71,7 @@ fn run(command: Command) -> Result<(), Failure> {
         Command::Derive(arguments) => derive::run(&arguments),
         Command::Ops(arguments) => ops::run(&arguments),
         Command::Eval(arguments) => eval::run(&arguments),
+        Command::Linearize(arguments) => linearize::run(&arguments),
         Command::Simulate(arguments) => simulate::run(&arguments),
     }
 }

@@ -7,6 +7,7 @@ mod eval;
 mod files;
 mod graph;
 mod import;
+mod linearize;
 mod ops;
 mod simulate;
 

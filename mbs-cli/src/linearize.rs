@@ -1,0 +1,238 @@
+//! `mbs linearize`: the linear system about a state, what it does by itself, and what its inputs reach.
+
+mod reduction;
+mod system;
+mod trim;
+
+use std::fmt::Write as _;
+use std::path::PathBuf;
+
+use mbs_derive::model::Variable;
+use mbs_derive::model::lagrangian::component_names;
+use mbs_derive::optimise::Derivation;
+use nalgebra::{Complex, DMatrix};
+use serde_json::{Value, json};
+
+use crate::failure::Failure;
+use crate::state::{self, Point, Request};
+use crate::{mechanism, output};
+
+use self::system::System;
+
+/// Linearize a mechanism about a state: A, B, C, D in independent coordinates, poles, and what inputs reach.
+///
+/// The change of the state x = (coordinates, velocities) obeys x' = A x + B u, that of the outputs is y = C x + D u; SI units,
+/// angles in radians. Where accelerations are not zero at the state, it is linearized about the motion through it.
+#[derive(clap::Args)]
+pub(crate) struct Arguments {
+    /// The mechanism.
+    #[arg(value_name = "FILE.mbs")]
+    file: PathBuf,
+    /// The state, as for `mbs eval`: a file with a JSON object, `-` for standard input, or JSON itself.
+    #[arg(long, value_name = "STATE.json")]
+    state: String,
+    /// Search for a state without accelerations, on the constraints, near the given one: what may be changed, separated by
+    /// commas. Coordinates and inputs by their names (`q_0` of an array q), velocities as in the table of `mbs simulate`
+    /// (`x_dot`). The rest stays as given.
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    trim: Vec<String>,
+    /// Take these coordinates, and their velocities, as the independent ones; else they are chosen.
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    independent: Vec<String>,
+    /// The sampled system instead, with inputs held for so long [s].
+    #[arg(long, value_name = "T")]
+    sample_time: Option<f64>,
+    /// JSON instead of a text.
+    #[arg(long)]
+    json: bool,
+}
+
+/// Prints the linear system.
+pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
+    if let Some(time) = arguments.sample_time.filter(|time| !(*time > 0.0 && time.is_finite())) {
+        return Err(Failure::new(format_args!("the sample time must be positive and finite, found {time}")));
+    }
+    let derivation = mechanism::read(&arguments.file)?.derivation;
+    let mut point = match state::read(&arguments.state, &derivation)? {
+        Request::One(point) => point,
+        Request::Many(_) => return Err(Failure::new("`mbs linearize` takes one state, not an array of them")),
+    };
+    let names = component_names(&derivation.coordinates);
+    let independent = numbers(&arguments.independent, &names, "coordinates")?;
+    if !arguments.trim.is_empty() {
+        let free = numbers(&arguments.trim, &trim::names(&derivation), "quantities that can be trimmed")?;
+        trim::trim(&derivation, &mut point, &free)?;
+    }
+    let mut system = system::linearize(&derivation, &point, &independent)?;
+    if let Some(time) = arguments.sample_time {
+        system = system.sampled(time)?;
+    }
+    let report = Report::new(&derivation, &point, &system, arguments.sample_time)?;
+    output::print(&if arguments.json { output::json(&report.json()) } else { report.text() })
+}
+
+/// Which names these are, each once.
+fn numbers(given: &[String], known: &[String], what: &str) -> Result<Vec<usize>, Failure> {
+    let mut found = Vec::new();
+    for name in given.iter().map(|name| name.trim()) {
+        let Some(number) = known.iter().position(|known| known == name) else {
+            return Err(Failure::new(format_args!("unknown name `{name}`{}", state::hint(name, known, what))));
+        };
+        if found.contains(&number) {
+            return Err(Failure::new(format_args!("`{name}` is named twice")));
+        }
+        found.push(number);
+    }
+    Ok(found)
+}
+
+/// Names and units of components.
+fn units(variables: &[Variable]) -> Vec<String> {
+    variables.iter().flat_map(|variable| std::iter::repeat_n(variable.unit.clone(), variable.count())).collect()
+}
+
+/// What is printed.
+struct Report<'a> {
+    point: &'a Point,
+    system: &'a System,
+    states: Vec<[String; 2]>,
+    inputs: Vec<[String; 2]>,
+    /// Eigenvalues of A, slow ones first.
+    poles: Vec<Complex<f64>>,
+    sample_time: Option<f64>,
+    ranks: [usize; 2],
+}
+
+impl<'a> Report<'a> {
+    fn new(
+        derivation: &Derivation,
+        point: &'a Point,
+        system: &'a System,
+        sample_time: Option<f64>,
+    ) -> Result<Self, Failure> {
+        let (names, units_of_q) = (component_names(&derivation.coordinates), units(&derivation.coordinates));
+        let rate = |unit: &str| if unit == "1" { "1/s".to_string() } else { format!("{unit}/s") };
+        let positions = system.coordinates.iter().map(|&i| [names[i].clone(), units_of_q[i].clone()]);
+        let velocities = system.speeds.iter().map(|&i| [format!("{}_dot", names[i]), rate(&units_of_q[i])]);
+        let inputs = component_names(&derivation.inputs).into_iter().zip(units(&derivation.inputs));
+        let poles = system.poles().ok_or_else(|| Failure::new("the eigenvalues of A were not found"))?;
+        Ok(Report {
+            point,
+            system,
+            states: positions.chain(velocities).collect(),
+            inputs: inputs.map(|(name, unit)| [name, unit]).collect(),
+            poles,
+            sample_time,
+            ranks: [system.controllability_rank(), system.observability_rank()],
+        })
+    }
+
+    /// The pole of the continuous system.
+    fn continuous(&self, pole: Complex<f64>) -> Complex<f64> {
+        self.sample_time.map_or(pole, |time| pole.ln() / time)
+    }
+
+    fn json(&self) -> Value {
+        let named = |list: &[[String; 2]]| -> Value {
+            list.iter().map(|[name, unit]| json!({ "name": name, "unit": unit })).collect()
+        };
+        let state = &self.point.state;
+        let poles: Vec<Value> = self.poles.iter().map(|&pole| self.json_of_pole(pole)).collect();
+        let mut report = json!({
+            "state": { "t": state.t, "q": state.q, "qd": state.qd, "u": state.u },
+            "accelerations": self.system.accelerations,
+            "states": named(&self.states),
+            "inputs": named(&self.inputs),
+            "outputs": self.system.outputs,
+            "a": rows(&self.system.a),
+            "b": rows(&self.system.b),
+            "c": rows(&self.system.c),
+            "d": rows(&self.system.d),
+            "poles": poles,
+            "controllability_rank": self.ranks[0],
+            "observability_rank": self.ranks[1],
+        });
+        if let Some(time) = self.sample_time {
+            report["sample_time"] = json!(time);
+        }
+        report
+    }
+
+    fn json_of_pole(&self, pole: Complex<f64>) -> Value {
+        let continuous = self.continuous(pole);
+        json!({
+            "re": pole.re,
+            "im": pole.im,
+            "natural_frequency": continuous.norm(),
+            "damping_ratio": damping(continuous),
+        })
+    }
+
+    fn text(&self) -> String {
+        let mut text = String::new();
+        let state = &self.point.state;
+        let _ = writeln!(text, "about t = {:?}, q = {:?}, qd = {:?}, u = {:?}", state.t, state.q, state.qd, state.u);
+        let greatest = self.system.accelerations.iter().fold(0.0_f64, |most, a| most.max(a.abs()));
+        if greatest > 1e-9 {
+            let _ = writeln!(text, "no equilibrium: accelerations {:?}", self.system.accelerations);
+        }
+        if let Some(time) = self.sample_time {
+            let _ = writeln!(text, "sampled every {time:?} s");
+        }
+        let label = |[name, unit]: &[String; 2]| format!("{name} [{unit}]");
+        let states: Vec<String> = self.states.iter().map(label).collect();
+        let inputs: Vec<String> = self.inputs.iter().map(label).collect();
+        let rates: Vec<String> = match self.sample_time {
+            Some(_) => self.states.iter().map(|[name, unit]| format!("next {name} [{unit}]")).collect(),
+            None => self.states.iter().map(|[name, unit]| format!("d/dt {name} [{unit}]")).collect(),
+        };
+        table(&mut text, "A", &rates, &states, &self.system.a);
+        table(&mut text, "B", &rates, &inputs, &self.system.b);
+        table(&mut text, "C", &self.system.outputs, &states, &self.system.c);
+        table(&mut text, "D", &self.system.outputs, &inputs, &self.system.d);
+        self.push_poles(&mut text);
+        let (count, [controllable, observable]) = (self.states.len(), self.ranks);
+        let _ = writeln!(text, "\n{controllable} of {count} states are controllable, {observable} observable");
+        text
+    }
+
+    fn push_poles(&self, text: &mut String) {
+        let unit = if self.sample_time.is_some() { "1" } else { "1/s" };
+        let _ = writeln!(text, "\npoles [{unit}]                          frequency [rad/s]  damping");
+        for &pole in &self.poles {
+            let continuous = self.continuous(pole);
+            let value = format!("{:.6} {} {:.6}i", pole.re, if pole.im < 0.0 { '-' } else { '+' }, pole.im.abs());
+            let _ = writeln!(text, "  {value:<34}  {:>16.6}  {:>7.4}", continuous.norm(), damping(continuous));
+        }
+    }
+}
+
+/// `−Re p/|p|`; 1 at zero.
+fn damping(pole: Complex<f64>) -> f64 {
+    let frequency = pole.norm();
+    if frequency == 0.0 { 1.0 } else { -pole.re / frequency }
+}
+
+fn rows(matrix: &DMatrix<f64>) -> Value {
+    matrix.row_iter().map(|row| Value::from(row.iter().copied().collect::<Vec<f64>>())).collect()
+}
+
+/// A matrix with names of rows and columns; nothing where it is empty.
+fn table(text: &mut String, name: &str, rows: &[String], columns: &[String], matrix: &DMatrix<f64>) {
+    if rows.is_empty() || columns.is_empty() {
+        return;
+    }
+    let length = |list: &[String]| list.iter().map(|word| word.chars().count()).max().unwrap_or(0);
+    let (first, width) = (length(rows).max(name.len()), length(columns).max(13));
+    let _ = write!(text, "\n{name:<first$}");
+    columns.iter().for_each(|column| {
+        let _ = write!(text, "  {column:>width$}");
+    });
+    for (row, entries) in rows.iter().zip(matrix.row_iter()) {
+        let _ = write!(text, "\n{row:<first$}");
+        for entry in entries.iter() {
+            let _ = write!(text, "  {:>width$}", format!("{entry:.6e}"));
+        }
+    }
+    text.push('\n');
+}

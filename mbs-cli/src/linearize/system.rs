@@ -1,0 +1,249 @@
+//! A, B, C and D of a mechanism at a state, and what they say.
+
+use mbs_derive::expr::Dual;
+use mbs_derive::interpret::{Interpreter, State};
+use mbs_derive::model::lagrangian::component_names;
+use mbs_derive::optimise::{Derivation, Function, FunctionKind, Shape};
+use nalgebra::{Complex, DMatrix, Schur, linalg::balancing};
+
+use crate::failure::Failure;
+use crate::state::Point;
+
+use super::reduction::{self, Fault, Solution};
+
+/// The linear system in independent coordinates and speeds.
+pub(super) struct System {
+    pub(super) coordinates: Vec<usize>,
+    pub(super) speeds: Vec<usize>,
+    /// Names of the outputs' components.
+    pub(super) outputs: Vec<String>,
+    pub(super) a: DMatrix<f64>,
+    pub(super) b: DMatrix<f64>,
+    pub(super) c: DMatrix<f64>,
+    pub(super) d: DMatrix<f64>,
+    /// All of them, at the state itself.
+    pub(super) accelerations: Vec<f64>,
+}
+
+/// The derivatives of constrained accelerations and of outputs, in what the constraints leave independent.
+pub(super) fn linearize(derivation: &Derivation, point: &Point, independent: &[usize]) -> Result<System, Failure> {
+    let interpreter = Interpreter::with_parameters(derivation, point.parameters.clone());
+    let (n, inputs) = (derivation.dof(), component_names(&derivation.inputs).len());
+    let call = |name: &str| interpreter.call(name, &point.state).unwrap_or_default();
+    let (slopes, accelerations) = (call("linearize"), call("forward_dynamics"));
+    if !slopes.iter().chain(&accelerations).all(|x| x.is_finite()) {
+        return Err(Failure::new("accelerations, or their derivatives, are infinite or NaN at the state"));
+    }
+    let block = |start: usize, width: usize| DMatrix::from_row_slice(n, width, &slopes[start..start + n * width]);
+    let (by_q, by_qd, by_u) = (block(0, n), block(n * n, n), block(2 * n * n, inputs));
+
+    let (positions, speeds) = independent_motions(derivation, point, &call, independent)?;
+    let [p, r, s] = [&positions.slopes, &speeds.slopes, &speeds.constants];
+    let at = |matrix: DMatrix<f64>, rows: &[usize]| matrix.select_rows(rows);
+    let (coordinates, named) = (positions.independent.clone(), speeds.independent.clone());
+    let (i, j) = (coordinates.len(), named.len());
+    let mut a = DMatrix::zeros(i + j, i + j);
+    a.view_mut((0, 0), (i, i)).copy_from(&at(s.clone(), &coordinates));
+    a.view_mut((0, i), (i, j)).copy_from(&at(r.clone(), &coordinates));
+    a.view_mut((i, 0), (j, i)).copy_from(&at(&by_q * p + &by_qd * s, &named));
+    a.view_mut((i, i), (j, j)).copy_from(&at(&by_qd * r, &named));
+    let mut b = DMatrix::zeros(i + j, inputs);
+    b.view_mut((i, 0), (j, inputs)).copy_from(&at(by_u, &named));
+
+    let (outputs, [out_q, out_qd, d]) = output_slopes(derivation, point, inputs);
+    if !out_q.iter().chain(out_qd.iter()).chain(d.iter()).all(|x| x.is_finite()) {
+        return Err(Failure::new("an output, or its derivative, is infinite or NaN at the state"));
+    }
+    let mut c = DMatrix::zeros(outputs.len(), i + j);
+    c.view_mut((0, 0), (outputs.len(), i)).copy_from(&(&out_q * p + &out_qd * s));
+    c.view_mut((0, i), (outputs.len(), j)).copy_from(&(&out_qd * r));
+    Ok(System { coordinates, speeds: named, outputs, a, b, c, d, accelerations })
+}
+
+/// `δq = P δq_I` of the holonomic rows, and `δq̇ = S δq_I + R δq̇_J` of all.
+fn independent_motions(
+    derivation: &Derivation,
+    point: &Point,
+    call: &impl Fn(&str) -> Vec<f64>,
+    independent: &[usize],
+) -> Result<(Solution, Solution), Failure> {
+    let (n, k) = (derivation.dof(), derivation.constraints.len());
+    let (jacobian, rate_jacobian) = (call("constraint_jacobian"), call("constraint_rate_jacobian"));
+    let a = DMatrix::from_row_slice(k, n, &jacobian);
+    check_state(derivation, point, &a, [&call("constraint"), &call("constraint_rate")])?;
+    let holonomic: Vec<usize> = (0..k).filter(|&row| derivation.holonomic[row]).collect();
+    let named = (!independent.is_empty()).then_some(independent);
+    let names = component_names(&derivation.coordinates);
+    let failed = |fault: Fault| match fault {
+        Fault::Tied { .. } => {
+            Failure::new("the constraints hold the coordinates of `--independent`, or tie them to each other")
+        }
+        Fault::Free { unknown } => {
+            Failure::new(format_args!("`{}` does not follow from the coordinates of `--independent`", names[unknown]))
+        }
+    };
+    let positions =
+        reduction::solve(a.select_rows(&holonomic), DMatrix::zeros(holonomic.len(), 0), named).map_err(failed)?;
+    let moved = DMatrix::from_row_slice(k, n, &rate_jacobian) * &positions.slopes;
+    // Where rows on speeds alone take away more of them, those that are left are chosen.
+    let speeds = reduction::solve(a.clone(), moved.clone(), named).or_else(|_| reduction::solve(a, moved, None));
+    Ok((positions, speeds.map_err(failed)?))
+}
+
+/// Whether rows and their rates are zero, but for what changes of coordinates and velocities by a small part explain.
+fn check_state(
+    derivation: &Derivation,
+    point: &Point,
+    jacobian: &DMatrix<f64>,
+    [position, rate]: [&[f64]; 2],
+) -> Result<(), Failure> {
+    const SMALL: f64 = 1e-8;
+    let size = |numbers: &[f64]| numbers.iter().fold(1.0, |most: f64, x| most.max(x.abs()));
+    let (far, fast) = (size(&point.state.q), size(&point.state.qd));
+    for (row, name) in derivation.constraints.iter().enumerate() {
+        let explained = SMALL * jacobian.row(row).abs().sum();
+        let position = if derivation.holonomic[row] { position[row].abs() } else { 0.0 };
+        for (what, off, explained) in
+            [("", position, far * explained), ("the rate of ", rate[row].abs(), fast * explained)]
+        {
+            if off.is_nan() || off > explained {
+                return Err(Failure::new(format_args!(
+                    "the state is not on the constraints: {what}`{name}` is off by {off:e}; name in `--trim` what may be changed"
+                )));
+            }
+        }
+    }
+    Ok(())
+}
+
+/// The derivatives of all outputs in q, q̇ and u, by dual numbers.
+fn output_slopes(derivation: &Derivation, point: &Point, inputs: usize) -> (Vec<String>, [DMatrix<f64>; 3]) {
+    let n = derivation.dof();
+    let functions: Vec<&Function> =
+        derivation.functions.iter().filter(|function| matches!(function.kind, FunctionKind::Output(_))).collect();
+    let names: Vec<String> = functions.iter().flat_map(|function| components(function)).collect();
+    let fixed = |values: &[f64]| values.iter().map(|&x| Dual::fixed(x)).collect::<Vec<Dual<f64>>>();
+    let parameters = fixed(&point.parameters);
+    let interpreter = Interpreter::with_parameters(derivation, parameters);
+    let given = &point.state;
+    let at_rest = State {
+        t: Dual::fixed(given.t),
+        q: fixed(&given.q),
+        qd: fixed(&given.qd),
+        qdd: fixed(&given.qdd),
+        u: fixed(&given.u),
+        prescribed: given.prescribed.iter().map(|signal| signal.map(Dual::fixed)).collect(),
+    };
+    let column = |change: &dyn Fn(&mut State<Dual<f64>>)| {
+        let mut state = at_rest.clone();
+        change(&mut state);
+        let values = functions.iter().flat_map(|function| interpreter.evaluate(function, &state));
+        values.map(|value| value.derivative).collect::<Vec<f64>>()
+    };
+    let matrix = |width: usize, change: &dyn Fn(&mut State<Dual<f64>>, usize)| {
+        let columns: Vec<f64> = (0..width).flat_map(|j| column(&|state| change(state, j))).collect();
+        DMatrix::from_column_slice(names.len(), width, &columns)
+    };
+    let slopes = [
+        matrix(n, &|state, j| state.q[j].derivative = 1.0),
+        matrix(n, &|state, j| state.qd[j].derivative = 1.0),
+        matrix(inputs, &|state, j| state.u[j].derivative = 1.0),
+    ];
+    (names, slopes)
+}
+
+/// `tip[0]`, or for a pose `tip.position[0]` and `tip.rotation[0][0]`.
+fn components(function: &Function) -> Vec<String> {
+    let name = &function.name;
+    let vector = |name: &str, count: usize| (0..count).map(|i| format!("{name}[{i}]")).collect::<Vec<_>>();
+    let matrix = |name: &str, rows: usize, columns: usize| -> Vec<String> {
+        (0..rows).flat_map(|i| vector(&format!("{name}[{i}]"), columns)).collect()
+    };
+    let of_part = |shape: Shape| match shape {
+        Shape::Scalar => vec![name.clone()],
+        Shape::Vector(count) => vector(name, count),
+        Shape::Matrix(rows, columns) => matrix(name, rows, columns),
+        Shape::Symmetric(size) => matrix(name, size, size),
+        Shape::Pose => [vector(&format!("{name}.position"), 3), matrix(&format!("{name}.rotation"), 3, 3)].concat(),
+        Shape::Wrench => [vector(&format!("{name}.force"), 3), vector(&format!("{name}.moment"), 3)].concat(),
+        Shape::Wrenches(count) => vector(name, 6 * count),
+    };
+    function.results.iter().flat_map(|part| of_part(part.shape)).collect()
+}
+
+impl System {
+    /// With inputs held for a time: the exponential of `[[A, B], [0, 0]] T` (Van Loan, 1978).
+    pub(super) fn sampled(self, time: f64) -> Result<Self, Failure> {
+        let (states, inputs) = self.b.shape();
+        let mut block = DMatrix::zeros(states + inputs, states + inputs);
+        block.view_mut((0, 0), (states, states)).copy_from(&(&self.a * time));
+        block.view_mut((0, states), (states, inputs)).copy_from(&(&self.b * time));
+        let whole = block.exp();
+        if !whole.iter().all(|x| x.is_finite()) {
+            return Err(Failure::new("the sampled system leaves the range of numbers: the sample time is too long"));
+        }
+        let a = whole.view((0, 0), (states, states)).into_owned();
+        let b = whole.view((0, states), (states, inputs)).into_owned();
+        Ok(System { a, b, ..self })
+    }
+
+    /// The eigenvalues of A by their size; of a pair the one above the real axis first.
+    pub(super) fn poles(&self) -> Option<Vec<Complex<f64>>> {
+        if self.a.is_empty() {
+            return Some(Vec::new());
+        }
+        let mut balanced = self.a.clone();
+        balancing::balance_parlett_reinsch(&mut balanced);
+        let schur = Schur::try_new(balanced, f64::EPSILON, 10_000)?;
+        let mut poles: Vec<Complex<f64>> = schur.complex_eigenvalues().iter().copied().collect();
+        poles.sort_by(|x, y| x.norm().total_cmp(&y.norm()).then(x.re.total_cmp(&y.re)).then(y.im.total_cmp(&x.im)));
+        Some(poles)
+    }
+
+    /// How many directions of the state the inputs reach.
+    pub(super) fn controllability_rank(&self) -> usize {
+        reachable(&self.a, &self.b)
+    }
+
+    /// How many directions of the state the outputs show in time.
+    pub(super) fn observability_rank(&self) -> usize {
+        reachable(&self.a.transpose(), &self.c.transpose())
+    }
+}
+
+/// The dimension of the span of `B, A B, A² B, …`, as `mbs_runtime::control` finds it.
+fn reachable(a: &DMatrix<f64>, b: &DMatrix<f64>) -> usize {
+    const NONE: f64 = 1e-10;
+    // x = D z with powers of two, A and B taken together.
+    let n = a.nrows();
+    let mut both = DMatrix::zeros(n + b.ncols(), n + b.ncols());
+    both.view_mut((0, 0), (n, n)).copy_from(a);
+    both.view_mut((0, n), (n, b.ncols())).copy_from(b);
+    balancing::balance_parlett_reinsch(&mut both);
+    let (a, b) = (both.view((0, 0), (n, n)).into_owned(), both.view((0, n), (n, b.ncols())).into_owned());
+    let rounding = a.norm() * f64::EPSILON;
+    let mut basis: Vec<nalgebra::DVector<f64>> = Vec::new();
+    let add = |mut vector: nalgebra::DVector<f64>, rounding: f64, basis: &mut Vec<nalgebra::DVector<f64>>| {
+        let length = vector.norm();
+        if length <= rounding || basis.len() == n {
+            return;
+        }
+        vector /= length;
+        for _ in 0..2 {
+            for known in basis.iter() {
+                vector -= known * known.dot(&vector);
+            }
+        }
+        let left = vector.norm();
+        if left > NONE {
+            basis.push(vector / left);
+        }
+    };
+    b.column_iter().for_each(|column| add(column.into_owned(), 0.0, &mut basis));
+    let mut next = 0;
+    while next < basis.len() {
+        add(&a * &basis[next], rounding, &mut basis);
+        next += 1;
+    }
+    basis.len()
+}

@@ -1,0 +1,222 @@
+//! `mbs linearize`: systems whose matrices and poles are known by hand or from the literature, and what is refused.
+
+use serde_json::Value;
+
+use crate::{Workshop, keys};
+
+fn linearized(workshop: &Workshop, arguments: &[&str]) -> Value {
+    let arguments = [&["linearize"], arguments, &["--json"]].concat();
+    serde_json::from_str(&workshop.good(&arguments)).unwrap()
+}
+
+/// A mechanism of the repository.
+fn known(path: &str) -> String {
+    format!("{}/../{path}", env!("CARGO_MANIFEST_DIR"))
+}
+
+fn matrix(value: &Value) -> Vec<Vec<f64>> {
+    serde_json::from_value(value.clone()).unwrap()
+}
+
+fn assert_matrix(found: &Value, expected: &[&[f64]], tolerance: f64) {
+    let found = matrix(found);
+    assert_eq!(found.len(), expected.len(), "{found:?}");
+    for (found, expected) in found.iter().zip(expected) {
+        assert_eq!(found.len(), expected.len(), "{found:?}");
+        assert!(found.iter().zip(*expected).all(|(x, y)| (x - y).abs() <= tolerance), "{found:?}, not {expected:?}");
+    }
+}
+
+fn poles(report: &Value) -> Vec<[f64; 2]> {
+    let number = |pole: &Value, key: &str| pole[key].as_f64().unwrap();
+    report["poles"].as_array().unwrap().iter().map(|pole| [number(pole, "re"), number(pole, "im")]).collect()
+}
+
+#[track_caller]
+fn assert_pole(report: &Value, [re, im]: [f64; 2], tolerance: f64) {
+    let found = poles(report);
+    assert!(found.iter().any(|pole| (pole[0] - re).hypot(pole[1] - im) <= tolerance), "{re} {im}: {found:?}");
+}
+
+fn names(report: &Value, list: &str) -> Vec<String> {
+    let word = |entry: &Value, key: &str| entry[key].as_str().unwrap().to_string();
+    let entries = report[list].as_array().unwrap().iter();
+    entries.map(|entry| format!("{} [{}]", word(entry, "name"), word(entry, "unit"))).collect()
+}
+
+#[test]
+fn a_pendulum_upright_and_hanging() {
+    let workshop = Workshop::new();
+    let (m, l, g, b): (f64, f64, f64, f64) = (3.0, 2.0, 10.0, 0.25);
+    let inertia = m * l * l;
+    for (q, sign) in [("0", -1.0), ("3.141592653589793", 1.0)] {
+        let report = linearized(&workshop, &["pendulum.mbs", "--state", &format!("{{\"q\": [{q}]}}")]);
+        assert_eq!(
+            keys(&report),
+            [
+                "state",
+                "accelerations",
+                "states",
+                "inputs",
+                "outputs",
+                "a",
+                "b",
+                "c",
+                "d",
+                "poles",
+                "controllability_rank",
+                "observability_rank"
+            ]
+        );
+        assert_matrix(&report["a"], &[&[0.0, 1.0], &[sign * g / l, -b / inertia]], 1e-14);
+        assert_matrix(&report["b"], &[&[0.0], &[1.0 / inertia]], 1e-16);
+        assert_matrix(&report["c"], &[&[0.0, 0.0]], 1e-15);
+        assert_eq!(names(&report, "states"), ["theta [rad]", "theta_dot [rad/s]"]);
+        assert_eq!(names(&report, "inputs"), ["tau [N*m]"]);
+        assert_eq!(report["outputs"][0], "height");
+        let half = -0.5 * b / inertia;
+        let square = half * half + sign * g / l;
+        if sign > 0.0 {
+            assert_pole(&report, [half + square.sqrt(), 0.0], 1e-13);
+            assert_pole(&report, [half - square.sqrt(), 0.0], 1e-13);
+        } else {
+            assert_pole(&report, [half, (-square).sqrt()], 1e-13);
+            let frequency = report["poles"][0]["natural_frequency"].as_f64().unwrap();
+            let damping = report["poles"][0]["damping_ratio"].as_f64().unwrap();
+            assert!((frequency - (g / l).sqrt()).abs() < 1e-13 && (damping + half / frequency).abs() < 1e-14);
+        }
+        assert_eq!(report["controllability_rank"], 2);
+    }
+}
+
+#[test]
+fn a_state_that_rests_is_found() {
+    let workshop = Workshop::new();
+    let angle = 0.5_f64;
+    let held = linearized(&workshop, &["pendulum.mbs", "--state", "{\"q\": [0.5]}", "--trim", "tau"]);
+    let torque = 3.0 * 10.0 * 2.0 * angle.sin();
+    assert!((held["state"]["u"][0].as_f64().unwrap() - torque).abs() < 1e-12, "{held}");
+    assert_eq!(held["state"]["q"][0], 0.5);
+    let swung = linearized(&workshop, &["pendulum.mbs", "--state", "{\"q\": [0.3], \"u\": [30]}", "--trim", "theta"]);
+    assert!((swung["state"]["q"][0].as_f64().unwrap() - 0.5_f64.asin()).abs() < 1e-12, "{swung}");
+    let report =
+        workshop.bad(&["linearize", "pendulum.mbs", "--state", "{\"q\": [0.3], \"u\": [90]}", "--trim", "theta"]);
+    assert!(report.starts_with("error: no equilibrium was found: the acceleration of `theta` stays at "), "{report}");
+}
+
+/// Rates and inputs in an output count: `f dt(x)` has slopes in both.
+#[test]
+fn outputs_of_rates_and_inputs() {
+    let workshop = Workshop::new();
+    let cart = "mechanism Cart { param m: kg = 2; coord x: m; input f: N; kinetic += 1/2*m*dt(x)^2; force x += f; \
+                output power = f*dt(x); output there = world*translation([x, 0, 0]); }";
+    workshop.write("cart.mbs", cart);
+    let report = linearized(&workshop, &["cart.mbs", "--state", "{\"q\": [1], \"qd\": [3], \"u\": [5]}"]);
+    assert_eq!(report["outputs"].as_array().unwrap().len(), 13);
+    assert_eq!((&report["outputs"][0], &report["outputs"][1]), (&"power".into(), &"there.position[0]".into()));
+    assert_eq!(matrix(&report["c"])[..2], [[0.0, 5.0], [1.0, 0.0]]);
+    assert_eq!(matrix(&report["d"])[..2], [[3.0], [0.0]]);
+    assert_eq!(report["accelerations"][0], 2.5);
+}
+
+#[test]
+fn a_sampled_system() {
+    let workshop = Workshop::new();
+    workshop.write(
+        "cart.mbs",
+        "mechanism Cart { param m: kg = 2; coord x: m; input f: N; kinetic += 1/2*m*dt(x)^2; force x += f; }",
+    );
+    let report = linearized(&workshop, &["cart.mbs", "--state", "{\"q\": [0]}", "--sample-time", "0.5"]);
+    assert_matrix(&report["a"], &[&[1.0, 0.5], &[0.0, 1.0]], 1e-15);
+    assert_matrix(&report["b"], &[&[0.0625], &[0.25]], 1e-15);
+    assert_eq!(report["sample_time"], 0.5);
+    // Poles of the sampled pendulum are the exponentials of those of the continuous one.
+    let slow = linearized(&workshop, &["pendulum.mbs", "--state", "{\"q\": [0]}"]);
+    let sampled = linearized(&workshop, &["pendulum.mbs", "--state", "{\"q\": [0]}", "--sample-time", "0.1"]);
+    for [re, im] in poles(&slow) {
+        let (sin, cos) = (0.1 * im).sin_cos();
+        assert_pole(&sampled, [(0.1 * re).exp() * cos, (0.1 * re).exp() * sin], 1e-13);
+    }
+    let frequency = |report: &Value| report["poles"][0]["natural_frequency"].as_f64().unwrap();
+    assert!((frequency(&slow) - frequency(&sampled)).abs() < 1e-12);
+}
+
+/// In Cartesian coordinates, one of which follows from the other: the poles are those of the pendulum.
+#[test]
+fn constraints_leave_independent_coordinates() {
+    let workshop = Workshop::new();
+    let file = known("tests/mechanisms/cartesian_pendulum.mbs");
+    let report = linearized(&workshop, &[&file, "--state", "{\"q\": [0, -1]}"]);
+    assert_eq!(names(&report, "states"), ["x [m]", "x_dot [m/s]"]);
+    assert_matrix(&report["a"], &[&[0.0, 1.0], &[-9.80665, 0.0]], 1e-13);
+    // At an angle, from a guess off the circle; the poles do not depend on the coordinate that is named.
+    let slanted = "{\"q\": [0.6, 0.81]}";
+    let off = workshop.bad(&["linearize", &file, "--state", slanted]);
+    assert!(off.starts_with("error: the state is not on the constraints: `length` is off by "), "{off}");
+    let found = linearized(&workshop, &[&file, "--state", "{\"q\": [0.001, -0.99]}", "--trim", "x,y"]);
+    assert_pole(&found, [0.0, 9.80665_f64.sqrt()], 1e-10);
+    let tied = workshop.bad(&["linearize", &file, "--state", "{\"q\": [0, -1]}", "--independent", "y"]);
+    assert_eq!(tied, "error: the constraints hold the coordinates of `--independent`, or tie them to each other\n");
+}
+
+#[test]
+fn a_bicycle_weaves_and_capsizes_as_published() {
+    let workshop = Workshop::new();
+    let file = known("tests/mechanisms/whipple_bicycle.mbs");
+    // Meijaard and others, 2007, table 2: castering, capsize, and weave at 5 m/s.
+    let state = format!("{{\"q\": [0,0,0,0,0,0,0,0], \"qd\": [5,0,0,0,0,0,{},{}]}}", -5.0 / 0.3, -5.0 / 0.35);
+    let report = linearized(&workshop, &[&file, "--state", &state]);
+    assert_eq!(report["states"].as_array().unwrap().len(), 10);
+    for [re, im] in [
+        [-14.078_389_692_798_22, 0.0],
+        [-0.322_866_429_004_09, 0.0],
+        [-0.775_341_882_195_85, 4.464_867_713_788_23],
+        [-0.775_341_882_195_85, -4.464_867_713_788_23],
+    ] {
+        assert_pole(&report, [re, im], 1e-8);
+    }
+}
+
+#[test]
+fn a_quadrotor_hovers() {
+    let workshop = Workshop::new();
+    let file = known("models/mechanisms/quadrotor_quaternion.mbs");
+    let state = "{\"q\": [0,0,0,1,0,0,0], \"u\": [250,250,250,250], \"prescribed\": {\"wind_0\": [0,0,0], \"wind_1\": [0,0,0], \
+                 \"wind_2\": [0,0,0]}}";
+    let trim = "rotor_speed_0,rotor_speed_1,rotor_speed_2,rotor_speed_3";
+    let report = linearized(&workshop, &[&file, "--state", state, "--trim", trim]);
+    let speed = (40.0 * 9.80665 / 4.0 / 1.1e-3_f64).sqrt();
+    for found in report["state"]["u"].as_array().unwrap() {
+        assert!((found.as_f64().unwrap() - speed).abs() < 1e-9, "{found}");
+    }
+    // The scalar part of the quaternion follows from the others.
+    assert_eq!(report["states"].as_array().unwrap().len(), 12);
+    assert!(!names(&report, "states").iter().any(|name| name.starts_with("e_0")));
+    assert_eq!(report["controllability_rank"], 12);
+    assert!(poles(&report).iter().all(|pole| pole[0].hypot(pole[1]) < 1e-2), "{:?}", poles(&report));
+}
+
+#[test]
+fn a_text_for_people() {
+    let workshop = Workshop::new();
+    let text = workshop.good(&["linearize", "pendulum.mbs", "--state", "{\"q\": [0]}"]);
+    for part in
+        ["d/dt theta_dot [rad/s]", "tau [N*m]", "\npoles [1/s]", "2 of 2 states are controllable, 0 observable\n"]
+    {
+        assert!(text.contains(part), "{text}");
+    }
+    let moving = workshop.good(&["linearize", "pendulum.mbs", "--state", "{\"q\": [1]}"]);
+    assert!(moving.contains("\nno equilibrium: accelerations [-4.2"), "{moving}");
+}
+
+#[test]
+fn what_makes_no_sense_is_refused() {
+    let workshop = Workshop::new();
+    let refused =
+        |more: &[&str]| workshop.bad(&[&["linearize", "pendulum.mbs", "--state", "{\"q\": [0]}"], more].concat());
+    assert_eq!(refused(&["--sample-time", "0"]), "error: the sample time must be positive and finite, found 0\n");
+    assert_eq!(refused(&["--trim", "thta"]), "error: unknown name `thta`; did you mean \"theta\"?\n");
+    assert_eq!(refused(&["--trim", "tau,tau"]), "error: `tau` is named twice\n");
+    let many = workshop.bad(&["linearize", "pendulum.mbs", "--state", "[{\"q\": [0]}]"]);
+    assert_eq!(many, "error: `mbs linearize` takes one state, not an array of them\n");
+}
