@@ -5,12 +5,14 @@
 //! - [`by_hand`]: formulas of mechanics texts, typed to be run, and [`counting`]: numbers that count what is done to them;
 //! - [`mod@reference`]: equations of motion derived another way, with no generator in sight;
 //! - [`robustness`]: random models, most of them wrong;
+//! - [`mutants`]: changes of the source that tests must notice;
 //! - [`mechanisms`]: generated from `mechanisms/*.mbs`, which were written from the manual alone.
 
 pub mod by_hand;
 pub mod compare;
 pub mod counting;
 pub mod mechanisms;
+pub mod mutants;
 pub mod random;
 pub mod reference;
 pub mod robustness;
