@@ -149,6 +149,10 @@ fn in_shape(shape: Shape, values: &[f64]) -> Value {
         Shape::Pose => json!({ "position": values[..3], "rotation": rows(&values[3..], 3, 3) }),
         Shape::Wrench => json!({ "force": values[..3], "moment": values[3..6] }),
         Shape::Wrenches(_) => values.chunks(6).map(|wrench| in_shape(Shape::Wrench, wrench)).collect(),
+        Shape::Matrices(_, height, width) => {
+            values.chunks(height * width).map(|matrix| rows(matrix, height, width)).collect()
+        }
+        Shape::Poses(_) => values.chunks(12).map(|pose| in_shape(Shape::Pose, pose)).collect(),
     }
 }
 

@@ -8,11 +8,13 @@
 //! - [`landmark`]: what some of its expressions stand for in space;
 //! - [`dimension`]: SI dimensions and units;
 //! - `value`: what expressions stand for; `scope`: what names stand for; `constant`: what is known of an expression;
-//! - `statement`: statements in order; `declare`: parameters, coordinates, inputs, prescribed motions, constants;
+//! - `statement`: statements in order; `element`: arrays that loops fill; `family`: declarations with an index;
+//! - `declare`: parameters, coordinates, inputs, prescribed motions, constants; `output`: outputs;
 //! - `energy`: energies, generalized forces; `point_force`: forces at points, torques; `constraint`: constraints;
 //! - `gravity`: the field that all bodies weigh in;
 //! - `reaction`: joints whose wrenches are asked for, held and let go;
-//! - `evaluate`: expressions → values; `operator`: `+ - * / ^` and `dt`; `condition`: `if … else`;
+//! - `evaluate`: expressions → values; `quantity`: numbers with units; `operator`: `+ - * / ^` and `dt`;
+//! - `condition`: `if … else`;
 //! - `builtin`: functions and methods; `function`: functions written in the language; `body`: bodies;
 //! - `import`: what imported files declare;
 //! - `moments`: whether an inertia is that of a body;
@@ -28,8 +30,10 @@ mod constraint;
 mod declare;
 pub mod degree;
 pub mod dimension;
+mod element;
 mod energy;
 mod evaluate;
+mod family;
 pub mod frame;
 mod function;
 mod gravity;
@@ -40,7 +44,9 @@ pub mod landmark;
 mod manual;
 pub(crate) mod moments;
 mod operator;
+mod output;
 mod point_force;
+mod quantity;
 mod reaction;
 pub mod sample;
 mod scope;
@@ -100,6 +106,8 @@ fn gone_through<'d, 'g>(
     resolver.survey(&declaration.statements);
     resolver.statements(&declaration.statements);
     resolver.weigh();
+    resolver.gather_outputs();
+    resolver.check_families();
     resolver.let_go();
     resolver
 }

@@ -172,6 +172,10 @@ pub enum Shape {
     Wrench,
     /// So many of them.
     Wrenches(usize),
+    /// So many matrices of these rows and columns.
+    Matrices(usize, usize, usize),
+    /// So many positions and rotations.
+    Poses(usize),
 }
 
 impl Shape {
@@ -185,6 +189,8 @@ impl Shape {
             Shape::Pose => 12,
             Shape::Wrench => 6,
             Shape::Wrenches(n) => 6 * n,
+            Shape::Matrices(n, rows, columns) => n * rows * columns,
+            Shape::Poses(n) => 12 * n,
         }
     }
 }
@@ -217,19 +223,12 @@ pub fn straight_line(lagrangian: &Lagrangian<'_>, routes: &[Equations<'_>]) -> D
         parameters: lagrangian.parameters.clone(),
         inputs: lagrangian.inputs.clone(),
         prescribed: lagrangian.prescribed.clone(),
-        constraints: lagrangian.constraints.iter().flat_map(row_names).collect(),
+        constraints: lagrangian.constraints.iter().flat_map(Constraint::row_names).collect(),
         holonomic: lagrangian.holonomic_rows(),
         reactions: lagrangian.reactions.clone(),
         depends_on_time,
         constructor: hoisting.constructor,
         functions,
-    }
-}
-
-fn row_names(constraint: &Constraint<'_>) -> Vec<String> {
-    match constraint.rows.len() {
-        1 => vec![constraint.name.clone()],
-        m => (0..m).map(|i| format!("{}_{i}", constraint.name)).collect(),
     }
 }
 
@@ -459,12 +458,18 @@ fn output<'g>(equations: &Equations<'g>, number: usize) -> Vec<Roots<'g>> {
         OutputShape::Array(n) => Shape::Vector(n),
         OutputShape::Matrix(rows, columns) => Shape::Matrix(rows, columns),
         OutputShape::Pose => Shape::Pose,
+        OutputShape::Matrices(n, rows, columns) => Shape::Matrices(n, rows, columns),
+        OutputShape::Poses(n) => Shape::Poses(n),
     };
     let function = |name: &str, kind, shape, roots: Vec<Expr<'g>>| {
         let arguments = arguments_of(&roots);
         Roots::new(name, kind, &arguments, shape, roots)
     };
-    let rate_shape = if shape == Shape::Pose { Shape::Vector(6) } else { shape };
+    let rate_shape = match shape {
+        Shape::Pose => Shape::Vector(6),
+        Shape::Poses(n) => Shape::Matrix(n, 6),
+        shape => shape,
+    };
     let mut functions = vec![function(name, FunctionKind::Output(number), shape, output.value.clone())];
     if let Some(velocity) = &output.velocity {
         let kind = FunctionKind::OutputVelocity(number);

@@ -10,7 +10,7 @@
 //! - `grammar`: the file and its statements, one function a construct;
 //! - `contextual`: statements that begin with a word that may be a name, too;
 //! - `quantity`: what a declaration declares: names, units, values;
-//! - `expression`: operators, calls, arrays, numbers; `condition`: `if … else`, comparisons;
+//! - `expression`: operators, calls, arrays, numbers; `in_place`: numbers with units; `condition`: `if … else`, comparisons;
 //! - `reader`: tokens and refusals, what the three are written with;
 //! - `keyword`: the words that cannot be names;
 //! - `display`: the declaration as text again.
@@ -24,6 +24,7 @@ mod freeze;
 mod grammar;
 mod guard;
 mod import;
+mod in_place;
 mod keyword;
 mod quantity;
 mod reader;
@@ -33,6 +34,8 @@ pub mod syntax;
 use crate::diagnostic::Diagnostics;
 use crate::source::Sources;
 pub use encoding::text;
+#[cfg(test)]
+pub(crate) use in_place::UNITS;
 use syntax::{Declaration, Statement};
 
 /// Delimiters, signs, powers and components may be nested this deep, all together.
@@ -97,6 +100,7 @@ mod check {
         let all = |values: &[Expression]| values.iter().map(prefix).collect::<Vec<_>>().join(" ");
         match &expression.kind {
             ExpressionKind::Number(text) | ExpressionKind::Name(text) => text.clone(),
+            ExpressionKind::Quantity(number, unit) => format!("{number}{{{unit}}}"),
             ExpressionKind::Negate(value) => format!("(neg {})", prefix(value)),
             ExpressionKind::Binary(operator, left, right) => {
                 let sign = match operator {
@@ -122,6 +126,8 @@ mod check {
                     Comparison::LessEqual => "<=",
                     Comparison::Greater => ">",
                     Comparison::GreaterEqual => ">=",
+                    Comparison::Equal => "==",
+                    Comparison::NotEqual => "!=",
                 };
                 format!("({sign} {} {})", prefix(left), prefix(right))
             }

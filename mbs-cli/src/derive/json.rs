@@ -103,6 +103,8 @@ fn shape(shape: Shape) -> Value {
         Shape::Pose => json!(["pose"]),
         Shape::Wrench => json!(["wrench"]),
         Shape::Wrenches(n) => json!(["wrenches", n]),
+        Shape::Matrices(n, rows, columns) => json!(["matrices", n, rows, columns]),
+        Shape::Poses(n) => json!(["poses", n]),
     }
 }
 

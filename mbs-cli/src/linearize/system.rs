@@ -159,12 +159,18 @@ fn components(function: &Function) -> Vec<String> {
     let matrix = |name: &str, rows: usize, columns: usize| -> Vec<String> {
         (0..rows).flat_map(|i| vector(&format!("{name}[{i}]"), columns)).collect()
     };
+    let pose =
+        |name: &str| [vector(&format!("{name}.position"), 3), matrix(&format!("{name}.rotation"), 3, 3)].concat();
     let of_part = |shape: Shape| match shape {
         Shape::Scalar => vec![name.clone()],
         Shape::Vector(count) => vector(name, count),
         Shape::Matrix(rows, columns) => matrix(name, rows, columns),
         Shape::Symmetric(size) => matrix(name, size, size),
-        Shape::Pose => [vector(&format!("{name}.position"), 3), matrix(&format!("{name}.rotation"), 3, 3)].concat(),
+        Shape::Pose => pose(name),
+        Shape::Poses(count) => vector(name, count).iter().flat_map(|name| pose(name)).collect(),
+        Shape::Matrices(count, rows, columns) => {
+            vector(name, count).iter().flat_map(|name| matrix(name, rows, columns)).collect()
+        }
         Shape::Wrench => [vector(&format!("{name}.force"), 3), vector(&format!("{name}.moment"), 3)].concat(),
         Shape::Wrenches(count) => vector(name, 6 * count),
     };

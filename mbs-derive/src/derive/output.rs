@@ -12,9 +12,9 @@ pub struct OutputEquations<'g> {
     pub name: String,
     /// Its shape.
     pub shape: OutputShape,
-    /// Its components, row by row; for a pose the position and then the rows of the rotation.
+    /// Its components, row by row; for each pose the position and then the rows of the rotation.
     pub value: Vec<Expr<'g>>,
-    /// Its time derivative; for a pose the velocity of its origin and the angular velocity, in world axes.
+    /// Its time derivative; for each pose the velocity of its origin and the angular velocity, in world axes.
     /// Absent where the value depends on velocities or inputs.
     pub velocity: Option<Vec<Expr<'g>>>,
     /// `∂velocity/∂q̇`, one row per component; of a value that depends on velocities `∂value/∂q`.
@@ -35,6 +35,10 @@ pub enum OutputShape {
     Matrix(usize, usize),
     /// Position and rotation.
     Pose,
+    /// So many matrices of these rows and columns.
+    Matrices(usize, usize, usize),
+    /// So many positions and rotations.
+    Poses(usize),
 }
 
 /// Carries out all outputs.
@@ -43,11 +47,11 @@ pub fn outputs<'g>(lagrangian: &Lagrangian<'_>, graph: &'g Graph, symbols: &Symb
         .outputs
         .iter()
         .map(|output| {
-            let (shape, value) = flatten(lagrangian, &output.value);
+            let (shape, value) = (shape(&output.value), output.value.components(&lagrangian.frames));
             let value = carry_out(&value, graph, |symbol| time_derivative(symbol, graph));
-            let velocity = match &output.value {
-                OutputValue::Pose(frame) => Some(twist(lagrangian, *frame, graph)),
-                _ => positional(&value).then(|| rates(&value)),
+            let velocity = match output.value.frames() {
+                [] => positional(&value).then(|| rates(&value)),
+                frames => Some(frames.iter().flat_map(|frame| twist(lagrangian, *frame, graph)).collect()),
             };
             let jacobian = match &velocity {
                 Some(velocity) => velocity.iter().map(|&v| gradient(v, &symbols.qd)).collect(),
@@ -59,19 +63,18 @@ pub fn outputs<'g>(lagrangian: &Lagrangian<'_>, graph: &'g Graph, symbols: &Symb
         .collect()
 }
 
-fn flatten<'v>(lagrangian: &Lagrangian<'v>, value: &OutputValue<'v>) -> (OutputShape, Vec<Expr<'v>>) {
+fn shape(value: &OutputValue<'_>) -> OutputShape {
+    let columns = |rows: &[Vec<Expr<'_>>]| rows.first().map_or(0, Vec::len);
     match value {
-        OutputValue::Scalar(e) => (OutputShape::Scalar, vec![*e]),
-        OutputValue::Array(entries) => (OutputShape::Array(entries.len()), entries.clone()),
-        OutputValue::Matrix(rows) => {
-            let columns = rows.first().map_or(0, Vec::len);
-            (OutputShape::Matrix(rows.len(), columns), rows.iter().flatten().copied().collect())
+        OutputValue::Scalar(_) => OutputShape::Scalar,
+        OutputValue::Array(entries) => OutputShape::Array(entries.len()),
+        OutputValue::Matrix(rows) => OutputShape::Matrix(rows.len(), columns(rows)),
+        OutputValue::Pose(_) => OutputShape::Pose,
+        OutputValue::Matrices(matrices) => {
+            let first = matrices.first().map_or(&[][..], Vec::as_slice);
+            OutputShape::Matrices(matrices.len(), first.len(), columns(first))
         }
-        OutputValue::Pose(id) => {
-            let frame = lagrangian.frames.get(*id);
-            let rotation = frame.rotation.0.into_iter().flatten();
-            (OutputShape::Pose, frame.position.0.into_iter().chain(rotation).collect())
-        }
+        OutputValue::Poses(frames) => OutputShape::Poses(frames.len()),
     }
 }
 

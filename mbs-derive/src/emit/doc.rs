@@ -205,11 +205,19 @@ fn summary(derivation: &Derivation, function: &Function) -> String {
         FunctionKind::Conserved(_) => "First integrals: constant along motions with `u = 0`, `D = 0`.".to_string(),
         FunctionKind::Output(_) => match function.results.first().map(|part| part.shape) {
             Some(Shape::Pose) => format!("Output `{}`: position in m and attitude in the world.", function.name),
+            Some(Shape::Poses(n)) => {
+                format!("Output `{}`, {n} poses: positions in m and attitudes in the world.", function.name)
+            }
             _ => format!("Output `{}`, {shape}.", function.name),
         },
         FunctionKind::OutputVelocity(number) if is_pose(derivation, *number) => {
-            let name = output("_velocity");
-            format!("Velocity of the origin of `{name}`, then its angular velocity, in world axes, in m/s and rad/s.")
+            let (name, each) = match function.results.first().map(|part| part.shape) {
+                Some(Shape::Matrix(..)) => (output("_velocity"), "each pose of "),
+                _ => (output("_velocity"), ""),
+            };
+            format!(
+                "Velocity of the origin of {each}`{name}`, then its angular velocity, in world axes, in m/s and rad/s."
+            )
         }
         FunctionKind::OutputVelocity(_) => format!("Time derivative of the output `{}`, {shape}.", output("_velocity")),
         FunctionKind::OutputJacobian(number) => {
@@ -253,7 +261,7 @@ fn reaction(derivation: &Derivation, function: &Function) -> Vec<String> {
 
 fn is_pose(derivation: &Derivation, output: usize) -> bool {
     let value = derivation.functions.iter().find(|f| f.kind == FunctionKind::Output(output));
-    value.is_some_and(|f| f.results.iter().any(|part| part.shape == Shape::Pose))
+    value.is_some_and(|f| f.results.iter().any(|part| matches!(part.shape, Shape::Pose | Shape::Poses(_))))
 }
 
 /// Whether an output changes while the coordinates stand still.
@@ -279,6 +287,8 @@ fn shape(shape: Shape) -> String {
         Shape::Pose => "a pose".to_string(),
         Shape::Wrench => "a force and a moment".to_string(),
         Shape::Wrenches(n) => format!("{n} forces and moments"),
+        Shape::Matrices(n, rows, columns) => format!("{n} matrices {rows} × {columns}"),
+        Shape::Poses(n) => format!("{n} poses"),
     }
 }
 

@@ -534,7 +534,14 @@ fn components(derivation: &Derivation, function: &Function) -> Vec<Component> {
                 let (row, column) = (i.max(j), i.min(j));
                 Component::Result(start + triangular(row, column), format!("m_{row}_{column}"))
             })),
-            Shape::Scalar | Shape::Vector(_) | Shape::Matrix(..) | Shape::Pose | Shape::Wrench | Shape::Wrenches(_) => {
+            Shape::Scalar
+            | Shape::Vector(_)
+            | Shape::Matrix(..)
+            | Shape::Pose
+            | Shape::Wrench
+            | Shape::Wrenches(_)
+            | Shape::Matrices(..)
+            | Shape::Poses(_) => {
                 let wish = |i| result_name(derivation, function, shape, i);
                 components.extend((0..shape.count()).map(|i| Component::Result(start + i, wish(i))));
             }
@@ -554,9 +561,14 @@ fn right_side_shape(derivation: &Derivation, shape: Shape) -> Shape {
     let size = system_size(derivation);
     match shape {
         Shape::Matrix(_, columns) => Shape::Matrix(size, columns),
-        Shape::Scalar | Shape::Vector(_) | Shape::Symmetric(_) | Shape::Pose | Shape::Wrench | Shape::Wrenches(_) => {
-            Shape::Vector(size)
-        }
+        Shape::Scalar
+        | Shape::Vector(_)
+        | Shape::Symmetric(_)
+        | Shape::Pose
+        | Shape::Wrench
+        | Shape::Wrenches(_)
+        | Shape::Matrices(..)
+        | Shape::Poses(_) => Shape::Vector(size),
     }
 }
 
@@ -649,6 +661,8 @@ fn shape_type(shape: Shape) -> TokenStream {
         Shape::Pose => quote!(::mbs_runtime::Pose<T>),
         Shape::Wrench => quote!(::mbs_runtime::Wrench<T>),
         Shape::Wrenches(n) => array(shape_type(Shape::Wrench), Some(n)),
+        Shape::Matrices(n, rows, columns) => array(shape_type(Shape::Matrix(rows, columns)), Some(n)),
+        Shape::Poses(n) => array(shape_type(Shape::Pose), Some(n)),
     }
 }
 
@@ -673,11 +687,16 @@ fn shaped(shape: Shape, values: &mut impl Iterator<Item = TokenStream>) -> Token
             let (force, moment) = (shaped(Shape::Vector(3), values), shaped(Shape::Vector(3), values));
             quote!(::mbs_runtime::Wrench { force: #force, moment: #moment })
         }
-        Shape::Wrenches(n) => {
-            let wrenches: Vec<_> = (0..n).map(|_| shaped(Shape::Wrench, values)).collect();
-            quote!([#(#wrenches),*])
-        }
+        Shape::Wrenches(n) => several(n, Shape::Wrench, values),
+        Shape::Matrices(n, rows, columns) => several(n, Shape::Matrix(rows, columns), values),
+        Shape::Poses(n) => several(n, Shape::Pose, values),
     }
+}
+
+/// An array of `n` results in this shape.
+fn several(n: usize, shape: Shape, values: &mut impl Iterator<Item = TokenStream>) -> TokenStream {
+    let elements: Vec<_> = (0..n).map(|_| shaped(shape, values)).collect();
+    quote!([#(#elements),*])
 }
 
 /// A module of constants: the number of each variable's component, the range of an array's.

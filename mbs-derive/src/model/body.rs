@@ -217,7 +217,7 @@ mod tests {
         refused("kinetic += particle(l, [x, y, z]);", "l: a mass must be kg, this is m");
         refused(
             "kinetic += particle(2, [x, y, z]);",
-            "2: a mass must be kg, this is a plain number; a number has no unit of its own: declare it, `const name: unit = value;`",
+            "2: a mass must be kg, this is a plain number; a number has no unit unless it is written behind it: `0.3 kg`, `9.81 m/s^2`",
         );
         refused(
             "kinetic += particle(m*cos(theta), [x, y, z]);",
@@ -225,7 +225,7 @@ mod tests {
         );
         refused(
             "kinetic += particle(m, [theta, 0, 0]);",
-            "[theta, 0, 0]: the place of a particle must be m, this is a plain number; a number has no unit of its own: declare it, `const name: unit = value;`",
+            "[theta, 0, 0]: the place of a particle must be m, this is a plain number; a number has no unit unless it is written behind it: `0.3 kg`, `9.81 m/s^2`",
         );
         refused(
             "kinetic += particle(m, [dt(x)*t, 0, 0]);",

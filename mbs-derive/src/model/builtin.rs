@@ -620,7 +620,7 @@ mod tests {
         );
         refused(
             "let a = translation([1, 2, 3]);",
-            "[1, 2, 3]: a translation must be m, this is a plain number; a number has no unit of its own: declare it, `const name: unit = value;`",
+            "[1, 2, 3]: a translation must be m, this is a plain number; a number has no unit unless it is written behind it: `0.3 kg`, `9.81 m/s^2`",
         );
     }
 
@@ -697,7 +697,7 @@ mod tests {
         );
         refused(
             "let p = world.point([1, 0, 0]);",
-            "[1, 0, 0]: a place must be m, this is a plain number; a number has no unit of its own: declare it, `const name: unit = value;`",
+            "[1, 0, 0]: a place must be m, this is a plain number; a number has no unit unless it is written behind it: `0.3 kg`, `9.81 m/s^2`",
         );
         same(poses, "a.point(a * [x, y, z])", "a.point([x, y, z])");
     }

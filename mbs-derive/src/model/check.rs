@@ -6,7 +6,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use super::degree::{self, Problem};
 use super::evaluate::Resolver;
-use super::lagrangian::{Constraint, OutputValue, Variable};
+use super::lagrangian::{Constraint, Variable};
 use super::moments::{Impossible, principal_moments};
 use super::sample::default_parameters;
 use crate::expr::{Expr, Matrix, Node, Symbol, evaluate};
@@ -113,7 +113,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
     fn check_columns(&mut self) {
         let coordinates = &self.lagrangian.coordinates;
         let names: BTreeSet<String> = coordinates.iter().flat_map(Variable::component_names).collect();
-        let rows: BTreeSet<String> = self.lagrangian.constraints.iter().flat_map(row_names).collect();
+        let rows: BTreeSet<String> = self.lagrangian.constraints.iter().flat_map(Constraint::row_names).collect();
         let column = |component: &str| {
             let rate = component.strip_suffix("_dot").filter(|of| names.contains(*of));
             let row = ["lambda_", "residual_"].into_iter().find_map(|kind| component.strip_prefix(kind));
@@ -136,14 +136,6 @@ impl<'d, 'g> Resolver<'d, 'g> {
 
     fn span_of(&self, name: &str) -> Span {
         self.scope.get(name).map_or(0..0, |binding| binding.span.clone())
-    }
-}
-
-/// As the derivation calls them.
-fn row_names(constraint: &Constraint<'_>) -> Vec<String> {
-    match constraint.rows.len() {
-        1 => vec![constraint.name.clone()],
-        m => (0..m).map(|i| format!("{}_{i}", constraint.name)).collect(),
     }
 }
 
@@ -270,15 +262,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
         roots.extend(lagrangian.point_forces.iter().flat_map(|f| f.velocity.0.into_iter().chain(f.force.0)));
         roots.extend(lagrangian.constraints.iter().flat_map(|constraint| &constraint.rows));
         for output in &lagrangian.outputs {
-            match &output.value {
-                OutputValue::Scalar(expr) => roots.push(*expr),
-                OutputValue::Array(exprs) => roots.extend(exprs),
-                OutputValue::Matrix(rows) => roots.extend(rows.iter().flatten()),
-                OutputValue::Pose(frame) => {
-                    let frame = lagrangian.frames.get(*frame);
-                    roots.extend(frame.position.0.iter().chain(frame.rotation.0.iter().flatten()));
-                }
-            }
+            roots.extend(output.value.components(&lagrangian.frames));
         }
         roots
     }

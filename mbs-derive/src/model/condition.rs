@@ -38,6 +38,21 @@ impl<'d, 'g> Resolver<'d, 'g> {
         }
     }
 
+    /// Whether a condition holds, of what is known at build time.
+    pub(super) fn decided(&mut self, condition: &Expression) -> Resolved<bool> {
+        match self.condition(condition)? {
+            Truth::Known(holds) => Ok(holds),
+            Truth::Open(open) => {
+                let help = match self.facts.dependence(open.0).moves() {
+                    false => "a parameter may change at run time: declare it as `const name = …;`",
+                    true => "while it moves a value is chosen: `let f = if a < b { … } else { … };`, `kinetic += if …`",
+                };
+                let message = "statements are chosen at build time, and this is not known then";
+                Err(self.refuse(&condition.span, message, help))
+            }
+        }
+    }
+
     /// A condition where a value is wanted.
     pub(super) fn no_value(&mut self, expression: &Expression) -> Refused {
         let help = "conditions stand behind `if`: `if x < 0 { a } else { b }`";
@@ -87,7 +102,8 @@ impl<'d, 'g> Resolver<'d, 'g> {
             _ => {
                 let value = self.argument(expression)?;
                 let message = format!("a condition compares two numbers, this is {}", value.value.described());
-                Err(self.refuse(&expression.span, message, "write `a < b`, `a <= b`, `a > b` or `a >= b`"))
+                let help = "write `a < b`, `a <= b`, `a > b` or `a >= b`; of constants `a == b` or `a != b` as well";
+                Err(self.refuse(&expression.span, message, help))
             }
         }
     }
@@ -109,12 +125,28 @@ impl<'d, 'g> Resolver<'d, 'g> {
             let message = format!("a comparison needs equal dimensions, these are {a} and {b}");
             return Err(self.refuse(span, message, ""));
         }
-        Ok(match comparison {
-            Comparison::Less => self.less(a.expr, b.expr),
-            Comparison::LessEqual => self.less_equal(a.expr, b.expr),
-            Comparison::Greater => self.less(b.expr, a.expr),
-            Comparison::GreaterEqual => self.less_equal(b.expr, a.expr),
-        })
+        match comparison {
+            Comparison::Less => Ok(self.less(a.expr, b.expr)),
+            Comparison::LessEqual => Ok(self.less_equal(a.expr, b.expr)),
+            Comparison::Greater => Ok(self.less(b.expr, a.expr)),
+            Comparison::GreaterEqual => Ok(self.less_equal(b.expr, a.expr)),
+            Comparison::Equal => self.equal(a.expr, b.expr, span).map(Truth::Known),
+            Comparison::NotEqual => self.equal(a.expr, b.expr, span).map(|equal| Truth::Known(!equal)),
+        }
+    }
+
+    /// Of constants: what changes is equal for no time, or at all times but none.
+    fn equal(&mut self, a: Expr<'g>, b: Expr<'g>, span: &Span) -> Resolved<bool> {
+        if let (Some(a), Some(b)) = (self.facts.constant(a), self.facts.constant(b)) {
+            return Ok((a + -b).is_zero());
+        }
+        let dependence = self.facts.dependence(a).or(self.facts.dependence(b));
+        if dependence.moves() {
+            let message = "`==` and `!=` compare constants: in a motion they hold for no time, or for all but none";
+            return Err(self.refuse(span, message, "write `<`, `<=`, `>` or `>=`; an equation is a `constraint`"));
+        }
+        let message = "`==` and `!=` compare constants, what parameters are is known at run time only";
+        Err(self.refuse(span, message, "declare it as `const name = …;`, or write `<`, `<=`, `>` or `>=`"))
     }
 
     fn less(&mut self, a: Expr<'g>, b: Expr<'g>) -> Truth<'g> {
@@ -253,7 +285,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::trial::{near, refused, same, value, value_with_unit};
+    use super::super::trial::{near, refusals, refused, same, value, value_with_unit};
 
     #[test]
     fn conditions_choose() {
@@ -305,6 +337,53 @@ mod tests {
         same("const n = 2;", "if n > 1 && n <= 2 { rot_z(theta) } else { 0 }", "rot_z(theta)");
         same("", "if 1/3 < 1/3 { x } else { y }", "y");
         same("", "if 2 <= 2 || q[7] > 0 { x } else { y }", "x");
+        same("const n = 6/3;", "if n == 2 && !(n != 2) { x } else { q[7] }", "x");
+        same("const d: mm = 3; const e: m = 3e-3;", "if d != e || d == 0 { x } else { y }", "y");
+    }
+
+    #[test]
+    fn statements_are_chosen_at_build_time() {
+        let chain =
+            "let mut a = 0; for i in 0..4 { if i == 0 { a = 1; } else if i != 2 { a = a + 10; } else { a = a*2; } }";
+        near(&value(chain, "a"), &[32.0], "a chain");
+        near(&value("let a = 1; if a > 0 { let a = 2; let b = a; }", "a"), &[1.0], "a block of its own");
+        near(
+            &value("let mut a = 1; if a < 0 { a = nothing_like_it[7]; }", "a"),
+            &[1.0],
+            "the other side is not looked at",
+        );
+        near(&value("const n = 2; let p[n]; if n == 2 { p[0] = x; p[1] = y; }", "p"), &[0.3, -0.7], "elements");
+        let now = "statements are chosen at build time, and this is not known then";
+        let moving = "while it moves a value is chosen: `let f = if a < b { … } else { … };`, `kinetic += if …`";
+        refused("if x < 0 { potential += k*x^2; }", &format!("x < 0: {now}; {moving}"));
+        refused(
+            "if dt(x) < 0 || x > l { force y += u; } else { let a = nothing; }",
+            &format!("dt(x) < 0 || x > l: {now}; {moving}"),
+        );
+        let parameter = "a parameter may change at run time: declare it as `const name = …;`";
+        refused("if 1 < 0 { } else if m > 0 { }", &format!("m > 0: {now}; {parameter}"));
+        refused(
+            "if x == 0 { }",
+            "x == 0: `==` and `!=` compare constants: in a motion they hold for no time, or for all but none; write `<`, `<=`, \
+             `>` or `>=`; an equation is a `constraint`",
+        );
+        refused(
+            "let a = if m != 0 { x } else { y };",
+            "m != 0: `==` and `!=` compare constants, what parameters are is known at run time only; declare it as `const name = …;`, \
+             or write `<`, `<=`, `>` or `>=`",
+        );
+        refused(
+            "if 1 == 1 { param n: kg = 1; }",
+            "param n: kg = 1;: `param` cannot stand in an `if`; declare it before the `if`; how many there are may depend on a \
+             constant: `q[n]`",
+        );
+        refused(
+            "if 1 { }",
+            "1: a condition compares two numbers, this is a number; write `a < b`, `a <= b`, `a > b` or \
+                 `a >= b`; of constants `a == b` or `a != b` as well",
+        );
+        // What a choice that was given up would have done is not known.
+        assert_eq!(refusals("let p[1]; if x < 0 { p[0] = 1; } output a = p;").len(), 1);
     }
 
     #[test]
@@ -341,7 +420,8 @@ mod tests {
         );
         refused(
             "let a = if x { 1 } else { 2 };",
-            "x: a condition compares two numbers, this is a number; write `a < b`, `a <= b`, `a > b` or `a >= b`",
+            "x: a condition compares two numbers, this is a number; write `a < b`, `a <= b`, `a > b` or `a >= b`; of constants \
+             `a == b` or `a != b` as well",
         );
         refused(
             "let a = if !x < 0 { 1 } else { 2 };",

@@ -3,9 +3,12 @@
 //! The rows of a vector are its components in world axes; those that vanish identically, as in plane motion, are left
 //! out.
 
+use std::collections::BTreeMap;
+
 use super::constant::Dependence;
 use super::dimension::{Dimension, second_lacks};
 use super::evaluate::{Argument, Resolved, Resolver, in_words};
+use super::family::Family;
 use super::lagrangian::{Constraint, ConstraintKind, Lagrangian};
 use super::sample::{Random, default_parameters};
 use super::value::{Free, Scalar, Shape, Value, shared};
@@ -13,20 +16,23 @@ use crate::expr::{Dual, Expr, Graph, Node, Number, Rounded, Symbol, Tape, carry_
 use crate::interpret::State;
 use crate::parse::syntax::{BinaryOperator, Expression, Name, Span};
 
+/// More rows than any mechanism of so few coordinates has.
+const MAX_ROWS: usize = 10_000;
+
 impl<'d, 'g> Resolver<'d, 'g> {
     pub(super) fn constraint(
         &mut self,
         docs: &[String],
         name: &Name,
+        index: Option<&Expression>,
         left: &Expression,
         right: &Expression,
     ) -> Resolved<()> {
         let span = left.span.start..right.span.end;
+        let number = self.number_of(index, MAX_ROWS);
         let (left, right) = (self.argument(left), self.argument(right));
-        if self.lagrangian.constraints.iter().any(|known| known.name == name.text) {
-            let message = format!("there is already a constraint `{}`", name.text);
-            return Err(self.refuse(&name.span, message, "choose another name"));
-        }
+        let number = number?;
+        self.note_constraint(name, number)?;
         let rows = self.differences(left?, right?, &span)?;
         let rows = match self.rows_when_held(rows.len()) {
             None => self.effective(rows, &span)?,
@@ -35,9 +41,44 @@ impl<'d, 'g> Resolver<'d, 'g> {
             }
         };
         let kind = self.kind_of(&rows, &span)?;
-        self.lagrangian.constraints.push(Constraint { name: name.text.clone(), docs: docs.to_vec(), kind, rows });
+        let name = number.map_or(name.text.clone(), |i| format!("{}_{i}", name.text));
+        self.lagrangian.constraints.push(Constraint { name, docs: docs.to_vec(), kind, rows });
         self.places.constraints.push(span);
         Ok(())
+    }
+
+    fn note_constraint(&mut self, name: &Name, number: Option<usize>) -> Resolved<()> {
+        match self.constraints.iter().position(|family| family.name.text == name.text) {
+            Some(known) => {
+                let family = self.constraints[known].clone();
+                self.constraints[known] = self.joined(family, name, number, "constraint")?;
+            }
+            None => self.constraints.push(Family::new(name, number)),
+        }
+        Ok(())
+    }
+
+    /// Every index of an array stands for a constraint, and no two rows have one name.
+    pub(super) fn check_families(&mut self) {
+        for family in std::mem::take(&mut self.constraints) {
+            let _ = self.complete(&family, "constraint");
+        }
+        let mut known: BTreeMap<String, usize> = BTreeMap::new();
+        let constraints = std::mem::take(&mut self.lagrangian.constraints);
+        for (number, constraint) in constraints.iter().enumerate() {
+            for row in constraint.row_names() {
+                if let Some(other) = known.insert(row.clone(), number).filter(|other| *other != number) {
+                    let (one, other) = (&constraint.name, &constraints[other].name);
+                    let message = match one == other {
+                        true => format!("`{one}` is a constraint of its own and an element of an array"),
+                        false => format!("the constraints `{one}` and `{other}` both have a row called `{row}`"),
+                    };
+                    let place = self.places.constraints[number].clone();
+                    self.refuse(&place, message, "choose another name");
+                }
+            }
+        }
+        self.lagrangian.constraints = constraints;
     }
 
     /// `left − right`, row by row.
@@ -404,9 +445,27 @@ mod tests {
         );
         refused(
             "for i in 0..2 { constraint a: q[i] = 0; }",
-            "constraint a: q[i] = 0;: `constraint` cannot stand in a loop; write one constraint of an array: `constraint name: [a, b] = [c, d];`",
+            "a: each turn of the loop declares a constraint `a`; give it an index: `constraint a[i]`, which runs from 0",
+        );
+        refused("constraint a[1]: q[0] = 0;", "a: there is no constraint `a[0]`; indices run from 0 on, without gaps");
+        refused(
+            "constraint a[0]: x = y; constraint a_0: y = z;",
+            "y = z: `a_0` is a constraint of its own and an element of an array; choose another name",
+        );
+        refused(
+            "constraint a: [x, y, z] = l*[1, theta, q[0]]; constraint a_1: theta = q[1];",
+            "theta = q[1]: the constraints `a_1` and `a` both have a row called `a_1`; choose another name",
         );
         assert!(refusals("constraint a: dt(dt(x)) = 0;")[0].contains("accelerations cannot enter"));
+    }
+
+    #[test]
+    fn loops_declare_arrays_of_constraints() {
+        let rows = "for i in 0..2 { constraint a[i]: [q[i]*l, [y, z][i]] = [x, theta*l]; } if 1 == 1 { constraint b: dt(theta)*l = dt(x); }";
+        mechanism(rows, |lagrangian| {
+            let names: Vec<_> = lagrangian.constraints.iter().flat_map(Constraint::row_names).collect();
+            assert_eq!(names, ["a_0_0", "a_0_1", "a_1_0", "a_1_1", "b"]);
+        });
     }
 
     #[test]

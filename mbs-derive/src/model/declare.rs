@@ -4,10 +4,11 @@ use super::constant::Dependence;
 use super::dimension::{Dimension, Measure, measure};
 use super::evaluate::{Argument, Resolved, Resolver, in_words};
 use super::lagrangian::Variable;
+use super::quantity::AnglesInPlace;
 use super::scope::Origin;
 use super::value::{Free, Scalar, Tensor, Value};
 use crate::expr::{Expr, Matrix, Number, Vector};
-use crate::parse::syntax::{Quantity, Span};
+use crate::parse::syntax::{Expression, Quantity, Span};
 
 /// Longer arrays are a slip of the pen.
 const MAX_LENGTH: i64 = 10_000;
@@ -163,10 +164,13 @@ fn document(variables: &mut [Variable], quantity: &Quantity) {
 
 impl<'d, 'g> Resolver<'d, 'g> {
     fn length(&mut self, quantity: &Quantity) -> Resolved<Option<usize>> {
-        let Some(length) = &quantity.length else { return Ok(None) };
+        quantity.length.as_ref().map(|length| self.array_length(length)).transpose()
+    }
+
+    pub(super) fn array_length(&mut self, length: &Expression) -> Resolved<usize> {
         let argument = self.argument(length)?;
         match self.integer(&argument, "the length of an array")? {
-            n @ 1..=MAX_LENGTH => Ok(Some(n as usize)),
+            n @ 1..=MAX_LENGTH => Ok(n as usize),
             n => {
                 let message = format!("an array has from 1 to {MAX_LENGTH} elements, not {n}");
                 Err(self.refuse(&length.span, message, ""))
@@ -222,7 +226,8 @@ impl<'d, 'g> Resolver<'d, 'g> {
         };
         let value = self.definition(name, expression)?;
         let (measure, length) = (measure.ok_or(super::evaluate::Refused)?, length?);
-        let value = self.in_unit(&value, Some(measure), &expression.span, "the default of a parameter")?;
+        let measure = self.measure_of(expression, measure)?;
+        let value = self.in_unit(&value, Some(&measure), &expression.span, "the default of a parameter")?;
         let scalar = |resolver: &mut Self, value: &Value<'g>| {
             let scalar = resolver.scalar(&Argument { value: value.clone(), span: expression.span.clone() })?;
             resolver.facts.constant(scalar.expr).ok_or(super::evaluate::Refused)
@@ -252,13 +257,26 @@ impl<'d, 'g> Resolver<'d, 'g> {
             return Err(self.refuse(&quantity.name.span, message, "write `= …`, or make it a `param`"));
         };
         let value = self.definition(&quantity.name, expression)?;
-        let value = self.in_unit(&value, measure?.as_ref(), &expression.span, "a `const`")?;
+        let measure = measure?.map(|measure| self.measure_of(expression, &measure)).transpose()?;
+        let value = self.in_unit(&value, measure.as_ref(), &expression.span, "a `const`")?;
         match (&value, length?) {
             (Value::Array(array), Some(length)) => {
                 self.check_length(array.values().len(), length, &expression.span).map(|()| value)
             }
             (_, Some(length)) => self.array(vec![value; length], &expression.span),
             (_, None) => Ok(value),
+        }
+    }
+
+    /// What plain numbers of a value are in: angles that have their unit behind them are not in the declared one.
+    fn measure_of(&mut self, value: &Expression, declared: &Measure) -> Resolved<Measure> {
+        if declared.dimension != Dimension::ONE || declared.scale.is_one() {
+            return Ok(declared.clone());
+        }
+        match self.angles_in_place(value) {
+            AnglesInPlace::None => Ok(declared.clone()),
+            AnglesInPlace::All => Ok(Measure { scale: Number::ONE, ..declared.clone() }),
+            AnglesInPlace::Some => Err(self.mixed_angles(&value.span)),
         }
     }
 

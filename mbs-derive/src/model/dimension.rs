@@ -178,7 +178,7 @@ pub(super) fn lacks_power(wanted: Dimension, found: Dimension, what: &str) -> St
 }
 
 /// Units that other people use, and what they are here.
-const FOREIGN: [(&[&str], &str); 18] = [
+const FOREIGN: [(&[&str], &str); 17] = [
     (&["lb", "lbs", "lbm"], "0.45359237 kg"),
     (&["oz"], "0.028349523125 kg"),
     (&["lbf"], "4.4482216 N"),
@@ -188,7 +188,6 @@ const FOREIGN: [(&[&str], &str); 18] = [
     (&["mile", "miles", "mi"], "1609.344 m"),
     (&["psi"], "6894.757 Pa"),
     (&["hp"], "745.7 W"),
-    (&["rpm"], "2*pi/60 of `1/s`"),
     (&["rev", "turn", "turns"], "360 deg"),
     (&["degree", "degrees", "grad"], "`deg`"),
     (&["radian", "radians"], "`rad`"),
@@ -260,6 +259,7 @@ pub(super) const UNITS: &[NamedUnit] = &[
     unit("bar", "Pa",  (100_000, 1, 0),   PRESSURE),
     unit("Hz",  "Hz",  ONCE,              [0, 0, -1, 0, 0, 0, 0]),
     unit("kHz", "Hz",  (1000, 1, 0),      [0, 0, -1, 0, 0, 0, 0]),
+    unit("rpm", "1/s", (1, 30, 1),        [0, 0, -1, 0, 0, 0, 0]),
     unit("A",   "A",   ONCE,              CURRENT),
     unit("mA",  "A",   (1, 1000, 0),      CURRENT),
     unit("K",   "K",   ONCE,              [0, 0, 0, 0, 1, 0, 0]),
@@ -320,7 +320,10 @@ pub(super) fn measure(unit: &Unit) -> Result<Measure, UnitError> {
         let dimension = Dimension::integers(named.exponents).power(n, d);
         measure.dimension = dimension.and_then(|d| measure.dimension.times(d)).ok_or_else(too_large)?;
         measure.scale = measure.scale * power(named.scale(), n, d).ok_or_else(too_large)?;
-        measure.si += &written(named.coherent, n, d, measure.si.is_empty());
+        measure.si += &match named.coherent.strip_prefix("1/") {
+            Some(inverse) => written(inverse, -n, d, measure.si.is_empty()),
+            None => written(named.coherent, n, d, measure.si.is_empty()),
+        };
     }
     if measure.si.is_empty() {
         measure.si.push('1');

@@ -179,6 +179,7 @@ fn written(expression: &Expression, least: u8) -> String {
     let list = |values: &[Expression]| values.iter().map(|v| written(v, 0)).collect::<Vec<_>>().join(", ");
     let (tight, text) = match &expression.kind {
         ExpressionKind::Number(text) | ExpressionKind::Name(text) => (5, text.clone()),
+        ExpressionKind::Quantity(text, unit) => (0, format!("{text} {unit}")),
         ExpressionKind::Negate(a) => (2, format!("-{}", written(a, 2))),
         ExpressionKind::Binary(operator, a, b) => {
             let tight = binding(*operator);

@@ -9,12 +9,14 @@ use super::builtin::{self, CONSTANTS};
 use super::check::{Physical, Places};
 use super::constant::{Dependence, Facts};
 use super::dimension::Dimension;
+use super::family::Family;
 use super::frame::{Edge, FrameId};
 use super::function::{Call, Function, Home};
 use super::gravity::Weights;
 use super::lagrangian::Lagrangian;
 use super::landmark::Place;
 use super::operator::Sum;
+use super::output::Outputs;
 use super::reaction::{Hold, Joint};
 use super::scope::Scope;
 use super::singular::Sites;
@@ -88,8 +90,16 @@ pub(super) struct Resolver<'d, 'g> {
     pub(super) sites: Sites<'g>,
     /// Turns of loops so far.
     pub(super) turns: usize,
-    /// Loops that are open.
+    /// Blocks that are open: loops and choices.
     pub(super) depth_of_blocks: usize,
+    /// Loops that are open.
+    pub(super) loops: usize,
+    /// Whether statements were passed over because of an error: what they would have done is not known.
+    pub(super) gave_up: bool,
+    /// Outputs, and arrays of them, as far as they have been met.
+    pub(super) outputs: Vec<Outputs<'g>>,
+    /// Arrays of constraints, as far as they have been met.
+    pub(super) constraints: Vec<Family>,
     pub(super) depth: usize,
     /// Expressions looked at so far.
     steps: usize,
@@ -126,6 +136,10 @@ impl<'d, 'g> Resolver<'d, 'g> {
             sites: Sites::new(),
             turns: 0,
             depth_of_blocks: 0,
+            loops: 0,
+            gave_up: false,
+            outputs: Vec::new(),
+            constraints: Vec::new(),
             depth: 0,
             steps: 0,
             exhausted: false,
@@ -179,6 +193,11 @@ impl<'d, 'g> Resolver<'d, 'g> {
             self.refuse(span, message, "do loops or functions repeat more than was meant?");
         }
         self.exhausted
+    }
+
+    /// As many steps, of what takes longer than others.
+    pub(super) fn spend(&mut self, steps: usize) {
+        self.steps += steps;
     }
 
     /// The dimension, where dimensions are looked at.
@@ -298,6 +317,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
         let span = &expression.span;
         match &expression.kind {
             ExpressionKind::Number(text) => self.number(text, span),
+            ExpressionKind::Quantity(text, unit) => self.quantity(text, unit, span),
             ExpressionKind::Name(name) => self.name(name, span),
             ExpressionKind::Negate(inner) => self.negate(inner),
             // The left spine has taken these apart.
@@ -305,7 +325,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
             ExpressionKind::Call(name, arguments) => self.call(name, arguments, span),
             ExpressionKind::Method(receiver, name, arguments) => self.method(receiver, name, arguments, span),
             ExpressionKind::Field(value, field) => self.field(value, field),
-            ExpressionKind::Index(array, index) => self.indexed(array, index),
+            ExpressionKind::Index(array, index) => self.indexed(expression, array, index),
             ExpressionKind::Array(elements) => self.elements_in_a_row(elements, span),
             ExpressionKind::If(condition, yes, no) => self.conditional(condition, yes, no, span),
             ExpressionKind::Compare(..) | ExpressionKind::And(..) | ExpressionKind::Or(..) | ExpressionKind::Not(_) => {
@@ -353,9 +373,14 @@ impl<'d, 'g> Resolver<'d, 'g> {
     }
 
     #[inline(never)]
-    fn indexed(&mut self, array: &Expression, index: &Expression) -> Resolved<Value<'g>> {
+    fn indexed(&mut self, whole: &Expression, array: &Expression, index: &Expression) -> Resolved<Value<'g>> {
+        if let Some((name, indices)) = whole.element_of()
+            && self.scope.get(name).is_some_and(|binding| binding.elements.is_some())
+        {
+            return self.element(name, &indices, &whole.span);
+        }
         let (array, index) = (self.argument(array), self.argument(index));
-        self.element(&array?, &index?)
+        self.element_of(&array?, &index?)
     }
 
     #[inline(never)]
@@ -397,6 +422,9 @@ impl<'d, 'g> Resolver<'d, 'g> {
 impl<'d, 'g> Resolver<'d, 'g> {
     pub(super) fn name(&mut self, name: &str, span: &Span) -> Resolved<Value<'g>> {
         if let Some(binding) = self.scope.get(name) {
+            if binding.elements.is_some() {
+                return self.element(name, &[], span);
+            }
             let value = binding.value.clone().ok_or(Refused);
             if let Ok(Value::Pose(_)) = value {
                 self.scope.note_use(name, span);
@@ -529,7 +557,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
         }
     }
 
-    fn element(&mut self, array: &Argument<'g>, index: &Argument<'g>) -> Resolved<Value<'g>> {
+    pub(super) fn element_of(&mut self, array: &Argument<'g>, index: &Argument<'g>) -> Resolved<Value<'g>> {
         if let Value::Array(array) = &array.value {
             let number = self.index(index, array.values().len())?;
             return Ok(array.values()[number].clone());
@@ -647,7 +675,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
         let help = match (wanted, found.0) {
             (Dimension::ONE, _) => "divide by a quantity of the same dimension".to_string(),
             (_, Dimension::ONE) => {
-                "a number has no unit of its own: declare it, `const name: unit = value;`".to_string()
+                "a number has no unit unless it is written behind it: `0.3 kg`, `9.81 m/s^2`".to_string()
             }
             _ => String::new(),
         };

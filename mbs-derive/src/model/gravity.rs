@@ -284,8 +284,8 @@ mod tests {
         refused_at("[0, 0, x]", "[0, 0, x]: gravity must be m/s², this is m");
         refused_at(
             "[0, 0, -9.81]",
-            "[0, 0, -9.81]: gravity must be m/s², this is a plain number; a number has no unit of its own: declare it, \
-             `const name: unit = value;`",
+            "[0, 0, -9.81]: gravity must be m/s², this is a plain number; a number has no unit unless it is \
+             written behind it: `0.3 kg`, `9.81 m/s^2`",
         );
         refused_at("g", "g: gravity is a vector, this is a number; write `gravity [0, 0, -g];` where z points up");
         refused(

@@ -109,6 +109,16 @@ pub struct Constraint<'g> {
     pub rows: Vec<Expr<'g>>,
 }
 
+impl Constraint<'_> {
+    /// The names of its rows: `rod`, or `closure_0`, `closure_1`, ….
+    pub fn row_names(&self) -> Vec<String> {
+        match self.rows.len() {
+            1 => vec![self.name.clone()],
+            m => (0..m).map(|i| format!("{}_{i}", self.name)).collect(),
+        }
+    }
+}
+
 /// A joint whose wrench is asked for, or an array of them.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Reaction {
@@ -146,6 +156,41 @@ pub enum OutputValue<'g> {
     Matrix(Vec<Vec<Expr<'g>>>),
     /// Position and attitude of a frame in the world.
     Pose(FrameId),
+    /// Several matrices, all of one size.
+    Matrices(Vec<Vec<Vec<Expr<'g>>>>),
+    /// Several frames.
+    Poses(Vec<FrameId>),
+}
+
+impl<'g> OutputValue<'g> {
+    /// All numbers, row by row; none of frames.
+    pub fn numbers(&self) -> Vec<Expr<'g>> {
+        match self {
+            OutputValue::Scalar(number) => vec![*number],
+            OutputValue::Array(numbers) => numbers.clone(),
+            OutputValue::Matrix(rows) => rows.concat(),
+            OutputValue::Matrices(matrices) => matrices.concat().concat(),
+            OutputValue::Pose(_) | OutputValue::Poses(_) => Vec::new(),
+        }
+    }
+
+    /// The frames whose position and attitude it is.
+    pub fn frames(&self) -> &[FrameId] {
+        match self {
+            OutputValue::Pose(frame) => std::slice::from_ref(frame),
+            OutputValue::Poses(frames) => frames,
+            OutputValue::Scalar(_) | OutputValue::Array(_) | OutputValue::Matrix(_) | OutputValue::Matrices(_) => &[],
+        }
+    }
+
+    /// All components: numbers row by row, of each frame its position and then the rows of its rotation.
+    pub fn components(&self, frames: &Frames<'g>) -> Vec<Expr<'g>> {
+        let of_frame = |id: &FrameId| {
+            let frame = frames.get(*id);
+            frame.position.0.into_iter().chain(frame.rotation.0.into_iter().flatten()).collect::<Vec<_>>()
+        };
+        self.numbers().into_iter().chain(self.frames().iter().flat_map(of_frame)).collect()
+    }
 }
 
 /// A named output.

@@ -170,7 +170,7 @@ mod tests {
         refused("force at x += [u, 0, 0];", "x: expected a vector, found a number; a vector is written `[x, y, z]`");
         refused(
             "force at [theta, 0, 0] += [u, 0, 0];",
-            "[theta, 0, 0]: the place that a force acts at must be m, this is a plain number; a number has no unit of its own: declare it, `const name: unit = value;`",
+            "[theta, 0, 0]: the place that a force acts at must be m, this is a plain number; a number has no unit unless it is written behind it: `0.3 kg`, `9.81 m/s^2`",
         );
         refused(
             "force at rot_z(theta) += [u, 0, 0];",

@@ -10,15 +10,15 @@
 //!
 //! whose generalized forces, where all of them are zero, are the force and the moment at the joint.
 
-use std::collections::BTreeMap;
-
+use super::element::shown;
 use super::evaluate::{Argument, Refused, Resolved, Resolver};
+use super::family::Family;
 use super::frame::Edge;
 use super::lagrangian::{AUXILIARY, Reaction, Variable};
-use super::statement::functions_of_output;
+use super::output::functions_of_output;
 use super::value::{Pose, Shape, Value};
 use crate::expr::{Expr, Graph, Symbol, Vector};
-use crate::parse::syntax::{Declaration, Expression, Name, Span, Statement, StatementKind};
+use crate::parse::syntax::{Declaration, Expression, Name, Statement, StatementKind};
 
 /// More joints than any mechanism of so few coordinates has.
 pub(super) const MAX_JOINTS: usize = 100;
@@ -48,11 +48,8 @@ pub(super) struct Released<'g> {
 /// A reaction, or an array of them, as far as its statements have been met.
 #[derive(Clone, Debug)]
 pub(super) struct Joint {
-    pub(super) name: Name,
+    pub(super) family: Family,
     docs: Vec<String>,
-    is_array: bool,
-    /// The elements, and where they are declared.
-    elements: BTreeMap<usize, Span>,
 }
 
 impl Hold<'_> {
@@ -66,6 +63,9 @@ fn has_reactions(statements: &[Statement]) -> bool {
     statements.iter().any(|statement| match &statement.kind {
         StatementKind::Reaction { .. } => true,
         StatementKind::For { body, .. } => has_reactions(body),
+        StatementKind::If { branches, otherwise } => {
+            has_reactions(otherwise) || branches.iter().any(|(_, body)| has_reactions(body))
+        }
         _ => false,
     })
 }
@@ -78,30 +78,45 @@ impl<'d, 'g> Resolver<'d, 'g> {
         name: &Name,
         index: Option<&Expression>,
         pose: &Name,
+        element: &[Expression],
     ) -> Resolved<()> {
-        let number = index.map(|index| self.number_of_joint(index));
-        let held = self.held(pose);
-        let number = number.transpose()?;
+        let number = self.number_of(index, MAX_JOINTS);
+        let element = self.element_that_holds(pose, element);
+        let held = element.clone().and_then(|element| self.held(pose, element.as_deref()));
+        let number = number?;
         self.note_joint(docs, name, number)?;
-        let held = held?;
+        let (held, element) = (held?, element?);
         let Some(auxiliary) = self.auxiliary(&name.text, number.unwrap_or(0)) else { return Ok(()) };
         let base = self.attached(&held, &pose.span)?;
         let moved = Pose { base, edges: let_go(self.graph, auxiliary) };
-        if let Some(binding) = self.scope.get_mut(&pose.text) {
-            binding.value = Some(Value::Pose(moved));
-        }
+        self.give_pose(pose, element.as_deref(), moved);
         Ok(())
     }
 
-    fn number_of_joint(&mut self, index: &Expression) -> Resolved<usize> {
-        let index = self.argument(index)?;
-        self.index(&index, MAX_JOINTS)
+    /// Which element of an array that is given its values one by one; none where the name itself holds the pose.
+    fn element_that_holds(&mut self, pose: &Name, element: &[Expression]) -> Resolved<Option<Vec<usize>>> {
+        let has_elements = self.scope.get(&pose.text).is_some_and(|binding| binding.elements.is_some());
+        match (has_elements, element) {
+            (true, _) => self.numbers_of(pose, element).map(Some),
+            (false, []) => Ok(None),
+            (false, _) => {
+                let help = "name the pose, and build on the name: `let joint = …; reaction name at joint;`";
+                Err(self.refuse(&pose.span, "a reaction is that of a pose with a name", help))
+            }
+        }
     }
 
-    /// The pose of a name that nothing has been built on.
-    fn held(&mut self, pose: &Name) -> Resolved<Pose<'g>> {
-        let used = self.scope.get(&pose.text).and_then(|binding| binding.used.clone());
-        let value = self.name(&pose.text, &pose.span)?;
+    /// The pose of a name, or of an element, that nothing has been built on.
+    fn held(&mut self, pose: &Name, element: Option<&[usize]>) -> Resolved<Pose<'g>> {
+        let used = match element {
+            Some(numbers) => self.use_of_element(&pose.text, numbers),
+            None => self.scope.get(&pose.text).and_then(|binding| binding.used.clone()),
+        };
+        let value = match element {
+            Some(numbers) => self.given(&pose.text, numbers, &pose.span)?,
+            None => self.name(&pose.text, &pose.span)?,
+        };
+        let shown = element.map_or(pose.text.clone(), |numbers| shown(&pose.text, numbers));
         let Value::Pose(held) = value else {
             return Err(self.wrong_shape(&Argument { value, span: pose.span.clone() }, Shape::Pose));
         };
@@ -110,55 +125,43 @@ impl<'d, 'g> Resolver<'d, 'g> {
             return Err(self.refuse(&pose.span, format!("`{}` is built in", pose.text), help));
         }
         if let Some(place) = used {
-            let message = format!("something was built on `{}` before this reaction: it would not count", pose.text);
-            let help = format!("move the statement up, right behind the one that gives `{}` its value", pose.text);
+            let message = format!("something was built on `{shown}` before this reaction: it would not count");
+            let help = format!("move the statement up, right behind the one that gives `{shown}` its value");
             self.errors.error(pose.span.clone(), message).help(help).note(place, "it is used here");
             return Err(Refused);
         }
         // Asking for the reaction builds nothing on it.
-        if let Some(binding) = self.scope.get_mut(&pose.text) {
-            binding.used = None;
-        }
+        self.give_pose(pose, element, held.clone());
         Ok(held)
     }
 
-    fn note_joint(&mut self, docs: &[String], name: &Name, number: Option<usize>) -> Resolved<()> {
-        let known = self.joints.iter().position(|joint| joint.name.text == name.text);
-        let Some(known) = known else {
-            self.check_reaction_name(name)?;
-            let elements = BTreeMap::from([(number.unwrap_or(0), name.span.clone())]);
-            let joint = Joint { name: name.clone(), docs: docs.to_vec(), is_array: number.is_some(), elements };
-            self.joints.push(joint);
-            return Ok(());
-        };
-        let joint = &mut self.joints[known];
-        if joint.is_array != number.is_some() {
-            let (message, first) =
-                (format!("`{}` is both one reaction and an array", name.text), joint.name.span.clone());
-            let help = "give all of them an index, or another name".to_string();
-            return Err(self.refuse_twice(&name.span, message, help, first));
-        }
-        match (joint.elements.insert(number.unwrap_or(0), name.span.clone()), number) {
-            (None, _) => Ok(()),
-            (Some(_), None) if !self.scope.is_outermost() => {
-                let message = format!("each turn of the loop declares a reaction `{}`", name.text);
-                Err(self.refuse(&name.span, message, format!("write `reaction {}[i] at …;`", name.text)))
-            }
-            (Some(first), None) => {
-                let message = format!("there is already a reaction `{}`", name.text);
-                Err(self.refuse_twice(&name.span, message, "choose another name".to_string(), first))
-            }
-            (Some(first), Some(i)) => {
-                let message = format!("there is already a reaction `{}[{i}]`", name.text);
-                Err(self.refuse_twice(&name.span, message, "each index stands for one joint".to_string(), first))
-            }
+    /// A new value, not used yet.
+    fn give_pose(&mut self, pose: &Name, element: Option<&[usize]>, held: Pose<'g>) {
+        let Some(binding) = self.scope.get_mut(&pose.text) else { return };
+        match (element, &mut binding.elements) {
+            (Some(numbers), Some(elements)) => elements.give(numbers, Value::Pose(held), pose.span.clone()),
+            _ => (binding.value, binding.used) = (Some(Value::Pose(held)), None),
         }
     }
 
+    fn note_joint(&mut self, docs: &[String], name: &Name, number: Option<usize>) -> Resolved<()> {
+        match self.joints.iter().position(|joint| joint.family.name.text == name.text) {
+            Some(known) => {
+                let family = self.joints[known].family.clone();
+                self.joints[known].family = self.joined(family, name, number, "reaction")?;
+            }
+            None => {
+                self.check_reaction_name(name)?;
+                self.joints.push(Joint { family: Family::new(name, number), docs: docs.to_vec() });
+            }
+        }
+        Ok(())
+    }
+
     fn check_reaction_name(&mut self, name: &Name) -> Resolved<()> {
-        let outputs = &self.lagrangian.outputs;
-        if let Some(output) = outputs.iter().find(|output| functions_of_output(&output.name).contains(&name.text)) {
-            let message = format!("there is already an output `{}` with a function of this name", output.name);
+        let mut outputs = self.outputs.iter().map(|output| &output.family.name.text);
+        if let Some(output) = outputs.find(|output| functions_of_output(output).contains(&name.text)) {
+            let message = format!("there is already an output `{output}` with a function of this name");
             return Err(self.refuse(&name.span, message, "choose another name"));
         }
         self.check_is_free(name, std::slice::from_ref(&name.text), "reaction")
@@ -167,13 +170,11 @@ impl<'d, 'g> Resolver<'d, 'g> {
     /// Every index of an array stands for a joint, and no two joints have one name.
     pub(super) fn check_reactions(&mut self) {
         let mut reactions: Vec<Reaction> = Vec::new();
-        let total: usize = self.joints.iter().map(|joint| joint.elements.len()).sum();
-        for Joint { name, docs, is_array, elements } in self.joints.clone() {
-            if let Some(missing) = (0..elements.len()).find(|i| !elements.contains_key(i)) {
-                let message = format!("there is no reaction `{}[{missing}]`", name.text);
-                self.refuse(&name.span, message, "indices run from 0 on, without gaps");
-            }
-            let reaction = Reaction { name: name.text, docs, length: is_array.then_some(elements.len()) };
+        let total: usize = self.joints.iter().map(|joint| joint.family.count()).sum();
+        for Joint { family, docs } in self.joints.clone() {
+            let _ = self.complete(&family, "reaction");
+            let (name, length) = (family.name.clone(), family.length());
+            let reaction = Reaction { name: name.text, docs, length };
             let names = reaction.component_names();
             let same = |other: &&Reaction| other.component_names().iter().any(|known| names.contains(known));
             if let Some(other) = reactions.iter().find(same) {

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use super::element::Elements;
 use super::value::Value;
 use crate::parse::syntax::Span;
 
@@ -62,12 +63,14 @@ pub(super) struct Binding<'g> {
     pub(super) span: Span,
     /// Where the value is used first, since it was given.
     pub(super) used: Option<Span>,
+    /// In place of a value: elements that are given theirs one by one.
+    pub(super) elements: Option<Elements<'g>>,
 }
 
 impl<'g> Binding<'g> {
     /// A value that nothing has used yet.
     pub(super) fn new(origin: Origin, value: Option<Value<'g>>, span: Span) -> Self {
-        Binding { origin, value, span, used: None }
+        Binding { origin, value, span, used: None, elements: None }
     }
 }
 

@@ -213,12 +213,8 @@ impl<'l, 'g, 's> Search<'l, 'g, 's> {
 }
 
 fn components<'g>(lagrangian: &Lagrangian<'g>, value: &OutputValue<'g>) -> Vec<Expr<'g>> {
-    match value {
-        OutputValue::Scalar(expr) => vec![*expr],
-        OutputValue::Array(exprs) => exprs.clone(),
-        OutputValue::Matrix(rows) => rows.concat(),
-        OutputValue::Pose(frame) => lagrangian.frames.get(*frame).position.0.to_vec(),
-    }
+    let places = value.frames().iter().flat_map(|frame| lagrangian.frames.get(*frame).position.0);
+    value.numbers().into_iter().chain(places).collect()
 }
 
 /// `dt` of each symbol.

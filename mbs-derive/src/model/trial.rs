@@ -1,6 +1,6 @@
 //! For tests: small mechanisms, resolved and tried at one state.
 
-use super::{FrameId, Lagrangian, OutputValue, resolve};
+use super::{Lagrangian, resolve};
 use crate::diagnostic::Diagnostics;
 use crate::expr::{Expr, Graph, Symbol, carry_out, evaluate};
 use crate::parse;
@@ -65,20 +65,8 @@ pub(super) fn mechanism<T>(statements: &str, look: impl FnOnce(Lagrangian<'_>) -
 pub(super) fn value_with_unit(statements: &str, expression: &str) -> (Vec<f64>, String) {
     mechanism(&format!("{statements} output result = {expression};"), |lagrangian| {
         let output = &lagrangian.outputs[lagrangian.outputs.len() - 1];
-        let exprs = match &output.value {
-            OutputValue::Scalar(expr) => vec![*expr],
-            OutputValue::Array(exprs) => exprs.clone(),
-            OutputValue::Matrix(rows) => rows.concat(),
-            OutputValue::Pose(frame) => pose(&lagrangian, *frame),
-        };
-        (values(&exprs), output.unit.clone())
+        (values(&output.value.components(&lagrangian.frames)), output.unit.clone())
     })
-}
-
-/// Position, then rotation row by row.
-fn pose<'g>(lagrangian: &Lagrangian<'g>, frame: FrameId) -> Vec<Expr<'g>> {
-    let frame = lagrangian.frames.get(frame);
-    frame.position.0.into_iter().chain(frame.rotation.0.into_iter().flatten()).collect()
 }
 
 /// What an expression is at the trial state.

@@ -131,9 +131,9 @@ impl Shape {
 
 impl<'g> Array<'g> {
     /// More numbers than any mechanism has.
-    const MAX_LEAVES: usize = 100_000;
+    pub(super) const MAX_LEAVES: usize = 100_000;
     /// More indices than any mechanism needs.
-    const MAX_DEPTH: usize = 6;
+    pub(super) const MAX_DEPTH: usize = 6;
 
     /// `None` where that is more than any mechanism needs: loops could make arrays without end.
     pub(super) fn new(values: Vec<Value<'g>>) -> Option<Self> {

@@ -82,9 +82,13 @@ pub fn solve(n: usize, results: &[ResultPart]) -> Operations {
     let columns = results.iter().fold(0, |sum, part| match part.shape {
         Shape::Vector(_) => sum + 1,
         Shape::Matrix(_, columns) => sum + columns,
-        Shape::Scalar | Shape::Symmetric(_) | Shape::Pose | Shape::Wrench | Shape::Wrenches(_) => {
-            unreachable!("right sides are vectors or matrices")
-        }
+        Shape::Scalar
+        | Shape::Symmetric(_)
+        | Shape::Pose
+        | Shape::Wrench
+        | Shape::Wrenches(_)
+        | Shape::Matrices(..)
+        | Shape::Poses(_) => unreachable!("right sides are vectors or matrices"),
     });
     // Row i: j products and differences for each j < i, i scalings, i products and differences, one division.
     let pairs = (0..n).map(|i| i * i.saturating_sub(1) / 2 + i).sum::<usize>();

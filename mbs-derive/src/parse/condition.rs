@@ -1,10 +1,10 @@
-//! Conditions: `if … { … } else { … }`, and what is no comparison.
+//! Conditions: `if … { … } else { … }` as a value and as a statement, and what is no comparison.
 
 use proc_macro2::Delimiter;
 use syn::parse::ParseStream;
 
 use super::reader::{Parsed, Reader, Refused, opens, word};
-use super::syntax::{Expression, ExpressionKind};
+use super::syntax::{Expression, ExpressionKind, Statement, StatementKind};
 
 const FORM: &str = "write `if x < 0 { a } else { b }`";
 
@@ -25,6 +25,38 @@ impl Reader<'_> {
         };
         self.depth -= 1;
         Ok(Box::new(Expression { kind: ExpressionKind::If(condition, yes, no), span: here.start..self.last }))
+    }
+
+    /// `choice := "if" expression block ("else" "if" expression block)* ("else" block)?`
+    pub(super) fn choice(&mut self, input: ParseStream<'_>) -> Parsed<Statement> {
+        let first = self.next(input).start;
+        let (mut branches, mut otherwise) = (Vec::new(), Vec::new());
+        while self.eat_word(input, "if") {
+            let condition = self.expression(input)?;
+            branches.push((condition, self.block(input, "write `if n == 1 { … } else { … }`")?));
+            if !self.eat_word(input, "else") {
+                break;
+            }
+            if word(input.cursor()).is_none_or(|(text, _)| text != "if") {
+                otherwise = self.block(input, "write `if n == 1 { … } else { … }`")?;
+                break;
+            }
+        }
+        Ok(Statement { kind: StatementKind::If { branches, otherwise }, span: first..self.last })
+    }
+
+    /// `block := "{" statement* "}"`
+    fn block(&mut self, input: ParseStream<'_>, form: &str) -> Parsed<Vec<Statement>> {
+        if !opens(input, Delimiter::Brace) {
+            return Err(match super::reader::sign(input.cursor()) {
+                Some(("&" | "|" | "=" | "=>", _)) => self.stray_in_condition(input),
+                _ => self.unexpected(input, "a `{`", form),
+            });
+        }
+        let group = self.group(input)?;
+        let statements = self.statements(&group.content);
+        self.close(group);
+        Ok(statements)
     }
 
     /// `"{" expression "}"`
@@ -48,9 +80,17 @@ impl Reader<'_> {
     /// Between a condition and the braces that it needs.
     fn no_branch(&mut self, input: ParseStream<'_>) -> Refused {
         match super::reader::sign(input.cursor()) {
-            Some(("==" | "!=" | "&" | "|" | "=" | "=>", _)) => self.stray(input),
+            Some(("&" | "|" | "=" | "=>", _)) => self.stray_in_condition(input),
             _ => self.unexpected(input, "a `{`", FORM),
         }
+    }
+
+    fn stray_in_condition(&mut self, input: ParseStream<'_>) -> Refused {
+        if self.peek(input, "=") {
+            let here = self.next(input);
+            return self.refuse(here, "`=` is not a comparison", "write `==`, of constants, `<`, `<=`, `>` or `>=`");
+        }
+        self.stray(input)
     }
 
     fn stray_in_branch(&mut self, input: ParseStream<'_>) -> Refused {
@@ -71,12 +111,8 @@ impl Reader<'_> {
 pub(super) fn no_condition(sign: &str) -> (String, &'static str) {
     let two = "write `&&` for \"and\", `||` for \"or\"";
     match sign {
-        "&" | "|" => (format!("`{sign}` is not an operator"), two),
         "=>" => ("`=>` is not a comparison".to_string(), "write `>=`"),
-        _ => {
-            let help = "an equation is written with `=`, a condition with `<`, `<=`, `>` or `>=`";
-            (format!("`{sign}` is no condition: in a motion it holds for no time, or for all but none"), help)
-        }
+        _ => (format!("`{sign}` is not an operator"), two),
     }
 }
 
@@ -102,6 +138,7 @@ mod tests {
         check("if a < 0 { 1 } else if a < 1 { 2 } else { 3 }", "(if (< a 0) 1 (if (< a 1) 2 3))");
         check("if (a < b) { [c, d] } else { f(e) }", "(if (< a b) [c d] f(e))");
         check("2 * if a < b { c } else { d } + 1", "(+ (* 2 (if (< a b) c d)) 1)");
+        check("if a == b || c != d { 1 } else { 2 }", "(if (or (== a b) (!= c d)) 1 2)");
         check("if a < b { v } else { w }.norm()", "(if (< a b) v w).norm()");
         check("f(if a < b { c } else { d }, e)", "f((if (< a b) c d) e)");
         check("-if a < b { c } else { d }", "(neg (if (< a b) c d))");
@@ -110,11 +147,9 @@ mod tests {
     #[test]
     fn wrong_conditions() {
         let check = |value: &str, expected: &str| refused(&format!("let x = {value};"), expected);
-        let equal = "is no condition: in a motion it holds for no time, or for all but none; \
-                     an equation is written with `=`, a condition with `<`, `<=`, `>` or `>=`";
-        check("if a == b { c } else { d }", &format!("==: `==` {equal}"));
-        check("if a != b { c } else { d }", &format!("!=: `!=` {equal}"));
-        check("if a = b { c } else { d }", "=: `=` cannot stand behind a value; end the statement before with `;`");
+        let equals = "=: `=` is not a comparison; write `==`, of constants, `<`, `<=`, `>` or `>=`";
+        check("if a = b { c } else { d }", equals);
+        refused("if a = b { kinetic += c; }", equals);
         check("if a => b { c } else { d }", "=>: `=>` is not a comparison; write `>=`");
         check(
             "if a < b & c < d { c } else { d }",
@@ -133,6 +168,31 @@ mod tests {
         // The rest of a statement says nothing of its own.
         check("if a < b { c } else { d ! }", "!: `!` is not an operator; the operators are `+`, `-`, `*`, `/` and `^`");
         check("if a ? b { c } else { d }", "?: expected a `{`, found `?`; write `if x < 0 { a } else { b }`");
+    }
+
+    #[test]
+    fn statements_are_chosen() {
+        let StatementKind::If { branches, otherwise } = statement(
+            "if i == 0 { kinetic += x; let y = 1; } else if i < n { } else { if a < b { } output p[i] = x; }",
+        ) else {
+            panic!()
+        };
+        let conditions: Vec<_> = branches.iter().map(|(c, body)| (prefix(c), body.len())).collect();
+        assert_eq!(conditions, [("(== i 0)".to_string(), 2), ("(< i n)".to_string(), 0)]);
+        assert_eq!(otherwise.len(), 2);
+        let form = "write `if n == 1 { … } else { … }`";
+        refused("if a < b kinetic += x;", &format!("kinetic: expected a `{{`, found `kinetic`; {form}"));
+        refused("if a < b { } else kinetic += x;", &format!("kinetic: expected a `{{`, found `kinetic`; {form}"));
+        refused("else { }", "else: an `else` without its `if`; write `if n == 1 { … } else { … }`");
+        refused(
+            "if a < b { x; }",
+            "x: `x` begins no statement; a statement begins with `param`, `coord`, `input`, \
+                 `prescribed`, `const`, `fn`, `let`, `kinetic`, `potential`, `dissipation`, `lagrangian`, `force`, `torque`, \
+                 `gravity`, `reaction`, `constraint`, `output`, `for` or `if`, or is an assignment `x = …;`",
+        );
+        // Both are statements of their own.
+        let source = "mechanism A { if a < b { } for i in 0..2 { } if c < d { } let x = 1; }";
+        assert_eq!(super::super::declaration(source).unwrap().statements.len(), 4);
     }
 
     #[test]

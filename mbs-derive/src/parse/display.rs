@@ -38,7 +38,16 @@ fn lines(f: &mut Formatter<'_>, statement: &Statement, depth: usize) -> fmt::Res
         StatementKind::Let { mutable, name, value } => {
             writeln!(f, "{indent}let {}{} = {value};", if *mutable { "mut " } else { "" }, name.text)
         }
-        StatementKind::Assign { name, value } => writeln!(f, "{indent}{} = {value};", name.text),
+        StatementKind::Elements { mutable, name, lengths } => {
+            write!(f, "{indent}let {}{}", if *mutable { "mut " } else { "" }, name.text)?;
+            indices(f, lengths)?;
+            writeln!(f, ";")
+        }
+        StatementKind::Assign { name, indices: element, value } => {
+            write!(f, "{indent}{}", name.text)?;
+            indices(f, element)?;
+            writeln!(f, " = {value};")
+        }
         StatementKind::Energy { term, value } => writeln!(f, "{indent}{term} += {value};"),
         StatementKind::Force { coordinate, index: Some(index), value } => {
             writeln!(f, "{indent}force {}[{index}] += {value};", coordinate.text)
@@ -54,26 +63,51 @@ fn lines(f: &mut Formatter<'_>, statement: &Statement, depth: usize) -> fmt::Res
         StatementKind::ForceAt { point, value } => writeln!(f, "{indent}force at {point} += {value};"),
         StatementKind::TorqueOn { pose, value } => writeln!(f, "{indent}torque on {pose} += {value};"),
         StatementKind::Gravity { acceleration } => writeln!(f, "{indent}gravity {acceleration};"),
-        StatementKind::Reaction { docs: about, name, index, pose } => {
+        StatementKind::Reaction { docs: about, name, index, pose, element } => {
             docs(f, about, depth)?;
-            let index = index.as_ref().map(|index| format!("[{index}]")).unwrap_or_default();
-            writeln!(f, "{indent}reaction {}{index} at {};", name.text, pose.text)
+            write!(f, "{indent}reaction {}", name.text)?;
+            indices(f, index.as_slice())?;
+            write!(f, " at {}", pose.text)?;
+            indices(f, element)?;
+            writeln!(f, ";")
         }
-        StatementKind::Constraint { docs: about, name, left, right } => {
+        StatementKind::Constraint { docs: about, name, index, left, right } => {
             docs(f, about, depth)?;
-            writeln!(f, "{indent}constraint {}: {left} = {right};", name.text)
+            write!(f, "{indent}constraint {}", name.text)?;
+            indices(f, index.as_slice())?;
+            writeln!(f, ": {left} = {right};")
         }
-        StatementKind::Output { docs: about, name, value, jacobian_rate } => {
+        StatementKind::Output { docs: about, name, index, value, jacobian_rate } => {
             docs(f, about, depth)?;
-            let request = if jacobian_rate.is_some() { ", jacobian_rate" } else { "" };
-            writeln!(f, "{indent}output {} = {value}{request};", name.text)
+            write!(f, "{indent}output {}", name.text)?;
+            indices(f, index.as_slice())?;
+            writeln!(f, " = {value}{};", if jacobian_rate.is_some() { ", jacobian_rate" } else { "" })
         }
         StatementKind::For { variable, start, end, body } => {
             writeln!(f, "{indent}for {} in {start}..{end} {{", variable.text)?;
             body.iter().try_for_each(|statement| lines(f, statement, depth + 1))?;
             writeln!(f, "{indent}}}")
         }
+        StatementKind::If { branches, otherwise } => {
+            write!(f, "{indent}")?;
+            for (i, (condition, body)) in branches.iter().enumerate() {
+                writeln!(f, "{}if {condition} {{", if i > 0 { " else " } else { "" })?;
+                body.iter().try_for_each(|statement| lines(f, statement, depth + 1))?;
+                write!(f, "{indent}}}")?;
+            }
+            if !otherwise.is_empty() {
+                writeln!(f, " else {{")?;
+                otherwise.iter().try_for_each(|statement| lines(f, statement, depth + 1))?;
+                write!(f, "{indent}}}")?;
+            }
+            writeln!(f)
+        }
     }
+}
+
+/// `[i][j]`
+fn indices(f: &mut Formatter<'_>, indices: &[Expression]) -> fmt::Result {
+    indices.iter().try_for_each(|index| write!(f, "[{index}]"))
 }
 
 fn declared(f: &mut Formatter<'_>, keyword: &str, quantity: &Quantity, depth: usize) -> fmt::Result {
@@ -144,6 +178,8 @@ impl Display for Comparison {
             Comparison::LessEqual => " <= ",
             Comparison::Greater => " > ",
             Comparison::GreaterEqual => " >= ",
+            Comparison::Equal => " == ",
+            Comparison::NotEqual => " != ",
         })
     }
 }
@@ -166,6 +202,7 @@ impl Display for Expression {
             // As text it keeps what stands next to it from being read as digits.
             ExpressionKind::Number(text) if text.ends_with('.') => write!(f, "{text}0"),
             ExpressionKind::Number(text) | ExpressionKind::Name(text) => f.write_str(text),
+            ExpressionKind::Quantity(text, unit) => write!(f, "{text} {unit}"),
             ExpressionKind::Negate(value) => {
                 f.write_str("-")?;
                 at_least(f, SIGNED, value)
@@ -247,6 +284,8 @@ fn tightness(expression: &Expression) -> u8 {
         ExpressionKind::And(..) => AND,
         ExpressionKind::Compare(..) => COMPARISON,
         ExpressionKind::Negate(_) | ExpressionKind::Not(_) => SIGNED,
+        // In brackets where what follows might be read as part of its unit, or it as a divisor.
+        ExpressionKind::Quantity(..) => SUM,
         ExpressionKind::Binary(operator, ..) => operator_tightness(*operator).0,
         ExpressionKind::Number(_)
         | ExpressionKind::Name(_)
@@ -303,9 +342,24 @@ mechanism Pendulum {
     param free: 1;
     let mut x = 1;
     x = 2;
+    let p[n];
+    let mut r[n][2*n];
+    r[0][n - 1] = x;
     for i in 0..2*n {
         kinetic += 1/2*m[i]*dt(q)^2;
         for j in 0.0..1 {
+        }
+        /// Of each.
+        output tip[i] = p[i], jacobian_rate;
+        constraint rod[i]: p[i] = x;
+        reaction joint[i] at r[i][0];
+        if i == 0 && n != 2 {
+            p[i] = 1;
+        } else if i > 1 {
+            p[i] = 2;
+        } else {
+            if n < 2 {
+            }
         }
     }
     potential += 1;
@@ -362,6 +416,10 @@ mechanism Pendulum {
             "-(if a < b { c } else { d })",
             "(if a < b { c } else { d }).norm()",
             "f(if a < b { [c, 1] } else { d })",
+            "a - (2 kg)",
+            "(2.5 m*s^-2)*s/(3 t)",
+            "-(20 deg)",
+            "[1 m, (2 s)^2]",
         ] {
             check(&format!("mechanism A {{\n    let x = {value};\n}}\n"));
         }

@@ -4,6 +4,7 @@ use proc_macro2::Delimiter;
 use syn::parse::ParseStream;
 
 use super::condition::no_condition;
+use super::in_place::is_unit;
 use super::keyword::keyword;
 use super::reader::{Parsed, Reader, Refused, opens, sign, word};
 use super::syntax::{BinaryOperator, Comparison, Expression, ExpressionKind, Name, Span};
@@ -63,6 +64,15 @@ impl Pending {
     }
 }
 
+/// The `/` or `^` right before an operand, signs aside.
+fn divides(pending: &[Pending]) -> Option<BinaryOperator> {
+    let mut operators = pending.iter().rev().skip_while(|operator| matches!(operator, Pending::Negate(_)));
+    match operators.next()? {
+        Pending::Infix(Infix::Arithmetic(operator @ (BinaryOperator::Div | BinaryOperator::Pow)), _) => Some(*operator),
+        _ => None,
+    }
+}
+
 /// How tightly an operator binds; a sign, at 6, binds more loosely than a power: `-x^2` is `-(x^2)`.
 fn tightness(operator: Infix) -> u8 {
     match operator {
@@ -84,7 +94,7 @@ impl Reader<'_> {
     }
 
     /// `expression := all ("||" all)*`, `all := comparison ("&&" comparison)*`, `comparison := sum (compared sum)?`,
-    /// `compared := "<" | "<=" | ">" | ">="`, `sum := product (("+" | "-") product)*`,
+    /// `compared := "<" | "<=" | ">" | ">=" | "==" | "!="`, `sum := product (("+" | "-") product)*`,
     /// `product := signed (("*" | "/") signed)*`, `signed := ("-" | "!") signed | postfix ("^" signed)?`
     pub(super) fn operators(&mut self, input: ParseStream<'_>) -> Parsed<Box<Expression>> {
         // Every operator here binds more tightly than those before it.
@@ -93,7 +103,14 @@ impl Reader<'_> {
         loop {
             self.signs(input, &mut pending)?;
             let mut value = self.postfix(input)?;
+            let quantity = self.is_bare_quantity(&value);
+            if quantity && let Some(operator) = divides(&pending) {
+                return Err(self.quantity_behind(operator, &value));
+            }
             let next = self.operator(input)?;
+            if quantity && next == Some(Infix::Arithmetic(BinaryOperator::Pow)) {
+                return Err(self.power_of_a_quantity(&value));
+            }
             while let Some(operator) = pending.pop_if(|operator| operator.precedes(next)) {
                 if let (Pending::Infix(Infix::Comparison(_), _), Some(Infix::Comparison(_))) = (&operator, next) {
                     return Err(self.chained_comparison());
@@ -150,6 +167,8 @@ impl Reader<'_> {
             "<=" => Infix::Comparison(Comparison::LessEqual),
             ">" => Infix::Comparison(Comparison::Greater),
             ">=" => Infix::Comparison(Comparison::GreaterEqual),
+            "==" => Infix::Comparison(Comparison::Equal),
+            "!=" => Infix::Comparison(Comparison::NotEqual),
             "&&" => Infix::And,
             "||" => Infix::Or,
             "**" => return Err(self.double_star(input)),
@@ -256,6 +275,15 @@ impl Reader<'_> {
         Ok(values)
     }
 
+    /// `("[" expression "]")*`: the indices of an element, or the lengths of an array.
+    pub(super) fn indices(&mut self, input: ParseStream<'_>) -> Parsed<Vec<Expression>> {
+        let mut indices = Vec::new();
+        while let Some(index) = self.index(input)? {
+            indices.push(index);
+        }
+        Ok(indices)
+    }
+
     /// `("[" expression "]")?`: an array's length, or an index.
     pub(super) fn index(&mut self, input: ParseStream<'_>) -> Parsed<Option<Expression>> {
         match opens(input, Delimiter::Bracket) {
@@ -279,16 +307,18 @@ impl Reader<'_> {
         Ok(index)
     }
 
-    /// `number := digits ("." digits?)? (("e" | "E") ("+" | "-")? digits)?`, as large as an `f64` can be.
+    /// `number := digits "." | digits ("." digits)? (("e" | "E") ("+" | "-")? digits)?`, as large as an `f64` can be;
+    /// `quantity := number unit`
     fn number(&mut self, input: ParseStream<'_>) -> Parsed<Box<Expression>> {
         let Some(text) = self.literal(input) else { return Err(self.no_value(input)) };
         let span = self.last - text.len()..self.last;
         let digits: String = text.chars().filter(|&c| c != '_').collect();
         let decimal = digits[..decimal_length(&digits)].to_string();
-        if let Some((message, help)) = no_number(&text, &decimal, &digits[decimal.len()..]) {
+        let suffix = &digits[decimal.len()..];
+        if let Some((message, help)) = no_number(&text, &decimal, suffix) {
             return Err(self.refuse(span, message, help));
         }
-        Ok(Box::new(Expression { kind: ExpressionKind::Number(decimal), span }))
+        self.number_or_quantity(input, span.start, decimal, suffix)
     }
 
     pub(super) fn double_star(&mut self, input: ParseStream<'_>) -> Refused {
@@ -344,7 +374,7 @@ impl Reader<'_> {
             Some(("=" | "+=" | "-=" | "*=" | "/=", _)) => {
                 (format!("{found} cannot stand behind a value"), "end the statement before with `;`")
             }
-            Some((sign @ ("==" | "!=" | "&" | "|" | "=>"), _)) => no_condition(sign),
+            Some((sign @ ("&" | "|" | "=>"), _)) => no_condition(sign),
             Some((",", _)) => match self.decimal_comma(&here) {
                 Some(number) => return self.refuse(here, "a decimal point is a `.`", format!("write `{number}`")),
                 None => (format!("{found} cannot stand here"), "write a vector as `[x, y, z]`"),
@@ -352,8 +382,8 @@ impl Reader<'_> {
             Some((";", _)) => (format!("{found} cannot stand within brackets"), "write `,` between values"),
             Some((".." | "..=", _)) => ("a range stands behind `in` only".to_string(), "write `for i in 0..6 { … }`"),
             Some((":", _)) => {
-                let help = "units belong to declarations, as in `param length: m = 2;`";
-                ("a value has no unit of its own".to_string(), help)
+                let help = "a number has its unit right behind it: `2 m`";
+                ("`:` and a unit belong to declarations".to_string(), help)
             }
             Some(_) => (format!("{found} is not an operator"), "the operators are `+`, `-`, `*`, `/` and `^`"),
             None if opens(input, Delimiter::Brace) => {
@@ -373,8 +403,11 @@ impl Reader<'_> {
             return self.refuse(here, message, format!("write `{word}({})`", found.trim_matches('`')));
         }
         let help = match is_within_brackets(before) {
-            true => "write `*` for a product, `,` between two values",
-            false => "write `*` for a product",
+            true => "write `*` for a product, `,` between two values".to_string(),
+            false if word.starts_with(|c: char| c.is_ascii_digit()) => {
+                format!("write `*` for a product; {found} is not a unit")
+            }
+            false => "write `*` for a product".to_string(),
         };
         self.refuse(here, format!("an operator is missing before {found}"), help)
     }
@@ -419,11 +452,8 @@ fn no_number(text: &str, decimal: &str, suffix: &str) -> Option<(String, String)
     if TYPES.contains(&suffix) {
         return Some(("a number has no type".to_string(), format!("write `{decimal}`")));
     }
-    if !suffix.is_empty() {
-        let help = format!(
-            "write `{decimal} * {suffix}` for a product; \
-             units belong to declarations, as in `param length: m = {decimal};`"
-        );
+    if !suffix.is_empty() && !is_unit(suffix) {
+        let help = format!("write `{decimal}*{suffix}` for a product; `{suffix}` is not a unit");
         return Some((format!("`{text}` is neither a number nor a name"), help));
     }
     let mantissa = decimal.split(['e', 'E']).next().unwrap_or_default();
@@ -550,7 +580,7 @@ mod tests {
         check("a <", &format!(";: expected a value, found `;`; {value}"));
         check("a = b", "=: `=` cannot stand behind a value; end the statement before with `;`");
         check("a..b", "..: a range stands behind `in` only; write `for i in 0..6 { … }`");
-        check("2 : m", ":: a value has no unit of its own; units belong to declarations, as in `param length: m = 2;`");
+        check("2 : m", ":: `:` and a unit belong to declarations; a number has its unit right behind it: `2 m`");
         check("a {}", "{: `{` cannot stand behind a value; end the statement with `;`");
         check("if a", ";: expected a `{`, found `;`; write `if x < 0 { a } else { b }`");
         check("a if b", "if: an operator is missing before `if`; write `*` for a product");
@@ -558,18 +588,16 @@ mod tests {
             "force",
             "force: `force` is a keyword of the language, not a value; names of your own are others, such as `force_`",
         );
-        check("true", "true: `true` is a keyword of Rust, not a value; names of your own are others, such as `true_`");
         check("q.0", "0: `.0` is not a component; write `[0]` for the first component, `[1]` for the second");
         check("q.", ";: expected a name after `.`, found `;`; a name begins with a letter");
         check("1.e5", "e5: a number has no component `e5`; write a digit behind the point: `1.0`");
         check(".5", ".: a number begins with a digit; write `0.5`");
         check("1.0f64", "1.0f64: a number has no type; write `1.0`");
-        let units = "units belong to declarations, as in `param length: m = 2;`";
-        check("2m", &format!("2m: `2m` is neither a number nor a name; write `2 * m` for a product; {units}"));
+        check("2x", "2x: `2x` is neither a number nor a name; write `2*x` for a product; `x` is not a unit");
         check("0x10", "0x10: `0x10` is not a decimal number; write it with digits 0 to 9");
         check("1e400", "1e400: `1e400` is beyond the range of an `f64`; choose other units");
         check("1e-400", "1e-400: `1e-400` is beyond the range of an `f64`; choose other units");
-        check("r#a", "r#a: `r#a` is not a name; write `a_`");
+        check("r#a", "r#a: `r#a` is not a name; write `a`");
         check("x'", "': `'` has no meaning in a mechanism; write `dt(x)` for the time derivative of `x`");
         check("(/*ERROR*/)", "(/*ERROR*/): `(/*ERROR*/)` is not a value; write a number");
     }

@@ -30,7 +30,7 @@ impl Declaration {
         let declared = self.statements.iter().find_map(|statement| {
             match &statement.kind {
                 StatementKind::Coord(q) | StatementKind::Input(q) | StatementKind::Prescribed(q) => Some(&q.name),
-                StatementKind::Let { name, .. } => Some(name),
+                StatementKind::Let { name, .. } | StatementKind::Elements { name, .. } => Some(name),
                 _ => None,
             }
             .filter(|declared| declared.text == name)

@@ -4,7 +4,7 @@
 //! file        := (inner | doc | import)* "mechanism" name "{" statement* "}"
 //! inner       := "#![dimensionless]"
 //! statement   := doc* (param | coord | input | prescribed | const | fn | let | assignment | energy | force | force_at
-//!                | torque | gravity | reaction | constraint | output) ";" | doc* for
+//!                | torque | gravity | reaction | constraint | output) ";" | doc* (for | choice)
 //! ```
 //!
 //! A function that cannot go on notes why in `errors` and answers [`Refused`]; [`Reader::statements`] goes on with the
@@ -23,7 +23,7 @@ use super::keyword::{CONTEXTUAL, STATEMENTS};
 use super::quantity::{CONST, COORD, INPUT, PARAM, PRESCRIBED};
 use super::reader::{Parsed, Reader, Refused, opens, sign, word};
 use super::syntax::{
-    Declaration, EnergyTerm, Expression, ExpressionKind, Import, Name, Span, Statement, StatementKind,
+    Comparison, Declaration, EnergyTerm, Expression, ExpressionKind, Import, Name, Span, Statement, StatementKind,
 };
 use crate::diagnostic::{Diagnostics, nearest};
 
@@ -237,6 +237,7 @@ impl Reader<'_> {
             None if input.is_empty() => Ok(None),
             None => Err(self.no_statement(input)),
             Some((text, _)) if text == "for" => self.for_loop(input).map(Some),
+            Some((text, _)) if text == "if" => self.choice(input).map(Some),
             Some((text, _)) => self.plain_statement(input, &text, docs, here).map(Some),
         }
     }
@@ -268,7 +269,9 @@ impl Reader<'_> {
             "constraint" => self.constraint(input, docs)?,
             "output" => self.output(input, docs)?,
             "gravity" if !is_assignment(input) => self.gravity(input)?,
-            "if" => return Err(self.no_conditional_statement(here)),
+            "else" => {
+                return Err(self.refuse(here, "an `else` without its `if`", "write `if n == 1 { … } else { … }`"));
+            }
             "import" => return Err(self.late_import(here)),
             _ => self.assignment(input)?,
         };
@@ -292,8 +295,8 @@ impl Reader<'_> {
     fn no_statement(&mut self, input: ParseStream<'_>) -> Refused {
         let span = self.next(input);
         let forms = "a statement begins with `param`, `coord`, `input`, `prescribed`, `const`, `fn`, `let`, `kinetic`, \
-                     `potential`, `dissipation`, `lagrangian`, `force`, `torque`, `gravity`, `reaction`, `constraint`, `output` \
-                     or `for`, or is an assignment `x = …;`";
+                     `potential`, `dissipation`, `lagrangian`, `force`, `torque`, `gravity`, `reaction`, `constraint`, \
+                     `output`, `for` or `if`, or is an assignment `x = …;`";
         match word(input.cursor()) {
             Some((text, _)) if text == "mechanism" => {
                 self.refuse(span, "a mechanism stands within a mechanism", "write it in a file of its own")
@@ -347,7 +350,7 @@ impl Reader<'_> {
         Ok(StatementKind::Function { name, parameters, body: self.expression(input)? })
     }
 
-    /// `binding := "let" "mut"? name "=" expression`
+    /// `binding := "let" "mut"? name "=" expression`, `elements := "let" "mut"? name ("[" expression "]")+`
     fn binding(&mut self, input: ParseStream<'_>) -> Parsed<StatementKind> {
         self.eat_word(input, "let");
         let mutable = self.eat_word(input, "mut");
@@ -356,23 +359,43 @@ impl Reader<'_> {
             let help = format!("write `let {} = …;`: the unit follows from the value", name.text);
             return Err(self.refuse(colon, "a `let` declares no unit", help));
         }
+        let lengths = self.indices(input)?;
+        if !lengths.is_empty() {
+            return match self.peek(input, "=") {
+                true => Err(self.no_length(input, &name.text)),
+                false => Ok(StatementKind::Elements { mutable, name, lengths }),
+            };
+        }
         self.equals(input, &format!("write `let {} = …;`", name.text))?;
         Ok(StatementKind::Let { mutable, name, value: self.expression(input)? })
     }
 
-    /// `assignment := name "=" expression`
+    fn no_length(&mut self, input: ParseStream<'_>, name: &str) -> Refused {
+        let help =
+            format!("write `let {name} = …;`, or `let {name}[n];` and give each element its value: `{name}[i] = …;`");
+        self.refuse(self.next(input), "a `let` with a value has the length of the value", help)
+    }
+
+    /// `assignment := name ("[" expression "]")* "=" expression`
     fn assignment(&mut self, input: ParseStream<'_>) -> Parsed<StatementKind> {
-        let Some((text, behind)) = word(input.cursor()) else { return Err(self.no_statement(input)) };
+        let Some((text, mut behind)) = word(input.cursor()) else { return Err(self.no_statement(input)) };
+        while let Some((_, _, rest)) = behind.group(Delimiter::Bracket) {
+            behind = rest;
+        }
         match sign(behind) {
             Some(("=", _)) => {
                 let name = self.name(input, "this")?;
+                let indices = self.indices(input)?;
                 self.equals(input, "write `x = …;`")?;
-                Ok(StatementKind::Assign { name, value: self.expression(input)? })
+                Ok(StatementKind::Assign { name, indices, value: self.expression(input)? })
             }
             Some((sign @ ("+=" | "-=" | "*=" | "/="), _)) => {
                 let help = match nearest(&text, ["kinetic", "potential", "dissipation", "lagrangian"]) {
                     Some(energy) => format!("did you mean `{energy}`?"),
-                    None => format!("write `{text} = {text} {} …;`", &sign[..1]),
+                    None => {
+                        let target = self.source[self.next(input).start..behind.span().byte_range().start].trim_end();
+                        format!("write `{target} = {target} {} …;`", &sign[..1])
+                    }
                 };
                 let message = format!("`{text}` is not an energy, `{sign}` cannot change it");
                 Err(self.refuse(self.next(input), message, help))
@@ -422,7 +445,7 @@ impl Reader<'_> {
         Ok(StatementKind::TorqueOn { pose, value: self.expression(input)? })
     }
 
-    /// `reaction := "reaction" name ("[" expression "]")? "at" name`
+    /// `reaction := "reaction" name ("[" expression "]")? "at" name ("[" expression "]")*`
     fn reaction(&mut self, input: ParseStream<'_>, docs: Vec<String>) -> Parsed<StatementKind> {
         self.eat_word(input, "reaction");
         let name = self.declared_name(input, "reaction")?;
@@ -433,29 +456,35 @@ impl Reader<'_> {
         }
         let here = self.next(input);
         let pose = self.expression(input)?;
-        let ExpressionKind::Name(text) = &pose.kind else {
-            let help = "name the pose, and build on the name: `let joint = …; reaction name at joint;`";
-            return Err(self.refuse(pose.span.clone(), "a reaction is that of a pose with a name", help));
-        };
-        Ok(StatementKind::Reaction { docs, name, index, pose: Name { text: text.clone(), span: here } })
+        match pose.element_of() {
+            Some((text, element)) => {
+                let pose = Name { text: text.to_string(), span: here.start..here.start + text.len() };
+                Ok(StatementKind::Reaction { docs, name, index, pose, element: element.into_iter().cloned().collect() })
+            }
+            None => {
+                let help = "name the pose, and build on the name: `let joint = …; reaction name at joint;`";
+                Err(self.refuse(pose.span.clone(), "a reaction is that of a pose with a name", help))
+            }
+        }
     }
 
-    /// `constraint := "constraint" name ":" expression "=" expression`
+    /// `constraint := "constraint" name ("[" expression "]")? ":" expression "=" expression`
     fn constraint(&mut self, input: ParseStream<'_>, docs: Vec<String>) -> Parsed<StatementKind> {
         let form = "write `constraint name: left = right;`";
         self.eat_word(input, "constraint");
         let name = self.declared_name(input, "constraint")?;
+        let index = self.index(input)?;
         if self.eat(input, ":").is_none() {
             return Err(self.unexpected(input, "`:`", form));
         }
         let left = self.expression(input)?;
+        if let ExpressionKind::Compare(Comparison::Equal, a, b) = &left.kind {
+            let signs = a.span.end..b.span.start;
+            let start = signs.start + self.source[signs.clone()].find("==").unwrap_or_default();
+            return Err(self.refuse(start..start + 2, "an equation is written with `=`", form));
+        }
         self.equals(input, form)?;
-        Ok(StatementKind::Constraint { docs, name, left, right: self.expression(input)? })
-    }
-
-    fn no_conditional_statement(&mut self, here: Span) -> Refused {
-        let help = "write `let x = if a < b { … } else { … };`, or `kinetic += if …`";
-        self.refuse(here, "`if` chooses between values, not between statements", help)
+        Ok(StatementKind::Constraint { docs, name, index, left, right: self.expression(input)? })
     }
 
     /// The `+=` behind the sum that begins at `start`.
@@ -483,7 +512,7 @@ impl Reader<'_> {
         }
     }
 
-    /// `output := "output" name "=" expression ("," "jacobian_rate")?`
+    /// `output := "output" name ("[" expression "]")? "=" expression ("," "jacobian_rate")?`
     fn output(&mut self, input: ParseStream<'_>, docs: Vec<String>) -> Parsed<StatementKind> {
         self.eat_word(input, "output");
         if word(input.cursor()).is_none() {
@@ -491,10 +520,11 @@ impl Reader<'_> {
             return Err(self.unexpected(input, "a name after `output`", help));
         }
         let name = self.declared_name(input, "output")?;
+        let index = self.index(input)?;
         let help = format!("an output has a name and a value: write `output name = {};`", name.text);
         self.equals(input, if self.peek(input, ";") { &help } else { "write `output name = …;`" })?;
         let value = self.expression(input)?;
-        Ok(StatementKind::Output { docs, name, value, jacobian_rate: self.jacobian_rate(input)? })
+        Ok(StatementKind::Output { docs, name, index, value, jacobian_rate: self.jacobian_rate(input)? })
     }
 
     /// `"," "jacobian_rate"`, if a comma comes next.
@@ -600,6 +630,19 @@ mechanism CartPole {
     fn reads_other_statements() {
         assert!(matches!(statement("let mut y = 1;"), StatementKind::Let { mutable: true, .. }));
         assert!(matches!(statement("y = 1;"), StatementKind::Assign { name, .. } if name.text == "y"));
+        assert!(matches!(statement("y[i][2] = 1;"), StatementKind::Assign { indices, .. } if indices.len() == 2));
+        let elements = |text| match statement(text) {
+            StatementKind::Elements { mutable, lengths, .. } => (mutable, lengths.len()),
+            other => panic!("{other:?}"),
+        };
+        assert_eq!((elements("let p[n];"), elements("let mut p[n][3];")), ((false, 1), (true, 2)));
+        assert!(matches!(statement("output p[i] = 1;"), StatementKind::Output { index: Some(_), .. }));
+        refused(
+            "let p[3] = 1;",
+            "=: a `let` with a value has the length of the value; write `let p = …;`, or `let p[n];` and give each element \
+             its value: `p[i] = …;`",
+        );
+        refused("p[1] += 1;", "p: `p` is not an energy, `+=` cannot change it; write `p[1] = p[1] + …;`");
         let terms = [
             ("kinetic", EnergyTerm::Kinetic),
             ("potential", EnergyTerm::Potential),
@@ -781,18 +824,20 @@ mechanism CartPole {
         assert_eq!((name.text.as_str(), prefix(&left), prefix(&right)), ("rod", "(^ x 2)".into(), "(^ l 2)".into()));
         refused("constraint x^2 = l^2;", "^: expected `:`, found `^`; write `constraint name: left = right;`");
         refused("constraint rod: x^2 - l^2;", ";: expected `=`, found `;`; write `constraint name: left = right;`");
-        refused("constraint rod: x == l;", "==: expected `=`, found `==`; write `constraint name: left = right;`");
+        let equation = "==: an equation is written with `=`; write `constraint name: left = right;`";
+        refused("constraint rod: x == l;", equation);
+        refused("constraint rod: (x == l) = 0;", equation);
+        assert!(matches!(statement("constraint rod[i]: x = l;"), StatementKind::Constraint { index: Some(_), .. }));
         assert!(matches!(statement("force at p + q += F;"), StatementKind::ForceAt { .. }));
         assert!(matches!(statement("torque on arm[2] += [0, 0, u];"), StatementKind::TorqueOn { .. }));
-        let StatementKind::Reaction { name, index, pose, .. } = statement("reaction joint[i + 1] at link;") else {
+        let StatementKind::Reaction { name, index, pose, element, .. } =
+            statement("reaction joint[i + 1] at link[i][0];")
+        else {
             panic!()
         };
         assert_eq!((name.text.as_str(), pose.text.as_str()), ("joint", "link"));
         assert_eq!(index.as_ref().map(prefix), Some("(+ i 1)".to_string()));
-        refused(
-            "if a < b { kinetic += x; }",
-            "if: `if` chooses between values, not between statements; write `let x = if a < b { … } else { … };`, or `kinetic += if …`",
-        );
+        assert_eq!(element.iter().map(prefix).collect::<Vec<_>>(), ["i", "0"]);
     }
 
     #[test]

@@ -472,7 +472,7 @@ mod tests {
                  leave it out: the mechanism that imports this file decides",
                 "wrong.mbs: param m: kg = 1;: `param` stands in a file without a mechanism; \
                  files that are imported hold `const` and `fn` only: move it to the mechanism",
-                "wrong.mbs: x: an operator is missing before `x`; write `*` for a product",
+                "wrong.mbs: x: an operator is missing before `x`; write `*` for a product; `x` is not a unit",
                 "wrong.mbs: let b = 1: `let` stands in a file without a mechanism; \
                  files that are imported hold `const` and `fn` only: move it to the mechanism",
                 "wrong.mbs: : a `;` is missing; end the statement with `;`",
@@ -530,6 +530,6 @@ mod tests {
         assert!(!is_shared("param m: kg = 1;"));
         let sources = Sources::new("a", "const a = 2 x;");
         let found = messages(parse::shared(&sources).unwrap(), &sources);
-        assert_eq!(found, ["a: x: an operator is missing before `x`; write `*` for a product"]);
+        assert_eq!(found, ["a: x: an operator is missing before `x`; write `*` for a product; `x` is not a unit"]);
     }
 }

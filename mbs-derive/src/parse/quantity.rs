@@ -152,7 +152,7 @@ impl Reader<'_> {
     }
 
     /// `unit_exponent := "-"? whole | "(" "-"? whole ("/" whole)? ")"`
-    fn unit_exponent(&mut self, input: ParseStream<'_>) -> Parsed<(i32, i32)> {
+    pub(super) fn unit_exponent(&mut self, input: ParseStream<'_>) -> Parsed<(i32, i32)> {
         if !opens(input, Delimiter::Parenthesis) {
             return Ok((self.signed_whole(input)?, 1));
         }

@@ -2,7 +2,7 @@
 
 use super::grammar::File;
 use super::import::Shared;
-use super::syntax::{Expression, ExpressionKind, Name, Quantity, Span, Statement, StatementKind};
+use super::syntax::{Expression, ExpressionKind, Name, Quantity, Span, Statement, StatementKind, Unit};
 
 impl File<Shared> {
     /// Adds `start` to every place.
@@ -26,10 +26,7 @@ fn statement(statement: &mut Statement, start: usize) {
     match &mut statement.kind {
         StatementKind::Const(Quantity { name: declared, length, unit, value, .. }) => {
             name(declared, start);
-            if let Some(unit) = unit {
-                span(&mut unit.span, start);
-                unit.factors.iter_mut().for_each(|factor| name(&mut factor.name, start));
-            }
+            unit.iter_mut().for_each(|unit| shift_unit(unit, start));
             length.iter_mut().chain(value).for_each(|e| expression(e, start));
         }
         StatementKind::Function { name: declared, parameters, body } => {
@@ -43,6 +40,7 @@ fn statement(statement: &mut Statement, start: usize) {
         | StatementKind::Input(_)
         | StatementKind::Prescribed(_)
         | StatementKind::Let { .. }
+        | StatementKind::Elements { .. }
         | StatementKind::Assign { .. }
         | StatementKind::Energy { .. }
         | StatementKind::Force { .. }
@@ -52,8 +50,14 @@ fn statement(statement: &mut Statement, start: usize) {
         | StatementKind::Reaction { .. }
         | StatementKind::Constraint { .. }
         | StatementKind::Output { .. }
-        | StatementKind::For { .. } => {}
+        | StatementKind::For { .. }
+        | StatementKind::If { .. } => {}
     }
+}
+
+fn shift_unit(unit: &mut Unit, start: usize) {
+    span(&mut unit.span, start);
+    unit.factors.iter_mut().for_each(|factor| name(&mut factor.name, start));
 }
 
 fn name(name: &mut Name, start: usize) {
@@ -67,6 +71,7 @@ fn expression(whole: &mut Expression, start: usize) {
         span(&mut part.span, start);
         match &mut part.kind {
             ExpressionKind::Number(_) | ExpressionKind::Name(_) => {}
+            ExpressionKind::Quantity(_, unit) => shift_unit(unit, start),
             ExpressionKind::Negate(a) | ExpressionKind::Not(a) => waiting.push(a),
             ExpressionKind::Field(a, field) => {
                 name(field, start);

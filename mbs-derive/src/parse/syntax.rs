@@ -70,11 +70,22 @@ pub enum StatementKind {
         /// Its value.
         value: Expression,
     },
-    /// `name = value;`: a `let mut` takes a new value.
+    /// `let name[n];`, `let mut name[n];`: an array whose elements are given their values one by one.
+    Elements {
+        /// Elements may be assigned again.
+        mutable: bool,
+        /// The local name.
+        name: Name,
+        /// How many, one length for each index.
+        lengths: Vec<Expression>,
+    },
+    /// `name = value;`: a `let mut` takes a new value; `name[i] = value;`: an element is given its value.
     Assign {
         /// The local name.
         name: Name,
-        /// Its new value.
+        /// Which element, if it is one.
+        indices: Vec<Expression>,
+        /// The value.
         value: Expression,
     },
     /// `kinetic += value;` and its like.
@@ -134,24 +145,31 @@ pub enum StatementKind {
         index: Option<Expression>,
         /// The variable that holds the pose.
         pose: Name,
+        /// Which of its elements, if it is one.
+        element: Vec<Expression>,
     },
-    /// `constraint name: left = right;`: holonomic where no velocity occurs, else linear in the velocities (Pfaffian).
+    /// `constraint name: left = right;`, `constraint name[i]: left = right;`: holonomic where no velocity occurs, else linear
+    /// in the velocities (Pfaffian).
     Constraint {
         /// Doc comments before it.
         docs: Vec<String>,
         /// Its name.
         name: Name,
+        /// Which one, where it is an array.
+        index: Option<Expression>,
         /// What is constrained: a number, a vector or an array.
         left: Expression,
         /// What it must equal, of the same shape or 0.
         right: Expression,
     },
-    /// `output name = value;`, `output name = value, jacobian_rate;`
+    /// `output name = value;`, `output name[i] = value;`, `output name = value, jacobian_rate;`
     Output {
         /// Doc comments before it.
         docs: Vec<String>,
         /// Its name.
         name: Name,
+        /// Which one, where it is an array.
+        index: Option<Expression>,
         /// What is put out.
         value: Expression,
         /// Where the time derivative of its Jacobian is asked for, if it is.
@@ -167,6 +185,13 @@ pub enum StatementKind {
         end: Expression,
         /// The statements repeated.
         body: Vec<Statement>,
+    },
+    /// `if n == 1 { … } else if n > 1 { … } else { … }`: decided at build time.
+    If {
+        /// Conditions, each with the statements that it chooses; the first one that holds counts.
+        branches: Vec<(Expression, Vec<Statement>)>,
+        /// The statements behind the last `else`.
+        otherwise: Vec<Statement>,
     },
 }
 
@@ -240,10 +265,24 @@ impl Expression {
         (first, steps)
     }
 
+    /// The name and the indices, in source order, where it is an element: `p[i][j]`, or `p` without any.
+    pub fn element_of(&self) -> Option<(&str, Vec<&Expression>)> {
+        let (mut whole, mut indices) = (self, Vec::new());
+        while let ExpressionKind::Index(array, index) = &whole.kind {
+            indices.push(&**index);
+            whole = array;
+        }
+        indices.reverse();
+        match &whole.kind {
+            ExpressionKind::Name(name) => Some((name, indices)),
+            _ => None,
+        }
+    }
+
     /// The expressions that it is directly made of, in source order.
     pub fn operands(&self) -> Vec<&Expression> {
         match &self.kind {
-            ExpressionKind::Number(_) | ExpressionKind::Name(_) => Vec::new(),
+            ExpressionKind::Number(_) | ExpressionKind::Quantity(..) | ExpressionKind::Name(_) => Vec::new(),
             ExpressionKind::Negate(a) | ExpressionKind::Not(a) | ExpressionKind::Field(a, _) => vec![a],
             ExpressionKind::Binary(_, a, b)
             | ExpressionKind::Index(a, b)
@@ -293,6 +332,8 @@ impl Drop for Expression {
 pub enum ExpressionKind {
     /// `2`, `9.81`, `1e-3`: the decimal as written, underscores removed; it is an exact rational.
     Number(String),
+    /// `0.3 kg`: a decimal with its unit.
+    Quantity(String, Unit),
     /// `x`
     Name(String),
     /// `-x`
@@ -332,6 +373,10 @@ pub enum Comparison {
     Greater,
     /// `>=`
     GreaterEqual,
+    /// `==`; of constants only.
+    Equal,
+    /// `!=`; of constants only.
+    NotEqual,
 }
 
 /// The binary operators.

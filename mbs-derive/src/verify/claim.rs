@@ -3,11 +3,14 @@
 use crate::expr::{Dual, Rounded, Symbol, Value};
 use crate::interpret::{Interpreter, State};
 use crate::model::degree::eliminate;
-use crate::optimise::{Derivation, Function, FunctionKind};
+use crate::optimise::{Derivation, Function, FunctionKind, Shape};
 
 use super::group::Group;
 use super::witness::{LagrangeTerms, Witness, exact, explicit_path, lift, lift_all, path, with_resting};
 use super::{Disagreement, Failure, TOLERANCE};
+
+/// A position and the rows of a rotation.
+const POSE: usize = 12;
 
 /// One state at which a derivation is tried.
 pub struct Trial<'a> {
@@ -438,11 +441,15 @@ impl<'a> Trial<'a> {
         let Some(found) = self.interpreter.call(&format!("{}_velocity", function.name), self.state) else {
             return self.jacobian_of_a_velocity(function, &jacobian);
         };
-        let pose = function.results[0].shape == crate::optimise::Shape::Pose;
-        if pose && !is_rotation(&declared[3..]) {
+        let is_of_frames = matches!(function.results[0].shape, Shape::Pose | Shape::Poses(_));
+        let mut poses = declared.chunks(POSE);
+        if is_of_frames && !poses.all(|pose| is_rotation(&pose[3..])) {
             return Ok(()); // a quaternion off its constraint: no angular velocity to compare with
         }
-        let velocity = if pose { spatial_velocity(declared) } else { declared.iter().map(|v| v.derivative).collect() };
+        let velocity = match is_of_frames {
+            true => declared.chunks(POSE).flat_map(spatial_velocity).collect(),
+            false => declared.iter().map(|v| v.derivative).collect::<Vec<_>>(),
+        };
         self.equal("velocity of an output", &found, &velocity)?;
         // The velocity is J q̇ + ∂/∂t.
         let at_rest = State { qd: vec![Rounded::default(); self.n()], ..self.state.clone() };

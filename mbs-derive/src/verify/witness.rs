@@ -279,13 +279,5 @@ fn moving<V: Value>(state: &State<V>, parameters: &[V]) -> impl Fn(Symbol) -> Du
 }
 
 fn output_components<'g>(lagrangian: &Lagrangian<'g>, value: &OutputValue<'g>) -> Vec<Expr<'g>> {
-    match value {
-        OutputValue::Scalar(e) => vec![*e],
-        OutputValue::Array(entries) => entries.clone(),
-        OutputValue::Matrix(rows) => rows.concat(),
-        OutputValue::Pose(id) => {
-            let frame = lagrangian.frames.get(*id);
-            frame.position.0.into_iter().chain(frame.rotation.0.into_iter().flatten()).collect()
-        }
-    }
+    value.components(&lagrangian.frames)
 }

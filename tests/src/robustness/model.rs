@@ -31,9 +31,19 @@ pub fn text() -> BoxedStrategy<String> {
 
 fn statement() -> BoxedStrategy<String> {
     let loops = vec(simple(), 1..3).prop_map(|body| format!("for i in 0..n {{ {} }}", body.join(" ")));
+    let filled = (position(), simple()).prop_map(|(value, chosen)| {
+        format!(
+            "let e[n]; for i in 0..n {{ e[i] = {value}; if i == 1 {{ {chosen} }} else if n != 2 {{ output z = e; }} \
+             output o[i] = [e[i], x]; }}"
+        )
+    });
+    let rods = (position(), position())
+        .prop_map(|(left, right)| format!("for i in 0..n {{ constraint rod[i]: q[i] + {left} = {right}; }}"));
     prop_oneof![
         12 => simple(),
         2 => loops,
+        1 => filled,
+        1 => rods,
         1 => (scalar(), scalar()).prop_map(|(left, right)| format!("constraint c: {left} = {right};")),
         1 => (vector(), select(vec!["0", "[x, 0, 0]"])).prop_map(|(left, right)| format!("constraint d: {left} = {right};")),
         1 => scalar().prop_map(|value| format!("output y = {value}, jacobian_rate;")),
@@ -60,8 +70,10 @@ fn simple() -> BoxedStrategy<String> {
 
 /// Coordinates, parameters and numbers, as they stand in places and angles.
 fn position() -> BoxedStrategy<String> {
-    let leaves =
-        ["x", "q[0]", "q[1]", "a", "b[2]", "s", "w", "t", "k", "0", "1", "0.5", "2", "pi", "place.z", "1e-9", "1e9"];
+    let leaves = [
+        "x", "q[0]", "q[1]", "a", "b[2]", "s", "w", "t", "k", "0", "1", "0.5", "2", "pi", "place.z", "1e-9", "1e9",
+        "(20 deg)", "(3 g/m)",
+    ];
     let leaf = select(leaves.map(str::to_string).to_vec());
     leaf.prop_recursive(3, 12, 2, |inner| {
         prop_oneof![
