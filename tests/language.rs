@@ -44,3 +44,25 @@ fn every_mechanism_of_the_manual_is_generated_without_a_warning() {
     assert!(count >= 10, "{count} mechanisms found in the manual");
     assert!(reports.is_empty(), "{reports}");
 }
+
+/// The blocks fenced as `text` that are statements: parts of mechanisms, which are read as they stand.
+#[test]
+fn every_statement_of_the_manual_can_be_read() {
+    let fragments =
+        MANUAL.split("\n```text\n").skip(1).filter_map(|rest| rest.split_once("\n```").map(|(text, _)| text));
+    let of_statements = fragments.filter(|text| text.lines().all(|line| line.split("//").next().is_some_and(ends)));
+    let mut count = 0;
+    for text in of_statements {
+        let source = format!("mechanism Fragment {{\n{text}\n}}");
+        if let Err(errors) = mbs_derive::parse::declaration(&source) {
+            panic!("{}", errors.render("language.md", &source));
+        }
+        count += 1;
+    }
+    assert!(count >= 3, "{count} blocks of statements found in the manual");
+}
+
+/// Whether a line of code is a statement.
+fn ends(code: &str) -> bool {
+    code.trim_end().ends_with(';')
+}

@@ -17,6 +17,7 @@
 //! - `condition`: `if … else`;
 //! - `builtin`: functions and methods; `function`: functions written in the language; `body`: bodies;
 //! - `import`: what imported files declare;
+//! - `misplaced`: places that are counted from another origin than was meant;
 //! - `moments`: whether an inertia is that of a body;
 //! - `check`: what must hold of the finished mechanism; `singular`, `sign`: what it was probably not meant to do;
 //! - [`sample`]: random states; [`degree`]: what must hold of the energies there.
@@ -42,6 +43,7 @@ pub mod lagrangian;
 pub mod landmark;
 #[cfg(test)]
 mod manual;
+mod misplaced;
 pub(crate) mod moments;
 mod operator;
 mod output;

@@ -16,7 +16,10 @@ impl<'d, 'g> Resolver<'d, 'g> {
         let m = self.mass(mass);
         let place = match position.value {
             Value::Point(point) => Ok(point),
-            _ => self.vector(position).and_then(|vector| self.tip_of(vector, &position.span)),
+            _ => {
+                self.warn_of_a_vector_for_a_place(position);
+                self.vector(position).and_then(|vector| self.tip_of(vector, &position.span))
+            }
         };
         let (m, Point { coordinates, frame }) = (m?, place?);
         self.physical.push(Physical { mass: m, mass_span: mass.span.clone(), inertia: None });
@@ -78,6 +81,9 @@ impl<'d, 'g> Resolver<'d, 'g> {
         }
         let Tensor { entries: Matrix(rows), .. } = tensor;
         self.check_dimension(tensor.fit(), "an inertia", Dimension::INERTIA, &argument.span)?;
+        if let Ok(frame) = frame {
+            self.check_axes_of_inertia(rows.as_flattened(), frame, &argument.span)?;
+        }
         self.constant_in_time(rows.as_flattened(), "an inertia", &argument.span)?;
         for (i, j) in [(0, 1), (0, 2), (1, 2)] {
             let (a, b) = (rows[i][j], rows[j][i]);
@@ -93,6 +99,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
     fn mass_centre(&mut self, argument: &Argument<'g>, frame: FrameId) -> Resolved<Free<'g>> {
         let com = self.components_in(argument, frame, "this mass centre")?;
         self.check_dimension(com.fit(), "a mass centre", Dimension::LENGTH, &argument.span)?;
+        self.check_mass_centre(com.components, frame, &argument.span)?;
         Ok(com)
     }
 

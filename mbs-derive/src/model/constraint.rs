@@ -96,6 +96,11 @@ impl<'d, 'g> Resolver<'d, 'g> {
         if (left.value.shape(), right.value.shape()) == (Shape::Vector, Shape::Vector) {
             let (a, b) = (self.vector(&left)?, self.vector(&right)?);
             self.check_sides(a.fit(), b.fit(), span)?;
+            match (&left.value, &right.value) {
+                (Value::Point(_), Value::Vector(_)) => self.warn_of_a_vector_for_a_place(&right),
+                (Value::Vector(_), Value::Point(_)) => self.warn_of_a_vector_for_a_place(&left),
+                _ => {}
+            }
             let value = self.binary(BinaryOperator::Sub, left, right, span)?;
             let rows = self.rows_of(&Argument { value, span: span.clone() })?;
             return Ok(rows.into_iter().map(|row| row.expr).collect());

@@ -20,8 +20,12 @@ impl<'d, 'g> Resolver<'d, 'g> {
 
     /// `torque on pose += value;`
     pub(super) fn torque_on(&mut self, pose: &Expression, value: &Expression) -> Resolved<()> {
-        let velocity = self.argument(pose).and_then(|pose| self.angular_velocity_of(&pose));
+        let pose = self.argument(pose);
+        let velocity = pose.clone().and_then(|pose| self.angular_velocity_of(&pose));
         let torque = self.argument(value);
+        if let (Ok(pose), Ok(_)) = (pose, &torque) {
+            self.warn_of_an_arm(&pose, value);
+        }
         self.does_work(velocity, torque, "a torque", Dimension::ENERGY)
     }
 
@@ -47,6 +51,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
         if !matches!(place.value, Value::Point(_)) {
             let vector = self.vector(&place)?;
             self.check_dimension(vector.fit(), "the place that a force acts at", Dimension::LENGTH, &span)?;
+            self.warn_of_a_vector_for_a_place(&place);
         }
         let rate = match &place.value {
             Value::Point(_) => self.rate(&place)?,
