@@ -71,6 +71,11 @@ fn spaced(text: &str) -> String {
     spaced
 }
 
+/// The name of the struct: the mechanism's, escaped where that is a keyword of Rust.
+pub fn type_name(derivation: &Derivation) -> String {
+    name::type_name(&derivation.name)
+}
+
 /// The name of the module: the mechanism's in snake case.
 pub fn module_name(derivation: &Derivation) -> String {
     name::identifier(&name::snake_case(&derivation.name))

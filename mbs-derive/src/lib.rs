@@ -53,7 +53,7 @@ use source::Sources;
 pub struct Generated {
     /// The module's name, snake case of the mechanism's.
     pub module: String,
-    /// The mechanism's name.
+    /// The name of the mechanism's struct: `r#loop` where that is a keyword of Rust.
     pub name: String,
     /// Number of coordinates.
     pub dof: usize,
@@ -156,7 +156,7 @@ pub fn generate_from(sources: &Sources, options: &emit::Options) -> Result<Gener
     }
     Ok(Generated {
         module: emit::module_name(&derivation),
-        name: derivation.name.clone(),
+        name: emit::type_name(&derivation),
         dof: derivation.dof(),
         inputs: model::sample::count(&derivation.inputs),
         implements_mechanism: emit::implements_mechanism(&derivation, options),

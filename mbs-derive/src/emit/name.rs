@@ -37,6 +37,9 @@ const TYPES: [&str; 20] = [
 /// Names of methods that generated functions may not take.
 const METHODS: [&str; 4] = ["new", "params", "default", "clone"];
 
+/// Keywords that `r#` does not escape.
+const UNESCAPABLE: [&str; 4] = ["self", "Self", "super", "crate"];
+
 /// Longest name that is made up from a formula.
 const LONGEST: usize = 24;
 
@@ -48,9 +51,20 @@ pub(super) fn identifier(name: &str) -> String {
     if valid { plain } else { format!("{plain}_") }
 }
 
+/// The identifier for a name that users of the code write: `r#type` of a keyword, which is as near as Rust comes to it;
+/// `self_` of the few that cannot be escaped.
+pub(super) fn escaped(name: &str) -> String {
+    let raw = format!("r#{name}");
+    let is_keyword = identifier(name) == format!("{name}_") && syn::parse_str::<Ident>(&raw).is_ok();
+    if is_keyword && !UNESCAPABLE.contains(&name) { raw } else { identifier(name) }
+}
+
 /// Tokens of an identifier.
 pub(super) fn ident(name: &str) -> Ident {
-    Ident::new(name, Span::call_site())
+    match name.strip_prefix("r#") {
+        Some(keyword) => Ident::new_raw(keyword, Span::call_site()),
+        None => Ident::new(name, Span::call_site()),
+    }
 }
 
 /// `CartPole` → `cart_pole`, `Arm6` → `arm6`, `NPendulum` → `n_pendulum`, `SCARA` → `scara`.
@@ -69,6 +83,11 @@ pub(super) fn snake_case(name: &str) -> String {
         snake.push(c.to_ascii_lowercase());
     }
     snake
+}
+
+/// The struct of a mechanism.
+pub(super) fn type_name(mechanism: &str) -> String {
+    if TYPES.contains(&mechanism) { format!("{mechanism}Mechanism") } else { escaped(mechanism) }
 }
 
 /// Names in use.
@@ -90,6 +109,12 @@ impl Scope {
         let name = free.expect("there are more numbers than names");
         self.taken.insert(name.clone());
         name
+    }
+
+    /// Likewise of a name that users of the code write.
+    fn unique_escaped(&mut self, wish: &str) -> String {
+        let name = escaped(wish);
+        if self.taken.insert(name.clone()) { name } else { self.unique(wish) }
     }
 
     /// The name, if it is free; taken from now on.
@@ -151,12 +176,10 @@ impl Names {
         let hoisted = hoisted.collect();
         let mut fields = Scope::default();
         let mut methods = Scope::with(&METHODS);
-        let mechanism = identifier(&derivation.name);
-        let clashes = TYPES.contains(&derivation.name.as_str());
         Names {
-            mechanism: if clashes { format!("{}Mechanism", derivation.name) } else { mechanism },
-            fields: derivation.parameters.iter().map(|p| fields.unique(&p.name)).collect(),
-            functions: derivation.functions.iter().map(|f| methods.unique(&f.name)).collect(),
+            mechanism: type_name(&derivation.name),
+            fields: derivation.parameters.iter().map(|p| fields.unique_escaped(&p.name)).collect(),
+            functions: derivation.functions.iter().map(|f| methods.unique_escaped(&f.name)).collect(),
             hoisted,
             coordinates,
             velocities,
@@ -289,6 +312,19 @@ mod tests {
         {
             assert_eq!(identifier(name), expected);
         }
+    }
+
+    #[test]
+    fn what_users_write_is_escaped() {
+        let cases = [("type", "r#type"), ("gen", "r#gen"), ("self", "self_"), ("crate", "crate_"), ("theta", "theta")];
+        for (name, expected) in cases {
+            assert_eq!(escaped(name), expected);
+            assert_eq!(ident(expected).to_string(), expected);
+        }
+        let mut scope = Scope::default();
+        let names = ["self_", "self", "type", "type"].map(|name| scope.unique_escaped(name));
+        assert_eq!(names, ["self_", "self__2", "r#type", "type_"]);
+        assert_eq!((type_name("loop"), type_name("Self")), ("r#loop".to_string(), "SelfMechanism".to_string()));
     }
 
     #[test]

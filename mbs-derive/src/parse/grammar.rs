@@ -734,10 +734,6 @@ mechanism CartPole {
             "B: expected a `{`, found `B`; a mechanism's statements stand between braces: `mechanism Name { … }`",
         );
         check(
-            "mechanism match {}",
-            "match: `match` cannot be declared: it is a keyword of Rust; choose another name, such as `match_`",
-        );
-        check(
             "#![no_std] mechanism A {}",
             "#![no_std]: this attribute is not known; the only one is `#![dimensionless]`",
         );

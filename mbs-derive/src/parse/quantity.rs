@@ -208,7 +208,8 @@ impl Reader<'_> {
         self.skip(input);
         let span = self.last - text.len()..self.last;
         if let Some(plain) = text.strip_prefix("r#") {
-            return Err(self.refuse(span, format!("`{text}` is not a name"), format!("write `{plain}_`")));
+            let help = format!("write `{plain}{}`", if taken(plain).is_some() { "_" } else { "" });
+            return Err(self.refuse(span, format!("`{text}` is not a name"), help));
         }
         if !text.contains(|c: char| c.is_ascii_alphabetic()) {
             return Err(self.refuse(span, format!("`{text}` is not a name"), "a name has at least one letter"));
@@ -315,10 +316,14 @@ mod tests {
         for name in ["force", "coord", "prescribed", "in", "mechanism"] {
             taken(name, "a keyword of the language");
         }
-        taken("match", "a keyword of Rust");
         taken("t", "the time");
         refused("let _ = 1;", "_: `_` is not a name; a name has at least one letter");
-        refused("let r#loop = 1;", "r#loop: `r#loop` is not a name; write `loop_`");
+        refused("let r#loop = 1;", "r#loop: `r#loop` is not a name; write `loop`");
+        refused("let r#for = 1;", "r#for: `r#for` is not a name; write `for_`");
+        for name in ["match", "self", "Self", "crate", "type", "true", "gen"] {
+            statement(&format!("param {name}: m = 1;"));
+            statement(&format!("let x = {name}*{name}[0]*{name}(1);"));
+        }
         statement("let force_ = 1;");
         statement("let union = 1;");
     }
