@@ -173,3 +173,48 @@ fn the_rate_of_a_robot_costs_three_jacobians() {
     let found = Interpreter::new(&derivation).call("flange_jacobian_rate", &state).expect("generated");
     assert_close("flange", &found, &expected, 1e-13);
 }
+
+/// An output of rates and inputs has derivatives in both, and no other one has.
+#[test]
+fn derivatives_by_rates_and_inputs() {
+    let source =
+        "mechanism Winch { param m: kg = 2; param r: m = 0.3; coord x: m; coord a: rad; input f[2]: N; input tau: N*m;
+        kinetic += 1/2*m*dt(x)^2 + 1/2*m*r^2*dt(a)^2; force x += f[0] - f[1]; force a += tau;
+        output power = f[0]*dt(x) + tau*dt(a)*cos(a);
+        output rates = [dt(x)*a, dt(a)^2];
+        output loads = [[f[0]*x, r*f[1]], [tau/r, 0*f[0]]];
+        output place = x*cos(a); }";
+    let derivation = derivation(source);
+    let state =
+        State { q: vec![0.4, 0.6], qd: vec![1.5, -0.7], u: vec![3.0, 5.0, 7.0], qdd: vec![0.0; 2], ..State::default() };
+    let interpreter = Interpreter::new(&derivation);
+    let call = |name: &str| interpreter.call(name, &state);
+    let cos = 0.6_f64.cos();
+    assert_eq!(call("power_jacobian_qd"), Some(vec![3.0, 7.0 * cos]));
+    assert_eq!(call("power_jacobian_u"), Some(vec![1.5, 0.0, -0.7 * cos]));
+    assert_eq!(call("rates_jacobian"), Some(vec![0.0, 1.5, 0.0, 0.0]));
+    assert_eq!(call("rates_jacobian_qd"), Some(vec![0.6, 0.0, 0.0, -1.4]));
+    assert_close(
+        "loads",
+        &call("loads_jacobian_u").unwrap(),
+        &[0.4, 0.0, 0.0, 0.0, 0.3, 0.0, 0.0, 0.0, 1.0 / 0.3, 0.0, 0.0, 0.0],
+        1e-15,
+    );
+    for absent in ["rates_jacobian_u", "loads_jacobian_qd", "place_jacobian_qd", "place_jacobian_u"] {
+        assert_eq!(call(absent), None, "{absent}");
+    }
+    let (taken, graph) = (source.replace("place = x*cos(a)", "power_jacobian_u = x"), Graph::verbatim());
+    let report = declared(&taken, &graph, &[]).expect_err("a name taken").render("", &taken);
+    assert!(report.contains("there is already an output `power`"), "{report}");
+}
+
+/// Compiled: `∂(r × v)/∂v = r×`.
+#[test]
+fn an_angular_momentum_by_the_velocity() {
+    let kepler = mbs_models::kepler::Kepler::<f64>::default();
+    let (q, qd) = ([0.3, -0.8, 0.5], [1.1, 0.2, -0.4]);
+    let [x, y, z] = q;
+    let expected = [[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]];
+    assert_eq!(kepler.angular_momentum_jacobian_qd(&q).map(|row| row.map(|entry| entry + 0.0)), expected);
+    assert_eq!(kepler.angular_momentum(&q, &qd)[2], x * qd[1] - y * qd[0]);
+}

@@ -125,6 +125,10 @@ pub enum FunctionKind {
     OutputVelocity(usize),
     /// The Jacobian of the output with this number.
     OutputJacobian(usize),
+    /// The derivatives by q̇ of the output with this number, which depends on velocities.
+    OutputJacobianQd(usize),
+    /// The derivatives by u of the output with this number, which depends on inputs.
+    OutputJacobianU(usize),
     /// The time derivative of the Jacobian of the output with this number.
     OutputJacobianRate(usize),
     /// The wrenches at the joints of the reaction with this number.
@@ -449,7 +453,7 @@ fn conserved<'g>(equations: &Equations<'g>) -> Roots<'g> {
     Roots::new("conserved", FunctionKind::Conserved(names), &[Argument::Q, Argument::Qd], shape, values)
 }
 
-/// An output's value, velocity, Jacobian and its rate; each takes the arguments that it depends on, and q in any case.
+/// An output's value, velocity, Jacobians and their rate; each takes the arguments that it depends on, and q in any case.
 fn output<'g>(equations: &Equations<'g>, number: usize) -> Vec<Roots<'g>> {
     let output = &equations.outputs[number];
     let name = &output.name;
@@ -479,6 +483,15 @@ fn output<'g>(equations: &Equations<'g>, number: usize) -> Vec<Roots<'g>> {
     let jacobian_shape = Shape::Matrix(jacobian.len(), equations.symbols.q.len());
     let kind = FunctionKind::OutputJacobian(number);
     functions.push(function(&format!("{name}_jacobian"), kind, jacobian_shape, jacobian.concat()));
+    for (suffix, kind, rows) in [
+        ("jacobian_qd", FunctionKind::OutputJacobianQd(number), &output.jacobian_qd),
+        ("jacobian_u", FunctionKind::OutputJacobianU(number), &output.jacobian_u),
+    ] {
+        if let Some(rows) = rows {
+            let shape = Shape::Matrix(rows.len(), rows.first().map_or(0, Vec::len));
+            functions.push(function(&format!("{name}_{suffix}"), kind, shape, rows.concat()));
+        }
+    }
     if let Some(rate) = &output.jacobian_rate {
         let kind = FunctionKind::OutputJacobianRate(number);
         functions.push(function(&format!("{name}_jacobian_rate"), kind, jacobian_shape, rate.concat()));

@@ -19,6 +19,10 @@ pub struct OutputEquations<'g> {
     pub velocity: Option<Vec<Expr<'g>>>,
     /// `∂velocity/∂q̇`, one row per component; of a value that depends on velocities `∂value/∂q`.
     pub jacobian: Rows<'g>,
+    /// `∂value/∂q̇`, where the value depends on velocities.
+    pub jacobian_qd: Option<Rows<'g>>,
+    /// `∂value/∂u`, where the value depends on inputs.
+    pub jacobian_u: Option<Rows<'g>>,
     /// The total time derivative of the Jacobian, `J̇ = Σ ∂J/∂q_k q̇_k + ∂J/∂t`, where it was asked for. With the velocity
     /// `J q̇ + b`, `b = ∂value/∂t`, the acceleration is `J q̈ + J̇ q̇ + ḃ`.
     pub jacobian_rate: Option<Rows<'g>>,
@@ -58,7 +62,20 @@ pub fn outputs<'g>(lagrangian: &Lagrangian<'_>, graph: &'g Graph, symbols: &Symb
                 None => value.iter().map(|&v| gradient(v, &symbols.q)).collect(),
             };
             let jacobian_rate = output.jacobian_rate.then(|| rates_of_rows(&jacobian, graph));
-            OutputEquations { name: output.name.clone(), shape, value, velocity, jacobian, jacobian_rate }
+            let by = |symbols: &[Symbol], is_meant: fn(Symbol) -> bool| {
+                let rows = || value.iter().map(|&v| gradient(v, symbols)).collect();
+                (velocity.is_none() && depends(&value, is_meant)).then(rows)
+            };
+            OutputEquations {
+                name: output.name.clone(),
+                shape,
+                jacobian_qd: by(&symbols.qd, |symbol| matches!(symbol, Symbol::Velocity(_))),
+                jacobian_u: by(&symbols.u, |symbol| matches!(symbol, Symbol::Input(_))),
+                value,
+                velocity,
+                jacobian,
+                jacobian_rate,
+            }
         })
         .collect()
 }
@@ -87,13 +104,18 @@ fn twist<'g>(lagrangian: &Lagrangian<'_>, id: crate::model::FrameId, graph: &'g 
 }
 
 fn positional(value: &[Expr<'_>]) -> bool {
-    let Some(first) = value.first() else { return true };
+    let stays =
+        |symbol| matches!(symbol, Symbol::Coordinate(_) | Symbol::Time | Symbol::Parameter(_) | Symbol::Prescribed(..));
+    !depends(value, |symbol| !stays(symbol))
+}
+
+/// Whether a symbol of some kind is in the expressions.
+fn depends(value: &[Expr<'_>], is_meant: impl Fn(Symbol) -> bool) -> bool {
+    let Some(first) = value.first() else { return false };
     let graph = first.graph();
-    graph.reachable(value.iter().map(|e| e.id())).into_iter().all(|id| match graph.node(id) {
-        crate::expr::Node::Symbol(symbol) => {
-            matches!(symbol, Symbol::Coordinate(_) | Symbol::Time | Symbol::Parameter(_) | Symbol::Prescribed(..))
-        }
-        _ => true,
+    graph.reachable(value.iter().map(|e| e.id())).into_iter().any(|id| match graph.node(id) {
+        crate::expr::Node::Symbol(symbol) => is_meant(symbol),
+        _ => false,
     })
 }
 

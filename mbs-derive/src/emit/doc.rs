@@ -138,6 +138,8 @@ pub(super) fn function(derivation: &Derivation, function: &Function) -> Vec<Stri
         | FunctionKind::Output(_)
         | FunctionKind::OutputVelocity(_)
         | FunctionKind::OutputJacobian(_)
+        | FunctionKind::OutputJacobianQd(_)
+        | FunctionKind::OutputJacobianU(_)
         | FunctionKind::OutputJacobianRate(_) => {}
         FunctionKind::Reaction(number) => {
             facts.extend(derivation.reactions.get(*number).into_iter().flat_map(|reaction| declared(&reaction.docs)));
@@ -228,6 +230,12 @@ fn summary(derivation: &Derivation, function: &Function) -> String {
             } else {
                 format!("Jacobian of the output `{name}`, {shape}: its derivatives by `q`.")
             }
+        }
+        FunctionKind::OutputJacobianQd(_) => {
+            format!("Derivatives of the output `{}` by `q̇`, {shape}.", output("_jacobian_qd"))
+        }
+        FunctionKind::OutputJacobianU(_) => {
+            format!("Derivatives of the output `{}` by `u`, {shape}.", output("_jacobian_u"))
         }
         FunctionKind::OutputJacobianRate(number) => {
             let name = output("_jacobian_rate");

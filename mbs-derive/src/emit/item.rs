@@ -620,6 +620,8 @@ fn trait_name(kind: &FunctionKind) -> &'static str {
         | FunctionKind::Output(_)
         | FunctionKind::OutputVelocity(_)
         | FunctionKind::OutputJacobian(_)
+        | FunctionKind::OutputJacobianQd(_)
+        | FunctionKind::OutputJacobianU(_)
         | FunctionKind::OutputJacobianRate(_)
         | FunctionKind::Reaction(_) => unreachable!("not in the trait"),
     }

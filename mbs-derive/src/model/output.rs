@@ -233,8 +233,9 @@ impl<'d, 'g> Resolver<'d, 'g> {
 }
 
 /// The functions that an output becomes.
-pub(super) fn functions_of_output(name: &str) -> [String; 4] {
-    ["", "_velocity", "_jacobian", "_jacobian_rate"].map(|suffix| format!("{name}{suffix}"))
+pub(super) fn functions_of_output(name: &str) -> [String; 6] {
+    ["", "_velocity", "_jacobian", "_jacobian_qd", "_jacobian_u", "_jacobian_rate"]
+        .map(|suffix| format!("{name}{suffix}"))
 }
 
 /// Of several numbers: the one that they share, else all.

@@ -465,14 +465,34 @@ impl<'a> Trial<'a> {
         self.equal("rate of the Jacobian of an output", &found, &expected)
     }
 
-    /// `∂output/∂q` of an output that depends on velocities.
+    /// `∂output/∂q` of an output that depends on velocities or inputs, and its derivatives by these.
     fn jacobian_of_a_velocity(&self, function: &Function, jacobian: &[Rounded]) -> Result<(), Failure> {
-        let n = self.n();
-        for j in 0..n {
-            let state = lift(self.state, |symbol| one_if(symbol == Symbol::Coordinate(j as u32)));
+        self.columns("Jacobian of an output", function, jacobian, self.n(), Symbol::Coordinate)?;
+        let slopes = |suffix: &str| self.interpreter.call(&format!("{}_{suffix}", function.name), self.state);
+        if let Some(found) = slopes("jacobian_qd") {
+            self.columns("derivative of an output by q̇", function, &found, self.n(), Symbol::Velocity)?;
+        }
+        if let Some(found) = slopes("jacobian_u") {
+            self.columns("derivative of an output by u", function, &found, self.state.u.len(), Symbol::Input)?;
+        }
+        Ok(())
+    }
+
+    /// Column by column, the derivatives of a function in symbols of one kind.
+    fn columns(
+        &self,
+        claim: &'static str,
+        function: &Function,
+        found: &[Rounded],
+        width: usize,
+        symbol: fn(u32) -> Symbol,
+    ) -> Result<(), Failure> {
+        for j in 0..width {
+            let chosen = symbol(j as u32);
+            let state = lift(self.state, |symbol| one_if(symbol == chosen));
             let expected: Vec<Rounded> = self.dual.evaluate(function, &state).iter().map(|v| v.derivative).collect();
-            let column: Vec<Rounded> = (0..expected.len()).map(|i| jacobian[i * n + j]).collect();
-            self.equal("Jacobian of an output", &column, &expected)?;
+            let column: Vec<Rounded> = (0..expected.len()).map(|i| found[i * width + j]).collect();
+            self.equal(claim, &column, &expected)?;
         }
         Ok(())
     }
