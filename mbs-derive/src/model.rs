@@ -15,6 +15,7 @@
 //! - `reaction`: joints whose wrenches are asked for, held and let go;
 //! - `evaluate`: expressions → values; `quantity`: numbers with units; `operator`: `+ - * / ^` and `dt`;
 //! - `condition`: `if … else`;
+//! - `difference`: differences of places, in their nearest common frame;
 //! - `builtin`: functions and methods; `function`: functions written in the language; `body`: bodies;
 //! - `import`: what imported files declare;
 //! - `misplaced`: places that are counted from another origin than was meant;
@@ -30,6 +31,7 @@ mod constant;
 mod constraint;
 mod declare;
 pub mod degree;
+mod difference;
 pub mod dimension;
 mod element;
 mod energy;

@@ -8,6 +8,7 @@ use std::collections::{BTreeMap, BTreeSet, HashSet};
 use super::builtin::{self, CONSTANTS};
 use super::check::{Physical, Places};
 use super::constant::{Dependence, Facts};
+use super::difference::Differences;
 use super::dimension::Dimension;
 use super::family::Family;
 use super::frame::{Edge, FrameId};
@@ -56,6 +57,8 @@ pub(super) struct Resolver<'d, 'g> {
     pub(super) lagrangian: Lagrangian<'g>,
     pub(super) scope: Scope<'g>,
     pub(super) facts: Facts,
+    /// Which expressions are sums of places.
+    pub(super) differences: Differences<'g>,
     pub(super) errors: Diagnostics,
     /// What has been said, and where: loops would repeat it.
     said: HashSet<(usize, usize, String)>,
@@ -117,6 +120,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
             lagrangian: Lagrangian::new(graph, name),
             scope: Scope::new(),
             facts: Facts::default(),
+            differences: Differences::default(),
             errors: Diagnostics::default(),
             said: HashSet::new(),
             dimensionless,
@@ -537,6 +541,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
         let Free { components, frame, dimension } = self.vector(value)?;
         let component = self.turned(components, frame, axis);
         self.lagrangian.landmarks.note_component_of(components, axis, component);
+        self.note_component_of_velocity(component, axis, components);
         Ok(Value::Scalar(Scalar::new(component, dimension)))
     }
 
@@ -546,6 +551,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
         let turned = self.turned(coordinates, frame, axis);
         let expr = if place.position.0.iter().all(|p| p.is_zero()) { turned } else { place.position.0[axis] + turned };
         self.lagrangian.landmarks.note_component(expr, Place { axis, coordinates, frame });
+        self.note_component(expr, axis, Point { coordinates, frame });
         expr
     }
 
@@ -689,7 +695,8 @@ impl<'d, 'g> Resolver<'d, 'g> {
             Value::Point(point) => Ok(self.position(*point)),
             Value::Array(array) if argument.value.shape() == Shape::Vector => {
                 let (exprs, dimension) = self.numbers(array.values(), "the components of a vector", &argument.span)?;
-                Ok(Free { components: Vector(exprs), frame: FrameId::WORLD, dimension })
+                let plain = Free { components: Vector(exprs), frame: FrameId::WORLD, dimension };
+                Ok(self.difference_with(exprs).unwrap_or(plain))
             }
             _ => Err(self.wrong_shape(argument, Shape::Vector)),
         }
@@ -815,6 +822,9 @@ impl<'d, 'g> Resolver<'d, 'g> {
             FrameId::WORLD => coordinates,
             frame => self.lagrangian.position(coordinates, frame),
         };
+        if frame != FrameId::WORLD {
+            self.note_components(components, Point { coordinates, frame });
+        }
         Free { components, frame: FrameId::WORLD, dimension }
     }
 

@@ -53,6 +53,23 @@ impl Edge<'_> {
     }
 }
 
+impl<'g> Edge<'g> {
+    /// Whether it leads back to where the other came from: `pose.inverse() * pose`.
+    fn undoes(&self, other: &Edge<'g>) -> bool {
+        let opposite = |a: Expr<'g>, b: Expr<'g>| a == -b || -a == b;
+        match (self, other) {
+            (Edge::Rotation { axis, angle }, Edge::Rotation { axis: other_axis, angle: other_angle }) => {
+                axis == other_axis && opposite(*angle, *other_angle)
+            }
+            (Edge::Quaternion([w, u @ ..]), Edge::Quaternion([other_w, v @ ..])) => {
+                w == other_w && u.iter().zip(v).all(|(&a, &b)| opposite(a, b))
+            }
+            (Edge::Translation(t), Edge::Translation(other)) => t.0.iter().zip(other.0).all(|(&a, b)| opposite(a, b)),
+            (Edge::Rotation { .. } | Edge::Quaternion(_) | Edge::Translation(_), _) => false,
+        }
+    }
+}
+
 /// One frame of the tree.
 #[derive(Clone, Copy, Debug)]
 pub struct Frame<'g> {
@@ -103,8 +120,14 @@ impl<'g> Frames<'g> {
         self.frames.iter()
     }
 
-    /// A frame that moves in `parent` as `edge` says; the same edge on the same parent is the same frame.
+    /// A frame that moves in `parent` as `edge` says; the same edge on the same parent is the same frame, and an edge that undoes
+    /// that of `parent` leads to the frame that this one is attached to.
     pub fn attach(&mut self, parent: FrameId, edge: Edge<'g>) -> FrameId {
+        if let Frame { parent: Some(before), edge: Some(last), .. } = self.get(parent)
+            && edge.undoes(last)
+        {
+            return *before;
+        }
         let known = self.children[parent.0].iter().find(|child| self.get(**child).edge == Some(edge));
         known.copied().unwrap_or_else(|| {
             let (id, frame) = (FrameId(self.frames.len()), self.moved(parent, edge));
@@ -117,10 +140,25 @@ impl<'g> Frames<'g> {
 
     /// The edges from the world to `frame`.
     pub fn path(&self, frame: FrameId) -> Vec<Edge<'g>> {
+        self.path_from(FrameId::WORLD, frame)
+    }
+
+    /// The edges from a frame to another that hangs from it.
+    pub fn path_from(&self, base: FrameId, frame: FrameId) -> Vec<Edge<'g>> {
         let ancestors = std::iter::successors(Some(frame), |id| self.get(*id).parent);
-        let mut edges: Vec<_> = ancestors.filter_map(|id| self.get(id).edge).collect();
+        let mut edges: Vec<_> = ancestors.take_while(|id| *id != base).filter_map(|id| self.get(id).edge).collect();
         edges.reverse();
         edges
+    }
+
+    /// The nearest frame that both hang from, or are.
+    pub fn nearest_common(&self, mut a: FrameId, mut b: FrameId) -> FrameId {
+        // Parents have smaller numbers than their children.
+        while a != b {
+            let later = if a > b { &mut a } else { &mut b };
+            *later = self.get(*later).parent.unwrap_or(FrameId::WORLD);
+        }
+        a
     }
 
     fn moved(&self, parent: FrameId, edge: Edge<'g>) -> Frame<'g> {
@@ -161,7 +199,7 @@ impl<'g> Frames<'g> {
 }
 
 /// The rotation matrix of a unit quaternion, its diagonal in the homogeneous form `w² + x² − y² − z²`.
-fn rotation_by<'g>([w, x, y, z]: [Expr<'g>; 4]) -> Matrix<'g> {
+pub(super) fn rotation_by<'g>([w, x, y, z]: [Expr<'g>; 4]) -> Matrix<'g> {
     let [ww, xx, yy, zz] = [w, x, y, z].map(|c| c.powi(2));
     Matrix([
         [ww + xx - yy - zz, 2 * (x * y - w * z), 2 * (x * z + w * y)],

@@ -7,7 +7,7 @@ use super::frame::FrameId;
 use super::function::Home;
 use super::landmark::Motion;
 use super::value::{Free, Point, Pose, Scalar, Shape, Tensor, Value, shared};
-use crate::expr::{Binary, Expr, HalfInteger, Matrix, Number};
+use crate::expr::{Binary, Expr, HalfInteger, Matrix, Number, Vector};
 use crate::parse::syntax::{BinaryOperator, Span};
 
 /// Exponents beyond this are a slip of the pen.
@@ -39,10 +39,14 @@ impl<'d, 'g> Resolver<'d, 'g> {
         match a.value.shape() {
             Shape::Number => {
                 let a = self.scalar(&a)?;
+                let minus_one = self.graph.integer(-1);
+                self.note_multiple(a.expr, minus_one, -a.expr);
                 Ok(Value::Scalar(Scalar::new(-a.expr, a.dimension)))
             }
             Shape::Vector => {
                 let a = self.vector(&a)?;
+                let minus_one = self.graph.integer(-1);
+                a.components.0.iter().for_each(|&c| self.note_multiple(c, minus_one, -c));
                 Ok(Value::Vector(Free { components: -a.components, ..a }))
             }
             Shape::Matrix => {
@@ -169,7 +173,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
             (Shape::Number, Shape::Number) => {
                 let (a, b) = (self.scalar(&a)?, self.scalar(&b)?);
                 let dimension = self.common(a.fit(), b.fit(), span)?;
-                Ok(Value::Scalar(Scalar::new(if minus { a.expr - b.expr } else { a.expr + b.expr }, dimension)))
+                Ok(Value::Scalar(Scalar::new(self.sum_of_numbers(a.expr, b.expr, minus), dimension)))
             }
             (Shape::Vector, Shape::Vector) => self.sum_of_vectors(a, b, minus, span),
             (Shape::Matrix, Shape::Matrix) => {
@@ -212,8 +216,16 @@ impl<'d, 'g> Resolver<'d, 'g> {
             }
             _ => {}
         }
+        if let Some(difference) = self.difference((&a.value, left), (&b.value, right), minus) {
+            return Ok(Value::Vector(Free { dimension, ..difference }));
+        }
         let (u, v, frame) = self.aligned(left, right);
-        Ok(Value::Vector(Free { components: if minus { u - v } else { u + v }, frame, dimension }))
+        let components = Vector([0, 1, 2].map(|i| match self.same_axes(frame, FrameId::WORLD) {
+            true => self.sum_of_numbers(u.0[i], v.0[i], minus),
+            false if minus => u.0[i] - v.0[i],
+            false => u.0[i] + v.0[i],
+        }));
+        Ok(Value::Vector(Free { components, frame, dimension }))
     }
 }
 
@@ -225,7 +237,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
             (Shape::Number, Shape::Number) => {
                 let (a, b) = (self.scalar(&a)?, self.scalar(&b)?);
                 let dimension = self.bounded(a.dimension.times(b.dimension), span)?;
-                Ok(Value::Scalar(Scalar::new(a.expr * b.expr, dimension)))
+                Ok(Value::Scalar(Scalar::new(self.product_of_numbers(a.expr, b.expr), dimension)))
             }
             (Shape::Number, Shape::Vector | Shape::Matrix) => {
                 let factor = self.scalar(&a)?;
@@ -250,6 +262,13 @@ impl<'d, 'g> Resolver<'d, 'g> {
         }
     }
 
+    fn product_of_numbers(&mut self, a: Expr<'g>, b: Expr<'g>) -> Expr<'g> {
+        let product = a * b;
+        self.note_multiple(a, b, product);
+        self.note_multiple(b, a, product);
+        product
+    }
+
     fn scaled(&mut self, factor: Scalar<'g>, b: &Argument<'g>, span: &Span) -> Resolved<Value<'g>> {
         if b.value.shape() == Shape::Matrix {
             let matrix = self.matrix(b)?;
@@ -260,6 +279,9 @@ impl<'d, 'g> Resolver<'d, 'g> {
         let dimension = self.bounded(factor.dimension.times(vector.dimension), span)?;
         let components = vector.components.scale(factor.expr);
         self.lagrangian.landmarks.note_scaled(vector.components, factor.expr, components);
+        for (&component, multiple) in vector.components.0.iter().zip(components.0) {
+            self.note_multiple(component, factor.expr, multiple);
+        }
         Ok(Value::Vector(Free { components, dimension, ..vector }))
     }
 
@@ -372,7 +394,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
         }
         let a = self.scalar(&a)?;
         let dimension = self.bounded(a.dimension.times(inverse.dimension), span)?;
-        Ok(Value::Scalar(Scalar::new(a.expr * inverse.expr, dimension)))
+        Ok(Value::Scalar(Scalar::new(self.product_of_numbers(a.expr, inverse.expr), dimension)))
     }
 
     fn power(&mut self, a: Argument<'g>, b: Argument<'g>, span: &Span) -> Resolved<Value<'g>> {
@@ -459,12 +481,9 @@ impl<'d, 'g> Resolver<'d, 'g> {
             }
             Value::Vector(Free { components, frame, dimension }) => {
                 components.0.iter().try_for_each(|&c| self.check_rate(c, &a.span))?;
+                let rate =
+                    self.rate_of_components(Free { components: *components, frame: *frame, dimension: *dimension });
                 let dimension = self.per_second(*dimension, &a.span)?;
-                let mut rate = components.map(Expr::rate);
-                let w = self.lagrangian.frames.get(*frame).angular_velocity;
-                if !w.0.iter().all(|c| c.is_zero()) {
-                    rate = w.cross(*components) + rate;
-                }
                 Ok(Value::Vector(Free { components: rate, frame: *frame, dimension }))
             }
             Value::Matrix(matrix) => {
@@ -487,7 +506,22 @@ impl<'d, 'g> Resolver<'d, 'g> {
 
     pub(super) fn rate_of(&mut self, expr: Expr<'g>, span: &Span) -> Resolved<Expr<'g>> {
         self.check_rate(expr, span)?;
+        if let Some(rate) = self.rate_of_difference(expr) {
+            return Ok(rate);
+        }
+        self.note_rate(expr, expr.rate());
         Ok(expr.rate())
+    }
+
+    /// `ω × v + v̇`, in the axes that the vector is in.
+    pub(super) fn rate_of_components(&mut self, Free { components, frame, .. }: Free<'g>) -> Vector<'g> {
+        let rate = components.map(Expr::rate);
+        let w = self.lagrangian.frames.get(frame).angular_velocity;
+        if !w.0.iter().all(|c| c.is_zero()) {
+            return w.cross(components) + rate;
+        }
+        components.0.iter().zip(rate.0).for_each(|(&of, rate)| self.note_rate(of, rate));
+        rate
     }
 
     fn check_rate(&mut self, expr: Expr<'g>, span: &Span) -> Resolved<()> {

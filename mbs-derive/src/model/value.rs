@@ -39,7 +39,7 @@ pub(super) struct Free<'g> {
 }
 
 /// A place: its coordinates in `frame`.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Point<'g> {
     pub(super) coordinates: Vector<'g>,
     pub(super) frame: FrameId,
