@@ -33,7 +33,7 @@ mod tree;
 use std::cell::OnceCell;
 use std::fmt;
 
-use crate::expr::{Expr, Graph, Symbol, carry_out, gradient_of_combination};
+use crate::expr::{Expr, Graph, Kept, Symbol, carry_out, gradient_of_combination};
 use crate::model::{Lagrangian, PointForce};
 
 pub use conserved::Conserved;
@@ -91,13 +91,15 @@ pub enum Route {
     Structured,
     /// The same with every mass left where it was declared; for comparison.
     Ungrouped,
+    /// As in a textbook with all sums multiplied out, whatever digits that costs; for comparison.
+    MultipliedOut,
 }
 
 impl Route {
     /// How what is derived by it is written.
-    fn form(self) -> Form {
+    fn form(self, kept: &Kept) -> Form<'_> {
         match self {
-            Route::Textbook => Form::Textbook,
+            Route::Textbook | Route::MultipliedOut => Form::Textbook(kept),
             Route::Plain | Route::Structured | Route::Ungrouped => Form::AsDerived,
         }
     }
@@ -110,6 +112,7 @@ impl fmt::Display for Route {
             Route::Textbook => "textbook",
             Route::Structured => "structured",
             Route::Ungrouped => "ungrouped",
+            Route::MultipliedOut => "multiplied out",
         })
     }
 }
@@ -149,7 +152,11 @@ pub fn routes<'g>(lagrangian: &Lagrangian<'_>, graph: &'g Graph) -> Vec<Equation
 
 /// The same, and routes that are there for comparison only.
 pub fn all_routes<'g>(lagrangian: &Lagrangian<'_>, graph: &'g Graph) -> Vec<Equations<'g>> {
-    derived_by(lagrangian, graph, &[Route::Plain, Route::Textbook, Route::Structured, Route::Ungrouped])
+    derived_by(
+        lagrangian,
+        graph,
+        &[Route::Plain, Route::Textbook, Route::Structured, Route::Ungrouped, Route::MultipliedOut],
+    )
 }
 
 fn derived_by<'g>(lagrangian: &Lagrangian<'_>, graph: &'g Graph, routes: &[Route]) -> Vec<Equations<'g>> {
@@ -161,15 +168,18 @@ fn derived_by<'g>(lagrangian: &Lagrangian<'_>, graph: &'g Graph, routes: &[Route
     let plain = (!is_long_chain).then(|| lagrange::equations(energies, symbols));
     let rest = lifted.as_ref().map(|lifted| lagrange::equations(&lifted.rest, symbols));
     let by_bodies = |masses| Some(tree::equations(lifted.as_ref()?, masses, energies, rest.as_ref()?, symbols));
+    let (kept, nothing) = (energies.factors(), Kept::default());
+    let kept = |route: Route| if route == Route::MultipliedOut { &nothing } else { &kept };
     let by = |route: Route| match route {
         Route::Plain => plain.clone(),
-        Route::Textbook => textbook::normal_form(plain.as_ref()?),
+        Route::Textbook | Route::MultipliedOut => textbook::normal_form(plain.as_ref()?, kept(route)),
         Route::Structured => by_bodies(Masses::Regrouped),
         Route::Ungrouped => by_bodies(Masses::AsDeclared),
     };
     let constraints = constraint::constraints(lagrangian, graph, symbols);
     let mechanism = Mechanism { lagrangian, symbols, energies, constraints, outputs: OnceCell::new() };
-    let mut found: Vec<_> = routes.iter().filter_map(|&route| Some(mechanism.equations(route, by(route)?))).collect();
+    let mut found: Vec<_> =
+        routes.iter().filter_map(|&route| Some(mechanism.equations(route, kept(route), by(route)?))).collect();
     // Reactions come last, so that all else is the same without them.
     if let Some(reactions) = Reactions::of(lagrangian, graph) {
         for equations in &mut found {
@@ -192,9 +202,9 @@ struct Mechanism<'a, 'v, 'g> {
 
 impl<'g> Mechanism<'_, '_, 'g> {
     /// Everything that follows from Lagrange's equations.
-    fn equations(&self, route: Route, lagrange: Lagrange<'g>) -> Equations<'g> {
+    fn equations(&self, route: Route, kept: &Kept, lagrange: Lagrange<'g>) -> Equations<'g> {
         let &Mechanism { lagrangian, symbols, energies, ref constraints, ref outputs } = self;
-        let form = route.form();
+        let form = route.form(kept);
         let forward_dynamics = form.forward_dynamics(&lagrange, constraints);
         let slopes = linearize::inverse_dynamics_slopes(&lagrange, symbols);
         let inverse_dynamics_jacobian = linearize::inverse_dynamics_jacobian(&slopes, form, symbols);
@@ -225,30 +235,44 @@ pub struct Energies<'g> {
     pub potential: Expr<'g>,
     /// D
     pub dissipation: Expr<'g>,
+    /// Terms of L that are neither T nor −V.
+    pub other: Expr<'g>,
     /// `L = T − V + Σ lagrangian terms`
     pub lagrangian: Expr<'g>,
     /// Q, one per coordinate.
     pub forces: Vec<Expr<'g>>,
+    /// What Q was declared with: forces on coordinates, and components of forces on points and torques on bodies.
+    pub declared_forces: Vec<Expr<'g>>,
 }
 
 impl<'g> Energies<'g> {
     fn carried_out(lagrangian: &Lagrangian<'_>, graph: &'g Graph) -> Self {
         let sum = |terms: &[Expr<'_>]| sum(terms, graph);
         let (kinetic, potential) = (sum(&lagrangian.kinetic), sum(&lagrangian.potential));
+        let dissipation = sum(&lagrangian.dissipation);
+        let other = sum(&lagrangian.lagrangian);
         Energies {
             kinetic,
             potential,
-            dissipation: sum(&lagrangian.dissipation),
-            lagrangian: kinetic - potential + sum(&lagrangian.lagrangian),
+            dissipation,
+            other,
+            lagrangian: kinetic - potential + other,
             forces: generalized_forces(lagrangian, &lagrangian.point_forces.iter().collect::<Vec<_>>(), graph),
+            declared_forces: declared_forces(lagrangian, graph),
         }
     }
 
+    /// The sums that springs, dampers and forces were written with.
+    fn factors(&self) -> Kept {
+        let kept = Kept::of(&[self.potential, self.dissipation, self.other], &self.declared_forces);
+        kept.and_constants_of(&[self.kinetic, self.potential, self.dissipation, self.other])
+    }
+
     /// The same with only these terms of T and V.
-    fn with_terms(&self, kinetic: &[Expr<'_>], potential: &[Expr<'_>], lagrangian: &Lagrangian<'_>) -> Self {
+    fn with_terms(&self, kinetic: &[Expr<'_>], potential: &[Expr<'_>]) -> Self {
         let graph = self.kinetic.graph();
         let (kinetic, potential) = (sum(kinetic, graph), sum(potential, graph));
-        let lagrangian = kinetic - potential + sum(&lagrangian.lagrangian, graph);
+        let lagrangian = kinetic - potential + self.other;
         Energies { kinetic, potential, lagrangian, ..self.clone() }
     }
 }
@@ -263,6 +287,12 @@ fn sum<'g>(terms: &[Expr<'_>], graph: &'g Graph) -> Expr<'g> {
 fn carried<'g, const N: usize>(expressions: [Expr<'_>; N], graph: &'g Graph) -> [Expr<'g>; N] {
     let carried = carry_out(&expressions, graph, |symbol| time_derivative(symbol, graph));
     std::array::from_fn(|i| carried[i])
+}
+
+fn declared_forces<'g>(lagrangian: &Lagrangian<'_>, graph: &'g Graph) -> Vec<Expr<'g>> {
+    let on_coordinates = lagrangian.forces.iter().map(|(_, force)| *force);
+    let at_points = lagrangian.point_forces.iter().flat_map(|force| force.force.0);
+    carry_out(&on_coordinates.chain(at_points).collect::<Vec<_>>(), graph, |symbol| time_derivative(symbol, graph))
 }
 
 /// Q of the forces on coordinates and of these forces on points and torques on bodies.

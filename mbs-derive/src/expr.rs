@@ -40,7 +40,7 @@ pub use evaluate::{Tape, Value, evaluate};
 pub use function::{Binary, Function};
 pub use graph::{Condition, Expr, Graph, HalfInteger, Id, Node, Symbol};
 pub use hessian::hessian;
-pub use normal::{cheapest_form, normal_form, quotients};
+pub use normal::{Kept, cheapest_form, normal_form, quotients};
 pub use number::Number;
 pub use rounded::Rounded;
 pub use substitute::{carry_out, cut, substitute, substitute_into};

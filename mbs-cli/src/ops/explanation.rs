@@ -41,23 +41,33 @@ impl Explanation {
     /// As a table of additions and multiplications, and what it says.
     pub(crate) fn table(&self) -> String {
         let routes: Vec<Route> = self.functions.first().map_or(Vec::new(), |f| f.2.iter().map(|(r, _)| *r).collect());
-        let shown: Vec<Route> = routes.iter().copied().filter(|route| *route != Route::Ungrouped).collect();
+        let is_shown = |route: &Route| !matches!(route, Route::Ungrouped | Route::MultipliedOut);
+        let shown: Vec<Route> = routes.iter().copied().filter(is_shown).collect();
         let mut header = vec!["function".to_string(), "route".to_string()];
         header.extend(shown.iter().map(Route::to_string));
         if routes.contains(&Route::Ungrouped) {
             header.push("saved by regrouping".to_string());
         }
-        let rows = self.functions.iter().map(|(name, route, costs)| {
+        let keeps = self.functions.iter().any(|function| kept(function) > 0);
+        if keeps {
+            header.push("spent on digits".to_string());
+        }
+        let rows = self.functions.iter().map(|function| {
+            let (name, route, costs) = function;
             let flops = |wanted: Route| costs.iter().find(|(r, _)| *r == wanted).map(|(_, cost)| cost.flops());
             let mut row = vec![name.clone(), route.to_string()];
             row.extend(shown.iter().filter_map(|route| flops(*route)).map(|flops| flops.to_string()));
             if let (Some(with), Some(without)) = (flops(Route::Structured), flops(Route::Ungrouped)) {
                 row.push((without as i64 - with as i64).to_string());
             }
+            if keeps {
+                row.push(kept(function).to_string());
+            }
             row
         });
         let rows: Vec<Vec<String>> = std::iter::once(header).chain(rows).collect();
-        format!("{}\n{}", in_columns(&rows, 2), self.words())
+        let words = if keeps { self.words() + KEPT } else { self.words() };
+        format!("{}\n{words}", in_columns(&rows, 2))
     }
 
     fn words(&self) -> String {
@@ -76,3 +86,16 @@ impl Explanation {
         if self.others == 0 && self.bodies > 0 { tree + "\n" } else { tree + "\n" + advice }
     }
 }
+
+/// Additions and multiplications that it takes not to multiply out the differences that energies and forces were written with.
+fn kept((_, route, costs): &Explained) -> usize {
+    let flops = |wanted: Route| costs.iter().find(|(r, _)| *r == wanted).map(|(_, cost)| cost.flops());
+    match (flops(*route), flops(Route::MultipliedOut)) {
+        (Some(taken), Some(multiplied_out)) => taken.saturating_sub(multiplied_out),
+        _ => 0,
+    }
+}
+
+/// Below the table, where there is a difference.
+const KEPT: &str = "Spent on digits: differences that energies and forces are written with stay factors, `k*(r - rest)`; \
+                    multiplied out,\n`k*r - k*rest`, they would be cheaper, and wrong where r is near rest.\n";

@@ -43,3 +43,16 @@ fn the_table_is_aligned() {
     assert!(rows.iter().any(|row| row.starts_with("forward_dynamics ")), "{table}");
     assert!(rows.iter().all(|row| row.len() == rows[0].len()), "{table}");
 }
+
+/// What it costs not to multiply out a spring's stretch is told; where nothing is spent there is no such column.
+#[test]
+fn explanations_tell_what_is_spent_on_digits() {
+    let workshop = Workshop::new();
+    let sprung = "mechanism Sprung { param m: kg = 1; param k: N/m = 1e9; param rest: m = 0.1; param l: m = 0.5; coord a: rad; \
+                  let tip = [l*sin(a), 0, -l*cos(a)]; kinetic += particle(m, tip); \
+                  potential += spring(k, hypot(tip.x - l/5, tip.z + l), rest); }";
+    workshop.write("sprung.mbs", sprung);
+    let table = workshop.good(&["ops", "sprung.mbs", "--explain"]);
+    assert!(table.contains("spent on digits") && table.contains("wrong where r is near rest"), "{table}");
+    assert!(!workshop.good(&["ops", "pendulum.mbs", "--explain"]).contains("spent on digits"));
+}

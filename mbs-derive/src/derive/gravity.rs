@@ -5,7 +5,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use crate::expr::{Expr, Graph, Node, Vector, normal_form};
+use crate::expr::{Expr, Graph, Kept, Node, Vector, normal_form};
 use crate::model::landmark::Place;
 use crate::model::{Body, FrameId, Lagrangian};
 
@@ -116,7 +116,7 @@ fn are_opposite<'g>(a: &[Expr<'g>], b: &[Expr<'g>]) -> bool {
     let size = |e: &Expr<'_>| e.as_constant().map_or(0.0, |value| value.to_f64().abs());
     let largest = a.iter().chain(b).map(size).fold(0.0, f64::max);
     a.iter().zip(b).all(|(&a, &b)| {
-        let sum = normal_form(&[a + b], MOST_TERMS).map_or(a + b, |forms| forms[0]);
+        let sum = normal_form(&[a + b], &Kept::default(), MOST_TERMS).map_or(a + b, |forms| forms[0]);
         sum.is_zero() || sum.as_constant().is_some_and(|sum| sum.to_f64().abs() <= 1e-12 * largest)
     })
 }

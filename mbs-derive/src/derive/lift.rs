@@ -88,7 +88,7 @@ pub(super) fn lifted<'g>(lagrangian: &Lagrangian<'_>, energies: &Energies<'g>, g
     }
     let forces = generalized_forces(lagrangian, &other_forces, graph);
     let dissipation = sum(&other_dissipation, graph);
-    let rest = energies.with_terms(&other_kinetic, &other_potential, lagrangian);
+    let rest = energies.with_terms(&other_kinetic, &other_potential);
     let rest = Energies { forces, dissipation, ..rest };
     Some(Lifted { linkage, inertias, gravity, loads, springs, drags, dampers, rest })
 }

@@ -36,7 +36,11 @@ pub fn inverse_dynamics_slopes<'g>(lagrange: &Lagrange<'g>, symbols: &Symbols) -
 }
 
 /// Those in q and q̇.
-pub fn inverse_dynamics_jacobian<'g>(slopes: &Rows<'g>, form: Form, symbols: &Symbols) -> InverseDynamicsJacobian<'g> {
+pub fn inverse_dynamics_jacobian<'g>(
+    slopes: &Rows<'g>,
+    form: Form<'_>,
+    symbols: &Symbols,
+) -> InverseDynamicsJacobian<'g> {
     let n = symbols.q.len();
     let rows = form.rows(&slopes.iter().map(|row| row[..2 * n].to_vec()).collect());
     InverseDynamicsJacobian {
@@ -50,7 +54,7 @@ pub fn linearization<'g>(
     lagrange: &Lagrange<'g>,
     inverse_dynamics_slopes: &Rows<'g>,
     forward: &ForwardDynamics<'g>,
-    form: Form,
+    form: Form<'_>,
     constraints: &Constraints<'g>,
     symbols: &Symbols,
 ) -> Linearization<'g> {
@@ -108,7 +112,7 @@ fn split<'g, const N: usize>(rows: &Rows<'g>, widths: [usize; N]) -> [Rows<'g>; 
 }
 
 /// Matrices of equally many rows, written in one form.
-fn together<'g, const N: usize>(form: Form, matrices: [Rows<'g>; N]) -> [Rows<'g>; N] {
+fn together<'g, const N: usize>(form: Form<'_>, matrices: [Rows<'g>; N]) -> [Rows<'g>; N] {
     let mut rows = form.rows(&matrices.concat()).into_iter();
     matrices.map(|matrix| rows.by_ref().take(matrix.len()).collect())
 }

@@ -10,7 +10,7 @@
 //! with `Q_s` of forces at points and torques on bodies, and `A_s = ∂φ/∂s`, or the slope of a Pfaffian row in ṡ. As s stays
 //! zero, only derivatives *by* s and ṡ see it: one reverse sweep for each of the terms, whatever the number of joints.
 
-use crate::expr::{Expr, Graph, Symbol, gradient, gradient_of_combination, substitute};
+use crate::expr::{Expr, Graph, Kept, Symbol, gradient, gradient_of_combination, substitute};
 use crate::model::{Lagrangian, lagrangian::AUXILIARY};
 
 use super::constraint::{self, Constraints};
@@ -62,16 +62,26 @@ impl<'g> Reactions<'g> {
     /// By a route, which need not apply.
     pub(super) fn by(&self, route: Route) -> Option<Vec<Wrenches<'g>>> {
         let net = match route {
-            Route::Plain | Route::Textbook => self.plain(&self.energies),
+            Route::Plain | Route::Textbook | Route::MultipliedOut => self.plain(&self.energies),
             Route::Structured => self.structured(Masses::Regrouped)?,
             Route::Ungrouped => self.structured(Masses::AsDeclared)?,
         };
         let mut all = sub(&net, &self.constraint_force).into_iter();
         let wrenches = self.counts.iter().map(|&count| all.by_ref().take(count).collect::<Vec<_>>());
+        let kept = self.factors();
         Some(match route {
-            Route::Textbook => wrenches.map(|wrench| Form::Textbook.list(&wrench)).collect(),
+            Route::Textbook => wrenches.map(|wrench| Form::Textbook(&kept).list(&wrench)).collect(),
+            Route::MultipliedOut => wrenches.map(|wrench| Form::Textbook(&Kept::default()).list(&wrench)).collect(),
             Route::Plain | Route::Structured | Route::Ungrouped => wrenches.collect(),
         })
+    }
+
+    /// The sums that springs, dampers and forces were written with, with the joints held.
+    fn factors(&self) -> Kept {
+        let Energies { potential, dissipation, other, .. } = self.energies;
+        let energies = self.auxiliary.held(&[potential, dissipation, other]);
+        let kept = Kept::of(&energies, &self.auxiliary.held(&self.energies.declared_forces));
+        kept.and_constants_of(&[&energies[..], &[self.energies.kinetic]].concat())
     }
 
     /// `d/dt ∂L/∂ṡ − ∂L/∂s + ∂D/∂ṡ − Q_s`

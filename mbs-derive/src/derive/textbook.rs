@@ -1,7 +1,7 @@
 //! Lagrange's equations as a person would write them, and solved as a person would solve them.
 
 use crate::expr::normal::weight;
-use crate::expr::{Expr, cheapest_form, quotients};
+use crate::expr::{Expr, Kept, cheapest_form, quotients};
 
 use super::Rows;
 use super::constraint::Constraints;
@@ -15,20 +15,20 @@ pub const MOST_COORDINATES: usize = 4;
 pub const MOST_TERMS: usize = 300;
 
 /// How equations are written.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Form {
+#[derive(Clone, Copy, Debug)]
+pub enum Form<'k> {
     /// As the sweeps give them.
     AsDerived,
-    /// As in a textbook, where that is not too long.
-    Textbook,
+    /// As in a textbook, where that is not too long, but for sums that stay factors.
+    Textbook(&'k Kept),
 }
 
-impl Form {
+impl Form<'_> {
     /// Expressions that are computed together, in this form.
     pub fn list<'g>(self, expressions: &[Expr<'g>]) -> Vec<Expr<'g>> {
         let form = match self {
             Form::AsDerived => None,
-            Form::Textbook => cheapest_form(expressions, MOST_TERMS),
+            Form::Textbook(kept) => cheapest_form(expressions, kept, MOST_TERMS),
         };
         form.unwrap_or_else(|| expressions.to_vec())
     }
@@ -44,19 +44,19 @@ impl Form {
         let forward = solve::forward_dynamics(lagrange, constraints);
         match self {
             Form::AsDerived => forward,
-            Form::Textbook => forward_dynamics(forward, constraints),
+            Form::Textbook(kept) => forward_dynamics(forward, constraints, kept),
         }
     }
 }
 
 /// The equations in the form of a textbook, each function that is short enough; `None` for mechanisms with more coordinates, or
 /// with a longer kinetic energy, than anybody writes out.
-pub fn normal_form<'g>(plain: &Lagrange<'g>) -> Option<Lagrange<'g>> {
+pub fn normal_form<'g>(plain: &Lagrange<'g>, kept: &Kept) -> Option<Lagrange<'g>> {
     if plain.momentum.len() > MOST_COORDINATES {
         return None;
     }
-    let kinetic_energy = cheapest_form(&[plain.kinetic_energy], MOST_TERMS)?[0];
-    let list = |expressions: &[Expr<'g>]| Form::Textbook.list(expressions);
+    let kinetic_energy = cheapest_form(&[plain.kinetic_energy], kept, MOST_TERMS)?[0];
+    let list = |expressions: &[Expr<'g>]| Form::Textbook(kept).list(expressions);
     let one = |expression: Expr<'g>| list(&[expression])[0];
     let [bias, dissipation_force, generalized_force, inverse_dynamics] =
         [&plain.bias, &plain.dissipation_force, &plain.generalized_force, &plain.inverse_dynamics].map(|e| list(e));
@@ -64,8 +64,8 @@ pub fn normal_form<'g>(plain: &Lagrange<'g>) -> Option<Lagrange<'g>> {
         kinetic_energy,
         potential_energy: one(plain.potential_energy),
         momentum: list(&plain.momentum),
-        mass_matrix: Form::Textbook.rows(&plain.mass_matrix),
-        coriolis_matrix: Form::Textbook.rows(&plain.coriolis_matrix),
+        mass_matrix: Form::Textbook(kept).rows(&plain.mass_matrix),
+        coriolis_matrix: Form::Textbook(kept).rows(&plain.coriolis_matrix),
         gravity: list(&plain.gravity),
         residual: sub(&inverse_dynamics, &generalized_force),
         free_force: sub(&generalized_force, &add(&bias, &dissipation_force)),
@@ -78,20 +78,24 @@ pub fn normal_form<'g>(plain: &Lagrange<'g>) -> Option<Lagrange<'g>> {
 }
 
 /// Forward dynamics, unrolled the cheapest way: by `L D Lᵀ` as it stands, or by elimination in the form of a textbook.
-fn forward_dynamics<'g>(forward: ForwardDynamics<'g>, constraints: &Constraints<'g>) -> ForwardDynamics<'g> {
+fn forward_dynamics<'g>(
+    forward: ForwardDynamics<'g>,
+    constraints: &Constraints<'g>,
+    kept: &Kept,
+) -> ForwardDynamics<'g> {
     let (Some(factorization), Some(unrolled), 0) =
         (forward.factorization.clone(), forward.unrolled.clone(), constraints.count())
     else {
         return forward;
     };
-    let right_side = Form::Textbook.list(&forward.right_side);
+    let right_side = Form::Textbook(kept).list(&forward.right_side);
     let mut ways = vec![(factorization, unrolled)];
     for last_first in [false, true] {
-        let Some((factorization, pivots)) = eliminate(forward.matrix.clone(), last_first) else { continue };
+        let Some((factorization, pivots)) = eliminate(forward.matrix.clone(), kept, last_first) else { continue };
         ways.push((factorization.clone(), factorization.solve(&right_side)));
         let reduced = factorization.reduce(&right_side);
         let pairs: Vec<_> = reduced.into_iter().zip(pivots).collect();
-        if let Some(scaled) = quotients(&pairs, MOST_TERMS) {
+        if let Some(scaled) = quotients(&pairs, kept, MOST_TERMS) {
             let solution = factorization.substitute_back(scaled);
             ways.push((factorization, solution));
         }
@@ -104,17 +108,17 @@ fn forward_dynamics<'g>(forward: ForwardDynamics<'g>, constraints: &Constraints<
 
 /// `L D Lᵀ` of a symmetric matrix and D, simple pivots first, with every step brought into the form of a textbook: what is
 /// left of M shows `i1 sin²θ` where the rest cancels. `None` where a step has too many terms.
-fn eliminate(mut m: Rows<'_>, last_first: bool) -> Option<(Factorization<'_>, Vec<Expr<'_>>)> {
+fn eliminate<'g>(mut m: Rows<'g>, kept: &Kept, last_first: bool) -> Option<(Factorization<'g>, Vec<Expr<'g>>)> {
     let mut remaining: Vec<usize> = (0..m.len()).collect();
     let mut steps = Vec::new();
     while let Some(pivot) = simplest_pivot(&m, &remaining, last_first) {
         remaining.retain(|&other| other != pivot);
         let coupled: Vec<usize> = remaining.iter().copied().filter(|&i| !m[i][pivot].is_zero()).collect();
         let pairs: Vec<_> = coupled.iter().map(|&i| (m[i][pivot], m[pivot][pivot])).collect();
-        let column: Vec<_> = coupled.iter().copied().zip(quotients(&pairs, MOST_TERMS)?).collect();
+        let column: Vec<_> = coupled.iter().copied().zip(quotients(&pairs, kept, MOST_TERMS)?).collect();
         for &(i, factor) in &column {
             for &j in &coupled {
-                m[i][j] = cheapest_form(&[m[i][j] - factor * m[pivot][j]], MOST_TERMS)?[0];
+                m[i][j] = cheapest_form(&[m[i][j] - factor * m[pivot][j]], kept, MOST_TERMS)?[0];
             }
         }
         steps.push(Step { pivot, column, reciprocal: m[pivot][pivot].powi(-1) });

@@ -7,11 +7,13 @@
 //! - [`combination`]: linear combinations and polynomials;
 //! - [`wave`]: sines and cosines of sums of angles;
 //! - [`half_angle`]: doubled angles halved again, `sin²θ` for `½ (1 − cos 2θ)`;
+//! - [`kept`]: sums that stay factors, so that no digits are lost;
 //! - [`factor`]: polynomials as expressions, with common factors taken out and products shared.
 
 pub mod combination;
 pub mod factor;
 pub mod half_angle;
+pub mod kept;
 pub mod wave;
 
 use std::borrow::Cow;
@@ -23,15 +25,17 @@ use super::{Function, Symbol};
 use combination::{Combination, Polynomial, Powers, power_of_powers, product_of_powers};
 pub use factor::weight;
 use half_angle::{Double, Doubled, halved};
+pub use kept::Kept;
 use wave::{Angle, Wave, cosine, sine};
 
 /// The expressions in normal form, with common factors taken out again; `None` where one of them has more than `limit`
 /// terms on the way.
 ///
-/// Equal polynomials give the same expression.
-pub fn normal_form<'g>(roots: &[Expr<'g>], limit: usize) -> Option<Vec<Expr<'g>>> {
+/// Equal polynomials give the same expression, where nothing is kept: that is for reading and comparing, because differences are
+/// multiplied out that have digits to lose.
+pub fn normal_form<'g>(roots: &[Expr<'g>], kept: &Kept, limit: usize) -> Option<Vec<Expr<'g>>> {
     let Some(first) = roots.first() else { return Some(Vec::new()) };
-    let mut expansion = Expansion::new(first.graph(), limit);
+    let mut expansion = Expansion::new(first.graph(), kept, limit);
     let form = |root: &Expr<'g>| {
         let sum = expansion.of(root.id())?;
         expansion.expression(&sum)
@@ -40,12 +44,12 @@ pub fn normal_form<'g>(roots: &[Expr<'g>], limit: usize) -> Option<Vec<Expr<'g>>
 }
 
 /// The expressions in the cheapest of the forms that texts use, all of them in the same: multiple angles, or doubled angles
-/// halved; with common factors taken out, or shared products named. `None` where one of them has more than `limit` terms on
-/// the way.
-pub fn cheapest_form<'g>(roots: &[Expr<'g>], limit: usize) -> Option<Vec<Expr<'g>>> {
+/// halved; with common factors taken out, or shared products named. What is kept is not multiplied out. `None` where one of them
+/// has more than `limit` terms on the way.
+pub fn cheapest_form<'g>(roots: &[Expr<'g>], kept: &Kept, limit: usize) -> Option<Vec<Expr<'g>>> {
     let Some(first) = roots.first() else { return Some(Vec::new()) };
     let graph = first.graph();
-    let mut expansion = Expansion::new(graph, limit);
+    let mut expansion = Expansion::new(graph, kept, limit);
     let sums: Vec<Sum> = roots.iter().map(|root| expansion.of(root.id())).collect::<Option<_>>()?;
     let forms = Doubled::ALL.into_iter().filter_map(|doubled| {
         let polynomials: Option<Vec<_>> = sums.iter().map(|sum| expansion.polynomial(sum, doubled)).collect();
@@ -56,10 +60,10 @@ pub fn cheapest_form<'g>(roots: &[Expr<'g>], limit: usize) -> Option<Vec<Expr<'g
 }
 
 /// `a / b` for each pair, in the cheapest of the forms that texts use; what is common to a and to a b of one term cancels.
-pub fn quotients<'g>(pairs: &[(Expr<'g>, Expr<'g>)], limit: usize) -> Option<Vec<Expr<'g>>> {
+pub fn quotients<'g>(pairs: &[(Expr<'g>, Expr<'g>)], kept: &Kept, limit: usize) -> Option<Vec<Expr<'g>>> {
     let Some((first, _)) = pairs.first() else { return Some(Vec::new()) };
     let graph = first.graph();
-    let mut expansion = Expansion::new(graph, limit);
+    let mut expansion = Expansion::new(graph, kept, limit);
     let sums: Vec<[Sum; 2]> =
         pairs.iter().map(|(a, b)| Some([expansion.of(a.id())?, expansion.of(b.id())?])).collect::<Option<_>>()?;
     let quotient = |[a, b]: &[Sum; 2], doubled: Doubled| {
@@ -118,15 +122,16 @@ impl Sum {
 const LARGEST_MULTIPLE: i128 = 1_000_000;
 
 /// Nodes expanded so far.
-struct Expansion<'g> {
+struct Expansion<'g, 'k> {
     graph: &'g Graph,
+    kept: &'k Kept,
     limit: usize,
     sums: IdMap<Sum>,
 }
 
-impl<'g> Expansion<'g> {
-    fn new(graph: &'g Graph, limit: usize) -> Self {
-        Expansion { graph, limit, sums: IdMap::default() }
+impl<'g, 'k> Expansion<'g, 'k> {
+    fn new(graph: &'g Graph, kept: &'k Kept, limit: usize) -> Self {
+        Expansion { graph, kept, limit, sums: IdMap::default() }
     }
 
     fn of(&mut self, root: Id) -> Option<Sum> {
@@ -151,8 +156,11 @@ impl<'g> Expansion<'g> {
             Node::Neg(a) => self.sums[&a].negative(),
             Node::Add(a, b) => self.sums[&a].plus(&self.sums[&b], Number::ONE),
             Node::Sub(a, b) => self.sums[&a].plus(&self.sums[&b], minus),
-            Node::Mul(a, b) => self.product(&self.sums[&a], &self.sums[&b])?,
-            Node::Power(a, n) => self.power(&self.sums[&a], n)?,
+            Node::Mul(a, b) => {
+                let is_constant = |id| self.graph.is_parametric(id);
+                self.product(&*self.factor(a, is_constant(b))?, &*self.factor(b, is_constant(a))?)?
+            }
+            Node::Power(a, n) => self.power(&*self.factor(a, false)?, n)?,
             Node::Call(function @ (Function::Sin | Function::Cos), a) => match angle_of(&self.sums[&a], self.graph) {
                 Some(angle) => {
                     let (factor, wave) = if function == Function::Sin { sine(angle) } else { cosine(angle) };
@@ -166,6 +174,18 @@ impl<'g> Expansion<'g> {
                 self.opaque(self.graph.expr(id))
             }
         })
+    }
+
+    /// An operand of a product or a power.
+    fn factor(&self, id: Id, beside_constant: bool) -> Option<Cow<'_, Sum>> {
+        let behind_sign = if let Node::Neg(a) = self.graph.node(id) { a } else { id };
+        let sum = &self.sums[&id];
+        if sum.0.len() < 2 || !self.kept.contains(behind_sign, beside_constant) {
+            return Some(Cow::Borrowed(sum));
+        }
+        let written = self.expression(sum)?;
+        self.kept.rewritten(behind_sign, if let Node::Neg(a) = written.node() { a } else { written.id() });
+        Some(Cow::Owned(self.opaque(written)))
     }
 
     /// Sums multiplied out.
@@ -195,9 +215,10 @@ impl<'g> Expansion<'g> {
 
     /// An indivisible expression, unless the local rules made a constant of it.
     fn opaque(&self, expr: Expr<'g>) -> Sum {
-        match expr.as_constant() {
-            Some(value) => Sum::constant(value),
-            None => Sum::power_of_atom(expr.id(), 2),
+        match (expr.as_constant(), expr.node()) {
+            (Some(value), _) => Sum::constant(value),
+            (None, Node::Neg(a)) => Sum::power_of_atom(a, 2).negative(),
+            (None, _) => Sum::power_of_atom(expr.id(), 2),
         }
     }
 
@@ -291,9 +312,9 @@ mod tests {
         let [a, b] = [0, 1].map(|i| graph.symbol(Symbol::Coordinate(i)));
         let [m, l] = [0, 1].map(|i| graph.symbol(Symbol::Parameter(i)));
         let f = m * l * (a.cos() * b.cos() + a.sin() * b.sin());
-        assert_eq!(normal_form(&[f], 100), Some(vec![m * l * (a - b).cos()]));
+        assert_eq!(normal_form(&[f], &Kept::default(), 100), Some(vec![m * l * (a - b).cos()]));
         let unit = a.sin().powi(2) * m + m * a.cos().powi(2);
-        assert_eq!(normal_form(&[unit], 100), Some(vec![m]));
+        assert_eq!(normal_form(&[unit], &Kept::default(), 100), Some(vec![m]));
     }
 
     #[test]
@@ -302,9 +323,9 @@ mod tests {
         let [x, y] = [0, 1].map(|i| graph.symbol(Symbol::Velocity(i)));
         let [m, l] = [0, 1].map(|i| graph.symbol(Symbol::Parameter(i)));
         let f = m * l.powi(2) * x + l.powi(2) * x;
-        assert_eq!(normal_form(&[f], 100), Some(vec![x * ((m + 1) * l.powi(2))]));
+        assert_eq!(normal_form(&[f], &Kept::default(), 100), Some(vec![x * ((m + 1) * l.powi(2))]));
         let g = x * y + x * m;
-        assert_eq!(normal_form(&[g], 100), Some(vec![x * (y + m)]));
+        assert_eq!(normal_form(&[g], &Kept::default(), 100), Some(vec![x * (y + m)]));
     }
 
     #[test]
@@ -314,13 +335,13 @@ mod tests {
         let [a, b] = [0, 1].map(|i| graph.symbol(Symbol::Parameter(i)));
         let (s, c) = (x.sin(), x.cos());
         let f = [a * s.powi(2) + b * c.powi(2), (a - b) * s * c];
-        let form = cheapest_form(&f, 100).unwrap();
+        let form = cheapest_form(&f, &Kept::default(), 100).unwrap();
         assert!(f.iter().zip(&form).all(|(f, form)| agree(*f, *form)), "{form:?}");
         // (a − b) s², + b, and (a − b) s · c; with the sine and cosine of 2 x it is no less.
         assert_eq!(weight(&form), 20 + 4, "{form:?}");
         // The cosine of 2 x alone is left alone.
         let doubled = (2 * x).cos();
-        assert_eq!(cheapest_form(&[c.powi(2) - s.powi(2)], 100), Some(vec![doubled]));
+        assert_eq!(cheapest_form(&[c.powi(2) - s.powi(2)], &Kept::default(), 100), Some(vec![doubled]));
     }
 
     #[test]
@@ -330,10 +351,11 @@ mod tests {
         for (x, y) in [(a, b), (b, a)] {
             // Twice of each, so that halving is cheaper than another pair.
             let f = [(2 * x - 2 * y).sin() + (x - y).sin(), (2 * x - 2 * y).cos() * (x - y).cos()];
-            let form = cheapest_form(&f, 100).unwrap();
+            let form = cheapest_form(&f, &Kept::default(), 100).unwrap();
             assert!(f.iter().zip(&form).all(|(f, form)| agree(*f, *form)), "{form:?}");
             let polynomial = |doubled| {
-                let mut expansion = Expansion::new(&graph, 100);
+                let nothing = Kept::default();
+                let mut expansion = Expansion::new(&graph, &nothing, 100);
                 let sum = expansion.of(f[0].id()).unwrap();
                 factor::factored(&graph, &[expansion.polynomial(&sum, doubled).unwrap()])[0]
             };
@@ -348,10 +370,10 @@ mod tests {
         let s = graph.symbol(Symbol::Coordinate(0)).sin();
         let m = graph.symbol(Symbol::Parameter(0));
         // m s once, then one product each.
-        let form = cheapest_form(&[m * (x * s), (m * y) * s, m * z * s], 100).unwrap();
+        let form = cheapest_form(&[m * (x * s), (m * y) * s, m * z * s], &Kept::default(), 100).unwrap();
         assert_eq!(weight(&form), 20 + 4, "{form:?}");
         // Sums and their negatives are one.
-        let form = cheapest_form(&[m * x - s * y, s * y - m * x], 100).unwrap();
+        let form = cheapest_form(&[m * x - s * y, s * y - m * x], &Kept::default(), 100).unwrap();
         assert_eq!(form[0], -form[1]);
     }
 
@@ -363,7 +385,7 @@ mod tests {
         let [a, m] = [0, 1].map(|i| graph.symbol(Symbol::Parameter(i)));
         let distance = ((x + a).powi(2) + y.powi(2)).sqrt();
         for f in [(x + a).powi(2), distance, (x + a) * distance.powi(-3)] {
-            let form = normal_form(&[f], 100).unwrap()[0];
+            let form = normal_form(&[f], &Kept::default(), 100).unwrap()[0];
             let value = |symbol| match symbol {
                 Symbol::Coordinate(0) => 1e-6 - 0.3,
                 Symbol::Coordinate(_) => 1e-6,
@@ -373,15 +395,51 @@ mod tests {
             assert!((values[0] - values[1]).abs() < 1e-15 * values[1], "{values:?}");
         }
         // Beside numbers they are multiplied out, so that like terms meet; squares do not meet what they are made of.
-        assert_eq!(normal_form(&[m * (x + a) - m * a], 100), Some(vec![m * x]));
+        assert_eq!(normal_form(&[m * (x + a) - m * a], &Kept::default(), 100), Some(vec![m * x]));
         let kept = (x + a).powi(2) - x.powi(2) - 2 * a * x;
         assert!(
-            normal_form(&[kept], 100).unwrap()[0] != a.powi(2) && agree(normal_form(&[kept], 100).unwrap()[0], kept)
+            normal_form(&[kept], &Kept::default(), 100).unwrap()[0] != a.powi(2)
+                && agree(normal_form(&[kept], &Kept::default(), 100).unwrap()[0], kept)
         );
         // With sines and cosines there may be something to cancel.
         let turned = (x * y.cos() + a).powi(2) + (x * y.sin()).powi(2);
-        assert!(agree(normal_form(&[turned], 100).unwrap()[0], turned));
-        assert_eq!(normal_form(&[turned - 2 * a * x * y.cos()], 100), Some(vec![a.powi(2) + x.powi(2)]));
+        assert!(agree(normal_form(&[turned], &Kept::default(), 100).unwrap()[0], turned));
+        assert_eq!(
+            normal_form(&[turned - 2 * a * x * y.cos()], &Kept::default(), 100),
+            Some(vec![a.powi(2) + x.powi(2)])
+        );
+    }
+
+    /// A force beside others, and the square of a distance in axes that turn; in a form of a form, too.
+    #[test]
+    fn what_energies_were_written_with_is_kept() {
+        let graph = Graph::new();
+        let [x, y, nu] = [0, 1, 2].map(|i| graph.symbol(Symbol::Coordinate(i)));
+        let [k, rest, b] = [0, 1, 2].map(|i| graph.symbol(Symbol::Parameter(i)));
+        let [[u, v], [p, q]] =
+            [[x, y], [rest, b]].map(|[x, y]| [x * nu.cos() - y * nu.sin(), x * nu.sin() + y * nu.cos()]);
+        let energy = k * (x - rest).powi(2) + k * ((u - p).powi(2) + (v - q).powi(2));
+        let force = k * (x - rest) + k * y * (u - p) * (y - b);
+        let kept = Kept::of(&[energy], &[]);
+        let once = cheapest_form(&[energy, force], &kept, 100).unwrap();
+        let twice = cheapest_form(&[once[0] * k, once[1] * nu.cos() * (x - rest)], &kept, 100).unwrap();
+        let (far, near) = (0.3, 0.3 + 1e-9);
+        let value = |symbol| match symbol {
+            Symbol::Coordinate(0) => near,
+            Symbol::Coordinate(1) => 0.7 + 1e-9,
+            Symbol::Coordinate(_) => 0.4,
+            Symbol::Parameter(i) => [1e9, far, 0.7][i as usize],
+            other => unreachable!("{other} is not used here"),
+        };
+        let expected = [energy, force, energy * k, force * nu.cos() * (x - rest)];
+        let found = [once, twice].concat();
+        let values: Vec<f64> = crate::expr::evaluate(&[&expected[..], &found].concat(), value);
+        // The distance is as near as the places, which are rounded at 1e-16.
+        assert!((0..4).all(|i| (values[i + 4] - values[i]).abs() < 1e-6 * values[i].abs()), "{values:?}");
+        // Multiplied out, they are noise.
+        let expanded = normal_form(&[energy], &Kept::default(), 100).unwrap()[0];
+        let noise: Vec<f64> = crate::expr::evaluate(&[expanded], value);
+        assert!((noise[0] - values[0]).abs() > 0.5 * values[0], "{noise:?} {values:?}");
     }
 
     #[test]
@@ -392,7 +450,7 @@ mod tests {
         let (s, c) = (x.sin(), x.cos());
         let d = (a + b) * s.powi(2);
         let pairs = [(a * s * c * y + b * (s * y) * c, d), (y, s + c), (y, a * b)];
-        let form = quotients(&pairs, 100).unwrap();
+        let form = quotients(&pairs, &Kept::default(), 100).unwrap();
         // y c / s
         assert_eq!(weight(&form[..1]), 20 + 5, "{form:?}");
         assert!(form.iter().zip(pairs).all(|(form, (a, b))| agree(*form, a / b)), "{form:?}");
@@ -414,6 +472,6 @@ mod tests {
         let graph = Graph::new();
         let factor = |i: u32| (0..3).fold(graph.integer(1), |sum, k| sum + graph.symbol(Symbol::Coordinate(3 * i + k)));
         let product = (0..9).fold(graph.integer(1), |product, i| product * factor(i));
-        assert_eq!(normal_form(&[product], 1000), None);
+        assert_eq!(normal_form(&[product], &Kept::default(), 1000), None);
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::expr::graph::IdMap;
 use crate::expr::table::Table;
-use crate::expr::{Expr, Function, Graph, Id, Node, Symbol, normal_form};
+use crate::expr::{Expr, Function, Graph, Id, Kept, Node, Symbol, normal_form};
 
 use super::lower;
 use super::program::Program;
@@ -61,7 +61,9 @@ pub struct Forms(IdMap<Id>);
 
 impl Forms {
     fn form(&mut self, expr: Expr<'_>) -> Id {
-        let form = || normal_form(&[expr], MOST_TERMS).map_or(expr, |forms| forms[0]).id();
+        // `(a − b)²` is not taken for `a² − 2 a b + b²`, though it is the same: one of them has lost digits.
+        let kept = || Kept::default().and_constants_of(&[expr]);
+        let form = || normal_form(&[expr], &kept(), MOST_TERMS).map_or(expr, |forms| forms[0]).id();
         *self.0.entry(expr.id()).or_insert_with(form)
     }
 }

@@ -6,7 +6,7 @@ use crate::derive::Equations;
 use crate::derive::textbook::MOST_TERMS;
 use crate::expr::normal::combination::{Polynomial, Powers};
 use crate::expr::normal::half_angle::{Double, Doubled, halved};
-use crate::expr::{Binary, Expr, Function, Graph, HalfInteger, Id, Node, Number, Symbol, normal_form};
+use crate::expr::{Binary, Expr, Function, Graph, HalfInteger, Id, Kept, Node, Number, Symbol, normal_form};
 
 use super::atom::{Atom, Kind, Place, Shape, parity, shape};
 use super::condition::Condition;
@@ -37,7 +37,7 @@ impl<'g> Algebra<'g> {
 
     /// An expression in its shortest form: multiple angles, half angles, as derived.
     pub(super) fn shortest(&mut self, value: Expr<'g>) -> Option<Polynomial> {
-        let textbook = normal_form(&[value], MOST_TERMS).and_then(|forms| self.expand(forms[0]));
+        let textbook = normal_form(&[value], &Kept::default(), MOST_TERMS).and_then(|forms| self.expand(forms[0]));
         let plain = self.expand(value);
         let mut forms = Vec::new();
         for sum in [textbook, plain].into_iter().flatten() {
