@@ -8,16 +8,12 @@
 //! Aᵀ X + X A − X B R⁻¹ Bᵀ X + Q = 0
 //! ```
 //!
-//! whose stabilizing solution comes from the sign of the Hamiltonian matrix `[[A, −B R⁻¹ Bᵀ], [−Q, −Aᵀ]]`, by Newton's iteration.
-//!
-//! # Source
-//! J. D. Roberts, *Linear model reduction and solution of the algebraic Riccati equation by use of the sign function*, 1980;
-//! R. Byers, *Solving the algebraic Riccati equation with the matrix sign function*, 1987, for the scaling by the determinant.
+//! by [`mbs_runtime::control::lqr`].
 
 use core::fmt;
 
-use mbs_runtime::Scalar;
 use mbs_runtime::nalgebra::SMatrix;
+use mbs_runtime::{Scalar, control, to_matrix};
 
 use super::backstepping::{Command, Reference, nearest_turn};
 use super::mixer::Mixer;
@@ -26,10 +22,6 @@ use crate::quadrotor_euler::{Params, QuadrotorEuler};
 /// Coordinates and velocities.
 const STATES: usize = 12;
 const INPUTS: usize = 4;
-/// Of the Hamiltonian matrix.
-const DOUBLE: usize = 2 * STATES;
-/// Newton's iteration needs about ten.
-const ITERATIONS: usize = 60;
 
 /// Deviations that count as much as each other, in the sense of Bryson: Q and R have their inverse squares on the diagonal.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -53,7 +45,7 @@ impl Default for Weights {
     }
 }
 
-/// The equation has no stabilizing solution that the iteration finds: a parameter is no number, or some motion is out of control.
+/// The equation has no stabilizing solution: a parameter is NaN or infinite, or some motion is out of control.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct NoRegulator;
 
@@ -85,16 +77,15 @@ impl Lqr {
         let mixer = Mixer::new(&params);
         let (a, b) = linearized(&params);
         let square = |deviation: f64| 1.0 / (deviation * deviation);
-        let q = SMatrix::from_fn(|i, j| match (i == j, i / 3) {
-            (false, _) => 0.0,
-            (true, 0) => square(weights.position),
-            (true, 1) => square(weights.angle),
-            (true, 2) => square(weights.velocity),
-            (true, _) => square(weights.rate),
+        let q: [[f64; STATES]; STATES] = diagonal(|i| match i / 3 {
+            0 => square(weights.position),
+            1 => square(weights.angle),
+            2 => square(weights.velocity),
+            _ => square(weights.rate),
         });
-        let scaled = b * (weights.rotor_speed * weights.rotor_speed); // B R⁻¹
-        let x = riccati(&a, &(scaled * b.transpose()), &q).ok_or(NoRegulator)?;
-        Ok(Lqr { params, mixer, gain: scaled.transpose() * x })
+        let r: [[f64; INPUTS]; INPUTS] = diagonal(|_| square(weights.rotor_speed));
+        let regulator = control::lqr(&a, &b, &q, &r).map_err(|_| NoRegulator)?;
+        Ok(Lqr { params, mixer, gain: to_matrix(&regulator.gain) })
     }
 
     /// The command at a state that is to follow a position and a yaw \[rad\], both near to those that it was made about: yaw 0.
@@ -125,58 +116,23 @@ fn hover_speed(params: &Params<f64>, thrust: f64) -> f64 {
     Scalar::sqrt(thrust / (4.0 * params.thrust_factor))
 }
 
+fn diagonal<const N: usize>(entry: impl Fn(usize) -> f64) -> [[f64; N]; N] {
+    core::array::from_fn(|i| core::array::from_fn(|j| if i == j { entry(i) } else { 0.0 }))
+}
+
 /// A and B about hovering; errors in the order positions, angles, velocities, rates.
-fn linearized(params: &Params<f64>) -> (SMatrix<f64, STATES, STATES>, SMatrix<f64, STATES, INPUTS>) {
+fn linearized(params: &Params<f64>) -> ([[f64; STATES]; STATES], [[f64; INPUTS]; STATES]) {
     let speed = hover_speed(params, params.m * params.g);
     let rest = [[0.0; 3]; 3];
     let slopes = QuadrotorEuler::new(*params).linearize(&rest, &[0.0; 6], &[0.0; 6], &[speed; 4]);
     let n = STATES / 2;
-    let a = SMatrix::from_fn(|i, j| match (i < n, j < n) {
+    let entry = |i: usize, j: usize| match (i < n, j < n) {
         (true, _) => f64::from(u8::from(j == i + n)),
         (false, true) => slopes.q[i - n][j],
         (false, false) => slopes.qd[i - n][j - n],
-    });
-    let b = SMatrix::from_fn(|i, j| if i < n { 0.0 } else { slopes.u[i - n][j] });
-    (a, b)
-}
-
-type Square = SMatrix<f64, STATES, STATES>;
-
-/// The stabilizing X of `Aᵀ X + X A − X S X + Q = 0`.
-fn riccati(a: &Square, s: &Square, q: &Square) -> Option<Square> {
-    let mut z = SMatrix::<f64, DOUBLE, DOUBLE>::zeros();
-    z.fixed_view_mut::<STATES, STATES>(0, 0).copy_from(a);
-    z.fixed_view_mut::<STATES, STATES>(0, STATES).copy_from(&-s);
-    z.fixed_view_mut::<STATES, STATES>(STATES, 0).copy_from(&-q);
-    z.fixed_view_mut::<STATES, STATES>(STATES, STATES).copy_from(&-a.transpose());
-    let mut converged = false;
-    for _ in 0..ITERATIONS {
-        let determinant = z.determinant().abs();
-        // Zeros of the determinant, and what under- or overflows, are not scaled by.
-        let scale = if determinant.is_normal() { Scalar::powf(determinant, -1.0 / DOUBLE as f64) } else { 1.0 };
-        let next = (z * scale + z.try_inverse()? / scale) * 0.5;
-        let change = (next - z).norm();
-        z = next;
-        if change <= 1e-13 * z.norm() {
-            converged = true;
-            break;
-        }
-    }
-    if !converged {
-        return None;
-    }
-    // (sign + 1) (1; X) = 0
-    let one = Square::identity();
-    let mut left = SMatrix::<f64, DOUBLE, STATES>::zeros();
-    left.fixed_view_mut::<STATES, STATES>(0, 0).copy_from(&z.fixed_view::<STATES, STATES>(0, STATES));
-    left.fixed_view_mut::<STATES, STATES>(STATES, 0).copy_from(&(z.fixed_view::<STATES, STATES>(STATES, STATES) + one));
-    let mut right = SMatrix::<f64, DOUBLE, STATES>::zeros();
-    right.fixed_view_mut::<STATES, STATES>(0, 0).copy_from(&-(z.fixed_view::<STATES, STATES>(0, 0) + one));
-    right.fixed_view_mut::<STATES, STATES>(STATES, 0).copy_from(&-z.fixed_view::<STATES, STATES>(STATES, 0));
-    let qr = left.qr();
-    let x = qr.r().solve_upper_triangular(&qr.q().tr_mul(&right))?;
-    let symmetric = (x + x.transpose()) * 0.5;
-    symmetric.iter().all(|entry| entry.is_finite()).then_some(symmetric)
+    };
+    let a = core::array::from_fn(|i| core::array::from_fn(|j| entry(i, j)));
+    (a, core::array::from_fn(|i| if i < n { [0.0; INPUTS] } else { slopes.u[i - n] }))
 }
 
 #[cfg(test)]
@@ -184,17 +140,11 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_gain_solves_riccatis_equation_and_stabilizes() {
+    fn the_gain_stabilizes() {
         let params = Params::default();
         let (a, b) = linearized(&params);
-        let weights = Weights::default();
-        let q = Square::identity();
-        let s = b * b.transpose() * 900.0;
-        let x = riccati(&a, &s, &q).expect("a solution");
-        let residual = a.transpose() * x + x * a - x * s * x + q;
-        assert!(residual.norm() < 1e-9 * x.norm(), "{}", residual.norm());
-        assert!(x.cholesky().is_some());
-        let closed = a - b * Lqr::new(params, &weights).expect("a regulator").gain;
+        let gain = Lqr::new(params, &Weights::default()).expect("a regulator").gain;
+        let closed: SMatrix<f64, STATES, STATES> = to_matrix(&a) - to_matrix(&b) * gain;
         let slowest = closed.complex_eigenvalues().iter().map(|value| value.re).fold(f64::NEG_INFINITY, f64::max);
         assert!(slowest < -0.3, "{slowest}");
     }
