@@ -1,7 +1,7 @@
 //! Tries the mutants of `tests/mutants/*.txt`, each in a copy of the repository, and reports those that no test notices.
 //!
 //! ```text
-//! cargo run -p mbs-tests --bin mutants -- [runtime] [generator] [--skip N] [--take N]
+//! cargo run -p mbs-tests --bin mutants -- [runtime] [generator] [--only WORDS]… [--skip N] [--take N]
 //! ```
 //!
 //! The copy holds the files that git knows, as they are in the working tree; its target folder is `target/mutants` and stays for
@@ -32,23 +32,31 @@ fn main() -> ExitCode {
 
 /// The mutants asked for.
 fn arguments() -> Result<Vec<Mutant>, String> {
-    let (mut tables, mut skip, mut take) = (Vec::new(), 0, usize::MAX);
+    let (mut tables, mut only, mut skip, mut take) = (Vec::new(), Vec::new(), 0, usize::MAX);
     let mut words = std::env::args().skip(1);
     while let Some(word) = words.next() {
-        let mut number = || words.next().and_then(|n| n.parse().ok()).ok_or(format!("{word} takes a number"));
+        let mut next = || words.next().ok_or(format!("`{word}` needs something behind it"));
+        let number = |text: String| text.parse().map_err(|_| format!("`{text}` is not a number of mutants"));
         match word.as_str() {
             "runtime" => tables.push(include_str!("../../mutants/runtime.txt")),
             "generator" => tables.push(include_str!("../../mutants/generator.txt")),
-            "--skip" => skip = number()?,
-            "--take" => take = number()?,
-            _ => return Err(format!("what is `{word}`? Usage: mutants [runtime] [generator] [--skip N] [--take N]")),
+            "--only" => only.push(next()?),
+            "--skip" => skip = number(next()?)?,
+            "--take" => take = number(next()?)?,
+            _ => {
+                return Err(format!(
+                    "what is `{word}`? Usage: mutants [runtime] [generator] [--only WORDS]… [--skip N] [--take N]"
+                ));
+            }
         }
     }
     if tables.is_empty() {
         tables = vec![include_str!("../../mutants/runtime.txt"), include_str!("../../mutants/generator.txt")];
     }
     let all: Result<Vec<_>, _> = tables.into_iter().map(parse).collect();
-    Ok(all?.into_iter().flatten().skip(skip).take(take).collect())
+    // Those whose names hold any of the words.
+    let is_meant = |mutant: &Mutant| only.is_empty() || only.iter().any(|words| mutant.name.contains(words));
+    Ok(all?.into_iter().flatten().filter(is_meant).skip(skip).take(take).collect())
 }
 
 /// Tries them; how many are not noticed or cannot be made.
