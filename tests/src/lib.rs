@@ -4,6 +4,7 @@
 //! - [`compare`]: one error measure for numbers, vectors and matrices;
 //! - [`by_hand`]: formulas of mechanics texts, typed to be run, and [`counting`]: numbers that count what is done to them;
 //! - [`mod@reference`]: equations of motion derived another way, with no generator in sight;
+//! - [`referee`]: a second reading of the language, and random mechanisms of every construct;
 //! - [`robustness`]: random models, most of them wrong;
 //! - [`mutants`]: changes of the source that tests must notice;
 //! - [`mechanisms`]: generated from `mechanisms/*.mbs`, which were written from the manual alone.
@@ -14,5 +15,6 @@ pub mod counting;
 pub mod mechanisms;
 pub mod mutants;
 pub mod random;
+pub mod referee;
 pub mod reference;
 pub mod robustness;

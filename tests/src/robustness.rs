@@ -19,7 +19,7 @@ pub struct Models {
     /// Name and text of each mechanism.
     pub mechanisms: Vec<(String, String)>,
     /// What the examples of the manual import.
-    shared: BTreeMap<String, String>,
+    pub shared: BTreeMap<String, String>,
 }
 
 impl Models {

@@ -1,0 +1,109 @@
+//! Random mechanisms, the generator against the referee: `cargo run --release -p mbs-tests --bin referee -- --seed 1 --count 1000`.
+//!
+//! The mechanism of a seed is the same on every machine. `--count N` takes the seeds S, S + 1, … S + N − 1; `--construct NAME`
+//! puts a construct into all of them; `--states K` compares at so many states each; `--shrink no` leaves texts as they were
+//! drawn; `--print` shows the text of the first seed and does no more. What is wrong is printed with the text that shows it, and
+//! the exit code is 1.
+
+use std::collections::BTreeMap;
+use std::process::ExitCode;
+use std::time::{Duration, Instant};
+
+use mbs_tests::referee::{Construct, Judged, draw, judge, shrink};
+
+struct Options {
+    seed: u64,
+    count: u64,
+    states: usize,
+    construct: Option<Construct>,
+    shrink: bool,
+    print: bool,
+}
+
+fn options() -> Result<Options, String> {
+    let mut options = Options { seed: 1, count: 100, states: 4, construct: None, shrink: true, print: false };
+    let mut arguments = std::env::args().skip(1);
+    while let Some(argument) = arguments.next() {
+        if argument == "--print" {
+            options.print = true;
+            continue;
+        }
+        let value = arguments.next().ok_or_else(|| format!("{argument} wants a value"))?;
+        let number = || value.parse::<u64>().map_err(|error| format!("{argument} {value}: {error}"));
+        match argument.as_str() {
+            "--seed" => options.seed = number()?,
+            "--count" => options.count = number()?,
+            "--states" => options.states = number()? as usize,
+            "--shrink" => options.shrink = value != "no",
+            "--construct" => {
+                let found = Construct::ALL.into_iter().find(|construct| construct.name() == value);
+                let names = || Construct::ALL.map(Construct::name).join(", ");
+                options.construct = Some(found.ok_or_else(|| format!("no construct {value}; there are {}", names()))?);
+            }
+            _ => return Err(format!("there is no option {argument}")),
+        }
+    }
+    Ok(options)
+}
+
+fn main() -> ExitCode {
+    let options = match options() {
+        Ok(options) => options,
+        Err(report) => {
+            eprintln!("error: {report}");
+            return ExitCode::from(2);
+        }
+    };
+    if options.print {
+        let drawn = draw(options.seed, options.construct);
+        drawn.imports.iter().for_each(|(name, text)| println!("// {name}\n{text}"));
+        print!("{}", drawn.text);
+        return ExitCode::SUCCESS;
+    }
+    // Panics of the generator are reported with the text.
+    std::panic::set_hook(Box::new(|_| {}));
+    run(&options)
+}
+
+fn run(options: &Options) -> ExitCode {
+    let (mut total, mut faults, start) = (Judged::default(), BTreeMap::<String, Vec<u64>>::new(), Instant::now());
+    let mut slowest = (Duration::ZERO, 0);
+    for seed in options.seed..options.seed + options.count {
+        let (drawn, begun) = (draw(seed, options.construct), Instant::now());
+        match judge((&drawn.text, &drawn.imports), seed, options.states) {
+            Ok(judged) => {
+                total.states += judged.states;
+                total.numbers += judged.numbers;
+                total.undetermined += judged.undetermined;
+            }
+            Err(fault) => {
+                let first = !faults.contains_key(&fault.kind());
+                faults.entry(fault.kind()).or_default().push(seed);
+                let shrinks = options.shrink && first;
+                let (small, fault) =
+                    if shrinks { shrink(&drawn, &fault, seed, options.states) } else { (drawn, fault) };
+                println!("== seed {seed}: {fault}");
+                if shrinks {
+                    small.imports.iter().for_each(|(name, text)| println!("// {name}\n{text}"));
+                    println!("{}", small.text);
+                }
+            }
+        }
+        slowest = slowest.max((begun.elapsed(), seed));
+    }
+    for (kind, seeds) in &faults {
+        println!("{} of kind `{kind}`: seeds {:?}", seeds.len(), &seeds[..seeds.len().min(20)]);
+    }
+    println!(
+        "{} mechanisms, {} states, {} numbers ({} of them without a certain digit), {} faults; {:.1?}, slowest {:.1?} (seed {})",
+        options.count,
+        total.states,
+        total.numbers,
+        total.undetermined,
+        faults.values().map(Vec::len).sum::<usize>(),
+        start.elapsed(),
+        slowest.0,
+        slowest.1
+    );
+    if faults.is_empty() { ExitCode::SUCCESS } else { ExitCode::FAILURE }
+}

@@ -1,0 +1,32 @@
+//! A second reading of the language, and random mechanisms to hold the generator against it.
+//!
+//! The referee was written from `docs/language.md` alone and shares no code with the generator: it carries out the statements of
+//! a text at one state after the other, with dual numbers, and gets Lagrange's equations by differentiating what comes out. It is
+//! slow and plain on purpose.
+//!
+//! - `syntax`: tokens and grammar; `unit`: units and dimensions; `mechanism`: what is declared;
+//! - `number`: numbers of twice the digits, doubles with roundings made worse, dual numbers;
+//! - `value`, `builtin`, `evaluate`: values, functions and statements;
+//! - `lagrange`, `solve`, `quantities`: from the statements to everything that a generated function returns;
+//! - [`mod@draw`]: random mechanisms;
+//! - [`mod@judge`]: the generator against all that.
+//! - [`mod@shrink`]: faults in small texts.
+
+mod builtin;
+pub mod draw;
+mod evaluate;
+mod gauge;
+pub mod judge;
+mod lagrange;
+mod mechanism;
+mod number;
+mod quantities;
+pub mod shrink;
+mod solve;
+mod syntax;
+mod unit;
+mod value;
+
+pub use draw::{Construct, Drawn, draw};
+pub use judge::{Fault, Judged, judge};
+pub use shrink::shrink;

@@ -1,0 +1,347 @@
+//! Random mechanisms, right by construction: dimensions fit, every coordinate has inertia or a constraint that carries it, no
+//! function leaves its domain.
+//!
+//! - `scalar`: numbers, lengths and angles that depend on positions; `frame`: poses, places and bodies;
+//! - `statement`: energies, forces, constraints, outputs.
+
+mod frame;
+mod scalar;
+mod statement;
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use crate::random::Random;
+
+/// What a random mechanism may be made of, beside the plainest.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Construct {
+    /// Chains and trees of frames with bodies.
+    Trees,
+    /// Energies written with `dt`, masses that depend on places, terms linear in the velocities.
+    Energies,
+    /// `if … else`, `min`, `max`, `clamp`, `abs`, `signum`.
+    Branches,
+    /// Functions of the text.
+    Functions,
+    /// Constants and functions of other files.
+    Imports,
+    /// Arrays and loops.
+    Loops,
+    /// Prescribed motions, with and without a formula, and t itself.
+    Signals,
+    /// Holonomic and Pfaffian constraints, coordinates without inertia of their own.
+    Constraints,
+    /// Bodies whose attitude is a unit quaternion.
+    Quaternions,
+    /// Forces at points, torques on bodies.
+    PointForces,
+    /// Dissipation, and forces on coordinates.
+    Forces,
+    /// Wrenches at joints.
+    Reactions,
+    /// Outputs of all shapes.
+    Outputs,
+    /// Parameters and constants in units that are not SI.
+    Units,
+    /// Very large and very small masses, lengths and times.
+    Scales,
+    /// No dimensional analysis.
+    Dimensionless,
+}
+
+impl Construct {
+    /// All of them.
+    pub const ALL: [Self; 16] = [
+        Self::Trees,
+        Self::Energies,
+        Self::Branches,
+        Self::Functions,
+        Self::Imports,
+        Self::Loops,
+        Self::Signals,
+        Self::Constraints,
+        Self::Quaternions,
+        Self::PointForces,
+        Self::Forces,
+        Self::Reactions,
+        Self::Outputs,
+        Self::Units,
+        Self::Scales,
+        Self::Dimensionless,
+    ];
+
+    /// As it is written on the command line.
+    pub fn name(self) -> String {
+        format!("{self:?}").to_lowercase()
+    }
+}
+
+/// A text, and what it imports.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Drawn {
+    /// The mechanism.
+    pub text: String,
+    /// Texts by their paths.
+    pub imports: BTreeMap<String, String>,
+    /// What it is made of.
+    pub constructs: BTreeSet<Construct>,
+}
+
+/// The mechanism of a seed; `wanted` is among what it is made of.
+pub fn draw(seed: u64, wanted: Option<Construct>) -> Drawn {
+    let mut random = Random::new(seed);
+    // Nearly all constructs are met once in three, so that pairs are met often, and mechanisms stay small.
+    let mut constructs: BTreeSet<Construct> = Construct::ALL.into_iter().filter(|_| random.one_in(3)).collect();
+    constructs.extend(wanted);
+    if wanted != Some(Construct::Dimensionless) && !random.one_in(3) {
+        constructs.remove(&Construct::Dimensionless);
+    }
+    if constructs.contains(&Construct::Reactions) {
+        constructs.insert(Construct::Trees);
+    }
+    let mut draw = Draw::new(random, constructs);
+    draw.mechanism();
+    draw.finished()
+}
+
+/// A length or an angle.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Measure {
+    Length,
+    Angle,
+}
+
+/// A coordinate, as it is written.
+#[derive(Clone, Debug)]
+struct Coordinate {
+    name: String,
+    measure: Measure,
+}
+
+/// A mechanism in the making.
+struct Draw {
+    random: Random,
+    constructs: BTreeSet<Construct>,
+    /// Powers of ten of masses, lengths and times.
+    scale: [i32; 3],
+    declarations: Vec<String>,
+    statements: Vec<String>,
+    functions: Vec<String>,
+    shared: Vec<String>,
+    /// Parameters by what they are a measure of.
+    parameters: Vec<(String, [i32; 3])>,
+    coordinates: Vec<Coordinate>,
+    inputs: Vec<String>,
+    /// What stands for a length or an angle beside coordinates.
+    lengths: Vec<String>,
+    angles: Vec<String>,
+    plains: Vec<String>,
+    /// Names of poses and of places that move.
+    poses: Vec<String>,
+    places: Vec<String>,
+    /// Poses that a coordinate turns.
+    turning: Vec<String>,
+    /// Functions of one plain argument.
+    plain_functions: Vec<String>,
+    names: usize,
+}
+
+impl Draw {
+    fn new(mut random: Random, constructs: BTreeSet<Construct>) -> Self {
+        let mut exponent = |bound: u64| (random.bits() % (2 * bound + 1)) as i32 - bound as i32;
+        let scale =
+            if constructs.contains(&Construct::Scales) { [exponent(9), exponent(4), exponent(3)] } else { [0; 3] };
+        Draw {
+            random,
+            constructs,
+            scale,
+            declarations: Vec::new(),
+            statements: Vec::new(),
+            functions: Vec::new(),
+            shared: Vec::new(),
+            parameters: Vec::new(),
+            coordinates: Vec::new(),
+            inputs: Vec::new(),
+            lengths: Vec::new(),
+            angles: Vec::new(),
+            plains: Vec::new(),
+            poses: Vec::new(),
+            places: Vec::new(),
+            turning: Vec::new(),
+            plain_functions: Vec::new(),
+            names: 0,
+        }
+    }
+
+    fn has(&self, construct: Construct) -> bool {
+        self.constructs.contains(&construct)
+    }
+
+    fn below(&mut self, n: usize) -> usize {
+        (self.random.bits() % n as u64) as usize
+    }
+
+    fn chance(&mut self, percent: u64) -> bool {
+        self.random.bits() % 100 < percent
+    }
+
+    fn pick<T: Clone>(&mut self, from: &[T]) -> T {
+        let i = self.below(from.len());
+        from[i].clone()
+    }
+
+    /// A name that nothing else has.
+    fn fresh(&mut self, stem: &str) -> String {
+        self.names += 1;
+        format!("{stem}{}", self.names)
+    }
+
+    fn say(&mut self, statement: String) {
+        self.statements.push(statement);
+    }
+
+    /// A number between 0.1 and 4, as people write them.
+    fn number(&mut self) -> String {
+        match self.below(5) {
+            0 => format!("{}", 1 + self.below(3)),
+            1 => format!("0.{}", 1 + self.below(99)),
+            2 => format!("{}.{}", 1 + self.below(3), self.below(10)),
+            3 => format!("{}/{}", 1 + self.below(5), 2 + self.below(5)),
+            _ => format!("{}e-{}", 1 + self.below(30), 1),
+        }
+    }
+
+    /// A parameter of this dimension in kg, m, s: one that there is, or a new one.
+    fn parameter(&mut self, dimension: [i32; 3]) -> String {
+        let known: Vec<String> =
+            self.parameters.iter().filter(|(_, known)| *known == dimension).map(|(name, _)| name.clone()).collect();
+        if !known.is_empty() && self.chance(60) {
+            return self.pick(&known);
+        }
+        let name = self.fresh("p");
+        let (unit, shift) = self.unit(dimension);
+        let exponent: i32 = dimension.iter().zip(self.scale).map(|(power, scale)| power * scale).sum();
+        let value = self.scaled(exponent - shift);
+        let constant = self.has(Construct::Units) && self.chance(20);
+        let keyword = if constant { "const" } else { "param" };
+        self.declarations.push(format!("{keyword} {name}: {unit} = {value};"));
+        self.parameters.push((name.clone(), dimension));
+        name
+    }
+
+    /// A positive number times a power of ten.
+    fn scaled(&mut self, exponent: i32) -> String {
+        if exponent == 0 {
+            return self.number();
+        }
+        format!("{}.{}e{exponent}", 1 + self.below(4), self.below(100))
+    }
+
+    /// A unit of a dimension, and the power of ten that it is.
+    fn unit(&mut self, dimension: [i32; 3]) -> (String, i32) {
+        let plain = ["kg", "m", "s"];
+        let other: &[(&str, [i32; 3], i32)] = &[
+            ("g", [1, 0, 0], -3),
+            ("t", [1, 0, 0], 3),
+            ("mm", [0, 1, 0], -3),
+            ("km", [0, 1, 0], 3),
+            ("ms", [0, 0, 1], -3),
+            ("kN", [1, 1, -2], 3),
+            ("N/mm", [1, 0, -2], 3),
+            ("mN*m", [1, 2, -2], -3),
+            ("N*s/m", [1, 0, -1], 0),
+            ("kg*cm^2", [1, 2, 0], -4),
+            ("kW", [1, 2, -3], 3),
+            ("1/ms", [0, 0, -1], 3),
+            ("kHz", [0, 0, -1], 3),
+            ("mm/ms^2", [0, 1, -2], 3),
+        ];
+        if self.has(Construct::Units) {
+            let fitting: Vec<(&str, i32)> = other
+                .iter()
+                .filter(|(_, known, _)| *known == dimension)
+                .map(|(unit, _, shift)| (*unit, *shift))
+                .collect();
+            if !fitting.is_empty() && self.chance(60) {
+                let (unit, shift) = self.pick(&fitting);
+                return (unit.to_string(), shift);
+            }
+        }
+        let named = match dimension {
+            [1, 1, -2] => "N",
+            [1, 2, -2] => "J",
+            [1, 0, -2] => "N/m",
+            [1, 2, -3] => "W",
+            [0, 0, 0] => "1",
+            _ => {
+                let factor = |(unit, power): (&str, &i32)| format!("{unit}^({power})");
+                let factors = plain.into_iter().zip(&dimension).filter(|(_, power)| **power != 0).map(factor);
+                return (factors.collect::<Vec<_>>().join("*"), 0);
+            }
+        };
+        (named.to_string(), 0)
+    }
+
+    fn coordinate(&mut self, measure: Measure) -> String {
+        let name = self.fresh(if measure == Measure::Length { "x" } else { "a" });
+        let unit = if measure == Measure::Length { "m" } else { "rad" };
+        self.declarations.push(format!("coord {name}: {unit};"));
+        self.coordinates.push(Coordinate { name: name.clone(), measure });
+        name
+    }
+
+    fn input(&mut self, unit: &str) -> String {
+        let name = self.fresh("u");
+        self.declarations.push(format!("input {name}: {unit};"));
+        self.inputs.push(name.clone());
+        name
+    }
+
+    /// Declarations and statements in an order that mostly does not matter.
+    fn mechanism(&mut self) {
+        self.functions_of_the_text();
+        self.signals();
+        let count = 1 + self.below(2);
+        for _ in 0..count {
+            let measure = if self.chance(50) { Measure::Length } else { Measure::Angle };
+            let coordinate = self.coordinate(measure);
+            self.own_inertia(&coordinate, measure);
+        }
+        if self.has(Construct::Trees) {
+            self.tree();
+        }
+        if self.has(Construct::Quaternions) {
+            self.quaternion_body();
+        }
+        if self.has(Construct::Loops) {
+            self.loops();
+        }
+        self.energies();
+        self.forces();
+        if self.has(Construct::Constraints) {
+            self.constraints();
+        }
+        if self.has(Construct::Outputs) {
+            self.outputs();
+        }
+    }
+
+    fn finished(mut self) -> Drawn {
+        let mut text = String::new();
+        let mut imports = BTreeMap::new();
+        if !self.shared.is_empty() {
+            imports.insert("shared.mbs".to_string(), self.shared.join("\n") + "\n");
+            text += "import \"shared.mbs\";\n";
+        }
+        if self.has(Construct::Dimensionless) {
+            text += "#![dimensionless]\n";
+        }
+        text += "mechanism Random {\n";
+        let functions = std::mem::take(&mut self.functions);
+        for line in self.declarations.iter().chain(&functions).chain(&self.statements) {
+            text += &format!("    {line}\n");
+        }
+        text += "}\n";
+        Drawn { text, imports, constructs: self.constructs }
+    }
+}

@@ -1,0 +1,419 @@
+//! The statements of a mechanism carried out at a state, one after the other, as the manual says.
+
+use std::rc::Rc;
+
+use super::mechanism::Mechanism;
+use super::number::{Real, degree, pi};
+use super::syntax::{Declaration, Expression, Kind, Statement};
+use super::unit;
+use super::value::{Mixing, Moving, Pose, Shared, Triple, Value, moving, number};
+
+/// Everything that a mechanism's functions may take.
+#[derive(Clone, Debug)]
+pub(super) struct State<S> {
+    pub(super) t: S,
+    pub(super) q: Vec<S>,
+    pub(super) qd: Vec<S>,
+    pub(super) qdd: Vec<S>,
+    pub(super) u: Vec<S>,
+    /// Value, rate and acceleration of the signals without a formula, 0 for the others.
+    pub(super) prescribed: Vec<[S; 3]>,
+    pub(super) parameters: Vec<S>,
+}
+
+impl<S: Copy> State<S> {
+    /// The same in other numbers.
+    pub(super) fn map<R>(&self, f: &mut impl FnMut(S) -> R) -> State<R> {
+        let State { t, q, qd, qdd, u, prescribed, parameters } = self;
+        let mut all = |values: &[S]| values.iter().map(|&x| f(x)).collect::<Vec<R>>();
+        let (q, qd, qdd, u, parameters) = (all(q), all(qd), all(qdd), all(u), all(parameters));
+        let prescribed = prescribed.iter().map(|signal| signal.map(&mut *f)).collect();
+        State { t: f(*t), q, qd, qdd, u, prescribed, parameters }
+    }
+}
+
+/// A constraint: φ, or the rows that are linear in the velocities.
+#[derive(Clone, Debug)]
+pub(super) struct Row<S> {
+    pub(super) components: Vec<Moving<S>>,
+}
+
+/// What the statements add up to.
+#[derive(Clone, Debug)]
+pub(super) struct Sums<S> {
+    pub(super) kinetic: Moving<S>,
+    pub(super) potential: Moving<S>,
+    pub(super) dissipation: Moving<S>,
+    pub(super) lagrangian: Moving<S>,
+    /// Forces on coordinates.
+    pub(super) forces: Vec<(usize, Moving<S>)>,
+    /// Places or rotations of poses, by their rates, and what does work on them.
+    pub(super) works: Vec<(Triple<S>, Triple<S>)>,
+    pub(super) constraints: Vec<Row<S>>,
+    pub(super) outputs: Vec<Shared<S>>,
+    pub(super) joints: Vec<(Rc<str>, usize)>,
+}
+
+/// A name and its value.
+type Bound<S> = (Rc<str>, Shared<S>);
+
+pub(super) struct Evaluator<'m, S> {
+    pub(super) mechanism: &'m Mechanism,
+    state: &'m State<S>,
+    globals: Vec<Bound<S>>,
+    locals: Vec<Bound<S>>,
+    /// How many coordinates, signals, inputs and parameters have been declared so far.
+    declared: [usize; 4],
+    mixing: Mixing<S>,
+    pub(super) sums: Sums<S>,
+}
+
+impl<'m, S: Real> Evaluator<'m, S> {
+    pub(super) fn new(mechanism: &'m Mechanism, state: &'m State<S>) -> Self {
+        let sums = Sums {
+            kinetic: number(0.0),
+            potential: number(0.0),
+            dissipation: number(0.0),
+            lagrangian: number(0.0),
+            forces: Vec::new(),
+            works: Vec::new(),
+            constraints: Vec::new(),
+            outputs: Vec::new(),
+            joints: Vec::new(),
+        };
+        let angles = mechanism.angles.iter().filter(|i| **i < state.q.len());
+        let angles: Vec<_> = angles.map(|&i| moving(state.q[i], state.qd[i], state.qdd[i])).collect();
+        let mixing = Mixing::new(&angles);
+        Evaluator { mechanism, state, globals: Vec::new(), locals: Vec::new(), declared: [0; 4], mixing, sums }
+    }
+
+    /// Carries out all statements.
+    pub(super) fn run(mut self) -> Result<Sums<S>, String> {
+        let mechanism = self.mechanism;
+        self.block(&mechanism.statements)?;
+        Ok(self.sums)
+    }
+
+    fn block(&mut self, statements: &[Statement]) -> Result<(), String> {
+        let depth = self.locals.len();
+        for statement in statements {
+            self.statement(statement)?;
+        }
+        self.locals.truncate(depth);
+        Ok(())
+    }
+
+    fn statement(&mut self, statement: &Statement) -> Result<(), String> {
+        match statement {
+            Statement::Declaration(declaration) => self.declaration(declaration)?,
+            Statement::Function { .. } => {}
+            Statement::Let { name, value } => {
+                let value = self.value(value)?;
+                self.locals.push((name.clone(), value));
+            }
+            Statement::Assign { name, value } => {
+                let value = self.value(value)?;
+                *self.local(name)? = value;
+            }
+            Statement::Energy { sum, value } => {
+                let value = self.number(value)?;
+                let sum = match sum.as_str() {
+                    "kinetic" => &mut self.sums.kinetic,
+                    "potential" => &mut self.sums.potential,
+                    "dissipation" => &mut self.sums.dissipation,
+                    _ => &mut self.sums.lagrangian,
+                };
+                *sum = *sum + value;
+            }
+            Statement::Force { name, index, value } => self.force(name, index.as_ref(), value)?,
+            Statement::ForceAt { place, value } => {
+                let place = self.value(place)?.vector()?;
+                let force = self.value(value)?.vector()?;
+                self.sums.works.push((super::value::rates(&place), self.mixing.vector(&force)));
+            }
+            Statement::TorqueOn { pose, value } => {
+                let turning = self.value(pose)?.pose()?.angular_velocity();
+                let torque = self.value(value)?.vector()?;
+                self.sums.works.push((turning, self.mixing.vector(&torque)));
+            }
+            Statement::Reaction { name, index, pose } => self.reaction(name, index.as_ref(), pose)?,
+            Statement::Constraint { left, right } => self.constraint(left, right)?,
+            Statement::Output { value, .. } => {
+                let value = self.value(value)?;
+                self.sums.outputs.push(value);
+            }
+            Statement::For { name, from, to, body } => {
+                let (from, to) = (self.integer(from)?, self.integer(to)?);
+                for i in from..to {
+                    self.locals.push((name.clone(), Rc::new(Value::Number(number(i as f64)))));
+                    self.block(body)?;
+                    self.locals.pop();
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn local(&mut self, name: &str) -> Result<&mut Shared<S>, String> {
+        let found = self.locals.iter_mut().rev().find(|(known, _)| known.as_ref() == name);
+        found.map(|(_, value)| value).ok_or_else(|| format!("there is no `{name}` to be changed"))
+    }
+
+    /// The value of a declared name; signals and coordinates move, parameters and inputs do not.
+    pub(super) fn declaration(&mut self, declaration: &Declaration) -> Result<(), String> {
+        let count = match &declaration.length {
+            Some(length) => Some(self.integer(length)? as usize),
+            None => None,
+        };
+        let kind = match declaration.keyword.as_str() {
+            "const" => return self.constant(declaration, count),
+            "coord" => 0,
+            "prescribed" => 1,
+            "input" => 2,
+            _ => 3,
+        };
+        if let (1, Some(formula)) = (kind, &declaration.value) {
+            self.declared[1] += count.unwrap_or(1);
+            let value = self.value(formula)?;
+            self.globals.push((declaration.name.clone(), spread(value, count)));
+            return Ok(());
+        }
+        let first = self.declared[kind];
+        self.declared[kind] += count.unwrap_or(1);
+        let entry = |i: usize| Rc::new(Value::Number(self.symbol(kind, first + i)));
+        let value = match count {
+            None => entry(0),
+            Some(count) => Rc::new(Value::Array((0..count).map(entry).collect())),
+        };
+        self.globals.push((declaration.name.clone(), value));
+        Ok(())
+    }
+
+    fn symbol(&self, kind: usize, i: usize) -> Moving<S> {
+        let State { q, qd, qdd, u, prescribed, parameters, .. } = self.state;
+        let (zero, missing) = (S::zero(), S::of(1.0));
+        let fixed = |values: &[S]| moving(values.get(i).copied().unwrap_or(missing), zero, zero);
+        match kind {
+            // Before the number of coordinates is known they are asked for all the same.
+            0 if i >= q.len() => number(1.0),
+            0 => moving(q[i], qd[i], qdd[i]),
+            1 => prescribed.get(i).map_or(number(1.0), |[value, rate, second]| moving(*value, *rate, *second)),
+            2 => fixed(u),
+            _ => fixed(parameters),
+        }
+    }
+
+    /// Plain numbers are so many of the unit.
+    fn constant(&mut self, declaration: &Declaration, count: Option<usize>) -> Result<(), String> {
+        let value = declaration.value.as_ref().ok_or("a constant without a value")?;
+        let value = self.converted(declaration, value, count)?;
+        self.globals.push((declaration.name.clone(), value));
+        Ok(())
+    }
+
+    /// The value of a `const` or the default of a `param`, in SI.
+    pub(super) fn converted(
+        &mut self,
+        declaration: &Declaration,
+        value: &Expression,
+        count: Option<usize>,
+    ) -> Result<Shared<S>, String> {
+        let found = self.value(value)?;
+        let Some(unit) = &declaration.unit else { return Ok(spread(found, count)) };
+        let (scale, _) = unit::meaning(unit)?;
+        let scale = Moving::exact(scale);
+        let plain = |value: &Expression| unit::dimension(value, &self.mechanism.dimensions) == unit::PLAIN;
+        let found = match (&value.kind, found.as_ref()) {
+            (Kind::Array(written), Value::Array(entries)) => {
+                let each = |(written, entry): (&Expression, &Shared<S>)| -> Result<Shared<S>, String> {
+                    if plain(written) { Ok(Rc::new(entry.each(&|x| x * scale)?)) } else { Ok(entry.clone()) }
+                };
+                Rc::new(Value::Array(written.iter().zip(entries).map(each).collect::<Result<_, _>>()?))
+            }
+            (_, entry) if plain(value) => Rc::new(entry.each(&|x| x * scale)?),
+            _ => found,
+        };
+        Ok(spread(found, count))
+    }
+
+    fn force(&mut self, name: &str, index: Option<&Expression>, value: &Expression) -> Result<(), String> {
+        let (first, count) = self.mechanism.coordinate(name).ok_or_else(|| format!("no coordinate `{name}`"))?;
+        let value = self.value(value)?;
+        match (index, count) {
+            (Some(index), _) => {
+                let index = self.integer(index)? as usize;
+                self.sums.forces.push((first + index, value.number()?));
+            }
+            (None, None) => self.sums.forces.push((first, value.number()?)),
+            (None, Some(_)) => {
+                self.sums.forces.extend(value.flat().into_iter().enumerate().map(|(i, force)| (first + i, force)));
+            }
+        }
+        Ok(())
+    }
+
+    /// From here on the pose moves with six auxiliary coordinates: shifts along its axes, turns about them.
+    fn reaction(&mut self, name: &Rc<str>, index: Option<&Expression>, pose: &str) -> Result<(), String> {
+        let index = match index {
+            Some(index) => self.integer(index)? as usize,
+            None => 0,
+        };
+        let first = self.mechanism.dof() + 6 * self.sums.joints.len();
+        let auxiliary: [Moving<S>; 6] =
+            std::array::from_fn(
+                |i| {
+                    if first + i < self.state.q.len() { self.symbol(0, first + i) } else { number(0.0) }
+                },
+            );
+        let [x, y, z, along_x, along_y, along_z] = auxiliary;
+        let turns = [along_x, along_y, along_z].into_iter().enumerate();
+        let freed = turns.fold(Pose::shift([x, y, z]), |pose, (axis, angle)| pose.then(&Pose::turn_about(axis, angle)));
+        let moved = self.named(pose)?.pose()?.then(&freed);
+        *self.local(pose)? = Rc::new(Value::Pose(Box::new(moved)));
+        self.sums.joints.push((name.clone(), index));
+        Ok(())
+    }
+
+    fn constraint(&mut self, left: &Expression, right: &Expression) -> Result<(), String> {
+        let literally_zero = |side: &Expression| matches!(&side.kind, Kind::Number(x) if x.hi() == 0.0);
+        let (left, right) = match (literally_zero(left), literally_zero(right)) {
+            (_, true) => (self.value(left)?.flat(), Vec::new()),
+            (true, _) => (self.value(right)?.flat(), Vec::new()),
+            _ => (self.value(left)?.flat(), self.value(right)?.flat()),
+        };
+        let mut components = left;
+        components.iter_mut().zip(right).for_each(|(left, right)| *left = *left - right);
+        self.sums.constraints.push(Row { components });
+        Ok(())
+    }
+
+    pub(super) fn integer(&mut self, value: &Expression) -> Result<i64, String> {
+        let value = self.number(value)?.value();
+        let nearest = value.round();
+        if (value - nearest).abs() < 1e-9 { Ok(nearest as i64) } else { Err(format!("{value} is no integer")) }
+    }
+
+    pub(super) fn number(&mut self, value: &Expression) -> Result<Moving<S>, String> {
+        self.value(value)?.number()
+    }
+
+    fn named(&self, name: &str) -> Result<Shared<S>, String> {
+        let known = self.locals.iter().rev().chain(self.globals.iter().rev());
+        if let Some((_, value)) = known.into_iter().find(|(known, _)| known.as_ref() == name) {
+            return Ok(value.clone());
+        }
+        let value = match name {
+            "t" => Value::Number(moving(self.state.t, S::of(1.0), S::zero())),
+            "pi" => Value::Number(Moving::exact(pi())),
+            "deg" => Value::Number(Moving::exact(degree())),
+            "world" => Value::Pose(Box::new(Pose::world())),
+            _ => return Err(format!("there is no `{name}`")),
+        };
+        Ok(Rc::new(value))
+    }
+
+    pub(super) fn value(&mut self, expression: &Expression) -> Result<Shared<S>, String> {
+        let value = match &expression.kind {
+            Kind::Number(value) => Value::Number(Moving::exact(*value)),
+            Kind::Name(name) => return self.named(name),
+            Kind::Array(entries) => Value::Array(self.values(entries)?),
+            Kind::Index(base, index) => {
+                let (base, index) = (self.value(base)?, self.integer(index)?);
+                return entry(&base, index);
+            }
+            Kind::Field(base, name) => {
+                let base = self.value(base)?;
+                let axis = ["x", "y", "z"].iter().position(|axis| *axis == name.as_ref());
+                return entry(&base, axis.ok_or_else(|| format!("no component `{name}`"))? as i64);
+            }
+            Kind::Unary('-', value) => self.value(value)?.each(&|x| -x)?,
+            Kind::Unary(_, value) => Value::Truth(!self.value(value)?.truth()?),
+            Kind::Binary(operator, left, right) => self.binary(operator, left, right)?,
+            Kind::If(condition, taken, other) => {
+                let chosen = if self.value(condition)?.truth()? { taken } else { other };
+                return self.value(chosen);
+            }
+            Kind::Call(name, arguments) | Kind::Method(name, arguments) => {
+                let arguments = self.values(arguments)?;
+                return self.call(name, arguments);
+            }
+        };
+        Ok(Rc::new(value))
+    }
+
+    fn values(&mut self, expressions: &[Expression]) -> Result<Vec<Shared<S>>, String> {
+        expressions.iter().map(|expression| self.value(expression)).collect()
+    }
+
+    fn binary(&mut self, operator: &str, left: &Expression, right: &Expression) -> Result<Value<S>, String> {
+        if operator == "^" {
+            return Ok(Value::Number(self.power(left, right)?));
+        }
+        let (a, b) = (self.value(left)?, self.value(right)?);
+        match operator {
+            "+" => a.plus(&b, 1.0),
+            "-" => a.plus(&b, -1.0),
+            "*" => a.times(&b),
+            "/" => {
+                let divisor = b.number()?;
+                a.each(&|x| x / divisor)
+            }
+            "&&" => Ok(Value::Truth(a.truth()? & b.truth()?)),
+            "||" => Ok(Value::Truth(a.truth()? | b.truth()?)),
+            _ => {
+                let (a, b) = (a.number()?, b.number()?);
+                Ok(Value::Truth(match operator {
+                    "<" => a.less(b),
+                    "<=" => a.less_equal(b),
+                    ">" => b.less(a),
+                    ">=" => b.less_equal(a),
+                    _ => return Err(format!("no operator {operator}")),
+                }))
+            }
+        }
+    }
+
+    /// Integers and halves multiply and take roots, which every base bears; other exponents want a positive one.
+    fn power(&mut self, base: &Expression, exponent: &Expression) -> Result<Moving<S>, String> {
+        let (base, exponent) = (self.number(base)?, self.number(exponent)?);
+        let halves = 2.0 * exponent.value();
+        let moves = !(exponent - number(exponent.value())).is_zero();
+        if moves || (halves - halves.round()).abs() > 1e-12 || halves.abs() > 200.0 {
+            return Ok(base.powf(exponent));
+        }
+        let halves = halves.round() as i64;
+        Ok(if halves % 2 == 0 { base.powi(halves / 2) } else { base.sqrt().powi(halves) })
+    }
+
+    /// Functions of the text, then those of the language.
+    fn call(&mut self, name: &Rc<str>, arguments: Vec<Shared<S>>) -> Result<Shared<S>, String> {
+        let Some((names, body)) = self.mechanism.functions.get(name) else {
+            return super::builtin::call(name, &arguments, &self.mixing).map(Rc::new);
+        };
+        if names.len() != arguments.len() {
+            return Err(format!("`{name}` takes {} arguments", names.len()));
+        }
+        let bound = names.iter().cloned().zip(arguments).collect();
+        let outside = std::mem::replace(&mut self.locals, bound);
+        let value = self.value(&body.clone());
+        self.locals = outside;
+        value
+    }
+}
+
+/// One value for every element of an array.
+fn spread<S: Real>(value: Shared<S>, count: Option<usize>) -> Shared<S> {
+    match (count, value.as_ref()) {
+        (Some(count), Value::Number(_)) => Rc::new(Value::Array(vec![value; count])),
+        _ => value,
+    }
+}
+
+fn entry<S: Real>(base: &Shared<S>, index: i64) -> Result<Shared<S>, String> {
+    let index = usize::try_from(index).map_err(|_| "a negative index")?;
+    match base.as_ref() {
+        Value::Array(entries) => entries.get(index).cloned().ok_or_else(|| format!("no element {index}")),
+        Value::Point(place) => place.get(index).map(|&x| Rc::new(Value::Number(x))).ok_or_else(|| "no axis".into()),
+        _ => Err("this has no elements".to_string()),
+    }
+}

@@ -1,0 +1,300 @@
+//! One text, read by both: the generated functions, interpreted, against the referee's numbers.
+//!
+//! How far a number may be off follows from the text and the state: the referee calculates in doubles too, with inputs and every
+//! operation off by a rounding, several times; what those differ from the truth is what rounding explains. The bound is a
+//! multiple of that.
+
+use std::collections::BTreeMap;
+use std::fmt;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+use mbs_derive::expr::Graph;
+use mbs_derive::interpret::{self, Interpreter};
+use mbs_derive::optimise::{Derivation, FunctionKind};
+use mbs_derive::source::{Sources, Unreadable};
+use mbs_derive::{declared_from, derived, verify};
+use twofloat::TwoFloat;
+
+use super::evaluate::State;
+use super::gauge::{Treatment, treatment};
+use super::mechanism::{Mechanism, count};
+use super::number::{Noisy, reseed};
+use super::quantities::{Extent, Quantities, Rank, quantities};
+use crate::random::{Random, onto_the_sphere};
+
+/// How many times what rounding explains a number may be off.
+const MULTIPLE: f64 = 300.0;
+
+/// What a function may return where everything that it should return is 0.
+const ZERO: f64 = 1.0;
+
+/// So many calculations with roundings.
+const SAMPLES: u64 = 4;
+
+/// What is wrong.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Fault {
+    /// The generator refuses a text that the referee understands, and which was drawn to be right.
+    Refused(String),
+    /// The generator panics.
+    Panic(String),
+    /// The referee does not understand a text that the generator accepts.
+    NotUnderstood(String),
+    /// A number is wrong.
+    Wrong {
+        /// Of which function.
+        function: String,
+        /// Which number of which function at which state, and what it should be.
+        report: String,
+    },
+}
+
+impl fmt::Display for Fault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Fault::Refused(report) => write!(f, "refused:\n{report}"),
+            Fault::Panic(report) => write!(f, "panic: {report}"),
+            Fault::NotUnderstood(report) => write!(f, "the referee does not understand: {report}"),
+            Fault::Wrong { function, report } => write!(f, "wrong {function}: {report}"),
+        }
+    }
+}
+
+impl Fault {
+    /// What two faults have in common that are probably one.
+    pub fn kind(&self) -> String {
+        let plain =
+            |text: &str| text.lines().next().unwrap_or_default().chars().filter(|c| !c.is_ascii_digit()).collect();
+        match self {
+            Fault::Refused(report) => plain(report),
+            Fault::Panic(report) | Fault::NotUnderstood(report) => plain(report),
+            Fault::Wrong { function, .. } => function.clone(),
+        }
+    }
+}
+
+/// What was compared.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Judged {
+    /// At how many states.
+    pub states: usize,
+    /// How many numbers.
+    pub numbers: usize,
+    /// How many more had no finite value, or none that rounding leaves a digit of.
+    pub undetermined: usize,
+}
+
+/// A text and what it imports.
+pub type Text<'a> = (&'a str, &'a BTreeMap<String, String>);
+
+/// Holds the generator's functions against the referee's at `states` random states.
+///
+/// # Errors
+/// The first fault.
+pub fn judge((text, imports): Text<'_>, seed: u64, states: usize) -> Result<Judged, Fault> {
+    let import = |path: &str| imports.get(path).cloned();
+    let read = |path: &str| {
+        let text = import(path).map(String::into_bytes);
+        text.ok_or_else(|| Unreadable::new("there is no such file", ""))
+    };
+    let sources = Sources::gather("random.mbs", text, read);
+    let derivation = catch_unwind(AssertUnwindSafe(|| derivation(&sources)));
+    let derivation = derivation.map_err(|payload| Fault::Panic(said(payload.as_ref())))?.map_err(Fault::Refused)?;
+    let mechanism = Mechanism::read(text, &import).map_err(Fault::NotUnderstood)?;
+    let mut court = Court { mechanism: &mechanism, derivation: &derivation, judged: Judged::default() };
+    court.declarations()?;
+    let mut random = Random::new(seed);
+    for k in 0..states {
+        court.state(&mut random, k)?;
+    }
+    Ok(court.judged)
+}
+
+fn said(payload: &(dyn std::any::Any + Send)) -> String {
+    let text = payload.downcast_ref::<String>().cloned();
+    text.or_else(|| payload.downcast_ref::<&str>().map(ToString::to_string)).unwrap_or_default()
+}
+
+fn derivation(sources: &Sources) -> Result<Derivation, String> {
+    let graph = Graph::verbatim();
+    let (lagrangian, _) = declared_from(sources, &graph, &[]).map_err(|errors| errors.render_in(sources))?;
+    let derivation = derived(&lagrangian);
+    verify::against_energies(&lagrangian, &derivation).map_err(|failure| failure.to_string())?;
+    Ok(derivation)
+}
+
+struct Court<'a> {
+    mechanism: &'a Mechanism,
+    derivation: &'a Derivation,
+    judged: Judged,
+}
+
+fn wrong(function: &str, report: String) -> Fault {
+    Fault::Wrong { function: function.to_string(), report }
+}
+
+impl Court<'_> {
+    /// Numbers of everything, and defaults.
+    fn declarations(&self) -> Result<(), Fault> {
+        let (mechanism, derivation) = (self.mechanism, self.derivation);
+        let size = |what: &str, one: usize, other: usize| {
+            if one == other { Ok(()) } else { Err(wrong(what, format!("there are {one}, not {other}"))) }
+        };
+        size("number of coordinates", derivation.dof(), mechanism.dof())?;
+        let kinds: Vec<bool> = mechanism.rows.iter().map(|&(_, holonomic)| holonomic).collect();
+        if derivation.holonomic != kinds {
+            return Err(wrong("rows of constraints", format!("{:?}, not {kinds:?}", derivation.holonomic)));
+        }
+        let defaults: Vec<f64> = self.defaults();
+        size("number of parameters", defaults.len(), mechanism.defaults.len())?;
+        for (i, (found, expected)) in defaults.iter().zip(&mechanism.defaults).enumerate() {
+            if (found - expected).abs() > 2.0 * f64::EPSILON * expected.abs() {
+                return Err(wrong("default of a parameter", format!("number {i} is {found}, not {expected}")));
+            }
+        }
+        Ok(())
+    }
+
+    fn defaults(&self) -> Vec<f64> {
+        self.derivation.parameters.iter().flat_map(|p| &p.defaults).map(|d| d.to_f64()).collect()
+    }
+
+    fn state(&mut self, random: &mut Random, k: usize) -> Result<(), Fault> {
+        let state = self.draw(random, k);
+        let extent = if k.is_multiple_of(2) { Extent::Derivatives } else { Extent::Values };
+        let exact = state.map(&mut TwoFloat::from);
+        let understood = |result: Result<(Quantities, Rank), String>| result.map_err(Fault::NotUnderstood);
+        let (truth, rank) = understood(quantities(self.mechanism, &exact, extent, None))?;
+        let mut samples = Vec::new();
+        for sample in 0..SAMPLES {
+            reseed(sample + 1);
+            let noisy = state.map(&mut Noisy::rounded);
+            samples.push(understood(quantities(self.mechanism, &noisy, extent, Some(rank.found)))?.0);
+        }
+        let interpreter = Interpreter::with_parameters(self.derivation, state.parameters.clone());
+        let given = self.given(&state);
+        for function in &self.derivation.functions {
+            let Some((key, determined)) = self.key(&function.kind, &function.name, rank) else { continue };
+            let Some(expected) = truth.get(&key) else {
+                if extent == Extent::Derivatives && determined {
+                    return Err(wrong(&function.name, "the referee knows no such function".to_string()));
+                }
+                continue;
+            };
+            let found = catch_unwind(AssertUnwindSafe(|| interpreter.evaluate(function, &given)));
+            let found = found.map_err(|payload| Fault::Panic(said(payload.as_ref())))?;
+            let mut compared = [vec![found, expected.clone()], samples_of(&samples, &key)].concat();
+            if !self.mechanism.quaternions.is_empty() {
+                let treatment = treatment(&function.kind);
+                if treatment == Treatment::Not {
+                    continue;
+                }
+                compared.iter_mut().for_each(|values| treatment.apply(values, &state.q, &self.mechanism.quaternions));
+            }
+            let report = self.compare(&compared[0], &compared[1], &compared[2..]);
+            report.map_err(|report| wrong(&function.name, format!("{report}\n{}", shown(&state))))?;
+        }
+        self.judged.states += 1;
+        Ok(())
+    }
+
+    /// What the referee calls the results of a function, and whether it has them at every state with derivatives.
+    fn key(&self, kind: &FunctionKind, name: &str, rank: Rank) -> Option<(String, bool)> {
+        let full = rank.found == rank.full;
+        match kind {
+            FunctionKind::ForwardDynamics if !rank.regular => None,
+            FunctionKind::Multipliers | FunctionKind::Reaction(_) if !full => None,
+            FunctionKind::Linearize | FunctionKind::LinearizeParameters => Some((name.to_string(), full)),
+            FunctionKind::Conserved(_) => None,
+            FunctionKind::OutputJacobian(_) => {
+                let output = name.strip_suffix("_jacobian").unwrap_or(name);
+                let moves = self.derivation.function(&format!("{output}_velocity")).is_some();
+                Some((format!("{output}_{}", if moves { "jacobian" } else { "slope" }), true))
+            }
+            _ => Some((name.to_string(), true)),
+        }
+    }
+
+    fn compare(&mut self, found: &[f64], expected: &[f64], samples: &[Vec<f64>]) -> Result<(), String> {
+        if found.len() != expected.len() {
+            return Err(format!("there are {} numbers, not {}", found.len(), expected.len()));
+        }
+        let largest = expected.iter().fold(0.0, |largest: f64, x| largest.max(x.abs()));
+        for (i, (&found, &expected)) in found.iter().zip(expected).enumerate() {
+            let spread = samples.iter().map(|sample| (sample[i] - expected).abs()).fold(0.0, nan_max);
+            // A structural zero of the referee's way may be a difference of equal terms on another.
+            let residue = if expected == 0.0 && spread == 0.0 { ZERO.max(largest) } else { expected.abs() };
+            let bound = MULTIPLE * spread + 32.0 * f64::EPSILON * residue;
+            if !bound.is_finite() || bound > 0.1 * expected.abs() && spread > 0.0 {
+                self.judged.undetermined += 1;
+            }
+            if !bound.is_finite() {
+                continue;
+            }
+            self.judged.numbers += 1;
+            if !((found - expected).abs() <= bound) {
+                let error = (found - expected).abs();
+                return Err(format!(
+                    "number {i} is {found:e}, not {expected:e}: off by {error:.1e}, rounding explains {spread:.1e}"
+                ));
+            }
+        }
+        Ok(())
+    }
+
+    /// Generic, with exact zeros, near rest, near 0, far away, at right angles.
+    fn draw(&self, random: &mut Random, k: usize) -> State<f64> {
+        let mechanism = self.mechanism;
+        let n = mechanism.dof();
+        let scale = match k % 6 {
+            4 => 1e-9,
+            5 => 1e7,
+            _ => 1.0,
+        };
+        let mut some = |n: usize, size: f64| {
+            let zeros = k % 3 == 1;
+            let one = |random: &mut Random| if zeros && random.one_in(3) { 0.0 } else { random.uniform(-size..size) };
+            (0..n).map(|_| one(random)).collect::<Vec<f64>>()
+        };
+        let (mut q, mut qd, mut qdd) = (some(n, 2.0 * scale), some(n, 1.5), some(n, 3.0));
+        let u = some(count(&mechanism.inputs), 2.0);
+        let prescribed = some(3 * count(&mechanism.prescribed), 1.0).chunks(3).map(|c| [c[0], c[1], c[2]]).collect();
+        let t = some(1, 2.0)[0];
+        for &first in &mechanism.quaternions {
+            let part = first..first + 4;
+            onto_the_sphere(&mut q[part.clone()], &mut qd[part.clone()], &mut qdd[part]);
+        }
+        let near = |value: &f64| if k == 0 { *value } else { value * random.uniform(0.8..1.25) };
+        let parameters = self.defaults().iter().map(near).collect();
+        State { t, q, qd, qdd, u, prescribed, parameters }
+    }
+
+    /// The same for the interpreter, which is given the signals without a formula only.
+    fn given(&self, state: &State<f64>) -> interpret::State {
+        let State { t, q, qd, qdd, u, prescribed, .. } = state.clone();
+        let signals = self.derivation.prescribed.iter().flat_map(|variable| {
+            let known = self.mechanism.prescribed.iter().find(|(name, ..)| name.as_ref() == variable.name);
+            let (first, length) = known.map_or((0, 0), |(_, first, length)| (*first, length.unwrap_or(1)));
+            prescribed[first..first + length].to_vec()
+        });
+        let prescribed = signals.collect();
+        interpret::State { t, q, qd, qdd, u, prescribed }
+    }
+}
+
+fn samples_of(samples: &[Quantities], key: &str) -> Vec<Vec<f64>> {
+    samples.iter().filter_map(|sample| sample.get(key)).cloned().collect()
+}
+
+fn shown(state: &State<f64>) -> String {
+    let State { t, q, qd, qdd, u, prescribed, parameters } = state;
+    format!(
+        "t = {t:?}\nq = {q:?}\nqd = {qd:?}\nqdd = {qdd:?}\nu = {u:?}\nprescribed = {prescribed:?}\n\
+         parameters = {parameters:?}"
+    )
+}
+
+/// The greater, NaN if either is.
+fn nan_max(a: f64, b: f64) -> f64 {
+    if a.is_nan() || b.is_nan() { f64::NAN } else { a.max(b) }
+}

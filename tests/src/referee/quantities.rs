@@ -1,0 +1,387 @@
+//! Every number that a generated function returns, from Lagrange's equations of the text.
+
+use std::collections::BTreeMap;
+
+use twofloat::TwoFloat;
+
+use super::evaluate::State;
+use super::lagrange::{Component, Equations, Wanted, equations};
+use super::mechanism::{Mechanism, count};
+use super::number::{Dual, Noisy, Real};
+use super::solve::solve;
+
+/// Numbers that are no dual numbers.
+pub(super) trait Base: Real {
+    fn wide(self) -> TwoFloat;
+}
+
+impl Base for TwoFloat {
+    fn wide(self) -> TwoFloat {
+        self
+    }
+}
+
+impl Base for Noisy {
+    fn wide(self) -> TwoFloat {
+        TwoFloat::from(self.value())
+    }
+}
+
+/// Results by the names of functions, flattened as the generated ones are.
+pub(super) type Quantities = BTreeMap<String, Vec<f64>>;
+
+/// How much is wanted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Extent {
+    /// What takes no derivative of the equations themselves.
+    Values,
+    /// Jacobians and linearizations as well.
+    Derivatives,
+}
+
+/// The ranks of the bordered system; where rows are redundant λ is not determined.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Rank {
+    pub(super) found: usize,
+    pub(super) full: usize,
+    /// Whether every motion that the constraints leave has inertia: q̈ is determined.
+    pub(super) regular: bool,
+}
+
+/// A derivative of all equations in one direction.
+type Slopes<R> = Equations<Dual<R>>;
+
+struct Bench<'m, R> {
+    mechanism: &'m Mechanism,
+    state: &'m State<R>,
+    found: Quantities,
+}
+
+/// All quantities at a state. `rank` is what the bordered system is known to have.
+pub(super) fn quantities<R: Base>(
+    mechanism: &Mechanism,
+    state: &State<R>,
+    extent: Extent,
+    rank: Option<usize>,
+) -> Result<(Quantities, Rank), String> {
+    let mut bench = Bench { mechanism, state, found: Quantities::new() };
+    let rank = bench.measure(extent, rank)?;
+    Ok((bench.found, rank))
+}
+
+fn wide<R: Base>(values: &[R]) -> Vec<TwoFloat> {
+    values.iter().map(|x| x.wide()).collect()
+}
+
+impl<R: Base> Bench<'_, R> {
+    fn n(&self) -> usize {
+        self.mechanism.dof()
+    }
+
+    fn put(&mut self, name: &str, values: impl IntoIterator<Item = R>) {
+        self.found.insert(name.to_string(), values.into_iter().map(|x| x.value()).collect());
+    }
+
+    fn put_wide(&mut self, name: &str, values: &[TwoFloat]) {
+        self.found.insert(name.to_string(), values.iter().map(|x| x.value()).collect());
+    }
+
+    /// A matrix, row by row, of its columns.
+    fn put_columns(&mut self, name: &str, columns: &[Vec<R>]) {
+        let rows = columns.first().map_or(0, Vec::len);
+        let values: Vec<R> = (0..rows).flat_map(|i| columns.iter().map(move |column| column[i])).collect();
+        self.put(name, values);
+    }
+
+    fn rows<'e, S: Real>(&self, equations: &'e Equations<S>) -> Vec<(&'e Component<S>, bool)> {
+        self.mechanism.rows.iter().map(|&(row, holonomic)| (&equations.rows[row], holonomic)).collect()
+    }
+
+    /// The equations with a derivative in one direction.
+    fn slopes(
+        &self,
+        state: &State<R>,
+        wanted: Wanted,
+        seed: impl FnOnce(&mut State<Dual<R>>),
+    ) -> Result<Slopes<R>, String> {
+        let mut lifted = state.map(&mut |x| Dual::fixed(x));
+        seed(&mut lifted);
+        equations(self.mechanism, &lifted, 0..self.n(), wanted)
+    }
+
+    fn measure(&mut self, extent: Extent, rank: Option<usize>) -> Result<Rank, String> {
+        let (mechanism, state, n) = (self.mechanism, self.state, self.n());
+        let here = equations(mechanism, state, 0..n, Wanted::Outputs)?;
+        self.put("kinetic_energy", [here.kinetic]);
+        self.put("potential_energy", [here.potential]);
+        self.put("momentum", here.momentum.clone());
+        self.put("dissipation_force", here.dissipation.clone());
+        self.put("generalized_force", here.force.clone());
+        let sums = here.inertia.iter().zip(&here.dissipation).map(|(&h, &d)| h + d).collect::<Vec<_>>();
+        self.put("inverse_dynamics", sums);
+        let zero = vec![R::zero(); n];
+        let unaccelerated = State { qdd: zero.clone(), ..state.clone() };
+        let without = equations(mechanism, &unaccelerated, 0..n, Wanted::Motion)?;
+        self.put("bias", without.inertia.clone());
+        let at_rest = State { qd: zero.clone(), ..unaccelerated.clone() };
+        self.put("gravity", equations(mechanism, &at_rest, 0..n, Wanted::Motion)?.inertia);
+        let mass = self.mass(&unaccelerated)?;
+        self.put_columns("mass_matrix", &mass);
+        self.coriolis()?;
+        self.constraints(&here, &without);
+        self.outputs(&here)?;
+        let rank = self.motion(&mass, &without, extent, rank)?;
+        if extent == Extent::Derivatives {
+            self.jacobians()?;
+        }
+        Ok(rank)
+    }
+
+    /// `∂(inertia)/∂q̈`, column by column.
+    fn mass(&self, state: &State<R>) -> Result<Vec<Vec<R>>, String> {
+        let column = |j: usize| {
+            let slopes = self.slopes(state, Wanted::Momenta, |state| state.qdd[j].eps = R::of(1.0))?;
+            Ok(slopes.inertia.iter().map(|x| x.eps).collect())
+        };
+        (0..self.n()).map(column).collect()
+    }
+
+    /// `C = ½(Ṁ + ∂M/∂t + P − Pᵀ) + (∂aᵢ/∂qⱼ − ∂aⱼ/∂qᵢ)` with `Pᵢⱼ = ∂(M q̇)ᵢ/∂qⱼ` and a the momentum at rest.
+    fn coriolis(&mut self) -> Result<(), String> {
+        let n = self.n();
+        let passing = self.mass_rate(true)?;
+        let explicit = self.mass_rate(false)?;
+        let at_rest = State { qd: vec![R::zero(); n], ..self.state.clone() };
+        let by_place = |state: &State<R>| -> Result<Vec<Vec<R>>, String> {
+            let column = |j: usize| {
+                let slopes = self.slopes(state, Wanted::Momenta, |state| state.q[j].eps = R::of(1.0))?;
+                Ok(slopes.momentum.iter().map(|x| x.eps).collect())
+            };
+            (0..n).map(column).collect()
+        };
+        let (all, gyroscopic) = (by_place(self.state)?, by_place(&at_rest)?);
+        let half = R::of(0.5);
+        let entry = |i: usize, j: usize| {
+            let skew = (all[j][i] - all[i][j]) + (gyroscopic[j][i] - gyroscopic[i][j]);
+            half * (passing[j][i] + explicit[j][i] + skew)
+        };
+        let values: Vec<R> = (0..n).flat_map(|i| (0..n).map(move |j| (i, j))).map(|(i, j)| entry(i, j)).collect();
+        self.put("coriolis_matrix", values);
+        Ok(())
+    }
+
+    /// Columns of Ṁ along the motion, or of `∂M/∂t` while the coordinates stay.
+    fn mass_rate(&self, moving: bool) -> Result<Vec<Vec<R>>, String> {
+        let one = R::of(1.0);
+        let column = |j: usize| {
+            let mut state = along(self.state, moving).map(&mut |x| Dual::fixed(x));
+            // The direction of the acceleration is the outer one.
+            state.qdd[j].eps = Dual::fixed(one);
+            let slopes = equations(self.mechanism, &state, 0..self.n(), Wanted::Momenta)?;
+            Ok(slopes.inertia.iter().map(|x| x.eps.eps).collect())
+        };
+        (0..self.n()).map(column).collect()
+    }
+
+    fn constraints(&mut self, here: &Equations<R>, without: &Equations<R>) {
+        if self.mechanism.rows.is_empty() {
+            return;
+        }
+        let rows = self.rows(here);
+        let value = rows.iter().map(|(row, _)| row.along[0]).collect::<Vec<_>>();
+        let rate = rows.iter().map(|(row, holonomic)| row.rate(*holonomic)).collect::<Vec<_>>();
+        let gradients = rows.iter().flat_map(|(row, holonomic)| row.gradient(*holonomic).to_vec()).collect::<Vec<_>>();
+        let bias = self.rows(without).iter().map(|(row, holonomic)| row.second(*holonomic)).collect::<Vec<_>>();
+        self.put("constraint", value);
+        self.put("constraint_rate", rate);
+        self.put("constraint_jacobian", gradients);
+        self.put("constraint_bias", bias);
+    }
+
+    fn outputs(&mut self, here: &Equations<R>) -> Result<(), String> {
+        if here.outputs.is_empty() {
+            return Ok(());
+        }
+        let mut lifted = along(self.state, true);
+        lifted.qdd.iter_mut().for_each(|x| *x = Dual::of(0.0));
+        let moving = equations(self.mechanism, &lifted, 0..self.n(), Wanted::Outputs)?;
+        let names = self.mechanism.outputs.clone();
+        for ((output, moving), (name, _)) in here.outputs.iter().zip(&moving.outputs).zip(names) {
+            self.put(&name, output.value.clone());
+            self.put(&format!("{name}_velocity"), output.velocity.clone());
+            self.put_columns(&format!("{name}_jacobian"), &output.columns);
+            // Where the output has no velocity.
+            self.put_columns(&format!("{name}_slope"), &output.slopes);
+            let rates: Vec<Vec<R>> = moving.columns.iter().map(|c| c.iter().map(|x| x.eps).collect()).collect();
+            self.put_columns(&format!("{name}_jacobian_rate"), &rates);
+        }
+        Ok(())
+    }
+
+    /// q̈, λ, the linearization and the wrenches at joints.
+    fn motion(
+        &mut self,
+        mass: &[Vec<R>],
+        without: &Equations<R>,
+        extent: Extent,
+        rank: Option<usize>,
+    ) -> Result<Rank, String> {
+        let n = self.n();
+        let rows = self.rows(without);
+        let bordered = bordered(mass, &rows);
+        let rest = (0..n).map(|i| (without.force[i] - without.inertia[i] - without.dissipation[i]).wide());
+        let bias = rows.iter().map(|(row, holonomic)| -row.second(*holonomic).wide());
+        let right: Vec<TwoFloat> = rest.chain(bias).collect();
+        let solution = solve(&bordered, &[right], 1e-20, rank);
+        let (qdd, minus) = solution.columns[0].split_at(n);
+        let multipliers: Vec<TwoFloat> = minus.iter().map(|l| -*l).collect();
+        self.put_wide("forward_dynamics", qdd);
+        self.put_wide("multipliers", &multipliers);
+        let forces = (0..n).map(|i| {
+            let terms = rows.iter().zip(&multipliers);
+            terms.fold(TwoFloat::from(0.0), |sum, ((row, holonomic), l)| sum + row.gradient(*holonomic)[i].wide() * *l)
+        });
+        let forces: Vec<TwoFloat> = forces.collect();
+        self.put_wide("constraint_force", &forces);
+        let rank =
+            Rank { found: solution.rank, full: n + rows.len(), regular: solution.rank == n + rank_of(&bordered, n) };
+        if extent == Extent::Derivatives && rank.found == rank.full {
+            self.linearize(&bordered, qdd, &multipliers)?;
+        }
+        self.wrenches(&multipliers)?;
+        Ok(rank)
+    }
+
+    /// What the auxiliary coordinates of the joints have to be held with, at the accelerations of the state.
+    fn wrenches(&mut self, multipliers: &[TwoFloat]) -> Result<(), String> {
+        let (n, joints) = (self.n(), self.mechanism.joints.clone());
+        if joints.is_empty() {
+            return Ok(());
+        }
+        let held = equations(self.mechanism, self.state, n..n + 6 * joints.len(), Wanted::Motion)?;
+        let rows = self.rows(&held);
+        let along = |i: usize| {
+            let terms = rows.iter().zip(multipliers);
+            terms.fold(R::zero(), |sum, ((row, holonomic), l)| sum + row.gradient(*holonomic)[i] * R::exact(*l))
+        };
+        let wrench = |i: usize| held.inertia[i] + held.dissipation[i] - held.force[i] - along(i);
+        let mut found: BTreeMap<String, Vec<(usize, Vec<f64>)>> = BTreeMap::new();
+        for (k, (name, index)) in joints.iter().enumerate() {
+            let values = (6 * k..6 * k + 6).map(|i| wrench(i).value()).collect();
+            found.entry(name.to_string()).or_default().push((*index, values));
+        }
+        for (name, mut wrenches) in found {
+            wrenches.sort_by_key(|(index, _)| *index);
+            self.found.insert(name, wrenches.into_iter().flat_map(|(_, values)| values).collect());
+        }
+        Ok(())
+    }
+
+    /// `∂q̈/∂z` from what the equations of motion lose when z changes while q̈ and λ stay.
+    fn linearize(
+        &mut self,
+        bordered: &[Vec<TwoFloat>],
+        qdd: &[TwoFloat],
+        multipliers: &[TwoFloat],
+    ) -> Result<(), String> {
+        let n = self.n();
+        let moving = State { qdd: qdd.iter().map(|&x| R::exact(x)).collect(), ..self.state.clone() };
+        let changes = |seed: &dyn Fn(&mut State<Dual<R>>)| -> Result<Vec<TwoFloat>, String> {
+            let slopes = self.slopes(&moving, Wanted::Motion, seed)?;
+            let rows = self.rows(&slopes);
+            let lost = (0..n).map(|i| {
+                let own = (slopes.force[i] - slopes.inertia[i] - slopes.dissipation[i]).eps.wide();
+                let terms = rows.iter().zip(multipliers);
+                terms.fold(own, |sum, ((row, holonomic), l)| sum + row.gradient(*holonomic)[i].eps.wide() * *l)
+            });
+            Ok(lost.chain(rows.iter().map(|(row, holonomic)| -row.second(*holonomic).eps.wide())).collect())
+        };
+        let one = R::of(1.0);
+        let mut right = Vec::new();
+        for j in 0..n {
+            right.push(changes(&|state| state.q[j].eps = one)?);
+        }
+        for j in 0..n {
+            right.push(changes(&|state| state.qd[j].eps = one)?);
+        }
+        let (inputs, parameters) = (count(&self.mechanism.inputs), self.state.parameters.len());
+        for j in 0..inputs {
+            right.push(changes(&|state| state.u[j].eps = one)?);
+        }
+        for j in 0..parameters {
+            right.push(changes(&|state| state.parameters[j].eps = one)?);
+        }
+        let solution = solve(bordered, &right, 0.0, None);
+        let part = |from: usize, to: usize| -> Vec<TwoFloat> {
+            (0..n).flat_map(|i| solution.columns[from..to].iter().map(move |column| column[i])).collect()
+        };
+        let parts = [part(0, n), part(n, 2 * n), part(2 * n, 2 * n + inputs)].concat();
+        let by_parameters = part(2 * n + inputs, 2 * n + inputs + parameters);
+        self.put_wide("linearize", &parts);
+        self.put_wide("linearize_parameters", &by_parameters);
+        Ok(())
+    }
+
+    /// `∂τ/∂q`, `∂τ/∂q̇`, and `∂(A q̇ + b)/∂q`.
+    fn jacobians(&mut self) -> Result<(), String> {
+        let (n, one) = (self.n(), R::of(1.0));
+        let (mut by_place, mut by_rate, mut rows) = (Vec::new(), Vec::new(), Vec::new());
+        let torque = |slopes: &Slopes<R>| -> Vec<R> {
+            slopes.inertia.iter().zip(&slopes.dissipation).map(|(h, d)| h.eps + d.eps).collect()
+        };
+        for j in 0..n {
+            let slopes = self.slopes(self.state, Wanted::Motion, |state| state.q[j].eps = one)?;
+            by_place.push(torque(&slopes));
+            rows.push(self.rows(&slopes).iter().map(|(row, holonomic)| row.rate(*holonomic).eps).collect::<Vec<_>>());
+            let slopes = self.slopes(self.state, Wanted::Motion, |state| state.qd[j].eps = one)?;
+            by_rate.push(torque(&slopes));
+        }
+        self.put_columns("inverse_dynamics_jacobian", &by_place);
+        let first = self.found["inverse_dynamics_jacobian"].clone();
+        self.put_columns("inverse_dynamics_jacobian", &by_rate);
+        let second = self.found["inverse_dynamics_jacobian"].clone();
+        self.found.insert("inverse_dynamics_jacobian".to_string(), [first, second].concat());
+        self.put_columns("constraint_rate_jacobian", &rows);
+        Ok(())
+    }
+}
+
+/// The rank of A: half of that of the bordered matrix without M.
+fn rank_of(bordered: &[Vec<TwoFloat>], n: usize) -> usize {
+    let mut border = bordered.to_vec();
+    border.iter_mut().take(n).for_each(|row| row[..n].fill(TwoFloat::from(0.0)));
+    solve(&border, &[], 1e-20, None).rank / 2
+}
+
+/// M, bordered by the rows of A.
+fn bordered<R: Base>(mass: &[Vec<R>], rows: &[(&Component<R>, bool)]) -> Vec<Vec<TwoFloat>> {
+    let n = mass.len();
+    let size = n + rows.len();
+    let mut matrix = vec![vec![TwoFloat::from(0.0); size]; size];
+    for (j, column) in mass.iter().enumerate() {
+        for (i, entry) in wide(column).into_iter().enumerate() {
+            matrix[i][j] = entry;
+        }
+    }
+    for (k, (row, holonomic)) in rows.iter().enumerate() {
+        for (j, entry) in wide(row.gradient(*holonomic)).into_iter().enumerate() {
+            matrix[n + k][j] = entry;
+            matrix[j][n + k] = entry;
+        }
+    }
+    matrix
+}
+
+/// The state and how it changes: along the motion, or by the time alone.
+fn along<R: Real>(state: &State<R>, moving: bool) -> State<Dual<R>> {
+    let mut lifted = state.map(&mut |x| Dual::fixed(x));
+    lifted.t.eps = R::of(1.0);
+    for signal in &mut lifted.prescribed {
+        signal[0].eps = signal[1].re;
+        signal[1].eps = signal[2].re;
+    }
+    if moving {
+        lifted.q.iter_mut().zip(&state.qd).for_each(|(q, rate)| q.eps = *rate);
+    }
+    lifted
+}

@@ -1,0 +1,91 @@
+//! A fault in as small a text as it still shows in.
+
+use super::draw::Drawn;
+use super::judge::{Fault, judge};
+use super::syntax::{self, Expression, Statement};
+
+/// So many texts are tried.
+const TRIES: usize = 250;
+
+/// The smallest text that was found to have the same kind of fault, and its fault.
+pub fn shrink(drawn: &Drawn, fault: &Fault, seed: u64, states: usize) -> (Drawn, Fault) {
+    let mut shrinking = Shrinking { best: drawn.clone(), fault: fault.clone(), seed, states, tries: TRIES };
+    while shrinking.tries > 0 && (shrinking.lines() | shrinking.expressions()) {}
+    (shrinking.best, shrinking.fault)
+}
+
+struct Shrinking {
+    best: Drawn,
+    fault: Fault,
+    seed: u64,
+    states: usize,
+    tries: usize,
+}
+
+impl Shrinking {
+    /// Takes a text for the best if its fault is of the same kind.
+    fn accept(&mut self, text: String) -> bool {
+        if self.tries == 0 || text.len() >= self.best.text.len() {
+            return false;
+        }
+        self.tries -= 1;
+        match judge((&text, &self.best.imports), self.seed, self.states) {
+            Err(fault) if fault.kind() == self.fault.kind() => {
+                self.best.text = text;
+                self.fault = fault;
+                true
+            }
+            _ => false,
+        }
+    }
+
+    /// Leaves out lines, the last ones first: nothing depends on them.
+    fn lines(&mut self) -> bool {
+        let mut changed = false;
+        let mut at = self.best.text.lines().count();
+        while at > 0 {
+            at -= 1;
+            let lines: Vec<&str> = self.best.text.lines().collect();
+            let kept = lines.iter().enumerate().filter(|(i, _)| *i != at).map(|(_, line)| *line);
+            let text = kept.collect::<Vec<_>>().join("\n") + "\n";
+            changed |= self.accept(text);
+        }
+        changed
+    }
+
+    /// Puts one of its parts, or a number, in the place of an expression.
+    fn expressions(&mut self) -> bool {
+        let mut changed = false;
+        let mut skipped = 0;
+        // After each change the text is read anew: places have moved.
+        while self.tries > 0 {
+            let text = self.best.text.clone();
+            let Ok(file) = syntax::read(&text) else { return changed };
+            let mut expressions = Vec::new();
+            file.statements.iter().flat_map(Statement::expressions).for_each(|e| inside(e, &mut expressions));
+            let candidates = expressions.iter().flat_map(|e| {
+                let parts = e.parts().into_iter().map(|part| text[part.span.clone()].to_string());
+                parts.chain(["1".to_string(), "0".to_string()]).map(|new| (e.span.clone(), new))
+            });
+            let mut found = false;
+            for (tried, (span, new)) in candidates.enumerate().skip(skipped) {
+                skipped = tried + 1;
+                let shorter = format!("{}{new}{}", &text[..span.start], &text[span.end..]);
+                if self.accept(shorter) {
+                    found = true;
+                    break;
+                }
+            }
+            changed |= found;
+            if !found {
+                break;
+            }
+        }
+        changed
+    }
+}
+
+fn inside<'e>(expression: &'e Expression, found: &mut Vec<&'e Expression>) {
+    found.push(expression);
+    expression.parts().into_iter().for_each(|part| inside(part, found));
+}

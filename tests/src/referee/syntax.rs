@@ -1,0 +1,603 @@
+//! A text as the referee reads it: tokens, and the tree that the grammar of the manual gives them.
+
+use std::ops::Range;
+use std::rc::Rc;
+
+use twofloat::TwoFloat;
+
+use super::number::decimal;
+
+/// An expression and where it stands.
+#[derive(Clone, Debug)]
+pub(super) struct Expression {
+    pub(super) kind: Kind,
+    pub(super) span: Range<usize>,
+}
+
+/// What an expression is made of.
+#[derive(Clone, Debug)]
+pub(super) enum Kind {
+    Number(TwoFloat),
+    Name(Rc<str>),
+    /// `f(a, b)`, and `a.f(b)` as well.
+    Call(Rc<str>, Vec<Expression>),
+    /// `a.f(b)`
+    Method(Rc<str>, Vec<Expression>),
+    /// `a.x`
+    Field(Box<Expression>, Rc<str>),
+    Index(Box<Expression>, Box<Expression>),
+    Array(Vec<Expression>),
+    Unary(char, Box<Expression>),
+    Binary(&'static str, Box<Expression>, Box<Expression>),
+    If(Box<Expression>, Box<Expression>, Box<Expression>),
+}
+
+impl Expression {
+    /// What it is made of, left to right.
+    pub(super) fn parts(&self) -> Vec<&Expression> {
+        match &self.kind {
+            Kind::Number(_) | Kind::Name(_) => Vec::new(),
+            Kind::Call(_, arguments) | Kind::Method(_, arguments) | Kind::Array(arguments) => {
+                arguments.iter().collect()
+            }
+            Kind::Field(a, _) | Kind::Unary(_, a) => vec![a],
+            Kind::Index(a, b) | Kind::Binary(_, a, b) => vec![a, b],
+            Kind::If(a, b, c) => vec![a, b, c],
+        }
+    }
+}
+
+/// A unit: names and their powers.
+pub(super) type Unit = Vec<(String, f64)>;
+
+/// `param`, `coord`, `input`, `prescribed` or `const`.
+#[derive(Clone, Debug)]
+pub(super) struct Declaration {
+    pub(super) keyword: String,
+    pub(super) name: Rc<str>,
+    pub(super) length: Option<Expression>,
+    pub(super) unit: Option<Unit>,
+    pub(super) value: Option<Expression>,
+}
+
+/// A statement.
+#[derive(Clone, Debug)]
+pub(super) enum Statement {
+    Declaration(Declaration),
+    Function {
+        name: Rc<str>,
+        arguments: Vec<Rc<str>>,
+        body: Rc<Expression>,
+    },
+    Let {
+        name: Rc<str>,
+        value: Expression,
+    },
+    Assign {
+        name: Rc<str>,
+        value: Expression,
+    },
+    /// `kinetic`, `potential`, `dissipation` or `lagrangian`.
+    Energy {
+        sum: String,
+        value: Expression,
+    },
+    Force {
+        name: Rc<str>,
+        index: Option<Expression>,
+        value: Expression,
+    },
+    ForceAt {
+        place: Expression,
+        value: Expression,
+    },
+    TorqueOn {
+        pose: Expression,
+        value: Expression,
+    },
+    Reaction {
+        name: Rc<str>,
+        index: Option<Expression>,
+        pose: Rc<str>,
+    },
+    Constraint {
+        left: Expression,
+        right: Expression,
+    },
+    Output {
+        name: Rc<str>,
+        value: Expression,
+        rate: bool,
+    },
+    For {
+        name: Rc<str>,
+        from: Expression,
+        to: Expression,
+        body: Vec<Statement>,
+    },
+}
+
+impl Statement {
+    /// Its expressions, those of the statements within a loop included.
+    pub(super) fn expressions(&self) -> Vec<&Expression> {
+        match self {
+            Statement::Declaration(d) => d.length.iter().chain(&d.value).collect(),
+            Statement::Function { body, .. } => vec![body],
+            Statement::Let { value, .. }
+            | Statement::Assign { value, .. }
+            | Statement::Energy { value, .. }
+            | Statement::Output { value, .. } => vec![value],
+            Statement::Force { index, value, .. } => index.iter().chain([value]).collect(),
+            Statement::ForceAt { place: left, value: right }
+            | Statement::TorqueOn { pose: left, value: right }
+            | Statement::Constraint { left, right } => vec![left, right],
+            Statement::Reaction { index, .. } => index.iter().collect(),
+            Statement::For { from, to, body, .. } => {
+                [from, to].into_iter().chain(body.iter().flat_map(Statement::expressions)).collect()
+            }
+        }
+    }
+}
+
+/// A file: what it imports, and its statements.
+#[derive(Clone, Debug)]
+pub(super) struct File {
+    pub(super) imports: Vec<String>,
+    pub(super) dimensionless: bool,
+    pub(super) statements: Vec<Statement>,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+enum Token {
+    Number(String),
+    Name(String),
+    Text(String),
+    Sign(&'static str),
+    End,
+}
+
+const SIGNS: [&str; 32] = [
+    "#![", "..", "+=", "<=", ">=", "==", "!=", "&&", "||", "+", "-", "*", "/", "^", "(", ")", "[", "]", "{", "}", ",",
+    ";", ":", "=", "<", ">", "!", ".", "#", "?", "%", "@",
+];
+
+/// Tokens and their places; comments and documentation are left out.
+fn tokens(text: &str) -> Result<Vec<(Token, Range<usize>)>, String> {
+    let bytes = text.as_bytes();
+    let mut found = Vec::new();
+    let mut at = 0;
+    while at < bytes.len() {
+        let rest = &text[at..];
+        let first = bytes[at];
+        if first.is_ascii_whitespace() {
+            at += 1;
+        } else if rest.starts_with("//") {
+            at += rest.find('\n').unwrap_or(rest.len());
+        } else if rest.starts_with("/*") {
+            at += comment(rest);
+        } else if first == b'"' {
+            let length = rest[1..].find('"').ok_or("a path that does not end")?;
+            found.push((Token::Text(rest[1..=length].to_string()), at..at + length + 2));
+            at += length + 2;
+        } else if first.is_ascii_alphanumeric() || first == b'_' {
+            let (token, length) = word(rest);
+            found.push((token, at..at + length));
+            at += length;
+        } else {
+            let sign = SIGNS.into_iter().find(|sign| rest.starts_with(sign));
+            let sign = sign.ok_or_else(|| format!("no token begins with `{}`", &rest[..rest.len().min(10)]))?;
+            found.push((Token::Sign(sign), at..at + sign.len()));
+            at += sign.len();
+        }
+    }
+    found.push((Token::End, at..at));
+    Ok(found)
+}
+
+/// The length of a comment in brackets, which nests.
+fn comment(text: &str) -> usize {
+    let (mut depth, mut at) = (0, 0);
+    while at < text.len() {
+        if text[at..].starts_with("/*") {
+            depth += 1;
+            at += 2;
+        } else if text[at..].starts_with("*/") {
+            depth -= 1;
+            at += 2;
+            if depth == 0 {
+                break;
+            }
+        } else {
+            at += text[at..].chars().next().map_or(1, char::len_utf8);
+        }
+    }
+    at
+}
+
+/// A name or a number. `0..n` holds two numbers.
+fn word(text: &str) -> (Token, usize) {
+    let bytes = text.as_bytes();
+    let digit = |i: usize| bytes.get(i).is_some_and(|b| b.is_ascii_digit() || *b == b'_');
+    let letter = |i: usize| bytes.get(i).is_some_and(|b| b.is_ascii_alphanumeric() || *b == b'_');
+    let mut end = 0;
+    if !bytes[0].is_ascii_digit() {
+        while letter(end) {
+            end += 1;
+        }
+        return (Token::Name(text[..end].to_string()), end);
+    }
+    while digit(end) {
+        end += 1;
+    }
+    if bytes.get(end) == Some(&b'.') && bytes.get(end + 1) != Some(&b'.') && !letter_after_dot(bytes, end) {
+        end += 1;
+        while digit(end) {
+            end += 1;
+        }
+    }
+    if matches!(bytes.get(end), Some(b'e' | b'E')) {
+        let signed = matches!(bytes.get(end + 1), Some(b'+' | b'-'));
+        if bytes.get(end + 1 + usize::from(signed)).is_some_and(u8::is_ascii_digit) {
+            end += 2 + usize::from(signed);
+            while digit(end) {
+                end += 1;
+            }
+        }
+    }
+    (Token::Number(text[..end].replace('_', "")), end)
+}
+
+/// Whether what follows `2.` is a name.
+fn letter_after_dot(bytes: &[u8], dot: usize) -> bool {
+    bytes.get(dot + 1).is_some_and(u8::is_ascii_alphabetic) && !matches!(bytes[dot + 1], b'e' | b'E')
+}
+
+/// Reads a file.
+///
+/// # Errors
+/// What was expected, and where.
+pub(super) fn read(text: &str) -> Result<File, String> {
+    let mut reader = Reader { tokens: tokens(text)?, at: 0 };
+    let mut file = File { imports: Vec::new(), dimensionless: false, statements: Vec::new() };
+    loop {
+        if reader.accept("#![") {
+            file.dimensionless |= reader.name()?.as_ref() == "dimensionless";
+            reader.expect("]")?;
+        } else if reader.accept("import") {
+            let Token::Text(path) = reader.next() else { return Err(reader.expected("a path")) };
+            file.imports.push(path);
+            reader.expect(";")?;
+        } else {
+            break;
+        }
+    }
+    if reader.accept("mechanism") {
+        reader.name()?;
+        file.statements = reader.block()?;
+    } else {
+        while reader.peek() != &Token::End {
+            file.statements.push(reader.statement()?);
+        }
+    }
+    if reader.peek() == &Token::End { Ok(file) } else { Err(reader.expected("the end")) }
+}
+
+struct Reader {
+    tokens: Vec<(Token, Range<usize>)>,
+    at: usize,
+}
+
+impl Reader {
+    fn peek(&self) -> &Token {
+        &self.tokens[self.at].0
+    }
+    fn start(&self) -> usize {
+        self.tokens[self.at].1.start
+    }
+    fn end(&self) -> usize {
+        self.tokens[self.at - 1].1.end
+    }
+    fn next(&mut self) -> Token {
+        let token = self.peek().clone();
+        self.at = (self.at + 1).min(self.tokens.len() - 1);
+        token
+    }
+    fn is(&self, word: &str) -> bool {
+        match self.peek() {
+            Token::Sign(sign) => *sign == word,
+            Token::Name(name) => name == word,
+            _ => false,
+        }
+    }
+    fn accept(&mut self, word: &str) -> bool {
+        let found = self.is(word);
+        if found {
+            self.next();
+        }
+        found
+    }
+    fn expect(&mut self, word: &str) -> Result<(), String> {
+        if self.accept(word) { Ok(()) } else { Err(self.expected(word)) }
+    }
+    fn expected(&self, what: &str) -> String {
+        format!("expected {what}, found {:?} at byte {}", self.peek(), self.start())
+    }
+    fn name(&mut self) -> Result<Rc<str>, String> {
+        match self.next() {
+            Token::Name(name) => Ok(name.into()),
+            _ => Err(self.expected("a name")),
+        }
+    }
+
+    fn block(&mut self) -> Result<Vec<Statement>, String> {
+        self.expect("{")?;
+        let mut statements = Vec::new();
+        while !self.accept("}") {
+            statements.push(self.statement()?);
+        }
+        Ok(statements)
+    }
+
+    fn statement(&mut self) -> Result<Statement, String> {
+        let Token::Name(word) = self.peek().clone() else { return Err(self.expected("a statement")) };
+        let statement = if word == "for" { self.repetition()? } else { self.simple(&word)? };
+        if word != "for" {
+            self.expect(";")?;
+        }
+        Ok(statement)
+    }
+
+    fn repetition(&mut self) -> Result<Statement, String> {
+        self.expect("for")?;
+        let name = self.name()?;
+        self.expect("in")?;
+        let from = self.expression()?;
+        self.expect("..")?;
+        let to = self.expression()?;
+        Ok(Statement::For { name, from, to, body: self.block()? })
+    }
+
+    fn simple(&mut self, word: &str) -> Result<Statement, String> {
+        let first = self.name()?;
+        match word {
+            "param" | "coord" | "input" | "prescribed" | "const" => self.declaration(word),
+            "fn" => self.function(),
+            "let" => {
+                self.accept("mut");
+                let name = self.name()?;
+                self.expect("=")?;
+                Ok(Statement::Let { name, value: self.expression()? })
+            }
+            "kinetic" | "potential" | "dissipation" | "lagrangian" => {
+                self.expect("+=")?;
+                Ok(Statement::Energy { sum: word.to_string(), value: self.expression()? })
+            }
+            "force" if self.accept("at") => {
+                let place = self.expression()?;
+                self.expect("+=")?;
+                Ok(Statement::ForceAt { place, value: self.expression()? })
+            }
+            "force" => {
+                let name = self.name()?;
+                let index = self.index()?;
+                self.expect("+=")?;
+                Ok(Statement::Force { name, index, value: self.expression()? })
+            }
+            "torque" => {
+                self.expect("on")?;
+                let pose = self.expression()?;
+                self.expect("+=")?;
+                Ok(Statement::TorqueOn { pose, value: self.expression()? })
+            }
+            "reaction" => {
+                let name = self.name()?;
+                let index = self.index()?;
+                self.expect("at")?;
+                Ok(Statement::Reaction { name, index, pose: self.name()? })
+            }
+            "constraint" => {
+                self.name()?;
+                self.expect(":")?;
+                let left = self.expression()?;
+                self.expect("=")?;
+                Ok(Statement::Constraint { left, right: self.expression()? })
+            }
+            "output" => {
+                let name = self.name()?;
+                self.expect("=")?;
+                let value = self.expression()?;
+                let rate = self.accept(",");
+                if rate {
+                    self.expect("jacobian_rate")?;
+                }
+                Ok(Statement::Output { name, value, rate })
+            }
+            _ => {
+                self.expect("=")?;
+                Ok(Statement::Assign { name: first, value: self.expression()? })
+            }
+        }
+    }
+
+    fn index(&mut self) -> Result<Option<Expression>, String> {
+        if !self.accept("[") {
+            return Ok(None);
+        }
+        let index = self.expression()?;
+        self.expect("]")?;
+        Ok(Some(index))
+    }
+
+    fn declaration(&mut self, keyword: &str) -> Result<Statement, String> {
+        let name = self.name()?;
+        let length = self.index()?;
+        let unit = if self.accept(":") { Some(self.unit()?) } else { None };
+        let value = if self.accept("=") { Some(self.expression()?) } else { None };
+        Ok(Statement::Declaration(Declaration { keyword: keyword.to_string(), name, length, unit, value }))
+    }
+
+    fn function(&mut self) -> Result<Statement, String> {
+        let name = self.name()?;
+        self.expect("(")?;
+        let mut arguments = Vec::new();
+        while !self.accept(")") {
+            arguments.push(self.name()?);
+            if !self.is(")") {
+                self.expect(",")?;
+            }
+        }
+        self.expect("=")?;
+        Ok(Statement::Function { name, arguments, body: Rc::new(self.expression()?) })
+    }
+
+    fn unit(&mut self) -> Result<Unit, String> {
+        let mut unit = self.factor()?;
+        loop {
+            let sign = match self.peek() {
+                Token::Sign("*") => 1.0,
+                Token::Sign("/") => -1.0,
+                _ => return Ok(unit),
+            };
+            self.next();
+            unit.extend(self.factor()?.into_iter().map(|(name, power)| (name, sign * power)));
+        }
+    }
+
+    fn factor(&mut self) -> Result<Unit, String> {
+        if self.accept("(") {
+            let unit = self.unit()?;
+            self.expect(")")?;
+            return Ok(unit);
+        }
+        match self.next() {
+            Token::Number(one) if one == "1" => Ok(Vec::new()),
+            Token::Name(name) => {
+                let power = if self.accept("^") { self.exponent()? } else { 1.0 };
+                Ok(vec![(name, power)])
+            }
+            _ => Err(self.expected("a unit")),
+        }
+    }
+
+    fn exponent(&mut self) -> Result<f64, String> {
+        if self.accept("(") {
+            let top = self.exponent()?;
+            let bottom = if self.accept("/") { self.exponent()? } else { 1.0 };
+            self.expect(")")?;
+            return Ok(top / bottom);
+        }
+        let sign = if self.accept("-") { -1.0 } else { 1.0 };
+        match self.next() {
+            Token::Number(digits) => digits.parse::<f64>().map(|n| sign * n).map_err(|e| e.to_string()),
+            _ => Err(self.expected("an exponent")),
+        }
+    }
+
+    /// The binary operators, loosest first.
+    fn expression(&mut self) -> Result<Expression, String> {
+        self.binary(0)
+    }
+
+    fn binary(&mut self, level: usize) -> Result<Expression, String> {
+        const LEVELS: [&[&str]; 5] = [&["||"], &["&&"], &["<=", ">=", "<", ">", "==", "!="], &["+", "-"], &["*", "/"]];
+        let Some(operators) = LEVELS.get(level) else { return self.signed() };
+        let start = self.start();
+        let mut left = self.binary(level + 1)?;
+        while let Some(operator) = operators.iter().find(|operator| self.is(operator)) {
+            self.next();
+            let right = self.binary(level + 1)?;
+            let kind = Kind::Binary(operator, Box::new(left), Box::new(right));
+            left = Expression { kind, span: start..self.end() };
+        }
+        Ok(left)
+    }
+
+    fn signed(&mut self) -> Result<Expression, String> {
+        let start = self.start();
+        for (sign, operator) in [("-", '-'), ("!", '!')] {
+            if self.accept(sign) {
+                let kind = Kind::Unary(operator, Box::new(self.signed()?));
+                return Ok(Expression { kind, span: start..self.end() });
+            }
+        }
+        let base = self.postfix()?;
+        if !self.accept("^") {
+            return Ok(base);
+        }
+        let kind = Kind::Binary("^", Box::new(base), Box::new(self.signed()?));
+        Ok(Expression { kind, span: start..self.end() })
+    }
+
+    fn postfix(&mut self) -> Result<Expression, String> {
+        let start = self.start();
+        let mut value = self.primary()?;
+        loop {
+            let kind = if self.accept(".") {
+                let name = self.name()?;
+                if self.accept("(") {
+                    let arguments = self.arguments(")")?;
+                    Kind::Method(name, [value].into_iter().chain(arguments).collect())
+                } else {
+                    Kind::Field(Box::new(value), name)
+                }
+            } else if let Some(index) = self.index()? {
+                Kind::Index(Box::new(value), Box::new(index))
+            } else {
+                return Ok(value);
+            };
+            value = Expression { kind, span: start..self.end() };
+        }
+    }
+
+    fn arguments(&mut self, close: &str) -> Result<Vec<Expression>, String> {
+        let mut arguments = Vec::new();
+        while !self.accept(close) {
+            arguments.push(self.expression()?);
+            if !self.is(close) {
+                self.expect(",")?;
+            }
+        }
+        Ok(arguments)
+    }
+
+    fn primary(&mut self) -> Result<Expression, String> {
+        let start = self.start();
+        let kind = match self.next() {
+            Token::Number(digits) => Kind::Number(decimal(&digits).ok_or("a number that cannot be read")?),
+            Token::Sign("[") => Kind::Array(self.arguments("]")?),
+            Token::Sign("(") => {
+                let mut inner = self.expression()?;
+                self.expect(")")?;
+                inner.span = start..self.end();
+                return Ok(inner);
+            }
+            Token::Name(word) if word == "if" => self.conditional()?,
+            Token::Name(name) if self.accept("(") => Kind::Call(name.into(), self.arguments(")")?),
+            Token::Name(name) => Kind::Name(name.into()),
+            _ => return Err(self.expected("a value")),
+        };
+        Ok(Expression { kind, span: start..self.end() })
+    }
+
+    /// What follows `if`.
+    fn conditional(&mut self) -> Result<Kind, String> {
+        let condition = self.expression()?;
+        let taken = self.braced()?;
+        self.expect("else")?;
+        let start = self.start();
+        let other = if self.accept("if") {
+            let kind = self.conditional()?;
+            Expression { kind, span: start..self.end() }
+        } else {
+            self.braced()?
+        };
+        Ok(Kind::If(Box::new(condition), Box::new(taken), Box::new(other)))
+    }
+
+    fn braced(&mut self) -> Result<Expression, String> {
+        self.expect("{")?;
+        let value = self.expression()?;
+        self.expect("}")?;
+        Ok(value)
+    }
+}
