@@ -4,7 +4,7 @@
 //! a text at one state after the other, with dual numbers, and gets Lagrange's equations by differentiating what comes out. It is
 //! slow and plain on purpose.
 //!
-//! - `syntax`: tokens and grammar; `unit`: units and dimensions; `mechanism`: what is declared;
+//! - `token`, `syntax`: tokens and grammar; `unit`: units and dimensions; `mechanism`: what is declared;
 //! - `number`: numbers of twice the digits, doubles with roundings made worse, dual numbers;
 //! - `value`, `builtin`, `evaluate`: values, functions and statements;
 //! - `lagrange`, `solve`, `quantities`: from the statements to everything that a generated function returns;
@@ -24,6 +24,7 @@ mod quantities;
 pub mod shrink;
 mod solve;
 mod syntax;
+mod token;
 mod unit;
 mod value;
 

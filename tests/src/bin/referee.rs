@@ -1,8 +1,8 @@
 //! Random mechanisms, the generator against the referee: `cargo run --release -p mbs-tests --bin referee -- --seed 1 --count 1000`.
 //!
 //! The mechanism of a seed is the same on every machine. `--count N` takes the seeds S, S + 1, … S + N − 1; `--construct NAME`
-//! puts a construct into all of them; `--states K` compares at so many states each; `--shrink no` leaves texts as they were
-//! drawn; `--print` shows the text of the first seed and does no more. What is wrong is printed with the text that shows it, and
+//! puts a construct into all of them, `--without A,B` leaves constructs out; `--states K` compares at so many states each; `--shrink no` leaves texts as they were
+//! drawn; `--print yes` shows the text of the first seed and does no more. What is wrong is printed with the text that shows it, and
 //! the exit code is 1.
 
 use std::collections::BTreeMap;
@@ -16,34 +16,35 @@ struct Options {
     count: u64,
     states: usize,
     construct: Option<Construct>,
+    without: Vec<Construct>,
     shrink: bool,
     print: bool,
 }
 
 fn options() -> Result<Options, String> {
-    let mut options = Options { seed: 1, count: 100, states: 4, construct: None, shrink: true, print: false };
+    let mut options =
+        Options { seed: 1, count: 100, states: 4, construct: None, without: Vec::new(), shrink: true, print: false };
     let mut arguments = std::env::args().skip(1);
     while let Some(argument) = arguments.next() {
-        if argument == "--print" {
-            options.print = true;
-            continue;
-        }
         let value = arguments.next().ok_or_else(|| format!("{argument} wants a value"))?;
         let number = || value.parse::<u64>().map_err(|error| format!("{argument} {value}: {error}"));
         match argument.as_str() {
             "--seed" => options.seed = number()?,
             "--count" => options.count = number()?,
             "--states" => options.states = number()? as usize,
+            "--print" => options.print = value == "yes",
             "--shrink" => options.shrink = value != "no",
-            "--construct" => {
-                let found = Construct::ALL.into_iter().find(|construct| construct.name() == value);
-                let names = || Construct::ALL.map(Construct::name).join(", ");
-                options.construct = Some(found.ok_or_else(|| format!("no construct {value}; there are {}", names()))?);
-            }
+            "--construct" => options.construct = Some(construct(&value)?),
+            "--without" => options.without = value.split(',').map(construct).collect::<Result<_, _>>()?,
             _ => return Err(format!("there is no option {argument}")),
         }
     }
     Ok(options)
+}
+
+fn construct(name: &str) -> Result<Construct, String> {
+    let found = Construct::ALL.into_iter().find(|construct| construct.name() == name);
+    found.ok_or_else(|| format!("no construct {name}; there are {}", Construct::ALL.map(Construct::name).join(", ")))
 }
 
 fn main() -> ExitCode {
@@ -55,7 +56,7 @@ fn main() -> ExitCode {
         }
     };
     if options.print {
-        let drawn = draw(options.seed, options.construct);
+        let drawn = draw(options.seed, options.construct, &options.without);
         drawn.imports.iter().for_each(|(name, text)| println!("// {name}\n{text}"));
         print!("{}", drawn.text);
         return ExitCode::SUCCESS;
@@ -69,7 +70,7 @@ fn run(options: &Options) -> ExitCode {
     let (mut total, mut faults, start) = (Judged::default(), BTreeMap::<String, Vec<u64>>::new(), Instant::now());
     let mut slowest = (Duration::ZERO, 0);
     for seed in options.seed..options.seed + options.count {
-        let (drawn, begun) = (draw(seed, options.construct), Instant::now());
+        let (drawn, begun) = (draw(seed, options.construct, &options.without), Instant::now());
         match judge((&drawn.text, &drawn.imports), seed, options.states) {
             Ok(judged) => {
                 total.states += judged.states;

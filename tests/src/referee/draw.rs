@@ -33,6 +33,8 @@ pub enum Construct {
     Constraints,
     /// Bodies whose attitude is a unit quaternion.
     Quaternions,
+    /// The statement that acts on all bodies.
+    Gravity,
     /// Forces at points, torques on bodies.
     PointForces,
     /// Dissipation, and forces on coordinates.
@@ -51,7 +53,7 @@ pub enum Construct {
 
 impl Construct {
     /// All of them.
-    pub const ALL: [Self; 16] = [
+    pub const ALL: [Self; 17] = [
         Self::Trees,
         Self::Energies,
         Self::Branches,
@@ -61,6 +63,7 @@ impl Construct {
         Self::Signals,
         Self::Constraints,
         Self::Quaternions,
+        Self::Gravity,
         Self::PointForces,
         Self::Forces,
         Self::Reactions,
@@ -87,12 +90,13 @@ pub struct Drawn {
     pub constructs: BTreeSet<Construct>,
 }
 
-/// The mechanism of a seed; `wanted` is among what it is made of.
-pub fn draw(seed: u64, wanted: Option<Construct>) -> Drawn {
+/// The mechanism of a seed; `wanted` is among what it is made of, `without` is not.
+pub fn draw(seed: u64, wanted: Option<Construct>, without: &[Construct]) -> Drawn {
     let mut random = Random::new(seed);
     // Nearly all constructs are met once in three, so that pairs are met often, and mechanisms stay small.
     let mut constructs: BTreeSet<Construct> = Construct::ALL.into_iter().filter(|_| random.one_in(3)).collect();
     constructs.extend(wanted);
+    constructs.retain(|construct| !without.contains(construct));
     if wanted != Some(Construct::Dimensionless) && !random.one_in(3) {
         constructs.remove(&Construct::Dimensionless);
     }
@@ -299,6 +303,10 @@ impl Draw {
 
     /// Declarations and statements in an order that mostly does not matter.
     fn mechanism(&mut self) {
+        if self.has(Construct::Gravity) {
+            let (vector, turned) = (self.fixed_vector([0, 1, -2]), self.chance(30));
+            self.say(format!("gravity {}{vector};", if turned { "rot_x(0.7) * " } else { "" }));
+        }
         self.functions_of_the_text();
         self.signals();
         let count = 1 + self.below(2);

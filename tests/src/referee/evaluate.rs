@@ -6,7 +6,7 @@ use super::mechanism::Mechanism;
 use super::number::{Real, degree, pi};
 use super::syntax::{Declaration, Expression, Kind, Statement};
 use super::unit;
-use super::value::{Mixing, Moving, Pose, Shared, Triple, Value, moving, number};
+use super::value::{Mixing, Moving, Pose, Shared, Triple, Value, dot, moving, number};
 
 /// Everything that a mechanism's functions may take.
 #[derive(Clone, Debug)]
@@ -52,6 +52,9 @@ pub(super) struct Sums<S> {
     pub(super) constraints: Vec<Row<S>>,
     pub(super) outputs: Vec<Shared<S>>,
     pub(super) joints: Vec<(Rc<str>, usize)>,
+    /// Masses and mass centres of declared bodies, and what gravity accelerates them with.
+    bodies: Vec<(Moving<S>, Triple<S>)>,
+    gravity: Option<Triple<S>>,
 }
 
 /// A name and its value.
@@ -80,6 +83,8 @@ impl<'m, S: Real> Evaluator<'m, S> {
             constraints: Vec::new(),
             outputs: Vec::new(),
             joints: Vec::new(),
+            bodies: Vec::new(),
+            gravity: None,
         };
         let angles = mechanism.angles.iter().filter(|i| **i < state.q.len());
         let angles: Vec<_> = angles.map(|&i| moving(state.q[i], state.qd[i], state.qdd[i])).collect();
@@ -91,6 +96,10 @@ impl<'m, S: Real> Evaluator<'m, S> {
     pub(super) fn run(mut self) -> Result<Sums<S>, String> {
         let mechanism = self.mechanism;
         self.block(&mechanism.statements)?;
+        if let Some(gravity) = self.sums.gravity {
+            let weights = self.sums.bodies.iter().map(|(mass, centre)| *mass * dot(&gravity, centre));
+            self.sums.potential = weights.fold(self.sums.potential, |sum, weight| sum - weight);
+        }
         Ok(self.sums)
     }
 
@@ -115,7 +124,11 @@ impl<'m, S: Real> Evaluator<'m, S> {
                 let value = self.value(value)?;
                 *self.local(name)? = value;
             }
+            Statement::Gravity { value } => self.sums.gravity = Some(self.value(value)?.vector()?),
             Statement::Energy { sum, value } => {
+                if sum == "kinetic" {
+                    self.weigh(value, number(1.0))?;
+                }
                 let value = self.number(value)?;
                 let sum = match sum.as_str() {
                     "kinetic" => &mut self.sums.kinetic,
@@ -152,6 +165,44 @@ impl<'m, S: Real> Evaluator<'m, S> {
             }
         }
         Ok(())
+    }
+
+    /// Bodies that are terms of a kinetic energy, times factors.
+    fn weigh(&mut self, term: &Expression, factor: Moving<S>) -> Result<(), String> {
+        match &term.kind {
+            Kind::Binary(sign @ ("+" | "-"), left, right) => {
+                self.weigh(left, factor)?;
+                self.weigh(right, if *sign == "-" { -factor } else { factor })
+            }
+            Kind::Unary('-', value) => self.weigh(value, -factor),
+            Kind::Binary("*", left, right) => match (holds_body(left), holds_body(right)) {
+                (false, true) => {
+                    let by = self.number(left)?;
+                    self.weigh(right, factor * by)
+                }
+                (true, false) => {
+                    let by = self.number(right)?;
+                    self.weigh(left, factor * by)
+                }
+                _ => Ok(()),
+            },
+            Kind::Binary("/", left, right) if holds_body(left) => {
+                let by = self.number(right)?;
+                self.weigh(left, factor / by)
+            }
+            Kind::Call(name, arguments) if name.as_ref() == "particle" => {
+                let (mass, place) = (self.number(&arguments[0])?, self.value(&arguments[1])?.vector()?);
+                self.sums.bodies.push((factor * mass, place));
+                Ok(())
+            }
+            Kind::Call(name, arguments) if name.as_ref() == "rigid_body" => {
+                let (mass, centre) = (self.number(&arguments[0])?, self.value(&arguments[1])?.vector()?);
+                let centre = self.value(&arguments[3])?.pose()?.place(&centre);
+                self.sums.bodies.push((factor * mass, centre));
+                Ok(())
+            }
+            _ => Ok(()),
+        }
     }
 
     fn local(&mut self, name: &str) -> Result<&mut Shared<S>, String> {
@@ -399,6 +450,12 @@ impl<'m, S: Real> Evaluator<'m, S> {
         self.locals = outside;
         value
     }
+}
+
+/// Whether a body is declared in an expression.
+fn holds_body(expression: &Expression) -> bool {
+    let is_body = matches!(&expression.kind, Kind::Call(name, _) if matches!(name.as_ref(), "particle" | "rigid_body"));
+    is_body || expression.parts().into_iter().any(holds_body)
 }
 
 /// One value for every element of an array.

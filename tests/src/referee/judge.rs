@@ -223,7 +223,8 @@ impl Court<'_> {
         for (i, (&found, &expected)) in found.iter().zip(expected).enumerate() {
             let spread = samples.iter().map(|sample| (sample[i] - expected).abs()).fold(0.0, nan_max);
             // A structural zero of the referee's way may be a difference of equal terms on another.
-            let residue = if expected == 0.0 && spread == 0.0 { ZERO.max(largest) } else { expected.abs() };
+            let structural = expected.abs() + spread <= 1e-14 * largest || expected == 0.0 && spread == 0.0;
+            let residue = if structural { ZERO.max(largest) } else { expected.abs() };
             let bound = MULTIPLE * spread + 32.0 * f64::EPSILON * residue;
             if !bound.is_finite() || bound > 0.1 * expected.abs() && spread > 0.0 {
                 self.judged.undetermined += 1;

@@ -131,7 +131,7 @@ impl Draw {
             format!("{pose}.point({})", self.fixed_vector([0, 1, 0]))
         };
         self.say(format!("let {place} = {point};"));
-        if self.chance(60) {
+        if !self.has(Construct::Gravity) && self.chance(60) {
             let acceleration = self.parameter([0, 1, -2]);
             self.say(format!("potential += {mass}*{acceleration}*{place}.z;"));
         }
