@@ -9,10 +9,11 @@
 //! - `value`, `builtin`, `evaluate`: values, functions and statements;
 //! - `lagrange`, `solve`, `quantities`: from the statements to everything that a generated function returns;
 //! - [`mod@draw`]: random mechanisms;
-//! - [`mod@judge`]: the generator against all that.
+//! - [`mod@judge`]: the generator against all that; `conserved`: first integrals; `gauge`: what unit quaternions leave open;
 //! - [`mod@shrink`]: faults in small texts.
 
 mod builtin;
+mod conserved;
 pub mod draw;
 mod evaluate;
 mod gauge;

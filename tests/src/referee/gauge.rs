@@ -44,12 +44,13 @@ pub(super) fn treatment(kind: &FunctionKind) -> Treatment {
         FunctionKind::MassMatrix => Treatment::TangentTwice,
         FunctionKind::Momentum
         | FunctionKind::Gravity
-        | FunctionKind::Bias
         | FunctionKind::GeneralizedForce
         | FunctionKind::InverseDynamics
         | FunctionKind::ConstraintJacobian
         | FunctionKind::OutputJacobian(_) => Treatment::Tangent,
-        FunctionKind::CoriolisMatrix
+        // At q̈ = 0 the quaternion would leave the sphere.
+        FunctionKind::Bias
+        | FunctionKind::CoriolisMatrix
         | FunctionKind::Linearize
         | FunctionKind::InverseDynamicsJacobian
         | FunctionKind::ConstraintRateJacobian

@@ -15,15 +15,16 @@ use mbs_derive::source::{Sources, Unreadable};
 use mbs_derive::{declared_from, derived, verify};
 use twofloat::TwoFloat;
 
+use super::conserved::unchanged;
 use super::evaluate::State;
 use super::gauge::{Treatment, treatment};
 use super::mechanism::{Mechanism, count};
 use super::number::{Noisy, reseed};
-use super::quantities::{Extent, Quantities, Rank, quantities};
+use super::quantities::{Extent, Quantities, Rank, free_motion, quantities};
 use crate::random::{Random, onto_the_sphere};
 
 /// How many times what rounding explains a number may be off.
-const MULTIPLE: f64 = 300.0;
+const MULTIPLE: f64 = 1000.0;
 
 /// What a function may return where everything that it should return is 0.
 const ZERO: f64 = 1.0;
@@ -173,6 +174,7 @@ impl Court<'_> {
         }
         let interpreter = Interpreter::with_parameters(self.derivation, state.parameters.clone());
         let given = self.given(&state);
+        self.first_integrals(&state, &given, rank)?;
         for function in &self.derivation.functions {
             let Some((key, determined)) = self.key(&function.kind, &function.name, rank) else { continue };
             let Some(expected) = truth.get(&key) else {
@@ -195,6 +197,22 @@ impl Court<'_> {
             report.map_err(|report| wrong(&function.name, format!("{report}\n{}", shown(&state))))?;
         }
         self.judged.states += 1;
+        Ok(())
+    }
+
+    /// Of mechanisms without constraints: with constraints they hold only where these do.
+    fn first_integrals(&self, state: &State<f64>, given: &interpret::State, rank: Rank) -> Result<(), Fault> {
+        for function in &self.derivation.functions {
+            let FunctionKind::Conserved(names) = &function.kind else { continue };
+            if names.is_empty() || !self.mechanism.rows.is_empty() || !rank.regular {
+                continue;
+            }
+            let qdd = free_motion(self.mechanism, &state.map(&mut TwoFloat::from)).map_err(Fault::NotUnderstood)?;
+            let u = vec![0.0; given.u.len()];
+            let moving = interpret::State { qdd, u, ..given.clone() };
+            let unchanged = unchanged(self.derivation, function, names, &state.parameters, &moving);
+            unchanged.map_err(|report| wrong(&function.name, format!("{report}\n{}", shown(state))))?;
+        }
         Ok(())
     }
 

@@ -69,6 +69,18 @@ pub(super) fn quantities<R: Base>(
     Ok((bench.found, rank))
 }
 
+/// The accelerations of a mechanism without constraints, under no inputs and no dissipation.
+pub(super) fn free_motion(mechanism: &Mechanism, state: &State<TwoFloat>) -> Result<Vec<f64>, String> {
+    let n = mechanism.dof();
+    let zero = |count: usize| vec![TwoFloat::from(0.0); count];
+    let state = State { qdd: zero(n), u: zero(state.u.len()), ..state.clone() };
+    let here = equations(mechanism, &state, 0..n, Wanted::Motion)?;
+    let mass = Bench { mechanism, state: &state, found: Quantities::new() }.mass(&state)?;
+    let right: Vec<TwoFloat> = here.force.iter().zip(&here.inertia).map(|(q, h)| *q - *h).collect();
+    let solution = solve(&bordered(&mass, &[]), &[right], 1e-20, None);
+    Ok(solution.columns[0].iter().map(|x| x.value()).collect())
+}
+
 fn wide<R: Base>(values: &[R]) -> Vec<TwoFloat> {
     values.iter().map(|x| x.wide()).collect()
 }
