@@ -125,10 +125,13 @@ impl Draw {
             self.say(format!("kinetic += rigid_body({mass}, {centre}, {inertia}, {pose});"));
         }
         let place = self.fresh("place");
-        let point = if self.chance(30) {
-            format!("{pose}.origin()")
-        } else {
-            format!("{pose}.point({})", self.fixed_vector([0, 1, 0]))
+        let (vector, other) = (self.fixed_vector([0, 1, 0]), self.fixed_vector([0, 1, 0]));
+        let point = match self.below(7) {
+            0 | 1 => format!("{pose}.origin()"),
+            2 => format!("{pose}.origin() + {pose}*{vector}"),
+            3 => format!("{pose}.point({other}) - {vector}"),
+            4 => format!("(rot_y(0.3)*translation({other})) * {pose}.point({vector})"),
+            _ => format!("{pose}.point({vector})"),
         };
         self.say(format!("let {place} = {point};"));
         if !self.has(Construct::Gravity) && self.chance(60) {
@@ -190,6 +193,11 @@ impl Draw {
         body.push(format!("kinetic += particle({m}[i], centre) + 1/2*{moment}*dt({q}[i])^2;"));
         body.push(format!("potential += {m}[i]*{acceleration}*centre.z;"));
         body.push(format!("{link} = {link} * translation([{l}[i], 0, 0]);"));
+        if self.has(Construct::Forces) {
+            let drives = self.fresh("u");
+            self.declarations.push(format!("input {drives}[{n}]: N*m;"));
+            self.say(format!("force {q} += {drives};"));
+        }
         self.say(format!("for i in 0..{n} {{ {} }}", body.join(" ")));
         for i in 0..count {
             self.coordinates.push(super::Coordinate { name: format!("{q}[{i}]"), measure: Measure::Angle });

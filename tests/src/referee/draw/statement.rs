@@ -189,12 +189,20 @@ impl Draw {
             let name = self.fresh("y");
             let (poses, places) = (self.poses.clone(), self.places.clone());
             let rate = if self.chance(40) { ", jacobian_rate" } else { "" };
-            let statement = match self.below(9) {
+            let statement = match self.below(12) {
                 0 if !places.is_empty() => format!("{}{rate}", self.pick(&places)),
                 1 if !poses.is_empty() => format!("{}{rate}", self.pick(&poses)),
                 2 if !poses.is_empty() => format!("{}.rotation(){rate}", self.pick(&poses)),
                 3 if !poses.is_empty() => format!("angular_velocity({})", self.pick(&poses)),
                 4 if !places.is_empty() => format!("dt({})", self.pick(&places)),
+                8 if !poses.is_empty() => format!("{} * {}", self.pick(&poses), self.inertia()),
+                9 if places.len() > 1 => {
+                    format!("cross({}, {}){rate}", self.pick(&places), self.pick(&places))
+                }
+                10 if !poses.is_empty() && !places.is_empty() => {
+                    let (pose, place) = (self.pick(&poses), self.pick(&places));
+                    format!("[{place}.dot({pose} * [0, 1, 0]), dt({place}).dot({pose} * [1, 0, 0])]")
+                }
                 5 => format!("[{}, {}]{rate}", self.length(1), self.length(2)),
                 6 => format!("{}*dt({})", self.parameter([1, 0, -1]), self.length(1)),
                 7 if !places.is_empty() => format!("({} - {}).norm(){rate}", self.pick(&places), self.vector(0)),
