@@ -222,10 +222,14 @@ impl Draw {
         if !known.is_empty() && self.chance(60) {
             return self.pick(&known);
         }
-        let name = self.fresh("p");
         let (unit, shift) = self.unit(dimension);
         let exponent: i32 = dimension.iter().zip(self.scale).map(|(power, scale)| power * scale).sum();
         let value = self.scaled(exponent - shift);
+        // A quantity in place; its unit cannot begin with `1/`, and a quotient has none.
+        if self.has(Construct::Units) && self.chance(15) && !unit.starts_with('1') && !value.contains('/') {
+            return format!("({value} {unit})");
+        }
+        let name = self.fresh("p");
         let constant = self.has(Construct::Units) && self.chance(20);
         let keyword = if constant { "const" } else { "param" };
         self.declarations.push(format!("{keyword} {name}: {unit} = {value};"));
@@ -278,7 +282,10 @@ impl Draw {
             [1, 2, -3] => "W",
             [0, 0, 0] => "1",
             _ => {
-                let factor = |(unit, power): (&str, &i32)| format!("{unit}^({power})");
+                let factor = |(unit, power): (&str, &i32)| match power {
+                    1 => unit.to_string(),
+                    power => format!("{unit}^{power}"),
+                };
                 let factors = plain.into_iter().zip(&dimension).filter(|(_, power)| **power != 0).map(factor);
                 return (factors.collect::<Vec<_>>().join("*"), 0);
             }

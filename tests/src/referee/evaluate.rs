@@ -50,7 +50,7 @@ pub(super) struct Sums<S> {
     /// Places or rotations of poses, by their rates, and what does work on them.
     pub(super) works: Vec<(Triple<S>, Triple<S>)>,
     pub(super) constraints: Vec<Row<S>>,
-    pub(super) outputs: Vec<Shared<S>>,
+    pub(super) outputs: Vec<(Rc<str>, Shared<S>)>,
     pub(super) joints: Vec<(Rc<str>, usize)>,
     /// Masses and mass centres of declared bodies, and what gravity accelerates them with.
     bodies: Vec<(Moving<S>, Triple<S>)>,
@@ -120,9 +120,27 @@ impl<'m, S: Real> Evaluator<'m, S> {
                 let value = self.value(value)?;
                 self.locals.push((name.clone(), value));
             }
-            Statement::Assign { name, value } => {
+            Statement::Array { name, lengths } => {
+                let empty = Rc::new(Value::Truth(false));
+                let lengths = lengths.iter().map(|length| self.integer(length)).collect::<Result<Vec<_>, _>>()?;
+                let array =
+                    lengths.iter().rev().fold(empty, |entry, &n| Rc::new(Value::Array(vec![entry; n as usize])));
+                self.locals.push((name.clone(), array));
+            }
+            Statement::Assign { name, indices, value } => {
                 let value = self.value(value)?;
-                *self.local(name)? = value;
+                *self.place_of(name, indices)? = value;
+            }
+            Statement::Choice { blocks } => {
+                for (condition, body) in blocks {
+                    let taken = match condition {
+                        Some(condition) => self.value(condition)?.truth()?,
+                        None => true,
+                    };
+                    if taken {
+                        return self.block(body);
+                    }
+                }
             }
             Statement::Gravity { value } => self.sums.gravity = Some(self.value(value)?.vector()?),
             Statement::Energy { sum, value } => {
@@ -151,9 +169,10 @@ impl<'m, S: Real> Evaluator<'m, S> {
             }
             Statement::Reaction { name, index, pose } => self.reaction(name, index.as_ref(), pose)?,
             Statement::Constraint { left, right } => self.constraint(left, right)?,
-            Statement::Output { value, .. } => {
+            Statement::Output { name, index, value } => {
+                let index = index.as_ref().map(|index| self.integer(index)).transpose()?;
                 let value = self.value(value)?;
-                self.sums.outputs.push(value);
+                self.output(name, index, value);
             }
             Statement::For { name, from, to, body } => {
                 let (from, to) = (self.integer(from)?, self.integer(to)?);
@@ -203,6 +222,25 @@ impl<'m, S: Real> Evaluator<'m, S> {
             }
             _ => Ok(()),
         }
+    }
+
+    /// A value of its own, or the next element of an array.
+    fn output(&mut self, name: &Rc<str>, index: Option<i64>, value: Shared<S>) {
+        let known = self.sums.outputs.iter_mut().find(|(known, _)| known == name);
+        match (index, known.map(|(_, array)| Rc::make_mut(array))) {
+            (Some(_), Some(Value::Array(entries))) => entries.push(value),
+            (Some(_), _) => self.sums.outputs.push((name.clone(), Rc::new(Value::Array(vec![value])))),
+            (None, _) => self.sums.outputs.push((name.clone(), value)),
+        }
+    }
+
+    /// A name, or an element of the array that it names.
+    fn place_of(&mut self, name: &str, indices: &[Expression]) -> Result<&mut Shared<S>, String> {
+        let indices = indices.iter().map(|index| self.integer(index)).collect::<Result<Vec<_>, _>>()?;
+        indices.into_iter().try_fold(self.local(name)?, |place, index| match Rc::make_mut(place) {
+            Value::Array(entries) => entries.get_mut(index as usize).ok_or_else(|| "no such element".to_string()),
+            _ => Err("this has no elements".to_string()),
+        })
     }
 
     fn local(&mut self, name: &str) -> Result<&mut Shared<S>, String> {
@@ -273,7 +311,9 @@ impl<'m, S: Real> Evaluator<'m, S> {
         let Some(unit) = &declaration.unit else { return Ok(spread(found, count)) };
         let (scale, _) = unit::meaning(unit)?;
         let scale = Moving::exact(scale);
-        let plain = |value: &Expression| unit::dimension(value, &self.mechanism.dimensions) == unit::PLAIN;
+        let plain = |value: &Expression| {
+            !unit::holds_quantity(value) && unit::dimension(value, &self.mechanism.dimensions) == unit::PLAIN
+        };
         let found = match (&value.kind, found.as_ref()) {
             (Kind::Array(written), Value::Array(entries)) => {
                 let each = |(written, entry): (&Expression, &Shared<S>)| -> Result<Shared<S>, String> {
@@ -304,7 +344,7 @@ impl<'m, S: Real> Evaluator<'m, S> {
     }
 
     /// From here on the pose moves with six auxiliary coordinates: shifts along its axes, turns about them.
-    fn reaction(&mut self, name: &Rc<str>, index: Option<&Expression>, pose: &str) -> Result<(), String> {
+    fn reaction(&mut self, name: &Rc<str>, index: Option<&Expression>, pose: &Expression) -> Result<(), String> {
         let index = match index {
             Some(index) => self.integer(index)? as usize,
             None => 0,
@@ -319,8 +359,9 @@ impl<'m, S: Real> Evaluator<'m, S> {
         let [x, y, z, along_x, along_y, along_z] = auxiliary;
         let turns = [along_x, along_y, along_z].into_iter().enumerate();
         let freed = turns.fold(Pose::shift([x, y, z]), |pose, (axis, angle)| pose.then(&Pose::turn_about(axis, angle)));
-        let moved = self.named(pose)?.pose()?.then(&freed);
-        *self.local(pose)? = Rc::new(Value::Pose(Box::new(moved)));
+        let moved = self.value(pose)?.pose()?.then(&freed);
+        let (name_of_pose, indices) = path(pose)?;
+        *self.place_of(&name_of_pose, &indices)? = Rc::new(Value::Pose(Box::new(moved)));
         self.sums.joints.push((name.clone(), index));
         Ok(())
     }
@@ -366,6 +407,7 @@ impl<'m, S: Real> Evaluator<'m, S> {
     pub(super) fn value(&mut self, expression: &Expression) -> Result<Shared<S>, String> {
         let value = match &expression.kind {
             Kind::Number(value) => Value::Number(Moving::exact(*value)),
+            Kind::Quantity(value, unit) => Value::Number(Moving::exact(*value * unit::meaning(unit)?.0)),
             Kind::Name(name) => return self.named(name),
             Kind::Array(entries) => Value::Array(self.values(entries)?),
             Kind::Index(base, index) => {
@@ -418,6 +460,8 @@ impl<'m, S: Real> Evaluator<'m, S> {
                     "<=" => a.less_equal(b),
                     ">" => b.less(a),
                     ">=" => b.less_equal(a),
+                    "==" => a.value() == b.value(),
+                    "!=" => a.value() != b.value(),
                     _ => return Err(format!("no operator {operator}")),
                 }))
             }
@@ -449,6 +493,19 @@ impl<'m, S: Real> Evaluator<'m, S> {
         let value = self.value(&body.clone());
         self.locals = outside;
         value
+    }
+}
+
+/// The name and the indices of an element of an array.
+fn path(place: &Expression) -> Result<(Rc<str>, Vec<Expression>), String> {
+    match &place.kind {
+        Kind::Name(name) => Ok((name.clone(), Vec::new())),
+        Kind::Index(base, index) => {
+            let (name, mut indices) = path(base)?;
+            indices.push(index.as_ref().clone());
+            Ok((name, indices))
+        }
+        _ => Err("this is no name of a pose".to_string()),
     }
 }
 

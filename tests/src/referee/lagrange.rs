@@ -145,7 +145,7 @@ fn begun<S: Real>(sums: &Sums<Dual<S>>, wanted: Wanted) -> Equations<S> {
         by_value: Vec::new(),
         by_rate: Vec::new(),
     };
-    let output = |value: &Rc<Value<Dual<S>>>| Output {
+    let output = |(_, value): &(Rc<str>, Rc<Value<Dual<S>>>)| Output {
         value: value.flat().iter().map(|x| x.re.re.re).collect(),
         velocity: velocity(value).iter().map(|x| x.re.re.re).collect(),
         columns: Vec::new(),
@@ -167,13 +167,14 @@ fn begun<S: Real>(sums: &Sums<Dual<S>>, wanted: Wanted) -> Equations<S> {
 fn velocity<S: Real>(value: &Value<S>) -> Vec<Moving<S>> {
     match value {
         Value::Pose(pose) => pose.origin.iter().map(|&x| rate(x)).chain(pose.angular_velocity()).collect(),
+        Value::Array(entries) => entries.iter().flat_map(|entry| velocity(entry)).collect(),
         other => other.flat().into_iter().map(rate).collect(),
     }
 }
 
 fn collect<S: Real>(equations: &mut Equations<S>, along_rate: &Sums<Dual<S>>, along: &Sums<Dual<S>>) {
     let sides = along_rate.outputs.iter().zip(&along.outputs);
-    for (output, (by_rate, by_place)) in equations.outputs.iter_mut().zip(sides) {
+    for (output, ((_, by_rate), (_, by_place))) in equations.outputs.iter_mut().zip(sides) {
         output.columns.push(velocity(by_rate).iter().map(|x| x.re.re.eps).collect());
         output.slopes.push(by_place.flat().iter().map(|x| x.re.re.eps).collect());
     }

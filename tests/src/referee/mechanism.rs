@@ -29,8 +29,8 @@ pub(super) struct Mechanism {
     pub(super) inputs: Vec<Variable>,
     /// Defaults of the parameters, in SI.
     pub(super) defaults: Vec<f64>,
-    /// Names of the outputs, and whether the rate of the Jacobian is wanted.
-    pub(super) outputs: Vec<(Rc<str>, bool)>,
+    /// Names of the outputs.
+    pub(super) outputs: Vec<Rc<str>>,
     /// Number of joints whose wrenches are wanted.
     pub(super) joints: Vec<(Rc<str>, usize)>,
     /// Which components of which constraints do not vanish identically, and whether they are holonomic.
@@ -124,11 +124,6 @@ impl Mechanism {
                 _ => {}
             }
         }
-        let outputs = self.statements.iter().filter_map(|statement| match statement {
-            Statement::Output { name, rate, .. } => Some((name.clone(), *rate)),
-            _ => None,
-        });
-        self.outputs = outputs.collect();
         let expressions = self.statements.iter().flat_map(Statement::expressions);
         let mut found: Vec<usize> = expressions.flat_map(|e| self.quaternions_in(e)).collect();
         found.sort_unstable();
@@ -171,6 +166,7 @@ impl Mechanism {
             let numbered = kinds.enumerate().zip(&moves).filter(|(_, moves)| **moves);
             self.rows = numbered.map(|(row, _)| row).collect();
             self.joints = sums.joints;
+            self.outputs = sums.outputs.into_iter().map(|(name, _)| name).collect();
         }
         Ok(())
     }

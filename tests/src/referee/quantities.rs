@@ -218,7 +218,7 @@ impl<R: Base> Bench<'_, R> {
         lifted.qdd.iter_mut().for_each(|x| *x = Dual::of(0.0));
         let moving = equations(self.mechanism, &lifted, 0..self.n(), Wanted::Outputs)?;
         let names = self.mechanism.outputs.clone();
-        for ((output, moving), (name, _)) in here.outputs.iter().zip(&moving.outputs).zip(names) {
+        for ((output, moving), name) in here.outputs.iter().zip(&moving.outputs).zip(names) {
             self.put(&name, output.value.clone());
             self.put(&format!("{name}_velocity"), output.velocity.clone());
             self.put_columns(&format!("{name}_jacobian"), &output.columns);

@@ -19,6 +19,8 @@ pub(super) struct Expression {
 #[derive(Clone, Debug)]
 pub(super) enum Kind {
     Number(TwoFloat),
+    /// A number with its unit behind it.
+    Quantity(TwoFloat, Unit),
     Name(Rc<str>),
     /// `f(a, b)`, and `a.f(b)` as well.
     Call(Rc<str>, Vec<Expression>),
@@ -37,7 +39,7 @@ impl Expression {
     /// What it is made of, left to right.
     pub(super) fn parts(&self) -> Vec<&Expression> {
         match &self.kind {
-            Kind::Number(_) | Kind::Name(_) => Vec::new(),
+            Kind::Number(_) | Kind::Quantity(..) | Kind::Name(_) => Vec::new(),
             Kind::Call(_, arguments) | Kind::Method(_, arguments) | Kind::Array(arguments) => {
                 arguments.iter().collect()
             }
@@ -74,8 +76,14 @@ pub(super) enum Statement {
         name: Rc<str>,
         value: Expression,
     },
+    /// An array without values.
+    Array {
+        name: Rc<str>,
+        lengths: Vec<Expression>,
+    },
     Assign {
         name: Rc<str>,
+        indices: Vec<Expression>,
         value: Expression,
     },
     /// `kinetic`, `potential`, `dissipation` or `lagrangian`.
@@ -99,7 +107,11 @@ pub(super) enum Statement {
     Reaction {
         name: Rc<str>,
         index: Option<Expression>,
-        pose: Rc<str>,
+        pose: Expression,
+    },
+    /// The statements of the first block whose condition holds.
+    Choice {
+        blocks: Vec<(Option<Expression>, Vec<Statement>)>,
     },
     Constraint {
         left: Expression,
@@ -107,8 +119,8 @@ pub(super) enum Statement {
     },
     Output {
         name: Rc<str>,
+        index: Option<Expression>,
         value: Expression,
-        rate: bool,
     },
     For {
         name: Rc<str>,
@@ -124,16 +136,23 @@ impl Statement {
         match self {
             Statement::Declaration(d) => d.length.iter().chain(&d.value).collect(),
             Statement::Function { body, .. } => vec![body],
-            Statement::Let { value, .. }
-            | Statement::Assign { value, .. }
-            | Statement::Energy { value, .. }
-            | Statement::Gravity { value }
-            | Statement::Output { value, .. } => vec![value],
+            Statement::Let { value, .. } | Statement::Energy { value, .. } | Statement::Gravity { value } => {
+                vec![value]
+            }
+            Statement::Array { lengths, .. } => lengths.iter().collect(),
+            Statement::Assign { indices, value, .. } => indices.iter().chain([value]).collect(),
+            Statement::Output { index, value, .. } => index.iter().chain([value]).collect(),
+            Statement::Choice { blocks } => {
+                let parts = blocks
+                    .iter()
+                    .flat_map(|(condition, body)| condition.iter().chain(body.iter().flat_map(Statement::expressions)));
+                parts.collect()
+            }
             Statement::Force { index, value, .. } => index.iter().chain([value]).collect(),
             Statement::ForceAt { place: left, value: right }
             | Statement::TorqueOn { pose: left, value: right }
             | Statement::Constraint { left, right } => vec![left, right],
-            Statement::Reaction { index, .. } => index.iter().collect(),
+            Statement::Reaction { index, pose, .. } => index.iter().chain([pose]).collect(),
             Statement::For { from, to, body, .. } => {
                 [from, to].into_iter().chain(body.iter().flat_map(Statement::expressions)).collect()
             }
@@ -237,11 +256,15 @@ impl Reader {
 
     fn statement(&mut self) -> Result<Statement, String> {
         let Token::Name(word) = self.peek().clone() else { return Err(self.expected("a statement")) };
-        let statement = if word == "for" { self.repetition()? } else { self.simple(&word)? };
-        if word != "for" {
-            self.expect(";")?;
+        match word.as_str() {
+            "for" => self.repetition(),
+            "if" => self.choice(),
+            _ => {
+                let statement = self.simple(&word)?;
+                self.expect(";")?;
+                Ok(statement)
+            }
         }
-        Ok(statement)
     }
 
     fn repetition(&mut self) -> Result<Statement, String> {
@@ -254,6 +277,26 @@ impl Reader {
         Ok(Statement::For { name, from, to, body: self.block()? })
     }
 
+    fn choice(&mut self) -> Result<Statement, String> {
+        let mut blocks = Vec::new();
+        while self.accept("if") {
+            blocks.push((Some(self.expression()?), self.block()?));
+            if !self.accept("else") {
+                return Ok(Statement::Choice { blocks });
+            }
+        }
+        blocks.push((None, self.block()?));
+        Ok(Statement::Choice { blocks })
+    }
+
+    fn indices(&mut self) -> Result<Vec<Expression>, String> {
+        let mut indices = Vec::new();
+        while let Some(index) = self.index()? {
+            indices.push(index);
+        }
+        Ok(indices)
+    }
+
     fn simple(&mut self, word: &str) -> Result<Statement, String> {
         let first = self.name()?;
         match word {
@@ -261,7 +304,10 @@ impl Reader {
             "fn" => self.function(),
             "let" => {
                 self.accept("mut");
-                let name = self.name()?;
+                let (name, lengths) = (self.name()?, self.indices()?);
+                if !lengths.is_empty() {
+                    return Ok(Statement::Array { name, lengths });
+                }
                 self.expect("=")?;
                 Ok(Statement::Let { name, value: self.expression()? })
             }
@@ -290,29 +336,30 @@ impl Reader {
                 let name = self.name()?;
                 let index = self.index()?;
                 self.expect("at")?;
-                Ok(Statement::Reaction { name, index, pose: self.name()? })
+                Ok(Statement::Reaction { name, index, pose: self.postfix()? })
             }
             "constraint" => {
                 self.name()?;
+                self.index()?;
                 self.expect(":")?;
                 let left = self.expression()?;
                 self.expect("=")?;
                 Ok(Statement::Constraint { left, right: self.expression()? })
             }
             "output" => {
-                let name = self.name()?;
+                let (name, index) = (self.name()?, self.index()?);
                 self.expect("=")?;
                 let value = self.expression()?;
-                let rate = self.accept(",");
-                if rate {
+                if self.accept(",") {
                     self.expect("jacobian_rate")?;
                 }
-                Ok(Statement::Output { name, value, rate })
+                Ok(Statement::Output { name, index, value })
             }
             "gravity" if !self.is("=") => Ok(Statement::Gravity { value: self.expression()? }),
             _ => {
+                let indices = self.indices()?;
                 self.expect("=")?;
-                Ok(Statement::Assign { name: first, value: self.expression()? })
+                Ok(Statement::Assign { name: first, indices, value: self.expression()? })
             }
         }
     }
@@ -461,7 +508,11 @@ impl Reader {
     fn primary(&mut self) -> Result<Expression, String> {
         let start = self.start();
         let kind = match self.next() {
-            Token::Number(digits) => Kind::Number(decimal(&digits).ok_or("a number that cannot be read")?),
+            Token::Number(digits) => {
+                let number = decimal(&digits).ok_or("a number that cannot be read")?;
+                let unit = self.unit_behind()?;
+                if unit.is_empty() { Kind::Number(number) } else { Kind::Quantity(number, unit) }
+            }
             Token::Sign("[") => Kind::Array(self.arguments("]")?),
             Token::Sign("(") => {
                 let mut inner = self.expression()?;
@@ -475,6 +526,37 @@ impl Reader {
             _ => return Err(self.expected("a value")),
         };
         Ok(Expression { kind, span: start..self.end() })
+    }
+
+    /// The longest unit that stands behind a number.
+    fn unit_behind(&mut self) -> Result<Unit, String> {
+        let mut unit = Unit::new();
+        let mut sign = 1.0;
+        while let Some(name) = self.unit_name(&unit) {
+            self.next();
+            let raised = self.is("^") && self.start() == self.end();
+            let power = if raised && self.accept("^") { self.exponent()? } else { 1.0 };
+            unit.push((name, sign * power));
+            let operator = ["*", "/"].into_iter().find(|operator| self.is(operator));
+            let Some(operator) = operator.filter(|_| self.start() == self.end()) else { break };
+            sign = if operator == "/" { -1.0 } else { 1.0 };
+            self.at += 1;
+            if self.start() != self.end() || self.unit_name(&unit).is_none() {
+                self.at -= 1;
+                break;
+            }
+        }
+        Ok(unit)
+    }
+
+    /// The name of a unit that stands here: not called, indexed or asked for a component, not the time, and no second unit of a
+    /// quantity that the unit so far has.
+    fn unit_name(&self, so_far: &Unit) -> Option<String> {
+        let Token::Name(name) = self.peek() else { return None };
+        let behind = self.tokens.get(self.at + 1).map(|(token, _)| token);
+        let used = matches!(behind, Some(Token::Sign("(" | "[" | ".")));
+        let again = so_far.iter().any(|(known, _)| known != name && super::unit::same_quantity(known, name));
+        (super::unit::is_unit(name) && name != "t" && !used && !again).then(|| name.clone())
     }
 
     /// What follows `if`.

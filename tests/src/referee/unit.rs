@@ -15,7 +15,7 @@ pub(super) type Dimension = [f64; 7];
 pub(super) const PLAIN: Dimension = [0.0; 7];
 
 /// Section 9 of the manual: name, value in SI, exponents of kg, m, s, A.
-const UNITS: [(&str, &str, [i8; 4]); 45] = [
+const UNITS: [(&str, &str, [i8; 4]); 46] = [
     ("kg", "1", [1, 0, 0, 0]),
     ("g", "1e-3", [1, 0, 0, 0]),
     ("t", "1e3", [1, 0, 0, 0]),
@@ -61,6 +61,7 @@ const UNITS: [(&str, &str, [i8; 4]); 45] = [
     ("mol", "1", [0, 0, 0, 0]),
     ("cd", "1", [0, 0, 0, 0]),
     ("deg", "0", [0, 0, 0, 0]),
+    ("rpm", "0", [0, 0, -1, 0]),
 ];
 
 /// What one of this unit is in SI, and its dimension.
@@ -68,9 +69,10 @@ pub(super) fn meaning(unit: &Unit) -> Result<(TwoFloat, Dimension), String> {
     let (mut scale, mut dimension) = (TwoFloat::from(1.0), PLAIN);
     for (name, power) in unit {
         let row = UNITS.iter().find(|(known, ..)| known == name).ok_or_else(|| format!("the unit {name}"))?;
-        let one = match *name == "deg" {
-            true => degree(),
-            false => decimal(row.1).ok_or("a scale")?,
+        let one = match name.as_str() {
+            "deg" => degree(),
+            "rpm" => degree() * 6.0,
+            _ => decimal(row.1).ok_or("a scale")?,
         };
         scale = scale
             * if power.fract() == 0.0 { Real::powi(one, *power as i64) } else { Real::powf(one, (*power).into()) };
@@ -85,10 +87,27 @@ pub(super) fn meaning(unit: &Unit) -> Result<(TwoFloat, Dimension), String> {
     Ok((scale, dimension))
 }
 
+/// Whether this is the name of a unit.
+pub(super) fn is_unit(name: &str) -> bool {
+    UNITS.iter().any(|(known, ..)| *known == name)
+}
+
+/// Whether two units are of one quantity.
+pub(super) fn same_quantity(one: &str, other: &str) -> bool {
+    let of = |name: &str| UNITS.iter().find(|(known, ..)| *known == name).map(|(_, _, exponents)| exponents);
+    of(one) == of(other)
+}
+
+/// Whether a quantity stands in a value: then nothing in it is converted again.
+pub(super) fn holds_quantity(value: &Expression) -> bool {
+    matches!(value.kind, Kind::Quantity(..)) || value.parts().into_iter().any(holds_quantity)
+}
+
 /// The dimension of a value made of numbers and of constants with these dimensions.
 pub(super) fn dimension(value: &Expression, constants: &BTreeMap<Rc<str>, Dimension>) -> Dimension {
     let of = |value: &Expression| dimension(value, constants);
     match &value.kind {
+        Kind::Quantity(_, unit) => meaning(unit).map_or(PLAIN, |(_, dimension)| dimension),
         Kind::Name(name) => constants.get(name).copied().unwrap_or(PLAIN),
         Kind::Index(base, _) | Kind::Unary(_, base) | Kind::Field(base, _) => of(base),
         Kind::Array(entries) => entries.first().map_or(PLAIN, of),

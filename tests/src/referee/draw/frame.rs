@@ -192,6 +192,19 @@ impl Draw {
         body.push(format!("let centre = {link}.point([{l}[i]/2, 0, {l}[i]]);"));
         body.push(format!("kinetic += particle({m}[i], centre) + 1/2*{moment}*dt({q}[i])^2;"));
         body.push(format!("potential += {m}[i]*{acceleration}*centre.z;"));
+        if self.chance(40) {
+            let (frames, heights) = (self.fresh("frames"), self.fresh("h"));
+            self.say(format!("let {frames}[{n}];"));
+            body.push(format!("{frames}[i] = {link};"));
+            body.push(format!("output {heights}[i] = {frames}[i].point([0, {l}[i], 0]).z;"));
+            self.poses.push(format!("{frames}[1]"));
+        }
+        if self.chance(40) {
+            let torque = self.parameter([1, 2, -2]);
+            body.push(format!(
+                "if i == 0 {{ force {q}[i] += {torque}; }} else if i > 1 {{ force {q}[i] += -{torque}*sin({q}[i - 1]); }}"
+            ));
+        }
         body.push(format!("{link} = {link} * translation([{l}[i], 0, 0]);"));
         if self.has(Construct::Forces) {
             let drives = self.fresh("u");
