@@ -104,6 +104,9 @@ pub(super) enum Statement {
         pose: Expression,
         value: Expression,
     },
+    Gravity {
+        value: Expression,
+    },
     Reaction {
         name: Rc<str>,
         index: Option<Expression>,
