@@ -75,7 +75,8 @@ fn calls(number: usize, derivation: &Derivation, state: &State) -> (String, Stri
         let multipliers = interpreter.call("multipliers", state).unwrap_or_default();
         let time = derivation.depends_on_time.then(|| format!("f64::from_bits({})", state.t.to_bits()));
         let signals = (!prescribed.is_empty()).then(|| format!("&[{}]", prescribed.join(", ")));
-        let others = function.arguments.iter().map(|argument| {
+        let given = |argument: &&Argument| **argument != Argument::U || !state.u.is_empty();
+        let others = function.arguments.iter().filter(given).map(|argument| {
             format!(
                 "&{}",
                 match argument {
