@@ -40,6 +40,7 @@ pub(super) fn treatment(kind: &FunctionKind) -> Treatment {
         | FunctionKind::ConstraintRate
         | FunctionKind::Output(_)
         | FunctionKind::OutputVelocity(_)
+        | FunctionKind::OutputJacobianU(_)
         | FunctionKind::Conserved(_) => Treatment::Whole,
         FunctionKind::MassMatrix => Treatment::TangentTwice,
         FunctionKind::Momentum
@@ -47,7 +48,8 @@ pub(super) fn treatment(kind: &FunctionKind) -> Treatment {
         | FunctionKind::GeneralizedForce
         | FunctionKind::InverseDynamics
         | FunctionKind::ConstraintJacobian
-        | FunctionKind::OutputJacobian(_) => Treatment::Tangent,
+        | FunctionKind::OutputJacobian(_)
+        | FunctionKind::OutputJacobianQd(_) => Treatment::Tangent,
         // At q̈ = 0 the quaternion would leave the sphere.
         FunctionKind::Bias
         | FunctionKind::CoriolisMatrix

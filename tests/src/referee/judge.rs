@@ -223,7 +223,7 @@ impl Court<'_> {
             FunctionKind::ForwardDynamics if !rank.regular => None,
             FunctionKind::Multipliers | FunctionKind::Reaction(_) if !full => None,
             FunctionKind::Linearize | FunctionKind::LinearizeParameters => Some((name.to_string(), full)),
-            FunctionKind::Conserved(_) => None,
+            FunctionKind::Conserved(_) | FunctionKind::OutputJacobianU(_) => None,
             FunctionKind::OutputJacobian(_) => {
                 let output = name.strip_suffix("_jacobian").unwrap_or(name);
                 let moves = self.derivation.function(&format!("{output}_velocity")).is_some();

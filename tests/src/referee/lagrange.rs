@@ -45,6 +45,8 @@ pub(super) struct Output<S> {
     pub(super) velocity: Vec<S>,
     /// `∂(velocity)/∂q̇`, one column a coordinate.
     pub(super) columns: Vec<Vec<S>>,
+    /// `∂(value)/∂q̇`, one column a coordinate.
+    pub(super) speeds: Vec<Vec<S>>,
     /// `∂(value)/∂q`, one column a coordinate.
     pub(super) slopes: Vec<Vec<S>>,
 }
@@ -149,6 +151,7 @@ fn begun<S: Real>(sums: &Sums<Dual<S>>, wanted: Wanted) -> Equations<S> {
         value: value.flat().iter().map(|x| x.re.re.re).collect(),
         velocity: velocity(value).iter().map(|x| x.re.re.re).collect(),
         columns: Vec::new(),
+        speeds: Vec::new(),
         slopes: Vec::new(),
     };
     Equations {
@@ -176,6 +179,7 @@ fn collect<S: Real>(equations: &mut Equations<S>, along_rate: &Sums<Dual<S>>, al
     let sides = along_rate.outputs.iter().zip(&along.outputs);
     for (output, ((_, by_rate), (_, by_place))) in equations.outputs.iter_mut().zip(sides) {
         output.columns.push(velocity(by_rate).iter().map(|x| x.re.re.eps).collect());
+        output.speeds.push(by_rate.flat().iter().map(|x| x.re.re.eps).collect());
         output.slopes.push(by_place.flat().iter().map(|x| x.re.re.eps).collect());
     }
 }

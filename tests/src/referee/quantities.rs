@@ -222,6 +222,7 @@ impl<R: Base> Bench<'_, R> {
             self.put(&name, output.value.clone());
             self.put(&format!("{name}_velocity"), output.velocity.clone());
             self.put_columns(&format!("{name}_jacobian"), &output.columns);
+            self.put_columns(&format!("{name}_jacobian_qd"), &output.speeds);
             // Where the output has no velocity.
             self.put_columns(&format!("{name}_slope"), &output.slopes);
             let rates: Vec<Vec<R>> = moving.columns.iter().map(|c| c.iter().map(|x| x.eps).collect()).collect();
