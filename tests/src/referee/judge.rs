@@ -251,8 +251,8 @@ impl Court<'_> {
                 continue;
             }
             self.judged.numbers += 1;
-            if !((found - expected).abs() <= bound) {
-                let error = (found - expected).abs();
+            let error = (found - expected).abs();
+            if error.is_nan() || error > bound {
                 return Err(format!(
                     "number {i} is {found:e}, not {expected:e}: off by {error:.1e}, rounding explains {spread:.1e}"
                 ));

@@ -14,12 +14,15 @@ use super::unit::{self, Dimension, PLAIN};
 /// A declared name: how many numbers it has before it, and how many it holds if it is an array.
 pub(super) type Variable = (Rc<str>, usize, Option<usize>);
 
+/// Arguments and body of each function of the text.
+type Functions = BTreeMap<Rc<str>, (Vec<Rc<str>>, Rc<Expression>)>;
+
 /// A mechanism as the referee reads it.
 #[derive(Debug)]
 pub(super) struct Mechanism {
     /// Those of imported files come first.
     pub(super) statements: Vec<Statement>,
-    pub(super) functions: BTreeMap<Rc<str>, (Vec<Rc<str>>, Rc<Expression>)>,
+    pub(super) functions: Functions,
     /// Of constants that have one.
     pub(super) dimensions: BTreeMap<Rc<str>, Dimension>,
     pub(super) coordinates: Vec<Variable>,
@@ -149,7 +152,7 @@ impl Mechanism {
     fn classify(&mut self) -> Result<(), String> {
         reseed(1);
         let (mut moves, mut pfaffian) = (Vec::new(), Vec::new());
-        let nonzero = |x: &TwoFloat| !(x.value().abs() <= 1e-24);
+        let nonzero = |x: &TwoFloat| x.value().is_nan() || x.value().abs() > 1e-24;
         for k in 0..3 {
             let state = self.anywhere(k);
             let sums = Evaluator::new(self, &state).run()?;
@@ -204,7 +207,7 @@ fn declaration(statement: &Statement) -> Option<&Declaration> {
     }
 }
 
-fn functions(statements: &[Statement]) -> BTreeMap<Rc<str>, (Vec<Rc<str>>, Rc<Expression>)> {
+fn functions(statements: &[Statement]) -> Functions {
     let functions = statements.iter().filter_map(|statement| match statement {
         Statement::Function { name, arguments, body } => Some((name.clone(), (arguments.clone(), body.clone()))),
         _ => None,

@@ -49,7 +49,8 @@ pub(super) fn solve(
     for k in 0..n.min(rank.unwrap_or(n)) {
         let entries = (k..n).flat_map(|i| (k..n).map(move |j| (i, j)));
         let Some((i, j)) = entries.max_by(|a, b| size(rows[a.0][a.1]).total_cmp(&size(rows[b.0][b.1]))) else { break };
-        if !(size(rows[i][j]) > threshold) {
+        let pivot = size(rows[i][j]);
+        if pivot.is_nan() || pivot <= threshold {
             break;
         }
         rows.swap(k, i);
@@ -59,7 +60,7 @@ pub(super) fn solve(
         let pivot = rows[k].clone();
         for row in rows.iter_mut().skip(k + 1) {
             let factor = row[k] / pivot[k];
-            row.iter_mut().zip(&pivot).skip(k).for_each(|(entry, above)| *entry = *entry - factor * *above);
+            row.iter_mut().zip(&pivot).skip(k).for_each(|(entry, above)| *entry -= factor * *above);
         }
     }
     let columns = (0..right.len()).map(|c| {
@@ -82,7 +83,7 @@ mod tests {
         let matrix = [[0.0, 0.0, 1.0, 2.0], [0.0, 3e9, 1.0, 2.0], [1.0, 1.0, 0.0, 0.0], [2.0, 2.0, 0.0, 0.0]];
         let matrix = matrix.map(|row| row.map(TwoFloat::from).to_vec());
         let right = [1.0, 2.0, 3.0, 6.0].map(TwoFloat::from).to_vec();
-        let solution = solve(&matrix, &[right.clone()], 1e-20, None);
+        let solution = solve(&matrix, std::slice::from_ref(&right), 1e-20, None);
         assert_eq!(solution.rank, 3);
         for (row, right) in matrix.iter().zip(right) {
             let left = row.iter().zip(&solution.columns[0]).fold(TwoFloat::from(0.0), |sum, (a, x)| sum + *a * *x);

@@ -74,8 +74,7 @@ pub(super) fn meaning(unit: &Unit) -> Result<(TwoFloat, Dimension), String> {
             "rpm" => degree() * 6.0,
             _ => decimal(row.1).ok_or("a scale")?,
         };
-        scale = scale
-            * if power.fract() == 0.0 { Real::powi(one, *power as i64) } else { Real::powf(one, (*power).into()) };
+        scale *= if power.fract() == 0.0 { Real::powi(one, *power as i64) } else { Real::powf(one, (*power).into()) };
         row.2.iter().zip(&mut dimension).for_each(|(&exponent, sum)| *sum += f64::from(exponent) * power);
         match name.as_str() {
             "K" => dimension[4] += power,
