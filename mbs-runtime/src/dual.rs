@@ -100,6 +100,42 @@ impl<T: Scalar> Neg for Dual<T> {
 impl<T: Scalar> Scalar for Dual<T> {
     type Mask = T::Mask;
 
+    const ROUNDING: f64 = T::ROUNDING;
+
+    /// That of the value.
+    #[inline]
+    fn exponent(self) -> i32 {
+        self.value.exponent()
+    }
+
+    /// From `K x = b` follows `K x′ = b′ − K′ x`, in the basis of the values.
+    fn constrained_solve<const N: usize, const K: usize, const C: usize>(
+        m: &[[Self; N]; N],
+        a: &[[Self; N]; K],
+        force: &[[Self; C]; N],
+        target: &[[Self; C]; K],
+    ) -> ([[Self; C]; N], [[Self; C]; K]) {
+        let (values, rows) = (m.map(|row| row.map(|x| x.value)), a.map(|row| row.map(|x| x.value)));
+        let (f, c) = (force.map(|row| row.map(|x| x.value)), target.map(|row| row.map(|x| x.value)));
+        let (q, l) = T::constrained_solve(&values, &rows, &f, &c);
+        let (mut f, mut c) = (force.map(|row| row.map(|x| x.derivative)), target.map(|row| row.map(|x| x.derivative)));
+        for column in 0..C {
+            for i in 0..N {
+                let inertia = |j: usize| m[i.max(j)][i.min(j)].derivative;
+                let rest = (0..N).fold(f[i][column], |rest, j| rest - inertia(j) * q[j][column]);
+                f[i][column] = (0..K).fold(rest, |rest, k| rest + a[k][i].derivative * l[k][column]);
+            }
+            for k in 0..K {
+                c[k][column] = (0..N).fold(c[k][column], |rest, j| rest - a[k][j].derivative * q[j][column]);
+            }
+        }
+        let (q_rate, l_rate) = T::constrained_solve(&values, &rows, &f, &c);
+        let pair = |value, derivative| Self { value, derivative };
+        let motion = |i: usize| core::array::from_fn(|j| pair(q[i][j], q_rate[i][j]));
+        let multipliers = |k: usize| core::array::from_fn(|j| pair(l[k][j], l_rate[k][j]));
+        (core::array::from_fn(motion), core::array::from_fn(multipliers))
+    }
+
     #[inline]
     fn from_f64(value: f64) -> Self {
         Self::constant(T::from_f64(value))

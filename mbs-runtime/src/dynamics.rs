@@ -1,4 +1,13 @@
-//! Linear algebra of forward dynamics: `M x = b` with a mass matrix, symmetric and positive definite.
+//! Linear algebra of forward dynamics: `M x = b` with a mass matrix, symmetric and positive definite; and with constraints,
+//! `M q̈ − Aᵀ λ = f`, `A q̈ = c`, where M may be singular.
+//!
+//! | step                                                                  | file                      |
+//! |-----------------------------------------------------------------------|---------------------------|
+//! | with constraints: what is solved, and what is reported                 | `constrained.rs`          |
+//! | a basis of the motions that constraints leave, chosen at run time      | `null_space.rs`           |
+//! | scales that do not depend on units                                    | `scaling.rs`              |
+//!
+//! # Without constraints
 //!
 //! The factorization is `M = L D Lᵀ`, `L` unit lower triangular, `D` diagonal; no square roots, no pivoting (a positive
 //! definite matrix needs none), no branches. Only the lower triangle of `M` is read.
@@ -30,6 +39,14 @@
 
 use crate::error::SingularMassMatrix;
 use crate::scalar::{Real, Scalar};
+
+mod constrained;
+mod null_space;
+mod scaling;
+
+pub(crate) use constrained::solve as solve_constrained;
+pub use constrained::{constrained_solve, constrained_solve_many, try_constrained_solve};
+pub(crate) use scaling::scaled;
 
 /// `x` with `M x = b`, for `M` symmetric and positive definite.
 ///

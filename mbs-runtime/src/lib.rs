@@ -165,7 +165,9 @@ pub mod trajectory;
 pub use constraint::reduction::{ReducedLinearization, Reduction};
 pub use constraint::{Constraints, Projector, RedundantRows};
 pub use dual::Dual;
-pub use dynamics::{Ldlt, ldlt_solve, ldlt_solve_many, try_ldlt_solve};
+pub use dynamics::{
+    Ldlt, constrained_solve, constrained_solve_many, ldlt_solve, ldlt_solve_many, try_constrained_solve, try_ldlt_solve,
+};
 pub use error::{ConstraintError, DimensionMismatch, IntegrationError, ReductionError, SingularMassMatrix};
 pub use event::{Direction, Event, Response};
 pub use integrator::dop853::Dop853;

@@ -121,6 +121,36 @@ pub trait Scalar:
     /// `self = other`, lane by lane; a dual number compares its value alone.
     fn equal(self, other: Self) -> Self::Mask;
 
+    /// The relative rounding error of an operation: the distance from 1 to the next larger number.
+    const ROUNDING: f64 = f64::EPSILON;
+
+    /// `⌊log₂ |self|⌋`, of a subnormal number that of the smallest normal one; anything where it is zero, infinite or NaN.
+    ///
+    /// What is scaled by powers of two asks for it, of numbers that are compared as a whole.
+    fn exponent(self) -> i32 {
+        let size = Self::blend(self.less(Self::zero()), -self, self);
+        let power = |exponent: i32| Self::from_f64(f64::from_bits(((1023 + exponent) as u64) << 52));
+        let (mut least, mut beyond) = (-1022_i32, 1024_i32);
+        while beyond - least > 1 {
+            let middle = (least + beyond).div_euclid(2);
+            if size.less(power(middle)).all() { beyond = middle } else { least = middle }
+        }
+        least
+    }
+
+    /// What [`constrained_solve_many`](crate::constrained_solve_many) calls: accelerations and multipliers, column by column.
+    ///
+    /// The basis of motions is chosen by comparisons; numbers of several lanes are solved lane by lane, so that each chooses by
+    /// itself.
+    fn constrained_solve<const N: usize, const K: usize, const C: usize>(
+        m: &[[Self; N]; N],
+        a: &[[Self; N]; K],
+        force: &[[Self; C]; N],
+        target: &[[Self; C]; K],
+    ) -> ([[Self; C]; N], [[Self; C]; K]) {
+        crate::dynamics::solve_constrained(m, a, force, target)
+    }
+
     /// `then` in the lanes where `mask` is true, `otherwise` in the others.
     ///
     /// A NaN or an infinity in a lane that is not chosen leaves no trace.

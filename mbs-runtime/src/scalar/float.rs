@@ -17,6 +17,14 @@ macro_rules! scalar {
         impl Scalar for $float {
             type Mask = bool;
 
+            const ROUNDING: f64 = <$float>::EPSILON as f64;
+
+            #[inline]
+            fn exponent(self) -> i32 {
+                let exponent = |x: f64| ((x.to_bits() >> 52) & 0x7ff) as i32 - 1023;
+                exponent(f64::from(self)).max(-1022)
+            }
+
             #[inline]
             fn from_f64(value: f64) -> Self {
                 value as $float

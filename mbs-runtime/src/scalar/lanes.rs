@@ -7,6 +7,11 @@ use wide::{f32x8, f64x4};
 
 use super::{Mask, Scalar};
 
+/// One lane of a matrix.
+fn of_lane<L: Copy, F, const R: usize, const C: usize>(matrix: &[[L; C]; R], lane: impl Fn(L) -> F) -> [[F; C]; R] {
+    matrix.map(|row| row.map(&lane))
+}
+
 macro_rules! lanes {
     ($lanes:ty, $float:ty) => {
         impl Mask for $lanes {
@@ -24,6 +29,27 @@ macro_rules! lanes {
         impl Scalar for $lanes {
             /// All bits of a lane are set where it is true.
             type Mask = $lanes;
+
+            const ROUNDING: f64 = <$float>::EPSILON as f64;
+
+            /// Lane by lane.
+            fn constrained_solve<const N: usize, const K: usize, const C: usize>(
+                m: &[[Self; N]; N],
+                a: &[[Self; N]; K],
+                force: &[[Self; C]; N],
+                target: &[[Self; C]; K],
+            ) -> ([[Self; C]; N], [[Self; C]; K]) {
+                let (mut accelerations, mut multipliers) = ([[Self::zero(); C]; N], [[Self::zero(); C]; K]);
+                for lane in 0..size_of::<$lanes>() / size_of::<$float>() {
+                    let (m, a) = (of_lane(m, |x| x.as_array()[lane]), of_lane(a, |x| x.as_array()[lane]));
+                    let (f, c) = (of_lane(force, |x| x.as_array()[lane]), of_lane(target, |x| x.as_array()[lane]));
+                    let (q, l) = <$float>::constrained_solve(&m, &a, &f, &c);
+                    let put = |x: &mut Self, value: $float| x.as_mut_array()[lane] = value;
+                    accelerations.as_flattened_mut().iter_mut().zip(q.as_flattened()).for_each(|(x, &q)| put(x, q));
+                    multipliers.as_flattened_mut().iter_mut().zip(l.as_flattened()).for_each(|(x, &l)| put(x, l));
+                }
+                (accelerations, multipliers)
+            }
 
             #[inline]
             fn from_f64(value: f64) -> Self {
