@@ -8,8 +8,10 @@
 //! δq = −M⁻¹ Aᵀ (A M⁻¹ Aᵀ)⁻¹ φ    (repeated, Newton's method),    δq̇ = −M⁻¹ Aᵀ (A M⁻¹ Aᵀ)⁻¹ (A q̇ + b)
 //! ```
 //!
-//! `A M⁻¹ Aᵀ` is never formed. With `M = L Lᵀ`, rows `L⁻¹ aᵢ` are made orthogonal one after the other, those that are left with
-//! the greatest share of their length first; a row that is left with nothing depends on those before: it is redundant.
+//! `A M⁻¹ Aᵀ` is never formed. With `M + Aᵀ A = L Lᵀ` of the system scaled to inertias and rows of order one, rows `L⁻¹ aᵢ` are
+//! made orthogonal one after the other, those that are left with the greatest share of their length first; a row that is left
+//! with nothing depends on those before: it is redundant. `Aᵀ A` changes nothing, because `A δ` is given, and makes up for what M
+//! lacks where rows hold a motion.
 //!
 //! | step                                                        | file              |
 //! |-------------------------------------------------------------|-------------------|
@@ -113,7 +115,7 @@ const MOST_ITERATIONS: usize = 100;
 const MOST_HALVINGS: usize = 10;
 
 impl<T: Real, S: AsMut<[T]>> Projector<T, S> {
-    /// How many numbers it works in for `n` coordinates and `k` rows: `n² + k² + 4 k n + 8 n + 8 k`.
+    /// How many numbers it works in for `n` coordinates and `k` rows: `n² + k² + 4 k n + 9 n + 9 k`.
     #[must_use]
     pub const fn size(n: usize, k: usize) -> usize {
         // The second one is for multipliers.
@@ -176,7 +178,7 @@ impl<T: Real, S: AsMut<[T]>> Projector<T, S> {
         if (0..n).any(&held) {
             // Rows that depend on others because of what is held may still be satisfied.
             work.slow(constraints, t, &held, RedundantRows::LeaveOut)?;
-            work.linearize(constraints, t, &|_| false)?;
+            work.linearize(constraints, t, &|_| false, |_| true)?;
             work.residual.iter_mut().for_each(|x| *x = T::zero());
             work.least_change(self.redundant_rows, |_| true)?;
         } else {
@@ -223,7 +225,7 @@ impl<T: Real, S: AsMut<[T]>> Projector<T, S> {
         let (first, second) = self.memory.as_mut().split_at_mut(Workspace::<T>::size(n, k));
         let mut work = Workspace::new(first, n, k);
         work.q.copy_from_slice(q);
-        work.linearize(constraints, t, &|_| false)?;
+        work.linearize(constraints, t, &|_| false, |_| true)?;
         // The nearest to the free accelerations: Gauss's principle of least constraint.
         work.begin.copy_from_slice(force);
         work.solve_begin();
@@ -248,6 +250,7 @@ impl<T: Real, S: AsMut<[T]>> Projector<T, S> {
                 transposed.metric[row * k + column] = if row == column { T::one() } else { T::zero() };
             }
         }
+        transposed.scales.iter_mut().for_each(|scale| *scale = T::one());
         transposed.least_change(RedundantRows::LeaveOut, |_| true)?;
         multipliers.copy_from_slice(transposed.change);
         if qdd.iter().all(|x| x.is_finite()) { Ok(()) } else { Err(ConstraintError::NonFinite) }
@@ -267,7 +270,7 @@ impl<T: Real, S: AsMut<[T]>> Projector<T, S> {
         let k = constraints.rows();
         let mut work = Workspace::new(self.memory.as_mut(), q.len(), k);
         work.q.copy_from_slice(q);
-        work.linearize(constraints, T::from_f64(t), &|_| false)?;
+        work.linearize(constraints, T::from_f64(t), &|_| false, |_| true)?;
         work.residual.iter_mut().for_each(|x| *x = T::zero());
         work.least_change(RedundantRows::LeaveOut, |_| true)?;
         (0..k).filter(|&row| !work.is_done(row)).for_each(&mut redundant);
@@ -291,7 +294,7 @@ impl<T: Real> Workspace<'_, T> {
             if residual == T::zero() {
                 return Ok(());
             }
-            self.linearize(constraints, t, held)?;
+            self.linearize(constraints, t, held, |row| constraints.is_holonomic(row))?;
             self.least_change(RedundantRows::LeaveOut, |row| constraints.is_holonomic(row))?;
             let size = self.q.iter().fold(T::one(), |size, &q| size.maximum(q.abs()));
             let step = self.change.iter().fold(T::zero(), |step, &x| step.maximum(x.abs()));
@@ -357,7 +360,7 @@ impl<T: Real> Workspace<'_, T> {
             if !self.residual.iter().all(|x| x.is_finite()) {
                 return Err(ConstraintError::NonFinite);
             }
-            self.linearize(constraints, t, held)?;
+            self.linearize(constraints, t, held, |_| true)?;
             self.least_change(redundant_rows, |_| true)?;
             for i in 0..self.qd.len() {
                 self.qd[i] = self.qd[i] + self.change[i];
@@ -383,12 +386,13 @@ impl<T: Real> Workspace<'_, T> {
         if largest.is_finite() { Ok(largest) } else { Err(ConstraintError::NonFinite) }
     }
 
-    /// M, factorized, and A at q; coordinates that are held take no part.
+    /// M, factorized, and A at q; coordinates that are held take no part, nor do other rows.
     fn linearize<C: Constraints<T>>(
         &mut self,
         constraints: &C,
         t: T,
         held: &impl Fn(usize) -> bool,
+        takes_part: impl Fn(usize) -> bool,
     ) -> Result<(), SingularMassMatrix> {
         let n = self.q.len();
         constraints.mass_matrix(t, self.q, self.metric);
@@ -401,7 +405,7 @@ impl<T: Real> Workspace<'_, T> {
             self.metric[i * n + i] = T::one();
             self.jacobian.iter_mut().skip(i).step_by(n).for_each(|a| *a = T::zero());
         }
-        self.factorize()
+        self.factorize(takes_part)
     }
 }
 
@@ -602,6 +606,77 @@ mod tests {
         let (rod, mut qdd, mut multipliers) = (Rod { twice: true, misfit: 0.0 }, [0.0; 4], [0.0; 3]);
         let refused = refusing.accelerations(&rod, 0.0, &q, &force, &[0.0; 3], &mut qdd, &mut multipliers);
         assert!(matches!(refused, Err(ConstraintError::Redundant { row: 0 | 2 })), "{refused:?}");
+    }
+
+    /// A free body of this inertia, its attitude a quaternion: M has rank 3, `M = 4 s Gᵀ J G`; and next to it, where the first
+    /// of two coordinates about one axis has lost its own inertia, two angles tied to a third.
+    struct Small {
+        size: f64,
+        own: f64,
+    }
+
+    impl Constraints<f64> for Small {
+        fn rows(&self) -> usize {
+            2
+        }
+        fn is_holonomic(&self, _: usize) -> bool {
+            true
+        }
+        fn mass_matrix(&self, _: f64, q: &[f64], m: &mut [f64]) {
+            m.fill(0.0);
+            let e = &q[..4];
+            let g = [[-e[1], e[0], e[3], -e[2]], [-e[2], -e[3], e[0], e[1]], [-e[3], e[2], -e[1], e[0]]];
+            for (i, j) in (0..4).flat_map(|i| (0..4).map(move |j| (i, j))) {
+                m[7 * i + j] = (0..3).map(|k| 4.0 * self.size * [1.0, 2.0, 3.0][k] * g[k][i] * g[k][j]).sum();
+            }
+            for (i, j) in (0..2).flat_map(|i| (0..2).map(move |j| (i, j))) {
+                m[7 * (4 + i) + 4 + j] = 1.1 * [0.7, 0.3][i] * [0.7, 0.3][j];
+            }
+            m[7 * 5 + 5] += self.own;
+            m[7 * 6 + 6] = 1.0;
+        }
+        fn position(&self, _: f64, q: &[f64], phi: &mut [f64]) {
+            phi[0] = q[..4].iter().map(|e| e * e).sum::<f64>() - 1.0;
+            phi[1] = 2.0 * q[5] + 3.0 * q[6] - 1.0;
+        }
+        fn rate(&self, t: f64, q: &[f64], qd: &[f64], rate: &mut [f64]) {
+            let mut a = [0.0; 14];
+            self.jacobian(t, q, &mut a);
+            (0..2).for_each(|row| rate[row] = (0..7).map(|i| a[7 * row + i] * qd[i]).sum());
+        }
+        fn jacobian(&self, _: f64, q: &[f64], a: &mut [f64]) {
+            a.fill(0.0);
+            (0..4).for_each(|i| a[i] = 2.0 * q[i]);
+            (a[7 + 5], a[7 + 6]) = (2.0, 3.0);
+        }
+    }
+
+    #[test]
+    fn inertias_of_all_sizes_are_alike() {
+        let q = [0.5, -0.1, 0.7, 0.5, 1e-9, 0.5, 0.0];
+        let solve = |size: f64, own: f64| {
+            let (mut qdd, mut multipliers) = ([0.0; 7], [0.0; 2]);
+            let force = [0.3 * size, -0.2 * size, 0.9 * size, 0.1 * size, 1.0, 0.0, 1.0];
+            let mut projector = Projector::new([0.0; Projector::<f64, [f64; 0]>::size(7, 2)]);
+            let small = Small { size, own };
+            projector.accelerations(&small, 0.0, &q, &force, &[-0.4, 0.0], &mut qdd, &mut multipliers).unwrap();
+            let mut state = State::new(q.map(|q| q + 0.1), [0.1; 7]);
+            projector.project(&small, 0.0, &mut state).unwrap();
+            (qdd, multipliers[0] / size, multipliers[1], state)
+        };
+        let (expected, unit, row, state) = solve(1.0, 1e-18);
+        // By hand: ä = (1 + 1.5·0.231 c̈)/0.539, b̈ = −1.5 c̈, c̈ = 1 + 1.5·0.231/0.539.
+        for (found, expected) in expected[4..].iter().zip([2.911_410_018_6, -2.464_285_714_3, 1.642_857_142_9]) {
+            assert!((found - expected).abs() < 1e-9, "{found} {expected}");
+        }
+        for (size, own) in [(1e-18, 0.0), (1e-9, 1e-18), (1e12, 1e-17), (1e-3, 1e-15)] {
+            let (found, other_unit, other_row, other) = solve(size, own);
+            for i in 0..7 {
+                assert!((found[i] - expected[i]).abs() < 1e-13, "{size:e}: {found:?} {expected:?}");
+                assert!((other.q[i] - state.q[i]).abs() < 1e-12 && (other.qd[i] - state.qd[i]).abs() < 1e-12);
+            }
+            assert!((other_unit - unit).abs() < 1e-13 && (other_row - row).abs() < 1e-13);
+        }
     }
 
     #[test]

@@ -1,6 +1,11 @@
 //! The least change, in the metric of a mass matrix, that satisfies linear equations.
+//!
+//! Coordinates are scaled by powers of two, to inertias of about one; those without inertia by the rows. M itself may be
+//! singular, or next to it, where rows hold the motion: `M + Aᵀ A` of the scaled system stands in its place, which changes
+//! nothing, because `A δ` is given.
 
 use super::RedundantRows;
+use crate::dynamics::scaled;
 use crate::error::{ConstraintError, SingularMassMatrix};
 use crate::scalar::Real;
 
@@ -14,7 +19,9 @@ pub(super) struct Workspace<'m, T> {
     pub(super) begin: &'m mut [T],
     /// The change δ that was found.
     pub(super) change: &'m mut [T],
-    /// M, `n × n`; its lower triangle becomes L.
+    /// Powers of two, `δ = scales δ̂`.
+    pub(super) scales: &'m mut [T],
+    /// M, `n × n`; its lower triangle becomes L, of the scaled coordinates.
     pub(super) metric: &'m mut [T],
     /// A, `k × n`.
     pub(super) jacobian: &'m mut [T],
@@ -32,7 +39,7 @@ pub(super) struct Workspace<'m, T> {
 
 impl<'m, T: Real> Workspace<'m, T> {
     pub(super) const fn size(n: usize, k: usize) -> usize {
-        n * n + 2 * k * n + 4 * n + 4 * k
+        n * n + 2 * k * n + 5 * n + 4 * k
     }
 
     pub(super) fn new(memory: &'m mut [T], n: usize, k: usize) -> Self {
@@ -40,6 +47,7 @@ impl<'m, T: Real> Workspace<'m, T> {
         let (qd, memory) = memory.split_at_mut(n);
         let (begin, memory) = memory.split_at_mut(n);
         let (change, memory) = memory.split_at_mut(n);
+        let (scales, memory) = memory.split_at_mut(n);
         let (metric, memory) = memory.split_at_mut(n * n);
         let (jacobian, memory) = memory.split_at_mut(k * n);
         let (rows, memory) = memory.split_at_mut(k * n);
@@ -47,7 +55,7 @@ impl<'m, T: Real> Workspace<'m, T> {
         let (targets, memory) = memory.split_at_mut(k);
         let (lengths, memory) = memory.split_at_mut(k);
         let done = &mut memory[..k];
-        Self { q, qd, begin, change, metric, jacobian, residual, rows, targets, lengths, done }
+        Self { q, qd, begin, change, scales, metric, jacobian, residual, rows, targets, lengths, done }
     }
 
     /// `change` ← δ of least `δᵀ M δ` with `A δ = −residual`, for the rows that take part; M is factorized.
@@ -59,6 +67,7 @@ impl<'m, T: Real> Workspace<'m, T> {
         let n = self.q.len();
         self.rows.copy_from_slice(self.jacobian);
         for (row, a) in self.rows.chunks_exact_mut(n.max(1)).enumerate() {
+            multiply(a, self.scales);
             forward(self.metric, a);
             self.targets[row] = -self.residual[row];
             self.lengths[row] = dot(a, a).sqrt();
@@ -78,6 +87,7 @@ impl<'m, T: Real> Workspace<'m, T> {
             self.satisfy(row);
         }
         backward(self.metric, self.change);
+        multiply(self.change, self.scales);
         if self.change.iter().all(|x| x.is_finite()) { Ok(()) } else { Err(ConstraintError::NonFinite) }
     }
 
@@ -123,39 +133,96 @@ impl<'m, T: Real> Workspace<'m, T> {
 }
 
 impl<T: Real> Workspace<'_, T> {
-    /// `M = L Lᵀ` in the lower triangle. Where M is singular, `M + s Aᵀ A` takes its place: δ stays the same, because `A δ` is
-    /// given.
-    pub(super) fn factorize(&mut self) -> Result<(), SingularMassMatrix> {
+    /// `M + Aᵀ A = L Lᵀ` of the scaled system, in the lower triangle, with the rows that take part; where that is singular, with
+    /// all of them.
+    pub(super) fn factorize(&mut self, takes_part: impl Fn(usize) -> bool) -> Result<(), SingularMassMatrix> {
         let n = self.q.len();
-        for i in 0..n {
-            self.change[i] = self.metric[i * n + i];
-        }
-        if cholesky(self.metric, self.change).is_ok() {
-            return Ok(());
-        }
-        let largest = |numbers: &[T]| numbers.iter().fold(T::zero(), |largest, &x| largest.maximum(x.abs()));
-        let (mass, slope) = (largest(self.change), largest(self.jacobian));
-        let weight = if slope == T::zero() { T::zero() } else { mass / (slope * slope) };
+        self.scale();
         for i in 0..n {
             for j in 0..=i {
-                // What is above the diagonal is still M.
-                let inertia = if i == j { self.change[i] } else { self.metric[j * n + i] };
-                let a = self.jacobian.chunks_exact(n);
-                self.metric[i * n + j] = a.fold(inertia, |sum, row| sum + weight * row[i] * row[j]);
+                let entry = self.metric[j * n + i] * self.scales[i] * self.scales[j];
+                (self.metric[i * n + j], self.metric[j * n + i]) = (entry, entry);
             }
         }
-        for i in 0..n {
-            self.change[i] = self.metric[i * n + i];
+        (0..n).for_each(|i| self.change[i] = self.metric[i * n + i]);
+        self.add_rows(takes_part);
+        if self.decompose().is_ok() {
+            return Ok(());
         }
-        cholesky(self.metric, self.change)
+        for i in 0..n {
+            (0..i).for_each(|j| self.metric[i * n + j] = self.metric[j * n + i]);
+            self.metric[i * n + i] = self.change[i];
+        }
+        self.add_rows(|_| true);
+        self.decompose().map_err(|SingularMassMatrix { pivot, index }| {
+            let scale = self.scales[index].to_f64();
+            SingularMassMatrix { pivot: pivot / (scale * scale), index }
+        })
+    }
+
+    /// Scales to inertias of about one, of the coordinates that have inertia; of the others, to the rows.
+    fn scale(&mut self) {
+        let n = self.q.len();
+        let power = |exponent: i32| scaled(T::one(), exponent);
+        for i in 0..n {
+            let inertia = self.metric[i * n + i];
+            let has_inertia = inertia.abs() > T::zero() && inertia.is_finite();
+            self.scales[i] = if has_inertia { power(-inertia.exponent().div_euclid(2)) } else { T::zero() };
+        }
+        for i in (0..n).filter(|&i| self.metric[i * n + i] == T::zero()) {
+            let share = |row: &[T]| {
+                let size = self.extent(row);
+                if size == T::zero() { T::zero() } else { row[i].abs() / size }
+            };
+            let largest = self.jacobian.chunks_exact(n).map(share).fold(T::zero(), T::maximum);
+            let is_moved = largest > T::zero() && largest.is_finite();
+            self.begin[i] = if is_moved { power(-largest.exponent()) } else { T::one() };
+        }
+        for i in (0..n).filter(|&i| self.metric[i * n + i] == T::zero()) {
+            self.scales[i] = self.begin[i];
+        }
+    }
+
+    /// The largest entry of a row of A, scaled; of one that only coordinates without a scale know, unscaled.
+    fn extent(&self, row: &[T]) -> T {
+        let scaled = row.iter().zip(&*self.scales).fold(T::zero(), |size, (&a, &d)| size.maximum((a * d).abs()));
+        if scaled == T::zero() { row.iter().fold(T::zero(), |size, &a| size.maximum(a.abs())) } else { scaled }
+    }
+
+    /// Adds `aᵀ a` of these rows, scaled to a largest entry of one, to the lower triangle.
+    fn add_rows(&mut self, takes_part: impl Fn(usize) -> bool) {
+        let n = self.q.len();
+        let rows = self.jacobian.chunks_exact(n.max(1)).enumerate();
+        for (_, a) in rows.filter(|&(row, _)| takes_part(row)) {
+            let size = self.extent(a);
+            // What is infinite or NaN is met again, as a row.
+            if !(size > T::zero() && size.is_finite()) {
+                continue;
+            }
+            for i in 0..n {
+                let own = a[i] * self.scales[i] / size;
+                for j in 0..=i {
+                    self.metric[i * n + j] = self.metric[i * n + j] + own * (a[j] * self.scales[j] / size);
+                }
+            }
+        }
+    }
+
+    /// `L Lᵀ`
+    fn decompose(&mut self) -> Result<(), SingularMassMatrix> {
+        let n = self.q.len();
+        (0..n).for_each(|i| self.begin[i] = self.metric[i * n + i]);
+        cholesky(self.metric, self.begin)
     }
 }
 
 impl<T: Real> Workspace<'_, T> {
     /// `begin` ← `M⁻¹ begin`; M is factorized.
     pub(super) fn solve_begin(&mut self) {
+        multiply(self.begin, self.scales);
         forward(self.metric, self.begin);
         backward(self.metric, self.begin);
+        multiply(self.begin, self.scales);
     }
 
     /// `residual` ← `A begin + bias`
@@ -188,6 +255,11 @@ fn cholesky<T: Real>(m: &mut [T], diagonal: &[T]) -> Result<(), SingularMassMatr
         }
     }
     Ok(())
+}
+
+/// Each number by its scale.
+fn multiply<T: Real>(x: &mut [T], scales: &[T]) {
+    x.iter_mut().zip(scales).for_each(|(x, &scale)| *x = *x * scale);
 }
 
 /// `x ← L⁻¹ x`
