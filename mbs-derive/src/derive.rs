@@ -11,7 +11,7 @@
 //! - [`textbook`]: the same in multiple-angle normal form, for small mechanisms;
 //! - `lift` and `gravity`: bodies and the field they are in, found again among the energies; `tree`: the same equations by
 //!   sweeps over their tree (`docs/structured.md`);
-//! - [`solve`]: forward dynamics by LDLᵀ, unrolled or left to the runtime;
+//! - [`solve`]: forward dynamics: LDLᵀ of M, unrolled or left to the runtime, or the constrained system at run time;
 //! - [`linearize`]: Jacobians of the equations of motion;
 //! - [`constraint`]: what must vanish, its Jacobian and its bias;
 //! - [`conserved`]: cyclic coordinates and the energy integral;

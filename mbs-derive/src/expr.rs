@@ -14,11 +14,13 @@
 //! - [`evaluate`](mod@evaluate): numerical values, over doubles or dual numbers;
 //! - [`dual`]: dual numbers, the witness of the symbolic sweeps;
 //! - [`rounded`]: numbers with a bound on their rounding errors;
+//! - `factors`, `constrained`: symmetric systems and systems with constraints, solved as the runtime solves them;
 //! - `table`: tables over nodes, where a hash map would be slow;
 //! - [`vector`]: vectors and matrices over expressions;
 //! - [`display`]: infix printing.
 
 pub mod adjoint;
+mod constrained;
 pub mod display;
 pub mod dual;
 pub mod evaluate;

@@ -80,7 +80,9 @@ impl<'d, V: Value> Interpreter<'d, V> {
                 let values = self.run(&function.program, state, multipliers);
                 expand_symmetric(&function.results, values)
             }
-            Completion::Solve | Completion::SolveMultipliers => self.solve(function, state),
+            Completion::Solve | Completion::SolveConstrained | Completion::SolveMultipliers => {
+                self.solve(function, state)
+            }
         }
     }
 
@@ -90,35 +92,27 @@ impl<'d, V: Value> Interpreter<'d, V> {
 
     /// The solution of the system that the program sets up, for each right side, as the runtime finds it.
     fn solve(&self, function: &Function, state: &State<V>) -> Vec<V> {
-        let (n, size) = (self.derivation.dof(), self.derivation.dof() + self.derivation.constraints.len());
-        let uses = |chosen: fn(Symbol) -> bool| function.program.uses(chosen);
-        let qdd = if uses(|symbol| matches!(symbol, Symbol::Acceleration(_))) {
-            self.call("forward_dynamics", state).unwrap_or_default()
-        } else {
-            Vec::new()
+        let (n, k) = (self.derivation.dof(), self.derivation.constraints.len());
+        let values = self.system(function, state);
+        let (mass, rest) = values.split_at(n * (n + 1) / 2);
+        let (jacobian, right_sides) = rest.split_at(k * n);
+        let width = |part: &ResultPart| match part.shape {
+            Shape::Matrix(_, columns) => columns,
+            _ => 1,
         };
-        let multipliers = if uses(|symbol| matches!(symbol, Symbol::Multiplier(_))) {
-            self.call("multipliers", state).unwrap_or_default()
-        } else {
-            Vec::new()
-        };
-        let values = self.run(&function.program, &State { qdd, ..state.clone() }, &multipliers);
-        let (triangle, right_sides) = values.split_at(size * (size + 1) / 2);
+        let widths: Vec<usize> = function.results.iter().map(width).collect();
+        let mut columns = columns(right_sides, &widths, n + k);
+        match function.completion {
+            Completion::None => unreachable!("there is no system"),
+            Completion::Solve => V::solve_symmetric(mass, &mut columns),
+            Completion::SolveConstrained | Completion::SolveMultipliers => {
+                let solve = V::constrained(n, mass.to_vec(), jacobian.to_vec());
+                columns.iter_mut().for_each(|column| *column = solve(column));
+            }
+        }
         if function.completion == Completion::SolveMultipliers {
-            let mut column = [right_sides.to_vec()];
-            V::solve_symmetric(triangle, &mut column);
-            return column[0][n..].iter().map(|l| l.neg()).collect();
+            return columns[0][n..].to_vec();
         }
-        // Each part has so many columns of its own, row by row.
-        let widths: Vec<usize> = function.results.iter().map(|part| part.shape.count() / n).collect();
-        let mut columns: Vec<Vec<V>> = Vec::new();
-        let mut rest = right_sides;
-        for &width in &widths {
-            let (part, behind) = rest.split_at(size * width);
-            columns.extend((0..width).map(|column| part.iter().skip(column).step_by(width).copied().collect()));
-            rest = behind;
-        }
-        V::solve_symmetric(triangle, &mut columns);
         let mut columns = columns.iter();
         let parts = widths.iter().flat_map(|&width| {
             let part: Vec<&Vec<V>> = columns.by_ref().take(width).collect();
@@ -126,6 +120,43 @@ impl<'d, V: Value> Interpreter<'d, V> {
         });
         parts.collect()
     }
+
+    /// The values of a program whose accelerations and multipliers are those of the motion.
+    fn system(&self, function: &Function, state: &State<V>) -> Vec<V> {
+        let is_of_motion = |symbol| matches!(symbol, Symbol::Acceleration(_) | Symbol::Multiplier(_));
+        if !function.program.uses(is_of_motion) {
+            return self.run(&function.program, state, &[]);
+        }
+        let Some(forward_dynamics) = self.derivation.function("forward_dynamics") else { return Vec::new() };
+        let mut qdd = match forward_dynamics.completion {
+            Completion::SolveConstrained => self.constrained_motion(forward_dynamics, state),
+            Completion::None | Completion::Solve | Completion::SolveMultipliers => {
+                self.evaluate(forward_dynamics, state)
+            }
+        };
+        let multipliers = qdd.split_off(self.derivation.dof());
+        self.run(&function.program, &State { qdd, ..state.clone() }, &multipliers)
+    }
+
+    /// q̈, then λ.
+    fn constrained_motion(&self, forward_dynamics: &Function, state: &State<V>) -> Vec<V> {
+        let n = self.derivation.dof();
+        let values = self.run(&forward_dynamics.program, state, &[]);
+        let (mass, rest) = values.split_at(n * (n + 1) / 2);
+        let (jacobian, right_side) = rest.split_at(self.derivation.constraints.len() * n);
+        V::constrained(n, mass.to_vec(), jacobian.to_vec())(right_side)
+    }
+}
+
+/// Right sides of so many rows; each part has columns of its own, row by row.
+fn columns<V: Value>(mut right_sides: &[V], widths: &[usize], rows: usize) -> Vec<Vec<V>> {
+    let mut columns = Vec::new();
+    for &width in widths {
+        let (part, behind) = right_sides.split_at(rows * width);
+        columns.extend((0..width).map(|column| part.iter().skip(column).step_by(width).copied().collect()));
+        right_sides = behind;
+    }
+    columns
 }
 
 fn expand_symmetric<V: Value>(results: &[ResultPart], values: Vec<V>) -> Vec<V> {

@@ -15,7 +15,7 @@ pub mod region;
 pub mod schedule;
 
 use crate::derive::output::OutputShape;
-use crate::derive::{Equations, Route, Rows};
+use crate::derive::{Equations, ForwardDynamics, Route, Rows};
 use crate::expr::{Expr, Symbol};
 use crate::model::{Constraint, Lagrangian, Reaction, Variable};
 
@@ -200,16 +200,32 @@ impl Shape {
 }
 
 /// What is still to be done with a program's values.
+///
+/// A solution is one step, whatever it takes: its meaning is the solution of its system. Right sides come part by part, each as
+/// many rows as the system has; where the program depends on q̈ (or λ), forward dynamics (multipliers) is called first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Completion {
     /// Nothing: they are the results.
     None,
-    /// They are the lower triangle of M, bordered by A where there are constraints, and then right sides, as many rows of each
-    /// result part in turn; the results are the solutions' rows for q̈, found by the runtime's LDLᵀ. Where the program depends
-    /// on q̈ (or λ), forward dynamics (multipliers) is called first.
+    /// They are the lower triangle of M and then right sides f; the results are `M⁻¹ f`, found by the runtime's LDLᵀ.
     Solve,
-    /// Likewise, but the results are the rows of the one solution for −λ, negated.
+    /// They are the lower triangle of M, the rows of A, and then right sides f and c; the results are q̈ of `M q̈ − Aᵀ λ = f`,
+    /// `A q̈ = c`, found by the runtime's `constrained_solve`.
+    SolveConstrained,
+    /// Likewise, but the results are λ.
     SolveMultipliers,
+}
+
+impl Completion {
+    /// Whether there is a system to be solved.
+    pub fn solves(self) -> bool {
+        self != Completion::None
+    }
+
+    /// Whether there is one with constraints.
+    pub fn is_constrained(self) -> bool {
+        matches!(self, Completion::SolveConstrained | Completion::SolveMultipliers)
+    }
 }
 
 /// Makes the Programs, each function by its cheapest route; the routes are equal in value, the first wins a draw.
@@ -218,7 +234,8 @@ pub fn straight_line(lagrangian: &Lagrangian<'_>, routes: &[Equations<'_>]) -> D
     let ways = routes.iter().map(|route| (route.route, functions(route, &lagrangian.reactions)));
     let roots = cheapest(ways.collect(), &mut forms);
     let hoisting = Hoisting::of(roots.iter().map(|f| f.roots.as_slice()), &mut forms);
-    let functions: Vec<Function> = roots.into_iter().map(|f| f.into_function(&hoisting)).collect();
+    let mut functions: Vec<Function> = roots.into_iter().map(|f| f.into_function(&hoisting)).collect();
+    count_constrained_motion(&mut functions);
     let depends_on_time = functions.iter().any(|f| f.program.uses(|symbol| symbol == Symbol::Time));
     Derivation {
         name: lagrangian.name.clone(),
@@ -234,6 +251,14 @@ pub fn straight_line(lagrangian: &Lagrangian<'_>, routes: &[Equations<'_>]) -> D
         constructor: hoisting.constructor,
         functions,
     }
+}
+
+/// Derivatives are taken along the constrained motion, which is found first.
+fn count_constrained_motion(functions: &mut [Function]) {
+    let forward_dynamics = functions.iter().find(|f| f.kind == FunctionKind::ForwardDynamics);
+    let Some(motion) = forward_dynamics.filter(|f| f.completion.is_constrained()).map(|f| f.operations) else { return };
+    let is_slope = |f: &&mut Function| matches!(f.kind, FunctionKind::Linearize | FunctionKind::LinearizeParameters);
+    functions.iter_mut().filter(is_slope).for_each(|f| f.operations = f.operations + motion);
 }
 
 impl Derivation {
@@ -256,8 +281,8 @@ struct Roots<'g> {
     results: Vec<ResultPart>,
     roots: Vec<Expr<'g>>,
     completion: Completion,
-    /// Of the system that the completion solves.
-    size: usize,
+    /// Coordinates and rows of the system that the completion solves.
+    size: [usize; 2],
     route: Route,
 }
 
@@ -272,7 +297,7 @@ impl<'g> Roots<'g> {
             results,
             roots,
             completion: Completion::None,
-            size: 0,
+            size: [0; 2],
             route: Route::Plain,
         }
     }
@@ -287,7 +312,10 @@ impl<'g> Roots<'g> {
     fn completed(&self, operations: Operations) -> Operations {
         match self.completion {
             Completion::None => operations,
-            Completion::Solve | Completion::SolveMultipliers => operations + cost::solve(self.size, &self.results),
+            Completion::Solve => operations + cost::solve(self.size[0], &self.results),
+            Completion::SolveConstrained | Completion::SolveMultipliers => {
+                operations + cost::solve_constrained(self.size, &self.results)
+            }
         }
     }
 
@@ -366,20 +394,37 @@ fn lower_triangle<'g>(m: &Rows<'g>) -> Vec<Expr<'g>> {
 fn forward_dynamics<'g>(equations: &Equations<'g>) -> Roots<'g> {
     let forward = &equations.forward_dynamics;
     let arguments = [Argument::Q, Argument::Qd, Argument::U];
-    let n = equations.symbols.q.len();
-    let shape = Shape::Vector(n);
-    let (roots, completion) = match &forward.unrolled {
-        Some(solution) => (solution[..n].to_vec(), Completion::None),
-        None => ([lower_triangle(&forward.matrix), forward.right_side.clone()].concat(), Completion::Solve),
-    };
+    let shape = Shape::Vector(equations.symbols.q.len());
+    let roots = forward.unrolled.clone().unwrap_or_else(|| [system(forward), forward.right_side.clone()].concat());
     let function = Roots::new("forward_dynamics", FunctionKind::ForwardDynamics, &arguments, shape, roots);
-    Roots { completion, size: forward.matrix.len(), ..function }
+    Roots { completion: completion(forward), size: size(forward), ..function }
+}
+
+/// How accelerations are found from what a program computes.
+fn completion(forward: &ForwardDynamics<'_>) -> Completion {
+    match (&forward.unrolled, forward.jacobian.len()) {
+        (Some(_), _) => Completion::None,
+        (None, 0) => Completion::Solve,
+        (None, _) => Completion::SolveConstrained,
+    }
+}
+
+/// The lower triangle of M, then A, where they are solved with at run time.
+fn system<'g>(forward: &ForwardDynamics<'g>) -> Vec<Expr<'g>> {
+    match forward.unrolled {
+        Some(_) => Vec::new(),
+        None => [lower_triangle(&forward.mass_matrix), forward.jacobian.concat()].concat(),
+    }
+}
+
+/// Coordinates and rows.
+fn size(forward: &ForwardDynamics<'_>) -> [usize; 2] {
+    [forward.mass_matrix.len(), forward.jacobian.len()]
 }
 
 fn linearizations<'g>(equations: &Equations<'g>) -> Vec<Roots<'g>> {
     let forward = &equations.forward_dynamics;
-    let completion = if forward.unrolled.is_some() { Completion::None } else { Completion::Solve };
-    let leading = if completion == Completion::Solve { lower_triangle(&forward.matrix) } else { Vec::new() };
+    let (leading, completion) = (system(forward), completion(forward));
     let n = equations.symbols.q.len();
     let part = |name, rows: &Rows<'g>| ResultPart { name, shape: Shape::Matrix(n, rows[0].len()) };
     let [q, qd, u] = &equations.linearization.state;
@@ -392,7 +437,7 @@ fn linearizations<'g>(equations: &Equations<'g>) -> Vec<Roots<'g>> {
         results: vec![part("q", q), part("qd", qd), part("u", u)],
         roots: [leading.clone(), q.concat(), qd.concat(), u.concat()].concat(),
         completion,
-        size: forward.matrix.len(),
+        size: size(forward),
         route: Route::Plain,
     };
     let parameters = (!parameters[0].is_empty()).then(|| Roots {
@@ -402,7 +447,7 @@ fn linearizations<'g>(equations: &Equations<'g>) -> Vec<Roots<'g>> {
         results: vec![part("", parameters)],
         roots: [leading, parameters.concat()].concat(),
         completion,
-        size: forward.matrix.len(),
+        size: size(forward),
         route: Route::Plain,
     });
     [state].into_iter().chain(parameters).collect()
@@ -419,7 +464,7 @@ fn inverse_dynamics_jacobian<'g>(equations: &Equations<'g>) -> Roots<'g> {
         results: vec![part("q"), part("qd")],
         roots: [jacobian.q.concat(), jacobian.qd.concat()].concat(),
         completion: Completion::None,
-        size: 0,
+        size: [0; 2],
         route: Route::Plain,
     }
 }
@@ -429,10 +474,7 @@ fn constraints<'g>(equations: &Equations<'g>) -> Vec<Roots<'g>> {
     use Argument::{Q, Qd, U};
     let (constraints, forward) = (&equations.constraints, &equations.forward_dynamics);
     let (m, n) = (constraints.count(), equations.symbols.q.len());
-    let (roots, completion) = match &forward.unrolled {
-        Some(solution) => (solution[n..].iter().map(|&l| -l).collect(), Completion::None),
-        None => ([lower_triangle(&forward.matrix), forward.right_side.clone()].concat(), Completion::SolveMultipliers),
-    };
+    let roots = [system(forward), forward.right_side.clone()].concat();
     let rows = Shape::Vector(m);
     let [jacobian, rate_jacobian] = [&constraints.jacobian, &constraints.rate_jacobian].map(|rows| rows.concat());
     let matrix = Shape::Matrix(m, n);
@@ -443,7 +485,7 @@ fn constraints<'g>(equations: &Equations<'g>) -> Vec<Roots<'g>> {
         Roots::new("constraint_rate_jacobian", FunctionKind::ConstraintRateJacobian, &[Q, Qd], matrix, rate_jacobian),
         Roots::new("constraint_jacobian", FunctionKind::ConstraintJacobian, &[Q], matrix, jacobian),
         Roots::new("constraint_bias", FunctionKind::ConstraintBias, &[Q, Qd], rows, constraints.bias.clone()),
-        Roots { completion, size: forward.matrix.len(), ..multipliers },
+        Roots { completion: Completion::SolveMultipliers, size: size(forward), ..multipliers },
     ]
 }
 

@@ -63,6 +63,7 @@ fn of_function(function: &Function) -> Value {
     let completion = match function.completion {
         Completion::None => "none",
         Completion::Solve => "solve",
+        Completion::SolveConstrained => "solve constrained",
         Completion::SolveMultipliers => "solve multipliers",
     };
     let Program { instructions, results, .. } = &function.program;

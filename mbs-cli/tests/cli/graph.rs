@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use nalgebra::DMatrix;
 use serde_json::{Value, json};
 
 use crate::{CHAIN, PENDULUM, Workshop};
@@ -50,16 +51,20 @@ fn the_graph_gives_what_eval_gives() {
         let report = report(&workshop, model);
         let expected = workshop.eval(model, &state.to_string());
         let values = evaluate(&report, &state);
+        let along_motion = evaluate(&report, &with_motion(&report, &state, &values));
         for (name, function) in report["functions"].as_object().unwrap() {
-            assert_eq!(function["completion"], "none", "{name}");
             let of_eval = match name.as_str() {
                 "linearize" => json!([expected[name]["q"], expected[name]["qd"], expected[name]["u"]]),
                 "linearize_parameters" => expected["linearize"]["params"].clone(),
                 _ if expected[name].is_null() => expected["outputs"][name].clone(),
                 _ => expected[name].clone(),
             };
-            let roots: Vec<usize> = serde_json::from_value(report["graph"]["roots"][name].clone()).unwrap();
-            let found: Vec<f64> = roots.iter().map(|&root| values[root]).collect();
+            let found = match function["completion"].as_str().unwrap() {
+                "none" => roots(&report, name, &values),
+                "solve constrained" => solved(&report, name, &along_motion, 0),
+                "solve multipliers" => solved(&report, name, &values, report["coordinates"].as_array().unwrap().len()),
+                other => panic!("{name}: docs/json.md does not know {other} of so few coordinates"),
+            };
             let (found, expected) = (in_full(&function["returns"], found), numbers(&of_eval));
             // Momenta, velocities and Jacobians of outputs are not in eval.
             let elsewhere = ["momentum", "_velocity", "_jacobian"].iter().any(|end| name.ends_with(end));
@@ -115,6 +120,49 @@ fn constants_are_exact() {
 
 fn report(workshop: &Workshop, model: &str) -> Value {
     serde_json::from_str(&workshop.good(&["derive", model, "--emit", "json"])).unwrap()
+}
+
+/// The values of a function's roots.
+fn roots(report: &Value, name: &str, values: &[f64]) -> Vec<f64> {
+    let roots: Vec<usize> = serde_json::from_value(report["graph"]["roots"][name].clone()).unwrap();
+    roots.iter().map(|&root| values[root]).collect()
+}
+
+/// The state with the accelerations and multipliers of the motion, which what is left to solve may ask for.
+fn with_motion(report: &Value, state: &Value, values: &[f64]) -> Value {
+    let mut state = state.clone();
+    let has_constraints = !report["constraints"].as_array().unwrap().is_empty();
+    if has_constraints {
+        let n = report["coordinates"].as_array().unwrap().len();
+        state["qdd"] = json!(solved(report, "forward_dynamics", values, 0));
+        state["multipliers"] = json!(solved(report, "multipliers", values, n));
+    }
+    state
+}
+
+/// `M x − Aᵀ λ = f`, `A x = c` by the roots of a function: x of all parts, or the rows from `first` on.
+fn solved(report: &Value, name: &str, values: &[f64], first: usize) -> Vec<f64> {
+    let (n, k) = (report["coordinates"].as_array().unwrap().len(), report["constraints"].as_array().unwrap().len());
+    let all = roots(report, name, values);
+    let (mass, rest) = all.split_at(n * (n + 1) / 2);
+    let (jacobian, mut right_sides) = rest.split_at(k * n);
+    let entry = |i: usize, j: usize| match (i < n, j < n) {
+        (true, true) => mass[i.max(j) * (i.max(j) + 1) / 2 + i.min(j)],
+        (true, false) => -jacobian[(j - n) * n + i],
+        (false, true) => jacobian[(i - n) * n + j],
+        (false, false) => 0.0,
+    };
+    let bordered = DMatrix::from_fn(n + k, n + k, entry).lu();
+    let mut found = Vec::new();
+    for part in report["functions"][name]["returns"].as_array().unwrap() {
+        let width = if part["shape"][0] == "matrix" { part["shape"][2].as_u64().unwrap() as usize } else { 1 };
+        let (own, behind) = right_sides.split_at((n + k) * width);
+        let solution = bordered.solve(&DMatrix::from_row_slice(n + k, width, own)).unwrap();
+        let rows = if first == 0 { 0..n } else { first..n + k };
+        found.extend(rows.flat_map(|i| solution.row(i).iter().copied().collect::<Vec<f64>>()));
+        right_sides = behind;
+    }
+    found
 }
 
 /// The value of every node; conditions are 1 or 0.
@@ -173,7 +221,9 @@ fn symbol(symbol: &Value, state: &Value, parameters: &[f64], report: &Value) -> 
             state["prescribed"][name][symbol[2].as_u64().unwrap() as usize].as_f64().unwrap()
         }
         kind @ ("q" | "qd" | "qdd" | "u") => state[kind][index].as_f64().unwrap(),
-        other => panic!("{other} does not occur where nothing is left to solve"),
+        // Where they are not known yet, nobody asks for what depends on them.
+        "multiplier" => state["multipliers"][index].as_f64().unwrap_or(f64::NAN),
+        other => panic!("docs/json.md does not know {other}"),
     }
 }
 

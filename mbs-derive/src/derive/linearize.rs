@@ -2,13 +2,13 @@
 //!
 //! With `r(q, q̇, q̈, u) = M q̈ + h + ∂D/∂q̇ − Q`, which forward dynamics makes zero,
 //! `∂q̈/∂x = −M⁻¹ ∂r/∂x` at that q̈ (implicit differentiation): no derivative of a factorization is needed. With constraints
-//! r has `−Aᵀ λ` and the rows `A q̈ + γ` besides, and M is bordered by A.
+//! r has `−Aᵀ λ` and the rows `A q̈ + γ` besides, and the system is that of q̈ and λ.
 
 use crate::expr::{Expr, Symbol, gradient, substitute};
 
 use super::constraint::Constraints;
 use super::lagrange::{Lagrange, jacobian_by_rows, sub, transpose};
-use super::solve::{Factorization, ForwardDynamics, augment};
+use super::solve::{Factorization, ForwardDynamics};
 use super::{Form, Rows, Symbols};
 
 /// `∂τ/∂q` and `∂τ/∂q̇` of `τ = M q̈ + C q̇ + G + ∂D/∂q̇`.
@@ -23,8 +23,8 @@ pub struct InverseDynamicsJacobian<'g> {
 /// Derivatives of q̈; rows are accelerations.
 #[derive(Clone, Debug)]
 pub struct Linearization<'g> {
-    /// `∂q̈/∂q`, `∂q̈/∂q̇`, `∂q̈/∂u`, where the factorization is unrolled; else `−∂r/∂x`, to be solved with M, with q̈
-    /// left as symbols.
+    /// `∂q̈/∂q`, `∂q̈/∂q̇`, `∂q̈/∂u`, where the factorization is unrolled; else `−∂r/∂x`, the right sides of a solution at run
+    /// time, with q̈ and λ left as symbols.
     pub state: [Rows<'g>; 3],
     /// `∂q̈/∂parameters`, likewise.
     pub parameters: Rows<'g>,
@@ -79,19 +79,9 @@ pub fn linearization<'g>(
     let [q, qd, u] = together(form, [q, qd, u]);
     let parameters = form.rows(&parameters);
     let (Some(solution), Some(factorization)) = (&forward.unrolled, &forward.factorization) else {
-        let finish = |rows| if forward.augmented { augmented(rows, &constraints.jacobian) } else { rows };
-        return Linearization { state: [finish(q), finish(qd), finish(u)], parameters: finish(parameters) };
+        return Linearization { state: [q, qd, u], parameters };
     };
-    let n = symbols.q.len();
-    let finish = |rows: Rows<'g>| {
-        let mut rows = at_solution(&rows, solution, n);
-        if forward.augmented {
-            rows = augmented(rows, &constraints.jacobian);
-        }
-        let mut solved = solve_columns(factorization, &rows);
-        solved.truncate(n);
-        solved
-    };
+    let finish = |rows: Rows<'g>| solve_columns(factorization, &at_solution(&rows, solution));
     Linearization { state: [finish(q), finish(qd), finish(u)], parameters: finish(parameters) }
 }
 
@@ -117,24 +107,16 @@ fn together<'g, const N: usize>(form: Form<'_>, matrices: [Rows<'g>; N]) -> [Row
     matrices.map(|matrix| rows.by_ref().take(matrix.len()).collect())
 }
 
-/// The expressions with forward dynamics in the place of q̈ and λ; the solution is q̈, then −λ.
-fn at_solution<'g>(rows: &Rows<'g>, solution: &[Expr<'g>], n: usize) -> Rows<'g> {
+/// The expressions with forward dynamics in the place of q̈.
+fn at_solution<'g>(rows: &Rows<'g>, solution: &[Expr<'g>]) -> Rows<'g> {
     let replacement = |symbol| match symbol {
         Symbol::Acceleration(i) => Some(solution[i as usize]),
-        Symbol::Multiplier(i) => Some(-solution[n + i as usize]),
         _ => None,
     };
     let width = rows[0].len();
     let flat: Vec<_> = rows.iter().flatten().copied().collect();
     let replaced = substitute(&flat, replacement);
     (0..rows.len()).map(|i| replaced[i * width..(i + 1) * width].to_vec()).collect()
-}
-
-/// Each column as [`augment`] has it.
-fn augmented<'g>(rows: Rows<'g>, a: &Rows<'g>) -> Rows<'g> {
-    let mut columns = transpose(&rows, rows[0].len());
-    columns.iter_mut().for_each(|column| augment(column, a));
-    transpose(&columns, rows.len())
 }
 
 fn solve_columns<'g>(factorization: &Factorization<'g>, rows: &Rows<'g>) -> Rows<'g> {

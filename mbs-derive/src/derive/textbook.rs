@@ -44,7 +44,7 @@ impl Form<'_> {
         let forward = solve::forward_dynamics(lagrange, constraints);
         match self {
             Form::AsDerived => forward,
-            Form::Textbook(kept) => forward_dynamics(forward, constraints, kept),
+            Form::Textbook(kept) => forward_dynamics(forward, kept),
         }
     }
 }
@@ -78,20 +78,14 @@ pub fn normal_form<'g>(plain: &Lagrange<'g>, kept: &Kept) -> Option<Lagrange<'g>
 }
 
 /// Forward dynamics, unrolled the cheapest way: by `L D Lᵀ` as it stands, or by elimination in the form of a textbook.
-fn forward_dynamics<'g>(
-    forward: ForwardDynamics<'g>,
-    constraints: &Constraints<'g>,
-    kept: &Kept,
-) -> ForwardDynamics<'g> {
-    let (Some(factorization), Some(unrolled), 0) =
-        (forward.factorization.clone(), forward.unrolled.clone(), constraints.count())
-    else {
+fn forward_dynamics<'g>(forward: ForwardDynamics<'g>, kept: &Kept) -> ForwardDynamics<'g> {
+    let (Some(factorization), Some(unrolled)) = (forward.factorization.clone(), forward.unrolled.clone()) else {
         return forward;
     };
     let right_side = Form::Textbook(kept).list(&forward.right_side);
     let mut ways = vec![(factorization, unrolled)];
     for last_first in [false, true] {
-        let Some((factorization, pivots)) = eliminate(forward.matrix.clone(), kept, last_first) else { continue };
+        let Some((factorization, pivots)) = eliminate(forward.mass_matrix.clone(), kept, last_first) else { continue };
         ways.push((factorization.clone(), factorization.solve(&right_side)));
         let reduced = factorization.reduce(&right_side);
         let pairs: Vec<_> = reduced.into_iter().zip(pivots).collect();

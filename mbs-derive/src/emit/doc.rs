@@ -23,7 +23,7 @@ pub(super) fn mechanism(derivation: &Derivation, functions: &[&Function]) -> Vec
     if lines.is_empty() {
         lines.push(format!("The mechanism `{}`.", derivation.name));
     }
-    lines.extend(["", "```text", "M q̈ + C q̇ + G + ∂D/∂q̇ = Q", "```"].map(str::to_string));
+    lines.extend(["", "```text", equation(derivation), "```"].map(str::to_string));
     lines.extend(variables("coordinate", &derivation.coordinates));
     lines.extend(variables("input", &derivation.inputs));
     lines.extend(["", "What a call costs; a mass matrix is counted by its lower triangle:", ""].map(str::to_string));
@@ -36,6 +36,14 @@ pub(super) fn mechanism(derivation: &Derivation, functions: &[&Function]) -> Vec
         format!("| `{}` | {add} | {mul} | {div} | {sqrt} | {sincos} | {other} |", function.name)
     }));
     lines
+}
+
+/// The equation of motion.
+fn equation(derivation: &Derivation) -> &'static str {
+    match derivation.constraints.is_empty() {
+        true => "M q̈ + C q̇ + G + ∂D/∂q̇ = Q",
+        false => "M q̈ + C q̇ + G + ∂D/∂q̇ = Q + Aᵀ λ,    A q̈ + γ = 0",
+    }
 }
 
 /// A table of coordinates or inputs.
@@ -118,17 +126,18 @@ pub(super) fn function(derivation: &Derivation, function: &Function) -> Vec<Stri
             facts.extend(units.map(|units| format!("Rows are forces: {units}.")))
         }
         FunctionKind::ForwardDynamics | FunctionKind::Linearize | FunctionKind::LinearizeParameters => {
-            facts.push(
-                "Where `M` is singular the results are infinite or NaN; the integrators report that.".to_string(),
-            );
+            facts.push(where_singular(derivation).to_string());
         }
         FunctionKind::Constraint
         | FunctionKind::ConstraintRate
         | FunctionKind::ConstraintRateJacobian
         | FunctionKind::ConstraintJacobian
-        | FunctionKind::ConstraintBias
-        | FunctionKind::Multipliers => {
-            facts.push(format!("Rows are the constraints: `{}`.", derivation.constraints.join("`, `")));
+        | FunctionKind::ConstraintBias => facts.push(rows(derivation)),
+        FunctionKind::Multipliers => {
+            facts.push(rows(derivation));
+            facts
+                .push("Where rows depend on others they are the least of those that give the same `Aᵀ λ`.".to_string());
+            facts.push(where_singular(derivation).to_string());
         }
         FunctionKind::Conserved(names) => {
             facts.extend(names.iter().map(|name| format!("- `{name}`{}", first_integral(name))));
@@ -159,6 +168,21 @@ pub(super) fn function(derivation: &Derivation, function: &Function) -> Vec<Stri
     lines
 }
 
+fn rows(derivation: &Derivation) -> String {
+    format!("Rows are the constraints: `{}`.", derivation.constraints.join("`, `"))
+}
+
+/// What there is where accelerations are not determined.
+fn where_singular(derivation: &Derivation) -> &'static str {
+    match derivation.constraints.is_empty() {
+        true => "Where `M` is singular the results are infinite or NaN; the integrators report that.",
+        false => {
+            "Where a motion that `A` leaves has no inertia, or rows contradict each other, all results are NaN; the integrators \
+             report that."
+        }
+    }
+}
+
 fn summary(derivation: &Derivation, function: &Function) -> String {
     let n = derivation.dof();
     let shape = function.results.first().map_or(String::new(), |part| shape(part.shape));
@@ -179,9 +203,12 @@ fn summary(derivation: &Derivation, function: &Function) -> String {
         FunctionKind::InverseDynamics => {
             format!("Inverse dynamics `M q̈ + C q̇ + G + ∂D/∂q̇`, {shape}; `Q` is not subtracted.")
         }
-        FunctionKind::ForwardDynamics => {
+        FunctionKind::ForwardDynamics if derivation.constraints.is_empty() => {
             format!("Accelerations `q̈ = M⁻¹ (Q − C q̇ − G − ∂D/∂q̇)`, {shape}, by `M = L D Lᵀ`.")
         }
+        FunctionKind::ForwardDynamics => format!(
+            "Accelerations `q̈` of `M q̈ = Q − C q̇ − G − ∂D/∂q̇ + Aᵀ λ`, `A q̈ + γ = 0`, {shape}, by the runtime's `constrained_solve`."
+        ),
         FunctionKind::Constraint => {
             format!("What must vanish: `φ(q, t)`, or `a·q̇ + b` of Pfaffian constraints, {shape}.")
         }

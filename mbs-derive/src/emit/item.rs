@@ -78,16 +78,14 @@ fn of_trait<'f, 'd>(
 /// The functions asked for, and those that they call, in their order.
 fn selected<'d>(derivation: &'d Derivation, asked_for: Option<&[String]>) -> Vec<(usize, &'d Function)> {
     let is_asked_for = |f: &Function| asked_for.is_none_or(|names| names.contains(&f.name));
-    let calls_dynamics = derivation.functions.iter().any(|f| is_asked_for(f) && needs_acceleration(f));
-    let called = [FunctionKind::ForwardDynamics, FunctionKind::Multipliers];
-    let chosen = |f: &Function| is_asked_for(f) || (calls_dynamics && called.contains(&f.kind));
+    let calls_dynamics = derivation.functions.iter().any(|f| is_asked_for(f) && calls_forward_dynamics(f));
+    let chosen = |f: &Function| is_asked_for(f) || (calls_dynamics && f.kind == FunctionKind::ForwardDynamics);
     derivation.functions.iter().enumerate().filter(|(_, f)| chosen(f)).collect()
 }
 
 /// Whether a function evaluates its program at the accelerations of forward dynamics.
-fn needs_acceleration(function: &Function) -> bool {
+fn calls_forward_dynamics(function: &Function) -> bool {
     function.completion == Completion::Solve
-        && !function.arguments.contains(&Argument::Qdd)
         && function.program.uses(|symbol| matches!(symbol, Symbol::Acceleration(_)))
 }
 
@@ -174,7 +172,8 @@ impl<'d> Emitter<'d> {
     /// The hoisted values that the generated functions read.
     fn hoisted(&self) -> Vec<usize> {
         let mut read = vec![false; self.derivation.constructor.results.len()];
-        for (_, function) in &self.functions {
+        let called = self.constrained_forward_dynamics();
+        for function in self.functions.iter().map(|(_, function)| *function).chain(called) {
             for instruction in &function.program.instructions {
                 if let crate::optimise::Instruction::Hoisted(k) = instruction {
                     read[*k as usize] = true;
@@ -189,6 +188,7 @@ impl<'d> Emitter<'d> {
         let name = ident(&self.names.mechanism);
         let new = self.constructor();
         let functions = self.functions.iter().map(|(number, function)| self.function(*number, function));
+        let motion = self.constrained_motion();
         quote! {
             impl<T: ::mbs_runtime::Scalar> #name<T> {
                 #new
@@ -199,6 +199,30 @@ impl<'d> Emitter<'d> {
                 }
 
                 #(#functions)*
+
+                #motion
+            }
+        }
+    }
+
+    /// Forward dynamics with constraints, where a generated function needs it.
+    fn constrained_forward_dynamics(&self) -> Option<&'d Function> {
+        let is_needed = self.functions.iter().any(|(_, f)| f.completion.is_constrained());
+        let forward_dynamics = self.derivation.functions.iter().find(|f| f.kind == FunctionKind::ForwardDynamics);
+        forward_dynamics.filter(|_| is_needed)
+    }
+
+    /// What accelerations, multipliers and linearizations of a mechanism with constraints have in common.
+    fn constrained_motion(&self) -> TokenStream {
+        let Some(function) = self.constrained_forward_dynamics() else { return TokenStream::new() };
+        let [n, k] = [self.derivation.dof(), self.derivation.constraints.len()].map(Literal::usize_unsuffixed);
+        let arguments = self.arguments(function).into_iter().map(|(name, ty)| quote!(#name: #ty));
+        let body = self.statements(function, |values| self.constrained_solution(function, values));
+        let name = ident(&self.names.constrained_motion);
+        quote! {
+            /// Accelerations and multipliers.
+            fn #name(&self, #(#arguments),*) -> ([T; #n], [T; #k]) {
+                #body
             }
         }
     }
@@ -278,40 +302,63 @@ impl<'d> Emitter<'d> {
         }
     }
 
-    /// The statements of a function.
+    /// What a function does.
     fn body(&self, function: &Function) -> TokenStream {
+        let motion = || {
+            let name = ident(&self.names.constrained_motion);
+            let arguments = self.arguments(function).into_iter().map(|(name, _)| name);
+            quote!(self.#name(#(#arguments),*))
+        };
+        match (&function.kind, function.completion) {
+            (_, Completion::None) => self.statements(function, |values| self.returned(function, values)),
+            (_, Completion::Solve) => {
+                let accelerations = calls_forward_dynamics(function).then(|| self.forward_dynamics());
+                let statements = self.statements(function, |values| self.solved(function, values));
+                quote!(#accelerations #statements)
+            }
+            (FunctionKind::ForwardDynamics, Completion::SolveConstrained) => {
+                let motion = motion();
+                quote!(#motion.0)
+            }
+            (_, Completion::SolveMultipliers) => {
+                let motion = motion();
+                quote!(#motion.1)
+            }
+            (_, Completion::SolveConstrained) => {
+                let motion = motion();
+                let statements = self.statements(function, |values| self.constrained_slopes(function, values));
+                quote!(let (qdd, multipliers) = &#motion; #statements)
+            }
+        }
+    }
+
+    /// The statements of a function's program, and what is made of its values.
+    fn statements(
+        &self,
+        function: &Function,
+        finish: impl FnOnce(&mut dyn Iterator<Item = TokenStream>) -> TokenStream,
+    ) -> TokenStream {
         let components = components(self.derivation, function);
         let body = Body::new(&function.program, &components, self.names, self.names.function_scope());
         let text = Text::new(&body);
-        let uses = |chosen: fn(&Symbol) -> bool| function.program.uses(|symbol| chosen(&symbol));
-        let solves = function.completion != Completion::None;
-        let accelerations = needs_acceleration(function).then(|| self.called("qdd", &FunctionKind::ForwardDynamics));
-        let multipliers = (solves && uses(|symbol| matches!(symbol, Symbol::Multiplier(_))))
-            .then(|| self.called("multipliers", &FunctionKind::Multipliers));
         let arguments = text.arguments(self.derivation, &quote!(self.params));
         let (constants, statements) =
             (text.constants(), segment::statements(&body.block.statements, &body.block.results, &text));
-        let mut values = body.block.results.iter().map(|tree| text.tree(tree));
-        let finish = match function.completion {
-            Completion::None => self.returned(function, &mut values),
-            Completion::Solve | Completion::SolveMultipliers if !self.derivation.constraints.is_empty() => {
-                self.solved_with_constraints(function, &mut values)
-            }
-            Completion::Solve | Completion::SolveMultipliers => self.solved(function, &mut values),
-        };
-        quote!(#accelerations #multipliers #arguments #constants #statements #finish)
+        let finish = finish(&mut body.block.results.iter().map(|tree| text.tree(tree)));
+        quote!(#arguments #constants #statements #finish)
     }
 
     /// `let qdd = &self.forward_dynamics(q, qd, u);`
-    fn called(&self, local: &str, kind: &FunctionKind) -> TokenStream {
-        let (number, function) = self.functions.iter().find(|(_, f)| f.kind == *kind).expect("it was selected");
-        let (local, name) = (ident(local), ident(&self.names.functions[*number]));
+    fn forward_dynamics(&self) -> TokenStream {
+        let is_called = |(_, f): &&(usize, &Function)| f.kind == FunctionKind::ForwardDynamics;
+        let (number, function) = self.functions.iter().find(is_called).expect("it was selected");
+        let name = ident(&self.names.functions[*number]);
         let arguments = self.arguments(function).into_iter().map(|(name, _)| name);
-        quote!(let #local = &self.#name(#(#arguments),*);)
+        quote!(let qdd = &self.#name(#(#arguments),*);)
     }
 
     /// What a function returns, its values put in shape.
-    fn returned(&self, function: &Function, values: &mut impl Iterator<Item = TokenStream>) -> TokenStream {
+    fn returned(&self, function: &Function, values: &mut dyn Iterator<Item = TokenStream>) -> TokenStream {
         let parts: Vec<_> = function.results.iter().map(|part| shaped(part.shape, values)).collect();
         self.assembled(function, &parts)
     }
@@ -329,7 +376,7 @@ impl<'d> Emitter<'d> {
     }
 
     /// `M⁻¹` of the right sides.
-    fn solved(&self, function: &Function, values: &mut impl Iterator<Item = TokenStream>) -> TokenStream {
+    fn solved(&self, function: &Function, values: &mut dyn Iterator<Item = TokenStream>) -> TokenStream {
         let n = self.derivation.dof();
         let mass_matrix = shaped(Shape::Matrix(n, n), values);
         match function.results.as_slice() {
@@ -359,36 +406,40 @@ impl<'d> Emitter<'d> {
         }
     }
 
-    /// The rows for q̈ of the solutions of the bordered system, or its row for −λ, negated.
-    fn solved_with_constraints(
-        &self,
-        function: &Function,
-        values: &mut impl Iterator<Item = TokenStream>,
-    ) -> TokenStream {
-        let (n, size) = (self.derivation.dof(), system_size(self.derivation));
-        let matrix = shaped(Shape::Matrix(size, size), values);
-        let start = Literal::usize_unsuffixed(n);
-        let parts = function.results.iter().map(|part| {
-            let right_side = shaped(right_side_shape(self.derivation, part.shape), values);
-            let solve = ident(if matches!(part.shape, Shape::Vector(_)) { "solve" } else { "solve_many" });
-            if function.completion == Completion::SolveMultipliers {
-                quote! {{
-                    let solution = factors.#solve(#right_side);
-                    ::core::array::from_fn(|i| -solution[#start + i])
-                }}
-            } else {
-                quote! {{
-                    let solution = factors.#solve(#right_side);
-                    ::core::array::from_fn(|i| solution[i])
-                }}
-            }
-        });
-        let parts: Vec<_> = parts.collect();
-        let result = self.assembled(function, &parts);
-        quote! {
-            let factors = ::mbs_runtime::Ldlt::new(#matrix);
-            #result
+    /// q̈ and λ.
+    fn constrained_solution(&self, function: &Function, values: &mut dyn Iterator<Item = TokenStream>) -> TokenStream {
+        let (n, k) = (self.derivation.dof(), self.derivation.constraints.len());
+        debug_assert_eq!(function.results[0].shape, Shape::Vector(n), "forward dynamics");
+        let shapes = [Shape::Matrix(n, n), Shape::Matrix(k, n), Shape::Vector(n), Shape::Vector(k)];
+        let [mass_matrix, jacobian, force, target] = shapes.map(|shape| shaped(shape, values));
+        quote!(::mbs_runtime::constrained_solve(#mass_matrix, #jacobian, #force, #target))
+    }
+
+    /// The columns of all parts solved for at once, and taken apart.
+    fn constrained_slopes(&self, function: &Function, values: &mut dyn Iterator<Item = TokenStream>) -> TokenStream {
+        let (n, k) = (self.derivation.dof(), self.derivation.constraints.len());
+        let (mass_matrix, jacobian) = (shaped(Shape::Matrix(n, n), values), shaped(Shape::Matrix(k, n), values));
+        let widths: Vec<usize> = function.results.iter().map(|part| part.shape.count() / n).collect();
+        let mut rows: Vec<Vec<TokenStream>> = vec![Vec::new(); n + k];
+        for &width in &widths {
+            rows.iter_mut().for_each(|row| row.extend((0..width).filter_map(|_| values.next())));
         }
+        let (force, target) = rows.split_at(n);
+        let (force, target) =
+            (force.iter().map(|row| quote!([#(#row),*])), target.iter().map(|row| quote!([#(#row),*])));
+        let solution = quote! {
+            ::mbs_runtime::constrained_solve_many(#mass_matrix, #jacobian, [#(#force),*], [#(#target),*]).0
+        };
+        if widths.len() == 1 {
+            return solution;
+        }
+        let starts = widths.iter().scan(0, |next, width| Some(std::mem::replace(next, *next + width)));
+        let parts = starts.map(|start| {
+            let first = (start > 0).then(|| Literal::usize_unsuffixed(start)).map(|start| quote!(#start +));
+            quote!(::core::array::from_fn(|i| ::core::array::from_fn(|j| solution[i][#first j])))
+        });
+        let result = self.assembled(function, &parts.collect::<Vec<_>>());
+        quote!(let solution = #solution; #result)
     }
 
     /// The trait, where it can be implemented.
@@ -514,13 +565,14 @@ impl<'d> Emitter<'d> {
 
 /// Which of a program's results make up what a function returns, or hands to the runtime.
 fn components(derivation: &Derivation, function: &Function) -> Vec<Component> {
-    let n = if function.completion == Completion::None { derivation.dof() } else { system_size(derivation) };
+    let n = derivation.dof();
     let square = || (0..n).flat_map(|i| (0..n).map(move |j| (i, j)));
     let mut components = Vec::new();
     let mut start = 0;
     let mut shapes: Vec<Shape> = function.results.iter().map(|part| part.shape).collect();
-    if function.completion != Completion::None {
-        shapes = shapes.into_iter().map(|shape| right_side_shape(derivation, shape)).collect();
+    if function.completion.solves() {
+        let right_sides = shapes.into_iter().map(|shape| right_side_shape(derivation, shape));
+        shapes = [Shape::Matrix(derivation.constraints.len(), n)].into_iter().chain(right_sides).collect();
         // The runtime reads the lower triangle of M.
         components.extend(square().map(|(i, j)| match j <= i {
             true => Component::Result(triangular(i, j), format!("m_{i}_{j}")),
@@ -551,14 +603,9 @@ fn components(derivation: &Derivation, function: &Function) -> Vec<Component> {
     components
 }
 
-/// Rows of the system for accelerations and multipliers.
-fn system_size(derivation: &Derivation) -> usize {
-    derivation.dof() + derivation.constraints.len()
-}
-
-/// The right sides of that system, for a result of this shape.
+/// The right sides of the system for accelerations and multipliers, for a result of this shape.
 fn right_side_shape(derivation: &Derivation, shape: Shape) -> Shape {
-    let size = system_size(derivation);
+    let size = derivation.dof() + derivation.constraints.len();
     match shape {
         Shape::Matrix(_, columns) => Shape::Matrix(size, columns),
         Shape::Scalar
@@ -669,7 +716,7 @@ fn shape_type(shape: Shape) -> TokenStream {
 }
 
 /// The next values in this shape.
-fn shaped(shape: Shape, values: &mut impl Iterator<Item = TokenStream>) -> TokenStream {
+fn shaped(shape: Shape, values: &mut dyn Iterator<Item = TokenStream>) -> TokenStream {
     match shape {
         Shape::Scalar => values.next().expect("a value for each component"),
         Shape::Vector(n) => {
@@ -696,7 +743,7 @@ fn shaped(shape: Shape, values: &mut impl Iterator<Item = TokenStream>) -> Token
 }
 
 /// An array of `n` results in this shape.
-fn several(n: usize, shape: Shape, values: &mut impl Iterator<Item = TokenStream>) -> TokenStream {
+fn several(n: usize, shape: Shape, values: &mut dyn Iterator<Item = TokenStream>) -> TokenStream {
     let elements: Vec<_> = (0..n).map(|_| shaped(shape, values)).collect();
     quote!([#(#elements),*])
 }

@@ -133,6 +133,8 @@ pub(super) struct Names {
     pub(super) fields: Vec<String>,
     /// The methods, one per function.
     pub(super) functions: Vec<String>,
+    /// A private method, which gives way to an output of its name.
+    pub(super) constrained_motion: String,
     /// The fields that hold hoisted values.
     pub(super) hoisted: Vec<String>,
     /// Components as locals, by kind.
@@ -180,6 +182,7 @@ impl Names {
             mechanism: type_name(&derivation.name),
             fields: derivation.parameters.iter().map(|p| fields.unique_escaped(&p.name)).collect(),
             functions: derivation.functions.iter().map(|f| methods.unique_escaped(&f.name)).collect(),
+            constrained_motion: methods.unique("constrained_motion"),
             hoisted,
             coordinates,
             velocities,

@@ -2,6 +2,7 @@
 //!
 //! The independent witness of the symbolic sweeps: nothing here shares a line with them.
 
+use super::constrained::remainder;
 use super::evaluate::Value;
 use super::factors::{Factors, symmetric_times};
 use super::function::{Binary, Function};
@@ -102,6 +103,24 @@ impl<S: Value> Value for Dual<S> {
             factors.solve(&mut rate);
             *column = x.into_iter().zip(rate).map(|(x, rate)| Dual::new(x, rate)).collect();
         }
+    }
+    /// Likewise, in the basis of the values.
+    fn constrained<'a>(n: usize, mass: Vec<Self>, jacobian: Vec<Self>) -> Box<dyn Fn(&[Self]) -> Vec<Self> + 'a>
+    where
+        Self: 'a,
+    {
+        let value = |numbers: &[Self]| numbers.iter().map(|v| v.value).collect::<Vec<S>>();
+        let rate = |numbers: &[Self]| numbers.iter().map(|v| v.derivative).collect::<Vec<S>>();
+        let solve = S::constrained(n, value(&mass), value(&jacobian));
+        let (mass, jacobian) = (rate(&mass), rate(&jacobian));
+        Box::new(move |column| {
+            let x = solve(&value(column));
+            let rates = solve(&remainder(&mass, &jacobian, &rate(column), &x, n));
+            x.into_iter().zip(rates).map(|(x, rate)| Dual::new(x, rate)).collect()
+        })
+    }
+    fn exponent(self) -> i32 {
+        self.value.exponent()
     }
 }
 

@@ -1,5 +1,6 @@
 //! Numerical values of expressions, over any kind of number: doubles, or dual numbers that carry derivatives.
 
+use super::constrained::{NullSpace, Redundant, power};
 use super::factors::Factors;
 use super::function::{Binary, Function};
 use super::graph::{Expr, Id, Node, Symbol};
@@ -46,6 +47,28 @@ pub trait Value: Copy {
         let factors = Factors::new(first.len(), triangle);
         columns.iter_mut().for_each(|column| factors.solve(column));
     }
+    /// What gives q̈, then λ, of `M q̈ − Aᵀ λ = f`, `A q̈ = c` for a column of f, then c, of `n` coordinates; M is its lower
+    /// triangle, both are row by row. NaN where there is no solution, or more than one q̈.
+    fn constrained<'a>(n: usize, mass: Vec<Self>, jacobian: Vec<Self>) -> Box<dyn Fn(&[Self]) -> Vec<Self> + 'a>
+    where
+        Self: 'a,
+    {
+        let system = NullSpace::new(n, &mass, &jacobian);
+        Box::new(move |column| {
+            let solution = system.as_ref().and_then(|system| system.solve(column, Redundant::Agree));
+            solution.unwrap_or_else(|| vec![Self::constant(f64::NAN); column.len()])
+        })
+    }
+    /// `⌊log₂ |a|⌋`, of a subnormal number that of the smallest normal one.
+    fn exponent(self) -> i32 {
+        let size = if self.less(Self::constant(0.0)) { self.neg() } else { self };
+        let (mut least, mut beyond) = (-1022_i32, 1024_i32);
+        while beyond - least > 1 {
+            let middle = (least + beyond).div_euclid(2);
+            if size.less(power(middle)) { beyond = middle } else { least = middle }
+        }
+        least
+    }
 }
 
 impl Value for f64 {
@@ -88,6 +111,9 @@ impl Value for f64 {
     }
     fn less_equal(self, other: f64) -> bool {
         self <= other
+    }
+    fn exponent(self) -> i32 {
+        (((self.to_bits() >> 52) & 0x7ff) as i32 - 1023).max(-1022)
     }
 }
 

@@ -5,6 +5,7 @@
 use std::iter::Sum;
 use std::ops::{Add, Mul, Neg, Sub};
 
+use super::constrained::{NullSpace, Redundant, remainder};
 use super::dual::slope;
 use super::evaluate::Value;
 use super::function::{Binary, Function};
@@ -130,6 +131,37 @@ impl Value for Rounded {
     }
     fn less_equal(self, other: Self) -> bool {
         self.value <= other.value
+    }
+    /// The solution in doubles, and how far it may be from the exact one: `|K⁻¹| |b − K x|`, where the remainder carries what
+    /// rounding has done to K, to b and to itself. So the bound follows the condition of the constrained motion, and knows
+    /// nothing of how the solution was found.
+    ///
+    /// Source: Higham, *Accuracy and Stability of Numerical Algorithms*, 2nd ed. 2002, sections 7.1 and 15.1.
+    fn constrained<'a>(n: usize, mass: Vec<Self>, jacobian: Vec<Self>) -> Box<dyn Fn(&[Self]) -> Vec<Self> + 'a>
+    where
+        Self: 'a,
+    {
+        let doubles = |numbers: &[Self]| numbers.iter().map(|number| number.value).collect::<Vec<f64>>();
+        let system = NullSpace::new(n, &doubles(&mass), &doubles(&jacobian));
+        let size = n + jacobian.len() / n.max(1);
+        let unit = |j: usize| (0..size).map(|i| f64::from(u8::from(i == j))).collect::<Vec<f64>>();
+        // Rows that depend on others take no part: they have agreed.
+        let response = |system: &NullSpace<f64>, j: usize| system.solve(&unit(j), Redundant::Ignored);
+        let inverse: Option<Vec<Vec<f64>>> = system.as_ref().and_then(|s| (0..size).map(|j| response(s, j)).collect());
+        Box::new(move |column| {
+            let solution = system.as_ref().and_then(|system| system.solve(&doubles(column), Redundant::Agree));
+            let Some((solution, inverse)) = solution.zip(inverse.as_ref()) else {
+                return vec![Rounded { value: f64::NAN, error: f64::NAN }; size];
+            };
+            let exact: Vec<Self> = solution.iter().map(|&x| Rounded::exact(x)).collect();
+            let rest = remainder(&mass, &jacobian, column, &exact, n);
+            let error =
+                |i: usize| rest.iter().zip(inverse).map(|(r, to)| to[i].abs() * (r.value.abs() + r.error)).sum();
+            (0..size).map(|i| Rounded { value: solution[i], error: error(i) }).collect()
+        })
+    }
+    fn exponent(self) -> i32 {
+        self.value.exponent()
     }
 }
 

@@ -77,9 +77,9 @@ pub fn operations(program: &Program) -> Operations {
     Operations { sincos: angles.len(), ..count }
 }
 
-/// What the runtime's LDLᵀ of a system of `n` rows and its substitutions cost for these right sides.
-pub fn solve(n: usize, results: &[ResultPart]) -> Operations {
-    let columns = results.iter().fold(0, |sum, part| match part.shape {
+/// How many right sides the results have.
+fn columns(results: &[ResultPart]) -> usize {
+    results.iter().fold(0, |sum, part| match part.shape {
         Shape::Vector(_) => sum + 1,
         Shape::Matrix(_, columns) => sum + columns,
         Shape::Scalar
@@ -89,7 +89,45 @@ pub fn solve(n: usize, results: &[ResultPart]) -> Operations {
         | Shape::Wrenches(_)
         | Shape::Matrices(..)
         | Shape::Poses(_) => unreachable!("right sides are vectors or matrices"),
-    });
+    })
+}
+
+/// What the runtime's `constrained_solve` costs for these right sides, of `n` coordinates and `k` rows that are independent,
+/// where no entry is zero. With `s = n − k` independent coordinates, pairs of a product and a sum:
+///
+/// | step                                  | pairs                                            | products          | quotients |
+/// |---------------------------------------|--------------------------------------------------|-------------------|-----------|
+/// | scales of M and A                     |                                                  | n(n+1)/2 + k n    |           |
+/// | `A = L (U₁ U₂)`                       | Σ (k−1−p)(n−1−p), p < k                          | k(k−1)/2 + k      | k         |
+/// | `W = U₁⁻¹ U₂`                         | s k(k−1)/2                                       | s k               |           |
+/// | `V`, `S`                              | s k² + s(s+1) k                                  |                   |           |
+/// | what pivots of S are compared with    | s k                                              | s k + s           | s         |
+/// | `S = L D Lᵀ`                          | Σ p(p+1)/2, p < s                                | s(s−1)/2 + s²     | s         |
+/// | each right side                       | 2k(k−1) + 2n k + 2s k + s(s−1)                   | 2n + 2k + 2k + s  |           |
+///
+/// (`s²` and one of the `k` compare pivots.) Where rows depend on others, or more of them than coordinates, it costs otherwise.
+pub fn solve_constrained([n, k]: [usize; 2], results: &[ResultPart]) -> Operations {
+    let (k, columns) = (k.min(n), columns(results));
+    let s = n - k;
+    let triangle = |x: usize| x * x.saturating_sub(1) / 2;
+    let elimination: usize = (0..k).map(|p| (k - 1 - p) * (n - 1 - p)).sum();
+    let factorization: usize = (0..s).map(|p| p * (p + 1) / 2).sum();
+    let reduction = s * triangle(k) + s * k * k + s * (s + 1) * k + s * k;
+    let pairs = elimination + reduction + factorization;
+    let products = n * (n + 1) / 2 + k * n + triangle(k) + k + 2 * s * k + s + triangle(s) + s * s;
+    let column_pairs = 4 * triangle(k) + 2 * n * k + 2 * s * k + 2 * triangle(s);
+    let column_products = 2 * (n + k) + 2 * k + s;
+    Operations {
+        add: pairs + columns * column_pairs,
+        mul: pairs + products + columns * (column_pairs + column_products),
+        div: k + 2 * s,
+        ..Operations::default()
+    }
+}
+
+/// What the runtime's LDLᵀ of a system of `n` rows and its substitutions cost for these right sides.
+pub fn solve(n: usize, results: &[ResultPart]) -> Operations {
+    let columns = columns(results);
     // Row i: j products and differences for each j < i, i scalings, i products and differences, one division.
     let pairs = (0..n).map(|i| i * i.saturating_sub(1) / 2 + i).sum::<usize>();
     let scalings = n * n.saturating_sub(1) / 2;

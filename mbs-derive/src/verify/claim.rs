@@ -383,20 +383,11 @@ impl<'a> Trial<'a> {
 
     /// q̈ of `M q̈ = f + Aᵀ λ`, `A q̈ + γ = 0` at a state with this one's coordinates.
     fn accelerations(&self, f: &[Rounded], at: &State<Rounded>) -> Vec<Rounded> {
-        let (n, m) = (self.n(), self.derivation.constraints.len());
-        let (mass, a) = (self.augmented_mass_matrix(), self.call_if_any("constraint_jacobian"));
-        let entry = |i: usize, j: usize| match (i < n, j < n) {
-            (true, true) => mass[i * n + j],
-            (false, true) => a[(i - n) * n + j],
-            (true, false) => a[(j - n) * n + i],
-            (false, false) => Rounded::default(),
-        };
-        let size = n + m;
-        let matrix: Vec<Rounded> = (0..size * size).map(|k| entry(k / size, k % size)).collect();
+        let (n, mass, a) = (self.n(), self.call("mass_matrix"), self.call_if_any("constraint_jacobian"));
+        let triangle: Vec<Rounded> = (0..n).flat_map(|i| mass[i * n..=i * n + i].to_vec()).collect();
         let bias = self.interpreter.call("constraint_bias", at).unwrap_or_default();
-        let augmented = |i: usize| f[i] - (0..m).map(|k| a[k * n + i] * bias[k]).sum::<Rounded>();
-        let right: Vec<Rounded> = (0..n).map(augmented).chain(bias.iter().map(|&g| -g)).collect();
-        solve(&matrix, &right)[..n].to_vec()
+        let column: Vec<Rounded> = f.iter().copied().chain(bias.iter().map(|&g| -g)).collect();
+        Rounded::constrained(n, triangle, a)(&column)[..n].to_vec()
     }
 
     /// The wrenches at joints hold the auxiliary coordinates of the joints at zero, whatever the multipliers are.

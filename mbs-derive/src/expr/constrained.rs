@@ -1,0 +1,536 @@
+//! Systems with constraints, `M q̈ − Aᵀ λ = f`, `A q̈ = c`, solved as the runtime solves them.
+//!
+//! The same operations in the same order as the runtime's `dynamics/null_space.rs` and `dynamics/scaling.rs`, which say what
+//! they are and where they come from: the results are the same bits.
+
+use super::evaluate::Value;
+
+/// A weightless coordinate is taken before all others.
+const WEIGHTLESS: i64 = 1 << 32;
+
+/// Farther than any.
+const UNREACHABLE: i64 = i64::MAX / 4;
+
+/// Rows of which less is left depend on others; and so exactly they must agree: the roots of the rounding error, from above.
+const ROOT: f64 = 1.490_116_119_384_765_6e-8;
+
+/// M and A, factorized in a basis of the null space of A.
+pub(super) struct NullSpace<V> {
+    n: usize,
+    k: usize,
+    scales: Scales,
+    mass: Vec<Vec<V>>,
+    basis: Vec<Vec<V>>,
+    reciprocals: Vec<V>,
+    rank: usize,
+    rows: Vec<usize>,
+    columns: Vec<usize>,
+    inertia: Vec<Vec<V>>,
+    compliance: Vec<V>,
+    gram: Vec<Vec<V>>,
+}
+
+/// What becomes of rows that depend on others.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Redundant {
+    /// They must agree with the others.
+    Agree,
+    /// What they ask for is not looked at.
+    Ignored,
+}
+
+fn magnitude<V: Value>(x: V) -> V {
+    if x.less(V::constant(0.0)) { x.neg() } else { x }
+}
+
+fn is_finite<V: Value>(x: V) -> bool {
+    magnitude(x).less(V::constant(f64::INFINITY))
+}
+
+/// Of a number that is not zero.
+fn exponent<V: Value>(x: V) -> Option<i32> {
+    let zero = V::constant(0.0);
+    (!(x.less_equal(zero) && zero.less_equal(x))).then(|| x.exponent())
+}
+
+/// `sum − a b`
+fn less_product<V: Value>(sum: V, a: V, b: V) -> V {
+    sum.sub(a.mul(b))
+}
+
+impl<V: Value> NullSpace<V> {
+    /// Of the lower triangle of M and of A, row by row; `None` where a motion that A leaves has no inertia, or something is not
+    /// finite.
+    pub(super) fn new(n: usize, mass: &[V], jacobian: &[V]) -> Option<Self> {
+        if !mass.iter().chain(jacobian).all(|&x| is_finite(x)) {
+            return None;
+        }
+        let m = |i: usize, j: usize| mass[i.max(j) * (i.max(j) + 1) / 2 + i.min(j)];
+        let a: Vec<&[V]> = jacobian.chunks_exact(n.max(1)).collect();
+        let k = a.len();
+        let scales = Scales::of(n, &|i| m(i, i), &a);
+        let (s, t) = (&scales.columns, &scales.rows);
+        let mass = (0..n).map(|i| (0..n).map(|j| scaled(m(i, j), -s[i] - s[j] - scales.mass)).collect());
+        let basis = (0..k).map(|row| (0..n).map(|i| scaled(a[row][i], -s[i] - t[row])).collect());
+        let zero = V::constant(0.0);
+        let mut system = NullSpace {
+            n,
+            k,
+            mass: mass.collect(),
+            basis: basis.collect(),
+            scales,
+            reciprocals: vec![zero; k],
+            rank: 0,
+            rows: (0..k).collect(),
+            columns: (0..n).collect(),
+            inertia: vec![vec![zero; n]; n],
+            compliance: vec![zero; n],
+            gram: vec![vec![zero; k]; k],
+        };
+        system.eliminate();
+        system.solve_for_dependent_coordinates();
+        let bounds = system.reduce();
+        system.factorize(&bounds)?;
+        system.relate_redundant_rows();
+        Some(system)
+    }
+
+    fn eliminate(&mut self) {
+        while let Some((row, column)) = self.pivot(V::constant(ROOT * 1e-2)) {
+            let p = self.rank;
+            self.basis.swap(p, row);
+            self.rows.swap(p, row);
+            self.basis.iter_mut().for_each(|row| row.swap(p, column));
+            self.columns.swap(p, column);
+            let pivots = self.basis[p].clone();
+            self.reciprocals[p] = V::constant(1.0).div(pivots[p]);
+            for row in &mut self.basis[p + 1..] {
+                row[p] = row[p].mul(self.reciprocals[p]);
+                for j in p + 1..self.n {
+                    row[j] = less_product(row[j], row[p], pivots[j]);
+                }
+            }
+            self.rank += 1;
+        }
+    }
+
+    fn pivot(&self, least: V) -> Option<(usize, usize)> {
+        let size = |(k, i): (usize, usize)| magnitude(self.basis[k][i]);
+        let entries = || (self.rank..self.k).flat_map(|k| (self.rank..self.n).map(move |i| (k, i)));
+        let largest = entries().reduce(|best, entry| if size(best).less(size(entry)) { entry } else { best })?;
+        let enough = size(largest).mul(V::constant(0.5));
+        let is_taken = |&(k, i): &(usize, usize)| self.scales.taken[self.columns[i]] == Some(self.rows[k]);
+        let taken = entries().filter(is_taken).filter(|&entry| !size(entry).less(enough));
+        let gentlest = taken.min_by_key(|&entry| self.growth(entry));
+        least.less(size(largest)).then(|| gentlest.unwrap_or(largest))
+    }
+
+    fn growth(&self, (row, column): (usize, usize)) -> Option<i32> {
+        let along = (self.rank..self.n).filter(|&i| i != column).filter_map(|i| exponent(self.basis[row][i])).max();
+        let across = (self.rank..self.k).filter(|&k| k != row).filter_map(|k| exponent(self.basis[k][column])).max();
+        Some(along? + across? - exponent(self.basis[row][column])?)
+    }
+
+    fn solve_for_dependent_coordinates(&mut self) {
+        for p in (0..self.rank).rev() {
+            for j in self.rank..self.n {
+                let rest = (p + 1..self.rank)
+                    .fold(self.basis[p][j], |rest, i| less_product(rest, self.basis[p][i], self.basis[i][j]));
+                self.basis[p][j] = rest.mul(self.reciprocals[p]);
+            }
+        }
+    }
+
+    fn reduce(&mut self) -> Vec<V> {
+        let (r, s, w) = (self.rank, self.n - self.rank, &self.basis);
+        let m = |i: usize, j: usize| self.mass[self.columns[i]][self.columns[j]];
+        let carry = |p: usize, j: usize| (0..r).fold(m(p, r + j), |sum, i| less_product(sum, m(p, i), w[i][r + j]));
+        let carried: Vec<Vec<V>> = (0..r).map(|p| (0..s).map(|j| carry(p, j)).collect()).collect();
+        for i in 0..s {
+            for j in 0..=i {
+                let direct = (0..r).fold(m(r + i, r + j), |sum, p| less_product(sum, m(r + i, p), w[p][r + j]));
+                self.inertia[i][j] = (0..r).fold(direct, |sum, p| less_product(sum, w[p][r + i], carried[p][j]));
+            }
+        }
+        let terms = V::constant(r as f64 + 1.0);
+        let bound = |i: usize| {
+            let own = magnitude(m(r + i, r + i));
+            let sum = (0..r).fold(own, |sum, p| sum.add(w[p][r + i].mul(w[p][r + i]).mul(magnitude(m(p, p)))));
+            sum.mul(terms)
+        };
+        (0..s).map(bound).collect()
+    }
+
+    fn factorize(&mut self, bounds: &[V]) -> Option<()> {
+        let s = self.n - self.rank;
+        let mut weights: Vec<V> = bounds.iter().map(|&bound| V::constant(1.0).div(bound)).collect();
+        let rounding = V::constant(16.0 * self.n as f64 * f64::EPSILON);
+        for p in 0..s {
+            let share = |i: usize| self.inertia[i][i].mul(weights[i]);
+            let pivot = (p + 1..s).fold(p, |best, i| if share(best).less(share(i)) { i } else { best });
+            if !rounding.less(share(pivot)) {
+                return None;
+            }
+            self.exchange(p, pivot);
+            weights.swap(p, pivot);
+            self.compliance[p] = V::constant(1.0).div(self.inertia[p][p]);
+            let column: Vec<V> = (p + 1..s).map(|i| self.inertia[i][p].mul(self.compliance[p])).collect();
+            for i in p + 1..s {
+                let u = self.inertia[i][p];
+                for j in p + 1..=i {
+                    self.inertia[i][j] = less_product(self.inertia[i][j], u, column[j - p - 1]);
+                }
+                self.inertia[i][p] = column[i - p - 1];
+            }
+        }
+        Some(())
+    }
+
+    fn exchange(&mut self, p: usize, i: usize) {
+        if p == i {
+            return;
+        }
+        let (r, s) = (self.rank, self.n - self.rank);
+        for other in (0..s).filter(|&other| other != p && other != i) {
+            let [a, b] = [p, i].map(|x| if other < p { (x, other) } else { (x.max(other), x.min(other)) });
+            let (first, second) = (self.inertia[a.0][a.1], self.inertia[b.0][b.1]);
+            (self.inertia[a.0][a.1], self.inertia[b.0][b.1]) = (second, first);
+        }
+        let (first, second) = (self.inertia[p][p], self.inertia[i][i]);
+        (self.inertia[p][p], self.inertia[i][i]) = (second, first);
+        self.columns.swap(r + p, r + i);
+        self.basis[..r].iter_mut().for_each(|row| row.swap(r + p, r + i));
+    }
+
+    fn relate_redundant_rows(&mut self) {
+        let r = self.rank;
+        for k in r..self.k {
+            for p in (0..r).rev() {
+                for i in p + 1..r {
+                    self.basis[k][p] = less_product(self.basis[k][p], self.basis[k][i], self.basis[i][p]);
+                }
+            }
+        }
+        for k in r..self.k {
+            for l in r..=k {
+                let unit = V::constant(if k == l { 1.0 } else { 0.0 });
+                let product = (0..r).fold(unit, |sum, p| sum.add(self.basis[k][p].mul(self.basis[l][p])));
+                let term = |i: usize| self.gram[k][i].mul(self.gram[l][i]).mul(self.gram[i][i]);
+                self.gram[k][l] = (r..l).fold(product, |sum, i| sum.sub(term(i)));
+                if k != l {
+                    self.gram[k][l] = self.gram[k][l].div(self.gram[l][l]);
+                }
+            }
+        }
+    }
+
+    /// q̈, then λ, in the place of f, then c; `None` where rows contradict each other or something is not finite.
+    pub(super) fn solve(&self, column: &[V], redundant: Redundant) -> Option<Vec<V>> {
+        let (Scales { columns: s, rows: t, mass, .. }, (force, target)) = (&self.scales, column.split_at(self.n));
+        let force: Vec<V> = (0..self.n).map(|i| scaled(force[i], -s[i] - mass)).collect();
+        let target: Vec<V> = (0..self.k).map(|k| scaled(target[k], -t[k])).collect();
+        let motion = self.motion(&force, &target);
+        if redundant == Redundant::Agree && !self.agrees(&motion, &target) {
+            return None;
+        }
+        let multipliers = self.multipliers(&motion, &force);
+        let motion = motion.iter().zip(s).map(|(&x, &s)| scaled(x, -s));
+        let multipliers = multipliers.iter().zip(t).map(|(&x, &t)| scaled(x, mass - t));
+        let all: Vec<V> = motion.chain(multipliers).collect();
+        all.iter().all(|&x| is_finite(x)).then_some(all)
+    }
+
+    fn motion(&self, force: &[V], target: &[V]) -> Vec<V> {
+        let (n, r, s) = (self.n, self.rank, self.n - self.rank);
+        let m = |i: usize, j: usize| self.mass[self.columns[i]][self.columns[j]];
+        let mut q = vec![V::constant(0.0); n];
+        for p in 0..r {
+            q[p] = (0..p).fold(target[self.rows[p]], |sum, i| less_product(sum, self.basis[p][i], q[i]));
+        }
+        for p in (0..r).rev() {
+            let rest = (p + 1..r).fold(q[p], |sum, i| less_product(sum, self.basis[p][i], q[i]));
+            q[p] = rest.mul(self.reciprocals[p]);
+        }
+        let left = |i: usize| (0..r).fold(force[self.columns[i]], |sum, p| less_product(sum, m(i, p), q[p]));
+        let force: Vec<V> = (0..n).map(left).collect();
+        for i in 0..s {
+            let along = (0..r).fold(force[r + i], |sum, p| less_product(sum, self.basis[p][r + i], force[p]));
+            q[r + i] = (0..i).fold(along, |sum, j| less_product(sum, self.inertia[i][j], q[r + j]));
+        }
+        for i in (0..s).rev() {
+            let scaled = q[r + i].mul(self.compliance[i]);
+            q[r + i] = (i + 1..s).fold(scaled, |sum, j| less_product(sum, self.inertia[j][i], q[r + j]));
+        }
+        for p in 0..r {
+            q[p] = (r..n).fold(q[p], |sum, i| less_product(sum, self.basis[p][i], q[i]));
+        }
+        self.in_order(&self.columns, &q)
+    }
+
+    /// What stands in the order of the pivots, in that of the declaration.
+    fn in_order(&self, numbers: &[usize], values: &[V]) -> Vec<V> {
+        let mut ordered = values.to_vec();
+        numbers.iter().zip(values).for_each(|(&number, &value)| ordered[number] = value);
+        ordered
+    }
+
+    fn agrees(&self, motion: &[V], target: &[V]) -> bool {
+        let largest = |largest: V, &x: &V| if largest.less(magnitude(x)) { magnitude(x) } else { largest };
+        (self.rank..self.k).all(|k| {
+            let (mut rest, mut size) = (target[self.rows[k]], magnitude(target[self.rows[k]]));
+            for p in 0..self.rank {
+                let term = self.basis[k][p].mul(target[self.rows[p]]);
+                (rest, size) = (rest.sub(term), size.add(magnitude(term)));
+            }
+            let zero = V::constant(0.0);
+            let allowed = size.add(motion.iter().fold(zero, largest)).mul(V::constant(ROOT));
+            magnitude(rest).less(allowed) || (rest.less_equal(zero) && zero.less_equal(rest))
+        })
+    }
+
+    fn multipliers(&self, motion: &[V], force: &[V]) -> Vec<V> {
+        let r = self.rank;
+        let mut l = vec![V::constant(0.0); self.k];
+        for p in 0..r {
+            let i = self.columns[p];
+            let h = (0..self.n).fold(force[i].neg(), |sum, j| sum.add(self.mass[i][j].mul(motion[j])));
+            let rest = (0..p).fold(h, |sum, q| less_product(sum, self.basis[q][p], l[q]));
+            l[p] = rest.mul(self.reciprocals[p]);
+        }
+        for p in (0..r).rev() {
+            l[p] = (p + 1..r).fold(l[p], |sum, k| less_product(sum, self.basis[k][p], l[k]));
+        }
+        self.share_with_redundant_rows(&mut l);
+        self.in_order(&self.rows, &l)
+    }
+
+    fn share_with_redundant_rows(&self, l: &mut [V]) {
+        let r = self.rank;
+        for k in r..self.k {
+            let along = (0..r).fold(V::constant(0.0), |sum, p| sum.add(self.basis[k][p].mul(l[p])));
+            l[k] = (r..k).fold(along, |sum, i| less_product(sum, self.gram[k][i], l[i]));
+        }
+        for k in (r..self.k).rev() {
+            let scaled = l[k].div(self.gram[k][k]);
+            l[k] = (k + 1..self.k).fold(scaled, |sum, i| less_product(sum, self.gram[i][k], l[i]));
+        }
+        if r < self.k {
+            for p in 0..r {
+                l[p] = (r..self.k).fold(l[p], |sum, k| less_product(sum, self.basis[k][p], l[k]));
+            }
+        }
+    }
+}
+
+/// `q = 2^−column q̂`, `λ = 2^(mass − row) λ̂`.
+struct Scales {
+    taken: Vec<Option<usize>>,
+    columns: Vec<i32>,
+    rows: Vec<i32>,
+    mass: i32,
+}
+
+/// Exponents of M's diagonal and of A, where they are not zero; and the row that takes each coordinate.
+struct Exponents {
+    inertia: Vec<Option<i64>>,
+    slopes: Vec<Vec<Option<i64>>>,
+    taken: Vec<Option<usize>>,
+}
+
+impl Scales {
+    fn of<V: Value>(n: usize, diagonal: &dyn Fn(usize) -> V, a: &[&[V]]) -> Self {
+        let inertia: Vec<Option<i64>> = (0..n).map(|i| exponent(diagonal(i)).map(i64::from)).collect();
+        let slopes = a.iter().map(|row| row.iter().map(|&x| exponent(x).map(i64::from)).collect()).collect();
+        let mut exponents = Exponents { inertia, slopes, taken: vec![None; n] };
+        exponents.assign();
+        let reference = exponents.inertia.iter().find_map(|&size| size).unwrap_or(0);
+        let columns: Vec<i64> = exponents.sizes().iter().map(|size| (size - reference).div_euclid(2)).collect();
+        let largest = |row: &Vec<Option<i64>>| (0..n).filter_map(|i| Some(row[i]? - columns[i])).max().unwrap_or(0);
+        let rows = exponents.slopes.iter().map(|row| largest(row) as i32).collect();
+        let columns = columns.iter().map(|&s| s as i32).collect();
+        Scales { taken: exponents.taken, columns, rows, mass: reference as i32 }
+    }
+}
+
+impl Exponents {
+    fn assign(&mut self) {
+        let Exponents { inertia, slopes, taken } = self;
+        let (n, k) = (inertia.len(), slopes.len());
+        let weight = |row: usize, i: usize| Some(2 * slopes[row][i]? - inertia[i].unwrap_or(-WEIGHTLESS));
+        let (mut u, mut v) = (vec![0; k], vec![0; n]);
+        for start in 0..k {
+            let (mut distance, mut before, mut visited) = (vec![UNREACHABLE; n], vec![n; n], vec![false; n]);
+            let (mut row, mut last, mut so_far) = (start, n, 0);
+            u[start] = -(0..n).filter_map(|i| Some(weight(start, i)? + v[i])).max().unwrap_or(0);
+            let free = loop {
+                for i in (0..n).filter(|&i| !visited[i]) {
+                    let Some(weight) = weight(row, i) else { continue };
+                    let through = so_far - weight - u[row] - v[i];
+                    if through < distance[i] {
+                        (distance[i], before[i]) = (through, last);
+                    }
+                }
+                let Some(next) = (0..n).filter(|&i| !visited[i]).min_by_key(|&i| distance[i]) else { break None };
+                if distance[next] == UNREACHABLE {
+                    break None;
+                }
+                (visited[next], so_far, last) = (true, distance[next], next);
+                match taken[next] {
+                    Some(other) => row = other,
+                    None => break Some(next),
+                }
+            };
+            let Some(mut column) = free else { continue };
+            for i in (0..n).filter(|&i| visited[i] && i != column) {
+                v[i] -= so_far - distance[i];
+                if let Some(row) = taken[i] {
+                    u[row] += so_far - distance[i];
+                }
+            }
+            u[start] += so_far;
+            while before[column] < n {
+                taken[column] = taken[before[column]];
+                column = before[column];
+            }
+            taken[column] = Some(start);
+        }
+    }
+
+    fn sizes(&self) -> Vec<i64> {
+        let n = self.inertia.len();
+        let mut sizes = self.inertia.clone();
+        self.raise(&mut sizes);
+        let massless = |i: usize| self.taken[i].is_some() && self.inertia[i].is_none();
+        (0..n).filter(|&i| massless(i)).for_each(|i| sizes[i] = None);
+        self.relax(&mut sizes, massless);
+        while let Some(i) = (0..n).find(|&i| massless(i) && sizes[i].is_none()) {
+            sizes[i] = self.lower_bound(&sizes, i).or(Some(0));
+            self.relax(&mut sizes, massless);
+        }
+        (0..n).map(|i| sizes[i].or_else(|| self.lower_bound(&sizes, i)).unwrap_or(0)).collect()
+    }
+
+    fn raise(&self, sizes: &mut [Option<i64>]) {
+        for _ in 0..=self.slopes.len() {
+            let mut changed = false;
+            for i in (0..sizes.len()).filter(|&i| self.taken[i].is_some()) {
+                let bound = self.lower_bound(sizes, i);
+                if bound > sizes[i] {
+                    (sizes[i], changed) = (bound, true);
+                }
+            }
+            if !changed {
+                return;
+            }
+        }
+    }
+
+    fn relax(&self, sizes: &mut [Option<i64>], massless: impl Fn(usize) -> bool) {
+        let n = sizes.len();
+        for _ in 0..=self.slopes.len() {
+            let mut changed = false;
+            for i in (0..n).filter(|&i| massless(i)) {
+                let Some((row, own)) = self.taken[i].and_then(|row| Some((row, self.slopes[row][i]?))) else {
+                    continue;
+                };
+                let bound = |j: usize| Some(2 * (own - self.slopes[row][j]?) + sizes[j]?);
+                let least = (0..n).filter(|&j| j != i).filter_map(bound).min();
+                if let Some(least) = least.filter(|&least| sizes[i].is_none_or(|size| least < size)) {
+                    (sizes[i], changed) = (Some(least), true);
+                }
+            }
+            if !changed {
+                return;
+            }
+        }
+    }
+
+    fn lower_bound(&self, sizes: &[Option<i64>], coordinate: usize) -> Option<i64> {
+        let bound = |i: usize| {
+            let row = &self.slopes[self.taken[i]?];
+            Some(sizes[i]? + 2 * (row[coordinate]? - row[i]?))
+        };
+        (0..sizes.len()).filter(|&i| i != coordinate).filter_map(bound).max()
+    }
+}
+
+fn scaled<V: Value>(mut x: V, mut exponent: i32) -> V {
+    const MOST: i32 = 100;
+    while exponent.abs() > MOST {
+        let step = exponent.clamp(-MOST, MOST);
+        x = x.mul(power(step));
+        exponent -= step;
+    }
+    x.mul(power(exponent))
+}
+
+/// `2^exponent`
+pub(super) fn power<V: Value>(exponent: i32) -> V {
+    V::constant(f64::from_bits(((1023 + exponent) as u64) << 52))
+}
+
+/// `b − K x` of the system's matrix K, of its lower triangle of M and of A.
+pub(super) fn remainder<V: Value>(mass: &[V], jacobian: &[V], b: &[V], x: &[V], n: usize) -> Vec<V> {
+    let m = |i: usize, j: usize| mass[i.max(j) * (i.max(j) + 1) / 2 + i.min(j)];
+    let k = b.len() - n;
+    let force = |i: usize| {
+        let rest = (0..n).fold(b[i], |rest, j| less_product(rest, m(i, j), x[j]));
+        (0..k).fold(rest, |rest, row| rest.add(jacobian[row * n + i].mul(x[n + row])))
+    };
+    let target = |row: usize| (0..n).fold(b[n + row], |rest, j| less_product(rest, jacobian[row * n + j], x[j]));
+    (0..n).map(force).chain((0..k).map(target)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::expr::{Dual, Rounded, Value};
+
+    /// A body about one axis twice where `fading` is zero, tied to a third coordinate.
+    fn system<V: Value>(fading: V) -> (Vec<V>, Vec<V>) {
+        let c = V::constant;
+        (vec![c(0.5), c(0.25), c(0.125).add(fading), c(0.0), c(0.0), c(1.0)], vec![c(0.0), c(2.0), c(3.0)])
+    }
+
+    #[test]
+    fn a_solution_is_differentiated_by_its_equation() {
+        let (mass, jacobian) = system(Dual::new(0.0, 1.0));
+        let column = [1.0, 0.0, 1.0, 0.0].map(Dual::fixed);
+        let found = Dual::<f64>::constrained(3, mass, jacobian)(&column);
+        let at = |fading: f64| {
+            let (mass, jacobian) = system(fading);
+            f64::constrained(3, mass, jacobian)(&[1.0, 0.0, 1.0, 0.0])
+        };
+        let (before, after) = (at(-1e-6), at(1e-6));
+        for (i, found) in found.iter().enumerate() {
+            let slope = (after[i] - before[i]) / 2e-6;
+            assert!((found.derivative - slope).abs() < 1e-9, "{i}: {found:?} {slope}");
+        }
+    }
+
+    /// An inertia of 1e-18 that is not known better than 1e-17 says nothing of accelerations that do not hang on it.
+    #[test]
+    fn bounds_follow_the_constrained_motion() {
+        let fading = Rounded { value: 1e-18, error: 1e-17 };
+        let (mass, jacobian) = system(fading);
+        let column = [1.0, 0.0, 1.0, 0.0].map(Rounded::exact);
+        let found = Rounded::constrained(3, mass, jacobian)(&column);
+        let expected = [3.3125, -2.625, 1.75, 0.25];
+        for (found, expected) in found.iter().zip(expected) {
+            assert!(found.error < 1e-14 && (found.value - expected).abs() <= found.error, "{found:?} {expected}");
+        }
+        let unknown = Rounded { value: 0.0, error: 1e-3 };
+        let (mass, jacobian) = system(unknown);
+        let found = Rounded::constrained(3, mass, jacobian)(&column);
+        assert!(found[1].error > 1e-3 && found[1].error < 1.0, "{found:?}");
+    }
+
+    #[test]
+    fn what_is_not_determined_is_nan_in_all_components() {
+        let (mass, jacobian) = (vec![1.0, 0.0, 0.0], vec![1.0, 0.0]);
+        assert!(f64::constrained(2, mass, jacobian)(&[1.0, 0.0, 0.0]).iter().all(|x| x.is_nan()));
+        let twice = vec![1.0, 0.0, 2.0, 0.0];
+        let solve = f64::constrained(2, vec![1.0, 0.0, 1.0], twice);
+        assert_eq!(solve(&[0.0, 1.0, 1.0, 2.0])[..2], [1.0, 1.0]);
+        assert!(solve(&[0.0, 1.0, 1.0, 3.0]).iter().all(|x| x.is_nan()));
+    }
+}
