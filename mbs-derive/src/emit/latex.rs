@@ -1,9 +1,9 @@
-//! Textbook output: a LaTeX fragment (amsmath) with the energies, M, C, G and the equations of motion.
+//! Textbook output: a page of LaTeX (amsmath) with the energies, M, C, G and the equations of motion.
 //!
 //! Each entry is tried in several forms (multiple angles, half angles, as derived) and written in the shortest. On paper a
 //! sum is a list of products, so that is what everything here becomes: numbers, parameters, coordinates, trigonometric
 //! functions, in this order. Nothing recurses on the depth of an expression; what is longer than anybody would write is
-//! left out, and a comment says so.
+//! left out, and the page says so.
 //!
 //! - `page`: the page and its blocks;
 //! - `algebra`: expressions as polynomials, in their shortest form;
@@ -13,7 +13,8 @@
 //! - `writing`: how products and sums are written;
 //! - `layout`: lines and their widths;
 //! - `notation`: names of symbols, units;
-//! - `number`: numbers.
+//! - `number`: numbers;
+//! - `prose`: doc comments.
 
 mod algebra;
 mod atom;
@@ -22,6 +23,7 @@ mod layout;
 mod notation;
 mod number;
 mod page;
+mod prose;
 #[cfg(test)]
 mod reader;
 mod square;
@@ -35,7 +37,7 @@ use crate::model::Lagrangian;
 
 use page::Page;
 
-/// The equations of motion as a person would write them: a LaTeX fragment that needs amsmath.
+/// The equations of motion as a person would write them: a page that pdflatex sets.
 ///
 /// Matrices and equations of mechanisms with more than four coordinates are left out with their sizes.
 pub(super) fn latex(lagrangian: &Lagrangian<'_>, equations: &Equations<'_>) -> String {
@@ -51,5 +53,6 @@ pub(super) fn latex(lagrangian: &Lagrangian<'_>, equations: &Equations<'_>) -> S
         page.sizes(equations);
     }
     page.conserved(equations);
+    page.end();
     page.text
 }

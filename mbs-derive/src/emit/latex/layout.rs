@@ -18,8 +18,13 @@ impl Entry {
     pub(super) fn lines(&self) -> Vec<String> {
         match self {
             Entry::Written(terms) => lines(terms),
-            Entry::TooLong(_) => vec!["\\ldots".to_string()],
+            Entry::TooLong(_) => vec!["\\text{(see below)}".to_string()],
         }
+    }
+
+    /// A text as it is.
+    pub(super) fn of_text(text: String) -> Self {
+        Entry::Written(vec![Signed { negative: false, text }])
     }
 }
 

@@ -31,6 +31,16 @@ impl Notation {
         Notation { coordinates, parameters, inputs, prescribed, ranks }
     }
 
+    /// The components of a coordinate as they stand in q: `x`, `q_0, \dots, q_5`.
+    pub(super) fn components(&self, variable: &Variable) -> String {
+        let names: Vec<String> =
+            self.coordinates[variable.first..][..variable.count()].iter().map(Name::text).collect();
+        match names.as_slice() {
+            [first, _, _, .., last] => format!("{first}, \\dots, {last}"),
+            few => few.join(", "),
+        }
+    }
+
     pub(super) fn symbol(&self, symbol: Symbol) -> String {
         match symbol {
             Symbol::Time => "t".to_string(),

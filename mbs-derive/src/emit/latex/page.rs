@@ -3,6 +3,7 @@
 use std::collections::btree_map::Entry::Vacant;
 use std::collections::{BTreeMap, BTreeSet};
 
+use crate::derive::textbook::MOST_TERMS;
 use crate::derive::{Equations, Rows, time_derivative};
 use crate::expr::normal::combination::Polynomial;
 use crate::expr::{Expr, Graph, Id, Node, carry_out};
@@ -11,6 +12,18 @@ use crate::model::Lagrangian;
 use super::algebra::Algebra;
 use super::layout::{Entry, LINE, LINES, width};
 use super::notation::{Name, Notation, by_declared_name, listed, subscripted, unit};
+use super::prose::{escaped, paragraphs};
+
+/// Nothing that is not in every installation.
+const PREAMBLE: &str = "\
+\\documentclass{article}
+\\usepackage[utf8]{inputenc}
+\\usepackage[T1]{fontenc}
+\\usepackage{amsmath}
+\\usepackage[a4paper, margin=20mm]{geometry}
+\\setlength{\\parindent}{0pt}
+\\begin{document}
+";
 
 /// What is written so far.
 pub(super) struct Page<'g> {
@@ -27,11 +40,14 @@ impl<'g> Page<'g> {
     }
 
     pub(super) fn title(&mut self, lagrangian: &Lagrangian<'_>) {
-        self.text.push_str(&format!("% {}\n", one_line(&lagrangian.name)));
-        for line in lagrangian.docs.iter().flat_map(|doc| doc.lines()) {
-            self.text.push_str(format!("% {}", line.trim()).trim_end());
-            self.text.push('\n');
-        }
+        let docs = paragraphs(&lagrangian.docs);
+        let docs = if docs.is_empty() { docs } else { format!("{docs}\n") };
+        let name = escaped(&lagrangian.name);
+        self.text.push_str(&format!("{PREAMBLE}\n\\section*{{{name}}}\n{docs}"));
+    }
+
+    pub(super) fn end(&mut self) {
+        self.text.push_str("\n\\end{document}\n");
     }
 
     pub(super) fn symbols(&mut self, lagrangian: &Lagrangian<'_>) {
@@ -47,15 +63,15 @@ impl<'g> Page<'g> {
             for variable in variables {
                 let names: Vec<String> =
                     names.iter().skip(variable.first).take(variable.count()).map(Name::text).collect();
-                let docs = one_line(&variable.docs.join(" "));
-                let row = format!("  {} & {kind} & {} \\\\ % {docs}", listed(&names), unit(&variable.unit));
-                rows.push_str(row.trim_end_matches([' ', '%']));
-                rows.push('\n');
+                let docs = escaped(&one_line(&variable.docs.join(" ")));
+                let docs = if docs.is_empty() { docs } else { format!(" & {docs}") };
+                let row = format!("  {} & {kind} & {}{docs} \\\\\n", listed(&names), unit(&variable.unit));
+                rows.push_str(&row);
             }
         }
-        let q: Vec<String> = notation.coordinates.iter().map(Name::text).collect();
-        let q = if q.len() > 6 { format!("{}, \\dots, {}", q[0], q[q.len() - 1]) } else { q.join(", ") };
-        let table = format!("\\begin{{tabular}}{{lll}}\n{rows}\\end{{tabular}}\n");
+        let q: Vec<String> = lagrangian.coordinates.iter().map(|variable| notation.components(variable)).collect();
+        let q = q.join(", ");
+        let table = format!("\\begin{{tabular}}{{lllp{{0.55\\linewidth}}}}\n{rows}\\end{{tabular}}\n");
         self.text.push_str(&format!("\n\\paragraph{{Symbols.}} $\\mathbf{{q}} = ({q})^{{\\mathsf{{T}}}}$.\n\n{table}"));
     }
 
@@ -99,8 +115,16 @@ impl<'g> Page<'g> {
         for (i, (&left, right)) in lagrange.inverse_dynamics.iter().zip(forces).enumerate() {
             let forms = [self.algebra.left_side(equations, i), self.algebra.shortest(left)];
             let shortest = self.algebra.shortest_of(forms.into_iter().flatten().collect());
-            let left = self.written(&format!("left side of equation {}", i + 1), left, shortest);
-            let right = self.entry(&format!("right side of equation {}", i + 1), right);
+            let left = self.written(&format!("the left side of equation {}", i + 1), left, shortest);
+            let left = match left {
+                // Its terms stand above.
+                Entry::TooLong(_) => Entry::of_text(subscripted(
+                    &format!("\\bigl({}\\bigr)", left_side(equations)),
+                    &(i + 1).to_string(),
+                )),
+                Entry::Written(_) => left,
+            };
+            let right = self.entry(&format!("the right side of equation {}", i + 1), right);
             rows.push((left.lines(), right.lines()));
         }
         // Equations of one line each are aligned at the equals sign, others at their beginning.
@@ -263,35 +287,43 @@ impl<'g> Page<'g> {
         let sum = sum.map(|sum| self.algebra.with_squares(sum));
         let entry = self.algebra.entry(sum);
         if let Entry::TooLong(terms) = entry {
-            let terms = if terms == 0 { "too many terms".to_string() } else { format!("{terms} terms") };
-            self.left_out.push(format!("% Left out: {name} ({terms}; {} operations).\n", operations(&[value])));
+            let terms = if terms == 0 { format!("more than {MOST_TERMS} terms") } else { format!("{terms} terms") };
+            let name = if name.starts_with("the ") { name.to_string() } else { format!("${name}$") };
+            self.left_out.push(format!("{name} ({terms}; generated in {} operations)", operations(&[value])));
         }
         entry
     }
 
     fn block(&mut self, title: &str, rows: Vec<String>) {
         let rows: Vec<String> = rows.into_iter().map(|row| format!("  {row}")).collect();
-        let comments: String = self.left_out.drain(..).collect();
+        let left_out: Vec<String> = self.left_out.drain(..).collect();
+        let left_out = match left_out.as_slice() {
+            [] => String::new(),
+            all => format!("Not written out, because multiplied out they are long: {}.\n", all.join(", ")),
+        };
         let rows = rows.join(" \\\\\n");
         let align = format!("\\begin{{align*}}\n{rows}\n\\end{{align*}}");
         let long = align.lines().count() > LINES;
         let align = if long { format!("{{\\allowdisplaybreaks\n{align}}}") } else { align };
-        self.text.push_str(&format!("\n\\paragraph{{{title}}}\n{comments}{align}\n"));
+        self.text.push_str(&format!("\n\\paragraph{{{title}}}\n{align}\n{left_out}"));
     }
+}
+
+/// `M q̈ + C q̇ + G + ∂D/∂q̇`, without what is zero.
+fn left_side(equations: &Equations<'_>) -> String {
+    let has_dissipation = has_any(&equations.lagrange.dissipation_force);
+    let dissipation = if has_dissipation { " + \\partial D / \\partial \\dot{\\mathbf{q}}" } else { "" };
+    format!("\\mathbf{{M}} \\ddot{{\\mathbf{{q}}}} + \\mathbf{{C}} \\dot{{\\mathbf{{q}}}} + \\mathbf{{G}}{dissipation}")
 }
 
 /// `M q̈ + C q̇ + G + ∂D/∂q̇ = Q + Aᵀ λ`, without what is zero.
 fn equation_of_motion(equations: &Equations<'_>) -> String {
     let lagrange = &equations.lagrange;
-    let dissipation =
-        if has_any(&lagrange.dissipation_force) { " + \\partial D / \\partial \\dot{\\mathbf{q}}" } else { "" };
     let forces = has_any(&lagrange.generalized_force).then_some("\\mathbf{Q}");
     let reactions = (equations.constraints.count() > 0).then_some("\\mathbf{A}^{\\mathsf{T}} \\boldsymbol{\\lambda}");
     let right: Vec<&str> = forces.into_iter().chain(reactions).collect();
     let right = if right.is_empty() { "\\mathbf{0}".to_string() } else { right.join(" + ") };
-    format!(
-        "\\mathbf{{M}} \\ddot{{\\mathbf{{q}}}} + \\mathbf{{C}} \\dot{{\\mathbf{{q}}}} + \\mathbf{{G}}{dissipation} = {right}"
-    )
+    format!("{} = {right}", left_side(equations))
 }
 
 fn column<'g>(entries: &[Expr<'g>]) -> Rows<'g> {
@@ -320,7 +352,7 @@ fn operations(entries: &[Expr<'_>]) -> usize {
     graph.reachable(entries.iter().map(|entry| entry.id())).iter().filter(|id| computes(id)).count()
 }
 
-/// A text that stays within a comment.
+/// A text on one line.
 fn one_line(text: &str) -> String {
     text.split_whitespace().collect::<Vec<_>>().join(" ")
 }
