@@ -1,4 +1,4 @@
 //! Every file in `mechanisms/` becomes a module of `mbs_tests::mechanisms`.
 fn main() {
-    mbs_derive::Config::new().compile_folder("mechanisms");
+    mbs_derive::Config::new().serde(true).compile_folder("mechanisms");
 }

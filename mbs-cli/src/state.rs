@@ -6,9 +6,10 @@
 //! ```
 //!
 //! All but `q` may be left out: zero, or the declared default. Arrays are flattened in declaration order. A parameter is
-//! given by its name, an array parameter as an array or component by component (`length_0`). All that is wrong with a
-//! state is reported at once; nothing is given twice. Signals that are left out are warned of: hardly any motion that comes
-//! from outside is no motion.
+//! given by its name, an array parameter as an array or component by component (`length_0`). A number is in SI units; one with
+//! its unit is a string, `"20 deg"`. All that is wrong with a state is reported at once, parameters that the mechanism cannot
+//! have included; nothing is given twice. Warnings name signals that are left out, for hardly any motion that comes from outside
+//! is no motion, and plain numbers for parameters that were declared in other units than those of the SI.
 
 use std::collections::BTreeSet;
 use std::fmt;
@@ -18,9 +19,9 @@ use std::path::Path;
 
 use mbs_derive::diagnostic::{Diagnostics, nearest};
 use mbs_derive::expr::Number;
-use mbs_derive::interpret::State;
-use mbs_derive::model::Variable;
+use mbs_derive::interpret::{State, Violation, violations};
 use mbs_derive::model::lagrangian::component_names;
+use mbs_derive::model::{Variable, given};
 use mbs_derive::optimise::Derivation;
 use serde::de::{Deserialize, Deserializer, Error, MapAccess, SeqAccess, Visitor};
 use serde_json::{Map, Value};
@@ -182,9 +183,9 @@ fn syntax_error(name: &str, text: &str, error: &serde_json::Error) -> Failure {
 
 fn request(name: &str, json: &Value, derivation: &Derivation) -> Result<Request, Failure> {
     let mut errors = Vec::new();
-    let mut left_out = BTreeSet::new();
+    let (mut left_out, mut plain) = (BTreeSet::new(), BTreeSet::new());
     let mut point = |json: &Value, place: String| {
-        let mut reader = Reader { derivation, place, errors: Vec::new(), left_out: &mut left_out };
+        let mut reader = Reader { derivation, place, errors: Vec::new(), left_out: &mut left_out, plain: &mut plain };
         let point = reader.point(json);
         errors.append(&mut reader.errors);
         point
@@ -208,6 +209,14 @@ fn request(name: &str, json: &Value, derivation: &Derivation) -> Result<Request,
             if many { " in all states" } else { "" }
         ));
     }
+    for i in plain {
+        let Variable { name: parameter, unit, declared_unit, .. } = &derivation.parameters[i];
+        let declared = declared_unit.as_deref().unwrap_or_default();
+        output::report(&format!(
+            "warning: {name}: \"params\".\"{parameter}\" is declared in {declared}; a plain number is in {unit}, write it with its \
+             unit, \"20 {declared}\"\n"
+        ));
+    }
     Ok(request)
 }
 
@@ -219,6 +228,20 @@ struct Reader<'a> {
     errors: Vec<String>,
     /// The numbers of the prescribed signals that this or another state does not give.
     left_out: &'a mut BTreeSet<usize>,
+    /// The numbers of the parameters that were declared in another unit and are given without one.
+    plain: &'a mut BTreeSet<usize>,
+}
+
+/// What a number is called, and the unit that it is in.
+struct Slot {
+    name: String,
+    unit: String,
+}
+
+/// The components of some variables, differentiated with respect to time so often.
+fn slots(variables: &[Variable], derivatives: usize) -> Vec<Slot> {
+    let slot = |unit: &str, name: String| Slot { name, unit: format!("({unit}){}", "/s".repeat(derivatives)) };
+    variables.iter().flat_map(|v| v.component_names().into_iter().map(|name| slot(&v.unit, name))).collect()
 }
 
 impl Reader<'_> {
@@ -239,48 +262,67 @@ impl Reader<'_> {
             let hint = hint(key, KEYS.map(String::from).as_slice(), "keys");
             self.error(format!("unknown key {}{hint}", Value::from(key.as_str())));
         }
-        let coordinates = component_names(&self.derivation.coordinates);
-        let inputs = component_names(&self.derivation.inputs);
+        let coordinates = &self.derivation.coordinates;
         let state = State {
-            t: object.get("t").map_or(0.0, |json| self.number("\"t\"", json)),
-            q: self.numbers_or_zeros(object, "q", &coordinates),
-            qd: self.numbers_or_zeros(object, "qd", &coordinates),
-            qdd: self.numbers_or_zeros(object, "qdd", &coordinates),
-            u: self.numbers_or_zeros(object, "u", &inputs),
+            t: object.get("t").map_or(0.0, |json| self.number("\"t\"", json, "s")),
+            q: self.numbers_or_zeros(object, "q", &slots(coordinates, 0)),
+            qd: self.numbers_or_zeros(object, "qd", &slots(coordinates, 1)),
+            qdd: self.numbers_or_zeros(object, "qdd", &slots(coordinates, 2)),
+            u: self.numbers_or_zeros(object, "u", &slots(&self.derivation.inputs, 0)),
             prescribed: self.prescribed(object.get("prescribed")),
         };
         let accelerations_are_given = object.contains_key("qdd");
-        Point { state, accelerations_are_given, parameters: self.parameters(object.get("params")) }
+        let parameters = self.parameters(object.get("params"));
+        self.check(&parameters);
+        Point { state, accelerations_are_given, parameters }
     }
 
-    fn numbers_or_zeros(&mut self, object: &Map<String, Value>, key: &str, names: &[String]) -> Vec<f64> {
+    fn numbers_or_zeros(&mut self, object: &Map<String, Value>, key: &str, slots: &[Slot]) -> Vec<f64> {
         match object.get(key) {
-            Some(json) => self.numbers(&format!("\"{key}\""), json, names),
-            None => vec![0.0; names.len()],
+            Some(json) => self.numbers(&format!("\"{key}\""), json, slots),
+            None => vec![0.0; slots.len()],
         }
     }
 
-    /// An array with one number for each name.
-    fn numbers(&mut self, key: &str, json: &Value, names: &[String]) -> Vec<f64> {
+    /// An array with one number for each slot.
+    fn numbers(&mut self, key: &str, json: &Value, slots: &[Slot]) -> Vec<f64> {
+        let expected = || expected(&slots.iter().map(|slot| slot.name.clone()).collect::<Vec<_>>());
         match json.as_array() {
-            None => self.error(format!("{key} must be an array of {}, found {}", expected(names), kind(json))),
-            Some(items) if items.len() != names.len() => {
-                self.error(format!("{key} must hold {}, found {}", expected(names), items.len()));
+            None => self.error(format!("{key} must be an array of {}, found {}", expected(), kind(json))),
+            Some(items) if items.len() != slots.len() => {
+                self.error(format!("{key} must hold {}, found {}", expected(), items.len()));
             }
             Some(items) => {
-                let named = items.iter().zip(names).enumerate();
-                return named.map(|(i, (item, name))| self.number(&format!("{key}[{i}] ({name})"), item)).collect();
+                let named = items.iter().zip(slots).enumerate();
+                let number = |(i, (item, slot)): (usize, (_, &Slot))| {
+                    self.number(&format!("{key}[{i}] ({})", slot.name), item, &slot.unit)
+                };
+                return named.map(number).collect();
             }
         }
-        vec![0.0; names.len()]
+        vec![0.0; slots.len()]
     }
 
-    fn number(&mut self, key: &str, json: &Value) -> f64 {
-        let number = json.as_f64().filter(|number| number.is_finite());
-        if number.is_none() {
-            self.error(format!("{key} must be a finite number, found {}", kind(json)));
+    /// A number in SI units, or a string with a number and a unit.
+    fn number(&mut self, key: &str, json: &Value, unit: &str) -> f64 {
+        let is_word = |text: &str| text.parse::<f64>().is_ok_and(|number| !number.is_finite());
+        match json {
+            Value::String(text) if !is_word(text) => given::in_si(text, unit).unwrap_or_else(|reason| {
+                self.error(format!("{key} is {json}: {reason}"));
+                0.0
+            }),
+            _ => json.as_f64().filter(|number| number.is_finite()).unwrap_or_else(|| {
+                self.error(format!("{key} must be a finite number, found {}", kind(json)));
+                0.0
+            }),
         }
-        number.unwrap_or_default()
+    }
+
+    /// The mechanism can have these parameters.
+    fn check(&mut self, parameters: &[f64]) {
+        for Violation { quantity, value, must } in violations(self.derivation, parameters) {
+            self.error(format!("\"params\": `{quantity}` {must}, it is {value:?}"));
+        }
     }
 
     fn parameters(&mut self, json: Option<&Value>) -> Vec<f64> {
@@ -302,8 +344,12 @@ impl Reader<'_> {
             if let Some(variable) = declared.iter().find(|p| p.name == *name) {
                 let numbers = self.parameter(&key, json, variable);
                 values[variable.first..variable.first + variable.count()].copy_from_slice(&numbers);
-            } else if let Some(component) = components.iter().position(|component| component == name) {
-                values[component] = self.number(&key, json);
+                self.note_plain(json, variable);
+            } else if let (Some(component), Some(whole)) =
+                (components.iter().position(|component| component == name), whole)
+            {
+                values[component] = self.number(&key, json, &whole.unit);
+                self.note_plain(json, whole);
             } else {
                 let names: Vec<String> = declared.iter().map(|p| p.name.clone()).collect();
                 self.error(format!("unknown parameter {key}{}", hint(name, &names, "parameters")));
@@ -314,8 +360,19 @@ impl Reader<'_> {
 
     fn parameter(&mut self, key: &str, json: &Value, variable: &Variable) -> Vec<f64> {
         match variable.length {
-            None => vec![self.number(key, json)],
-            Some(_) => self.numbers(key, json, &variable.component_names()),
+            None => vec![self.number(key, json, &variable.unit)],
+            Some(_) => self.numbers(key, json, &slots(std::slice::from_ref(variable), 0)),
+        }
+    }
+
+    /// A number without a unit is in SI units; where the declaration is in others, that may not be what was meant.
+    fn note_plain(&mut self, json: &Value, variable: &Variable) {
+        let is_plain = |json: &Value| json.as_f64().is_some_and(|number| number != 0.0);
+        let number = self.derivation.parameters.iter().position(|parameter| parameter.first == variable.first);
+        if variable.declared_unit.is_some()
+            && (is_plain(json) || json.as_array().is_some_and(|a| a.iter().any(is_plain)))
+        {
+            self.plain.extend(number);
         }
     }
 
@@ -333,11 +390,15 @@ impl Reader<'_> {
             ));
             return signals;
         };
-        let orders = ["value", "rate", "acceleration"].map(String::from);
+        let units: Vec<String> = slots(&self.derivation.prescribed, 0).into_iter().map(|slot| slot.unit).collect();
+        let orders = |unit: &str| {
+            let slot = |(name, per): (&str, &str)| Slot { name: name.to_string(), unit: format!("{unit}{per}") };
+            [("value", ""), ("rate", "/s"), ("acceleration", "/s/s")].map(slot)
+        };
         for (name, json) in given {
             let key = format!("\"prescribed\".{}", Value::from(name.as_str()));
             match names.iter().position(|known| known == name) {
-                Some(i) => signals[i].copy_from_slice(&self.numbers(&key, json, &orders)),
+                Some(i) => signals[i].copy_from_slice(&self.numbers(&key, json, &orders(&units[i]))),
                 None if names.is_empty() => {
                     self.error(format!("unknown signal {key}; the mechanism has no prescribed signals"));
                 }

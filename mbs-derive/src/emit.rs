@@ -1,6 +1,7 @@
 //! Pass 6: [`Derivation`] → Rust, one module a mechanism.
 //!
 //! - `item`: the module, its structs, functions and the implementation of `Mechanism`;
+//! - `parameter`: its parameters and what they must satisfy;
 //! - `doc`: what its documentation says;
 //! - `body`: one function body: bindings, then the result;
 //! - `text`: its text;
@@ -18,6 +19,7 @@ mod expression;
 mod item;
 mod latex;
 mod name;
+mod parameter;
 mod segment;
 mod text;
 
@@ -202,16 +204,17 @@ mod tests {
             assert!(!text.contains("::mbs_runtime::Mechanism"));
             names.join(" ")
         };
-        assert_eq!(chosen(&chain(2), "gravity"), "new params gravity");
-        assert_eq!(chosen(&chain(2), "linearize"), "new params linearize");
-        assert_eq!(chosen(&chain(9), "linearize"), "new params forward_dynamics linearize");
+        assert_eq!(chosen(&chain(2), "gravity"), "check new try_new params gravity");
+        assert_eq!(chosen(&chain(2), "linearize"), "check new try_new params linearize");
+        assert_eq!(chosen(&chain(9), "linearize"), "check new try_new params forward_dynamics linearize");
     }
 
     #[test]
     fn serde_goes_through_the_runtime() {
         let options = Options { serde: true, ..Options::default() };
         let text = rust(&oscillator("Oscillator", "x", "self"), "x.mbs", &options);
-        check(&text, &["#[serde(crate = \"::mbs_runtime::serde\", deny_unknown_fields, default)]"]);
+        assert!(text.contains("try_from = \"UncheckedParams<T>\""), "{text}");
+        assert!(text.contains("::core::convert::TryFrom<UncheckedParams<T>>"), "{text}");
         check(&text, &["#[serde(rename = \"self\")]", "pub self_: T,"]);
     }
 

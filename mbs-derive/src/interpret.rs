@@ -2,6 +2,7 @@
 
 use crate::expr::evaluate::{holds, truth};
 use crate::expr::{Number, Symbol, Value};
+use crate::model::lagrangian::component_names;
 use crate::optimise::{
     Argument, Completion, Derivation, Function, Instruction, Program, ResultPart, Shape, Value as Step,
 };
@@ -37,6 +38,37 @@ impl<'d> Interpreter<'d> {
         let defaults = derivation.parameters.iter().flat_map(|p| &p.defaults);
         Self::with_parameters(derivation, defaults.copied().map(Number::to_f64).collect())
     }
+}
+
+/// A parameter, or an expression of parameters, that the mechanism cannot have.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Violation {
+    /// The parameter by its name, or the expression.
+    pub quantity: String,
+    /// Its value in SI units; of an inertia the least principal moment, or the greatest less the other two.
+    pub value: f64,
+    /// What it must be, as the end of a sentence: `must not be negative`.
+    pub must: &'static str,
+}
+
+/// Which parameters, flattened in declaration order, the mechanism cannot have: those that are not finite, or else those that
+/// break its requirements.
+pub fn violations(derivation: &Derivation, parameters: &[f64]) -> Vec<Violation> {
+    let names = component_names(&derivation.parameters).into_iter().zip(parameters);
+    let broken: Vec<Violation> = names
+        .filter(|(_, value)| !value.is_finite())
+        .map(|(quantity, &value)| Violation { quantity, value, must: "must be finite" })
+        .collect();
+    if !broken.is_empty() {
+        return broken;
+    }
+    let state = State::default();
+    let values = Run { state: &state, multipliers: &[], parameters, hoisted: &[] }.results(&derivation.required);
+    let broken = derivation.conditions(&values).filter_map(|(requirement, values)| {
+        let (value, must) = requirement.condition.violation(values)?;
+        Some(Violation { quantity: requirement.quantity.clone(), value, must })
+    });
+    broken.collect()
 }
 
 impl<'d, V: Value> Interpreter<'d, V> {

@@ -21,6 +21,7 @@
 //! - `misplaced`: places that are counted from another origin than was meant;
 //! - `moments`: whether an inertia is that of a body;
 //! - `check`: what must hold of the finished mechanism; `singular`, `sign`: what it was probably not meant to do;
+//! - [`requirement`]: what parameters must satisfy whenever they are set; [`given`]: numbers with units, in SI units;
 //! - [`sample`]: random states; [`degree`]: what must hold of the energies there.
 
 mod body;
@@ -39,6 +40,7 @@ mod evaluate;
 mod family;
 pub mod frame;
 mod function;
+pub mod given;
 mod gravity;
 mod import;
 pub mod lagrangian;
@@ -52,6 +54,7 @@ mod output;
 mod point_force;
 mod quantity;
 mod reaction;
+pub mod requirement;
 pub mod sample;
 mod scope;
 mod sign;

@@ -16,7 +16,8 @@ pub mod schedule;
 
 use crate::derive::output::OutputShape;
 use crate::derive::{Equations, ForwardDynamics, Route, Rows};
-use crate::expr::{Expr, Symbol};
+use crate::expr::{Expr, Graph, Symbol};
+use crate::model::requirement::{Condition, Requirement, requirements};
 use crate::model::{Constraint, Lagrangian, Reaction, Variable};
 
 pub use cost::Operations;
@@ -49,6 +50,10 @@ pub struct Derivation {
     pub depends_on_time: bool,
     /// From parameters to the values that depend on them alone, computed once.
     pub constructor: Program,
+    /// What parameters must satisfy.
+    pub requirements: Vec<Requirement>,
+    /// From parameters to the numbers that the requirements are about, [so many](Condition::count) for each in turn.
+    pub required: Program,
     /// The generated functions, in the order of the documentation.
     pub functions: Vec<Function>,
 }
@@ -236,6 +241,8 @@ pub fn straight_line(lagrangian: &Lagrangian<'_>, routes: &[Equations<'_>]) -> D
     let hoisting = Hoisting::of(roots.iter().map(|f| f.roots.as_slice()), &mut forms);
     let mut functions: Vec<Function> = roots.into_iter().map(|f| f.into_function(&hoisting)).collect();
     count_constrained_motion(&mut functions);
+    let graph = Graph::new();
+    let (requirements, required) = requirements(lagrangian, &graph);
     let depends_on_time = functions.iter().any(|f| f.program.uses(|symbol| symbol == Symbol::Time));
     Derivation {
         name: lagrangian.name.clone(),
@@ -249,6 +256,8 @@ pub fn straight_line(lagrangian: &Lagrangian<'_>, routes: &[Equations<'_>]) -> D
         reactions: lagrangian.reactions.clone(),
         depends_on_time,
         constructor: hoisting.constructor,
+        requirements,
+        required: lower::program(&required, &Hoisting::none()),
         functions,
     }
 }
@@ -265,6 +274,16 @@ impl Derivation {
     /// Number of coordinates.
     pub fn dof(&self) -> usize {
         self.coordinates.iter().map(Variable::count).sum()
+    }
+
+    /// The requirements with the numbers that they are about, of all that [`required`](Self::required) gives.
+    pub fn conditions<'d, V>(&'d self, values: &'d [V]) -> impl Iterator<Item = (&'d Requirement, &'d [V])> {
+        let mut rest = values;
+        self.requirements.iter().map(move |requirement| {
+            let (own, behind) = rest.split_at(Condition::count(requirement.condition));
+            rest = behind;
+            (requirement, own)
+        })
     }
 
     /// The function with this name.

@@ -157,6 +157,7 @@ pub mod integrator;
 pub mod inverse_kinematics;
 mod matrix;
 mod mechanism;
+pub mod parameter;
 mod scalar;
 mod state;
 #[cfg(feature = "std")]
@@ -179,6 +180,7 @@ pub use integrator::verlet::StormerVerlet;
 pub use integrator::{Integrator, Outcome, Step, Summary};
 pub use matrix::{to_matrix, to_rows, to_vector};
 pub use mechanism::{InverseDynamicsJacobian, Linearization, Mechanism, Pose, Wrench, accelerations};
+pub use parameter::{ParameterCondition, ParameterError};
 pub use scalar::{Mask, Real, Scalar};
 pub use state::{Coordinates, State};
 #[cfg(feature = "std")]

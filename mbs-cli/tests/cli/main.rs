@@ -9,6 +9,7 @@ mod graph;
 mod import;
 mod linearize;
 mod ops;
+mod parameters;
 mod simulate;
 
 use std::path::{Path, PathBuf};

@@ -6,6 +6,7 @@ use quote::quote;
 use crate::expr::Symbol;
 use crate::model::Variable;
 use crate::model::lagrangian::component_names;
+use crate::model::requirement::{Condition, Requirement};
 use crate::optimise::{Argument, Derivation, Function, FunctionKind, Operations, Shape};
 
 /// Doc attributes, one a line.
@@ -23,7 +24,7 @@ pub(super) fn mechanism(derivation: &Derivation, functions: &[&Function]) -> Vec
     if lines.is_empty() {
         lines.push(format!("The mechanism `{}`.", derivation.name));
     }
-    lines.extend(["", "```text", equation(derivation), "```"].map(str::to_string));
+    lines.extend(equation(derivation).iter().map(ToString::to_string));
     lines.extend(variables("coordinate", &derivation.coordinates));
     lines.extend(variables("input", &derivation.inputs));
     lines.extend(["", "What a call costs; a mass matrix is counted by its lower triangle:", ""].map(str::to_string));
@@ -38,11 +39,11 @@ pub(super) fn mechanism(derivation: &Derivation, functions: &[&Function]) -> Vec
     lines
 }
 
-/// The equation of motion.
-fn equation(derivation: &Derivation) -> &'static str {
+/// The equation of motion, and what constraints add to it.
+fn equation(derivation: &Derivation) -> &'static [&'static str] {
     match derivation.constraints.is_empty() {
-        true => "M q̈ + C q̇ + G + ∂D/∂q̇ = Q",
-        false => "M q̈ + C q̇ + G + ∂D/∂q̇ = Q + Aᵀ λ,    A q̈ + γ = 0",
+        true => &["", "```text", "M q̈ + C q̇ + G + ∂D/∂q̇ = Q", "```"],
+        false => &["", "```text", "M q̈ + C q̇ + G + ∂D/∂q̇ = Q + Aᵀ λ", "A q̈ + γ = 0", "```"],
     }
 }
 
@@ -71,6 +72,29 @@ pub(super) fn parameter(variable: &Variable) -> Vec<String> {
         [line] => *line = format!("{line} {facts}"),
         _ => lines.push(facts),
     }
+    lines
+}
+
+/// Of `Params::check`.
+pub(super) fn requirements(derivation: &Derivation) -> Vec<String> {
+    let mut lines = vec!["Whether the mechanism can have these parameters: all of them finite.".to_string()];
+    if !derivation.requirements.is_empty() {
+        lines.extend(["Besides, wherever its energies ask for it:", ""].map(str::to_string));
+    }
+    lines.extend(derivation.requirements.iter().map(|Requirement { quantity, condition }| {
+        let must = match condition {
+            Condition::Finite => "is finite",
+            Condition::NotZero => "is not zero",
+            Condition::NotNegative => "is not negative",
+            Condition::Positive => "is positive",
+            Condition::SemiDefinite => "has no negative principal moment",
+            Condition::InertiaOfABody => {
+                "is the inertia of a body: principal moments `0 ≤ a ≤ b ≤ c ≤ a + b`, to a thousandth"
+            }
+        };
+        format!("- `{quantity}` {must}")
+    }));
+    lines.extend(["", "# Errors", "The first that does not hold, with its value."].map(str::to_string));
     lines
 }
 
@@ -203,12 +227,13 @@ fn summary(derivation: &Derivation, function: &Function) -> String {
         FunctionKind::InverseDynamics => {
             format!("Inverse dynamics `M q̈ + C q̇ + G + ∂D/∂q̇`, {shape}; `Q` is not subtracted.")
         }
-        FunctionKind::ForwardDynamics if derivation.constraints.is_empty() => {
-            format!("Accelerations `q̈ = M⁻¹ (Q − C q̇ − G − ∂D/∂q̇)`, {shape}, by `M = L D Lᵀ`.")
-        }
-        FunctionKind::ForwardDynamics => format!(
-            "Accelerations `q̈` of `M q̈ = Q − C q̇ − G − ∂D/∂q̇ + Aᵀ λ`, `A q̈ + γ = 0`, {shape}, by the runtime's `constrained_solve`."
-        ),
+        FunctionKind::ForwardDynamics => match derivation.constraints.is_empty() {
+            true => format!("Accelerations `q̈ = M⁻¹ (Q − C q̇ − G − ∂D/∂q̇)`, {shape}, by `M = L D Lᵀ`."),
+            false => format!(
+                "Accelerations `q̈` of `M q̈ + C q̇ + G + ∂D/∂q̇ = Q + Aᵀ λ` and `A q̈ + γ = 0`, {shape}, by the runtime's \
+                 `constrained_solve`; `multipliers` are λ."
+            ),
+        },
         FunctionKind::Constraint => {
             format!("What must vanish: `φ(q, t)`, or `a·q̇ + b` of Pfaffian constraints, {shape}.")
         }

@@ -3,15 +3,15 @@
 use proc_macro2::{Literal, TokenStream};
 use quote::quote;
 
-use crate::expr::{Number, Symbol};
+use crate::expr::Symbol;
 use crate::model::Variable;
 use crate::model::lagrangian::component_names;
 use crate::optimise::{Argument, Completion, Derivation, Function, FunctionKind, Shape};
 
 use super::body::{Body, Component};
 use super::name::{Names, Scope, ident, identifier};
-use super::text::{self, Text};
-use super::{Options, doc, module_name, segment};
+use super::text::Text;
+use super::{Options, doc, module_name, parameter, segment};
 
 /// The functions of the trait `Mechanism`.
 const MECHANISM: [FunctionKind; 13] = [
@@ -37,7 +37,7 @@ pub(super) fn module(derivation: &Derivation, options: &Options) -> TokenStream 
     let emitter = Emitter { derivation, names: &names, functions };
     let module = ident(&module_name(derivation));
     let docs = doc::attributes(&[format!("The mechanism [`{0}`]({module}::{0}).", names.mechanism)]);
-    let parameters = emitter.parameters(options.serde);
+    let parameters = parameter::items(derivation, &names, options.serde);
     let mechanism = emitter.mechanism();
     let methods = emitter.methods();
     let implementation = emitter.implementation();
@@ -97,55 +97,6 @@ struct Emitter<'d> {
 }
 
 impl<'d> Emitter<'d> {
-    /// `Params` and its defaults.
-    fn parameters(&self, serde: bool) -> TokenStream {
-        let parameters = &self.derivation.parameters;
-        let docs = doc::attributes(&[format!("Parameters of [`{}`].", self.names.mechanism)]);
-        let (derives, rules) = if serde {
-            let path = "::mbs_runtime::serde";
-            (
-                quote!(#[derive(::mbs_runtime::serde::Serialize, ::mbs_runtime::serde::Deserialize)]),
-                quote!(#[serde(crate = #path, deny_unknown_fields, default)]),
-            )
-        } else {
-            (TokenStream::new(), TokenStream::new())
-        };
-        let fields = parameters.iter().zip(&self.names.fields).map(|(parameter, field)| {
-            let docs = doc::attributes(&doc::parameter(parameter));
-            let name = &parameter.name;
-            let rename = (serde && field != name).then(|| quote!(#[serde(rename = #name)]));
-            let (field, ty) = (ident(field), array(quote!(T), parameter.length));
-            quote!(#docs #rename pub #field: #ty,)
-        });
-        let defaults = parameters.iter().zip(&self.names.fields).map(|(parameter, field)| {
-            let (field, value) = (ident(field), default(parameter));
-            quote!(#field: #value,)
-        });
-        let skip = serde.then(|| quote!(#[serde(skip)]));
-        let (marker, marked) = if parameters.is_empty() {
-            (quote!(#skip scalar: ::core::marker::PhantomData<T>,), quote!(scalar: ::core::marker::PhantomData,))
-        } else {
-            (TokenStream::new(), TokenStream::new())
-        };
-        quote! {
-            #docs
-            #[derive(Clone, Copy, Debug, PartialEq)]
-            #derives
-            #rules
-            pub struct Params<T = f64> {
-                #(#fields)*
-                #marker
-            }
-
-            impl<T: ::mbs_runtime::Scalar> ::core::default::Default for Params<T> {
-                /// The declared values.
-                fn default() -> Self {
-                    Self { #(#defaults)* #marked }
-                }
-            }
-        }
-    }
-
     /// The struct.
     fn mechanism(&self) -> TokenStream {
         let name = ident(&self.names.mechanism);
@@ -243,11 +194,23 @@ impl<'d> Emitter<'d> {
         });
         quote! {
             /// With these parameters; what depends on them alone is computed here.
+            ///
+            /// They are not looked at: with what [`Params::check`] refuses, results may be NaN, or those of no mechanism. See
+            /// [`try_new`](Self::try_new).
             pub fn new(params: Params<T>) -> Self {
                 #arguments
                 #constants
                 #statements
                 Self { params, #(#fields)* }
+            }
+
+            /// With these parameters, if a mechanism can have them.
+            ///
+            /// # Errors
+            /// What [`Params::check`] refuses first.
+            pub fn try_new(params: Params<T>) -> ::core::result::Result<Self, ::mbs_runtime::ParameterError<T>> {
+                params.check()?;
+                ::core::result::Result::Ok(Self::new(params))
             }
         }
     }
@@ -675,28 +638,12 @@ fn trait_name(kind: &FunctionKind) -> &'static str {
 }
 
 /// `T` or `[T; 6]`
-fn array(of: TokenStream, length: Option<usize>) -> TokenStream {
+pub(super) fn array(of: TokenStream, length: Option<usize>) -> TokenStream {
     match length {
         None => of,
         Some(n) => {
             let n = Literal::usize_unsuffixed(n);
             quote!([#of; #n])
-        }
-    }
-}
-
-/// A parameter's declared value.
-fn default(parameter: &Variable) -> TokenStream {
-    let values: Vec<f64> = parameter.defaults.iter().copied().map(Number::to_f64).collect();
-    match (parameter.length, values.as_slice()) {
-        (None, [value]) => text::written_out(*value),
-        (Some(n), [first, rest @ ..]) if rest.iter().all(|value| value == first) => {
-            let (value, n) = (text::written_out(*first), Literal::usize_unsuffixed(n));
-            quote!([#value; #n])
-        }
-        (_, values) => {
-            let values = values.iter().map(|value| text::number(*value));
-            quote!([#(#values),*].map(T::from_f64))
         }
     }
 }

@@ -29,13 +29,32 @@ const RESERVED: [&str; 12] = [
 const ARGUMENTS: [&str; 6] = ["q", "qd", "qdd", "u", "prescribed", "multipliers"];
 
 /// What a struct cannot be called: names that the module has for other types, and the primitive types.
-const TYPES: [&str; 20] = [
-    "Params", "Self", "T", "bool", "char", "f32", "f64", "i8", "i16", "i32", "i64", "i128", "isize", "str", "u8",
-    "u16", "u32", "u64", "u128", "usize",
+const TYPES: [&str; 21] = [
+    "Params",
+    "UncheckedParams",
+    "Self",
+    "T",
+    "bool",
+    "char",
+    "f32",
+    "f64",
+    "i8",
+    "i16",
+    "i32",
+    "i64",
+    "i128",
+    "isize",
+    "str",
+    "u8",
+    "u16",
+    "u32",
+    "u64",
+    "u128",
+    "usize",
 ];
 
 /// Names of methods that generated functions may not take.
-const METHODS: [&str; 4] = ["new", "params", "default", "clone"];
+const METHODS: [&str; 5] = ["new", "try_new", "params", "default", "clone"];
 
 /// Keywords that `r#` does not escape.
 const UNESCAPABLE: [&str; 4] = ["self", "Self", "super", "crate"];

@@ -33,7 +33,7 @@ impl fmt::Display for HalfInteger {
 
 impl fmt::Display for Expr<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&infix(self.graph(), self.id()))
+        f.write_str(&infix(self.graph(), self.id(), &|symbol| symbol.to_string()))
     }
 }
 
@@ -48,7 +48,8 @@ const PRODUCT: u8 = 1;
 const NEGATION: u8 = 2;
 const POWER: u8 = 3;
 
-fn infix(graph: &Graph, root: Id) -> String {
+/// An expression with its symbols called so.
+pub(crate) fn infix(graph: &Graph, root: Id, name: &dyn Fn(Symbol) -> String) -> String {
     use Piece::{Operand, Text};
     let mut text = String::new();
     let mut stack = vec![Operand(root, SUM)];
@@ -70,7 +71,7 @@ fn infix(graph: &Graph, root: Id) -> String {
                 continue;
             }
             Node::Symbol(symbol) => {
-                text.push_str(&symbol.to_string());
+                text.push_str(&name(symbol));
                 continue;
             }
             Node::Rate(a) => (POWER, vec![Text("dt("), Operand(a, SUM), Text(")")]),

@@ -30,7 +30,21 @@ impl<'d, 'g> Resolver<'d, 'g> {
             Some(_) => self.lagrangian.parameter_array(name, &measure.si, defaults),
         };
         document(&mut self.lagrangian.parameters, quantity);
+        self.note_conditions(quantity, &measure);
         self.declare_symbols(quantity, Origin::Parameter, symbols, measure.dimension, length)
+    }
+
+    /// What was declared of the last parameter besides its name: another unit than those of the SI, that it is positive.
+    fn note_conditions(&mut self, quantity: &Quantity, measure: &Measure) {
+        let Some(parameter) = self.lagrangian.parameters.last_mut() else { return };
+        parameter.declared_unit =
+            quantity.unit.as_ref().filter(|_| !measure.scale.is_one()).map(|unit| unit.to_string());
+        parameter.positive = quantity.positive.is_some();
+        let wrong = parameter.defaults.iter().map(|value| value.to_f64()).find(|value| *value <= 0.0);
+        if let (Some(span), Some(value)) = (&quantity.positive, wrong) {
+            let message = format!("`{}` is declared positive, its default is {value}", quantity.name.text);
+            let _ = self.refuse(span, message, "leave `positive` out, or choose another default");
+        }
     }
 
     /// `coord theta: rad;`

@@ -23,6 +23,10 @@ pub struct Variable {
     pub first: usize,
     /// Default values of parameters in SI units, one per component; empty for coordinates and inputs.
     pub defaults: Vec<Number>,
+    /// The unit that its default was declared in, where that is another: `deg`.
+    pub declared_unit: Option<String>,
+    /// Whether each component must be positive: a parameter that was declared so.
+    pub positive: bool,
 }
 
 impl Variable {
@@ -391,8 +395,16 @@ fn declare<'g>(
     symbol: fn(u32) -> Symbol,
 ) -> Vec<Expr<'g>> {
     let first = variables.iter().map(Variable::count).sum();
-    let variable =
-        Variable { name: name.to_string(), docs: Vec::new(), unit: unit.to_string(), length, first, defaults };
+    let variable = Variable {
+        name: name.to_string(),
+        docs: Vec::new(),
+        unit: unit.to_string(),
+        length,
+        first,
+        defaults,
+        declared_unit: None,
+        positive: false,
+    };
     let numbers = first..first + variable.count();
     variables.push(variable);
     numbers.map(|i| graph.symbol(symbol(i as u32))).collect()

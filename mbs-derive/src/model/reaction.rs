@@ -234,6 +234,8 @@ impl<'g> Resolver<'_, 'g> {
             length: Some(auxiliary.len()),
             first: self.lagrangian.dof(),
             defaults: Vec::new(),
+            declared_unit: None,
+            positive: false,
         });
     }
 }

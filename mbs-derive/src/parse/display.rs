@@ -122,6 +122,9 @@ fn declared(f: &mut Formatter<'_>, keyword: &str, quantity: &Quantity, depth: us
     if let Some(value) = &quantity.value {
         write!(f, " = {value}")?;
     }
+    if quantity.positive.is_some() {
+        f.write_str(", positive")?;
+    }
     writeln!(f, ";")
 }
 

@@ -38,7 +38,8 @@ pub(super) const INPUT: Form = Form {
 pub(super) const PRESCRIBED: Form = Form { keyword: "prescribed", needs_unit: Some("m"), value: FormValue::Optional };
 
 impl Reader<'_> {
-    /// `quantity := keyword name ("[" expression "]")? (":" unit)? ("=" expression)?`
+    /// `quantity := keyword name ("[" expression "]")? (":" unit)? ("=" expression)? ("," "positive")?`, the last of a `param`
+    /// alone
     pub(super) fn quantity(&mut self, input: ParseStream<'_>, docs: Vec<String>, form: &Form) -> Parsed<Quantity> {
         let start = self.next(input).start;
         self.eat_word(input, form.keyword);
@@ -47,7 +48,21 @@ impl Reader<'_> {
         let declared = start..self.last;
         let unit = self.quantity_unit(input, form, &declared)?;
         let value = self.quantity_value(input, form, &declared)?;
-        Ok(Quantity { docs, name, length, unit, value })
+        let positive = if form.keyword == PARAM.keyword { self.positive(input)? } else { None };
+        Ok(Quantity { docs, name, length, unit, value, positive })
+    }
+
+    /// `"," "positive"`, if a comma comes next.
+    fn positive(&mut self, input: ParseStream<'_>) -> Parsed<Option<Span>> {
+        if self.eat(input, ",").is_none() {
+            return Ok(None);
+        }
+        let here = self.next(input);
+        if self.eat_word(input, "positive") {
+            return Ok(Some(here));
+        }
+        let help = "several values are written as `[1, 2, 3]`; `positive` says that the parameter must be";
+        Err(self.unexpected(input, "`positive`", help))
     }
 
     fn quantity_unit(&mut self, input: ParseStream<'_>, form: &Form, declared: &Span) -> Parsed<Option<Unit>> {

@@ -208,7 +208,7 @@ pub enum EnergyTerm {
     Lagrangian,
 }
 
-/// `name[length]: unit = value`: what `param`, `coord`, `input` and `const` declare.
+/// `name[length]: unit = value, positive`: what `param`, `coord`, `input` and `const` declare.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Quantity {
     /// Doc comments before it.
@@ -221,6 +221,8 @@ pub struct Quantity {
     pub unit: Option<Unit>,
     /// Its default or value; absent where none was written.
     pub value: Option<Expression>,
+    /// The word `positive` behind the default of a parameter.
+    pub positive: Option<Span>,
 }
 
 /// A unit as written: a product of powers of named units. `1` is the empty product.
