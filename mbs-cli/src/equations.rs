@@ -6,6 +6,7 @@ use mbs_derive::optimise::{Derivation, Function};
 use mbs_runtime::{ConstraintError, Constraints, Projector, RedundantRows};
 
 use crate::failure::Failure;
+use crate::simulate::drive::Driven;
 use crate::state::Point;
 
 /// Positions and velocities, as the runtime integrates them.
@@ -17,6 +18,7 @@ pub(crate) struct Equations<'d> {
     derivation: &'d Derivation,
     forward_dynamics: &'d Function,
     start: State,
+    driven: Driven,
 }
 
 impl<'d> Equations<'d> {
@@ -28,7 +30,13 @@ impl<'d> Equations<'d> {
             derivation,
             forward_dynamics: derivation.function("forward_dynamics").ok_or_else(missing)?,
             start: start.state.clone(),
+            driven: Driven::default(),
         })
+    }
+
+    /// With inputs and signals that change.
+    pub(crate) fn with_driven(self, driven: Driven) -> Self {
+        Equations { driven, ..self }
     }
 
     /// The first time.
@@ -48,7 +56,19 @@ impl<'d> Equations<'d> {
 
     /// The arguments of the mechanism's functions.
     pub(crate) fn state(&self, t: f64, q: &[f64], qd: &[f64]) -> State {
-        State { t, q: q.to_vec(), qd: qd.to_vec(), ..self.start.clone() }
+        let mut state = State { t, q: q.to_vec(), qd: qd.to_vec(), ..self.start.clone() };
+        self.driven.put(self, &mut state);
+        state
+    }
+
+    /// The results of a function, where it takes multipliers with these.
+    pub(crate) fn evaluate(&self, function: &Function, state: &State, multipliers: &[f64]) -> Vec<f64> {
+        self.interpreter.evaluate_with(function, state, multipliers)
+    }
+
+    /// The first result of the function with this number.
+    pub(crate) fn evaluate_number(&self, number: usize, state: &State) -> f64 {
+        self.interpreter.evaluate(&self.derivation.functions[number], state).first().copied().unwrap_or(f64::NAN)
     }
 
     /// The results of a function; none where the mechanism does not have it.

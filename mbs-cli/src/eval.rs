@@ -23,22 +23,61 @@ pub(crate) struct Arguments {
     /// standard input; JSON itself is taken, too.
     #[arg(long, value_name = "STATE.json")]
     state: String,
+    /// Print these quantities alone: names of the output, or of any generated function, such as `tip_velocity`, `tip_jacobian`,
+    /// `momentum`.
+    #[arg(long, value_delimiter = ',', value_name = "NAMES")]
+    only: Vec<String>,
 }
 
 /// Prints one JSON object for a state, an array of them for an array of states.
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let derivation = mechanism::read(&arguments.file)?.derivation;
-    let evaluations = match state::read(&arguments.state, &derivation)? {
-        Request::One(point) => evaluation(&derivation, &point, "the state"),
+    check_names(&arguments.only, &derivation)?;
+    let evaluation =
+        |point: &Point, place: &str| chosen(&derivation, point, evaluation(&derivation, point), &arguments.only, place);
+    let evaluations = match state::read(&arguments.state, &derivation, &[])? {
+        Request::One(point) => evaluation(&point, "the state"),
         Request::Many(points) => {
-            points.iter().enumerate().map(|(i, point)| evaluation(&derivation, point, &format!("state {i}"))).collect()
+            points.iter().enumerate().map(|(i, point)| evaluation(point, &format!("state {i}"))).collect()
         }
     };
     output::print(&output::json(&evaluations))
 }
 
+/// What `eval` prints beside the values of functions.
+const COMPOSED: [&str; 4] = ["conserved", "outputs", "reactions", "constraint_force"];
+
+/// There is such a function, or such a part of what `eval` prints.
+fn check_names(only: &[String], derivation: &Derivation) -> Result<(), Failure> {
+    let functions = derivation.functions.iter().map(|function| function.name.clone());
+    let known: Vec<String> = functions.chain(COMPOSED.map(String::from)).collect();
+    match only.iter().find(|name| !known.contains(name)) {
+        Some(name) => {
+            let hint = state::hint(name, &known, "quantities");
+            Err(Failure::new(format_args!("--only: there is no quantity `{name}`{hint}")))
+        }
+        None => Ok(()),
+    }
+}
+
+/// The quantities asked for, in this order; all that `eval` prints where none are.
+fn chosen(derivation: &Derivation, point: &Point, all: Value, only: &[String], place: &str) -> Value {
+    let interpreter = Interpreter::with_parameters(derivation, point.parameters.clone());
+    let value = |name: &String| match (all.get(name), derivation.function(name)) {
+        (Some(value), _) => value.clone(),
+        (None, Some(function)) => shaped(function, &interpreter.evaluate(function, &point.state)),
+        (None, None) => Value::Null,
+    };
+    let chosen = match only {
+        [] => all.clone(),
+        names => Value::Object(names.iter().map(|name| (name.clone(), value(name))).collect()),
+    };
+    warn_of_nulls(&chosen, place);
+    chosen
+}
+
 /// All functions at one point, in the order of the documentation.
-fn evaluation(derivation: &Derivation, point: &Point, place: &str) -> Value {
+fn evaluation(derivation: &Derivation, point: &Point) -> Value {
     let interpreter = Interpreter::with_parameters(derivation, point.parameters.clone());
     let evaluated = |function: &Function| interpreter.evaluate(function, &point.state);
     let value = |name: &str| derivation.function(name).map_or(Value::Null, |f| shaped(f, &evaluated(f)));
@@ -76,7 +115,6 @@ fn evaluation(derivation: &Derivation, point: &Point, place: &str) -> Value {
     if derivation.function("multipliers").is_some() {
         evaluation["constraint_force"] = constraint_force(&interpreter, &point.state).into();
     }
-    warn_of_nulls(&evaluation, place);
     evaluation
 }
 

@@ -2,16 +2,23 @@
 //!
 //! - [`method`]: the choice of an integrator;
 //! - [`assembly`]: the first state on the constraints;
-//! - [`motion`]: integration, and what is recorded of it;
+//! - [`motion`]: integration, and what is recorded of it; [`collapse`]: where it ends early, what is measured there;
+//! - [`drive`]: inputs and prescribed signals over time, as formulas and tables; [`curve`]: functions through tables;
+//! - [`record`]: what is recorded besides; [`column`]: names and units;
 //! - [`progress`]: the progress bar;
 //! - [`table`][]: CSV;
 //! - [`figure`]: SVG and PNG.
 
 mod assembly;
+mod collapse;
+mod column;
+mod curve;
+pub(crate) mod drive;
 mod figure;
 mod method;
 mod motion;
 mod progress;
+mod record;
 mod table;
 
 use std::path::PathBuf;
@@ -22,8 +29,10 @@ use mbs_derive::model::lagrangian::component_names;
 use mbs_derive::optimise::Derivation;
 use mbs_runtime::RedundantRows;
 
+use drive::{Drive, Drives};
 use method::{Accuracy, Method};
 use motion::{Drift, Motion, Settings};
+use record::{Record, Recorder};
 
 use crate::failure::Failure;
 use crate::files::Files;
@@ -31,7 +40,8 @@ use crate::mechanism;
 use crate::output::{self, Staged};
 use crate::state::{self, Point, Request};
 
-/// Integrate a mechanism's equations of motion from a state; inputs and parameters stay as they are.
+/// Integrate a mechanism's equations of motion from a state; parameters stay as they are, and so do inputs and prescribed signals
+/// that are not given by --input and --signal.
 ///
 /// The CSV has the header `t,<coordinates>,<coordinates>_dot,energy`, energy being T + V, and one row every `--dt` seconds;
 /// the last row is at the end time exactly. Where there are constraints, multipliers `lambda_<row>` and what is left of the
@@ -70,10 +80,24 @@ pub(crate) struct Arguments {
     /// Coordinates that stay as given, with their velocities, when the first state is brought onto the constraints.
     #[arg(long, value_name = "COORDINATES", value_delimiter = ',')]
     hold: Vec<String>,
+    /// An input over time: `push=2*sin(3*t)` is a formula in the model language of t, coordinates, velocities, parameters and
+    /// outputs; `push=@table.csv` a table of times and values, straight in between. May be given several times.
+    #[arg(long, value_name = "NAME=FORMULA|NAME=@FILE.csv")]
+    input: Vec<Drive>,
+    /// A prescribed signal over time: a formula of t and parameters, which is differentiated; or a table, through which a cubic
+    /// spline goes. May be given several times.
+    #[arg(long, value_name = "NAME=FORMULA|NAME=@FILE.csv")]
+    signal: Vec<Drive>,
+    /// Record more columns: outputs, inputs, accelerations, reactions, conserved; multipliers are recorded in any case.
+    #[arg(long, value_enum, value_delimiter = ',', value_name = "WHAT,…")]
+    record: Vec<Record>,
+    /// End the names of the columns in their units: `x_dot_m_s`.
+    #[arg(long)]
+    units: bool,
     /// Write the table to a file instead of standard output.
     #[arg(long, value_name = "FILE")]
     csv: Option<PathBuf>,
-    /// Draw coordinates, velocities and energies over time.
+    /// Draw coordinates, velocities, energies and what is recorded over time, a panel for each unit.
     #[arg(long, value_name = "FILE.svg|FILE.png", value_parser = figure_path)]
     plot: Option<(PathBuf, Format)>,
 }
@@ -91,9 +115,11 @@ enum Redundant {
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let mut files = Files::default();
     let sources = mechanism::open(&arguments.file, &mut files)?;
+    let drives = Drives { inputs: &arguments.input, signals: &arguments.signal };
+    drives.note(&mut files);
     check_outputs(arguments, &mut files)?;
-    let derivation = mechanism::proved(&sources)?.derivation;
-    let point = match state::read(&arguments.state, &derivation)? {
+    let derivation = mechanism::proved(&drives.declared(sources)?)?.derivation;
+    let point = match state::read(&arguments.state, &derivation, &drives.signal_names())? {
         Request::One(point) => point,
         Request::Many(points) => {
             return Err(Failure::new(format_args!(
@@ -104,7 +130,11 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     };
     let times = times(&point, arguments)?;
     warn_of_idle_options(arguments, &derivation);
-    if point.state.prescribed.iter().any(|[_, rate, acceleration]| *rate != 0.0 || *acceleration != 0.0) {
+    let driven = drives.resolved(&derivation, (times[0], times[times.len() - 1]))?;
+    let contradicts = |(i, [_, rate, acceleration]): (usize, &[f64; 3])| {
+        !driven.gives_signal(i) && (*rate != 0.0 || *acceleration != 0.0)
+    };
+    if point.state.prescribed.iter().enumerate().any(contradicts) {
         output::report(
             "warning: prescribed signals stay as given: a value that stays contradicts a rate that is not zero\n",
         );
@@ -123,7 +153,12 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         },
         held: held(&arguments.hold, &derivation)?,
     };
-    let motion = Motion::integrate(&derivation, &point, &times, &settings)?;
+    let recorder = Recorder::new(&derivation, &arguments.record);
+    let without = recorder.empty_handed();
+    if !without.is_empty() {
+        output::report(&format!("warning: {} has no {} to record\n", derivation.name, without.join(", ")));
+    }
+    let motion = Motion::integrate(&derivation, &point, &times, &settings, driven, &recorder)?;
     deliver(&motion, arguments)
 }
 
@@ -176,7 +211,7 @@ fn held(names: &[String], derivation: &Derivation) -> Result<Vec<bool>, Failure>
 
 /// Files bear their names only after all have been written.
 fn deliver(motion: &Motion, arguments: &Arguments) -> Result<(), Failure> {
-    let csv = table::csv(motion);
+    let csv = table::csv(motion, arguments.units);
     let mut staged = Vec::new();
     if let Some(path) = &arguments.csv {
         staged.push(Staged::new(path, csv.as_bytes())?);

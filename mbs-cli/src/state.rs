@@ -5,7 +5,8 @@
 //!  "prescribed": {}}
 //! ```
 //!
-//! All but `q` may be left out: zero, or the declared default. Arrays are flattened in declaration order. A parameter is
+//! All but `q` may be left out: zero, or the declared default. Arrays are flattened in declaration order; instead of an array
+//! may stand an object of names, `{"q": {"theta": 0.3}}`, or the names themselves, `{"theta": 0.3, "theta_dot": 1, "push": 2}`. A parameter is
 //! given by its name, an array parameter as an array or component by component (`length_0`). A number is in SI units; one with
 //! its unit is a string, `"20 deg"`. All that is wrong with a state is reported at once, parameters that the mechanism cannot
 //! have included; nothing is given twice. Warnings name signals that are left out, for hardly any motion that comes from outside
@@ -15,6 +16,7 @@ use std::collections::BTreeSet;
 use std::fmt;
 use std::fs;
 use std::io;
+use std::ops::Range;
 use std::path::Path;
 
 use mbs_derive::diagnostic::{Diagnostics, nearest};
@@ -67,7 +69,9 @@ fn is_json(argument: &str) -> bool {
 }
 
 /// Reads the states that the argument `--state` stands for: a file, `-` for standard input, or JSON itself.
-pub(crate) fn read(argument: &str, derivation: &Derivation) -> Result<Request, Failure> {
+///
+/// The signals named are given otherwise: nobody misses them.
+pub(crate) fn read(argument: &str, derivation: &Derivation, given: &[String]) -> Result<Request, Failure> {
     let (name, text) = if is_json(argument) {
         ("--state".to_string(), argument.to_string())
     } else if argument == "-" {
@@ -76,7 +80,7 @@ pub(crate) fn read(argument: &str, derivation: &Derivation) -> Result<Request, F
         (argument.to_string(), text(argument, fs::read_to_string(argument))?)
     };
     let json = parse(&name, text.trim_start_matches('\u{feff}'))?;
-    request(&name, &json, derivation)
+    request(&name, &json, derivation, given)
 }
 
 fn text(name: &str, content: io::Result<String>) -> Result<String, Failure> {
@@ -181,7 +185,7 @@ fn syntax_error(name: &str, text: &str, error: &serde_json::Error) -> Failure {
     Failure::rendered(diagnostics.render(name, text))
 }
 
-fn request(name: &str, json: &Value, derivation: &Derivation) -> Result<Request, Failure> {
+fn request(name: &str, json: &Value, derivation: &Derivation, given: &[String]) -> Result<Request, Failure> {
     let mut errors = Vec::new();
     let (mut left_out, mut plain) = (BTreeSet::new(), BTreeSet::new());
     let mut point = |json: &Value, place: String| {
@@ -199,8 +203,9 @@ fn request(name: &str, json: &Value, derivation: &Derivation) -> Result<Request,
     if !errors.is_empty() {
         return Err(Failure::several(&errors));
     }
+    let names = component_names(&derivation.prescribed);
+    left_out.retain(|&i| !given.contains(&names[i]));
     if !left_out.is_empty() {
-        let names = component_names(&derivation.prescribed);
         let signals: Vec<String> = left_out.into_iter().map(|i| names[i].clone()).collect();
         let many = matches!(request, Request::Many(_));
         output::report(&format!(
@@ -238,6 +243,19 @@ struct Slot {
     unit: String,
 }
 
+/// What the names of rates and accelerations end in.
+const SUFFIXES: [&str; 3] = ["", "_dot", "_ddot"];
+
+/// The numbers of the components that a name stands for, and whether they are an array.
+fn of(variables: &[Variable], name: &str) -> Option<(Range<usize>, bool)> {
+    let whole = variables.iter().find(|variable| variable.name == name);
+    if let Some(variable) = whole {
+        return Some((variable.first..variable.first + variable.count(), variable.length.is_some()));
+    }
+    let component = component_names(variables).iter().position(|component| component == name)?;
+    Some((component..component + 1, false))
+}
+
 /// The components of some variables, differentiated with respect to time so often.
 fn slots(variables: &[Variable], derivatives: usize) -> Vec<Slot> {
     let slot = |unit: &str, name: String| Slot { name, unit: format!("({unit}){}", "/s".repeat(derivatives)) };
@@ -254,34 +272,96 @@ impl Reader<'_> {
         let object = json.as_object().unwrap_or(&empty);
         if !json.is_object() {
             self.error(format!("a state is an object {{\"q\": […], …}}, found {}", kind(json)));
-        } else if !object.contains_key("q") {
+        } else if !object.contains_key("q") && !object.keys().any(|key| self.is_coordinate(key)) {
             let names = component_names(&self.derivation.coordinates);
             self.error(format!("\"q\" is missing: {}", expected(&names)));
         }
-        for key in object.keys().filter(|key| !KEYS.contains(&key.as_str())) {
+        let is_unknown = |key: &&String| !KEYS.contains(&key.as_str()) && !self.is_name(key);
+        let unknown: Vec<&String> = object.keys().filter(is_unknown).collect();
+        for key in unknown {
             let hint = hint(key, KEYS.map(String::from).as_slice(), "keys");
             self.error(format!("unknown key {}{hint}", Value::from(key.as_str())));
         }
-        let coordinates = &self.derivation.coordinates;
+        let derivation = self.derivation;
+        let coordinates = &derivation.coordinates;
         let state = State {
             t: object.get("t").map_or(0.0, |json| self.number("\"t\"", json, "s")),
-            q: self.numbers_or_zeros(object, "q", &slots(coordinates, 0)),
-            qd: self.numbers_or_zeros(object, "qd", &slots(coordinates, 1)),
-            qdd: self.numbers_or_zeros(object, "qdd", &slots(coordinates, 2)),
-            u: self.numbers_or_zeros(object, "u", &slots(&self.derivation.inputs, 0)),
+            q: self.vector(object, "q", coordinates, 0),
+            qd: self.vector(object, "qd", coordinates, 1),
+            qdd: self.vector(object, "qdd", coordinates, 2),
+            u: self.vector(object, "u", &derivation.inputs, 0),
             prescribed: self.prescribed(object.get("prescribed")),
         };
-        let accelerations_are_given = object.contains_key("qdd");
+        let is_acceleration =
+            |key: &String| key.strip_suffix(SUFFIXES[2]).is_some_and(|name| of(coordinates, name).is_some());
+        let accelerations_are_given = object.contains_key("qdd") || object.keys().any(is_acceleration);
+        let errors = self.errors.len();
         let parameters = self.parameters(object.get("params"));
-        self.check(&parameters);
+        // What could not be read is not what would be refused.
+        if self.errors.len() == errors {
+            self.check(&parameters);
+        }
         Point { state, accelerations_are_given, parameters }
     }
 
-    fn numbers_or_zeros(&mut self, object: &Map<String, Value>, key: &str, slots: &[Slot]) -> Vec<f64> {
+    /// Whether a key is the name of a coordinate.
+    fn is_coordinate(&self, key: &str) -> bool {
+        of(&self.derivation.coordinates, key).is_some()
+    }
+
+    /// Whether a key is the name of a coordinate, of its rate or acceleration, or of an input.
+    fn is_name(&self, key: &str) -> bool {
+        let differentiated =
+            SUFFIXES.iter().any(|suffix| key.strip_suffix(suffix).is_some_and(|k| self.is_coordinate(k)));
+        differentiated || of(&self.derivation.inputs, key).is_some()
+    }
+
+    /// An array with all numbers, or an object of some by name, the others being zero; and what stands by name in the state
+    /// itself.
+    fn vector(
+        &mut self,
+        object: &Map<String, Value>,
+        key: &str,
+        variables: &[Variable],
+        derivatives: usize,
+    ) -> Vec<f64> {
+        let slots = slots(variables, derivatives);
+        let (mut values, mut is_given) = (vec![0.0; slots.len()], vec![false; slots.len()]);
+        let mut named: Vec<(String, &str, &Value)> = Vec::new();
         match object.get(key) {
-            Some(json) => self.numbers(&format!("\"{key}\""), json, slots),
-            None => vec![0.0; slots.len()],
+            Some(Value::Object(items)) => {
+                for (name, json) in items {
+                    let place = format!("\"{key}\".{}", Value::from(name.as_str()));
+                    if of(variables, name).is_none() {
+                        let known: Vec<String> = slots.iter().map(|slot| slot.name.clone()).collect();
+                        self.error(format!("unknown name {place}{}", hint(name, &known, "names")));
+                    }
+                    named.push((place, name, json));
+                }
+            }
+            Some(json) => {
+                values = self.numbers(&format!("\"{key}\""), json, &slots);
+                is_given.fill(true);
+            }
+            None => {}
         }
+        let own = object.iter().filter(|(name, _)| !KEYS.contains(&name.as_str()));
+        named.extend(own.filter_map(|(name, json)| {
+            Some((Value::from(name.as_str()).to_string(), name.strip_suffix(SUFFIXES[derivatives])?, json))
+        }));
+        for (place, name, json) in named {
+            let Some((range, is_array)) = of(variables, name) else { continue };
+            if is_given[range.clone()].contains(&true) {
+                self.error(format!("{place} is given twice"));
+            }
+            is_given[range.clone()].fill(true);
+            let numbers = match is_array {
+                true => self.numbers(&place, json, &slots[range.clone()]),
+                false => vec![self.number(&place, json, &slots[range.start].unit)],
+            };
+            values[range].copy_from_slice(&numbers);
+        }
+        values
     }
 
     /// An array with one number for each slot.

@@ -46,6 +46,8 @@ pub struct Derivation {
     pub holonomic: Vec<bool>,
     /// Joints whose wrenches are asked for.
     pub reactions: Vec<Reaction>,
+    /// The units of the outputs in declaration order, in SI base units: `kg·m²/s²`; empty of a pose.
+    pub output_units: Vec<String>,
     /// Whether any function depends on t; then all of them take it.
     pub depends_on_time: bool,
     /// From parameters to the values that depend on them alone, computed once.
@@ -254,6 +256,7 @@ pub fn straight_line(lagrangian: &Lagrangian<'_>, routes: &[Equations<'_>]) -> D
         constraints: lagrangian.constraints.iter().flat_map(Constraint::row_names).collect(),
         holonomic: lagrangian.holonomic_rows(),
         reactions: lagrangian.reactions.clone(),
+        output_units: lagrangian.outputs.iter().map(|output| output.unit.clone()).collect(),
         depends_on_time,
         constructor: hoisting.constructor,
         requirements,

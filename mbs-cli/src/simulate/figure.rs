@@ -1,4 +1,5 @@
-//! The motion as a figure: coordinates, velocities and energies over time, one panel each.
+//! The motion as a figure over time: a panel for the coordinates of each unit, for the velocities, for the energies, and for
+//! what was recorded besides.
 
 use std::ops::Range;
 
@@ -7,55 +8,45 @@ use mbs_cli::chart::{self, Curves, Figure, Format, Line, Panel};
 use super::motion::{Motion, Row};
 use crate::failure::Failure;
 
-/// Width and height in pixels.
-const SIZE: (u32, u32) = (1100, 1000);
+/// Width in pixels, the least height, and the height of a panel.
+const WIDTH: u32 = 1100;
+const LEAST_HEIGHT: u32 = 1000;
+const PANEL_HEIGHT: u32 = 300;
 
 /// The bytes of the figure.
 pub(crate) fn draw(motion: &Motion, format: Format) -> Result<Vec<u8>, Failure> {
-    let figure = Figure { title: motion.name.clone(), size: SIZE, panels: panels(motion) };
+    let panels = panels(motion);
+    let height = LEAST_HEIGHT.max(PANEL_HEIGHT * u32::try_from(panels.len()).unwrap_or(u32::MAX / PANEL_HEIGHT));
+    let figure = Figure { title: motion.name.clone(), size: (WIDTH, height), panels };
     chart::draw(&figure, format).map_err(Failure::new)
 }
 
+/// Multipliers and residuals of constraints are in the table alone.
 fn panels(motion: &Motion) -> Vec<Panel> {
-    let rates: Vec<String> = motion.units.iter().map(|unit| rate_unit(unit)).collect();
-    let names: Vec<String> = motion.coordinates.iter().map(|name| format!("d{name}/dt")).collect();
-    let energies = vec![
+    let mut groups: Vec<((&str, &str), Vec<usize>)> = Vec::new();
+    for (i, column) in motion.columns.iter().enumerate() {
+        let key = (column.what, column.unit.as_str());
+        match groups.iter_mut().find(|(own, _)| *own == key) {
+            _ if matches!(column.what, "multipliers" | "residuals") => {}
+            Some((_, numbers)) => numbers.push(i),
+            None => groups.push((key, vec![i])),
+        }
+    }
+    let panel = |((what, unit), numbers): ((&str, &str), Vec<usize>)| {
+        let of_column = |i: usize| line(motion, &motion.columns[i].label, |row| row.values[i]);
+        let lines = if what == "energy" { energies(motion) } else { numbers.into_iter().map(of_column).collect() };
+        let y_label = if matches!(unit, "" | "1") { what.to_string() } else { format!("{what} [{unit}]") };
+        Panel::Curves(Curves { x_label: "t [s]".to_string(), y_label, x_range: time_range(motion), lines })
+    };
+    groups.into_iter().map(panel).collect()
+}
+
+fn energies(motion: &Motion) -> Vec<Line> {
+    vec![
         line(motion, "kinetic T", |row| row.kinetic),
         line(motion, "potential V", |row| row.potential),
         line(motion, "T + V", |row| row.kinetic + row.potential),
-    ];
-    vec![
-        of_components(motion, "coordinates", &motion.coordinates, &motion.units, |row, i| row.q[i]),
-        of_components(motion, "velocities", &names, &rates, |row, i| row.qd[i]),
-        over_time(motion, "energy [J]".to_string(), energies),
     ]
-}
-
-/// `rad/s`, `1/s`, `(m/s)/s`
-fn rate_unit(unit: &str) -> String {
-    if unit.contains('/') { format!("({unit})/s") } else { format!("{unit}/s") }
-}
-
-/// The unit is at the axis where all have the same, else in the legend.
-fn of_components(
-    motion: &Motion,
-    what: &str,
-    names: &[String],
-    units: &[String],
-    value: impl Fn(&Row, usize) -> f64,
-) -> Panel {
-    let common = units.iter().all(|unit| *unit == units[0]);
-    let label = match units.first() {
-        Some(unit) if common => format!("{what} [{unit}]"),
-        _ => what.to_string(),
-    };
-    let name = |i: usize| if common { names[i].clone() } else { format!("{} [{}]", names[i], units[i]) };
-    let lines = (0..names.len()).map(|i| line(motion, &name(i), |row| value(row, i))).collect();
-    over_time(motion, label, lines)
-}
-
-fn over_time(motion: &Motion, y_label: String, lines: Vec<Line>) -> Panel {
-    Panel::Curves(Curves { x_label: "t [s]".to_string(), y_label, x_range: time_range(motion), lines })
 }
 
 fn line(motion: &Motion, name: &str, value: impl Fn(&Row) -> f64) -> Line {
@@ -66,14 +57,4 @@ fn time_range(motion: &Motion) -> Range<f64> {
     let first = motion.rows.first().map_or(0.0, |row| row.t);
     let last = motion.rows.last().map_or(0.0, |row| row.t);
     if first < last { first..last } else { first - 0.5..first + 0.5 }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn units_of_rates() {
-        assert_eq!(["rad", "1", "m/s"].map(rate_unit), ["rad/s", "1/s", "(m/s)/s"]);
-    }
 }

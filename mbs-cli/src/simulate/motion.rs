@@ -2,14 +2,16 @@
 
 use std::ops::ControlFlow;
 
-use mbs_derive::model::Variable;
 use mbs_derive::model::lagrangian::component_names;
 use mbs_derive::optimise::Derivation;
 use mbs_runtime::{Constraints, IntegrationError, RedundantRows, Step};
 
-use super::assembly;
+use super::column::{Column, of_variables};
+use super::drive::Driven;
 use super::method::{Accuracy, Method};
 use super::progress::Progress;
+use super::record::Recorder;
+use super::{assembly, collapse};
 use crate::equations::{Equations, Motion as Moving, Solver};
 use crate::failure::Failure;
 use crate::output;
@@ -52,12 +54,8 @@ impl Settings {
 pub(crate) struct Motion {
     /// Of the mechanism.
     pub(crate) name: String,
-    /// The names of the coordinates.
-    pub(crate) coordinates: Vec<String>,
-    /// Their units.
-    pub(crate) units: Vec<String>,
-    /// The names of the constraints' rows.
-    pub(crate) constraints: Vec<String>,
+    /// What stands behind the time.
+    pub(crate) columns: Vec<Column>,
     /// In order of time.
     pub(crate) rows: Vec<Row>,
 }
@@ -67,16 +65,12 @@ pub(crate) struct Motion {
 pub(crate) struct Row {
     /// Time in seconds.
     pub(crate) t: f64,
-    /// Coordinates.
-    pub(crate) q: Vec<f64>,
-    /// Velocities.
-    pub(crate) qd: Vec<f64>,
     /// T
     pub(crate) kinetic: f64,
     /// V
     pub(crate) potential: f64,
-    /// Lagrange multipliers, then what the constraints' rows are instead of zero.
-    pub(crate) constraints: Vec<f64>,
+    /// In the order of the columns.
+    pub(crate) values: Vec<f64>,
 }
 
 impl Motion {
@@ -86,32 +80,45 @@ impl Motion {
         start: &Point,
         times: &[f64],
         settings: &Settings,
+        driven: Driven,
+        recorder: &Recorder<'_>,
     ) -> Result<Motion, Failure> {
-        let equations = Equations::new(derivation, start)?;
+        let equations = Equations::new(derivation, start)?.with_driven(driven);
         if settings.method.is_for_separable() && equations.depends_on_velocities() {
             output::report(
                 "warning: accelerations depend on velocities: the method is of order 1 and not symplectic here\n",
             );
         }
-        let rows = Run { equations: &equations, settings }.rows(times)?;
-        Ok(Motion {
-            name: derivation.name.clone(),
-            coordinates: component_names(&derivation.coordinates),
-            units: derivation.coordinates.iter().flat_map(units).collect(),
-            constraints: derivation.constraints.clone(),
-            rows,
-        })
+        let rows = Run { equations: &equations, settings, recorder }.rows(times)?;
+        let columns = [standard_columns(derivation), recorder.columns()].concat();
+        Ok(Motion { name: derivation.name.clone(), columns, rows })
     }
 }
 
-fn units(variable: &Variable) -> Vec<String> {
-    vec![variable.unit.clone(); variable.count()]
+/// `<coordinates>,<coordinates>_dot,energy`, then multipliers and residuals of constraints.
+fn standard_columns(derivation: &Derivation) -> Vec<Column> {
+    let mut velocities = of_variables("velocities", &derivation.coordinates, "_dot", "/s");
+    for (column, name) in velocities.iter_mut().zip(component_names(&derivation.coordinates)) {
+        column.label = format!("d{name}/dt");
+    }
+    let rows = |what, prefix: &str| -> Vec<Column> {
+        derivation.constraints.iter().map(|row| Column::new(what, &format!("{prefix}{row}"), "")).collect()
+    };
+    [
+        of_variables("coordinates", &derivation.coordinates, "", ""),
+        velocities,
+        vec![Column::new("energy", "energy", "J")],
+        rows("multipliers", "lambda_"),
+        rows("residuals", "residual_"),
+    ]
+    .concat()
 }
 
 /// One integration.
 struct Run<'a, 'd> {
     equations: &'a Equations<'d>,
     settings: &'a Settings,
+    recorder: &'a Recorder<'d>,
 }
 
 impl<'a, 'd> Run<'a, 'd> {
@@ -216,6 +223,10 @@ impl<'a, 'd> Run<'a, 'd> {
         let (kinetic, potential) = (energy("kinetic_energy"), energy("potential_energy"));
         let multipliers =
             solver.multipliers(&state).map_err(|error| assembly::explained(equations, error, t, moving))?;
+        let recorded = self
+            .recorder
+            .values(equations, solver, &state, &multipliers)
+            .map_err(|error| assembly::explained(equations, error, t, moving))?;
         let constraints = [multipliers, equations.call("constraint", &state)].concat();
         let at = format!("at t = {t:?}, q = {:?}, qd = {:?}", state.q, state.qd);
         if !(kinetic + potential).is_finite() {
@@ -224,7 +235,11 @@ impl<'a, 'd> Run<'a, 'd> {
         if !constraints.iter().all(|x| x.is_finite()) {
             return Err(format!("a multiplier or a constraint is infinite or NaN, {at}"));
         }
-        Ok(Row { t, q: state.q, qd: state.qd, kinetic, potential, constraints })
+        if let Some(i) = recorded.iter().position(|x| !x.is_finite()) {
+            return Err(format!("`{}` is {:?}, {at}", self.recorder.columns()[i].name, recorded[i]));
+        }
+        let values = [state.q, state.qd, vec![kinetic + potential], constraints, recorded].concat();
+        Ok(Row { t, kinetic, potential, values })
     }
 
     /// One line with the time and the state from which there was no way on.
@@ -232,8 +247,9 @@ impl<'a, 'd> Run<'a, 'd> {
         let t = error.time().unwrap_or(self.equations.start_time());
         let (q, qd) = (&motion.q, &motion.qd);
         let state = self.equations.state(t, q, qd);
-        let hint = match self.solver().accelerations(&state) {
-            Ok(_) => String::new(),
+        let mut solver = self.solver();
+        let hint = match solver.accelerations(&state) {
+            Ok(_) => collapse::hint(self.equations, &mut solver, t, motion),
             Err(_) if !self.equations.are_finite(&state) => "; inertia or forces are not finite there".to_string(),
             Err(reason) => format!("; {}", assembly::explained(self.equations, reason, t, motion)),
         };

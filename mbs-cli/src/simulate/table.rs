@@ -1,25 +1,22 @@
-//! The motion as CSV: `t,<coordinates>,<coordinates>_dot,energy`, then multipliers and residuals of constraints.
+//! The motion as CSV: `t,<coordinates>,<coordinates>_dot,energy`, then multipliers and residuals of constraints, then what was
+//! asked for besides.
 
 use std::fmt::Write;
 
+use super::column::Column;
 use super::motion::Motion;
 
-/// One line a row; every number with as many digits as it takes to read the same number.
-pub(crate) fn csv(motion: &Motion) -> String {
-    let velocities = motion.coordinates.iter().map(|name| format!("{name}_dot"));
-    let header: Vec<String> = ["t".to_string()]
-        .into_iter()
-        .chain(motion.coordinates.iter().cloned())
-        .chain(velocities)
-        .chain(["energy".to_string()])
-        .chain(motion.constraints.iter().map(|row| format!("lambda_{row}")))
-        .chain(motion.constraints.iter().map(|row| format!("residual_{row}")))
-        .collect();
+/// One line a row; every number with as many digits as it takes to read the same number. With units the names of the columns
+/// end in them.
+pub(crate) fn csv(motion: &Motion, units: bool) -> String {
+    let name = |column: &Column| if units { column.name_with_unit() } else { column.name.clone() };
+    let time = Column::new("time", "t", "s");
+    let header: Vec<String> = [&time].into_iter().chain(&motion.columns).map(name).collect();
     let mut text = header.join(",") + "\n";
     for row in &motion.rows {
         // `{:?}` is the shortest text that reads as the same number. Writing to a string does not fail.
         let _ = write!(text, "{:?}", row.t);
-        for number in row.q.iter().chain(&row.qd).chain(&[row.kinetic + row.potential]).chain(&row.constraints) {
+        for number in &row.values {
             let _ = write!(text, ",{number:?}");
         }
         text.push('\n');

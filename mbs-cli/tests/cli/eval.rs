@@ -132,6 +132,22 @@ fn parameters_by_name_whole_or_by_component() {
     assert_close(&mass_matrix(r#"{"m_1": 7}"#), &json!([[1.0, 0.0], [0.0, 7.0]]));
 }
 
+/// `y = l (1 − cos θ)`: its velocity and Jacobian are there for the asking.
+#[test]
+fn quantities_are_chosen_by_name() {
+    let workshop = Workshop::new();
+    let run =
+        |only: &str| workshop.good(&["eval", "pendulum.mbs", "--state", r#"{"q": [0.3], "qd": [2]}"#, "--only", only]);
+    let found: Value = serde_json::from_str(&run("height_velocity,mass_matrix,height_jacobian,outputs")).unwrap();
+    assert_eq!(keys(&found), ["height_velocity", "mass_matrix", "height_jacobian", "outputs"]);
+    let slope = 2.0 * 0.3f64.sin();
+    assert_close(&found["height_velocity"], &json!(2.0 * slope));
+    assert_close(&found["height_jacobian"], &json!([[slope]]));
+    assert_close(&found["mass_matrix"], &json!([[12.0]]));
+    let report = workshop.bad(&["eval", "pendulum.mbs", "--state", r#"{"q": [0.3]}"#, "--only", "mass_matrx"]);
+    assert_eq!(report, "error: --only: there is no quantity `mass_matrx`; did you mean \"mass_matrix\"?\n");
+}
+
 #[test]
 fn an_array_of_states_gives_an_array_of_results() {
     let workshop = Workshop::new();

@@ -8,6 +8,7 @@ mod files;
 mod graph;
 mod import;
 mod linearize;
+mod motion;
 mod ops;
 mod parameters;
 mod simulate;

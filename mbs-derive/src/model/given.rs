@@ -27,6 +27,22 @@ pub fn in_si(text: &str, unit: &str) -> Result<f64, String> {
     Ok(if number.starts_with('-') { -value } else { value })
 }
 
+/// Whether a unit as documentation writes it, `kg·m²/s²`, is one of those that `unit` stands for.
+pub fn is_of(shown: &str, unit: &str) -> bool {
+    let mut plain = String::new();
+    let mut raised = false;
+    for c in shown.chars() {
+        let digit = "⁰¹²³⁴⁵⁶⁷⁸⁹".chars().position(|known| known == c);
+        match (digit, c) {
+            (Some(digit), _) => plain += &format!("{}{digit}", if raised { "" } else { "^" }),
+            (None, '·') => plain.push('*'),
+            (None, c) => plain.push(c),
+        }
+        raised = digit.is_some();
+    }
+    of_unit(&plain).is_ok_and(|found| of_unit(unit).is_ok_and(|wanted| wanted.dimension == found.dimension))
+}
+
 fn in_words(dimension: Dimension) -> String {
     if dimension == Dimension::ONE { "a plain number".to_string() } else { dimension.to_string() }
 }
@@ -76,6 +92,12 @@ mod tests {
         check("3 deg/s", "(rad)/s", std::f64::consts::PI / 60.0);
         check("3 m/s^2", "(m/s)/s", 3.0);
         check("7 1", "1", 7.0);
+    }
+
+    #[test]
+    fn units_of_documentation() {
+        assert!(is_of("kg·m²/s²", "N*m") && is_of("1", "rad") && is_of("m/s¹²", "m/s^12"));
+        assert!(!is_of("kg·m²/s²", "N") && !is_of("nonsense", "N"));
     }
 
     #[test]

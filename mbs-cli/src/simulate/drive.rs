@@ -1,0 +1,396 @@
+//! Inputs and prescribed signals that change while a mechanism moves: formulas in the model language, and tables.
+//!
+//! `--input "push=2*sin(3*t)"` is a formula of t, the state and the outputs; `--signal "heave=a*sin(w*t)"` one of t and
+//! parameters. `--input push=@table.csv` is a table of times and values, straight in between; `--signal heave=@table.csv` likewise
+//! by a cubic spline, whose first and second derivative the signal takes. Formulas become part of the declaration, so that they
+//! are checked and differentiated as it is: an output for an input, the value of the `prescribed` statement for a signal.
+//!
+//! In a formula that names nothing but t, numbers are in SI units: `2*sin(3*t)` is `2 N * sin(3 rad/s * t)` of a force. In all
+//! others dimensions are checked.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use mbs_derive::interpret::State;
+use mbs_derive::model::given;
+use mbs_derive::model::lagrangian::component_names;
+use mbs_derive::optimise::{Derivation, Function, FunctionKind};
+use mbs_derive::parse;
+use mbs_derive::parse::syntax::{Statement, StatementKind};
+use mbs_derive::source::Sources;
+
+use super::curve::Curve;
+use crate::equations::Equations;
+use crate::failure::Failure;
+use crate::files::Files;
+use crate::state::hint;
+
+/// `name=formula` or `name=@file`.
+#[derive(Clone, Debug)]
+pub(crate) struct Drive {
+    name: String,
+    source: Source,
+}
+
+#[derive(Clone, Debug)]
+enum Source {
+    Formula(String),
+    Table(PathBuf),
+}
+
+impl std::str::FromStr for Drive {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let form = "write `name=formula` or `name=@table.csv`";
+        let (name, value) = text.split_once('=').ok_or(form)?;
+        let (name, value) = (name.trim().to_string(), value.trim());
+        let source = match value.strip_prefix('@') {
+            Some(file) => Source::Table(PathBuf::from(file)),
+            None => Source::Formula(value.to_string()),
+        };
+        if name.is_empty() || value.is_empty() { Err(form.to_string()) } else { Ok(Drive { name, source }) }
+    }
+}
+
+/// All that was asked for.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Drives<'a> {
+    pub(crate) inputs: &'a [Drive],
+    pub(crate) signals: &'a [Drive],
+}
+
+impl Drives<'_> {
+    /// Notes the files of tables.
+    pub(crate) fn note(&self, files: &mut Files) {
+        for drive in self.inputs.iter().chain(self.signals) {
+            if let Source::Table(path) = &drive.source {
+                files.reads("the table", path);
+            }
+        }
+    }
+
+    /// The signals that tables give.
+    pub(crate) fn signal_names(&self) -> Vec<String> {
+        self.signals.iter().map(|drive| drive.name.clone()).collect()
+    }
+
+    /// The declaration with the formulas in it.
+    pub(crate) fn declared(&self, sources: Sources) -> Result<Sources, Failure> {
+        if !self.inputs.iter().chain(self.signals).any(|drive| matches!(drive.source, Source::Formula(_))) {
+            return Ok(sources);
+        }
+        // What is wrong with the declaration itself is said where it is derived.
+        let Ok(declaration) = parse::declaration_of(&sources) else { return Ok(sources) };
+        let text = sources.main().text.clone().unwrap_or_default();
+        let mut insertions: Vec<(usize, String)> = Vec::new();
+        let mut constants = format!("const {SECOND}: s = 1; ");
+        for drive in self.signals {
+            let Source::Formula(formula) = &drive.source else { continue };
+            check_formula("--signal", &drive.name, formula)?;
+            let place = declaration.statements.iter().find_map(|statement| match &statement.kind {
+                StatementKind::Prescribed(quantity) if quantity.name.text == drive.name => Some((statement, quantity)),
+                _ => None,
+            });
+            match place {
+                Some((_, quantity)) if quantity.value.is_some() => {
+                    let name = &drive.name;
+                    return Err(Failure::new(format_args!(
+                        "--signal {name}: `{name}` is declared by a formula already"
+                    )));
+                }
+                Some((statement, quantity)) => {
+                    let unit = quantity.unit.as_ref().map_or("1".to_string(), ToString::to_string);
+                    insertions.push((statement.span.end - 1, format!(" = {}", in_si_units(formula, &drive.name))));
+                    constants += &unit_constant(&drive.name, &unit);
+                }
+                None => {
+                    return Err(unknown(
+                        "--signal",
+                        "prescribed signal",
+                        &drive.name,
+                        &prescribed(&declaration.statements),
+                    ));
+                }
+            }
+        }
+        let end = declaration.statements.last().map_or(0, |statement| statement.span.end);
+        let mut added = String::new();
+        for drive in self.inputs {
+            let Source::Formula(formula) = &drive.source else { continue };
+            check_formula("--input", &drive.name, formula)?;
+            added += &outputs_in(formula, &text, &declaration.statements, &added);
+            let unit = unit_of_input(&declaration.statements, &drive.name).unwrap_or("1".to_string());
+            constants += &unit_constant(&drive.name, &unit);
+            added += &format!(" output {} = {};", formula_name(&drive.name), in_si_units(formula, &drive.name));
+        }
+        insertions.push((end, added));
+        insertions.push((declaration.statements.first().map_or(end, |statement| statement.span.start), constants));
+        insertions.sort_by_key(|(place, _)| std::cmp::Reverse(*place));
+        let mut changed = text;
+        for (place, addition) in insertions {
+            changed.insert_str(place, &addition);
+        }
+        let imports = |name: &str| {
+            let known = (0..sources.count()).map(|i| sources.file(i)).find(|file| file.name == name);
+            let missing = || mbs_derive::source::Unreadable::new("it is not there", "");
+            known.map_or_else(|| Err(missing()), |file| file.text.clone().map(String::into_bytes))
+        };
+        Ok(Sources::gather(&sources.main().name, &changed, imports))
+    }
+
+    /// What gives the inputs and signals of a mechanism that was declared [so](Self::declared).
+    pub(crate) fn resolved(&self, derivation: &Derivation, span: (f64, f64)) -> Result<Driven, Failure> {
+        let mut driven = Driven::default();
+        let inputs = component_names(&derivation.inputs);
+        for drive in self.inputs {
+            let known = inputs.iter().position(|name| *name == drive.name);
+            let index = known.ok_or_else(|| unknown("--input", "input", &drive.name, &inputs))?;
+            let given = match &drive.source {
+                Source::Table(path) => Given::Curve(table(path, &drive.name, span, Curve::broken_line)?),
+                Source::Formula(_) => Given::Function(formula(derivation, index, &drive.name)?),
+            };
+            if driven.inputs.iter().any(|(other, _)| *other == index) {
+                return Err(Failure::new(format_args!("--input {} is given twice", drive.name)));
+            }
+            driven.inputs.push((index, given));
+        }
+        let signals = component_names(&derivation.prescribed);
+        for drive in self.signals {
+            let Source::Table(path) = &drive.source else { continue };
+            let known = signals.iter().position(|name| *name == drive.name);
+            let index = known.ok_or_else(|| unknown("--signal", "prescribed signal", &drive.name, &signals))?;
+            if driven.signals.iter().any(|(other, _)| *other == index) {
+                return Err(Failure::new(format_args!("--signal {} is given twice", drive.name)));
+            }
+            driven.signals.push((index, table(path, &drive.name, span, Curve::spline)?));
+        }
+        Ok(driven)
+    }
+}
+
+/// What inputs and signals are at any time.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Driven {
+    inputs: Vec<(usize, Given)>,
+    signals: Vec<(usize, Curve)>,
+}
+
+#[derive(Clone, Debug)]
+enum Given {
+    Curve(Curve),
+    /// The number of the function that computes it.
+    Function(usize),
+}
+
+impl Driven {
+    /// Whether this prescribed signal, by its number, comes from a table.
+    pub(crate) fn gives_signal(&self, number: usize) -> bool {
+        self.signals.iter().any(|(index, _)| *index == number)
+    }
+
+    /// Puts signals, then inputs, into a state.
+    pub(crate) fn put(&self, equations: &Equations<'_>, state: &mut State) {
+        for (index, curve) in &self.signals {
+            state.prescribed[*index] = curve.at(state.t);
+        }
+        for (index, given) in &self.inputs {
+            state.u[*index] = match given {
+                Given::Curve(curve) => curve.at(state.t)[0],
+                Given::Function(number) => equations.evaluate_number(*number, state),
+            };
+        }
+    }
+}
+
+/// Outputs that this stands for are not shown as such.
+pub(crate) const FORMULA: &str = "formula_of_";
+
+fn formula_name(input: &str) -> String {
+    format!("{FORMULA}{input}")
+}
+
+/// One second, for formulas of t alone.
+const SECOND: &str = "second_of_formulas";
+
+/// `const unit_of_push: N = 1;`
+fn unit_constant(name: &str, unit: &str) -> String {
+    format!("const unit_of_{name}: {unit} = 1; ")
+}
+
+/// A formula that names nothing but t with its numbers in SI units; any other as it is.
+fn in_si_units(formula: &str, name: &str) -> String {
+    let is_part = |c: char| c.is_ascii_alphanumeric() || c == '_';
+    let (mut changed, mut rest) = (String::new(), formula);
+    while let Some(c) = rest.chars().next() {
+        let length = if is_part(c) { rest.find(|c| !is_part(c)).unwrap_or(rest.len()) } else { c.len_utf8() };
+        let (word, behind) = rest.split_at(length);
+        let is_name = word.starts_with(|c: char| c.is_ascii_alphabetic() || c == '_');
+        let is_known = matches!(word, "pi" | "deg" | "if" | "else") || behind.trim_start().starts_with('(');
+        match word {
+            "t" => changed += &format!("(t/{SECOND})"),
+            _ if is_name && !is_known => return formula.to_string(),
+            _ => changed += word,
+        }
+        rest = behind;
+    }
+    format!("unit_of_{name}*({changed})")
+}
+
+fn unit_of_input(statements: &[Statement], name: &str) -> Option<String> {
+    statements.iter().find_map(|statement| match &statement.kind {
+        StatementKind::Input(quantity)
+            if name == quantity.name.text
+                || name.strip_prefix(&quantity.name.text).is_some_and(|rest| rest.starts_with('_')) =>
+        {
+            quantity.unit.as_ref().map(ToString::to_string)
+        }
+        _ => None,
+    })
+}
+
+/// The function of an input's formula: a number of its unit, that no input enters.
+fn formula(derivation: &Derivation, index: usize, name: &str) -> Result<usize, Failure> {
+    let wanted = formula_name(name);
+    let is_value = |f: &Function| matches!(f.kind, FunctionKind::Output(_)) && f.name == wanted;
+    let refused = |reason: String| Failure::new(format_args!("--input {name}: {reason}"));
+    let number =
+        derivation.functions.iter().position(is_value).ok_or_else(|| refused("there is no value".to_string()))?;
+    let function = &derivation.functions[number];
+    let FunctionKind::Output(output) = function.kind else { return Err(refused("there is no value".to_string())) };
+    let units = derivation.inputs.iter().flat_map(|v| std::iter::repeat_n(&v.unit, v.count()));
+    let unit = units.clone().nth(index).cloned().unwrap_or_default();
+    if function.program.results.len() != 1 {
+        return Err(refused("an input is one number".to_string()));
+    }
+    let found = &derivation.output_units[output];
+    if !given::is_of(found, &unit) {
+        return Err(refused(format!("it is in {unit}, the formula is in {found}")));
+    }
+    if function.program.uses(|symbol| matches!(symbol, mbs_derive::expr::Symbol::Input(_))) {
+        return Err(refused("a formula does not depend on inputs".to_string()));
+    }
+    Ok(number)
+}
+
+/// It is one expression, and nothing behind it.
+fn check_formula(option: &str, name: &str, formula: &str) -> Result<(), Failure> {
+    let text = format!("mechanism Formula {{ let value = {formula}; }}");
+    let sources = Sources::new(&format!("{option} {name}"), &text);
+    let declaration =
+        parse::declaration_of(&sources).map_err(|errors| Failure::rendered(errors.render_in(&sources)))?;
+    match declaration.statements.len() {
+        1 => Ok(()),
+        _ => Err(Failure::new(format_args!("{option} {name}: a formula is one expression, without `;`"))),
+    }
+}
+
+/// Whether a statement declares a variable of this name.
+fn declares(statement: &Statement, wanted: &str) -> bool {
+    match &statement.kind {
+        StatementKind::Param(quantity)
+        | StatementKind::Coord(quantity)
+        | StatementKind::Input(quantity)
+        | StatementKind::Prescribed(quantity)
+        | StatementKind::Const(quantity) => quantity.name.text == wanted,
+        StatementKind::Let { name, .. } => name.text == wanted,
+        _ => false,
+    }
+}
+
+/// `let` statements for the outputs that a formula names, but for those that are called as the variable they show.
+fn outputs_in(formula: &str, text: &str, statements: &[Statement], before: &str) -> String {
+    let words: Vec<&str> = formula.split(|c: char| !(c.is_ascii_alphanumeric() || c == '_')).collect();
+    let outputs = statements.iter().filter_map(|statement| match &statement.kind {
+        StatementKind::Output { name, value, .. }
+            if words.contains(&name.text.as_str())
+                && !statements.iter().any(|statement| declares(statement, &name.text)) =>
+        {
+            Some(format!(" let {} = {};", name.text, &text[value.span.clone()]))
+        }
+        _ => None,
+    });
+    outputs.filter(|line| !before.contains(line.as_str())).collect()
+}
+
+fn prescribed(statements: &[Statement]) -> Vec<String> {
+    let names = statements.iter().filter_map(|statement| match &statement.kind {
+        StatementKind::Prescribed(quantity) => Some(quantity.name.text.clone()),
+        _ => None,
+    });
+    names.collect()
+}
+
+fn unknown(option: &str, what: &str, name: &str, known: &[String]) -> Failure {
+    let hint = hint(name, known, &format!("{what}s"));
+    Failure::new(format_args!("{option}: there is no {what} `{name}`{hint}"))
+}
+
+/// A table whose first column is the time; the values are in the column of this name, or in the second.
+fn table(
+    path: &Path,
+    name: &str,
+    (start, end): (f64, f64),
+    curve: fn(Vec<f64>, Vec<f64>) -> Curve,
+) -> Result<Curve, Failure> {
+    let shown = path.display();
+    let refused = |reason: String| Failure::new(format_args!("{shown}: {reason}"));
+    let bytes = fs::read(path).map_err(|error| Failure::new(format_args!("cannot read {shown}: {error}")))?;
+    let mut reader =
+        csv::ReaderBuilder::new().has_headers(false).comment(Some(b'#')).trim(csv::Trim::All).from_reader(&*bytes);
+    let (mut times, mut values, mut column) = (Vec::new(), Vec::new(), 1);
+    for (number, record) in reader.records().enumerate() {
+        let record = record.map_err(|error| refused(error.to_string()))?;
+        let line = record.position().map_or(0, |position| position.line());
+        let cell = |i: usize| -> Result<f64, Failure> {
+            let text = record.get(i).ok_or_else(|| refused(format!("line {line} has no column {}", i + 1)))?;
+            let number = text.parse::<f64>().ok().filter(|number| number.is_finite());
+            number.ok_or_else(|| refused(format!("line {line}, column {}: `{text}` is not a finite number", i + 1)))
+        };
+        if number == 0 && record.iter().any(|cell| cell.parse::<f64>().is_err()) {
+            let named = record.iter().position(|cell| cell == name);
+            column = match (named, record.len()) {
+                (Some(column), _) => column,
+                (None, 2) => 1,
+                (None, _) => return Err(refused(format!("there is no column `{name}`"))),
+            };
+            continue;
+        }
+        let (time, value) = (cell(0)?, cell(column)?);
+        if times.last().is_some_and(|last| *last >= time) {
+            return Err(refused(format!(
+                "line {line}: times must increase, {time:?} comes after {:?}",
+                times[times.len() - 1]
+            )));
+        }
+        times.push(time);
+        values.push(value);
+    }
+    if times.len() < 2 {
+        return Err(refused("a table has two rows at least".to_string()));
+    }
+    let curve = curve(times, values);
+    let (first, last) = curve.range();
+    if start < first || end > last {
+        return Err(refused(format!("it goes from t = {first:?} to {last:?}, the motion from {start:?} to {end:?}")));
+    }
+    Ok(curve)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn formulas_of_time_alone_are_in_si_units() {
+        let check = |formula: &str, expected: &str| assert_eq!(in_si_units(formula, "push"), expected);
+        check("2*sin(3*t)", "unit_of_push*(2*sin(3*(t/second_of_formulas)))");
+        check("1.5e-3", "unit_of_push*(1.5e-3)");
+        check(
+            "if t < 1 { 2 } else { -exp (t*pi) }",
+            "unit_of_push*(if (t/second_of_formulas) < 1 { 2 } else { -exp ((t/second_of_formulas)*pi) })",
+        );
+        check("b*cos(w*t)", "b*cos(w*t)");
+        check("-k*x", "-k*x");
+    }
+}

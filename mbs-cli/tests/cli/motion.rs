@@ -1,0 +1,205 @@
+//! `mbs simulate`: inputs and signals over time, what is recorded, states by name.
+
+use crate::{Outcome, Workshop};
+
+/// A cart on a spring whose wall is shaken, pushed by an input.
+const SHAKEN: &str = "\
+mechanism Shaken {
+    param m: kg = 2;
+    param k: N/m = 8;
+    param a: m = 0.1;
+    coord x: m;
+    input push: N;
+    prescribed wall: m;
+    kinetic += 1/2*m*dt(x + wall)^2;
+    potential += 1/2*k*x^2;
+    force x += push;
+    output place = x + wall;
+    output spot = [x + wall, 0, a];
+}
+";
+
+fn workshop() -> Workshop {
+    let workshop = Workshop::new();
+    workshop.write("shaken.mbs", SHAKEN);
+    workshop
+}
+
+/// Header and last row.
+fn last(csv: &str) -> (Vec<String>, Vec<f64>) {
+    let header = csv.lines().next().unwrap().split(',').map(String::from).collect();
+    let row = csv.lines().last().unwrap().split(',').map(|number| number.parse().unwrap()).collect();
+    (header, row)
+}
+
+const RUN: [&str; 6] = ["simulate", "shaken.mbs", "--state", r#"{"x": 0.3}"#, "--t-end", "2"];
+
+fn run(workshop: &Workshop, rest: &[&str]) -> (Vec<String>, Vec<f64>) {
+    last(&workshop.good(&[RUN.as_slice(), rest].concat()))
+}
+
+/// `m ẍ = −k x − m ẅ + F` with `w = a sin ωt`, `F = b cos 3t`: forced vibrations, superposed.
+#[test]
+fn formulas_drive_inputs_and_signals() {
+    let workshop = workshop();
+    let rest = ["--input", "push=b*cos(w*t)", "--signal", "wall=a*sin(w*t)"];
+    let text = SHAKEN.replace("coord x", "param b: N = 0.5; param w: 1/s = 3; coord x");
+    workshop
+        .write("shaken.mbs", text.replace("prescribed wall: m;", "").replace("coord x", "prescribed wall: m; coord x"));
+    let (_, row) = run(&workshop, &rest);
+    let (omega, w, t): (f64, f64, f64) = (2.0, 3.0, 2.0);
+    // x_p = A cos wt + B sin wt
+    let (a, b) = (0.25 / (4.0 - 9.0), 0.1 * 9.0 / (4.0 - 9.0));
+    let (c, d) = (0.3 - a, -b * w / omega);
+    let expected = a * (w * t).cos() + b * (w * t).sin() + c * (omega * t).cos() + d * (omega * t).sin();
+    assert!((row[1] - expected).abs() < 1e-8, "{} instead of {expected}", row[1]);
+    // The same in terms of outputs and of numbers: feedback of the place.
+    let (_, once) = run(&workshop, &["--signal", "wall=a*sin(w*t)", "--input", "push=b*cos(w*t) - k*place/4"]);
+    let (_, again) =
+        run(&workshop, &["--signal", "wall=a*sin(w*t)", "--input", "push=b*cos(w*t) - k*(x + a*sin(w*t))/4"]);
+    assert_eq!(once, again);
+}
+
+/// `ẍ = sin 3t` from rest, in plain numbers: `x = t/3 − sin(3t)/9`.
+#[test]
+fn formulas_of_time_alone_are_in_si_units() {
+    let workshop = workshop();
+    workshop.write("shaken.mbs", SHAKEN.replace("k: N/m = 8", "k: N/m = 0"));
+    let rest = ["--input", "push=2*sin(3*t)", "--signal", "wall=0.5*t^2 + 1"];
+    let csv = workshop
+        .good(&[&["simulate", "shaken.mbs", "--state", r#"{"q": [0]}"#, "--t-end", "2"], rest.as_slice()].concat());
+    let (_, row) = last(&csv);
+    let expected = 2.0 / 3.0 - 6f64.sin() / 9.0 - 0.5 * 4.0;
+    assert!((row[1] - expected).abs() < 1e-8, "{} instead of {expected}", row[1]);
+}
+
+/// A parabola through a spline is itself, so that the cart is under a steady acceleration of its wall.
+#[test]
+fn tables_drive_inputs_and_signals() {
+    let workshop = workshop();
+    let rows = |f: fn(f64) -> f64| -> String {
+        (0..=20).map(|i| f64::from(i) / 10.0).map(|t| format!("{t},{}\n", f(t))).collect()
+    };
+    workshop.write("wall.csv", rows(|t| 0.5 * t * t));
+    workshop.write("push.csv", format!("t,other,push\n{}", "0,9,2\n2,9,2\n"));
+    let (_, row) = run(&workshop, &["--signal", "wall=@wall.csv", "--input", "push=@push.csv"]);
+    // 2 ẍ = −8 x − 2·1 + 2
+    assert!((row[1] - 0.3 * 4f64.cos()).abs() < 1e-8, "{}", row[1]);
+    let bad = |rest: &[&str]| workshop.bad(&[RUN.as_slice(), rest].concat());
+    let longer = ["--signal", "wall=@wall.csv", "--t-end", "3"];
+    let mut arguments = RUN.to_vec();
+    arguments.truncate(4);
+    arguments.extend(longer);
+    let report = workshop.bad(&arguments);
+    assert_eq!(report, "error: wall.csv: it goes from t = 0.0 to 2.0, the motion from 0.0 to 3.0\n");
+    workshop.write("wall.csv", "0,1\n0,2\n");
+    assert!(bad(&["--signal", "wall=@wall.csv"]).contains("line 2: times must increase, 0.0 comes after 0.0"));
+    workshop.write("wall.csv", "0,1\n1,x\n");
+    assert!(bad(&["--signal", "wall=@wall.csv"]).contains("line 2, column 2: `x` is not a finite number"));
+    assert!(bad(&["--signal", "wall=@missing.csv"]).starts_with("error: cannot read missing.csv: "));
+    workshop.write("wall.csv", "0,1\n2,1\n");
+    let report = bad(&["--signal", "wall=@wall.csv", "--csv", "wall.csv"]);
+    assert!(report.contains("the table wall.csv was read"), "{report}");
+}
+
+#[test]
+fn wrong_formulas_are_refused() {
+    let workshop = workshop();
+    let bad = |rest: &[&str], words: &[&str]| {
+        let report = workshop.bad(&[RUN.as_slice(), rest].concat());
+        words.iter().for_each(|word| assert!(report.contains(word), "{word}: {report}"));
+    };
+    let still = ["--signal", "wall=a*sin(t/(1*t))"];
+    bad(&["--input", "push=k*t"], &["--input push: it is in N, the formula is in "]);
+    bad(&["--input", "push=2*", still[0], still[1]], &["error: "]);
+    bad(&["--input", "push=k*x; force x += push"], &["a formula is one expression"]);
+    bad(&["--input", "push=k*y"], &["`y`"]);
+    bad(&["--input", "push=push/2"], &["a formula does not depend on inputs"]);
+    bad(&["--input", "pull=k*x"], &["--input: there is no input `pull`; the inputs are push"]);
+    bad(&["--signal", "wal=a"], &["--signal: there is no prescribed signal `wal`; did you mean \"wall\"?"]);
+    bad(&["--signal", "wall=x"], &["wall"]);
+    let Outcome { code, .. } = workshop.mbs(&[RUN.as_slice(), &["--input", "push"]].concat());
+    assert_eq!(code, 2);
+}
+
+#[test]
+fn what_is_asked_for_is_recorded_with_units() {
+    let workshop = workshop();
+    let all = ["--record", "outputs,inputs,accelerations,conserved", "--signal", "wall=a", "--input", "push=k*x/4"];
+    let (header, row) = run(&workshop, &all);
+    let expected =
+        ["t", "x", "x_dot", "energy", "place", "spot_0", "spot_1", "spot_2", "push", "x_ddot", "energy_integral"];
+    assert_eq!(header, expected);
+    let at = |name: &str| row[header.iter().position(|own| own == name).unwrap()];
+    assert!((at("place") - at("x") - 0.1).abs() < 1e-12 && (at("spot_2") - 0.1).abs() < 1e-15);
+    assert!((at("push") - 2.0 * at("x")).abs() < 1e-12);
+    assert!((at("x_ddot") + 3.0 * at("x")).abs() < 1e-12, "{} {}", at("x_ddot"), at("x"));
+    let (header, with_units) = run(&workshop, &[all.as_slice(), &["--units"]].concat());
+    let expected = [
+        "t_s",
+        "x_m",
+        "x_dot_m_s",
+        "energy_J",
+        "place_m",
+        "spot_0_m",
+        "spot_1_m",
+        "spot_2_m",
+        "push_N",
+        "x_ddot_m_s2",
+        "energy_integral_J",
+    ];
+    assert_eq!((header.as_slice(), with_units), (expected.map(String::from).as_slice(), row));
+    let Outcome { stderr, .. } =
+        workshop.mbs(&[RUN.as_slice(), &["--signal", "wall=a", "--record", "reactions"]].concat());
+    assert_eq!(stderr, "warning: Shaken has no reactions to record\n");
+    let figure = [all.as_slice(), &["--plot", "motion.svg", "--csv", "motion.csv"]].concat();
+    workshop.good(&[RUN.as_slice(), &figure].concat());
+    let svg = workshop.read("motion.svg");
+    for label in ["coordinates [m]", "outputs [m]", "inputs [N]", "accelerations [m/s^2]", "conserved [J]"] {
+        assert!(svg.contains(label), "{label}");
+    }
+}
+
+/// A motion that escapes in finite time, and one into a spring of 1e22 N/m.
+#[test]
+fn where_steps_collapse_is_measured() {
+    let workshop = Workshop::new();
+    let report = |statement: &str, state: &str| {
+        let text = format!(
+            "mechanism M {{ param m: kg = 1; param k: N/m = 1e22; param c: N*s^2/m^2 = 1; coord x: m; \
+             kinetic += 1/2*m*dt(x)^2; {statement} }}"
+        );
+        workshop.write("m.mbs", text);
+        workshop.bad(&["simulate", "m.mbs", "--state", state, "--t-end", "5", "--csv", "motion.csv"])
+    };
+    let escape = report("force x += c*dt(x)^2;", r#"{"q": [0], "qd": [1]}"#);
+    assert!(
+        escape.contains("; forces are stiff there: the mass matrix, scaled by its diagonal, has a condition of 1.0e0"),
+        "{escape}"
+    );
+    assert!(escape.contains("the fastest rate of the linearized motion is "), "{escape}");
+}
+
+#[test]
+fn states_by_name() {
+    let workshop = Workshop::new();
+    let pendulum = workshop.eval("pendulum.mbs", r#"{"q": [0.3], "qd": [0.2], "qdd": [0.1], "u": [2]}"#);
+    for state in [
+        r#"{"q": {"theta": 0.3}, "qd": {"theta": 0.2}, "qdd": {"theta": 0.1}, "u": {"tau": 2}}"#,
+        r#"{"theta": 0.3, "theta_dot": 0.2, "theta_ddot": 0.1, "tau": 2}"#,
+        r#"{"theta": 0.3, "theta_dot": "0.2 rad/s", "qdd": [0.1], "tau": "2 N*m"}"#,
+    ] {
+        assert_eq!(workshop.eval("pendulum.mbs", state), pendulum, "{state}");
+    }
+    let chain = workshop.eval("chain.mbs", r#"{"q": [1, 3], "qd": [0, 5]}"#);
+    assert_eq!(workshop.eval("chain.mbs", r#"{"x": [1, 3], "x_1_dot": 5}"#), chain);
+    assert_eq!(workshop.eval("chain.mbs", r#"{"q": {"x_0": 1, "x_1": 3}, "qd": {"x_1": 5}}"#), chain);
+    let bad = |state: &str, message: &str| {
+        let expected = format!("error: --state: {message}\n");
+        assert_eq!(workshop.bad(&["eval", "chain.mbs", "--state", state]), expected, "{state}");
+    };
+    bad(r#"{"q": {"y": 1}}"#, "unknown name \"q\".\"y\"; the names are x_0, x_1");
+    bad(r#"{"q": [1, 2], "x_0": 1}"#, "\"x_0\" is given twice");
+    bad(r#"{"x": [1]}"#, "\"x\" must hold 2 numbers (x_0, x_1), found 1");
+    bad(r#"{"x_0_dot": 1}"#, "\"q\" is missing: 2 numbers (x_0, x_1)");
+}
