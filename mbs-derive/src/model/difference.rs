@@ -366,7 +366,9 @@ mod tests {
             let verbatim: Vec<Expr<'_>> = match &lagrangian.outputs[0].value {
                 OutputValue::Scalar(expr) => vec![*expr],
                 OutputValue::Array(exprs) => exprs.clone(),
-                OutputValue::Matrix(_) | OutputValue::Pose(_) => unreachable!("numbers and vectors are asked for"),
+                OutputValue::Matrix(_) | OutputValue::Pose(_) | OutputValue::Matrices(_) | OutputValue::Poses(_) => {
+                    unreachable!("numbers and vectors are asked for")
+                }
             };
             let graph = Graph::new();
             let carried = carry_out(&verbatim, &graph, |symbol| time_derivative(symbol, &graph));
