@@ -14,7 +14,8 @@ const KEYWORDS: [&str; 44] = [
 /// Compiled as it stands in `mechanisms/keywords.mbs`.
 #[test]
 fn names_are_escaped_in_code() {
-    let params = Params::<f64> { r#type: 1.5, r#box: 2.5, self_: 3.5, Self_: 4.5, ..Params::default() };
+    let params = Params::<f64> { r#type: 1.5, r#box: 2.5, self__2: 3.5, Self_: 4.5, ..Params::default() };
+    assert_eq!(params.self_, 12.0, "declared under this very name");
     assert_eq!((params.r#true, params.r#gen, params.crate_), ([13.0, 14.0], 7.0, 6.0));
     let mechanism = Loop::new(params);
     assert_eq!((coordinate::MATCH, coordinate::MOVE, input::AS), (0, 1..3, 2..4));
@@ -31,7 +32,7 @@ fn names_are_as_declared_in_json() {
     let source = include_str!("mechanisms/keywords.mbs");
     let options = Options { serde: true, ..Options::default() };
     let code = mbs_derive::generate("keywords.mbs", source, &options).expect("as compiled").code;
-    for (name, field) in [("type", "r#type"), ("self", "self_"), ("Self", "Self_"), ("gen", "r#gen")] {
+    for (name, field) in [("type", "r#type"), ("self", "self__2"), ("Self", "Self_"), ("gen", "r#gen")] {
         let renamed = code.lines().skip_while(|line| line.trim() != format!("#[serde(rename = \"{name}\")]")).nth(1);
         assert_eq!(renamed.map(str::trim), Some(format!("pub {field}: T,").as_str()), "{name}");
     }

@@ -130,10 +130,19 @@ impl Scope {
         name
     }
 
-    /// Likewise of a name that users of the code write.
-    fn unique_escaped(&mut self, wish: &str) -> String {
-        let name = escaped(wish);
-        if self.taken.insert(name.clone()) { name } else { self.unique(wish) }
+    /// Likewise of names that users of the code write: those that need no escape are as they are, whatever comes before.
+    fn unique_escaped<'a>(&mut self, wishes: impl Iterator<Item = &'a str> + Clone) -> Vec<String> {
+        let is_plain = |wish: &&str| escaped(wish) == **wish;
+        let plain: Vec<String> = wishes.clone().filter(is_plain).map(|wish| self.unique(wish)).collect();
+        let mut plain = plain.into_iter();
+        let name = |wish: &str| {
+            let name = escaped(wish);
+            if name == wish {
+                return plain.next().unwrap_or(name);
+            }
+            if self.taken.insert(name.clone()) { name } else { self.unique(wish) }
+        };
+        wishes.map(name).collect()
     }
 
     /// The name, if it is free; taken from now on.
@@ -199,8 +208,8 @@ impl Names {
         let mut methods = Scope::with(&METHODS);
         Names {
             mechanism: type_name(&derivation.name),
-            fields: derivation.parameters.iter().map(|p| fields.unique_escaped(&p.name)).collect(),
-            functions: derivation.functions.iter().map(|f| methods.unique_escaped(&f.name)).collect(),
+            fields: fields.unique_escaped(derivation.parameters.iter().map(|p| p.name.as_str())),
+            functions: methods.unique_escaped(derivation.functions.iter().map(|f| f.name.as_str())),
             constrained_motion: methods.unique("constrained_motion"),
             hoisted,
             coordinates,
@@ -344,8 +353,8 @@ mod tests {
             assert_eq!(ident(expected).to_string(), expected);
         }
         let mut scope = Scope::default();
-        let names = ["self_", "self", "type", "type"].map(|name| scope.unique_escaped(name));
-        assert_eq!(names, ["self_", "self__2", "r#type", "type_"]);
+        let names = scope.unique_escaped(["self", "m", "self_", "type", "l", "type"].into_iter());
+        assert_eq!(names, ["self__2", "m", "self_", "r#type", "l", "type_"]);
         assert_eq!((type_name("loop"), type_name("Self")), ("r#loop".to_string(), "SelfMechanism".to_string()));
     }
 

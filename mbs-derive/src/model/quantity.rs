@@ -40,6 +40,11 @@ impl<'d, 'g> Resolver<'d, 'g> {
     /// that apart, further on always, but for `m` and `s` where the dimensions of sums tell.
     fn check_unit_name(&mut self, decimal: &str, unit: &Unit, number: usize) -> Resolved<()> {
         let Name { text, span } = &unit.factors[number].name;
+        if text == "t" && self.dimensionless {
+            // Otherwise a mass and a time are told apart by their dimensions.
+            let help = format!("write `{decimal}*t` with the time, `{decimal}*1000 kg` for tonnes");
+            return Err(self.refuse(span, "`t` is a unit and the time", help));
+        }
         let Some((origin, declared)) = self.meaning(text) else { return Ok(()) };
         let of_unit = measure(&Unit { factors: vec![plain(text, span)], span: span.clone() });
         let dimension = of_unit.map_or(Dimension::ONE, |measure| measure.dimension);
@@ -214,6 +219,8 @@ mod tests {
                 "m: `m` is a unit and a parameter; write `2*m` for the product; for the quantity declare it: `const name: m = 2;`"
             ]
         );
+        let time = messages("#![dimensionless] mechanism A { coord x: 1; kinetic += dt(x)^2; force x += sin(5 t); }");
+        assert_eq!(time, ["t: `t` is a unit and the time; write `5*t` with the time, `5*1000 kg` for tonnes"]);
         let plain = "#![dimensionless] mechanism A { coord x: 1; kinetic += 2 kg*dt(x)^2; potential += 30 deg*x; }";
         assert!(messages(plain).is_empty());
         refused("let a = 1e308 km;", "1e308 km: in m this is beyond the range of an `f64`; choose another unit");
