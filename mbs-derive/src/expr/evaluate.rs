@@ -181,10 +181,39 @@ impl Tape {
         Tape { strict: true, ..Tape::new(roots) }
     }
 
+    /// The steps, whose operands are positions among them.
+    pub(crate) fn steps(&self) -> &[Node] {
+        &self.steps
+    }
+
+    /// The positions of the roots.
+    pub(crate) fn roots(&self) -> &[usize] {
+        &self.roots
+    }
+
     /// The values of the roots where each symbol has the value that `point` gives it.
     pub fn run<V: Value>(&self, point: impl Fn(Symbol) -> V) -> Vec<V> {
+        self.run_deciding(point, |_, holds| holds)
+    }
+
+    /// The same, with comparisons that come out as `decide` says: of their positions, and of how they would come out.
+    pub(crate) fn run_deciding<V: Value>(
+        &self,
+        point: impl Fn(Symbol) -> V,
+        decide: impl Fn(usize, bool) -> bool,
+    ) -> Vec<V> {
+        let values = self.all_deciding(point, decide);
+        self.roots.iter().map(|&root| values[root]).collect()
+    }
+
+    /// The values of all steps.
+    pub(crate) fn all<V: Value>(&self, point: impl Fn(Symbol) -> V) -> Vec<V> {
+        self.all_deciding(point, |_, holds| holds)
+    }
+
+    fn all_deciding<V: Value>(&self, point: impl Fn(Symbol) -> V, decide: impl Fn(usize, bool) -> bool) -> Vec<V> {
         let mut values: Vec<V> = Vec::with_capacity(self.steps.len());
-        for step in &self.steps {
+        for (at, step) in self.steps.iter().enumerate() {
             let v = |operand: Id| values[operand.index()];
             if let Some(value) = self.strict.then(|| strictly(step, v)).flatten() {
                 values.push(value);
@@ -201,8 +230,8 @@ impl Tape {
                 Node::Power(a, n) => v(a).power(n.to_halves()),
                 Node::Call(function, a) => v(a).call(function),
                 Node::Call2(function, a, b) => v(a).call2(function, v(b)),
-                Node::Less(a, b) => truth(v(a).less(v(b))),
-                Node::LessEqual(a, b) => truth(v(a).less_equal(v(b))),
+                Node::Less(a, b) => truth(decide(at, v(a).less(v(b)))),
+                Node::LessEqual(a, b) => truth(decide(at, v(a).less_equal(v(b)))),
                 Node::And(a, b) => truth(holds(v(a)) && holds(v(b))),
                 Node::Not(a) => truth(!holds(v(a))),
                 Node::Select(c, a, b) => {
@@ -215,7 +244,7 @@ impl Tape {
             };
             values.push(value);
         }
-        self.roots.iter().map(|&root| values[root]).collect()
+        values
     }
 }
 

@@ -12,6 +12,7 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 use super::evaluate::Value;
 use super::function::{Binary, Function};
 use super::number::Number;
+use super::range::Range;
 use super::rounded::Rounded;
 use super::table::Finder;
 
@@ -154,6 +155,8 @@ struct Arena {
     keys: Vec<u64>,
     /// Whether a node depends on parameters alone, or on nothing.
     parametric: Vec<bool>,
+    /// Between which values a node stays.
+    ranges: Vec<Range>,
     ids: Finder,
 }
 
@@ -237,6 +240,7 @@ impl Graph {
         let known = arena.ids.find_or_add(key, |number| arena.nodes[number as usize] == node);
         let number = known.unwrap_or_else(|| {
             arena.parametric.push(arena.is_parametric(node));
+            arena.ranges.push(Range::of(node, |id| arena.ranges[id.index()]));
             arena.nodes.push(node);
             arena.keys.push(key);
             arena.nodes.len() as u32 - 1
@@ -247,6 +251,20 @@ impl Graph {
     /// Whether the node depends on parameters alone, or on nothing.
     pub fn is_parametric(&self, id: Id) -> bool {
         self.arena.borrow().parametric[id.index()]
+    }
+
+    /// Whether the node is nowhere negative.
+    fn is_not_negative(&self, id: Id) -> bool {
+        self.arena.borrow().ranges[id.index()].is_not_negative()
+    }
+
+    fn has_one_sign(&self, id: Id) -> bool {
+        self.is_not_negative(id) || self.is_not_positive(id)
+    }
+
+    /// Whether the node is nowhere positive.
+    fn is_not_positive(&self, id: Id) -> bool {
+        self.arena.borrow().ranges[id.index()].is_not_positive()
     }
 
     /// Whether `a` comes before `b` in the order of operands.
@@ -447,6 +465,13 @@ impl<'g> Expr<'g> {
             {
                 graph.expr(a).power(HalfInteger(inner.0 * (halves / 2)))
             }
+            // For any b where x has one sign, or x^a is the square of a square, it holds of |x|.
+            (Node::Power(a, inner), halves)
+                if inner.0 % 4 == 0 && (inner.0 % 8 == 0 || graph.has_one_sign(a)) && inner.0.abs() <= 64 =>
+            {
+                let size = if graph.is_not_positive(a) { -graph.expr(a) } else { graph.expr(a) };
+                size.power(HalfInteger(inner.0 / 2 * halves))
+            }
             (Node::Call(Function::Abs, a), halves) if halves % 4 == 0 => graph.expr(a).power(n),
             (Node::Mul(c, x), halves) if halves % 2 == 0 && graph.is_constant(c) => {
                 graph.expr(c).power(n) * graph.expr(x).power(n)
@@ -470,6 +495,8 @@ impl<'g> Expr<'g> {
             }
         }
         match (self.node(), function) {
+            (_, Function::Abs) if graph.is_not_negative(self.id) => self,
+            (_, Function::Abs) if graph.is_not_positive(self.id) => -self,
             (Node::Neg(a), f) if f.is_even() => graph.expr(a).call(f),
             (Node::Neg(a), f) if f.is_odd() => -graph.expr(a).call(f),
             (Node::Add(c, x) | Node::Add(x, c) | Node::Sub(c, x) | Node::Sub(x, c), Function::Sin | Function::Cos)

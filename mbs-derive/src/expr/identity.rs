@@ -1,0 +1,309 @@
+//! Whether expressions are identically zero, or polynomials of a degree in some of their symbols: decided in a finite field.
+//!
+//! A function of s is a polynomial of degree k at most if and only if its divided differences of order `k + 1` vanish. They are
+//! formed along a random line through a random point, of values in a finite field ([`residue`](super::residue)), so that the
+//! answer knows no tolerance: `1e-30 v⁴` is not of degree two, and `(v⁴ − w⁴)/(v² − w²)` is.
+//!
+//! A function that has the degree is never said not to have it as long as it follows by algebra, by the addition of angles and by
+//! `√x² = x`; one that has not is taken for one that has with a probability of its degree over 2⁵¹ at each of the points.
+
+use super::branch::{Branches, Side};
+use super::dual::Dual;
+use super::evaluate::{Tape, Value};
+use super::function::Function;
+use super::graph::{Expr, Node, Symbol};
+use super::residue::{Residue, mixed};
+
+/// What was found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Verdict {
+    /// It is so, for all values of the symbols.
+    Holds,
+    /// It does not follow from the laws that the field knows.
+    Fails,
+    /// There was no point where all roots exist.
+    Undecided,
+}
+
+/// Whether an expression of a verbatim graph is zero for all values of its symbols.
+pub fn vanishes(expr: Expr<'_>) -> Verdict {
+    Test::new(expr, |_| false).divided_differences_vanish(0)
+}
+
+/// Whether an expression is a polynomial of at most this degree in the symbols that vary, the same one on all sides of a condition
+/// that depends on them. Of degree 0 is what does not depend on them.
+pub fn degree_is_at_most(degree: usize, expr: Expr<'_>, varies: impl Fn(Symbol) -> bool) -> Verdict {
+    Test::new(expr, varies).divided_differences_vanish(degree + 1)
+}
+
+/// So many points decide where nothing but the degree can be a chance.
+const POINTS: u64 = 3;
+
+/// So many where signs of roots or the outcomes of comparisons are chances, one in two.
+const POINTS_OF_CHOICES: u64 = 64;
+
+/// So many points on a line are tried to find those where all roots exist.
+const TRIED_ON_A_LINE: u64 = 64;
+
+/// So many steps of evaluation are spent on what does not get to an end.
+const BUDGET: usize = 20_000_000;
+
+struct Test<Varies> {
+    tape: Tape,
+    varies: Varies,
+    /// Whether the value of each step varies.
+    varying: Vec<bool>,
+    has_choices: bool,
+}
+
+impl<Varies: Fn(Symbol) -> bool> Test<Varies> {
+    fn new(expr: Expr<'_>, varies: Varies) -> Self {
+        let tape = Tape::strict(&[expr]);
+        let varying = varying(&tape, &varies);
+        let all = !tape.steps().iter().any(|step| matches!(step, Node::Symbol(s) if varies(*s)));
+        let chosen = |(at, step): (usize, &Node)| (all || varying[at]) && is_choice(step);
+        let has_choices = tape.steps().iter().enumerate().any(chosen);
+        Test { tape, varies, varying, has_choices }
+    }
+
+    fn divided_differences_vanish(&self, order: usize) -> Verdict {
+        let branches = Branches::of(&self.tape);
+        let anywhere = std::iter::repeat_n(None, if self.has_choices { POINTS_OF_CHOICES } else { POINTS } as usize);
+        let on_sides = branches.sides().iter().flat_map(|&side| [Some(side); POINTS as usize]);
+        let mut left = BUDGET;
+        for (point, side) in anywhere.chain(on_sides).enumerate() {
+            let decided = side.map_or(Vec::new(), |side: Side| branches.way(side, false));
+            match self.divided_difference(order, 1 + point as u64, &decided, &mut left) {
+                Some(difference) if difference.is_zero() => {}
+                Some(_) => return Verdict::Fails,
+                // A side that no values of the symbols lead to does not count.
+                None if side.is_some() => {}
+                None => return Verdict::Undecided,
+            }
+        }
+        Verdict::Holds
+    }
+
+    /// `Σ f(sᵢ) Π 1/(sᵢ − sⱼ)`, on a line on which f has so many values.
+    fn divided_difference(
+        &self,
+        order: usize,
+        point: u64,
+        decided: &[(usize, bool)],
+        left: &mut usize,
+    ) -> Option<Residue> {
+        let lines = (0..).map(|attempt| mixed(point ^ (attempt << 32)));
+        for line in lines {
+            let mut values: Vec<(Residue, Residue)> = Vec::new();
+            for number in 0..TRIED_ON_A_LINE {
+                *left = left.checked_sub(self.tape.steps().len())?;
+                let s = Residue::random(mixed(line).wrapping_add(number));
+                let value = self.value(line, s, decided);
+                values.extend(value.is_defined().then_some((s, value)));
+                if values.len() > order {
+                    return Some(divided_difference(&values));
+                }
+                // Nothing that varies makes it undefined.
+                if order == 0 && number == 0 {
+                    break;
+                }
+            }
+        }
+        None
+    }
+
+    /// The value of the expression at a point of a line.
+    fn value(&self, line: u64, s: Residue, decided: &[(usize, bool)]) -> Residue {
+        let at = |symbol: Symbol| {
+            let base = generic(symbol, line);
+            let direction = || Residue::random(mixed(mixed(line ^ key(symbol))));
+            if (self.varies)(symbol) { base.add(s.mul(direction())) } else { base }
+        };
+        let point = |symbol: Symbol| match rate(symbol) {
+            Rate::Is(rate) => Dual::new(at(symbol), at(rate)),
+            Rate::One => Dual::new(at(symbol), Residue::constant(1.0)),
+            Rate::Zero => Dual::fixed(at(symbol)),
+        };
+        let as_decided = |at: usize, holds: bool| {
+            let known = decided.iter().find(|(comparison, _)| *comparison == at && !self.varying[at]);
+            known.map_or(holds, |(_, holds)| *holds)
+        };
+        self.tape.run_deciding(point, as_decided)[0].value
+    }
+}
+
+/// A value of a symbol with no relation to those of others; the same one for the same point.
+pub fn generic(symbol: Symbol, point: u64) -> Residue {
+    Residue::random(mixed(point ^ key(symbol)))
+}
+
+fn divided_difference(values: &[(Residue, Residue)]) -> Residue {
+    let terms = values.iter().enumerate().map(|(i, (s, value))| {
+        let others = values.iter().enumerate().filter(|(j, _)| *j != i);
+        others.fold(*value, |term, (_, (other, _))| term.div(s.sub(*other)))
+    });
+    terms.fold(Residue::constant(0.0), Residue::add)
+}
+
+/// Whether the field leaves something to chance there: a sign or a comparison.
+fn is_choice(step: &Node) -> bool {
+    match step {
+        Node::Power(_, n) => n.to_integer().is_none(),
+        Node::Call(function, _) => matches!(function, Function::Abs | Function::Signum),
+        Node::Less(..) | Node::LessEqual(..) => true,
+        Node::Constant(_)
+        | Node::Symbol(_)
+        | Node::Rate(_)
+        | Node::Neg(_)
+        | Node::Add(..)
+        | Node::Sub(..)
+        | Node::Mul(..)
+        | Node::Call2(..)
+        | Node::And(..)
+        | Node::Not(_)
+        | Node::Select(..) => false,
+    }
+}
+
+/// Whether each step depends on a symbol that varies.
+fn varying(tape: &Tape, varies: &impl Fn(Symbol) -> bool) -> Vec<bool> {
+    // Of each step, whether it varies, and whether its rate does.
+    let mut found: Vec<(bool, bool)> = Vec::new();
+    for step in tape.steps() {
+        let any = |which: fn(&(bool, bool)) -> bool| step.operands().any(|a| which(&found[a.index()]));
+        let (value, its_rate) = (any(|f| f.0), any(|f| f.1));
+        found.push(match *step {
+            Node::Symbol(symbol) => {
+                (varies(symbol), matches!(rate(symbol), Rate::Is(rate) if varies(rate)) || varies(symbol))
+            }
+            Node::Rate(_) => (its_rate, its_rate),
+            _ => (value, its_rate),
+        });
+    }
+    found.into_iter().map(|(value, _)| value).collect()
+}
+
+/// The time derivative of a symbol.
+enum Rate {
+    Is(Symbol),
+    One,
+    Zero,
+}
+
+fn rate(symbol: Symbol) -> Rate {
+    match symbol {
+        Symbol::Time => Rate::One,
+        Symbol::Coordinate(i) => Rate::Is(Symbol::Velocity(i)),
+        Symbol::Velocity(i) => Rate::Is(Symbol::Acceleration(i)),
+        Symbol::Prescribed(i, order) => Rate::Is(Symbol::Prescribed(i, order + 1)),
+        Symbol::Acceleration(_) | Symbol::Parameter(_) | Symbol::Input(_) | Symbol::Multiplier(_) => Rate::Zero,
+    }
+}
+
+/// Another one for each symbol.
+fn key(symbol: Symbol) -> u64 {
+    let (kind, index) = match symbol {
+        Symbol::Time => (0, 0),
+        Symbol::Coordinate(i) => (1, i),
+        Symbol::Velocity(i) => (2, i),
+        Symbol::Acceleration(i) => (3, i),
+        Symbol::Parameter(i) => (4, i),
+        Symbol::Input(i) => (5, i),
+        Symbol::Multiplier(i) => (6, i),
+        Symbol::Prescribed(i, order) => (7 + u64::from(order), i),
+    };
+    mixed((kind << 32) + u64::from(index))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::expr::{Graph, HalfInteger, Number};
+
+    /// x, y with their rates v, w, and a parameter c.
+    struct Symbols<'g> {
+        graph: &'g Graph,
+        x: Expr<'g>,
+        y: Expr<'g>,
+        v: Expr<'g>,
+        w: Expr<'g>,
+        c: Expr<'g>,
+    }
+
+    fn degree(build: impl for<'g> Fn(Symbols<'g>) -> Expr<'g>) -> Option<usize> {
+        let graph = Graph::verbatim();
+        let [x, y] = [0, 1].map(|i| graph.symbol(Symbol::Coordinate(i)));
+        let (v, w, c) = (x.rate(), y.rate(), graph.symbol(Symbol::Parameter(0)));
+        let expr = build(Symbols { graph: &graph, x, y, v, w, c });
+        let is = |k: &usize| degree_is_at_most(*k, expr, |s| matches!(s, Symbol::Velocity(_))) == Verdict::Holds;
+        (0..4).find(is)
+    }
+
+    #[test]
+    fn degrees_of_polynomials() {
+        assert_eq!(degree(|s| s.x.sin() * s.c), Some(0));
+        assert_eq!(degree(|s| s.x.sin() * s.v), Some(1));
+        assert_eq!(degree(|s| s.c * s.v * s.w + s.v), Some(2));
+        assert_eq!(degree(|s| s.v.powi(3)), Some(3));
+        assert_eq!(degree(|s| (s.x.powi(2) + s.y.powi(2)).sqrt().rate().powi(2)), Some(2));
+        let tiny = Number::parse_decimal("1e-30").unwrap();
+        assert_eq!(degree(|s| s.v.powi(2) + s.graph.constant(tiny) * s.v.powi(3)), Some(3));
+    }
+
+    #[test]
+    fn degrees_of_what_cancels() {
+        assert_eq!(degree(|s| (s.v.powi(2) - s.w.powi(2)) / (s.v - s.w)), Some(1));
+        assert_eq!(degree(|s| (s.v + s.w).powi(4) - (s.w + s.v).powi(4) + s.v), Some(1));
+        assert_eq!(degree(|s| (s.v.powi(2) + s.w.powi(2)).sqrt().powi(2)), Some(2));
+        assert_eq!(degree(|s| s.v.powi(4).sqrt() * s.v.powi(4).sqrt() / s.v.powi(2)), Some(2));
+        assert_eq!(degree(|s| s.v * (s.v.sin().powi(2) + s.v.cos().powi(2))), Some(1));
+        assert_eq!(degree(|s| s.v.call(Function::Abs).powi(2)), Some(2));
+        assert_eq!(degree(|s| s.v.power(HalfInteger::halves(3)).powi(2) / s.v), Some(2));
+        assert_eq!(degree(|s| (s.v.powi(2) + s.w.powi(2)).sqrt() * (s.v.powi(2) + s.w.powi(2))), None);
+    }
+
+    #[test]
+    fn a_polynomial_is_the_same_on_both_sides() {
+        assert_eq!(degree(|s| s.v * s.v.call(Function::Abs)), None);
+        assert_eq!(degree(|s| s.v.call(Function::Signum) * s.v.powi(2)), None);
+        assert_eq!(degree(|s| s.v.powi(2).sqrt() * s.w), None);
+        let [zero, two] = [0, 2];
+        assert_eq!(degree(|s| s.graph.select(s.v.less(s.graph.integer(zero)), s.v, two * s.v)), None);
+        // max(v, 0)² + min(v, 0)² = v²
+        assert_eq!(
+            degree(|s| {
+                let zero = s.graph.integer(0);
+                let [larger, smaller] = [(zero, s.v), (s.v, zero)].map(|(a, b)| s.graph.select(s.v.less(zero), a, b));
+                larger.powi(2) + smaller.powi(2)
+            }),
+            Some(2)
+        );
+    }
+
+    #[test]
+    fn every_side_is_looked_at() {
+        // if x < 1 { v } else if x < 2 { v } … else { v³ }
+        let chain = |last: i32| {
+            degree(move |s| {
+                let sides = (0..40).map(|k| s.x.less(s.graph.integer(40 - k)));
+                sides.fold(s.v.powi(last), |rest, condition| s.graph.select(condition, s.v, rest))
+            })
+        };
+        assert_eq!((chain(2), chain(3)), (Some(2), Some(3)));
+    }
+
+    #[test]
+    fn what_is_zero_for_all_values() {
+        let graph = Graph::verbatim();
+        let [x, y] = [0, 1].map(|i| graph.symbol(Symbol::Coordinate(i)));
+        let square = (x + y).powi(2) - (x.powi(2) + 2 * x * y + y.powi(2));
+        assert_eq!(vanishes(square), Verdict::Holds);
+        assert_eq!(vanishes((x + y).sin() - x.sin() * y.cos() - x.cos() * y.sin()), Verdict::Holds);
+        assert_eq!(vanishes(square + graph.constant(Number::parse_decimal("1e-40").unwrap())), Verdict::Fails);
+        assert_eq!(vanishes(x.powi(2).sqrt() - x), Verdict::Fails);
+        assert_eq!(vanishes(x.call(Function::Abs) - x), Verdict::Fails);
+        let beyond = graph.select(graph.integer(100).less(x), x, graph.integer(0));
+        assert_eq!(vanishes(beyond), Verdict::Fails);
+        assert_eq!(vanishes(graph.integer(0) / graph.integer(0)), Verdict::Undecided);
+    }
+}
