@@ -1,6 +1,9 @@
 //! First integrals: momenta of cyclic coordinates, and the energy integral where t is absent.
 
-use crate::expr::{Expr, Function, Node, Rounded, Symbol, evaluate, substitute};
+use crate::expr::{
+    Expr, Function, Node, Rounded, Symbol, Verdict, degree_is_at_most, evaluate, substitute,
+    vanishes as is_zero_everywhere,
+};
 use crate::model::Lagrangian;
 use crate::model::lagrangian::component_names;
 use crate::model::sample::Random;
@@ -36,7 +39,7 @@ pub fn conserved<'g>(
     let mut found = Vec::new();
     // The power of a constraint is −b·λ: constraints that do not move do no work.
     let workless = constraints.drift.iter().all(|&drift| vanishes(drift));
-    if force_free.iter().all(|&free| free) && workless && !depends_on_time(energies.lagrangian) {
+    if force_free.iter().all(|&free| free) && workless && is_independent_of_time(lagrangian, energies) {
         found.push(Conserved {
             name: "energy_integral".to_string(),
             value: energy_integral(lagrange, energies, symbols),
@@ -53,32 +56,57 @@ pub fn conserved<'g>(
 
 /// `q̇·∂L/∂q̇ − L`, Jacobi's integral; its value is `T + V` where T is homogeneous of second degree in the velocities and
 /// L is `T − V`, but it is formed as written.
+///
+/// Where t cancels, as in a frame that turns, it has the same value at any time: it is formed for t = 0, if that is a number.
 fn energy_integral<'g>(lagrange: &Lagrange<'g>, energies: &Energies<'g>, symbols: &Symbols) -> Expr<'g> {
     let graph = energies.lagrangian.graph();
     let momentum_dot_velocity: Expr<'g> =
         lagrange.momentum.iter().zip(&symbols.qd).fold(graph.integer(0), |sum, (&p, &qd)| sum + p * graph.symbol(qd));
-    momentum_dot_velocity - energies.lagrangian
+    let integral = momentum_dot_velocity - energies.lagrangian;
+    if !depends_on_time(integral) {
+        return integral;
+    }
+    let at_zero = substitute(&[integral], |symbol| is_of_time(symbol).then(|| graph.integer(0)))[0];
+    let is_finite =
+        (0..3).all(|round| evaluate::<f64>(&[at_zero], |symbol| generic_value(symbol, round))[0].is_finite());
+    if is_finite { at_zero } else { integral }
+}
+
+/// Time itself, or a signal in time.
+fn is_of_time(symbol: Symbol) -> bool {
+    matches!(symbol, Symbol::Time | Symbol::Prescribed(..))
+}
+
+/// Whether L is the same at all times: t does not occur, or cancels.
+fn is_independent_of_time<'l>(lagrangian: &Lagrangian<'l>, energies: &Energies<'_>) -> bool {
+    if !depends_on_time(energies.lagrangian) {
+        return true;
+    }
+    let sum = |terms: &[Expr<'l>]| terms.iter().fold(lagrangian.graph.integer(0), |sum, &term| sum + term);
+    let declared = sum(&lagrangian.kinetic) + sum(&lagrangian.lagrangian) - sum(&lagrangian.potential);
+    degree_is_at_most(0, declared, is_of_time) == Verdict::Holds
 }
 
 fn depends_on_time(expr: Expr<'_>) -> bool {
     let graph = expr.graph();
-    graph.reachable([expr.id()]).into_iter().any(|id| match graph.node(id) {
-        Node::Symbol(symbol) => matches!(symbol, Symbol::Time | Symbol::Prescribed(..)),
-        _ => false,
-    })
+    graph
+        .reachable([expr.id()])
+        .into_iter()
+        .any(|id| matches!(graph.node(id), Node::Symbol(symbol) if is_of_time(symbol)))
 }
 
 /// Whether an expression is zero for all values of its symbols: tried at points with no special relation.
 ///
 /// A function that is not zero on a whole region is zero at a random point with probability 0; twelve points, of both signs
 /// and with the parameters among the symbols, leave little doubt. Nothing is claimed of an expression whose value is lost in
-/// rounding, nor of one with branches or steps: it may be zero on the one side and not on the other, where no point is.
+/// rounding. One with branches or steps may be zero on the one side and not on the other, where no point is: that is decided in
+/// a finite field, on every side.
 pub(super) fn vanishes(expr: Expr<'_>) -> bool {
     let tried = |round| {
         let value = evaluate(&[expr], |symbol| Rounded::exact(generic_value(symbol, round)))[0];
         value.value.abs() <= 8.0 * value.error && value.error < 1e-9
     };
-    expr.is_zero() || (0..12).all(tried) && !has_branches(expr)
+    expr.is_zero() || (0..12).all(tried) && (!has_branches(expr) || is_zero_everywhere(expr) == Verdict::Holds)
 }
 
 fn has_branches(expr: Expr<'_>) -> bool {
@@ -121,9 +149,11 @@ mod tests {
     use crate::optimise::FunctionKind;
 
     fn conserved(potential: &str) -> Vec<String> {
-        let text = format!(
-            "#![dimensionless]\nmechanism A {{ coord x: 1; coord y: 1; kinetic += dt(x)^2 + dt(y)^2; potential += {potential}; }}"
-        );
+        conserved_with(&format!("kinetic += dt(x)^2 + dt(y)^2; potential += {potential};"))
+    }
+
+    fn conserved_with(statements: &str) -> Vec<String> {
+        let text = format!("#![dimensionless]\nmechanism A {{ param w: 1 = 2; coord x: 1; coord y: 1; {statements} }}");
         let graph = Graph::verbatim();
         let (lagrangian, _) =
             crate::declared(&text, &graph, &[]).unwrap_or_else(|e| panic!("{}", e.render("a", &text)));
@@ -141,5 +171,24 @@ mod tests {
         assert_eq!(conserved("if x > 20 { x - 20 } else { 0 }"), ["energy_integral", "p_y"]);
         assert_eq!(conserved("abs(x - 20) + x"), ["energy_integral", "p_y"]);
         assert_eq!(conserved("if y > 20 { y - 20 } else { 0 }"), ["energy_integral", "p_x"]);
+    }
+
+    #[test]
+    fn both_sides_of_a_branch_may_conserve_a_momentum() {
+        assert_eq!(conserved("if y > 20 { x - x + y } else { 0 }"), ["energy_integral", "p_x"]);
+    }
+
+    /// A puck on a turntable: t is in the energies, and cancels.
+    #[test]
+    fn energy_is_conserved_where_time_cancels() {
+        let puck = "let table = rot_z(w*t); let p = table.point([x, y, 0]); kinetic += particle(1, p);";
+        let spring = "potential += 1/2*w*(p - table.origin()).norm_squared();";
+        assert_eq!(conserved_with(&format!("{puck} {spring}")), ["energy_integral"]);
+        let distance = "potential += (p - table.point([1, 0, 0])).norm();";
+        assert_eq!(conserved_with(&format!("{puck} {distance}")), ["energy_integral"]);
+        assert_eq!(conserved_with(&format!("{puck} potential += p.x;")), [""; 0]);
+        assert_eq!(conserved_with(&format!("{puck} {spring} potential += 1e-20*t*x;")), [""; 0]);
+        let late = "potential += if t > 100 { x*t } else { 0 };";
+        assert_eq!(conserved_with(&format!("{puck} {spring} {late}")), [""; 0]);
     }
 }
