@@ -22,11 +22,14 @@
 //! - `moments`: whether an inertia is that of a body;
 //! - `check`: what must hold of the finished mechanism; `singular`, `sign`: what it was probably not meant to do;
 //! - [`requirement`]: what parameters must satisfy whenever they are set; [`given`]: numbers with units, in SI units;
-//! - [`sample`]: random states; [`degree`]: what must hold of the energies there.
+//! - [`sample`]: random states; [`degree`]: what must hold of the energies: `velocity`: their degree; `rank`: the rows of constraints;
+//!   `inertia`: of every motion; `echelon`: elimination without a tolerance;
+//!   `closure`: whether constraints can hold together.
 
 mod body;
 mod builtin;
 mod check;
+mod closure;
 mod condition;
 mod constant;
 mod constraint;
@@ -34,6 +37,7 @@ mod declare;
 pub mod degree;
 mod difference;
 pub mod dimension;
+pub(crate) mod echelon;
 mod element;
 mod energy;
 mod evaluate;
@@ -43,6 +47,7 @@ mod function;
 pub mod given;
 mod gravity;
 mod import;
+mod inertia;
 pub mod lagrangian;
 pub mod landmark;
 #[cfg(test)]
@@ -53,6 +58,7 @@ mod operator;
 mod output;
 mod point_force;
 mod quantity;
+mod rank;
 mod reaction;
 pub mod requirement;
 pub mod sample;
@@ -63,6 +69,7 @@ mod statement;
 #[cfg(test)]
 mod trial;
 mod value;
+mod velocity;
 
 use crate::diagnostic::Diagnostics;
 use crate::expr::Graph;
@@ -72,7 +79,7 @@ use reaction::Hold;
 
 pub use frame::{Edge, Frame, FrameId, Frames};
 pub use lagrangian::{
-    Body, Constraint, ConstraintKind, Lagrangian, Output, OutputValue, PointForce, Reaction, Variable,
+    Body, Choice, Constraint, ConstraintKind, Lagrangian, Output, OutputValue, PointForce, Reaction, Variable,
 };
 
 /// What a declaration means, in the verbatim `graph`, and warnings about it.

@@ -7,7 +7,7 @@ use super::evaluate::{Argument, Resolved, Resolver};
 use super::frame::{Edge, FrameId};
 use super::lagrangian::Body;
 use super::value::{Free, Point, Pose, Scalar, Tensor, Value};
-use crate::expr::{Expr, Matrix, Vector};
+use crate::expr::{Expr, Matrix, Vector, Verdict, vanishes};
 use crate::parse::syntax::Span;
 
 impl<'d, 'g> Resolver<'d, 'g> {
@@ -87,13 +87,16 @@ impl<'d, 'g> Resolver<'d, 'g> {
         self.constant_in_time(rows.as_flattened(), "an inertia", &argument.span)?;
         for (i, j) in [(0, 1), (0, 2), (1, 2)] {
             let (a, b) = (rows[i][j], rows[j][i]);
-            let equal = a == b || self.facts.constant(a).is_some_and(|a| Some(a) == self.facts.constant(b));
+            let equal = a == b
+                || self.facts.constant(a).is_some_and(|a| Some(a) == self.facts.constant(b))
+                || vanishes(a - b) == Verdict::Holds;
             if !equal {
                 let message = format!("an inertia is symmetric, here the entries [{i}][{j}] and [{j}][{i}] differ");
                 return Err(self.refuse(&argument.span, message, "write `inertia(xx, yy, zz, xy, xz, yz)`"));
             }
         }
-        Ok(tensor.entries)
+        // The same on both sides to the letter.
+        Ok(Matrix([0, 1, 2].map(|i| [0, 1, 2].map(|j| rows[i.min(j)][i.max(j)]))))
     }
 
     fn mass_centre(&mut self, argument: &Argument<'g>, frame: FrameId) -> Resolved<Free<'g>> {

@@ -30,6 +30,8 @@ pub(super) struct Places {
     /// Of the forces on coordinates.
     pub(super) forces: Vec<Span>,
     pub(super) constraints: Vec<Span>,
+    /// Of constraints between vectors, what vanishes, as it was written.
+    pub(super) differences: Vec<Option<String>>,
 }
 
 impl<'d, 'g> Resolver<'d, 'g> {
@@ -71,15 +73,47 @@ impl<'d, 'g> Resolver<'d, 'g> {
                 Problem::PotentialDependsOnVelocity(term) => self.places.potential.get(*term).cloned(),
                 Problem::NoInertia(coordinate) | Problem::NegativeInertia(coordinate) => self.place_of(*coordinate),
                 Problem::DependentInertia(coordinates) => coordinates.first().and_then(|c| self.place_of(*c)),
-                Problem::ConstraintNotLinear(constraint) | Problem::DependentConstraint(constraint) => {
-                    self.places.constraints.get(*constraint).cloned()
-                }
-                Problem::TooManyConstraints(_) => self.places.constraints.last().cloned(),
+                Problem::ConstraintNotLinear(constraint)
+                | Problem::DependentConstraint(constraint, _)
+                | Problem::DegenerateConstraint(constraint) => self.places.constraints.get(*constraint).cloned(),
                 Problem::NeverFinite => None,
             };
-            let (message, help) = (problem.message(&self.lagrangian), problem.help(&self.lagrangian));
+            let (message, help) = self
+                .in_components(&problem)
+                .unwrap_or_else(|| (problem.message(&self.lagrangian), problem.help(&self.lagrangian)));
             self.refuse(&place.unwrap_or(name.span.clone()), message, help);
         }
+    }
+
+    /// Of a constraint between vectors some of whose components follow from others: which, and those to keep.
+    fn in_components(&self, problem: &Problem) -> Option<(String, String)> {
+        let Problem::DependentConstraint(number, dependent) = problem else { return None };
+        let difference = self.places.differences.get(*number)?.as_ref()?;
+        let effective = self.effective_rows.get(*number).filter(|effective| effective.len() == 3)?;
+        let components: Vec<&str> =
+            ["x", "y", "z"].into_iter().zip(effective).filter(|(_, is_in)| **is_in).map(|(name, _)| name).collect();
+        let (out, kept): (Vec<_>, Vec<_>) = (0..components.len()).partition(|row| dependent.contains(row));
+        let named = |rows: &[usize], before: &str| {
+            rows.iter().map(|&row| format!("{before}{}", components[row])).collect::<Vec<_>>().join(", ")
+        };
+        let name = &self.lagrangian.constraints[*number].name;
+        if kept.is_empty() {
+            return None;
+        }
+        let kept = match kept.as_slice() {
+            [one] => named(&[*one], "v."),
+            several => format!("[{}]", named(several, "v.")),
+        };
+        let (which, follow, contradict) = if out.len() == 1 {
+            ("component", "follows", "contradicts")
+        } else {
+            ("components", "follow", "contradict")
+        };
+        let message = format!(
+            "the world {which} {} of the constraint `{name}` {follow} from the other rows, or {contradict} them",
+            named(&out, "")
+        );
+        Some((message, format!("keep the others: `{kept} = 0`, with `let v = {difference};`")))
     }
 
     /// Where the coordinate with this number is declared.

@@ -4,8 +4,9 @@
 //! turn.
 
 use super::evaluate::{Argument, Refused, Resolved, Resolver, in_words};
+use super::lagrangian::Choice;
 use super::value::{Free, Point, Scalar, Shape, Tensor, Value, shared};
-use crate::expr::{Condition, Expr, Matrix, Vector};
+use crate::expr::{Condition, Expr, Id, Matrix, Node, Vector};
 use crate::parse::syntax::{Comparison, Expression, ExpressionKind, Span};
 
 /// Whether a condition holds.
@@ -24,12 +25,16 @@ impl<'d, 'g> Resolver<'d, 'g> {
         no: &Expression,
         span: &Span,
     ) -> Resolved<Value<'g>> {
+        let place = &condition.span;
         match self.condition(condition) {
             Ok(Truth::Known(true)) => self.expression(yes),
             Ok(Truth::Known(false)) => self.expression(no),
             Ok(Truth::Open(condition)) => {
                 let (yes, no) = (self.argument(yes), self.argument(no));
-                self.chosen(condition, &yes?, &no?, span)
+                let (yes, no, before) = (yes?, no?, self.graph.len());
+                let value = self.chosen(condition, &yes, &no, span)?;
+                self.note_choices(before, place);
+                Ok(value)
             }
             Err(Refused) => {
                 let _ = (self.expression(yes), self.expression(no));
@@ -49,6 +54,18 @@ impl<'d, 'g> Resolver<'d, 'g> {
                 };
                 let message = "statements are chosen at build time, and this is not known then";
                 Err(self.refuse(&condition.span, message, help))
+            }
+        }
+    }
+
+    /// Notes where the choices stand that have been made since the graph had so many nodes.
+    fn note_choices(&mut self, before: usize, condition: &Span) {
+        let place = self.place(condition).0;
+        for index in before..self.graph.len() {
+            let id = Id(index as u32);
+            if matches!(self.graph.node(id), Node::Select(..)) {
+                let choice = Choice { place: place.clone(), is_condition: true };
+                self.lagrangian.choices.entry(id).or_insert(choice);
             }
         }
     }

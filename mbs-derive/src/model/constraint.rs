@@ -5,6 +5,7 @@
 
 use std::collections::BTreeMap;
 
+use super::closure::closes;
 use super::constant::Dependence;
 use super::dimension::{Dimension, second_lacks};
 use super::evaluate::{Argument, Resolved, Resolver, in_words};
@@ -12,7 +13,7 @@ use super::family::Family;
 use super::lagrangian::{Constraint, ConstraintKind, Lagrangian};
 use super::sample::{Random, default_parameters};
 use super::value::{Free, Scalar, Shape, Value, shared};
-use crate::expr::{Dual, Expr, Graph, Node, Number, Rounded, Symbol, Tape, carry_out};
+use crate::expr::{Dual, Expr, Graph, Node, Number, Rounded, Symbol, Tape, Verdict, carry_out, degree_is_at_most};
 use crate::interpret::State;
 use crate::parse::syntax::{BinaryOperator, Expression, Name, Span};
 
@@ -29,11 +30,14 @@ impl<'d, 'g> Resolver<'d, 'g> {
         right: &Expression,
     ) -> Resolved<()> {
         let span = left.span.start..right.span.end;
+        let difference = difference(left, right);
         let number = self.number_of(index, MAX_ROWS);
         let (left, right) = (self.argument(left), self.argument(right));
         let number = number?;
         self.note_constraint(name, number)?;
-        let rows = self.differences(left?, right?, &span)?;
+        let (left, right) = (left?, right?);
+        let (left_shape, right_shape) = (left.value.shape(), right.value.shape());
+        let rows = self.differences(left, right, &span)?;
         let rows = match self.rows_when_held(rows.len()) {
             None => self.effective(rows, &span)?,
             Some(effective) => {
@@ -41,6 +45,8 @@ impl<'d, 'g> Resolver<'d, 'g> {
             }
         };
         let kind = self.kind_of(&rows, &span)?;
+        let is_vector = [&left_shape, &right_shape].contains(&&Shape::Vector);
+        self.places.differences.push(is_vector.then_some(difference));
         let name = number.map_or(name.text.clone(), |i| format!("{}_{i}", name.text));
         self.lagrangian.constraints.push(Constraint { name, docs: docs.to_vec(), kind, rows });
         self.places.constraints.push(span);
@@ -175,8 +181,8 @@ impl<'d, 'g> Resolver<'d, 'g> {
                 }
                 None => effective.push(*row),
             }
-            if simplified.as_constant().is_none() && !moves(simplified) {
-                let help = "it is made of constants, parameters and time alone";
+            if simplified.as_constant().is_none() && !(moves(simplified) && depends_on_motion(*row)) {
+                let help = "it is made of constants, parameters, signals and time alone";
                 return Err(self.refuse(span, "this constrains no coordinate", help));
             }
         }
@@ -189,6 +195,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
 
     /// Warns of rows that are of one sign wherever Newton's method leads from random states, and never zero.
     pub(super) fn warn_of_unsatisfiable_constraints(&mut self) {
+        let mut are_satisfiable = true;
         for (constraint, span) in self.lagrangian.constraints.iter().zip(&self.places.constraints) {
             if constraint.kind != ConstraintKind::Holonomic {
                 continue;
@@ -196,12 +203,22 @@ impl<'d, 'g> Resolver<'d, 'g> {
             let graph = Graph::new();
             let rows = simplified(&constraint.rows, &graph);
             if let Some(nearest) = rows.into_iter().find_map(|row| never_zero(row, &self.lagrangian)) {
+                are_satisfiable = false;
                 let side = if nearest > 0.0 { "above" } else { "below" };
                 let help =
                     format!("the difference of its sides stays {side} {nearest:.3}: is a sign or a default wrong?");
                 let message = format!("no state was found at which the constraint `{}` holds", constraint.name);
                 self.errors.warning(span.clone(), message).help(help);
             }
+        }
+        let (rows, n) = (self.lagrangian.holonomic_rows().len(), self.lagrangian.dof());
+        if let Some(span) = self.places.constraints.last()
+            && are_satisfiable
+            && rows >= n
+            && !closes(&self.lagrangian)
+        {
+            let message = format!("no state was found at which all constraints hold: {rows} rows on {n} coordinates");
+            self.errors.warning(span.clone(), message).help("leave some out, or check signs and defaults");
         }
     }
 
@@ -221,6 +238,14 @@ impl<'d, 'g> Resolver<'d, 'g> {
                 Err(self.refuse(span, message, "write two constraints"))
             }
         }
+    }
+}
+
+/// What vanishes, as one would write it.
+fn difference(left: &Expression, right: &Expression) -> String {
+    match right.to_string() {
+        zero if zero == "0" => left.to_string(),
+        right => format!("{left} - ({right})"),
     }
 }
 
@@ -306,7 +331,16 @@ fn value(symbol: Symbol, state: &State, parameters: &[f64]) -> f64 {
 }
 
 fn moves(row: Expr<'_>) -> bool {
-    holds(row, |symbol| matches!(symbol, Symbol::Coordinate(_) | Symbol::Velocity(_)))
+    holds(row, is_of_motion)
+}
+
+/// Whether coordinates do not cancel.
+fn depends_on_motion(row: Expr<'_>) -> bool {
+    degree_is_at_most(0, row, is_of_motion) != Verdict::Holds
+}
+
+fn is_of_motion(symbol: Symbol) -> bool {
+    matches!(symbol, Symbol::Coordinate(_) | Symbol::Velocity(_))
 }
 
 fn has_rate_of_signal(row: Expr<'_>) -> bool {
@@ -427,7 +461,7 @@ mod tests {
         );
         refused(
             "constraint a: 2*l = l;",
-            "2*l = l: this constrains no coordinate; it is made of constants, parameters and time alone",
+            "2*l = l: this constrains no coordinate; it is made of constants, parameters, signals and time alone",
         );
         refused(
             "prescribed w: m; constraint a: x = l*dt(w)/(l/t);",
@@ -485,7 +519,8 @@ mod tests {
         );
         refused(
             "constraint a: [x, y, z] = 0; constraint b: [theta, q[0], q[1]] = 0; constraint c: x*sin(theta) = l;",
-            "x*sin(theta) = l: 7 rows of constraints on 6 coordinates leave no motion; leave some out",
+            "x*sin(theta) = l: no state was found at which all constraints hold: 7 rows on 6 coordinates; leave some out, or check \
+             signs and defaults",
         );
         assert!(refusals("constraint a: x = y; constraint b: dt(x) = dt(z);").is_empty());
         // The mass matrix need be positive definite on the motions only that constraints leave.

@@ -3,7 +3,10 @@
 //! The expressions live in a verbatim graph, as declared, time derivatives not yet carried out; `derive` works on a copy
 //! with the local rules applied, and `verify` proves the result against the verbatim one.
 
-use crate::expr::{Expr, Graph, Matrix, Number, Symbol, Vector};
+use std::collections::BTreeMap;
+use std::ops::Range;
+
+use crate::expr::{Expr, Graph, Id, Matrix, Number, Symbol, Vector};
 
 use super::frame::{FrameId, Frames};
 use super::landmark::Landmarks;
@@ -212,6 +215,15 @@ pub struct Output<'g> {
     pub jacobian_rate: bool,
 }
 
+/// Where a choice between two sides stands in the text.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Choice {
+    /// The condition of an `if`, or the call of a function such as `max` or `abs`.
+    pub place: Range<usize>,
+    /// Whether it is a condition.
+    pub is_condition: bool,
+}
+
 /// Auxiliary coordinates of a joint that is let go: shifts along the axes of its pose, then turns about them.
 pub const AUXILIARY: usize = 6;
 
@@ -258,6 +270,8 @@ pub struct Lagrangian<'g> {
     pub frames: Frames<'g>,
     /// What some of the expressions stand for in space: bodies, places.
     pub landmarks: Landmarks<'g>,
+    /// Where in the text choices stand, `if` and functions with a corner, by their numbers in the graph.
+    pub choices: BTreeMap<Id, Choice>,
 }
 
 impl<'g> Lagrangian<'g> {
@@ -283,6 +297,7 @@ impl<'g> Lagrangian<'g> {
             released: None,
             frames: Frames::new(graph),
             landmarks: Landmarks::default(),
+            choices: BTreeMap::new(),
         }
     }
 

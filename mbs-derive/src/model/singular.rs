@@ -7,16 +7,16 @@
 //! is one at which its derivative fails, while the value stays bounded around, there is a warning at the noted place.
 //! Gravity `-k/r` grows without bound towards r = 0: no mechanism gets there, and there is no warning.
 
+mod corner;
+
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::evaluate::Resolver;
-use super::lagrangian::{ConstraintKind, Lagrangian, OutputValue, component_names};
+use super::lagrangian::{Choice, ConstraintKind, Lagrangian, OutputValue, component_names};
 use super::sample::{Random, count, default_parameters};
 use super::value::Value;
 use crate::expr::evaluate::holds;
-use crate::expr::{
-    Binary, Dual, Expr, Function, Graph, HalfInteger, Id, Node, Rounded, Symbol, Tape, Value as _, carry_out,
-};
+use crate::expr::{Binary, Expr, Function, Graph, HalfInteger, Id, Node, Rounded, Symbol, Tape, Value as _, carry_out};
 use crate::interpret::State;
 use crate::parse::syntax::Span;
 
@@ -47,6 +47,10 @@ impl<'d, 'g> Resolver<'d, 'g> {
             Value::Vector(vector) => vector.components.0.to_vec(),
             _ => return,
         };
+        for expr in exprs.iter().filter(|expr| is_choice(expr.node())) {
+            let choice = Choice { place: self.place(span).0, is_condition: false };
+            self.lagrangian.choices.entry(expr.id()).or_insert(choice);
+        }
         for expr in exprs.into_iter().filter_map(critical) {
             let argument = expr.node().operands().map(|id| self.graph.expr(id));
             let moves = argument.map(|a| self.facts.dependence(a).moves()).fold(false, |a, b| a | b);
@@ -56,6 +60,11 @@ impl<'d, 'g> Resolver<'d, 'g> {
             }
         }
     }
+}
+
+/// An `if`, or a function with a corner.
+fn is_choice(node: Node) -> bool {
+    matches!(node, Node::Select(..) | Node::Call(Function::Abs | Function::Signum, _))
 }
 
 /// The part of an expression just built whose derivative may fail.
@@ -324,7 +333,11 @@ impl Search<'_, '_, '_> {
                 node => stack.extend(node.operands()),
             }
         }
-        found.retain(|fault| !self.is_abs(fault) || self.has_kink(fault, state));
+        let fails = |fault: &Fault| match self.groups[group].wanted {
+            Wanted::Second => self.has_gap(fault, state),
+            Wanted::First | Wanted::FirstBesideKinks => self.has_kink(fault, state),
+        };
+        found.retain(|fault| !self.is_abs(fault) || fails(fault));
         found
     }
 
@@ -333,7 +346,7 @@ impl Search<'_, '_, '_> {
         let wanted = self.groups[group].wanted;
         let fails = match node {
             Node::Power(a, n) => n.to_halves() <= wanted.critical_halves() && is_zero(value(a)),
-            Node::Call(Function::Abs, a) => wanted == Wanted::First && is_zero(value(a)),
+            Node::Call(Function::Abs, a) => wanted != Wanted::FirstBesideKinks && is_zero(value(a)),
             Node::Call(Function::Asin | Function::Acos, a) => {
                 let distance = Rounded { value: value(a).value.abs() - 1.0, error: value(a).error + f64::EPSILON };
                 is_zero(distance)
@@ -350,27 +363,6 @@ impl Search<'_, '_, '_> {
 
     fn is_abs(&self, fault: &Fault) -> bool {
         matches!(self.graph.node(fault.node), Node::Call(Function::Abs, _))
-    }
-
-    /// Whether the derivatives jump there, however small the step over it: `(|x| + x)²` is smooth at 0.
-    fn has_kink(&self, fault: &Fault, state: &State) -> bool {
-        let tape = self.tape_of(fault.group);
-        let slopes = |along: Symbol, step: f64| -> Vec<f64> {
-            let values = tape.run(|symbol| {
-                let (moved, slope) = if symbol == along { (step, 1.0) } else { (0.0, 0.0) };
-                Dual::new(self.value(state, symbol) + moved, slope)
-            });
-            values.into_iter().map(|root| root.derivative).collect()
-        };
-        let jump = |along: Symbol, step: f64| -> (f64, f64) {
-            let (above, below) = (slopes(along, step), slopes(along, -step));
-            let pairs = || above.iter().zip(&below);
-            (pairs().map(|(a, b)| (a - b).abs()).sum(), pairs().map(|(a, b)| a.abs() + b.abs()).sum())
-        };
-        self.symbols(&fault.arguments).into_iter().any(|symbol| {
-            let ((wide, _), (narrow, size)) = (jump(symbol, 1e-6), jump(symbol, 1e-9));
-            narrow > 0.5 * wide && narrow > 1e-9 * size
-        })
     }
 
     fn symbols(&self, of: &[Id]) -> BTreeSet<Symbol> {
@@ -430,6 +422,11 @@ impl Search<'_, '_, '_> {
         let place = self.place(fault, special);
         let means = self.groups[fault.group].means;
         match self.graph.node(fault.node) {
+            Node::Call(Function::Abs, _) if self.groups[fault.group].wanted == Wanted::Second => {
+                format!(
+                    "this has a corner where {place}: in the linearization its second derivative is taken as 0 there"
+                )
+            }
             Node::Call(Function::Abs, _) => {
                 format!("this has a kink where {place}: the derivative jumps, and is taken as 0 there")
             }
