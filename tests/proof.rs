@@ -143,3 +143,53 @@ fn states_at_which_something_undefined_is_hidden_prove_nothing() {
         dimensionless(&format!("{plane} {body}"));
     }
 }
+
+/// Hilbert's matrix of twelve rows is positive definite, though its last pivot is 1e-15 of its first.
+#[test]
+fn a_mass_matrix_of_bad_condition_is_not_singular() {
+    let source = "#![dimensionless] mechanism Hilbert { coord x[12]: 1; \
+                  for i in 0..12 { for j in 0..12 { kinetic += 1/2*dt(x[i])*dt(x[j])/(i + j + 1); } } }";
+    let graph = Graph::verbatim();
+    let (lagrangian, _) = declared(source, &graph, &[]).unwrap_or_else(|e| panic!("{}", e.render("case.mbs", source)));
+    let proof = verify::against_energies(&lagrangian, &derived(&lagrangian)).unwrap_or_else(|e| panic!("{e}"));
+    assert_eq!(proof.singular, 0);
+}
+
+/// A four-bar linkage in space whose hinges are declared in full: 10 rows on 8 coordinates, of rank 7 where it is closed.
+#[test]
+fn a_closed_loop_may_have_more_rows_than_coordinates() {
+    let conserved = proved(
+        "mechanism Loop {
+            param l[3]: m = [0.2, 0.5, 0.4]; param m: kg = 1; param ground: m = 0.5; param g: m/s^2 = 9.81;
+            coord q: rad; coord r: rad; coord p[3]: m; coord e[3]: rad;
+            let crank = rot_z(q);
+            let coupler = translation(p) * rot_z(e[0]) * rot_y(e[1]) * rot_x(e[2]);
+            let rocker = translation([ground, 0, 0]) * rot_z(r);
+            kinetic += rigid_body(m, [l[0]/2, 0, 0], diag(1, 1, 1)*m*l[0]^2/12, crank);
+            potential += m*g*crank.point([l[0]/2, 0, 0]).y;
+            kinetic += rigid_body(m, [l[1]/2, 0, 0], diag(1, 1, 1)*m*l[1]^2/12, coupler);
+            potential += m*g*coupler.point([l[1]/2, 0, 0]).y;
+            kinetic += rigid_body(m, [l[2]/2, 0, 0], diag(1, 1, 1)*m*l[2]^2/12, rocker);
+            potential += m*g*rocker.point([l[2]/2, 0, 0]).y;
+            constraint a: crank.point([l[0], 0, 0]) = coupler.origin();
+            constraint a_axis: (crank*[0, 0, 1]).cross(coupler*[0, 0, 1]) = 0;
+            constraint b: rocker.point([l[2], 0, 0]) = coupler.point([l[1], 0, 0]);
+            constraint b_axis: (rocker*[0, 0, 1]).cross(coupler*[0, 0, 1]) = 0;
+        }",
+    );
+    assert_eq!(conserved, ["energy_integral"]);
+}
+
+/// What is quadratic in the velocities, in spellings in which this is seen only after something has cancelled.
+#[test]
+fn kinetic_energies_may_be_quadratic_in_disguise() {
+    for energy in [
+        "1/2*sqrt(dt(x)^2 + dt(y)^2)^2",
+        "1/2*(dt(x)^2 + dt(y)^2)*(sin(dt(x))^2 + cos(dt(x))^2)",
+        "1/2*abs(dt(x))^2 + 1/2*dt(y)*dt(y)",
+        "(dt(x) + dt(y))^3/24 - (dt(x) + dt(y))*(dt(x)^2 + dt(y)^2 + 2*dt(x)*dt(y))/24 + (dt(x)^2 + dt(y)^2)/2",
+        "if x > 100 { dt(x)^2 + dt(y)^2 } else { (dt(x)^2 + dt(y)^2)/2 }",
+    ] {
+        dimensionless(&format!("coord x: 1; coord y: 1; kinetic += {energy};"));
+    }
+}

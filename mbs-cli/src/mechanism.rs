@@ -61,13 +61,14 @@ pub(crate) fn proved_and<T>(
 
     let start = Instant::now();
     let graph = Graph::verbatim();
-    let (lagrangian, warnings) = declared_from(sources, &graph, &[]).map_err(|errors| refused(errors.into()))?;
+    let (lagrangian, mut warnings) = declared_from(sources, &graph, &[]).map_err(|errors| refused(errors.into()))?;
     let derived = Graph::new();
     let routes = derive::routes(&lagrangian, &derived);
     let derivation = optimise::straight_line(&lagrangian, &routes);
     let derive_seconds = start.elapsed().as_secs_f64();
 
     let proof = verify::against_energies(&lagrangian, &derivation).map_err(|failure| refused(failure.into()))?;
+    proof.warn(&lagrangian, &mut warnings);
     output::report(&warnings.render_in(sources));
     let also = also(&lagrangian, &routes, &derivation);
     let mechanism = Mechanism {

@@ -145,9 +145,9 @@ pub fn generate(file_name: &str, source: &str, options: &emit::Options) -> Resul
 /// As [`generate`].
 pub fn generate_from(sources: &Sources, options: &emit::Options) -> Result<Generated, Error> {
     let graph = Graph::verbatim();
-    let (lagrangian, warnings) = declared_from(sources, &graph, &options.freeze)?;
+    let (lagrangian, mut warnings) = declared_from(sources, &graph, &options.freeze)?;
     let derivation = derived(&lagrangian);
-    verify::against_energies(&lagrangian, &derivation)?;
+    verify::against_energies(&lagrangian, &derivation)?.warn(&lagrangian, &mut warnings);
     for name in options.functions.iter().flatten() {
         if derivation.function(name).is_none() {
             let known = derivation.functions.iter().map(|f| f.name.clone()).collect();

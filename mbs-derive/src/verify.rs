@@ -4,22 +4,33 @@
 //! evaluated by nested dual numbers: no symbolic derivative, no rewrite, no structure of the generator is shared. An error
 //! here is a bug of the generator, whatever the declaration says; it stops the build and prints the state.
 //!
+//! Every side of every branch is to be taken: where the random states do not, others are sought (`coverage`), and what was taken
+//! nowhere is said.
+//!
 //! - [`witness`]: Lagrange's equations from the verbatim energies, by dual numbers;
 //! - [`claim`]: what is compared, one function per generated function and identity; `group`: many columns at once.
 
 pub mod claim;
+mod coverage;
 mod group;
+mod inertia;
+mod linear;
+#[cfg(test)]
+mod mutants;
 pub mod witness;
 
 use std::fmt;
 
-use crate::expr::Rounded;
+use crate::derive::time_derivative;
+use crate::diagnostic::Diagnostics;
+use crate::expr::{Expr, Graph, Id, Node, Rounded, carry_out};
 use crate::interpret::State;
 use crate::model::Lagrangian;
 use crate::model::sample::{Random, count, default_parameters};
 use crate::optimise::{Derivation, Instruction, Program};
 
 use claim::Trial;
+use coverage::{Choices, Coverage};
 use witness::{Witness, exact};
 
 /// So many generic states must agree.
@@ -29,12 +40,44 @@ pub const STATES: usize = 20;
 pub const TOLERANCE: f64 = 1e-9;
 
 /// What was proved.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Proof {
     /// At how many states, those with exact zeros included.
     pub states: usize,
     /// At how many of them some motion has no inertia: Euler angles and polar coordinates have such states.
     pub singular: usize,
+    /// The sides of choices that no state was found to take, of which nothing is proved: the number of the choice in the graph of
+    /// the declaration, and whether it is the side where its condition holds.
+    pub unproved: Vec<(Id, bool)>,
+}
+
+impl Proof {
+    /// Warns of each branch of which nothing is proved.
+    pub fn warn(&self, lagrangian: &Lagrangian<'_>, warnings: &mut Diagnostics) {
+        for (id, yes) in &self.unproved {
+            let Some(choice) = lagrangian.choices.get(id).filter(|_| remains(lagrangian.graph.expr(*id))) else {
+                continue;
+            };
+            let which = match (lagrangian.graph.node(*id), yes) {
+                (Node::Select(..), true) if choice.is_condition => "at which this condition holds",
+                (Node::Select(..), false) if choice.is_condition => "at which this condition does not hold",
+                (Node::Select(..), true) => "at which the first of these is the smaller one",
+                (Node::Select(..), false) => "at which the first of these is not the smaller one",
+                (_, true) => "at which what this is of is positive",
+                (_, false) => "at which what this is of is negative",
+            };
+            let message = format!("no state was found {which}: the equations there are not proved");
+            let help = "is the limit in the right unit? what never happens can be left out";
+            warnings.warning(choice.place.clone(), message).help(help);
+        }
+    }
+}
+
+/// Whether a choice is one: what cannot be negative has no `abs` in the equations.
+fn remains(choice: Expr<'_>) -> bool {
+    let Node::Call(..) = choice.node() else { return true };
+    let graph = Graph::new();
+    matches!(carry_out(&[choice], &graph, |symbol| time_derivative(symbol, &graph))[0].node(), Node::Call(..))
 }
 
 /// Why there is no proof.
@@ -126,18 +169,12 @@ pub fn against_energies(lagrangian: &Lagrangian<'_>, derivation: &Derivation) ->
     if let Some(function) = overflowing(derivation) {
         return Err(Failure::Overflow { function });
     }
-    let witness = Witness::new(lagrangian);
-    let exact_parameters = |parameters: &[f64]| parameters.iter().copied().map(Rounded::exact).collect::<Vec<_>>();
+    let (witness, choices) = (Witness::new(lagrangian), Choices::of(lagrangian));
+    let mut prover =
+        Prover { witness: &witness, derivation, coverage: Coverage::new(&choices, lagrangian), states: 0, singular: 0 };
     let mut random = Random::new(0x6d62_7300);
-    let (mut states, mut singular) = (0, 0);
     for (state, parameters) in states_with_zeros(lagrangian, &mut random) {
-        let (state, parameters) = (exact(&state), exact_parameters(&parameters));
-        if witness.is_finite(&state, &parameters) {
-            let trial = Trial::new(&witness, derivation, &state, &parameters);
-            trial.prove()?;
-            states += 1;
-            singular += usize::from(is_singular(&trial, &state)?);
-        }
+        prover.prove(&state, &parameters, true)?;
     }
     let tried = 100 * STATES;
     let mut generic = 0;
@@ -146,20 +183,55 @@ pub fn against_energies(lagrangian: &Lagrangian<'_>, derivation: &Derivation) ->
         let defaults = default_parameters(lagrangian);
         let as_declared = attempt % 2 == 0;
         let parameters = if as_declared { defaults } else { random.parameters_near(&defaults) };
-        let (state, parameters) = (exact(&state), exact_parameters(&parameters));
-        if witness.is_finite(&state, &parameters) {
-            let trial = Trial::new(&witness, derivation, &state, &parameters);
-            trial.prove()?;
-            generic += 1;
-            states += usize::from(prove_on_constraints(&trial)?);
-            // Masses and inertias varied by themselves need not be those of a body.
-            singular += usize::from(as_declared && is_singular(&trial, &state)?);
-        }
+        // Masses and inertias varied by themselves need not be those of a body.
+        generic += usize::from(prover.prove(&state, &parameters, as_declared)?);
         if generic == STATES {
-            return Ok(Proof { states: states + generic, singular });
+            prover.prove_other_sides()?;
+            let unproved = prover.coverage.missing();
+            return Ok(Proof { states: prover.states, singular: prover.singular, unproved });
         }
     }
     Err(Failure::TooFewStates { finite: generic, tried })
+}
+
+/// Proves at one state after another.
+struct Prover<'a, 'c, 'l, 'g> {
+    witness: &'a Witness<'l, 'g>,
+    derivation: &'a Derivation,
+    coverage: Coverage<'c, 'l, 'g>,
+    states: usize,
+    singular: usize,
+}
+
+impl Prover<'_, '_, '_, '_> {
+    /// Whether the energies are finite there, and nothing disagrees.
+    fn prove(&mut self, at: &State, with: &[f64], is_physical: bool) -> Result<bool, Failure> {
+        let (state, parameters) = (exact(at), with.iter().copied().map(Rounded::exact).collect::<Vec<_>>());
+        if !self.witness.is_finite(&state, &parameters) {
+            return Ok(false);
+        }
+        let trial = Trial::new(self.witness, self.derivation, &state, &parameters);
+        trial.prove()?;
+        self.coverage.note(at, with);
+        self.states += 1;
+        self.singular += usize::from(is_physical && inertia::is_singular(&trial, at, with)?);
+        self.states += usize::from(prove_on_constraints(&trial)?);
+        Ok(true)
+    }
+
+    /// At states that take the sides of branches that no other state has taken.
+    fn prove_other_sides(&mut self) -> Result<(), Failure> {
+        for side in self.coverage.wanted() {
+            let states: Vec<_> = self.coverage.states_on(side).collect();
+            for (state, parameters) in states {
+                if self.coverage.is_covered(side) {
+                    break;
+                }
+                self.prove(&state, &parameters, false)?;
+            }
+        }
+        Ok(())
+    }
 }
 
 /// The function with a constant that is not finite.
@@ -170,15 +242,6 @@ fn overflowing(derivation: &Derivation) -> Option<String> {
         program.instructions.iter().any(|i| matches!(i, Instruction::Constant(c) if !c.to_f64().is_finite()))
     };
     programs.find(|(_, program)| overflows(program)).map(|(name, _)| name.to_string())
-}
-
-/// Whether some motion has no inertia there; none has a negative one.
-fn is_singular(trial: &Trial<'_>, state: &State<Rounded>) -> Result<bool, Failure> {
-    let [semidefinite, on_allowed_motions] = trial.inertia();
-    if semidefinite < -1e-9 {
-        return Err(Failure::NegativeInertia { q: state.q.iter().map(|q| q.value).collect() });
-    }
-    Ok(on_allowed_motions < 1e-11)
 }
 
 /// Proves once more where the constraints hold, if there are any and such a state is near.

@@ -2,10 +2,11 @@
 
 use crate::expr::{Dual, Rounded, Symbol, Value};
 use crate::interpret::{Interpreter, State};
-use crate::model::degree::eliminate;
+use crate::model::degree::{Elimination, eliminate_rounded};
 use crate::optimise::{Derivation, Function, FunctionKind, Shape};
 
 use super::group::Group;
+use super::linear::{add, dot, quadratic_form, solve, solve_semidefinite, times};
 use super::witness::{LagrangeTerms, Witness, exact, explicit_path, lift, lift_all, path, with_resting};
 use super::{Disagreement, Failure, TOLERANCE};
 
@@ -57,7 +58,7 @@ impl<'a> Trial<'a> {
         self.coriolis_matrix()?;
         self.inverse_dynamics_jacobian()?;
         self.constraints()?;
-        if self.accelerations_are_determined() {
+        if self.accelerations_are_determined()? {
             self.forward_dynamics()?;
             self.linearization()?;
             self.conserved()?;
@@ -66,13 +67,14 @@ impl<'a> Trial<'a> {
         self.outputs()
     }
 
-    /// The smallest pivots of M, which must not be negative, and of `M + Aᵀ A`, which is zero where a motion that the
-    /// constraints allow has no inertia; both scaled to unit diagonals.
-    pub fn inertia(&self) -> [f64; 2] {
-        [self.call("mass_matrix"), self.augmented_mass_matrix()].map(|matrix| {
-            let beyond_rounding = |v: &Rounded| if v.value.abs() <= ROUNDING * v.error { 0.0 } else { v.value };
-            eliminate(&matrix.iter().map(beyond_rounding).collect::<Vec<_>>(), self.n()).smallest
-        })
+    /// What elimination tells of M, and of `M + Aᵀ A`, which is singular where a motion that the constraints allow has no inertia;
+    /// each with the size of a pivot that may be nothing but rounding.
+    pub(super) fn inertia(&self) -> [(Elimination, f64); 2] {
+        [self.call("mass_matrix"), self.augmented_mass_matrix()].map(|matrix| eliminate_rounded(&matrix, self.n()))
+    }
+
+    pub(super) fn derivation(&self) -> &'a Derivation {
+        self.derivation
     }
 
     /// Whether there are constraints.
@@ -110,8 +112,10 @@ impl<'a> Trial<'a> {
         for (component, (found, expected)) in found.iter().zip(expected).enumerate() {
             let rounding = ROUNDING * (found.error + expected.error);
             let allowed = TOLERANCE * found.value.abs().max(expected.value.abs()) + rounding;
-            // Where the witness itself is 0/0 (a derivative at a corner), or all rounding, it says nothing.
-            let silent = !(expected.value.is_finite() && rounding.is_finite());
+            // Where the witness itself is 0/0 (a derivative at a corner), or all rounding, it says nothing; but where it is a number,
+            // what is none disagrees.
+            let silent = !(expected.value.is_finite() && expected.error.is_finite())
+                || found.value.is_finite() && !found.error.is_finite();
             let agrees = (found.value - expected.value).abs() <= allowed;
             if !agrees && !silent {
                 let double = |values: &[Rounded]| values.iter().map(|v| v.value).collect::<Vec<_>>();
@@ -189,7 +193,8 @@ impl<'a> Trial<'a> {
         self.equal("M q̈ + h + ∂D/∂q̇ = inverse dynamics", &sum, &self.call("inverse_dynamics"))
     }
 
-    /// `C q̇ + G = h`, and `Ṁ + ∂M/∂t − 2 C` skew-symmetric.
+    /// `C q̇ + G = h`, and C is that of Christoffel's symbols: `½(Ṁ + ∂M/∂t + P − Pᵀ) + ∂a/∂q − (∂a/∂q)ᵀ`, entry by entry, with
+    /// `Pᵢⱼ = ∂(M q̇)ᵢ/∂qⱼ`.
     fn coriolis_matrix(&self) -> Result<(), Failure> {
         let n = self.n();
         let (c, g) = (self.call("coriolis_matrix"), self.call("gravity"));
@@ -198,9 +203,27 @@ impl<'a> Trial<'a> {
         self.equal("C q̇ + G = h", &sum, &self.call("bias"))?;
         let m_dot = self.slope("mass_matrix", |symbol| path(self.state, symbol));
         let m_t = self.slope("mass_matrix", |symbol| explicit_path(self.state, symbol));
-        let twice: Vec<Rounded> = (0..n * n).map(|k| c[k] + c[k % n * n + k / n]).collect();
-        let expected: Vec<Rounded> = m_dot.iter().zip(&m_t).map(|(&a, &b)| a + b).collect();
-        self.equal("Ṁ + ∂M/∂t − 2 C skew", &twice, &expected)
+        // The momenta are p = M q̇ + a: ∂p/∂q = P + ∂a/∂q, and ∂a/∂q where nothing moves.
+        let [moving, resting] = [self.state.clone(), self.at_rest()].map(|state| self.momentum_gradient(&state));
+        let half = Rounded::exact(0.5);
+        let skew = |b: &[Rounded], k: usize| b[k] - b[k % n * n + k / n];
+        let entry = |k: usize| half * (m_dot[k] + m_t[k]) + half * (skew(&moving, k) + skew(&resting, k));
+        self.equal("C = ½(Ṁ + ∂M/∂t + P − Pᵀ) + ∂a/∂q − (∂a/∂q)ᵀ", &c, &(0..n * n).map(entry).collect::<Vec<_>>())
+    }
+
+    /// `∂p/∂q` by dual numbers, row by row; p itself is proved to be `∂L/∂q̇`.
+    fn momentum_gradient(&self, state: &State<Rounded>) -> Vec<Rounded> {
+        let n = self.n();
+        let column = |j: usize| {
+            let varied = lift(state, |symbol| one_if(symbol == Symbol::Coordinate(j as u32)));
+            self.dual.call("momentum", &varied).unwrap_or_default()
+        };
+        let columns: Vec<Vec<Dual<Rounded>>> = (0..n).map(column).collect();
+        (0..n * n).map(|k| columns[k % n][k / n].derivative).collect()
+    }
+
+    fn at_rest(&self) -> State<Rounded> {
+        State { qd: vec![Rounded::default(); self.n()], ..self.state.clone() }
     }
 
     fn inverse_dynamics_jacobian(&self) -> Result<(), Failure> {
@@ -223,9 +246,32 @@ impl<'a> Trial<'a> {
         (0..n * n).map(|k| mass[k] + gram(k / n, k % n)).collect()
     }
 
-    /// Whether accelerations are determined at this state: not where M, or M on the motions that A allows, is singular.
-    fn accelerations_are_determined(&self) -> bool {
-        self.call("forward_dynamics").iter().all(|qdd| qdd.value.is_finite())
+    /// Whether accelerations are determined at this state: not where M, or M on the motions that A allows, is singular. They are
+    /// numbers where it clearly is not, and all else is finite.
+    fn accelerations_are_determined(&self) -> Result<bool, Failure> {
+        let found = self.call("forward_dynamics");
+        if found.iter().all(|qdd| qdd.value.is_finite()) {
+            return Ok(true);
+        }
+        let finite = |name: &str| self.call(name).iter().all(|v| v.value.is_finite() && v.error.is_finite());
+        let given = ["mass_matrix", "bias", "dissipation_force", "generalized_force"].into_iter().all(finite)
+            && self.is_regular(&self.augmented_mass_matrix(), self.n());
+        let a = self.call_if_any("constraint_jacobian");
+        let products: Vec<Rounded> =
+            a.chunks(self.n()).flat_map(|x| a.chunks(self.n()).map(move |y| dot(x, y))).collect();
+        let rows = self.derivation.constraints.len();
+        let bound = rows == 0 || finite("constraint_bias") && self.is_regular(&products, rows);
+        if given && bound {
+            let zero = vec![Rounded::default(); found.len()];
+            self.equal("accelerations are numbers where M is regular on the allowed motions", &found, &zero)?;
+        }
+        Ok(false)
+    }
+
+    /// Whether no pivot of a matrix is anywhere near zero.
+    fn is_regular(&self, matrix: &[Rounded], n: usize) -> bool {
+        let (elimination, rounding) = eliminate_rounded(matrix, n);
+        elimination.smallest > rounding.max(1e-6)
     }
 
     /// The results of a function that exists only for constrained mechanisms.
@@ -325,10 +371,12 @@ impl<'a> Trial<'a> {
             ["generalized_force", "bias"].map(|name| self.interpreter.call(name, &free).unwrap_or_default());
         let unforced: Vec<Rounded> = (0..n).map(|i| force[i] - h[i]).collect();
         let free = State { qdd: self.accelerations(&unforced, &free), ..free };
-        let along = lift(&free, |symbol| path(&free, symbol));
-        let rates = self.dual.call("conserved", &along).unwrap_or_default();
-        let rates: Vec<Rounded> = rates.iter().map(|v| v.derivative).collect();
-        self.equal("conserved quantities", &rates, &vec![Rounded::default(); rates.len()])?;
+        if self.is_allowed(&free) {
+            let along = lift(&free, |symbol| path(&free, symbol));
+            let rates = self.dual.call("conserved", &along).unwrap_or_default();
+            let rates: Vec<Rounded> = rates.iter().map(|v| v.derivative).collect();
+            self.equal("conserved quantities", &rates, &vec![Rounded::default(); rates.len()])?;
+        }
 
         let real = State { qdd: self.call("forward_dynamics"), ..self.state.clone() };
         let along = lift(&real, |symbol| path(&real, symbol));
@@ -343,6 +391,19 @@ impl<'a> Trial<'a> {
         let reaction = self.constraint_force();
         let power: Rounded = (0..n).map(|i| real.qd[i] * (force[i] - damping[i] + reaction[i])).sum();
         self.equal("energy balance", &[momentum_dot_velocity_rate - l.derivative], &[power - l_t.derivative])
+    }
+
+    /// Whether velocities and accelerations satisfy the constraints: off them, more rows than coordinates may contradict each other.
+    fn is_allowed(&self, state: &State<Rounded>) -> bool {
+        let rates = self.interpreter.call("constraint_rate", state).unwrap_or_default();
+        let product = times(&self.call_if_any("constraint_jacobian"), &state.qdd);
+        let bias = self.interpreter.call("constraint_bias", state).unwrap_or_default();
+        let is_small = |v: &Rounded, size: f64| v.value.abs() <= 1e-9 * size + ROUNDING * v.error;
+        let along = product.iter().zip(&bias).map(|(&a, &b)| (a + b, a.value.abs() + b.value.abs()));
+        let speed = state.qd.iter().map(|v| v.value.abs()).fold(0.0, f64::max);
+        state.qd.iter().chain(&state.qdd).all(|v| v.value.is_finite())
+            && rates.iter().all(|rate| is_small(rate, speed))
+            && along.into_iter().all(|(rate, size)| is_small(&rate, size))
     }
 
     /// The state moved onto the constraints: Newton's method on φ along Aᵀ, then the allowed velocities. `None` where it does
@@ -363,7 +424,7 @@ impl<'a> Trial<'a> {
                 return Some(exact(&doubles(&State { qd: trial.allowed_velocities(), ..state.clone() })));
             }
             let products: Vec<Rounded> = a.chunks(n).flat_map(|x| a.chunks(n).map(move |y| dot(x, y))).collect();
-            let y = solve(&products, &value);
+            let y = solve_semidefinite(&products, &value);
             for i in 0..n {
                 let step = (0..y.len()).map(|k| a[k * n + i] * y[k]).sum::<Rounded>();
                 state.q[i] = Rounded::exact((state.q[i] - step).value);
@@ -372,12 +433,12 @@ impl<'a> Trial<'a> {
         None
     }
 
-    /// The velocities nearest to the state's with `A q̇ + b = 0`: `q̇ − Aᵀ (A Aᵀ)⁻¹ (A q̇ + b)`.
+    /// The velocities nearest to the state's with `A q̇ + b = 0`: `q̇ − Aᵀ (A Aᵀ)⁺ (A q̇ + b)`.
     fn allowed_velocities(&self) -> Vec<Rounded> {
         let (n, a) = (self.n(), self.call_if_any("constraint_jacobian"));
         let violation = self.call_if_any("constraint_rate");
         let products: Vec<Rounded> = a.chunks(n).flat_map(|x| a.chunks(n).map(move |y| dot(x, y))).collect();
-        let y = solve(&products, &violation);
+        let y = solve_semidefinite(&products, &violation);
         (0..n).map(|i| self.state.qd[i] - (0..y.len()).map(|k| a[k * n + i] * y[k]).sum::<Rounded>()).collect()
     }
 
@@ -443,8 +504,7 @@ impl<'a> Trial<'a> {
         };
         self.equal("velocity of an output", &found, &velocity)?;
         // The velocity is J q̇ + ∂/∂t.
-        let at_rest = State { qd: vec![Rounded::default(); self.n()], ..self.state.clone() };
-        let drift = self.interpreter.call(&format!("{}_velocity", function.name), &at_rest).unwrap_or_default();
+        let drift = self.interpreter.call(&format!("{}_velocity", function.name), &self.at_rest()).unwrap_or_default();
         let product = times(&jacobian, &self.state.qd);
         self.equal("Jacobian of an output", &add(&product, &drift), &velocity)
     }
@@ -524,39 +584,4 @@ fn doubles(state: &State<Rounded>) -> State {
         u: all(&state.u),
         prescribed: state.prescribed.iter().map(|signal| signal.map(|v| v.value)).collect(),
     }
-}
-
-fn dot(a: &[Rounded], b: &[Rounded]) -> Rounded {
-    a.iter().zip(b).map(|(&a, &b)| a * b).sum()
-}
-
-fn add(a: &[Rounded], b: &[Rounded]) -> Vec<Rounded> {
-    a.iter().zip(b).map(|(&a, &b)| a + b).collect()
-}
-
-/// A matrix, given row by row, times a vector.
-fn times(rows: &[Rounded], x: &[Rounded]) -> Vec<Rounded> {
-    rows.chunks(x.len()).map(|row| row.iter().zip(x).map(|(&a, &b)| a * b).sum()).collect()
-}
-
-fn quadratic_form(m: &[Rounded], x: &[Rounded]) -> Rounded {
-    times(m, x).iter().zip(x).map(|(&a, &b)| a * b).sum()
-}
-
-/// Elimination without pivoting, on a positive definite matrix.
-fn solve(m: &[Rounded], b: &[Rounded]) -> Vec<Rounded> {
-    let n = b.len();
-    let (mut m, mut x) = (m.to_vec(), b.to_vec());
-    for k in 0..n {
-        for i in k + 1..n {
-            let factor = m[i * n + k].div(m[k * n + k]);
-            (k..n).for_each(|j| m[i * n + j] = m[i * n + j] - factor * m[k * n + j]);
-            x[i] = x[i] - factor * x[k];
-        }
-    }
-    for i in (0..n).rev() {
-        let rest: Rounded = (i + 1..n).map(|j| m[i * n + j] * x[j]).sum();
-        x[i] = (x[i] - rest).div(m[i * n + i]);
-    }
-    x
 }

@@ -278,6 +278,6 @@ fn moving<V: Value>(state: &State<V>, parameters: &[V]) -> impl Fn(Symbol) -> Du
     }
 }
 
-fn output_components<'g>(lagrangian: &Lagrangian<'g>, value: &OutputValue<'g>) -> Vec<Expr<'g>> {
+pub(super) fn output_components<'g>(lagrangian: &Lagrangian<'g>, value: &OutputValue<'g>) -> Vec<Expr<'g>> {
     value.components(&lagrangian.frames)
 }

@@ -1,0 +1,220 @@
+//! Which sides of branches have been taken where the proof was made, and states that take the others.
+
+use crate::expr::branch::{Branches, Side};
+use crate::expr::{Dual, Expr, Id, Node, Symbol, Tape};
+use crate::interpret::State;
+use crate::model::Lagrangian;
+use crate::model::sample::{Random, default_parameters};
+
+use super::witness::output_components;
+
+/// At so many states each side is to be taken.
+const WANTED: usize = 2;
+
+/// From so many random states, of several sizes, a side is sought, with so many steps each.
+const STARTS: usize = 24;
+const STEPS: usize = 60;
+
+/// Everything declared, on one tape.
+pub(super) struct Choices {
+    tape: Tape,
+    /// The number in the graph of each step.
+    ids: Vec<Id>,
+}
+
+impl Choices {
+    pub(super) fn of(lagrangian: &Lagrangian<'_>) -> Choices {
+        let energies = [&lagrangian.kinetic, &lagrangian.potential, &lagrangian.dissipation, &lagrangian.lagrangian];
+        let forces = lagrangian.forces.iter().map(|(_, force)| force);
+        let at_points = lagrangian.point_forces.iter().flat_map(|f| f.velocity.0.iter().chain(&f.force.0));
+        let rows = lagrangian.constraints.iter().flat_map(|constraint| &constraint.rows);
+        let outputs = lagrangian.outputs.iter().flat_map(|output| output_components(lagrangian, &output.value));
+        let declared = energies.into_iter().flatten().chain(forces).chain(at_points).chain(rows).copied();
+        let roots: Vec<Expr<'_>> = declared.chain(outputs).collect();
+        Choices { tape: Tape::new(&roots), ids: lagrangian.graph.reachable(roots.iter().map(|root| root.id())) }
+    }
+}
+
+/// How often each side has been taken.
+pub(super) struct Coverage<'c, 'l, 'g> {
+    choices: &'c Choices,
+    branches: Branches<'c>,
+    lagrangian: &'l Lagrangian<'g>,
+    taken: Vec<usize>,
+}
+
+impl<'c, 'l, 'g> Coverage<'c, 'l, 'g> {
+    pub(super) fn new(choices: &'c Choices, lagrangian: &'l Lagrangian<'g>) -> Self {
+        let branches = Branches::of(&choices.tape);
+        let taken = vec![0; branches.sides().len()];
+        Coverage { choices, branches, lagrangian, taken }
+    }
+
+    /// Counts what is taken at a state where the proof was made.
+    pub(super) fn note(&mut self, state: &State, parameters: &[f64]) {
+        if !self.taken.is_empty() {
+            let values = self.values(state, parameters, None);
+            self.branches
+                .taken(&values)
+                .into_iter()
+                .zip(&mut self.taken)
+                .for_each(|(is, count)| *count += usize::from(is));
+        }
+    }
+
+    /// The numbers of the sides that have been taken too seldom.
+    pub(super) fn wanted(&self) -> Vec<usize> {
+        (0..self.taken.len()).filter(|&side| !self.is_covered(side)).collect()
+    }
+
+    /// Whether a side has been taken often enough.
+    pub(super) fn is_covered(&self, side: usize) -> bool {
+        self.taken[side] >= WANTED
+    }
+
+    /// The choices one of whose sides has been taken nowhere: its number in the graph, and which side.
+    pub(super) fn missing(&self) -> Vec<(Id, bool)> {
+        let never = self.branches.sides().iter().zip(&self.taken).filter(|(_, taken)| **taken == 0);
+        let mut missing: Vec<(Id, bool)> = never.map(|(side, _)| (self.choices.ids[side.choice], side.yes)).collect();
+        missing.sort_unstable();
+        missing.dedup();
+        missing
+    }
+
+    /// States, with parameters, at which a side is taken: found by steps along the gradients of the differences that its
+    /// conditions compare, at the defaults of the parameters unless a condition is about them alone.
+    pub(super) fn states_on(&self, side: usize) -> impl Iterator<Item = (State, Vec<f64>)> + '_ {
+        let side: Side = self.branches.sides()[side];
+        let mut random = Random::new(0x7369_6465 + side.choice as u64);
+        let starts = (0..STARTS).map(move |start| {
+            let size = [1.0, 10.0, 0.1, 1e3, 1e6, 1e-3][start / 2 % 6];
+            (scaled(random.state(self.lagrangian), size), start % 2 == 1, random.clone())
+        });
+        let starts: Vec<_> = starts.collect();
+        starts.into_iter().filter_map(move |(state, by_the_second, random)| {
+            self.reach(&self.branches.way(side, by_the_second), state, random)
+        })
+    }
+
+    fn reach(&self, way: &[(usize, bool)], state: State, mut random: Random) -> Option<(State, Vec<f64>)> {
+        let (mut state, mut parameters) = (state, default_parameters(self.lagrangian));
+        for _ in 0..STEPS {
+            let margins: Vec<f64> = {
+                let values = self.values(&state, &parameters, None);
+                way.iter().map(|&comparison| self.margin(comparison, |at| values[at].value.value)).collect()
+            };
+            let Some(at) = (0..way.len()).rev().find(|&at| margins[at] <= 0.0 || margins[at].is_nan()) else {
+                return Some((state, parameters));
+            };
+            let gradient = self.gradient(way[at], &state, &parameters);
+            let square: f64 = gradient.iter().map(|(_, slope)| slope * slope).sum();
+            // Beyond the border, by a part of the way to it.
+            let beyond = (0.1 + random.symmetric().abs()) * margins[at].abs() + 1e-6 * random.symmetric().abs();
+            let step = (beyond - margins[at]) / square;
+            if !step.is_finite() {
+                return None;
+            }
+            gradient
+                .into_iter()
+                .for_each(|(symbol, slope)| *place(symbol, &mut state, &mut parameters) += step * slope);
+        }
+        None
+    }
+
+    /// What must be positive so that a comparison comes out as wanted.
+    fn margin(&self, (at, holds): (usize, bool), value: impl Fn(usize) -> f64) -> f64 {
+        let difference = match self.choices.tape.steps()[at] {
+            Node::Less(a, b) | Node::LessEqual(a, b) => value(b.index()) - value(a.index()),
+            step => step.operands().map(|argument| value(argument.index())).sum(),
+        };
+        if holds { difference } else { -difference }
+    }
+
+    /// Its slopes in what it depends on; in the parameters where it depends on nothing else.
+    fn gradient(&self, comparison: (usize, bool), state: &State, parameters: &[f64]) -> Vec<(Symbol, f64)> {
+        let slope = |symbol: Symbol| {
+            let values = self.values(state, parameters, Some(symbol));
+            self.margin(comparison, |at| values[at].value.derivative)
+        };
+        let (fixed, free): (Vec<Symbol>, Vec<Symbol>) =
+            self.symbols(comparison.0).into_iter().partition(|symbol| matches!(symbol, Symbol::Parameter(_)));
+        let moved = if free.is_empty() { fixed } else { free };
+        moved.into_iter().map(|symbol| (symbol, slope(symbol))).collect()
+    }
+
+    /// What a comparison depends on, rates of coordinates and signals included.
+    fn symbols(&self, comparison: usize) -> Vec<Symbol> {
+        let steps = self.choices.tape.steps();
+        let mut wanted = vec![false; comparison + 1];
+        wanted[comparison] = true;
+        let mut symbols = Vec::new();
+        for at in (0..=comparison).rev() {
+            if !wanted[at] {
+                continue;
+            }
+            steps[at].operands().for_each(|operand| wanted[operand.index()] = true);
+            match steps[at] {
+                Node::Symbol(symbol @ Symbol::Coordinate(i)) => symbols.extend([symbol, Symbol::Velocity(i)]),
+                Node::Symbol(symbol @ Symbol::Prescribed(i, order @ 0..=1)) => {
+                    symbols.extend([symbol, Symbol::Prescribed(i, order + 1)]);
+                }
+                Node::Symbol(symbol) => symbols.push(symbol),
+                _ => {}
+            }
+        }
+        symbols.sort_unstable();
+        symbols.dedup();
+        symbols
+    }
+
+    /// The values of all steps with their rates, and the slopes of both along a symbol.
+    fn values(&self, state: &State, parameters: &[f64], along: Option<Symbol>) -> Vec<Dual<Dual<f64>>> {
+        let at = |symbol: Symbol| {
+            let value = match symbol {
+                Symbol::Time => state.t,
+                Symbol::Coordinate(i) => state.q[i as usize],
+                Symbol::Velocity(i) => state.qd[i as usize],
+                Symbol::Acceleration(i) => state.qdd[i as usize],
+                Symbol::Parameter(i) => parameters[i as usize],
+                Symbol::Input(i) => state.u[i as usize],
+                Symbol::Prescribed(i, order) => {
+                    state.prescribed[i as usize].get(usize::from(order)).copied().unwrap_or(0.0)
+                }
+                Symbol::Multiplier(_) => f64::NAN,
+            };
+            Dual::new(value, f64::from(u8::from(along == Some(symbol))))
+        };
+        self.choices.tape.all(|symbol| match symbol {
+            Symbol::Time => Dual::new(at(symbol), Dual::fixed(1.0)),
+            Symbol::Coordinate(i) => Dual::new(at(symbol), at(Symbol::Velocity(i))),
+            Symbol::Velocity(i) => Dual::new(at(symbol), at(Symbol::Acceleration(i))),
+            Symbol::Prescribed(i, order) => Dual::new(at(symbol), at(Symbol::Prescribed(i, order + 1))),
+            other => Dual::fixed(at(other)),
+        })
+    }
+}
+
+fn scaled(state: State, size: f64) -> State {
+    let all = |values: Vec<f64>| values.into_iter().map(|value| size * value).collect();
+    State {
+        t: size * state.t,
+        q: all(state.q),
+        qd: all(state.qd),
+        u: all(state.u),
+        prescribed: state.prescribed.into_iter().map(|signal| signal.map(|value| size * value)).collect(),
+        qdd: state.qdd,
+    }
+}
+
+fn place<'s>(symbol: Symbol, state: &'s mut State, parameters: &'s mut [f64]) -> &'s mut f64 {
+    match symbol {
+        Symbol::Time => &mut state.t,
+        Symbol::Coordinate(i) => &mut state.q[i as usize],
+        Symbol::Velocity(i) => &mut state.qd[i as usize],
+        Symbol::Acceleration(i) => &mut state.qdd[i as usize],
+        Symbol::Parameter(i) => &mut parameters[i as usize],
+        Symbol::Input(i) => &mut state.u[i as usize],
+        Symbol::Prescribed(i, order) => &mut state.prescribed[i as usize][usize::from(order)],
+        Symbol::Multiplier(_) => unreachable!("multipliers are not declared"),
+    }
+}

@@ -1,0 +1,168 @@
+//! Programs that are wrong, and must be refused.
+
+use super::{Failure, Proof, against_energies};
+use crate::expr::{Function, Graph, Number, Symbol};
+use crate::model::Lagrangian;
+use crate::optimise::{Derivation, Instruction, Program, Value};
+
+/// What the proof says of a mechanism whose Programs have been changed.
+fn proof(text: &str, change: impl FnOnce(&mut Derivation)) -> Result<Proof, Failure> {
+    with_mechanism(text, |lagrangian| {
+        let mut derivation = crate::derived(lagrangian);
+        change(&mut derivation);
+        against_energies(lagrangian, &derivation)
+    })
+}
+
+fn with_mechanism<T>(text: &str, look: impl FnOnce(&Lagrangian<'_>) -> T) -> T {
+    let graph = Graph::verbatim();
+    let declared = crate::declared(text, &graph, &[]);
+    look(&declared.unwrap_or_else(|errors| panic!("{}", errors.render("mutant.mbs", text))).0)
+}
+
+fn refused(text: &str, claim: &str, change: impl FnOnce(&mut Derivation)) {
+    match proof(text, change) {
+        Err(Failure::Disagreement(found)) => assert!(found.claim.starts_with(claim), "{}", found.claim),
+        other => panic!("{claim}: {other:?}"),
+    }
+}
+
+fn program<'d>(derivation: &'d mut Derivation, name: &str) -> &'d mut Program {
+    let function = derivation.functions.iter_mut().find(|function| function.name == name);
+    &mut function.expect("it is generated").program
+}
+
+impl Program {
+    fn push(&mut self, instruction: Instruction) -> Value {
+        self.instructions.push(instruction);
+        Value(self.instructions.len() as u32 - 1)
+    }
+
+    /// All results are the inverse cosine of two.
+    fn become_undefined(&mut self) {
+        let two = self.push(Instruction::Constant(Number::integer(2)));
+        let none = self.push(Instruction::Call(Function::Acos, two));
+        self.results.iter_mut().for_each(|result| *result = none);
+    }
+}
+
+const PENDULUM: &str = "#![dimensionless] mechanism A { param g: 1 = 9.81; coord x: 1; coord y: 1; \
+    kinetic += 1/2*(2 + cos(x))*dt(x)^2 + dt(x)*dt(y)/3 + dt(y)^2; potential += g*(sin(x) + y^2); force x += sin(y); \
+    dissipation += dt(x)^2*y^2; }";
+
+const ROD: &str = "#![dimensionless] mechanism A { coord x: 1; coord y: 1; kinetic += dt(x)^2 + dt(y)^2; \
+    potential += 9.81*y; constraint rod: x^2 + y^2 = 1; output place = [x, y, 0]; }";
+
+#[test]
+fn what_is_not_a_number_proves_nothing() {
+    for name in [
+        "kinetic_energy",
+        "potential_energy",
+        "mass_matrix",
+        "coriolis_matrix",
+        "gravity",
+        "bias",
+        "momentum",
+        "dissipation_force",
+        "generalized_force",
+        "inverse_dynamics",
+        "inverse_dynamics_jacobian",
+        "forward_dynamics",
+        "linearize",
+        "linearize_parameters",
+        "conserved",
+    ] {
+        let change = |derivation: &mut Derivation| {
+            let program = program(derivation, name);
+            assert!(name == "conserved" || !program.results.is_empty());
+            program.become_undefined();
+        };
+        let text = if name == "conserved" { ROD } else { PENDULUM };
+        let found = proof(text, change);
+        assert!(matches!(found, Err(Failure::Disagreement(_))), "{name}: {found:?}");
+    }
+    for name in ["constraint", "constraint_jacobian", "constraint_rate", "constraint_bias", "place", "place_jacobian"] {
+        let found = proof(ROD, |derivation| program(derivation, name).become_undefined());
+        assert!(matches!(found, Err(Failure::Disagreement(_))), "{name}: {found:?}");
+    }
+}
+
+/// `[q̇]×` added to C: `C q̇` and the symmetric part of C are as before.
+#[test]
+fn the_coriolis_matrix_is_that_of_christoffel() {
+    let text = "#![dimensionless] mechanism A { coord q[3]: 1; \
+        kinetic += (2 + cos(q[1]))*dt(q[0])^2 + (3 + sin(q[2]))*dt(q[1])^2 + dt(q[2])^2 + dt(q[0])*dt(q[2])*q[1]/9; }";
+    assert!(proof(text, |_| ()).is_ok());
+    refused(text, "C = ½(Ṁ + ∂M/∂t + P − Pᵀ)", |derivation| {
+        let program = program(derivation, "coriolis_matrix");
+        let [x, y, z] = [0, 1, 2].map(|i| program.push(Instruction::Symbol(Symbol::Velocity(i))));
+        for (at, value, is_negative) in
+            [(1, z, true), (2, y, false), (3, z, false), (5, x, true), (6, y, true), (7, x, false)]
+        {
+            let entry = program.results[at];
+            let sum = if is_negative { Instruction::Sub(entry, value) } else { Instruction::Add(entry, value) };
+            program.results[at] = program.push(sum);
+        }
+    });
+}
+
+/// Derived from another declaration, that is as good where x is small; its energies are those declared.
+fn refused_beyond(declared: &str, other: &str) {
+    let text = |potential: &str| {
+        format!(
+            "#![dimensionless] mechanism A {{ param m: 1 = 2; coord x: 1; coord y: 1; kinetic += m*(dt(x)^2 + dt(y)^2); {potential} }}"
+        )
+    };
+    let wrong = with_mechanism(&text(other), crate::derived);
+    let found = proof(&text(declared), |derivation| {
+        for function in derivation.functions.iter_mut().filter(|function| !function.name.ends_with("_energy")) {
+            let same = wrong.functions.iter().find(|other| other.name == function.name);
+            *function = same.expect("both have it").clone();
+        }
+        derivation.constructor = wrong.constructor.clone();
+    });
+    assert!(matches!(found, Err(Failure::Disagreement(_))), "{declared}: {found:?}");
+    assert_eq!(proof(&text(declared), |_| ()).map(|proof| proof.unproved), Ok(Vec::new()), "{declared}");
+}
+
+#[test]
+fn every_side_of_a_branch_is_proved() {
+    refused_beyond(
+        "potential += if x > 50 { tan(x/100) } else { x };",
+        "potential += if x > 50 { tan(x/99) } else { x };",
+    );
+    refused_beyond(
+        "potential += if x*y < 1e4 && t < 100 { x^2 } else if y - x > 3e5 { x } else { y };",
+        "potential += if x*y < 1e4 && t < 100 { x^2 } else if y - x > 3e5 { 2*x } else { y };",
+    );
+    refused_beyond(
+        "potential += if x > 9 { if y < -9 { if x + y > 12 { x^3 } else { y } } else { x } } else { 0 };",
+        "potential += if x > 9 { if y < -9 { if x + y > 12 { x^2 } else { y } } else { x } } else { 0 };",
+    );
+    refused_beyond("force x += max(dt(x)^2, 1e6) - y;", "force x += 1e6 - y;");
+    refused_beyond("potential += abs(x - 40);", "potential += 40 - x;");
+    refused_beyond("potential += if m > 9 { x^2 } else { x };", "potential += if m > 9 { x^3 } else { x };");
+}
+
+#[test]
+fn sides_that_nothing_takes_are_named() {
+    let text = "#![dimensionless] mechanism A { coord x: 1; kinetic += dt(x)^2; \
+        potential += if x^2 < -1 { x } else { x^2 }; force x += min(2 + sin(x), 4); }";
+    let (mut warnings, message) = (crate::diagnostic::Diagnostics::default(), |m: &crate::diagnostic::Diagnostic| {
+        format!("{}: {}", &text[m.span.clone()], m.message)
+    });
+    with_mechanism(text, |lagrangian| {
+        let proof = against_energies(lagrangian, &crate::derived(lagrangian)).expect("it is right");
+        proof.warn(lagrangian, &mut warnings);
+    });
+    let nowhere = "no state was found at which";
+    assert_eq!(
+        warnings.iter().map(message).collect::<Vec<_>>(),
+        [
+            format!("x^2 < -1: {nowhere} this condition holds: the equations there are not proved"),
+            format!(
+                "min(2 + sin(x), 4): {nowhere} the first of these is not the smaller one: the equations there are not proved"
+            ),
+        ]
+    );
+}
