@@ -6,7 +6,7 @@ use crate::model::degree::{Elimination, eliminate_rounded};
 use crate::optimise::{Derivation, Function, FunctionKind, Shape};
 
 use super::group::Group;
-use super::linear::{add, dot, quadratic_form, solve, solve_semidefinite, times};
+use super::linear::{add, dot, quadratic_form, solve_semidefinite, times};
 use super::witness::{LagrangeTerms, Witness, exact, explicit_path, lift, lift_all, path, with_resting};
 use super::{Disagreement, Failure, TOLERANCE};
 
