@@ -67,8 +67,11 @@ impl Range {
     /// Of a product whose factors are bounded.
     fn within(self, other: Range) -> Range {
         let size = |range: Range| range.lower.abs().max(range.upper.abs());
-        let most = size(self) * size(other);
-        if most.is_finite() { Range { lower: (-most).next_down(), upper: most.next_up() } } else { REALS }
+        let (a, b) = (size(self), size(other));
+        let most = a * b;
+        // Rounded up, unless the product is that of the doubles.
+        let most = if libm::fma(a, b, -most) == 0.0 { most } else { most.next_up() };
+        if most.is_finite() { Range { lower: -most, upper: most } } else { REALS }
     }
 
     fn power(self, exponent: HalfInteger) -> Range {

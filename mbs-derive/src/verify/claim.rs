@@ -27,6 +27,9 @@ pub struct Trial<'a> {
 /// So many times the first-order bounds of rounding errors are allowed.
 const ROUNDING: f64 = 8.0;
 
+/// How near to zero holonomic rows are brought at states that hold them, in their units.
+const CLOSED: f64 = 1e-13;
+
 impl<'a> Trial<'a> {
     /// Evaluates the witness.
     pub fn new(
@@ -322,7 +325,12 @@ impl<'a> Trial<'a> {
         self.equal("M q̈ + h + ∂D/∂q̇ = Q + Aᵀ λ", &residual, &q)?;
         let (bias, a) = (self.call_if_any("constraint_bias"), self.call_if_any("constraint_jacobian"));
         let product = times(&a, &qdd);
-        let zero = vec![Rounded::default(); bias.len()];
+        // A row that depends on others where the constraints hold does so no better than the state holds them.
+        let open = |k: usize| {
+            let size: f64 = (0..self.n()).map(|i| (a[k * self.n() + i].value * qdd[i].value).abs()).sum();
+            Rounded { value: 0.0, error: 10.0 * CLOSED * (size + bias[k].value.abs()) }
+        };
+        let zero: Vec<Rounded> = (0..bias.len()).map(open).collect();
         self.equal("A q̈ + γ = 0", &add(&product, &bias), &zero)
     }
 
@@ -370,12 +378,16 @@ impl<'a> Trial<'a> {
         let [force, h] =
             ["generalized_force", "bias"].map(|name| self.interpreter.call(name, &free).unwrap_or_default());
         let unforced: Vec<Rounded> = (0..n).map(|i| force[i] - h[i]).collect();
-        let free = State { qdd: self.accelerations(&unforced, &free), ..free };
+        let (qdd, multipliers) = self.accelerations(&unforced, &free);
+        let free = State { qdd, ..free };
         if self.is_allowed(&free) {
             let along = lift(&free, |symbol| path(&free, symbol));
             let rates = self.dual.call("conserved", &along).unwrap_or_default();
             let rates: Vec<Rounded> = rates.iter().map(|v| v.derivative).collect();
-            self.equal("conserved quantities", &rates, &vec![Rounded::default(); rates.len()])?;
+            // What is left of the rates of constraints is no motion that they allow: there the forces do work.
+            let left = self.interpreter.call("constraint_rate", &free).unwrap_or_default();
+            let work: f64 = left.iter().zip(&multipliers).map(|(v, l)| (v.value * l.value).abs()).sum();
+            self.equal("conserved quantities", &rates, &vec![Rounded { value: 0.0, error: work }; rates.len()])?;
         }
 
         let real = State { qdd: self.call("forward_dynamics"), ..self.state.clone() };
@@ -419,7 +431,7 @@ impl<'a> Trial<'a> {
                 let rows = values.chunks(width).zip(holonomic).filter(|(_, holonomic)| **holonomic);
                 rows.flat_map(|(row, _)| row.to_vec()).collect::<Vec<Rounded>>()
             });
-            if value.iter().all(|v| v.value.abs() < 1e-13) {
+            if value.iter().all(|v| v.value.abs() < CLOSED) {
                 let trial = Trial::new(self.witness, self.derivation, &state, self.parameters);
                 return Some(exact(&doubles(&State { qd: trial.allowed_velocities(), ..state.clone() })));
             }
@@ -442,13 +454,15 @@ impl<'a> Trial<'a> {
         (0..n).map(|i| self.state.qd[i] - (0..y.len()).map(|k| a[k * n + i] * y[k]).sum::<Rounded>()).collect()
     }
 
-    /// q̈ of `M q̈ = f + Aᵀ λ`, `A q̈ + γ = 0` at a state with this one's coordinates.
-    fn accelerations(&self, f: &[Rounded], at: &State<Rounded>) -> Vec<Rounded> {
+    /// q̈ and λ of `M q̈ = f + Aᵀ λ`, `A q̈ + γ = 0` at a state with this one's coordinates.
+    fn accelerations(&self, f: &[Rounded], at: &State<Rounded>) -> (Vec<Rounded>, Vec<Rounded>) {
         let (n, mass, a) = (self.n(), self.call("mass_matrix"), self.call_if_any("constraint_jacobian"));
         let triangle: Vec<Rounded> = (0..n).flat_map(|i| mass[i * n..=i * n + i].to_vec()).collect();
         let bias = self.interpreter.call("constraint_bias", at).unwrap_or_default();
         let column: Vec<Rounded> = f.iter().copied().chain(bias.iter().map(|&g| -g)).collect();
-        Rounded::constrained(n, triangle, a)(&column)[..n].to_vec()
+        let mut solution = Rounded::constrained(n, triangle, a)(&column);
+        let multipliers = solution.split_off(n);
+        (solution, multipliers)
     }
 
     /// The wrenches at joints hold the auxiliary coordinates of the joints at zero, whatever the multipliers are.

@@ -86,8 +86,11 @@ mod tests {
         let solution = solve(&matrix, std::slice::from_ref(&right), 1e-20, None);
         assert_eq!(solution.rank, 3);
         for (row, right) in matrix.iter().zip(right) {
-            let left = row.iter().zip(&solution.columns[0]).fold(TwoFloat::from(0.0), |sum, (a, x)| sum + *a * *x);
-            assert!(size(left - right) < 1e-28);
+            let terms = row.iter().zip(&solution.columns[0]).map(|(a, x)| *a * *x);
+            let left = terms.clone().fold(TwoFloat::from(0.0), |sum, term| sum + term);
+            // A double-double rounds to 2⁻¹⁰⁴ of its terms.
+            let bound = 1e-30 * (terms.map(size).sum::<f64>() + size(right));
+            assert!(size(left - right) <= bound, "{} of {bound}", size(left - right));
         }
     }
 }
