@@ -46,7 +46,7 @@ pub mod vector;
 
 pub use adjoint::{gradient, gradient_of_combination};
 pub use dual::Dual;
-pub use evaluate::{Tape, Value, evaluate};
+pub use evaluate::{Solution, Tape, Value, evaluate};
 pub use function::{Binary, Function};
 pub use graph::{Condition, Expr, Graph, HalfInteger, Id, Node, Symbol};
 pub use hessian::hessian;

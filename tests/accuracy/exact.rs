@@ -103,7 +103,7 @@ impl Exact {
     }
 
     fn order(self, other: Exact) -> Option<i128> {
-        ARENA.with_borrow(|arena| arena.values[self.0 as usize].cmp(&arena.values[other.0 as usize])).map(i128::from)
+        ARENA.with_borrow(|arena| arena.values[self.0 as usize].cmp(&arena.values[other.0 as usize]))
     }
 
     fn pi() -> Self {

@@ -3,7 +3,7 @@
 //! The independent witness of the symbolic sweeps: nothing here shares a line with them.
 
 use super::constrained::remainder;
-use super::evaluate::Value;
+use super::evaluate::{Solution, Value};
 use super::factors::{Factors, symmetric_times};
 use super::function::{Binary, Function};
 use super::number::Number;
@@ -105,7 +105,7 @@ impl<S: Value> Value for Dual<S> {
         }
     }
     /// Likewise, in the basis of the values.
-    fn constrained<'a>(n: usize, mass: Vec<Self>, jacobian: Vec<Self>) -> Box<dyn Fn(&[Self]) -> Vec<Self> + 'a>
+    fn constrained<'a>(n: usize, mass: Vec<Self>, jacobian: Vec<Self>) -> Solution<'a, Self>
     where
         Self: 'a,
     {

@@ -7,6 +7,9 @@ use super::graph::{Expr, Id, Node, Symbol};
 use super::number::Number;
 use super::table::Table;
 
+/// What solves a system with constraints for one right side after the other.
+pub type Solution<'a, V> = Box<dyn Fn(&[V]) -> Vec<V> + 'a>;
+
 /// What expressions can be evaluated over.
 pub trait Value: Copy {
     /// An exact constant, rounded.
@@ -49,7 +52,7 @@ pub trait Value: Copy {
     }
     /// What gives q̈, then λ, of `M q̈ − Aᵀ λ = f`, `A q̈ = c` for a column of f, then c, of `n` coordinates; M is its lower
     /// triangle, both are row by row. NaN where there is no solution, or more than one q̈.
-    fn constrained<'a>(n: usize, mass: Vec<Self>, jacobian: Vec<Self>) -> Box<dyn Fn(&[Self]) -> Vec<Self> + 'a>
+    fn constrained<'a>(n: usize, mass: Vec<Self>, jacobian: Vec<Self>) -> Solution<'a, Self>
     where
         Self: 'a,
     {

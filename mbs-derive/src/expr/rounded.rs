@@ -7,7 +7,7 @@ use std::ops::{Add, Mul, Neg, Sub};
 
 use super::constrained::{NullSpace, Redundant, remainder};
 use super::dual::slope;
-use super::evaluate::Value;
+use super::evaluate::{Solution, Value};
 use super::function::{Binary, Function};
 use super::number::Number;
 
@@ -137,7 +137,7 @@ impl Value for Rounded {
     /// nothing of how the solution was found.
     ///
     /// Source: Higham, *Accuracy and Stability of Numerical Algorithms*, 2nd ed. 2002, sections 7.1 and 15.1.
-    fn constrained<'a>(n: usize, mass: Vec<Self>, jacobian: Vec<Self>) -> Box<dyn Fn(&[Self]) -> Vec<Self> + 'a>
+    fn constrained<'a>(n: usize, mass: Vec<Self>, jacobian: Vec<Self>) -> Solution<'a, Self>
     where
         Self: 'a,
     {
