@@ -39,7 +39,7 @@ pub(crate) struct Arguments {
     /// Take these coordinates, and their velocities, as the independent ones; else they are chosen.
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     independent: Vec<String>,
-    /// The sampled system instead, with inputs held for so long [s].
+    /// The sampled system instead, with inputs held this long, in s.
     #[arg(long, value_name = "T")]
     sample_time: Option<f64>,
     /// JSON instead of a text.

@@ -4,7 +4,7 @@
 //! - [`assembly`]: the first state on the constraints;
 //! - [`motion`]: integration, and what is recorded of it; [`collapse`]: where it ends early, what is measured there;
 //! - [`drive`]: inputs and prescribed signals over time, as formulas and tables; [`curve`]: functions through tables;
-//! - [`record`]: what is recorded besides; [`column`]: names and units;
+//! - [`record`]: what is recorded besides; [`mod@column`]: names and units;
 //! - [`progress`]: the progress bar;
 //! - [`table`][]: CSV;
 //! - [`figure`]: SVG and PNG.
