@@ -15,6 +15,12 @@ fn size(x: TwoFloat) -> f64 {
     x.value().abs()
 }
 
+/// `a / b`, corrected once: the library's quotient may be off in its second half.
+fn quotient(a: TwoFloat, b: TwoFloat) -> TwoFloat {
+    let first = a / b;
+    first + (a - first * b) / b
+}
+
 /// Powers of two that bring the largest entries of the rows and columns of a symmetric matrix near 1.
 fn scales(matrix: &[Vec<TwoFloat>]) -> Vec<f64> {
     let n = matrix.len();
@@ -59,7 +65,7 @@ pub(super) fn solve(
         found = k + 1;
         let pivot = rows[k].clone();
         for row in rows.iter_mut().skip(k + 1) {
-            let factor = row[k] / pivot[k];
+            let factor = quotient(row[k], pivot[k]);
             row.iter_mut().zip(&pivot).skip(k).for_each(|(entry, above)| *entry -= factor * *above);
         }
     }
@@ -67,7 +73,7 @@ pub(super) fn solve(
         let mut x = vec![TwoFloat::from(0.0); n];
         for k in (0..found).rev() {
             let rest = (k + 1..found).fold(rows[k][n + c], |rest, j| rest - rows[k][j] * x[order[j]]);
-            x[order[k]] = rest / rows[k][k];
+            x[order[k]] = quotient(rest, rows[k][k]);
         }
         x.iter().zip(&scales).map(|(x, scale)| *x * *scale).collect()
     });
