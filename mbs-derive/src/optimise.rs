@@ -54,7 +54,7 @@ pub struct Derivation {
     pub constructor: Program,
     /// What parameters must satisfy.
     pub requirements: Vec<Requirement>,
-    /// From parameters to the numbers that the requirements are about, [so many](Condition::count) for each in turn.
+    /// From parameters to the numbers that the requirements are about, [this many](Condition::count) for each in turn.
     pub required: Program,
     /// The generated functions, in the order of the documentation.
     pub functions: Vec<Function>,
@@ -171,7 +171,7 @@ pub struct ResultPart {
 pub enum Shape {
     /// One number.
     Scalar,
-    /// So many numbers.
+    /// This many numbers.
     Vector(usize),
     /// Rows and columns.
     Matrix(usize, usize),
@@ -181,11 +181,11 @@ pub enum Shape {
     Pose,
     /// A force, then a moment.
     Wrench,
-    /// So many of them.
+    /// This many of them.
     Wrenches(usize),
-    /// So many matrices of these rows and columns.
+    /// This many matrices of these rows and columns.
     Matrices(usize, usize, usize),
-    /// So many positions and rotations.
+    /// This many positions and rotations.
     Poses(usize),
 }
 

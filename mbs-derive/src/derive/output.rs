@@ -33,15 +33,15 @@ pub struct OutputEquations<'g> {
 pub enum OutputShape {
     /// One number.
     Scalar,
-    /// So many numbers.
+    /// This many numbers.
     Array(usize),
     /// Rows and columns.
     Matrix(usize, usize),
     /// Position and rotation.
     Pose,
-    /// So many matrices of these rows and columns.
+    /// This many matrices of these rows and columns.
     Matrices(usize, usize, usize),
-    /// So many positions and rotations.
+    /// This many positions and rotations.
     Poses(usize),
 }
 

@@ -36,16 +36,16 @@ pub fn degree_is_at_most(degree: usize, expr: Expr<'_>, varies: impl Fn(Symbol) 
     Test::new(expr, varies).divided_differences_vanish(degree + 1)
 }
 
-/// So many points decide where nothing but the degree can be a chance.
+/// This many points decide where nothing but the degree can be a chance.
 const POINTS: u64 = 3;
 
-/// So many where signs of roots or the outcomes of comparisons are chances, one in two.
+/// This many where signs of roots or the outcomes of comparisons are chances, one in two.
 const POINTS_OF_CHOICES: u64 = 64;
 
-/// So many points on a line are tried to find those where all roots exist.
+/// This many points on a line are tried to find those where all roots exist.
 const TRIED_ON_A_LINE: u64 = 64;
 
-/// So many steps of evaluation are spent on what does not get to an end.
+/// This many steps of evaluation are spent on what does not get to an end.
 const BUDGET: usize = 20_000_000;
 
 struct Test<Varies> {
@@ -84,7 +84,7 @@ impl<Varies: Fn(Symbol) -> bool> Test<Varies> {
         Verdict::Holds
     }
 
-    /// `Σ f(sᵢ) Π 1/(sᵢ − sⱼ)`, on a line on which f has so many values.
+    /// `Σ f(sᵢ) Π 1/(sᵢ − sⱼ)`, on a line on which f has this many values.
     fn divided_difference(
         &self,
         order: usize,

@@ -5,7 +5,7 @@ use super::sample::{Random, default_parameters};
 use crate::expr::{Dual, Expr, Symbol, Tape};
 use crate::interpret::State;
 
-/// So many states are tried as starts, with so many steps each.
+/// This many states are tried as starts, with this many steps each.
 const STARTS: usize = 48;
 const STEPS: usize = 80;
 

@@ -170,7 +170,7 @@ struct Term {
     pending: Vec<Id>,
 }
 
-/// Sums are multiplied out in so many steps at the most; longer energies have no squares to be found.
+/// Sums are multiplied out in at most this many steps; longer energies have no squares to be found.
 const MOST_STEPS: usize = 20_000;
 
 /// What the squares in T are multiplied with.

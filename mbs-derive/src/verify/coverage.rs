@@ -8,10 +8,10 @@ use crate::model::sample::{Random, default_parameters};
 
 use super::witness::output_components;
 
-/// At so many states each side is to be taken.
+/// At this many states each side is to be taken.
 const WANTED: usize = 2;
 
-/// From so many random states, of several sizes, a side is sought, with so many steps each.
+/// From this many random states, of several sizes, a side is sought, with this many steps each.
 const STARTS: usize = 24;
 const STEPS: usize = 60;
 
