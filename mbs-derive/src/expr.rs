@@ -5,7 +5,7 @@
 //! recurses on the depth of an expression.
 //!
 //! - [`number`]: exact constants;
-//! - [`graph`]: the arena, [`Node`], and the constructors with their local rules;
+//! - [`graph`]: the arena and [`Node`]; `arithmetic`, `power`, `condition`: the constructors with their local rules;
 //! - [`function`]: sin, cos, … with derivative and value side by side;
 //! - [`tangent`]: directional derivatives by a forward sweep;
 //! - [`adjoint`]: gradients by a reverse sweep;
@@ -23,7 +23,9 @@
 //! - [`display`]: infix printing.
 
 pub mod adjoint;
+mod arithmetic;
 pub mod branch;
+mod condition;
 mod constrained;
 pub mod display;
 pub mod dual;
@@ -35,6 +37,7 @@ pub mod hessian;
 pub mod identity;
 pub mod normal;
 pub mod number;
+mod power;
 mod range;
 mod ratio;
 pub mod residue;
@@ -45,10 +48,11 @@ pub mod tangent;
 pub mod vector;
 
 pub use adjoint::{gradient, gradient_of_combination};
+pub use condition::Condition;
 pub use dual::Dual;
 pub use evaluate::{Solution, Tape, Value, evaluate};
 pub use function::{Binary, Function};
-pub use graph::{Condition, Expr, Graph, HalfInteger, Id, Node, Symbol};
+pub use graph::{Expr, Graph, HalfInteger, Id, Node, Symbol};
 pub use hessian::hessian;
 pub use identity::{Verdict, degree_is_at_most, generic, vanishes};
 pub use normal::{Kept, cheapest_form, normal_form, quotients};

@@ -2,7 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use super::graph::{Condition, Expr, Graph, Id, Node, Symbol};
+use super::condition::Condition;
+use super::graph::{Expr, Graph, Id, Node, Symbol};
 use super::table::Table;
 use super::tangent::Tangent;
 

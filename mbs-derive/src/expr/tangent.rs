@@ -1,6 +1,7 @@
 //! Forward sweep: directional derivatives, and the total time derivative by the chain rule.
 
-use super::graph::{Condition, Expr, Id, IdMap, Node, Symbol};
+use super::condition::Condition;
+use super::graph::{Expr, Id, IdMap, Node, Symbol};
 
 /// The derivative along one direction, given by the derivatives of the symbols.
 ///
