@@ -1,6 +1,8 @@
 //! Pass 6: [`Derivation`] → Rust, one module a mechanism.
 //!
-//! - `item`: the module, its structs, functions and the implementation of `Mechanism`;
+//! - `item`: the module, its structs and functions;
+//! - `traits`: the runtime's traits, implemented by them;
+//! - `shape`: results, their types and components; `solution`: systems that are solved for them;
 //! - `parameter`: its parameters and what they must satisfy;
 //! - `doc`: what its documentation says;
 //! - `body`: one function body: bindings, then the result;
@@ -21,7 +23,10 @@ mod latex;
 mod name;
 mod parameter;
 mod segment;
+mod shape;
+mod solution;
 mod text;
+mod traits;
 
 use crate::derive::Equations;
 use crate::model::Lagrangian;
@@ -86,7 +91,7 @@ pub fn module_name(derivation: &Derivation) -> String {
 /// Whether the module implements `mbs_runtime::Mechanism`: all functions of the trait are generated, and no motion is
 /// given at run time, for which the trait has no argument.
 pub fn implements_mechanism(derivation: &Derivation, options: &Options) -> bool {
-    item::implements_mechanism(derivation, options)
+    traits::implements_mechanism(derivation, options)
 }
 
 #[cfg(test)]

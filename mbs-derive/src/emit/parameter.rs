@@ -9,8 +9,8 @@ use crate::model::requirement::Condition;
 use crate::optimise::Derivation;
 
 use super::body::{Body, Component};
-use super::item::array;
 use super::name::{Names, ident};
+use super::shape::array;
 use super::text::{self, Text};
 use super::{doc, segment};
 
