@@ -8,7 +8,7 @@
 
 use std::fmt;
 
-use crate::expr::{Dual, Expr, Residue, Rounded, Symbol, Tape, Value, generic};
+use crate::expr::{Dual, Expr, Number, Residue, Rounded, Symbol, Tape, Value, generic};
 use crate::interpret::State;
 
 use super::frame::Edge;
@@ -198,7 +198,7 @@ pub(super) struct Line {
     pub(super) state: State,
     direction: Vec<f64>,
     parameters: Vec<f64>,
-    exact_parameters: Vec<Residue>,
+    exact_parameters: Vec<Number>,
 }
 
 impl Line {
@@ -209,7 +209,7 @@ impl Line {
             state: random.state(lagrangian),
             direction: random.vector(n, 2.0),
             parameters: default_parameters(lagrangian),
-            exact_parameters: defaults.copied().map(Residue::number).collect(),
+            exact_parameters: defaults.copied().collect(),
         }
     }
 
@@ -242,12 +242,17 @@ impl Line {
     }
 
     /// A value in a finite field for every symbol: those of the parameters are their defaults, all others have no relation.
-    pub(super) fn in_field(&self, point: u64, velocity: &dyn Fn(u32) -> Residue, symbol: Symbol) -> Dual<Residue> {
+    pub(super) fn in_field<const K: usize>(
+        &self,
+        point: u64,
+        velocity: &dyn Fn(u32) -> Residue<K>,
+        symbol: Symbol,
+    ) -> Dual<Residue<K>> {
         match symbol {
             Symbol::Time => Dual::new(generic(symbol, point), Residue::constant(1.0)),
             Symbol::Coordinate(i) => Dual::new(generic(symbol, point), velocity(i)),
             Symbol::Velocity(i) => Dual::fixed(velocity(i)),
-            Symbol::Parameter(i) => Dual::fixed(self.exact_parameters[i as usize]),
+            Symbol::Parameter(i) => Dual::fixed(Residue::number(self.exact_parameters[i as usize])),
             Symbol::Prescribed(i, order) => {
                 Dual::new(generic(symbol, point), generic(Symbol::Prescribed(i, order + 1), point))
             }

@@ -3,17 +3,17 @@
 use crate::expr::{Residue, Value};
 
 /// The reduced row echelon form of a matrix.
-pub(crate) struct Echelon {
+pub(crate) struct Echelon<const K: usize> {
     columns: usize,
     /// The rows that are left, each with the column of its leading one.
-    rows: Vec<(usize, Vec<Residue>)>,
+    rows: Vec<(usize, Vec<Residue<K>>)>,
     /// The numbers of the rows that those before them determine.
     dependent: Vec<usize>,
 }
 
-impl Echelon {
+impl<const K: usize> Echelon<K> {
     /// `None` where an entry has no value.
-    pub(crate) fn of(matrix: Vec<Vec<Residue>>) -> Option<Echelon> {
+    pub(crate) fn of(matrix: Vec<Vec<Residue<K>>>) -> Option<Self> {
         if matrix.iter().flatten().any(|entry| !entry.is_defined()) {
             return None;
         }
@@ -25,7 +25,7 @@ impl Echelon {
         Some(echelon)
     }
 
-    fn append(&mut self, number: usize, mut row: Vec<Residue>) {
+    fn append(&mut self, number: usize, mut row: Vec<Residue<K>>) {
         for (lead, known) in &self.rows {
             let factor = row[*lead];
             subtract(&mut row, factor, known);
@@ -66,7 +66,7 @@ impl Echelon {
     }
 }
 
-fn subtract(row: &mut [Residue], factor: Residue, other: &[Residue]) {
+fn subtract<const K: usize>(row: &mut [Residue<K>], factor: Residue<K>, other: &[Residue<K>]) {
     if !factor.is_zero() {
         row.iter_mut().zip(other).for_each(|(a, b)| *a = a.sub(factor.mul(*b)));
     }
@@ -75,6 +75,8 @@ fn subtract(row: &mut [Residue], factor: Residue, other: &[Residue]) {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    type Residue = crate::expr::Residue<0>;
 
     #[test]
     fn ranks_and_dependences() {

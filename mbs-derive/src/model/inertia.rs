@@ -53,20 +53,36 @@ pub(super) fn problem(motion: &Motion, constraints: &VelocityEquations, lines: &
 /// The coordinates of a motion that has no inertia at any state, decided in a finite field at the defaults of the parameters;
 /// where it has no values, none is said to be.
 fn without_inertia(motion: &Motion, constraints: &VelocityEquations, lines: &[Line], n: usize) -> Option<Problem> {
-    const TRIED: u64 = 64;
-    let line = lines.first()?;
-    let echelons = (0..TRIED).filter_map(|point| {
-        let mass = motion.mass_matrix(n, |velocity, symbol| line.in_field(point, velocity, symbol));
-        let rows = constraints.pfaffian_in_field(line, point, n);
-        // A motion without inertia is in the null space of both.
-        Echelon::of(mass.chunks(n).map(<[Residue]>::to_vec).chain(rows).collect())
-    });
-    let singular: Vec<Option<Vec<usize>>> = echelons.take(2).map(|echelon| echelon.shortest_dependence()).collect();
-    let coordinates = singular.into_iter().collect::<Option<Vec<_>>>()?.pop()?;
+    let first = dependence::<0>(motion, constraints, lines, n);
+    let second = dependence::<1>(motion, constraints, lines, n);
+    // In a field in which nothing has a value, nothing is decided.
+    let coordinates = match (first, second) {
+        (Some(first), Some(second)) => second.and(first),
+        (only, None) | (None, only) => only.flatten(),
+    }?;
     Some(match coordinates.as_slice() {
         &[alone] => Problem::NoInertia(alone),
         _ => Problem::DependentInertia(coordinates),
     })
+}
+
+/// The coordinates of a motion without inertia in one of the fields, if there is one; `None` where nothing has a value.
+fn dependence<const K: usize>(
+    motion: &Motion,
+    constraints: &VelocityEquations,
+    lines: &[Line],
+    n: usize,
+) -> Option<Option<Vec<usize>>> {
+    const TRIED: u64 = 64;
+    let line = lines.first()?;
+    let echelons = (0..TRIED).filter_map(|point| {
+        let mass = motion.mass_matrix(n, |velocity, symbol| line.in_field(point, velocity, symbol));
+        let rows = constraints.pfaffian_in_field::<K>(line, point, n);
+        // A motion without inertia is in the null space of both.
+        Echelon::of(mass.chunks(n).map(<[Residue<K>]>::to_vec).chain(rows).collect())
+    });
+    let singular: Vec<Option<Vec<usize>>> = echelons.take(2).map(|echelon| echelon.shortest_dependence()).collect();
+    (!singular.is_empty()).then(|| singular.into_iter().collect::<Option<Vec<_>>>()?.pop())
 }
 
 /// `M + Aᵀ A`, with A scaled to the size of M: positive definite where M is so on the motions that constraints leave.

@@ -55,7 +55,7 @@ impl VelocityEquations {
         self.jacobian(n, |velocity, symbol| line.with_velocity(velocity, symbol))
     }
 
-    pub(super) fn pfaffian_in_field(&self, line: &Line, point: u64, n: usize) -> Vec<Vec<Residue>> {
+    pub(super) fn pfaffian_in_field<const K: usize>(&self, line: &Line, point: u64, n: usize) -> Vec<Vec<Residue<K>>> {
         self.jacobian(n, |velocity, symbol| line.in_field(point, velocity, symbol))
     }
 
@@ -105,11 +105,20 @@ impl VelocityEquations {
             return doubtful;
         }
         // Rows may be nearly parallel for the units of their coordinates alone.
-        let exactly = (0..16).find_map(|point| Echelon::of(self.pfaffian_in_field(lines.first()?, point, n)));
+        let (first, second) = (self.dependent_in_field::<0>(lines, n), self.dependent_in_field::<1>(lines, n));
+        let exactly = [first, second];
         let follows = |row: &usize| {
-            largest(*row) <= ROUNDING || exactly.as_ref().is_none_or(|echelon| echelon.dependent_rows().contains(row))
+            largest(*row) <= ROUNDING || exactly.iter().flatten().all(|dependent| dependent.contains(row))
         };
         doubtful.into_iter().filter(follows).collect()
+    }
+
+    /// `None` where nothing has a value.
+    fn dependent_in_field<const K: usize>(&self, lines: &[Line], n: usize) -> Option<Vec<usize>> {
+        const TRIED: u64 = 16;
+        let line = lines.first()?;
+        let mut echelons = (0..TRIED).filter_map(|point| Echelon::of(self.pfaffian_in_field::<K>(line, point, n)));
+        echelons.next().map(|echelon| echelon.dependent_rows().to_vec())
     }
 }
 

@@ -21,11 +21,14 @@ pub(super) fn is_singular(trial: &Trial<'_>, state: &State, parameters: &[f64]) 
     if on_allowed_motions.smallest > rounding {
         return Ok(false);
     }
-    Ok(is_singular_in_field(trial.derivation(), state, parameters).unwrap_or(true))
+    let derivation = trial.derivation();
+    let first = is_singular_in_field::<0>(derivation, state, parameters);
+    let second = is_singular_in_field::<1>(derivation, state, parameters);
+    Ok(first.unwrap_or(true) && second.unwrap_or(true))
 }
 
 /// `None` where a constant is not exact, or nothing has a value.
-fn is_singular_in_field(derivation: &Derivation, state: &State, parameters: &[f64]) -> Option<bool> {
+fn is_singular_in_field<const K: usize>(derivation: &Derivation, state: &State, parameters: &[f64]) -> Option<bool> {
     const TRIED: u64 = 32;
     let names = ["mass_matrix", "constraint_jacobian"];
     let programs = names.iter().filter_map(|name| derivation.function(name)).map(|f| &f.program);
@@ -33,18 +36,18 @@ fn is_singular_in_field(derivation: &Derivation, state: &State, parameters: &[f6
     if programs.chain([&derivation.constructor]).flat_map(|program| &program.instructions).any(is_rounded) {
         return None;
     }
-    let parameters: Vec<Residue> = parameters.iter().map(|&value| Residue::constant(value)).collect();
+    let parameters: Vec<Residue<K>> = parameters.iter().map(|&value| Residue::constant(value)).collect();
     let interpreter = Interpreter::with_parameters(derivation, parameters);
     (0..TRIED).find_map(|point| {
         let n = derivation.dof();
         let state = in_field(state, point);
         let rows = names.iter().filter_map(|name| interpreter.call(name, &state)).flatten().collect::<Vec<_>>();
-        Echelon::of(rows.chunks(n).map(<[Residue]>::to_vec).collect()).map(|echelon| echelon.rank() < n)
+        Echelon::of(rows.chunks(n).map(<[Residue<K>]>::to_vec).collect()).map(|echelon| echelon.rank() < n)
     })
 }
 
 /// Numbers without relations, but for zeros.
-fn in_field(state: &State, point: u64) -> State<Residue> {
+fn in_field<const K: usize>(state: &State, point: u64) -> State<Residue<K>> {
     let mut key = point << 32;
     let mut number = |value: f64| {
         key += 1;
