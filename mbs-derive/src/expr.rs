@@ -49,6 +49,7 @@ pub mod vector;
 
 pub use adjoint::{gradient, gradient_of_combination};
 pub use condition::Condition;
+pub(crate) use constrained::{Scales, least_change, remainder};
 pub use dual::Dual;
 pub use evaluate::{Solution, Tape, Value, evaluate};
 pub use function::{Binary, Function};

@@ -172,12 +172,25 @@ impl<'d, V: Value> Interpreter<'d, V> {
 
     /// q̈, then λ.
     fn constrained_motion(&self, forward_dynamics: &Function, state: &State<V>) -> Vec<V> {
-        let n = self.derivation.dof();
-        let values = self.run(&forward_dynamics.program, state, &[]);
-        let (mass, rest) = values.split_at(n * (n + 1) / 2);
-        let (jacobian, right_side) = rest.split_at(self.derivation.constraints.len() * n);
-        V::constrained(n, mass.to_vec(), jacobian.to_vec())(right_side)
+        let System { mass, jacobian, right_side } = self.system_of_motion(forward_dynamics, state);
+        V::constrained(self.derivation.dof(), mass, jacobian)(&right_side)
     }
+
+    /// What a program sets up for the motion with constraints.
+    pub(crate) fn system_of_motion(&self, forward_dynamics: &Function, state: &State<V>) -> System<V> {
+        let n = self.derivation.dof();
+        let mut mass = self.run(&forward_dynamics.program, state, &[]);
+        let mut jacobian = mass.split_off(n * (n + 1) / 2);
+        let right_side = jacobian.split_off(self.derivation.constraints.len() * n);
+        System { mass, jacobian, right_side }
+    }
+}
+
+/// `M q̈ − Aᵀ λ = f`, `A q̈ = c`: the lower triangle of M and A, row by row, and f, then c.
+pub(crate) struct System<V> {
+    pub mass: Vec<V>,
+    pub jacobian: Vec<V>,
+    pub right_side: Vec<V>,
 }
 
 /// Right sides of so many rows; each part has columns of its own, row by row.

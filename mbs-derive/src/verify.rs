@@ -8,13 +8,16 @@
 //! nowhere is said.
 //!
 //! - [`witness`]: Lagrange's equations from the verbatim energies, by dual numbers;
-//! - [`claim`]: what is compared, one function per generated function and identity; `group`: many columns at once.
+//! - [`claim`]: what is compared, one function per generated function and identity; `group`: many columns at once;
+//!   `allowed`: states that hold constraints; `motion`: the motion with constraints, and its derivatives.
 
+mod allowed;
 pub mod claim;
 mod coverage;
 mod group;
 mod inertia;
 mod linear;
+mod motion;
 #[cfg(test)]
 mod mutants;
 pub mod witness;

@@ -69,9 +69,8 @@ impl<V: Value> NullSpace<V> {
         let a: Vec<&[V]> = jacobian.chunks_exact(n.max(1)).collect();
         let k = a.len();
         let scales = Scales::of(n, &|i| m(i, i), &a);
-        let (s, t) = (&scales.columns, &scales.rows);
-        let mass = (0..n).map(|i| (0..n).map(|j| scaled(m(i, j), -s[i] - s[j] - scales.mass)).collect());
-        let basis = (0..k).map(|row| (0..n).map(|i| scaled(a[row][i], -s[i] - t[row])).collect());
+        let mass = (0..n).map(|i| (0..n).map(|j| scales.mass(i, j, m(i, j))).collect());
+        let basis = (0..k).map(|row| (0..n).map(|i| scales.row(row, i, a[row][i])).collect());
         let zero = V::constant(0.0);
         let mut system = NullSpace {
             n,
@@ -323,7 +322,7 @@ impl<V: Value> NullSpace<V> {
 }
 
 /// `q = 2^−column q̂`, `λ = 2^(mass − row) λ̂`.
-struct Scales {
+pub(crate) struct Scales {
     taken: Vec<Option<usize>>,
     columns: Vec<i32>,
     rows: Vec<i32>,
@@ -338,7 +337,7 @@ struct Exponents {
 }
 
 impl Scales {
-    fn of<V: Value>(n: usize, diagonal: &dyn Fn(usize) -> V, a: &[&[V]]) -> Self {
+    pub(crate) fn of<V: Value>(n: usize, diagonal: &dyn Fn(usize) -> V, a: &[&[V]]) -> Self {
         let inertia: Vec<Option<i64>> = (0..n).map(|i| exponent(diagonal(i)).map(i64::from)).collect();
         let slopes = a.iter().map(|row| row.iter().map(|&x| exponent(x).map(i64::from)).collect()).collect();
         let mut exponents = Exponents { inertia, slopes, taken: vec![None; n] };
@@ -349,6 +348,21 @@ impl Scales {
         let rows = exponents.slopes.iter().map(|row| largest(row) as i32).collect();
         let columns = columns.iter().map(|&s| s as i32).collect();
         Scales { taken: exponents.taken, columns, rows, mass: reference as i32 }
+    }
+
+    /// An entry of M in these scales.
+    pub(crate) fn mass<V: Value>(&self, i: usize, j: usize, entry: V) -> V {
+        scaled(entry, -self.columns[i] - self.columns[j] - self.mass)
+    }
+
+    /// An entry of A in these scales.
+    pub(crate) fn row<V: Value>(&self, row: usize, i: usize, entry: V) -> V {
+        scaled(entry, -self.columns[i] - self.rows[row])
+    }
+
+    /// The inertia that is one in these scales.
+    pub(crate) fn weight<V: Value>(&self, i: usize) -> V {
+        scaled(V::constant(1.0), 2 * self.columns[i] + self.mass)
     }
 }
 
@@ -469,8 +483,17 @@ pub(super) fn power<V: Value>(exponent: i32) -> V {
     V::constant(f64::from_bits(((1023 + exponent) as u64) << 52))
 }
 
+/// The least x with `A x = target`, measured by `Σ wᵢ xᵢ²`; rows that others determine are left out.
+pub(crate) fn least_change(n: usize, weights: &[f64], jacobian: &[f64], target: &[f64]) -> Option<Vec<f64>> {
+    let triangle: Vec<f64> = (0..n).flat_map(|i| (0..=i).map(move |j| if i == j { weights[i] } else { 0.0 })).collect();
+    let column = [vec![0.0; n].as_slice(), target].concat();
+    let mut x = NullSpace::new(n, &triangle, jacobian)?.solve(&column, Redundant::Ignored)?;
+    x.truncate(n);
+    Some(x)
+}
+
 /// `b − K x` of the system's matrix K, of its lower triangle of M and of A.
-pub(super) fn remainder<V: Value>(mass: &[V], jacobian: &[V], b: &[V], x: &[V], n: usize) -> Vec<V> {
+pub(crate) fn remainder<V: Value>(mass: &[V], jacobian: &[V], b: &[V], x: &[V], n: usize) -> Vec<V> {
     let m = |i: usize, j: usize| mass[i.max(j) * (i.max(j) + 1) / 2 + i.min(j)];
     let k = b.len() - n;
     let force = |i: usize| {

@@ -1,13 +1,17 @@
 //! What is proved at one state: each generated function and identity against the witness.
 
-use crate::expr::{Dual, Rounded, Symbol, Value};
+use std::cell::{OnceCell, RefCell};
+use std::collections::BTreeMap;
+
+use crate::expr::{Dual, Rounded, Scales, Symbol, Value, least_change};
 use crate::interpret::{Interpreter, State};
 use crate::model::degree::{Elimination, eliminate_rounded};
-use crate::optimise::{Derivation, Function, FunctionKind, Shape};
+use crate::optimise::{Completion, Derivation, Function, FunctionKind, Shape};
 
 use super::group::Group;
-use super::linear::{add, dot, quadratic_form, solve_semidefinite, times};
-use super::witness::{LagrangeTerms, Witness, exact, explicit_path, lift, lift_all, path, with_resting};
+use super::linear::{add, quadratic_form, times};
+use super::motion::Motion;
+use super::witness::{LagrangeTerms, Witness, explicit_path, lift, lift_all, path, with_resting};
 use super::{Disagreement, Failure, TOLERANCE};
 
 /// A position and the rows of a rotation.
@@ -15,30 +19,32 @@ const POSE: usize = 12;
 
 /// One state at which a derivation is tried.
 pub struct Trial<'a> {
-    witness: &'a Witness<'a, 'a>,
-    derivation: &'a Derivation,
-    state: &'a State<Rounded>,
-    parameters: &'a [Rounded],
-    interpreter: Interpreter<'a, Rounded>,
-    dual: Interpreter<'a, Dual<Rounded>>,
-    terms: Vec<LagrangeTerms>,
+    pub(super) witness: &'a Witness<'a, 'a>,
+    pub(super) derivation: &'a Derivation,
+    pub(super) state: &'a State<Rounded>,
+    pub(super) parameters: &'a [Rounded],
+    pub(super) interpreter: Interpreter<'a, Rounded>,
+    pub(super) dual: Interpreter<'a, Dual<Rounded>>,
+    terms: OnceCell<Vec<LagrangeTerms>>,
+    /// What functions give at the state, by their names.
+    results: RefCell<BTreeMap<String, Vec<Rounded>>>,
+    motion: OnceCell<Motion<'a>>,
 }
 
-/// So many times the first-order bounds of rounding errors are allowed.
-const ROUNDING: f64 = 8.0;
+/// The first-order bounds of rounding errors are allowed this many times.
+pub(super) const ROUNDING: f64 = 8.0;
 
-/// How near to zero holonomic rows are brought at states that hold them, in their units.
-const CLOSED: f64 = 1e-13;
+/// How near to zero holonomic rows are brought at states that hold them, as a part of their terms.
+pub(super) const CLOSED: f64 = 1e-13;
 
 impl<'a> Trial<'a> {
-    /// Evaluates the witness.
+    /// At a state, with parameters.
     pub fn new(
         witness: &'a Witness<'a, 'a>,
         derivation: &'a Derivation,
         state: &'a State<Rounded>,
         parameters: &'a [Rounded],
     ) -> Self {
-        let n = derivation.dof();
         Trial {
             witness,
             derivation,
@@ -46,7 +52,9 @@ impl<'a> Trial<'a> {
             parameters,
             interpreter: Interpreter::with_parameters(derivation, parameters.to_vec()),
             dual: Interpreter::with_parameters(derivation, lift_all(parameters)),
-            terms: (0..n).map(|i| witness.lagrange(i, state, parameters)).collect(),
+            terms: OnceCell::new(),
+            results: RefCell::default(),
+            motion: OnceCell::new(),
         }
     }
 
@@ -95,12 +103,17 @@ impl<'a> Trial<'a> {
         Trial::new(self.witness, self.derivation, state, self.parameters)
     }
 
-    fn n(&self) -> usize {
+    pub(super) fn n(&self) -> usize {
         self.derivation.dof()
     }
 
-    fn call(&self, name: &str) -> Vec<Rounded> {
-        self.interpreter.call(name, self.state).unwrap_or_default()
+    pub(super) fn call(&self, name: &str) -> Vec<Rounded> {
+        if let Some(results) = self.results.borrow().get(name) {
+            return results.clone();
+        }
+        let results = self.interpreter.call(name, self.state).unwrap_or_default();
+        self.results.borrow_mut().insert(name.to_string(), results.clone());
+        results
     }
 
     /// The derivative of a Program's results in a direction of the state.
@@ -109,8 +122,27 @@ impl<'a> Trial<'a> {
         self.dual.call(name, &state).unwrap_or_default().iter().map(|v| v.derivative).collect()
     }
 
+    /// The derivative of accelerations along that of a state and of the parameters of a mechanism.
+    fn acceleration_slope(
+        &self,
+        varied: &Interpreter<'_, Dual<Rounded>>,
+        state: &State<Dual<Rounded>>,
+    ) -> Vec<Rounded> {
+        match self.derivation.function("forward_dynamics") {
+            Some(function) if function.completion == Completion::SolveConstrained => {
+                self.motion(function).slope(self.n(), &varied.system_of_motion(function, state))
+            }
+            _ => varied.call("forward_dynamics", state).unwrap_or_default().iter().map(|v| v.derivative).collect(),
+        }
+    }
+
+    pub(super) fn motion(&self, forward_dynamics: &Function) -> &Motion<'a> {
+        self.motion
+            .get_or_init(|| Motion::new(self.n(), self.interpreter.system_of_motion(forward_dynamics, self.state)))
+    }
+
     /// Compares component by component: to [`TOLERANCE`], or to what rounding may have done to either side.
-    fn equal(&self, claim: &'static str, found: &[Rounded], expected: &[Rounded]) -> Result<(), Failure> {
+    pub(super) fn equal(&self, claim: &'static str, found: &[Rounded], expected: &[Rounded]) -> Result<(), Failure> {
         assert_eq!(found.len(), expected.len(), "{claim}");
         for (component, (found, expected)) in found.iter().zip(expected).enumerate() {
             let rounding = ROUNDING * (found.error + expected.error);
@@ -121,14 +153,13 @@ impl<'a> Trial<'a> {
                 || found.value.is_finite() && !found.error.is_finite();
             let agrees = (found.value - expected.value).abs() <= allowed;
             if !agrees && !silent {
-                let double = |values: &[Rounded]| values.iter().map(|v| v.value).collect::<Vec<_>>();
                 return Err(Failure::Disagreement(Box::new(Disagreement {
                     claim,
                     component,
                     found: found.value,
                     expected: expected.value,
                     state: doubles(self.state),
-                    parameters: double(self.parameters),
+                    parameters: doubles_of(self.parameters),
                 })));
             }
         }
@@ -158,8 +189,14 @@ impl<'a> Trial<'a> {
         Ok(())
     }
 
+    /// Lagrange's equations by the witness.
+    fn terms(&self) -> &[LagrangeTerms] {
+        let terms = || (0..self.n()).map(|i| self.witness.lagrange(i, self.state, self.parameters)).collect();
+        self.terms.get_or_init(terms)
+    }
+
     fn momentum_and_forces(&self) -> Result<(), Failure> {
-        let of = |f: fn(&LagrangeTerms) -> Rounded| self.terms.iter().map(f).collect::<Vec<_>>();
+        let of = |f: fn(&LagrangeTerms) -> Rounded| self.terms().iter().map(f).collect::<Vec<_>>();
         self.equal("momentum = ∂L/∂q̇", &self.call("momentum"), &of(|t| t.momentum))?;
         let force = of(|t| t.dissipation_force);
         self.equal("dissipation force = ∂D/∂q̇", &self.call("dissipation_force"), &force)?;
@@ -169,7 +206,7 @@ impl<'a> Trial<'a> {
 
     /// `d/dt ∂L/∂q̇ − ∂L/∂q + ∂D/∂q̇`
     fn inverse_dynamics(&self) -> Result<(), Failure> {
-        let expected = self.terms.iter().map(|t| t.momentum_rate - t.position_gradient + t.dissipation_force);
+        let expected = self.terms().iter().map(|t| t.momentum_rate - t.position_gradient + t.dissipation_force);
         self.equal(
             "inverse dynamics = Lagrange's equations",
             &self.call("inverse_dynamics"),
@@ -241,34 +278,44 @@ impl<'a> Trial<'a> {
         Ok(())
     }
 
-    /// `M + Aᵀ A`, regular wherever M is on the motions that A allows.
+    /// `M + Aᵀ A`, regular wherever M is on the motions that A allows; in the scales of the solution, which are those of the units.
     fn augmented_mass_matrix(&self) -> Vec<Rounded> {
-        let (n, a) = (self.n(), self.call_if_any("constraint_jacobian"));
-        let mass = self.call("mass_matrix");
+        let (n, mut mass, mut a) = (self.n(), self.call("mass_matrix"), self.call_if_any("constraint_jacobian"));
+        let scales = scales(n, &mass, &a);
+        mass.iter_mut().enumerate().for_each(|(k, x)| *x = scales.mass(k / n, k % n, *x));
+        a.iter_mut().enumerate().for_each(|(k, x)| *x = scales.row(k / n, k % n, *x));
         let gram = |i: usize, j: usize| a.chunks(n).map(|row| row[i] * row[j]).sum::<Rounded>();
         (0..n * n).map(|k| mass[k] + gram(k / n, k % n)).collect()
     }
 
-    /// Whether accelerations are determined at this state: not where M, or M on the motions that A allows, is singular. They are
-    /// numbers where it clearly is not, and all else is finite.
+    /// Whether accelerations are determined at this state: not where M, or M on the motions that A allows, is singular, or where
+    /// rows contradict each other. They are numbers where it clearly is not, no row does, and all else is finite.
     fn accelerations_are_determined(&self) -> Result<bool, Failure> {
         let found = self.call("forward_dynamics");
         if found.iter().all(|qdd| qdd.value.is_finite()) {
             return Ok(true);
         }
         let finite = |name: &str| self.call(name).iter().all(|v| v.value.is_finite() && v.error.is_finite());
-        let given = ["mass_matrix", "bias", "dissipation_force", "generalized_force"].into_iter().all(finite)
-            && self.is_regular(&self.augmented_mass_matrix(), self.n());
-        let a = self.call_if_any("constraint_jacobian");
-        let products: Vec<Rounded> =
-            a.chunks(self.n()).flat_map(|x| a.chunks(self.n()).map(move |y| dot(x, y))).collect();
-        let rows = self.derivation.constraints.len();
-        let bound = rows == 0 || finite("constraint_bias") && self.is_regular(&products, rows);
-        if given && bound {
+        let names = ["mass_matrix", "bias", "dissipation_force", "generalized_force"];
+        let is_bound = !self.is_constrained() || finite("constraint_bias") && finite("constraint_jacobian");
+        let is_given = is_bound && names.into_iter().all(finite);
+        if is_given && self.is_regular(&self.augmented_mass_matrix(), self.n()) && self.rows_agree() {
             let zero = vec![Rounded::default(); found.len()];
             self.equal("accelerations are numbers where M is regular on the allowed motions", &found, &zero)?;
         }
         Ok(false)
+    }
+
+    /// Whether what holds the rows that others do not determine holds all of them.
+    fn rows_agree(&self) -> bool {
+        const AGREED: f64 = 1e-10;
+        let (n, a) = (self.n(), doubles_of(&self.call_if_any("constraint_jacobian")));
+        let target: Vec<f64> = self.call_if_any("constraint_bias").iter().map(|v| -v.value).collect();
+        let Some(qdd) = least_change(n, &doubles_of(&self.weights()), &a, &target) else { return false };
+        a.chunks(n).zip(&target).all(|(row, c)| {
+            let terms = || row.iter().zip(&qdd).map(|(a, x)| a * x);
+            (c - terms().sum::<f64>()).abs() <= AGREED * (c.abs() + terms().map(f64::abs).sum::<f64>())
+        })
     }
 
     /// Whether no pivot of a matrix is anywhere near zero.
@@ -278,7 +325,7 @@ impl<'a> Trial<'a> {
     }
 
     /// The results of a function that exists only for constrained mechanisms.
-    fn call_if_any(&self, name: &str) -> Vec<Rounded> {
+    pub(super) fn call_if_any(&self, name: &str) -> Vec<Rounded> {
         if self.derivation.constraints.is_empty() { Vec::new() } else { self.call(name) }
     }
 
@@ -310,7 +357,7 @@ impl<'a> Trial<'a> {
     }
 
     /// `Aᵀ λ`
-    fn constraint_force(&self) -> Vec<Rounded> {
+    pub(super) fn constraint_force(&self) -> Vec<Rounded> {
         let (a, l) = (self.call_if_any("constraint_jacobian"), self.call_if_any("multipliers"));
         let n = self.n();
         (0..n).map(|i| l.iter().enumerate().map(|(k, &l)| a[k * n + i] * l).sum()).collect()
@@ -342,7 +389,8 @@ impl<'a> Trial<'a> {
         let mut start = 0;
         for (width, symbol) in [n, n, inputs].into_iter().zip(kinds) {
             for group in Group::of(width) {
-                let expected = self.slope("forward_dynamics", |other| group.weight_of(other, symbol));
+                let varied = lift(self.state, |other| group.weight_of(other, symbol));
+                let expected = self.acceleration_slope(&self.dual, &varied);
                 let found = group.combined(&found[start..start + n * width], n);
                 self.equal("linearization", &found, &expected)?;
             }
@@ -358,111 +406,10 @@ impl<'a> Trial<'a> {
             let mut parameters = lift_all(self.parameters);
             group.columns().for_each(|j| parameters[j].derivative = group.weight(j));
             let varied = Interpreter::with_parameters(self.derivation, parameters);
-            let expected = varied.call("forward_dynamics", &state).unwrap_or_default();
-            let expected: Vec<Rounded> = expected.iter().map(|v| v.derivative).collect();
+            let expected = self.acceleration_slope(&varied, &state);
             self.equal("linearization in the parameters", &group.combined(&found, self.n()), &expected)?;
         }
         Ok(())
-    }
-
-    /// First integrals keep their values along the motion with `u = 0`, `D = 0`; and with everything on, the energy
-    /// balance `d/dt (q̇·∂L/∂q̇ − L) = q̇·(Q − ∂D/∂q̇ + Aᵀ λ) − ∂L/∂t`.
-    fn conserved(&self) -> Result<(), Failure> {
-        let n = self.n();
-        // Constraint forces do no work along motions that the constraints allow.
-        let free = State {
-            u: vec![Rounded::default(); self.state.u.len()],
-            qd: self.allowed_velocities(),
-            ..self.state.clone()
-        };
-        let [force, h] =
-            ["generalized_force", "bias"].map(|name| self.interpreter.call(name, &free).unwrap_or_default());
-        let unforced: Vec<Rounded> = (0..n).map(|i| force[i] - h[i]).collect();
-        let (qdd, multipliers) = self.accelerations(&unforced, &free);
-        let free = State { qdd, ..free };
-        if self.is_allowed(&free) {
-            let along = lift(&free, |symbol| path(&free, symbol));
-            let rates = self.dual.call("conserved", &along).unwrap_or_default();
-            let rates: Vec<Rounded> = rates.iter().map(|v| v.derivative).collect();
-            // What is left of the rates of constraints is no motion that they allow: there the forces do work.
-            let left = self.interpreter.call("constraint_rate", &free).unwrap_or_default();
-            let work: f64 = left.iter().zip(&multipliers).map(|(v, l)| (v.value * l.value).abs()).sum();
-            self.equal("conserved quantities", &rates, &vec![Rounded { value: 0.0, error: work }; rates.len()])?;
-        }
-
-        let real = State { qdd: self.call("forward_dynamics"), ..self.state.clone() };
-        let along = lift(&real, |symbol| path(&real, symbol));
-        let momentum = self.dual.call("momentum", &along).unwrap_or_default();
-        let parameters = lift_all(self.parameters);
-        let [l, ..] = self.witness.energies(&along, &parameters);
-        let by_time = lift(&real, |symbol| explicit_path(&real, symbol));
-        let [l_t, ..] = self.witness.energies(&by_time, &parameters);
-        let momentum_dot_velocity_rate: Rounded =
-            (0..n).map(|i| real.qdd[i] * momentum[i].value + real.qd[i] * momentum[i].derivative).sum();
-        let (force, damping) = (self.call("generalized_force"), self.call("dissipation_force"));
-        let reaction = self.constraint_force();
-        let power: Rounded = (0..n).map(|i| real.qd[i] * (force[i] - damping[i] + reaction[i])).sum();
-        self.equal("energy balance", &[momentum_dot_velocity_rate - l.derivative], &[power - l_t.derivative])
-    }
-
-    /// Whether velocities and accelerations satisfy the constraints: off them, more rows than coordinates may contradict each other.
-    fn is_allowed(&self, state: &State<Rounded>) -> bool {
-        let rates = self.interpreter.call("constraint_rate", state).unwrap_or_default();
-        let product = times(&self.call_if_any("constraint_jacobian"), &state.qdd);
-        let bias = self.interpreter.call("constraint_bias", state).unwrap_or_default();
-        let is_small = |v: &Rounded, size: f64| v.value.abs() <= 1e-9 * size + ROUNDING * v.error;
-        let along = product.iter().zip(&bias).map(|(&a, &b)| (a + b, a.value.abs() + b.value.abs()));
-        let speed = state.qd.iter().map(|v| v.value.abs()).fold(0.0, f64::max);
-        state.qd.iter().chain(&state.qdd).all(|v| v.value.is_finite())
-            && rates.iter().all(|rate| is_small(rate, speed))
-            && along.into_iter().all(|(rate, size)| is_small(&rate, size))
-    }
-
-    /// The state moved onto the constraints: Newton's method on φ along Aᵀ, then the allowed velocities. `None` where it does
-    /// not get there.
-    pub fn consistent_state(&self) -> Option<State<Rounded>> {
-        let n = self.n();
-        let holonomic = &self.derivation.holonomic;
-        let mut state = self.state.clone();
-        for _ in 0..50 {
-            let [value, a] = ["constraint", "constraint_jacobian"].map(|name| {
-                let values = self.interpreter.call(name, &state).unwrap_or_default();
-                let width = values.len() / holonomic.len();
-                let rows = values.chunks(width).zip(holonomic).filter(|(_, holonomic)| **holonomic);
-                rows.flat_map(|(row, _)| row.to_vec()).collect::<Vec<Rounded>>()
-            });
-            if value.iter().all(|v| v.value.abs() < CLOSED) {
-                let trial = Trial::new(self.witness, self.derivation, &state, self.parameters);
-                return Some(exact(&doubles(&State { qd: trial.allowed_velocities(), ..state.clone() })));
-            }
-            let products: Vec<Rounded> = a.chunks(n).flat_map(|x| a.chunks(n).map(move |y| dot(x, y))).collect();
-            let y = solve_semidefinite(&products, &value);
-            for i in 0..n {
-                let step = (0..y.len()).map(|k| a[k * n + i] * y[k]).sum::<Rounded>();
-                state.q[i] = Rounded::exact((state.q[i] - step).value);
-            }
-        }
-        None
-    }
-
-    /// The velocities nearest to the state's with `A q̇ + b = 0`: `q̇ − Aᵀ (A Aᵀ)⁺ (A q̇ + b)`.
-    fn allowed_velocities(&self) -> Vec<Rounded> {
-        let (n, a) = (self.n(), self.call_if_any("constraint_jacobian"));
-        let violation = self.call_if_any("constraint_rate");
-        let products: Vec<Rounded> = a.chunks(n).flat_map(|x| a.chunks(n).map(move |y| dot(x, y))).collect();
-        let y = solve_semidefinite(&products, &violation);
-        (0..n).map(|i| self.state.qd[i] - (0..y.len()).map(|k| a[k * n + i] * y[k]).sum::<Rounded>()).collect()
-    }
-
-    /// q̈ and λ of `M q̈ = f + Aᵀ λ`, `A q̈ + γ = 0` at a state with this one's coordinates.
-    fn accelerations(&self, f: &[Rounded], at: &State<Rounded>) -> (Vec<Rounded>, Vec<Rounded>) {
-        let (n, mass, a) = (self.n(), self.call("mass_matrix"), self.call_if_any("constraint_jacobian"));
-        let triangle: Vec<Rounded> = (0..n).flat_map(|i| mass[i * n..=i * n + i].to_vec()).collect();
-        let bias = self.interpreter.call("constraint_bias", at).unwrap_or_default();
-        let column: Vec<Rounded> = f.iter().copied().chain(bias.iter().map(|&g| -g)).collect();
-        let mut solution = Rounded::constrained(n, triangle, a)(&column);
-        let multipliers = solution.split_off(n);
-        (solution, multipliers)
     }
 
     /// The wrenches at joints hold the auxiliary coordinates of the joints at zero, whatever the multipliers are.
@@ -588,8 +535,8 @@ fn one_if(holds: bool) -> Rounded {
 }
 
 /// The state without the bounds.
-fn doubles(state: &State<Rounded>) -> State {
-    let all = |values: &[Rounded]| values.iter().map(|v| v.value).collect();
+pub(super) fn doubles(state: &State<Rounded>) -> State {
+    let all = doubles_of;
     State {
         t: state.t.value,
         q: all(&state.q),
@@ -598,4 +545,16 @@ fn doubles(state: &State<Rounded>) -> State {
         u: all(&state.u),
         prescribed: state.prescribed.iter().map(|signal| signal.map(|v| v.value)).collect(),
     }
+}
+
+pub(super) fn doubles_of(values: &[Rounded]) -> Vec<f64> {
+    values.iter().map(|v| v.value).collect()
+}
+
+/// The scales of M and A; what cannot be told from zero is zero.
+pub(super) fn scales(n: usize, mass: &[Rounded], a: &[Rounded]) -> Scales {
+    let known = |v: &Rounded| if v.value.abs() <= ROUNDING * v.error { 0.0 } else { v.value };
+    let rows: Vec<Vec<f64>> = a.chunks(n).map(|row| row.iter().map(known).collect()).collect();
+    let rows: Vec<&[f64]> = rows.iter().map(Vec::as_slice).collect();
+    Scales::of(n, &|i| known(&mass[i * (n + 1)]), &rows)
 }

@@ -87,6 +87,72 @@ fn what_is_not_a_number_proves_nothing() {
     }
 }
 
+impl Program {
+    /// One result times `1 + 2⁻²⁰`.
+    fn stretch(&mut self, result: usize) {
+        let factor = self.push(Instruction::Constant(Number::from_f64(1.0 + 2.0_f64.powi(-20)).expect("it is finite")));
+        self.results[result] = self.push(Instruction::Mul(self.results[result], factor));
+    }
+}
+
+/// The rod, declared twice: where it holds, the second row depends on the first.
+const TWICE: &str = "#![dimensionless] mechanism A { coord x: 1; coord y: 1; coord z: 1; \
+    kinetic += (2 + x^2)*dt(x)^2 + dt(y)^2*(3 + z^2) + dt(z)^2 + dt(x)*dt(z)/2; potential += 9.81*y + x*z; \
+    dissipation += dt(y)^2; constraint rod: x^2 + y^2 = 1; constraint same: (x^2 + y^2 - 1)*(2 + z) = 0; }";
+
+/// Rows that depend on others are allowed what the state leaves open of them, and energy the work of the multipliers along it:
+/// what is wrong by a millionth is refused all the same.
+#[test]
+fn redundant_rows_hide_nothing() {
+    assert!(proof(TWICE, |_| ()).is_ok());
+    let entries: &[(&str, usize)] =
+        &[("coriolis_matrix", 9), ("constraint_jacobian", 6), ("constraint_bias", 2), ("bias", 3)];
+    for &(name, count) in entries {
+        for result in 0..count {
+            let change = |derivation: &mut Derivation| program(derivation, name).stretch(result);
+            let is_zero = proof(TWICE, change).is_ok();
+            let (zeros, at) = (with_mechanism(TWICE, |l| zeros_of(&crate::derived(l), name)), result);
+            assert_eq!(is_zero, zeros.contains(&at), "{name} {result}");
+        }
+    }
+    // The systems that are solved: six entries of M, six of A, three forces and two rates of rows.
+    for name in ["forward_dynamics", "multipliers"] {
+        let zeros = with_mechanism(TWICE, |l| zeros_of(&crate::derived(l), name));
+        for result in 0..17 {
+            let found = proof(TWICE, |derivation| program(derivation, name).stretch(result));
+            assert_eq!(found.is_ok(), zeros.contains(&result), "{name} {result}: {found:?}");
+        }
+    }
+}
+
+/// Which results are the constant zero.
+fn zeros_of(derivation: &Derivation, name: &str) -> Vec<usize> {
+    let program = &derivation.function(name).expect("it is generated").program;
+    let is_zero = |value: &Value| match program.instructions[value.index()] {
+        Instruction::Constant(number) => number.to_f64() == 0.0,
+        _ => false,
+    };
+    program.results.iter().enumerate().filter(|(_, value)| is_zero(value)).map(|(i, _)| i).collect()
+}
+
+/// A body of 1e-9 kg m² and its twin of 1e9: what has inertia has it in all units.
+#[test]
+fn accelerations_that_are_nan_are_refused_in_all_units() {
+    for exponent in [-30, 0, 30] {
+        let (m, l) = (2.0_f64.powi(2 * exponent), 2.0_f64.powi(exponent / 2));
+        let text = format!(
+            "#![dimensionless] mechanism A {{ coord x: 1; coord y: 1; coord z: 1; kinetic += {m:e}*(dt(x)^2 + dt(z)^2*(2 + \
+             sin(x))); potential += {m:e}*x*z; constraint tie: {l:e}*y = {l:e}*(x + z^2); }}"
+        );
+        refused(&text, "accelerations are numbers", |derivation| {
+            program(derivation, "forward_dynamics").become_undefined()
+        });
+    }
+    refused(TWICE, "accelerations are numbers", |derivation| {
+        program(derivation, "forward_dynamics").become_undefined()
+    });
+}
+
 /// `[q̇]×` added to C: `C q̇` and the symmetric part of C are as before.
 #[test]
 fn the_coriolis_matrix_is_that_of_christoffel() {
