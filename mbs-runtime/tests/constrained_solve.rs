@@ -445,3 +445,135 @@ fn rounding_makes_no_row_independent() {
         assert!(largest(&apart) < 1e-14, "{first} {second}: {q:?} {expected:?}");
     }
 }
+
+/// Redundant rows, rows of zeros, an M that is regular on the constrained motion alone, in any order and in units of 2^±50: N
+/// coordinates, of which K are held, by L rows.
+fn everything_at_once<const N: usize, const K: usize, const L: usize>(random: &mut Random) {
+    let mut measured = 0;
+    for round in 0..30 {
+        // Integers: sums of rows are exact, and products with 1/3 are rounded.
+        let mut integer = || random.below(9) as f64 - 4.0;
+        let (b, a): ([[f64; N]; N], [[f64; N]; K]) = (
+            core::array::from_fn(|_| core::array::from_fn(|_| integer())),
+            core::array::from_fn(|_| core::array::from_fn(|_| integer())),
+        );
+        let (f, c) = (core::array::from_fn(|_| integer()), core::array::from_fn(|_| integer()));
+        let rank = N - random.below(K.min(N) + 1);
+        let m = core::array::from_fn(|i| core::array::from_fn(|j| (0..rank).map(|k| b[i][k] * b[j][k]).sum()));
+        let system = System { m, a, f, c };
+        let Some((expected, condition)) = system.exact() else { continue };
+        if condition > 1e6 {
+            continue;
+        }
+        measured += 1;
+        let mut order: [usize; L] = core::array::from_fn(|i| i);
+        (1..L).rev().for_each(|i| order.swap(i, random.below(i + 1)));
+        let factors: [[f64; K]; L] = core::array::from_fn(|i| {
+            let third = [1.0, 1.0 / 3.0][round % 2];
+            core::array::from_fn(|k| match i {
+                _ if i < K => f64::from(u8::from(i == k)),
+                // The first of those that say nothing new says nothing.
+                _ if i == K => 0.0,
+                _ => (random.below(5) as f64 - 2.0) * third,
+            })
+        });
+        let combined = |x: &dyn Fn(usize) -> f64, i: usize| (0..K).map(|k| factors[order[i]][k] * x(k)).sum::<f64>();
+        let all = System::<N, L> {
+            m,
+            a: core::array::from_fn(|i| core::array::from_fn(|j| combined(&|k| a[k][j], i))),
+            f,
+            c: core::array::from_fn(|i| combined(&|k| c[k], i)),
+        };
+        let mut exponent = || random.below(101) as i32 - 50;
+        let (mass, columns, rows) =
+            (exponent(), core::array::from_fn(|_| exponent()), core::array::from_fn(|_| exponent()));
+        let (q, l) = all.in_units(mass, columns, rows).solve();
+        let q: [f64; N] = core::array::from_fn(|i| q[i] * 2f64.powi(columns[i]));
+        let l: [f64; L] = core::array::from_fn(|k| l[k] * 2f64.powi(rows[k] - mass));
+        let force = |l: &[f64], rows: &[[f64; N]]| -> [f64; N] {
+            core::array::from_fn(|i| rows.iter().zip(l).map(|(row, l)| row[i] * l).sum())
+        };
+        let (found, exact) = ((q, force(&l, &all.a)), (expected.0, force(&expected.1, &a)));
+        let error = distance(&found, &exact);
+        assert!(error <= 1e-13 * condition, "{N} {K} {L}: {error:e} at a condition of {condition:e}\n{all:?}");
+    }
+    assert!(measured > 5, "{N} {K} {L}: {measured}");
+}
+
+#[test]
+fn redundant_and_empty_rows_of_singular_bodies_in_any_units() {
+    let mut random = Random(8);
+    everything_at_once::<2, 1, 3>(&mut random);
+    everything_at_once::<3, 2, 5>(&mut random);
+    everything_at_once::<4, 4, 4>(&mut random);
+    everything_at_once::<4, 4, 6>(&mut random);
+    everything_at_once::<5, 3, 7>(&mut random);
+    everything_at_once::<6, 5, 8>(&mut random);
+    everything_at_once::<8, 6, 8>(&mut random);
+}
+
+/// One entry after the other is not finite: all results are NaN. Or it is near the end of the range of doubles: all are, or none.
+#[test]
+fn no_result_is_a_number_beside_one_that_is_none() {
+    let mut random = Random(9);
+    for round in 0..20 {
+        let system = System::<4, 2>::random(&mut random, 4 - round % 3);
+        for place in 0..10 + 8 + 4 + 2 {
+            for wrong in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, f64::MAX, -f64::MAX, 1e200, 1e-308, 5e-324] {
+                let mut spoilt = system;
+                let entry = match place {
+                    0..10 => {
+                        let lower: Vec<(usize, usize)> = (0..4).flat_map(|i| (0..=i).map(move |j| (i, j))).collect();
+                        &mut spoilt.m[lower[place].0][lower[place].1]
+                    }
+                    10..18 => &mut spoilt.a[(place - 10) / 4][(place - 10) % 4],
+                    18..22 => &mut spoilt.f[place - 18],
+                    _ => &mut spoilt.c[place - 22],
+                };
+                *entry = wrong;
+                let (q, l) = spoilt.solve();
+                let numbers = q.iter().chain(&l).filter(|x| x.is_finite()).count();
+                let nans = q.iter().chain(&l).filter(|x| x.is_nan()).count();
+                let allowed = if wrong.is_finite() { numbers == 6 || nans == 6 } else { nans == 6 };
+                assert!(allowed, "{wrong} at {place}: {q:?} {l:?} of {system:?}");
+                let checked = try_constrained_solve(spoilt.m, spoilt.a, spoilt.f, spoilt.c);
+                assert_eq!(checked.is_ok(), numbers == 6, "{checked:?}");
+            }
+        }
+    }
+}
+
+/// Lanes of which one is not finite, one contradicts itself, and one has a row that depends on the other: each as if alone.
+#[cfg(feature = "wide")]
+#[test]
+fn a_lane_that_fails_does_not_touch_others() {
+    use wide::f64x4;
+    let mut random = Random(10);
+    for _ in 0..50 {
+        let mut lanes: [System<4, 2>; 4] = core::array::from_fn(|_| System::random(&mut random, 3));
+        lanes[1].f[random.below(4)] = [f64::NAN, f64::INFINITY][random.below(2)];
+        for lane in [2, 3] {
+            lanes[lane].a[1] = lanes[lane].a[0].map(|x| 3.0 * x);
+        }
+        lanes[3].c[1] = 3.0 * lanes[3].c[0];
+        let pack = |x: &dyn Fn(&System<4, 2>) -> f64| f64x4::from(lanes.each_ref().map(x));
+        let (q, l) = constrained_solve(
+            core::array::from_fn(|i| core::array::from_fn(|j| pack(&|s| s.m[i][j]))),
+            core::array::from_fn(|i| core::array::from_fn(|j| pack(&|s| s.a[i][j]))),
+            core::array::from_fn::<_, 4, _>(|i| pack(&|s| s.f[i])),
+            core::array::from_fn::<_, 2, _>(|i| pack(&|s| s.c[i])),
+        );
+        for (number, lane) in lanes.iter().enumerate() {
+            let (own_q, own_l) = lane.solve();
+            let own: Vec<u64> = own_q.iter().chain(&own_l).map(|x| x.to_bits()).collect();
+            let found: Vec<u64> = q
+                .map(|q| q.to_array()[number])
+                .iter()
+                .chain(&l.map(|l| l.to_array()[number]))
+                .map(|x| x.to_bits())
+                .collect();
+            assert_eq!(found, own);
+            assert_eq!(own_q[0].is_nan(), number == 1 || number == 2, "{number}: {own_q:?}");
+        }
+    }
+}
