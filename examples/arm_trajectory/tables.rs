@@ -22,8 +22,8 @@ fn header() -> Vec<String> {
     let joints = |name: &str, unit: &str| (1..=6).map(|i| format!("{name}{i}_{unit}")).collect::<Vec<_>>();
     let mut header = vec!["t_s".to_string()];
     header.extend(joints("q", "deg"));
-    header.extend(joints("qd", "deg_per_s"));
-    header.extend(joints("qdd", "deg_per_s2"));
+    header.extend(joints("qd", "deg_s"));
+    header.extend(joints("qdd", "deg_s2"));
     header.extend(joints("torque", "Nm"));
     header.extend(["x_m", "y_m", "z_m", "det_jacobian_m3", "power_W"].map(String::from));
     header

@@ -137,7 +137,7 @@ fn scales(folder: &Path, run: &Run<'_>) -> Result<(), Failure> {
 fn table(folder: &Path, run: &Run<'_>, samples: &[Sample]) -> Result<(), Failure> {
     let mut header = vec!["t_s".to_string()];
     for (what, units) in
-        [("q", ["m", "rad"]), ("qd", ["m_s", "rad_s"]), ("wanted_q", ["m", "rad"]), ("force", ["N", "N_m"])]
+        [("q", ["m", "rad"]), ("qd", ["m_s", "rad_s"]), ("wanted_q", ["m", "rad"]), ("force", ["N", "Nm"])]
     {
         header.extend((0..7).map(|axis| format!("{what}{axis}_{}", units[usize::from(axis > 0)])));
     }

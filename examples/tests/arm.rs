@@ -201,7 +201,7 @@ fn figures_tables_and_modules_are_written() {
     assert!(rows.iter().all(|row| row.len() == 30), "{:?}", rows[0]);
     assert_eq!(
         (rows[0][0], rows[0][1], rows[0][7], rows[0][19], rows[0][28]),
-        ("t_s", "q1_deg", "qd1_deg_per_s", "torque1_Nm", "det_jacobian_m3")
+        ("t_s", "q1_deg", "qd1_deg_s", "torque1_Nm", "det_jacobian_m3")
     );
     let [q, qd]: [f64; 2] = [1, 7].map(|column| rows[1][column].parse().unwrap());
     assert!((q - 20.0).abs() < 1e-13 && (qd - 1.5).abs() < 1e-14, "{q}, {qd}");

@@ -91,7 +91,7 @@ pub(crate) struct Arguments {
     /// Record more columns: outputs, inputs, accelerations, reactions, conserved; multipliers are recorded in any case.
     #[arg(long, value_enum, value_delimiter = ',', value_name = "WHAT,…")]
     record: Vec<Record>,
-    /// End the names of the columns in their units: `x_dot_m_s`.
+    /// End the names of the columns in their units: `x_dot_m_s`, `tau_Nm`, `rate_per_s`.
     #[arg(long)]
     units: bool,
     /// Write the table to a file instead of standard output.

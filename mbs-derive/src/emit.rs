@@ -232,7 +232,7 @@ mod tests {
             lagrangian.outputs.push(Output {
                 name: "gravity".to_string(),
                 docs: Vec::new(),
-                unit: "m".to_string(),
+                units: vec!["m".to_string()],
                 value,
                 jacobian_rate: false,
             });

@@ -44,10 +44,12 @@ pub struct Derivation {
     pub constraints: Vec<String>,
     /// Which of the rows are holonomic.
     pub holonomic: Vec<bool>,
+    /// The units of the rows and of their multipliers, in SI base units.
+    pub constraint_units: Vec<[String; 2]>,
     /// Joints whose wrenches are asked for.
     pub reactions: Vec<Reaction>,
-    /// The units of the outputs in declaration order, in SI base units: `kg·m²/s²`; empty of a pose.
-    pub output_units: Vec<String>,
+    /// The units of the components of the outputs in declaration order, in SI base units: `kg·m²/s²`.
+    pub output_units: Vec<Vec<String>>,
     /// Whether any function depends on t; then all of them take it.
     pub depends_on_time: bool,
     /// From parameters to the values that depend on them alone, computed once.
@@ -255,8 +257,9 @@ pub fn straight_line(lagrangian: &Lagrangian<'_>, routes: &[Equations<'_>]) -> D
         prescribed: lagrangian.prescribed.clone(),
         constraints: lagrangian.constraints.iter().flat_map(Constraint::row_names).collect(),
         holonomic: lagrangian.holonomic_rows(),
+        constraint_units: lagrangian.constraints.iter().flat_map(|constraint| constraint.units.clone()).collect(),
         reactions: lagrangian.reactions.clone(),
-        output_units: lagrangian.outputs.iter().map(|output| output.unit.clone()).collect(),
+        output_units: lagrangian.outputs.iter().map(|output| output.units.clone()).collect(),
         depends_on_time,
         constructor: hoisting.constructor,
         requirements,

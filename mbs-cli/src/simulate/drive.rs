@@ -263,7 +263,7 @@ fn formula(derivation: &Derivation, index: usize, name: &str) -> Result<usize, F
     if function.program.results.len() != 1 {
         return Err(refused("an input is one number".to_string()));
     }
-    let found = &derivation.output_units[output];
+    let found = &derivation.output_units[output][0];
     if !given::is_of(found, &unit) {
         return Err(refused(format!("it is in {unit}, the formula is in {found}")));
     }

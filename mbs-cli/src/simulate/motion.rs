@@ -101,15 +101,16 @@ fn standard_columns(derivation: &Derivation) -> Vec<Column> {
     for (column, name) in velocities.iter_mut().zip(component_names(&derivation.coordinates)) {
         column.label = format!("d{name}/dt");
     }
-    let rows = |what, prefix: &str| -> Vec<Column> {
-        derivation.constraints.iter().map(|row| Column::new(what, &format!("{prefix}{row}"), "")).collect()
+    let rows = |what, prefix: &str, unit: usize| -> Vec<Column> {
+        let rows = derivation.constraints.iter().zip(&derivation.constraint_units);
+        rows.map(|(row, units)| Column::new(what, &format!("{prefix}{row}"), &units[unit])).collect()
     };
     [
         of_variables("coordinates", &derivation.coordinates, "", ""),
         velocities,
         vec![Column::new("energy", "energy", "J")],
-        rows("multipliers", "lambda_"),
-        rows("residuals", "residual_"),
+        rows("multipliers", "lambda_", 1),
+        rows("residuals", "residual_", 0),
     ]
     .concat()
 }

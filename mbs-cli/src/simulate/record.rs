@@ -138,36 +138,31 @@ fn is_reaction(function: &Function) -> bool {
     matches!(function.kind, FunctionKind::Reaction(_))
 }
 
-/// `tip`, `tip_0` …, `tip_0_1` …; of a pose `hand_position_0` …, `hand_rotation_0_0` ….
-fn of_output(function: &Function, unit: &str) -> Vec<Column> {
-    let name = function.name.as_str();
-    let column = |name: String, unit: &str| Column::new("outputs", &name, unit);
-    let matrix = |name: &str, rows: usize, columns: usize, unit: &str| -> Vec<Column> {
-        (0..rows * columns).map(|k| column(format!("{name}_{}_{}", k / columns, k % columns), unit)).collect()
+/// `tip`, `tip_0` …, `tip_0_1` …; of a pose `hand_position_0` …, `hand_rotation_0_0` …; with the unit of each.
+pub(crate) fn of_output(function: &Function, units: &[String]) -> Vec<Column> {
+    let names = function.results.iter().flat_map(|part| components(&function.name, part.shape));
+    names.zip(units).map(|(name, unit)| Column::new("outputs", &name, unit)).collect()
+}
+
+/// The names of the components of a value.
+fn components(name: &str, shape: Shape) -> Vec<String> {
+    let of_each = |count: usize, shape: Shape| -> Vec<String> {
+        (0..count).flat_map(|i| components(&format!("{name}_{i}"), shape)).collect()
     };
-    let vector = |name: &str, n: usize, unit: &str| -> Vec<Column> {
-        (0..n).map(|i| column(format!("{name}_{i}"), unit)).collect()
+    let parts = |parts: [(&str, Shape); 2]| -> Vec<String> {
+        parts.into_iter().flat_map(|(part, shape)| components(&format!("{name}_{part}"), shape)).collect()
     };
-    let pose = |name: &str| {
-        [vector(&format!("{name}_position"), 3, "m"), matrix(&format!("{name}_rotation"), 3, 3, "1")].concat()
-    };
-    function
-        .results
-        .iter()
-        .flat_map(|part| match part.shape {
-            Shape::Scalar => vec![column(name.to_string(), unit)],
-            Shape::Vector(n) => vector(name, n, unit),
-            Shape::Matrix(rows, columns) => matrix(name, rows, columns, unit),
-            Shape::Symmetric(n) => matrix(name, n, n, unit),
-            Shape::Matrices(n, rows, columns) => {
-                (0..n).flat_map(|i| matrix(&format!("{name}_{i}"), rows, columns, unit)).collect()
-            }
-            Shape::Pose => pose(name),
-            Shape::Poses(n) => (0..n).flat_map(|i| pose(&format!("{name}_{i}"))).collect(),
-            Shape::Wrench => of_wrench(name),
-            Shape::Wrenches(n) => (0..n).flat_map(|i| of_wrench(&format!("{name}_{i}"))).collect(),
-        })
-        .collect()
+    match shape {
+        Shape::Scalar => vec![name.to_string()],
+        Shape::Vector(n) => of_each(n, Shape::Scalar),
+        Shape::Matrix(rows, columns) => of_each(rows, Shape::Vector(columns)),
+        Shape::Symmetric(n) => of_each(n, Shape::Vector(n)),
+        Shape::Matrices(n, rows, columns) => of_each(n, Shape::Matrix(rows, columns)),
+        Shape::Pose => parts([("position", Shape::Vector(3)), ("rotation", Shape::Matrix(3, 3))]),
+        Shape::Poses(n) => of_each(n, Shape::Pose),
+        Shape::Wrench => parts([("force", Shape::Vector(3)), ("moment", Shape::Vector(3))]),
+        Shape::Wrenches(n) => of_each(n, Shape::Wrench),
+    }
 }
 
 fn of_wrench(joint: &str) -> Vec<Column> {

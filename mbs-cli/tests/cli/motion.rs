@@ -160,6 +160,52 @@ fn what_is_asked_for_is_recorded_with_units() {
     }
 }
 
+/// Those of rows and multipliers follow from the rows; an output of several units is one column for each component.
+#[test]
+fn headers_name_the_units_of_what_follows() {
+    let workshop = Workshop::new();
+    let text = "mechanism Mixed { param m: kg = 1; param l: m = 2; coord x: m; coord z: m; coord a: rad; coord n: 1; \
+                kinetic += particle(m, [x, 0, z]) + 1/2*m*l^2*(dt(a)^2 + dt(n)^2); constraint rod: x^2 + z^2 = l^2; \
+                constraint turn: dt(a) = dt(n); output mixed = [x, a, 0]; output hand = translation([x, 0, z]); }";
+    workshop.write("mixed.mbs", text);
+    let run = ["simulate", "mixed.mbs", "--state", r#"{"q": [2, 0, 0, 0]}"#, "--t-end", "0", "--record", "outputs"];
+    let header = |rest: &[&str]| -> Vec<String> {
+        let csv = workshop.good(&[&run, rest].concat());
+        assert!(csv.lines().all(|line| line.matches(',').count() == csv.lines().next().unwrap().matches(',').count()));
+        csv.lines().next().unwrap().split(',').map(String::from).collect()
+    };
+    let plain = header(&[]);
+    assert_eq!(
+        plain[9..17],
+        ["energy", "lambda_rod", "lambda_turn", "residual_rod", "residual_turn", "mixed_0", "mixed_1", "mixed_2"]
+    );
+    let found = header(&["--units"]);
+    assert_eq!(
+        found[..17],
+        [
+            "t_s",
+            "x_m",
+            "z_m",
+            "a_rad",
+            "n",
+            "x_dot_m_s",
+            "z_dot_m_s",
+            "a_dot_rad_s",
+            "n_dot_per_s",
+            "energy_J",
+            "lambda_rod_kg_s2",
+            "lambda_turn_kgm2_s2",
+            "residual_rod_m2",
+            "residual_turn_per_s",
+            "mixed_0_m",
+            "mixed_1",
+            "mixed_2",
+        ]
+    );
+    assert_eq!([&found[17], &found[20]], ["hand_position_0_m", "hand_rotation_0_0"]);
+    assert_eq!(found.len(), plain.len());
+}
+
 /// A motion that escapes in finite time, and one into a spring of 1e22 N/m.
 #[test]
 fn where_steps_collapse_is_measured() {

@@ -37,18 +37,20 @@ impl<'d, 'g> Resolver<'d, 'g> {
         self.note_constraint(name, number)?;
         let (left, right) = (left?, right?);
         let (left_shape, right_shape) = (left.value.shape(), right.value.shape());
-        let rows = self.differences(left, right, &span)?;
-        let rows = match self.rows_when_held(rows.len()) {
-            None => self.effective(rows, &span)?,
+        let rows = self.differences(left.clone(), right.clone(), &span)?;
+        let (rows, effective) = match self.rows_when_held(rows.len()) {
+            None => (self.effective(rows, &span)?, self.effective_rows.last().cloned().unwrap_or_default()),
             Some(effective) => {
-                rows.into_iter().zip(effective).filter(|(_, is_in)| *is_in).map(|(row, _)| row).collect()
+                let pairs = rows.into_iter().zip(&effective).filter(|(_, is_in)| **is_in);
+                (pairs.map(|(row, _)| row).collect(), effective)
             }
         };
         let kind = self.kind_of(&rows, &span)?;
+        let units = self.units_of_rows([&left, &right], kind, &effective)?;
         let is_vector = [&left_shape, &right_shape].contains(&&Shape::Vector);
         self.places.differences.push(is_vector.then_some(difference));
         let name = number.map_or(name.text.clone(), |i| format!("{}_{i}", name.text));
-        self.lagrangian.constraints.push(Constraint { name, docs: docs.to_vec(), kind, rows });
+        self.lagrangian.constraints.push(Constraint { name, docs: docs.to_vec(), kind, rows, units });
         self.places.constraints.push(span);
         Ok(())
     }
@@ -158,6 +160,32 @@ impl<'d, 'g> Resolver<'d, 'g> {
                 Ok(rows)
             }
         }
+    }
+
+    /// What the rows that are left are in, and their multipliers: those of positions work through displacements, those of rates
+    /// through velocities.
+    fn units_of_rows(
+        &mut self,
+        sides: [&Argument<'g>; 2],
+        kind: ConstraintKind,
+        effective: &[bool],
+    ) -> Resolved<Vec<[String; 2]>> {
+        let [left, right] = [self.rows_of(sides[0])?, self.rows_of(sides[1])?];
+        // The literal 0 has any unit, and stands for as many rows as the other side has.
+        let of = |row: usize| {
+            let own =
+                [&left, &right].into_iter().filter_map(|side| side.get(row)).find(|scalar| !scalar.expr.is_zero());
+            own.map_or(Dimension::ONE, |scalar| scalar.dimension)
+        };
+        let work = self.dimension(match kind {
+            ConstraintKind::Holonomic => Dimension::ENERGY,
+            ConstraintKind::Pfaffian => Dimension::POWER,
+        });
+        let of_both = |row: Dimension| {
+            let multiplier = work.over(row);
+            [row.to_string(), multiplier.map_or(String::new(), |multiplier| multiplier.to_string())]
+        };
+        Ok((0..effective.len()).filter(|&row| effective[row]).map(|row| of_both(of(row))).collect())
     }
 
     /// The rows that do not vanish identically.
@@ -354,7 +382,7 @@ fn holds(row: Expr<'_>, wanted: impl Fn(Symbol) -> bool) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::super::trial::{mechanism, messages, near, refusals, refused, values};
+    use super::super::trial::{mechanism, messages, near, refusals, refused, resolved, values};
     use super::*;
 
     /// Kind and rows at the trial state of the only constraint.
@@ -395,6 +423,21 @@ mod tests {
         ] {
             assert_eq!(warned(satisfiable), [""; 0], "{satisfiable}");
         }
+    }
+
+    #[test]
+    fn rows_and_multipliers_have_units() {
+        let check = |statements: &str, expected: &[[&str; 2]]| {
+            let found = mechanism(statements, |lagrangian| lagrangian.constraints[0].units.clone());
+            assert_eq!(found, expected, "{statements}");
+        };
+        check("constraint rod: x^2 + y^2 = l^2;", &[["m²", "kg/s²"]]);
+        check("constraint both: 0 = [x - l, y];", &[["m", "kg·m/s²"]; 2]);
+        check("constraint both: [0, theta, x] = [y, 0, 0];", &[["m", "kg·m/s²"], ["1", "kg·m²/s²"], ["m", "kg·m/s²"]]);
+        check("constraint skate: dt(x)*sin(theta) = dt(y)*cos(theta);", &[["m/s", "kg·m/s²"]]);
+        check("let a = rot_z(theta); constraint tip: [x, y, 0] = a.point([l, 0, 0]);", &[["m", "kg·m/s²"]; 2]);
+        let plain = "#![dimensionless] mechanism A { coord x: 1; coord y: 1; kinetic += dt(x)^2 + dt(y)^2; constraint c: x = y; }";
+        resolved(plain, |result| assert_eq!(result.unwrap().0.constraints[0].units, [["1", "1"]]));
     }
 
     #[test]

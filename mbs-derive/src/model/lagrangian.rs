@@ -114,6 +114,8 @@ pub struct Constraint<'g> {
     pub kind: ConstraintKind,
     /// What must vanish.
     pub rows: Vec<Expr<'g>>,
+    /// The unit of each row, and that of its multiplier, in SI base units.
+    pub units: Vec<[String; 2]>,
 }
 
 impl Constraint<'_> {
@@ -207,8 +209,8 @@ pub struct Output<'g> {
     pub name: String,
     /// Doc comments.
     pub docs: Vec<String>,
-    /// Its unit in SI base units, for documentation.
-    pub unit: String,
+    /// The unit of each of its components, in SI base units; empty of a literal 0 among others that do not share one.
+    pub units: Vec<String>,
     /// Its value.
     pub value: OutputValue<'g>,
     /// Whether the time derivative of its Jacobian is generated; only where the value depends on no velocities or inputs.

@@ -33,7 +33,7 @@ pub(super) struct Outputs<'g> {
     requests: usize,
 }
 
-/// A value in world axes, with the units of its numbers; none where it was refused.
+/// A value in world axes, with the unit of each of its numbers, empty of the literal 0; none where it was refused.
 type Shown<'g> = Resolved<(OutputValue<'g>, Vec<String>)>;
 
 impl<'d, 'g> Resolver<'d, 'g> {
@@ -95,7 +95,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
                 self.lagrangian.outputs.push(Output {
                     name,
                     docs,
-                    unit: unit(units),
+                    units: completed(units),
                     value,
                     jacobian_rate: requests > 0,
                 });
@@ -148,7 +148,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
 // ---- values
 
 impl<'d, 'g> Resolver<'d, 'g> {
-    /// In world axes, with its units.
+    /// In world axes, with the units of its components.
     fn shown(&mut self, value: &Argument<'g>) -> Shown<'g> {
         match &value.value {
             Value::Scalar(Scalar { expr, dimension }) => Ok((OutputValue::Scalar(*expr), vec![dimension.to_string()])),
@@ -156,21 +156,26 @@ impl<'d, 'g> Resolver<'d, 'g> {
                 let vector @ Free { dimension, .. } = self.vector(value)?;
                 let components = self.in_world(vector).0;
                 let is_zero = components.iter().all(|component| component.is_zero());
-                let units = if is_zero { Vec::new() } else { vec![dimension.to_string()] };
-                Ok((OutputValue::Array(components.to_vec()), units))
+                let unit = if is_zero { String::new() } else { dimension.to_string() };
+                Ok((OutputValue::Array(components.to_vec()), vec![unit; 3]))
             }
             Value::Matrix(_) => {
                 let Tensor { entries, dimension, .. } = self.matrix_in_world(value)?;
-                Ok((OutputValue::Matrix(entries.0.map(|row| row.to_vec()).to_vec()), vec![dimension.to_string()]))
+                let rows = entries.0.map(|row| row.to_vec()).to_vec();
+                Ok((OutputValue::Matrix(rows), vec![dimension.to_string(); 9]))
             }
-            Value::Pose(_) => Ok((OutputValue::Pose(self.frame(value)?), vec![String::from("m")])),
+            Value::Pose(_) => {
+                let units =
+                    [vec![self.dimension(Dimension::LENGTH).to_string(); 3], vec![Dimension::ONE.to_string(); 9]];
+                Ok((OutputValue::Pose(self.frame(value)?), units.concat()))
+            }
             Value::Array(array) => {
                 let mut elements = Vec::new();
                 for element in array.values() {
                     let (shown, units) = self.shown(&Argument { value: element.clone(), span: value.span.clone() })?;
                     // The literal 0 has any unit.
                     let is_zero = matches!(shown, OutputValue::Scalar(number) if number.is_zero());
-                    elements.push((shown, if is_zero { Vec::new() } else { units }));
+                    elements.push((shown, if is_zero { vec![String::new()] } else { units }));
                 }
                 self.combined_values(elements, &value.span)
             }
@@ -238,10 +243,16 @@ pub(super) fn functions_of_output(name: &str) -> [String; 6] {
         .map(|suffix| format!("{name}{suffix}"))
 }
 
-/// Of several numbers: the one that they share, else all.
-fn unit(mut units: Vec<String>) -> String {
-    units.dedup();
-    if units.is_empty() { Dimension::ONE.to_string() } else { units.join(", ") }
+/// A literal 0 has the unit that all others share.
+fn completed(units: Vec<String>) -> Vec<String> {
+    let mut known: Vec<&String> = units.iter().filter(|unit| !unit.is_empty()).collect();
+    known.dedup();
+    let shared = match known.as_slice() {
+        [] => Dimension::ONE.to_string(),
+        [one] => one.to_string(),
+        _ => String::new(),
+    };
+    units.into_iter().map(|unit| if unit.is_empty() { shared.clone() } else { unit }).collect()
 }
 
 #[cfg(test)]
@@ -270,9 +281,15 @@ mod tests {
     #[test]
     fn outputs_of_every_shape() {
         assert_eq!(value_with_unit("", "2*x"), (vec![0.6], "m".to_string()));
-        assert_eq!(value_with_unit("", "[x, y, z]").1, "m");
-        assert_eq!(value_with_unit("", "[x, theta]").1, "m, 1");
-        assert_eq!(value_with_unit("", "diag(m, m, m)").1, "kg");
+        let units = |value: &str| {
+            mechanism(&format!("output result = {value};"), |lagrangian| lagrangian.outputs[0].units.join(" "))
+        };
+        assert_eq!(units("[x, y, 0]"), "m m m");
+        assert_eq!(units("[x, theta, theta]"), "m 1 1");
+        assert_eq!(units("[[x, y], [theta, 0]]"), "m m 1 ");
+        assert_eq!(units("diag(m, m, m)"), ["kg"; 9].join(" "));
+        assert_eq!(units("[[0, 0, 0], [0, 0, 0]]"), ["1"; 6].join(" "));
+        assert_eq!(units("world"), "m m m 1 1 1 1 1 1 1 1 1");
         assert_eq!(value("", "[[1, 2], [3, 4], [5, 6]]"), [1.0, 2.0, 3.0, 4.0, 5.0, 6.0]);
         near(
             &value("let a = rot_z(pi/2);", "[a * [1, 2, 3], a * [0, 0, 1]]"),
@@ -361,7 +378,7 @@ mod tests {
         declared("for i in 0..2 { output a[i] = rot_z(q[i]).rotation(), jacobian_rate; }", matrices);
         declared("for i in 0..2 { if i == 1 { output a = [x, y]; } }", row);
         mechanism("for i in 0..2 {\n/// Both.\noutput a[i] = [q[i], l/l, 0]; } output b = x;", |found| {
-            let names: Vec<_> = found.outputs.iter().map(|o| (o.name.as_str(), o.unit.as_str())).collect();
+            let names: Vec<_> = found.outputs.iter().map(|o| (o.name.as_str(), o.units[0].as_str())).collect();
             assert_eq!((names, &*found.outputs[0].docs[0]), (vec![("a", "1"), ("b", "m")], "Both."));
         });
         refused(

@@ -61,11 +61,13 @@ pub(super) fn mechanism<T>(statements: &str, look: impl FnOnce(Lagrangian<'_>) -
     })
 }
 
-/// What an expression is at the trial state, flattened, with its unit.
+/// What an expression is at the trial state, flattened, with the unit of its components, or all of them where they differ.
 pub(super) fn value_with_unit(statements: &str, expression: &str) -> (Vec<f64>, String) {
     mechanism(&format!("{statements} output result = {expression};"), |lagrangian| {
         let output = &lagrangian.outputs[lagrangian.outputs.len() - 1];
-        (values(&output.value.components(&lagrangian.frames)), output.unit.clone())
+        let mut units = output.units.clone();
+        units.dedup();
+        (values(&output.value.components(&lagrangian.frames)), units.join(", "))
     })
 }
 
