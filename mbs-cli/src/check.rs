@@ -7,6 +7,7 @@ use std::path::PathBuf;
 use mbs_derive::model::Variable;
 use mbs_derive::model::lagrangian::component_names;
 
+use crate::cache::Cache;
 use crate::failure::Failure;
 use crate::{mechanism, output};
 
@@ -19,8 +20,8 @@ pub(crate) struct Arguments {
 }
 
 /// Prints one line about a mechanism that is good.
-pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let mechanism = mechanism::read(&arguments.file)?;
+pub(crate) fn run(arguments: &Arguments, cache: &Cache) -> Result<(), Failure> {
+    let mechanism = mechanism::read(&arguments.file, cache)?;
     let derivation = &mechanism.derivation;
     let singular = match mechanism.singular_at {
         0 => String::new(),

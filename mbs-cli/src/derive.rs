@@ -9,8 +9,10 @@ mod json;
 use std::path::PathBuf;
 
 use mbs_derive::emit;
+use mbs_derive::optimise::Derivation;
 use mbs_derive::source::{self, Sources};
 
+use crate::cache::Cache;
 use crate::failure::Failure;
 use crate::files::Files;
 use crate::{mechanism, output};
@@ -39,17 +41,30 @@ enum Emit {
     Json,
 }
 
+impl Emit {
+    /// What it is kept as.
+    fn name(self) -> &'static str {
+        match self {
+            Emit::Rust => "rust",
+            Emit::Latex => "latex",
+            Emit::Json => "json",
+        }
+    }
+}
+
 /// Prints or writes the code.
-pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
+pub(crate) fn run(arguments: &Arguments, cache: &Cache) -> Result<(), Failure> {
     let mut files = Files::default();
     let sources = mechanism::open(&arguments.file, &mut files)?;
+    let what = arguments.emit.name();
     if let Some(out) = &arguments.out {
+        [what, mechanism::MECHANISM].iter().for_each(|what| mechanism::note(what, &sources, cache, &mut files));
         files.writes("--out", out)?;
     }
     let text = match arguments.emit {
-        Emit::Rust => rust(&sources)?,
-        Emit::Latex => mechanism::latex(&sources)?,
-        Emit::Json => json::programs(&mechanism::proved(&sources)?.derivation),
+        Emit::Rust => mechanism::code(what, &sources, cache, |derivation| rust(derivation, &sources))?,
+        Emit::Latex => mechanism::latex(what, &sources, cache)?,
+        Emit::Json => mechanism::code(what, &sources, cache, json::programs)?,
     };
     match &arguments.out {
         None => output::print(&text),
@@ -57,7 +72,6 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
 }
 
-fn rust(sources: &Sources) -> Result<String, Failure> {
-    let derivation = mechanism::proved(sources)?.derivation;
-    Ok(emit::rust(&derivation, source::portable(&sources.main().name), &emit::Options::default()))
+fn rust(derivation: &Derivation, sources: &Sources) -> String {
+    emit::rust(derivation, source::portable(&sources.main().name), &emit::Options::default())
 }

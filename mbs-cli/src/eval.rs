@@ -6,6 +6,7 @@ use mbs_derive::interpret::{Interpreter, State};
 use mbs_derive::optimise::{Derivation, Function, FunctionKind, ResultPart, Shape};
 use serde_json::{Map, Value, json};
 
+use crate::cache::Cache;
 use crate::failure::Failure;
 use crate::state::{self, Point, Request};
 use crate::{mechanism, output};
@@ -30,8 +31,8 @@ pub(crate) struct Arguments {
 }
 
 /// Prints one JSON object for a state, an array of them for an array of states.
-pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let derivation = mechanism::read(&arguments.file)?.derivation;
+pub(crate) fn run(arguments: &Arguments, cache: &Cache) -> Result<(), Failure> {
+    let derivation = mechanism::read(&arguments.file, cache)?.derivation;
     check_names(&arguments.only, &derivation)?;
     let evaluation =
         |point: &Point, place: &str| chosen(&derivation, point, evaluation(&derivation, point), &arguments.only, place);

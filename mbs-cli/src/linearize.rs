@@ -13,6 +13,7 @@ use mbs_derive::optimise::Derivation;
 use nalgebra::{Complex, DMatrix};
 use serde_json::{Value, json};
 
+use crate::cache::Cache;
 use crate::failure::Failure;
 use crate::state::{self, Point, Request};
 use crate::{mechanism, output};
@@ -48,11 +49,11 @@ pub(crate) struct Arguments {
 }
 
 /// Prints the linear system.
-pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
+pub(crate) fn run(arguments: &Arguments, cache: &Cache) -> Result<(), Failure> {
     if let Some(time) = arguments.sample_time.filter(|time| !(*time > 0.0 && time.is_finite())) {
         return Err(Failure::new(format_args!("the sample time must be positive and finite, found {time}")));
     }
-    let derivation = mechanism::read(&arguments.file)?.derivation;
+    let derivation = mechanism::read(&arguments.file, cache)?.derivation;
     let mut point = match state::read(&arguments.state, &derivation, &[])? {
         Request::One(point) => point,
         Request::Many(_) => return Err(Failure::new("`mbs linearize` takes one state, not an array of them")),

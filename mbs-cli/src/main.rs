@@ -9,13 +9,14 @@
 //! - [`linearize`]: the linear system about a state, its poles, what inputs reach;
 //! - [`simulate`]: a motion as a table and as a figure.
 //!
-//! What they share: [`mechanism`] runs the generator's passes on a file, [`state`] reads states, [`mod@equations`]
+//! What they share: [`mechanism`] runs the generator's passes on a file, [`cache`] keeps what they gave, [`state`] reads states, [`mod@equations`]
 //! evaluates them along a motion, [`output`] writes, [`files`] sees that nothing
 //! that was read is overwritten, and [`failure`] is how a command ends early.
 //!
 //! Exit codes: 0 fine, 1 the model or the input is bad, 2 wrong usage. Results go to standard output or to the files
 //! asked for, once everything has succeeded; errors, warnings and the progress bar go to standard error.
 
+mod cache;
 mod check;
 mod derive;
 mod equations;
@@ -33,6 +34,7 @@ use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 
+use cache::Cache;
 use failure::Failure;
 
 /// Mechanisms from energies to proved equations of motion, and to motion.
@@ -41,6 +43,10 @@ use failure::Failure;
 #[derive(Parser)]
 #[command(name = "mbs", version)]
 struct Arguments {
+    /// Derive and prove the mechanism in any case. Else what an earlier call has derived from the same texts is taken from the
+    /// user's cache folder, or from MBS_CACHE_DIR.
+    #[arg(long, global = true)]
+    no_cache: bool,
     #[command(subcommand)]
     command: Command,
 }
@@ -56,7 +62,9 @@ enum Command {
 }
 
 fn main() -> ExitCode {
-    match run(Arguments::parse().command) {
+    let arguments = Arguments::parse();
+    let cache = if arguments.no_cache { Cache::none() } else { Cache::of_user() };
+    match run(arguments.command, &cache) {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
             output::report(failure.report());
@@ -65,14 +73,14 @@ fn main() -> ExitCode {
     }
 }
 
-fn run(command: Command) -> Result<(), Failure> {
+fn run(command: Command, cache: &Cache) -> Result<(), Failure> {
     match command {
-        Command::Check(arguments) => check::run(&arguments),
-        Command::Derive(arguments) => derive::run(&arguments),
+        Command::Check(arguments) => check::run(&arguments, cache),
+        Command::Derive(arguments) => derive::run(&arguments, cache),
         Command::Ops(arguments) => ops::run(&arguments),
-        Command::Eval(arguments) => eval::run(&arguments),
-        Command::Linearize(arguments) => linearize::run(&arguments),
-        Command::Simulate(arguments) => simulate::run(&arguments),
+        Command::Eval(arguments) => eval::run(&arguments, cache),
+        Command::Linearize(arguments) => linearize::run(&arguments, cache),
+        Command::Simulate(arguments) => simulate::run(&arguments, cache),
     }
 }
 

@@ -9,12 +9,15 @@ use mbs_derive::model::Lagrangian;
 use mbs_derive::optimise::{self, Derivation};
 use mbs_derive::source::Sources;
 use mbs_derive::{Error, cargo, declared_from, emit, verify};
+use serde::{Deserialize, Serialize};
 
+use crate::cache::{Cache, Key};
 use crate::failure::Failure;
 use crate::files::Files;
 use crate::output;
 
 /// A mechanism whose programs are proved.
+#[derive(Serialize, Deserialize)]
 pub(crate) struct Mechanism {
     /// The programs.
     pub(crate) derivation: Derivation,
@@ -24,9 +27,29 @@ pub(crate) struct Mechanism {
     pub(crate) proved_at: usize,
     /// At how many of them some motion has no inertia.
     pub(crate) singular_at: usize,
+    /// What standard error says of it.
+    warnings: String,
+}
+
+/// A mechanism as it was just derived.
+pub(crate) struct Derived<T> {
+    /// With its proof.
+    pub(crate) mechanism: Mechanism,
     /// From text to programs, reading and proof excluded, in seconds.
     pub(crate) derive_seconds: f64,
+    /// What was taken from it besides.
+    pub(crate) also: T,
 }
+
+/// Code, and what standard error says of the mechanism.
+#[derive(Serialize, Deserialize)]
+struct Code {
+    text: String,
+    warnings: String,
+}
+
+/// What a [`Mechanism`] is kept as.
+pub(crate) const MECHANISM: &str = "mechanism";
 
 /// Reads a mechanism and what it imports, and notes the files.
 pub(crate) fn open(path: &Path, files: &mut Files) -> Result<Sources, Failure> {
@@ -37,26 +60,76 @@ pub(crate) fn open(path: &Path, files: &mut Files) -> Result<Sources, Failure> {
     Ok(sources)
 }
 
-/// Reads, derives and proves; for commands that write no files.
-pub(crate) fn read(path: &Path) -> Result<Mechanism, Failure> {
-    proved(&open(path, &mut Files::default())?)
+/// Notes the file that an earlier call has kept.
+pub(crate) fn note(what: &str, sources: &Sources, cache: &Cache, files: &mut Files) {
+    if let Some(path) = cache.path(Key::new(what, sources)) {
+        files.reads("the derivation in", &path);
+    }
 }
 
-/// Derives and proves; warnings go to standard error.
-pub(crate) fn proved(sources: &Sources) -> Result<Mechanism, Failure> {
-    proved_and(sources, |_, _, _| ()).map(|(mechanism, ())| mechanism)
+/// Reads, derives and proves; for commands that write no files.
+pub(crate) fn read(path: &Path, cache: &Cache) -> Result<Mechanism, Failure> {
+    proved(&open(path, &mut Files::default())?, cache)
+}
+
+/// Derives and proves, unless an earlier call has; warnings go to standard error.
+pub(crate) fn proved(sources: &Sources, cache: &Cache) -> Result<Mechanism, Failure> {
+    let mechanism = proved_quietly(sources, cache)?;
+    output::report(&mechanism.warnings);
+    Ok(mechanism)
+}
+
+/// Likewise, before warnings are reported.
+fn proved_quietly(sources: &Sources, cache: &Cache) -> Result<Mechanism, Failure> {
+    cache.or_make(Key::new(MECHANISM, sources), || derived_and(sources, |_, _, _| ()).map(|derived| derived.mechanism))
+}
+
+/// What is written of a proved mechanism, unless an earlier call has written it: `what` tells it from other writings.
+pub(crate) fn code(
+    what: &str,
+    sources: &Sources,
+    cache: &Cache,
+    write: impl FnOnce(&Derivation) -> String,
+) -> Result<String, Failure> {
+    kept(what, sources, cache, || {
+        let Mechanism { derivation, warnings, .. } = proved_quietly(sources, cache)?;
+        Ok(Code { text: write(&derivation), warnings })
+    })
 }
 
 /// The equations as a page of a textbook, proved like the programs.
-pub(crate) fn latex(sources: &Sources) -> Result<String, Failure> {
-    proved_and(sources, |lagrangian, routes, _| emit::latex(lagrangian, &routes[0])).map(|(_, text)| text)
+pub(crate) fn latex(what: &str, sources: &Sources, cache: &Cache) -> Result<String, Failure> {
+    kept(what, sources, cache, || {
+        let derived = derived_and(sources, |lagrangian, routes, _| emit::latex(lagrangian, &routes[0]))?;
+        Ok(Code { text: derived.also, warnings: derived.mechanism.warnings })
+    })
 }
 
-/// Derives and proves, and takes something else from it besides.
+fn kept(
+    what: &str,
+    sources: &Sources,
+    cache: &Cache,
+    make: impl FnOnce() -> Result<Code, Failure>,
+) -> Result<String, Failure> {
+    let Code { text, warnings } = cache.or_make(Key::new(what, sources), make)?;
+    output::report(&warnings);
+    Ok(text)
+}
+
+/// Derives and proves, whatever is kept, and takes something else from it besides; warnings go to standard error.
 pub(crate) fn proved_and<T>(
     sources: &Sources,
     also: impl Fn(&Lagrangian<'_>, &[Equations<'_>], &Derivation) -> T,
-) -> Result<(Mechanism, T), Failure> {
+) -> Result<Derived<T>, Failure> {
+    let derived = derived_and(sources, also)?;
+    output::report(&derived.mechanism.warnings);
+    Ok(derived)
+}
+
+fn derived_and<T>(
+    sources: &Sources,
+    also: impl Fn(&Lagrangian<'_>, &[Equations<'_>], &Derivation) -> T,
+) -> Result<Derived<T>, Failure> {
     let refused = |error: Error| Failure::rendered(error.render_in(sources));
 
     let start = Instant::now();
@@ -69,14 +142,13 @@ pub(crate) fn proved_and<T>(
 
     let proof = verify::against_energies(&lagrangian, &derivation).map_err(|failure| refused(failure.into()))?;
     proof.warn(&lagrangian, &mut warnings);
-    output::report(&warnings.render_in(sources));
     let also = also(&lagrangian, &routes, &derivation);
     let mechanism = Mechanism {
         derivation,
         bodies: lagrangian.bodies().0.len(),
         proved_at: proof.states,
         singular_at: proof.singular,
-        derive_seconds,
+        warnings: warnings.render_in(sources),
     };
-    Ok((mechanism, also))
+    Ok(Derived { mechanism, derive_seconds, also })
 }

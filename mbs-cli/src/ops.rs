@@ -9,7 +9,7 @@ use serde_json::{Map, Value, json};
 
 use crate::failure::Failure;
 use crate::files::Files;
-use crate::mechanism::{self, Mechanism};
+use crate::mechanism::{self, Derived};
 use crate::output;
 use explanation::Explanation;
 
@@ -17,7 +17,7 @@ use explanation::Explanation;
 ///
 /// Subtractions count as additions, negations are free, a sine and cosine of one angle are one `sincos`; `flops` is add +
 /// mul. Of the mass matrix the lower triangle is computed. What depends on parameters alone is computed once, when the
-/// mechanism is made, and not counted.
+/// mechanism is made, and not counted. The mechanism is derived in any case, never taken from the cache.
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
     /// The mechanism.
@@ -34,22 +34,22 @@ pub(crate) struct Arguments {
 /// Prints the operation counts.
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let sources = mechanism::open(&arguments.file, &mut Files::default())?;
-    let (mechanism, explanation) = mechanism::proved_and(&sources, |lagrangian, _, derivation| {
+    let derived = mechanism::proved_and(&sources, |lagrangian, _, derivation| {
         arguments.explain.then(|| Explanation::of(lagrangian, derivation))
     })?;
-    output::print(&match (arguments.json, explanation) {
-        (true, explanation) => output::json(&object(&mechanism, explanation.as_ref())),
-        (false, None) => table(&mechanism),
-        (false, Some(explanation)) => format!("{}\n{}", table(&mechanism), explanation.table()),
+    output::print(&match (arguments.json, &derived.also) {
+        (true, _) => output::json(&object(&derived)),
+        (false, None) => table(&derived),
+        (false, Some(explanation)) => format!("{}\n{}", table(&derived), explanation.table()),
     })
 }
 
-fn object(mechanism: &Mechanism, explanation: Option<&Explanation>) -> Value {
-    let Mechanism { derivation, derive_seconds, .. } = mechanism;
+fn object(derived: &Derived<Option<Explanation>>) -> Value {
+    let (derivation, derive_seconds) = (&derived.mechanism.derivation, derived.derive_seconds);
     let functions: Map<String, Value> =
         derivation.functions.iter().map(|f| (f.name.clone(), counts(f.operations))).collect();
     let mut object = json!({ "mechanism": derivation.name, "derive_seconds": derive_seconds, "functions": functions });
-    if let Some(explanation) = explanation {
+    if let Some(explanation) = &derived.also {
         object["explanation"] = explanation.object();
     }
     object
@@ -64,8 +64,8 @@ pub(crate) fn counts(operations: Operations) -> Value {
     })
 }
 
-fn table(mechanism: &Mechanism) -> String {
-    let Mechanism { derivation, derive_seconds, .. } = mechanism;
+fn table<T>(derived: &Derived<T>) -> String {
+    let (derivation, derive_seconds) = (&derived.mechanism.derivation, derived.derive_seconds);
     let header = ["function", "add", "mul", "div", "sqrt", "sincos", "other", "flops"].map(String::from).to_vec();
     let rows = derivation.functions.iter().map(|f| row(&f.name, f.operations).to_vec());
     let rows: Vec<Vec<String>> = std::iter::once(header).chain(rows).collect();

@@ -34,6 +34,7 @@ use method::{Accuracy, Method};
 use motion::{Drift, Motion, Settings};
 use record::{Record, Recorder};
 
+use crate::cache::Cache;
 use crate::failure::Failure;
 use crate::files::Files;
 use crate::mechanism;
@@ -112,13 +113,15 @@ enum Redundant {
 }
 
 /// Integrates, then writes.
-pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
+pub(crate) fn run(arguments: &Arguments, cache: &Cache) -> Result<(), Failure> {
     let mut files = Files::default();
     let sources = mechanism::open(&arguments.file, &mut files)?;
     let drives = Drives { inputs: &arguments.input, signals: &arguments.signal };
     drives.note(&mut files);
+    let sources = drives.declared(sources)?;
+    mechanism::note(mechanism::MECHANISM, &sources, cache, &mut files);
     check_outputs(arguments, &mut files)?;
-    let derivation = mechanism::proved(&drives.declared(sources)?)?.derivation;
+    let derivation = mechanism::proved(&sources, cache)?.derivation;
     let point = match state::read(&arguments.state, &derivation, &drives.signal_names())? {
         Request::One(point) => point,
         Request::Many(points) => {

@@ -82,6 +82,7 @@ impl Symbols {
 
 /// How equations were derived.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Route {
     /// The energies differentiated.
     Plain,

@@ -10,6 +10,8 @@
 
 pub mod cost;
 pub mod lower;
+#[cfg(feature = "serde")]
+mod part;
 pub mod program;
 pub mod region;
 pub mod schedule;
@@ -26,7 +28,10 @@ pub use program::{Instruction, Program, Value};
 use schedule::{Forms, Hoisting};
 
 /// A mechanism ready to be proved, emitted or interpreted.
+///
+/// With the feature `serde` it can be written and read again, by the same version of this crate; reading does not prove it.
 #[derive(Clone, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Derivation {
     /// In upper camel case, as declared.
     pub name: String,
@@ -64,6 +69,7 @@ pub struct Derivation {
 
 /// One generated function.
 #[derive(Clone, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Function {
     /// Its name in the generated code, in `mbs ops` and in `mbs eval`.
     pub name: String,
@@ -85,6 +91,7 @@ pub struct Function {
 
 /// What a function computes.
 #[derive(Clone, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum FunctionKind {
     /// T
     KineticEnergy,
@@ -146,6 +153,7 @@ pub enum FunctionKind {
 
 /// An argument of a generated function.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Argument {
     /// q
     Q,
@@ -161,6 +169,7 @@ pub enum Argument {
 
 /// A returned value and its shape.
 #[derive(Clone, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct ResultPart {
     /// Its name where a function returns several; empty where it returns one.
     pub name: &'static str,
@@ -170,6 +179,7 @@ pub struct ResultPart {
 
 /// The shape of a returned value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Shape {
     /// One number.
     Scalar,
@@ -213,6 +223,7 @@ impl Shape {
 /// A solution is one step, whatever it takes: its meaning is the solution of its system. Right sides come part by part, each as
 /// many rows as the system has; where the program depends on q̈ (or λ), forward dynamics (multipliers) is called first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Completion {
     /// Nothing: they are the results.
     None,

@@ -1,5 +1,6 @@
 //! The program `mbs` as outside programs call it: what it prints, what it writes, how it ends.
 
+mod cache;
 mod check;
 mod constrained;
 mod derive;
@@ -14,7 +15,7 @@ mod parameters;
 mod simulate;
 
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
+use std::process::{Command, Output, Stdio};
 
 use serde_json::Value;
 
@@ -56,10 +57,21 @@ mechanism Chain {
 struct Workshop(tempfile::TempDir);
 
 /// How a run ended.
+#[derive(Debug, PartialEq)]
 struct Outcome {
     code: i32,
     stdout: String,
     stderr: String,
+}
+
+impl Outcome {
+    fn of(output: Output) -> Self {
+        Outcome {
+            code: output.status.code().unwrap(),
+            stdout: String::from_utf8(output.stdout).unwrap(),
+            stderr: String::from_utf8(output.stderr).unwrap(),
+        }
+    }
 }
 
 impl Workshop {
@@ -93,12 +105,7 @@ impl Workshop {
 
     /// Runs `mbs` here.
     fn mbs(&self, arguments: &[&str]) -> Outcome {
-        let output = command(self.0.path(), arguments).stdin(Stdio::null()).output().unwrap();
-        Outcome {
-            code: output.status.code().unwrap(),
-            stdout: String::from_utf8(output.stdout).unwrap(),
-            stderr: String::from_utf8(output.stderr).unwrap(),
-        }
+        Outcome::of(command(self.0.path(), arguments).stdin(Stdio::null()).output().unwrap())
     }
 
     /// Runs `mbs`, which must end with 0 and no complaint, and returns what it printed.
@@ -126,7 +133,8 @@ impl Workshop {
 
 fn command(directory: &Path, arguments: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_mbs"));
-    command.current_dir(directory).args(arguments);
+    // No test sees what another one, or the user, has derived.
+    command.current_dir(directory).args(arguments).env("MBS_CACHE_DIR", "");
     command
 }
 

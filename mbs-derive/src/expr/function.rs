@@ -4,6 +4,7 @@ use super::graph::{Expr, HalfInteger};
 
 /// A function of one argument.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Function {
     /// sine
     Sin,
@@ -35,6 +36,7 @@ pub enum Function {
 
 /// A function of two arguments.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Binary {
     /// `atan2(y, x)`: the angle of the point (x, y)
     Atan2,

@@ -9,6 +9,7 @@ use std::ops::{Add, Mul, Neg};
 /// (a square root of two, an overflow) is `Real`, and 0 as soon as it may be nothing but rounding: what cancels in exact numbers
 /// leaves no trace in rounded ones. Equality and hashing are by bits of the values, so that numbers can be hash-consed.
 #[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Number {
     /// `numerator / denominator · π^pi`
     Exact {

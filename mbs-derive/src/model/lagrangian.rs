@@ -13,6 +13,7 @@ use super::landmark::Landmarks;
 
 /// A coordinate, parameter or input: one, or an array of them.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Variable {
     /// As declared.
     pub name: String,
@@ -130,6 +131,7 @@ impl Constraint<'_> {
 
 /// A joint whose wrench is asked for, or an array of them.
 #[derive(Clone, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Reaction {
     /// As declared.
     pub name: String,

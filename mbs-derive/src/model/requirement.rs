@@ -20,6 +20,7 @@ use crate::model::lagrangian::component_names;
 
 /// What must hold.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub enum Condition {
     /// It is neither infinite nor NaN.
@@ -76,6 +77,7 @@ impl Condition {
 
 /// One condition on one quantity.
 #[derive(Clone, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Requirement {
     /// The parameter, or the expression of parameters: `m`, `m1 - m2`, `inertia(ixx, iyy, izz, 0, 0, 0)`.
     pub quantity: String,

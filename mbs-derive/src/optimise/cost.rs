@@ -10,6 +10,7 @@ use super::{ResultPart, Shape};
 
 /// What a program costs. Negations are free, a subtraction is an addition, a sine and a cosine of one angle are one.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Operations {
     /// Additions and subtractions.
     pub add: usize,

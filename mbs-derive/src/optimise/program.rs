@@ -8,6 +8,7 @@ use super::region::{self, Regions};
 
 /// Number of the instruction that makes a value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Value(pub(crate) u32);
 
 impl Value {
@@ -19,6 +20,7 @@ impl Value {
 
 /// One step; operands are values of earlier steps.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Instruction {
     /// A constant.
     Constant(Number),
@@ -101,6 +103,7 @@ impl Instruction {
 
 /// Instructions in order of execution, where they are executed, and which of their values are the results.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Program {
     /// In order; every value is used, by an instruction or as a result.
     pub instructions: Vec<Instruction>,

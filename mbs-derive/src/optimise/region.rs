@@ -22,6 +22,7 @@ const ON_DEMAND: usize = 1000;
 
 /// A part of a program that is executed as a whole or not at all.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Region(u32);
 
 impl Region {
@@ -36,6 +37,7 @@ impl Region {
 
 /// Where a value is computed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Place {
     /// The region in which it is known.
     pub region: Region,
@@ -47,6 +49,7 @@ pub struct Place {
 
 /// Selections on one condition, made together.
 #[derive(Clone, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Branch {
     /// The condition.
     pub condition: Value,
@@ -58,6 +61,7 @@ pub struct Branch {
 
 /// The regions of a program; of one without branches there is the body alone.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Regions {
     /// Of each value; none where all are certain.
     places: Vec<Place>,
@@ -68,6 +72,7 @@ pub struct Regions {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Node {
     parent: Region,
     depth: u32,
