@@ -12,6 +12,24 @@ use crate::state::Point;
 /// Positions and velocities, as the runtime integrates them.
 pub(crate) type Motion = mbs_runtime::State<Vec<f64>>;
 
+/// What to do about constraints that depend on others.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub(crate) enum Redundant {
+    /// Refuse them, by name.
+    Refuse,
+    /// Go on with multipliers of the least norm.
+    LeastNorm,
+}
+
+impl From<Redundant> for RedundantRows {
+    fn from(redundant: Redundant) -> Self {
+        match redundant {
+            Redundant::Refuse => RedundantRows::Refuse,
+            Redundant::LeastNorm => RedundantRows::LeaveOut,
+        }
+    }
+}
+
 /// Evaluates a mechanism's functions along a motion.
 pub(crate) struct Equations<'d> {
     interpreter: Interpreter<'d>,

@@ -4,10 +4,13 @@ use std::path::PathBuf;
 
 use mbs_derive::interpret::{Interpreter, State};
 use mbs_derive::optimise::{Derivation, Function, FunctionKind, ResultPart, Shape};
+use mbs_runtime::RedundantRows;
 use serde_json::{Map, Value, json};
 
 use crate::cache::Cache;
+use crate::equations::{Equations, Redundant, Solver};
 use crate::failure::Failure;
+use crate::simulate::assembly;
 use crate::state::{self, Point, Request};
 use crate::{mechanism, output};
 
@@ -28,25 +31,62 @@ pub(crate) struct Arguments {
     /// `momentum`.
     #[arg(long, value_delimiter = ',', value_name = "NAMES")]
     only: Vec<String>,
+    /// Constraints that depend on others: an error, or multipliers of the least norm. Without this option accelerations and
+    /// multipliers are those of the generated functions, which take multipliers of the least norm in the scale of their rows.
+    #[arg(long, value_enum)]
+    redundant: Option<Redundant>,
 }
 
 /// Prints one JSON object for a state, an array of them for an array of states.
 pub(crate) fn run(arguments: &Arguments, cache: &Cache) -> Result<(), Failure> {
     let derivation = mechanism::read(&arguments.file, cache)?.derivation;
     check_names(&arguments.only, &derivation)?;
-    let evaluation =
-        |point: &Point, place: &str| chosen(&derivation, point, evaluation(&derivation, point), &arguments.only, place);
+    if arguments.redundant.is_some() && derivation.constraints.is_empty() {
+        output::report(&format!("warning: {} has no constraints, --redundant does nothing\n", derivation.name));
+    }
+    let evaluation = |point: &Point, place: &str| {
+        let all = evaluation(&derivation, point, Moving::of(&derivation, point, arguments.redundant)?);
+        Ok(chosen(&derivation, point, all, &arguments.only, place))
+    };
     let evaluations = match state::read(&arguments.state, &derivation, &[])? {
-        Request::One(point) => evaluation(&point, "the state"),
+        Request::One(point) => evaluation(&point, "the state")?,
         Request::Many(points) => {
-            points.iter().enumerate().map(|(i, point)| evaluation(point, &format!("state {i}"))).collect()
+            let all = points.iter().enumerate().map(|(i, point)| evaluation(point, &format!("state {i}")));
+            all.collect::<Result<Value, Failure>>()?
         }
     };
     output::print(&output::json(&evaluations))
 }
 
 /// What `eval` prints beside the values of functions.
-const COMPOSED: [&str; 4] = ["conserved", "outputs", "reactions", "constraint_force"];
+const COMPOSED: [&str; 5] = ["conserved", "outputs", "output_jacobians", "reactions", "constraint_force"];
+
+/// Accelerations and multipliers at a state.
+struct Moving {
+    accelerations: Vec<f64>,
+    multipliers: Vec<f64>,
+}
+
+impl Moving {
+    /// Those of the generated functions, or of the least norm; NaN where constraints contradict each other.
+    fn of(derivation: &Derivation, point: &Point, redundant: Option<Redundant>) -> Result<Self, Failure> {
+        let equations = Equations::new(derivation, point)?;
+        let state = &point.state;
+        if derivation.constraints.is_empty() || redundant != Some(Redundant::LeastNorm) {
+            if let Some(redundant) = redundant {
+                assembly::check_rows(&equations, &equations.start(), redundant.into())?;
+            }
+            let [accelerations, multipliers] = ["forward_dynamics", "multipliers"].map(|f| equations.call(f, state));
+            return Ok(Moving { accelerations, multipliers });
+        }
+        let mut solver = Solver::numerical(&equations, RedundantRows::LeaveOut, [0.0; 2]);
+        let none = |count: usize| vec![f64::NAN; count];
+        Ok(Moving {
+            accelerations: solver.accelerations(state).unwrap_or_else(|_| none(derivation.dof())),
+            multipliers: solver.multipliers(state).unwrap_or_else(|_| none(derivation.constraints.len())),
+        })
+    }
+}
 
 /// There is such a function, or such a part of what `eval` prints.
 fn check_names(only: &[String], derivation: &Derivation) -> Result<(), Failure> {
@@ -78,9 +118,9 @@ fn chosen(derivation: &Derivation, point: &Point, all: Value, only: &[String], p
 }
 
 /// All functions at one point, in the order of the documentation.
-fn evaluation(derivation: &Derivation, point: &Point) -> Value {
+fn evaluation(derivation: &Derivation, point: &Point, moving: Moving) -> Value {
     let interpreter = Interpreter::with_parameters(derivation, point.parameters.clone());
-    let evaluated = |function: &Function| interpreter.evaluate(function, &point.state);
+    let evaluated = |function: &Function| interpreter.evaluate_with(function, &point.state, &moving.multipliers);
     let value = |name: &str| derivation.function(name).map_or(Value::Null, |f| shaped(f, &evaluated(f)));
     let mut linearize = value("linearize");
     linearize["params"] = match derivation.function("linearize_parameters") {
@@ -96,16 +136,20 @@ fn evaluation(derivation: &Derivation, point: &Point) -> Value {
         "generalized_force": value("generalized_force"),
         "inverse_dynamics": value("inverse_dynamics"),
         "inverse_dynamics_jacobian": value("inverse_dynamics_jacobian"),
-        "forward_dynamics": value("forward_dynamics"),
+        "forward_dynamics": moving.accelerations,
         "linearize": linearize,
-        "multipliers": if derivation.constraints.is_empty() { json!([]) } else { value("multipliers") },
+        "multipliers": moving.multipliers,
         "kinetic_energy": value("kinetic_energy"),
         "potential_energy": value("potential_energy"),
         "conserved": conserved(derivation, evaluated),
         "outputs": outputs(derivation, evaluated),
     });
+    let jacobians = output_jacobians(derivation, evaluated);
+    if !jacobians.is_empty() {
+        evaluation["output_jacobians"] = jacobians.into();
+    }
     if !derivation.reactions.is_empty() {
-        evaluation["reactions"] = reactions(derivation, &interpreter, point).into();
+        evaluation["reactions"] = reactions(derivation, &interpreter, point, &moving).into();
     }
     for name in ["constraint", "constraint_rate", "constraint_rate_jacobian", "constraint_jacobian", "constraint_bias"]
     {
@@ -114,16 +158,16 @@ fn evaluation(derivation: &Derivation, point: &Point) -> Value {
         }
     }
     if derivation.function("multipliers").is_some() {
-        evaluation["constraint_force"] = constraint_force(&interpreter, &point.state).into();
+        evaluation["constraint_force"] = constraint_force(&interpreter, &point.state, &moving.multipliers).into();
     }
     evaluation
 }
 
 /// `Aᵀ λ`, with the multipliers of the motion.
-fn constraint_force(interpreter: &Interpreter<'_>, state: &State) -> Vec<f64> {
-    let call = |name: &str| interpreter.call(name, state).unwrap_or_default();
+fn constraint_force(interpreter: &Interpreter<'_>, state: &State, multipliers: &[f64]) -> Vec<f64> {
+    let jacobian = interpreter.call("constraint_jacobian", state).unwrap_or_default();
     let mut force = vec![0.0; state.q.len()];
-    for (row, multiplier) in call("constraint_jacobian").chunks(force.len()).zip(call("multipliers")) {
+    for (row, multiplier) in jacobian.chunks(force.len()).zip(multipliers) {
         force.iter_mut().zip(row).for_each(|(force, a)| *force += a * multiplier);
     }
     force
@@ -147,18 +191,38 @@ fn outputs(derivation: &Derivation, evaluated: impl Fn(&Function) -> Vec<f64>) -
     outputs.map(|function| (function.name.clone(), shaped(function, &evaluated(function)))).collect()
 }
 
+/// The derivatives of those outputs that depend on velocities or inputs, by name: by q, and where they depend on them by q̇ and u.
+fn output_jacobians(derivation: &Derivation, evaluated: impl Fn(&Function) -> Vec<f64>) -> Map<String, Value> {
+    let is_output = |f: &&Function| matches!(f.kind, FunctionKind::Output(_));
+    let outputs = derivation.functions.iter().filter(is_output);
+    let slopes = outputs.filter_map(|output| {
+        let functions = ["jacobian", "jacobian_qd", "jacobian_u"]
+            .map(|suffix| derivation.function(&format!("{}_{suffix}", output.name)));
+        let value = |function: &Function| shaped(function, &evaluated(function));
+        let by = ["q", "qd", "u"].into_iter().zip(functions);
+        let by: Map<String, Value> = by.filter_map(|(by, f)| Some((by.to_string(), value(f?)))).collect();
+        (by.len() > 1).then(|| (output.name.clone(), by.into()))
+    });
+    slopes.collect()
+}
+
 /// Force and moment at each joint by name, at the given accelerations, or at those of the motion.
-fn reactions(derivation: &Derivation, interpreter: &Interpreter<'_>, point: &Point) -> Map<String, Value> {
+fn reactions(
+    derivation: &Derivation,
+    interpreter: &Interpreter<'_>,
+    point: &Point,
+    moving: &Moving,
+) -> Map<String, Value> {
     let mut state = point.state.clone();
     if !point.accelerations_are_given {
-        state.qdd = interpreter.call("forward_dynamics", &state).unwrap_or_default();
+        state.qdd.clone_from(&moving.accelerations);
     }
     let functions = derivation.functions.iter().filter_map(|function| match function.kind {
         FunctionKind::Reaction(number) => Some((function, &derivation.reactions[number])),
         _ => None,
     });
     let joints = functions.flat_map(|(function, reaction)| {
-        let wrenches = interpreter.evaluate(function, &state);
+        let wrenches = interpreter.evaluate_with(function, &state, &moving.multipliers);
         let wrenches: Vec<Value> = wrenches.chunks(6).map(|wrench| in_shape(Shape::Wrench, wrench)).collect();
         reaction.component_names().into_iter().zip(wrenches)
     });

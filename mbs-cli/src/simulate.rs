@@ -9,16 +9,16 @@
 //! - [`table`][]: CSV;
 //! - [`figure`]: SVG and PNG.
 
-mod assembly;
+pub(crate) mod assembly;
 mod collapse;
-mod column;
+pub(crate) mod column;
 mod curve;
 pub(crate) mod drive;
 mod figure;
 mod method;
 mod motion;
 mod progress;
-mod record;
+pub(crate) mod record;
 mod table;
 
 use std::path::PathBuf;
@@ -27,7 +27,6 @@ use clap::ValueEnum;
 use mbs_cli::chart::Format;
 use mbs_derive::model::lagrangian::component_names;
 use mbs_derive::optimise::Derivation;
-use mbs_runtime::RedundantRows;
 
 use drive::{Drive, Drives};
 use method::{Accuracy, Method};
@@ -35,6 +34,7 @@ use motion::{Drift, Motion, Settings};
 use record::{Record, Recorder};
 
 use crate::cache::Cache;
+use crate::equations::Redundant;
 use crate::failure::Failure;
 use crate::files::Files;
 use crate::mechanism;
@@ -103,15 +103,6 @@ pub(crate) struct Arguments {
     plot: Option<(PathBuf, Format)>,
 }
 
-/// What to do about constraints that depend on others.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
-enum Redundant {
-    /// Refuse them, by name.
-    Refuse,
-    /// Go on with multipliers of the least norm.
-    LeastNorm,
-}
-
 /// Integrates, then writes.
 pub(crate) fn run(arguments: &Arguments, cache: &Cache) -> Result<(), Failure> {
     let mut files = Files::default();
@@ -150,10 +141,7 @@ pub(crate) fn run(arguments: &Arguments, cache: &Cache) -> Result<(), Failure> {
             step: times.get(1).map_or(1.0, |second| second - times[0]),
         },
         drift: arguments.project,
-        redundant_rows: match arguments.redundant {
-            Redundant::Refuse => RedundantRows::Refuse,
-            Redundant::LeastNorm => RedundantRows::LeaveOut,
-        },
+        redundant_rows: arguments.redundant.into(),
         held: held(&arguments.hold, &derivation)?,
     };
     let recorder = Recorder::new(&derivation, &arguments.record);

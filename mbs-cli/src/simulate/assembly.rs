@@ -71,14 +71,7 @@ pub(crate) fn leave_open(
     redundant_rows: RedundantRows,
 ) -> Result<(), Failure> {
     let t = equations.start_time();
-    let mut rows = Vec::new();
-    equations
-        .projector(redundant_rows)
-        .rank(equations, t, &motion.q, |row| rows.push(row))
-        .map_err(|error| Failure::new(explained(equations, error, t, motion)))?;
-    if let (Some(&row), RedundantRows::Refuse) = (rows.first(), redundant_rows) {
-        return Err(Failure::new(explained(equations, ConstraintError::Redundant { row }, t, motion)));
-    }
+    check_rows(equations, motion, redundant_rows)?;
     let state = equations.state(t, &motion.q, &motion.qd);
     let (residuals, rates) = (equations.call("constraint", &state), equations.call("constraint_rate", &state));
     let mut open = Vec::new();
@@ -93,6 +86,26 @@ pub(crate) fn leave_open(
         output::report(&format!("warning: the motion starts off the constraints: {}\n", abridged(&open)));
     }
     Ok(())
+}
+
+/// Whether no row of A depends on others, or they may.
+pub(crate) fn check_rows(
+    equations: &Equations<'_>,
+    motion: &Motion,
+    redundant_rows: RedundantRows,
+) -> Result<(), Failure> {
+    let t = equations.start_time();
+    let mut rows = Vec::new();
+    equations
+        .projector(redundant_rows)
+        .rank(equations, t, &motion.q, |row| rows.push(row))
+        .map_err(|error| Failure::new(explained(equations, error, t, motion)))?;
+    match (rows.first(), redundant_rows) {
+        (Some(&row), RedundantRows::Refuse) => {
+            Err(Failure::new(explained(equations, ConstraintError::Redundant { row }, t, motion)))
+        }
+        _ => Ok(()),
+    }
 }
 
 /// A projection takes away an integrator's error. Where it takes away more, constraints lose rank there, as those of a

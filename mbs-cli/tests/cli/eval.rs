@@ -308,3 +308,70 @@ fn signals_that_are_left_out_are_named() {
         "warning: --state: \"prescribed\" does not give p_1 in all states: zero, at rest\n",
     );
 }
+
+/// Outputs that depend on rates or inputs have derivatives by these, printed beside those by q; others have none to show.
+#[test]
+fn derivatives_of_outputs_by_rates_and_inputs() {
+    let workshop = Workshop::new();
+    assert!(workshop.eval("pendulum.mbs", r#"{"q": [0.3]}"#)["output_jacobians"].is_null());
+    let cart = "mechanism Cart { param m: kg = 2; coord x: m; coord y: m; input f[2]: N; \
+                kinetic += 1/2*m*(dt(x)^2 + dt(y)^2); force x += f[0]; force y += f[1]; \
+                output power = f[0]*dt(x)*y; output speed = [dt(x), 2*dt(y)]; output place = x; }";
+    workshop.write("cart.mbs", cart.replace("*y;", "*sin(y/(1 m));"));
+    let found = workshop.eval("cart.mbs", r#"{"q": [0.5, 0.3], "qd": [3, 4], "u": [5, 6]}"#);
+    let (sin, cos) = 0.3_f64.sin_cos();
+    let expected = json!({
+        "power": { "q": [[0.0, 15.0 * cos]], "qd": [[5.0 * sin, 0.0]], "u": [[3.0 * sin, 0.0]] },
+        "speed": { "q": [[0.0, 0.0], [0.0, 0.0]], "qd": [[1.0, 0.0], [0.0, 2.0]] },
+    });
+    assert_close(&found["output_jacobians"], &expected);
+}
+
+/// What two rows about one coordinate share is a matter of norm, what they bear together is not.
+#[test]
+fn redundant_rows_are_refused_or_share_what_they_bear() {
+    let workshop = Workshop::new();
+    let hung = "mechanism Hung { param m: kg = 2; param g: m/s^2 = 10; coord x: m; coord z: m; \
+                kinetic += particle(m, [x, 0, z]); potential += m*g*z; constraint one: z = 0; constraint other: 3*z = -x^2/(1 m); }";
+    workshop.write("hung.mbs", hung);
+    let state =
+        ["eval", "hung.mbs", "--state", r#"{"q": [0, 0]}"#, "--only", "forward_dynamics,multipliers,constraint_force"];
+    let run = |rest: &[&str]| -> Value { serde_json::from_str(&workshop.good(&[&state, rest].concat())).unwrap() };
+    let force = json!({ "forward_dynamics": [0.0, 0.0], "constraint_force": [0.0, 20.0] });
+    for (rest, multipliers) in [
+        // λ₁ + 3 λ₂ = m g with the least λ₁² + λ₂²,
+        (&["--redundant", "least-norm"][..], json!([2.0, 6.0])),
+        // and with the least λ₁² + (2 λ₂)²: rows are scaled by powers of two.
+        (&[], json!([80.0 / 13.0, 60.0 / 13.0])),
+    ] {
+        let found = run(rest);
+        assert_close(&found["multipliers"], &multipliers);
+        assert_close(&found["forward_dynamics"], &force["forward_dynamics"]);
+        assert_close(&found["constraint_force"], &force["constraint_force"]);
+    }
+    let report = workshop.bad(&[&state[..], &["--redundant", "refuse"]].concat());
+    assert!(
+        report.starts_with("error: constraint `") && report.contains("` depends on the others, at t = 0.0"),
+        "{report}"
+    );
+    let idle = workshop.mbs(&["eval", "pendulum.mbs", "--state", r#"{"q": [0]}"#, "--redundant", "refuse"]);
+    assert_eq!(
+        (idle.code, idle.stderr.as_str()),
+        (0, "warning: Pendulum has no constraints, --redundant does nothing\n")
+    );
+}
+
+/// Rows that contradict each other leave no acceleration, however they are weighed.
+#[test]
+fn contradictions_are_null() {
+    let workshop = Workshop::new();
+    let text = "mechanism Torn { param m: kg = 2; param a: m/s^2 = 1; coord x: m; kinetic += 1/2*m*dt(x)^2; \
+                constraint one: dt(x) = 0; constraint other: dt(x) = a*t; }";
+    workshop.write("torn.mbs", text);
+    for rest in [&[][..], &["--redundant", "least-norm"]] {
+        let call = [&["eval", "torn.mbs", "--state", r#"{"q": [0]}"#, "--only", "forward_dynamics"], rest].concat();
+        let found = workshop.mbs(&call);
+        let value: Value = serde_json::from_str(&found.stdout).unwrap();
+        assert_eq!((found.code, value), (0, json!({ "forward_dynamics": [null] })), "{}", found.stderr);
+    }
+}
