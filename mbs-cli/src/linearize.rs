@@ -1,5 +1,6 @@
 //! `mbs linearize`: the linear system about a state, what it does by itself, and what its inputs reach.
 
+mod observation;
 mod reduction;
 mod system;
 mod trim;
@@ -144,7 +145,7 @@ impl<'a> Report<'a> {
             "accelerations": self.system.accelerations,
             "states": named(&self.states),
             "inputs": named(&self.inputs),
-            "outputs": self.system.outputs,
+            "outputs": named(&self.system.outputs),
             "a": rows(&self.system.a),
             "b": rows(&self.system.b),
             "c": rows(&self.system.c),
@@ -183,14 +184,15 @@ impl<'a> Report<'a> {
         let label = |[name, unit]: &[String; 2]| format!("{name} [{unit}]");
         let states: Vec<String> = self.states.iter().map(label).collect();
         let inputs: Vec<String> = self.inputs.iter().map(label).collect();
+        let outputs: Vec<String> = self.system.outputs.iter().map(label).collect();
         let rates: Vec<String> = match self.sample_time {
             Some(_) => self.states.iter().map(|[name, unit]| format!("next {name} [{unit}]")).collect(),
             None => self.states.iter().map(|[name, unit]| format!("d/dt {name} [{unit}]")).collect(),
         };
         table(&mut text, "A", &rates, &states, &self.system.a);
         table(&mut text, "B", &rates, &inputs, &self.system.b);
-        table(&mut text, "C", &self.system.outputs, &states, &self.system.c);
-        table(&mut text, "D", &self.system.outputs, &inputs, &self.system.d);
+        table(&mut text, "C", &outputs, &states, &self.system.c);
+        table(&mut text, "D", &outputs, &inputs, &self.system.d);
         self.push_poles(&mut text);
         let (count, [controllable, observable]) = (self.states.len(), self.ranks);
         let _ = writeln!(text, "\n{controllable} of {count} states are controllable, {observable} observable");
@@ -232,7 +234,8 @@ fn table(text: &mut String, name: &str, rows: &[String], columns: &[String], mat
     for (row, entries) in rows.iter().zip(matrix.row_iter()) {
         let _ = write!(text, "\n{row:<first$}");
         for entry in entries.iter() {
-            let _ = write!(text, "  {:>width$}", format!("{entry:.6e}"));
+            // −0 is 0 to a reader.
+            let _ = write!(text, "  {:>width$}", format!("{:.6e}", entry + 0.0));
         }
     }
     text.push('\n');

@@ -1,22 +1,22 @@
 //! A, B, C and D of a mechanism at a state, and what they say.
 
-use mbs_derive::expr::Dual;
-use mbs_derive::interpret::{Interpreter, State};
+use mbs_derive::interpret::Interpreter;
 use mbs_derive::model::lagrangian::component_names;
-use mbs_derive::optimise::{Derivation, Function, FunctionKind, Shape};
+use mbs_derive::optimise::Derivation;
 use nalgebra::{Complex, DMatrix, Schur, linalg::balancing};
 
 use crate::failure::Failure;
 use crate::state::Point;
 
+use super::observation;
 use super::reduction::{self, Fault, Solution};
 
 /// The linear system in independent coordinates and speeds.
 pub(super) struct System {
     pub(super) coordinates: Vec<usize>,
     pub(super) speeds: Vec<usize>,
-    /// Names of the outputs' components.
-    pub(super) outputs: Vec<String>,
+    /// Names and units of the outputs' components.
+    pub(super) outputs: Vec<[String; 2]>,
     pub(super) a: DMatrix<f64>,
     pub(super) b: DMatrix<f64>,
     pub(super) c: DMatrix<f64>,
@@ -50,7 +50,8 @@ pub(super) fn linearize(derivation: &Derivation, point: &Point, independent: &[u
     let mut b = DMatrix::zeros(i + j, inputs);
     b.view_mut((i, 0), (j, inputs)).copy_from(&at(by_u, &named));
 
-    let (outputs, [out_q, out_qd, d]) = output_slopes(derivation, point, inputs);
+    let outputs = observation::components(derivation);
+    let [out_q, out_qd, d] = observation::slopes(derivation, point);
     if !out_q.iter().chain(out_qd.iter()).chain(d.iter()).all(|x| x.is_finite()) {
         return Err(Failure::new("an output, or its derivative, is infinite or NaN at the state"));
     }
@@ -114,67 +115,6 @@ fn check_state(
         }
     }
     Ok(())
-}
-
-/// The derivatives of all outputs in q, q̇ and u, by dual numbers.
-fn output_slopes(derivation: &Derivation, point: &Point, inputs: usize) -> (Vec<String>, [DMatrix<f64>; 3]) {
-    let n = derivation.dof();
-    let functions: Vec<&Function> =
-        derivation.functions.iter().filter(|function| matches!(function.kind, FunctionKind::Output(_))).collect();
-    let names: Vec<String> = functions.iter().flat_map(|function| components(function)).collect();
-    let fixed = |values: &[f64]| values.iter().map(|&x| Dual::fixed(x)).collect::<Vec<Dual<f64>>>();
-    let parameters = fixed(&point.parameters);
-    let interpreter = Interpreter::with_parameters(derivation, parameters);
-    let given = &point.state;
-    let at_rest = State {
-        t: Dual::fixed(given.t),
-        q: fixed(&given.q),
-        qd: fixed(&given.qd),
-        qdd: fixed(&given.qdd),
-        u: fixed(&given.u),
-        prescribed: given.prescribed.iter().map(|signal| signal.map(Dual::fixed)).collect(),
-    };
-    let column = |change: &dyn Fn(&mut State<Dual<f64>>)| {
-        let mut state = at_rest.clone();
-        change(&mut state);
-        let values = functions.iter().flat_map(|function| interpreter.evaluate(function, &state));
-        values.map(|value| value.derivative).collect::<Vec<f64>>()
-    };
-    let matrix = |width: usize, change: &dyn Fn(&mut State<Dual<f64>>, usize)| {
-        let columns: Vec<f64> = (0..width).flat_map(|j| column(&|state| change(state, j))).collect();
-        DMatrix::from_column_slice(names.len(), width, &columns)
-    };
-    let slopes = [
-        matrix(n, &|state, j| state.q[j].derivative = 1.0),
-        matrix(n, &|state, j| state.qd[j].derivative = 1.0),
-        matrix(inputs, &|state, j| state.u[j].derivative = 1.0),
-    ];
-    (names, slopes)
-}
-
-/// `tip[0]`, or for a pose `tip.position[0]` and `tip.rotation[0][0]`.
-fn components(function: &Function) -> Vec<String> {
-    let name = &function.name;
-    let vector = |name: &str, count: usize| (0..count).map(|i| format!("{name}[{i}]")).collect::<Vec<_>>();
-    let matrix = |name: &str, rows: usize, columns: usize| -> Vec<String> {
-        (0..rows).flat_map(|i| vector(&format!("{name}[{i}]"), columns)).collect()
-    };
-    let pose =
-        |name: &str| [vector(&format!("{name}.position"), 3), matrix(&format!("{name}.rotation"), 3, 3)].concat();
-    let of_part = |shape: Shape| match shape {
-        Shape::Scalar => vec![name.clone()],
-        Shape::Vector(count) => vector(name, count),
-        Shape::Matrix(rows, columns) => matrix(name, rows, columns),
-        Shape::Symmetric(size) => matrix(name, size, size),
-        Shape::Pose => pose(name),
-        Shape::Poses(count) => vector(name, count).iter().flat_map(|name| pose(name)).collect(),
-        Shape::Matrices(count, rows, columns) => {
-            vector(name, count).iter().flat_map(|name| matrix(name, rows, columns)).collect()
-        }
-        Shape::Wrench => [vector(&format!("{name}.force"), 3), vector(&format!("{name}.moment"), 3)].concat(),
-        Shape::Wrenches(count) => vector(name, 6 * count),
-    };
-    function.results.iter().flat_map(|part| of_part(part.shape)).collect()
 }
 
 impl System {

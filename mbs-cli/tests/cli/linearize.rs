@@ -1,8 +1,9 @@
 //! `mbs linearize`: systems whose matrices and poles are known by hand or from the literature, and what is refused.
 
+use nalgebra::Matrix4;
 use serde_json::Value;
 
-use crate::{Workshop, keys};
+use crate::{Workshop, command, keys};
 
 fn linearized(workshop: &Workshop, arguments: &[&str]) -> Value {
     let arguments = [&["linearize"], arguments, &["--json"]].concat();
@@ -73,7 +74,7 @@ fn a_pendulum_upright_and_hanging() {
         assert_matrix(&report["c"], &[&[0.0, 0.0]], 1e-15);
         assert_eq!(names(&report, "states"), ["theta [rad]", "theta_dot [rad/s]"]);
         assert_eq!(names(&report, "inputs"), ["tau [N*m]"]);
-        assert_eq!(report["outputs"][0], "height");
+        assert_eq!(names(&report, "outputs"), ["height [m]"]);
         let half = -0.5 * b / inertia;
         let square = half * half + sign * g / l;
         if sign > 0.0 {
@@ -113,7 +114,11 @@ fn outputs_of_rates_and_inputs() {
     workshop.write("cart.mbs", cart);
     let report = linearized(&workshop, &["cart.mbs", "--state", "{\"q\": [1], \"qd\": [3], \"u\": [5]}"]);
     assert_eq!(report["outputs"].as_array().unwrap().len(), 13);
-    assert_eq!((&report["outputs"][0], &report["outputs"][1]), (&"power".into(), &"there.position[0]".into()));
+    let names = names(&report, "outputs");
+    assert_eq!(
+        [&names[0], &names[1], &names[4]],
+        ["power [kg·m²/s³]", "there_position_0 [m]", "there_rotation_0_0 [1]"]
+    );
     assert_eq!(matrix(&report["c"])[..2], [[0.0, 5.0], [1.0, 0.0]]);
     assert_eq!(matrix(&report["d"])[..2], [[3.0], [0.0]]);
     assert_eq!(report["accelerations"][0], 2.5);
@@ -174,6 +179,150 @@ fn a_bicycle_weaves_and_capsizes_as_published() {
         [-0.775_341_882_195_85, -4.464_867_713_788_23],
     ] {
         assert_pole(&report, [re, im], 1e-8);
+    }
+}
+
+/// Where the weave's damping and the capsize mode's rate change their signs: Meijaard and others, 2007, section 5.
+#[test]
+fn a_bicycle_is_stable_between_two_speeds() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = known("tests/mechanisms/whipple_bicycle.mbs");
+    let at = |speed: f64| -> Value {
+        let state =
+            format!("{{\"q\": [0,0,0,0,0,0,0,0], \"qd\": [{speed},0,0,0,0,0,{},{}]}}", -speed / 0.3, -speed / 0.35);
+        let arguments =
+            ["linearize", &file, "--state", &state, "--json", "--independent", "x,y,yaw,roll,steer,rear,front"];
+        // Derived once.
+        let output = command(folder.path(), &arguments).env("MBS_CACHE_DIR", folder.path()).output().unwrap();
+        serde_json::from_slice(&output.stdout).unwrap()
+    };
+    let weave = |speed: f64| poles(&at(speed)).iter().find(|pole| pole[1] > 1.0).unwrap()[0];
+    assert!((root(weave, [4.0, 5.0]) - 4.292_382_536_341_11).abs() < 1e-9);
+    // The product of the four poles of roll and steer; all others are zero.
+    let capsize = |speed: f64| {
+        let report = at(speed);
+        let all = names(&report, "states");
+        let own = ["roll [rad]", "steer [rad]", "roll_dot [rad/s]", "steer_dot [rad/s]"];
+        let own = own.map(|name| all.iter().position(|known| known == name).unwrap());
+        let a = matrix(&report["a"]);
+        Matrix4::from_fn(|i, j| a[own[i]][own[j]]).determinant()
+    };
+    assert!((root(capsize, [5.0, 7.0]) - 6.024_262_015_388_37).abs() < 1e-9);
+}
+
+/// By bisection.
+fn root(function: impl Fn(f64) -> f64, [mut low, mut high]: [f64; 2]) -> f64 {
+    let rises = function(high) > 0.0;
+    assert!(rises != (function(low) > 0.0), "no change of sign");
+    for _ in 0..40 {
+        let middle = 0.5 * (low + high);
+        if (function(middle) > 0.0) == rises { high = middle } else { low = middle }
+    }
+    0.5 * (low + high)
+}
+
+/// Ogata, *Modern Control Engineering*, 5th ed. 2010, example 3-6, with friction of the rail; upright and hanging.
+#[test]
+fn a_pendulum_on_a_cart_is_that_of_the_textbook() {
+    let workshop = Workshop::new();
+    let file = known("models/mechanisms/cart_pole.mbs");
+    let (cart, bob, l, g, b) = (1.0, 0.1, 0.5, 9.81, 0.05);
+    for (angle, sign) in [("3.141592653589793", 1.0), ("0", -1.0)] {
+        let report = linearized(&workshop, &[&file, "--state", &format!("{{\"q\": [0.3, {angle}]}}")]);
+        assert_eq!(names(&report, "states"), ["x [m]", "theta [rad]", "x_dot [m/s]", "theta_dot [rad/s]"]);
+        let a: [&[f64]; 4] = [
+            &[0.0, 0.0, 1.0, 0.0],
+            &[0.0, 0.0, 0.0, 1.0],
+            &[0.0, bob * g / cart, -b / cart, 0.0],
+            &[0.0, sign * (cart + bob) * g / (cart * l), -sign * b / (cart * l), 0.0],
+        ];
+        assert_matrix(&report["a"], &a, 1e-13);
+        assert_matrix(&report["b"], &[&[0.0], &[0.0], &[1.0 / cart], &[sign / (cart * l)]], 1e-14);
+        let tip: [&[f64]; 3] = [&[1.0, -sign * l, 0.0, 0.0], &[0.0; 4], &[0.0; 4]];
+        assert_matrix(&report["c"], &tip, 1e-15);
+        assert_matrix(&report["d"], &[&[0.0][..]; 3], 0.0);
+        assert_eq!(report["controllability_rank"], 4);
+    }
+}
+
+/// A linkage of one freedom: `J φ'' + ½ J' φ'² + V' = τ`, with J and V of the crank's angle alone; here from the geometry of two
+/// circles that meet, without constraints.
+mod four_bar {
+    const M: [f64; 3] = [0.2, 0.5, 0.4];
+    const L: [f64; 3] = [0.2, 0.6, 0.5];
+    const GROUND: f64 = 0.55;
+
+    /// Angles of coupler and rocker.
+    pub(super) fn angles(crank: f64) -> [f64; 2] {
+        let (x, z) = (GROUND - L[0] * crank.cos(), -L[0] * crank.sin());
+        let distance = x.hypot(z);
+        // The law of cosines in the triangle of coupler, rocker and the line between their far ends.
+        let at_knee = ((L[1].powi(2) + distance.powi(2) - L[2].powi(2)) / (2.0 * L[1] * distance)).acos();
+        let coupler = z.atan2(x) + at_knee;
+        let meet = [L[1] * coupler.cos() - x, L[1] * coupler.sin() - z];
+        [coupler, meet[1].atan2(meet[0])]
+    }
+
+    /// `dψ/dφ` of coupler and rocker: the velocity of the knee along and across them.
+    pub(super) fn ratios(crank: f64) -> [f64; 2] {
+        let [coupler, rocker] = angles(crank);
+        let across = (coupler - rocker).sin();
+        [L[0] * (rocker - crank).sin() / (L[1] * across), L[0] * (coupler - crank).sin() / (L[2] * across)]
+    }
+
+    fn inertia(crank: f64) -> f64 {
+        let ([coupler, _], [k1, k2]) = (angles(crank), ratios(crank));
+        // Of the coupler's middle: the knee's velocity and half of the coupler's own.
+        let square = L[0].powi(2) + L[0] * L[1] * k1 * (crank - coupler).cos() + 0.25 * (L[1] * k1).powi(2);
+        M[0] * L[0].powi(2) / 3.0 + M[1] * (square + (L[1] * k1).powi(2) / 12.0) + M[2] * (L[2] * k2).powi(2) / 3.0
+    }
+
+    fn potential(crank: f64) -> f64 {
+        let [coupler, rocker] = angles(crank);
+        let heights =
+            [0.5 * L[0] * crank.sin(), L[0] * crank.sin() + 0.5 * L[1] * coupler.sin(), 0.5 * L[2] * rocker.sin()];
+        9.81 * (0..3).map(|i| M[i] * heights[i]).sum::<f64>()
+    }
+
+    /// By five points, of error h⁴.
+    pub(super) fn slope(function: impl Fn(f64) -> f64, x: f64) -> f64 {
+        let h = 1e-3;
+        let difference = |k: f64| function(x + k * h) - function(x - k * h);
+        (8.0 * difference(1.0) - difference(2.0)) / (12.0 * h)
+    }
+
+    pub(super) fn acceleration(crank: f64, rate: f64, torque: f64) -> f64 {
+        (torque - slope(potential, crank) - 0.5 * slope(inertia, crank) * rate * rate) / inertia(crank)
+    }
+}
+
+#[test]
+fn a_four_bar_linkage_is_reduced_to_its_crank() {
+    let workshop = Workshop::new();
+    let file = known("models/mechanisms/four_bar.mbs");
+    for (crank, rate, torque) in [(0.8, 0.0, 0.3), (2.1, 1.7, -0.2), (-1.0, -3.0, 0.0)] {
+        let ([coupler, rocker], [k1, k2]) = (four_bar::angles(crank), four_bar::ratios(crank));
+        let state = format!(
+            "{{\"q\": [{crank}, {coupler}, {rocker}], \"qd\": [{rate}, {}, {}], \"u\": [{torque}]}}",
+            k1 * rate,
+            k2 * rate
+        );
+        let report = linearized(&workshop, &[&file, "--state", &state, "--independent", "crank"]);
+        assert_eq!(names(&report, "states"), ["crank [rad]", "crank_dot [rad/s]"]);
+        let expected = four_bar::acceleration(crank, rate, torque);
+        assert!((report["accelerations"][0].as_f64().unwrap() - expected).abs() < 1e-8 * (1.0 + expected.abs()));
+        let by = [
+            four_bar::slope(|crank| four_bar::acceleration(crank, rate, torque), crank),
+            four_bar::slope(|rate| four_bar::acceleration(crank, rate, torque), rate),
+            four_bar::slope(|torque| four_bar::acceleration(crank, rate, torque), torque),
+        ];
+        let size = 1.0 + by[0].abs() + by[1].abs();
+        assert_matrix(&report["a"], &[&[0.0, 1.0], &[by[0], by[1]]], 1e-7 * size);
+        assert_matrix(&report["b"], &[&[0.0], &[by[2]]], 1e-7 * by[2].abs());
+        // The middle of the coupler moves with knee and coupler.
+        let middle = [-0.2 * crank.sin() - 0.3 * k1 * coupler.sin(), 0.0, 0.2 * crank.cos() + 0.3 * k1 * coupler.cos()];
+        let rows: Vec<[f64; 2]> = middle.iter().map(|&slope| [slope, 0.0]).collect();
+        assert_matrix(&report["c"], &rows.iter().map(|row| row.as_slice()).collect::<Vec<_>>(), 1e-12);
     }
 }
 
