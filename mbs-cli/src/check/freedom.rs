@@ -10,8 +10,11 @@ use crate::equations::Equations;
 use crate::failure::Failure;
 use crate::state::Point;
 
-/// So many guesses are brought onto the constraints.
-const GUESSES: usize = 8;
+/// This many guesses of each size are brought onto the constraints.
+const GUESSES: usize = 6;
+
+/// Mechanisms are as large as a machine, or as small as a watch; angles and plain numbers are of the order of 1.
+const SIZES: [f64; 3] = [1.0, 1e-2, 1e-4];
 
 /// `2 constraint rows: 1 degree of freedom`, with default parameters; empty without constraints. The rank is the least that is
 /// found: where there are several ways to close a loop, the one that moves the most is meant.
@@ -32,10 +35,15 @@ pub(super) fn summary(derivation: &Derivation) -> Result<String, Failure> {
     let equations =
         Equations::new(derivation, &Point { state, accelerations_are_given: false, parameters: defaults.collect() })?;
     let mut projector = equations.projector(RedundantRows::LeaveOut);
-    let ranks = (0..GUESSES).filter_map(|guess| {
+    let is_plain = derivation.coordinates.iter().flat_map(|v| vec![matches!(v.unit.as_str(), "1" | "rad"); v.count()]);
+    let is_plain: Vec<bool> = is_plain.collect();
+    let guesses = SIZES.iter().flat_map(|size| (0..GUESSES).map(move |guess| (size, guess)));
+    let ranks = guesses.filter_map(|(size, guess)| {
         let mut motion = equations.start();
-        // Nothing special about them: angles and lengths of the order of 1.
-        motion.q.iter_mut().enumerate().for_each(|(i, q)| *q = (1.0 + 2.3 * i as f64 + 1.7 * guess as f64).sin());
+        // Nothing special about them.
+        for (i, q) in motion.q.iter_mut().enumerate() {
+            *q = (1.0 + 2.3 * i as f64 + 1.7 * guess as f64).sin() * if is_plain[i] { 1.0 } else { *size };
+        }
         projector.project(&equations, 0.0, &mut motion).ok()?;
         projector.rank(&equations, 0.0, &motion.q, |_| ()).ok()
     });

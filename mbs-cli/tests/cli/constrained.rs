@@ -294,6 +294,11 @@ fn freedom_is_counted_by_rows_and_by_rank() {
     let workshop = workshop();
     let rod = workshop.good(&["check", "rod.mbs"]);
     assert!(rod.contains(", 1 constraint row: 1 degree of freedom; proved at "), "{rod}");
+    // As small as a watch: 2 mm and a milligram.
+    let small = ROD.replace("= 3", "= 1e-6").replace("l: m = 2", "l: m = 2e-3");
+    workshop.write("small.mbs", small.replace("/l = 0", "/(1 m) = 0"));
+    let small = workshop.good(&["check", "small.mbs"]);
+    assert!(small.contains(", 1 constraint row: 1 degree of freedom; proved at "), "{small}");
     let parallel = workshop.good(&["check", "parallel.mbs"]);
     let expected = ", 6 constraint rows of rank 5: 1 degree of freedom (Grübler counts 0); proved at ";
     assert!(parallel.contains(expected), "{parallel}");
