@@ -32,7 +32,7 @@ use crate::model::Lagrangian;
 use crate::model::sample::{Random, count, default_parameters};
 use crate::optimise::{Derivation, Instruction, Program};
 
-use claim::Trial;
+use claim::{Trial, doubles};
 use coverage::{Choices, Coverage};
 use witness::{Witness, exact};
 
@@ -216,9 +216,12 @@ impl Prover<'_, '_, '_, '_> {
         let trial = Trial::new(self.witness, self.derivation, &state, &parameters);
         trial.prove()?;
         self.coverage.note(at, with);
-        self.states += 1;
-        self.singular += usize::from(is_physical && inertia::is_singular(&trial, at, with)?);
-        self.states += usize::from(prove_on_constraints(&trial)?);
+        let is_singular = is_physical && inertia::is_singular(&trial, at, with)?;
+        let on_constraints = prove_on_constraints(&trial, with, is_physical)?;
+        self.states += 1 + usize::from(on_constraints.is_some());
+        // A mechanism never is where its constraints do not hold: a quaternion of zeros turns nothing.
+        let is_singular = if trial.is_constrained() { on_constraints == Some(true) } else { is_singular };
+        self.singular += usize::from(is_singular);
         Ok(true)
     }
 
@@ -247,11 +250,16 @@ fn overflowing(derivation: &Derivation) -> Option<String> {
     programs.find(|(_, program)| overflows(program)).map(|(name, _)| name.to_string())
 }
 
-/// Proves once more where the constraints hold, if there are any and such a state is near.
-fn prove_on_constraints(trial: &Trial<'_>) -> Result<bool, Failure> {
+/// Proves once more where the constraints hold, if there are any and such a state is near; whether some motion of a physical
+/// mechanism has no inertia there.
+fn prove_on_constraints(trial: &Trial<'_>, with: &[f64], is_physical: bool) -> Result<Option<bool>, Failure> {
     match if trial.is_constrained() { trial.consistent_state() } else { None } {
-        Some(state) if trial.is_finite_at(&state) => trial.at(&state).prove().map(|()| true),
-        _ => Ok(false),
+        Some(state) if trial.is_finite_at(&state) => {
+            let there = trial.at(&state);
+            there.prove()?;
+            Ok(Some(is_physical && inertia::is_singular(&there, &doubles(&state), with)?))
+        }
+        _ => Ok(None),
     }
 }
 
