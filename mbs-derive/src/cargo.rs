@@ -127,12 +127,17 @@ impl Config {
                     .to_string());
             }
         };
-        let path = folder.join(format!("{module}.rs"));
-        if let Some(name) = read.iter().flat_map(|sources| sources.names()).find(|name| is_same(&path, Path::new(name)))
-        {
-            return Err(format!("error: {module}.rs would overwrite {name}, which was read\n"));
+        let [path, beside] = [format!("{module}.rs"), format!("{module}.rs.new")].map(|name| folder.join(name));
+        for own in [&path, &beside] {
+            if let Some(name) =
+                read.iter().flat_map(|sources| sources.names()).find(|name| is_same(own, Path::new(name)))
+            {
+                let own = own.file_name().unwrap_or_default().display();
+                return Err(format!("error: {own} would overwrite {name}, which was read\n"));
+            }
         }
-        let beside = folder.join(format!("{module}.rs.new"));
+        // What is left of an earlier call may be a link to elsewhere.
+        let _ = fs::remove_file(&beside);
         fs::write(&beside, code)
             .and_then(|()| fs::rename(&beside, &path))
             .map_err(|e| format!("error: cannot write {}: {e}", path.display()))
@@ -273,12 +278,22 @@ mod tests {
     fn code_does_not_replace_what_it_is_made_of() {
         let folder = std::env::temp_dir().join(format!("mbs_derive_{}", std::process::id()));
         fs::create_dir_all(&folder).unwrap();
-        let (file, text) =
-            (folder.join("spring.rs"), "mechanism Spring { param m: kg = 1; coord x: m; kinetic += m*dt(x)^2; }");
+        let text = "mechanism Spring { param m: kg = 1; coord x: m; kinetic += m*dt(x)^2; }";
+        for name in ["spring.rs", "spring.rs.new"] {
+            let file = folder.join(name);
+            fs::write(&file, text).unwrap();
+            let report = Config::new().out_dir(folder.join(".")).write(&file).unwrap_err();
+            let left = fs::read_to_string(&file).unwrap();
+            fs::remove_file(&file).unwrap();
+            assert!(report.starts_with(&format!("error: {name} would overwrite ")) && left == text, "{report}");
+        }
+        // A link by which the module would be written elsewhere.
+        let (file, linked) = (folder.join("spring.mbs"), folder.join("spring.rs.new"));
         fs::write(&file, text).unwrap();
-        let report = Config::new().out_dir(folder.join(".")).write(&file).unwrap_err();
+        fs::hard_link(&file, &linked).unwrap();
+        Config::new().out_dir(&folder).write(&file).unwrap();
         let left = fs::read_to_string(&file).unwrap();
         fs::remove_dir_all(&folder).unwrap();
-        assert!(report.starts_with("error: spring.rs would overwrite ") && left == text, "{report}");
+        assert_eq!(left, text);
     }
 }
