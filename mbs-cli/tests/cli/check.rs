@@ -51,3 +51,19 @@ fn warnings_are_no_errors() {
     assert!(outcome.stderr.starts_with("warning: this has a kink where `theta` = 0"), "{}", outcome.stderr);
     assert!(outcome.stderr.contains("--> odd.mbs:") && outcome.stderr.contains("abs(theta);\n"), "{}", outcome.stderr);
 }
+
+/// Polar coordinates have states without inertia; a unit quaternion has none, for it is nowhere zero.
+#[test]
+fn motions_without_inertia_are_those_that_can_be() {
+    let workshop = Workshop::new();
+    let polar = "mechanism Polar { param m: kg = 1; coord r: m; coord a: rad; \
+                 kinetic += particle(m, [r*cos(a), r*sin(a), 0]); }";
+    let body = "mechanism Body { param i: kg*m^2 = 2; coord e[4]: 1; \
+                kinetic += rigid_body(1 kg, [0, 0, 0], i*diag(1, 1.2, 0.9), quaternion(e[0], e[1], e[2], e[3])); \
+                constraint unit: e[0]^2 + e[1]^2 + e[2]^2 + e[3]^2 = 1; }";
+    for (text, is_singular) in [(polar, true), (body, false)] {
+        workshop.write("m.mbs", text);
+        let report = workshop.good(&["check", "m.mbs"]);
+        assert_eq!(report.contains(" of which some motion has no inertia"), is_singular, "{report}");
+    }
+}
