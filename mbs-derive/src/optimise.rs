@@ -1,6 +1,6 @@
 //! Pass 4: [`Equations`] → [`Derivation`]: one straight-line [`Program`] per function, scheduled from its own roots.
 //!
-//! - [`program`]: what a Program is;
+//! - [`program`]: what a Program is; [`part`]: what functions return;
 //! - [`region`]: what is computed on one side of a branch only;
 //! - [`lower`]: graph nodes → instructions; powers become products, quotients and square roots;
 //! - [`schedule`]: order, and hoisting of what depends on parameters alone;
@@ -10,8 +10,7 @@
 
 pub mod cost;
 pub mod lower;
-#[cfg(feature = "serde")]
-mod part;
+pub mod part;
 pub mod program;
 pub mod region;
 pub mod schedule;
@@ -23,6 +22,7 @@ use crate::model::requirement::{Condition, Requirement, requirements};
 use crate::model::{Constraint, Lagrangian, Reaction, Variable};
 
 pub use cost::Operations;
+pub use part::{ResultPart, Shape};
 pub use program::{Instruction, Program, Value};
 
 use schedule::{Forms, Hoisting};
@@ -165,57 +165,6 @@ pub enum Argument {
     U,
     /// λ
     Multipliers,
-}
-
-/// A returned value and its shape.
-#[derive(Clone, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
-pub struct ResultPart {
-    /// Its name where a function returns several; empty where it returns one.
-    pub name: &'static str,
-    /// Its shape.
-    pub shape: Shape,
-}
-
-/// The shape of a returned value.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub enum Shape {
-    /// One number.
-    Scalar,
-    /// This many numbers.
-    Vector(usize),
-    /// Rows and columns.
-    Matrix(usize, usize),
-    /// A square matrix of this size, of which the program gives the lower triangle.
-    Symmetric(usize),
-    /// A position, then the rows of a rotation.
-    Pose,
-    /// A force, then a moment.
-    Wrench,
-    /// This many of them.
-    Wrenches(usize),
-    /// This many matrices of these rows and columns.
-    Matrices(usize, usize, usize),
-    /// This many positions and rotations.
-    Poses(usize),
-}
-
-impl Shape {
-    /// How many values the program gives for it.
-    pub fn count(self) -> usize {
-        match self {
-            Shape::Scalar => 1,
-            Shape::Vector(n) => n,
-            Shape::Matrix(rows, columns) => rows * columns,
-            Shape::Symmetric(n) => n * (n + 1) / 2,
-            Shape::Pose => 12,
-            Shape::Wrench => 6,
-            Shape::Wrenches(n) => 6 * n,
-            Shape::Matrices(n, rows, columns) => n * rows * columns,
-            Shape::Poses(n) => 12 * n,
-        }
-    }
 }
 
 /// What is still to be done with a program's values.

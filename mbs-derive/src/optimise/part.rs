@@ -1,24 +1,71 @@
-//! How a [`ResultPart`] is read: its name is one of those that functions give their parts.
+//! What functions return.
 
-use serde::de::Error;
-use serde::{Deserialize, Deserializer};
-
-use super::{ResultPart, Shape};
-
-const NAMES: [&str; 4] = ["", "q", "qd", "u"];
-
-#[derive(Deserialize)]
-struct Written {
-    name: String,
-    shape: Shape,
+/// A returned value and its shape.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ResultPart {
+    /// Its name where a function returns several; empty where it returns one.
+    pub name: &'static str,
+    /// Its shape.
+    pub shape: Shape,
 }
 
-impl<'de> Deserialize<'de> for ResultPart {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let Written { name, shape } = Written::deserialize(deserializer)?;
+/// The shape of a returned value.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum Shape {
+    /// One number.
+    Scalar,
+    /// This many numbers.
+    Vector(usize),
+    /// Rows and columns.
+    Matrix(usize, usize),
+    /// A square matrix of this size, of which the program gives the lower triangle.
+    Symmetric(usize),
+    /// A position, then the rows of a rotation.
+    Pose,
+    /// A force, then a moment.
+    Wrench,
+    /// This many of them.
+    Wrenches(usize),
+    /// This many matrices of these rows and columns.
+    Matrices(usize, usize, usize),
+    /// This many positions and rotations.
+    Poses(usize),
+}
+
+impl Shape {
+    /// How many values the program gives for it.
+    pub fn count(self) -> usize {
+        match self {
+            Shape::Scalar => 1,
+            Shape::Vector(n) => n,
+            Shape::Matrix(rows, columns) => rows * columns,
+            Shape::Symmetric(n) => n * (n + 1) / 2,
+            Shape::Pose => 12,
+            Shape::Wrench => 6,
+            Shape::Wrenches(n) => 6 * n,
+            Shape::Matrices(n, rows, columns) => n * rows * columns,
+            Shape::Poses(n) => 12 * n,
+        }
+    }
+}
+
+#[cfg(feature = "serde")]
+impl serde::Serialize for ResultPart {
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        (self.name, self.shape).serialize(serializer)
+    }
+}
+
+/// A name is one of those that functions give their parts.
+#[cfg(feature = "serde")]
+impl<'de> serde::Deserialize<'de> for ResultPart {
+    fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        const NAMES: [&str; 4] = ["", "q", "qd", "u"];
+        let (name, shape) = <(String, Shape)>::deserialize(deserializer)?;
         match NAMES.into_iter().find(|known| *known == name) {
             Some(name) => Ok(ResultPart { name, shape }),
-            None => Err(D::Error::custom(format_args!("no function returns a part `{name}`"))),
+            None => Err(serde::de::Error::custom(format_args!("no function returns a part `{name}`"))),
         }
     }
 }
