@@ -68,23 +68,25 @@ struct Moving {
 }
 
 impl Moving {
-    /// Those of the generated functions, or of the least norm; NaN where constraints contradict each other.
+    /// Those of the generated functions, the multipliers on request of the least norm; NaN where constraints contradict each
+    /// other.
     fn of(derivation: &Derivation, point: &Point, redundant: Option<Redundant>) -> Result<Self, Failure> {
-        let equations = Equations::new(derivation, point)?;
-        let state = &point.state;
-        if derivation.constraints.is_empty() || redundant != Some(Redundant::LeastNorm) {
-            if let Some(redundant) = redundant {
-                assembly::check_rows(&equations, &equations.start(), redundant.into())?;
+        let (equations, state) = (Equations::new(derivation, point)?, &point.state);
+        let [accelerations, mut multipliers] = ["forward_dynamics", "multipliers"].map(|f| equations.call(f, state));
+        let is_constrained = !derivation.constraints.is_empty();
+        match redundant.filter(|_| is_constrained) {
+            None => {}
+            Some(Redundant::Refuse) => {
+                assembly::check_rows(&equations, &equations.start(), RedundantRows::Refuse)?;
             }
-            let [accelerations, multipliers] = ["forward_dynamics", "multipliers"].map(|f| equations.call(f, state));
-            return Ok(Moving { accelerations, multipliers });
+            // What all rows bear together, and the accelerations, are the same.
+            Some(Redundant::LeastNorm) if accelerations.iter().all(|x| x.is_finite()) => {
+                let found = Solver::numerical(&equations, RedundantRows::LeaveOut, [0.0; 2]).multipliers(state);
+                multipliers = found.unwrap_or_else(|_| vec![f64::NAN; multipliers.len()]);
+            }
+            Some(Redundant::LeastNorm) => {}
         }
-        let mut solver = Solver::numerical(&equations, RedundantRows::LeaveOut, [0.0; 2]);
-        let none = |count: usize| vec![f64::NAN; count];
-        Ok(Moving {
-            accelerations: solver.accelerations(state).unwrap_or_else(|_| none(derivation.dof())),
-            multipliers: solver.multipliers(state).unwrap_or_else(|_| none(derivation.constraints.len())),
-        })
+        Ok(Moving { accelerations, multipliers })
     }
 }
 
