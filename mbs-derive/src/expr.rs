@@ -45,6 +45,8 @@ pub mod rounded;
 pub mod substitute;
 pub(crate) mod table;
 pub mod tangent;
+#[cfg(test)]
+mod tests;
 pub mod vector;
 
 pub use adjoint::{gradient, gradient_of_combination};

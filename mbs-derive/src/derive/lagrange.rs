@@ -147,3 +147,72 @@ pub(super) fn add<'g>(a: &[Expr<'g>], b: &[Expr<'g>]) -> Vec<Expr<'g>> {
 pub(super) fn sub<'g>(a: &[Expr<'g>], b: &[Expr<'g>]) -> Vec<Expr<'g>> {
     a.iter().zip(b).map(|(&a, &b)| a - b).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::expr::{Graph, evaluate};
+
+    /// A particle in plane polar coordinates `(r, φ)` about a turntable that turns by `½ α t²`, on a spring, with friction along
+    /// the ray: Goldstein, Poole & Safko, *Classical Mechanics*, 3rd ed. 2002, section 1.6, with φ + ½ α t² for the angle.
+    #[test]
+    fn a_particle_on_a_turntable_moves_as_in_the_textbook() {
+        let graph = Graph::new();
+        let symbols = Symbols {
+            q: [0, 1].map(Symbol::Coordinate).to_vec(),
+            qd: [0, 1].map(Symbol::Velocity).to_vec(),
+            qdd: [0, 1].map(Symbol::Acceleration).to_vec(),
+            u: vec![Symbol::Input(0)],
+            parameters: Vec::new(),
+        };
+        let [m, k, rest, alpha, c] = [2, 30, 1, 3, 5].map(|n| graph.integer(n));
+        let [r, r_dot, phi_dot] =
+            [Symbol::Coordinate(0), Symbol::Velocity(0), Symbol::Velocity(1)].map(|symbol| graph.symbol(symbol));
+        let (t, u) = (graph.symbol(Symbol::Time), graph.symbol(Symbol::Input(0)));
+        let kinetic = m * (r_dot.powi(2) + r.powi(2) * (phi_dot + alpha * t).powi(2)) / 2;
+        let potential = k * (r - rest).powi(2) / 2;
+        let energies = Energies {
+            kinetic,
+            potential,
+            dissipation: c * r_dot.powi(2) / 2,
+            other: graph.integer(0),
+            lagrangian: kinetic - potential,
+            forces: vec![u, graph.integer(0)],
+            declared_forces: vec![u, graph.integer(0)],
+        };
+        let found = equations(&energies, &symbols);
+
+        let (r, phi, r_dot, phi_dot, r_ddot, phi_ddot, t, u) = (1.3, 0.4, -0.7, 2.1, 0.9, -1.6, 0.35, 4.0);
+        let (m, k, rest, alpha, c) = (2.0, 30.0, 1.0, 3.0, 5.0);
+        let point = |symbol: Symbol| match symbol {
+            Symbol::Coordinate(i) => [r, phi][i as usize],
+            Symbol::Velocity(i) => [r_dot, phi_dot][i as usize],
+            Symbol::Acceleration(i) => [r_ddot, phi_ddot][i as usize],
+            Symbol::Time => t,
+            Symbol::Input(_) => u,
+            other => unreachable!("{other:?}"),
+        };
+        let is = |found: &[Expr<'_>], expected: &[f64]| {
+            let found: Vec<f64> = evaluate(found, point);
+            let equal = |(a, b): (&f64, &f64)| (a - b).abs() < 1e-12;
+            assert!(found.len() == expected.len() && found.iter().zip(expected).all(equal), "{found:?} {expected:?}");
+        };
+        let w = phi_dot + alpha * t;
+        let bias = [-m * r * w * w + k * (r - rest), 2.0 * m * r * r_dot * w + m * r * r * alpha];
+        is(&found.momentum, &[m * r_dot, m * r * r * w]);
+        is(&found.mass_matrix.concat(), &[m, 0.0, 0.0, m * r * r]);
+        is(&found.bias, &bias);
+        is(&found.inverse_dynamics, &[m * r_ddot + bias[0] + c * r_dot, m * r * r * phi_ddot + bias[1]]);
+        is(&found.residual, &[m * r_ddot + bias[0] + c * r_dot - u, m * r * r * phi_ddot + bias[1]]);
+        is(&found.free_force, &[u - bias[0] - c * r_dot, -bias[1]]);
+        is(&found.dissipation_force, &[c * r_dot, 0.0]);
+        is(&found.position_gradient, &[m * r * w * w - k * (r - rest), 0.0]);
+        // Relative to the turntable: a = (0, m r² α t), L₀ = ½ m r² (α t)² − V.
+        let drag = alpha * t;
+        is(&found.gravity, &[-m * r * drag * drag + k * (r - rest), m * r * r * alpha]);
+        // Christoffel's symbols of diag(m, m r²), and the gyroscopic terms ∂a₁/∂q₂ − ∂a₂/∂q₁.
+        let turning = 2.0 * m * r * drag;
+        let coriolis = [0.0, -m * r * phi_dot - turning, m * r * phi_dot + turning, m * r * r_dot];
+        is(&found.coriolis_matrix.concat(), &coriolis);
+    }
+}

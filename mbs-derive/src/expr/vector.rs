@@ -172,6 +172,25 @@ mod tests {
         assert_eq!(z, Matrix([[c, -s, zero], [s, c, zero], [zero, zero, one]]));
     }
 
+    /// `v + 2 w (u × v) + 2 u × (u × v)` with the unit quaternion `w = cos ½φ`, `u = e sin ½φ`.
+    #[test]
+    fn a_general_rotation_is_that_of_its_quaternion() {
+        let graph = Graph::new();
+        let angle = graph.symbol(Symbol::Coordinate(0));
+        let e = Vector([2, -3, 6].map(|n| graph.integer(n) / 7));
+        let v = Vector([1, 5, -2].map(|n| graph.integer(n)));
+        let (w, s) = ((angle / 2).cos(), (angle / 2).sin());
+        let u = Vector(e.0.map(|x| x * s));
+        let cross = u.cross(v);
+        let twice = u.cross(cross);
+        let turned = Vector([0, 1, 2].map(|i| v.0[i] + 2 * (w * cross.0[i]) + 2 * twice.0[i]));
+        let difference = Matrix::rotation(e, angle) * v - turned;
+        for angle in [0.3, -1.2, 2.9] {
+            let left = crate::expr::evaluate(&difference.0, |_| angle);
+            assert!(left.iter().all(|x: &f64| x.abs() < 1e-14), "{left:?} at {angle}");
+        }
+    }
+
     #[test]
     fn a_general_rotation_keeps_its_axis_and_turns_its_normal() {
         let graph = Graph::new();
