@@ -408,6 +408,20 @@ mod tests {
     }
 
     #[test]
+    fn comparisons_are_those_of_doubles() {
+        let chosen = |condition: fn([Expr<'_>; 2]) -> crate::expr::Condition<'_>| {
+            [(1.0, 2.0), (2.0, 2.0), (2.0, 1.0), (f64::NAN, 1.0)].map(|(x, y)| {
+                run(|symbols, graph| graph.select(condition(symbols), graph.integer(1), graph.integer(0)), x, y)
+            })
+        };
+        assert_eq!(chosen(|[x, y]| x.less(y)), [1.0, 0.0, 0.0, 0.0]);
+        assert_eq!(chosen(|[x, y]| x.less_equal(y)), [1.0, 1.0, 0.0, 0.0]);
+        assert_eq!(chosen(|[x, y]| x.less(y).not()), [0.0, 1.0, 1.0, 1.0]);
+        assert_eq!(chosen(|[x, y]| x.less_equal(y).and(y.less_equal(x))), [0.0, 1.0, 0.0, 0.0]);
+        assert_eq!(chosen(|[x, y]| x.less(y).or(y.less(x))), [1.0, 0.0, 1.0, 0.0]);
+    }
+
+    #[test]
     fn branches_within_branches_are_no_recursion() {
         // The last one whose knot is below x: √(x − knot).
         let graph = Graph::new();

@@ -178,6 +178,15 @@ mod tests {
         assert_eq!(conserved("if y > 20 { x - x + y } else { 0 }"), ["energy_integral", "p_x"]);
     }
 
+    /// What a hand moves it works on; a slot takes momentum from what slides in it.
+    #[test]
+    fn constraints_that_move_do_work_and_those_that_do_not_take_momentum() {
+        let free = "kinetic += dt(x)^2 + dt(y)^2;";
+        assert_eq!(conserved_with(free), ["energy_integral", "p_x", "p_y"]);
+        assert_eq!(conserved_with(&format!("{free} constraint hand: x = w*t;")), ["p_y"]);
+        assert_eq!(conserved_with(&format!("{free} constraint slot: y = w*x;")), ["energy_integral"]);
+    }
+
     /// A puck on a turntable: t is in the energies, and cancels.
     #[test]
     fn energy_is_conserved_where_time_cancels() {

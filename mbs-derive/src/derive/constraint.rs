@@ -66,3 +66,43 @@ pub fn constraints<'g>(lagrangian: &Lagrangian<'_>, graph: &'g Graph, symbols: &
     }
     all
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::expr::evaluate;
+
+    /// `φ = x² + x y t` and `ẏ − x ẋ + t³ = 0`, differentiated by hand.
+    #[test]
+    fn moving_and_pfaffian_rows_are_those_derived_by_hand() {
+        let text = "#![dimensionless]
+            mechanism A {
+                coord x: 1; coord y: 1; kinetic += dt(x)^2 + dt(y)^2;
+                constraint holonomic: x^2 + x*y*t = 0;
+                constraint pfaffian: dt(y) - x*dt(x) + t^3 = 0;
+            }";
+        let (verbatim, graph) = (Graph::verbatim(), Graph::new());
+        let (lagrangian, _) =
+            crate::declared(text, &verbatim, &[]).unwrap_or_else(|error| panic!("{}", error.render("a", text)));
+        let all = constraints(&lagrangian, &graph, &Symbols::of(&lagrangian));
+
+        let ([x, y], [x_dot, y_dot], t) = ([0.7, -1.3], [0.4, 2.1], 1.6);
+        let is = |found: &[Expr<'_>], expected: &[f64]| {
+            let found: Vec<f64> = evaluate(found, |symbol| match symbol {
+                Symbol::Coordinate(i) => [x, y][i as usize],
+                Symbol::Velocity(i) => [x_dot, y_dot][i as usize],
+                Symbol::Time => t,
+                other => unreachable!("{other:?}"),
+            });
+            assert!(found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-12), "{found:?} {expected:?}");
+        };
+        let rate = (2.0 * x + y * t) * x_dot + x * t * y_dot + x * y;
+        is(&all.value, &[x * x + x * y * t, y_dot - x * x_dot + t * t * t]);
+        is(&all.rate, &[rate, y_dot - x * x_dot + t * t * t]);
+        is(&all.jacobian.concat(), &[2.0 * x + y * t, x * t, -x, 1.0]);
+        is(&all.drift, &[x * y, t * t * t]);
+        is(&all.rate_jacobian.concat(), &[2.0 * x_dot + t * y_dot + y, t * x_dot + x, -x_dot, 0.0]);
+        let bias = 2.0 * x_dot * x_dot + 2.0 * t * x_dot * y_dot + 2.0 * (y * x_dot + x * y_dot);
+        is(&all.bias, &[bias, -x_dot * x_dot + 3.0 * t * t]);
+    }
+}

@@ -128,3 +128,33 @@ fn solve_columns<'g>(factorization: &Factorization<'g>, rows: &Rows<'g>) -> Rows
 fn negative<'g>(rows: &Rows<'g>) -> Rows<'g> {
     rows.iter().map(|row| row.iter().map(|&e| -e).collect()).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::expr::Graph;
+    use crate::interpret::{Interpreter, State};
+
+    /// `l q̈ = −g sin q − c q̇ + u`, whose slopes are `−g cos q / l`, `−c/l`, `1/l`.
+    #[test]
+    fn a_pendulum_is_linearized_as_by_hand() {
+        let text = "#![dimensionless]
+            mechanism A {
+                param l: 1 = 2; param g: 1 = 10; param c: 1 = 3; coord q: 1; input u: 1;
+                kinetic += 1/2*l*dt(q)^2; potential += -g*cos(q); dissipation += 1/2*c*dt(q)^2; force q += u;
+            }";
+        let graph = Graph::verbatim();
+        let (lagrangian, _) =
+            crate::declared(text, &graph, &[]).unwrap_or_else(|error| panic!("{}", error.render("a", text)));
+        let derivation = crate::derived(&lagrangian);
+        let (q, q_dot, u) = (0.4_f64, 1.5, 0.7);
+        let state = State { t: 0.0, q: vec![q], qd: vec![q_dot], qdd: vec![0.0], u: vec![u], prescribed: Vec::new() };
+        let slopes = |name| Interpreter::<f64>::new(&derivation).call(name, &state).unwrap();
+        let is = |found: Vec<f64>, expected: &[f64]| {
+            assert!(found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-14), "{found:?} {expected:?}");
+        };
+        is(slopes("linearize"), &[-5.0 * q.cos(), -1.5, 0.5]);
+        let acceleration = (-10.0 * q.sin() - 3.0 * q_dot + u) / 2.0;
+        is(slopes("linearize_parameters"), &[-acceleration / 2.0, -q.sin() / 2.0, -q_dot / 2.0]);
+        is(slopes("inverse_dynamics_jacobian"), &[10.0 * q.cos(), 3.0]);
+    }
+}

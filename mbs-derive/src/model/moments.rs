@@ -67,5 +67,22 @@ mod tests {
         check([[2.0, 0.0, 0.0], [0.0, 2.0, 0.0], [0.0, 0.0, 2.0]], [2.0, 2.0, 2.0]);
         check([[2.0, 1.0, 0.0], [1.0, 2.0, 0.0], [0.0, 0.0, 5.0]], [1.0, 3.0, 5.0]);
         check([[0.0; 3]; 3], [0.0; 3]);
+        // 4 I + 3 v vᵀ with v = (1, 2, −1), where no entry is zero.
+        check([[7.0, 6.0, -3.0], [6.0, 16.0, -6.0], [-3.0, -6.0, 7.0]], [4.0, 4.0, 22.0]);
+        // Of determinant 1·4·9: diag(1, 4, 9) in the axes (2, 2, 1)/3, (−2, 1, 2)/3, (1, −2, 2)/3.
+        let rotated = [[29.0, -22.0, 4.0], [-22.0, 44.0, -26.0], [4.0, -26.0, 53.0]];
+        check(rotated.map(|row| row.map(|entry| entry / 9.0)), [1.0, 4.0, 9.0]);
+    }
+
+    /// A rod has (0, c, c), a disk (a, a, 2a): the limits of what bodies have.
+    #[test]
+    fn moments_of_bodies_are_told_from_others() {
+        for possible in [[0.0, 1.0, 1.0], [1.0, 1.0, 2.0], [1.0, 1.0, 2.0015], [-1e-4, 1.0, 1.0], [0.0; 3]] {
+            assert_eq!(Impossible::of(possible), None, "{possible:?}");
+        }
+        assert_eq!(Impossible::of([1.0, 1.0, 2.1]), Some(Impossible::Unequal));
+        assert_eq!(Impossible::of([0.0, 1.0, 2.0]), Some(Impossible::Unequal));
+        assert_eq!(Impossible::of([-0.1, 1.0, 1.0]), Some(Impossible::Negative));
+        assert_eq!(Impossible::of([-1.0, -1.0, 1.0]), Some(Impossible::Negative));
     }
 }
