@@ -237,14 +237,8 @@ impl Graph {
         let arena = &mut *arena;
         let key = arena.key(node);
         let known = arena.ids.find_or_add(key, |number| arena.nodes[number as usize] == node);
-        let number = known.unwrap_or_else(|| {
-            arena.parametric.push(arena.is_parametric(node));
-            arena.ranges.push(Range::of(node, |id| arena.ranges[id.index()]));
-            arena.nodes.push(node);
-            arena.keys.push(key);
-            arena.nodes.len() as u32 - 1
-        });
-        Expr { graph: self, id: Id(number) }
+        let id = known.map_or_else(|| arena.push(node, key), Id);
+        Expr { graph: self, id }
     }
 
     /// Whether the node depends on parameters alone, or on nothing.
@@ -279,6 +273,14 @@ impl Graph {
 }
 
 impl Arena {
+    fn push(&mut self, node: Node, key: u64) -> Id {
+        self.parametric.push(self.is_parametric(node));
+        self.ranges.push(Range::of(node, |id| self.ranges[id.index()]));
+        self.nodes.push(node);
+        self.keys.push(key);
+        Id(self.nodes.len() as u32 - 1)
+    }
+
     fn is_parametric(&self, node: Node) -> bool {
         match node {
             Node::Symbol(symbol) => matches!(symbol, Symbol::Parameter(_)),
@@ -424,6 +426,14 @@ impl<'g> Expr<'g> {
         assert!(self.graph.verbatim, "time derivatives are carried out, not written, in a graph with rules");
         self.graph.intern(Node::Rate(self.id))
     }
+
+    /// The same expression as a node of its own, in a verbatim graph: what is written like it elsewhere is another node.
+    pub(crate) fn distinct(self) -> Expr<'g> {
+        assert!(self.graph.verbatim, "equal expressions are one node in a graph with rules");
+        let mut arena = self.graph.arena.borrow_mut();
+        let (node, key) = (arena.nodes[self.id.index()], arena.keys[self.id.index()]);
+        Expr { graph: self.graph, id: arena.push(node, key) }
+    }
 }
 
 impl PartialEq for Expr<'_> {
@@ -483,5 +493,14 @@ mod tests {
         let [x, ..] = symbols(&graph);
         assert_eq!((x + graph.integer(0)).to_string(), "q_0 + 0");
         assert_eq!((x * x).rate().to_string(), "dt(q_0 * q_0)");
+    }
+
+    #[test]
+    fn a_distinct_node_is_not_found_by_what_is_written_like_it() {
+        let graph = Graph::verbatim();
+        let [x, y, _] = symbols(&graph);
+        let (first, second) = ((x * y).distinct(), (x * y).distinct());
+        assert!(first != second && first != x * y && x * y == x * y);
+        assert_eq!((first.node(), first.to_string()), ((x * y).node(), (x * y).to_string()));
     }
 }

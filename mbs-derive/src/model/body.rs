@@ -39,7 +39,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
     }
 
     fn energy_of(&mut self, body: Body<'g>) -> Value<'g> {
-        let energy = self.lagrangian.kinetic_energy_of(&body);
+        let energy = self.lagrangian.declared_energy_of(&body);
         self.weights.bodies.insert(energy.id(), body);
         Value::Scalar(Scalar::new(energy, self.dimension(Dimension::ENERGY)))
     }

@@ -22,7 +22,7 @@ use crate::parse::syntax::{Expression, Span};
 pub(super) struct Weights<'g> {
     /// The acceleration in world axes, and where it is declared.
     field: Option<(Vector<'g>, Span)>,
-    /// The energies of `particle` and `rigid_body`, with the bodies that they are of.
+    /// The energies of `particle` and `rigid_body`, a node for each call, with the bodies that they are of.
     pub(super) bodies: BTreeMap<Id, Body<'g>>,
     /// The potential energies that gravity has added: the last of V.
     added: usize,
@@ -270,6 +270,37 @@ mod tests {
         );
     }
 
+    /// The weight hangs on the call, and not on what is written like its energy.
+    #[test]
+    fn energies_written_out_weigh_nothing() {
+        let weights = |kinetic: &str| {
+            let statements = format!(
+                "const c: m/s^2 = 10; gravity [0, 0, -c]; let p = [x, y, z]; let a = rot_y(theta)*translation([l, 0, 0]); \
+                 let b = a.origin(); {kinetic}"
+            );
+            mechanism(&statements, |lagrangian| super::super::trial::values(&lagrangian.potential[1..]))
+        };
+        // At z = 1.1 with m = 2: 2·10·1.1.
+        let one = "kinetic += particle(m, p);";
+        assert_eq!(weights(&format!("{one} kinetic += 1/2*m*dt(p).norm_squared();")), [22.0]);
+        assert_eq!(weights(&format!("kinetic += 1/2*m*dt(p).norm_squared(); {one}")), [22.0]);
+        assert_eq!(weights("kinetic += particle(m, p) - 1/2*m*dt(p).norm_squared();"), [22.0]);
+        assert_eq!(weights("kinetic += 1/2*m*dt(b).norm_squared() + particle(m, p);"), [22.0]);
+        assert_eq!(weights("let unused = particle(m, p); kinetic += 1/2*m*dt(p).norm_squared();"), [] as [f64; 0]);
+        // Two bodies, and the energy of one taken twice.
+        assert_eq!(weights(&format!("{one} {one}")), [22.0, 22.0]);
+        assert_eq!(weights("let e = particle(m, p); kinetic += e; kinetic += e;"), [22.0, 22.0]);
+        assert_eq!(weights("fn body(r) = particle(m, r); kinetic += body(p) + 3*body(p);"), [22.0, 66.0]);
+        let link = "kinetic += rigid_body(m, [0, 0, 0], diag(0, 0, 0)*m*l^2, a);";
+        let place = -20.0 * 3.0 * 0.4_f64.sin();
+        let near = |found: Vec<f64>, count: usize| {
+            assert_eq!(found.len(), count);
+            assert!(found.iter().all(|weight| (weight - place).abs() < 1e-13), "{found:?}");
+        };
+        near(weights(&format!("{link} {link}")), 2);
+        near(weights(&format!("{link} kinetic += 1/2*m*dt(b).norm_squared();")), 1);
+    }
+
     #[test]
     fn the_field_is_constant() {
         let help = "its vector is made of constants and parameters; for any other field write the potential energies: \
@@ -308,6 +339,9 @@ mod tests {
         told("kinetic += cos(theta)^2*particle(m, [x, y, z]);");
         told("kinetic += if x < l { particle(m, [x, y, z]) } else { 0 };");
         told("lagrangian += particle(m, [x, y, z]);");
+        // What is written like a body hides none.
+        let written = "let p = [x, y, z]; kinetic += particle(m, p); lagrangian += 1/2*m*dt(p).norm_squared();";
+        mechanism(&format!("const g: m/s^2 = 9; gravity [0, 0, -g]; {written}"), |_| ());
     }
 
     #[test]

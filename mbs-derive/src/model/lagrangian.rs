@@ -368,6 +368,13 @@ impl<'g> Lagrangian<'g> {
         energy
     }
 
+    /// The same as a node of its own, which neither another call nor an energy that is written out has.
+    pub(super) fn declared_energy_of(&mut self, body: &Body<'g>) -> Expr<'g> {
+        let energy = self.kinetic_energy_of(body).distinct();
+        self.landmarks.note_body(energy, *body);
+        energy
+    }
+
     /// The expression of [`Lagrangian::kinetic_energy_of`].
     pub(crate) fn energy_of(&self, body: &Body<'g>) -> Expr<'g> {
         let half = 1 / self.graph.integer(2);
