@@ -18,8 +18,8 @@ use super::rank::VelocityEquations;
 use super::sample::{Random, default_parameters};
 use super::velocity;
 
-pub(crate) use super::inertia::eliminate_rounded;
 pub use super::inertia::{Elimination, eliminate};
+pub(crate) use super::inertia::{ROUNDING, eliminate_rounded, on_allowed_motions, scales};
 
 /// A mistake in the energies.
 #[derive(Clone, Debug, PartialEq, Eq)]

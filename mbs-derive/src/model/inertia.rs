@@ -1,10 +1,13 @@
 //! Whether every motion that the constraints leave has inertia: the mass matrix of the declared energies.
 
-use crate::expr::{Dual, Expr, Residue, Rounded, Symbol, Tape, Value};
+use crate::expr::{Dual, Expr, Residue, Rounded, Scales, Symbol, Tape, Value};
 
 use super::degree::{Line, Problem};
 use super::echelon::Echelon;
 use super::rank::VelocityEquations;
+
+/// The first-order bounds of rounding errors are allowed this many times.
+pub(crate) const ROUNDING: f64 = 8.0;
 
 /// `L + V`, which carries all velocities.
 pub(super) struct Motion {
@@ -36,7 +39,8 @@ impl Motion {
 pub(super) fn problem(motion: &Motion, constraints: &VelocityEquations, lines: &[Line], n: usize) -> Option<Problem> {
     let matrix = |line: &Line| {
         let mass = motion.mass_matrix(n, |velocity, symbol| line.rounded(velocity, symbol));
-        on_allowed_motions(mass, &constraints.pfaffian(line, n), n)
+        let rows = constraints.pfaffian(line, n).into_iter().filter(|row| row.iter().all(|x| x.is_finite()));
+        on_allowed_motions(n, mass, rows.flatten().map(Rounded::exact).collect())
     };
     // Of a large mechanism, whose matrix takes n² evaluations, fewer states have to do.
     let tried = lines.iter().take(if n > 20 { 2 } else { lines.len() });
@@ -85,22 +89,28 @@ fn dependence<const K: usize>(
     (!singular.is_empty()).then(|| singular.into_iter().collect::<Option<Vec<_>>>()?.pop())
 }
 
-/// `M + Aᵀ A`, with A scaled to the size of M: positive definite where M is so on the motions that constraints leave.
-fn on_allowed_motions(mut m: Vec<Rounded>, a: &[Vec<f64>], n: usize) -> Vec<Rounded> {
-    let size = (0..n).fold(0.0, |s: f64, i| s.max(m[i * n + i].value.abs()));
-    for row in a {
-        let squared = row.iter().map(|x| x * x).sum::<f64>();
-        if squared.is_finite() && squared > 0.0 {
-            (0..n * n).for_each(|k| m[k] = m[k] + Rounded::exact(size / squared * row[k / n] * row[k % n]));
-        }
-    }
-    m
+/// `M + Aᵀ A`, positive definite where M is so on the motions that A leaves; in the scales of the solution, which are those of
+/// the units.
+pub(crate) fn on_allowed_motions(n: usize, mut mass: Vec<Rounded>, mut a: Vec<Rounded>) -> Vec<Rounded> {
+    let scales = scales(n, &mass, &a);
+    mass.iter_mut().enumerate().for_each(|(k, x)| *x = scales.mass(k / n, k % n, *x));
+    a.iter_mut().enumerate().for_each(|(k, x)| *x = scales.row(k / n, k % n, *x));
+    let gram = |i: usize, j: usize| a.chunks(n).map(|row| row[i] * row[j]).sum::<Rounded>();
+    (0..n * n).map(|k| mass[k] + gram(k / n, k % n)).collect()
+}
+
+/// The scales of M and A; what cannot be told from zero is zero.
+pub(crate) fn scales(n: usize, mass: &[Rounded], a: &[Rounded]) -> Scales {
+    let known = |v: &Rounded| if v.value.abs() <= ROUNDING * v.error { 0.0 } else { v.value };
+    let rows: Vec<Vec<f64>> = a.chunks(n).map(|row| row.iter().map(known).collect()).collect();
+    let rows: Vec<&[f64]> = rows.iter().map(Vec::as_slice).collect();
+    Scales::of(n, &|i| known(&mass[i * (n + 1)]), &rows)
 }
 
 /// What elimination tells, and below what a pivot may be nothing but rounding.
 pub(crate) fn eliminate_rounded(m: &[Rounded], n: usize) -> (Elimination, f64) {
     // A diagonal that cannot be told from zero is zero.
-    let value = |k: usize| if k / n == k % n && m[k].value.abs() <= 8.0 * m[k].error { 0.0 } else { m[k].value };
+    let value = |k: usize| if k / n == k % n && m[k].value.abs() <= ROUNDING * m[k].error { 0.0 } else { m[k].value };
     let values: Vec<f64> = (0..n * n).map(value).collect();
     let scale = |k: usize| (values[k / n * (n + 1)] * values[k % n * (n + 1)]).sqrt();
     let inherited = (0..n * n).map(|k| if scale(k) > 0.0 { m[k].error / scale(k) } else { 0.0 }).fold(0.0, f64::max);
@@ -150,4 +160,36 @@ pub fn eliminate(m: &[f64], n: usize) -> Elimination {
         }
     }
     result
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Which sign the inertia of the motions has that a row leaves: 0 where one has none.
+    fn sign(mass: [f64; 9], row: [f64; 3]) -> i32 {
+        let [mass, row] = [mass.as_slice(), &row].map(|numbers| numbers.iter().copied().map(Rounded::exact).collect());
+        let (found, rounding) = eliminate_rounded(&on_allowed_motions(3, mass, row), 3);
+        i32::from(found.smallest > rounding) - i32::from(found.smallest < -rounding)
+    }
+
+    #[test]
+    fn units_do_not_change_what_has_inertia() {
+        // The second coordinate follows the third: 0.5 + 4·(−1.25), (1, 0.25), nothing at all.
+        let cases = [
+            ([3.0, 0.0, 0.0, 0.0, -1.25, 0.0, 0.0, 0.0, 0.5], -1),
+            ([3.0, 0.5, 0.0, 0.5, 1.0, 0.0, 0.0, 0.0, 0.25], 1),
+            ([3.0, 0.5, 0.0, 0.5, 1.0, 0.0, 0.0, 0.0, 0.0], 1),
+            ([3.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0], 0),
+        ];
+        for units in 0..81 {
+            let power = |digit: u32| 2.0_f64.powi(60 * (units / 3_i32.pow(digit) % 3 - 1));
+            let unit = [power(0), power(1), power(2)];
+            for (mass, expected) in cases {
+                let mass = std::array::from_fn(|k| unit[k / 3] * mass[k] * unit[k % 3]);
+                let row = std::array::from_fn(|i| power(3) * unit[i] * [0.0, 1.0, -2.0][i]);
+                assert_eq!(sign(mass, row), expected, "{unit:?} {mass:?} {row:?}");
+            }
+        }
+    }
 }

@@ -2,9 +2,10 @@
 
 use crate::expr::{Rounded, Value, least_change};
 use crate::interpret::State;
+use crate::model::degree::{ROUNDING, scales};
 
 use super::Failure;
-use super::claim::{CLOSED, ROUNDING, Trial, doubles, doubles_of, scales};
+use super::claim::{CLOSED, Trial, doubles, doubles_of};
 use super::linear::times;
 use super::witness::{exact, explicit_path, lift, lift_all, path};
 

@@ -3,9 +3,9 @@
 use std::cell::{OnceCell, RefCell};
 use std::collections::BTreeMap;
 
-use crate::expr::{Dual, Rounded, Scales, Symbol, Value, least_change};
+use crate::expr::{Dual, Rounded, Symbol, Value, least_change};
 use crate::interpret::{Interpreter, State};
-use crate::model::degree::{Elimination, eliminate_rounded};
+use crate::model::degree::{Elimination, ROUNDING, eliminate_rounded, on_allowed_motions};
 use crate::optimise::{Completion, Derivation, Function, FunctionKind, Shape};
 
 use super::group::Group;
@@ -30,9 +30,6 @@ pub struct Trial<'a> {
     results: RefCell<BTreeMap<String, Vec<Rounded>>>,
     motion: OnceCell<Motion<'a>>,
 }
-
-/// The first-order bounds of rounding errors are allowed this many times.
-pub(super) const ROUNDING: f64 = 8.0;
 
 /// How near to zero holonomic rows are brought at states that hold them, as a part of their terms.
 pub(super) const CLOSED: f64 = 1e-13;
@@ -278,14 +275,9 @@ impl<'a> Trial<'a> {
         Ok(())
     }
 
-    /// `M + Aᵀ A`, regular wherever M is on the motions that A allows; in the scales of the solution, which are those of the units.
+    /// `M + Aᵀ A`, regular wherever M is on the motions that A allows.
     fn augmented_mass_matrix(&self) -> Vec<Rounded> {
-        let (n, mut mass, mut a) = (self.n(), self.call("mass_matrix"), self.call_if_any("constraint_jacobian"));
-        let scales = scales(n, &mass, &a);
-        mass.iter_mut().enumerate().for_each(|(k, x)| *x = scales.mass(k / n, k % n, *x));
-        a.iter_mut().enumerate().for_each(|(k, x)| *x = scales.row(k / n, k % n, *x));
-        let gram = |i: usize, j: usize| a.chunks(n).map(|row| row[i] * row[j]).sum::<Rounded>();
-        (0..n * n).map(|k| mass[k] + gram(k / n, k % n)).collect()
+        on_allowed_motions(self.n(), self.call("mass_matrix"), self.call_if_any("constraint_jacobian"))
     }
 
     /// Whether accelerations are determined at this state: not where M, or M on the motions that A allows, is singular, or where
@@ -549,12 +541,4 @@ pub(super) fn doubles(state: &State<Rounded>) -> State {
 
 pub(super) fn doubles_of(values: &[Rounded]) -> Vec<f64> {
     values.iter().map(|v| v.value).collect()
-}
-
-/// The scales of M and A; what cannot be told from zero is zero.
-pub(super) fn scales(n: usize, mass: &[Rounded], a: &[Rounded]) -> Scales {
-    let known = |v: &Rounded| if v.value.abs() <= ROUNDING * v.error { 0.0 } else { v.value };
-    let rows: Vec<Vec<f64>> = a.chunks(n).map(|row| row.iter().map(known).collect()).collect();
-    let rows: Vec<&[f64]> = rows.iter().map(Vec::as_slice).collect();
-    Scales::of(n, &|i| known(&mass[i * (n + 1)]), &rows)
 }
