@@ -9,6 +9,7 @@ use crate::model::degree::{Elimination, ROUNDING, eliminate_rounded, on_allowed_
 use crate::optimise::{Completion, Derivation, Function, FunctionKind, Shape};
 
 use super::group::Group;
+use super::inertia;
 use super::linear::{add, quadratic_form, times};
 use super::motion::Motion;
 use super::witness::{LagrangeTerms, Witness, explicit_path, lift, lift_all, path, with_resting};
@@ -281,11 +282,13 @@ impl<'a> Trial<'a> {
     }
 
     /// Whether accelerations are determined at this state: not where M, or M on the motions that A allows, is singular, or where
-    /// rows contradict each other. They are numbers where it clearly is not, no row does, and all else is finite.
+    /// rows contradict each other. They are numbers where it clearly is not, no row does, and all else is finite. Without
+    /// constraints they may be numbers where M is singular, too: a pivot that would be zero is what rounding leaves of it.
     fn accelerations_are_determined(&self) -> Result<bool, Failure> {
         let found = self.call("forward_dynamics");
         if found.iter().all(|qdd| qdd.value.is_finite()) {
-            return Ok(true);
+            let at = || inertia::is_undetermined(self, &doubles(self.state), &doubles_of(self.parameters));
+            return Ok(self.is_constrained() || !at());
         }
         let finite = |name: &str| self.call(name).iter().all(|v| v.value.is_finite() && v.error.is_finite());
         let names = ["mass_matrix", "bias", "dissipation_force", "generalized_force"];

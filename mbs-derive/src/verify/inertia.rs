@@ -21,10 +21,19 @@ pub(super) fn is_singular(trial: &Trial<'_>, state: &State, parameters: &[f64]) 
     if on_allowed_motions.smallest > rounding {
         return Ok(false);
     }
-    let derivation = trial.derivation();
+    Ok(is_singular_in_fields(trial.derivation(), state, parameters))
+}
+
+/// Whether a motion has no inertia at the state of a trial: M is singular to rounding, and in a finite field.
+pub(super) fn is_undetermined(trial: &Trial<'_>, state: &State, parameters: &[f64]) -> bool {
+    let [_, (on_allowed_motions, rounding)] = trial.inertia();
+    on_allowed_motions.smallest.abs() <= rounding && is_singular_in_fields(trial.derivation(), state, parameters)
+}
+
+fn is_singular_in_fields(derivation: &Derivation, state: &State, parameters: &[f64]) -> bool {
     let first = is_singular_in_field::<0>(derivation, state, parameters);
     let second = is_singular_in_field::<1>(derivation, state, parameters);
-    Ok(first.unwrap_or(true) && second.unwrap_or(true))
+    first.unwrap_or(true) && second.unwrap_or(true)
 }
 
 /// `None` where a constant is not exact, or nothing has a value.

@@ -232,3 +232,22 @@ fn sides_that_nothing_takes_are_named() {
         ]
     );
 }
+
+/// The tool turns by `b − sin b + 1`, so that M is singular at b = 0; the pivot there is rounding and not zero. Where M is not,
+/// wrong accelerations are refused.
+#[test]
+fn nothing_is_claimed_of_accelerations_where_a_motion_has_no_inertia() {
+    let text = "mechanism Turning { param l: m = 0.38; param j: kg*m^2 = 1.6; param m[3]: kg = [1.5, 2, 2]; param f: J = 1; \
+        param d: kg*m^2*s^-1 = 1; coord a: rad; coord b: rad; let arm = rot_y(a) * translation([l, 0, 0]); \
+        let tool = arm * rot_x(0.39) * rot_z(b + (1 - sin(b))); \
+        kinetic += rigid_body(m[0], [0, 0, 0], inertia(j, 1.1*j, j, 0, 0, 0), arm) + particle(m[1], arm.origin()); \
+        kinetic += rigid_body(m[2], [0, 0, 0], diag(j, j, j), tool); \
+        force b += -f; torque on arm += d*angular_velocity(tool); }";
+    let found = proof(text, |_| ());
+    assert!(matches!(found, Ok(Proof { states: 25, singular: 3, .. })), "{found:?}");
+    refused(text, "M q̈ + h + ∂D/∂q̇ = Q + Aᵀ λ", |derivation| {
+        let program = program(derivation, "forward_dynamics");
+        let first = program.results[0];
+        program.results[0] = program.push(Instruction::Neg(first));
+    });
+}
