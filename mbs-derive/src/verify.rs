@@ -52,12 +52,16 @@ pub struct Proof {
     /// The sides of choices that no state was found to take, of which nothing is proved: the number of the choice in the graph of
     /// the declaration, and whether it is the side where its condition holds.
     pub unproved: Vec<(Id, bool)>,
+    /// The sides that were taken only where something declared has no derivative, as `abs(x)` where x is zero: nothing is proved
+    /// of them either.
+    pub at_corners: Vec<(Id, bool)>,
 }
 
 impl Proof {
     /// Warns of each branch of which nothing is proved.
     pub fn warn(&self, lagrangian: &Lagrangian<'_>, warnings: &mut Diagnostics) {
-        for (id, yes) in &self.unproved {
+        let corners = self.at_corners.iter().map(|side| (side, true));
+        for ((id, yes), is_at_corner) in self.unproved.iter().map(|side| (side, false)).chain(corners) {
             let Some(choice) = lagrangian.choices.get(id).filter(|_| remains(lagrangian.graph.expr(*id))) else {
                 continue;
             };
@@ -69,8 +73,14 @@ impl Proof {
                 (_, true) => "at which what this is of is positive",
                 (_, false) => "at which what this is of is negative",
             };
-            let message = format!("no state was found {which}: the equations there are not proved");
-            let help = "is the limit in the right unit? what never happens can be left out";
+            let found = if is_at_corner { "no state with derivatives was found" } else { "no state was found" };
+            let message = format!("{found} {which}: the equations there are not proved");
+            let help = match is_at_corner {
+                true => {
+                    "it comes out so at a corner, as `abs(x) > 0` does not hold at x = 0: compare with a little more than that"
+                }
+                false => "is the limit in the right unit? what never happens can be left out",
+            };
             warnings.warning(choice.place.clone(), message).help(help);
         }
     }
@@ -190,8 +200,8 @@ pub fn against_energies(lagrangian: &Lagrangian<'_>, derivation: &Derivation) ->
         generic += usize::from(prover.prove(&state, &parameters, as_declared)?);
         if generic == STATES {
             prover.prove_other_sides()?;
-            let unproved = prover.coverage.missing();
-            return Ok(Proof { states: prover.states, singular: prover.singular, unproved });
+            let [unproved, at_corners] = prover.coverage.missing();
+            return Ok(Proof { states: prover.states, singular: prover.singular, unproved, at_corners });
         }
     }
     Err(Failure::TooFewStates { finite: generic, tried })
@@ -211,6 +221,7 @@ impl Prover<'_, '_, '_, '_> {
     fn prove(&mut self, at: &State, with: &[f64], is_physical: bool) -> Result<bool, Failure> {
         let (state, parameters) = (exact(at), with.iter().copied().map(Rounded::exact).collect::<Vec<_>>());
         if !self.witness.is_finite(&state, &parameters) {
+            self.coverage.meet(at, with);
             return Ok(false);
         }
         let trial = Trial::new(self.witness, self.derivation, &state, &parameters);

@@ -41,13 +41,16 @@ pub(super) struct Coverage<'c, 'l, 'g> {
     branches: Branches<'c>,
     lagrangian: &'l Lagrangian<'g>,
     taken: Vec<usize>,
+    /// Which sides have been met where something declared has no derivative.
+    met: Vec<bool>,
 }
 
 impl<'c, 'l, 'g> Coverage<'c, 'l, 'g> {
     pub(super) fn new(choices: &'c Choices, lagrangian: &'l Lagrangian<'g>) -> Self {
         let branches = Branches::of(&choices.tape);
         let taken = vec![0; branches.sides().len()];
-        Coverage { choices, branches, lagrangian, taken }
+        let met = vec![false; taken.len()];
+        Coverage { choices, branches, lagrangian, taken, met }
     }
 
     /// Counts what is taken at a state where the proof was made.
@@ -62,6 +65,14 @@ impl<'c, 'l, 'g> Coverage<'c, 'l, 'g> {
         }
     }
 
+    /// Takes down what is taken at a state where nothing can be proved.
+    pub(super) fn meet(&mut self, state: &State, parameters: &[f64]) {
+        if !self.taken.is_empty() {
+            let values = self.values(state, parameters, None);
+            self.branches.taken(&values).into_iter().zip(&mut self.met).for_each(|(is, met)| *met |= is);
+        }
+    }
+
     /// The numbers of the sides that have been taken too seldom.
     pub(super) fn wanted(&self) -> Vec<usize> {
         (0..self.taken.len()).filter(|&side| !self.is_covered(side)).collect()
@@ -72,13 +83,24 @@ impl<'c, 'l, 'g> Coverage<'c, 'l, 'g> {
         self.taken[side] >= WANTED
     }
 
-    /// The choices one of whose sides has been taken nowhere: its number in the graph, and which side.
-    pub(super) fn missing(&self) -> Vec<(Id, bool)> {
-        let never = self.branches.sides().iter().zip(&self.taken).filter(|(_, taken)| **taken == 0);
-        let mut missing: Vec<(Id, bool)> = never.map(|(side, _)| (self.choices.ids[side.choice], side.yes)).collect();
-        missing.sort_unstable();
-        missing.dedup();
-        missing
+    /// The choices one of whose sides has been taken nowhere: its number in the graph, and which side; and those one of whose
+    /// sides has been taken at such states alone at which nothing can be proved.
+    pub(super) fn missing(&self) -> [Vec<(Id, bool)>; 2] {
+        [false, true].map(|met| {
+            let sides = self.branches.sides().iter().enumerate();
+            let never =
+                sides.filter(|(at, side)| self.taken[*at] == 0 && (self.met[*at] && !self.is_corner(side)) == met);
+            let mut missing: Vec<(Id, bool)> =
+                never.map(|(_, side)| (self.choices.ids[side.choice], side.yes)).collect();
+            missing.sort_unstable();
+            missing.dedup();
+            missing
+        })
+    }
+
+    /// Of `abs` and `signum`, which at the corner itself are on neither side.
+    fn is_corner(&self, side: &Side) -> bool {
+        matches!(self.choices.tape.steps()[side.choice], Node::Call(..))
     }
 
     /// States, with parameters, at which a side is taken: found by steps along the gradients of the differences that its

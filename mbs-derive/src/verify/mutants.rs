@@ -233,6 +233,22 @@ fn sides_that_nothing_takes_are_named() {
     );
 }
 
+/// A speed's size that is not above zero is zero, where `abs` has its corner; a square has none there.
+#[test]
+fn sides_that_are_met_at_corners_alone_are_named_so() {
+    let sides = |condition: &str| {
+        let text = format!(
+            "#![dimensionless] mechanism A {{ coord x: 1; kinetic += dt(x)^2; force x += if {condition} {{ -x }} else {{ 0 }}; }}"
+        );
+        let proof = proof(&text, |_| ()).expect("it is right");
+        [proof.unproved, proof.at_corners].map(|sides| sides.iter().map(|side| side.1).collect::<Vec<_>>())
+    };
+    assert_eq!(sides("abs(dt(x)) > 0"), [vec![], vec![false]]);
+    assert_eq!(sides("dt(x)^2 > 0"), [vec![], vec![]]);
+    assert_eq!(sides("x^2 > 0"), [vec![], vec![]]);
+    assert_eq!(sides("abs(x) > -1"), [vec![false], vec![]]);
+}
+
 /// The tool turns by `b − sin b + 1`, so that M is singular at b = 0; the pivot there is rounding and not zero. Where M is not,
 /// wrong accelerations are refused.
 #[test]
