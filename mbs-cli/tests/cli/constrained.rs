@@ -289,6 +289,34 @@ fn redundant_rows_are_named_or_share_their_force() {
     assert!(report.starts_with("error: the integration stopped: "), "{report}");
 }
 
+/// `ẋ = 0` and `ẋ = a t`: they agree on velocities at t = 0, and not on accelerations.
+#[test]
+fn accelerations_that_rows_contradict_end_the_motion() {
+    let workshop = Workshop::new();
+    let text = |other: &str| {
+        format!(
+            "mechanism Torn {{ param m: kg = 2; param a: m/s^2 = 1; coord x: m; kinetic += 1/2*m*dt(x)^2; \
+             force x += m*a; constraint one: dt(x) = 0; constraint other: dt(x) = {other}; }}"
+        )
+    };
+    workshop.write("torn.mbs", text("a*t"));
+    workshop.write("whole.mbs", text("0"));
+    for drift in ["none", "baumgarte:10,10"] {
+        let run = |file: &str| {
+            let rest = ["--t-end", "1", "--redundant", "least-norm", "--project", drift];
+            workshop.mbs(&[["simulate", file, "--state", r#"{"q": [0]}"#].as_slice(), &rest].concat())
+        };
+        let torn = run("torn.mbs");
+        assert_eq!((torn.code, torn.stdout.as_str()), (1, ""), "{drift}: {}", torn.stderr);
+        assert!(torn.stderr.contains("` contradicts the others: "), "{drift}: {}", torn.stderr);
+        assert!(torn.stderr.contains(" is left of it, at t = 0.0, q = [0.0]"), "{drift}: {}", torn.stderr);
+        let whole = run("whole.mbs");
+        assert_eq!(whole.code, 0, "{drift}: {}", whole.stderr);
+        let end = last(&whole.stdout);
+        assert!((end("lambda_one") + 1.0).abs() < 1e-12 && (end("lambda_other") + 1.0).abs() < 1e-12);
+    }
+}
+
 #[test]
 fn freedom_is_counted_by_rows_and_by_rank() {
     let workshop = workshop();

@@ -96,6 +96,26 @@ impl<'m, T: Real> Workspace<'m, T> {
         self.done[row] != T::zero()
     }
 
+    /// A row that was left out and asks for something else than those that were satisfied, where all rows took part and `begin` is
+    /// what was changed; and what is left of it.
+    ///
+    /// What is nothing but rounding agrees: of the terms, and of rows about as large as coordinates of one or more, per s², which
+    /// is what stabilization makes of a mechanism at rest.
+    pub(super) fn contradiction(&self, bias: &[T]) -> Option<(usize, T)> {
+        let n = self.q.len();
+        let done = self.targets.iter().zip(&*self.done).filter(|(_, done)| **done != T::zero());
+        let change = done.fold(T::zero(), |sum, (&target, _)| sum + target * target).sqrt();
+        let size = self.q.iter().fold(T::one(), |size, &q| size.maximum(q.abs()));
+        let allowed = |row: usize| {
+            let a = &self.jacobian[row * n..(row + 1) * n];
+            let terms = a.iter().zip(&*self.begin).fold(bias[row].abs(), |sum, (&a, &x)| sum + (a * x).abs());
+            let slopes = a.iter().fold(T::zero(), |sum, a| sum + a.abs());
+            T::EPSILON.sqrt() * (terms + self.lengths[row] * change) + T::from_f64(1e4) * T::EPSILON * size * slopes
+        };
+        let mut left = (0..bias.len()).filter(|&row| !self.is_done(row));
+        left.find(|&row| self.targets[row].abs() > allowed(row)).map(|row| (row, -self.targets[row]))
+    }
+
     /// The row of which the greatest share of its length is left, among those that have not been dealt with.
     fn longest(&self) -> Option<(usize, T)> {
         let n = self.q.len();
@@ -118,6 +138,7 @@ impl<'m, T: Real> Workspace<'m, T> {
             dot(rest, rest).sqrt()
         };
         let target = self.targets[row] / length;
+        self.targets[row] = target;
         for i in 0..n {
             self.rows[row * n + i] = self.rows[row * n + i] / length;
             self.change[i] = self.change[i] + target * self.rows[row * n + i];

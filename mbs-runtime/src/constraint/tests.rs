@@ -260,6 +260,37 @@ fn inertias_of_all_sizes_are_alike() {
     }
 }
 
+/// The third row is twice the first one; what it asks for is not twice what that does.
+#[test]
+fn accelerations_that_rows_contradict_are_refused() {
+    let rod = Rod { twice: true, misfit: 0.0 };
+    let accelerations = |q: [f64; 4], force: [f64; 4], bias: [f64; 3]| {
+        let (mut qdd, mut multipliers) = ([0.0; 4], [0.0; 3]);
+        let mut projector = Projector::new([0.0; MEMORY]).with_redundant_rows(RedundantRows::LeaveOut);
+        projector.accelerations(&rod, 0.0, &q, &force, &bias, &mut qdd, &mut multipliers)
+    };
+    let (q, force) = ([0.1, 0.3, 0.7, 1.1], [1.0, -2.0, 0.5, 3.0]);
+    for size in [1e-6, 1.0, 1e6] {
+        let scaled = |bias: [f64; 3]| accelerations(q, force.map(|f| size * f), bias.map(|b| size * b));
+        assert_eq!(scaled([0.25, -1.0, 0.5]), Ok(()));
+        assert_eq!(scaled([0.25, -1.0, 0.5 + 1e-13]), Ok(()));
+        // Whichever of the two is left out: 0.5 of the third row or −0.25 of the first one.
+        for wrong in [[0.25, -1.0, 1.0], [0.0, -1.0, 0.5]] {
+            let found = scaled(wrong);
+            let left = |row: usize| size * if row == 0 { wrong[0] - wrong[2] / 2.0 } else { wrong[2] - 2.0 * wrong[0] };
+            assert!(
+                matches!(found, Err(ConstraintError::Contradiction { row: row @ (0 | 2), residual })
+                    if (residual - left(row)).abs() < 1e-12 * size),
+                "{found:?}"
+            );
+        }
+        assert!(scaled([0.25, -1.0, 0.5 + 1e-4]).is_err());
+    }
+    // At rest, where a stabilized row is nothing but rounding.
+    assert_eq!(accelerations(q, [0.0; 4], [0.0, 0.0, 1e-14]), Ok(()));
+    assert!(accelerations(q, [0.0; 4], [0.0, 0.0, 1e-9]).is_err());
+}
+
 #[test]
 fn forces_that_are_no_numbers_are_refused() {
     let rod = Rod { twice: false, misfit: 0.0 };
