@@ -78,7 +78,9 @@ pub fn try_constrained_solve<T: Real, const N: usize, const K: usize>(
     force: [T; N],
     target: [T; K],
 ) -> Result<([T; N], [T; K]), ConstraintError> {
-    Ok(NullSpace::new(&m, &a)?.solve(force, target)?)
+    let mut system = NullSpace::new(&m, &a);
+    system.factorize()?;
+    Ok(system.solve(&force, &target)?)
 }
 
 impl<T: Real> From<Fault<T>> for ConstraintError {
@@ -102,10 +104,11 @@ pub(crate) fn solve<T: Scalar, const N: usize, const K: usize, const C: usize>(
 ) -> ([[T; C]; N], [[T; C]; K]) {
     let undefined = T::from_f64(f64::NAN);
     let (mut accelerations, mut multipliers) = ([[undefined; C]; N], [[undefined; C]; K]);
-    if let Ok(system) = NullSpace::new(m, a) {
+    let mut system = NullSpace::new(m, a);
+    if system.factorize().is_ok() {
         for column in 0..C {
             let (force, target) = (force.each_ref().map(|f| f[column]), target.each_ref().map(|c| c[column]));
-            let Ok((q, l)) = system.solve(force, target) else { continue };
+            let Ok((q, l)) = system.solve(&force, &target) else { continue };
             (0..N).for_each(|i| accelerations[i][column] = q[i]);
             (0..K).for_each(|k| multipliers[k][column] = l[k]);
         }

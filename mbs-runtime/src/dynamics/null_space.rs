@@ -19,7 +19,7 @@
 //! (null space methods); G. H. Golub, C. F. Van Loan, *Matrix Computations*, 4th ed. 2013, sections 3.4.8 (complete pivoting)
 //! and 4.2.8 (symmetric pivoting); N. J. Higham, *Accuracy and Stability of Numerical Algorithms*, 2nd ed. 2002, chapters 9, 10.
 
-use super::scaling::{Scales, exponent, scaled};
+use super::scaling::{Scales, exponent, power, scaled};
 use crate::scalar::{Mask, Scalar};
 
 /// Why a system has no solution, or more than one.
@@ -39,6 +39,8 @@ pub(crate) struct NullSpace<T, const N: usize, const K: usize> {
     scales: Scales<N, K>,
     /// M, scaled, both triangles.
     mass: [[T; N]; N],
+    /// The same in the order of `columns`; exchanges of independent coordinates are kept in the rows of dependent ones alone.
+    ordered: [[T; N]; N],
     /// Of A with rows and columns in the order of the pivots: L below, U₁ and its diagonal, W beside it.
     basis: [[T; N]; K],
     /// `1/U₁ᵢᵢ`
@@ -55,6 +57,8 @@ pub(crate) struct NullSpace<T, const N: usize, const K: usize> {
     compliance: [T; N],
     /// Of `1 + G Gᵀ`, where `G` gives the rows that depend on others by those that do not: L and D.
     gram: [[T; K]; K],
+    /// Whether all that it is of was.
+    is_finite: bool,
 }
 
 /// Rows of which less than this is left depend on others: what rounding of states leaves of them where they do.
@@ -68,146 +72,323 @@ fn root(x: f64) -> f64 {
     f64::from_bits(((1023 + exponent.div_euclid(2) + exponent.rem_euclid(2)) as u64) << 52)
 }
 
+#[inline]
 fn is_less<T: Scalar>(a: T, b: T) -> bool {
     a.less(b).all()
 }
 
 /// `|x|`; a sign costs nothing.
+#[inline]
 fn magnitude<T: Scalar>(x: T) -> T {
     if is_less(x, T::zero()) { -x } else { x }
 }
 
+#[inline]
 fn is_finite<T: Scalar>(x: T) -> bool {
     is_less(magnitude(x), T::from_f64(f64::INFINITY))
 }
 
-impl<T: Scalar, const N: usize, const K: usize> NullSpace<T, N, K> {
-    /// Factorizes M, of which the lower triangle is read, and A.
-    pub(crate) fn new(m: &[[T; N]; N], a: &[[T; N]; K]) -> Result<Self, Fault<T>> {
-        let lower = (0..N).all(|i| m[i][..=i].iter().all(|&x| is_finite(x)));
-        if !(lower && a.as_flattened().iter().all(|&x| is_finite(x))) {
-            return Err(Fault::NonFinite);
+#[inline]
+fn larger<T: Scalar>(a: T, b: T) -> T {
+    T::blend(a.less(b), b, a)
+}
+
+/// The greatest `|x|`, 0 of none; four at a time.
+#[inline]
+fn largest<T: Scalar>(row: &[T]) -> T {
+    let mut found = [T::zero(); 4];
+    let (fours, rest) = row.as_chunks::<4>();
+    for four in fours {
+        for i in 0..4 {
+            found[i] = larger(found[i], four[i].abs());
         }
-        let mut system = Self::scaled(m, a);
-        system.eliminate();
-        system.solve_for_dependent_coordinates();
-        let bounds = system.reduce();
-        system.factorize(bounds)?;
-        system.relate_redundant_rows();
-        Ok(system)
+    }
+    for &x in rest {
+        found[0] = larger(found[0], x.abs());
+    }
+    larger(larger(found[0], found[1]), larger(found[2], found[3]))
+}
+
+/// Of the rows of A in the order of the pivots, what pivots are chosen by.
+struct Rows<T, const K: usize> {
+    /// Where the coordinate stands that the row has taken.
+    taken: [usize; K],
+    /// The greatest magnitude that is left.
+    greatest: [T; K],
+    /// The same beside the entry taken.
+    beside: [T; K],
+}
+
+impl<T: Scalar, const K: usize> Rows<T, K> {
+    /// Of what is left of a row from column `p` on.
+    #[inline]
+    fn measure(&mut self, k: usize, p: usize, row: &[T]) {
+        let taken = self.taken[k];
+        if taken < p || taken >= row.len() {
+            self.greatest[k] = largest(&row[p..]);
+        } else {
+            self.beside[k] = larger(largest(&row[p..taken]), largest(&row[taken + 1..]));
+            self.greatest[k] = larger(self.beside[k], row[taken].abs());
+        }
     }
 
-    fn scaled(m: &[[T; N]; N], a: &[[T; N]; K]) -> Self {
-        let scales = Scales::of(m, a);
-        let Scales { columns: s, rows: t, mass, .. } = scales;
-        let mut scaled_mass = [[T::zero(); N]; N];
-        for i in 0..N {
-            for j in 0..=i {
-                let entry = scaled(m[i][j], -s[i] - s[j] - mass);
-                (scaled_mass[i][j], scaled_mass[j][i]) = (entry, entry);
-            }
+    #[inline]
+    fn swap(&mut self, k: usize, l: usize) {
+        self.taken.swap(k, l);
+        self.greatest.swap(k, l);
+        self.beside.swap(k, l);
+    }
+
+    #[inline]
+    fn swap_columns(&mut self, i: usize, j: usize) {
+        for place in &mut self.taken {
+            *place = if *place == i {
+                j
+            } else if *place == j {
+                i
+            } else {
+                *place
+            };
         }
-        let basis = core::array::from_fn(|k| core::array::from_fn(|i| scaled(a[k][i], -s[i] - t[k])));
-        Self {
+    }
+}
+
+/// Whether M's lower triangle and A are: `0 x` is zero, or NaN.
+#[inline]
+fn are_finite<T: Scalar, const N: usize, const K: usize>(m: &[[T; N]; N], a: &[[T; N]; K]) -> bool {
+    let mut sums = [T::zero(); N];
+    for i in 0..N {
+        for j in 0..=i {
+            sums[j] = sums[j] + T::zero() * m[i][j];
+        }
+    }
+    for row in a {
+        for j in 0..N {
+            sums[j] = sums[j] + T::zero() * row[j];
+        }
+    }
+    sums.iter().all(|&sum| sum.equal(T::zero()).all())
+}
+
+impl<T: Scalar, const N: usize, const K: usize> NullSpace<T, N, K> {
+    /// M, of which the lower triangle is read, and A in their scales, to be factorized where they are.
+    #[inline]
+    pub(crate) fn new(m: &[[T; N]; N], a: &[[T; N]; K]) -> Self {
+        let scales = Scales::of(m, a);
+        let mut system = Self {
             scales,
-            mass: scaled_mass,
-            basis,
+            mass: [[T::zero(); N]; N],
+            ordered: [[T::zero(); N]; N],
+            basis: [[T::zero(); N]; K],
             reciprocals: [T::zero(); K],
             rank: 0,
-            rows: core::array::from_fn(|k| k),
-            columns: core::array::from_fn(|i| i),
+            rows: [0; K],
+            columns: [0; N],
             inertia: [[T::zero(); N]; N],
             compliance: [T::zero(); N],
             gram: [[T::zero(); K]; K],
+            is_finite: are_finite(m, a),
+        };
+        (0..K).for_each(|k| system.rows[k] = k);
+        (0..N).for_each(|i| system.columns[i] = i);
+        system.scale(m, a);
+        system
+    }
+
+    #[inline]
+    fn scale(&mut self, m: &[[T; N]; N], a: &[[T; N]; K]) {
+        let Scales { columns: s, rows: t, mass, .. } = &self.scales;
+        if self.scales.are_small() {
+            let mut columns = [T::one(); N];
+            (0..N).for_each(|i| columns[i] = power(-s[i]));
+            for i in 0..N {
+                let factor: T = power(-s[i] - mass);
+                for j in 0..=i {
+                    self.mass[i][j] = m[i][j] * (factor * columns[j]);
+                }
+            }
+            for k in 0..K {
+                let factor: T = power(-t[k]);
+                for i in 0..N {
+                    self.basis[k][i] = a[k][i] * (factor * columns[i]);
+                }
+            }
+        } else {
+            for i in 0..N {
+                (0..=i).for_each(|j| self.mass[i][j] = scaled(m[i][j], -s[i] - s[j] - mass));
+            }
+            for k in 0..K {
+                (0..N).for_each(|i| self.basis[k][i] = scaled(a[k][i], -s[i] - t[k]));
+            }
+        }
+        for i in 0..N {
+            for j in 0..i {
+                self.mass[j][i] = self.mass[i][j];
+            }
         }
     }
 
+    /// Factorizes what [`new`](Self::new) has scaled.
+    #[inline]
+    pub(crate) fn factorize(&mut self) -> Result<(), Fault<T>> {
+        if !self.is_finite {
+            return Err(Fault::NonFinite);
+        }
+        self.eliminate();
+        // Where all rows are independent, their number is known when this is compiled, and small loops are unrolled.
+        if self.rank == K { self.factorize_of_rank(K) } else { self.factorize_of_rank(self.rank) }
+    }
+
+    #[inline(always)]
+    fn factorize_of_rank(&mut self, r: usize) -> Result<(), Fault<T>> {
+        self.solve_for_dependent_coordinates(r);
+        let bounds = self.reduce(r);
+        self.factorize_inertia(r, bounds)?;
+        self.relate_redundant_rows(r);
+        Ok(())
+    }
+
     /// `A = L U` with complete pivoting, until what is left is rounding.
+    #[inline]
     fn eliminate(&mut self) {
         let least = least_slope::<T>();
-        while let Some((row, column)) = self.pivot(least) {
-            let p = self.rank;
-            self.basis.swap(p, row);
-            self.rows.swap(p, row);
-            self.basis.iter_mut().for_each(|row| row.swap(p, column));
-            self.columns.swap(p, column);
+        let mut rows = Rows { taken: [N; K], greatest: [T::zero(); K], beside: [T::zero(); K] };
+        for i in 0..N {
+            if let Some(row) = self.scales.taken[i] {
+                rows.taken[row] = i;
+            }
+        }
+        for k in 0..K {
+            rows.measure(k, 0, &self.basis[k]);
+        }
+        for p in 0..K.min(N) {
+            let Some((row, column)) = self.pivot(p, least, &rows) else { return };
+            if row != p {
+                self.basis.swap(p, row);
+                self.rows.swap(p, row);
+                rows.swap(p, row);
+            }
+            if column != p {
+                self.basis.iter_mut().for_each(|row| row.swap(p, column));
+                self.columns.swap(p, column);
+                rows.swap_columns(p, column);
+            }
             let pivots = self.basis[p];
-            self.reciprocals[p] = T::one() / pivots[p];
-            for row in &mut self.basis[p + 1..] {
-                row[p] = row[p] * self.reciprocals[p];
+            let reciprocal = T::one() / pivots[p];
+            self.reciprocals[p] = reciprocal;
+            for k in p + 1..K {
+                let row = &mut self.basis[k];
+                let factor = row[p] * reciprocal;
+                row[p] = factor;
                 for j in p + 1..N {
-                    row[j] = row[j] - row[p] * pivots[j];
+                    row[j] = row[j] - factor * pivots[j];
+                }
+                if !factor.equal(T::zero()).all() {
+                    rows.measure(k, p + 1, row);
                 }
             }
-            self.rank += 1;
+            self.rank = p + 1;
         }
     }
 
     /// The largest entry of the rows and columns that are left, the first of equal ones, if it is greater than `least`. Entries
     /// that their rows have taken are as good while they are no less than half of it; of those the one that changes the others
     /// least.
-    fn pivot(&self, least: T) -> Option<(usize, usize)> {
-        let size = |(k, i): (usize, usize)| magnitude(self.basis[k][i]);
-        let entries = || (self.rank..K).flat_map(|k| (self.rank..N).map(move |i| (k, i)));
-        let largest = entries().reduce(|best, entry| if is_less(size(best), size(entry)) { entry } else { best })?;
-        let enough = size(largest) * T::from_f64(0.5);
-        let is_taken = |&(k, i): &(usize, usize)| self.scales.taken[self.columns[i]] == Some(self.rows[k]);
-        let taken = entries().filter(is_taken).filter(|&entry| !is_less(size(entry), enough));
-        let gentlest = taken.min_by_key(|&entry| self.growth(entry));
-        is_less(least, size(largest)).then(|| gentlest.unwrap_or(largest))
+    #[inline]
+    fn pivot(&self, p: usize, least: T, rows: &Rows<T, K>) -> Option<(usize, usize)> {
+        let greatest = &rows.greatest;
+        let row = (p + 1..K).fold(p, |best, k| if is_less(greatest[best], greatest[k]) { k } else { best });
+        if !is_less(least, greatest[row]) {
+            return None;
+        }
+        let enough = greatest[row] * T::from_f64(0.5);
+        let mut gentlest: Option<(i32, usize)> = None;
+        for k in p..K {
+            let i = rows.taken[k];
+            if i < p || i >= N || is_less(self.basis[k][i].abs(), enough) {
+                continue;
+            }
+            let Some(growth) = self.growth(p, (k, i), rows.beside[k]) else { return Some((k, i)) };
+            if gentlest.is_none_or(|(least, _)| growth < least) {
+                gentlest = Some((growth, k));
+            }
+        }
+        let first = || (p..N).find(|&i| !is_less(self.basis[row][i].abs(), greatest[row])).unwrap_or(p);
+        Some(gentlest.map_or_else(|| (row, first()), |(_, k)| (k, rows.taken[k])))
     }
 
     /// By which power of two a pivot adds to other entries at most.
-    fn growth(&self, (row, column): (usize, usize)) -> Option<i32> {
-        let along = (self.rank..N).filter(|&i| i != column).filter_map(|i| exponent(self.basis[row][i])).max();
-        let across = (self.rank..K).filter(|&k| k != row).filter_map(|k| exponent(self.basis[k][column])).max();
-        Some(along? + across? - exponent(self.basis[row][column])?)
+    #[inline]
+    fn growth(&self, p: usize, (row, column): (usize, usize), beside: T) -> Option<i32> {
+        let along = exponent(beside)?;
+        let across = |found: T, k: usize| if k == row { found } else { larger(found, self.basis[k][column].abs()) };
+        let across = exponent((p..K).fold(T::zero(), across))?;
+        Some(along + across - exponent(self.basis[row][column])?)
     }
 
     /// `W = U₁⁻¹ U₂`
-    fn solve_for_dependent_coordinates(&mut self) {
-        for p in (0..self.rank).rev() {
-            for j in self.rank..N {
-                let mut entry = self.basis[p][j];
-                for i in p + 1..self.rank {
-                    entry = entry - self.basis[p][i] * self.basis[i][j];
+    #[inline(always)]
+    fn solve_for_dependent_coordinates(&mut self, r: usize) {
+        for p in (0..r).rev() {
+            let (before, after) = self.basis.split_at_mut(p + 1);
+            let row = &mut before[p];
+            for (i, other) in (p + 1..r).zip(after) {
+                let factor = row[i];
+                for j in r..N {
+                    row[j] = row[j] - factor * other[j];
                 }
-                self.basis[p][j] = entry * self.reciprocals[p];
+            }
+            for j in r..N {
+                row[j] = row[j] * self.reciprocals[p];
             }
         }
     }
 
     /// S, its lower triangle in the order of the columns, and how large its diagonal's terms are.
-    fn reduce(&mut self) -> [T; N] {
-        let (r, s, w) = (self.rank, N - self.rank, &self.basis);
-        let m = |i: usize, j: usize| self.mass[self.columns[i]][self.columns[j]];
-        let mut carried = [[T::zero(); N]; K];
-        for p in 0..r {
-            for j in 0..s {
-                carried[p][j] = (0..r).fold(m(p, r + j), |sum, i| sum - m(p, i) * w[i][r + j]);
+    #[inline(always)]
+    fn reduce(&mut self, r: usize) -> [T; N] {
+        let s = N - r;
+        for i in 0..N {
+            let row = &self.mass[self.columns[i]];
+            for j in 0..N {
+                self.ordered[i][j] = row[self.columns[j]];
             }
         }
-        let mut inertia = [[T::zero(); N]; N];
-        for i in 0..s {
-            for j in 0..=i {
-                let direct = (0..r).fold(m(r + i, r + j), |sum, p| sum - m(r + i, p) * w[p][r + j]);
-                inertia[i][j] = (0..r).fold(direct, |sum, p| sum - w[p][r + i] * carried[p][j]);
+        let (m, w) = (&self.ordered, &self.basis);
+        for j in 0..s {
+            // A column of V.
+            let mut carried = m[r + j];
+            for i in 0..r {
+                let factor = w[i][r + j];
+                for p in 0..r {
+                    carried[p] = carried[p] - m[i][p] * factor;
+                }
+            }
+            for i in j..s {
+                let mut entry = m[r + i][r + j];
+                for p in 0..r {
+                    entry = entry - m[r + i][p] * w[p][r + j];
+                }
+                for p in 0..r {
+                    entry = entry - w[p][r + i] * carried[p];
+                }
+                self.inertia[i][j] = entry;
             }
         }
+        let m = |i: usize, j: usize| m[i][j];
         let terms = T::from_f64(r as f64 + 1.0);
         let bound = |i: usize| {
             let own = magnitude(m(r + i, r + i));
             let sum = (0..r).fold(own, |sum, p| sum + w[p][r + i] * w[p][r + i] * magnitude(m(p, p)));
             sum * terms
         };
-        let bounds = core::array::from_fn(|i| if i < s { bound(i) } else { T::one() });
-        self.inertia = inertia;
-        bounds
+        core::array::from_fn(|i| if i < s { bound(i) } else { T::one() })
     }
 
     /// `S = L D Lᵀ`; a pivot of which only rounding is left ends it.
-    fn factorize(&mut self, bounds: [T; N]) -> Result<(), Fault<T>> {
-        let (r, s) = (self.rank, N - self.rank);
+    #[inline(always)]
+    fn factorize_inertia(&mut self, r: usize, bounds: [T; N]) -> Result<(), Fault<T>> {
+        let s = N - r;
         let mut weights: [T; N] = core::array::from_fn(|i| if i < s { T::one() / bounds[i] } else { bounds[i] });
         let rounding = T::from_f64(16.0 * N as f64 * T::ROUNDING);
         for p in 0..s {
@@ -217,7 +398,7 @@ impl<T: Scalar, const N: usize, const K: usize> NullSpace<T, N, K> {
                 let index = self.columns[r + pivot];
                 return Err(Fault::Singular { pivot: self.unscaled(self.inertia[pivot][pivot], index), index });
             }
-            self.exchange(p, pivot);
+            self.exchange(r, p, pivot);
             weights.swap(p, pivot);
             self.compliance[p] = T::one() / self.inertia[p][p];
             let mut column = [T::zero(); N];
@@ -241,11 +422,11 @@ impl<T: Scalar, const N: usize, const K: usize> NullSpace<T, N, K> {
     }
 
     /// Exchanges two independent coordinates, `p ≤ i`, in S, of which the first `p` are factorized.
-    fn exchange(&mut self, p: usize, i: usize) {
+    fn exchange(&mut self, r: usize, p: usize, i: usize) {
         if p == i {
             return;
         }
-        let (r, s) = (self.rank, N - self.rank);
+        let s = N - r;
         let entry = |a: usize, b: usize| (a.max(b), a.min(b));
         for other in (0..s).filter(|&other| other != p && other != i) {
             if other < p {
@@ -264,11 +445,11 @@ impl<T: Scalar, const N: usize, const K: usize> NullSpace<T, N, K> {
         self.inertia[i][i] = first;
         self.columns.swap(r + p, r + i);
         self.basis[..r].iter_mut().for_each(|row| row.swap(r + p, r + i));
+        self.ordered[..r].iter_mut().for_each(|row| row.swap(r + p, r + i));
     }
 
     /// `G = L₂ L₁⁻¹` in the place of L₂, the rows of L that are no pivots; `1 + G Gᵀ`, factorized.
-    fn relate_redundant_rows(&mut self) {
-        let r = self.rank;
+    fn relate_redundant_rows(&mut self, r: usize) {
         for k in r..K {
             for p in (0..r).rev() {
                 for i in p + 1..r {
@@ -290,15 +471,19 @@ impl<T: Scalar, const N: usize, const K: usize> NullSpace<T, N, K> {
     }
 
     /// q̈ and λ for one right side.
-    pub(crate) fn solve(&self, force: [T; N], target: [T; K]) -> Result<([T; N], [T; K]), Fault<T>> {
-        let Scales { columns: s, rows: t, mass, .. } = self.scales;
-        let force = core::array::from_fn(|i| scaled(force[i], -s[i] - mass));
-        let target = core::array::from_fn(|k| scaled(target[k], -t[k]));
-        let motion = self.motion(&force, &target);
-        self.check(&motion, &target)?;
-        let multipliers = self.multipliers(&motion, &force);
-        let motion: [T; N] = core::array::from_fn(|i| scaled(motion[i], -s[i]));
-        let multipliers: [T; K] = core::array::from_fn(|k| scaled(multipliers[k], mass - t[k]));
+    #[inline]
+    pub(crate) fn solve(&self, force: &[T; N], target: &[T; K]) -> Result<([T; N], [T; K]), Fault<T>> {
+        let Scales { columns: s, rows: t, mass, .. } = &self.scales;
+        let (mut force, mut target) = (*force, *target);
+        (0..N).for_each(|i| force[i] = scaled(force[i], -s[i] - mass));
+        (0..K).for_each(|k| target[k] = scaled(target[k], -t[k]));
+        let (mut motion, mut multipliers) = if self.rank == K {
+            self.scaled_solution(K, &force, &target)
+        } else {
+            self.scaled_solution(self.rank, &force, &target)
+        }?;
+        (0..N).for_each(|i| motion[i] = scaled(motion[i], -s[i]));
+        (0..K).for_each(|k| multipliers[k] = scaled(multipliers[k], mass - t[k]));
         if motion.iter().chain(&multipliers).all(|&x| is_finite(x)) {
             Ok((motion, multipliers))
         } else {
@@ -306,10 +491,17 @@ impl<T: Scalar, const N: usize, const K: usize> NullSpace<T, N, K> {
         }
     }
 
+    #[inline(always)]
+    fn scaled_solution(&self, r: usize, force: &[T; N], target: &[T; K]) -> Result<([T; N], [T; K]), Fault<T>> {
+        let motion = self.motion(r, force, target);
+        self.check(r, &motion, target)?;
+        Ok((motion, self.multipliers(r, &motion, force)))
+    }
+
     /// q̈, scaled.
-    fn motion(&self, force: &[T; N], target: &[T; K]) -> [T; N] {
-        let (r, s) = (self.rank, N - self.rank);
-        let m = |i: usize, j: usize| self.mass[self.columns[i]][self.columns[j]];
+    #[inline(always)]
+    fn motion(&self, r: usize, force: &[T; N], target: &[T; K]) -> [T; N] {
+        let s = N - r;
         let mut q = [T::zero(); N];
         for p in 0..r {
             q[p] = (0..p).fold(target[self.rows[p]], |sum, i| sum - self.basis[p][i] * q[i]);
@@ -318,11 +510,21 @@ impl<T: Scalar, const N: usize, const K: usize> NullSpace<T, N, K> {
             let rest = (p + 1..r).fold(q[p], |sum, i| sum - self.basis[p][i] * q[i]);
             q[p] = rest * self.reciprocals[p];
         }
-        let force: [T; N] =
-            core::array::from_fn(|i| (0..r).fold(force[self.columns[i]], |sum, p| sum - m(i, p) * q[p]));
+        let mut rest = [T::zero(); N];
+        (0..N).for_each(|i| rest[i] = force[self.columns[i]]);
+        for p in 0..r {
+            for i in 0..N {
+                rest[i] = rest[i] - self.ordered[p][i] * q[p];
+            }
+        }
+        for p in 0..r {
+            let factor = rest[p];
+            for i in r..N {
+                rest[i] = rest[i] - self.basis[p][i] * factor;
+            }
+        }
         for i in 0..s {
-            let along = (0..r).fold(force[r + i], |sum, p| sum - self.basis[p][r + i] * force[p]);
-            q[r + i] = (0..i).fold(along, |sum, j| sum - self.inertia[i][j] * q[r + j]);
+            q[r + i] = (0..i).fold(rest[r + i], |sum, j| sum - self.inertia[i][j] * q[r + j]);
         }
         for i in (0..s).rev() {
             let scaled = q[r + i] * self.compliance[i];
@@ -339,11 +541,11 @@ impl<T: Scalar, const N: usize, const K: usize> NullSpace<T, N, K> {
     }
 
     /// Whether the rows that depend on others ask for what those give.
-    fn check(&self, motion: &[T; N], target: &[T; K]) -> Result<(), Fault<T>> {
+    fn check(&self, r: usize, motion: &[T; N], target: &[T; K]) -> Result<(), Fault<T>> {
         let largest = |largest: T, &x: &T| if is_less(largest, magnitude(x)) { magnitude(x) } else { largest };
-        for k in self.rank..K {
+        for k in r..K {
             let (mut rest, mut size) = (target[self.rows[k]], magnitude(target[self.rows[k]]));
-            for p in 0..self.rank {
+            for p in 0..r {
                 let term = self.basis[k][p] * target[self.rows[p]];
                 (rest, size) = (rest - term, size + magnitude(term));
             }
@@ -357,19 +559,23 @@ impl<T: Scalar, const N: usize, const K: usize> NullSpace<T, N, K> {
     }
 
     /// λ, scaled: of least norm where rows depend on others.
-    fn multipliers(&self, motion: &[T; N], force: &[T; N]) -> [T; K] {
-        let r = self.rank;
+    #[inline(always)]
+    fn multipliers(&self, r: usize, motion: &[T; N], force: &[T; N]) -> [T; K] {
         let mut l = [T::zero(); K];
         for p in 0..r {
-            let i = self.columns[p];
-            let h = (0..N).fold(-force[i], |sum, j| sum + self.mass[i][j] * motion[j]);
-            let rest = (0..p).fold(h, |sum, q| sum - self.basis[q][p] * l[q]);
-            l[p] = rest * self.reciprocals[p];
+            let row = &self.mass[self.columns[p]];
+            l[p] = (0..N).fold(-force[self.columns[p]], |sum, j| sum + row[j] * motion[j]);
+        }
+        for p in 0..r {
+            l[p] = l[p] * self.reciprocals[p];
+            for i in p + 1..r {
+                l[i] = l[i] - self.basis[p][i] * l[p];
+            }
         }
         for p in (0..r).rev() {
             l[p] = (p + 1..r).fold(l[p], |sum, k| sum - self.basis[k][p] * l[k]);
         }
-        self.share_with_redundant_rows(&mut l);
+        self.share_with_redundant_rows(r, &mut l);
         let mut multipliers = [T::zero(); K];
         for k in 0..K {
             multipliers[self.rows[k]] = l[k];
@@ -378,8 +584,7 @@ impl<T: Scalar, const N: usize, const K: usize> NullSpace<T, N, K> {
     }
 
     /// From `λ₁` alone to the least `λ₁² + λ₂²` of the same `λ₁ + Gᵀ λ₂`.
-    fn share_with_redundant_rows(&self, l: &mut [T; K]) {
-        let r = self.rank;
+    fn share_with_redundant_rows(&self, r: usize, l: &mut [T; K]) {
         for k in r..K {
             let along = (0..r).fold(T::zero(), |sum, p| sum + self.basis[k][p] * l[p]);
             l[k] = (r..k).fold(along, |sum, i| sum - self.gram[k][i] * l[i]);

@@ -27,8 +27,16 @@ type Doubled = i64;
 /// A coordinate without inertia is taken before all others: more than the exponents of a path through all rows add up to.
 const WEIGHTLESS: Doubled = 1 << 32;
 
-/// Farther than any.
-const UNREACHABLE: Doubled = Doubled::MAX / 4;
+/// Of an entry that is zero: so far below all others that sums with others are, too.
+const ABSENT: Doubled = -(1 << 59);
+
+/// Farther than any, nearer than what is absent.
+const UNREACHABLE: Doubled = 1 << 58;
+
+/// Not of zeros.
+fn is_present(size: Doubled) -> bool {
+    size > -UNREACHABLE
+}
 
 /// `q = 2^−column q̂`, `λ = 2^(mass − row) λ̂`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -43,104 +51,172 @@ pub(crate) struct Scales<const N: usize, const K: usize> {
 
 impl<const N: usize, const K: usize> Scales<N, K> {
     /// Of a finite system.
+    #[inline]
     pub(crate) fn of<T: Scalar>(m: &[[T; N]; N], a: &[[T; N]; K]) -> Self {
-        let inertia: [Option<Doubled>; N] = core::array::from_fn(|i| exponent(m[i][i]).map(Doubled::from));
-        let slopes = a.each_ref().map(|row| row.each_ref().map(|&x| exponent(x).map(Doubled::from)));
+        let (mut inertia, mut slopes) = ([ABSENT; N], [[ABSENT; N]; K]);
+        for i in 0..N {
+            inertia[i] = doubled(m[i][i]);
+        }
+        for k in 0..K {
+            for i in 0..N {
+                slopes[k][i] = doubled(a[k][i]);
+            }
+        }
         let taken = assignment(&inertia, &slopes);
         let sizes = sizes(&inertia, &slopes, &taken);
         // Differences from one of them, so that units of odd exponents move all of them alike.
-        let reference = inertia.iter().find_map(|&size| size).unwrap_or(0);
-        let columns = sizes.map(|size| (size - reference).div_euclid(2));
-        let largest = |row: &[Option<Doubled>; N]| (0..N).filter_map(|i| Some(row[i]? - columns[i])).max().unwrap_or(0);
-        let rows = slopes.each_ref().map(largest);
-        Scales { taken, columns: columns.map(|s| s as i32), rows: rows.map(|t| t as i32), mass: reference as i32 }
+        let reference = inertia.iter().copied().find(|&size| is_present(size)).unwrap_or(0);
+        let (mut columns, mut rows) = ([0; N], [0; K]);
+        for i in 0..N {
+            columns[i] = ((sizes[i] - reference).div_euclid(2)) as i32;
+        }
+        for k in 0..K {
+            let largest = (0..N).fold(ABSENT, |largest, i| largest.max(slopes[k][i] - Doubled::from(columns[i])));
+            rows[k] = if is_present(largest) { largest as i32 } else { 0 };
+        }
+        Scales { taken, columns, rows, mass: reference as i32 }
+    }
+
+    /// Whether products of two scales are exact and one multiplication brings an entry to scale.
+    pub(super) fn are_small(&self) -> bool {
+        let small = |x: i32| (-MOST / 2..=MOST / 2).contains(&x);
+        self.columns.iter().all(|&s| small(s) && small(s + self.mass)) && self.rows.iter().all(|&t| small(t))
     }
 }
 
 /// Where it is not zero.
+#[inline]
 pub(super) fn exponent<T: Scalar>(x: T) -> Option<i32> {
     (!x.equal(T::zero()).all()).then(|| x.exponent())
 }
 
+#[inline]
+fn doubled<T: Scalar>(x: T) -> Doubled {
+    if x.equal(T::zero()).all() { ABSENT } else { Doubled::from(x.exponent()) }
+}
+
 /// The row that takes each coordinate, if one does: the assignment of greatest product, row by row along shortest paths.
+#[inline]
 fn assignment<const N: usize, const K: usize>(
-    inertia: &[Option<Doubled>; N],
-    slopes: &[[Option<Doubled>; N]; K],
+    inertia: &[Doubled; N],
+    slopes: &[[Doubled; N]; K],
 ) -> [Option<usize>; N] {
-    let weight = |row: usize, i: usize| Some(2 * slopes[row][i]? - inertia[i].unwrap_or(-WEIGHTLESS));
+    let weight =
+        |row: usize, i: usize| 2 * slopes[row][i] - if is_present(inertia[i]) { inertia[i] } else { -WEIGHTLESS };
     let mut taken: [Option<usize>; N] = [None; N];
     let (mut u, mut v): ([Doubled; K], [Doubled; N]) = ([0; K], [0; N]);
     for start in 0..K {
-        let (mut distance, mut before, mut visited) = ([UNREACHABLE; N], [N; N], [false; N]);
-        let (mut row, mut last, mut so_far) = (start, N, 0);
-        u[start] = -(0..N).filter_map(|i| Some(weight(start, i)? + v[i])).max().unwrap_or(0);
-        let free = loop {
-            for i in (0..N).filter(|&i| !visited[i]) {
-                let Some(weight) = weight(row, i) else { continue };
-                let through = so_far - weight - u[row] - v[i];
-                if through < distance[i] {
-                    (distance[i], before[i]) = (through, last);
-                }
-            }
-            let Some(next) = (0..N).filter(|&i| !visited[i]).min_by_key(|&i| distance[i]) else { break None };
-            if distance[next] == UNREACHABLE {
-                break None;
-            }
-            (visited[next], so_far, last) = (true, distance[next], next);
-            match taken[next] {
-                Some(other) => row = other,
-                None => break Some(next),
-            }
-        };
-        // A row that reaches no free coordinate depends on the others.
-        let Some(mut column) = free else { continue };
-        for i in (0..N).filter(|&i| visited[i] && i != column) {
-            v[i] -= so_far - distance[i];
-            if let Some(row) = taken[i] {
-                u[row] += so_far - distance[i];
-            }
+        let (mut nearest, mut greatest) = (N, -UNREACHABLE);
+        for i in 0..N {
+            let value = weight(start, i) + v[i];
+            (nearest, greatest) = if value > greatest { (i, value) } else { (nearest, greatest) };
         }
-        u[start] += so_far;
-        while before[column] < N {
-            taken[column] = taken[before[column]];
-            column = before[column];
+        // A row of zeros takes nothing; and most rows find what they want free.
+        if nearest == N {
+            continue;
         }
-        taken[column] = Some(start);
+        u[start] = -greatest;
+        if taken[nearest].is_none() {
+            taken[nearest] = Some(start);
+        } else {
+            assign(&weight, &mut taken, (&mut u, &mut v), start);
+        }
     }
     taken
 }
 
+/// Assigns one more row, along a shortest path.
+fn assign<const N: usize, const K: usize>(
+    weight: &impl Fn(usize, usize) -> Doubled,
+    taken: &mut [Option<usize>; N],
+    (u, v): (&mut [Doubled; K], &mut [Doubled; N]),
+    start: usize,
+) {
+    let (mut distance, mut before, mut visited) = ([UNREACHABLE; N], [N; N], [false; N]);
+    let (mut row, mut last, mut so_far) = (start, N, 0);
+    let mut column = loop {
+        let (mut next, mut least) = (N, UNREACHABLE);
+        for i in 0..N {
+            if visited[i] {
+                continue;
+            }
+            let through = so_far - weight(row, i) - u[row] - v[i];
+            if through < distance[i] {
+                (distance[i], before[i]) = (through, last);
+            }
+            (next, least) = if distance[i] < least { (i, distance[i]) } else { (next, least) };
+        }
+        if next == N {
+            // A row that reaches no free coordinate depends on the others.
+            return;
+        }
+        (visited[next], so_far, last) = (true, least, next);
+        match taken[next] {
+            Some(other) => row = other,
+            None => break next,
+        }
+    };
+    for i in (0..N).filter(|&i| visited[i] && i != column) {
+        v[i] -= so_far - distance[i];
+        if let Some(row) = taken[i] {
+            u[row] += so_far - distance[i];
+        }
+    }
+    u[start] += so_far;
+    while before[column] < N {
+        taken[column] = taken[before[column]];
+        column = before[column];
+    }
+    taken[column] = Some(start);
+}
+
 /// Twice the exponents of the sizes of the coordinates' inertia.
+#[inline]
 fn sizes<const N: usize, const K: usize>(
-    inertia: &[Option<Doubled>; N],
-    slopes: &[[Option<Doubled>; N]; K],
+    inertia: &[Doubled; N],
+    slopes: &[[Doubled; N]; K],
     taken: &[Option<usize>; N],
 ) -> [Doubled; N] {
     let mut sizes = *inertia;
     raise(&mut sizes, slopes, taken);
-    let massless = |i: usize| taken[i].is_some() && inertia[i].is_none();
-    (0..N).filter(|&i| massless(i)).for_each(|i| sizes[i] = None);
+    if inertia.iter().all(|&size| is_present(size)) {
+        return sizes;
+    }
+    let massless = |i: usize| taken[i].is_some() && !is_present(inertia[i]);
+    (0..N).filter(|&i| massless(i)).for_each(|i| sizes[i] = ABSENT);
     relax(&mut sizes, slopes, taken, massless);
+    let bound = |sizes: &[Doubled; N], i: usize| Some(lower_bound(sizes, slopes, taken, i)).filter(|&x| is_present(x));
     // Rows in which nothing has inertia.
-    while let Some(i) = (0..N).find(|&i| massless(i) && sizes[i].is_none()) {
-        sizes[i] = lower_bound(&sizes, slopes, taken, i).or(Some(0));
+    while let Some(i) = (0..N).find(|&i| massless(i) && !is_present(sizes[i])) {
+        sizes[i] = bound(&sizes, i).unwrap_or(0);
         relax(&mut sizes, slopes, taken, massless);
     }
-    core::array::from_fn(|i| sizes[i].or_else(|| lower_bound(&sizes, slopes, taken, i)).unwrap_or(0))
+    core::array::from_fn(|i| if is_present(sizes[i]) { sizes[i] } else { bound(&sizes, i).unwrap_or(0) })
 }
 
 /// The least sizes, none below its own, at which no entry of a row is greater than the one taken.
+#[inline]
 fn raise<const N: usize, const K: usize>(
-    sizes: &mut [Option<Doubled>; N],
-    slopes: &[[Option<Doubled>; N]; K],
+    sizes: &mut [Doubled; N],
+    slopes: &[[Doubled; N]; K],
     taken: &[Option<usize>; N],
 ) {
+    // Of each row the size of the coordinate that it has taken, by the slope; adding that of another gives its bound.
+    let mut bases = [ABSENT; K];
+    for i in 0..N {
+        if let Some(row) = taken[i] {
+            bases[row] = sizes[i] - 2 * slopes[row][i];
+        }
+    }
     for _ in 0..=K {
         let mut changed = false;
-        for i in (0..N).filter(|&i| taken[i].is_some()) {
-            let bound = lower_bound(sizes, slopes, taken, i);
-            if bound > sizes[i] {
+        for i in 0..N {
+            let Some(row) = taken[i] else { continue };
+            // Its own row bounds it by its own size, which raises nothing.
+            let bound = (0..K).fold(ABSENT, |bound, k| bound.max(bases[k] + 2 * slopes[k][i]));
+            if is_present(bound) && bound > sizes[i] {
                 (sizes[i], changed) = (bound, true);
+                bases[row] = bound - 2 * slopes[row][i];
             }
         }
         if !changed {
@@ -151,19 +227,19 @@ fn raise<const N: usize, const K: usize>(
 
 /// The greatest sizes of coordinates without inertia at which no entry of their rows is greater than the one taken.
 fn relax<const N: usize, const K: usize>(
-    sizes: &mut [Option<Doubled>; N],
-    slopes: &[[Option<Doubled>; N]; K],
+    sizes: &mut [Doubled; N],
+    slopes: &[[Doubled; N]; K],
     taken: &[Option<usize>; N],
     massless: impl Fn(usize) -> bool,
 ) {
     for _ in 0..=K {
         let mut changed = false;
         for i in (0..N).filter(|&i| massless(i)) {
-            let Some((row, own)) = taken[i].and_then(|row| Some((row, slopes[row][i]?))) else { continue };
-            let bound = |j: usize| Some(2 * (own - slopes[row][j]?) + sizes[j]?);
-            let least = (0..N).filter(|&j| j != i).filter_map(bound).min();
-            if let Some(least) = least.filter(|&least| sizes[i].is_none_or(|size| least < size)) {
-                (sizes[i], changed) = (Some(least), true);
+            let Some(row) = taken[i].map(|row| &slopes[row]) else { continue };
+            let bounds = (0..N).filter(|&j| j != i && is_present(row[j]) && is_present(sizes[j]));
+            let least = bounds.map(|j| 2 * (row[i] - row[j]) + sizes[j]).min();
+            if let Some(least) = least.filter(|&least| !is_present(sizes[i]) || least < sizes[i]) {
+                (sizes[i], changed) = (least, true);
             }
         }
         if !changed {
@@ -172,23 +248,27 @@ fn relax<const N: usize, const K: usize>(
     }
 }
 
-/// The least size of a coordinate at which it is in no row greater than what that has taken.
+/// The least size of a coordinate at which it is in no row greater than what that has taken; absent where it is in none.
 fn lower_bound<const N: usize, const K: usize>(
-    sizes: &[Option<Doubled>; N],
-    slopes: &[[Option<Doubled>; N]; K],
+    sizes: &[Doubled; N],
+    slopes: &[[Doubled; N]; K],
     taken: &[Option<usize>; N],
     coordinate: usize,
-) -> Option<Doubled> {
+) -> Doubled {
     let bound = |i: usize| {
         let row = &slopes[taken[i]?];
-        Some(sizes[i]? + 2 * (row[coordinate]? - row[i]?))
+        let size = sizes[i] + 2 * (row[coordinate] - row[i]);
+        is_present(size).then_some(size)
     };
-    (0..N).filter(|&i| i != coordinate).filter_map(bound).max()
+    (0..N).filter(|&i| i != coordinate).filter_map(bound).max().unwrap_or(ABSENT)
 }
 
+/// One multiplication scales by at most this power of two.
+const MOST: i32 = 100;
+
 /// `2^exponent x`, exactly where the result is a normal number.
+#[inline]
 pub(crate) fn scaled<T: Scalar>(mut x: T, mut exponent: i32) -> T {
-    const MOST: i32 = 100;
     while exponent.abs() > MOST {
         let step = exponent.clamp(-MOST, MOST);
         x = x * power(step);
@@ -198,6 +278,7 @@ pub(crate) fn scaled<T: Scalar>(mut x: T, mut exponent: i32) -> T {
 }
 
 /// `2^exponent`
-fn power<T: Scalar>(exponent: i32) -> T {
+#[inline]
+pub(super) fn power<T: Scalar>(exponent: i32) -> T {
     T::from_f64(f64::from_bits(((1023 + exponent) as u64) << 52))
 }
