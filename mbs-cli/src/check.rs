@@ -44,9 +44,9 @@ fn counted(variables: &[Variable], what: &str) -> String {
     let count = component_names(variables).len();
     let names: Vec<String> = variables
         .iter()
-        .map(|variable| match variable.length {
-            None => variable.name.clone(),
-            Some(n) => format!("{}[{n}]", variable.name),
+        .map(|variable| {
+            let lengths: String = variable.lengths().into_iter().map(|n| format!("[{n}]")).collect();
+            format!("{}{lengths}", variable.name)
         })
         .collect();
     let number = plural(count, what, &format!("{what}s"));

@@ -439,19 +439,29 @@ impl Reader<'_> {
     }
 
     fn parameter(&mut self, key: &str, json: &Value, variable: &Variable) -> Vec<f64> {
-        match variable.length {
-            None => vec![self.number(key, json, &variable.unit)],
-            Some(_) => self.numbers(key, json, &slots(std::slice::from_ref(variable), 0)),
+        let slots = slots(std::slice::from_ref(variable), 0);
+        match (variable.length, variable.columns) {
+            (None, _) => vec![self.number(key, json, &variable.unit)],
+            (Some(_), None) => self.numbers(key, json, &slots),
+            (Some(n), Some(columns)) => match json.as_array() {
+                Some(rows) if rows.len() == n / columns => {
+                    let rows = rows.iter().zip(slots.chunks(columns)).enumerate();
+                    rows.flat_map(|(i, (row, slots))| self.numbers(&format!("{key}[{i}]"), row, slots)).collect()
+                }
+                _ => {
+                    let rows = plural(n / columns, "array", "arrays");
+                    let found = json.as_array().map_or(kind(json), |rows| rows.len().to_string());
+                    self.error(format!("{key} must hold {rows}, one for each row, found {found}"));
+                    vec![0.0; n]
+                }
+            },
         }
     }
 
     /// A number without a unit is in SI units; where the declaration is in others, that may not be what was meant.
     fn note_plain(&mut self, json: &Value, variable: &Variable) {
-        let is_plain = |json: &Value| json.as_f64().is_some_and(|number| number != 0.0);
         let number = self.derivation.parameters.iter().position(|parameter| parameter.first == variable.first);
-        if variable.declared_unit.is_some()
-            && (is_plain(json) || json.as_array().is_some_and(|a| a.iter().any(is_plain)))
-        {
+        if variable.declared_unit.is_some() && has_plain(json) {
             self.plain.extend(number);
         }
     }
@@ -501,6 +511,14 @@ pub(crate) fn hint(name: &str, known: &[String], what: &str) -> String {
         Some(near) => format!("; did you mean {}?", Value::from(near)),
         None if known.is_empty() => format!("; the mechanism has no {what}"),
         None => format!("; the {what} are {}", abridged(known)),
+    }
+}
+
+/// Whether a number without a unit, other than zero, stands in it.
+fn has_plain(json: &Value) -> bool {
+    match json {
+        Value::Array(items) => items.iter().any(has_plain),
+        _ => json.as_f64().is_some_and(|number| number != 0.0),
     }
 }
 

@@ -12,11 +12,13 @@
 //! - `declare`: parameters, coordinates, inputs, prescribed motions, constants; `output`: outputs;
 //! - `energy`: energies, generalized forces; `point_force`: forces at points, torques; `constraint`: constraints;
 //! - `gravity`: the field that all bodies weigh in;
+//! - `part`: statements that are used many times;
 //! - `reaction`: joints whose wrenches are asked for, held and let go;
 //! - `evaluate`: expressions → values; `quantity`: numbers with units; `operator`: `+ - * / ^` and `dt`;
 //! - `condition`: `if … else`;
 //! - `difference`: differences of places, in their nearest common frame;
 //! - `builtin`: functions and methods; `function`: functions written in the language; `body`: bodies;
+//! - `attitude`: axes of parameters, arrays for several arguments;
 //! - `import`: what imported files declare;
 //! - `misplaced`: places that are counted from another origin than was meant;
 //! - `moments`: whether an inertia is that of a body;
@@ -26,6 +28,7 @@
 //!   `inertia`: of every motion; `echelon`: elimination without a tolerance;
 //!   `closure`: whether constraints can hold together.
 
+mod attitude;
 mod body;
 mod builtin;
 mod check;
@@ -56,6 +59,7 @@ mod misplaced;
 pub(crate) mod moments;
 mod operator;
 mod output;
+mod part;
 mod point_force;
 mod quantity;
 mod rank;

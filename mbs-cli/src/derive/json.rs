@@ -4,7 +4,7 @@
 //! {
 //!   "mechanism": "Pendulum",
 //!   "coordinates": [{"name": "theta", "unit": "rad", "length": null}],
-//!   "parameters": [{"name": "m", "unit": "kg", "length": null, "defaults": [1.0]}],
+//!   "parameters": [{"name": "m", "unit": "kg", "length": null, "columns": null, "defaults": [1.0]}],
 //!   "inputs": [],
 //!   "depends_on_time": false,
 //!   "constructor": {"instructions": [["parameter", 0], …], "results": [3]},
@@ -51,9 +51,9 @@ fn variables(variables: &[Variable]) -> Vec<Value> {
 }
 
 fn parameter(variable: &Variable) -> Value {
-    let Variable { name, unit, length, defaults, .. } = variable;
+    let Variable { name, unit, length, columns, defaults, .. } = variable;
     let defaults: Vec<f64> = defaults.iter().map(|number| number.to_f64()).collect();
-    json!({ "name": name, "unit": unit, "length": length, "defaults": defaults })
+    json!({ "name": name, "unit": unit, "length": length, "columns": columns, "defaults": defaults })
 }
 
 fn of_function(function: &Function) -> Value {

@@ -115,3 +115,32 @@ fn plain_numbers_for_other_units_earn_a_warning() {
     assert_eq!(warning, "");
     assert_eq!(run("0").1, "");
 }
+
+#[test]
+fn matrices_are_arrays_of_rows() {
+    let workshop = workshop();
+    workshop.write(
+        "flywheel.mbs",
+        "mechanism Flywheel { param a[2][3]: kg*m^2 = [[1, 2, 3], [4, 5, 6]]; coord q: rad; kinetic += 1/2*a[1][0]*dt(q)^2; \
+         output all = [a[0][0], a[0][1], a[0][2], a[1][0], a[1][1], a[1][2]]; }",
+    );
+    let all = |params: &str| {
+        let state = format!(r#"{{"q": [0], "params": {params}}}"#);
+        workshop.eval("flywheel.mbs", &state)["outputs"]["all"].clone()
+    };
+    assert_eq!(all("{}"), json!([1.0, 2.0, 3.0, 4.0, 5.0, 6.0]));
+    assert_eq!(all(r#"{"a": [[6, 5, 4], [3, 2, "6 g*m^2"]]}"#), json!([6.0, 5.0, 4.0, 3.0, 2.0, 0.006]));
+    assert_eq!(all(r#"{"a_0_2": 7, "a_1_0": 8}"#), json!([1.0, 2.0, 7.0, 8.0, 5.0, 6.0]));
+    let check = |params: &str, message: &str| {
+        refused(&workshop, "flywheel.mbs", &format!("{{\"q\": [0], \"params\": {params}}}"), message);
+    };
+    check(r#"{"a": [1, 2, 3, 4, 5, 6]}"#, "\"params\".\"a\" must hold 2 arrays, one for each row, found 6");
+    check(r#"{"a": 1}"#, "\"params\".\"a\" must hold 2 arrays, one for each row, found the number 1");
+    check(r#"{"a": [[1, 2, 3], [4, 5]]}"#, "\"params\".\"a\"[1] must hold 3 numbers (a_1_0, a_1_1, a_1_2), found 2");
+    check(r#"{"a": [[1, 2, 3], [4, null, 6]]}"#, "\"params\".\"a\"[1][1] (a_1_1) must be a finite number, found null");
+    check(
+        r#"{"a": [[1, 2, 3], [4, 5, 6]], "a_1_0": 8}"#,
+        "\"params\".\"a_1_0\" is given twice, by itself and in \"params\".\"a\"",
+    );
+    assert!(workshop.good(&["check", "flywheel.mbs"]).contains("6 parameters (a[2][3])"), "both lengths are shown");
+}

@@ -51,7 +51,7 @@ fn fields(derivation: &Derivation, names: &Names, serde: bool) -> TokenStream {
         let docs = doc::attributes(&doc::parameter(parameter));
         let name = &parameter.name;
         let rename = (serde && field != name).then(|| quote!(#[serde(rename = #name)]));
-        let (field, ty) = (ident(field), array(quote!(T), parameter.length));
+        let (field, ty) = (ident(field), nested(&parameter.lengths()));
         quote!(#docs #rename pub #field: #ty,)
     });
     let skip = serde.then(|| quote!(#[serde(skip)]));
@@ -108,12 +108,16 @@ fn check(derivation: &Derivation, names: &Names) -> TokenStream {
     let docs = doc::attributes(&doc::requirements(derivation));
     let finite = derivation.parameters.iter().zip(&names.fields).map(|(parameter, field)| {
         let (field, components) = (ident(field), parameter.component_names());
+        let values = match parameter.columns {
+            None => quote!(self.#field),
+            Some(_) => quote!(self.#field.into_iter().flatten()),
+        };
         match parameter.length {
             None => quote! {
                 ::mbs_runtime::parameter::require(#(#components)*, self.#field, ::mbs_runtime::ParameterCondition::Finite)?;
             },
             Some(_) => quote! {
-                for (name, value) in [#(#components),*].into_iter().zip(self.#field) {
+                for (name, value) in [#(#components),*].into_iter().zip(#values) {
                     ::mbs_runtime::parameter::require(name, value, ::mbs_runtime::ParameterCondition::Finite)?;
                 }
             },
@@ -170,15 +174,28 @@ fn condition(condition: Condition) -> TokenStream {
 /// A parameter's declared value.
 fn default(parameter: &Variable) -> TokenStream {
     let values: Vec<f64> = parameter.defaults.iter().copied().map(Number::to_f64).collect();
-    match (parameter.length, values.as_slice()) {
-        (None, [value]) => text::written_out(*value),
-        (Some(n), [first, rest @ ..]) if rest.iter().all(|value| value == first) => {
-            let (value, n) = (text::written_out(*first), Literal::usize_unsuffixed(n));
-            quote!([#value; #n])
+    match (parameter.lengths().as_slice(), values.as_slice()) {
+        ([], [value]) => text::written_out(*value),
+        (lengths, [first, rest @ ..]) if rest.iter().all(|value| value == first) => {
+            let lengths = lengths.iter().rev().map(|&n| Literal::usize_unsuffixed(n));
+            lengths.fold(text::written_out(*first), |values, n| quote!([#values; #n]))
+        }
+        ([_, columns], values) => {
+            let row = |row: &[f64]| {
+                let row = row.iter().map(|value| text::number(*value));
+                quote!([#(#row),*])
+            };
+            let rows = values.chunks(*columns).map(row);
+            quote!([#(#rows),*].map(|row| row.map(T::from_f64)))
         }
         (_, values) => {
             let values = values.iter().map(|value| text::number(*value));
             quote!([#(#values),*].map(T::from_f64))
         }
     }
+}
+
+/// `T`, `[T; 3]` or `[[T; 3]; 2]`
+fn nested(lengths: &[usize]) -> TokenStream {
+    lengths.iter().rev().fold(quote!(T), |of, &n| array(of, Some(n)))
 }

@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use proc_macro2::TokenStream;
-use quote::quote;
+use quote::{ToTokens, quote};
 
 use crate::expr::Symbol;
 use crate::model::Variable;
@@ -241,14 +241,16 @@ pub(super) fn each_leaf<'t>(trees: impl Iterator<Item = &'t Tree>, found: &mut i
 
 /// `[x, _]`; `None` where no component is named.
 fn pattern<'a>(components: impl Iterator<Item = Option<&'a str>>) -> Option<TokenStream> {
+    pattern_of(components.map(|component| component.map(|name| ident(name).to_token_stream())))
+}
+
+/// As [`pattern`], of components that are patterns themselves.
+fn pattern_of(components: impl Iterator<Item = Option<TokenStream>>) -> Option<TokenStream> {
     let components: Vec<_> = components.collect();
     let read = components.iter().rposition(Option::is_some)? + 1;
     let unread = components.len() - read;
     let shown = components[..read].iter().map(|component| match component {
-        Some(name) => {
-            let name = ident(name);
-            quote!(#name)
-        }
+        Some(shown) => shown.clone(),
         None => quote!(_),
     });
     let rest = match unread {
@@ -279,7 +281,14 @@ fn parameters<'a>(
                     quote!(#name: #local)
                 }
             }),
-            Some(count) => pattern((0..count).map(|i| component(symbol(i)))).map(|pattern| quote!(#name: #pattern)),
+            Some(count) => {
+                let row = |first: usize, n: usize| pattern((first..first + n).map(|i| component(symbol(i))));
+                let pattern = match parameter.columns {
+                    None => row(0, count),
+                    Some(columns) => pattern_of((0..count).step_by(columns).map(|first| row(first, columns))),
+                };
+                pattern.map(|pattern| quote!(#name: #pattern))
+            }
         });
     }
     let rest = (fields.len() < derivation.parameters.len()).then(|| quote!(..));

@@ -22,7 +22,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
             }
         };
         let (m, Point { coordinates, frame }) = (m?, place?);
-        self.physical.push(Physical { mass: m, mass_span: mass.span.clone(), inertia: None });
+        self.physical.push(Physical { mass: m, mass_place: self.here(&mass.span), inertia: None });
         Ok(self.energy_of(Body { mass: m, com: coordinates, inertia: None, frame }))
     }
 
@@ -58,7 +58,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
         let (m, tensor, frame) = (m?, tensor?, frame?);
         let Free { components, .. } = self.mass_centre(com, frame)?;
         let physical =
-            Physical { mass: m, mass_span: mass.span.clone(), inertia: Some((tensor, inertia.span.clone())) };
+            Physical { mass: m, mass_place: self.here(&mass.span), inertia: Some((tensor, self.here(&inertia.span))) };
         self.physical.push(physical);
         let (com, frame) = self.fixed(components, frame, &com.span)?;
         Ok(self.energy_of(Body { mass: m, com, inertia: Some(tensor), frame }))

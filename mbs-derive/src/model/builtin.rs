@@ -31,9 +31,9 @@ enum Apply {
 }
 
 /// The arguments of a call, as many as the table says, and where it stands.
-struct Call<'c, 'g> {
-    arguments: &'c [Argument<'g>],
-    span: &'c Span,
+pub(super) struct Call<'c, 'g> {
+    pub(super) arguments: &'c [Argument<'g>],
+    pub(super) span: &'c Span,
 }
 
 const fn entry(name: &'static str, form: &'static str, arguments: &'static [usize], apply: Apply) -> Builtin {
@@ -70,15 +70,19 @@ pub(super) const FUNCTIONS: &[Builtin] = &[
     entry("rot_y", "rot_y(angle)", &[1], With(rot_y)),
     entry("rot_z", "rot_z(angle)", &[1], With(rot_z)),
     entry("rotation",    "rotation([x, y, z], angle)",  &[2], With(rotation)),
-    entry("quaternion",  "quaternion(w, x, y, z)",      &[4], With(quaternion)),
+    entry("quaternion",  "quaternion(w, x, y, z)",      &[1, 4], With(quaternion)),
+    entry("rpy",         "rpy(roll, pitch, yaw)",       &[3], With(rpy)),
     entry("translation", "translation([x, y, z])",      &[1, 3], With(translation)),
     entry("dh",          "dh(theta, d, a, alpha)",      &[4], With(dh)),
     entry("angular_velocity", "angular_velocity(pose)", &[1], With(angular_velocity)),
-    entry("diag",        "diag(xx, yy, zz)",            &[3], With(diagonal)),
-    entry("inertia",     "inertia(xx, yy, zz, xy, xz, yz)", &[3, 6], With(inertia)),
+    entry("diag",        "diag(xx, yy, zz)",            &[1, 3], With(diagonal)),
+    entry("inertia",     "inertia(xx, yy, zz, xy, xz, yz)", &[1, 3, 6], With(inertia)),
     entry("particle",    "particle(mass, position)",    &[2], With(particle)),
     entry("rigid_body",  "rigid_body(mass, com, inertia, pose)", &[4], With(rigid_body)),
 ];
+
+/// Functions that came after mechanisms had been written: a `fn` may take their names.
+pub(super) const REPLACEABLE: [&str; 1] = ["rpy"];
 
 #[rustfmt::skip]
 pub(super) const METHODS: &[Builtin] = &[
@@ -371,6 +375,11 @@ fn rot_z<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) -> Resolved<V
 
 fn rotation<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) -> Resolved<Value<'g>> {
     let [axis, angle] = call.arguments else { return Err(Refused) };
+    if let Some(unit) = resolver.axis_of_parameters(axis)? {
+        let expr = resolver.of_dimension(angle, "an angle", Dimension::ONE)?;
+        resolver.warn_of_degrees_in(expr, &angle.span);
+        return pose([resolver.edge(Edge::Rotation { axis: unit, angle: expr }, &angle.span)?]);
+    }
     let numbers = constant_axis(resolver, axis);
     let expr = resolver.of_dimension(angle, "an angle", Dimension::ONE);
     let (numbers, expr) = (numbers?, expr?);
@@ -388,7 +397,8 @@ fn quaternion<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) -> Resol
     let part = |resolver: &mut Resolver<'_, 'g>, argument| {
         resolver.of_dimension(argument, "a component of a quaternion", Dimension::ONE)
     };
-    let [w, x, y, z] = call.arguments else { return Err(Refused) };
+    let single = resolver.spread(call, 4, "a quaternion is an array of 4 numbers, the scalar part first")?;
+    let [w, x, y, z] = single.as_deref().unwrap_or(call.arguments) else { return Err(Refused) };
     let parts = [part(resolver, w), part(resolver, x), part(resolver, y), part(resolver, z)];
     let [w, x, y, z] = parts;
     let parts = [w?, x?, y?, z?];
@@ -399,6 +409,14 @@ fn quaternion<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) -> Resol
         return Err(resolver.refuse(call.span, message, "divide its components by its length"));
     }
     pose([resolver.edge(Edge::Quaternion(parts), call.span)?])
+}
+
+/// Roll, pitch and yaw about fixed axes, as in URDF: `Rz(yaw) · Ry(pitch) · Rx(roll)`.
+fn rpy<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) -> Resolved<Value<'g>> {
+    let [roll, pitch, yaw] = call.arguments else { return Err(Refused) };
+    let turns = [turn(resolver, 2, yaw), turn(resolver, 1, pitch), turn(resolver, 0, roll)];
+    let [yaw, pitch, roll] = turns;
+    pose([yaw?, pitch?, roll?])
 }
 
 /// A unit vector of constants, exact where its length is rational.
@@ -506,13 +524,22 @@ fn entries<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) -> Resolved
 }
 
 fn diagonal<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) -> Resolved<Value<'g>> {
-    let (entries, dimension) = entries(resolver, call)?;
+    let single = resolver.spread(call, 3, "a diagonal is an array of 3 numbers")?;
+    let arguments = single.as_deref().unwrap_or(call.arguments);
+    let (entries, dimension) = entries(resolver, &Call { arguments, span: call.span })?;
     let &[x, y, z] = entries.as_slice() else { return Err(Refused) };
     Ok(Value::matrix(Tensor::plain(Matrix::diagonal([x, y, z]), dimension)))
 }
 
 fn inertia<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) -> Resolved<Value<'g>> {
-    let (entries, dimension) = entries(resolver, call)?;
+    if let [whole] = call.arguments
+        && whole.value.shape() == Shape::Matrix
+    {
+        return resolver.matrix(whole).map(Value::matrix);
+    }
+    let single = resolver.spread_inertia(call)?;
+    let arguments = single.as_deref().unwrap_or(call.arguments);
+    let (entries, dimension) = entries(resolver, &Call { arguments, span: call.span })?;
     match *entries.as_slice() {
         [x, y, z] => Ok(Value::matrix(Tensor::plain(Matrix::diagonal([x, y, z]), dimension))),
         [xx, yy, zz, xy, xz, yz] => {
@@ -584,7 +611,7 @@ mod tests {
         refused("let a = [x, y, z].norm(2);", "norm: `norm` takes 0 arguments, 1 is given; write `v.norm()`");
         refused(
             "let a = inertia(m, m);",
-            "inertia: `inertia` takes 3 or 6 arguments, 2 are given; write `inertia(xx, yy, zz, xy, xz, yz)`",
+            "inertia: `inertia` takes 1 or 3 or 6 arguments, 2 are given; write `inertia(xx, yy, zz, xy, xz, yz)`",
         );
         refused("let a = sine(x);", "sine: there is no function `sine`; did you mean `sin(x)`?");
         refused("let a = norm([x, y, z]);", "norm: `norm` is a method; write `v.norm()`");
@@ -621,6 +648,65 @@ mod tests {
         refused(
             "let a = translation([1, 2, 3]);",
             "[1, 2, 3]: a translation must be m, this is a plain number; a number has no unit unless it is written behind it: `0.3 kg`, `9.81 m/s^2`",
+        );
+    }
+
+    /// URDF: fixed axes, x first.
+    #[test]
+    fn roll_pitch_and_yaw() {
+        same("", "rpy(theta, q[0], q[1])", "rot_z(q[1]) * rot_y(q[0]) * rot_x(theta)");
+        near(&value("", "rpy(pi/2, 0, pi/2) * [0, 1, 0]"), &[0.0, 0.0, 1.0], "y is turned up by the roll");
+        same("fn rpy(x) = 2*x;", "rpy(x)", "2*x");
+    }
+
+    #[test]
+    fn arrays_for_several_arguments() {
+        let e = "let e = [cos(theta/2), 2/7*sin(theta/2), 3/7*sin(theta/2), 6/7*sin(theta/2)];";
+        same(e, "quaternion(e)", "rotation([2, 3, 6], theta)");
+        same("let j = [1, 2, 3, 4, 5, 6];", "inertia(j)", "inertia(1, 2, 3, 4, 5, 6)");
+        same("const j[3] = [1, 2, 3];", "inertia(j)", "diag(1, 2, 3)");
+        same("const j[3] = [1, 2, 3];", "diag(j)", "diag(1, 2, 3)");
+        same("let j = [[1, 0, 2], [0, 3, 0], [2, 0, 4]];", "inertia(j)", "[[1, 0, 2], [0, 3, 0], [2, 0, 4]]");
+        refused(
+            "let a = quaternion([1, 0, 0]);",
+            "[1, 0, 0]: a quaternion is an array of 4 numbers, the scalar part first; this is a vector",
+        );
+        refused(
+            "let a = inertia([1, 2, 3, 4]);",
+            "[1, 2, 3, 4]: an inertia is an array of 3 or 6 numbers, or a matrix; this is an array of 4",
+        );
+    }
+
+    #[test]
+    fn axes_of_parameters() {
+        let text = |axis: &str| {
+            format!(
+                "mechanism A {{ param a[3]: m = [2, 3, 6]; param j: kg*m^2 = 2; coord theta: rad; coord psi: rad; \
+                 let first = rotation({axis}, theta); let second = first * rot_x(psi); \
+                 kinetic += rigid_body(0*j/a[0]^2, [0, 0, 0], diag(1, 2, 2.5)*j, second); \
+                 output w = angular_velocity(second); output r = second.rotation(); }}"
+            )
+        };
+        let all = |axis: &str| {
+            crate::model::trial::resolved(&text(axis), |result| {
+                let (lagrangian, _) = result.unwrap_or_else(|e| panic!("{}", e.render("a", &text(axis))));
+                let exprs: Vec<Expr<'_>> = lagrangian.kinetic.clone();
+                let graph = crate::expr::Graph::new();
+                let along = |symbol| crate::model::singular::along_the_motion(&graph, symbol);
+                crate::expr::evaluate(&crate::expr::carry_out(&exprs, &graph, along), |symbol| match symbol {
+                    crate::expr::Symbol::Coordinate(i) => [0.4, -0.9][i as usize],
+                    crate::expr::Symbol::Velocity(i) => [1.7, 0.8][i as usize],
+                    crate::expr::Symbol::Parameter(i) => [2.0, 3.0, 6.0, 2.0][i as usize],
+                    _ => f64::NAN,
+                })
+            })
+        };
+        near(&all("a"), &all("[2, 3, 6]"), "an axis of parameters is that of their values");
+        let generated = crate::generate("a", &text("a"), &Default::default());
+        assert!(generated.is_ok(), "{}", generated.unwrap_err().render("a", &text("a")));
+        refused(
+            "param a[3]: m = 0; let p = rotation(a, theta);",
+            "a: an axis must have a direction, by the default values of the parameters this is zero; choose another default, such as `[0, 0, 1]`",
         );
     }
 

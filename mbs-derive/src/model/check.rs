@@ -12,24 +12,31 @@ use super::sample::default_parameters;
 use crate::expr::{Expr, Matrix, Node, Symbol, evaluate};
 use crate::parse::syntax::{Name, Span};
 
+/// Where something stands, and the calls and parts that led there, the innermost first.
+#[derive(Clone, Debug)]
+pub(super) struct Place {
+    pub(super) span: Span,
+    pub(super) calls: Vec<(Span, String)>,
+}
+
 /// Mass and inertia of a body, with their places.
 #[derive(Clone, Debug)]
 pub(super) struct Physical<'g> {
     pub(super) mass: Expr<'g>,
-    pub(super) mass_span: Span,
-    pub(super) inertia: Option<(Matrix<'g>, Span)>,
+    pub(super) mass_place: Place,
+    pub(super) inertia: Option<(Matrix<'g>, Place)>,
 }
 
 /// Where each term of an energy, each force and each constraint stands.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Places {
-    pub(super) kinetic: Vec<Span>,
-    pub(super) potential: Vec<Span>,
-    pub(super) lagrangian: Vec<Span>,
-    pub(super) dissipation: Vec<Span>,
+    pub(super) kinetic: Vec<Place>,
+    pub(super) potential: Vec<Place>,
+    pub(super) lagrangian: Vec<Place>,
+    pub(super) dissipation: Vec<Place>,
     /// Of the forces on coordinates.
-    pub(super) forces: Vec<Span>,
-    pub(super) constraints: Vec<Span>,
+    pub(super) forces: Vec<Place>,
+    pub(super) constraints: Vec<Place>,
     /// Of constraints between vectors, what vanishes, as it was written.
     pub(super) differences: Vec<Option<String>>,
 }
@@ -51,6 +58,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
         }
         self.check_use();
         self.check_calls();
+        self.check_parts();
         if !self.errors.has_errors() {
             self.check_degree(name);
         }
@@ -81,7 +89,8 @@ impl<'d, 'g> Resolver<'d, 'g> {
             let (message, help) = self
                 .in_components(&problem)
                 .unwrap_or_else(|| (problem.message(&self.lagrangian), problem.help(&self.lagrangian)));
-            self.refuse(&place.unwrap_or(name.span.clone()), message, help);
+            let place = place.unwrap_or_else(|| Place { span: name.span.clone(), calls: Vec::new() });
+            self.refuse_at(&place, message, help);
         }
     }
 
@@ -117,9 +126,9 @@ impl<'d, 'g> Resolver<'d, 'g> {
     }
 
     /// Where the coordinate with this number is declared.
-    fn place_of(&self, number: usize) -> Option<Span> {
+    fn place_of(&self, number: usize) -> Option<Place> {
         let variable = self.lagrangian.coordinates.iter().find(|variable| variable.contains(number));
-        variable.map(|variable| self.span_of(&variable.name))
+        variable.map(|variable| Place { span: self.span_of(&variable.name), calls: Vec::new() })
     }
 
     /// The components of arrays have names too: `q_0`.
@@ -207,12 +216,12 @@ impl<'d, 'g> Resolver<'d, 'g> {
             None => "this is so by the default values of the parameters",
         };
         if mass < 0.0 {
-            self.refuse(&body.mass_span, format!("a mass is not negative, this is {mass} kg"), by_default);
+            self.refuse_at(&body.mass_place, format!("a mass is not negative, this is {mass} kg"), by_default);
             self.note_declaration(body);
         }
         if mass == 0.0 && inertia.iter().all(|&entry| entry == 0.0) {
             let help = if by_default.is_empty() { "leave it out" } else { by_default };
-            self.refuse(&body.mass_span, "a body without mass and inertia has no kinetic energy", help);
+            self.refuse_at(&body.mass_place, "a body without mass and inertia has no kinetic energy", help);
             self.note_declaration(body);
         }
     }
@@ -223,23 +232,23 @@ impl<'d, 'g> Resolver<'d, 'g> {
         let mut parameters = self.lagrangian.parameters.iter();
         let Some(parameter) = parameters.find(|p| p.contains(number as usize)) else { return };
         let place = self.span_of(&parameter.name);
-        self.errors.note(&body.mass_span, &place, "declared here");
+        self.errors.note(&body.mass_place.span, &place, "declared here");
     }
 
-    fn check_moments(&mut self, moments: [f64; 3], span: &Span) {
+    fn check_moments(&mut self, moments: [f64; 3], place: &Place) {
         let [a, b, c] = moments.map(shown);
         let shown = format!("its principal moments are {a}, {b} and {c}");
         match Impossible::of(moments) {
             Some(Impossible::Negative) => {
                 let help = format!("{shown}; are the products of inertia too large for the diagonal?");
-                self.refuse(span, "an inertia has no negative principal moment", help);
+                self.refuse_at(place, "an inertia has no negative principal moment", help);
             }
             Some(Impossible::Unequal) => {
                 let message = "no body has this inertia: a principal moment is greater than the sum of the other two";
                 let help = format!(
                     "{shown}; where a body turns about one axis only, any two others will do, such as equal ones"
                 );
-                self.refuse(span, message, help);
+                self.refuse_at(place, message, help);
             }
             None => {}
         }

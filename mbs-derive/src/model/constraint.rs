@@ -51,7 +51,8 @@ impl<'d, 'g> Resolver<'d, 'g> {
         self.places.differences.push(is_vector.then_some(difference));
         let name = number.map_or(name.text.clone(), |i| format!("{}_{i}", name.text));
         self.lagrangian.constraints.push(Constraint { name, docs: docs.to_vec(), kind, rows, units });
-        self.places.constraints.push(span);
+        let place = self.here(&span);
+        self.places.constraints.push(place);
         Ok(())
     }
 
@@ -82,7 +83,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
                         false => format!("the constraints `{one}` and `{other}` both have a row called `{row}`"),
                     };
                     let place = self.places.constraints[number].clone();
-                    self.refuse(&place, message, "choose another name");
+                    self.refuse_at(&place, message, "choose another name");
                 }
             }
         }
@@ -152,6 +153,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
                 let help = "constrain its place `pose.origin()`, or angles";
                 Err(self.refuse(&side.span, "a constraint is made of numbers, this is a pose", help))
             }
+            Shape::Part => Err(self.no_value_of_a_part(side)),
             Shape::Matrix | Shape::Array => {
                 let mut rows = Vec::new();
                 for value in self.elements(side)? {
@@ -223,8 +225,8 @@ impl<'d, 'g> Resolver<'d, 'g> {
 
     /// Warns of rows that are of one sign wherever Newton's method leads from random states, and never zero.
     pub(super) fn warn_of_unsatisfiable_constraints(&mut self) {
-        let mut are_satisfiable = true;
-        for (constraint, span) in self.lagrangian.constraints.iter().zip(&self.places.constraints) {
+        let (mut found, mut are_satisfiable) = (Vec::new(), true);
+        for (constraint, place) in self.lagrangian.constraints.iter().zip(&self.places.constraints) {
             if constraint.kind != ConstraintKind::Holonomic {
                 continue;
             }
@@ -236,17 +238,20 @@ impl<'d, 'g> Resolver<'d, 'g> {
                 let help =
                     format!("the difference of its sides stays {side} {nearest:.3}: is a sign or a default wrong?");
                 let message = format!("no state was found at which the constraint `{}` holds", constraint.name);
-                self.errors.warning(span.clone(), message).help(help);
+                found.push((place.clone(), message, help));
             }
         }
         let (rows, n) = (self.lagrangian.holonomic_rows().len(), self.lagrangian.dof());
-        if let Some(span) = self.places.constraints.last()
+        if let Some(place) = self.places.constraints.last()
             && are_satisfiable
             && rows >= n
             && !closes(&self.lagrangian)
         {
             let message = format!("no state was found at which all constraints hold: {rows} rows on {n} coordinates");
-            self.errors.warning(span.clone(), message).help("leave some out, or check signs and defaults");
+            found.push((place.clone(), message, "leave some out, or check signs and defaults".to_string()));
+        }
+        for (place, message, help) in found {
+            self.warn_at(&place, message).help(help);
         }
     }
 

@@ -19,7 +19,7 @@ pub(super) const MAX_COORDINATES: usize = 100;
 impl<'d, 'g> Resolver<'d, 'g> {
     /// `param length: m = 0.5;`
     pub(super) fn parameter(&mut self, quantity: &'d Quantity) -> Resolved<()> {
-        let (length, measure) = (self.length(quantity), self.measure(quantity, "param"));
+        let (length, measure) = (self.size(quantity), self.measure(quantity, "param"));
         let value = self.default_of(quantity, measure.as_ref().ok(), length);
         let (Ok(length), Ok(measure), Ok(defaults)) = (length, measure, value) else {
             return self.declare(&quantity.name, Origin::Parameter, None);
@@ -31,6 +31,14 @@ impl<'d, 'g> Resolver<'d, 'g> {
         };
         document(&mut self.lagrangian.parameters, quantity);
         self.note_conditions(quantity, &measure);
+        if quantity.columns.is_some()
+            && let Ok(Some(rows)) = self.length(quantity)
+        {
+            if let Some(parameter) = self.lagrangian.parameters.last_mut() {
+                parameter.columns = Some(symbols.len() / rows);
+            }
+            return self.declare_matrix(quantity, &symbols, measure.dimension, rows);
+        }
         self.declare_symbols(quantity, Origin::Parameter, symbols, measure.dimension, length)
     }
 
@@ -45,6 +53,23 @@ impl<'d, 'g> Resolver<'d, 'g> {
             let message = format!("`{}` is declared positive, its default is {value}", quantity.name.text);
             let _ = self.refuse(span, message, "leave `positive` out, or choose another default");
         }
+    }
+
+    /// Row by row.
+    fn declare_matrix(
+        &mut self,
+        quantity: &Quantity,
+        symbols: &[Expr<'g>],
+        dimension: Dimension,
+        rows: usize,
+    ) -> Resolved<()> {
+        let dimension = self.dimension(dimension);
+        let of_row =
+            |row: &[Expr<'g>]| row.iter().map(|&e| Value::Scalar(Scalar::new(e, dimension))).collect::<Vec<_>>();
+        let rows: Vec<_> = symbols.chunks(symbols.len() / rows).map(of_row).collect();
+        let rows: Resolved<Vec<_>> = rows.into_iter().map(|row| self.array(row, &quantity.name.span)).collect();
+        let value = rows.and_then(|rows| self.array(rows, &quantity.name.span)).ok();
+        self.declare(&quantity.name, Origin::Parameter, value)
     }
 
     /// `coord theta: rad;`
@@ -192,6 +217,51 @@ impl<'d, 'g> Resolver<'d, 'g> {
         }
     }
 
+    /// How many numbers, rows times columns.
+    fn size(&mut self, quantity: &Quantity) -> Resolved<Option<usize>> {
+        let (rows, Some(columns)) = (self.length(quantity)?, &quantity.columns) else { return self.length(quantity) };
+        let argument = self.argument(columns)?;
+        let columns_wanted = self.integer(&argument, "the length of an array")?;
+        let total = columns_wanted.checked_mul(rows.unwrap_or(1) as i64);
+        match total {
+            Some(total @ 1..=MAX_LENGTH) => Ok(Some(total as usize)),
+            _ => {
+                let message = format!("a matrix has from 1 to {MAX_LENGTH} numbers");
+                Err(self.refuse(&columns.span, message, ""))
+            }
+        }
+    }
+
+    /// The numbers of a default, row by row.
+    fn flattened(&mut self, value: Value<'g>, span: &Span) -> Resolved<Vec<Value<'g>>> {
+        if let Value::Scalar(_) = value {
+            return Ok(vec![value]);
+        }
+        let mut numbers = Vec::new();
+        for element in self.elements(&Argument { value, span: span.clone() })? {
+            numbers.extend(self.flattened(element, span)?);
+        }
+        Ok(numbers)
+    }
+
+    /// That a default has as many rows and columns as declared.
+    fn check_rows(&mut self, quantity: &Quantity, value: &Value<'g>, total: usize, span: &Span) -> Resolved<()> {
+        let rows = self.length(quantity)?.unwrap_or(1);
+        let elements = self.elements(&Argument { value: value.clone(), span: span.clone() })?;
+        let columns = total / rows;
+        let right = |element: &Value<'g>| match element {
+            Value::Array(row) => {
+                row.values().len() == columns && row.values().iter().all(|entry| matches!(entry, Value::Scalar(_)))
+            }
+            other => other.shape() == super::value::Shape::Vector && columns == 3,
+        };
+        if elements.len() == rows && elements.iter().all(right) {
+            return Ok(());
+        }
+        let message = format!("{rows} rows of {columns} are declared, this is {}", value.described());
+        Err(self.refuse(span, message, "one value without brackets stands for all entries"))
+    }
+
     fn measure_if_any(&mut self, quantity: &Quantity) -> Resolved<Option<Measure>> {
         let Some(unit) = &quantity.unit else { return Ok(None) };
         match measure(unit) {
@@ -247,6 +317,11 @@ impl<'d, 'g> Resolver<'d, 'g> {
             resolver.facts.constant(scalar.expr).ok_or(super::evaluate::Refused)
         };
         match (&value, length) {
+            (value, Some(total)) if quantity.columns.is_some() && !matches!(value, Value::Scalar(_)) => {
+                self.check_rows(quantity, value, total, &expression.span)?;
+                let numbers = self.flattened(value.clone(), &expression.span)?;
+                numbers.iter().map(|value| scalar(self, value)).collect()
+            }
             (Value::Array(array), Some(length)) => {
                 self.check_length(array.values().len(), length, &expression.span)?;
                 array.values().iter().map(|value| scalar(self, value)).collect()
@@ -341,8 +416,8 @@ impl<'d, 'g> Resolver<'d, 'g> {
                 }
                 Ok(Value::matrix(Tensor { entries: Matrix(rows), axes, dimension: found }))
             }
-            Value::Pose(_) => {
-                let message = format!("{what} is made of numbers, this is a pose");
+            Value::Pose(_) | Value::Part(_) => {
+                let message = format!("{what} is made of numbers, this is {}", value.described());
                 Err(self.refuse(span, message, "write `let` for anything else"))
             }
         }
@@ -414,6 +489,36 @@ mod tests {
         check("param a[3]: kg = [1, 2, 3];", Number::rational(3, 1), "kg");
         check("param a[3]: kg = 1/3;", Number::rational(1, 3), "kg");
         check("const n = 3; param a[2*n]: kg = 0;", Number::rational(0, 1), "kg");
+    }
+
+    #[test]
+    fn matrices_of_parameters() {
+        let declared = "param j[3][3]: kg*mm^2 = [[2e6, 0, 1e6], [0, 3e6, 0], [1e6, 0, 4e6]];";
+        mechanism(declared, |lagrangian| {
+            let j = lagrangian.parameters.last().unwrap();
+            let defaults: Vec<f64> = j.defaults.iter().map(|n| n.to_f64()).collect();
+            assert_eq!((j.length, defaults), (Some(9), vec![2.0, 0.0, 1.0, 0.0, 3.0, 0.0, 1.0, 0.0, 4.0]));
+            assert_eq!((j.component_names()[5].as_str(), j.lengths()), ("j_1_2", vec![3, 3]));
+        });
+        mechanism(
+            "param a[2][3]: m = 1; param w[3][3]: m = diag(1, 2, 3); let v = w*[1, 0, 0]; let b = a[1][2];",
+            |l| {
+                let w = l.parameters.last().unwrap();
+                assert_eq!(w.defaults[4], Number::integer(2));
+            },
+        );
+        refused(
+            "param a[2][2]: m = [1, 2, 3, 4];",
+            "[1, 2, 3, 4]: 2 rows of 2 are declared, this is an array of 4; one value without brackets stands for all entries",
+        );
+        let text = "mechanism A { param m: kg = 1; param j[3][3]: kg*m^2 = [[2, 0, 1], [0, 3, 0], [1, 0, 4]]; coord q[3]: rad; \
+                    let b = rpy(q[0], q[1], q[2]); kinetic += rigid_body(m, [0, 0, 0], inertia(j), b); }";
+        let report = crate::generate("a", text, &Default::default()).unwrap_err().render("a", text);
+        assert!(report.contains("an inertia is symmetric"), "{report}");
+        let entries = "inertia(j[0][0], j[1][1], j[2][2], j[0][1], j[0][2], j[1][2])";
+        let text = text.replace("inertia(j)", entries);
+        let generated = crate::generate("a", &text, &Default::default());
+        assert!(generated.is_ok_and(|g| g.code.contains("pub j: [T; 9]")));
     }
 
     #[test]

@@ -39,6 +39,20 @@ impl<'g> Elements<'g> {
         &mut self.values[number]
     }
 
+    /// All of them as an array of arrays; nothing where one has no value.
+    pub(super) fn whole(&self) -> Option<Value<'g>> {
+        let given = |element: &Element<'g>| match element {
+            Element::Given { value, .. } => Some(value.clone()),
+            Element::Empty | Element::Wrong => None,
+        };
+        let mut values = self.values.iter().map(given).collect::<Option<Vec<_>>>()?;
+        for &length in self.lengths.iter().skip(1).rev() {
+            let row = |row: &[Value<'g>]| Array::new(row.to_vec()).map(Value::Array);
+            values = values.chunks(length).map(row).collect::<Option<_>>()?;
+        }
+        Array::new(values).map(Value::Array)
+    }
+
     /// A new value, not used yet.
     pub(super) fn give(&mut self, indices: &[usize], value: Value<'g>, place: Span) {
         *self.get_mut(indices) = Element::Given { value, place, used: None };

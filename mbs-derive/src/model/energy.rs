@@ -6,7 +6,7 @@ use super::evaluate::{Argument, Resolved, Resolver, in_words};
 use super::scope::Origin;
 use super::value::{Shape, Value, shared};
 use crate::diagnostic::nearest;
-use crate::expr::Expr;
+use crate::expr::{Expr, Node, Symbol};
 use crate::parse::syntax::{BinaryOperator, EnergyTerm, Expression, ExpressionKind, Name};
 
 impl EnergyTerm {
@@ -37,6 +37,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
             return Err(self.refuse(&expression.span, message, help));
         }
         self.check_dependence(term, scalar.expr, expression)?;
+        let place = self.here(&expression.span);
         let (lagrangian, places) = (&mut self.lagrangian, &mut self.places);
         let (terms, places) = match term {
             EnergyTerm::Kinetic => (&mut lagrangian.kinetic, &mut places.kinetic),
@@ -45,7 +46,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
             EnergyTerm::Lagrangian => (&mut lagrangian.lagrangian, &mut places.lagrangian),
         };
         terms.push(scalar.expr);
-        places.push(expression.span.clone());
+        places.push(place);
         Ok(())
     }
 
@@ -252,7 +253,8 @@ impl<'d, 'g> Resolver<'d, 'g> {
         }
         let force = scalar.expr;
         self.lagrangian.forces.push((target.number, force));
-        self.places.forces.push(value.span.clone());
+        let place = self.here(&value.span);
+        self.places.forces.push(place);
         Ok(())
     }
 
@@ -271,14 +273,15 @@ impl<'d, 'g> Resolver<'d, 'g> {
             };
             return Err(self.refuse(&name.span, format!("there is no coordinate `{}`", name.text), help));
         };
-        let Origin::Coordinate(first) = binding.origin else {
+        // A part is given coordinates as arguments.
+        if !matches!(binding.origin, Origin::Coordinate(_) | Origin::Argument) {
             let message = format!("`{}` is {}, not a coordinate", name.text, binding.origin.described());
             let help = match coordinates().next() {
                 Some(coordinate) => format!("a force acts on a coordinate: `force {coordinate} += …;`"),
                 None => "a force acts on a coordinate".to_string(),
             };
             return Err(self.refuse(&name.span, message, help));
-        };
+        }
         let value = binding.value.clone().ok_or(super::evaluate::Refused)?;
         let array = Argument { value, span: name.span.clone() };
         let components = match &array.value {
@@ -300,8 +303,13 @@ impl<'d, 'g> Resolver<'d, 'g> {
         range
             .map(|i| {
                 let coordinate = self.scalar(&Argument { value: components[i].clone(), span: name.span.clone() })?;
+                let Node::Symbol(Symbol::Coordinate(number)) = coordinate.expr.node() else {
+                    let message = format!("`{}` is no coordinate here", name.text);
+                    let help = "a force acts on a coordinate: give the part one, or write `force at` and `torque on`";
+                    return Err(self.refuse(&name.span, message, help));
+                };
                 let name = if single { name.text.clone() } else { format!("{}[{i}]", name.text) };
-                Ok(Target { number: first + i, name, dimension: coordinate.dimension })
+                Ok(Target { number: number as usize, name, dimension: coordinate.dimension })
             })
             .collect()
     }

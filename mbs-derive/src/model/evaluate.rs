@@ -6,7 +6,7 @@
 use std::collections::{BTreeMap, BTreeSet, HashSet};
 
 use super::builtin::{self, CONSTANTS};
-use super::check::{Physical, Places};
+use super::check::{Physical, Place, Places};
 use super::constant::{Dependence, Facts};
 use super::difference::Differences;
 use super::dimension::Dimension;
@@ -15,14 +15,15 @@ use super::frame::{Edge, FrameId};
 use super::function::{Call, Function, Home};
 use super::gravity::Weights;
 use super::lagrangian::Lagrangian;
-use super::landmark::Place;
+use super::landmark;
 use super::operator::Sum;
 use super::output::Outputs;
+use super::part::Parts;
 use super::reaction::{Hold, Joint};
 use super::scope::Scope;
 use super::singular::Sites;
 use super::value::{Array, Free, Point, Pose, Scalar, Shape, Tensor, Value, shared};
-use crate::diagnostic::{Diagnostics, nearest};
+use crate::diagnostic::{Diagnostic, Diagnostics, nearest};
 use crate::expr::{Expr, Graph, Matrix, Node, Number, Symbol, Vector};
 use crate::parse::syntax::{BinaryOperator, Expression, ExpressionKind, Name, Span};
 
@@ -71,6 +72,8 @@ pub(super) struct Resolver<'d, 'g> {
     pub(super) shared: BTreeMap<&'d str, Function<'d>>,
     /// Those that have been called.
     pub(super) called: BTreeSet<&'d str>,
+    /// The parts, and those that are being built.
+    pub(super) parts: Parts<'d, 'g>,
     /// The calls that are being made, the outermost first.
     pub(super) calls: Vec<Call>,
     /// Calls so far.
@@ -128,6 +131,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
             functions: BTreeMap::new(),
             shared: BTreeMap::new(),
             called: BTreeSet::new(),
+            parts: Parts::default(),
             calls: Vec::new(),
             calls_so_far: 0,
             defining: None,
@@ -163,8 +167,8 @@ impl<'d, 'g> Resolver<'d, 'g> {
             if !help.is_empty() {
                 error.help(help);
             }
-            for (call, name) in calls {
-                error.note(call, format!("in this call of `{name}`"));
+            for (call, what) in calls {
+                error.note(call, what);
             }
         }
         Refused
@@ -175,13 +179,43 @@ impl<'d, 'g> Resolver<'d, 'g> {
         !self.said.insert((place.start, place.end, what.to_string()))
     }
 
+    /// Notes an error about what was built before, with the calls that had led there.
+    pub(super) fn refuse_at(&mut self, at: &Place, message: impl Into<String>, help: impl Into<String>) {
+        let (message, help) = (message.into(), help.into());
+        let same: Vec<usize> = at.calls.iter().map(|(call, _)| call.start).collect();
+        if self.said.insert((at.span.start, at.span.end, format!("{message} {same:?}"))) {
+            let error = self.errors.error(at.span.clone(), message);
+            if !help.is_empty() {
+                error.help(help);
+            }
+            for (call, what) in &at.calls {
+                error.note(call.clone(), what);
+            }
+        }
+    }
+
+    /// Notes a warning about what was built before, with the calls that had led there.
+    pub(super) fn warn_at(&mut self, at: &Place, message: impl Into<String>) -> &mut Diagnostic {
+        let warning = self.errors.warning(at.span.clone(), message);
+        for (call, what) in &at.calls {
+            warning.note(call.clone(), what);
+        }
+        warning
+    }
+
+    /// This place, for messages that come when all is built.
+    pub(super) fn here(&self, span: &Span) -> Place {
+        let (span, calls) = self.place(span);
+        Place { span, calls }
+    }
+
     /// Where a message about this place is shown, and the calls that led there, the innermost first.
     pub(super) fn place(&self, span: &Span) -> (Span, Vec<(Span, String)>) {
         // Nobody can look into a library function: the call of it is the place.
         let own = self.calls.iter().take_while(|call| call.home != Home::Library).count();
         let place = self.calls.get(own).map_or(span, |call| &call.span).clone();
         let calls = self.calls[..own].iter().rev().take(MAX_NOTES);
-        (place, calls.map(|call| (call.span.clone(), call.name.clone())).collect())
+        (place, calls.map(|call| (call.span.clone(), call.described())).collect())
     }
 
     /// Whether the mechanism has outgrown its limit; says so once.
@@ -311,7 +345,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
     }
 
     /// The values of all expressions; all are looked at before any is given up.
-    fn arguments(&mut self, expressions: &[Expression]) -> Resolved<Vec<Argument<'g>>> {
+    pub(super) fn arguments(&mut self, expressions: &[Expression]) -> Resolved<Vec<Argument<'g>>> {
         let values: Vec<_> = expressions.iter().map(|e| self.argument(e)).collect();
         values.into_iter().collect()
     }
@@ -373,6 +407,9 @@ impl<'d, 'g> Resolver<'d, 'g> {
     #[inline(never)]
     fn field(&mut self, value: &Expression, field: &Name) -> Resolved<Value<'g>> {
         let value = self.argument(value)?;
+        if let Value::Part(instance) = &value.value {
+            return self.value_of_part(instance, field);
+        }
         self.component(&value, field)
     }
 
@@ -452,8 +489,10 @@ impl<'d, 'g> Resolver<'d, 'g> {
             return self.unknown_to_imports(name, span);
         }
         if let Some(origin) = self.scope.hidden(name) {
-            let message = format!("`{name}` is {}: a function does not see it", origin.described());
-            let help = "give it to the function as an argument; coordinates, parameters, inputs and constants it sees";
+            let who = if self.scope.is_in_part() { "part" } else { "function" };
+            let message = format!("`{name}` is {}: a {who} does not see it", origin.described());
+            let help =
+                format!("give it to the {who} as an argument; coordinates, parameters, inputs and constants it sees");
             return self.refuse(span, message, help);
         }
         if let Some(cycle) = self.cycle(name) {
@@ -463,6 +502,11 @@ impl<'d, 'g> Resolver<'d, 'g> {
         if self.definitions.contains_key(name) {
             let message = format!("`{name}` is declared further down");
             return self.refuse(span, message, "names are known from their declaration on: move it up");
+        }
+        if self.joints.iter().any(|joint| joint.family.name.text == name) {
+            let message = format!("`{name}` is a reaction: it follows from the accelerations, and is no value here");
+            let help = "state the load by what causes it, such as `mu*m*g`, or make it an input";
+            return self.refuse(span, message, help);
         }
         let own = self.functions.get(name).map(Function::form);
         if let Some(form) = own.or(builtin::form_of_function(name).map(str::to_string)) {
@@ -550,7 +594,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
         let place = self.lagrangian.frames.get(frame);
         let turned = self.turned(coordinates, frame, axis);
         let expr = if place.position.0.iter().all(|p| p.is_zero()) { turned } else { place.position.0[axis] + turned };
-        self.lagrangian.landmarks.note_component(expr, Place { axis, coordinates, frame });
+        self.lagrangian.landmarks.note_component(expr, landmark::Place { axis, coordinates, frame });
         self.note_component(expr, axis, Point { coordinates, frame });
         expr
     }

@@ -30,7 +30,7 @@ impl FrameId {
 pub enum Edge<'g> {
     /// Turned by an angle about a unit axis, which is the same in both frames.
     Rotation {
-        /// Unit vector, constant.
+        /// Unit vector, constant in time.
         axis: Vector<'g>,
         /// Any expression of coordinates, time and parameters.
         angle: Expr<'g>,

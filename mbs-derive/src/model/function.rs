@@ -41,6 +41,18 @@ pub(super) struct Call {
     pub(super) name: String,
     pub(super) span: Span,
     pub(super) home: Home,
+    /// Whether it is a part that is being built.
+    pub(super) is_part: bool,
+}
+
+impl Call {
+    /// For a note at its place.
+    pub(super) fn described(&self) -> String {
+        match self.is_part {
+            true => format!("in this use of the part `{}`", self.name),
+            false => format!("in this call of `{}`", self.name),
+        }
+    }
 }
 
 impl Function<'_> {
@@ -76,7 +88,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
 
     /// A function of the mechanism or of an imported file; it may take the name of one of the library.
     pub(super) fn function(&mut self, name: &'d Name, parameters: &'d [Name], body: &'d Expression) {
-        if builtin::form_of_function(&name.text).is_some() {
+        if builtin::form_of_function(&name.text).is_some() && !builtin::REPLACEABLE.contains(&name.text.as_str()) {
             self.refuse(&name.span, format!("the function `{}` is built in", name.text), "choose another name");
             return;
         }
@@ -205,7 +217,12 @@ impl<'d, 'g> Resolver<'d, 'g> {
             // Two of one name have been reported.
             let _ = self.scope.declare(&parameter.text, binding);
         }
-        self.calls.push(Call { name: function.name.text.clone(), span: span.clone(), home: function.home });
+        self.calls.push(Call {
+            name: function.name.text.clone(),
+            span: span.clone(),
+            home: function.home,
+            is_part: false,
+        });
         let value = self.expression(function.body);
         self.calls.pop();
         self.scope.leave();

@@ -6,6 +6,7 @@
 
 use std::collections::BTreeMap;
 
+use super::check::Place;
 use super::constant::Dependence;
 use super::dimension::Dimension;
 use super::evaluate::{Resolved, Resolver};
@@ -67,7 +68,7 @@ impl<'g> Resolver<'_, 'g> {
         for body in self.declared_bodies() {
             if let Some(potential) = self.weight(&body, field) {
                 self.lagrangian.potential.push(potential);
-                self.places.potential.push(statement.clone());
+                self.places.potential.push(Place { span: statement.clone(), calls: Vec::new() });
                 self.weights.added += 1;
             }
         }
@@ -111,11 +112,11 @@ impl<'g> Resolver<'_, 'g> {
         let kinetic = self.lagrangian.kinetic.iter().zip(&self.places.kinetic).map(|(e, place)| (e, place, false));
         let others = self.lagrangian.lagrangian.iter().zip(&self.places.lagrangian).map(|(e, place)| (e, place, true));
         let found = kinetic.chain(others).filter(|(e, _, of_lagrangian)| hides_body(**e, *of_lagrangian));
-        let found: Vec<Span> = found.map(|(_, place, _)| place.clone()).collect();
+        let found: Vec<Place> = found.map(|(_, place, _)| place.clone()).collect();
         for place in found {
             let help = "gravity acts on each `particle` and `rigid_body` that is a term of `kinetic +=`, with a factor that \
                         is constant in time; without the `gravity` statement, write the potential energies";
-            self.refuse(&place, "gravity does not find the body in this energy", help);
+            self.refuse_at(&place, "gravity does not find the body in this energy", help);
         }
     }
 }
@@ -142,7 +143,8 @@ impl<'g> Resolver<'_, 'g> {
         let doubles = doubles(&self.lagrangian, written, weights);
         for term in doubles {
             let message = "this is gravity once more: the `gravity` statement adds the weight of every body";
-            let warning = self.errors.warning(self.places.potential[term].clone(), message);
+            let place = self.places.potential[term].clone();
+            let warning = self.warn_at(&place, message);
             warning.help("leave one of them out").note(statement.clone(), "gravity is declared here");
         }
     }

@@ -23,6 +23,8 @@ pub struct Variable {
     pub unit: String,
     /// How many, where it is an array.
     pub length: Option<usize>,
+    /// How many of them are a row, where it is a matrix.
+    pub columns: Option<usize>,
     /// The number of its first component among all components of its kind.
     pub first: usize,
     /// Default values of parameters in SI units, one per component; empty for coordinates and inputs.
@@ -44,11 +46,22 @@ impl Variable {
         (self.first..self.first + self.count()).contains(&number)
     }
 
-    /// The names of the components: `x`, or `q_0`, `q_1`, ….
+    /// The lengths that it was declared with: `[]`, `[n]`, or `[rows, columns]`.
+    pub fn lengths(&self) -> Vec<usize> {
+        match (self.length, self.columns) {
+            (None, _) => Vec::new(),
+            (Some(n), None) => vec![n],
+            (Some(n), Some(columns)) => vec![n / columns, columns],
+        }
+    }
+
+    /// The names of the components: `x`, or `q_0`, `q_1`, …; of a matrix `a_0_0`, `a_0_1`, …, row by row.
     pub fn component_names(&self) -> Vec<String> {
-        match self.length {
-            None => vec![self.name.clone()],
-            Some(n) => (0..n).map(|i| format!("{}_{i}", self.name)).collect(),
+        let name = &self.name;
+        match (self.length, self.columns) {
+            (None, _) => vec![name.clone()],
+            (Some(n), None) => (0..n).map(|i| format!("{name}_{i}")).collect(),
+            (Some(n), Some(columns)) => (0..n).map(|i| format!("{name}_{}_{}", i / columns, i % columns)).collect(),
         }
     }
 }
@@ -426,6 +439,7 @@ fn declare<'g>(
         docs: Vec::new(),
         unit: unit.to_string(),
         length,
+        columns: None,
         first,
         defaults,
         declared_unit: None,

@@ -107,8 +107,8 @@ impl<'g> Resolver<'_, 'g> {
             return;
         }
         let warning = self.errors.warning(place, message).help(help);
-        for (call, name) in calls {
-            warning.note(call, format!("in this call of `{name}`"));
+        for (call, what) in calls {
+            warning.note(call, what);
         }
     }
 }

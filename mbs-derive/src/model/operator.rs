@@ -54,6 +54,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
                 Ok(Value::matrix(Tensor { entries: Matrix(a.entries.0.map(|row| row.map(|x| -x))), ..a }))
             }
             Shape::Pose => Err(self.refuse(&a.span, "a pose has no sign", "the inverse of a pose is `pose.inverse()`")),
+            Shape::Part => Err(self.no_value_of_a_part(&a)),
             Shape::Array => Err(self.no_array_arithmetic(&a)),
         }
     }
@@ -65,8 +66,10 @@ impl<'d, 'g> Resolver<'d, 'g> {
 
     fn no_operator(&mut self, sign: &str, left: &Argument<'g>, right: &Argument<'g>, span: &Span) -> Refused {
         for side in [left, right] {
-            if side.value.shape() == Shape::Array {
-                return self.no_array_arithmetic(side);
+            match side.value.shape() {
+                Shape::Array => return self.no_array_arithmetic(side),
+                Shape::Part => return self.no_value_of_a_part(side),
+                Shape::Number | Shape::Vector | Shape::Matrix | Shape::Pose => {}
             }
         }
         let message = format!("no `{sign}` between {} and {}", left.value.described(), right.value.described());
@@ -125,7 +128,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
             Shape::Number => self.scalar(term).map(|a| a.fit()),
             Shape::Vector => self.vector(term).map(|a| a.fit()),
             Shape::Matrix => self.matrix(term).map(|a| a.fit()),
-            Shape::Pose | Shape::Array => return,
+            Shape::Pose | Shape::Part | Shape::Array => return,
         }
         .unwrap_or((Dimension::ONE, true));
         if !is_zero {
@@ -501,6 +504,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
                 let help = "its velocities are `angular_velocity(pose)` and `dt(pose.origin())`";
                 Err(self.refuse(&a.span, "a pose has no time derivative", help))
             }
+            Value::Part(_) => Err(self.no_value_of_a_part(a)),
         }
     }
 

@@ -50,6 +50,9 @@ impl<'d, 'g> Resolver<'d, 'g> {
         let value = self.argument(value);
         let number = number?;
         let position = self.noted_output(docs, name, number)?;
+        if let (Ok(value), None) = (&value, number) {
+            self.give(name, &value.value);
+        }
         let shown = value.and_then(|value| self.shown(&value)).and_then(|shown| match jacobian_rate {
             Some(request) => self.check_jacobian_rate(&name.text, &shown.0, request).map(|()| shown),
             None => Ok(shown),
@@ -169,6 +172,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
                     [vec![self.dimension(Dimension::LENGTH).to_string(); 3], vec![Dimension::ONE.to_string(); 9]];
                 Ok((OutputValue::Pose(self.frame(value)?), units.concat()))
             }
+            Value::Part(_) => Err(self.no_value_of_a_part(value)),
             Value::Array(array) => {
                 let mut elements = Vec::new();
                 for element in array.values() {

@@ -55,14 +55,15 @@ pub(super) struct Joint {
 impl Hold<'_> {
     /// Of what is gone through for the first time.
     pub(super) fn of(declaration: &Declaration) -> Self {
-        if has_reactions(&declaration.statements) { Hold::Now } else { Hold::Always }
+        let statements = [&declaration.imported, &declaration.statements];
+        if statements.into_iter().any(|statements| has_reactions(statements)) { Hold::Now } else { Hold::Always }
     }
 }
 
 fn has_reactions(statements: &[Statement]) -> bool {
     statements.iter().any(|statement| match &statement.kind {
         StatementKind::Reaction { .. } => true,
-        StatementKind::For { body, .. } => has_reactions(body),
+        StatementKind::For { body, .. } | StatementKind::Part { body, .. } => has_reactions(body),
         StatementKind::If { branches, otherwise } => {
             has_reactions(otherwise) || branches.iter().any(|(_, body)| has_reactions(body))
         }
@@ -232,6 +233,7 @@ impl<'g> Resolver<'_, 'g> {
             docs: Vec::new(),
             unit: "1".to_string(),
             length: Some(auxiliary.len()),
+            columns: None,
             first: self.lagrangian.dof(),
             defaults: Vec::new(),
             declared_unit: None,

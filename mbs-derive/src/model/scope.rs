@@ -27,6 +27,8 @@ pub(super) enum Origin {
     Loop,
     /// `fn f(x)`
     Argument,
+    /// `link arm(m);`
+    Part,
 }
 
 impl Origin {
@@ -42,6 +44,7 @@ impl Origin {
             Origin::Mutable => "a `let mut`",
             Origin::Loop => "a loop variable",
             Origin::Argument => "an argument",
+            Origin::Part => "a part",
         }
     }
 
@@ -49,7 +52,7 @@ impl Origin {
     fn is_everywhere(self) -> bool {
         match self {
             Origin::Parameter | Origin::Coordinate(_) | Origin::Input | Origin::Prescribed | Origin::Constant => true,
-            Origin::Local | Origin::Mutable | Origin::Loop | Origin::Argument => false,
+            Origin::Local | Origin::Mutable | Origin::Loop | Origin::Argument | Origin::Part => false,
         }
     }
 }
@@ -78,9 +81,18 @@ impl<'g> Binding<'g> {
 #[derive(Debug)]
 pub(super) struct Scope<'g> {
     blocks: Vec<BTreeMap<String, Binding<'g>>>,
-    /// Which blocks are bodies of functions that are being called: nothing is seen through the last of them but what is
-    /// the mechanism's own, and so many of the outermost blocks.
-    functions: Vec<(usize, usize)>,
+    /// The bodies of functions that are being called and parts that are being built: nothing is seen through the last of
+    /// them but what is the mechanism's own.
+    functions: Vec<Body>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Body {
+    /// Its outermost block.
+    first: usize,
+    /// How many of the outermost blocks are seen through it.
+    seen: usize,
+    is_part: bool,
 }
 
 /// What imported files declare, and the mechanism.
@@ -99,22 +111,55 @@ impl<'g> Scope<'g> {
 
     /// Opens the body of a function of the mechanism.
     pub(super) fn enter_function(&mut self) {
-        self.functions.push((self.blocks.len(), OUTERMOST));
+        self.functions.push(Body { first: self.blocks.len(), seen: OUTERMOST, is_part: false });
+        self.enter();
+    }
+
+    /// Opens the body of a part, of an imported file or of the mechanism.
+    pub(super) fn enter_part(&mut self, is_shared: bool) {
+        let seen = if is_shared { 1 } else { OUTERMOST };
+        self.functions.push(Body { first: self.blocks.len(), seen, is_part: true });
         self.enter();
     }
 
     /// Opens the body of a function of an imported file.
     pub(super) fn enter_shared_function(&mut self) {
-        self.functions.push((self.blocks.len(), 1));
+        self.functions.push(Body { first: self.blocks.len(), seen: 1, is_part: false });
         self.enter();
     }
 
     /// Closes the innermost block.
     pub(super) fn leave(&mut self) {
         self.blocks.pop();
-        if self.functions.last().is_some_and(|(body, _)| *body == self.blocks.len()) {
+        if self.functions.last().is_some_and(|body| body.first == self.blocks.len()) {
             self.functions.pop();
         }
+    }
+
+    /// Whether a part is being built.
+    pub(super) fn is_in_part(&self) -> bool {
+        self.functions.last().is_some_and(|body| body.is_part)
+    }
+
+    /// The outermost block of the part or the mechanism that is being built.
+    fn body(&mut self) -> &mut BTreeMap<String, Binding<'g>> {
+        let own = self.functions.last().map_or(OUTERMOST - 1, |body| body.first);
+        &mut self.blocks[own]
+    }
+
+    /// What a name stands for in the outermost block of the part or the mechanism, to which loops may add.
+    pub(super) fn in_body(&mut self, name: &str) -> Option<&mut Binding<'g>> {
+        self.body().get_mut(name)
+    }
+
+    /// Declares a name there.
+    pub(super) fn declare_in_body(&mut self, name: &str, binding: Binding<'g>) {
+        self.body().insert(name.to_string(), binding);
+    }
+
+    /// What the innermost block declares.
+    pub(super) fn innermost(&self) -> impl Iterator<Item = (&String, &Binding<'g>)> {
+        self.blocks.last().into_iter().flatten()
     }
 
     /// Whether the innermost block is the mechanism's own, or that of imported files.
@@ -145,7 +190,7 @@ impl<'g> Scope<'g> {
 
     /// What a name stands for.
     pub(super) fn get(&self, name: &str) -> Option<&Binding<'g>> {
-        let Some(&(body, seen)) = self.functions.last() else {
+        let Some(&Body { first: body, seen, .. }) = self.functions.last() else {
             return self.blocks.iter().rev().find_map(|block| block.get(name));
         };
         let inner = self.blocks[body..].iter().rev().find_map(|block| block.get(name));
@@ -169,7 +214,7 @@ impl<'g> Scope<'g> {
 
     /// That the value of a name is used here; what functions do with their arguments is no use of the name.
     pub(super) fn note_use(&mut self, name: &str, place: &Span) {
-        if self.functions.is_empty()
+        if self.functions.last().is_none_or(|body| body.is_part)
             && let Some(binding) = self.get_mut(name)
         {
             binding.used.get_or_insert_with(|| place.clone());

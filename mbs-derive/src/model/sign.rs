@@ -19,18 +19,20 @@ impl<'d, 'g> Resolver<'d, 'g> {
     pub(super) fn warn_of_signs(&mut self) {
         let samples = Samples::new(&self.lagrangian);
         for term in samples.never_positive(&self.lagrangian.kinetic) {
-            let warning =
-                self.errors.warning(self.places.kinetic[term].clone(), "this kinetic energy is never positive");
+            let place = self.places.kinetic[term].clone();
+            let warning = self.warn_at(&place, "this kinetic energy is never positive");
             warning.help("is its sign right? springs and weights are `potential += …`");
         }
         for term in samples.driving_dissipation(&self.lagrangian) {
             let message = "this dissipation brings energy in: somewhere its force acts along the motion";
-            let warning = self.errors.warning(self.places.dissipation[term].clone(), message);
+            let place = self.places.dissipation[term].clone();
+            let warning = self.warn_at(&place, message);
             warning.help("D is positive and enters as the force `-∂D/∂q̇`: write `dissipation += 1/2 * b * dt(x)^2;`");
         }
         for force in samples.driving_forces(&self.lagrangian) {
             let message = "this force always acts along the motion: it brings energy in";
-            let warning = self.errors.warning(self.places.forces[force].clone(), message);
+            let place = self.places.forces[force].clone();
+            let warning = self.warn_at(&place, message);
             warning.help("forces are written as they act on the mechanism, friction against the motion: `-b*dt(x)`");
         }
     }
@@ -56,8 +58,8 @@ impl<'d, 'g> Resolver<'d, 'g> {
                 let message = format!("this angle is in radians: {value} rad are {turns} turns");
                 let warning = self.errors.warning(place, message);
                 warning.help(format!("for degrees write `{value}*deg`"));
-                for (call, name) in calls {
-                    warning.note(call, format!("in this call of `{name}`"));
+                for (call, what) in calls {
+                    warning.note(call, what);
                 }
             }
         }

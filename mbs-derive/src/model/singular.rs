@@ -170,8 +170,8 @@ impl<'d, 'g> Resolver<'d, 'g> {
         for (site, message) in found.into_values() {
             let Site { expr, span, calls } = &sites[site];
             let warning = self.errors.warning(span.clone(), message).help(help(expr.node()));
-            for (call, name) in calls {
-                warning.note(call.clone(), format!("in this call of `{name}`"));
+            for (call, what) in calls {
+                warning.note(call.clone(), what);
             }
         }
     }

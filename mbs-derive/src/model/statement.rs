@@ -28,6 +28,11 @@ impl<'d, 'g> Resolver<'d, 'g> {
                     self.function(name, parameters, body);
                     continue;
                 }
+                StatementKind::Part { name, parameters, body } => {
+                    self.part(name, parameters, body);
+                    continue;
+                }
+                StatementKind::Instance { name, .. } => (name, None),
                 StatementKind::Assign { .. }
                 | StatementKind::Energy { .. }
                 | StatementKind::ForceAt { .. }
@@ -88,15 +93,23 @@ impl<'d, 'g> Resolver<'d, 'g> {
                 let _ = self.argument(acceleration);
                 Err(self.refuse(&statement.span, "`gravity` cannot stand in a loop", help))
             }
+            StatementKind::Gravity { .. } if self.scope.is_in_part() => {
+                Err(self.not_in_a_part("gravity", &statement.span))
+            }
+            // Known from the start.
+            StatementKind::Part { .. } => self.outermost("part", &statement.span),
+            StatementKind::Instance { part, name, index, arguments } => {
+                self.instance(part, name, index.as_ref(), arguments, &statement.span)
+            }
             StatementKind::Gravity { acceleration } => self.gravity(acceleration, &statement.span),
             StatementKind::Reaction { docs, name, index, pose, element } => {
-                self.reaction(docs, name, index.as_ref(), pose, element)
+                self.reaction(docs, &self.path(name), index.as_ref(), pose, element)
             }
             StatementKind::Constraint { docs, name, index, left, right } => {
-                self.constraint(docs, name, index.as_ref(), left, right)
+                self.constraint(docs, &self.path(name), index.as_ref(), left, right)
             }
             StatementKind::Output { docs, name, index, value, jacobian_rate } => {
-                self.output(docs, name, index.as_ref(), value, jacobian_rate.as_ref())
+                self.output(docs, &self.path(name), index.as_ref(), value, jacobian_rate.as_ref())
             }
             StatementKind::For { variable, start, end, body } => self.repeat(variable, start, end, body),
             StatementKind::If { branches, otherwise } => self.choose(branches, otherwise),
@@ -107,7 +120,12 @@ impl<'d, 'g> Resolver<'d, 'g> {
         if self.scope.is_outermost() {
             return Ok(());
         }
+        if self.scope.is_in_part() {
+            return Err(self.not_in_a_part(keyword, span));
+        }
         let (block, help) = match (self.is_in_a_loop(), keyword) {
+            (true, "part") => ("a loop", "parts are the mechanism's own: move it out of the loop"),
+            (false, "part") => ("an `if`", "parts are the mechanism's own: move it before the `if`"),
             (true, "fn") => ("a loop", "functions are the mechanism's own: move it out of the loop"),
             (true, _) => ("a loop", "declare an array before the loop, and use its elements in it"),
             (false, "fn") => ("an `if`", "functions are the mechanism's own: move it before the `if`"),

@@ -1,5 +1,6 @@
 //! What expressions of the language stand for.
 
+use std::collections::BTreeMap;
 use std::rc::Rc;
 
 use super::dimension::Dimension;
@@ -19,8 +20,21 @@ pub(super) enum Value<'g> {
     Matrix(Box<Tensor<'g>>),
     /// Position and attitude in the world.
     Pose(Pose<'g>),
+    /// A part that has been built, with the values that it gives.
+    Part(Rc<Instance<'g>>),
     /// Several values; three numbers are a vector in world axes wherever one is wanted, three rows of three a matrix.
     Array(Array<'g>),
+}
+
+/// A part that has been built.
+#[derive(Clone, Debug)]
+pub(super) struct Instance<'g> {
+    /// The name of the part.
+    pub(super) part: String,
+    /// What it declares; nothing where a declaration was wrong.
+    pub(super) values: BTreeMap<String, Option<Value<'g>>>,
+    /// Whether none of its statements was refused.
+    pub(super) is_whole: bool,
 }
 
 /// One number with its dimension. The literal 0 fits every dimension.
@@ -78,6 +92,7 @@ pub(super) enum Shape {
     Vector,
     Matrix,
     Pose,
+    Part,
     Array,
 }
 
@@ -92,6 +107,7 @@ impl<'g> Value<'g> {
             Value::Vector(_) | Value::Point(_) => Shape::Vector,
             Value::Matrix(_) => Shape::Matrix,
             Value::Pose(_) => Shape::Pose,
+            Value::Part(_) => Shape::Part,
             Value::Array(array) if array.values.len() != 3 => Shape::Array,
             Value::Array(array) if array.values.iter().all(|v| v.shape() == Shape::Number) => Shape::Vector,
             Value::Array(array) if array.values.iter().all(|v| v.shape() == Shape::Vector) => Shape::Matrix,
@@ -107,6 +123,7 @@ impl<'g> Value<'g> {
             Value::Point(_) => "a point".to_string(),
             Value::Matrix(_) => "a matrix".to_string(),
             Value::Pose(_) => "a pose".to_string(),
+            Value::Part(_) => "a part".to_string(),
             Value::Array(array) => match self.shape() {
                 Shape::Vector => "a vector".to_string(),
                 Shape::Matrix => "a matrix".to_string(),
@@ -124,6 +141,7 @@ impl Shape {
             Shape::Vector => "a vector",
             Shape::Matrix => "a matrix",
             Shape::Pose => "a pose",
+            Shape::Part => "a part",
             Shape::Array => "an array",
         }
     }

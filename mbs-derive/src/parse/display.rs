@@ -63,6 +63,17 @@ fn lines(f: &mut Formatter<'_>, statement: &Statement, depth: usize) -> fmt::Res
         StatementKind::ForceAt { point, value } => writeln!(f, "{indent}force at {point} += {value};"),
         StatementKind::TorqueOn { pose, value } => writeln!(f, "{indent}torque on {pose} += {value};"),
         StatementKind::Gravity { acceleration } => writeln!(f, "{indent}gravity {acceleration};"),
+        StatementKind::Part { name, parameters, body } => {
+            let names: Vec<&str> = parameters.iter().map(|parameter| parameter.text.as_str()).collect();
+            writeln!(f, "{indent}part {}({}) {{", name.text, names.join(", "))?;
+            body.iter().try_for_each(|statement| lines(f, statement, depth + 1))?;
+            writeln!(f, "{indent}}}")
+        }
+        StatementKind::Instance { part, name, index, arguments } => {
+            let index = index.as_ref().map(|index| format!("[{index}]")).unwrap_or_default();
+            let arguments: Vec<String> = arguments.iter().map(Expression::to_string).collect();
+            writeln!(f, "{indent}{} {}{index}({});", part.text, name.text, arguments.join(", "))
+        }
         StatementKind::Reaction { docs: about, name, index, pose, element } => {
             docs(f, about, depth)?;
             write!(f, "{indent}reaction {}", name.text)?;
@@ -115,6 +126,9 @@ fn declared(f: &mut Formatter<'_>, keyword: &str, quantity: &Quantity, depth: us
     write!(f, "{}{keyword} {}", INDENT.repeat(depth), quantity.name.text)?;
     if let Some(length) = &quantity.length {
         write!(f, "[{length}]")?;
+    }
+    if let Some(columns) = &quantity.columns {
+        write!(f, "[{columns}]")?;
     }
     if let Some(unit) = &quantity.unit {
         write!(f, ": {unit}")?;

@@ -4,7 +4,8 @@
 //! file        := (inner | doc | import)* "mechanism" name "{" statement* "}"
 //! inner       := "#![dimensionless]"
 //! statement   := doc* (param | coord | input | prescribed | const | fn | let | assignment | energy | force | force_at
-//!                | torque | gravity | reaction | constraint | output) ";" | doc* (for | choice)
+//!                | torque | gravity | reaction | constraint | output | instance) ";" | doc* (for | choice
+//!                | part)
 //! ```
 //!
 //! A function that cannot go on notes why in `errors` and answers [`Refused`]; [`Reader::statements`] goes on with the
@@ -16,7 +17,7 @@ use proc_macro2::{Delimiter, TokenStream};
 use syn::buffer::Cursor;
 use syn::parse::{ParseStream, Parser};
 
-use super::contextual::is_assignment;
+use super::contextual::{begins_call, begins_instance, is_assignment};
 use super::guard;
 use super::import::Shared;
 use super::keyword::{CONTEXTUAL, STATEMENTS};
@@ -238,6 +239,7 @@ impl Reader<'_> {
             None => Err(self.no_statement(input)),
             Some((text, _)) if text == "for" => self.for_loop(input).map(Some),
             Some((text, _)) if text == "if" => self.choice(input).map(Some),
+            Some((text, _)) if text == "part" && begins_call(input) => self.part(input).map(Some),
             Some((text, _)) => self.plain_statement(input, &text, docs, here).map(Some),
         }
     }
@@ -273,6 +275,7 @@ impl Reader<'_> {
                 return Err(self.refuse(here, "an `else` without its `if`", "write `if n == 1 { … } else { … }`"));
             }
             "import" => return Err(self.late_import(here)),
+            _ if !CONTEXTUAL.contains(&text) && begins_instance(input) => self.instance(input)?,
             _ => self.assignment(input)?,
         };
         self.semicolon(input)?;
@@ -296,7 +299,7 @@ impl Reader<'_> {
         let span = self.next(input);
         let forms = "a statement begins with `param`, `coord`, `input`, `prescribed`, `const`, `fn`, `let`, `kinetic`, \
                      `potential`, `dissipation`, `lagrangian`, `force`, `torque`, `gravity`, `reaction`, `constraint`, \
-                     `output`, `for` or `if`, or is an assignment `x = …;`";
+                     `output`, `part`, `for` or `if`, or is an assignment `x = …;`";
         match word(input.cursor()) {
             Some((text, _)) if text == "mechanism" => {
                 self.refuse(span, "a mechanism stands within a mechanism", "write it in a file of its own")
@@ -335,19 +338,25 @@ impl Reader<'_> {
         if !opens(input, Delimiter::Parenthesis) {
             return Err(self.unexpected(input, "a `(`", &form));
         }
-        let (group, mut parameters) = (self.group(input)?, Vec::new());
-        while !group.content.is_empty() {
-            parameters.push(self.declared_name(&group.content, "fn")?);
-            if !group.content.is_empty() && self.eat(&group.content, ",").is_none() {
-                return Err(self.unexpected(&group.content, "`,` or `)`", &form));
-            }
-        }
-        self.close(group);
+        let parameters = self.names_in_brackets(input, "fn", &form)?;
         if opens(input, Delimiter::Brace) {
             return Err(self.refuse(self.next(input), "a function is one formula", form));
         }
         self.equals(input, &form)?;
         Ok(StatementKind::Function { name, parameters, body: self.expression(input)? })
+    }
+
+    /// `"(" (name ("," name)* ","?)? ")"`
+    pub(super) fn names_in_brackets(&mut self, input: ParseStream<'_>, keyword: &str, form: &str) -> Parsed<Vec<Name>> {
+        let (group, mut names) = (self.group(input)?, Vec::new());
+        while !group.content.is_empty() {
+            names.push(self.declared_name(&group.content, keyword)?);
+            if !group.content.is_empty() && self.eat(&group.content, ",").is_none() {
+                return Err(self.unexpected(&group.content, "`,` or `)`", form));
+            }
+        }
+        self.close(group);
+        Ok(names)
     }
 
     /// `binding := "let" "mut"? name "=" expression`, `elements := "let" "mut"? name ("[" expression "]")+`

@@ -118,7 +118,7 @@ pub(super) enum Shared {
 }
 
 impl Reader<'_> {
-    /// `shared := ("//!" doc | import)* (doc* (const | fn) ";")*`
+    /// `shared := ("//!" doc | import)* (doc* ((const | fn) ";" | part))*`
     pub(super) fn shared(&mut self, input: ParseStream<'_>) -> Parsed<Shared> {
         if top_level(input.cursor()).any(|word| word == "mechanism") {
             while !input.is_empty() {
@@ -133,11 +133,14 @@ impl Reader<'_> {
         }
         let statements = self.statements(input);
         for statement in &statements {
-            if !matches!(statement.kind, StatementKind::Const(_) | StatementKind::Function { .. }) {
+            if !matches!(
+                statement.kind,
+                StatementKind::Const(_) | StatementKind::Function { .. } | StatementKind::Part { .. }
+            ) {
                 let text = &self.source[statement.span.clone()];
                 let keyword: String = text.chars().take_while(|c| c.is_ascii_alphanumeric() || *c == '_').collect();
                 let message = format!("`{keyword}` stands in a file without a mechanism");
-                let help = "files that are imported hold `const` and `fn` only: move it to the mechanism";
+                let help = "files that are imported hold `const`, `fn` and `part` only: move it to the mechanism";
                 self.errors.error(statement.span.clone(), message).help(help);
             }
         }
@@ -159,11 +162,11 @@ fn top_level(mut cursor: Cursor<'_>) -> impl Iterator<Item = String> {
     })
 }
 
-/// Whether a file declares no mechanism, but something to be shared by them: its first word, imports aside, is `const` or
-/// `fn`, or it imports and no more.
+/// Whether a file declares no mechanism, but something to be shared by them: its first word, imports aside, is `const`,
+/// `fn` or `part`, or it imports and no more.
 pub(super) fn begins_as_shared(input: ParseStream<'_>) -> bool {
     let mut words = top_level(input.cursor()).peekable();
-    let begins = words.peek().is_some_and(|first| ["import", "const", "fn"].contains(&first.as_str()));
+    let begins = words.peek().is_some_and(|first| ["import", "const", "fn", "part"].contains(&first.as_str()));
     begins && !words.any(|word| word == "mechanism")
 }
 
@@ -471,10 +474,10 @@ mod tests {
                 "wrong.mbs: #![dimensionless]: this attribute belongs to a mechanism; \
                  leave it out: the mechanism that imports this file decides",
                 "wrong.mbs: param m: kg = 1;: `param` stands in a file without a mechanism; \
-                 files that are imported hold `const` and `fn` only: move it to the mechanism",
+                 files that are imported hold `const`, `fn` and `part` only: move it to the mechanism",
                 "wrong.mbs: x: an operator is missing before `x`; write `*` for a product; `x` is not a unit",
                 "wrong.mbs: let b = 1: `let` stands in a file without a mechanism; \
-                 files that are imported hold `const` and `fn` only: move it to the mechanism",
+                 files that are imported hold `const`, `fn` and `part` only: move it to the mechanism",
                 "wrong.mbs: : a `;` is missing; end the statement with `;`",
             ],
         );

@@ -22,7 +22,7 @@ pub(super) const STATEMENTS: [&str; 17] = [
 ];
 
 /// What else a statement begins with, words that may be names all the same: what stands behind them tells.
-pub(super) const CONTEXTUAL: [&str; 1] = ["gravity"];
+pub(super) const CONTEXTUAL: [&str; 2] = ["gravity", "part"];
 
 /// Parts of statements.
 const PARTS: [&str; 6] = ["mechanism", "import", "mut", "in", "if", "else"];

@@ -38,18 +38,24 @@ pub(super) const INPUT: Form = Form {
 pub(super) const PRESCRIBED: Form = Form { keyword: "prescribed", needs_unit: Some("m"), value: FormValue::Optional };
 
 impl Reader<'_> {
-    /// `quantity := keyword name ("[" expression "]")? (":" unit)? ("=" expression)? ("," "positive")?`, the last of a `param`
-    /// alone
+    /// `quantity := keyword name ("[" expression "]" ("[" expression "]")?)? (":" unit)? ("=" expression)? ("," "positive")?`,
+    /// two lengths and the last of a `param` alone
     pub(super) fn quantity(&mut self, input: ParseStream<'_>, docs: Vec<String>, form: &Form) -> Parsed<Quantity> {
         let start = self.next(input).start;
         self.eat_word(input, form.keyword);
         let name = self.declared_name(input, form.keyword)?;
         let length = self.index(input)?;
+        let here = self.next(input);
+        let columns = self.index(input)?;
+        if columns.is_some() && form.keyword != "param" {
+            let help = "what else has rows is an array of arrays: `const a[2]: m = [[1, 2], [3, 4]];`";
+            return Err(self.refuse(here, "only a `param` has two indices", help));
+        }
         let declared = start..self.last;
         let unit = self.quantity_unit(input, form, &declared)?;
         let value = self.quantity_value(input, form, &declared)?;
         let positive = if form.keyword == PARAM.keyword { self.positive(input)? } else { None };
-        Ok(Quantity { docs, name, length, unit, value, positive })
+        Ok(Quantity { docs, name, length, columns, unit, value, positive })
     }
 
     /// `"," "positive"`, if a comma comes next.

@@ -24,35 +24,79 @@ fn span(span: &mut Span, start: usize) {
 fn statement(statement: &mut Statement, start: usize) {
     span(&mut statement.span, start);
     match &mut statement.kind {
-        StatementKind::Const(Quantity { name: declared, length, unit, value, .. }) => {
-            name(declared, start);
-            unit.iter_mut().for_each(|unit| shift_unit(unit, start));
-            length.iter_mut().chain(value).for_each(|e| expression(e, start));
-        }
+        StatementKind::Param(q)
+        | StatementKind::Coord(q)
+        | StatementKind::Input(q)
+        | StatementKind::Const(q)
+        | StatementKind::Prescribed(q) => quantity(q, start),
         StatementKind::Function { name: declared, parameters, body } => {
             name(declared, start);
             parameters.iter_mut().for_each(|parameter| name(parameter, start));
             expression(body, start);
         }
-        // Refused, with its place, which has been moved.
-        StatementKind::Param(_)
-        | StatementKind::Coord(_)
-        | StatementKind::Input(_)
-        | StatementKind::Prescribed(_)
-        | StatementKind::Let { .. }
-        | StatementKind::Elements { .. }
-        | StatementKind::Assign { .. }
-        | StatementKind::Energy { .. }
-        | StatementKind::Force { .. }
-        | StatementKind::ForceAt { .. }
-        | StatementKind::TorqueOn { .. }
-        | StatementKind::Gravity { .. }
-        | StatementKind::Reaction { .. }
-        | StatementKind::Constraint { .. }
-        | StatementKind::Output { .. }
-        | StatementKind::For { .. }
-        | StatementKind::If { .. } => {}
+        StatementKind::Let { name: declared, value, .. } => {
+            name(declared, start);
+            expression(value, start);
+        }
+        StatementKind::Elements { name: declared, lengths, .. } => {
+            name(declared, start);
+            lengths.iter_mut().for_each(|e| expression(e, start));
+        }
+        StatementKind::Assign { name: declared, indices, value } => {
+            name(declared, start);
+            indices.iter_mut().chain([value]).for_each(|e| expression(e, start));
+        }
+        StatementKind::Energy { value, .. } => expression(value, start),
+        StatementKind::Gravity { acceleration } => expression(acceleration, start),
+        StatementKind::Force { coordinate, index, value } => {
+            name(coordinate, start);
+            index.iter_mut().chain([value]).for_each(|e| expression(e, start));
+        }
+        StatementKind::ForceAt { point, value } => [point, value].into_iter().for_each(|e| expression(e, start)),
+        StatementKind::TorqueOn { pose, value } => [pose, value].into_iter().for_each(|e| expression(e, start)),
+        StatementKind::Reaction { name: declared, index, pose, element, .. } => {
+            [declared, pose].into_iter().for_each(|n| name(n, start));
+            index.iter_mut().chain(element).for_each(|e| expression(e, start));
+        }
+        StatementKind::Constraint { name: declared, index, left, right, .. } => {
+            name(declared, start);
+            index.iter_mut().chain([left, right]).for_each(|e| expression(e, start));
+        }
+        StatementKind::Output { name: declared, index, value, jacobian_rate, .. } => {
+            name(declared, start);
+            index.iter_mut().chain([value]).for_each(|e| expression(e, start));
+            jacobian_rate.iter_mut().for_each(|place| span(place, start));
+        }
+        StatementKind::For { variable, start: first, end, body } => {
+            name(variable, start);
+            [first, end].into_iter().for_each(|e| expression(e, start));
+            body.iter_mut().for_each(|inner| self::statement(inner, start));
+        }
+        StatementKind::If { branches, otherwise } => {
+            for (condition, body) in branches {
+                expression(condition, start);
+                body.iter_mut().for_each(|inner| self::statement(inner, start));
+            }
+            otherwise.iter_mut().for_each(|inner| self::statement(inner, start));
+        }
+        StatementKind::Part { name: declared, parameters, body } => {
+            name(declared, start);
+            parameters.iter_mut().for_each(|parameter| name(parameter, start));
+            body.iter_mut().for_each(|inner| self::statement(inner, start));
+        }
+        StatementKind::Instance { part, name: declared, index, arguments } => {
+            [part, declared].into_iter().for_each(|n| name(n, start));
+            index.iter_mut().chain(arguments).for_each(|e| expression(e, start));
+        }
     }
+}
+
+fn quantity(quantity: &mut Quantity, start: usize) {
+    let Quantity { name: declared, length, columns, unit, value, positive, docs: _ } = quantity;
+    positive.iter_mut().for_each(|place| span(place, start));
+    name(declared, start);
+    unit.iter_mut().for_each(|unit| shift_unit(unit, start));
+    length.iter_mut().chain(columns).chain(value).for_each(|e| expression(e, start));
 }
 
 fn shift_unit(unit: &mut Unit, start: usize) {

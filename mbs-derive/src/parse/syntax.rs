@@ -135,6 +135,26 @@ pub enum StatementKind {
         /// Its acceleration, a vector.
         acceleration: Expression,
     },
+    /// `part name(x, y) { … }`: statements to be used many times.
+    Part {
+        /// Its name.
+        name: Name,
+        /// The names of its arguments.
+        parameters: Vec<Name>,
+        /// Its statements.
+        body: Vec<Statement>,
+    },
+    /// `link arm(m, pose);`, `link leg[i](m, pose);`: a part used.
+    Instance {
+        /// The part.
+        part: Name,
+        /// What this one is called.
+        name: Name,
+        /// Which one, where it is an array.
+        index: Option<Expression>,
+        /// What the part is given.
+        arguments: Vec<Expression>,
+    },
     /// `reaction name at pose;`, `reaction name[i] at pose;`: the wrench that a joint transmits to what hangs on the pose.
     Reaction {
         /// Doc comments before it.
@@ -217,6 +237,8 @@ pub struct Quantity {
     pub name: Name,
     /// How many, where it is an array.
     pub length: Option<Expression>,
+    /// How many columns, where it is a matrix.
+    pub columns: Option<Expression>,
     /// Its unit; absent where none was written.
     pub unit: Option<Unit>,
     /// Its default or value; absent where none was written.

@@ -146,7 +146,7 @@ impl<'g> Linkage<'g> {
             Declared::Rotation { axis, angle } => {
                 let [x, y, z, angle] = carried([axis.0[0], axis.0[1], axis.0[2], angle], graph);
                 let axis = Vector([x, y, z]);
-                // The language has axes of numbers only; a mechanism built by hand may have others, and is derived plainly.
+                // An axis of parameters is derived plainly.
                 let is_number = axis.0.iter().all(|e| e.as_constant().is_some());
                 (is_number || is_still(angle)).then(|| self.turned(seat, axis, angle))
             }
