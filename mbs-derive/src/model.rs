@@ -18,7 +18,7 @@
 //! - `condition`: `if … else`;
 //! - `difference`: differences of places, in their nearest common frame;
 //! - `builtin`: functions and methods; `function`: functions written in the language; `body`: bodies;
-//! - `attitude`: axes of parameters, arrays for several arguments;
+//! - `attitude`: axes of parameters, arrays for several arguments; `interpolation`: tables;
 //! - `import`: what imported files declare;
 //! - `misplaced`: places that are counted from another origin than was meant;
 //! - `moments`: whether an inertia is that of a body;
@@ -51,6 +51,7 @@ pub mod given;
 mod gravity;
 mod import;
 mod inertia;
+mod interpolation;
 pub mod lagrangian;
 pub mod landmark;
 #[cfg(test)]

@@ -3,6 +3,7 @@
 use super::dimension::Dimension;
 use super::evaluate::{Argument, Refused, Resolved, Resolver};
 use super::frame::{Edge, FrameId};
+use super::interpolation;
 use super::landmark::Motion;
 use super::value::{Free, Point, Pose, Scalar, Shape, Tensor, Value, shared};
 use crate::diagnostic::nearest;
@@ -79,10 +80,13 @@ pub(super) const FUNCTIONS: &[Builtin] = &[
     entry("inertia",     "inertia(xx, yy, zz, xy, xz, yz)", &[1, 3, 6], With(inertia)),
     entry("particle",    "particle(mass, position)",    &[2], With(particle)),
     entry("rigid_body",  "rigid_body(mass, com, inertia, pose)", &[4], With(rigid_body)),
+    entry("table",          "table(x, xs, ys)",          &[3], With(interpolation::table)),
+    entry("table_monotone", "table_monotone(x, xs, ys)", &[3], With(interpolation::monotone)),
+    entry("table_spline",   "table_spline(x, xs, ys)",   &[3], With(interpolation::spline)),
 ];
 
 /// Functions that came after mechanisms had been written: a `fn` may take their names.
-pub(super) const REPLACEABLE: [&str; 1] = ["rpy"];
+pub(super) const REPLACEABLE: [&str; 4] = ["rpy", "table", "table_monotone", "table_spline"];
 
 #[rustfmt::skip]
 pub(super) const METHODS: &[Builtin] = &[
