@@ -4,7 +4,7 @@
 //! them. In reading order:
 //!
 //! - [`syntax`]: the declaration as it was written, what the next pass is given;
-//! - `import`: the files that are imported, and all files together; `shift`: their places;
+//! - `import`: the files that are imported, and all files together; `csv`: tables among them; `shift`: their places;
 //! - `encoding`: bytes → text;
 //! - `guard`: comments, brackets and characters, before the text is cut into tokens;
 //! - `grammar`: the file and its statements, one function a construct;
@@ -17,6 +17,7 @@
 
 mod condition;
 mod contextual;
+mod csv;
 mod display;
 mod encoding;
 mod expression;

@@ -73,7 +73,8 @@ impl Sources {
         for number in 0.. {
             let Some(file) = sources.files.get(number) else { break };
             let from = file.name.clone();
-            for path in file.text.as_deref().map(parse::imports).unwrap_or_default() {
+            let text = file.text.as_deref().ok().filter(|_| !is_table(&from));
+            for path in text.map(parse::imports).unwrap_or_default() {
                 let name = beside(&from, &path);
                 if sources.numbers.contains_key(&name) {
                     continue;
@@ -177,6 +178,11 @@ pub fn portable(name: &str) -> &str {
         Some(last) if path.is_absolute() => last,
         _ => name,
     }
+}
+
+/// Whether a file is a table of numbers, `.csv`.
+pub(crate) fn is_table(name: &str) -> bool {
+    Path::new(name).extension().is_some_and(|extension| extension.eq_ignore_ascii_case("csv"))
 }
 
 /// A path that stands in a file, as seen from where the file's own name is seen from.

@@ -77,3 +77,33 @@ fn files_that_cannot_be_imported_are_reported_at_the_import() {
     large.set_len(1 << 40).unwrap();
     check("the files of this mechanism are larger than 64 MiB together", "import constants and functions, not data");
 }
+
+/// Each column is an array of constants, in the unit of its header; the force is between the second and the third line.
+#[test]
+fn tables_are_imported() {
+    let workshop = Workshop::new();
+    std::fs::create_dir(workshop.path("measured")).unwrap();
+    let table = "# Spring.\r\nstretch [mm],pull [kN]\r\n-40,-.09\r\n0,0\r\n20,+0.05\r\n";
+    workshop.write("measured/spring.csv", table);
+    workshop.write(
+        "slider.mbs",
+        "import \"measured/spring.csv\"; mechanism Slider { param m: kg = 2; coord x: m; kinetic += 1/2*m*dt(x)^2; \
+         force x += -table(x, stretch, pull); }",
+    );
+    let acceleration = |x: f64| {
+        let state = format!(r#"{{"q": [{x}]}}"#);
+        workshop.eval("slider.mbs", &state)["forward_dynamics"][0].as_f64().unwrap()
+    };
+    for (x, force) in [(0.01, 25.0), (0.02, 50.0), (-0.01, -22.5), (1.0, 50.0), (0.0, 0.0)] {
+        assert!((acceleration(x) + force / 2.0).abs() < 1e-13, "{x}: {}", acceleration(x));
+    }
+    workshop.write("measured/spring.csv", table.replace("+0.05", "high"));
+    let report = workshop.bad(&["check", "slider.mbs"]);
+    assert!(report.contains(" --> measured/spring.csv:5:4\n"), "{report}");
+    assert!(report.contains("5 | 20,high\n  |    ^^^^\n"), "{report}");
+    // What was read is not written.
+    workshop.write("measured/spring.csv", table);
+    let overwritten = ["simulate", "slider.mbs", "--t-end", "1", "--csv", "measured/spring.csv"];
+    assert!(workshop.bad(&overwritten).contains("measured/spring.csv"));
+    assert_eq!(std::fs::read_to_string(workshop.path("measured/spring.csv")).unwrap(), table);
+}

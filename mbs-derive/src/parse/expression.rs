@@ -438,7 +438,7 @@ fn is_within_brackets(text: &str) -> bool {
 }
 
 /// Why `text`, of which `decimal` and then `suffix` are left without underscores, is not a number, and what to write.
-fn no_number(text: &str, decimal: &str, suffix: &str) -> Option<(String, String)> {
+pub(super) fn no_number(text: &str, decimal: &str, suffix: &str) -> Option<(String, String)> {
     const TYPES: [&str; 8] = ["f32", "f64", "i32", "i64", "u32", "u64", "usize", "isize"];
     if decimal.is_empty() {
         return Some((format!("`{text}` is not a value"), "write a number".to_string()));

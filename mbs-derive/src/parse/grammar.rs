@@ -24,7 +24,8 @@ use super::keyword::{CONTEXTUAL, STATEMENTS};
 use super::quantity::{CONST, COORD, INPUT, PARAM, PRESCRIBED};
 use super::reader::{Parsed, Reader, Refused, opens, sign, word};
 use super::syntax::{
-    Comparison, Declaration, EnergyTerm, Expression, ExpressionKind, Import, Name, Span, Statement, StatementKind,
+    Comparison, Declaration, EnergyTerm, Expression, ExpressionKind, Import, Name, Quantity, Span, Statement,
+    StatementKind,
 };
 use crate::diagnostic::{Diagnostics, nearest};
 
@@ -47,6 +48,11 @@ pub(super) fn mechanism(source: &str) -> File<Declaration> {
 /// Reads a file that is imported.
 pub(super) fn shared(source: &str) -> File<Shared> {
     file(source, Reader::shared)
+}
+
+/// Reads `name: unit = value`, a constant without its first word.
+pub(super) fn quantity(source: &str) -> File<Quantity> {
+    file(source, |reader, input| reader.quantity(input, Vec::new(), &CONST))
 }
 
 /// The answer to a question about the tokens of a file; none where it cannot be cut into tokens.

@@ -5,7 +5,7 @@
 //! shared := ("//!" doc | import)* (doc* (const | fn) ";")*
 //! ```
 //!
-//! A file counts once, wherever it is imported, and what it imports comes before what it declares.
+//! A file whose name ends with `.csv` is a table, whose columns are constants. A file counts once, wherever it is imported, and what it imports comes before what it declares.
 
 use std::vec;
 
@@ -15,9 +15,9 @@ use syn::parse::ParseStream;
 use super::grammar::{self, File};
 use super::reader::{Parsed, Reader, Refused, word};
 use super::syntax::{Declaration, Import, Span, Statement, StatementKind};
-use super::{MAX_TOKENS, guard};
+use super::{MAX_TOKENS, csv, guard};
 use crate::diagnostic::Diagnostics;
-use crate::source::Sources;
+use crate::source::{Sources, is_table};
 
 // ---- the statement
 
@@ -284,7 +284,7 @@ impl<'s> Walk<'s> {
                 return None;
             }
         };
-        let mut read = grammar::shared(text);
+        let mut read = if is_table(&file.name) { csv::read(text) } else { grammar::shared(text) };
         self.tokens += read.tokens;
         if self.tokens > MAX_TOKENS {
             self.states[number] = State::Done;

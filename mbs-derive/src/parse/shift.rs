@@ -17,6 +17,14 @@ impl File<Shared> {
     }
 }
 
+impl File<Quantity> {
+    /// As if the quantity stood behind `start` bytes.
+    pub(super) fn shift(&mut self, start: usize) {
+        self.errors.shift(start);
+        self.content.iter_mut().for_each(|q| quantity(q, start));
+    }
+}
+
 fn span(span: &mut Span, start: usize) {
     *span = span.start + start..span.end + start;
 }
