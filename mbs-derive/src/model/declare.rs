@@ -171,8 +171,13 @@ impl<'d, 'g> Resolver<'d, 'g> {
     /// `const d[6]: m = [0.78, …];`
     pub(super) fn constant(&mut self, quantity: &'d Quantity) -> Resolved<()> {
         let (length, measure) = (self.length(quantity), self.measure_if_any(quantity));
+        let is_angle = matches!(&measure, Ok(Some(measure)) if measure.si == "rad");
         let value = self.value_of_constant(quantity, measure, length);
-        self.declare(&quantity.name, Origin::Constant, value.ok())
+        self.declare(&quantity.name, Origin::Constant, value.ok())?;
+        if let Some(binding) = self.scope.get_mut(&quantity.name.text) {
+            binding.is_angle = is_angle;
+        }
+        Ok(())
     }
 
     fn declare_symbols(
@@ -483,6 +488,14 @@ mod tests {
         check("param a: mm = 0.5;", Number::rational(1, 2000), "m");
         check("param a: kN*mm = 3;", Number::rational(3, 1), "N*m");
         check("param a: deg = -90;", Some(Number::PI * Number::rational(-1, 2).unwrap()), "rad");
+        check("const b: rad = 0.5; param a: deg = b;", Number::rational(1, 2), "rad");
+        check(
+            "const b[2]: deg = [90, -90]; param a: deg = -b[1];",
+            Some(Number::PI * Number::rational(1, 2).unwrap()),
+            "rad",
+        );
+        check("const b: rad = 0.5; param a[2]: deg = [b, 90 deg];", Number::rational(1, 2), "rad");
+        check("const b: 1 = 180; param a: deg = b;", Some(Number::PI), "rad");
         check("param a: rad = 90*deg;", Some(Number::PI * Number::rational(1, 2).unwrap()), "rad");
         check("param a: 1 = 2^-2;", Number::rational(1, 4), "1");
         check("const b: mm = 4; param a: mm = 2*b;", Number::rational(1, 125), "m");

@@ -76,11 +76,13 @@ impl<'d, 'g> Resolver<'d, 'g> {
         }
     }
 
-    /// Where angles are declared in a unit other than rad, plain numbers are in it, and those with a unit are not.
+    /// Where angles are declared in a unit other than rad, plain numbers are in it; those with a unit are not, nor are
+    /// constants that were declared as angles.
     pub(super) fn angles_in_place(&self, value: &Expression) -> AnglesInPlace {
         let is_angle = |part: &&Expression| match &part.kind {
             ExpressionKind::Quantity(_, unit) => measure(unit).is_ok_and(|m| m.dimension == Dimension::ONE),
-            _ => false,
+            // A constant that was declared in `rad` or `deg` has its unit, too.
+            _ => part.element_of().is_some_and(|(name, _)| self.scope.get(name).is_some_and(|known| known.is_angle)),
         };
         if !value.parts().any(|part| is_angle(&part)) {
             return AnglesInPlace::None;

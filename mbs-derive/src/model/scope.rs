@@ -66,6 +66,8 @@ pub(super) struct Binding<'g> {
     pub(super) span: Span,
     /// Where the value is used first, since it was given.
     pub(super) used: Option<Span>,
+    /// Whether it is a constant that was declared in `rad` or `deg`: its value is in radians.
+    pub(super) is_angle: bool,
     /// In place of a value: elements that are given theirs one by one.
     pub(super) elements: Option<Elements<'g>>,
 }
@@ -73,7 +75,7 @@ pub(super) struct Binding<'g> {
 impl<'g> Binding<'g> {
     /// A value that nothing has used yet.
     pub(super) fn new(origin: Origin, value: Option<Value<'g>>, span: Span) -> Self {
-        Binding { origin, value, span, used: None, elements: None }
+        Binding { origin, value, span, used: None, is_angle: false, elements: None }
     }
 }
 
