@@ -494,7 +494,7 @@ mod tests {
             Some(Number::PI * Number::rational(1, 2).unwrap()),
             "rad",
         );
-        check("const b: rad = 0.5; param a[2]: deg = [b, 90 deg];", Number::rational(1, 2), "rad");
+        check("const b: rad = 0.5; param a[2]: deg = [90 deg, b];", Number::rational(1, 2), "rad");
         check("const b: 1 = 180; param a: deg = b;", Some(Number::PI), "rad");
         check("param a: rad = 90*deg;", Some(Number::PI * Number::rational(1, 2).unwrap()), "rad");
         check("param a: 1 = 2^-2;", Number::rational(1, 4), "1");
@@ -531,7 +531,7 @@ mod tests {
         let entries = "inertia(j[0][0], j[1][1], j[2][2], j[0][1], j[0][2], j[1][2])";
         let text = text.replace("inertia(j)", entries);
         let generated = crate::generate("a", &text, &Default::default());
-        assert!(generated.is_ok_and(|g| g.code.contains("pub j: [T; 9]")));
+        assert!(generated.is_ok_and(|g| g.code.contains("pub j: [[T; 3]; 3]")));
     }
 
     #[test]

@@ -207,7 +207,7 @@ mod tests {
         );
         declares(
             "\u{feff}# measured\r\n\r\na,b[kg*m^2/s^2]\r\n.5,+3.\r\n# more\r\n1E3,-0\r\n",
-            &["const a[2] = [0.5, 1e3];", "const b[2]: kg*m^2/s^2 = [3, -0];"],
+            &["const a[2] = [0.5, 1e3];", "const b[2]: kg*m^2*s^-2 = [3, -0];"],
         );
         // The quotation is no import of its own.
         declares("import\n\"b.mbs\"\n".replace("import\n\"b.mbs\"", "a\n1").as_str(), &["const a[1] = [1];"]);
