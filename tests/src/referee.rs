@@ -5,9 +5,10 @@
 //! slow and plain on purpose.
 //!
 //! - `token`, `syntax`: tokens and grammar; `unit`: units and dimensions; `mechanism`: what is declared;
-//! - `number`: numbers of twice the digits, doubles with roundings made worse, dual numbers;
+//! - `wide`: numbers of twice the digits; `number`: doubles with roundings made worse, dual numbers;
 //! - `value`, `builtin`, `evaluate`: values, functions and statements;
 //! - `lagrange`, `solve`, `quantities`: from the statements to everything that a generated function returns;
+//! - `manifold`: states at which constraints hold;
 //! - [`mod@draw`]: random mechanisms;
 //! - [`mod@judge`]: the generator against all that; `conserved`: first integrals; `gauge`: what unit quaternions leave open;
 //! - [`mod@shrink`]: faults in small texts.
@@ -19,6 +20,7 @@ mod evaluate;
 mod gauge;
 pub mod judge;
 mod lagrange;
+mod manifold;
 mod mechanism;
 mod number;
 mod quantities;
@@ -28,6 +30,7 @@ mod syntax;
 mod token;
 mod unit;
 mod value;
+mod wide;
 
 pub use draw::{Construct, Drawn, draw};
 pub use judge::{Fault, Judged, judge};

@@ -3,10 +3,11 @@
 use std::rc::Rc;
 
 use super::mechanism::Mechanism;
-use super::number::{Real, degree, pi};
+use super::number::Real;
 use super::syntax::{Declaration, Expression, Kind, Statement};
 use super::unit;
 use super::value::{Mixing, Moving, Pose, Shared, Triple, Value, dot, moving, number};
+use super::wide::{degree, pi};
 
 /// Everything that a mechanism's functions may take.
 #[derive(Clone, Debug)]
@@ -68,6 +69,7 @@ pub(super) struct Evaluator<'m, S> {
     /// How many coordinates, signals, inputs and parameters have been declared so far.
     declared: [usize; 4],
     mixing: Mixing<S>,
+    with_outputs: bool,
     pub(super) sums: Sums<S>,
 }
 
@@ -86,10 +88,26 @@ impl<'m, S: Real> Evaluator<'m, S> {
             bodies: Vec::new(),
             gravity: None,
         };
-        let angles = mechanism.angles.iter().filter(|i| **i < state.q.len());
-        let angles: Vec<_> = angles.map(|&i| moving(state.q[i], state.qd[i], state.qdd[i])).collect();
+        // Behind the coordinates stand three shifts and three turns of each joint.
+        let turns = (mechanism.dof()..state.q.len()).filter(|i| (i - mechanism.dof()) % 6 >= 3);
+        let angles = mechanism.angles.iter().copied().filter(|&i| i < state.q.len()).chain(turns);
+        let angles: Vec<_> = angles.map(|i| moving(state.q[i], state.qd[i], state.qdd[i])).collect();
         let mixing = Mixing::new(&angles);
-        Evaluator { mechanism, state, globals: Vec::new(), locals: Vec::new(), declared: [0; 4], mixing, sums }
+        Evaluator {
+            mechanism,
+            state,
+            globals: Vec::new(),
+            locals: Vec::new(),
+            declared: [0; 4],
+            mixing,
+            with_outputs: true,
+            sums,
+        }
+    }
+
+    /// Passes over the outputs, on which nothing depends.
+    pub(super) fn without_outputs(self) -> Self {
+        Evaluator { with_outputs: false, ..self }
     }
 
     /// Carries out all statements.
@@ -97,7 +115,8 @@ impl<'m, S: Real> Evaluator<'m, S> {
         let mechanism = self.mechanism;
         self.block(&mechanism.statements)?;
         if let Some(gravity) = self.sums.gravity {
-            let weights = self.sums.bodies.iter().map(|(mass, centre)| *mass * dot(&gravity, centre));
+            let mixing = &self.mixing;
+            let weights = self.sums.bodies.iter().map(|(mass, centre)| *mass * dot(&gravity, &mixing.place(centre)));
             self.sums.potential = weights.fold(self.sums.potential, |sum, weight| sum - weight);
         }
         Ok(self.sums)
@@ -169,6 +188,7 @@ impl<'m, S: Real> Evaluator<'m, S> {
             }
             Statement::Reaction { name, index, pose } => self.reaction(name, index.as_ref(), pose)?,
             Statement::Constraint { left, right } => self.constraint(left, right)?,
+            Statement::Output { .. } if !self.with_outputs => {}
             Statement::Output { name, index, value } => {
                 let index = index.as_ref().map(|index| self.integer(index)).transpose()?;
                 let value = self.value(value)?;

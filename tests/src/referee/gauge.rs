@@ -33,7 +33,6 @@ pub(super) fn treatment(kind: &FunctionKind) -> Treatment {
     match kind {
         FunctionKind::KineticEnergy
         | FunctionKind::PotentialEnergy
-        | FunctionKind::DissipationForce
         | FunctionKind::ForwardDynamics
         | FunctionKind::LinearizeParameters
         | FunctionKind::Constraint
@@ -44,6 +43,7 @@ pub(super) fn treatment(kind: &FunctionKind) -> Treatment {
         | FunctionKind::Conserved(_) => Treatment::Whole,
         FunctionKind::MassMatrix => Treatment::TangentTwice,
         FunctionKind::Momentum
+        | FunctionKind::DissipationForce
         | FunctionKind::Gravity
         | FunctionKind::GeneralizedForce
         | FunctionKind::InverseDynamics

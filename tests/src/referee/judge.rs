@@ -5,22 +5,24 @@
 //! multiple of that.
 
 use std::collections::BTreeMap;
+use std::f64::consts::{FRAC_PI_2, PI};
 use std::fmt;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use mbs_derive::expr::Graph;
 use mbs_derive::interpret::{self, Interpreter};
-use mbs_derive::optimise::{Derivation, FunctionKind};
+use mbs_derive::optimise::{Derivation, Function, FunctionKind};
 use mbs_derive::source::{Sources, Unreadable};
 use mbs_derive::{declared_from, derived, verify};
-use twofloat::TwoFloat;
 
 use super::conserved::unchanged;
 use super::evaluate::State;
 use super::gauge::{Treatment, treatment};
+use super::manifold::held;
 use super::mechanism::{Mechanism, count};
 use super::number::{Noisy, reseed};
-use super::quantities::{Extent, Quantities, Rank, free_motion, quantities};
+use super::quantities::{Directions, Quantities, Rank, free_motion, quantities};
+use super::wide::Wide;
 use crate::random::{Random, onto_the_sphere};
 
 /// How many times what rounding explains a number may be off.
@@ -29,8 +31,8 @@ const MULTIPLE: f64 = 1000.0;
 /// What a function may return where everything that it should return is 0.
 const ZERO: f64 = 1.0;
 
-/// So many calculations with roundings.
-const SAMPLES: u64 = 4;
+/// This many calculations with roundings.
+const SAMPLES: u64 = 3;
 
 /// What is wrong.
 #[derive(Clone, Debug, PartialEq)]
@@ -81,7 +83,7 @@ pub struct Judged {
     pub states: usize,
     /// How many numbers.
     pub numbers: usize,
-    /// How many more had no finite value, or none that rounding leaves a digit of.
+    /// How many of them rounding leaves no certain digit of, or that have no finite value.
     pub undetermined: usize,
 }
 
@@ -130,6 +132,19 @@ struct Court<'a> {
     judged: Judged,
 }
 
+/// A state, and what the referee says of it.
+struct Case {
+    state: State<f64>,
+    given: interpret::State,
+    truth: Quantities,
+    samples: Vec<Quantities>,
+    rank: Rank,
+    /// Whether the constraints hold.
+    holds: bool,
+    /// Whether some derivatives of the equations are known.
+    differentiated: bool,
+}
+
 fn wrong(function: &str, report: String) -> Fault {
     Fault::Wrong { function: function.to_string(), report }
 }
@@ -161,43 +176,60 @@ impl Court<'_> {
     }
 
     fn state(&mut self, random: &mut Random, k: usize) -> Result<(), Fault> {
-        let state = self.draw(random, k);
-        let extent = if k.is_multiple_of(2) { Extent::Derivatives } else { Extent::Values };
-        let exact = state.map(&mut TwoFloat::from);
+        let drawn = self.draw(random, k);
+        let wants_held = !self.mechanism.rows.is_empty() && random.one_in(2);
+        let held = if wants_held { held(self.mechanism, &drawn).map_err(Fault::NotUnderstood)? } else { None };
+        let (state, holds) = held.map_or((drawn, false), |state| (state, true));
+        let directions = (k == 0 || random.one_in(2)).then(|| self.directions(random));
+        let directions = directions.as_ref();
+        let exact = state.map(&mut Wide::from);
         let understood = |result: Result<(Quantities, Rank), String>| result.map_err(Fault::NotUnderstood);
-        let (truth, rank) = understood(quantities(self.mechanism, &exact, extent, None))?;
+        let (truth, rank) = understood(quantities(self.mechanism, &exact, directions, None, holds))?;
         let mut samples = Vec::new();
         for sample in 0..SAMPLES {
             reseed(sample + 1);
             let noisy = state.map(&mut Noisy::rounded);
-            samples.push(understood(quantities(self.mechanism, &noisy, extent, Some(rank.found)))?.0);
+            samples.push(understood(quantities(self.mechanism, &noisy, directions, Some(rank.found), holds))?.0);
         }
-        let interpreter = Interpreter::with_parameters(self.derivation, state.parameters.clone());
         let given = self.given(&state);
         self.first_integrals(&state, &given, rank)?;
+        let case = Case { state, given, truth, samples, rank, holds, differentiated: directions.is_some() };
         for function in &self.derivation.functions {
-            let Some((key, determined)) = self.key(&function.kind, &function.name, rank) else { continue };
-            let Some(expected) = truth.get(&key) else {
-                if extent == Extent::Derivatives && determined {
-                    return Err(wrong(&function.name, "the referee knows no such function".to_string()));
-                }
-                continue;
-            };
-            let found = catch_unwind(AssertUnwindSafe(|| interpreter.evaluate(function, &given)));
-            let found = found.map_err(|payload| Fault::Panic(said(payload.as_ref())))?;
-            let mut compared = [vec![found, expected.clone()], samples_of(&samples, &key)].concat();
-            if !self.mechanism.quaternions.is_empty() {
-                let treatment = treatment(&function.kind);
-                if treatment == Treatment::Not {
-                    continue;
-                }
-                compared.iter_mut().for_each(|values| treatment.apply(values, &state.q, &self.mechanism.quaternions));
-            }
-            let report = self.compare(&compared[0], &compared[1], &compared[2..]);
-            report.map_err(|report| wrong(&function.name, format!("{report}\n{}", shown(&state))))?;
+            self.function(function, &case)?;
         }
         self.judged.states += 1;
         Ok(())
+    }
+
+    fn function(&mut self, function: &Function, case: &Case) -> Result<(), Fault> {
+        let Case { state, given, truth, samples, rank, .. } = case;
+        let Some((key, determined)) = self.key(&function.kind, &function.name, *rank) else { return Ok(()) };
+        let Some(expected) = truth.get(&key) else {
+            let missing = case.differentiated && determined;
+            let fault = || wrong(&function.name, "the referee knows no such function".to_string());
+            return if missing { Err(fault()) } else { Ok(()) };
+        };
+        let interpreter = Interpreter::with_parameters(self.derivation, state.parameters.clone());
+        let found = catch_unwind(AssertUnwindSafe(|| interpreter.evaluate(function, given)));
+        let mut found = found.map_err(|payload| Fault::Panic(said(payload.as_ref())))?;
+        if key == "constraint_force" {
+            found = carried(&truth["constraint_jacobian"], &found);
+        }
+        let report = if function.kind == FunctionKind::ForwardDynamics && !rank.determined() {
+            undetermined(&found, case)
+        } else {
+            let mut compared = [vec![found, expected.clone()], samples_of(samples, &key)].concat();
+            if !self.mechanism.quaternions.is_empty() {
+                // At constant rates the quaternion would leave the sphere.
+                let treatment = if key.ends_with("_slope") { Treatment::Not } else { treatment(&function.kind) };
+                if treatment == Treatment::Not {
+                    return Ok(());
+                }
+                compared.iter_mut().for_each(|values| treatment.apply(values, &state.q, &self.mechanism.quaternions));
+            }
+            self.compare(&compared[0], &compared[1], &compared[2..])
+        };
+        report.map_err(|report| wrong(&function.name, format!("{report}\n{}", shown(state))))
     }
 
     /// Of mechanisms without constraints: with constraints they hold only where these do.
@@ -207,10 +239,16 @@ impl Court<'_> {
             if names.is_empty() || !self.mechanism.rows.is_empty() || !rank.regular {
                 continue;
             }
-            let qdd = free_motion(self.mechanism, &state.map(&mut TwoFloat::from)).map_err(Fault::NotUnderstood)?;
+            let understood = |result: Result<Vec<f64>, String>| result.map_err(Fault::NotUnderstood);
+            let qdd = understood(free_motion(self.mechanism, &state.map(&mut Wide::from)))?;
+            reseed(1);
+            let rough = understood(free_motion(self.mechanism, &state.map(&mut Noisy::rounded)))?;
+            // Accelerations are what is left of terms; what rounding leaves of these says how large they are.
+            let sizes: Vec<f64> =
+                qdd.iter().zip(&rough).map(|(x, rough)| x.abs() + (x - rough).abs() / f64::EPSILON).collect();
             let u = vec![0.0; given.u.len()];
             let moving = interpret::State { qdd, u, ..given.clone() };
-            let unchanged = unchanged(self.derivation, function, names, &state.parameters, &moving);
+            let unchanged = unchanged(self.derivation, function, names, &state.parameters, &moving, &sizes);
             unchanged.map_err(|report| wrong(&function.name, format!("{report}\n{}", shown(state))))?;
         }
         Ok(())
@@ -220,10 +258,12 @@ impl Court<'_> {
     fn key(&self, kind: &FunctionKind, name: &str, rank: Rank) -> Option<(String, bool)> {
         let full = rank.found == rank.full;
         match kind {
-            FunctionKind::ForwardDynamics if !rank.regular => None,
+            // Where λ is not determined, what it does is.
+            FunctionKind::Multipliers if !full && rank.determined() => Some(("constraint_force".to_string(), false)),
             FunctionKind::Multipliers | FunctionKind::Reaction(_) if !full => None,
             FunctionKind::Linearize | FunctionKind::LinearizeParameters => Some((name.to_string(), full)),
-            FunctionKind::Conserved(_) | FunctionKind::OutputJacobianU(_) => None,
+            FunctionKind::CoriolisMatrix => Some((name.to_string(), false)),
+            FunctionKind::Conserved(_) => None,
             FunctionKind::OutputJacobian(_) => {
                 let output = name.strip_suffix("_jacobian").unwrap_or(name);
                 let moves = self.derivation.function(&format!("{output}_velocity")).is_some();
@@ -244,6 +284,10 @@ impl Court<'_> {
             let structural = expected.abs() + spread <= 1e-14 * largest || expected == 0.0 && spread == 0.0;
             let residue = if structural { ZERO.max(largest) } else { expected.abs() };
             let bound = MULTIPLE * spread + 32.0 * f64::EPSILON * residue;
+            // Nobody asked for it, or nobody knows it.
+            if expected.is_nan() {
+                continue;
+            }
             if !bound.is_finite() || bound > 0.1 * expected.abs() && spread > 0.0 {
                 self.judged.undetermined += 1;
             }
@@ -261,21 +305,34 @@ impl Court<'_> {
         Ok(())
     }
 
-    /// Generic, with exact zeros, near rest, near 0, far away, at right angles.
+    /// A few columns of each kind.
+    fn directions(&self, random: &mut Random) -> Directions {
+        let mut some = |wanted: u64, count: usize| {
+            let mut columns: Vec<usize> = (0..wanted).map(|_| (random.bits() % count.max(1) as u64) as usize).collect();
+            columns.sort_unstable();
+            columns.dedup();
+            columns.retain(|&j| j < count);
+            columns
+        };
+        let (n, inputs, parameters) =
+            (self.mechanism.dof(), count(&self.mechanism.inputs), self.mechanism.defaults.len());
+        let (q, qd, u, parameters) = (some(2, n), some(1, n), some(1, inputs), some(2, parameters));
+        Directions { q, qd, u, parameters, coriolis: random.one_in(2) }
+    }
+
     fn draw(&self, random: &mut Random, k: usize) -> State<f64> {
         let mechanism = self.mechanism;
         let n = mechanism.dof();
-        let scale = match k % 6 {
-            4 => 1e-9,
-            5 => 1e7,
-            _ => 1.0,
-        };
+        let zeros = k > 0 && random.one_in(4);
+        let mut q = if zeros { Vec::new() } else { places(random, k, n) };
         let mut some = |n: usize, size: f64| {
-            let zeros = k % 3 == 1;
             let one = |random: &mut Random| if zeros && random.one_in(3) { 0.0 } else { random.uniform(-size..size) };
             (0..n).map(|_| one(random)).collect::<Vec<f64>>()
         };
-        let (mut q, mut qd, mut qdd) = (some(n, 2.0 * scale), some(n, 1.5), some(n, 3.0));
+        if zeros {
+            q = some(n, 2.0);
+        }
+        let (mut qd, mut qdd) = (some(n, 1.5), some(n, 3.0));
         let u = some(count(&mechanism.inputs), 2.0);
         let prescribed = some(3 * count(&mechanism.prescribed), 1.0).chunks(3).map(|c| [c[0], c[1], c[2]]).collect();
         let t = some(1, 2.0)[0];
@@ -299,6 +356,37 @@ impl Court<'_> {
         let prescribed = signals.collect();
         interpret::State { t, q, qd, qdd, u, prescribed }
     }
+}
+
+/// Anywhere at first; then near 0, far away, near each other and at right angles as well.
+fn places(random: &mut Random, k: usize, n: usize) -> Vec<f64> {
+    let kind = if k == 0 { 0 } else { random.bits() % 7 };
+    let common = random.uniform(-2.0..2.0);
+    let one = |random: &mut Random| match kind {
+        0..3 => random.uniform(-2.0..2.0),
+        3 => random.uniform(-2e-9..2e-9),
+        4 => random.uniform(-2e7..2e7),
+        5 => common + random.uniform(-1e-9..1e-9),
+        _ => (random.bits() % 5) as f64 * FRAC_PI_2 - PI,
+    };
+    (0..n).map(|_| one(random)).collect()
+}
+
+/// Where there are no accelerations, or many, all are NaN.
+fn undetermined(found: &[f64], Case { rank, holds, .. }: &Case) -> Result<(), String> {
+    // What is nearly singular may be taken for regular; where constraints hold to rounding they are not contradictory.
+    if !rank.clear || *holds || found.iter().all(|x| x.is_nan()) {
+        return Ok(());
+    }
+    let why = if rank.contradictory { "the rows contradict each other" } else { "some motion has no inertia" };
+    Err(format!("{found:?}, although {why}"))
+}
+
+/// `Aᵀλ`
+fn carried(jacobian: &[f64], multipliers: &[f64]) -> Vec<f64> {
+    let n = jacobian.len() / multipliers.len();
+    let rows = || jacobian.chunks(n).zip(multipliers);
+    (0..n).map(|j| rows().map(|(row, l)| row[j] * l).sum()).collect()
 }
 
 fn samples_of(samples: &[Quantities], key: &str) -> Vec<Vec<f64>> {

@@ -94,13 +94,13 @@ pub(super) fn equations<S: Real>(
         list.resize(highest, Dual::of(0.0));
     }
     for (done, i) in coordinates.enumerate() {
-        let along_rate = seeded(mechanism, &lifted, |state| &mut state.qd[i])?;
+        let along_rate = seeded(mechanism, &lifted, wanted, |state| &mut state.qd[i])?;
         let equations = equations.get_or_insert_with(|| begun(&along_rate, wanted));
         let by_rate = lagrangian(&along_rate);
         equations.momentum.push(by_rate.re.re.eps);
         equations.inertia.push(by_rate.re.eps.eps);
         if wanted != Wanted::Momenta {
-            let along = seeded(mechanism, &lifted, |state| &mut state.q[i])?;
+            let along = seeded(mechanism, &lifted, wanted, |state| &mut state.q[i])?;
             equations.inertia[done] = equations.inertia[done] - S::of(2.0) * lagrangian(&along).re.re.eps;
             if wanted == Wanted::Outputs {
                 collect(equations, &along_rate, &along);
@@ -120,11 +120,13 @@ pub(super) fn equations<S: Real>(
 fn seeded<S: Real>(
     mechanism: &Mechanism,
     state: &State<Dual<S>>,
+    wanted: Wanted,
     direction: impl Fn(&mut State<Dual<S>>) -> &mut Dual<S>,
 ) -> Result<Sums<Dual<S>>, String> {
     let mut state = state.clone();
     direction(&mut state).eps = S::of(1.0);
-    Evaluator::new(mechanism, &state).run()
+    let evaluator = Evaluator::new(mechanism, &state);
+    if wanted == Wanted::Outputs { evaluator.run() } else { evaluator.without_outputs().run() }
 }
 
 fn lagrangian<S: Real>(sums: &Sums<S>) -> Moving<S> {

@@ -3,13 +3,12 @@
 use std::collections::BTreeMap;
 use std::rc::Rc;
 
-use twofloat::TwoFloat;
-
 use super::evaluate::{Evaluator, State};
 use super::lagrange::{Wanted, equations};
 use super::number::{Real, reseed};
 use super::syntax::{self, Declaration, Expression, File, Kind, Statement};
 use super::unit::{self, Dimension, PLAIN};
+use super::wide::Wide;
 
 /// A declared name: how many numbers it has before it, and how many it holds if it is an array.
 pub(super) type Variable = (Rc<str>, usize, Option<usize>);
@@ -80,8 +79,8 @@ impl Mechanism {
 
     /// Finds out lengths and defaults, declaration by declaration.
     fn declare(&mut self) -> Result<(), String> {
-        let state = State::<TwoFloat> {
-            t: TwoFloat::from(0.0),
+        let state = State::<Wide> {
+            t: Wide::from(0.0),
             q: Vec::new(),
             qd: Vec::new(),
             qdd: Vec::new(),
@@ -152,7 +151,7 @@ impl Mechanism {
     fn classify(&mut self) -> Result<(), String> {
         reseed(1);
         let (mut moves, mut pfaffian) = (Vec::new(), Vec::new());
-        let nonzero = |x: &TwoFloat| x.value().is_nan() || x.value().abs() > 1e-24;
+        let nonzero = |x: &Wide| x.value().is_nan() || x.value().abs() > 1e-24;
         for k in 0..3 {
             let state = self.anywhere(k);
             let sums = Evaluator::new(self, &state).run()?;
@@ -175,17 +174,17 @@ impl Mechanism {
     }
 
     /// Some state with all numbers different.
-    fn anywhere(&self, k: usize) -> State<TwoFloat> {
+    fn anywhere(&self, k: usize) -> State<Wide> {
         let mut last = 0.1 + 0.07 * k as f64;
         let mut next = || {
             last = (last * 1.618 + 0.271) % 1.0;
-            TwoFloat::from(last)
+            Wide::from(last)
         };
         let mut some = |n: usize| (0..n).map(|_| next()).collect::<Vec<_>>();
         let n = self.dof();
         let (q, qd, qdd, u) = (some(n), some(n), some(n), some(count(&self.inputs)));
         let prescribed = some(3 * count(&self.prescribed)).chunks(3).map(|c| [c[0], c[1], c[2]]).collect();
-        let parameters = self.defaults.iter().map(|&value| TwoFloat::from(value)).collect();
+        let parameters = self.defaults.iter().map(|&value| Wide::from(value)).collect();
         State { t: some(1)[0], q, qd, qdd, u, prescribed, parameters }
     }
 }

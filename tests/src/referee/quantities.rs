@@ -2,42 +2,46 @@
 
 use std::collections::BTreeMap;
 
-use twofloat::TwoFloat;
-
 use super::evaluate::State;
 use super::lagrange::{Component, Equations, Wanted, equations};
 use super::mechanism::{Mechanism, count};
 use super::number::{Dual, Noisy, Real};
-use super::solve::solve;
+use super::solve::{Solution, solve};
+use super::wide::Wide;
 
 /// Numbers that are no dual numbers.
 pub(super) trait Base: Real {
-    fn wide(self) -> TwoFloat;
+    fn wide(self) -> Wide;
 }
 
-impl Base for TwoFloat {
-    fn wide(self) -> TwoFloat {
+impl Base for Wide {
+    fn wide(self) -> Wide {
         self
     }
 }
 
 impl Base for Noisy {
-    fn wide(self) -> TwoFloat {
-        TwoFloat::from(self.value())
+    fn wide(self) -> Wide {
+        Wide::from(self.value())
     }
 }
 
 /// Results by the names of functions, flattened as the generated ones are.
 pub(super) type Quantities = BTreeMap<String, Vec<f64>>;
 
-/// How much is wanted.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Extent {
-    /// What takes no derivative of the equations themselves.
-    Values,
-    /// Jacobians and linearizations as well.
-    Derivatives,
+/// Which columns of Jacobians and linearizations are wanted: one costs as much as all that is no derivative of the equations.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct Directions {
+    pub(super) q: Vec<usize>,
+    pub(super) qd: Vec<usize>,
+    pub(super) u: Vec<usize>,
+    pub(super) parameters: Vec<usize>,
+    /// Whether C is wanted, which costs as much as some columns.
+    pub(super) coriolis: bool,
 }
+
+/// Stands for a number in a column that is not wanted.
+const NOT_WANTED: f64 = f64::NAN;
 
 /// The ranks of the bordered system; where rows are redundant λ is not determined.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -46,7 +50,24 @@ pub(super) struct Rank {
     pub(super) full: usize,
     /// Whether every motion that the constraints leave has inertia: q̈ is determined.
     pub(super) regular: bool,
+    /// Whether no rounding makes another rank of it.
+    pub(super) clear: bool,
+    /// Whether there are no accelerations that satisfy all rows.
+    pub(super) contradictory: bool,
 }
+
+impl Rank {
+    /// Whether there are accelerations, and no others.
+    pub(super) fn determined(self) -> bool {
+        self.clear && self.regular && !self.contradictory
+    }
+}
+
+/// Where constraints hold to rounding, rows that depend on others there do so to rounding.
+const HELD: f64 = 1e-9;
+
+/// Elsewhere they do so exactly, or not.
+const ANYWHERE: f64 = 1e-20;
 
 /// A derivative of all equations in one direction.
 type Slopes<R> = Equations<Dual<R>>;
@@ -55,33 +76,38 @@ struct Bench<'m, R> {
     mechanism: &'m Mechanism,
     state: &'m State<R>,
     found: Quantities,
+    /// Pivots below this count as zero.
+    threshold: f64,
 }
 
-/// All quantities at a state. `rank` is what the bordered system is known to have.
+/// All quantities at a state; derivatives of the equations themselves in these directions, if any. `rank` is what the bordered
+/// system is known to have, `held` whether the constraints hold.
 pub(super) fn quantities<R: Base>(
     mechanism: &Mechanism,
     state: &State<R>,
-    extent: Extent,
+    directions: Option<&Directions>,
     rank: Option<usize>,
+    held: bool,
 ) -> Result<(Quantities, Rank), String> {
-    let mut bench = Bench { mechanism, state, found: Quantities::new() };
-    let rank = bench.measure(extent, rank)?;
+    let threshold = if held { HELD } else { ANYWHERE };
+    let mut bench = Bench { mechanism, state, found: Quantities::new(), threshold };
+    let rank = bench.measure(directions, rank)?;
     Ok((bench.found, rank))
 }
 
 /// The accelerations of a mechanism without constraints, under no inputs and no dissipation.
-pub(super) fn free_motion(mechanism: &Mechanism, state: &State<TwoFloat>) -> Result<Vec<f64>, String> {
+pub(super) fn free_motion<R: Base>(mechanism: &Mechanism, state: &State<R>) -> Result<Vec<f64>, String> {
     let n = mechanism.dof();
-    let zero = |count: usize| vec![TwoFloat::from(0.0); count];
+    let zero = |count: usize| vec![R::zero(); count];
     let state = State { qdd: zero(n), u: zero(state.u.len()), ..state.clone() };
     let here = equations(mechanism, &state, 0..n, Wanted::Motion)?;
-    let mass = Bench { mechanism, state: &state, found: Quantities::new() }.mass(&state)?;
-    let right: Vec<TwoFloat> = here.force.iter().zip(&here.inertia).map(|(q, h)| *q - *h).collect();
-    let solution = solve(&bordered(&mass, &[]), &[right], 1e-20, None);
+    let mass = Bench { mechanism, state: &state, found: Quantities::new(), threshold: ANYWHERE }.mass(&state)?;
+    let right: Vec<Wide> = here.force.iter().zip(&here.inertia).map(|(q, h)| (*q - *h).wide()).collect();
+    let solution = solve(&bordered(&mass, &[]), &[right], ANYWHERE, None, || 0.0);
     Ok(solution.columns[0].iter().map(|x| x.value()).collect())
 }
 
-fn wide<R: Base>(values: &[R]) -> Vec<TwoFloat> {
+fn wide<R: Base>(values: &[R]) -> Vec<Wide> {
     values.iter().map(|x| x.wide()).collect()
 }
 
@@ -94,8 +120,13 @@ impl<R: Base> Bench<'_, R> {
         self.found.insert(name.to_string(), values.into_iter().map(|x| x.value()).collect());
     }
 
-    fn put_wide(&mut self, name: &str, values: &[TwoFloat]) {
+    fn put_wide(&mut self, name: &str, values: &[Wide]) {
         self.found.insert(name.to_string(), values.iter().map(|x| x.value()).collect());
+    }
+
+    /// Without constraints M is eliminated where it stands, and what is not coupled does not disturb each other.
+    fn noise(&self) -> fn() -> f64 {
+        if self.mechanism.rows.is_empty() { || 0.0 } else { R::noise }
     }
 
     /// A matrix, row by row, of its columns.
@@ -121,7 +152,7 @@ impl<R: Base> Bench<'_, R> {
         equations(self.mechanism, &lifted, 0..self.n(), wanted)
     }
 
-    fn measure(&mut self, extent: Extent, rank: Option<usize>) -> Result<Rank, String> {
+    fn measure(&mut self, directions: Option<&Directions>, rank: Option<usize>) -> Result<Rank, String> {
         let (mechanism, state, n) = (self.mechanism, self.state, self.n());
         let here = equations(mechanism, state, 0..n, Wanted::Outputs)?;
         self.put("kinetic_energy", [here.kinetic]);
@@ -139,12 +170,15 @@ impl<R: Base> Bench<'_, R> {
         self.put("gravity", equations(mechanism, &at_rest, 0..n, Wanted::Motion)?.inertia);
         let mass = self.mass(&unaccelerated)?;
         self.put_columns("mass_matrix", &mass);
-        self.coriolis()?;
         self.constraints(&here, &without);
         self.outputs(&here)?;
-        let rank = self.motion(&mass, &without, extent, rank)?;
-        if extent == Extent::Derivatives {
-            self.jacobians()?;
+        let rank = self.motion(&mass, &without, directions, rank)?;
+        if let Some(directions) = directions {
+            if directions.coriolis {
+                self.coriolis()?;
+            }
+            self.outputs_by_inputs(directions)?;
+            self.jacobians(directions)?;
         }
         Ok(rank)
     }
@@ -231,12 +265,33 @@ impl<R: Base> Bench<'_, R> {
         Ok(())
     }
 
+    /// `∂y/∂u`
+    fn outputs_by_inputs(&mut self, directions: &Directions) -> Result<(), String> {
+        let names = self.mechanism.outputs.clone();
+        if names.is_empty() || directions.u.is_empty() {
+            return Ok(());
+        }
+        let mut columns: Vec<Vec<Vec<R>>> = vec![Vec::new(); names.len()];
+        for &j in &directions.u {
+            let slopes = self.slopes(self.state, Wanted::Outputs, |state| state.u[j].eps = R::of(1.0))?;
+            for (columns, output) in columns.iter_mut().zip(&slopes.outputs) {
+                columns.push(output.value.iter().map(|y| y.eps).collect());
+            }
+        }
+        for (name, columns) in names.iter().zip(&columns) {
+            let height = columns.first().map_or(0, Vec::len);
+            let matrix = spread_out(&directions.u, columns, height, count(&self.mechanism.inputs));
+            self.put(&format!("{name}_jacobian_u"), matrix);
+        }
+        Ok(())
+    }
+
     /// q̈, λ, the linearization and the wrenches at joints.
     fn motion(
         &mut self,
         mass: &[Vec<R>],
         without: &Equations<R>,
-        extent: Extent,
+        directions: Option<&Directions>,
         rank: Option<usize>,
     ) -> Result<Rank, String> {
         let n = self.n();
@@ -244,29 +299,37 @@ impl<R: Base> Bench<'_, R> {
         let bordered = bordered(mass, &rows);
         let rest = (0..n).map(|i| (without.force[i] - without.inertia[i] - without.dissipation[i]).wide());
         let bias = rows.iter().map(|(row, holonomic)| -row.second(*holonomic).wide());
-        let right: Vec<TwoFloat> = rest.chain(bias).collect();
-        let solution = solve(&bordered, &[right], 1e-20, rank);
+        let right: Vec<Wide> = rest.chain(bias).collect();
+        let solution = solve(&bordered, &[right], self.threshold, rank, self.noise());
         let (qdd, minus) = solution.columns[0].split_at(n);
-        let multipliers: Vec<TwoFloat> = minus.iter().map(|l| -*l).collect();
+        let multipliers: Vec<Wide> = minus.iter().map(|l| -*l).collect();
         self.put_wide("forward_dynamics", qdd);
         self.put_wide("multipliers", &multipliers);
         let forces = (0..n).map(|i| {
             let terms = rows.iter().zip(&multipliers);
-            terms.fold(TwoFloat::from(0.0), |sum, ((row, holonomic), l)| sum + row.gradient(*holonomic)[i].wide() * *l)
+            terms.fold(Wide::from(0.0), |sum, ((row, holonomic), l)| sum + row.gradient(*holonomic)[i].wide() * *l)
         });
-        let forces: Vec<TwoFloat> = forces.collect();
+        let forces: Vec<Wide> = forces.collect();
         self.put_wide("constraint_force", &forces);
-        let rank =
-            Rank { found: solution.rank, full: n + rows.len(), regular: solution.rank == n + rank_of(&bordered, n) };
-        if extent == Extent::Derivatives && rank.found == rank.full {
-            self.linearize(&bordered, qdd, &multipliers)?;
+        let of_rows = rank_of(&bordered, n, self.threshold);
+        let rank = Rank {
+            found: solution.rank,
+            full: n + rows.len(),
+            regular: solution.rank == n + of_rows.rank / 2,
+            clear: solution.clear && of_rows.clear,
+            contradictory: solution.contradictory,
+        };
+        if let Some(directions) = directions
+            && rank.found == rank.full
+        {
+            self.linearize(directions, &bordered, qdd, &multipliers)?;
         }
         self.wrenches(&multipliers)?;
         Ok(rank)
     }
 
     /// What the auxiliary coordinates of the joints have to be held with, at the accelerations of the state.
-    fn wrenches(&mut self, multipliers: &[TwoFloat]) -> Result<(), String> {
+    fn wrenches(&mut self, multipliers: &[Wide]) -> Result<(), String> {
         let (n, joints) = (self.n(), self.mechanism.joints.clone());
         if joints.is_empty() {
             return Ok(());
@@ -293,13 +356,14 @@ impl<R: Base> Bench<'_, R> {
     /// `∂q̈/∂z` from what the equations of motion lose when z changes while q̈ and λ stay.
     fn linearize(
         &mut self,
-        bordered: &[Vec<TwoFloat>],
-        qdd: &[TwoFloat],
-        multipliers: &[TwoFloat],
+        directions: &Directions,
+        bordered: &[Vec<Wide>],
+        qdd: &[Wide],
+        multipliers: &[Wide],
     ) -> Result<(), String> {
         let n = self.n();
         let moving = State { qdd: qdd.iter().map(|&x| R::exact(x)).collect(), ..self.state.clone() };
-        let changes = |seed: &dyn Fn(&mut State<Dual<R>>)| -> Result<Vec<TwoFloat>, String> {
+        let changes = |seed: &dyn Fn(&mut State<Dual<R>>)| -> Result<Vec<Wide>, String> {
             let slopes = self.slopes(&moving, Wanted::Motion, seed)?;
             let rows = self.rows(&slopes);
             let lost = (0..n).map(|i| {
@@ -311,66 +375,77 @@ impl<R: Base> Bench<'_, R> {
         };
         let one = R::of(1.0);
         let mut right = Vec::new();
-        for j in 0..n {
+        for &j in &directions.q {
             right.push(changes(&|state| state.q[j].eps = one)?);
         }
-        for j in 0..n {
+        for &j in &directions.qd {
             right.push(changes(&|state| state.qd[j].eps = one)?);
         }
-        let (inputs, parameters) = (count(&self.mechanism.inputs), self.state.parameters.len());
-        for j in 0..inputs {
+        for &j in &directions.u {
             right.push(changes(&|state| state.u[j].eps = one)?);
         }
-        for j in 0..parameters {
+        for &j in &directions.parameters {
             right.push(changes(&|state| state.parameters[j].eps = one)?);
         }
-        let solution = solve(bordered, &right, 0.0, None);
-        let part = |from: usize, to: usize| -> Vec<TwoFloat> {
-            (0..n).flat_map(|i| solution.columns[from..to].iter().map(move |column| column[i])).collect()
+        let solution = solve(bordered, &right, 0.0, None, self.noise());
+        let mut columns = solution.columns.iter().map(|column| &column[..n]);
+        let mut part = |wanted: &[usize], count: usize| {
+            let columns: Vec<&[Wide]> = columns.by_ref().take(wanted.len()).collect();
+            spread_out(wanted, &columns, n, count).iter().map(|x| x.value()).collect::<Vec<f64>>()
         };
-        let parts = [part(0, n), part(n, 2 * n), part(2 * n, 2 * n + inputs)].concat();
-        let by_parameters = part(2 * n + inputs, 2 * n + inputs + parameters);
-        self.put_wide("linearize", &parts);
-        self.put_wide("linearize_parameters", &by_parameters);
+        let Directions { q, qd, u, parameters, .. } = directions;
+        let parts = [part(q, n), part(qd, n), part(u, count(&self.mechanism.inputs))].concat();
+        let by_parameters = part(parameters, self.state.parameters.len());
+        self.found.insert("linearize".to_string(), parts);
+        self.found.insert("linearize_parameters".to_string(), by_parameters);
         Ok(())
     }
 
     /// `∂τ/∂q`, `∂τ/∂q̇`, and `∂(A q̇ + b)/∂q`.
-    fn jacobians(&mut self) -> Result<(), String> {
+    fn jacobians(&mut self, directions: &Directions) -> Result<(), String> {
         let (n, one) = (self.n(), R::of(1.0));
         let (mut by_place, mut by_rate, mut rows) = (Vec::new(), Vec::new(), Vec::new());
         let torque = |slopes: &Slopes<R>| -> Vec<R> {
             slopes.inertia.iter().zip(&slopes.dissipation).map(|(h, d)| h.eps + d.eps).collect()
         };
-        for j in 0..n {
+        for &j in &directions.q {
             let slopes = self.slopes(self.state, Wanted::Motion, |state| state.q[j].eps = one)?;
             by_place.push(torque(&slopes));
             rows.push(self.rows(&slopes).iter().map(|(row, holonomic)| row.rate(*holonomic).eps).collect::<Vec<_>>());
+        }
+        for &j in &directions.qd {
             let slopes = self.slopes(self.state, Wanted::Motion, |state| state.qd[j].eps = one)?;
             by_rate.push(torque(&slopes));
         }
-        self.put_columns("inverse_dynamics_jacobian", &by_place);
-        let first = self.found["inverse_dynamics_jacobian"].clone();
-        self.put_columns("inverse_dynamics_jacobian", &by_rate);
-        let second = self.found["inverse_dynamics_jacobian"].clone();
-        self.found.insert("inverse_dynamics_jacobian".to_string(), [first, second].concat());
-        self.put_columns("constraint_rate_jacobian", &rows);
+        let part = |wanted: &[usize], columns: &[Vec<R>], height: usize| spread_out(wanted, columns, height, n);
+        let torques = [part(&directions.q, &by_place, n), part(&directions.qd, &by_rate, n)].concat();
+        self.put("inverse_dynamics_jacobian", torques);
+        self.put("constraint_rate_jacobian", part(&directions.q, &rows, self.mechanism.rows.len()));
         Ok(())
     }
 }
 
-/// The rank of A: half of that of the bordered matrix without M.
-fn rank_of(bordered: &[Vec<TwoFloat>], n: usize) -> usize {
+/// A matrix of this height and this many columns, row by row, of which only the wanted columns are known.
+fn spread_out<R: Real, C: AsRef<[R]>>(wanted: &[usize], columns: &[C], height: usize, count: usize) -> Vec<R> {
+    let mut matrix = vec![R::of(NOT_WANTED); height * count];
+    for (&j, column) in wanted.iter().zip(columns) {
+        column.as_ref().iter().enumerate().for_each(|(i, &entry)| matrix[i * count + j] = entry);
+    }
+    matrix
+}
+
+/// Twice the rank of A: that of the bordered matrix without M.
+fn rank_of(bordered: &[Vec<Wide>], n: usize, threshold: f64) -> Solution {
     let mut border = bordered.to_vec();
-    border.iter_mut().take(n).for_each(|row| row[..n].fill(TwoFloat::from(0.0)));
-    solve(&border, &[], 1e-20, None).rank / 2
+    border.iter_mut().take(n).for_each(|row| row[..n].fill(Wide::from(0.0)));
+    solve(&border, &[], threshold, None, || 0.0)
 }
 
 /// M, bordered by the rows of A.
-fn bordered<R: Base>(mass: &[Vec<R>], rows: &[(&Component<R>, bool)]) -> Vec<Vec<TwoFloat>> {
+fn bordered<R: Base>(mass: &[Vec<R>], rows: &[(&Component<R>, bool)]) -> Vec<Vec<Wide>> {
     let n = mass.len();
     let size = n + rows.len();
-    let mut matrix = vec![vec![TwoFloat::from(0.0); size]; size];
+    let mut matrix = vec![vec![Wide::from(0.0); size]; size];
     for (j, column) in mass.iter().enumerate() {
         for (i, entry) in wide(column).into_iter().enumerate() {
             matrix[i][j] = entry;

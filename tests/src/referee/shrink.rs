@@ -25,7 +25,7 @@ struct Shrinking {
 impl Shrinking {
     /// Takes a text for the best if its fault is of the same kind.
     fn accept(&mut self, text: String) -> bool {
-        if self.tries == 0 || text.len() >= self.best.text.len() {
+        if self.tries == 0 || text.len() >= self.best.text.len() || !self.keeps_quaternions(&text) {
             return false;
         }
         self.tries -= 1;
@@ -37,6 +37,12 @@ impl Shrinking {
             }
             _ => false,
         }
+    }
+
+    /// Whether every quaternion still has the constraint without which its energies mean nothing.
+    fn keeps_quaternions(&self, text: &str) -> bool {
+        let constraints = self.best.text.lines().filter(|line| line.trim_start().starts_with("constraint unit"));
+        constraints.into_iter().all(|line| text.contains(line)) || !text.contains("quaternion")
     }
 
     /// Leaves out lines, the last ones first: nothing depends on them.

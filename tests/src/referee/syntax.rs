@@ -3,10 +3,8 @@
 use std::ops::Range;
 use std::rc::Rc;
 
-use twofloat::TwoFloat;
-
-use super::number::decimal;
 use super::token::{Token, tokens};
+use super::wide::{Wide, decimal};
 
 /// An expression and where it stands.
 #[derive(Clone, Debug)]
@@ -18,9 +16,9 @@ pub(super) struct Expression {
 /// What an expression is made of.
 #[derive(Clone, Debug)]
 pub(super) enum Kind {
-    Number(TwoFloat),
+    Number(Wide),
     /// A number with its unit behind it.
-    Quantity(TwoFloat, Unit),
+    Quantity(Wide, Unit),
     Name(Rc<str>),
     /// `f(a, b)`, and `a.f(b)` as well.
     Call(Rc<str>, Vec<Expression>),

@@ -3,10 +3,9 @@
 use std::collections::BTreeMap;
 use std::rc::Rc;
 
-use twofloat::TwoFloat;
-
-use super::number::{Real, decimal, degree};
+use super::number::Real;
 use super::syntax::{Expression, Kind, Unit};
+use super::wide::{Wide, decimal, degree};
 
 /// Exponents of kg, m, s, A, K, mol and cd.
 pub(super) type Dimension = [f64; 7];
@@ -65,8 +64,8 @@ const UNITS: [(&str, &str, [i8; 4]); 46] = [
 ];
 
 /// What one of this unit is in SI, and its dimension.
-pub(super) fn meaning(unit: &Unit) -> Result<(TwoFloat, Dimension), String> {
-    let (mut scale, mut dimension) = (TwoFloat::from(1.0), PLAIN);
+pub(super) fn meaning(unit: &Unit) -> Result<(Wide, Dimension), String> {
+    let (mut scale, mut dimension) = (Wide::from(1.0), PLAIN);
     for (name, power) in unit {
         let row = UNITS.iter().find(|(known, ..)| known == name).ok_or_else(|| format!("the unit {name}"))?;
         let one = match name.as_str() {
@@ -74,7 +73,7 @@ pub(super) fn meaning(unit: &Unit) -> Result<(TwoFloat, Dimension), String> {
             "rpm" => degree() * 6.0,
             _ => decimal(row.1).ok_or("a scale")?,
         };
-        scale *= if power.fract() == 0.0 { Real::powi(one, *power as i64) } else { Real::powf(one, (*power).into()) };
+        scale = scale * if power.fract() == 0.0 { one.powi(*power as i64) } else { one.powf((*power).into()) };
         row.2.iter().zip(&mut dimension).for_each(|(&exponent, sum)| *sum += f64::from(exponent) * power);
         match name.as_str() {
             "K" => dimension[4] += power,
