@@ -65,8 +65,15 @@ fn written(values: &[f64]) -> String {
     format!("[{}]", each.join(", "))
 }
 
+/// What a function is called in Rust: keywords are escaped.
+fn spelled(name: &str, generated: &str) -> String {
+    let spellings = [name.to_string(), format!("r#{name}"), format!("{name}_")];
+    let found = spellings.into_iter().find(|spelling| generated.contains(&format!("fn {spelling}(")));
+    found.unwrap_or_else(|| panic!("no function {name} in\n{generated}"))
+}
+
 /// A call of each function, and the lines that it should print.
-fn calls(number: usize, derivation: &Derivation, state: &State) -> (String, String) {
+fn calls(number: usize, derivation: &Derivation, generated: &str, state: &State) -> (String, String) {
     let interpreter = Interpreter::new(derivation);
     let mut code = format!("    let m = m{number}::random::Random::<f64>::default();\n");
     let mut expected = String::new();
@@ -89,7 +96,7 @@ fn calls(number: usize, derivation: &Derivation, state: &State) -> (String, Stri
             )
         });
         let arguments: Vec<String> = time.into_iter().chain(signals).chain(others).collect();
-        let (name, place) = (&function.name, format!("{number} {}", function.name));
+        let (name, place) = (spelled(&function.name, generated), format!("{number} {}", function.name));
         writeln!(code, "    say(\"{place}\", &m.{name}({}));", arguments.join(", ")).expect("a string");
         let bits: Vec<u64> =
             interpreter.evaluate(function, state).iter().map(|x| if x.is_nan() { 1 } else { x.to_bits() }).collect();
@@ -118,10 +125,10 @@ fn compiled_and_interpreted_agree_to_the_last_bit() {
         let sources = sources(&drawn);
         let generated = generate_from(&sources, &Options::default());
         let generated = generated.unwrap_or_else(|error| panic!("{}\n{}", error.render_in(&sources), drawn.text));
-        fs::write(folder.path().join(format!("src/m{number}.rs")), generated.code).expect("a temporary folder");
+        fs::write(folder.path().join(format!("src/m{number}.rs")), &generated.code).expect("a temporary folder");
         let graph = Graph::verbatim();
         let derivation = derived(&declared_from(&sources, &graph, &[]).expect("it was generated").0);
-        let (code, lines) = calls(number, &derivation, &state(&derivation, &mut random));
+        let (code, lines) = calls(number, &derivation, &generated.code, &state(&derivation, &mut random));
         write!(modules, "mod m{number} {{ include!(\"m{number}.rs\"); }}\nfn c{number}() {{\n{code}}}\n")
             .expect("a string");
         writeln!(main, "    c{number}();").expect("a string");

@@ -2,8 +2,9 @@
 //! function leaves its domain.
 //!
 //! - `scalar`: numbers, lengths and angles that depend on positions; `frame`: poses, places and bodies;
-//! - `statement`: energies, forces, constraints, outputs.
+//! - `statement`: energies, forces, outputs; `constraint`: constraints.
 
+mod constraint;
 mod frame;
 mod scalar;
 mod statement;
@@ -31,6 +32,12 @@ pub enum Construct {
     Signals,
     /// Holonomic and Pfaffian constraints, coordinates without inertia of their own.
     Constraints,
+    /// Loops that a constraint closes, by rows that are redundant where they hold.
+    Closures,
+    /// Bodies that roll.
+    Rolling,
+    /// Keywords of Rust, and words that begin statements, as names.
+    Keywords,
     /// Bodies whose attitude is a unit quaternion.
     Quaternions,
     /// The statement that acts on all bodies.
@@ -53,7 +60,7 @@ pub enum Construct {
 
 impl Construct {
     /// All of them.
-    pub const ALL: [Self; 17] = [
+    pub const ALL: [Self; 20] = [
         Self::Trees,
         Self::Energies,
         Self::Branches,
@@ -62,6 +69,9 @@ impl Construct {
         Self::Loops,
         Self::Signals,
         Self::Constraints,
+        Self::Closures,
+        Self::Rolling,
+        Self::Keywords,
         Self::Quaternions,
         Self::Gravity,
         Self::PointForces,
@@ -122,6 +132,14 @@ struct Coordinate {
     measure: Measure,
 }
 
+/// Keywords of Rust that are none of the language, and words that have a meaning at some places of it.
+const WORDS: [&str; 43] = [
+    "abstract", "async", "await", "become", "box", "break", "continue", "crate", "do", "dyn", "enum", "extern",
+    "final", "gen", "impl", "loop", "macro", "match", "mod", "move", "override", "priv", "pub", "ref", "return",
+    "static", "struct", "super", "trait", "try", "type", "union", "unsafe", "use", "virtual", "where", "yield", "self",
+    "part", "table", "rpy", "shape", "positive",
+];
+
 /// A mechanism in the making.
 struct Draw {
     random: Random,
@@ -148,6 +166,8 @@ struct Draw {
     /// Functions of one plain argument.
     plain_functions: Vec<String>,
     names: usize,
+    /// Words that are names of nothing yet.
+    words: Vec<&'static str>,
 }
 
 impl Draw {
@@ -174,6 +194,7 @@ impl Draw {
             turning: Vec::new(),
             plain_functions: Vec::new(),
             names: 0,
+            words: WORDS.to_vec(),
         }
     }
 
@@ -197,6 +218,10 @@ impl Draw {
     /// A name that nothing else has.
     fn fresh(&mut self, stem: &str) -> String {
         self.names += 1;
+        if self.has(Construct::Keywords) && self.chance(40) && !self.words.is_empty() {
+            let at = self.below(self.words.len());
+            return self.words.swap_remove(at).to_string();
+        }
         format!("{stem}{}", self.names)
     }
 
@@ -226,7 +251,9 @@ impl Draw {
         let exponent: i32 = dimension.iter().zip(self.scale).map(|(power, scale)| power * scale).sum();
         let value = self.scaled(exponent - shift);
         // A quantity in place; its unit cannot begin with `1/`, and a quotient has none.
-        if self.has(Construct::Units) && self.chance(15) && !unit.starts_with('1') && !value.contains('/') {
+        // Without dimensions nobody knows whether t is the time.
+        let known = !unit.starts_with('1') && !(unit == "t" && self.has(Construct::Dimensionless));
+        if self.has(Construct::Units) && self.chance(15) && known && !value.contains('/') {
             return format!("({value} {unit})");
         }
         let name = self.fresh("p");
@@ -330,6 +357,12 @@ impl Draw {
         }
         if self.has(Construct::Loops) {
             self.loops();
+        }
+        if self.has(Construct::Closures) {
+            self.closures();
+        }
+        if self.has(Construct::Rolling) {
+            self.rolling();
         }
         self.energies();
         self.forces();

@@ -21,6 +21,8 @@ impl Draw {
 
     /// A turn or shift by a coordinate.
     fn joint(&mut self, along: bool) -> String {
+        // Of other coordinates: with its own the angle might stay where it is.
+        let offset = self.plain(1);
         let coordinate = self.coordinate(if along { Measure::Length } else { Measure::Angle });
         let sign = if self.chance(20) { "-" } else { "" };
         if along {
@@ -42,7 +44,7 @@ impl Draw {
                 self.parameter([0, 1, 0]),
                 self.number()
             ),
-            _ => format!("rot_z({coordinate} + {})", self.plain(1)),
+            _ => format!("rot_z({coordinate} + {offset})"),
         }
     }
 
@@ -139,8 +141,9 @@ impl Draw {
             self.say(format!("potential += {mass}*{acceleration}*{place}.z;"));
         }
         if self.chance(30) {
+            // Of another mass than a body that was written out: gravity knows energies by their expressions.
             let mass = self.parameter([1, 0, 0]);
-            self.say(format!("kinetic += particle({mass}, {place});"));
+            self.say(format!("kinetic += particle(1.5*{mass}, {place});"));
         }
         self.places.push(place);
     }
@@ -160,7 +163,20 @@ impl Draw {
         };
         let offset = if self.chance(30) { format!(" * {}", self.connection()) } else { String::new() };
         self.say(format!("let mut {pose} = {shift} * quaternion({e}[0], {e}[1], {e}[2], {e}[3]){offset};"));
-        self.body(&pose);
+        if self.chance(40) {
+            // Anything from a grain of dust to a mountain.
+            let (mass, moment) = (self.fresh("m"), self.fresh("i"));
+            let exponent = self.below(31) as i32 - 18;
+            let heavier = 4 - self.below(6) as i32;
+            let (m, i) = (self.scaled(exponent + heavier), self.scaled(exponent));
+            self.declarations.push(format!("param {mass}: kg = {m};"));
+            self.declarations.push(format!("param {moment}: kg*m^2 = {i};"));
+            self.say(format!(
+                "kinetic += rigid_body({mass}, [0, 0, 0], diag({moment}, 1.5*{moment}, 2*{moment}), {pose});"
+            ));
+        } else {
+            self.body(&pose);
+        }
         self.turning.push(pose.clone());
         self.poses.push(pose);
         self.say(format!("constraint unit: {e}[0]^2 + {e}[1]^2 + {e}[2]^2 + {e}[3]^2 = 1;"));
@@ -198,6 +214,26 @@ impl Draw {
             body.push(format!("{frames}[i] = {link};"));
             body.push(format!("output {heights}[i] = {frames}[i].point([0, {l}[i], 0]).z;"));
             self.poses.push(format!("{frames}[1]"));
+        }
+        if self.chance(40) {
+            let (grid, energy) = (self.fresh("grid"), self.parameter([1, 2, -2]));
+            self.say(format!("let {grid}[{n}][2];"));
+            body.push(format!("{grid}[i][0] = {q}[i] - 1; {grid}[i][1] = sin({q}[i])*{q}[0];"));
+            self.plains.push(format!("{grid}[{}][1]", count - 1));
+            body.push(format!("potential += {energy}*{grid}[i][0]*{grid}[i][1];"));
+        }
+        if self.has(Construct::Constraints) && self.chance(60) {
+            let (carried, tie) = (self.fresh("s"), self.fresh("ties"));
+            self.declarations.push(format!("coord {carried}[{n}]: rad;"));
+            let own =
+                if self.chance(50) { format!("kinetic += 1/2*{moment}*dt({carried}[i])^2; ") } else { String::new() };
+            let row = self.pick(&["# = sin(@)", "dt(#) = cos(@)*dt(@)", "0 = # - @/2"]);
+            let row = row.replace('#', &format!("{carried}[i]")).replace('@', &format!("{q}[i]"));
+            body.push(format!("{own}constraint {tie}[i]: {row};"));
+            for i in 0..count {
+                let name = format!("{carried}[{i}]");
+                self.coordinates.push(super::Coordinate { name, measure: Measure::Angle });
+            }
         }
         if self.chance(40) {
             let torque = self.parameter([1, 2, -2]);

@@ -1,4 +1,4 @@
-//! Energies, forces, constraints and outputs.
+//! Energies, forces and outputs.
 
 use super::{Construct, Draw, Measure};
 
@@ -153,43 +153,13 @@ impl Draw {
         }
     }
 
-    /// Each ties a coordinate of its own to the others, so that rows are independent.
-    pub(super) fn constraints(&mut self) {
-        let count = 1 + usize::from(self.chance(30));
-        for _ in 0..count {
-            let name = self.fresh("tie");
-            let others = self.coordinates.clone();
-            let measure = if self.chance(50) { Measure::Length } else { Measure::Angle };
-            // Without inertia of its own, half of the time: then M is singular.
-            let value = if measure == Measure::Length { self.length(2) } else { self.plain(2) };
-            let other = self.pick(&others);
-            let factor = match (measure, other.measure) {
-                (Measure::Length, Measure::Angle) => format!("{}*", self.parameter([0, 1, 0])),
-                (Measure::Angle, Measure::Length) => format!("1/{}*", self.parameter([0, 1, 0])),
-                _ => String::new(),
-            };
-            let plain = self.plain(1);
-            let coordinate = self.coordinate(measure);
-            if self.chance(50) {
-                self.own_inertia(&coordinate, measure);
-            }
-            let statement = match self.below(4) {
-                0 => format!("dt({coordinate}) = {factor}{plain}*dt({})", other.name),
-                1 => format!("0 = dt({coordinate}) - {factor}{plain}*dt({})", other.name),
-                2 => format!("{coordinate} = {value}"),
-                _ => format!("{coordinate} - {value} = 0"),
-            };
-            self.say(format!("constraint {name}: {statement};"));
-        }
-    }
-
     pub(super) fn outputs(&mut self) {
         let count = 1 + self.below(3);
         for _ in 0..count {
             let name = self.fresh("y");
             let (poses, places) = (self.poses.clone(), self.places.clone());
             let rate = if self.chance(40) { ", jacobian_rate" } else { "" };
-            let statement = match self.below(12) {
+            let statement = match self.below(14) {
                 0 if !places.is_empty() => format!("{}{rate}", self.pick(&places)),
                 1 if !poses.is_empty() => format!("{}{rate}", self.pick(&poses)),
                 2 if !poses.is_empty() => format!("{}.rotation(){rate}", self.pick(&poses)),
@@ -203,6 +173,12 @@ impl Draw {
                     let (pose, place) = (self.pick(&poses), self.pick(&places));
                     format!("[{place}.dot({pose} * [0, 1, 0]), dt({place}).dot({pose} * [1, 0, 0])]")
                 }
+                // Depends on what is given: ∂y/∂q̇ and ∂y/∂u.
+                11 => {
+                    let (force, length) = (self.input("N"), self.length(1));
+                    format!("{force}*dt({length}) + {force}*{}*{}", self.plain(1), self.parameter([0, 1, -1]))
+                }
+                12 => format!("[{}/{}, {}]", self.input("N"), self.parameter([1, 1, -2]), self.plain_rate()),
                 5 => format!("[{}, {}]{rate}", self.length(1), self.length(2)),
                 6 => format!("{}*dt({})", self.parameter([1, 0, -1]), self.length(1)),
                 7 if !places.is_empty() => format!("({} - {}).norm(){rate}", self.pick(&places), self.vector(0)),
