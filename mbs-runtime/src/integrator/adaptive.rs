@@ -364,3 +364,32 @@ pub(super) fn weighted<V: Coordinates, const N: usize, const S: usize>(
     }
     sum
 }
+
+#[cfg(all(test, any(feature = "std", feature = "libm")))]
+mod tests {
+    use super::*;
+
+    /// `0.9 error^(−α) previous^β`, between the bounds.
+    #[test]
+    fn the_controller_weighs_two_errors() {
+        let control = |alpha: f64, beta: f64| Control {
+            rtol: 1e-6,
+            atol: 1e-6,
+            first_step: None,
+            min_step: 0.0,
+            max_step: f64::INFINITY,
+            max_steps: 10,
+            beta,
+            alpha,
+            factors: [0.2, 5.0],
+        };
+        for (alpha, beta) in [(0.125, 0.0), (0.17, 0.04), (0.2, 0.08)] {
+            let found = control(alpha, beta).factor(0.3_f64, 0.02);
+            let expected = 0.9 * 0.3_f64.powf(-alpha) * 0.02_f64.powf(beta);
+            assert!((found - expected).abs() < 1e-14, "{alpha} {beta}: {found}, {expected}");
+        }
+        assert_eq!(control(0.17, 0.04).factor(0.0_f64, 1.0), 5.0);
+        assert_eq!(control(0.17, 0.04).factor(1e9_f64, 1.0), 0.2);
+        assert_eq!(control(0.17, 0.04).factor(f64::NAN, 1.0), 0.2);
+    }
+}

@@ -68,3 +68,22 @@ fn add<T: Scalar>(a: T, b: T) -> (T, T) {
     let a_part = sum - b_part;
     (sum, (a - a_part) + (b - b_part))
 }
+
+#[cfg(all(test, any(feature = "std", feature = "libm")))]
+mod tests {
+    use super::add;
+
+    #[test]
+    fn a_sum_and_its_rest_are_exact() {
+        let tiny = f64::EPSILON / 8.0;
+        for (a, b, expected) in [
+            (1.0, tiny, (1.0, tiny)),
+            (tiny, 1.0, (1.0, tiny)),
+            (-tiny, 1.0, (1.0, -tiny)),
+            (1e16, 1.5, (1e16 + 2.0, -0.5)),
+            (0.5, 0.25, (0.75, 0.0)),
+        ] {
+            assert_eq!(add(a, b), expected, "{a} + {b}");
+        }
+    }
+}

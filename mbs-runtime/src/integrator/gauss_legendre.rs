@@ -346,6 +346,19 @@ mod tests {
         GaussLegendre4::new(0.01).integrate(balance, 0.0, 10.0, &mut state, go_on).unwrap();
     }
 
+    /// In the second half of a step a force that pushes back and forth, beside a coordinate that is far away: only the second
+    /// stage does not settle, and what it moves by is much more than rounding.
+    #[test]
+    fn an_iteration_that_goes_back_and_forth_is_an_error() {
+        let back_and_forth = |t: f64, q: &[f64; 2], _: &[f64; 2], qdd: &mut [f64; 2]| {
+            qdd[0] = if t < 0.05 { 0.0 } else { -q[0].signum() };
+            qdd[1] = 0.0;
+        };
+        let mut state = State::new([0.0, 100.0], [0.0, 0.0]);
+        let result = GaussLegendre4::new(0.1).integrate(back_and_forth, 0.0, 0.1, &mut state, go_on);
+        assert_eq!(result, Err(IntegrationError::NotConverged { time: 0.0, iterations: 50 }));
+    }
+
     #[test]
     fn bad_tolerances_are_refused() {
         for tolerance in [0.0, -1e-15, f64::NAN, f64::INFINITY] {

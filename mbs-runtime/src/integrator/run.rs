@@ -330,3 +330,55 @@ where
         self.go_on_from(t, state)
     }
 }
+
+#[cfg(all(test, any(feature = "std", feature = "libm")))]
+mod tests {
+    use super::*;
+    use crate::integrator::Integrator;
+    use crate::{Dopri5, GaussLegendre4, Rk4, SemiImplicitEuler, StormerVerlet};
+
+    fn swing(_: f64, q: &[f64; 1], qd: &[f64; 1], qdd: &mut [f64; 1]) {
+        qdd[0] = -q[0].sin() - 0.01 * qd[0];
+    }
+
+    /// Where a step ends in a jump, the next one begins as one from a state that is given: to the bit the same motion.
+    fn forgets_what_was_before_a_jump(method: impl Integrator<f64>) {
+        let (jump, end, after) = (3.125, 40.0, State::new([0.7], [-0.2]));
+        let mut state = State::new([1.1], [0.3]);
+        let replaced = |step: &mut dyn Step<[f64; 1]>| {
+            if step.time() == jump {
+                step.replace(&after);
+            }
+            ControlFlow::Continue(())
+        };
+        method.integrate(swing, 0.0, end, &mut state, replaced).unwrap();
+        let mut fresh = after;
+        method.integrate(swing, jump, end, &mut fresh, |_| ControlFlow::Continue(())).unwrap();
+        assert_eq!(state, fresh);
+    }
+
+    #[test]
+    fn methods_forget_what_was_before_a_jump() {
+        // A power of two, so that all ends of steps are exact.
+        let step = 0.03125;
+        forgets_what_was_before_a_jump(StormerVerlet::new(step));
+        forgets_what_was_before_a_jump(SemiImplicitEuler::new(step));
+        forgets_what_was_before_a_jump(GaussLegendre4::new(step));
+        forgets_what_was_before_a_jump(Rk4::new(step));
+        forgets_what_was_before_a_jump(Dopri5 { first_step: Some(step), max_step: step, ..Dopri5::new(1e-3, 1e-3) });
+    }
+
+    #[test]
+    fn a_step_is_not_made_anew_for_ever() {
+        let mut calls = 0;
+        let again = |step: &mut dyn Step<[f64; 1]>| {
+            calls += 1;
+            assert!(calls < 10 * MOST_IDLE, "it goes on for ever");
+            let (start, state) = (step.previous_time(), *step.previous_state());
+            step.restart(start, &state).unwrap();
+            ControlFlow::Continue(())
+        };
+        let result = Rk4::new(0.1).integrate(swing, 0.0, 1.0, &mut State::new([1.0], [0.0]), again);
+        assert_eq!(result, Err(IntegrationError::TooManySteps { time: 0.0, steps: MOST_IDLE + 1 }));
+    }
+}
