@@ -79,11 +79,12 @@ fn by_duals(derivation: &Derivation, function: &Function, point: &Point) -> [Vec
         u: fixed(&given.u),
         prescribed: given.prescribed.iter().map(|signal| signal.map(Dual::fixed)).collect(),
     };
-    let rows = |width: usize, seed: &dyn Fn(&mut State<Dual<f64>>) -> &mut [Dual<f64>]| {
+    type Part<'p> = &'p dyn Fn(&mut State<Dual<f64>>) -> &mut [Dual<f64>];
+    let rows = |width: usize, part: Part<'_>| {
         let columns: Vec<Vec<f64>> = (0..width)
             .map(|j| {
                 let mut state = state.clone();
-                seed(&mut state)[j].derivative = 1.0;
+                part(&mut state)[j].derivative = 1.0;
                 interpreter.evaluate(function, &state).into_iter().map(|value| value.derivative).collect()
             })
             .collect();
