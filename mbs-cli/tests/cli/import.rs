@@ -103,7 +103,9 @@ fn tables_are_imported() {
     assert!(report.contains("5 | 20,high\n  |    ^^^^\n"), "{report}");
     // What was read is not written.
     workshop.write("measured/spring.csv", table);
-    let overwritten = ["simulate", "slider.mbs", "--t-end", "1", "--csv", "measured/spring.csv"];
+    workshop.write("rest.json", r#"{"q": [0]}"#);
+    let overwritten =
+        ["simulate", "slider.mbs", "--state", "rest.json", "--t-end", "1", "--csv", "measured/spring.csv"];
     assert!(workshop.bad(&overwritten).contains("measured/spring.csv"));
     assert_eq!(std::fs::read_to_string(workshop.path("measured/spring.csv")).unwrap(), table);
 }

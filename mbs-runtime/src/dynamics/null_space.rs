@@ -153,21 +153,22 @@ impl<T: Scalar, const K: usize> Rows<T, K> {
     }
 }
 
-/// Whether M's lower triangle and A are: `0 x` is zero, or NaN.
+/// Whether M's lower triangle and A are; all of them are looked at, so that no branch stands between.
 #[inline]
 fn are_finite<T: Scalar, const N: usize, const K: usize>(m: &[[T; N]; N], a: &[[T; N]; K]) -> bool {
-    let mut sums = [T::zero(); N];
+    let infinity = T::from_f64(f64::INFINITY);
+    let mut are = true;
     for i in 0..N {
         for j in 0..=i {
-            sums[j] = sums[j] + T::zero() * m[i][j];
+            are &= is_less(m[i][j].abs(), infinity);
         }
     }
     for row in a {
         for j in 0..N {
-            sums[j] = sums[j] + T::zero() * row[j];
+            are &= is_less(row[j].abs(), infinity);
         }
     }
-    sums.iter().all(|&sum| sum.equal(T::zero()).all())
+    are
 }
 
 impl<T: Scalar, const N: usize, const K: usize> NullSpace<T, N, K> {
@@ -199,18 +200,14 @@ impl<T: Scalar, const N: usize, const K: usize> NullSpace<T, N, K> {
     fn scale(&mut self, m: &[[T; N]; N], a: &[[T; N]; K]) {
         let Scales { columns: s, rows: t, mass, .. } = &self.scales;
         if self.scales.are_small() {
-            let mut columns = [T::one(); N];
-            (0..N).for_each(|i| columns[i] = power(-s[i]));
             for i in 0..N {
-                let factor: T = power(-s[i] - mass);
                 for j in 0..=i {
-                    self.mass[i][j] = m[i][j] * (factor * columns[j]);
+                    self.mass[i][j] = m[i][j] * power(-s[i] - s[j] - mass);
                 }
             }
             for k in 0..K {
-                let factor: T = power(-t[k]);
                 for i in 0..N {
-                    self.basis[k][i] = a[k][i] * (factor * columns[i]);
+                    self.basis[k][i] = a[k][i] * power(-s[i] - t[k]);
                 }
             }
         } else {
