@@ -367,18 +367,33 @@ impl<'a> Trial<'a> {
         self.equal("M q̈ + h + ∂D/∂q̇ = Q + Aᵀ λ", &residual, &q)?;
         let (bias, a) = (self.call_if_any("constraint_bias"), self.call_if_any("constraint_jacobian"));
         let product = times(&a, &qdd);
-        // Velocities are allowed to rounding alone: where the row's own motion has no slope, γ is what that leaves.
-        let speed = self.state.qd.iter().map(|v| v.value.abs()).fold(0.0, f64::max);
-        let blurred = |v: &Rounded| Rounded { value: v.value, error: v.error + CLOSED * speed };
-        let moving = State { qd: self.state.qd.iter().map(blurred).collect(), ..self.state.clone() };
-        let blur = self.interpreter.call("constraint_bias", &moving).unwrap_or_default();
         // A row that depends on others where the constraints hold does so no better than the state holds them.
         let open = |k: usize| {
             let size: f64 = (0..self.n()).map(|i| (a[k * self.n() + i].value * qdd[i].value).abs()).sum();
-            Rounded { value: 0.0, error: 10.0 * CLOSED * (size + bias[k].value.abs()) + blur[k].error }
+            Rounded { value: 0.0, error: 10.0 * CLOSED * (size + bias[k].value.abs()) }
         };
         let zero: Vec<Rounded> = (0..bias.len()).map(open).collect();
-        self.equal("A q̈ + γ = 0", &add(&product, &bias), &zero)
+        let rates = add(&product, &bias);
+        self.equal("A q̈ + γ = 0", &rates, &zero).or_else(|_| {
+            let left: Vec<Rounded> =
+                zero.iter().zip(self.left_by_velocities(&a)).map(|(&zero, left)| zero + left).collect();
+            self.equal("A q̈ + γ = 0", &rates, &left)
+        })
+    }
+
+    /// What velocities that hold the constraints to rounding leave of `A q̈ + γ`: where nothing else is in γ, rows that depend on
+    /// others contradict them by that.
+    fn left_by_velocities(&self, a: &[Rounded]) -> Vec<Rounded> {
+        let speed = self.state.qd.iter().map(|v| v.value.abs()).fold(0.0, f64::max);
+        let blurred = |v: &Rounded| Rounded { value: v.value, error: v.error + CLOSED * speed };
+        let state = State { qd: self.state.qd.iter().map(blurred).collect(), ..self.state.clone() };
+        let [qdd, bias] =
+            ["forward_dynamics", "constraint_bias"].map(|name| self.interpreter.call(name, &state).unwrap_or_default());
+        let left = |(row, bias): (&[Rounded], &Rounded)| {
+            let along: f64 = row.iter().zip(&qdd).map(|(a, qdd)| a.value.abs() * qdd.error).sum();
+            Rounded { value: 0.0, error: along + bias.error }
+        };
+        a.chunks(self.n()).zip(&bias).map(left).collect()
     }
 
     fn linearization(&self) -> Result<(), Failure> {
