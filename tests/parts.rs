@@ -188,10 +188,12 @@ fn by_hand(p: &Params<f64>, q: &[f64; 2], qd: &[f64; 2]) -> (f64, f64, [Vector; 
 fn a_robot_of_parts_moves_as_by_hand() {
     let mut random = Random::new(15);
     for round in 0..200 {
-        let mut params = Params::<f64>::default();
-        params.mount = std::array::from_fn(|_| random.uniform(-3.0..3.0));
-        params.axis = std::array::from_fn(|_| std::array::from_fn(|_| random.uniform(0.1..2.0)));
-        params.centre = std::array::from_fn(|_| std::array::from_fn(|_| random.uniform(-0.5..0.5)));
+        let params = Params::<f64> {
+            mount: std::array::from_fn(|_| random.uniform(-3.0..3.0)),
+            axis: std::array::from_fn(|_| std::array::from_fn(|_| random.uniform(0.1..2.0))),
+            centre: std::array::from_fn(|_| std::array::from_fn(|_| random.uniform(-0.5..0.5))),
+            ..Params::default()
+        };
         let mut some = |n: f64| if random.one_in(6) { 0.0 } else { random.uniform(-n..n) };
         let (q, qd) = ([some(3.0), some(3.0)], [some(5.0), some(5.0)]);
         let arm = MountedArm::new(params);

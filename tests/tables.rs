@@ -119,7 +119,7 @@ fn monotone(y: [f64; 5], x: f64) -> [f64; 3] {
         }
     };
     let m = [end([h[0], h[1]], [d[0], d[1]]), inner(1), inner(2), inner(3), end([h[3], h[2]], [d[3], d[2]])];
-    if x < PLACES[0] || x >= PLACES[4] {
+    if !(PLACES[0]..PLACES[4]).contains(&x) {
         let (k, slope) = if x < PLACES[0] { (0, m[0]) } else { (4, m[4]) };
         return [y[k] + slope * (x - PLACES[k]), slope, 0.0];
     }

@@ -7,9 +7,12 @@ use mbs_derive::optimise::{Derivation, Function};
 /// By how much a first integral changes, of what its parts change by, that is no rounding.
 const DRIFT: f64 = 1e-11;
 
+/// Sets the derivative of one number.
+type Change<'s> = Box<dyn Fn(&mut State<Dual<f64>>) + 's>;
+
 /// What one number of the state is changed in, how fast it changes, and the size of the terms that its rate is made of.
 struct Seed<'s> {
-    change: Box<dyn Fn(&mut State<Dual<f64>>) + 's>,
+    change: Change<'s>,
     rate: f64,
     size: f64,
 }

@@ -252,8 +252,8 @@ impl Draw {
         let value = self.scaled(exponent - shift);
         // A quantity in place; its unit cannot begin with `1/`, and a quotient has none.
         // Without dimensions nobody knows whether t is the time.
-        let known = !unit.starts_with('1') && !(unit == "t" && self.has(Construct::Dimensionless));
-        if self.has(Construct::Units) && self.chance(15) && known && !value.contains('/') {
+        let is_unknown = unit.starts_with('1') || unit == "t" && self.has(Construct::Dimensionless);
+        if self.has(Construct::Units) && self.chance(15) && !is_unknown && !value.contains('/') {
             return format!("({value} {unit})");
         }
         let name = self.fresh("p");

@@ -109,8 +109,11 @@ macro_rules! with_doubles {
 }
 with_doubles!(Add add, Sub sub, Div div);
 
+/// Two values of each function at each place.
+type Values = HashMap<(u8, [u64; 4]), [Wide; 2]>;
+
 thread_local! {
-    static KNOWN: RefCell<HashMap<(u8, [u64; 4]), [Wide; 2]>> = RefCell::default();
+    static KNOWN: RefCell<Values> = RefCell::default();
 }
 
 /// A function of two numbers, which is asked for at the same place in every direction that is differentiated in.
