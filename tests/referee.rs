@@ -5,15 +5,11 @@
 use mbs_tests::referee::{Construct, draw, judge, shrink};
 use mbs_tests::robustness::Models;
 
-/// What the second reading of the language does not know: parts, tables, angles of roll, pitch and yaw, matrices of parameters.
-const UNREAD: [&str; 5] = ["part ", ".csv\"", "table", "rpy(", "][3]"];
-
 /// Mechanisms of the manual that are small enough for a patient referee.
 #[test]
 fn mechanisms_of_the_manual() {
     let models = Models::read();
-    let is_read = |text: &str| !UNREAD.iter().any(|words| text.contains(words));
-    let small = |text: &str| text.len() < 900 && !text.contains("quaternion") && is_read(text);
+    let small = |text: &str| text.len() < 1500;
     let mut compared = 0;
     for (name, text) in models.mechanisms.iter().filter(|(name, text)| name.starts_with("manual") && small(text)) {
         match judge((text, &models.shared), 1, 1) {
@@ -21,13 +17,13 @@ fn mechanisms_of_the_manual() {
             Err(fault) => panic!("{name}: {fault}\n{text}"),
         }
     }
-    assert!(compared > 300, "{compared} numbers");
+    assert!(compared > 500, "{compared} numbers");
 }
 
 /// Each construct once, with what else its seed has; what makes large mechanisms is met alone.
 #[test]
 fn random_mechanisms() {
-    let large = [Construct::Loops, Construct::Closures, Construct::Rolling, Construct::Quaternions];
+    let large = [Construct::Loops, Construct::Closures, Construct::Rolling, Construct::Quaternions, Construct::Parts];
     let mut compared = 0;
     for (seed, construct) in (1..).zip(Construct::ALL) {
         let without: Vec<Construct> = large.into_iter().filter(|other| *other != construct).collect();

@@ -6,7 +6,8 @@
 //!
 //! - `token`, `syntax`: tokens and grammar; `unit`: units and dimensions; `mechanism`: what is declared;
 //! - `wide`: numbers of twice the digits; `number`: doubles with roundings made worse, dual numbers;
-//! - `value`, `builtin`, `evaluate`: values, functions and statements;
+//! - `value`, `builtin`, `table`, `evaluate`: values, functions and statements;
+//! - `trace`: the calculation written down, and differentiated;
 //! - `lagrange`, `solve`, `quantities`: from the statements to everything that a generated function returns;
 //! - `manifold`: states at which constraints hold;
 //! - [`mod@draw`]: random mechanisms;
@@ -27,7 +28,9 @@ mod quantities;
 pub mod shrink;
 mod solve;
 mod syntax;
+mod table;
 mod token;
+mod trace;
 mod unit;
 mod value;
 mod wide;

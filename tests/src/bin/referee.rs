@@ -2,14 +2,17 @@
 //!
 //! The mechanism of a seed is the same on every machine. `--count N` takes the seeds S, S + 1, … S + N − 1; `--construct NAME`
 //! puts a construct into all of them, `--without A,B` leaves constructs out; `--states K` compares at this many states each; `--shrink no` leaves texts as they were
-//! drawn; `--print yes` shows the text of the first seed and does no more. What is wrong is printed with the text that shows it, and
+//! drawn; `--print yes` shows the text of the first seed and does no more; `--file PATH` takes the mechanism of a file, at the states
+//! of the first seed. What is wrong is printed with the text that shows it, and
 //! the exit code is 1.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
+use std::fs;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
-use mbs_tests::referee::{Construct, Judged, draw, judge, shrink};
+use mbs_tests::referee::{Construct, Drawn, Judged, draw, judge, shrink};
 
 struct Options {
     seed: u64,
@@ -19,11 +22,20 @@ struct Options {
     without: Vec<Construct>,
     shrink: bool,
     print: bool,
+    file: Option<PathBuf>,
 }
 
 fn options() -> Result<Options, String> {
-    let mut options =
-        Options { seed: 1, count: 100, states: 3, construct: None, without: Vec::new(), shrink: true, print: false };
+    let mut options = Options {
+        seed: 1,
+        count: 100,
+        states: 3,
+        construct: None,
+        without: Vec::new(),
+        shrink: true,
+        print: false,
+        file: None,
+    };
     let mut arguments = std::env::args().skip(1);
     while let Some(argument) = arguments.next() {
         let value = arguments.next().ok_or_else(|| format!("{argument} wants a value"))?;
@@ -34,6 +46,7 @@ fn options() -> Result<Options, String> {
             "--states" => options.states = number()? as usize,
             "--print" => options.print = value == "yes",
             "--shrink" => options.shrink = value != "no",
+            "--file" => (options.file, options.count) = (Some(PathBuf::from(&value)), 1),
             "--construct" => options.construct = Some(construct(&value)?),
             "--without" => options.without = value.split(',').map(construct).collect::<Result<_, _>>()?,
             _ => return Err(format!("there is no option {argument}")),
@@ -66,11 +79,40 @@ fn main() -> ExitCode {
     run(&options)
 }
 
+/// The mechanism of a file, with what lies in its folder and the folders there.
+fn read(path: &Path) -> std::io::Result<Drawn> {
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let mut imports = BTreeMap::new();
+    let mut folders = vec![PathBuf::new()];
+    while let Some(inner) = folders.pop() {
+        for entry in fs::read_dir(folder.join(&inner))? {
+            let (name, kind) = entry.and_then(|entry| Ok((inner.join(entry.file_name()), entry.file_type()?)))?;
+            let is_text = name.extension().is_some_and(|extension| extension == "mbs" || extension == "csv");
+            if kind.is_dir() && inner.as_os_str().is_empty() {
+                folders.push(name);
+            } else if is_text {
+                imports.insert(name.display().to_string(), fs::read_to_string(folder.join(&name))?);
+            }
+        }
+    }
+    Ok(Drawn { text: fs::read_to_string(path)?, imports, constructs: BTreeSet::new() })
+}
+
+fn mechanism(options: &Options, seed: u64) -> Drawn {
+    match &options.file {
+        None => draw(seed, options.construct, &options.without),
+        Some(path) => read(path).unwrap_or_else(|error| {
+            eprintln!("error: {}: {error}", path.display());
+            std::process::exit(1)
+        }),
+    }
+}
+
 fn run(options: &Options) -> ExitCode {
     let (mut total, mut faults, start) = (Judged::default(), BTreeMap::<String, Vec<u64>>::new(), Instant::now());
     let mut slowest = (Duration::ZERO, 0);
     for seed in options.seed..options.seed + options.count {
-        let (drawn, begun) = (draw(seed, options.construct, &options.without), Instant::now());
+        let (drawn, begun) = (mechanism(options, seed), Instant::now());
         match judge((&drawn.text, &drawn.imports), seed, options.states) {
             Ok(judged) => {
                 total.states += judged.states;

@@ -3,6 +3,7 @@
 use std::rc::Rc;
 
 use super::number::Real;
+use super::table;
 use super::value::{Mixing, Moving, Pose, Shared, Triple, Value, applied, cross, dot, number, rate, rates, transposed};
 
 /// The value of a function or method of the language.
@@ -35,6 +36,19 @@ pub(super) fn call<S: Real>(name: &str, arguments: &[Shared<S>], mixing: &Mixing
             let momentum = applied(&pose.tensor(&inertia), &turning);
             Value::Number(particle(number_(0)?, &centre) + number::<S>(0.5) * dot(&turning, &momentum))
         }
+        "diag" | "inertia" if arguments.len() == 1 => match arguments[0].matrix() {
+            Ok(matrix) => Value::of_matrix(matrix),
+            Err(_) => return call(name, elements(&arguments[0])?, mixing),
+        },
+        "table" | "table_monotone" | "table_spline" => {
+            let (xs, ys) = (table::column(given(1)?)?, table::column(given(2)?)?);
+            let between: fn(Moving<S>, &[Moving<S>], &[Moving<S>]) -> Moving<S> = match name {
+                "table" => table::lines,
+                "table_monotone" => table::monotone,
+                _ => table::spline,
+            };
+            Value::Number(between(number_(0)?, &xs, &ys))
+        }
         "diag" | "inertia" => {
             let entry = |i: usize| if i < arguments.len() { number_(i) } else { Ok(number(0.0)) };
             let (xx, yy, zz, xy, xz, yz) = (entry(0)?, entry(1)?, entry(2)?, entry(3)?, entry(4)?, entry(5)?);
@@ -42,6 +56,14 @@ pub(super) fn call<S: Real>(name: &str, arguments: &[Shared<S>], mixing: &Mixing
         }
         _ => Value::Number(library(name, arguments)?.ok_or_else(|| format!("there is no function `{name}`"))?),
     })
+}
+
+/// Those of an array, as arguments.
+fn elements<S: Real>(array: &Shared<S>) -> Result<&[Shared<S>], String> {
+    match array.as_ref() {
+        Value::Array(entries) => Ok(entries),
+        _ => Err("an array is wanted".to_string()),
+    }
 }
 
 fn numbers<S: Real>(arguments: &[Shared<S>]) -> Option<Vec<Moving<S>>> {
@@ -109,6 +131,10 @@ fn pose<S: Real>(name: &str, arguments: &[Shared<S>]) -> Result<Option<Pose<S>>,
     }
     Ok(Some(match (name, arguments) {
         ("rotation", [axis, angle]) => Pose::turn(&axis.vector()?, angle.number()?),
+        ("rpy", [roll, pitch, yaw]) => Pose::turn_about(2, yaw.number()?)
+            .then(&Pose::turn_about(1, pitch.number()?))
+            .then(&Pose::turn_about(0, roll.number()?)),
+        ("quaternion", [e]) => return pose(name, elements(e)?),
         ("quaternion", [w, x, y, z]) => Pose::quaternion(w.number()?, x.number()?, y.number()?, z.number()?),
         ("translation", [v]) => Pose::shift(v.vector()?),
         ("translation", [x, y, z]) => Pose::shift([x.number()?, y.number()?, z.number()?]),

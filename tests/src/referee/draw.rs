@@ -2,10 +2,14 @@
 //! function leaves its domain.
 //!
 //! - `scalar`: numbers, lengths and angles that depend on positions; `frame`: poses, places and bodies;
-//! - `statement`: energies, forces, outputs; `constraint`: constraints.
+//! - `statement`: energies, forces, outputs; `constraint`: constraints;
+//! - `part`: statements that are used many times; `sample`: tables; `array`: arrays and matrices of parameters.
 
+mod array;
 mod constraint;
 mod frame;
+mod part;
+mod sample;
 mod scalar;
 mod statement;
 
@@ -54,13 +58,19 @@ pub enum Construct {
     Units,
     /// Very large and very small masses, lengths and times.
     Scales,
+    /// Statements that are used many times.
+    Parts,
+    /// Values between samples, from the text and from files.
+    Tables,
+    /// Inertias, axes, vectors and quaternions as arrays, matrices of parameters, roll, pitch and yaw.
+    Arrays,
     /// No dimensional analysis.
     Dimensionless,
 }
 
 impl Construct {
     /// All of them.
-    pub const ALL: [Self; 20] = [
+    pub const ALL: [Self; 23] = [
         Self::Trees,
         Self::Energies,
         Self::Branches,
@@ -80,6 +90,9 @@ impl Construct {
         Self::Outputs,
         Self::Units,
         Self::Scales,
+        Self::Parts,
+        Self::Tables,
+        Self::Arrays,
         Self::Dimensionless,
     ];
 
@@ -88,6 +101,10 @@ impl Construct {
         format!("{self:?}").to_lowercase()
     }
 }
+
+/// What brings many coordinates with it.
+const LARGE: [Construct; 5] =
+    [Construct::Loops, Construct::Closures, Construct::Rolling, Construct::Quaternions, Construct::Parts];
 
 /// A text, and what it imports.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -105,6 +122,11 @@ pub fn draw(seed: u64, wanted: Option<Construct>, without: &[Construct]) -> Draw
     let mut random = Random::new(seed);
     // Nearly all constructs are met once in three, so that pairs are met often, and mechanisms stay small.
     let mut constructs: BTreeSet<Construct> = Construct::ALL.into_iter().filter(|_| random.one_in(3)).collect();
+    // Of those that bring many coordinates most mechanisms have one: what a mechanism costs grows with the cube of their number.
+    if !random.one_in(8) {
+        let kept = LARGE[(random.bits() % LARGE.len() as u64) as usize];
+        constructs.retain(|construct| *construct == kept || !LARGE.contains(construct));
+    }
     constructs.extend(wanted);
     constructs.retain(|construct| !without.contains(construct));
     if wanted != Some(Construct::Dimensionless) && !random.one_in(3) {
@@ -150,6 +172,8 @@ struct Draw {
     statements: Vec<String>,
     functions: Vec<String>,
     shared: Vec<String>,
+    /// Tables in files of their own.
+    tables: Vec<(String, String)>,
     /// Parameters by what they are a measure of.
     parameters: Vec<(String, [i32; 3])>,
     coordinates: Vec<Coordinate>,
@@ -165,6 +189,8 @@ struct Draw {
     turning: Vec<String>,
     /// Functions of one plain argument.
     plain_functions: Vec<String>,
+    /// Those that a table gives, with kinks or without.
+    tabulated: Vec<String>,
     names: usize,
     /// Words that are names of nothing yet.
     words: Vec<&'static str>,
@@ -183,6 +209,7 @@ impl Draw {
             statements: Vec::new(),
             functions: Vec::new(),
             shared: Vec::new(),
+            tables: Vec::new(),
             parameters: Vec::new(),
             coordinates: Vec::new(),
             inputs: Vec::new(),
@@ -193,6 +220,7 @@ impl Draw {
             places: Vec::new(),
             turning: Vec::new(),
             plain_functions: Vec::new(),
+            tabulated: Vec::new(),
             names: 0,
             words: WORDS.to_vec(),
         }
@@ -343,6 +371,12 @@ impl Draw {
         }
         self.functions_of_the_text();
         self.signals();
+        if self.has(Construct::Tables) {
+            self.samples();
+        }
+        if self.has(Construct::Arrays) {
+            self.grid();
+        }
         let count = 1 + self.below(2);
         for _ in 0..count {
             let measure = if self.chance(50) { Measure::Length } else { Measure::Angle };
@@ -357,6 +391,9 @@ impl Draw {
         }
         if self.has(Construct::Loops) {
             self.loops();
+        }
+        if self.has(Construct::Parts) {
+            self.parts();
         }
         if self.has(Construct::Closures) {
             self.closures();
@@ -380,6 +417,10 @@ impl Draw {
         if !self.shared.is_empty() {
             imports.insert("shared.mbs".to_string(), self.shared.join("\n") + "\n");
             text += "import \"shared.mbs\";\n";
+        }
+        for (path, table) in std::mem::take(&mut self.tables) {
+            text += &format!("import \"{path}\";\n");
+            imports.insert(path, table);
         }
         if self.has(Construct::Dimensionless) {
             text += "#![dimensionless]\n";

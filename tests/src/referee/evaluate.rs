@@ -61,15 +61,25 @@ pub(super) struct Sums<S> {
 /// A name and its value.
 type Bound<S> = (Rc<str>, Shared<S>);
 
+/// A part that is gone through.
+struct Instance {
+    path: String,
+    /// Arguments that are coordinates: the first one, and how many if they are an array.
+    coordinates: Vec<(Rc<str>, (usize, Option<usize>))>,
+}
+
 pub(super) struct Evaluator<'m, S> {
     pub(super) mechanism: &'m Mechanism,
     state: &'m State<S>,
     globals: Vec<Bound<S>>,
     locals: Vec<Bound<S>>,
+    /// Parts with an index, which are seen behind the loop that they stand in.
+    arrays: Vec<Bound<S>>,
+    /// The parts that are gone through: what their names begin with, and which coordinates their arguments are.
+    within: Vec<Instance>,
     /// How many coordinates, signals, inputs and parameters have been declared so far.
     declared: [usize; 4],
     mixing: Mixing<S>,
-    with_outputs: bool,
     pub(super) sums: Sums<S>,
 }
 
@@ -98,16 +108,12 @@ impl<'m, S: Real> Evaluator<'m, S> {
             state,
             globals: Vec::new(),
             locals: Vec::new(),
+            arrays: Vec::new(),
+            within: Vec::new(),
             declared: [0; 4],
             mixing,
-            with_outputs: true,
             sums,
         }
-    }
-
-    /// Passes over the outputs, on which nothing depends.
-    pub(super) fn without_outputs(self) -> Self {
-        Evaluator { with_outputs: false, ..self }
     }
 
     /// Carries out all statements.
@@ -134,7 +140,10 @@ impl<'m, S: Real> Evaluator<'m, S> {
     fn statement(&mut self, statement: &Statement) -> Result<(), String> {
         match statement {
             Statement::Declaration(declaration) => self.declaration(declaration)?,
-            Statement::Function { .. } => {}
+            Statement::Function { .. } | Statement::Part { .. } => {}
+            Statement::Instance { part, name, index, arguments } => {
+                self.instance(part, name, index.as_ref(), arguments)?
+            }
             Statement::Let { name, value } => {
                 let value = self.value(value)?;
                 self.locals.push((name.clone(), value));
@@ -188,7 +197,6 @@ impl<'m, S: Real> Evaluator<'m, S> {
             }
             Statement::Reaction { name, index, pose } => self.reaction(name, index.as_ref(), pose)?,
             Statement::Constraint { left, right } => self.constraint(left, right)?,
-            Statement::Output { .. } if !self.with_outputs => {}
             Statement::Output { name, index, value } => {
                 let index = index.as_ref().map(|index| self.integer(index)).transpose()?;
                 let value = self.value(value)?;
@@ -204,6 +212,75 @@ impl<'m, S: Real> Evaluator<'m, S> {
             }
         }
         Ok(())
+    }
+
+    /// The statements of a part with these arguments; what it declares is seen by its name.
+    fn instance(
+        &mut self,
+        part: &str,
+        name: &Rc<str>,
+        index: Option<&Expression>,
+        given: &[Expression],
+    ) -> Result<(), String> {
+        let (names, body) = self.mechanism.parts.get(part).ok_or_else(|| format!("there is no part `{part}`"))?.clone();
+        let index = index.map(|index| self.integer(index)).transpose()?;
+        let own = index.map_or(name.to_string(), |index| format!("{name}_{index}"));
+        let path = self.named_here(&own) + "_";
+        let arguments = names.iter().cloned().zip(self.values(given)?).collect();
+        let mut coordinates = Vec::new();
+        for (name, argument) in names.iter().zip(given) {
+            let alias = match &argument.kind {
+                Kind::Name(name) => self.coordinate(name),
+                Kind::Index(base, index) => match &base.kind {
+                    Kind::Name(name) => match self.coordinate(name) {
+                        Some((first, Some(_))) => Some((first + self.integer(index)? as usize, None)),
+                        _ => None,
+                    },
+                    _ => None,
+                },
+                _ => None,
+            };
+            coordinates.extend(alias.map(|alias| (name.clone(), alias)));
+        }
+        let outside = std::mem::replace(&mut self.locals, arguments);
+        let arrays_outside = std::mem::take(&mut self.arrays);
+        self.within.push(Instance { path, coordinates });
+        let first_output = self.sums.outputs.len();
+        for statement in body.iter() {
+            self.statement(statement)?;
+        }
+        let Instance { path, .. } = self.within.pop().expect("the part that was begun");
+        let mut seen = std::mem::replace(&mut self.locals, outside);
+        seen.extend(std::mem::replace(&mut self.arrays, arrays_outside));
+        let outputs = self.sums.outputs[first_output..].iter();
+        seen.extend(outputs.filter_map(|(name, y)| Some((Rc::from(name.strip_prefix(&path)?), y.clone()))));
+        let seen = Rc::new(Value::Part(seen));
+        match index {
+            None => self.locals.push((name.clone(), seen)),
+            Some(_) => match self.arrays.iter_mut().find(|(known, _)| known == name) {
+                Some((_, array)) => match Rc::make_mut(array) {
+                    Value::Array(entries) => entries.push(seen),
+                    _ => return Err(format!("`{name}` is no array of parts")),
+                },
+                None => self.arrays.push((name.clone(), Rc::new(Value::Array(vec![seen])))),
+            },
+        }
+        Ok(())
+    }
+
+    /// A name with the path of the part that it stands in.
+    fn named_here(&self, name: &str) -> String {
+        self.within.last().map_or(String::new(), |part| part.path.clone()) + name
+    }
+
+    /// The coordinate that a name is here, by itself or as an argument.
+    fn coordinate(&self, name: &str) -> Option<(usize, Option<usize>)> {
+        if let Some(part) = self.within.last() {
+            let given = part.coordinates.iter().find(|(known, _)| known.as_ref() == name).map(|(_, place)| *place);
+            let hidden = self.locals.iter().any(|(known, _)| known.as_ref() == name);
+            return given.or_else(|| self.mechanism.coordinate(name).filter(|_| !hidden));
+        }
+        self.mechanism.coordinate(name)
     }
 
     /// Bodies that are terms of a kinetic energy, times factors.
@@ -246,6 +323,7 @@ impl<'m, S: Real> Evaluator<'m, S> {
 
     /// A value of its own, or the next element of an array.
     fn output(&mut self, name: &Rc<str>, index: Option<i64>, value: Shared<S>) {
+        let name = &Rc::from(self.named_here(name));
         let known = self.sums.outputs.iter_mut().find(|(known, _)| known == name);
         match (index, known.map(|(_, array)| Rc::make_mut(array))) {
             (Some(_), Some(Value::Array(entries))) => entries.push(value),
@@ -270,12 +348,10 @@ impl<'m, S: Real> Evaluator<'m, S> {
 
     /// The value of a declared name; signals and coordinates move, parameters and inputs do not.
     pub(super) fn declaration(&mut self, declaration: &Declaration) -> Result<(), String> {
-        let count = match &declaration.length {
-            Some(length) => Some(self.integer(length)? as usize),
-            None => None,
-        };
+        let lengths = self.lengths(declaration)?;
+        let count = (!lengths.is_empty()).then(|| lengths.iter().product());
         let kind = match declaration.keyword.as_str() {
-            "const" => return self.constant(declaration, count),
+            "const" => return self.constant(declaration, &lengths),
             "coord" => 0,
             "prescribed" => 1,
             "input" => 2,
@@ -284,15 +360,18 @@ impl<'m, S: Real> Evaluator<'m, S> {
         if let (1, Some(formula)) = (kind, &declaration.value) {
             self.declared[1] += count.unwrap_or(1);
             let value = self.value(formula)?;
-            self.globals.push((declaration.name.clone(), spread(value, count)));
+            self.globals.push((declaration.name.clone(), spread(value, &lengths)));
             return Ok(());
         }
         let first = self.declared[kind];
         self.declared[kind] += count.unwrap_or(1);
         let entry = |i: usize| Rc::new(Value::Number(self.symbol(kind, first + i)));
-        let value = match count {
-            None => entry(0),
-            Some(count) => Rc::new(Value::Array((0..count).map(entry).collect())),
+        let row = |n: usize, from: usize| Rc::new(Value::Array((from..from + n).map(entry).collect()));
+        let value = match lengths.as_slice() {
+            [] => entry(0),
+            [n] => row(*n, 0),
+            [rows, n] => Rc::new(Value::Array((0..*rows).map(|i| row(*n, n * i)).collect())),
+            _ => return Err("three lengths".to_string()),
         };
         self.globals.push((declaration.name.clone(), value));
         Ok(())
@@ -312,11 +391,17 @@ impl<'m, S: Real> Evaluator<'m, S> {
         }
     }
 
-    /// Plain numbers are so many of the unit.
-    fn constant(&mut self, declaration: &Declaration, count: Option<usize>) -> Result<(), String> {
+    /// None of a number, one of an array, two of a matrix.
+    pub(super) fn lengths(&mut self, declaration: &Declaration) -> Result<Vec<usize>, String> {
+        declaration.lengths.iter().map(|length| Ok(self.integer(length)? as usize)).collect()
+    }
+
+    /// Plain numbers are so many of the unit. That of a part is its own.
+    fn constant(&mut self, declaration: &Declaration, lengths: &[usize]) -> Result<(), String> {
         let value = declaration.value.as_ref().ok_or("a constant without a value")?;
-        let value = self.converted(declaration, value, count)?;
-        self.globals.push((declaration.name.clone(), value));
+        let value = self.converted(declaration, value, lengths)?;
+        let names = if self.within.is_empty() { &mut self.globals } else { &mut self.locals };
+        names.push((declaration.name.clone(), value));
         Ok(())
     }
 
@@ -325,30 +410,27 @@ impl<'m, S: Real> Evaluator<'m, S> {
         &mut self,
         declaration: &Declaration,
         value: &Expression,
-        count: Option<usize>,
+        lengths: &[usize],
     ) -> Result<Shared<S>, String> {
         let found = self.value(value)?;
-        let Some(unit) = &declaration.unit else { return Ok(spread(found, count)) };
+        let Some(unit) = &declaration.unit else { return Ok(spread(found, lengths)) };
         let (scale, _) = unit::meaning(unit)?;
-        let scale = Moving::exact(scale);
-        let plain = |value: &Expression| {
-            !unit::holds_quantity(value) && unit::dimension(value, &self.mechanism.dimensions) == unit::PLAIN
-        };
-        let found = match (&value.kind, found.as_ref()) {
-            (Kind::Array(written), Value::Array(entries)) => {
-                let each = |(written, entry): (&Expression, &Shared<S>)| -> Result<Shared<S>, String> {
-                    if plain(written) { Ok(Rc::new(entry.each(&|x| x * scale)?)) } else { Ok(entry.clone()) }
-                };
-                Rc::new(Value::Array(written.iter().zip(entries).map(each).collect::<Result<_, _>>()?))
-            }
-            (_, entry) if plain(value) => Rc::new(entry.each(&|x| x * scale)?),
-            _ => found,
-        };
-        Ok(spread(found, count))
+        Ok(spread(self.in_si(value, &found, Moving::exact(scale))?, lengths))
+    }
+
+    /// Entry by entry.
+    fn in_si(&self, written: &Expression, found: &Shared<S>, scale: Moving<S>) -> Result<Shared<S>, String> {
+        if let (Kind::Array(written), Value::Array(entries)) = (&written.kind, found.as_ref()) {
+            let entries = written.iter().zip(entries).map(|(written, entry)| self.in_si(written, entry, scale));
+            return Ok(Rc::new(Value::Array(entries.collect::<Result<_, _>>()?)));
+        }
+        let plain =
+            !unit::holds_quantity(written) && unit::dimension(written, &self.mechanism.dimensions) == unit::PLAIN;
+        if plain { Ok(Rc::new(found.each(&|x| x * scale)?)) } else { Ok(found.clone()) }
     }
 
     fn force(&mut self, name: &str, index: Option<&Expression>, value: &Expression) -> Result<(), String> {
-        let (first, count) = self.mechanism.coordinate(name).ok_or_else(|| format!("no coordinate `{name}`"))?;
+        let (first, count) = self.coordinate(name).ok_or_else(|| format!("no coordinate `{name}`"))?;
         let value = self.value(value)?;
         match (index, count) {
             (Some(index), _) => {
@@ -382,7 +464,7 @@ impl<'m, S: Real> Evaluator<'m, S> {
         let moved = self.value(pose)?.pose()?.then(&freed);
         let (name_of_pose, indices) = path(pose)?;
         *self.place_of(&name_of_pose, &indices)? = Rc::new(Value::Pose(Box::new(moved)));
-        self.sums.joints.push((name.clone(), index));
+        self.sums.joints.push((self.named_here(name).into(), index));
         Ok(())
     }
 
@@ -410,7 +492,7 @@ impl<'m, S: Real> Evaluator<'m, S> {
     }
 
     fn named(&self, name: &str) -> Result<Shared<S>, String> {
-        let known = self.locals.iter().rev().chain(self.globals.iter().rev());
+        let known = self.locals.iter().rev().chain(&self.arrays).chain(self.globals.iter().rev());
         if let Some((_, value)) = known.into_iter().find(|(known, _)| known.as_ref() == name) {
             return Ok(value.clone());
         }
@@ -436,6 +518,10 @@ impl<'m, S: Real> Evaluator<'m, S> {
             }
             Kind::Field(base, name) => {
                 let base = self.value(base)?;
+                if let Value::Part(seen) = base.as_ref() {
+                    let found = seen.iter().rev().find(|(known, _)| known == name);
+                    return found.map(|(_, value)| value.clone()).ok_or_else(|| format!("no `{name}` in this part"));
+                }
                 let axis = ["x", "y", "z"].iter().position(|axis| *axis == name.as_ref());
                 return entry(&base, axis.ok_or_else(|| format!("no component `{name}`"))? as i64);
             }
@@ -535,12 +621,12 @@ fn holds_body(expression: &Expression) -> bool {
     is_body || expression.parts().into_iter().any(holds_body)
 }
 
-/// One value for every element of an array.
-fn spread<S: Real>(value: Shared<S>, count: Option<usize>) -> Shared<S> {
-    match (count, value.as_ref()) {
-        (Some(count), Value::Number(_)) => Rc::new(Value::Array(vec![value; count])),
-        _ => value,
+/// One value for every element of an array or matrix.
+fn spread<S: Real>(value: Shared<S>, lengths: &[usize]) -> Shared<S> {
+    if !matches!(value.as_ref(), Value::Number(_)) {
+        return value;
     }
+    lengths.iter().rev().fold(value, |entry, &n| Rc::new(Value::Array(vec![entry; n])))
 }
 
 fn entry<S: Real>(base: &Shared<S>, index: i64) -> Result<Shared<S>, String> {

@@ -280,8 +280,9 @@ impl Court<'_> {
         let largest = expected.iter().fold(0.0, |largest: f64, x| largest.max(x.abs()));
         for (i, (&found, &expected)) in found.iter().zip(expected).enumerate() {
             let spread = samples.iter().map(|sample| (sample[i] - expected).abs()).fold(0.0, nan_max);
-            // A structural zero of the referee's way may be a difference of equal terms on another.
-            let structural = expected.abs() + spread <= 1e-14 * largest || expected == 0.0 && spread == 0.0;
+            // What is zero by structure, or of which the referee's own terms leave nothing, may be a difference of other terms on
+            // another way.
+            let structural = expected.abs() + spread <= 1e-14 * largest || expected.abs() <= 1e-10 * spread;
             let residue = if structural { ZERO.max(largest) } else { expected.abs() };
             let bound = MULTIPLE * spread + 32.0 * f64::EPSILON * residue;
             // Nobody asked for it, or nobody knows it.

@@ -1,15 +1,15 @@
-//! Lagrange's equations from the text: by Nielsen's form, `∂L̇/∂q̇ − 2 ∂L/∂q = d/dt ∂L/∂q̇ − ∂L/∂q`, so that one direction at a
-//! time and the derivative along the motion are all that is ever differentiated.
+//! Lagrange's equations from the text: by Nielsen's form, `∂L̇/∂q̇ − 2 ∂L/∂q = d/dt ∂L/∂q̇ − ∂L/∂q`, so that gradients and the
+//! derivative along the motion are all that is ever differentiated.
 //!
 //! # Source
 //! Nielsen, *Vorlesungen über elementare Mechanik*, 1935, p. 345.
 
 use std::ops::Range;
-use std::rc::Rc;
 
 use super::evaluate::{Evaluator, State, Sums};
 use super::mechanism::Mechanism;
-use super::number::{Dual, Real};
+use super::number::{Base, Real};
+use super::trace::{Trace, Traced};
 use super::value::{Moving, Value, rate};
 
 /// One component of a constraint, not yet known to be φ or `A q̇ + b`.
@@ -43,20 +43,22 @@ impl<S: Real> Component<S> {
 pub(super) struct Output<S> {
     pub(super) value: Vec<S>,
     pub(super) velocity: Vec<S>,
-    /// `∂(velocity)/∂q̇`, one column a coordinate.
-    pub(super) columns: Vec<Vec<S>>,
-    /// `∂(value)/∂q̇`, one column a coordinate.
+    /// `∂(velocity)/∂q̇`, one row a component.
+    pub(super) jacobian: Vec<Vec<S>>,
+    /// `∂(value)/∂q̇`, one row a component.
     pub(super) speeds: Vec<Vec<S>>,
-    /// `∂(value)/∂q`, one column a coordinate.
+    /// `∂(value)/∂q`, one row a component.
     pub(super) slopes: Vec<Vec<S>>,
 }
 
 /// What is wanted of them.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Wanted {
-    /// What follows from derivatives by velocities: `inertia` lacks its part `−∂L/∂q`.
-    Momenta,
-    /// All but outputs.
+    /// What the Lagrangian gives.
+    Inertia,
+    /// And the constraints.
+    Rows,
+    /// And all but outputs.
     Motion,
     /// Everything.
     Outputs,
@@ -80,91 +82,145 @@ pub(super) struct Equations<S> {
     pub(super) outputs: Vec<Output<S>>,
 }
 
-/// The equations of these coordinates; those behind the declared ones are the auxiliary ones of joints.
-pub(super) fn equations<S: Real>(
-    mechanism: &Mechanism,
-    state: &State<S>,
-    coordinates: Range<usize>,
-    wanted: Wanted,
-) -> Result<Equations<S>, String> {
-    let mut equations: Option<Equations<S>> = None;
-    let highest = coordinates.end.max(mechanism.dof());
-    let mut lifted = state.map(&mut |x| Dual::fixed(x));
-    for list in [&mut lifted.q, &mut lifted.qd, &mut lifted.qdd] {
-        list.resize(highest, Dual::of(0.0));
+/// What the statements add up to at one state, and how: lines of a trace.
+#[derive(Debug)]
+pub(super) struct Written {
+    trace: Trace,
+    lines: Lines,
+    /// How many coordinates there are, with those of joints.
+    coordinates: usize,
+}
+
+#[derive(Debug)]
+struct Lines {
+    kinetic: usize,
+    potential: usize,
+    /// L and its rate.
+    lagrangian: [usize; 2],
+    dissipation: usize,
+    /// Forces on coordinates.
+    forces: Vec<(usize, usize)>,
+    /// Rates of places and turns, and what does work on them.
+    works: Vec<(usize, usize)>,
+    /// Each component with its rate and its second rate.
+    rows: Vec<[usize; 3]>,
+    /// Components of values and of velocities.
+    outputs: Vec<[Vec<usize>; 2]>,
+}
+
+impl Written {
+    /// Goes through the text at a state. Behind the declared coordinates stand the auxiliary ones of joints, if the state has any.
+    ///
+    /// # Errors
+    /// What the referee does not understand.
+    pub(super) fn at<R: Base>(mechanism: &Mechanism, state: &State<R>) -> Result<Self, String> {
+        let given = in_a_row(state);
+        let calculation = |given: &[Traced<R>]| {
+            let mut given = given.iter();
+            let traced = state.map(&mut |_| *given.next().expect("as many numbers as the state has"));
+            Ok(Lines::of(&Evaluator::new(mechanism, &traced).run()?))
+        };
+        let (trace, lines) = Trace::of(&given, calculation, Lines::groups)?;
+        Ok(Written { trace, lines, coordinates: state.q.len() })
     }
-    for (done, i) in coordinates.enumerate() {
-        let along_rate = seeded(mechanism, &lifted, wanted, |state| &mut state.qd[i])?;
-        let equations = equations.get_or_insert_with(|| begun(&along_rate, wanted));
-        let by_rate = lagrangian(&along_rate);
-        equations.momentum.push(by_rate.re.re.eps);
-        equations.inertia.push(by_rate.re.eps.eps);
-        if wanted != Wanted::Momenta {
-            let along = seeded(mechanism, &lifted, wanted, |state| &mut state.q[i])?;
-            equations.inertia[done] = equations.inertia[done] - S::of(2.0) * lagrangian(&along).re.re.eps;
-            if wanted == Wanted::Outputs {
-                collect(equations, &along_rate, &along);
+
+    /// The equations of these coordinates. On which sides of branches they are was decided where they were written down.
+    pub(super) fn equations<S: Real>(&self, state: &State<S>, range: Range<usize>, wanted: Wanted) -> Equations<S> {
+        let (lines, one, given) = (&self.lines, S::of(1.0), in_a_row(state));
+        let values = self.trace.values(&given, wanted as usize);
+        let gradient = |line: usize| self.gradient(&values, &[(line, one)], given.len());
+        let places = |gradient: &[S]| gradient[range.clone()].to_vec();
+        let rates = |gradient: &[S]| gradient[self.coordinates..][range.clone()].to_vec();
+        let [of_lagrangian, of_its_rate] = lines.lagrangian.map(gradient);
+        let inertia = rates(&of_its_rate).into_iter().zip(places(&of_lagrangian));
+        let mut equations = Equations {
+            kinetic: values[lines.kinetic],
+            potential: values[lines.potential],
+            momentum: rates(&of_lagrangian),
+            inertia: inertia.map(|(by_rate, by_place)| by_rate - S::of(2.0) * by_place).collect(),
+            dissipation: Vec::new(),
+            force: Vec::new(),
+            rows: Vec::new(),
+            outputs: Vec::new(),
+        };
+        if wanted >= Wanted::Rows {
+            let row = |row: &[usize; 3]| Component {
+                along: row.map(|line| values[line]),
+                by_value: rates(&gradient(row[0])),
+                by_rate: rates(&gradient(row[1])),
+            };
+            equations.rows = lines.rows.iter().map(row).collect();
+        }
+        if wanted >= Wanted::Motion {
+            equations.dissipation = rates(&gradient(lines.dissipation));
+            // Virtual work: what places and rotations do when only one rate changes, and forces on the coordinates themselves.
+            let works: Vec<(usize, S)> = lines.works.iter().map(|&(rate, force)| (rate, values[force])).collect();
+            equations.force = rates(&self.gradient(&values, &works, given.len()));
+            for &(coordinate, force) in lines.forces.iter().filter(|(coordinate, _)| range.contains(coordinate)) {
+                let sum = &mut equations.force[coordinate - range.start];
+                *sum = *sum + values[force];
             }
         }
-        equations.dissipation.push(along_rate.dissipation.re.re.eps);
-        equations.force.push(force(&along_rate, i));
-        let components = along_rate.constraints.iter().flat_map(|row| &row.components);
-        for (row, component) in equations.rows.iter_mut().zip(components) {
-            row.by_value.push(component.re.re.eps);
-            row.by_rate.push(component.re.eps.eps);
+        if wanted >= Wanted::Outputs {
+            let all = |lines: &[usize]| lines.iter().map(|&line| values[line]).collect();
+            let output = |[value, velocity]: &[Vec<usize>; 2]| {
+                let by_value: Vec<Vec<S>> = value.iter().map(|&line| gradient(line)).collect();
+                Output {
+                    value: all(value),
+                    velocity: all(velocity),
+                    jacobian: velocity.iter().map(|&line| rates(&gradient(line))).collect(),
+                    speeds: by_value.iter().map(|gradient| rates(gradient)).collect(),
+                    slopes: by_value.iter().map(|gradient| places(gradient)).collect(),
+                }
+            };
+            equations.outputs = lines.outputs.iter().map(output).collect();
+        }
+        equations
+    }
+
+    fn gradient<S: Real>(&self, values: &[S], sum: &[(usize, S)], given: usize) -> Vec<S> {
+        self.trace.gradient(values, sum, given)
+    }
+}
+
+/// All numbers of a state: places, rates, and the others.
+fn in_a_row<S: Copy>(state: &State<S>) -> Vec<S> {
+    let mut numbers = Vec::new();
+    let _: State<()> = state.map(&mut |x| numbers.push(x));
+    numbers
+}
+
+impl Lines {
+    fn of<R: Base>(sums: &Sums<Traced<R>>) -> Self {
+        let value = |x: &Moving<Traced<R>>| x.re.re.line();
+        let lagrangian = sums.kinetic - sums.potential + sums.lagrangian;
+        let components = sums.constraints.iter().flat_map(|row| &row.components);
+        let work = |(rates, force): &([Moving<Traced<R>>; 3], [Moving<Traced<R>>; 3])| {
+            std::array::from_fn::<_, 3, _>(|i| (value(&rates[i]), value(&force[i])))
+        };
+        let all = |values: Vec<Moving<Traced<R>>>| values.iter().map(value).collect::<Vec<usize>>();
+        Lines {
+            kinetic: value(&sums.kinetic),
+            potential: value(&sums.potential),
+            lagrangian: [value(&lagrangian), lagrangian.re.eps.line()],
+            dissipation: value(&sums.dissipation),
+            forces: sums.forces.iter().map(|(coordinate, force)| (*coordinate, value(force))).collect(),
+            works: sums.works.iter().flat_map(work).collect(),
+            rows: components.map(|x| [value(x), x.re.eps.line(), x.eps.eps.line()]).collect(),
+            outputs: sums.outputs.iter().map(|(_, y)| [all(y.flat()), all(velocity(y))]).collect(),
         }
     }
-    equations.ok_or_else(|| "no coordinates".to_string())
-}
 
-fn seeded<S: Real>(
-    mechanism: &Mechanism,
-    state: &State<Dual<S>>,
-    wanted: Wanted,
-    direction: impl Fn(&mut State<Dual<S>>) -> &mut Dual<S>,
-) -> Result<Sums<Dual<S>>, String> {
-    let mut state = state.clone();
-    direction(&mut state).eps = S::of(1.0);
-    let evaluator = Evaluator::new(mechanism, &state);
-    if wanted == Wanted::Outputs { evaluator.run() } else { evaluator.without_outputs().run() }
-}
-
-fn lagrangian<S: Real>(sums: &Sums<S>) -> Moving<S> {
-    sums.kinetic - sums.potential + sums.lagrangian
-}
-
-/// Virtual work: forces on the coordinate itself, and what places and rotations do when only this rate changes.
-fn force<S: Real>(sums: &Sums<Dual<S>>, i: usize) -> S {
-    let own = sums.forces.iter().filter(|(coordinate, _)| *coordinate == i).map(|(_, force)| force.re.re.re);
-    let works = sums.works.iter().flat_map(|(rates, force)| rates.iter().zip(force));
-    let works = works.map(|(rate, force)| rate.re.re.eps * force.re.re.re);
-    own.chain(works).fold(S::zero(), |sum, term| sum + term)
-}
-
-/// What does not depend on the direction.
-fn begun<S: Real>(sums: &Sums<Dual<S>>, wanted: Wanted) -> Equations<S> {
-    let components = sums.constraints.iter().flat_map(|row| &row.components);
-    let row = |x: &Moving<Dual<S>>| Component {
-        along: [x.re.re.re, x.re.eps.re, x.eps.eps.re],
-        by_value: Vec::new(),
-        by_rate: Vec::new(),
-    };
-    let output = |(_, value): &(Rc<str>, Rc<Value<Dual<S>>>)| Output {
-        value: value.flat().iter().map(|x| x.re.re.re).collect(),
-        velocity: velocity(value).iter().map(|x| x.re.re.re).collect(),
-        columns: Vec::new(),
-        speeds: Vec::new(),
-        slopes: Vec::new(),
-    };
-    Equations {
-        kinetic: sums.kinetic.re.re.re,
-        potential: sums.potential.re.re.re,
-        momentum: Vec::new(),
-        inertia: Vec::new(),
-        dissipation: Vec::new(),
-        force: Vec::new(),
-        rows: components.map(row).collect(),
-        outputs: if wanted == Wanted::Outputs { sums.outputs.iter().map(output).collect() } else { Vec::new() },
+    /// In the order of [`Wanted`].
+    fn groups(&self) -> Vec<Vec<usize>> {
+        let pairs = self.forces.iter().map(|(_, force)| *force);
+        let works = self.works.iter().flat_map(|&(rate, force)| [rate, force]);
+        vec![
+            vec![self.kinetic, self.potential, self.lagrangian[0], self.lagrangian[1]],
+            self.rows.iter().flatten().copied().collect(),
+            pairs.chain(works).chain([self.dissipation]).collect(),
+            self.outputs.iter().flatten().flatten().copied().collect(),
+        ]
     }
 }
 
@@ -174,14 +230,5 @@ fn velocity<S: Real>(value: &Value<S>) -> Vec<Moving<S>> {
         Value::Pose(pose) => pose.origin.iter().map(|&x| rate(x)).chain(pose.angular_velocity()).collect(),
         Value::Array(entries) => entries.iter().flat_map(|entry| velocity(entry)).collect(),
         other => other.flat().into_iter().map(rate).collect(),
-    }
-}
-
-fn collect<S: Real>(equations: &mut Equations<S>, along_rate: &Sums<Dual<S>>, along: &Sums<Dual<S>>) {
-    let sides = along_rate.outputs.iter().zip(&along.outputs);
-    for (output, ((_, by_rate), (_, by_place))) in equations.outputs.iter_mut().zip(sides) {
-        output.columns.push(velocity(by_rate).iter().map(|x| x.re.re.eps).collect());
-        output.speeds.push(by_rate.flat().iter().map(|x| x.re.re.eps).collect());
-        output.slopes.push(by_place.flat().iter().map(|x| x.re.re.eps).collect());
     }
 }

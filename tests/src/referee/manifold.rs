@@ -1,7 +1,7 @@
 //! States at which constraints hold, found by Newton's method: only there rows may be redundant that are not everywhere.
 
 use super::evaluate::State;
-use super::lagrange::{Wanted, equations};
+use super::lagrange::{Wanted, Written};
 use super::mechanism::Mechanism;
 use super::number::Real;
 use super::solve::solve;
@@ -35,7 +35,7 @@ pub(super) fn held(mechanism: &Mechanism, state: &State<f64>) -> Result<Option<S
 /// One step of the coordinates and of the velocities; whether both were small.
 fn step(mechanism: &Mechanism, state: &mut State<Wide>) -> Result<bool, String> {
     let n = mechanism.dof();
-    let here = equations(mechanism, state, 0..n, Wanted::Momenta)?;
+    let here = Written::at(mechanism, state)?.equations(state, 0..n, Wanted::Rows);
     let rows: Vec<_> = mechanism.rows.iter().map(|&(row, holonomic)| (&here.rows[row], holonomic)).collect();
     let zero = Wide::from(0.0);
     let mut matrix = vec![vec![zero; n + rows.len()]; n + rows.len()];

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::rc::Rc;
 
 use super::evaluate::{Evaluator, State};
-use super::lagrange::{Wanted, equations};
+use super::lagrange::{Wanted, Written};
 use super::number::{Real, reseed};
 use super::syntax::{self, Declaration, Expression, File, Kind, Statement};
 use super::unit::{self, Dimension, PLAIN};
@@ -16,12 +16,16 @@ pub(super) type Variable = (Rc<str>, usize, Option<usize>);
 /// Arguments and body of each function of the text.
 type Functions = BTreeMap<Rc<str>, (Vec<Rc<str>>, Rc<Expression>)>;
 
+/// Arguments and statements of each part.
+type Parts = BTreeMap<Rc<str>, (Vec<Rc<str>>, Rc<Vec<Statement>>)>;
+
 /// A mechanism as the referee reads it.
 #[derive(Debug)]
 pub(super) struct Mechanism {
     /// Those of imported files come first.
     pub(super) statements: Vec<Statement>,
     pub(super) functions: Functions,
+    pub(super) parts: Parts,
     /// Of constants that have one.
     pub(super) dimensions: BTreeMap<Rc<str>, Dimension>,
     pub(super) coordinates: Vec<Variable>,
@@ -51,6 +55,7 @@ impl Mechanism {
         gather(text, import, &mut Vec::new(), &mut statements)?;
         let mut mechanism = Mechanism {
             functions: functions(&statements),
+            parts: parts(&statements),
             statements,
             dimensions: BTreeMap::new(),
             coordinates: Vec::new(),
@@ -95,13 +100,11 @@ impl Mechanism {
             for before in &declarations[..i] {
                 evaluator.declaration(before)?;
             }
-            let length = match &declaration.length {
-                Some(length) => Some(evaluator.integer(length)? as usize),
-                None => None,
-            };
+            let lengths = evaluator.lengths(declaration)?;
+            let length = (!lengths.is_empty()).then(|| lengths.iter().product());
             match (declaration.keyword.as_str(), &declaration.value) {
                 ("param", Some(value)) => {
-                    let defaults = evaluator.converted(declaration, value, length)?.flat();
+                    let defaults = evaluator.converted(declaration, value, &lengths)?.flat();
                     self.defaults.extend(defaults.iter().map(|value| value.value()));
                 }
                 ("const", Some(value)) => {
@@ -139,8 +142,8 @@ impl Mechanism {
         let mut found: Vec<usize> = expression.parts().into_iter().flat_map(|part| self.quaternions_in(part)).collect();
         if let Kind::Call(name, arguments) = &expression.kind
             && name.as_ref() == "quaternion"
-            && let Some(Kind::Index(base, _)) = arguments.first().map(|argument| &argument.kind)
-            && let Kind::Name(name) = &base.kind
+            && let Some(first) = arguments.first()
+            && let Kind::Name(name) = (if let Kind::Index(base, _) = &first.kind { &base.kind } else { &first.kind })
         {
             found.extend(self.coordinate(name).map(|(first, _)| first));
         }
@@ -155,7 +158,7 @@ impl Mechanism {
         for k in 0..3 {
             let state = self.anywhere(k);
             let sums = Evaluator::new(self, &state).run()?;
-            let rows = equations(self, &state, 0..self.dof(), Wanted::Momenta)?.rows;
+            let rows = Written::at(self, &state)?.equations(&state, 0..self.dof(), Wanted::Rows).rows;
             moves.resize(rows.len(), false);
             pfaffian.resize(sums.constraints.len(), false);
             let owners = sums.constraints.iter().enumerate().flat_map(|(i, row)| vec![i; row.components.len()]);
@@ -214,6 +217,14 @@ fn functions(statements: &[Statement]) -> Functions {
     functions.collect()
 }
 
+fn parts(statements: &[Statement]) -> Parts {
+    let parts = statements.iter().filter_map(|statement| match statement {
+        Statement::Part { name, arguments, body } => Some((name.clone(), (arguments.clone(), body.clone()))),
+        _ => None,
+    });
+    parts.collect()
+}
+
 /// The statements of a file after those that it imports, each file once.
 fn gather(
     text: &str,
@@ -226,7 +237,11 @@ fn gather(
         if !seen.contains(&path) {
             seen.push(path.clone());
             let text = import(&path).ok_or_else(|| format!("there is no file {path}"))?;
-            gather(&text, import, seen, statements)?;
+            if path.ends_with(".csv") {
+                statements.extend(syntax::read_table(&text)?);
+            } else {
+                gather(&text, import, seen, statements)?;
+            }
         }
     }
     statements.extend(own);

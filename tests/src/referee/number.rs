@@ -70,6 +70,23 @@ pub(super) trait Real:
     }
 }
 
+/// Numbers that are no dual numbers.
+pub(super) trait Base: Real {
+    fn wide(self) -> Wide;
+}
+
+impl Base for Wide {
+    fn wide(self) -> Wide {
+        self
+    }
+}
+
+impl Base for Noisy {
+    fn wide(self) -> Wide {
+        Wide::from(self.0)
+    }
+}
+
 thread_local! {
     static NOISE: Cell<u64> = const { Cell::new(1) };
 }

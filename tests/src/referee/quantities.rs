@@ -3,28 +3,11 @@
 use std::collections::BTreeMap;
 
 use super::evaluate::State;
-use super::lagrange::{Component, Equations, Wanted, equations};
+use super::lagrange::{Component, Equations, Wanted, Written};
 use super::mechanism::{Mechanism, count};
-use super::number::{Dual, Noisy, Real};
+use super::number::{Base, Dual, Real};
 use super::solve::{Solution, solve};
 use super::wide::Wide;
-
-/// Numbers that are no dual numbers.
-pub(super) trait Base: Real {
-    fn wide(self) -> Wide;
-}
-
-impl Base for Wide {
-    fn wide(self) -> Wide {
-        self
-    }
-}
-
-impl Base for Noisy {
-    fn wide(self) -> Wide {
-        Wide::from(self.value())
-    }
-}
 
 /// Results by the names of functions, flattened as the generated ones are.
 pub(super) type Quantities = BTreeMap<String, Vec<f64>>;
@@ -75,6 +58,9 @@ type Slopes<R> = Equations<Dual<R>>;
 struct Bench<'m, R> {
     mechanism: &'m Mechanism,
     state: &'m State<R>,
+    /// What the text adds up to at the state, and at rest there.
+    here: Written,
+    at_rest: Written,
     found: Quantities,
     /// Pivots below this count as zero.
     threshold: f64,
@@ -90,7 +76,7 @@ pub(super) fn quantities<R: Base>(
     held: bool,
 ) -> Result<(Quantities, Rank), String> {
     let threshold = if held { HELD } else { ANYWHERE };
-    let mut bench = Bench { mechanism, state, found: Quantities::new(), threshold };
+    let mut bench = Bench::new(mechanism, state, threshold)?;
     let rank = bench.measure(directions, rank)?;
     Ok((bench.found, rank))
 }
@@ -100,8 +86,9 @@ pub(super) fn free_motion<R: Base>(mechanism: &Mechanism, state: &State<R>) -> R
     let n = mechanism.dof();
     let zero = |count: usize| vec![R::zero(); count];
     let state = State { qdd: zero(n), u: zero(state.u.len()), ..state.clone() };
-    let here = equations(mechanism, &state, 0..n, Wanted::Motion)?;
-    let mass = Bench { mechanism, state: &state, found: Quantities::new(), threshold: ANYWHERE }.mass(&state)?;
+    let bench = Bench::new(mechanism, &state, ANYWHERE)?;
+    let here = bench.here.equations(&state, 0..n, Wanted::Motion);
+    let mass = bench.mass(&state);
     let right: Vec<Wide> = here.force.iter().zip(&here.inertia).map(|(q, h)| (*q - *h).wide()).collect();
     let solution = solve(&bordered(&mass, &[]), &[right], ANYWHERE, None, || 0.0);
     Ok(solution.columns[0].iter().map(|x| x.value()).collect())
@@ -111,7 +98,17 @@ fn wide<R: Base>(values: &[R]) -> Vec<Wide> {
     values.iter().map(|x| x.wide()).collect()
 }
 
-impl<R: Base> Bench<'_, R> {
+fn at_rest<R: Base>(state: &State<R>) -> State<R> {
+    let zero = vec![R::zero(); state.q.len()];
+    State { qd: zero.clone(), qdd: zero, ..state.clone() }
+}
+
+impl<'m, R: Base> Bench<'m, R> {
+    fn new(mechanism: &'m Mechanism, state: &'m State<R>, threshold: f64) -> Result<Self, String> {
+        let (here, at_rest) = (Written::at(mechanism, state)?, Written::at(mechanism, &at_rest(state))?);
+        Ok(Bench { mechanism, state, here, at_rest, found: Quantities::new(), threshold })
+    }
+
     fn n(&self) -> usize {
         self.mechanism.dof()
     }
@@ -129,11 +126,8 @@ impl<R: Base> Bench<'_, R> {
         if self.mechanism.rows.is_empty() { || 0.0 } else { R::noise }
     }
 
-    /// A matrix, row by row, of its columns.
-    fn put_columns(&mut self, name: &str, columns: &[Vec<R>]) {
-        let rows = columns.first().map_or(0, Vec::len);
-        let values: Vec<R> = (0..rows).flat_map(|i| columns.iter().map(move |column| column[i])).collect();
-        self.put(name, values);
+    fn put_rows(&mut self, name: &str, rows: &[Vec<R>]) {
+        self.put(name, rows.iter().flatten().copied());
     }
 
     fn rows<'e, S: Real>(&self, equations: &'e Equations<S>) -> Vec<(&'e Component<S>, bool)> {
@@ -141,20 +135,15 @@ impl<R: Base> Bench<'_, R> {
     }
 
     /// The equations with a derivative in one direction.
-    fn slopes(
-        &self,
-        state: &State<R>,
-        wanted: Wanted,
-        seed: impl FnOnce(&mut State<Dual<R>>),
-    ) -> Result<Slopes<R>, String> {
+    fn slopes(&self, state: &State<R>, wanted: Wanted, seed: impl FnOnce(&mut State<Dual<R>>)) -> Slopes<R> {
         let mut lifted = state.map(&mut |x| Dual::fixed(x));
         seed(&mut lifted);
-        equations(self.mechanism, &lifted, 0..self.n(), wanted)
+        self.here.equations(&lifted, 0..self.n(), wanted)
     }
 
     fn measure(&mut self, directions: Option<&Directions>, rank: Option<usize>) -> Result<Rank, String> {
-        let (mechanism, state, n) = (self.mechanism, self.state, self.n());
-        let here = equations(mechanism, state, 0..n, Wanted::Outputs)?;
+        let (state, n) = (self.state, self.n());
+        let here = self.here.equations(state, 0..n, Wanted::Outputs);
         self.put("kinetic_energy", [here.kinetic]);
         self.put("potential_energy", [here.potential]);
         self.put("momentum", here.momentum.clone());
@@ -162,50 +151,50 @@ impl<R: Base> Bench<'_, R> {
         self.put("generalized_force", here.force.clone());
         let sums = here.inertia.iter().zip(&here.dissipation).map(|(&h, &d)| h + d).collect::<Vec<_>>();
         self.put("inverse_dynamics", sums);
-        let zero = vec![R::zero(); n];
-        let unaccelerated = State { qdd: zero.clone(), ..state.clone() };
-        let without = equations(mechanism, &unaccelerated, 0..n, Wanted::Motion)?;
+        let unaccelerated = State { qdd: vec![R::zero(); n], ..state.clone() };
+        let without = self.here.equations(&unaccelerated, 0..n, Wanted::Motion);
         self.put("bias", without.inertia.clone());
-        let at_rest = State { qd: zero.clone(), ..unaccelerated.clone() };
-        self.put("gravity", equations(mechanism, &at_rest, 0..n, Wanted::Motion)?.inertia);
-        let mass = self.mass(&unaccelerated)?;
-        self.put_columns("mass_matrix", &mass);
+        let at_rest = at_rest(state);
+        self.put("gravity", self.at_rest.equations(&at_rest, 0..n, Wanted::Inertia).inertia);
+        let mass = self.mass(&unaccelerated);
+        self.put_rows("mass_matrix", &mass);
         self.constraints(&here, &without);
-        self.outputs(&here)?;
+        self.outputs(&here);
         let rank = self.motion(&mass, &without, directions, rank)?;
         if let Some(directions) = directions {
             if directions.coriolis {
-                self.coriolis()?;
+                self.coriolis();
             }
-            self.outputs_by_inputs(directions)?;
-            self.jacobians(directions)?;
+            self.outputs_by_inputs(directions);
+            self.jacobians(directions);
         }
         Ok(rank)
     }
 
     /// `∂(inertia)/∂q̈`, column by column.
-    fn mass(&self, state: &State<R>) -> Result<Vec<Vec<R>>, String> {
+    fn mass(&self, state: &State<R>) -> Vec<Vec<R>> {
         let column = |j: usize| {
-            let slopes = self.slopes(state, Wanted::Momenta, |state| state.qdd[j].eps = R::of(1.0))?;
-            Ok(slopes.inertia.iter().map(|x| x.eps).collect())
+            let slopes = self.slopes(state, Wanted::Inertia, |state| state.qdd[j].eps = R::of(1.0));
+            slopes.inertia.iter().map(|x| x.eps).collect()
         };
         (0..self.n()).map(column).collect()
     }
 
     /// `C = ½(Ṁ + ∂M/∂t + P − Pᵀ) + (∂aᵢ/∂qⱼ − ∂aⱼ/∂qᵢ)` with `Pᵢⱼ = ∂(M q̇)ᵢ/∂qⱼ` and a the momentum at rest.
-    fn coriolis(&mut self) -> Result<(), String> {
+    fn coriolis(&mut self) {
         let n = self.n();
-        let passing = self.mass_rate(true)?;
-        let explicit = self.mass_rate(false)?;
-        let at_rest = State { qd: vec![R::zero(); n], ..self.state.clone() };
-        let by_place = |state: &State<R>| -> Result<Vec<Vec<R>>, String> {
+        let (passing, explicit) = (self.mass_rate(true), self.mass_rate(false));
+        let by_place = |written: &Written, state: &State<R>| -> Vec<Vec<R>> {
             let column = |j: usize| {
-                let slopes = self.slopes(state, Wanted::Momenta, |state| state.q[j].eps = R::of(1.0))?;
-                Ok(slopes.momentum.iter().map(|x| x.eps).collect())
+                let mut lifted = state.map(&mut |x| Dual::fixed(x));
+                lifted.q[j].eps = R::of(1.0);
+                let slopes = written.equations(&lifted, 0..n, Wanted::Inertia);
+                slopes.momentum.iter().map(|x| x.eps).collect()
             };
             (0..n).map(column).collect()
         };
-        let (all, gyroscopic) = (by_place(self.state)?, by_place(&at_rest)?);
+        let all = by_place(&self.here, self.state);
+        let gyroscopic = by_place(&self.at_rest, &at_rest(self.state));
         let half = R::of(0.5);
         let entry = |i: usize, j: usize| {
             let skew = (all[j][i] - all[i][j]) + (gyroscopic[j][i] - gyroscopic[i][j]);
@@ -213,18 +202,17 @@ impl<R: Base> Bench<'_, R> {
         };
         let values: Vec<R> = (0..n).flat_map(|i| (0..n).map(move |j| (i, j))).map(|(i, j)| entry(i, j)).collect();
         self.put("coriolis_matrix", values);
-        Ok(())
     }
 
     /// Columns of Ṁ along the motion, or of `∂M/∂t` while the coordinates stay.
-    fn mass_rate(&self, moving: bool) -> Result<Vec<Vec<R>>, String> {
+    fn mass_rate(&self, moving: bool) -> Vec<Vec<R>> {
         let one = R::of(1.0);
         let column = |j: usize| {
             let mut state = along(self.state, moving).map(&mut |x| Dual::fixed(x));
             // The direction of the acceleration is the outer one.
             state.qdd[j].eps = Dual::fixed(one);
-            let slopes = equations(self.mechanism, &state, 0..self.n(), Wanted::Momenta)?;
-            Ok(slopes.inertia.iter().map(|x| x.eps.eps).collect())
+            let slopes = self.here.equations(&state, 0..self.n(), Wanted::Inertia);
+            slopes.inertia.iter().map(|x| x.eps.eps).collect()
         };
         (0..self.n()).map(column).collect()
     }
@@ -244,36 +232,35 @@ impl<R: Base> Bench<'_, R> {
         self.put("constraint_bias", bias);
     }
 
-    fn outputs(&mut self, here: &Equations<R>) -> Result<(), String> {
+    fn outputs(&mut self, here: &Equations<R>) {
         if here.outputs.is_empty() {
-            return Ok(());
+            return;
         }
         let mut lifted = along(self.state, true);
         lifted.qdd.iter_mut().for_each(|x| *x = Dual::of(0.0));
-        let moving = equations(self.mechanism, &lifted, 0..self.n(), Wanted::Outputs)?;
+        let moving = self.here.equations(&lifted, 0..self.n(), Wanted::Outputs);
         let names = self.mechanism.outputs.clone();
         for ((output, moving), name) in here.outputs.iter().zip(&moving.outputs).zip(names) {
             self.put(&name, output.value.clone());
             self.put(&format!("{name}_velocity"), output.velocity.clone());
-            self.put_columns(&format!("{name}_jacobian"), &output.columns);
-            self.put_columns(&format!("{name}_jacobian_qd"), &output.speeds);
+            self.put_rows(&format!("{name}_jacobian"), &output.jacobian);
+            self.put_rows(&format!("{name}_jacobian_qd"), &output.speeds);
             // Where the output has no velocity.
-            self.put_columns(&format!("{name}_slope"), &output.slopes);
-            let rates: Vec<Vec<R>> = moving.columns.iter().map(|c| c.iter().map(|x| x.eps).collect()).collect();
-            self.put_columns(&format!("{name}_jacobian_rate"), &rates);
+            self.put_rows(&format!("{name}_slope"), &output.slopes);
+            let rates: Vec<Vec<R>> = moving.jacobian.iter().map(|row| row.iter().map(|x| x.eps).collect()).collect();
+            self.put_rows(&format!("{name}_jacobian_rate"), &rates);
         }
-        Ok(())
     }
 
     /// `∂y/∂u`
-    fn outputs_by_inputs(&mut self, directions: &Directions) -> Result<(), String> {
+    fn outputs_by_inputs(&mut self, directions: &Directions) {
         let names = self.mechanism.outputs.clone();
         if names.is_empty() || directions.u.is_empty() {
-            return Ok(());
+            return;
         }
         let mut columns: Vec<Vec<Vec<R>>> = vec![Vec::new(); names.len()];
         for &j in &directions.u {
-            let slopes = self.slopes(self.state, Wanted::Outputs, |state| state.u[j].eps = R::of(1.0))?;
+            let slopes = self.slopes(self.state, Wanted::Outputs, |state| state.u[j].eps = R::of(1.0));
             for (columns, output) in columns.iter_mut().zip(&slopes.outputs) {
                 columns.push(output.value.iter().map(|y| y.eps).collect());
             }
@@ -283,7 +270,6 @@ impl<R: Base> Bench<'_, R> {
             let matrix = spread_out(&directions.u, columns, height, count(&self.mechanism.inputs));
             self.put(&format!("{name}_jacobian_u"), matrix);
         }
-        Ok(())
     }
 
     /// q̈, λ, the linearization and the wrenches at joints.
@@ -322,7 +308,7 @@ impl<R: Base> Bench<'_, R> {
         if let Some(directions) = directions
             && rank.found == rank.full
         {
-            self.linearize(directions, &bordered, qdd, &multipliers)?;
+            self.linearize(directions, &bordered, qdd, &multipliers);
         }
         self.wrenches(&multipliers)?;
         Ok(rank)
@@ -334,7 +320,11 @@ impl<R: Base> Bench<'_, R> {
         if joints.is_empty() {
             return Ok(());
         }
-        let held = equations(self.mechanism, self.state, n..n + 6 * joints.len(), Wanted::Motion)?;
+        let mut state = self.state.clone();
+        for list in [&mut state.q, &mut state.qd, &mut state.qdd] {
+            list.resize(n + 6 * joints.len(), R::zero());
+        }
+        let held = Written::at(self.mechanism, &state)?.equations(&state, n..state.q.len(), Wanted::Motion);
         let rows = self.rows(&held);
         let along = |i: usize| {
             let terms = rows.iter().zip(multipliers);
@@ -354,38 +344,32 @@ impl<R: Base> Bench<'_, R> {
     }
 
     /// `∂q̈/∂z` from what the equations of motion lose when z changes while q̈ and λ stay.
-    fn linearize(
-        &mut self,
-        directions: &Directions,
-        bordered: &[Vec<Wide>],
-        qdd: &[Wide],
-        multipliers: &[Wide],
-    ) -> Result<(), String> {
+    fn linearize(&mut self, directions: &Directions, bordered: &[Vec<Wide>], qdd: &[Wide], multipliers: &[Wide]) {
         let n = self.n();
         let moving = State { qdd: qdd.iter().map(|&x| R::exact(x)).collect(), ..self.state.clone() };
-        let changes = |seed: &dyn Fn(&mut State<Dual<R>>)| -> Result<Vec<Wide>, String> {
-            let slopes = self.slopes(&moving, Wanted::Motion, seed)?;
+        let changes = |seed: &dyn Fn(&mut State<Dual<R>>)| -> Vec<Wide> {
+            let slopes = self.slopes(&moving, Wanted::Motion, seed);
             let rows = self.rows(&slopes);
             let lost = (0..n).map(|i| {
                 let own = (slopes.force[i] - slopes.inertia[i] - slopes.dissipation[i]).eps.wide();
                 let terms = rows.iter().zip(multipliers);
                 terms.fold(own, |sum, ((row, holonomic), l)| sum + row.gradient(*holonomic)[i].eps.wide() * *l)
             });
-            Ok(lost.chain(rows.iter().map(|(row, holonomic)| -row.second(*holonomic).eps.wide())).collect())
+            lost.chain(rows.iter().map(|(row, holonomic)| -row.second(*holonomic).eps.wide())).collect()
         };
         let one = R::of(1.0);
         let mut right = Vec::new();
         for &j in &directions.q {
-            right.push(changes(&|state| state.q[j].eps = one)?);
+            right.push(changes(&|state| state.q[j].eps = one));
         }
         for &j in &directions.qd {
-            right.push(changes(&|state| state.qd[j].eps = one)?);
+            right.push(changes(&|state| state.qd[j].eps = one));
         }
         for &j in &directions.u {
-            right.push(changes(&|state| state.u[j].eps = one)?);
+            right.push(changes(&|state| state.u[j].eps = one));
         }
         for &j in &directions.parameters {
-            right.push(changes(&|state| state.parameters[j].eps = one)?);
+            right.push(changes(&|state| state.parameters[j].eps = one));
         }
         let solution = solve(bordered, &right, 0.0, None, self.noise());
         let mut columns = solution.columns.iter().map(|column| &column[..n]);
@@ -398,30 +382,28 @@ impl<R: Base> Bench<'_, R> {
         let by_parameters = part(parameters, self.state.parameters.len());
         self.found.insert("linearize".to_string(), parts);
         self.found.insert("linearize_parameters".to_string(), by_parameters);
-        Ok(())
     }
 
     /// `∂τ/∂q`, `∂τ/∂q̇`, and `∂(A q̇ + b)/∂q`.
-    fn jacobians(&mut self, directions: &Directions) -> Result<(), String> {
+    fn jacobians(&mut self, directions: &Directions) {
         let (n, one) = (self.n(), R::of(1.0));
         let (mut by_place, mut by_rate, mut rows) = (Vec::new(), Vec::new(), Vec::new());
         let torque = |slopes: &Slopes<R>| -> Vec<R> {
             slopes.inertia.iter().zip(&slopes.dissipation).map(|(h, d)| h.eps + d.eps).collect()
         };
         for &j in &directions.q {
-            let slopes = self.slopes(self.state, Wanted::Motion, |state| state.q[j].eps = one)?;
+            let slopes = self.slopes(self.state, Wanted::Motion, |state| state.q[j].eps = one);
             by_place.push(torque(&slopes));
             rows.push(self.rows(&slopes).iter().map(|(row, holonomic)| row.rate(*holonomic).eps).collect::<Vec<_>>());
         }
         for &j in &directions.qd {
-            let slopes = self.slopes(self.state, Wanted::Motion, |state| state.qd[j].eps = one)?;
+            let slopes = self.slopes(self.state, Wanted::Motion, |state| state.qd[j].eps = one);
             by_rate.push(torque(&slopes));
         }
         let part = |wanted: &[usize], columns: &[Vec<R>], height: usize| spread_out(wanted, columns, height, n);
         let torques = [part(&directions.q, &by_place, n), part(&directions.qd, &by_rate, n)].concat();
         self.put("inverse_dynamics_jacobian", torques);
         self.put("constraint_rate_jacobian", part(&directions.q, &rows, self.mechanism.rows.len()));
-        Ok(())
     }
 }
 

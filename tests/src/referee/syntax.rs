@@ -56,7 +56,8 @@ pub(super) type Unit = Vec<(String, f64)>;
 pub(super) struct Declaration {
     pub(super) keyword: String,
     pub(super) name: Rc<str>,
-    pub(super) length: Option<Expression>,
+    /// None of a number, one of an array, two of a matrix.
+    pub(super) lengths: Vec<Expression>,
     pub(super) unit: Option<Unit>,
     pub(super) value: Option<Expression>,
 }
@@ -69,6 +70,19 @@ pub(super) enum Statement {
         name: Rc<str>,
         arguments: Vec<Rc<str>>,
         body: Rc<Expression>,
+    },
+    /// Statements that are used many times.
+    Part {
+        name: Rc<str>,
+        arguments: Vec<Rc<str>>,
+        body: Rc<Vec<Statement>>,
+    },
+    /// A use of them.
+    Instance {
+        part: Rc<str>,
+        name: Rc<str>,
+        index: Option<Expression>,
+        arguments: Vec<Expression>,
     },
     Let {
         name: Rc<str>,
@@ -135,7 +149,9 @@ impl Statement {
     /// Its expressions, those of the statements within a loop included.
     pub(super) fn expressions(&self) -> Vec<&Expression> {
         match self {
-            Statement::Declaration(d) => d.length.iter().chain(&d.value).collect(),
+            Statement::Declaration(d) => d.lengths.iter().chain(&d.value).collect(),
+            Statement::Part { body, .. } => body.iter().flat_map(Statement::expressions).collect(),
+            Statement::Instance { index, arguments, .. } => index.iter().chain(arguments).collect(),
             Statement::Function { body, .. } => vec![body],
             Statement::Let { value, .. } | Statement::Energy { value, .. } | Statement::Gravity { value } => {
                 vec![value]
@@ -167,6 +183,29 @@ pub(super) struct File {
     pub(super) imports: Vec<String>,
     pub(super) dimensionless: bool,
     pub(super) statements: Vec<Statement>,
+}
+
+/// Reads a table: its first line names the columns, and each becomes an array of constants.
+///
+/// # Errors
+/// What was expected.
+pub(super) fn read_table(text: &str) -> Result<Vec<Statement>, String> {
+    let mut lines = text.lines().map(str::trim).filter(|line| !line.is_empty() && !line.starts_with('#'));
+    let header = lines.next().ok_or("a table without a line")?;
+    let rows: Vec<Vec<&str>> = lines.map(|line| line.split(',').map(str::trim).collect()).collect();
+    let column = |(i, head): (usize, &str)| {
+        let (name, unit) = head.trim().trim_end_matches(']').split_once('[').unwrap_or((head.trim(), "1"));
+        let cells = rows.iter().map(|row| *row.get(i).unwrap_or(&"")).collect::<Vec<_>>();
+        let number = |cell: &str| {
+            let (sign, digits) =
+                cell.strip_prefix('-').map_or(("", cell.trim_start_matches('+')), |digits| ("-", digits));
+            format!("{sign}{}{digits}", if digits.starts_with('.') { "0" } else { "" })
+        };
+        let values: Vec<String> = cells.iter().map(|cell| number(cell)).collect();
+        let written = format!("const {}[{}]: {unit} = [{}];", name.trim(), rows.len(), values.join(", "));
+        Reader { tokens: tokens(&written)?, at: 0 }.statement()
+    };
+    header.split(',').enumerate().map(column).collect()
 }
 
 /// Reads a file.
@@ -260,12 +299,43 @@ impl Reader {
         match word.as_str() {
             "for" => self.repetition(),
             "if" => self.choice(),
+            "part" if self.begins_part() => self.part(),
             _ => {
                 let statement = self.simple(&word)?;
                 self.expect(";")?;
                 Ok(statement)
             }
         }
+    }
+
+    /// `part` is a name as well.
+    fn begins_part(&self) -> bool {
+        let next = |n: usize| self.tokens.get(self.at + n).map(|(token, _)| token);
+        matches!(next(1), Some(Token::Name(_)))
+            && next(2) == Some(&Token::Sign("("))
+            && self.tokens[self.at + 3..]
+                .iter()
+                .find(|(token, _)| matches!(token, Token::Sign("{" | ";")))
+                .is_some_and(|(token, _)| token == &Token::Sign("{"))
+    }
+
+    fn part(&mut self) -> Result<Statement, String> {
+        self.expect("part")?;
+        let (name, arguments) = (self.name()?, self.names()?);
+        Ok(Statement::Part { name, arguments, body: Rc::new(self.block()?) })
+    }
+
+    /// Names in brackets.
+    fn names(&mut self) -> Result<Vec<Rc<str>>, String> {
+        self.expect("(")?;
+        let mut names = Vec::new();
+        while !self.accept(")") {
+            names.push(self.name()?);
+            if !self.is(")") {
+                self.expect(",")?;
+            }
+        }
+        Ok(names)
     }
 
     fn repetition(&mut self) -> Result<Statement, String> {
@@ -357,6 +427,11 @@ impl Reader {
                 Ok(Statement::Output { name, index, value })
             }
             "gravity" if !self.is("=") => Ok(Statement::Gravity { value: self.expression()? }),
+            _ if matches!(self.peek(), Token::Name(_)) => {
+                let (name, index) = (self.name()?, self.index()?);
+                self.expect("(")?;
+                Ok(Statement::Instance { part: first, name, index, arguments: self.arguments(")")? })
+            }
             _ => {
                 let indices = self.indices()?;
                 self.expect("=")?;
@@ -376,22 +451,17 @@ impl Reader {
 
     fn declaration(&mut self, keyword: &str) -> Result<Statement, String> {
         let name = self.name()?;
-        let length = self.index()?;
+        let lengths = self.indices()?;
         let unit = if self.accept(":") { Some(self.unit()?) } else { None };
         let value = if self.accept("=") { Some(self.expression()?) } else { None };
-        Ok(Statement::Declaration(Declaration { keyword: keyword.to_string(), name, length, unit, value }))
+        if self.accept(",") {
+            self.expect("positive")?;
+        }
+        Ok(Statement::Declaration(Declaration { keyword: keyword.to_string(), name, lengths, unit, value }))
     }
 
     fn function(&mut self) -> Result<Statement, String> {
-        let name = self.name()?;
-        self.expect("(")?;
-        let mut arguments = Vec::new();
-        while !self.accept(")") {
-            arguments.push(self.name()?);
-            if !self.is(")") {
-                self.expect(",")?;
-            }
-        }
+        let (name, arguments) = (self.name()?, self.names()?);
         self.expect("=")?;
         Ok(Statement::Function { name, arguments, body: Rc::new(self.expression()?) })
     }

@@ -29,6 +29,8 @@ pub(super) enum Value<S> {
     Point(Triple<S>),
     Pose(Box<Pose<S>>),
     Truth(bool),
+    /// What is seen of an instance of a part.
+    Part(Vec<(Rc<str>, Shared<S>)>),
 }
 
 /// A number that moves like this.
@@ -236,6 +238,7 @@ impl<S: Real> Value<S> {
             Value::Point(_) => "a point",
             Value::Pose(_) => "a pose",
             Value::Truth(_) => "a condition",
+            Value::Part(_) => "a part",
         }
     }
 
@@ -294,7 +297,7 @@ impl<S: Real> Value<S> {
             Value::Array(entries) => entries.iter().flat_map(|entry| entry.flat()).collect(),
             Value::Point(place) => place.to_vec(),
             Value::Pose(pose) => pose.origin.iter().chain(pose.rotation.iter().flatten()).copied().collect(),
-            Value::Truth(_) => Vec::new(),
+            Value::Truth(_) | Value::Part(_) => Vec::new(),
         }
     }
 }

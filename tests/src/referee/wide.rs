@@ -26,6 +26,10 @@ impl Wide {
     pub(super) fn lo(self) -> f64 {
         self.lo
     }
+    /// The number with these parts.
+    pub(super) fn of_parts(hi: f64, lo: f64) -> Self {
+        Wide { hi, lo }
+    }
 }
 
 impl From<f64> for Wide {

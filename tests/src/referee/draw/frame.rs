@@ -21,6 +21,9 @@ impl Draw {
 
     /// A turn or shift by a coordinate.
     fn joint(&mut self, along: bool) -> String {
+        if self.has(Construct::Arrays) && !along && self.chance(50) {
+            return self.turn_of_arrays();
+        }
         // Of other coordinates: with its own the angle might stay where it is.
         let offset = self.plain(1);
         let coordinate = self.coordinate(if along { Measure::Length } else { Measure::Angle });
@@ -103,6 +106,9 @@ impl Draw {
 
     /// A tensor that a body can have.
     pub(super) fn inertia(&mut self) -> String {
+        if self.has(Construct::Arrays) && self.chance(60) {
+            return self.inertia_of_arrays();
+        }
         let moment = self.parameter([1, 2, 0]);
         match self.below(4) {
             0 => format!("diag({moment}, {moment}, {moment})"),
@@ -162,7 +168,12 @@ impl Draw {
             format!("translation({})", self.fixed_vector([0, 1, 0]))
         };
         let offset = if self.chance(30) { format!(" * {}", self.connection()) } else { String::new() };
-        self.say(format!("let mut {pose} = {shift} * quaternion({e}[0], {e}[1], {e}[2], {e}[3]){offset};"));
+        let attitude = if self.has(Construct::Arrays) && self.chance(60) {
+            format!("quaternion({e})")
+        } else {
+            format!("quaternion({e}[0], {e}[1], {e}[2], {e}[3])")
+        };
+        self.say(format!("let mut {pose} = {shift} * {attitude}{offset};"));
         if self.chance(40) {
             // Anything from a grain of dust to a mountain.
             let (mass, moment) = (self.fresh("m"), self.fresh("i"));
@@ -207,6 +218,16 @@ impl Draw {
         }
         body.push(format!("let centre = {link}.point([{l}[i]/2, 0, {l}[i]]);"));
         body.push(format!("kinetic += particle({m}[i], centre) + 1/2*{moment}*dt({q}[i])^2;"));
+        if self.has(Construct::Outputs) && self.chance(50) {
+            let (name, rate) = (self.fresh("y"), if self.chance(40) { ", jacobian_rate" } else { "" });
+            let value = match self.below(4) {
+                0 => link.clone(),
+                1 => "centre".to_string(),
+                2 => format!("{link}.rotation()"),
+                _ => format!("[sin({q}[i]), {q}[0]]"),
+            };
+            body.push(format!("output {name}[i] = {value}{rate};"));
+        }
         body.push(format!("potential += {m}[i]*{acceleration}*centre.z;"));
         if self.chance(40) {
             let (frames, heights) = (self.fresh("frames"), self.fresh("h"));

@@ -26,6 +26,10 @@ impl Draw {
     }
 
     fn potential(&mut self) -> String {
+        if !self.tabulated.is_empty() && self.chance(30) {
+            let (functions, energy) = (self.tabulated.clone(), self.parameter([1, 2, -2]));
+            return format!("{energy}*{}({})", self.pick(&functions), self.plain(1));
+        }
         match self.below(6) {
             0 => format!("spring({}, {}, {})", self.parameter([1, 0, -2]), self.length(2), self.parameter([0, 1, 0])),
             1 => format!("1/2*{}*({})^2", self.parameter([1, 2, -2]), self.angle(1)),
@@ -62,7 +66,7 @@ impl Draw {
 
     /// On coordinates, at places, on bodies; and dissipation.
     pub(super) fn forces(&mut self) {
-        if self.has(Construct::Forces) {
+        if self.has(Construct::Forces) || self.has(Construct::Tables) && self.chance(50) {
             let count = 1 + self.below(3);
             for _ in 0..count {
                 let statement = self.coordinate_force();
@@ -71,7 +75,7 @@ impl Draw {
             let statement = self.dissipation();
             self.say(statement);
         }
-        if self.has(Construct::PointForces) && !self.poses.is_empty() {
+        if self.has(Construct::PointForces) && !self.places.is_empty() {
             let count = 1 + self.below(2);
             for _ in 0..count {
                 let statement = self.point_force();
@@ -95,6 +99,12 @@ impl Draw {
             Measure::Angle => ([1, 2, -2], "N*m"),
         };
         let strength = self.parameter(dimension);
+        if !self.tabulated.is_empty() && self.chance(50) {
+            let functions = self.tabulated.clone();
+            let (function, argument) =
+                (self.pick(&functions), if self.chance(50) { self.plain(1) } else { self.plain_rate() });
+            return format!("force {name} += -{strength}*{function}({argument});");
+        }
         let value = match self.below(6) {
             0 => self.input(unit),
             1 => format!("-{strength}*tanh({})", self.plain_rate()),
