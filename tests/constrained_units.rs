@@ -2,13 +2,13 @@
 //! and some that are ill-scaled on purpose, with each declared quantity in other units, by powers of two up to 2^±50 each.
 //! All operations but those of the solution are then the same but for exponents; the solution must be, too.
 
-use mbs_derive::expr::{Graph, Number, Value};
+use mbs_derive::expr::{Graph, Number, Terms, Value};
 use mbs_derive::interpret::{Interpreter, State};
 use mbs_derive::model::Variable;
 use mbs_derive::optimise::cost::solve_constrained;
 use mbs_derive::optimise::{Derivation, ResultPart, Shape};
 use mbs_derive::{declared, derived};
-use mbs_runtime::{constrained_solve, constrained_solve_many};
+use mbs_runtime::{constrained_slopes, constrained_solve, constrained_solve_many};
 use mbs_tests::counting::{Counted, counted};
 use mbs_tests::random::Random;
 
@@ -301,12 +301,27 @@ fn same_bits<const N: usize, const K: usize>(random: &mut Random) {
             (a[K - 1], c[K - 1]) = (a[0].map(|x| -3.0 * x), -3.0 * c[0]);
         }
         let (q, l) = constrained_solve(m, a, f, c);
-        let triangle = (0..N).flat_map(|i| m[i][..=i].to_vec()).collect();
+        let triangle: Vec<f64> = (0..N).flat_map(|i| m[i][..=i].to_vec()).collect();
         let column: Vec<f64> = f.into_iter().chain(c).collect();
-        let found = <f64 as Value>::constrained(N, triangle, a.concat())(&column);
+        let found = <f64 as Value>::constrained(N, triangle.clone(), a.concat())(&column);
         let bits = |x: &f64| if x.is_nan() { None } else { Some(x.to_bits()) };
         let expected: Vec<_> = q.iter().chain(&l).map(bits).collect();
         assert_eq!(found.iter().map(bits).collect::<Vec<_>>(), expected, "{N} {K}: M = {m:?}, A = {a:?}, {f:?}, {c:?}");
+
+        // Columns that are derivatives, of which one is rounding and may be a contradiction.
+        let noise = |x: f64| x * [1e-17, 1e-9, 1e-6][round % 3];
+        let (force, target) = (f.map(|f| [f, noise(f), 0.0]), c.map(|c| [c, noise(c) + noise(1.0), noise(scale[0])]));
+        let sizes: [f64; 3] = std::array::from_fn(|_| number(4));
+        let slopes = constrained_slopes(m, a, force, target, &q, sizes);
+        let columns: Vec<Vec<f64>> =
+            (0..3).map(|j| force.iter().map(|f| f[j]).chain(target.iter().map(|c| c[j])).collect()).collect();
+        let terms = Terms { sizes: Vec::new(), motion: q.to_vec(), scales: sizes.to_vec() };
+        let found = <f64 as Value>::constrained_columns(N, triangle, a.concat())(&columns, &terms);
+        for (j, column) in found.iter().enumerate() {
+            let expected: Vec<_> = slopes.iter().map(|row| bits(&row[j])).collect();
+            let found: Vec<_> = column[..N].iter().map(bits).collect();
+            assert_eq!(found, expected, "{N} {K} {j}: M = {m:?}, A = {a:?}, {force:?}, {target:?}, {q:?}, {sizes:?}");
+        }
     }
 }
 

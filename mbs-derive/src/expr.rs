@@ -51,9 +51,9 @@ pub mod vector;
 
 pub use adjoint::{gradient, gradient_of_combination};
 pub use condition::Condition;
-pub(crate) use constrained::{Scales, least_change, remainder};
+pub(crate) use constrained::{Scales, least_change, remainder, remainder_sizes};
 pub use dual::Dual;
-pub use evaluate::{Solution, Tape, Value, evaluate};
+pub use evaluate::{Solution, Solutions, Tape, Terms, Value, evaluate};
 pub use function::{Binary, Function};
 pub use graph::{Expr, Graph, HalfInteger, Id, Node, Symbol};
 pub use hessian::hessian;

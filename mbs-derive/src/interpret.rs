@@ -1,10 +1,10 @@
 //! Runs Programs in process: the command line, the proofs and the tests evaluate the very code that is emitted.
 
 use crate::expr::evaluate::{holds, truth};
-use crate::expr::{Number, Symbol, Value};
+use crate::expr::{Number, Symbol, Terms, Value};
 use crate::model::lagrangian::component_names;
 use crate::optimise::{
-    Argument, Completion, Derivation, Function, Instruction, Program, ResultPart, Shape, Value as Step,
+    Argument, Completion, Derivation, Function, FunctionKind, Instruction, Program, ResultPart, Shape, Value as Step,
 };
 
 /// The arguments of a mechanism's functions, flattened in declaration order.
@@ -125,7 +125,7 @@ impl<'d, V: Value> Interpreter<'d, V> {
     /// The solution of the system that the program sets up, for each right side, as the runtime finds it.
     fn solve(&self, function: &Function, state: &State<V>) -> Vec<V> {
         let (n, k) = (self.derivation.dof(), self.derivation.constraints.len());
-        let values = self.system(function, state);
+        let (values, terms) = self.system(function, state);
         let (mass, rest) = values.split_at(n * (n + 1) / 2);
         let (jacobian, right_sides) = rest.split_at(k * n);
         let width = |part: &ResultPart| match part.shape {
@@ -138,8 +138,7 @@ impl<'d, V: Value> Interpreter<'d, V> {
             Completion::None => unreachable!("there is no system"),
             Completion::Solve => V::solve_symmetric(mass, &mut columns),
             Completion::SolveConstrained | Completion::SolveMultipliers => {
-                let solve = V::constrained(n, mass.to_vec(), jacobian.to_vec());
-                columns.iter_mut().for_each(|column| *column = solve(column));
+                columns = V::constrained_columns(n, mass.to_vec(), jacobian.to_vec())(&columns, &terms);
             }
         }
         if function.completion == Completion::SolveMultipliers {
@@ -153,13 +152,18 @@ impl<'d, V: Value> Interpreter<'d, V> {
         parts.collect()
     }
 
-    /// The values of a program whose accelerations and multipliers are those of the motion.
-    fn system(&self, function: &Function, state: &State<V>) -> Vec<V> {
+    /// The values of a program whose accelerations and multipliers are those of the motion, and what its columns are measured by.
+    fn system(&self, function: &Function, state: &State<V>) -> (Vec<V>, Terms<V>) {
+        let none = Terms { sizes: Vec::new(), motion: Vec::new(), scales: Vec::new() };
         let is_of_motion = |symbol| matches!(symbol, Symbol::Acceleration(_) | Symbol::Multiplier(_));
         if !function.program.uses(is_of_motion) {
-            return self.run(&function.program, state, &[]);
+            let is_slope = matches!(function.kind, FunctionKind::Linearize | FunctionKind::LinearizeParameters);
+            let is_constrained = function.completion.is_constrained() && is_slope;
+            let motion = is_constrained.then(|| self.call("forward_dynamics", state)).flatten();
+            let terms = motion.map_or(none, |motion| self.measured(function, state, motion));
+            return (self.run(&function.program, state, &[]), terms);
         }
-        let Some(forward_dynamics) = self.derivation.function("forward_dynamics") else { return Vec::new() };
+        let Some(forward_dynamics) = self.derivation.function("forward_dynamics") else { return (Vec::new(), none) };
         let mut qdd = match forward_dynamics.completion {
             Completion::SolveConstrained => self.constrained_motion(forward_dynamics, state),
             Completion::None | Completion::Solve | Completion::SolveMultipliers => {
@@ -167,7 +171,31 @@ impl<'d, V: Value> Interpreter<'d, V> {
             }
         };
         let multipliers = qdd.split_off(self.derivation.dof());
-        self.run(&function.program, &State { qdd, ..state.clone() }, &multipliers)
+        let terms = self.measured(function, state, qdd.clone());
+        (self.run(&function.program, &State { qdd, ..state.clone() }, &multipliers), terms)
+    }
+
+    /// How large that is by which the columns of a linearization are derivatives, as the runtime's `state_sizes` has it.
+    fn measured(&self, function: &Function, state: &State<V>, motion: Vec<V>) -> Terms<V> {
+        let scales =
+            match function.kind {
+                FunctionKind::LinearizeParameters => self.parameters.clone(),
+                _ => {
+                    let kinds = self.derivation.coordinate_kinds();
+                    let magnitude = |x: V| if x.less(V::constant(0.0)) { x.neg() } else { x };
+                    let largest =
+                        |values: &[V], kind: usize| {
+                            let alike = values.iter().zip(&kinds).filter(|(_, other)| **other == kind);
+                            alike.fold(V::constant(0.0), |largest, (&x, _)| {
+                                if largest.less(magnitude(x)) { magnitude(x) } else { largest }
+                            })
+                        };
+                    let size = |&kind: &usize| if kind == 0 { V::constant(1.0) } else { largest(&state.q, kind) };
+                    let sizes = kinds.iter().map(size).chain(kinds.iter().map(|&kind| largest(&state.qd, kind)));
+                    sizes.chain(state.u.iter().map(|_| V::constant(0.0))).collect()
+                }
+            };
+        Terms { sizes: Vec::new(), motion, scales }
     }
 
     /// q̈, then λ.

@@ -242,6 +242,22 @@ impl Derivation {
         self.coordinates.iter().map(Variable::count).sum()
     }
 
+    /// Of each coordinate its kind: 0 of those without a unit, and a number for each other unit.
+    pub(crate) fn coordinate_kinds(&self) -> Vec<usize> {
+        let mut units: Vec<&str> = Vec::new();
+        let mut kind = |unit| match unit {
+            "1" | "rad" => 0,
+            unit => {
+                let found = units.iter().position(|&other| other == unit);
+                1 + found.unwrap_or_else(|| {
+                    units.push(unit);
+                    units.len() - 1
+                })
+            }
+        };
+        self.coordinates.iter().flat_map(|v| vec![kind(v.unit.as_str()); v.count()]).collect()
+    }
+
     /// The requirements with the numbers that they are about, of all that [`required`](Self::required) gives.
     pub fn conditions<'d, V>(&'d self, values: &'d [V]) -> impl Iterator<Item = (&'d Requirement, &'d [V])> {
         let mut rest = values;

@@ -245,8 +245,16 @@ impl<T: Real, S: AsMut<[T]>> Projector<T, S> {
         for i in 0..n {
             let inertia = work.metric[i * n..(i + 1) * n].iter().zip(&*qdd);
             transposed.residual[i] = inertia.fold(force[i], |rest, (&m, &qdd)| rest - m * qdd);
-            for row in 0..k {
-                transposed.jacobian[i * k + row] = work.jacobian[row * n + i];
+        }
+        // A coordinate that a row knows by nothing but rounding says nothing of the row's multiplier: it is measured against the
+        // length of the row, not against what other rows know of the coordinate.
+        let rounding = T::from_f64(16.0 * n as f64) * T::EPSILON;
+        for row in 0..k {
+            let a = &work.jacobian[row * n..(row + 1) * n];
+            let size = |i: usize| (a[i] * work.scales[i]).abs();
+            let length = (0..n).fold(T::zero(), |length, i| length.maximum(size(i)));
+            for i in 0..n {
+                transposed.jacobian[i * k + row] = if size(i) <= rounding * length { T::zero() } else { a[i] };
             }
         }
         for row in 0..k {

@@ -2,6 +2,7 @@
 
 use core::ops::{Add, Div, Mul, Neg, Sub};
 
+use crate::dynamics::Terms;
 use crate::scalar::Scalar;
 
 /// `value + derivative · ε` with `ε² = 0`: a number that carries its derivative along one direction.
@@ -114,11 +115,16 @@ impl<T: Scalar> Scalar for Dual<T> {
         a: &[[Self; N]; K],
         force: &[[Self; C]; N],
         target: &[[Self; C]; K],
+        terms: &Terms<'_, Self, N, K, C>,
     ) -> ([[Self; C]; N], [[Self; C]; K]) {
         let (values, rows) = (m.map(|row| row.map(|x| x.value)), a.map(|row| row.map(|x| x.value)));
         let (f, c) = (force.map(|row| row.map(|x| x.value)), target.map(|row| row.map(|x| x.value)));
-        let (q, l) = T::constrained_solve(&values, &rows, &f, &c);
+        let sizes = terms.sizes.map(|sizes| sizes.map(|row| row.map(|x| x.value)));
+        let (motion, scales) = (terms.motion.map(|q| q.map(|x| x.value)), terms.scales.map(|x| x.value));
+        let terms = Terms { sizes: sizes.as_ref(), motion: motion.as_ref(), scales };
+        let (q, l) = T::constrained_solve(&values, &rows, &f, &c, &terms);
         let (mut f, mut c) = (force.map(|row| row.map(|x| x.derivative)), target.map(|row| row.map(|x| x.derivative)));
+        let mut sizes = c;
         for column in 0..C {
             for i in 0..N {
                 let inertia = |j: usize| m[i.max(j)][i.min(j)].derivative;
@@ -126,10 +132,17 @@ impl<T: Scalar> Scalar for Dual<T> {
                 f[i][column] = (0..K).fold(rest, |rest, k| rest + a[k][i].derivative * l[k][column]);
             }
             for k in 0..K {
-                c[k][column] = (0..N).fold(c[k][column], |rest, j| rest - a[k][j].derivative * q[j][column]);
+                let mut size = c[k][column].abs();
+                for j in 0..N {
+                    let term = a[k][j].derivative * q[j][column];
+                    c[k][column] = c[k][column] - term;
+                    size = size + term.abs();
+                }
+                sizes[k][column] = size;
             }
         }
-        let (q_rate, l_rate) = T::constrained_solve(&values, &rows, &f, &c);
+        let terms = Terms { sizes: Some(&sizes), ..Terms::unknown() };
+        let (q_rate, l_rate) = T::constrained_solve(&values, &rows, &f, &c, &terms);
         let pair = |value, derivative| Self { value, derivative };
         let motion = |i: usize| core::array::from_fn(|j| pair(q[i][j], q_rate[i][j]));
         let multipliers = |k: usize| core::array::from_fn(|j| pair(l[k][j], l_rate[k][j]));

@@ -45,7 +45,10 @@ mod null_space;
 mod scaling;
 
 pub(crate) use constrained::solve as solve_constrained;
-pub use constrained::{constrained_solve, constrained_solve_many, try_constrained_solve};
+pub use constrained::{
+    constrained_slopes, constrained_solve, constrained_solve_many, state_sizes, try_constrained_solve,
+};
+pub use null_space::Terms;
 pub(crate) use scaling::scaled;
 
 /// `x` with `M x = b`, for `M` symmetric and positive definite.

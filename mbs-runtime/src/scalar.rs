@@ -10,6 +10,8 @@
 use core::fmt::Debug;
 use core::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
+use crate::dynamics::Terms;
+
 #[cfg(any(feature = "std", feature = "libm"))]
 mod float;
 #[cfg(feature = "wide")]
@@ -138,7 +140,8 @@ pub trait Scalar:
         least
     }
 
-    /// What [`constrained_solve_many`](crate::constrained_solve_many) calls: accelerations and multipliers, column by column.
+    /// What [`constrained_solve_many`](crate::constrained_solve_many) calls: accelerations and multipliers, column by column, with
+    /// what tells rounding from a contradiction.
     ///
     /// The basis of motions is chosen by comparisons; numbers of several lanes are solved lane by lane, so that each chooses by
     /// itself.
@@ -147,8 +150,9 @@ pub trait Scalar:
         a: &[[Self; N]; K],
         force: &[[Self; C]; N],
         target: &[[Self; C]; K],
+        terms: &Terms<'_, Self, N, K, C>,
     ) -> ([[Self; C]; N], [[Self; C]; K]) {
-        crate::dynamics::solve_constrained(m, a, force, target)
+        crate::dynamics::solve_constrained(m, a, force, target, terms)
     }
 
     /// `then` in the lanes where `mask` is true, `otherwise` in the others.

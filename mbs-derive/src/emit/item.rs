@@ -257,9 +257,9 @@ impl<'d> Emitter<'d> {
                 quote!(#motion.1)
             }
             (_, Completion::SolveConstrained) => {
-                let motion = motion();
+                let (motion, scale, sizes) = (motion(), ident(&self.names.scale), self.sizes(function));
                 let statements = self.statements(function, |values| self.constrained_slopes(function, values));
-                quote!(let (qdd, multipliers) = &#motion; #statements)
+                quote!(let (qdd, multipliers) = &#motion; let #scale = (qdd, #sizes); #statements)
             }
         }
     }

@@ -163,6 +163,8 @@ pub(super) struct Names {
     pub(super) functions: Vec<String>,
     /// A private method, which gives way to an output of its name.
     pub(super) constrained_motion: String,
+    /// A local: what the columns of a linearization are measured by.
+    pub(super) scale: String,
     /// The fields that hold hoisted values.
     pub(super) hoisted: Vec<String>,
     /// Components as locals, by kind.
@@ -198,6 +200,7 @@ impl Names {
             .map(|name| ["", "_dot", "_ddot"].map(|suffix| scope.unique(&format!("{name}{suffix}"))));
         let prescribed = prescribed.collect();
         let multipliers = derivation.constraints.iter().map(|row| scope.unique(&format!("lambda_{row}"))).collect();
+        let scale = if derivation.constraints.is_empty() { String::new() } else { scope.unique("scale") };
         let described = described(&derivation.constructor, &parameters);
         let hoisted = derivation.constructor.results.iter().enumerate().map(|(i, value)| {
             let name = described[value.index()].as_ref().and_then(|name| scope.exactly(name));
@@ -211,6 +214,7 @@ impl Names {
             fields: fields.unique_escaped(derivation.parameters.iter().map(|p| p.name.as_str())),
             functions: methods.unique_escaped(derivation.functions.iter().map(|f| f.name.as_str())),
             constrained_motion: methods.unique("constrained_motion"),
+            scale,
             hoisted,
             coordinates,
             velocities,

@@ -3,7 +3,7 @@
 use proc_macro2::{Literal, TokenStream};
 use quote::quote;
 
-use crate::optimise::{Function, Shape};
+use crate::optimise::{Function, FunctionKind, Shape};
 
 use super::item::Emitter;
 use super::name::ident;
@@ -54,6 +54,25 @@ impl Emitter<'_> {
         quote!(::mbs_runtime::constrained_solve(#mass_matrix, #jacobian, #force, #target))
     }
 
+    /// How large that is by which each column of a linearization is a derivative.
+    pub(super) fn sizes(&self, function: &Function) -> TokenStream {
+        if function.kind == FunctionKind::Linearize {
+            let kinds = self.derivation.coordinate_kinds().into_iter().map(Literal::usize_unsuffixed);
+            return quote!(::mbs_runtime::state_sizes(q, qd, [#(#kinds),*]));
+        }
+        let all = self.derivation.parameters.iter().zip(&self.names.fields).flat_map(|(parameter, field)| {
+            let field = ident(field);
+            match parameter.length {
+                Some(length) => {
+                    let places = (0..length).map(Literal::usize_unsuffixed);
+                    places.map(|i| quote!(self.params.#field[#i])).collect::<Vec<_>>()
+                }
+                None => vec![quote!(self.params.#field)],
+            }
+        });
+        quote!([#(#all),*])
+    }
+
     /// The columns of all parts solved for at once, and taken apart.
     pub(super) fn constrained_slopes(
         &self,
@@ -68,10 +87,13 @@ impl Emitter<'_> {
             rows.iter_mut().for_each(|row| row.extend((0..width).filter_map(|_| values.next())));
         }
         let (force, target) = rows.split_at(n);
+        let scale = ident(&self.names.scale);
         let (force, target) =
             (force.iter().map(|row| quote!([#(#row),*])), target.iter().map(|row| quote!([#(#row),*])));
         let solution = quote! {
-            ::mbs_runtime::constrained_solve_many(#mass_matrix, #jacobian, [#(#force),*], [#(#target),*]).0
+            ::mbs_runtime::constrained_slopes(
+                #mass_matrix, #jacobian, [#(#force),*], [#(#target),*], #scale.0, #scale.1
+            )
         };
         if widths.len() == 1 {
             return solution;

@@ -3,7 +3,7 @@
 //! The same operations in the same order as the runtime's `dynamics/null_space.rs` and `dynamics/scaling.rs`, which say what
 //! they are and where they come from: the results are the same bits.
 
-use super::evaluate::Value;
+use super::evaluate::{Terms, Value};
 
 /// A weightless coordinate is taken before all others.
 const WEIGHTLESS: i64 = 1 << 32;
@@ -20,6 +20,7 @@ pub(super) struct NullSpace<V> {
     k: usize,
     scales: Scales,
     mass: Vec<Vec<V>>,
+    slopes: Vec<Vec<V>>,
     basis: Vec<Vec<V>>,
     reciprocals: Vec<V>,
     rank: usize,
@@ -30,17 +31,16 @@ pub(super) struct NullSpace<V> {
     gram: Vec<Vec<V>>,
 }
 
-/// What becomes of rows that depend on others.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Redundant {
-    /// They must agree with the others.
-    Agree,
-    /// What they ask for is not looked at.
-    Ignored,
-}
-
 fn magnitude<V: Value>(x: V) -> V {
     if x.less(V::constant(0.0)) { x.neg() } else { x }
+}
+
+fn larger<V: Value>(a: V, b: V) -> V {
+    if a.less(b) { b } else { a }
+}
+
+fn largest<V: Value>(x: &[V]) -> V {
+    x.iter().fold(V::constant(0.0), |largest, &x| larger(largest, magnitude(x)))
 }
 
 fn is_finite<V: Value>(x: V) -> bool {
@@ -70,13 +70,14 @@ impl<V: Value> NullSpace<V> {
         let k = a.len();
         let scales = Scales::of(n, &|i| m(i, i), &a);
         let mass = (0..n).map(|i| (0..n).map(|j| scales.mass(i, j, m(i, j))).collect());
-        let basis = (0..k).map(|row| (0..n).map(|i| scales.row(row, i, a[row][i])).collect());
+        let slopes: Vec<Vec<V>> = (0..k).map(|row| (0..n).map(|i| scales.row(row, i, a[row][i])).collect()).collect();
         let zero = V::constant(0.0);
         let mut system = NullSpace {
             n,
             k,
             mass: mass.collect(),
-            basis: basis.collect(),
+            basis: slopes.clone(),
+            slopes,
             scales,
             reciprocals: vec![zero; k],
             rank: 0,
@@ -198,7 +199,7 @@ impl<V: Value> NullSpace<V> {
         let (first, second) = (self.inertia[p][p], self.inertia[i][i]);
         (self.inertia[p][p], self.inertia[i][i]) = (second, first);
         self.columns.swap(r + p, r + i);
-        self.basis[..r].iter_mut().for_each(|row| row.swap(r + p, r + i));
+        self.basis.iter_mut().for_each(|row| row.swap(r + p, r + i));
     }
 
     fn relate_redundant_rows(&mut self) {
@@ -223,20 +224,76 @@ impl<V: Value> NullSpace<V> {
         }
     }
 
-    /// q̈, then λ, in the place of f, then c; `None` where rows contradict each other or something is not finite.
-    pub(super) fn solve(&self, column: &[V], redundant: Redundant) -> Option<Vec<V>> {
+    /// q̈, then λ, in the place of f, then c, column by column; `None` where rows contradict each other or something is not finite.
+    pub(super) fn solve(&self, columns: &[Vec<V>], terms: &Terms<V>) -> Vec<Option<Vec<V>>> {
+        let columns: Vec<(Vec<V>, Vec<V>)> = columns.iter().map(|column| self.scaled_right_side(column)).collect();
+        let greatest = if self.rank == self.k { Vec::new() } else { self.greatest_sizes(&columns, terms) };
+        let solution = |(j, (force, target)): (usize, &(Vec<V>, Vec<V>))| {
+            let motion = self.motion(force, target);
+            let agrees = self.rank == self.k || {
+                let mut sizes = self.given_sizes(terms, j, target);
+                if let Some(scale) = terms.scales.get(j).map(|&scale| magnitude(scale))
+                    && V::constant(0.0).less(scale)
+                {
+                    sizes.iter_mut().zip(&greatest).for_each(|(size, all)| *size = larger(*size, all.div(scale)));
+                }
+                self.agrees(&motion, target, &sizes)
+            };
+            agrees.then(|| self.unscaled_solution(&motion, force)).flatten()
+        };
+        columns.iter().enumerate().map(solution).collect()
+    }
+
+    /// The same for one column, whatever rows ask for that depend on others.
+    pub(super) fn solve_independent_rows(&self, column: &[V]) -> Option<Vec<V>> {
+        let (force, target) = self.scaled_right_side(column);
+        self.unscaled_solution(&self.motion(&force, &target), &force)
+    }
+
+    fn scaled_right_side(&self, column: &[V]) -> (Vec<V>, Vec<V>) {
         let (Scales { columns: s, rows: t, mass, .. }, (force, target)) = (&self.scales, column.split_at(self.n));
-        let force: Vec<V> = (0..self.n).map(|i| scaled(force[i], -s[i] - mass)).collect();
-        let target: Vec<V> = (0..self.k).map(|k| scaled(target[k], -t[k])).collect();
-        let motion = self.motion(&force, &target);
-        if redundant == Redundant::Agree && !self.agrees(&motion, &target) {
-            return None;
-        }
-        let multipliers = self.multipliers(&motion, &force);
+        let force = (0..self.n).map(|i| scaled(force[i], -s[i] - mass)).collect();
+        (force, (0..self.k).map(|k| scaled(target[k], -t[k])).collect())
+    }
+
+    fn unscaled_solution(&self, motion: &[V], force: &[V]) -> Option<Vec<V>> {
+        let Scales { columns: s, rows: t, mass, .. } = &self.scales;
+        let multipliers = self.multipliers(motion, force);
         let motion = motion.iter().zip(s).map(|(&x, &s)| scaled(x, -s));
         let multipliers = multipliers.iter().zip(t).map(|(&x, &t)| scaled(x, mass - t));
         let all: Vec<V> = motion.chain(multipliers).collect();
         all.iter().all(|&x| is_finite(x)).then_some(all)
+    }
+
+    fn given_sizes(&self, terms: &Terms<V>, j: usize, target: &[V]) -> Vec<V> {
+        let given = |k: usize| terms.sizes.get(j).map_or(V::constant(0.0), |x| scaled(x[k], -self.scales.rows[k]));
+        (0..self.k).map(|k| larger(magnitude(target[k]), given(k))).collect()
+    }
+
+    fn greatest_sizes(&self, columns: &[(Vec<V>, Vec<V>)], terms: &Terms<V>) -> Vec<V> {
+        let mut greatest = vec![V::constant(0.0); self.k];
+        if terms.motion.is_empty() {
+            return greatest;
+        }
+        let motion: Vec<V> = terms.motion.iter().zip(&self.scales.columns).map(|(&x, &s)| scaled(x, s)).collect();
+        let mut fastest = largest(&motion);
+        for (j, (force, target)) in columns.iter().enumerate() {
+            let scale = magnitude(terms.scales[j]);
+            fastest = larger(fastest, largest(&self.motion(force, target)).mul(scale));
+            let given = self.given_sizes(terms, j, target);
+            greatest.iter_mut().zip(given).for_each(|(size, given)| *size = larger(*size, given.mul(scale)));
+        }
+        for (size, row) in greatest.iter_mut().zip(&self.slopes) {
+            if V::constant(0.0).less(largest(row)) {
+                *size = larger(*size, fastest);
+            }
+        }
+        greatest
+    }
+
+    fn along(&self, row: usize, motion: &[V]) -> V {
+        let terms = self.slopes[row].iter().zip(motion).map(|(&a, &x)| magnitude(a).mul(magnitude(x)));
+        terms.fold(V::constant(0.0), V::add)
     }
 
     fn motion(&self, force: &[V], target: &[V]) -> Vec<V> {
@@ -273,16 +330,19 @@ impl<V: Value> NullSpace<V> {
         ordered
     }
 
-    fn agrees(&self, motion: &[V], target: &[V]) -> bool {
-        let largest = |largest: V, &x: &V| if largest.less(magnitude(x)) { magnitude(x) } else { largest };
+    fn agrees(&self, motion: &[V], target: &[V], sizes: &[V]) -> bool {
         (self.rank..self.k).all(|k| {
-            let (mut rest, mut size) = (target[self.rows[k]], magnitude(target[self.rows[k]]));
+            let row = self.rows[k];
+            let (mut rest, mut size) = (target[row], sizes[row]);
             for p in 0..self.rank {
-                let term = self.basis[k][p].mul(target[self.rows[p]]);
-                (rest, size) = (rest.sub(term), size.add(magnitude(term)));
+                let factor = self.basis[k][p];
+                rest = less_product(rest, factor, target[self.rows[p]]);
+                size = size.add(magnitude(factor).mul(sizes[self.rows[p]]));
             }
+            let rounding = size.add(self.along(row, motion)).mul(V::constant(ROOT));
+            let left = |i: usize| magnitude(self.basis[k][i]).mul(magnitude(motion[self.columns[i]]));
+            let allowed = (self.rank..self.n).fold(rounding, |sum, i| sum.add(left(i)));
             let zero = V::constant(0.0);
-            let allowed = size.add(motion.iter().fold(zero, largest)).mul(V::constant(ROOT));
             magnitude(rest).less(allowed) || (rest.less_equal(zero) && zero.less_equal(rest))
         })
     }
@@ -487,7 +547,7 @@ pub(super) fn power<V: Value>(exponent: i32) -> V {
 pub(crate) fn least_change(n: usize, weights: &[f64], jacobian: &[f64], target: &[f64]) -> Option<Vec<f64>> {
     let triangle: Vec<f64> = (0..n).flat_map(|i| (0..=i).map(move |j| if i == j { weights[i] } else { 0.0 })).collect();
     let column = [vec![0.0; n].as_slice(), target].concat();
-    let mut x = NullSpace::new(n, &triangle, jacobian)?.solve(&column, Redundant::Ignored)?;
+    let mut x = NullSpace::new(n, &triangle, jacobian)?.solve_independent_rows(&column)?;
     x.truncate(n);
     Some(x)
 }
@@ -502,6 +562,14 @@ pub(crate) fn remainder<V: Value>(mass: &[V], jacobian: &[V], b: &[V], x: &[V], 
     };
     let target = |row: usize| (0..n).fold(b[n + row], |rest, j| less_product(rest, jacobian[row * n + j], x[j]));
     (0..n).map(force).chain((0..k).map(target)).collect()
+}
+
+/// How large the terms of what [`remainder`] gives are, in the rows of A.
+pub(crate) fn remainder_sizes<V: Value>(jacobian: &[V], b: &[V], x: &[V], n: usize) -> Vec<V> {
+    let rows = jacobian.chunks_exact(n.max(1)).zip(&b[n..]);
+    let size =
+        |(row, &b): (&[V], &V)| row.iter().zip(x).fold(magnitude(b), |sum, (&a, &x)| sum.add(magnitude(a.mul(x))));
+    rows.map(size).collect()
 }
 
 #[cfg(test)]

@@ -2,8 +2,8 @@
 //!
 //! The independent witness of the symbolic sweeps: nothing here shares a line with them.
 
-use super::constrained::remainder;
-use super::evaluate::{Solution, Value};
+use super::constrained::{remainder, remainder_sizes};
+use super::evaluate::{Solutions, Terms, Value};
 use super::factors::{Factors, symmetric_times};
 use super::function::{Binary, Function};
 use super::number::Number;
@@ -105,18 +105,28 @@ impl<S: Value> Value for Dual<S> {
         }
     }
     /// Likewise, in the basis of the values.
-    fn constrained<'a>(n: usize, mass: Vec<Self>, jacobian: Vec<Self>) -> Solution<'a, Self>
+    fn constrained_columns<'a>(n: usize, mass: Vec<Self>, jacobian: Vec<Self>) -> Solutions<'a, Self>
     where
         Self: 'a,
     {
         let value = |numbers: &[Self]| numbers.iter().map(|v| v.value).collect::<Vec<S>>();
         let rate = |numbers: &[Self]| numbers.iter().map(|v| v.derivative).collect::<Vec<S>>();
-        let solve = S::constrained(n, value(&mass), value(&jacobian));
+        let solve = S::constrained_columns(n, value(&mass), value(&jacobian));
         let (mass, jacobian) = (rate(&mass), rate(&jacobian));
-        Box::new(move |column| {
-            let x = solve(&value(column));
-            let rates = solve(&remainder(&mass, &jacobian, &rate(column), &x, n));
-            x.into_iter().zip(rates).map(|(x, rate)| Dual::new(x, rate)).collect()
+        Box::new(move |columns, terms| {
+            let values: Vec<Vec<S>> = columns.iter().map(|column| value(column)).collect();
+            let sizes = terms.sizes.iter().map(|sizes| value(sizes)).collect();
+            let solutions =
+                solve(&values, &Terms { sizes, motion: value(&terms.motion), scales: value(&terms.scales) });
+            let of_each = |f: &dyn Fn(&[S], &[S]) -> Vec<S>| -> Vec<Vec<S>> {
+                columns.iter().zip(&solutions).map(|(column, x)| f(&rate(column), x)).collect()
+            };
+            let right_sides = of_each(&|column, x| remainder(&mass, &jacobian, column, x, n));
+            let sizes = of_each(&|column, x| remainder_sizes(&jacobian, column, x, n));
+            let rates = solve(&right_sides, &Terms { sizes, motion: Vec::new(), scales: Vec::new() });
+            let pair =
+                |(x, rates): (&Vec<S>, Vec<S>)| x.iter().zip(rates).map(|(&x, rate)| Dual::new(x, rate)).collect();
+            solutions.iter().zip(rates).map(pair).collect()
         })
     }
     fn exponent(self) -> i32 {

@@ -1,6 +1,6 @@
 //! Numerical values of expressions, over any kind of number: doubles, or dual numbers that carry derivatives.
 
-use super::constrained::{NullSpace, Redundant, power};
+use super::constrained::{NullSpace, power};
 use super::factors::Factors;
 use super::function::{Binary, Function};
 use super::graph::{Expr, Id, Node, Symbol};
@@ -9,6 +9,20 @@ use super::table::Table;
 
 /// What solves a system with constraints for one right side after the other.
 pub type Solution<'a, V> = Box<dyn Fn(&[V]) -> Vec<V> + 'a>;
+
+/// What solves it for several right sides that belong together.
+pub type Solutions<'a, V> = Box<dyn Fn(&[Vec<V>], &Terms<V>) -> Vec<Vec<V>> + 'a>;
+
+/// What tells rounding from a contradiction of rows, as the runtime's `Terms`; each may be empty.
+#[derive(Clone, Debug, Default)]
+pub struct Terms<V> {
+    /// Of each column, how large the terms of its targets are.
+    pub sizes: Vec<Vec<V>>,
+    /// q̈ of the motion of which the columns are derivatives.
+    pub motion: Vec<V>,
+    /// How large that is by which each column is a derivative, with any sign; zero where it is not known.
+    pub scales: Vec<V>,
+}
 
 /// What expressions can be evaluated over.
 pub trait Value: Copy {
@@ -56,10 +70,21 @@ pub trait Value: Copy {
     where
         Self: 'a,
     {
+        let solve = Self::constrained_columns(n, mass, jacobian);
+        let none = Terms { sizes: Vec::new(), motion: Vec::new(), scales: Vec::new() };
+        Box::new(move |column| solve(&[column.to_vec()], &none).remove(0))
+    }
+    /// The same for several columns.
+    fn constrained_columns<'a>(n: usize, mass: Vec<Self>, jacobian: Vec<Self>) -> Solutions<'a, Self>
+    where
+        Self: 'a,
+    {
         let system = NullSpace::new(n, &mass, &jacobian);
-        Box::new(move |column| {
-            let solution = system.as_ref().and_then(|system| system.solve(column, Redundant::Agree));
-            solution.unwrap_or_else(|| vec![Self::constant(f64::NAN); column.len()])
+        let rows = n + jacobian.len() / n.max(1);
+        let undefined = move || vec![Self::constant(f64::NAN); rows];
+        Box::new(move |columns, terms| match &system {
+            Some(system) => system.solve(columns, terms).into_iter().map(|x| x.unwrap_or_else(undefined)).collect(),
+            None => columns.iter().map(|_| undefined()).collect(),
         })
     }
     /// `⌊log₂ |a|⌋`, of a subnormal number that of the smallest normal one.
@@ -214,40 +239,85 @@ impl Tape {
         self.all_deciding(point, |_, holds| holds)
     }
 
+    /// The values of the roots where some symbols vary from a point at which the values of all steps are `known`: what the symbols
+    /// are that `point` gives. A step of which nothing varies is what `fixed` makes of its known value.
+    pub(crate) fn run_varied<B: Value, V: Value>(
+        &self,
+        known: &[B],
+        fixed: impl Fn(B) -> V,
+        point: impl Fn(Symbol) -> Option<V>,
+    ) -> Vec<V> {
+        const FIXED: usize = usize::MAX;
+        let (mut places, mut values) = (vec![FIXED; self.steps.len()], Vec::new());
+        for (at, &step) in self.steps.iter().enumerate() {
+            let value = if let Node::Symbol(symbol) = step {
+                point(symbol)
+            } else if step.operands().any(|operand| places[operand.index()] != FIXED) {
+                let v = |operand: Id| match places[operand.index()] {
+                    FIXED => fixed(known[operand.index()]),
+                    place => values[place],
+                };
+                Some(self.step(at, v, |_| undefined(), |_, holds| holds))
+            } else {
+                None
+            };
+            if let Some(value) = value {
+                places[at] = values.len();
+                values.push(value);
+            }
+        }
+        let root = |&root: &usize| match places[root] {
+            FIXED => fixed(known[root]),
+            place => values[place],
+        };
+        self.roots.iter().map(root).collect()
+    }
+
     fn all_deciding<V: Value>(&self, point: impl Fn(Symbol) -> V, decide: impl Fn(usize, bool) -> bool) -> Vec<V> {
         let mut values: Vec<V> = Vec::with_capacity(self.steps.len());
-        for (at, step) in self.steps.iter().enumerate() {
-            let v = |operand: Id| values[operand.index()];
-            if let Some(value) = self.strict.then(|| strictly(step, v)).flatten() {
-                values.push(value);
-                continue;
-            }
-            let value = match *step {
-                Node::Constant(value) => V::number(value),
-                Node::Symbol(symbol) => point(symbol),
-                Node::Rate(a) => v(a).rate(),
-                Node::Neg(a) => v(a).neg(),
-                Node::Add(a, b) => v(a).add(v(b)),
-                Node::Sub(a, b) => v(a).sub(v(b)),
-                Node::Mul(a, b) => v(a).mul(v(b)),
-                Node::Power(a, n) => v(a).power(n.to_halves()),
-                Node::Call(function, a) => v(a).call(function),
-                Node::Call2(function, a, b) => v(a).call2(function, v(b)),
-                Node::Less(a, b) => truth(decide(at, v(a).less(v(b)))),
-                Node::LessEqual(a, b) => truth(decide(at, v(a).less_equal(v(b)))),
-                Node::And(a, b) => truth(holds(v(a)) && holds(v(b))),
-                Node::Not(a) => truth(!holds(v(a))),
-                Node::Select(c, a, b) => {
-                    if holds(v(c)) {
-                        v(a)
-                    } else {
-                        v(b)
-                    }
-                }
-            };
+        for at in 0..self.steps.len() {
+            let value = self.step(at, |operand| values[operand.index()], &point, &decide);
             values.push(value);
         }
         values
+    }
+
+    /// The value of one step, of those of its operands.
+    #[inline(always)]
+    fn step<V: Value>(
+        &self,
+        at: usize,
+        v: impl Fn(Id) -> V,
+        point: impl Fn(Symbol) -> V,
+        decide: impl Fn(usize, bool) -> bool,
+    ) -> V {
+        let step = &self.steps[at];
+        if let Some(value) = self.strict.then(|| strictly(step, &v)).flatten() {
+            return value;
+        }
+        match *step {
+            Node::Constant(value) => V::number(value),
+            Node::Symbol(symbol) => point(symbol),
+            Node::Rate(a) => v(a).rate(),
+            Node::Neg(a) => v(a).neg(),
+            Node::Add(a, b) => v(a).add(v(b)),
+            Node::Sub(a, b) => v(a).sub(v(b)),
+            Node::Mul(a, b) => v(a).mul(v(b)),
+            Node::Power(a, n) => v(a).power(n.to_halves()),
+            Node::Call(function, a) => v(a).call(function),
+            Node::Call2(function, a, b) => v(a).call2(function, v(b)),
+            Node::Less(a, b) => truth(decide(at, v(a).less(v(b)))),
+            Node::LessEqual(a, b) => truth(decide(at, v(a).less_equal(v(b)))),
+            Node::And(a, b) => truth(holds(v(a)) && holds(v(b))),
+            Node::Not(a) => truth(!holds(v(a))),
+            Node::Select(c, a, b) => {
+                if holds(v(c)) {
+                    v(a)
+                } else {
+                    v(b)
+                }
+            }
+        }
     }
 }
 

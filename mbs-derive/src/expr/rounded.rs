@@ -5,9 +5,9 @@
 use std::iter::Sum;
 use std::ops::{Add, Mul, Neg, Sub};
 
-use super::constrained::{NullSpace, Redundant, remainder};
+use super::constrained::{NullSpace, remainder};
 use super::dual::slope;
-use super::evaluate::{Solution, Value};
+use super::evaluate::{Solutions, Terms, Value};
 use super::function::{Binary, Function};
 use super::number::Number;
 
@@ -137,7 +137,7 @@ impl Value for Rounded {
     /// nothing of how the solution was found.
     ///
     /// Source: Higham, *Accuracy and Stability of Numerical Algorithms*, 2nd ed. 2002, sections 7.1 and 15.1.
-    fn constrained<'a>(n: usize, mass: Vec<Self>, jacobian: Vec<Self>) -> Solution<'a, Self>
+    fn constrained_columns<'a>(n: usize, mass: Vec<Self>, jacobian: Vec<Self>) -> Solutions<'a, Self>
     where
         Self: 'a,
     {
@@ -146,18 +146,31 @@ impl Value for Rounded {
         let size = n + jacobian.len() / n.max(1);
         let unit = |j: usize| (0..size).map(|i| f64::from(u8::from(i == j))).collect::<Vec<f64>>();
         // Rows that depend on others take no part: they have agreed.
-        let response = |system: &NullSpace<f64>, j: usize| system.solve(&unit(j), Redundant::Ignored);
+        let response = |system: &NullSpace<f64>, j: usize| system.solve_independent_rows(&unit(j));
         let inverse: Option<Vec<Vec<f64>>> = system.as_ref().and_then(|s| (0..size).map(|j| response(s, j)).collect());
-        Box::new(move |column| {
-            let solution = system.as_ref().and_then(|system| system.solve(&doubles(column), Redundant::Agree));
-            let Some((solution, inverse)) = solution.zip(inverse.as_ref()) else {
-                return vec![Rounded { value: f64::NAN, error: f64::NAN }; size];
-            };
+        let undefined = move || vec![Rounded { value: f64::NAN, error: f64::NAN }; size];
+        let bounded = move |column: &[Self], solution: &[f64], inverse: &[Vec<f64>]| {
             let exact: Vec<Self> = solution.iter().map(|&x| Rounded::exact(x)).collect();
             let rest = remainder(&mass, &jacobian, column, &exact, n);
-            let error =
-                |i: usize| rest.iter().zip(inverse).map(|(r, to)| to[i].abs() * (r.value.abs() + r.error)).sum();
-            (0..size).map(|i| Rounded { value: solution[i], error: error(i) }).collect()
+            let mut bounded = exact;
+            for (rest, response) in rest.iter().zip(inverse) {
+                let rest = rest.value.abs() + rest.error;
+                bounded.iter_mut().zip(response).for_each(|(x, to)| x.error += to.abs() * rest);
+            }
+            bounded
+        };
+        Box::new(move |columns, terms| {
+            let Some((system, inverse)) = system.as_ref().zip(inverse.as_ref()) else {
+                return columns.iter().map(|_| undefined()).collect();
+            };
+            let terms = Terms {
+                sizes: terms.sizes.iter().map(|sizes| doubles(sizes)).collect(),
+                motion: doubles(&terms.motion),
+                scales: doubles(&terms.scales),
+            };
+            let values: Vec<Vec<f64>> = columns.iter().map(|column| doubles(column)).collect();
+            let solutions = system.solve(&values, &terms).into_iter().zip(columns);
+            solutions.map(|(x, column)| x.map_or_else(undefined, |x| bounded(column, &x, inverse))).collect()
         })
     }
     fn exponent(self) -> i32 {

@@ -189,8 +189,7 @@ impl<'a> Trial<'a> {
 
     /// Lagrange's equations by the witness.
     fn terms(&self) -> &[LagrangeTerms] {
-        let terms = || (0..self.n()).map(|i| self.witness.lagrange(i, self.state, self.parameters)).collect();
-        self.terms.get_or_init(terms)
+        self.terms.get_or_init(|| self.witness.lagrange(self.state, self.parameters))
     }
 
     fn momentum_and_forces(&self) -> Result<(), Failure> {

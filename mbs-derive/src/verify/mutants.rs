@@ -125,6 +125,46 @@ fn redundant_rows_hide_nothing() {
     }
 }
 
+/// A four-bar linkage in space whose hinges are declared in full: where it is closed, rows depend on others, and of those that say
+/// nothing of the motion in its plane velocities that hold them leave rounding alone.
+const LOOP: &str = "mechanism Loop { param l[3]: m = [0.2, 0.5, 0.4]; param m: kg = 1; param d: m = 0.5; param g: m/s^2 = 9.81; \
+    coord q: rad; coord r: rad; coord p[3]: m; coord e[3]: rad; let crank = rot_z(q); \
+    let coupler = translation(p) * rot_z(e[0]) * rot_y(e[1]) * rot_x(e[2]); let rocker = translation([d, 0, 0]) * rot_z(r); \
+    kinetic += rigid_body(m, [l[0]/2, 0, 0], diag(1, 1, 1)*m*l[0]^2/12, crank); \
+    kinetic += rigid_body(m, [l[1]/2, 0, 0], diag(1, 1, 1)*m*l[1]^2/12, coupler); \
+    kinetic += rigid_body(m, [l[2]/2, 0, 0], diag(1, 1, 1)*m*l[2]^2/12, rocker); \
+    potential += m*g*(crank.point([l[0]/2, 0, 0]).y + coupler.point([l[1]/2, 0, 0]).y + rocker.point([l[2]/2, 0, 0]).y); \
+    constraint a: crank.point([l[0], 0, 0]) = coupler.origin(); \
+    constraint a_axis: (crank*[0, 0, 1]).cross(coupler*[0, 0, 1]) = 0; \
+    constraint b: rocker.point([l[2], 0, 0]) = coupler.point([l[1], 0, 0]); \
+    constraint b_axis: (rocker*[0, 0, 1]).cross(coupler*[0, 0, 1]) = 0; }";
+
+/// What is allowed because a loop is closed to rounding alone (1e-13 of the terms of a row, what velocities leave of it, the work
+/// of multipliers along what is left of the rates) is far from a millionth of what is computed.
+#[test]
+fn what_closed_loops_leave_open_hides_nothing() {
+    assert!(proof(LOOP, |_| ()).is_ok());
+    let rows = with_mechanism(LOOP, |l| crate::derived(l).constraints.len());
+    // Of the system: what the rows ask for, and the forces before it; and rows by themselves.
+    for (name, count) in [("forward_dynamics", rows + 8), ("multipliers", rows + 8), ("constraint_bias", rows)] {
+        let derivation = |look: &dyn Fn(&Derivation) -> Vec<usize>| with_mechanism(LOOP, |l| look(&crate::derived(l)));
+        let zeros = derivation(&|derivation| zeros_of(derivation, name));
+        let all = derivation(&|derivation| (0..derivation.function(name).unwrap().program.results.len()).collect());
+        for result in all[all.len() - count..].iter().filter(|result| !zeros.contains(result)) {
+            let found = proof(LOOP, |derivation| program(derivation, name).stretch(*result));
+            assert!(matches!(found, Err(Failure::Disagreement(_))), "{name} {result}: {found:?}");
+        }
+    }
+    // Energy and a millionth of an angle, which changes along the motion. Twice the energy is conserved as well.
+    refused(LOOP, "conserved quantities", |derivation| {
+        let program = program(derivation, "conserved");
+        let small = program.push(Instruction::Constant(Number::from_f64(2.0_f64.powi(-20)).expect("it is finite")));
+        let angle = program.push(Instruction::Symbol(Symbol::Coordinate(0)));
+        let product = program.push(Instruction::Mul(small, angle));
+        program.results[0] = program.push(Instruction::Add(program.results[0], product));
+    });
+}
+
 /// Which results are the constant zero.
 fn zeros_of(derivation: &Derivation, name: &str) -> Vec<usize> {
     let program = &derivation.function(name).expect("it is generated").program;

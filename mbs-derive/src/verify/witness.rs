@@ -19,6 +19,12 @@ pub struct Witness<'l, 'g> {
     pub released: Option<Box<Witness<'l, 'g>>>,
 }
 
+/// The values of all steps of the energies, with their rates: at a state, and with their derivatives along the motion.
+struct Steps {
+    here: Vec<Dual<Rounded>>,
+    along_path: Vec<Dual<Dual<Rounded>>>,
+}
+
 /// `∂L/∂q̇`, its time derivative, `∂L/∂q` and `∂D/∂q̇` for one coordinate.
 #[derive(Clone, Copy, Debug)]
 pub struct LagrangeTerms {
@@ -90,6 +96,17 @@ impl<'l, 'g> Witness<'l, 'g> {
         [0, 1, 2, 3].map(|i| values[i].value)
     }
 
+    /// L, T, V, D where some symbols vary from a point at which all steps are known.
+    fn varied_energies<V: Value>(
+        &self,
+        known: &[Dual<V>],
+        point: impl Fn(Symbol) -> Option<Dual<Dual<V>>>,
+    ) -> [Dual<V>; 4] {
+        let fixed = |v: Dual<V>| Dual::new(Dual::fixed(v.value), Dual::fixed(v.derivative));
+        let values = self.energies.run_varied(known, fixed, point);
+        [0, 1, 2, 3].map(|i| values[i].value)
+    }
+
     /// Q
     pub fn forces(&self, state: &State<Rounded>, parameters: &[Rounded]) -> Vec<Rounded> {
         let direct = self.forces.run(moving(state, parameters));
@@ -129,9 +146,19 @@ impl<'l, 'g> Witness<'l, 'g> {
         self.frames.run(moving(state, parameters))
     }
 
-    /// The terms of Lagrange's equation of coordinate `i`.
-    pub fn lagrange(&self, i: usize, state: &State<Rounded>, parameters: &[Rounded]) -> LagrangeTerms {
-        self.lagrange_along(unit(i), state, parameters)
+    /// The terms of Lagrange's equation of each coordinate.
+    pub fn lagrange(&self, state: &State<Rounded>, parameters: &[Rounded]) -> Vec<LagrangeTerms> {
+        let steps = self.steps(state, parameters);
+        (0..state.q.len()).map(|i| self.lagrange_along(unit(i), &steps, state, parameters)).collect()
+    }
+
+    /// All that the energies are computed of, at a state and along the motion.
+    fn steps(&self, state: &State<Rounded>, parameters: &[Rounded]) -> Steps {
+        let along_path = lift(state, |symbol| path(state, symbol));
+        Steps {
+            here: self.energies.all(moving(state, parameters)),
+            along_path: self.energies.all(moving(&along_path, &lift_all(parameters))),
+        }
     }
 
     /// What holds the coordinates on their way, along a direction of them, beside the declared forces:
@@ -143,7 +170,7 @@ impl<'l, 'g> Witness<'l, 'g> {
         parameters: &[Rounded],
         multipliers: &[Rounded],
     ) -> Rounded {
-        let terms = self.lagrange_along(&direction, state, parameters);
+        let terms = self.lagrange_along(&direction, &self.steps(state, parameters), state, parameters);
         let work = self.virtual_work(&direction, state, parameters);
         // Of holonomic rows the slope in the coordinates is A, of Pfaffian ones that in the velocities.
         let parameters = lift_all(parameters);
@@ -157,9 +184,11 @@ impl<'l, 'g> Witness<'l, 'g> {
         terms.momentum_rate - terms.position_gradient + terms.dissipation_force - work - constraint
     }
 
+    /// Only the steps that vary in the direction are computed.
     fn lagrange_along(
         &self,
         direction: impl Fn(usize) -> Rounded,
+        steps: &Steps,
         state: &State<Rounded>,
         parameters: &[Rounded],
     ) -> LagrangeTerms {
@@ -167,9 +196,17 @@ impl<'l, 'g> Witness<'l, 'g> {
         // ε along the motion, then δ along the direction of q̇: the coefficient of εδ is d/dt ∂L/∂q̇.
         let along_path = lift(state, |symbol| path(state, symbol));
         let twice = lift(&along_path, |symbol| Dual::fixed(in_velocities(&direction, symbol)));
-        let [l, _, _, d] = self.energies(&twice, &lift_all(&once));
+        let twice_fixed = lift_all(&once);
+        let varies = |i: u32| !direction(i as usize).is_exactly_zero();
+        // A velocity is the rate of its coordinate, too.
+        let in_direction = |symbol| matches!(symbol, Symbol::Coordinate(i) | Symbol::Velocity(i) if varies(i));
+        let point = moving(&twice, &twice_fixed);
+        let point = |symbol| in_direction(symbol).then(|| point(symbol));
+        let [l, _, _, d] = self.varied_energies(&steps.along_path, point);
         let varied = lift(state, |symbol| in_coordinates(&direction, symbol));
-        let [l_varied, ..] = self.energies(&varied, &once);
+        let point = moving(&varied, &once);
+        let point = |symbol| matches!(symbol, Symbol::Coordinate(i) if varies(i)).then(|| point(symbol));
+        let [l_varied, ..] = self.varied_energies(&steps.here, point);
         LagrangeTerms {
             momentum: l.derivative.value,
             momentum_rate: l.derivative.derivative,

@@ -189,6 +189,52 @@ fn redundant_rows_share_their_multiplier() {
     assert!(matches!(refused, Err(ConstraintError::Redundant { row: 0 | 2 })), "{refused:?}");
 }
 
+/// x + y is held, twice in units of the rows; z is in the rows by rounding alone.
+#[derive(Debug)]
+struct Plane {
+    unit: f64,
+    rounding: [f64; 2],
+}
+
+impl Constraints<f64> for Plane {
+    fn rows(&self) -> usize {
+        2
+    }
+    fn is_holonomic(&self, _: usize) -> bool {
+        true
+    }
+    fn mass_matrix(&self, _: f64, _: &[f64], m: &mut [f64]) {
+        m.copy_from_slice(&[1.0, 0.0, 0.0, 0.0, 2.0, 0.0, 0.0, 0.0, 4.0]);
+    }
+    fn position(&self, _: f64, q: &[f64], phi: &mut [f64]) {
+        phi.fill(self.unit * (q[0] + q[1]));
+    }
+    fn rate(&self, _: f64, _: &[f64], qd: &[f64], rate: &mut [f64]) {
+        rate.fill(self.unit * (qd[0] + qd[1]));
+    }
+    fn jacobian(&self, _: f64, _: &[f64], a: &mut [f64]) {
+        let [first, second] = self.rounding;
+        a.copy_from_slice(&[1.0, 1.0, first, 1.0, 1.0, second].map(|x| self.unit * x));
+    }
+}
+
+#[test]
+fn rounding_says_nothing_of_multipliers() {
+    for unit in [1e-30, 1e-3, 1.0, 1e30] {
+        for rounding in [[0.0, 0.0], [1e-17, -3e-17], [-2e-16, 1e-16], [1e-300, 0.0], [0.0, 1e-16]] {
+            let plane = Plane { unit, rounding };
+            let (mut qdd, mut multipliers) = ([0.0; 3], [0.0; 2]);
+            let mut projector = Projector::new([0.0; MEMORY]).with_redundant_rows(RedundantRows::LeaveOut);
+            let force = [3.0, 0.0, 0.5];
+            projector.accelerations(&plane, 0.0, &[0.0; 3], &force, &[0.0; 2], &mut qdd, &mut multipliers).unwrap();
+            // ẍ = −ÿ = 1, and the rows share −2 alike.
+            assert!([1.0, -1.0, 0.125].iter().zip(qdd).all(|(a, b)| (a - b).abs() < 1e-14), "{plane:?} {qdd:?}");
+            let apart = multipliers.map(|l| (l * unit + 1.0).abs());
+            assert!(apart.iter().all(|&apart| apart < 1e-14), "{plane:?} {multipliers:?}");
+        }
+    }
+}
+
 /// A free body of this inertia, its attitude a quaternion: M has rank 3, `M = 4 s Gᵀ J G`; and next to it, where the first
 /// of two coordinates about one axis has lost its own inertia, two angles tied to a third.
 struct Small {

@@ -1,6 +1,6 @@
 //! Forward dynamics with constraints: `M q̈ = f + Aᵀ λ`, `A q̈ = c`.
 
-use super::null_space::{Fault, NullSpace};
+use super::null_space::{Fault, NullSpace, Terms};
 use crate::error::{ConstraintError, SingularMassMatrix};
 use crate::scalar::{Real, Scalar};
 
@@ -21,8 +21,8 @@ use crate::scalar::{Real, Scalar};
 /// Only motions that `A` leaves need inertia: the condition that counts is that of the constrained motion, not those of `M` or
 /// of `A M⁻¹ Aᵀ`. A change of units of coordinates, rows and forces by powers of two changes exponents only.
 ///
-/// Rows that depend on others (to about 1e-10, 5e-6 for `f32`) and agree with them (to about 1e-8, 5e-4 for `f32`) leave `q̈` and
-/// `Aᵀ λ` as they are; `Σ (λₖ aₖ)²` is then least, where `aₖ` is the greatest `|Aₖᵢ| dᵢ` of the row, rounded down to a power of
+/// Rows that depend on others (to about 1e-10, 5e-6 for `f32`) and agree with them (to about 1e-8, 5e-4 for `f32`, of `c` and of the
+/// terms of `A q̈`, of the row and of those it depends on) leave `q̈` and `Aᵀ λ` as they are; `Σ (λₖ aₖ)²` is then least, where `aₖ` is the greatest `|Aₖᵢ| dᵢ` of the row, rounded down to a power of
 /// two, and `dᵢ` are the scales of the coordinates: `1/√Mᵢᵢ` of those that are independent. Everything is NaN where rows
 /// contradict each other, where a motion that they leave has no inertia, and where a number is infinite or NaN;
 /// [`try_constrained_solve`] says which.
@@ -63,7 +63,59 @@ pub fn constrained_solve_many<T: Scalar, const N: usize, const K: usize, const C
     force: [[T; C]; N],
     target: [[T; C]; K],
 ) -> ([[T; C]; N], [[T; C]; K]) {
-    T::constrained_solve(&m, &a, &force, &target)
+    T::constrained_solve(&m, &a, &force, &target, &Terms::unknown())
+}
+
+/// Derivatives of accelerations: [`constrained_solve_many`] of columns that are derivatives of one motion.
+///
+/// | argument         | meaning                                                                    | shape            |
+/// |------------------|----------------------------------------------------------------------------|------------------|
+/// | `m`, `a`         | M and A, as of [`constrained_solve`]                                       | `[N][N]`, `[K][N]` |
+/// | `force`,`target` | `f′ − M′ q̈ + A′ᵀ λ` and `c′ − A′ q̈`, column by column                       | `[N][C]`, `[K][C]` |
+/// | `motion`         | q̈                                                                          | `N`              |
+/// | `sizes`          | how large that is by which each column is a derivative, with any sign; 0 where it is not known | `C` |
+///
+/// Where rows depend on others, a column that is a difference of larger terms may be nothing but their rounding, and need not
+/// agree with itself. So its rows contradict each other only by more than rounding (about 1e-8, 5e-4 for `f32`) of the greatest
+/// scaled acceleration, of `motion` and of all columns, each for a change by its own size. The results are those of
+/// [`constrained_solve_many`], but for columns that it takes for contradictions.
+///
+/// ```
+/// // Both accelerate by 9.81, and two rows say that they do so alike: the second column is what rounding has left.
+/// let (m, a): ([[f64; 2]; 2], _) = ([[1.0, 0.0], [0.0, 1.0]], [[1.0, -1.0], [2.0, -2.0]]);
+/// let (force, target) = ([[1.0, 0.0], [0.0, 0.0]], [[0.0, 0.0], [0.0, 1e-15]]);
+/// let slopes = mbs_runtime::constrained_slopes(m, a, force, target, &[9.81, 9.81], [1.0, 1.0]);
+/// assert_eq!(slopes, [[0.5, 0.0], [0.5, 0.0]]);
+/// let (alone, _) = mbs_runtime::constrained_solve_many(m, a, force, target);
+/// assert!(alone[0][0] == 0.5 && alone[0][1].is_nan());
+/// ```
+#[must_use]
+pub fn constrained_slopes<T: Scalar, const N: usize, const K: usize, const C: usize>(
+    m: [[T; N]; N],
+    a: [[T; N]; K],
+    force: [[T; C]; N],
+    target: [[T; C]; K],
+    motion: &[T; N],
+    sizes: [T; C],
+) -> [[T; C]; N] {
+    T::constrained_solve(&m, &a, &force, &target, &Terms { sizes: None, motion: Some(motion), scales: sizes }).0
+}
+
+/// How large coordinates, speeds and inputs are by which accelerations are differentiated, for [`constrained_slopes`]: numbers of
+/// one kind are as large as the largest of them, coordinates of kind 0, which have no unit, as one. That of inputs, the columns
+/// after those of coordinates and speeds, does not matter, because no constraint depends on them: 0.
+#[must_use]
+pub fn state_sizes<T: Scalar, const N: usize, const C: usize>(q: &[T; N], qd: &[T; N], kinds: [usize; N]) -> [T; C] {
+    let largest = |values: &[T; N], kind: usize| {
+        let alike = values.iter().zip(kinds).filter(|(_, other)| *other == kind);
+        alike.fold(T::zero(), |largest, (x, _)| T::blend(largest.less(x.abs()), x.abs(), largest))
+    };
+    core::array::from_fn(|column| match (kinds.get(column), column.checked_sub(N).and_then(|i| kinds.get(i))) {
+        (Some(0), _) => T::one(),
+        (Some(&kind), _) => largest(q, kind),
+        (None, Some(&kind)) => largest(qd, kind),
+        (None, None) => T::zero(),
+    })
 }
 
 /// [`constrained_solve`], checked: the same bits, or an error.
@@ -101,17 +153,13 @@ pub(crate) fn solve<T: Scalar, const N: usize, const K: usize, const C: usize>(
     a: &[[T; N]; K],
     force: &[[T; C]; N],
     target: &[[T; C]; K],
+    terms: &Terms<'_, T, N, K, C>,
 ) -> ([[T; C]; N], [[T; C]; K]) {
     let undefined = T::from_f64(f64::NAN);
     let (mut accelerations, mut multipliers) = ([[undefined; C]; N], [[undefined; C]; K]);
     let mut system = NullSpace::new(m, a);
     if system.factorize().is_ok() {
-        for column in 0..C {
-            let (force, target) = (force.each_ref().map(|f| f[column]), target.each_ref().map(|c| c[column]));
-            let Ok((q, l)) = system.solve(&force, &target) else { continue };
-            (0..N).for_each(|i| accelerations[i][column] = q[i]);
-            (0..K).for_each(|k| multipliers[k][column] = l[k]);
-        }
+        system.solve_columns(force, target, terms, (&mut accelerations, &mut multipliers));
     }
     (accelerations, multipliers)
 }

@@ -41,7 +41,10 @@ pub(crate) struct NullSpace<T, const N: usize, const K: usize> {
     mass: [[T; N]; N],
     /// The same in the order of `columns`; exchanges of independent coordinates are kept in the rows of dependent ones alone.
     ordered: [[T; N]; N],
-    /// Of A with rows and columns in the order of the pivots: L below, U₁ and its diagonal, W beside it.
+    /// A, scaled.
+    slopes: [[T; N]; K],
+    /// Of A with rows and columns in the order of the pivots: L below, U₁ and its diagonal, W beside it; beside the rows that
+    /// depend on others, what is left of them.
     basis: [[T; N]; K],
     /// `1/U₁ᵢᵢ`
     reciprocals: [T; K],
@@ -59,6 +62,25 @@ pub(crate) struct NullSpace<T, const N: usize, const K: usize> {
     gram: [[T; K]; K],
     /// Whether all that it is of was.
     is_finite: bool,
+}
+
+/// What tells rounding from a contradiction, beside the columns themselves: a target may be what is left of larger terms.
+#[derive(Clone, Copy, Debug)]
+pub struct Terms<'a, T, const N: usize, const K: usize, const C: usize> {
+    /// How large the terms of each target are.
+    pub sizes: Option<&'a [[T; C]; K]>,
+    /// q̈ of the motion of which the columns are derivatives; without it each column is judged by itself.
+    pub motion: Option<&'a [T; N]>,
+    /// How large that is by which a column is a derivative, with any sign; zero where it is not known.
+    pub scales: [T; C],
+}
+
+impl<T: Scalar, const N: usize, const K: usize, const C: usize> Terms<'_, T, N, K, C> {
+    /// Nothing but the columns.
+    #[inline]
+    pub fn unknown() -> Self {
+        Terms { sizes: None, motion: None, scales: [T::zero(); C] }
+    }
 }
 
 /// Rows of which less than this is left depend on others: what rounding of states leaves of them where they do.
@@ -180,6 +202,7 @@ impl<T: Scalar, const N: usize, const K: usize> NullSpace<T, N, K> {
             scales,
             mass: [[T::zero(); N]; N],
             ordered: [[T::zero(); N]; N],
+            slopes: [[T::zero(); N]; K],
             basis: [[T::zero(); N]; K],
             reciprocals: [T::zero(); K],
             rank: 0,
@@ -223,6 +246,7 @@ impl<T: Scalar, const N: usize, const K: usize> NullSpace<T, N, K> {
                 self.mass[j][i] = self.mass[i][j];
             }
         }
+        self.slopes = self.basis;
     }
 
     /// Factorizes what [`new`](Self::new) has scaled.
@@ -441,7 +465,7 @@ impl<T: Scalar, const N: usize, const K: usize> NullSpace<T, N, K> {
         self.inertia[p][p] = self.inertia[i][i];
         self.inertia[i][i] = first;
         self.columns.swap(r + p, r + i);
-        self.basis[..r].iter_mut().for_each(|row| row.swap(r + p, r + i));
+        self.basis.iter_mut().for_each(|row| row.swap(r + p, r + i));
         self.ordered[..r].iter_mut().for_each(|row| row.swap(r + p, r + i));
     }
 
@@ -470,15 +494,105 @@ impl<T: Scalar, const N: usize, const K: usize> NullSpace<T, N, K> {
     /// q̈ and λ for one right side.
     #[inline]
     pub(crate) fn solve(&self, force: &[T; N], target: &[T; K]) -> Result<([T; N], [T; K]), Fault<T>> {
+        let (force, target) = self.scaled_right_side(force, target);
+        let sizes = target.map(magnitude);
+        if self.rank == K {
+            self.solution(K, &force, &target, &sizes)
+        } else {
+            self.solution(self.rank, &force, &target, &sizes)
+        }
+    }
+
+    /// q̈ and λ column by column; NaN where a column contradicts the rows, and so is what stands there before.
+    #[inline]
+    pub(crate) fn solve_columns<const C: usize>(
+        &self,
+        force: &[[T; C]; N],
+        target: &[[T; C]; K],
+        terms: &Terms<'_, T, N, K, C>,
+        solutions: (&mut [[T; C]; N], &mut [[T; C]; K]),
+    ) {
+        let column =
+            |j: usize| self.scaled_right_side(&force.each_ref().map(|f| f[j]), &target.each_ref().map(|c| c[j]));
+        let greatest = if self.rank == K { [T::zero(); K] } else { self.greatest_sizes(terms, column) };
+        for j in 0..C {
+            let (force, target) = column(j);
+            let solution = if self.rank == K {
+                self.solution(K, &force, &target, &target)
+            } else {
+                let (scale, given) = (terms.scales[j].abs(), self.given_sizes(terms, j, &target));
+                let size = |k: usize| {
+                    if is_less(T::zero(), scale) { larger(given[k], greatest[k] / scale) } else { given[k] }
+                };
+                self.solution(self.rank, &force, &target, &core::array::from_fn(size))
+            };
+            let Ok((q, l)) = solution else { continue };
+            (0..N).for_each(|i| solutions.0[i][j] = q[i]);
+            (0..K).for_each(|k| solutions.1[k][j] = l[k]);
+        }
+    }
+
+    #[inline(always)]
+    fn scaled_right_side(&self, force: &[T; N], target: &[T; K]) -> ([T; N], [T; K]) {
         let Scales { columns: s, rows: t, mass, .. } = &self.scales;
         let (mut force, mut target) = (*force, *target);
         (0..N).for_each(|i| force[i] = scaled(force[i], -s[i] - mass));
         (0..K).for_each(|k| target[k] = scaled(target[k], -t[k]));
-        let (mut motion, mut multipliers) = if self.rank == K {
-            self.scaled_solution(K, &force, &target)
-        } else {
-            self.scaled_solution(self.rank, &force, &target)
-        }?;
+        (force, target)
+    }
+
+    /// How large, scaled, the terms of a column's targets are, as far as it is known by itself.
+    fn given_sizes<const C: usize>(&self, terms: &Terms<'_, T, N, K, C>, j: usize, target: &[T; K]) -> [T; K] {
+        core::array::from_fn(|k| {
+            let given = terms.sizes.map_or(T::zero(), |sizes| scaled(sizes[k][j], -self.scales.rows[k]));
+            larger(magnitude(target[k]), given)
+        })
+    }
+
+    /// Of each row the greatest terms, scaled, that its targets may be the rest of: of all accelerations, because the slopes of a row
+    /// may know coordinates that the row does not, and of its targets; in the motion and in all columns, where that by which they
+    /// are derivatives changes by its own size. A row of zeros has no scale: there only its targets count.
+    fn greatest_sizes<const C: usize>(
+        &self,
+        terms: &Terms<'_, T, N, K, C>,
+        column: impl Fn(usize) -> ([T; N], [T; K]),
+    ) -> [T; K] {
+        let mut greatest = [T::zero(); K];
+        let Some(motion) = terms.motion else { return greatest };
+        let motion: [T; N] = core::array::from_fn(|i| scaled(motion[i], self.scales.columns[i]));
+        let mut fastest = largest(&motion);
+        for j in 0..C {
+            let ((force, target), scale) = (column(j), terms.scales[j].abs());
+            fastest = larger(fastest, largest(&self.motion(self.rank, &force, &target)) * scale);
+            let given = self.given_sizes(terms, j, &target);
+            (0..K).for_each(|k| greatest[k] = larger(greatest[k], given[k] * scale));
+        }
+        for k in 0..K {
+            if is_less(T::zero(), largest(&self.slopes[k])) {
+                greatest[k] = larger(greatest[k], fastest);
+            }
+        }
+        greatest
+    }
+
+    /// `Σ |Aₖᵢ| |qᵢ|`, scaled.
+    fn along(&self, row: usize, motion: &[T; N]) -> T {
+        (0..N).fold(T::zero(), |sum, i| sum + magnitude(self.slopes[row][i]) * magnitude(motion[i]))
+    }
+
+    /// q̈ and λ for a right side that is scaled.
+    #[inline(always)]
+    fn solution(
+        &self,
+        r: usize,
+        force: &[T; N],
+        target: &[T; K],
+        sizes: &[T; K],
+    ) -> Result<([T; N], [T; K]), Fault<T>> {
+        let Scales { columns: s, rows: t, mass, .. } = &self.scales;
+        let mut motion = self.motion(r, force, target);
+        self.check(r, &motion, target, sizes)?;
+        let mut multipliers = self.multipliers(r, &motion, force);
         (0..N).for_each(|i| motion[i] = scaled(motion[i], -s[i]));
         (0..K).for_each(|k| multipliers[k] = scaled(multipliers[k], mass - t[k]));
         if motion.iter().chain(&multipliers).all(|&x| is_finite(x)) {
@@ -486,13 +600,6 @@ impl<T: Scalar, const N: usize, const K: usize> NullSpace<T, N, K> {
         } else {
             Err(Fault::NonFinite)
         }
-    }
-
-    #[inline(always)]
-    fn scaled_solution(&self, r: usize, force: &[T; N], target: &[T; K]) -> Result<([T; N], [T; K]), Fault<T>> {
-        let motion = self.motion(r, force, target);
-        self.check(r, &motion, target)?;
-        Ok((motion, self.multipliers(r, &motion, force)))
     }
 
     /// q̈, scaled.
@@ -537,18 +644,21 @@ impl<T: Scalar, const N: usize, const K: usize> NullSpace<T, N, K> {
         motion
     }
 
-    /// Whether the rows that depend on others ask for what those give.
-    fn check(&self, r: usize, motion: &[T; N], target: &[T; K]) -> Result<(), Fault<T>> {
-        let largest = |largest: T, &x: &T| if is_less(largest, magnitude(x)) { magnitude(x) } else { largest };
+    /// Whether the rows that depend on others ask for what those give: to what rounding leaves of the terms of the row and of those
+    /// it depends on, which are `sizes` and those of `A q̈`; and of what is left of the row, which is not nothing, to all of it.
+    fn check(&self, r: usize, motion: &[T; N], target: &[T; K], sizes: &[T; K]) -> Result<(), Fault<T>> {
         for k in r..K {
-            let (mut rest, mut size) = (target[self.rows[k]], magnitude(target[self.rows[k]]));
+            let row = self.rows[k];
+            let (mut rest, mut size) = (target[row], sizes[row]);
             for p in 0..r {
-                let term = self.basis[k][p] * target[self.rows[p]];
-                (rest, size) = (rest - term, size + magnitude(term));
+                let factor = self.basis[k][p];
+                rest = rest - factor * target[self.rows[p]];
+                size = size + magnitude(factor) * sizes[self.rows[p]];
             }
-            let allowed = (size + motion.iter().fold(T::zero(), largest)) * T::from_f64(root(T::ROUNDING));
+            let rounding = (size + self.along(row, motion)) * T::from_f64(root(T::ROUNDING));
+            let left = |i: usize| magnitude(self.basis[k][i]) * magnitude(motion[self.columns[i]]);
+            let allowed = (r..N).fold(rounding, |sum, i| sum + left(i));
             if !is_less(magnitude(rest), allowed) && !rest.equal(T::zero()).all() {
-                let row = self.rows[k];
                 return Err(Fault::Contradiction { row, residual: scaled(rest, self.scales.rows[row]) });
             }
         }

@@ -6,6 +6,7 @@
 use wide::{f32x8, f64x4};
 
 use super::{Mask, Scalar};
+use crate::dynamics::Terms;
 
 /// One lane of a matrix.
 fn of_lane<L: Copy, F, const R: usize, const C: usize>(matrix: &[[L; C]; R], lane: impl Fn(L) -> F) -> [[F; C]; R] {
@@ -38,12 +39,17 @@ macro_rules! lanes {
                 a: &[[Self; N]; K],
                 force: &[[Self; C]; N],
                 target: &[[Self; C]; K],
+                terms: &Terms<'_, Self, N, K, C>,
             ) -> ([[Self; C]; N], [[Self; C]; K]) {
                 let (mut accelerations, mut multipliers) = ([[Self::zero(); C]; N], [[Self::zero(); C]; K]);
                 for lane in 0..size_of::<$lanes>() / size_of::<$float>() {
                     let (m, a) = (of_lane(m, |x| x.as_array()[lane]), of_lane(a, |x| x.as_array()[lane]));
                     let (f, c) = (of_lane(force, |x| x.as_array()[lane]), of_lane(target, |x| x.as_array()[lane]));
-                    let (q, l) = <$float>::constrained_solve(&m, &a, &f, &c);
+                    let sizes = terms.sizes.map(|sizes| of_lane(sizes, |x| x.as_array()[lane]));
+                    let motion = terms.motion.map(|motion| motion.map(|x| x.as_array()[lane]));
+                    let scales = terms.scales.map(|x| x.as_array()[lane]);
+                    let terms = Terms { sizes: sizes.as_ref(), motion: motion.as_ref(), scales };
+                    let (q, l) = <$float>::constrained_solve(&m, &a, &f, &c, &terms);
                     let put = |x: &mut Self, value: $float| x.as_mut_array()[lane] = value;
                     accelerations.as_flattened_mut().iter_mut().zip(q.as_flattened()).for_each(|(x, &q)| put(x, q));
                     multipliers.as_flattened_mut().iter_mut().zip(l.as_flattened()).for_each(|(x, &l)| put(x, l));
