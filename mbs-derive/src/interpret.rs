@@ -460,4 +460,31 @@ mod tests {
             assert_eq!(execute(&program, Defined(x), Defined(0.0)), Defined(expected));
         }
     }
+
+    /// A four-bar linkage that is balanced, so that accelerations are what rounding has left of them. A coupler that leans out of the
+    /// plane could not turn any more: that says nothing where it does not turn.
+    #[test]
+    fn a_linearization_at_rest_is_no_contradiction() {
+        let text = include_str!("verify/closed_loop.mbs");
+        let graph = Graph::verbatim();
+        let lagrangian =
+            crate::declared(text, &graph, &[]).unwrap_or_else(|e| panic!("{}", e.render("loop.mbs", text))).0;
+        let derivation = crate::derived(&lagrangian);
+        let q = vec![
+            -1.7811705169993333,
+            2.469589117828098,
+            -0.0417651709662768,
+            -0.19559056852046233,
+            0.0,
+            1.0956488399068933,
+            0.0,
+            0.0,
+        ];
+        let state = State { qd: vec![0.0; q.len()], q, ..State::default() };
+        let interpreter = Interpreter::new(&derivation);
+        let accelerations = interpreter.call("forward_dynamics", &state).unwrap();
+        assert!(accelerations.iter().all(|qdd| qdd.abs() < 1e-12), "{accelerations:?}");
+        let slopes = interpreter.call("linearize", &state).unwrap();
+        assert!(slopes.iter().all(|x| x.is_finite()), "{slopes:?}");
+    }
 }
