@@ -28,6 +28,13 @@ pub(crate) const CLOSE: &[Close] = &[
     },
     Close { name: "stiff_spring", source: STIFF_SPRING, contact: &[0.1], is_exact: true },
     Close { name: "stiff_net", source: STIFF_NET, contact: &[0.2, 0.3, 0.2, 0.3], is_exact: false },
+    Close { name: "offset_puck", source: OFFSET_PUCK, contact: &[0.7, 0.5], is_exact: false },
+    Close {
+        name: "governor",
+        source: GOVERNOR,
+        contact: &[0.339_836_909_454_121_9, -0.339_836_909_454_121_9, 0.2, 0.4, -0.3],
+        is_exact: false,
+    },
     Close { name: "flying_docking", source: FLYING_DOCKING, contact: &[1.0e7, 2.0e7, 0.3, 0.4, 0.0], is_exact: false },
 ];
 
@@ -155,6 +162,32 @@ mechanism StiffNet {
     potential += spring(k, hypot(a[0] - b[0], a[1] - b[1]), rest);
     potential += spring(k, a[0], place[0]) + 1/2*k*(b[1] - place[1])^2 + 1/2*k*(a[0] - place[0])*(b[0] - place[0]);
     dissipation += 1/2*c*((dt(a[0]) - dt(b[0]))^2 + (dt(a[1]) - dt(b[1]))^2);
+}";
+
+/// A puck in a groove of a turntable without inertia, its place counted from an end of the groove.
+const OFFSET_PUCK: &str = "
+mechanism OffsetPuck {
+    param m: kg = 1;
+    param centre: m = 0.5;
+    coord nu: rad;
+    coord x: m;
+    let table = rot_z(nu);
+    kinetic += particle(m, table.point([x - centre, 0, 0]));
+}";
+
+/// Kinetic energies that distances are in: of turns whose radius is the distance of two hands, and of a hand from a wall.
+const GOVERNOR: &str = "
+mechanism Governor {
+    param m: kg = 1;
+    param l: m = 0.6;
+    param w: m = 0.4;
+    coord q[2]: rad;
+    coord x: m;
+    coord turns[2]: rad;
+    let ha = (translation([w/2, 0, 0]) * rot_y(q[0])).point([0, 0, -l]);
+    let hb = (translation([-w/2, 0, 0]) * rot_y(q[1])).point([0, 0, -l]);
+    kinetic += 1/2*m*l^2*(dt(q[0])^2 + dt(q[1])^2) + 1/2*m*dt(x)^2;
+    kinetic += 1/2*m*(ha - hb).norm_squared()*dt(turns[0])^2 + 1/2*m*(l*sin(q[0]) - x)^2*dt(turns[1])^2;
 }";
 
 /// Far from the origin a craft reaches for a port that it carries along.

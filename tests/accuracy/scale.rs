@@ -7,6 +7,8 @@
 use mbs_derive::optimise::{Function, FunctionKind, Shape};
 use nalgebra::DMatrix;
 
+use super::bordered::Conditioned;
+
 /// What a component is compared with.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Scale {
@@ -21,8 +23,12 @@ pub(crate) struct Scale {
 pub(crate) struct Units {
     /// 1/√Mᵢᵢ
     pub(crate) coordinates: Vec<f64>,
-    /// The condition of M in them; infinite where it is singular.
+    /// Of the multipliers.
+    pub(crate) multipliers: Vec<f64>,
+    /// The condition of M in them, of the bordered matrix with constraints; infinite where it is singular.
     pub(crate) condition: f64,
+    /// Whether rows depend on others, so that Aᵀλ is compared and not λ.
+    pub(crate) is_redundant: bool,
 }
 
 impl Units {
@@ -37,7 +43,15 @@ impl Units {
         let eigenvalues = if finite { scaled.symmetric_eigenvalues().as_slice().to_vec() } else { vec![f64::NAN] };
         let (least, largest) = (eigenvalues.iter().copied().fold(f64::INFINITY, f64::min), n as f64);
         let condition = if least > largest * f64::EPSILON { largest / least } else { f64::INFINITY };
-        Units { coordinates, condition }
+        Units { coordinates, multipliers: Vec::new(), condition, is_redundant: false }
+    }
+
+    /// Of M and A, row by row: those in which the scaled solution has one unit.
+    pub(crate) fn of_constrained(mass_matrix: &[f64], jacobian: &[f64]) -> Self {
+        let n = mass_matrix.len().isqrt();
+        let Conditioned { mut units, condition, is_redundant } = Conditioned::of(n, mass_matrix, jacobian);
+        let multipliers = units.split_off(n);
+        Units { coordinates: units, multipliers, condition, is_redundant }
     }
 
     /// For each component of a function's results.
@@ -56,7 +70,9 @@ impl Units {
         };
         match &function.kind {
             Kind::KineticEnergy | Kind::PotentialEnergy | Kind::Conserved(_) => each(),
-            Kind::Constraint | Kind::ConstraintRate | Kind::ConstraintBias | Kind::Multipliers => each(),
+            Kind::Constraint | Kind::ConstraintRate | Kind::ConstraintBias => each(),
+            Kind::Multipliers if self.is_redundant => (0..n).map(|i| scale(0, s[i])).collect(),
+            Kind::Multipliers => self.multipliers.iter().map(|s| scale(0, 1.0 / s)).collect(),
             Kind::Momentum
             | Kind::Gravity
             | Kind::Bias

@@ -1,8 +1,12 @@
 //! Where accuracy is measured: random states, and those at which digits are easily lost.
 
-use mbs_derive::interpret::State;
+use mbs_derive::interpret::{Interpreter, State};
 use mbs_derive::model::{Lagrangian, Variable};
+use mbs_derive::optimise::Derivation;
 use mbs_tests::random::Random;
+use nalgebra::{DMatrix, DVector};
+
+use super::vanishing;
 
 /// A state with parameters.
 pub(crate) struct Point {
@@ -55,6 +59,13 @@ pub(crate) fn points(lagrangian: &Lagrangian<'_>) -> Vec<Point> {
         }
         add(format!("near parameters {k}"), close, &stiff);
     }
+    let start = state(lagrangian, &mut random);
+    for (sum, place) in vanishing::places(lagrangian, &start, &declared) {
+        let mut close = state(lagrangian, &mut random);
+        (close.t, close.prescribed) = (start.t, start.prescribed.clone());
+        close.q = place.iter().map(|q| q + CLOSE * random.uniform(-1.0..1.0)).collect();
+        add(format!("where sum {sum} vanishes"), close, &declared);
+    }
     let mut zeros = state(lagrangian, &mut random);
     zeros.q.iter_mut().step_by(2).for_each(|q| *q = 0.0);
     zeros.qd.iter_mut().skip(1).step_by(2).for_each(|qd| *qd = 0.0);
@@ -74,6 +85,35 @@ pub(crate) fn near(lagrangian: &Lagrangian<'_>, contact: &[f64]) -> Vec<Point> {
         Point { name: format!("{distance} from contact"), state, parameters: declared.clone() }
     };
     distances.map(at).into()
+}
+
+/// The nearest states to some points that constraints allow.
+pub(crate) fn on_the_constraints(derivation: &Derivation, points: &[Point]) -> Vec<Point> {
+    if derivation.constraints.is_empty() {
+        return Vec::new();
+    }
+    let nearest = |point: &Point| {
+        let mechanism = Interpreter::with_parameters(derivation, point.parameters.clone());
+        let mut state = point.state.clone();
+        let call = |name: &str, state: &State| mechanism.call(name, state).expect("generated with constraints");
+        let change = |state: &State, residuals: &[f64]| {
+            let (k, n) = (residuals.len(), state.q.len());
+            let slopes = DMatrix::from_row_slice(k, n, &call("constraint_jacobian", state));
+            let inverse = slopes.pseudo_inverse(1e-9).expect("not negative");
+            inverse * DVector::from_column_slice(residuals)
+        };
+        for _ in 0..50 {
+            let mut residuals = call("constraint", &state);
+            let is_place = residuals.iter_mut().zip(&derivation.holonomic);
+            is_place.filter(|(_, holonomic)| !**holonomic).for_each(|(residual, _)| *residual = 0.0);
+            let change = change(&state, &residuals);
+            state.q.iter_mut().zip(change.iter()).for_each(|(q, change)| *q -= change);
+        }
+        let change = change(&state, &call("constraint_rate", &state));
+        state.qd.iter_mut().zip(change.iter()).for_each(|(qd, change)| *qd -= change);
+        Point { name: format!("{} on the constraints", point.name), state, parameters: point.parameters.clone() }
+    };
+    points.iter().take(2).map(nearest).collect()
 }
 
 fn state(lagrangian: &Lagrangian<'_>, random: &mut Random) -> State {

@@ -24,14 +24,30 @@ pub(crate) struct Load<'g> {
 pub(super) fn wrenches<'g>(linkage: &Linkage<'g>, loads: &[Load<'g>], graph: &'g Graph) -> Vec<Wrench<'g>> {
     let mut wrenches = vec![Wrench::zero(graph); linkage.links.len()];
     for load in merged(loads) {
-        let vector = if load.is_in_world { in_link(linkage, load.link, load.vector) } else { load.vector };
-        let wrench = match load.point {
-            Some(point) => Wrench { force: vector, couple: point.cross(vector) },
-            None => Wrench { force: Vector::zero(graph), couple: vector },
+        let along = |link: usize| if load.is_in_world { in_link(linkage, link, load.vector) } else { load.vector };
+        let Some(point) = load.point else {
+            let couple = Wrench { force: Vector::zero(graph), couple: along(load.link) };
+            wrenches[load.link] = wrenches[load.link].plus(couple);
+            continue;
         };
-        wrenches[load.link] = wrenches[load.link].plus(wrench);
+        let couple = point.cross(along(load.link));
+        wrenches[load.link] = wrenches[load.link].plus(Wrench { force: Vector::zero(graph), couple });
+        let taker = if load.is_in_world { first_of_place(linkage, load.link) } else { load.link };
+        wrenches[taker] = wrenches[taker].plus(Wrench { force: along(taker), couple: Vector::zero(graph) });
     }
     wrenches
+}
+
+/// The link nearest to the base that has the same origin at all times. Joints between it and this one turn: a force through the
+/// origin does nothing along them, and in axes nearer to the world it keeps the digits that it was given with.
+fn first_of_place(linkage: &Linkage<'_>, mut link: usize) -> usize {
+    while let (Some(parent), Some(edge)) = (linkage.links[link].parent, linkage.links[link].edge) {
+        match edge {
+            Edge::Turn(_) | Edge::Revolute { .. } | Edge::Tilt { .. } => link = parent,
+            Edge::Shift(_) | Edge::Slide { .. } => break,
+        }
+    }
+    link
 }
 
 /// Those at one point added up: they are turned once.
