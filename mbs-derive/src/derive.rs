@@ -33,7 +33,8 @@ mod tree;
 use std::cell::OnceCell;
 use std::fmt;
 
-use crate::expr::{Expr, Graph, Kept, Symbol, carry_out, gradient_of_combination};
+use crate::expr::table::Table;
+use crate::expr::{Expr, Graph, Kept, Node, Symbol, carry_out, gradient_of_combination};
 use crate::model::{Lagrangian, PointForce};
 
 pub use conserved::Conserved;
@@ -170,17 +171,24 @@ fn derived_by<'g>(lagrangian: &Lagrangian<'_>, graph: &'g Graph, routes: &[Route
     let rest = lifted.as_ref().map(|lifted| lagrange::equations(&lifted.rest, symbols));
     let by_bodies = |masses| Some(tree::equations(lifted.as_ref()?, masses, energies, rest.as_ref()?, symbols));
     let (kept, nothing) = (energies.factors(), Kept::default());
-    let kept = |route: Route| if route == Route::MultipliedOut { &nothing } else { &kept };
-    let by = |route: Route| match route {
+    let turned = kept.turned_sums_multiplied_out();
+    // As in a textbook in two ways, where there are two.
+    let kept = |route: Route| match route {
+        Route::MultipliedOut => vec![&nothing],
+        Route::Textbook => std::iter::once(&kept).chain(&turned).collect(),
+        Route::Plain | Route::Structured | Route::Ungrouped => vec![&kept],
+    };
+    let by = |route: Route, kept: &Kept| match route {
         Route::Plain => plain.clone(),
-        Route::Textbook | Route::MultipliedOut => textbook::normal_form(plain.as_ref()?, kept(route)),
+        Route::Textbook | Route::MultipliedOut => textbook::normal_form(plain.as_ref()?, kept),
         Route::Structured => by_bodies(Masses::Regrouped),
         Route::Ungrouped => by_bodies(Masses::AsDeclared),
     };
     let constraints = constraint::constraints(lagrangian, graph, symbols);
     let mechanism = Mechanism { lagrangian, symbols, energies, constraints, outputs: OnceCell::new() };
+    let ways = routes.iter().flat_map(|&route| kept(route).into_iter().map(move |kept| (route, kept)));
     let mut found: Vec<_> =
-        routes.iter().filter_map(|&route| Some(mechanism.equations(route, kept(route), by(route)?))).collect();
+        ways.filter_map(|(route, kept)| Some(mechanism.equations(route, kept, by(route, kept)?))).collect();
     // Reactions come last, so that all else is the same without them.
     if let Some(reactions) = Reactions::of(lagrangian, graph) {
         for equations in &mut found {
@@ -244,6 +252,8 @@ pub struct Energies<'g> {
     pub forces: Vec<Expr<'g>>,
     /// What Q was declared with: forces on coordinates, and components of forces on points and torques on bodies.
     pub declared_forces: Vec<Expr<'g>>,
+    /// What T was declared to multiply rates by.
+    pub declared_inertias: Vec<Expr<'g>>,
 }
 
 impl<'g> Energies<'g> {
@@ -260,12 +270,15 @@ impl<'g> Energies<'g> {
             lagrangian: kinetic - potential + other,
             forces: generalized_forces(lagrangian, &lagrangian.point_forces.iter().collect::<Vec<_>>(), graph),
             declared_forces: declared_forces(lagrangian, graph),
+            declared_inertias: declared_inertias(lagrangian, graph),
         }
     }
 
-    /// The sums that springs, dampers and forces were written with.
+    /// The sums that springs, dampers, forces and moments of inertia were written with.
     fn factors(&self) -> Kept {
-        let kept = Kept::of(&[self.potential, self.dissipation, self.other], &self.declared_forces);
+        let energies = [self.potential, self.dissipation, self.other].into_iter();
+        let written: Vec<_> = energies.chain(self.declared_inertias.iter().copied()).collect();
+        let kept = Kept::of(&written, &self.declared_forces);
         kept.and_constants_of(&[self.kinetic, self.potential, self.dissipation, self.other])
     }
 
@@ -294,6 +307,31 @@ fn declared_forces<'g>(lagrangian: &Lagrangian<'_>, graph: &'g Graph) -> Vec<Exp
     let on_coordinates = lagrangian.forces.iter().map(|(_, force)| *force);
     let at_points = lagrangian.point_forces.iter().flat_map(|force| force.force.0);
     carry_out(&on_coordinates.chain(at_points).collect::<Vec<_>>(), graph, |symbol| time_derivative(symbol, graph))
+}
+
+/// The factors without rates of what T has rates in, but not of what rates are of.
+fn declared_inertias<'g>(lagrangian: &Lagrangian<'_>, graph: &'g Graph) -> Vec<Expr<'g>> {
+    let verbatim = lagrangian.graph;
+    let order = verbatim.reachable(lagrangian.kinetic.iter().map(|term| term.id()));
+    let (mut moves, mut is_outside) = (Table::new(&order, false), Table::new(&order, false));
+    for &id in &order {
+        let node = verbatim.node(id);
+        let is_moving = matches!(node, Node::Rate(_) | Node::Symbol(Symbol::Velocity(_)))
+            || node.operands().any(|operand| moves[operand]);
+        moves[id] = is_moving;
+    }
+    lagrangian.kinetic.iter().for_each(|term| is_outside[term.id()] = true);
+    let mut inertias = Vec::new();
+    for &id in order.iter().rev() {
+        match verbatim.node(id) {
+            Node::Rate(_) => {}
+            _ if !is_outside[id] => {}
+            node if moves[id] => node.operands().for_each(|operand| is_outside[operand] = true),
+            _ if verbatim.is_parametric(id) => {}
+            _ => inertias.push(verbatim.expr(id)),
+        }
+    }
+    carry_out(&inertias, graph, |symbol| time_derivative(symbol, graph))
 }
 
 /// Q of the forces on coordinates and of these forces on points and torques on bodies.

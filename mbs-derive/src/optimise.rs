@@ -346,13 +346,24 @@ fn cheapest<'g>(routes: Vec<(Route, Vec<Roots<'g>>)>, forms: &mut Forms) -> Vec<
     best.into_iter().map(|(_, function)| function).collect()
 }
 
-/// What each function would cost by each route, in the order of the functions and of the routes.
+/// What each function would cost by each route, in the order of the functions and of the routes; of a route with several ways by
+/// the cheapest.
 pub fn compared(lagrangian: &Lagrangian<'_>, routes: &[Equations<'_>]) -> Vec<Vec<(Route, Operations)>> {
     let mut forms = Forms::default();
     let functions = |route| functions(route, &lagrangian.reactions);
     let mut costs = |route| functions(route).iter().map(|function| function.cost(&mut forms)).collect();
     let by_route: Vec<Vec<Operations>> = routes.iter().map(&mut costs).collect();
-    let function = |i: usize| routes.iter().zip(&by_route).map(|(route, costs)| (route.route, costs[i])).collect();
+    let function = |i: usize| {
+        let mut all: Vec<(Route, Operations)> = Vec::new();
+        for (route, costs) in routes.iter().zip(&by_route) {
+            match all.iter_mut().find(|(known, _)| *known == route.route) {
+                Some((_, known)) if known.weight() <= costs[i].weight() => {}
+                Some((_, known)) => *known = costs[i],
+                None => all.push((route.route, costs[i])),
+            }
+        }
+        all
+    };
     (0..by_route.first().map_or(0, Vec::len)).map(function).collect()
 }
 

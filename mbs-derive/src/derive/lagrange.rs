@@ -179,6 +179,7 @@ mod tests {
             lagrangian: kinetic - potential,
             forces: vec![u, graph.integer(0)],
             declared_forces: vec![u, graph.integer(0)],
+            declared_inertias: vec![m * r.powi(2) / 2],
         };
         let found = equations(&energies, &symbols);
 

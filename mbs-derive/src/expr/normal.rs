@@ -26,6 +26,7 @@ use combination::{Combination, Polynomial, Powers, power_of_powers, product_of_p
 pub use factor::weight;
 use half_angle::{Double, Doubled, halved};
 pub use kept::Kept;
+use kept::{Beside, Turned};
 use wave::{Angle, Wave, cosine, sine};
 
 /// The expressions in normal form, with common factors taken out again; `None` where one of them has more than `limit`
@@ -35,7 +36,7 @@ use wave::{Angle, Wave, cosine, sine};
 /// multiplied out that have digits to lose.
 pub fn normal_form<'g>(roots: &[Expr<'g>], kept: &Kept, limit: usize) -> Option<Vec<Expr<'g>>> {
     let Some(first) = roots.first() else { return Some(Vec::new()) };
-    let mut expansion = Expansion::new(first.graph(), kept, limit);
+    let mut expansion = Expansion::new(first.graph(), kept, Turned::Kept, limit);
     let form = |root: &Expr<'g>| {
         let sum = expansion.of(root.id())?;
         expansion.expression(&sum)
@@ -49,33 +50,38 @@ pub fn normal_form<'g>(roots: &[Expr<'g>], kept: &Kept, limit: usize) -> Option<
 pub fn cheapest_form<'g>(roots: &[Expr<'g>], kept: &Kept, limit: usize) -> Option<Vec<Expr<'g>>> {
     let Some(first) = roots.first() else { return Some(Vec::new()) };
     let graph = first.graph();
-    let mut expansion = Expansion::new(graph, kept, limit);
-    let sums: Vec<Sum> = roots.iter().map(|root| expansion.of(root.id())).collect::<Option<_>>()?;
-    let forms = Doubled::ALL.into_iter().filter_map(|doubled| {
-        let polynomials: Option<Vec<_>> = sums.iter().map(|sum| expansion.polynomial(sum, doubled)).collect();
-        polynomials.map(|polynomials| factor::shared(graph, &polynomials))
-    });
+    let forms = |&turned: &Turned| {
+        let mut expansion = Expansion::new(graph, kept, turned, limit);
+        let sums: Option<Vec<Sum>> = roots.iter().map(|root| expansion.of(root.id())).collect();
+        Doubled::ALL.into_iter().filter_map(move |doubled| {
+            let polynomials: Option<Vec<_>> =
+                sums.as_ref()?.iter().map(|sum| expansion.polynomial(sum, doubled)).collect();
+            polynomials.map(|polynomials| factor::shared(graph, &polynomials))
+        })
+    };
     // Of equally cheap ones the first.
-    forms.min_by_key(|form| weight(form))
+    kept.ways().iter().flat_map(forms).min_by_key(|form| weight(form))
 }
 
 /// `a / b` for each pair, in the cheapest of the forms that texts use; what is common to a and to a b of one term cancels.
 pub fn quotients<'g>(pairs: &[(Expr<'g>, Expr<'g>)], kept: &Kept, limit: usize) -> Option<Vec<Expr<'g>>> {
     let Some((first, _)) = pairs.first() else { return Some(Vec::new()) };
     let graph = first.graph();
-    let mut expansion = Expansion::new(graph, kept, limit);
-    let sums: Vec<[Sum; 2]> =
-        pairs.iter().map(|(a, b)| Some([expansion.of(a.id())?, expansion.of(b.id())?])).collect::<Option<_>>()?;
-    let quotient = |[a, b]: &[Sum; 2], doubled: Doubled| {
-        let [a, b] = [expansion.polynomial(a, doubled)?, expansion.polynomial(b, doubled)?];
-        let reciprocal = b.monomial_power(-1).unwrap_or_else(|| factor::reciprocal(graph, &b));
-        a.times(&reciprocal, limit)
+    let forms = |&turned: &Turned| {
+        let mut expansion = Expansion::new(graph, kept, turned, limit);
+        let sums: Option<Vec<[Sum; 2]>> =
+            pairs.iter().map(|(a, b)| Some([expansion.of(a.id())?, expansion.of(b.id())?])).collect();
+        Doubled::ALL.into_iter().filter_map(move |doubled| {
+            let quotient = |[a, b]: &[Sum; 2]| {
+                let [a, b] = [expansion.polynomial(a, doubled)?, expansion.polynomial(b, doubled)?];
+                let reciprocal = b.monomial_power(-1).unwrap_or_else(|| factor::reciprocal(graph, &b));
+                a.times(&reciprocal, limit)
+            };
+            let polynomials: Option<Vec<_>> = sums.as_ref()?.iter().map(quotient).collect();
+            polynomials.map(|polynomials| factor::shared(graph, &polynomials))
+        })
     };
-    let forms = Doubled::ALL.into_iter().filter_map(|doubled| {
-        let polynomials: Option<Vec<_>> = sums.iter().map(|pair| quotient(pair, doubled)).collect();
-        polynomials.map(|polynomials| factor::shared(graph, &polynomials))
-    });
-    forms.min_by_key(|form| weight(form))
+    kept.ways().iter().flat_map(forms).min_by_key(|form| weight(form))
 }
 
 /// A product of powers times a wave.
@@ -125,13 +131,16 @@ const LARGEST_MULTIPLE: i128 = 1_000_000;
 struct Expansion<'g, 'k> {
     graph: &'g Graph,
     kept: &'k Kept,
+    turned: Turned,
     limit: usize,
     sums: IdMap<Sum>,
+    /// What vanishes with a sum that is multiplied out beside others: the same with such sums as factors.
+    unexpanded: IdMap<Sum>,
 }
 
 impl<'g, 'k> Expansion<'g, 'k> {
-    fn new(graph: &'g Graph, kept: &'k Kept, limit: usize) -> Self {
-        Expansion { graph, kept, limit, sums: IdMap::default() }
+    fn new(graph: &'g Graph, kept: &'k Kept, turned: Turned, limit: usize) -> Self {
+        Expansion { graph, kept, turned, limit, sums: IdMap::default(), unexpanded: IdMap::default() }
     }
 
     fn of(&mut self, root: Id) -> Option<Sum> {
@@ -142,6 +151,9 @@ impl<'g, 'k> Expansion<'g, 'k> {
                     return None;
                 }
                 self.sums.insert(id, sum);
+                if let Some(unexpanded) = self.unexpanded(id)? {
+                    self.unexpanded.insert(id, unexpanded);
+                }
             }
         }
         Some(self.sums[&root].clone())
@@ -157,10 +169,11 @@ impl<'g, 'k> Expansion<'g, 'k> {
             Node::Add(a, b) => self.sums[&a].plus(&self.sums[&b], Number::ONE),
             Node::Sub(a, b) => self.sums[&a].plus(&self.sums[&b], minus),
             Node::Mul(a, b) => {
-                let is_constant = |id| self.graph.is_parametric(id);
-                self.product(&*self.factor(a, is_constant(b))?, &*self.factor(b, is_constant(a))?)?
+                // Of two sums one may be multiplied out.
+                let beside_a = if self.as_factor(a) == Beside::Small { Beside::Other } else { self.as_factor(a) };
+                self.product(&*self.factor(a, self.as_factor(b))?, &*self.factor(b, beside_a)?)?
             }
-            Node::Power(a, n) => self.power(&*self.factor(a, false)?, n)?,
+            Node::Power(a, n) => self.power(&*self.factor(a, Beside::Small)?, n)?,
             Node::Call(function @ (Function::Sin | Function::Cos), a) => match angle_of(&self.sums[&a], self.graph) {
                 Some(angle) => {
                     let (factor, wave) = if function == Function::Sin { sine(angle) } else { cosine(angle) };
@@ -176,11 +189,41 @@ impl<'g, 'k> Expansion<'g, 'k> {
         })
     }
 
+    /// What an operand of a product is to the other one.
+    fn as_factor(&self, id: Id) -> Beside {
+        match self.unexpanded.contains_key(&id) {
+            _ if self.graph.is_parametric(id) => Beside::Constant,
+            true => Beside::Small,
+            false => Beside::Other,
+        }
+    }
+
+    /// A node with all sums as factors that are multiplied out only beside what does not vanish with them, if it vanishes with one.
+    fn unexpanded(&self, id: Id) -> Option<Option<Sum>> {
+        if self.turned == Turned::Kept {
+            return Some(None);
+        }
+        let of = |id: Id| self.unexpanded.get(&id);
+        Some(match self.graph.node(id) {
+            _ if self.kept.is_turned(id) => Some(self.factor(id, Beside::Small)?.into_owned()),
+            Node::Neg(a) => of(a).map(Sum::negative),
+            Node::Mul(a, b) if of(a).is_some() || of(b).is_some() => {
+                Some(self.product(&*self.factor(a, Beside::Small)?, &*self.factor(b, Beside::Small)?)?)
+            }
+            Node::Add(a, b) => of(a).zip(of(b)).map(|(a, b)| a.plus(b, Number::ONE)),
+            Node::Sub(a, b) => of(a).zip(of(b)).map(|(a, b)| a.plus(b, -Number::ONE)),
+            _ => None,
+        })
+    }
+
     /// An operand of a product or a power.
-    fn factor(&self, id: Id, beside_constant: bool) -> Option<Cow<'_, Sum>> {
+    fn factor(&self, id: Id, beside: Beside) -> Option<Cow<'_, Sum>> {
+        if let Some(unexpanded) = self.unexpanded.get(&id).filter(|_| beside == Beside::Small) {
+            return Some(Cow::Borrowed(unexpanded));
+        }
         let behind_sign = if let Node::Neg(a) = self.graph.node(id) { a } else { id };
         let sum = &self.sums[&id];
-        if sum.0.len() < 2 || !self.kept.contains(behind_sign, beside_constant) {
+        if sum.0.len() < 2 || !self.kept.contains(behind_sign, beside, self.turned) {
             return Some(Cow::Borrowed(sum));
         }
         let written = self.expression(sum)?;
@@ -193,11 +236,47 @@ impl<'g, 'k> Expansion<'g, 'k> {
         self.beside(a, b)?.times_sum(self.beside(b, a)?.as_ref(), self.limit)
     }
 
-    /// A factor as it is multiplied out: a sum of coordinates stays one beside a factor that holds a power or a function.
+    /// A factor as it is multiplied out: a sum of coordinates stays one beside a factor that holds a power or a function; beside a
+    /// sine or cosine, whose square it would be multiplied by where a place is turned; and beside another one, which may be itself.
     fn beside<'a>(&self, factor: &'a Sum, other: &Sum) -> Option<Cow<'a, Sum>> {
-        let is_kept =
-            self.is_difference_of_places(factor) && self.has_atom(other, |node| !matches!(node, Node::Symbol(_)));
-        Some(if is_kept { Cow::Owned(self.opaque(self.expression(factor)?)) } else { Cow::Borrowed(factor) })
+        let is_turned = other.0.keys().any(|term| term.wave != Wave::One);
+        let is_kept = self.is_difference_of_places(factor)
+            && (is_turned
+                || self.has_atom(other, |node| !matches!(node, Node::Symbol(_)))
+                || (self.is_at_rest(factor) && self.is_difference_of_places(other) && self.is_at_rest(other)));
+        Some(if is_kept { Cow::Owned(self.factors(self.expression(factor)?)) } else { Cow::Borrowed(factor) })
+    }
+
+    /// Whether there are no rates in it, but for those that all terms have in common.
+    fn is_at_rest(&self, sum: &Sum) -> bool {
+        let is_rate =
+            |id: Id| matches!(self.graph.node(id), Node::Symbol(Symbol::Velocity(_) | Symbol::Acceleration(_)));
+        let rates = |term: &Term| term.powers.iter().filter(|(id, _)| is_rate(**id)).map(|(&id, &n)| (id, n)).collect();
+        let mut all = sum.0.keys().map(rates);
+        let first: Option<Powers> = all.next();
+        all.all(|rates| Some(rates) == first)
+    }
+
+    /// A product of what is not a product: of indivisible expressions.
+    fn factors(&self, expr: Expr<'g>) -> Sum {
+        let (mut waiting, mut product) = (vec![expr.id()], Sum::constant(Number::ONE));
+        while let Some(id) = waiting.pop() {
+            let factor = match self.graph.node(id) {
+                Node::Mul(a, b) => {
+                    waiting.extend([a, b]);
+                    continue;
+                }
+                Node::Neg(a) => {
+                    waiting.push(a);
+                    Sum::constant(-Number::ONE)
+                }
+                Node::Power(a, n) => Sum::power_of_atom(a, n.to_halves()),
+                _ => self.opaque(self.graph.expr(id)),
+            };
+            let Some(longer) = product.times_sum(&factor, self.limit) else { return self.opaque(expr) };
+            product = longer;
+        }
+        product
     }
 
     /// Whether powers of the sum are kept, and its products with powers and functions: a sum like x + a of coordinates, in which no
@@ -355,7 +434,7 @@ mod tests {
             assert!(f.iter().zip(&form).all(|(f, form)| agree(*f, *form)), "{form:?}");
             let polynomial = |doubled| {
                 let nothing = Kept::default();
-                let mut expansion = Expansion::new(&graph, &nothing, 100);
+                let mut expansion = Expansion::new(&graph, &nothing, Turned::Kept, 100);
                 let sum = expansion.of(f[0].id()).unwrap();
                 factor::factored(&graph, &[expansion.polynomial(&sum, doubled).unwrap()])[0]
             };
@@ -384,7 +463,8 @@ mod tests {
         let [x, y] = [0, 1].map(|i| graph.symbol(Symbol::Coordinate(i)));
         let [a, m] = [0, 1].map(|i| graph.symbol(Symbol::Parameter(i)));
         let distance = ((x + a).powi(2) + y.powi(2)).sqrt();
-        for f in [(x + a).powi(2), distance, (x + a) * distance.powi(-3)] {
+        let product = (m * (x + a)) * ((x + a) * y.sin());
+        for f in [(x + a).powi(2), distance, (x + a) * distance.powi(-3), product] {
             let form = normal_form(&[f], &Kept::default(), 100).unwrap()[0];
             let value = |symbol| match symbol {
                 Symbol::Coordinate(0) => 1e-6 - 0.3,
@@ -440,6 +520,31 @@ mod tests {
         let expanded = normal_form(&[energy], &Kept::default(), 100).unwrap()[0];
         let noise: Vec<f64> = crate::expr::evaluate(&[expanded], value);
         assert!((noise[0] - values[0]).abs() > 0.5 * values[0], "{noise:?} {values:?}");
+    }
+
+    /// One of two sums in which sines and cosines cancel may be multiplied out, not both.
+    #[test]
+    fn turned_sums_are_multiplied_out_where_that_is_cheaper() {
+        let graph = Graph::new();
+        let [theta, phi] = [0, 1].map(|i| graph.symbol(Symbol::Coordinate(i)));
+        let [a, b] = [0, 1].map(|i| graph.symbol(Symbol::Parameter(i)));
+        let (s, c) = (theta.sin(), theta.cos());
+        let [u, v] = [a * c - b, a * s - b];
+        let kept = Kept::of(&[(u.powi(2) + v.powi(2)) * phi], &[]);
+        // The slope of the distance: a b (s − c).
+        let slope = cheapest_form(&[v * (a * c) - u * (a * s)], &kept, 100).unwrap();
+        assert!(weight(&slope) <= 20 + 3, "{slope:?}");
+        let product = (u * s) * (v * c) * phi;
+        let form = cheapest_form(&[product], &kept, 100).unwrap()[0];
+        // cos θ = sin θ = b/a, nearly.
+        let value = |symbol| match symbol {
+            Symbol::Coordinate(0) => std::f64::consts::FRAC_PI_4 + 1e-9,
+            Symbol::Coordinate(_) => 1.0,
+            Symbol::Parameter(0) => 1.0,
+            _ => std::f64::consts::FRAC_1_SQRT_2,
+        };
+        let values: Vec<f64> = crate::expr::evaluate(&[form, product], value);
+        assert!((values[0] - values[1]).abs() < 1e-6 * values[1].abs(), "{values:?}");
     }
 
     #[test]

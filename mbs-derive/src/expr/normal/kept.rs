@@ -2,8 +2,12 @@
 //!
 //! `k (r − r₀)` is exact where r is near r₀, and so is `(r − r₀)²`; `k r − k r₀` and `r² − 2 r r₀ + r₀²` have lost the digits that the two
 //! share. So a sum that an energy or a force takes in a product, a power or a function is one symbol wherever it is
-//! multiplied, in all that is derived from it. Where it is only added to others, its terms are added to theirs. A sum of terms that
-//! parameters scale, `b z − c y`, is rounded in each of them as it stands: other factors that are constant in time may join these.
+//! multiplied, in all that is derived from it. Where it is only added to others, its terms are added to theirs.
+//!
+//! A sum of terms that parameters scale, `b z − c y`, is rounded in each of them as it stands: other factors that are constant in
+//! time may join these. And the error of `r cos θ − a` is that of a cosine, however small the sum is; that of `k r cos θ − k a` is no
+//! greater, but `(r cos θ − a)²` is as small as the error of `r² cos²θ − 2 a r cos θ + a²`. So where sines and cosines cancel, one such
+//! sum of a product may be multiplied out ([`Turned`]), while all others are kept, as are powers.
 
 use std::cell::RefCell;
 use std::collections::BTreeMap;
@@ -13,8 +17,39 @@ use crate::expr::{Expr, Function, Graph, Id, Node};
 /// The nodes that stay factors.
 #[derive(Clone, Debug, Default)]
 pub struct Kept {
-    /// With whether they do so beside what is constant in time, too. Those that are written anew join them.
-    sums: RefCell<BTreeMap<Id, bool>>,
+    /// Those that are written anew join them.
+    sums: RefCell<BTreeMap<Id, Terms>>,
+    /// Whether sums with sines and cosines in their terms are multiplied out even where that costs more by itself.
+    expands_turned: bool,
+}
+
+/// What the terms of a sum are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Terms {
+    /// Whether one is not scaled by a parameter, so that it may be exact, and a factor has no constant to join.
+    have_digits: bool,
+    /// Whether sines or cosines are factors of one.
+    are_turned: bool,
+}
+
+/// What becomes of a sum with sines and cosines in its terms.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Turned {
+    /// It is kept like others.
+    Kept,
+    /// One of a product is multiplied out.
+    MultipliedOut,
+}
+
+/// A factor that a sum is multiplied by.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Beside {
+    /// What is constant in time.
+    Constant,
+    /// What need not vanish where the sum does.
+    Other,
+    /// What may vanish with the sum and is multiplied out, too; or the sum itself.
+    Small,
 }
 
 impl Kept {
@@ -25,10 +60,10 @@ impl Kept {
             let Some(graph) = roots.first().map(|root| root.graph()) else { continue };
             for id in graph.reachable(roots.iter().map(|root| root.id())) {
                 for (sum, is_scaled) in factors(graph, id).into_iter().flatten() {
-                    let has_digits = has_digits(graph, sum);
+                    let terms = Terms::of(graph, sum);
                     // Weight falls with the height, whatever that is measured from.
-                    if !is_scaled || (is_force && has_digits) {
-                        kept.sums.borrow_mut().insert(sum, has_digits);
+                    if !is_scaled || (is_force && terms.have_digits) {
+                        kept.sums.borrow_mut().insert(sum, terms);
                     }
                 }
             }
@@ -44,7 +79,9 @@ impl Kept {
             if matches!(node, Node::Mul(..) | Node::Power(..)) {
                 let behind_signs = node.operands().map(|operand| behind_sign(graph, operand));
                 let is_difference = |id: &Id| graph.is_parametric(*id) && matches!(graph.node(*id), Node::Sub(..));
-                self.sums.borrow_mut().extend(behind_signs.filter(is_difference).map(|difference| (difference, true)));
+                self.sums
+                    .borrow_mut()
+                    .extend(behind_signs.filter(is_difference).map(|difference| (difference, Terms::EXACT)));
             }
         }
         self
@@ -53,14 +90,38 @@ impl Kept {
     /// That one of them is written as another node.
     pub(super) fn rewritten(&self, sum: Id, anew: Id) {
         let mut sums = self.sums.borrow_mut();
-        if let Some(&has_digits) = sums.get(&sum) {
-            sums.entry(anew).or_insert(has_digits);
+        if let Some(&terms) = sums.get(&sum) {
+            sums.entry(anew).or_insert(terms);
         }
     }
 
-    /// Whether a node is one of them, beside a factor that is constant in time or one that is not.
-    pub(super) fn contains(&self, id: Id, beside_constant: bool) -> bool {
-        self.sums.borrow().get(&id).is_some_and(|has_digits| *has_digits || !beside_constant)
+    /// Whether a node is one of them with sines and cosines in its terms.
+    pub(super) fn is_turned(&self, id: Id) -> bool {
+        self.sums.borrow().get(&id).is_some_and(|terms| terms.are_turned)
+    }
+
+    /// The same, with those of which sines and cosines may cancel multiplied out, if there are any: what costs more by itself may
+    /// cost less in what is derived from it.
+    pub fn turned_sums_multiplied_out(&self) -> Option<Self> {
+        (self.ways().len() > 1).then(|| Kept { expands_turned: true, ..self.clone() })
+    }
+
+    /// What may become of such a node.
+    pub(super) fn ways(&self) -> &'static [Turned] {
+        let any = self.sums.borrow().values().any(|terms| terms.are_turned);
+        match (any, self.expands_turned) {
+            (false, _) => &[Turned::Kept],
+            (true, false) => &[Turned::Kept, Turned::MultipliedOut],
+            (true, true) => &[Turned::MultipliedOut],
+        }
+    }
+
+    /// Whether a node is one of them, beside such a factor.
+    pub(super) fn contains(&self, id: Id, beside: Beside, turned: Turned) -> bool {
+        self.sums.borrow().get(&id).is_some_and(|terms| match turned {
+            Turned::MultipliedOut if terms.are_turned => beside == Beside::Small,
+            Turned::Kept | Turned::MultipliedOut => terms.have_digits || beside != Beside::Constant,
+        })
     }
 }
 
@@ -110,20 +171,41 @@ fn behind_sign(graph: &Graph, id: Id) -> Id {
     if let Node::Neg(a) = graph.node(id) { a } else { id }
 }
 
-/// Whether a term is not scaled by a parameter, so that it may be exact, and a factor has no constant to join.
-fn has_digits(graph: &Graph, sum: Id) -> bool {
-    let is_scale = |id: Id| graph.is_parametric(id) && graph.expr(id).as_constant().is_none();
-    let mut waiting = vec![sum];
-    while let Some(id) = waiting.pop() {
-        match graph.node(id) {
-            Node::Add(a, b) | Node::Sub(a, b) => waiting.extend([a, b]),
-            Node::Neg(a) => waiting.push(a),
-            Node::Mul(a, b) if is_scale(a) || is_scale(b) => {}
-            _ => return true,
-        }
+impl Terms {
+    /// Of a difference of inputs.
+    const EXACT: Terms = Terms { have_digits: true, are_turned: false };
+
+    fn of(graph: &Graph, sum: Id) -> Self {
+        let is_scale = |id: Id| graph.is_parametric(id) && graph.expr(id).as_constant().is_none();
+        let mut terms = Terms { have_digits: false, are_turned: false };
+        let mut waiting = vec![sum];
         // In loops a sum could double with each turn.
-        if waiting.len() > 100 {
-            return true;
+        for _ in 0..100 {
+            let Some(id) = waiting.pop() else { return terms };
+            match graph.node(id) {
+                Node::Add(a, b) | Node::Sub(a, b) => waiting.extend([a, b]),
+                Node::Neg(a) => waiting.push(a),
+                node => {
+                    let is_scaled = matches!(node, Node::Mul(a, b) if is_scale(a) || is_scale(b));
+                    terms.have_digits |= !is_scaled;
+                    terms.are_turned |= is_turned(graph, id);
+                }
+            }
+        }
+        Terms::EXACT
+    }
+}
+
+/// Whether a term is a product with a sine or cosine that moves.
+fn is_turned(graph: &Graph, term: Id) -> bool {
+    let mut waiting = vec![term];
+    for _ in 0..100 {
+        let Some(id) = waiting.pop() else { return false };
+        match graph.node(id) {
+            Node::Call(Function::Sin | Function::Cos, _) if !graph.is_parametric(id) => return true,
+            Node::Mul(a, b) => waiting.extend([a, b]),
+            Node::Neg(a) => waiting.push(a),
+            _ => {}
         }
     }
     false
@@ -141,7 +223,7 @@ mod tests {
         let [k, rest] = [0, 1].map(|i| graph.symbol(Symbol::Parameter(i)));
         let kept = |energies: &[Expr<'_>], forces: &[Expr<'_>], sum: Expr<'_>| {
             let sum = if let Node::Neg(a) = sum.node() { a } else { sum.id() };
-            Kept::of(energies, forces).contains(sum, true)
+            Kept::of(energies, forces).contains(sum, Beside::Constant, Turned::Kept)
         };
         let stretch = x - rest;
         assert!(kept(&[k * stretch.powi(2)], &[], stretch));
@@ -154,8 +236,10 @@ mod tests {
         assert!(kept(&[], &[-(k * stretch)], stretch));
         let difference = k - rest;
         let kept = Kept::default().and_constants_of(&[difference.powi(2) * x, (k + rest) * y]);
-        assert!(kept.contains(if let Node::Neg(a) = difference.node() { a } else { difference.id() }, true));
-        assert!(!kept.contains((k + rest).id(), false));
+        assert!(
+            kept.contains(if let Node::Neg(a) = difference.node() { a } else { difference.id() }, Beside::Constant)
+        );
+        assert!(!kept.contains((k + rest).id(), Beside::Small, Turned::Kept));
     }
 
     #[test]
@@ -166,8 +250,22 @@ mod tests {
         // Scaled terms are rounded as they stand.
         let moment = k * x - rest * y;
         let id = if let Node::Neg(a) = moment.node() { a } else { moment.id() };
-        assert!(!Kept::of(&[], &[k * moment]).contains(id, false));
+        assert!(!Kept::of(&[], &[k * moment]).contains(id, Beside::Other, Turned::Kept));
         let squared = Kept::of(&[moment.powi(2)], &[]);
-        assert!(squared.contains(id, false) && !squared.contains(id, true));
+        let is_kept = |beside| squared.contains(id, beside, Turned::Kept);
+        assert!(is_kept(Beside::Other) && !is_kept(Beside::Constant));
+    }
+
+    #[test]
+    fn what_is_turned_is_kept_beside_what_vanishes_with_it() {
+        let graph = Graph::new();
+        let [x, y] = [0, 1].map(|i| graph.symbol(Symbol::Coordinate(i)));
+        let distance = x * y.cos() - graph.symbol(Symbol::Parameter(0));
+        let kept = Kept::of(&[distance.powi(2)], &[]);
+        let beside = [Beside::Constant, Beside::Other, Beside::Small];
+        let is_kept = |turned| beside.map(|beside| kept.contains(distance.id(), beside, turned));
+        assert_eq!(is_kept(Turned::Kept), [true; 3]);
+        assert_eq!(is_kept(Turned::MultipliedOut), [false, false, true]);
+        assert_eq!(Kept::of(&[(x - y).powi(2)], &[]).ways(), [Turned::Kept]);
     }
 }
