@@ -5,7 +5,7 @@
 //! here is a bug of the generator, whatever the declaration says; it stops the build and prints the state.
 //!
 //! Every side of every branch is to be taken: where the random states do not, others are sought (`coverage`), and what was taken
-//! nowhere is said.
+//! nowhere is said. Where a branch compares what doubles hold exactly, its edge is a state, too.
 //!
 //! - [`witness`]: Lagrange's equations from the verbatim energies, by dual numbers;
 //! - [`claim`]: what is compared, one function per generated function and identity; `group`: many columns at once;
@@ -236,8 +236,11 @@ impl Prover<'_, '_, '_, '_> {
         Ok(true)
     }
 
-    /// At states that take the sides of branches that no other state has taken.
+    /// At states that take the sides of branches that no other state has taken, and at those between two sides.
     fn prove_other_sides(&mut self) -> Result<(), Failure> {
+        for (state, parameters) in self.coverage.states_on_edges() {
+            self.prove(&state, &parameters, false)?;
+        }
         for side in self.coverage.wanted() {
             let states: Vec<_> = self.coverage.states_on(side).collect();
             for (state, parameters) in states {

@@ -1,7 +1,7 @@
 //! Which sides of branches have been taken where the proof was made, and states that take the others.
 
 use crate::expr::branch::{Branches, Side};
-use crate::expr::{Dual, Expr, Id, Node, Symbol, Tape};
+use crate::expr::{Dual, Expr, Function, Id, Node, Symbol, Tape};
 use crate::interpret::State;
 use crate::model::Lagrangian;
 use crate::model::sample::{Random, default_parameters};
@@ -118,6 +118,56 @@ impl<'c, 'l, 'g> Coverage<'c, 'l, 'g> {
         })
     }
 
+    /// States, with parameters, at which what comparisons compare is equal, where `<` and `<=` differ: of symbols, their absolute
+    /// values and constants, which no rounding keeps apart.
+    pub(super) fn states_on_edges(&self) -> Vec<(State, Vec<f64>)> {
+        let mut seen = Vec::new();
+        let mut states = Vec::new();
+        for (number, &side) in self.branches.sides().iter().enumerate() {
+            for (at, _) in self.branches.way(side, false).into_iter().chain(self.branches.way(side, true)) {
+                let (Node::Less(a, b) | Node::LessEqual(a, b)) = self.choices.tape.steps()[at] else { continue };
+                let (Some(a), Some(b)) = (self.exact(a.index()), self.exact(b.index())) else { continue };
+                if seen.contains(&at) {
+                    continue;
+                }
+                seen.push(at);
+                let on_this_side = self.states_on(number).next();
+                states.extend(on_this_side.into_iter().filter_map(|state| on_the_edge(a, b, state)));
+            }
+        }
+        states
+    }
+
+    /// A step that is a symbol that may be moved, its absolute value or a constant, with a sign.
+    fn exact(&self, mut at: usize) -> Option<Exact> {
+        let steps = self.choices.tape.steps();
+        let exact = |symbol, constant| Some(Exact { symbol, constant, is_size: false, negative: false });
+        let (mut is_size, mut negative) = (false, false);
+        loop {
+            let found = match steps[at] {
+                Node::Neg(a) => {
+                    negative ^= !is_size;
+                    at = a.index();
+                    continue;
+                }
+                Node::Call(Function::Abs, a) => {
+                    is_size = true;
+                    at = a.index();
+                    continue;
+                }
+                Node::Rate(a) => match steps[a.index()] {
+                    Node::Symbol(Symbol::Coordinate(i)) => exact(Some(Symbol::Velocity(i)), 0.0),
+                    _ => None,
+                },
+                Node::Symbol(Symbol::Parameter(_) | Symbol::Multiplier(_)) => None,
+                Node::Symbol(symbol) => exact(Some(symbol), 0.0),
+                Node::Constant(number) => exact(None, number.to_f64()),
+                _ => None,
+            };
+            return found.map(|found| Exact { is_size, negative, ..found });
+        }
+    }
+
     fn reach(&self, way: &[(usize, bool)], state: State, mut random: Random) -> Option<(State, Vec<f64>)> {
         let (mut state, mut parameters) = (state, default_parameters(self.lagrangian));
         for _ in 0..STEPS {
@@ -214,6 +264,33 @@ impl<'c, 'l, 'g> Coverage<'c, 'l, 'g> {
             other => Dual::fixed(at(other)),
         })
     }
+}
+
+/// What is compared: `±x`, `±|x|`, with a symbol or a constant for x.
+#[derive(Clone, Copy, Debug)]
+struct Exact {
+    symbol: Option<Symbol>,
+    constant: f64,
+    is_size: bool,
+    negative: bool,
+}
+
+impl Exact {
+    fn value(self, state: &mut State) -> f64 {
+        let x = self.symbol.map_or(self.constant, |symbol| *place(symbol, state, &mut []));
+        let x = if self.is_size { x.abs() } else { x };
+        if self.negative { -x } else { x }
+    }
+}
+
+/// The state with the one or the other moved until both are equal; `None` where neither can be.
+fn on_the_edge(a: Exact, b: Exact, (mut state, parameters): (State, Vec<f64>)) -> Option<(State, Vec<f64>)> {
+    let (moved, other) = if a.symbol.is_some() { (a, b) } else { (b, a) };
+    let wanted = other.value(&mut state);
+    let wanted = if moved.negative { -wanted } else { wanted };
+    let x = place(moved.symbol?, &mut state, &mut []);
+    *x = if moved.is_size { wanted.copysign(*x) } else { wanted };
+    (a.value(&mut state) == b.value(&mut state)).then_some((state, parameters))
 }
 
 fn scaled(state: State, size: f64) -> State {

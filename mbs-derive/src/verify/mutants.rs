@@ -300,3 +300,27 @@ fn nothing_is_claimed_of_accelerations_where_a_motion_has_no_inertia() {
         program.results[0] = program.push(Instruction::Neg(first));
     });
 }
+
+/// At its edge itself `<` and `<=` differ.
+#[test]
+fn edges_of_branches_are_met() {
+    for condition in ["x < 3", "x >= -0.5", "abs(dt(x)) < 2", "-y <= x", "t > 7", "-abs(y) > -5"] {
+        let text = format!(
+            "#![dimensionless] mechanism A {{ coord x: 1; coord y: 1; kinetic += dt(x)^2 + dt(y)^2; \
+             force x += if {condition} {{ 2 }} else {{ 5 }}; }}"
+        );
+        let swap = |derivation: &mut Derivation| {
+            let instructions = &mut program(derivation, "generalized_force").instructions;
+            for instruction in instructions {
+                *instruction = match *instruction {
+                    Instruction::Less(a, b) => Instruction::LessEqual(a, b),
+                    Instruction::LessEqual(a, b) => Instruction::Less(a, b),
+                    other => other,
+                };
+            }
+        };
+        assert!(proof(&text, |_| ()).is_ok(), "{condition}");
+        let found = proof(&text, swap);
+        assert!(matches!(found, Err(Failure::Disagreement(_))), "{condition}: {found:?}");
+    }
+}
