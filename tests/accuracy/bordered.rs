@@ -7,7 +7,9 @@
 //!
 //! Nothing of the runtime's solution is in it, neither its scales nor its basis.
 
-use mbs_derive::expr::Value;
+use mbs_derive::expr::{Symbol, Value};
+use mbs_derive::interpret::{Interpreter, State};
+use mbs_derive::optimise::{Completion, Function, FunctionKind, Shape};
 use nalgebra::DMatrix;
 
 use super::exact::Exact;
@@ -180,4 +182,55 @@ impl Bordered {
         }
         ordered
     }
+}
+
+/// What a function's system comes to whose entries are doubles and which is solved over 200 bits: what it has lost was lost before
+/// it was solved.
+pub(crate) fn solved_exactly(mechanism: &Interpreter<'_>, function: &Function, state: &State) -> Vec<f64> {
+    let derivation = mechanism.derivation();
+    let n = derivation.dof();
+    let of_motion = |symbol| matches!(symbol, Symbol::Acceleration(_) | Symbol::Multiplier(_));
+    let (mut state, mut multipliers) = (state.clone(), Vec::new());
+    if function.program.uses(of_motion) {
+        let forward = derivation.function("forward_dynamics").expect("generated for every mechanism");
+        let [motion] = &solutions(mechanism, forward, &state, &[])[..] else { unreachable!("one right side") };
+        (state.qdd, multipliers) = (motion[..n].to_vec(), motion[n..].to_vec());
+    }
+    let columns = solutions(mechanism, function, &state, &multipliers);
+    if function.kind == FunctionKind::Multipliers {
+        return columns[0][n..].to_vec();
+    }
+    let mut columns = columns.into_iter();
+    let part = |width: usize| {
+        let part: Vec<Vec<f64>> = columns.by_ref().take(width).collect();
+        (0..n).flat_map(|i| part.iter().map(|column| column[i]).collect::<Vec<f64>>()).collect::<Vec<f64>>()
+    };
+    widths(function).into_iter().flat_map(part).collect()
+}
+
+fn widths(function: &Function) -> Vec<usize> {
+    let width = |shape| if let Shape::Matrix(_, columns) = shape { columns } else { 1 };
+    function.results.iter().map(|part| width(part.shape)).collect()
+}
+
+/// q̈ and λ for each right side.
+fn solutions(mechanism: &Interpreter<'_>, function: &Function, state: &State, multipliers: &[f64]) -> Vec<Vec<f64>> {
+    let derivation = mechanism.derivation();
+    let (n, k) = (derivation.dof(), derivation.constraints.len());
+    let system = Function { completion: Completion::None, ..function.clone() };
+    let values = mechanism.evaluate_with(&system, state, multipliers);
+    let lifted: Vec<Exact> = values.into_iter().map(Exact::constant).collect();
+    let (mass, rest) = lifted.split_at(n * (n + 1) / 2);
+    let (jacobian, mut right_sides) = rest.split_at(k * n);
+    let solver = Bordered::new(n, mass, jacobian);
+    let mut solutions = Vec::new();
+    for width in widths(function) {
+        let (part, behind) = right_sides.split_at((n + k) * width);
+        for column in 0..width {
+            let column: Vec<Exact> = part.iter().skip(column).step_by(width).copied().collect();
+            solutions.push(solver.solve(&column).into_iter().map(Exact::to_f64).collect());
+        }
+        right_sides = behind;
+    }
+    solutions
 }
