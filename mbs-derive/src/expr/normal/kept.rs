@@ -236,9 +236,11 @@ mod tests {
         assert!(kept(&[], &[-(k * stretch)], stretch));
         let difference = k - rest;
         let kept = Kept::default().and_constants_of(&[difference.powi(2) * x, (k + rest) * y]);
-        assert!(
-            kept.contains(if let Node::Neg(a) = difference.node() { a } else { difference.id() }, Beside::Constant)
-        );
+        assert!(kept.contains(
+            if let Node::Neg(a) = difference.node() { a } else { difference.id() },
+            Beside::Constant,
+            Turned::Kept
+        ));
         assert!(!kept.contains((k + rest).id(), Beside::Small, Turned::Kept));
     }
 
