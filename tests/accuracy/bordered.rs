@@ -184,9 +184,35 @@ impl Bordered {
     }
 }
 
-/// What a function's system comes to whose entries are doubles and which is solved over 200 bits: what it has lost was lost before
-/// it was solved.
-pub(crate) fn solved_exactly(mechanism: &Interpreter<'_>, function: &Function, state: &State) -> Vec<f64> {
+/// What systems are set up over.
+pub(crate) trait Entry: Value {
+    /// Over 200 bits.
+    fn lifted(self) -> Exact;
+    /// Rounded, if need be.
+    fn lowered(x: Exact) -> Self;
+}
+
+impl Entry for f64 {
+    fn lifted(self) -> Exact {
+        Exact::constant(self)
+    }
+    fn lowered(x: Exact) -> Self {
+        x.to_f64()
+    }
+}
+
+impl Entry for Exact {
+    fn lifted(self) -> Exact {
+        self
+    }
+    fn lowered(x: Exact) -> Self {
+        x
+    }
+}
+
+/// What a function's system comes to that is set up over doubles, or over 200 bits, and solved over 200 bits: what it has lost was
+/// lost before it was solved.
+pub(crate) fn solved<V: Entry>(mechanism: &Interpreter<'_, V>, function: &Function, state: &State<V>) -> Vec<V> {
     let derivation = mechanism.derivation();
     let n = derivation.dof();
     let of_motion = |symbol| matches!(symbol, Symbol::Acceleration(_) | Symbol::Multiplier(_));
@@ -202,8 +228,8 @@ pub(crate) fn solved_exactly(mechanism: &Interpreter<'_>, function: &Function, s
     }
     let mut columns = columns.into_iter();
     let part = |width: usize| {
-        let part: Vec<Vec<f64>> = columns.by_ref().take(width).collect();
-        (0..n).flat_map(|i| part.iter().map(|column| column[i]).collect::<Vec<f64>>()).collect::<Vec<f64>>()
+        let part: Vec<Vec<V>> = columns.by_ref().take(width).collect();
+        (0..n).flat_map(|i| part.iter().map(|column| column[i]).collect::<Vec<V>>()).collect::<Vec<V>>()
     };
     widths(function).into_iter().flat_map(part).collect()
 }
@@ -214,12 +240,17 @@ fn widths(function: &Function) -> Vec<usize> {
 }
 
 /// q̈ and λ for each right side.
-fn solutions(mechanism: &Interpreter<'_>, function: &Function, state: &State, multipliers: &[f64]) -> Vec<Vec<f64>> {
+fn solutions<V: Entry>(
+    mechanism: &Interpreter<'_, V>,
+    function: &Function,
+    state: &State<V>,
+    multipliers: &[V],
+) -> Vec<Vec<V>> {
     let derivation = mechanism.derivation();
     let (n, k) = (derivation.dof(), derivation.constraints.len());
     let system = Function { completion: Completion::None, ..function.clone() };
     let values = mechanism.evaluate_with(&system, state, multipliers);
-    let lifted: Vec<Exact> = values.into_iter().map(Exact::constant).collect();
+    let lifted: Vec<Exact> = values.into_iter().map(V::lifted).collect();
     let (mass, rest) = lifted.split_at(n * (n + 1) / 2);
     let (jacobian, mut right_sides) = rest.split_at(k * n);
     let solver = Bordered::new(n, mass, jacobian);
@@ -228,7 +259,7 @@ fn solutions(mechanism: &Interpreter<'_>, function: &Function, state: &State, mu
         let (part, behind) = right_sides.split_at((n + k) * width);
         for column in 0..width {
             let column: Vec<Exact> = part.iter().skip(column).step_by(width).copied().collect();
-            solutions.push(solver.solve(&column).into_iter().map(Exact::to_f64).collect());
+            solutions.push(solver.solve(&column).into_iter().map(V::lowered).collect());
         }
         right_sides = behind;
     }

@@ -4,9 +4,7 @@ use std::cell::RefCell;
 use std::hash::{DefaultHasher, Hash, Hasher};
 
 use astro_float::{BigFloat, Consts, RoundingMode, Sign};
-use mbs_derive::expr::{Binary, Function, Number, Solution, Value};
-
-use super::bordered::Bordered;
+use mbs_derive::expr::{Binary, Function, Number, Value};
 
 const PRECISION: usize = 200;
 const NEAREST: RoundingMode = RoundingMode::ToEven;
@@ -204,10 +202,6 @@ impl Value for Exact {
     }
     fn rate(self) -> Self {
         Exact::constant(f64::NAN)
-    }
-    fn constrained<'a>(n: usize, mass: Vec<Self>, jacobian: Vec<Self>) -> Solution<'a, Self> {
-        let system = Bordered::new(n, &mass, &jacobian);
-        Box::new(move |column| system.solve(column))
     }
     fn less(self, other: Self) -> bool {
         self.order(other).is_some_and(|order| order < 0)
