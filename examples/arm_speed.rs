@@ -203,7 +203,7 @@ mod plain {
         (frames[6], jacobian)
     }
 
-    /// All configurations, (3.7)–(3.12) with the signs of each branch; those with angles that are no numbers left out.
+    /// All configurations, (3.7)–(3.12) with the signs of each branch; those with NaN angles left out.
     pub(super) fn inverse(pose: &Pose<f64>) -> Vec<[f64; 6]> {
         let h = Matrix3::from_fn(|i, j| pose.rotation[i][j]);
         let wrist = Vector3::from(pose.position) - D6 * h.column(2);

@@ -19,7 +19,7 @@ use serde_json::{Value, json};
 
 use orbits::{Flight, arenstorf, asteroids};
 
-/// The mass ratios whose points are told.
+/// The mass ratios whose points are printed.
 const PAIRS: [(&str, f64); 2] = [("earth_moon", 0.012_150_585_6), ("arenstorf", orbits::ARENSTORF_MU)];
 
 fn main() -> Result<(), Failure> {

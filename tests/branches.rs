@@ -345,7 +345,7 @@ fn comparisons_are_those_of_ieee_754() {
     }
 }
 
-/// Conditions on parameters alone are no numbers that a constructor could keep.
+/// Conditions on parameters alone are truth values, which a constructor does not keep.
 #[test]
 fn parameters_choose_a_side() {
     let (m, k, q) = (1.5, 3.0, [0.4, -0.7]);

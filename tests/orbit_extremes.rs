@@ -1,4 +1,4 @@
-//! Zeros, infinities, what is no number, the largest and the smallest numbers: a function of `mbs_models::orbit` returns an error or
+//! Zeros, infinities, NaN, the largest and the smallest numbers: a function of `mbs_models::orbit` returns an error or
 //! finite numbers.
 
 use mbs_models::orbit::elements::Elements;

@@ -248,7 +248,7 @@ fn bad_input_is_refused_with_its_value() {
             Err(error) => assert_eq!(error, KeplerError::OutOfRange),
         }
     }
-    // So many revolutions that nothing is known of the last one; so large an ellipse that a revolution is infinite.
+    // Revolutions enough that nothing is known of the last one; an ellipse so large that a revolution is infinite.
     assert_eq!(propagate(EARTH_MU, &state, 1e25), Err(KeplerError::OutOfRange));
     assert!(propagate(EARTH_MU, &state, 1e15).is_ok());
     let nearly_straight = StateVector::new([1.0, 0.0, 0.0], [0.0, 2.0_f64.sqrt().next_down(), 0.0]);

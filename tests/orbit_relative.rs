@@ -406,7 +406,7 @@ fn mean_motions_that_are_none_are_refused() {
             clohessy_wiltshire::propagate(n, &start, time).unwrap_err(),
             clohessy_wiltshire::transfer(n, &start.position, &[0.0; 3], time).unwrap_err(),
         ];
-        // What is no number is not equal to itself.
+        // NaN is not equal to itself.
         others.iter().for_each(|other| assert_eq!(other.to_string(), error.to_string()));
         error
     };

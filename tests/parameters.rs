@@ -31,7 +31,7 @@ fn masses_and_lengths() {
     assert_eq!((error.quantity, error.condition), ("length", ParameterCondition::Positive));
     let error = refused(cart_pole::Params { b: f64::NAN, ..default });
     assert_eq!((error.quantity, error.condition), ("b", ParameterCondition::Finite));
-    // Unchecked, as ever.
+    // `new` does not check.
     assert!(cart_pole::CartPole::new(cart_pole::Params { m_bob: -0.1, ..default }).params().m_bob < 0.0);
 
     let mut arm = arm6_params::Params::<f64>::default();

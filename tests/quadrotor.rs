@@ -324,7 +324,7 @@ fn landings_that_cannot_be_are_refused() {
         let refused = landing.simulate(start, |_, _, _| ());
         assert!(matches!(refused, Err(LandingError::NotFinite { parameter, .. }) if parameter == name), "{refused:?}");
     }
-    // A controller that believes in no number.
+    // A controller with a NaN estimate.
     let mut blind = Landing::new(Plant::Exact, Heave::CASE_I);
     if let Controller::Backstepping(controller) = &mut blind.controller {
         controller.params.m = f64::NAN;

@@ -335,7 +335,7 @@ fn the_driven_platform_is_late_as_its_gains_say() {
     close(fine.greatest_error.distance, greatest, 0.01 * greatest);
     assert!(fine.greatest_error.angle < 1e-9 && fine.last_error.distance < 1e-4);
 
-    // What the legs cannot do is told.
+    // What the legs cannot do is reported.
     assert!(!fine.survey.is_clear());
     let lengths = unladen().lengths(&[0.0, 0.0, middle + 1.451_656, 0.0, 0.0, 0.0]).expect("legs");
     let too_long = fine.survey.excesses[0].iter().flatten().find(|e| e.worst.quantity == Quantity::TooLong);
@@ -409,7 +409,7 @@ fn motions_are_scaled_to_what_the_legs_allow() {
 #[test]
 fn decks_that_cannot_be_landed_on_are_told_of() {
     let start = Landing::initial_state();
-    // No number, at once and later.
+    // NaN, at once and later.
     let nowhere = at_the_place(Superposition::heave(f64::NAN, &[0.1], &[1.0]), [0.0; 3]);
     let refused = Landing::on(Plant::Exact, nowhere).simulate(start, |_, _, _| ());
     assert_eq!(refused, Err(LandingError::Deck { time: 0.0 }));
@@ -422,7 +422,7 @@ fn decks_that_cannot_be_landed_on_are_told_of() {
     let refused = lost.simulate_sampled(start, 0.01, |_, state| *state);
     assert!(matches!(refused, Err(LandingError::Deck { time }) if (time - 2.01).abs() < 1e-9), "{refused:?}");
 
-    // Faster than free fall, told by the touchdown.
+    // Faster than free fall: the touchdown reports it.
     for (heave, falls) in [(Heave::CASE_I, 1.42), (Heave::CASE_II, 11.03)] {
         let end = Landing::new(Plant::Exact, heave).simulate(start, |_, _, _| ()).expect("a touchdown");
         close(end.deck_fall, falls, 0.01);

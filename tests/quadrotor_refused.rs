@@ -1,4 +1,4 @@
-//! Landings on decks, in winds and by vehicles that are turned over, endless or no numbers: each is refused by name, or is what it
+//! Landings on decks, in winds and by vehicles that are turned over, infinite or NaN: each is refused by name, or is what it
 //! should be.
 
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -217,7 +217,7 @@ impl Deck for Broken {
     }
 }
 
-/// Whatever of a deck is no number, and however briefly, is told with its time under either controller.
+/// Whatever of a deck is NaN, however briefly, is reported with its time under either controller.
 #[test]
 fn decks_that_are_lost_for_a_while_are_told_of() {
     let start = Landing::initial_state();
@@ -298,7 +298,7 @@ fn motions_that_are_not_resolved_are_no_landings() {
         start,
         |e| matches!(e, LandingError::Unresolved { relative_velocity, .. } if *relative_velocity > 1.0),
     );
-    // Huge winds, and heaves faster than anything: no number, or what such a deck does.
+    // Huge winds, and heaves faster than anything: NaN, or what such a deck does.
     let mut windy = case_i();
     windy.wind[0] = 1e200;
     refused(&windy, start, |e| matches!(e, LandingError::Integration(_)));

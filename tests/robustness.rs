@@ -14,10 +14,10 @@ use mbs_tests::robustness::{Models, model, mutation};
 use proptest::prelude::*;
 use proptest::test_runner::{Config, RngAlgorithm, TestCaseError, TestRng, TestRunner};
 
-/// A text is answered in so many seconds, on a machine that does other things beside.
+/// A text is answered within this time, on a machine that does other things as well.
 const PATIENCE: Duration = Duration::from_secs(60);
 
-/// So many texts are drawn, unless `MBS_CASES` says how many.
+/// This many texts are drawn, unless `MBS_CASES` says how many.
 fn cases(usual: u32) -> u32 {
     std::env::var("MBS_CASES").ok().and_then(|text| text.parse().ok()).unwrap_or(usual)
 }

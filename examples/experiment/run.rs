@@ -68,7 +68,7 @@ pub(crate) struct Run<'a> {
     pub(crate) others: Vec<Other>,
 }
 
-/// Every so many looks are kept.
+/// One look in this many is kept.
 const KEPT: usize = 5;
 /// Between scales that are compared, and how many of them.
 const COMPARED: (f64, u32) = (0.01, 15);

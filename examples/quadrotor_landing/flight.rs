@@ -91,7 +91,7 @@ pub(crate) struct Flight {
     pub(crate) touchdown: Touchdown,
 }
 
-/// Every so many moments that the simulation shows are kept.
+/// One in this many moments that the simulation shows is kept.
 pub(crate) const KEPT: usize = 5;
 
 impl Flight {

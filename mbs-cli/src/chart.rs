@@ -75,7 +75,7 @@ impl fmt::Display for CannotDraw {
 
 impl std::error::Error for CannotDraw {}
 
-/// A PNG is drawn so many times larger, and averaged: lines come out smooth.
+/// A PNG is drawn larger by this factor, and averaged: lines come out smooth.
 const OVERSAMPLING: u32 = 3;
 /// Okabe and Ito, *Color universal design*, 2008: told apart by everybody; yellow is left out.
 const COLORS: [RGBColor; 7] = [

@@ -1,4 +1,4 @@
-//! From a file to a proved derivation: the passes of the generator, and what the user is told on the way.
+//! From a file to a proved derivation: the passes of the generator, and the warnings on the way.
 
 use std::path::Path;
 use std::time::Instant;

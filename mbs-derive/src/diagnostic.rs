@@ -108,7 +108,7 @@ impl Diagnostics {
         &mut self.messages[place]
     }
 
-    /// Whether it has failed with so many messages that no more are kept: nobody reads on.
+    /// Whether it has failed with as many messages as are kept: nobody reads on.
     pub fn is_full(&self) -> bool {
         self.has_errors() && self.messages.len() >= Self::KEPT
     }

@@ -221,7 +221,7 @@ pub(crate) struct System<V> {
     pub right_side: Vec<V>,
 }
 
-/// Right sides of so many rows; each part has columns of its own, row by row.
+/// The columns of right sides with `rows` rows each; each part has columns of its own, row by row.
 fn columns<V: Value>(mut right_sides: &[V], widths: &[usize], rows: usize) -> Vec<Vec<V>> {
     let mut columns = Vec::new();
     for &width in widths {

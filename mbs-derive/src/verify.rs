@@ -36,7 +36,7 @@ use claim::{Trial, doubles};
 use coverage::{Choices, Coverage};
 use witness::{Witness, exact};
 
-/// So many generic states must agree.
+/// At this many generic states both must agree.
 pub const STATES: usize = 20;
 
 /// Largest relative difference, beside what rounding explains.

@@ -268,7 +268,7 @@ impl<T: Real, S: AsMut<[T]>> Projector<T, S> {
         if qdd.iter().all(|x| x.is_finite()) { Ok(()) } else { Err(ConstraintError::NonFinite) }
     }
 
-    /// The rank of A at `q`; `redundant` is told the rows that depend on the others.
+    /// The rank of A at `q`; `redundant` receives the rows that depend on the others.
     ///
     /// # Errors
     /// [`ConstraintError`]: M is singular on the motions that A leaves; something is not finite.

@@ -611,7 +611,7 @@ mod tests {
     }
 
     fn check_failures(integrator: &impl Integrator<f64>) {
-        // Free fall into a wall at q = 0, behind which there are no numbers.
+        // Free fall into a wall at q = 0, behind which the function is NaN.
         let mut state = State::new([1.0], [-1.0]);
         let wall = |_: f64, q: &[f64; 1], _: &[f64; 1], qdd: &mut [f64; 1]| {
             qdd[0] = if q[0] > 0.0 { 0.0 } else { f64::NAN };

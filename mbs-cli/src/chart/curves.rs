@@ -6,7 +6,7 @@ use plotters::prelude::*;
 
 use super::{Axis, Canvas, Drawn, color, draw_axes, draw_legend};
 
-/// A line has at most so many points; beyond that a bucket of points is drawn by its extremes.
+/// A line has at most this many points; beyond that a bucket of points is drawn by its extremes.
 const POINTS: usize = 4000;
 
 /// Some lines on common axes.

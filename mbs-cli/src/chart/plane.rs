@@ -43,7 +43,7 @@ fn extent(values: impl Iterator<Item = f64>) -> [f64; 2] {
     if low > high { [0.0, 0.0] } else { [low, high] }
 }
 
-/// Ranges of one scale in an area of so many pixels, with a margin all around.
+/// Ranges of one scale in an area of `pixels`, with a margin all around.
 fn ranges(extents: [[f64; 2]; 2], pixels: [f64; 2]) -> [Range<f64>; 2] {
     let length = |axis: usize| extents[axis][1] - extents[axis][0];
     let magnitude = extents.iter().flatten().fold(0.0_f64, |most, x| most.max(x.abs()));

@@ -25,7 +25,7 @@ enum Stage {
 
 /// Positions of the bar.
 const LENGTH: u64 = 1000;
-/// The clock is read once in so many calls.
+/// The clock is read once in this many calls.
 const PATIENCE: u32 = 64;
 
 impl Progress {

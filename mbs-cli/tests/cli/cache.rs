@@ -30,7 +30,7 @@ struct Cached {
 impl Cached {
     fn new() -> Self {
         let cached = Cached { workshop: Workshop::new(), folder: tempfile::tempdir().unwrap() };
-        // Warnings are told again at each call.
+        // Warnings are printed again at each call.
         cached.workshop.write("pendulum.mbs", PENDULUM.replace("coord", "param unused: kg = 1;\n    coord"));
         cached
     }

@@ -14,10 +14,10 @@ use super::expression::{self, Leaves, Tree, literal};
 use super::name::{Names, ident};
 use super::segment;
 
-/// So many fields are bound to locals; more are `self.k12`.
+/// At most this many fields are bound to locals; of more, each is read as `self.k12`.
 const FIELDS: usize = 8;
 
-/// So many other constants are written out; more are `c(0.295242)` with `let c = T::from_f64`.
+/// At most this many other constants are written out; of more, each is `c(0.295242)` with `let c = T::from_f64`.
 const WRITTEN_OUT: usize = 3;
 
 /// A body with its constants counted, ready to be printed.

@@ -238,8 +238,8 @@ macro_rules! operators_with_integers {
 operators_with_integers!(Add add, Sub sub, Mul mul, Div div);
 
 impl<'g> Expr<'g> {
-    /// Splits `c · x`, and `(c · p) · x` where p depends on parameters alone, into c and `x` or `p · x`; c is 1 where there is
-    /// no number.
+    /// Splits `c · x`, and `(c · p) · x` where p depends on parameters alone, into c and `x` or `p · x`; c is 1 where no
+    /// number stands.
     fn split_coefficient(self) -> (Number, Expr<'g>) {
         let graph = self.graph;
         let constant = |e: Expr<'g>| match e.node() {
@@ -266,7 +266,7 @@ impl<'g> Expr<'g> {
         self.split_parameters().is_some() || (parametric && !graph.is_parametric(other.id))
     }
 
-    /// Splits `p · x`, where p depends on parameters alone and is no number, and x does not.
+    /// Splits `p · x`, where p depends on parameters alone and is not a constant, and x does not.
     fn split_parameters(self) -> Option<(Expr<'g>, Expr<'g>)> {
         let Node::Mul(a, b) = self.node() else { return None };
         let graph = self.graph;

@@ -63,7 +63,7 @@ pub(crate) struct Finder {
 }
 
 impl Finder {
-    /// With room for about so many things.
+    /// With room for about `count` things.
     pub(crate) fn with_capacity(count: usize) -> Self {
         Finder { slots: vec![(0, 0); (count + count / 2).next_power_of_two()], count: 0 }
     }

@@ -58,7 +58,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
         }
     }
 
-    /// Notes where the choices stand that have been made since the graph had so many nodes.
+    /// Notes where the choices stand that have been made since the graph had `before` nodes.
     fn note_choices(&mut self, before: usize, condition: &Span) {
         let place = self.place(condition).0;
         for index in before..self.graph.len() {

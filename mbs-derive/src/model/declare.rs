@@ -384,7 +384,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
         }
     }
 
-    /// Every number in a value folded to a constant; plain ones are so many of the unit.
+    /// Every number in a value folded to a constant; a plain number counts in the unit.
     fn in_unit(
         &mut self,
         value: &Value<'g>,

@@ -107,7 +107,7 @@ pub(crate) fn scales(n: usize, mass: &[Rounded], a: &[Rounded]) -> Scales {
     Scales::of(n, &|i| known(&mass[i * (n + 1)]), &rows)
 }
 
-/// What elimination tells, and below what a pivot may be nothing but rounding.
+/// What elimination shows, and below what a pivot may be nothing but rounding.
 pub(crate) fn eliminate_rounded(m: &[Rounded], n: usize) -> (Elimination, f64) {
     // A diagonal that cannot be told from zero is zero.
     let value = |k: usize| if k / n == k % n && m[k].value.abs() <= ROUNDING * m[k].error { 0.0 } else { m[k].value };
@@ -120,7 +120,7 @@ pub(crate) fn eliminate_rounded(m: &[Rounded], n: usize) -> (Elimination, f64) {
     (eliminate(&values, n), rounding)
 }
 
-/// What a symmetric elimination with the largest pivot first tells of a matrix scaled to a unit diagonal.
+/// What a symmetric elimination with the largest pivot first shows of a matrix scaled to a unit diagonal.
 #[derive(Clone, Debug)]
 pub struct Elimination {
     /// The smallest pivot: 0 where the matrix is singular, negative where it is indefinite.

@@ -147,7 +147,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
         for term in &terms {
             match counts.iter().position(|(dimension, _)| *dimension == term.dimension) {
                 Some(known) => counts[known].1 += 1,
-                // So many kinds of terms are no sum of anything.
+                // A sum of a hundred kinds of terms is no sum of anything: its other kinds are not counted.
                 None if counts.len() < 100 => counts.push((term.dimension, 1)),
                 None => {}
             }

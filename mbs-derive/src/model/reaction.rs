@@ -210,7 +210,7 @@ impl<'g> Resolver<'_, 'g> {
         matches!(self.hold, Hold::Now)
     }
 
-    /// Which rows of the next constraint, of so many, did not vanish when the joints were held; nothing where they are.
+    /// Which of the next constraint's `rows` did not vanish when the joints were held; nothing where they are.
     pub(super) fn rows_when_held(&self, rows: usize) -> Option<Vec<bool>> {
         let Hold::Released(Released { effective_rows, .. }) = &self.hold else { return None };
         let known = effective_rows.get(self.lagrangian.constraints.len()).filter(|known| known.len() == rows);

@@ -25,7 +25,7 @@ impl Random {
         (z >> 11) as f64 / (1u64 << 52) as f64 - 1.0
     }
 
-    /// So many of them, times `scale`.
+    /// `count` of them, times `scale`.
     pub fn vector(&mut self, count: usize, scale: f64) -> Vec<f64> {
         (0..count).map(|_| scale * self.symmetric()).collect()
     }

@@ -11,7 +11,7 @@ use crate::expr::{Dual, Expr, Graph, Node, Number, Symbol, Tape, carry_out};
 use crate::interpret::State;
 use crate::parse::syntax::Span;
 
-/// So many states with finite values are looked at, of so many tried.
+/// How many states with finite values are looked at, and how many are tried at most to find them.
 const STATES: usize = 20;
 const TRIED: usize = 200;
 

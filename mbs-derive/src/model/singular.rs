@@ -34,7 +34,7 @@ pub(super) struct Site<'g> {
 /// By the expression that they stand for.
 pub(super) type Sites<'g> = BTreeMap<Id, Site<'g>>;
 
-/// So many coordinates are set to zero one by one.
+/// At most this many coordinates are set to zero one by one.
 const SINGLE_ZEROS: usize = 16;
 
 // ---- what is noted while expressions are built
@@ -115,10 +115,10 @@ impl Wanted {
     }
 }
 
-const EQUATIONS: &str = "the equations of motion are not numbers there";
-const CONSTRAINT: &str = "the constraint's Jacobian is not a number there";
-const LINEARIZATION: &str = "the motion goes on, its linearization is not a number there";
-const OUTPUT: &str = "the output's velocity and Jacobian are not numbers there";
+const EQUATIONS: &str = "the equations of motion are NaN or infinite there";
+const CONSTRAINT: &str = "the constraint's Jacobian is NaN or infinite there";
+const LINEARIZATION: &str = "the motion goes on, its linearization is NaN or infinite there";
+const OUTPUT: &str = "the output's velocity and Jacobian are NaN or infinite there";
 
 /// The declared expressions as `derive` sees them, ready to be evaluated.
 struct Search<'l, 'g, 's> {

@@ -14,10 +14,10 @@ use std::collections::BTreeMap;
 
 use super::program::{Instruction, Value};
 
-/// Branches are nested so deep; sides of deeper ones are computed on demand.
+/// Branches are nested at most this deep; sides of deeper ones are computed on demand.
 const NESTING: u32 = 64;
 
-/// So many values of a program are computed on demand; more are computed in any case, as loops without end would make them.
+/// At most this many values of a program are computed on demand; the others are computed in any case, as loops without end would make them.
 const ON_DEMAND: usize = 1000;
 
 /// A part of a program that is executed as a whole or not at all.

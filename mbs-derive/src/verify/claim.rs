@@ -76,7 +76,7 @@ impl<'a> Trial<'a> {
         self.outputs()
     }
 
-    /// What elimination tells of M, and of `M + Aᵀ A`, which is singular where a motion that the constraints allow has no inertia;
+    /// What elimination shows of M, and of `M + Aᵀ A`, which is singular where a motion that the constraints allow has no inertia;
     /// each with the size of a pivot that may be nothing but rounding.
     pub(super) fn inertia(&self) -> [(Elimination, f64); 2] {
         [self.call("mass_matrix"), self.augmented_mass_matrix()].map(|matrix| eliminate_rounded(&matrix, self.n()))

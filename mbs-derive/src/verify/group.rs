@@ -2,7 +2,7 @@
 
 use crate::expr::{Rounded, Symbol};
 
-/// Matrices of so many columns are proved column by column; of wider ones every column counts in one of so many sums.
+/// Matrices of at most this many columns are proved column by column; of wider ones every column counts in one of this many sums.
 const GROUPS: usize = 8;
 
 /// Every `step`-th column from `first` on, each with its weight.
@@ -48,7 +48,7 @@ impl Group {
         if is_among { self.weight(number as usize) } else { Rounded::default() }
     }
 
-    /// `Σ wⱼ aᵢⱼ` of a matrix of so many rows, row by row.
+    /// `Σ wⱼ aᵢⱼ` of a matrix of `rows` rows, row by row.
     pub(super) fn combined(self, matrix: &[Rounded], rows: usize) -> Vec<Rounded> {
         let row = |i: usize| self.columns().map(|j| self.weight(j) * matrix[i * self.width + j]).sum();
         (0..rows).map(row).collect()

@@ -286,7 +286,7 @@ pub fn lift<V: Value>(state: &State<V>, direction: impl Fn(Symbol) -> V) -> Stat
     }
 }
 
-/// The state with so many coordinates more that rest at zero.
+/// The state with `more` further coordinates, which rest at zero.
 pub fn with_resting(state: &State<Rounded>, more: usize) -> State<Rounded> {
     let all = |values: &[Rounded]| [values, vec![Rounded::default(); more].as_slice()].concat();
     State { q: all(&state.q), qd: all(&state.qd), qdd: all(&state.qdd), ..state.clone() }

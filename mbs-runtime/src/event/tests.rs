@@ -354,7 +354,7 @@ fn events_at_one_time_all_happen() {
 
 #[test]
 fn what_goes_wrong_is_an_error() {
-    // A function that is no number from some time on, or from the start.
+    // A function that is NaN from some time on, or from the start.
     for (start, good) in [(1.0, 0.9..=1.0), (-1.0, 0.0..=0.0)] {
         let mut state = State::new([1.0], [0.0]);
         let function = |t: f64, _: &One| if t > start { f64::NAN } else { 1.0 };
@@ -421,7 +421,7 @@ fn the_observer_stops_and_replaces_as_ever() {
         assert_eq!([passed[0].count(), passed[1].count()], [1, 1], "{level}");
         assert!((passed[0].last_time().unwrap() - 1.0).abs() < 2e-4, "{:?}", passed[0].last_time());
     }
-    // A replacement that is no number is refused, at an event, too: the state is the one before.
+    // A NaN replacement is refused, at an event, too: the state is the one before.
     let mut dry = [Event::new(&height).terminal()];
     let mut state = State::new([1.0], [0.0]);
     let result = dop853.integrate_with_events(oscillate, 0.0, 9.0, &mut state, &mut dry, |step| {

@@ -21,7 +21,7 @@ fn count(t: f64, t_end: f64, step: f64, allowed: usize) -> Option<usize> {
     usize::try_from(steps).ok()
 }
 
-/// So many times an observer may cut steps short in the time of one: what goes on that way does not end.
+/// An observer may cut steps short at most this many times within the time of one: what goes on that way does not end.
 const MOST_CUTS: usize = 1_000_000;
 
 /// Equal steps of `step` seconds or a little less, as many as needed, so that the last one ends at `t_end`; `max_steps`

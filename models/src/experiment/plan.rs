@@ -80,7 +80,7 @@ pub struct Plan<'a> {
 
 /// After which the elevations of both cases of the thesis repeat themselves \[s\].
 pub const PERIOD: f64 = 40.0;
-/// Stand-offs are compared at one of so many moments of a survey.
+/// Stand-offs are compared at one in this many moments of a survey.
 const COMPARED: usize = 4;
 /// A survey has no more moments than this.
 const MOST_MOMENTS: f64 = 1e7;

@@ -25,12 +25,12 @@ use super::universal::{Shape, Universal, asinh};
 /// Why there is no such anomaly.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum AnomalyError {
-    /// The eccentricity is negative, infinite or no number.
+    /// The eccentricity is negative, infinite or NaN.
     Eccentricity {
         /// Its value \[1\].
         e: f64,
     },
-    /// The anomaly is infinite or no number.
+    /// The anomaly is infinite or NaN.
     NotFinite {
         /// Its value \[rad\]; a parabola's D has no unit.
         anomaly: f64,

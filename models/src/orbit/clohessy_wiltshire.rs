@@ -17,12 +17,12 @@ use super::vector::{StateVector, Vector, transformed};
 /// Why a state was not carried on, or no velocity leads from one place to another in a time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum TargetingError {
-    /// The mean motion is not positive, or no number, or infinite.
+    /// The mean motion is not positive, NaN or infinite.
     MeanMotion {
         /// Its value \[rad/s\].
         n: f64,
     },
-    /// The time is no number, or infinite; for a transfer it is not positive.
+    /// The time is NaN or infinite; for a transfer it is not positive.
     Time {
         /// Its value \[s\].
         time: f64,

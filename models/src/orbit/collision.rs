@@ -22,7 +22,7 @@ pub enum FlightError {
         /// The distance at which they touch \[m\].
         contact: f64,
     },
-    /// The distance at which they touch is negative, infinite or no number.
+    /// The distance at which they touch is negative, infinite or NaN.
     Contact {
         /// Its value \[m\].
         contact: f64,

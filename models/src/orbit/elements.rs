@@ -66,7 +66,7 @@ pub enum ElementsError {
         /// Its value.
         value: f64,
     },
-    /// A component of the state, the eccentricity or an angle is infinite or no number.
+    /// A component of the state, the eccentricity or an angle is infinite or NaN.
     NotFinite {
         /// Its name.
         parameter: &'static str,

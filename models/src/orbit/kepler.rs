@@ -31,19 +31,19 @@ use super::vector::{StateVector, Vector, combined, cross, dot, norm, scaled};
 /// Why a state was not propagated.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum KeplerError {
-    /// μ is not positive, or no number, or infinite.
+    /// μ is not positive, NaN or infinite.
     Mu {
         /// Its value \[m³/s²\].
         mu: f64,
     },
-    /// A component of the state is infinite or no number.
+    /// A component of the state is infinite or NaN.
     State {
         /// Which: 0 to 2 position, 3 to 5 velocity.
         component: usize,
         /// Its value \[m\] or \[m/s\].
         value: f64,
     },
-    /// The time is infinite or no number.
+    /// The time is infinite or NaN.
     Time {
         /// Its value \[s\].
         time: f64,
@@ -138,7 +138,7 @@ pub(super) struct Conic {
 pub(super) struct Arrival {
     pub(super) state: StateVector,
     pub(super) iterations: u32,
-    /// From an apsis, so many half revolutions after that of the state before.
+    /// From an apsis, `half_revolutions` after that of the state before.
     pub(super) s: f64,
     pub(super) half_revolutions: f64,
 }
@@ -146,7 +146,7 @@ pub(super) struct Arrival {
 /// After more half revolutions rounding leaves nothing of the anomaly.
 const MOST_REVOLUTIONS: f64 = 1e15;
 
-/// An angular momentum below so many roundings of `r v` is none.
+/// An angular momentum below this fraction of `r v` is zero to rounding.
 const STRAIGHT: f64 = 4.0 * f64::EPSILON;
 
 impl Conic {

@@ -83,12 +83,12 @@ pub struct ConicArc {
 /// Why there is no such conic.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum LambertError {
-    /// μ is not positive, or no number, or infinite.
+    /// μ is not positive, NaN or infinite.
     Mu {
         /// Its value \[m³/s²\].
         mu: f64,
     },
-    /// The time is not positive, or no number, or infinite.
+    /// The time is not positive, NaN or infinite.
     Time {
         /// Its value \[s\].
         time: f64,
@@ -104,13 +104,13 @@ pub enum LambertError {
     },
     /// The pole lies in the plane of the motion, so that it does not say which way round.
     PoleInPlane,
-    /// So many revolutions take longer.
+    /// That many revolutions take longer than the time given.
     TooManyRevolutions {
         /// As asked for.
         revolutions: u32,
         /// The time that was given \[s\].
         time: f64,
-        /// The least time of so many revolutions \[s\].
+        /// The least time of that many revolutions \[s\].
         least: f64,
     },
     /// Numbers on the way are too large or too small for `f64`.
@@ -325,7 +325,7 @@ impl Flight {
         (w, LIMIT)
     }
 
-    /// The `w = 1 + x` of the least time of so many revolutions, where its derivative, which grows, is zero.
+    /// The `w = 1 + x` of the least time of these revolutions, where its derivative, which grows, is zero.
     fn least(&self) -> f64 {
         let (mut low, mut high, mut w) = (0.0, 2.0, 1.0);
         for _ in 0..LIMIT {
@@ -348,7 +348,7 @@ impl Flight {
     }
 }
 
-/// Bisection alone would end within so many steps.
+/// Bisection alone would end within this many steps.
 const LIMIT: u32 = 100;
 
 /// A time that differs by more than this part was not found.

@@ -50,7 +50,7 @@ pub const STATION_ATTRACTION: f64 = 6.6743e-11 * 420_000.0;
 
 /// No phase lasts longer \[s\]: it is looked at every few seconds.
 const LONGEST: f64 = 1e7;
-/// After so many halvings what is left of the time is milliseconds.
+/// After this many halvings milliseconds are left of the time.
 const MOST_CORRECTIONS: f64 = 20.0;
 /// A corridor is a cone \[rad\].
 const WIDEST: f64 = 89.0 / 180.0 * PI;
@@ -245,7 +245,7 @@ impl Mission {
 
     /// Flies it.
     ///
-    /// `thrust` is told every burn and says what the thrusters make of it, in the same axes; `|burn| burn.delta_v` is what they
+    /// `thrust` receives every burn and returns what the thrusters make of it, in the same axes; `|burn| burn.delta_v` is what they
     /// should. `observe` sees the way, the closer the denser.
     ///
     /// # Errors

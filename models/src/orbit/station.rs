@@ -29,14 +29,14 @@ pub struct Station {
 /// What is wrong with a station.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum StationError {
-    /// What must be positive is not, or is infinite or no number.
+    /// What must be positive is not, or is infinite or NaN.
     NotPositive {
         /// Its name.
         parameter: &'static str,
         /// Its value \[m³/s²\] or \[m\].
         value: f64,
     },
-    /// What must not be negative is, or is infinite or no number.
+    /// What must not be negative is, or is infinite or NaN.
     Negative {
         /// Its name.
         parameter: &'static str,
@@ -185,7 +185,7 @@ impl Station {
 
     /// The accelerations of a body about the station, in its local axes, as the integrators want them.
     ///
-    /// Where the station's own motion is not found they are no numbers, and the integrator reports the time.
+    /// Where the station's own motion is not found they are NaN, and the integrator reports the time.
     pub fn accelerations_about(&self) -> impl FnMut(f64, &[f64; 3], &[f64; 3], &mut [f64; 3]) + use<> {
         let station = *self;
         let body = RelativeLvlh::new(Params { mu: self.mu, station_mass: self.mass, ..Params::default() });

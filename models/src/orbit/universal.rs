@@ -32,7 +32,7 @@ pub(super) struct Universal {
 /// Up to this |α s²| power series, from there on sines and exponentials: here `E − sin E` has lost one bit.
 const SERIES: f64 = 3.0;
 
-/// `1/k!`, `1/(k+2)!`, … so many that at [`SERIES`] the next term is below rounding.
+/// `1/k!`, `1/(k+2)!`, … enough of them that at [`SERIES`] the next term is below rounding.
 const fn reciprocal_factorials<const N: usize>(k: u32) -> [f64; N] {
     let (mut list, mut n, mut factorial) = ([0.0; N], 0, 1.0);
     let mut i = 2;

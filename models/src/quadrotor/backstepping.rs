@@ -124,7 +124,7 @@ impl Backstepping {
         let greatest = lift * Scalar::tan(self.greatest_tilt);
         let ahead: [f64; 2] = [0, 1].map(|i| self.horizontal.acceleration(position[i], q[i], qd[i]));
         let size = Scalar::sqrt(ahead[0] * ahead[0] + ahead[1] * ahead[1]);
-        // What is no number stays none, here and where it allows no attitude.
+        // NaN stays NaN, here and where it allows no attitude.
         let scale = if size <= greatest { 1.0 } else { greatest / size };
         let [x, y] = ahead.map(|a| a * scale);
         let desired = flatness::attitude([x, y, lift - g], psi, g);
@@ -148,7 +148,7 @@ impl Backstepping {
         let Params { m, g, .. } = self.params;
         let asked = m * (g + upward) / (Scalar::cos(phi) * Scalar::cos(theta));
         let [least, greatest] = self.thrust_range.map(|part| part * m * g);
-        // What is no number stays none.
+        // NaN stays NaN.
         let thrust = if asked < least { least } else { asked };
         let thrust = if thrust > greatest { greatest } else { thrust };
         (thrust, thrust != asked)

@@ -46,7 +46,7 @@ impl TrackingError {
     #[must_use]
     pub fn between(a: &Coordinates, b: &Coordinates) -> Self {
         let [x, y, z, phi, theta, psi]: Coordinates = core::array::from_fn(|i| a[i] - b[i]);
-        // What is no number stays none.
+        // NaN stays NaN.
         let greater =
             |greatest: f64, angle: f64| if angle.abs() > greatest || angle.is_nan() { angle.abs() } else { greatest };
         TrackingError { distance: norm(&[x, y, z]), angle: [phi, theta, psi].into_iter().fold(0.0, greater) }

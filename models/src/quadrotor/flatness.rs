@@ -39,7 +39,7 @@ impl core::error::Error for Falling {}
 /// The attitude with yaw ψ \[rad\] in which thrust gives the acceleration a \[m/s²\] against gravity g \[m/s²\].
 ///
 /// # Errors
-/// [`Falling`] where `g + a_z` is not positive (or no number).
+/// [`Falling`] where `g + a_z` is not positive (or is NaN).
 pub fn attitude(acceleration: [f64; 3], yaw: f64, gravity: f64) -> Result<Attitude, Falling> {
     let [x, y, z] = acceleration;
     let upward = gravity + z;

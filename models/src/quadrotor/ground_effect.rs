@@ -94,7 +94,7 @@ impl GroundEffect {
     #[must_use]
     pub fn factor(&self, height: f64) -> f64 {
         let radii = height / self.rotor_radius;
-        // What is no number stays none.
+        // NaN stays NaN.
         let radii = if radii < self.least_height { self.least_height } else { radii };
         let part = UNBOUNDED / radii;
         1.0 / (1.0 - part * part)

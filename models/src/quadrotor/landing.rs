@@ -202,7 +202,7 @@ impl<D: Deck> Landing<D> {
         mut observer: impl FnMut(f64, &State<[f64; 6]>, &Command),
     ) -> Result<Touchdown, LandingError> {
         self.check(&state, SAMPLING)?;
-        // When the deck was no number; the last time is the nearest one, as steps get shorter.
+        // When the deck was NaN; the last time is the nearest one, as steps get shorter.
         let lost = Cell::new(None);
         let deck_at = |t: f64| {
             let deck = self.deck.at(t);

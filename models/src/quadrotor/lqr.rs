@@ -92,7 +92,7 @@ impl Lqr {
     #[must_use]
     pub fn command(&self, position: &[Reference; 3], heading: Reference, q: &[f64; 6], qd: &[f64; 6]) -> Command {
         let Params { m, g, .. } = self.params;
-        // What is no number stays none.
+        // NaN stays NaN.
         let pushed = |x: f64| if x < 0.0 { 0.0 } else { x };
         let steady = hover_speed(&self.params, m * pushed(g + position[2].acceleration));
         let level = Reference::default();

@@ -75,7 +75,7 @@ impl Mixer {
         let (odd, even) = ((sum + difference) / 4.0, (sum - difference) / 4.0);
         let (pitch, roll) = (y / lever / 2.0, x / lever / 2.0);
         let squares = [odd - pitch, even - roll, odd + pitch, even + roll];
-        // What is no number stays none.
+        // NaN stays NaN.
         let least_square = squares.into_iter().fold(f64::INFINITY, |a, b| if b < a || b.is_nan() { b } else { a });
         let asked = squares.map(|square| Scalar::sqrt(if square < 0.0 { 0.0 } else { square }));
         let greatest = asked.into_iter().fold(0.0, |a, b| if b > a || b.is_nan() { b } else { a });

@@ -154,7 +154,7 @@ struct Coordinate {
     measure: Measure,
 }
 
-/// Keywords of Rust that are none of the language, and words that have a meaning at some places of it.
+/// Keywords of Rust that are not keywords of the language, and words that have a meaning at some places of it.
 const WORDS: [&str; 43] = [
     "abstract", "async", "await", "become", "box", "break", "continue", "crate", "do", "dyn", "enum", "extern",
     "final", "gen", "impl", "loop", "macro", "match", "mod", "move", "override", "priv", "pub", "ref", "return",

@@ -396,7 +396,7 @@ impl<'m, S: Real> Evaluator<'m, S> {
         declaration.lengths.iter().map(|length| Ok(self.integer(length)? as usize)).collect()
     }
 
-    /// Plain numbers are so many of the unit. That of a part is its own.
+    /// A plain number counts in the declared unit. That of a part is its own.
     fn constant(&mut self, declaration: &Declaration, lengths: &[usize]) -> Result<(), String> {
         let value = declaration.value.as_ref().ok_or("a constant without a value")?;
         let value = self.converted(declaration, value, lengths)?;

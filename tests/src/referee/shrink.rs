@@ -4,7 +4,7 @@ use super::draw::Drawn;
 use super::judge::{Fault, judge};
 use super::syntax::{self, Expression, Statement};
 
-/// So many texts are tried.
+/// At most this many texts are tried.
 const TRIES: usize = 250;
 
 /// The smallest text that was found to have the same kind of fault, and its fault.

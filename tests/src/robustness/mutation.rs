@@ -10,7 +10,7 @@ use proptest::sample::{Index, select};
 pub enum Edit {
     /// A token is left out.
     Delete(Index),
-    /// So many tokens are written twice.
+    /// This many tokens are written twice.
     Duplicate(Index, usize),
     /// Two tokens change places.
     Swap(Index, Index),

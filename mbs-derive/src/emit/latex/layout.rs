@@ -9,7 +9,7 @@ pub(super) const LINES: usize = 30;
 /// An expression as it is written.
 pub(super) enum Entry {
     Written(Vec<Signed>),
-    /// So many terms; 0 where they were not counted.
+    /// The number of terms; 0 where they were not counted.
     TooLong(usize),
 }
 

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use crate::expr::{Id, Number};
 
-/// Products with powers beyond so many halves are not formed.
+/// Products with powers beyond this many halves are not formed.
 const HIGHEST: i32 = 200;
 
 /// Terms with their coefficients, none of them zero.

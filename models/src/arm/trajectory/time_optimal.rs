@@ -35,9 +35,9 @@ pub struct MotorLimits<const N: usize> {
 
 /// The fewest intervals of a grid.
 const LEAST_INTERVALS: usize = 4;
-/// Limits are taken so much smaller from the start, against rounding.
+/// Limits are taken smaller by this fraction from the start, against rounding.
 const MARGIN: f64 = 1e-9;
-/// Within each interval limits are checked at so many points.
+/// Within each interval limits are checked at this many points.
 const CHECKS: usize = 3;
 /// A square of the path's speed beyond any that limits leave.
 const FASTEST: f64 = 1e100;

@@ -54,7 +54,7 @@ fn dot(term: impl Fn(usize) -> f64, n: usize) -> f64 {
 const TOLERANCE: f64 = 1e-10;
 /// Equal panels to begin with.
 const PANELS: usize = 32;
-/// A panel is halved so many times at most.
+/// A panel is halved at most this many times.
 const DEPTH: usize = 48;
 
 /// Adaptive quadrature: panels are halved until each has its part of the tolerance, which closes in on corners.

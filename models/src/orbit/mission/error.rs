@@ -80,7 +80,7 @@ pub enum MissionError {
         /// Why.
         error: TransitionError,
     },
-    /// The thrusters gave what is no number.
+    /// The thrusters gave NaN or an infinite value.
     Thrust {
         /// When \[s\].
         time: f64,
@@ -121,7 +121,7 @@ impl fmt::Display for MissionError {
             MissionError::Lambert { time, error } => write!(f, "no correction at t = {time} s: {error}"),
             MissionError::Targeting { time, error } => write!(f, "no burn at t = {time} s: {error}"),
             MissionError::Transition { time, error } => write!(f, "no burn at t = {time} s: {error}"),
-            MissionError::Thrust { time } => write!(f, "the thrusters give no number at t = {time} s"),
+            MissionError::Thrust { time } => write!(f, "the thrusters give NaN or an infinite value at t = {time} s"),
             MissionError::NoContact { time, distance } => {
                 write!(f, "no contact until t = {time} s, {distance} m before the port")
             }

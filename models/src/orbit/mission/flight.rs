@@ -132,7 +132,7 @@ impl<T: FnMut(&Burn) -> Vector, O: FnMut(&Moment)> Flight<'_, T, O> {
         self.coast(end - self.time)
     }
 
-    /// Along the corridor: so many pulses of a slope that ends `before` the port, of which some are flown to their end.
+    /// Along the corridor: `pulses` pulses of a slope that ends `before` the port, of which some are flown to their end.
     fn pulses(&mut self, slope: &Glideslope, before: f64, pulses: u32, coasted: u32) -> Result<(), MissionError> {
         let start = self.time;
         let interval = slope.duration() / f64::from(pulses);
@@ -178,7 +178,7 @@ impl<T: FnMut(&Burn) -> Vector, O: FnMut(&Moment)> Flight<'_, T, O> {
         let StateVector { position, velocity } = self.motion.relative;
         let beside = minus(&position, &port);
         let distance = norm(&beside);
-        // What is no number has not come there either.
+        // NaN has not arrived there either.
         if distance <= self.zones.keep_out.max(self.mission.port_distance) {
             Ok(StateVector::new(beside, velocity))
         } else {

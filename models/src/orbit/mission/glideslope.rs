@@ -27,7 +27,7 @@ pub struct Glideslope {
 /// Why there is no such slope.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum GlideslopeError {
-    /// What must be positive is not, or is no number, or infinite.
+    /// What must be positive is not, or is NaN or infinite.
     NotPositive {
         /// Its name.
         parameter: &'static str,

@@ -34,7 +34,7 @@ impl Zones {
     /// Where a place is \[m\].
     #[must_use]
     pub fn of(&self, place: &Vector) -> Zone {
-        // What is no number is nowhere outside.
+        // NaN is nowhere outside.
         if norm(place) >= self.keep_out {
             Zone::Outside
         } else if self.is_in_corridor(place) {

@@ -83,7 +83,7 @@ pub(in crate::quadrotor) fn upright(deck: DeckState, time: f64) -> Result<DeckSt
 }
 
 impl Controller {
-    /// Whether every number is one that the law can work with: a limit that is no number would be none.
+    /// Whether every number is one that the law can work with: a NaN limit would limit nothing.
     fn check(&self) -> Result<(), LandingError> {
         match self {
             Controller::Backstepping(Backstepping {

@@ -11,14 +11,14 @@ use crate::platform::limits::InvalidLimits;
 /// Why there is no touchdown.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum LandingError {
-    /// What must be positive is not (or is no number, or infinite).
+    /// What must be positive is not (or is NaN or infinite).
     NotPositive {
         /// Its name.
         parameter: &'static str,
         /// Its value.
         value: f64,
     },
-    /// What has bounds is beyond them, or no number.
+    /// What has bounds is beyond them, or NaN.
     OutOfRange {
         /// Its name.
         parameter: &'static str,
@@ -80,7 +80,7 @@ pub enum LandingError {
         /// Over the deck then \[m\].
         height: f64,
     },
-    /// A sensor gave a value that is no number.
+    /// A sensor gave a value that is NaN or infinite.
     Sensor {
         /// When \[s\].
         time: f64,
@@ -131,8 +131,8 @@ impl fmt::Display for LandingError {
             LandingError::TooManyMoments { t_end, period } => {
                 write!(f, "moments every {period} s until {t_end} s are more than {MOST_MOMENTS}")
             }
-            LandingError::Sensor { time } => write!(f, "a sensor gives no number at t = {time} s"),
-            LandingError::Deck { time } => write!(f, "a coordinate of the deck is no number at t = {time} s"),
+            LandingError::Sensor { time } => write!(f, "a sensor gives NaN or an infinite value at t = {time} s"),
+            LandingError::Deck { time } => write!(f, "a coordinate of the deck is NaN or infinite at t = {time} s"),
             LandingError::Overturned { time, upward } => {
                 write!(f, "the deck is turned over at t = {time} s: its normal has the vertical component {upward}")
             }
