@@ -27,6 +27,15 @@ fn with_table(kind: &str) -> Derivation {
     ))
 }
 
+/// The same with numbers for values: a spline, where the other is a tree of branches.
+fn with_numbers(kind: &str, y: [f64; 5]) -> Derivation {
+    derivation(&format!(
+        "mechanism A {{ param m: kg = 2; param unused[5]: J = 1; const y[5]: J = {y:?}; const x[5]: m = [-1, 0, 1, 3, 4];
+         coord s: m; kinetic += 1/2*m*dt(s)^2 + 0*unused[0]/y[0]*m*dt(s)^2; potential += {kind}(s, x, y);
+         output value = {kind}(s, x, y), jacobian_rate; }}"
+    ))
+}
+
 /// Value, slope and curvature: the output's own, the force of the potential, and those that linearization finds.
 fn values(derivation: &Derivation, y: [f64; 5], s: f64) -> [f64; 3] {
     let parameters = [2.0].into_iter().chain(y).collect();
@@ -161,6 +170,49 @@ fn monotone_tables_are_those_of_fritsch_and_butland() {
         for (place, value) in PLACES.into_iter().zip(y) {
             assert_eq!(values(&derivation, y, place)[0], value, "a sample is hit exactly");
         }
+    }
+}
+
+#[test]
+fn tables_of_numbers_are_those_of_parameters() {
+    let mut random = Random::new(5);
+    for kind in ["table", "table_monotone", "table_spline"] {
+        let parametric = with_table(kind);
+        for _ in 0..10 {
+            let y: [f64; 5] = random.array(-2.0..2.0);
+            let numbers = with_numbers(kind, y);
+            assert!(numbers.functions.iter().all(|f| f.program.instructions.len() < 40), "no branches");
+            for x in between() {
+                assert_close(&x.to_string(), &values(&numbers, y, x), &values(&parametric, y, x), 1e-13);
+            }
+            for (place, value) in PLACES.into_iter().zip(y) {
+                assert_eq!(values(&numbers, y, place)[0], value, "a sample is hit exactly");
+            }
+            let value = |x: f64| values(&numbers, y, x);
+            assert!(value(-1e300)[0].is_finite() && value(1e300)[0].is_finite(), "far outside");
+        }
+    }
+}
+
+/// The cost of a table does not grow with its samples, neither that of its functions nor that of its proof.
+#[test]
+fn a_table_of_ten_thousand_samples_costs_what_one_of_ten_does() {
+    let table = |count: usize| {
+        let list =
+            |f: &dyn Fn(f64) -> f64| (0..count).map(|k| f(k as f64 / count as f64).to_string()).collect::<Vec<_>>();
+        let (places, values) = (list(&|x| 10.0 * x).join(", "), list(&|x| (10.0 * x).sin()).join(", "));
+        derivation(&format!(
+            "mechanism A {{ param m: kg = 2; coord s: m; const x[{count}]: m = [{places}]; const y[{count}]: J = [{values}];
+             kinetic += 1/2*m*dt(s)^2; potential += table_spline(s, x, y); }}"
+        ))
+    };
+    let (small, large) = (table(10), table(10_000));
+    let counts = |derivation: &Derivation| derivation.functions.iter().map(|f| f.operations).collect::<Vec<_>>();
+    assert_eq!(counts(&small), counts(&large));
+    let interpreter = Interpreter::with_parameters(&large, vec![2.0]);
+    for s in [1.0, 2.5, 6.0] {
+        let state = State { t: 0.0, q: vec![s], qd: vec![0.0], qdd: vec![0.0], u: vec![], prescribed: vec![] };
+        assert_close("sin′", &interpreter.call("gravity", &state).expect("generated"), &[s.cos()], 1e-9);
     }
 }
 

@@ -259,7 +259,7 @@ impl<V: Value> Run<'_, V> {
                 waiting.push(value);
                 self.compute(program, &mut waiting, &mut values);
             } else {
-                values[i] = Some(self.step(instruction, &values));
+                values[i] = Some(self.step(program, instruction, &values));
             }
         }
         program.results.iter().map(|&v| known(&values, v)).collect()
@@ -280,7 +280,7 @@ impl<V: Value> Run<'_, V> {
             }
             if waiting.len() == before {
                 if missing(&value) {
-                    values[value.index()] = Some(self.step(instruction, values));
+                    values[value.index()] = Some(self.step(program, instruction, values));
                 }
                 waiting.pop();
             }
@@ -288,7 +288,7 @@ impl<V: Value> Run<'_, V> {
     }
 
     /// One instruction, what it needs being known.
-    fn step(&self, instruction: Instruction, values: &[Option<V>]) -> V {
+    fn step(&self, program: &Program, instruction: Instruction, values: &[Option<V>]) -> V {
         let v = |operand| known(values, operand);
         match instruction {
             Instruction::Constant(number) => V::number(number),
@@ -302,6 +302,7 @@ impl<V: Value> Run<'_, V> {
             Instruction::Sqrt(a) => v(a).power(1),
             Instruction::Call(function, a) => v(a).call(function),
             Instruction::Call2(function, a, b) => v(a).call2(function, v(b)),
+            Instruction::Spline(d, a) => v(a).spline(&program.splines[d.spline as usize], d.order as usize),
             Instruction::Less(a, b) => truth(v(a).less(v(b))),
             Instruction::LessEqual(a, b) => truth(v(a).less_equal(v(b))),
             Instruction::And(a, b) => truth(holds(v(a)) && holds(v(b))),

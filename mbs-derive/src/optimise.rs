@@ -17,7 +17,7 @@ pub mod schedule;
 
 use crate::derive::output::OutputShape;
 use crate::derive::{Equations, ForwardDynamics, Route, Rows};
-use crate::expr::{Expr, Graph, Symbol};
+use crate::expr::{Expr, Graph, Spline, Symbol};
 use crate::model::requirement::{Condition, Requirement, requirements};
 use crate::model::{Constraint, Lagrangian, Reaction, Variable};
 
@@ -256,6 +256,18 @@ impl Derivation {
             }
         };
         self.coordinates.iter().flat_map(|v| vec![kind(v.unit.as_str()); v.count()]).collect()
+    }
+
+    /// The splines of all programs, each once.
+    pub fn splines(&self) -> Vec<&Spline> {
+        let functions = self.functions.iter().map(|function| &function.program);
+        let mut found: Vec<&Spline> = Vec::new();
+        for spline in functions.chain([&self.constructor, &self.required]).flat_map(|program| &program.splines) {
+            if !found.contains(&spline) {
+                found.push(spline);
+            }
+        }
+        found
     }
 
     /// The requirements with the numbers that they are about, of all that [`required`](Self::required) gives.

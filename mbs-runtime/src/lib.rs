@@ -159,6 +159,7 @@ mod matrix;
 mod mechanism;
 pub mod parameter;
 mod scalar;
+mod spline;
 mod state;
 #[cfg(feature = "std")]
 pub mod trajectory;
@@ -183,6 +184,7 @@ pub use matrix::{to_matrix, to_rows, to_vector};
 pub use mechanism::{InverseDynamicsJacobian, Linearization, Mechanism, Pose, Wrench, accelerations};
 pub use parameter::{ParameterCondition, ParameterError};
 pub use scalar::{Mask, Real, Scalar};
+pub use spline::Spline;
 pub use state::{Coordinates, State};
 #[cfg(feature = "std")]
 pub use trajectory::Trajectory;

@@ -10,7 +10,7 @@ use mbs_derive::model::lagrangian::component_names;
 use mbs_derive::optimise::{Derivation, Instruction, Program};
 use serde_json::{Map, Value, json};
 
-use super::json::{instruction, of_symbol};
+use super::json::{instruction, of_symbol, spline_numbers};
 
 /// Nodes in an order in which operands come first, and the roots of each function.
 pub(crate) fn graph(derivation: &Derivation) -> Value {
@@ -31,7 +31,7 @@ struct Nodes<'d> {
 impl Nodes<'_> {
     /// Adds what a program computes; the nodes of its results.
     fn add(&mut self, program: &Program, hoisted: &[usize]) -> Vec<usize> {
-        let mut numbers: Vec<usize> = Vec::new();
+        let (mut numbers, splines) = (Vec::new(), spline_numbers(self.derivation, program));
         for &step in &program.instructions {
             let number = match step {
                 Instruction::Hoisted(k) => hoisted[k as usize],
@@ -42,9 +42,16 @@ impl Nodes<'_> {
                     let name = self.name(symbol);
                     self.number(json!({ "operation": "symbol", "name": name, "symbol": of_symbol(symbol) }))
                 }
+                Instruction::Spline(derivative, a) => {
+                    let (spline, order) = (splines[derivative.spline as usize], derivative.order);
+                    let operands = [numbers[a.index()]];
+                    self.number(
+                        json!({ "operation": "spline", "spline": spline, "order": order, "operands": operands }),
+                    )
+                }
                 _ => {
                     let operands: Vec<usize> = step.operands().map(|operand| numbers[operand.index()]).collect();
-                    self.number(json!({ "operation": instruction(step)[0], "operands": operands }))
+                    self.number(json!({ "operation": instruction(step, &splines)[0], "operands": operands }))
                 }
             };
             numbers.push(number);

@@ -13,13 +13,14 @@
 //!     "operations": {"add": 0, …}, "instructions": [["hoisted", 0]], "results": [0]}, …},
 //!   "prescribed": [],
 //!   "constraints": [],
+//!   "splines": [],
 //!   "graph": {"nodes": [{"operation": "symbol", "name": "m", "symbol": ["parameter", 0]}, …], "roots": {"mass_matrix": [3], …}}
 //! }
 //! ```
 //!
 //! `docs/json.md` says what it all means.
 
-use mbs_derive::expr::Symbol;
+use mbs_derive::expr::{Spline, Symbol};
 use mbs_derive::model::Variable;
 use mbs_derive::optimise::{Argument, Completion, Derivation, Function, Instruction, Program, Shape};
 use serde_json::{Map, Value, json};
@@ -29,18 +30,22 @@ use crate::{ops, output};
 
 /// All programs of a mechanism, one instruction a line, and the graph of all of them.
 pub(crate) fn programs(derivation: &Derivation) -> String {
-    let functions: Map<String, Value> =
-        derivation.functions.iter().map(|function| (function.name.clone(), of_function(function))).collect();
+    let functions: Map<String, Value> = derivation
+        .functions
+        .iter()
+        .map(|function| (function.name.clone(), of_function(derivation, function)))
+        .collect();
     let object = json!({
         "mechanism": derivation.name,
         "coordinates": variables(&derivation.coordinates),
         "parameters": derivation.parameters.iter().map(parameter).collect::<Vec<_>>(),
         "inputs": variables(&derivation.inputs),
         "depends_on_time": derivation.depends_on_time,
-        "constructor": program(&derivation.constructor),
+        "constructor": program(derivation, &derivation.constructor),
         "functions": functions,
         "prescribed": variables(&derivation.prescribed),
         "constraints": derivation.constraints,
+        "splines": derivation.splines().into_iter().map(spline).collect::<Vec<_>>(),
         "graph": graph(derivation),
     });
     output::json(&object)
@@ -56,7 +61,7 @@ fn parameter(variable: &Variable) -> Value {
     json!({ "name": name, "unit": unit, "length": length, "columns": columns, "defaults": defaults })
 }
 
-fn of_function(function: &Function) -> Value {
+fn of_function(derivation: &Derivation, function: &Function) -> Value {
     let arguments: Vec<&str> = function.arguments.iter().map(|&a| argument(a)).collect();
     let returns: Vec<Value> =
         function.results.iter().map(|part| json!({ "name": part.name, "shape": shape(part.shape) })).collect();
@@ -66,23 +71,31 @@ fn of_function(function: &Function) -> Value {
         Completion::SolveConstrained => "solve constrained",
         Completion::SolveMultipliers => "solve multipliers",
     };
-    let Program { instructions, results, .. } = &function.program;
+    let mut object = program(derivation, &function.program);
+    object["arguments"] = json!(arguments);
+    object["returns"] = json!(returns);
+    object["completion"] = json!(completion);
+    object["operations"] = ops::counts(function.operations);
+    object
+}
+
+fn program(derivation: &Derivation, program: &Program) -> Value {
+    let splines = spline_numbers(derivation, program);
     json!({
-        "arguments": arguments,
-        "returns": returns,
-        "completion": completion,
-        "operations": ops::counts(function.operations),
-        "instructions": instructions.iter().map(|&i| instruction(i)).collect::<Vec<_>>(),
-        "results": results.iter().map(|v| v.index()).collect::<Vec<_>>(),
+        "instructions": program.instructions.iter().map(|&i| instruction(i, &splines)).collect::<Vec<_>>(),
+        "results": program.results.iter().map(|v| v.index()).collect::<Vec<_>>(),
     })
 }
 
-fn program(program: &Program) -> Value {
-    let Program { instructions, results, .. } = program;
-    json!({
-        "instructions": instructions.iter().map(|&i| instruction(i)).collect::<Vec<_>>(),
-        "results": results.iter().map(|v| v.index()).collect::<Vec<_>>(),
-    })
+fn spline(spline: &Spline) -> Value {
+    json!({ "places": spline.places(), "rows": spline.rows() })
+}
+
+/// The number of each of a program's splines among those of all programs.
+pub(super) fn spline_numbers(derivation: &Derivation, program: &Program) -> Vec<usize> {
+    let all = derivation.splines();
+    let number = |spline: &Spline| all.iter().position(|known| *known == spline).expect("one of all splines");
+    program.splines.iter().map(number).collect()
 }
 
 fn argument(argument: Argument) -> &'static str {
@@ -110,7 +123,7 @@ fn shape(shape: Shape) -> Value {
 }
 
 /// Its name, and its operands or what it reads.
-pub(super) fn instruction(instruction: Instruction) -> Value {
+pub(super) fn instruction(instruction: Instruction, splines: &[usize]) -> Value {
     match instruction {
         Instruction::Constant(value) => json!(["constant", value.to_f64()]),
         Instruction::Symbol(symbol) => of_symbol(symbol),
@@ -123,6 +136,7 @@ pub(super) fn instruction(instruction: Instruction) -> Value {
         Instruction::Sqrt(a) => json!(["sqrt", a.index()]),
         Instruction::Call(function, a) => json!([function.name(), a.index()]),
         Instruction::Call2(function, a, b) => json!([function.name(), a.index(), b.index()]),
+        Instruction::Spline(d, a) => json!(["spline", splines[d.spline as usize], d.order, a.index()]),
         Instruction::Less(a, b) => json!(["less", a.index(), b.index()]),
         Instruction::LessEqual(a, b) => json!(["less_equal", a.index(), b.index()]),
         Instruction::And(a, b) => json!(["and", a.index(), b.index()]),

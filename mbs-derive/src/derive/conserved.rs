@@ -114,6 +114,8 @@ fn has_branches(expr: Expr<'_>) -> bool {
     graph.reachable([expr.id()]).into_iter().any(|id| match graph.node(id) {
         Node::Select(..) | Node::Less(..) | Node::LessEqual(..) | Node::And(..) | Node::Not(_) => true,
         Node::Call(function, _) => matches!(function, Function::Abs | Function::Signum),
+        // A table is zero on one interval and not on another.
+        Node::Spline(..) => true,
         Node::Constant(_)
         | Node::Symbol(_)
         | Node::Rate(_)

@@ -46,6 +46,8 @@ pub(super) enum Statement {
     Let(usize, Tree),
     /// `let (sin, cos) = angle.sin_cos();`
     SinCos([usize; 2], Tree),
+    /// `let [value, _, second] = TABLE_0.derivatives(x);` of the spline with this number in [`Names`]: orders, their locals, x.
+    Spline(usize, Vec<usize>, Vec<usize>, Tree),
     /// `let local = T::select(condition, || …, || …);`, of several locals `let [a, b] = T::select_each(…);`
     Branch(Vec<usize>, Tree, [Block; 2]),
     /// `let local: &dyn Fn() -> T = &|| …; let local = LazyCell::new(local);`
@@ -56,7 +58,7 @@ impl Statement {
     /// The expressions in it.
     pub(super) fn trees(&self) -> Vec<&Tree> {
         match self {
-            Statement::Let(_, tree) | Statement::SinCos(_, tree) => vec![tree],
+            Statement::Let(_, tree) | Statement::SinCos(_, tree) | Statement::Spline(.., tree) => vec![tree],
             Statement::Branch(_, condition, [then, otherwise]) => {
                 std::iter::once(condition).chain(then.trees()).chain(otherwise.trees()).collect()
             }
@@ -69,7 +71,7 @@ impl Statement {
         match self {
             Statement::Let(local, _) | Statement::OnDemand(local, _) => std::slice::from_ref(local),
             Statement::SinCos(locals, _) => locals,
-            Statement::Branch(locals, ..) => locals,
+            Statement::Branch(locals, ..) | Statement::Spline(_, _, locals, _) => locals,
         }
     }
 }
@@ -211,6 +213,8 @@ struct Writer<'p, 'n> {
     uses: Vec<usize>,
     /// The sine and the cosine of an angle, where both are needed.
     pairs: BTreeMap<Value, (Value, Value)>,
+    /// Several derivatives of one spline at one argument, by their orders.
+    splines: BTreeMap<(u32, Value), Vec<(usize, Value)>>,
     /// Names that values would have as results.
     wishes: BTreeMap<Value, String>,
     /// The values that are known and not used up.
@@ -254,8 +258,26 @@ impl<'p, 'n> Writer<'p, 'n> {
         };
         let pairs: BTreeMap<_, _> = angles.into_iter().filter_map(both).filter(together).collect();
         pairs.keys().for_each(|angle| uses[angle.index()] -= 1);
+        let splines = Self::splines(program, &mut uses);
         let (trees, statements) = (vec![None; uses.len()], vec![Vec::new(); program.regions.count()]);
-        Writer { program, uses, pairs, wishes, trees, statements, region: Region::BODY, body }
+        Writer { program, uses, pairs, splines, wishes, trees, statements, region: Region::BODY, body }
+    }
+
+    /// The derivatives of a spline at one argument that are computed at one place, which use the argument once.
+    fn splines(program: &Program, uses: &mut [usize]) -> BTreeMap<(u32, Value), Vec<(usize, Value)>> {
+        let mut splines: BTreeMap<(u32, Value), Vec<(usize, Value)>> = BTreeMap::new();
+        for (i, instruction) in program.instructions.iter().enumerate().filter(|(i, _)| uses[*i] > 0) {
+            if let Instruction::Spline(derivative, argument) = *instruction {
+                splines.entry((derivative.spline, argument)).or_default().push((derivative.order as usize, value(i)));
+            }
+        }
+        splines.retain(|_, derivatives| {
+            let places: Vec<Place> = derivatives.iter().map(|(_, value)| program.regions.place(*value)).collect();
+            derivatives.len() > 1 && places.iter().all(|place| *place == places[0] && place.on_demand.is_none())
+        });
+        splines.values_mut().for_each(|derivatives| derivatives.sort_unstable());
+        splines.iter().for_each(|((_, argument), derivatives)| uses[argument.index()] -= derivatives.len() - 1);
+        splines
     }
 
     fn write(&mut self) {
@@ -269,6 +291,12 @@ impl<'p, 'n> Writer<'p, 'n> {
                 && let Some(&(sin, cos)) = self.pairs.get(&angle)
             {
                 self.sin_cos(angle, sin, cos);
+                continue;
+            }
+            if let Instruction::Spline(derivative, argument) = instruction
+                && let Some(derivatives) = self.splines.get(&(derivative.spline, argument)).cloned()
+            {
+                self.spline(derivative.spline, argument, &derivatives);
                 continue;
             }
             if let Some(branch) = self.program.regions.branch(value(i)) {
@@ -336,6 +364,22 @@ impl<'p, 'n> Writer<'p, 'n> {
         self.trees[cos.index()] = Some(Tree::Local(second));
     }
 
+    /// One call for all derivatives.
+    fn spline(&mut self, spline: u32, argument: Value, derivatives: &[(usize, Value)]) {
+        let argument = self.take(argument);
+        let (orders, values): (Vec<usize>, Vec<Value>) = derivatives.iter().copied().unzip();
+        let locals = self.spline_derivatives(spline, orders, argument);
+        values.iter().zip(locals).for_each(|(value, local)| self.trees[value.index()] = Some(Tree::Local(local)));
+    }
+
+    /// The locals that hold derivatives of these orders.
+    fn spline_derivatives(&mut self, spline: u32, orders: Vec<usize>, argument: Tree) -> Vec<usize> {
+        let number = self.body.names.spline(&self.program.splines[spline as usize]);
+        let locals: Vec<usize> = orders.iter().map(|_| self.body.local(None)).collect();
+        self.push(Statement::Spline(number, orders, locals.clone(), argument));
+        locals
+    }
+
     fn tree(&mut self, instruction: Instruction) -> Tree {
         match instruction {
             Instruction::Constant(number) => Tree::Constant(number.to_f64()),
@@ -348,6 +392,11 @@ impl<'p, 'n> Writer<'p, 'n> {
             Instruction::Div(a, b) => self.combine(Tree::div, a, b),
             Instruction::Sqrt(a) => self.call("sqrt", a),
             Instruction::Call(function, a) => self.call(function.name(), a),
+            Instruction::Spline(derivative, a) => {
+                let argument = self.take(a);
+                let locals = self.spline_derivatives(derivative.spline, vec![derivative.order as usize], argument);
+                Tree::Local(locals[0])
+            }
             Instruction::Less(a, b) => self.comparison(Tree::Less, a, b),
             Instruction::LessEqual(a, b) => self.comparison(Tree::LessEqual, a, b),
             Instruction::And(a, b) => Tree::And(Box::new(self.take(a)), Box::new(self.take(b))),
@@ -461,7 +510,8 @@ fn restricted(program: &Program, components: &[Component]) -> (Program, Vec<Comp
             }
         });
     }
-    (Program::new(program.instructions.clone(), results), restricted)
+    let splines = program.splines.clone();
+    (Program { splines, ..Program::new(program.instructions.clone(), results) }, restricted)
 }
 
 fn value(index: usize) -> Value {

@@ -9,7 +9,8 @@ use crate::model::lagrangian::component_names;
 use crate::optimise::{Argument, Completion, Derivation, Function, FunctionKind};
 
 use super::body::{Body, Component};
-use super::name::{Names, Scope, ident, identifier};
+use super::expression::literal;
+use super::name::{Names, Scope, ident, identifier, table};
 use super::shape::{components, shape_type, shaped};
 use super::text::Text;
 use super::{Options, doc, module_name, parameter, segment};
@@ -22,6 +23,7 @@ pub(super) fn module(derivation: &Derivation, options: &Options) -> TokenStream 
     let module = ident(&module_name(derivation));
     let docs = doc::attributes(&[format!("The mechanism [`{0}`]({module}::{0}).", names.mechanism)]);
     let parameters = parameter::items(derivation, &names, options.serde);
+    let tables = emitter.tables();
     let mechanism = emitter.mechanism();
     let methods = emitter.methods();
     let implementation = emitter.implementation();
@@ -34,6 +36,7 @@ pub(super) fn module(derivation: &Derivation, options: &Options) -> TokenStream 
             unused_qualifications, unused_variables, clippy::all, clippy::pedantic, clippy::nursery, rustdoc::all
         )]
         pub mod #module {
+            #tables
             #parameters
             #mechanism
             #methods
@@ -66,6 +69,24 @@ pub(super) struct Emitter<'d> {
 }
 
 impl<'d> Emitter<'d> {
+    /// The splines that tables of the model are.
+    fn tables(&self) -> TokenStream {
+        let tables = self.names.splines.iter().enumerate().map(|(number, spline)| {
+            let (name, columns) = (ident(&table(number)), Literal::usize_unsuffixed(spline.degree() + 2));
+            let row = |row: &Vec<f64>| {
+                let row = row.iter().map(|&x| literal(x));
+                quote!([#(#row),*])
+            };
+            let (places, rows) = (spline.places().iter().map(|&x| literal(x)), spline.rows().iter().map(row));
+            quote! {
+                /// A table of the model: places, and the polynomials between them.
+                const #name: ::mbs_runtime::Spline<'static, #columns> =
+                    ::mbs_runtime::Spline::new(&[#(#places),*], &[#(#rows),*]);
+            }
+        });
+        quote!(#(#tables)*)
+    }
+
     /// The struct.
     fn mechanism(&self) -> TokenStream {
         let name = ident(&self.names.mechanism);

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use proc_macro2::{Ident, Span};
 
-use crate::expr::{Number, Symbol};
+use crate::expr::{Number, Spline, Symbol};
 use crate::model::Variable;
 use crate::model::lagrangian::component_names;
 use crate::optimise::{Derivation, Instruction, Program, Value};
@@ -165,6 +165,8 @@ pub(super) struct Names {
     pub(super) constrained_motion: String,
     /// A local: what the columns of a linearization are measured by.
     pub(super) scale: String,
+    /// The splines of all programs, each once, as the constants `TABLE_0`, `TABLE_1`, ….
+    pub(super) splines: Vec<Spline>,
     /// The fields that hold hoisted values.
     pub(super) hoisted: Vec<String>,
     /// Components as locals, by kind.
@@ -183,6 +185,8 @@ pub(super) struct Names {
 impl Names {
     pub(super) fn of(derivation: &Derivation) -> Self {
         let mut scope = Scope::with(&RESERVED);
+        let splines: Vec<Spline> = derivation.splines().into_iter().cloned().collect();
+        scope.taken.extend((0..splines.len()).map(table));
         // A coordinate may be called `q`, for `let [q] = *q` is the first binding; inputs come after all coordinates.
         let coordinates = components(&derivation.coordinates, &mut scope, &["qd", "qdd", "u"]);
         let inputs = components(&derivation.inputs, &mut scope, &[]);
@@ -215,6 +219,7 @@ impl Names {
             functions: methods.unique_escaped(derivation.functions.iter().map(|f| f.name.as_str())),
             constrained_motion: methods.unique("constrained_motion"),
             scale,
+            splines,
             hoisted,
             coordinates,
             velocities,
@@ -241,6 +246,11 @@ impl Names {
         }
     }
 
+    /// The number of a spline.
+    pub(super) fn spline(&self, spline: &Spline) -> usize {
+        self.splines.iter().position(|known| known == spline).expect("all splines have numbers")
+    }
+
     /// Where the locals of a function get their names.
     pub(super) fn function_scope(&self) -> Scope {
         self.scope.clone()
@@ -252,6 +262,11 @@ impl Names {
         scope.taken.retain(|name| !self.hoisted.contains(name));
         scope
     }
+}
+
+/// The constant that holds the spline with this number.
+pub(super) fn table(number: usize) -> String {
+    format!("TABLE_{number}")
 }
 
 /// The components of some variables, none of them called like an argument that is `read_later`.
@@ -311,6 +326,7 @@ fn grade(
         | Instruction::And(..)
         | Instruction::Not(_)
         | Instruction::Select(..)
+        | Instruction::Spline(..)
         | Instruction::Call2(..) => None,
     }
 }

@@ -11,7 +11,7 @@ use crate::optimise::Derivation;
 
 use super::body::{Block, Body, FAMILIAR, Statement, familiar};
 use super::expression::{self, Leaves, Tree, literal};
-use super::name::{Names, ident};
+use super::name::{Names, ident, table};
 use super::segment;
 
 /// At most this many fields are bound to locals; of more, each is read as `self.k12`.
@@ -111,6 +111,13 @@ impl<'b, 'n> Text<'b, 'n> {
         let value = self.bound(statement);
         match statement {
             Statement::SinCos(..) => quote!(#binding (#(#locals),*) = #value;),
+            Statement::Spline(_, orders, ..) => {
+                let bound = (0..=orders[orders.len() - 1]).map(|order| match orders.binary_search(&order) {
+                    Ok(i) => locals[i].to_token_stream(),
+                    Err(_) => quote!(_),
+                });
+                quote!(#binding [#(#bound),*] = #value;)
+            }
             Statement::Branch(..) if locals.len() > 1 => quote!(#binding [#(#locals),*] = #value;),
             Statement::Let(..) | Statement::Branch(..) => quote!(#binding #(#locals)* = #value;),
             // Without `dyn` the type of one closure would hold those of all that it asks, each in full.
@@ -126,6 +133,10 @@ impl<'b, 'n> Text<'b, 'n> {
         match statement {
             Statement::Let(_, tree) => self.tree(tree),
             Statement::SinCos(_, angle) => self.tree(&Tree::Method("sin_cos", Box::new(angle.clone()), Vec::new())),
+            Statement::Spline(number, _, _, argument) => {
+                let (table, argument) = (ident(&table(*number)), self.tree(argument));
+                quote!(#table.derivatives(#argument))
+            }
             Statement::Branch(locals, condition, sides) => {
                 let (condition, [then, otherwise]) =
                     (self.tree(condition), sides.each_ref().map(|side| self.block(side)));

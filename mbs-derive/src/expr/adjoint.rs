@@ -104,6 +104,7 @@ impl<'g> Partial<'g> {
                     Node::Power(a, n) => power_derivative(graph.expr(a), n),
                     Node::Call(function, a) => function.derivative(graph.expr(a), expr),
                     Node::Call2(function, a, b) => function.derivative(graph.expr(a), graph.expr(b), expr)[which],
+                    Node::Spline(derivative, a) => graph.spline_derivative(derivative.next(), graph.expr(a)),
                     node => unreachable!("{node:?} has constant partial derivatives"),
                 };
                 derivative * weight
@@ -174,7 +175,7 @@ fn partials<'g>(expr: Expr<'g>) -> impl Iterator<Item = (Id, Partial<'g>)> {
         Node::Add(a, b) => (Some((a, Partial::One)), Some((b, Partial::One))),
         Node::Sub(a, b) => (Some((a, Partial::One)), Some((b, Partial::MinusOne))),
         Node::Mul(a, b) => (Some((a, Partial::Factor(graph.expr(b)))), Some((b, Partial::Factor(graph.expr(a))))),
-        Node::Power(a, _) | Node::Call(_, a) => (Some((a, Partial::Derivative(expr, 0))), None),
+        Node::Power(a, _) | Node::Call(_, a) | Node::Spline(_, a) => (Some((a, Partial::Derivative(expr, 0))), None),
         Node::Call2(_, a, b) => (Some((a, Partial::Derivative(expr, 0))), Some((b, Partial::Derivative(expr, 1)))),
     };
     first.into_iter().chain(second)

@@ -91,6 +91,10 @@ pub(crate) fn infix(graph: &Graph, root: Id, name: &dyn Fn(Symbol) -> String) ->
                 continue;
             }
             Node::Call(function, a) => (POWER, vec![Text(function.name()), Text("("), Operand(a, SUM), Text(")")]),
+            Node::Spline(derivative, a) => {
+                text.push_str(&format!("table_{}{}", derivative.spline, "'".repeat(derivative.order as usize)));
+                (POWER, vec![Text("("), Operand(a, SUM), Text(")")])
+            }
             Node::Less(a, b) => (SUM, vec![Operand(a, PRODUCT), Text(" < "), Operand(b, PRODUCT)]),
             Node::LessEqual(a, b) => (SUM, vec![Operand(a, PRODUCT), Text(" <= "), Operand(b, PRODUCT)]),
             Node::And(a, b) => (SUM, vec![Operand(a, PRODUCT), Text(" && "), Operand(b, PRODUCT)]),

@@ -7,6 +7,7 @@ use super::evaluate::{Solutions, Terms, Value};
 use super::factors::{Factors, symmetric_times};
 use super::function::{Binary, Function};
 use super::number::Number;
+use super::spline::Spline;
 
 /// `value + derivative ε` with `ε² = 0`.
 ///
@@ -79,6 +80,9 @@ impl<S: Value> Value for Dual<S> {
             }
         };
         Dual::new(a.call2(function, b), derivative)
+    }
+    fn spline(self, spline: &Spline, order: usize) -> Self {
+        Dual::new(self.value.spline(spline, order), self.value.spline(spline, order + 1).mul(self.derivative))
     }
     fn rate(self) -> Self {
         Dual::new(self.derivative, S::constant(f64::NAN))

@@ -1,10 +1,13 @@
 //! Numerical values of expressions, over any kind of number: doubles, or dual numbers that carry derivatives.
 
+use std::rc::Rc;
+
 use super::constrained::{NullSpace, power};
 use super::factors::Factors;
 use super::function::{Binary, Function};
 use super::graph::{Expr, Id, Node, Symbol};
 use super::number::Number;
+use super::spline::Spline;
 use super::table::Table;
 
 /// What solves a system with constraints for one right side after the other.
@@ -48,6 +51,10 @@ pub trait Value: Copy {
     fn call(self, function: Function) -> Self;
     /// `f(a, b)`
     fn call2(self, function: Binary, other: Self) -> Self;
+    /// A derivative of a spline at a.
+    fn spline(self, spline: &Spline, order: usize) -> Self {
+        spline.derivative(self, order)
+    }
     /// The total time derivative, for numbers that carry it.
     fn rate(self) -> Self;
     /// Whether `a < b`; derivatives do not count.
@@ -166,9 +173,11 @@ fn undefined<V: Value>() -> V {
 }
 
 /// Expressions in order of evaluation, to be evaluated many times.
+#[derive(Default)]
 pub struct Tape {
     /// Operands are positions on the tape.
     steps: Vec<Node>,
+    splines: Vec<Rc<Spline>>,
     roots: Vec<usize>,
     strict: bool,
 }
@@ -176,7 +185,7 @@ pub struct Tape {
 impl Tape {
     /// A tape for these expressions.
     pub fn new(roots: &[Expr<'_>]) -> Self {
-        let Some(first) = roots.first() else { return Tape { steps: Vec::new(), roots: Vec::new(), strict: false } };
+        let Some(first) = roots.first() else { return Tape::default() };
         let graph = first.graph();
         let order = graph.reachable(roots.iter().map(|root| root.id()));
         let positions = Table::new(&order, ());
@@ -190,6 +199,7 @@ impl Tape {
             Node::Power(a, n) => Node::Power(at(a), n),
             Node::Call(function, a) => Node::Call(function, at(a)),
             Node::Call2(function, a, b) => Node::Call2(function, at(a), at(b)),
+            Node::Spline(derivative, a) => Node::Spline(derivative, at(a)),
             Node::Less(a, b) => Node::Less(at(a), at(b)),
             Node::LessEqual(a, b) => Node::LessEqual(at(a), at(b)),
             Node::And(a, b) => Node::And(at(a), at(b)),
@@ -197,7 +207,9 @@ impl Tape {
             Node::Select(c, a, b) => Node::Select(at(c), at(a), at(b)),
             leaf @ (Node::Constant(_) | Node::Symbol(_)) => leaf,
         });
-        Tape { steps: steps.collect(), roots: roots.iter().map(|root| at(root.id()).index()).collect(), strict: false }
+        let steps = steps.collect();
+        let splines = graph.splines();
+        Tape { steps, splines, roots: roots.iter().map(|root| at(root.id()).index()).collect(), strict: false }
     }
 
     /// A tape on which nothing hides that a value is undefined: what is decided by a comparison with NaN is NaN, a power with
@@ -306,6 +318,7 @@ impl Tape {
             Node::Power(a, n) => v(a).power(n.to_halves()),
             Node::Call(function, a) => v(a).call(function),
             Node::Call2(function, a, b) => v(a).call2(function, v(b)),
+            Node::Spline(d, a) => v(a).spline(&self.splines[d.spline as usize], d.order as usize),
             Node::Less(a, b) => truth(decide(at, v(a).less(v(b)))),
             Node::LessEqual(a, b) => truth(decide(at, v(a).less_equal(v(b)))),
             Node::And(a, b) => truth(holds(v(a)) && holds(v(b))),
@@ -342,7 +355,8 @@ fn strictly<V: Value>(step: &Node, v: impl Fn(Id) -> V) -> Option<V> {
         | Node::Sub(..)
         | Node::Mul(..)
         | Node::Power(..)
-        | Node::Call(..) => false,
+        | Node::Call(..)
+        | Node::Spline(..) => false,
     };
     is_undefined.then(undefined)
 }

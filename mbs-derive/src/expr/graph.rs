@@ -8,10 +8,12 @@ use std::cell::RefCell;
 use std::collections::HashMap;
 use std::fmt;
 use std::hash::{BuildHasherDefault, Hasher};
+use std::rc::Rc;
 
 use super::function::{Binary, Function};
 use super::number::Number;
 use super::range::Range;
+use super::spline::{Spline, SplineDerivative};
 use super::table::Finder;
 
 /// Number of a node in its graph; operands have smaller numbers than what is made of them.
@@ -109,6 +111,8 @@ pub enum Node {
     Call(Function, Id),
     /// `f(a, b)`
     Call2(Binary, Id, Id),
+    /// A derivative of a spline at a
+    Spline(SplineDerivative, Id),
     /// Whether `a < b`: 1 or 0; only as a condition.
     Less(Id, Id),
     /// Whether `a <= b`: not where one of them is NaN, unlike `!(b < a)`.
@@ -127,7 +131,9 @@ impl Node {
         let none = Id(0);
         let (operands, count) = match self {
             Node::Constant(_) | Node::Symbol(_) => ([none; 3], 0),
-            Node::Rate(a) | Node::Neg(a) | Node::Power(a, _) | Node::Call(_, a) | Node::Not(a) => ([a, none, none], 1),
+            Node::Rate(a) | Node::Neg(a) | Node::Power(a, _) | Node::Call(_, a) | Node::Spline(_, a) | Node::Not(a) => {
+                ([a, none, none], 1)
+            }
             Node::Add(a, b)
             | Node::Sub(a, b)
             | Node::Mul(a, b)
@@ -157,6 +163,8 @@ struct Arena {
     /// Between which values a node stays.
     ranges: Vec<Range>,
     ids: Finder,
+    /// Each with a hash of what it says.
+    splines: Vec<(Rc<Spline>, u64)>,
 }
 
 impl Graph {
@@ -230,6 +238,28 @@ impl Graph {
         }
         found.reverse();
         found
+    }
+
+    /// The spline with this number.
+    pub fn spline_of(&self, number: u32) -> Rc<Spline> {
+        Rc::clone(&self.arena.borrow().splines[number as usize].0)
+    }
+
+    /// All splines, by their numbers.
+    pub fn splines(&self) -> Vec<Rc<Spline>> {
+        self.arena.borrow().splines.iter().map(|(spline, _)| Rc::clone(spline)).collect()
+    }
+
+    /// The number of a spline; equal ones are one.
+    pub(super) fn spline_number(&self, spline: &Spline) -> u32 {
+        let key = spline.key();
+        let splines = &mut self.arena.borrow_mut().splines;
+        let known = splines.iter().position(|(known, its_key)| *its_key == key && **known == *spline);
+        let number = known.unwrap_or_else(|| {
+            splines.push((Rc::new(spline.clone()), key));
+            splines.len() - 1
+        });
+        number as u32
     }
 
     pub(super) fn intern(&self, node: Node) -> Expr<'_> {
@@ -310,6 +340,9 @@ impl Arena {
             Node::Not(a) => write(13, &[a]),
             Node::Select(c, a, b) => write(14, &[c, a, b]),
             Node::LessEqual(a, b) => write(15, &[a, b]),
+            Node::Spline(SplineDerivative { spline, order }, a) => {
+                write(self.splines[spline as usize].1.wrapping_add((u64::from(order) << 8) + 16), &[a]);
+            }
         }
         hasher.finish()
     }

@@ -79,6 +79,9 @@ fn create<'g>(expr: Expr<'g>, adjoint: Expr<'g>, adjoints: &Adjoints<'g>, edges:
         }
         Node::Power(a, n) => edges.add(a, a, power_curvature(graph.expr(a), n) * adjoint),
         Node::Call(function, a) => edges.add(a, a, function.second_derivative(graph.expr(a), expr) * adjoint),
+        Node::Spline(derivative, a) => {
+            edges.add(a, a, graph.spline_derivative(derivative.next().next(), graph.expr(a)) * adjoint);
+        }
         Node::Call2(function, a, b) => {
             create_for_two_arguments(function, graph.expr(a), graph.expr(b), expr, adjoint, adjoints, edges);
         }

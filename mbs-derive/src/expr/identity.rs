@@ -174,6 +174,7 @@ fn is_choice(step: &Node) -> bool {
         | Node::Sub(..)
         | Node::Mul(..)
         | Node::Call2(..)
+        | Node::Spline(..)
         | Node::And(..)
         | Node::Not(_)
         | Node::Select(..) => false,

@@ -183,6 +183,7 @@ impl<'g, 'k> Expansion<'g, 'k> {
             },
             Node::Call(function, a) => self.opaque(self.inner(a)?.call(function)),
             Node::Call2(function, a, b) => self.opaque(self.inner(a)?.call2(function, self.inner(b)?)),
+            Node::Spline(derivative, a) => self.opaque(self.graph.spline_derivative(derivative, self.inner(a)?)),
             Node::Less(..) | Node::LessEqual(..) | Node::And(..) | Node::Not(_) | Node::Select(..) => {
                 self.opaque(self.graph.expr(id))
             }

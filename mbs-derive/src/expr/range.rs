@@ -27,7 +27,7 @@ impl Range {
             Node::Power(a, n) => range(a).power(n),
             Node::Call(function, a) => of_call(function, range(a)),
             Node::Call2(Binary::Powf, ..) => NOT_NEGATIVE,
-            Node::Call2(Binary::Atan2, ..) => REALS,
+            Node::Call2(Binary::Atan2, ..) | Node::Spline(..) => REALS,
             Node::Less(..) | Node::LessEqual(..) | Node::And(..) | Node::Not(_) => REALS,
             Node::Select(_, a, b) => {
                 let (a, b) = (range(a), range(b));

@@ -26,6 +26,7 @@ use super::evaluate::Value;
 use super::function::{Binary, Function};
 use super::number::Number;
 use super::ratio::Ratio;
+use super::spline::Spline;
 
 /// This many fields decide.
 pub const FIELDS: usize = 2;
@@ -345,6 +346,17 @@ impl<const K: usize> Value for Residue<K> {
                 Some(halves @ -1000..=1000) => self.power(halves as i32),
                 _ => Self::opaque(mixed(mixed(self.value) ^ other.value) % Self::P),
             },
+        }
+    }
+
+    fn spline(self, spline: &Spline, order: usize) -> Self {
+        if !self.is_defined() {
+            return self;
+        }
+        if order > spline.degree() {
+            Self::constant(0.0)
+        } else {
+            Self::keyed(mixed(spline.key() ^ order as u64), self.value)
         }
     }
 

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use super::condition::Condition;
 use super::graph::{Expr, Graph, Id, Node, Symbol};
+use super::spline::SplineDerivative;
 use super::table::Table;
 use super::tangent::Tangent;
 
@@ -24,7 +25,7 @@ pub fn substitute_into<'g>(
     for id in order {
         let copy = match source.node(id) {
             Node::Symbol(symbol) => replacement(symbol).unwrap_or_else(|| graph.symbol(symbol)),
-            node => rebuild(graph, node, |operand| copies[operand]),
+            node => rebuild((source, graph), node, |operand| copies[operand]),
         };
         copies[id] = copy;
     }
@@ -57,7 +58,7 @@ pub fn cut<'g>(
     // Operands have smaller numbers.
     let order: Vec<Id> = copies.iter().filter(|(_, copy)| copy.is_none()).map(|(id, _)| *id).collect();
     for id in order {
-        let copy = rebuild(graph, verbatim.node(id), |operand| copies[&operand].expect("it comes before"));
+        let copy = rebuild((verbatim, graph), verbatim.node(id), |operand| copies[&operand].expect("it comes before"));
         copies.insert(id, Some(copy));
     }
     copies[&root.id()]
@@ -78,15 +79,15 @@ pub fn carry_out<'v, 'g>(
         let copy = match verbatim.node(id) {
             Node::Symbol(symbol) => graph.symbol(symbol),
             Node::Rate(a) => dt.of(copies[a]),
-            node => rebuild(graph, node, |operand| copies[operand]),
+            node => rebuild((verbatim, graph), node, |operand| copies[operand]),
         };
         copies[id] = copy;
     }
     roots.iter().map(|root| copies[root.id()]).collect()
 }
 
-/// The same operation on new operands.
-fn rebuild<'g>(graph: &'g Graph, node: Node, new: impl Fn(Id) -> Expr<'g>) -> Expr<'g> {
+/// The same operation on new operands, in another graph.
+fn rebuild<'g>((source, graph): (&Graph, &'g Graph), node: Node, new: impl Fn(Id) -> Expr<'g>) -> Expr<'g> {
     match node {
         Node::Constant(value) => graph.constant(value),
         Node::Symbol(symbol) => graph.symbol(symbol),
@@ -98,6 +99,10 @@ fn rebuild<'g>(graph: &'g Graph, node: Node, new: impl Fn(Id) -> Expr<'g>) -> Ex
         Node::Power(a, n) => new(a).power(n),
         Node::Call(function, a) => new(a).call(function),
         Node::Call2(function, a, b) => new(a).call2(function, new(b)),
+        Node::Spline(derivative, a) => {
+            let spline = graph.spline_number(&source.spline_of(derivative.spline));
+            graph.spline_derivative(SplineDerivative { spline, ..derivative }, new(a))
+        }
         Node::Less(a, b) => new(a).less(new(b)).0,
         Node::LessEqual(a, b) => new(a).less_equal(new(b)).0,
         Node::And(a, b) => Condition(new(a)).and(Condition(new(b))).0,

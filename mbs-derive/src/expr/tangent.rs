@@ -57,9 +57,14 @@ impl<'g, Direction: Fn(Symbol) -> Option<Expr<'g>>> Tangent<'g, Direction> {
             Node::Sub(a, b) => d(a) - d(b),
             // Leibniz
             Node::Mul(a, b) => d(a) * graph.expr(b) + graph.expr(a) * d(b),
-            Node::Power(..) | Node::Call(..) if d(node.operands().next().expect("one operand")).is_zero() => zero,
+            Node::Power(..) | Node::Call(..) | Node::Spline(..)
+                if d(node.operands().next().expect("one operand")).is_zero() =>
+            {
+                zero
+            }
             Node::Power(a, n) => power_derivative(graph.expr(a), n) * d(a),
             Node::Call(function, a) => function.derivative(graph.expr(a), expr) * d(a),
+            Node::Spline(derivative, a) => graph.spline_derivative(derivative.next(), graph.expr(a)) * d(a),
             Node::Less(..) | Node::LessEqual(..) | Node::And(..) | Node::Not(_) => zero,
             // Inside each branch by itself; the jump between them has no derivative.
             Node::Select(c, a, b) => graph.select(Condition(graph.expr(c)), d(a), d(b)),

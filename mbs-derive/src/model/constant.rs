@@ -1,7 +1,7 @@
 //! What is known of the nodes of a verbatim graph: what each depends on, and the exact values of constants.
 
 use crate::expr::graph::IdMap;
-use crate::expr::{Expr, Graph, Id, Node, Number, Symbol};
+use crate::expr::{Expr, Graph, Id, Node, Number, Rounded, Symbol, Value};
 
 /// What an expression depends on: a set.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -75,7 +75,7 @@ impl Facts {
             let node = graph.node(id);
             let mut dependence = self.local(node);
             if dependence == Dependence::default() {
-                if let Some(value) = self.fold(node).filter(|value| value.to_f64().is_finite()) {
+                if let Some(value) = self.fold(graph, node).filter(|value| value.to_f64().is_finite()) {
                     self.constants.insert(id, value);
                 } else {
                     dependence = Dependence::UNDEFINED;
@@ -108,6 +108,7 @@ impl Facts {
             | Node::Power(..)
             | Node::Call(..)
             | Node::Call2(..)
+            | Node::Spline(..)
             | Node::Less(..)
             | Node::LessEqual(..)
             | Node::And(..)
@@ -117,7 +118,7 @@ impl Facts {
     }
 
     /// The value of a node whose operands are constants; `None` where it has none.
-    fn fold(&self, node: Node) -> Option<Number> {
+    fn fold(&self, graph: &Graph, node: Node) -> Option<Number> {
         let value = |id: Id| self.constants[&id];
         match node {
             Node::Constant(value) => Some(value),
@@ -132,6 +133,11 @@ impl Facts {
             Node::Call(function, a) => self.calculator.number(value(a)).call(function).as_constant(),
             Node::Call2(function, a, b) => {
                 self.calculator.number(value(a)).call2(function, self.calculator.number(value(b))).as_constant()
+            }
+            Node::Spline(derivative, a) => {
+                let spline = graph.spline_of(derivative.spline);
+                let a = Rounded::from(value(a)).spline(&spline, derivative.order as usize);
+                Some(Number::rounded(a.value, a.error))
             }
             Node::Less(a, b) => Some(truth((value(a) + -value(b)).is_negative())),
             Node::LessEqual(a, b) => Some(truth(!(value(b) + -value(a)).is_negative())),

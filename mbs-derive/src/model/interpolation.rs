@@ -1,7 +1,8 @@
 //! `table(x, xs, ys)` and its like: values between samples.
 //!
-//! A table is written as branches: a tree of comparisons with the places xs finds the interval, as a binary search would,
-//! and in each interval stands a polynomial. So it is differentiated, proved, printed and chosen in lanes as all branches are.
+//! In each interval between two places stands a polynomial. Where the samples are numbers they are one [`Spline`], a function of
+//! one argument like others, which generated code looks up in a constant. Where their values depend on parameters the table is
+//! written as branches: a tree of comparisons with the places finds the interval, as a binary search would.
 //!
 //! - `table`: straight lines; before the first and behind the last place their values;
 //! - `table_monotone`: cubics that rise where the samples rise, with a continuous slope (F. N. Fritsch, R. E. Carlson,
@@ -18,10 +19,14 @@ use super::constant::Dependence;
 use super::dimension::Dimension;
 use super::evaluate::{Argument, Refused, Resolved, Resolver, in_words};
 use super::value::{Scalar, Value, shared};
-use crate::expr::{Expr, Number};
+use crate::expr::{Expr, Number, Spline};
 
-/// A table is a tree of as many branches as it has samples, in each function that needs it and in each derivative.
-pub(super) const MAX_SAMPLES: usize = 200;
+/// Samples of one table at most.
+pub(super) const MAX_SAMPLES: usize = 10_000;
+
+/// Where values depend on parameters, a table is a tree of as many branches as it has samples, in each function that needs it and
+/// in each derivative.
+pub(super) const MAX_PARAMETRIC: usize = 200;
 
 /// What a table is made of.
 struct Samples<'g> {
@@ -45,21 +50,23 @@ pub(super) fn table<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) ->
     let mut pieces = vec![samples.constant(0)];
     pieces.extend((0..slopes.len()).map(|k| samples.piece(k, vec![samples.ys[k], slopes[k]])));
     pieces.push(samples.constant(samples.ys.len() - 1));
-    Ok(samples.value(&pieces))
+    Ok(samples.value(resolver, &pieces))
 }
 
 pub(super) fn monotone<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) -> Resolved<Value<'g>> {
     let samples = samples(resolver, call, 2)?;
     let secants = slopes(resolver, &samples);
     let tangents = monotone_tangents(resolver, &samples, &secants);
-    Ok(samples.value(&hermite(resolver, &samples, &secants, &tangents)))
+    let pieces = hermite(resolver, &samples, &secants, &tangents);
+    Ok(samples.value(resolver, &pieces))
 }
 
 pub(super) fn spline<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) -> Resolved<Value<'g>> {
     let samples = samples(resolver, call, 3)?;
     let secants = slopes(resolver, &samples);
     let tangents = spline_tangents(resolver, &samples, &secants);
-    Ok(samples.value(&hermite(resolver, &samples, &secants, &tangents)))
+    let pieces = hermite(resolver, &samples, &secants, &tangents);
+    Ok(samples.value(resolver, &pieces))
 }
 
 // ---- what is given
@@ -77,9 +84,13 @@ fn samples<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>, least: usiz
         let message = format!("this table has {} places and {} values", places.len(), values.len());
         return Err(resolver.refuse(&ys.span, message, "each place has a value"));
     }
-    if !(least..=MAX_SAMPLES).contains(&places.len()) {
-        let message = format!("a table of this kind has from {least} to {MAX_SAMPLES} samples, not {}", places.len());
-        return Err(resolver.refuse(&xs.span, message, "leave out samples where the curve is nearly straight"));
+    let is_constant = values.iter().all(|&value| resolver.facts.constant(value).is_some());
+    let most = if is_constant { MAX_SAMPLES } else { MAX_PARAMETRIC };
+    if !(least..=most).contains(&places.len()) {
+        let kind = if is_constant { "" } else { " with parameters in its values" };
+        let message = format!("a table of this kind{kind} has from {least} to {most} samples, not {}", places.len());
+        let help = if places.len() < least { "" } else { "leave out samples where the curve is nearly straight" };
+        return Err(resolver.refuse(&xs.span, message, help));
     }
     let places = increasing(resolver, &places, xs)?;
     for &value in &values {
@@ -279,8 +290,26 @@ impl<'g> Samples<'g> {
         self.piece(k, vec![self.ys[k]])
     }
 
-    fn value(&self, pieces: &[Piece<'g>]) -> Value<'g> {
-        Value::Scalar(Scalar::new(self.search(pieces, &self.xs), self.dimension))
+    fn value(&self, resolver: &mut Resolver<'_, 'g>, pieces: &[Piece<'g>]) -> Value<'g> {
+        let expr = match self.spline(resolver, pieces) {
+            Some(spline) => resolver.graph.spline(&spline, self.x),
+            None => self.search(pieces, &self.xs),
+        };
+        Value::Scalar(Scalar::new(expr, self.dimension))
+    }
+
+    /// The pieces as a spline, where all of them are made of numbers.
+    fn spline(&self, resolver: &mut Resolver<'_, 'g>, pieces: &[Piece<'g>]) -> Option<Spline> {
+        let longest = pieces.iter().map(|piece| piece.coefficients.len()).max()?;
+        let mut rows = Vec::new();
+        for piece in pieces {
+            let mut row = vec![0.0; longest + 1];
+            for (entry, &expr) in row.iter_mut().zip([piece.from].iter().chain(&piece.coefficients)) {
+                *entry = resolver.facts.constant(expr)?.to_f64();
+            }
+            rows.push(row);
+        }
+        Some(Spline::new(self.places.clone(), rows))
     }
 
     /// The piece where x lies: one more of them than places between them.
@@ -373,9 +402,14 @@ mod tests {
             "[0, 2, 1]: the places of a table increase, here 1 follows 2; put the samples in order, and leave out double ones",
         );
         table("x, d, [1, 2]", "[1, 2]: this table has 3 places and 2 values; each place has a value");
+        table("x/l, [0, 1], [1, 2]", "[0, 1]: a table of this kind has from 3 to 10000 samples, not 2");
+        let [places, values] = ["k", "l*k"].map(|value| format!("[{}]", vec![value; 201].join(", ")).replace('k', "1"));
         table(
-            "x/l, [0, 1], [1, 2]",
-            "[0, 1]: a table of this kind has from 3 to 200 samples, not 2; leave out samples where the curve is nearly straight",
+            &format!("x/l, {places}, {values}"),
+            &format!(
+                "{places}: a table of this kind with parameters in its values has from 3 to 200 samples, not 201; \
+                 leave out samples where the curve is nearly straight"
+            ),
         );
         table(
             "x, [l, 2*l, 3*l], d",

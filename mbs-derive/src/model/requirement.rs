@@ -349,6 +349,7 @@ fn domain(graph: &Graph, id: Id) -> Option<(Condition, Vec<Expr<'_>>)> {
         | Node::Mul(..)
         | Node::Call(..)
         | Node::Call2(Binary::Atan2, ..)
+        | Node::Spline(..)
         | Node::Less(..)
         | Node::LessEqual(..)
         | Node::And(..)

@@ -48,6 +48,7 @@ fn bounds(graph: &Graph, roots: &[Expr<'_>]) -> BTreeMap<Id, Option<usize>> {
             Node::Select(condition, a, b) if of(condition) == Some(0) => larger(of(a), of(b)),
             Node::Call(..)
             | Node::Call2(..)
+            | Node::Spline(..)
             | Node::Less(..)
             | Node::LessEqual(..)
             | Node::And(..)

@@ -71,6 +71,7 @@ pub fn operations(program: &Program) -> Operations {
             Instruction::Less(..)
             | Instruction::LessEqual(..)
             | Instruction::Select(..)
+            | Instruction::Spline(..)
             | Instruction::Call(..)
             | Instruction::Call2(..) => count.other += 1,
         }

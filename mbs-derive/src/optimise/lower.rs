@@ -4,7 +4,7 @@ use std::hash::{Hash, Hasher};
 
 use crate::expr::graph::MixHasher;
 use crate::expr::table::{Finder, Table};
-use crate::expr::{Expr, Graph, HalfInteger, Id, Node, Number};
+use crate::expr::{Expr, Graph, HalfInteger, Id, Node, Number, Spline, SplineDerivative};
 
 use super::program::{Instruction, Program, Value};
 use super::schedule::Hoisting;
@@ -14,13 +14,16 @@ pub fn program(roots: &[Expr<'_>], hoisting: &Hoisting) -> Program {
     let Some(first) = roots.first() else { return Program::default() };
     let mut lowering = Lowering::new(first.graph(), roots, hoisting);
     let results = roots.iter().map(|root| lowering.value(root.id())).collect();
-    Program::new(lowering.instructions, results)
+    let splines = lowering.splines.iter().map(|&number| Spline::clone(&lowering.graph.spline_of(number))).collect();
+    Program { splines, ..Program::new(lowering.instructions, results) }
 }
 
 struct Lowering<'a> {
     graph: &'a Graph,
     nodes: Table<Entry>,
     instructions: Vec<Instruction>,
+    /// The numbers of splines in the graph, by those in the program.
+    splines: Vec<u32>,
     /// Equal instructions are one.
     known: Finder,
 }
@@ -45,6 +48,7 @@ enum Recipe {
     Power(Id, i32),
     Call(crate::expr::Function, Id),
     Call2(crate::expr::Binary, Id, Id),
+    Spline(SplineDerivative, Id),
     Not(Id),
     Select(Id, Id, Id),
 }
@@ -54,7 +58,9 @@ impl Recipe {
         let none = Id(0);
         let (operands, count) = match self {
             Recipe::Leaf(_) => ([none; 3], 0),
-            Recipe::Neg(a) | Recipe::Power(a, _) | Recipe::Call(_, a) | Recipe::Not(a) => ([a, none, none], 1),
+            Recipe::Neg(a) | Recipe::Power(a, _) | Recipe::Call(_, a) | Recipe::Spline(_, a) | Recipe::Not(a) => {
+                ([a, none, none], 1)
+            }
             Recipe::Binary(_, a, b) | Recipe::Call2(_, a, b) => ([a, b, none], 2),
             Recipe::Select(c, a, b) => ([c, a, b], 3),
         };
@@ -74,7 +80,8 @@ impl<'a> Lowering<'a> {
             }
         }
         let most = order.len();
-        Lowering { graph, nodes, instructions: Vec::with_capacity(most), known: Finder::with_capacity(most) }
+        let instructions = Vec::with_capacity(most);
+        Lowering { graph, nodes, instructions, splines: Vec::new(), known: Finder::with_capacity(most) }
     }
 
     /// The value of a node, after those that it needs, depth first.
@@ -132,6 +139,7 @@ impl<'a> Lowering<'a> {
             Node::Power(a, n) => Recipe::Power(a, n.to_halves()),
             Node::Call(function, a) => Recipe::Call(function, a),
             Node::Call2(function, a, b) => Recipe::Call2(function, a, b),
+            Node::Spline(derivative, a) => Recipe::Spline(derivative, a),
             Node::Less(a, b) => Recipe::Binary(Instruction::Less, a, b),
             Node::LessEqual(a, b) => Recipe::Binary(Instruction::LessEqual, a, b),
             Node::And(a, b) => Recipe::Binary(Instruction::And, a, b),
@@ -157,10 +165,24 @@ impl<'a> Lowering<'a> {
             Recipe::Power(a, halves) => return self.power(value(a), halves),
             Recipe::Call(function, a) => Instruction::Call(function, value(a)),
             Recipe::Call2(function, a, b) => Instruction::Call2(function, value(a), value(b)),
+            Recipe::Spline(derivative, a) => {
+                let a = value(a);
+                let spline = self.spline(derivative.spline);
+                Instruction::Spline(SplineDerivative { spline, ..derivative }, a)
+            }
             Recipe::Not(a) => Instruction::Not(value(a)),
             Recipe::Select(c, a, b) => Instruction::Select(value(c), value(a), value(b)),
         };
         self.push(instruction)
+    }
+
+    /// The number in the program of a spline of the graph.
+    fn spline(&mut self, number: u32) -> u32 {
+        let known = self.splines.iter().position(|&known| known == number);
+        known.unwrap_or_else(|| {
+            self.splines.push(number);
+            self.splines.len() - 1
+        }) as u32
     }
 
     /// `x^(halves/2)` by products, a square root and a division; partial powers are shared.

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use crate::expr::{Binary, Function, Number, Symbol};
+use crate::expr::{Binary, Function, Number, Spline, SplineDerivative, Symbol};
 
 use super::region::{self, Regions};
 
@@ -44,6 +44,8 @@ pub enum Instruction {
     Call(Function, Value),
     /// `f(a, b)`
     Call2(Binary, Value, Value),
+    /// A derivative of one of the program's splines at a
+    Spline(SplineDerivative, Value),
     /// Whether `a < b`
     Less(Value, Value),
     /// Whether `a <= b`
@@ -62,9 +64,11 @@ impl Instruction {
         let none = Value(0);
         let (operands, count) = match self {
             Instruction::Constant(_) | Instruction::Symbol(_) | Instruction::Hoisted(_) => ([none; 3], 0),
-            Instruction::Neg(a) | Instruction::Sqrt(a) | Instruction::Call(_, a) | Instruction::Not(a) => {
-                ([a, none, none], 1)
-            }
+            Instruction::Neg(a)
+            | Instruction::Sqrt(a)
+            | Instruction::Call(_, a)
+            | Instruction::Spline(_, a)
+            | Instruction::Not(a) => ([a, none, none], 1),
             Instruction::Add(a, b)
             | Instruction::Sub(a, b)
             | Instruction::Mul(a, b)
@@ -92,6 +96,7 @@ impl Instruction {
             Instruction::Sqrt(a) => Instruction::Sqrt(new(a)),
             Instruction::Call(function, a) => Instruction::Call(function, new(a)),
             Instruction::Call2(function, a, b) => Instruction::Call2(function, new(a), new(b)),
+            Instruction::Spline(derivative, a) => Instruction::Spline(derivative, new(a)),
             Instruction::Less(a, b) => Instruction::Less(new(a), new(b)),
             Instruction::LessEqual(a, b) => Instruction::LessEqual(new(a), new(b)),
             Instruction::And(a, b) => Instruction::And(new(a), new(b)),
@@ -111,6 +116,8 @@ pub struct Program {
     pub results: Vec<Value>,
     /// Which instructions are executed on one side of a branch only.
     pub regions: Regions,
+    /// The splines that instructions evaluate.
+    pub splines: Vec<Spline>,
 }
 
 impl Program {
@@ -118,7 +125,7 @@ impl Program {
     /// branch stand together.
     pub fn new(instructions: Vec<Instruction>, results: Vec<Value>) -> Self {
         if !instructions.iter().any(region::is_selection) {
-            return Program { instructions, results, regions: Regions::default() };
+            return Program { instructions, results, ..Program::default() };
         }
         let (regions, order) = region::regions(&instructions, &results);
         let mut numbers = vec![Value(0); instructions.len()];
@@ -126,7 +133,7 @@ impl Program {
         let number = |value: Value| numbers[value.index()];
         let instructions: Vec<_> = order.iter().map(|old| instructions[old.index()].with_operands(number)).collect();
         let results = results.into_iter().map(number).collect();
-        Program { instructions, results, regions: regions.renumbered(&order, number) }
+        Program { instructions, results, regions: regions.renumbered(&order, number), splines: Vec::new() }
     }
 
     /// Whether it reads a symbol of this kind.
@@ -151,6 +158,7 @@ impl fmt::Display for Program {
                 Instruction::Div(a, b) => write!(f, "v{} / v{}", a.0, b.0)?,
                 Instruction::Sqrt(a) => write!(f, "sqrt(v{})", a.0)?,
                 Instruction::Call(function, a) => write!(f, "{}(v{})", function.name(), a.0)?,
+                Instruction::Spline(d, a) => write!(f, "table_{}{}(v{})", d.spline, "'".repeat(d.order as usize), a.0)?,
                 Instruction::Less(a, b) => write!(f, "v{} < v{}", a.0, b.0)?,
                 Instruction::LessEqual(a, b) => write!(f, "v{} <= v{}", a.0, b.0)?,
                 Instruction::And(a, b) => write!(f, "v{} && v{}", a.0, b.0)?,

@@ -332,6 +332,7 @@ fn is_condition(instruction: Instruction) -> bool {
         | Instruction::Sqrt(_)
         | Instruction::Call(..)
         | Instruction::Call2(..)
+        | Instruction::Spline(..)
         | Instruction::Select(..) => false,
     }
 }

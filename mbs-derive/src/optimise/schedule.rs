@@ -137,6 +137,7 @@ fn is_total(node: Node) -> bool {
         Node::Constant(_) | Node::Symbol(_) | Node::Neg(_) | Node::Add(..) | Node::Sub(..) | Node::Mul(..) => true,
         Node::Power(_, n) => n.to_integer().is_some_and(|n| n > 0),
         Node::Call(function, _) => matches!(function, Function::Sin | Function::Cos),
+        Node::Spline(..) => true,
         Node::Rate(_) | Node::Call2(..) | Node::Select(..) => false,
         Node::Less(..) | Node::LessEqual(..) | Node::And(..) | Node::Not(_) => false,
     }

@@ -117,6 +117,13 @@ impl<'g> Algebra<'g> {
             Node::Mul(a, b) => sum(self, a)?.times(&sum(self, b)?, MOST_TERMS),
             Node::Power(a, n) => self.power(a, n),
             Node::Call(function, a) => self.call(id, function, a),
+            Node::Spline(derivative, a) => {
+                let a = sum(self, a)?;
+                let (x, primes) = (self.text(&a)?, "'".repeat(derivative.order as usize));
+                let text = format!("\\operatorname{{table}}_{{{}}}{primes}({x})", derivative.spline);
+                self.function(id, Shape::Closed(text), &[&a]);
+                Some(Polynomial::atom(id, 2))
+            }
             Node::Call2(function, a, b) => {
                 let (a, b) = (sum(self, a)?, sum(self, b)?);
                 let (x, y) = (self.text(&a)?, self.text(&b)?);

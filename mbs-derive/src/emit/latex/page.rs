@@ -343,6 +343,7 @@ fn operations(entries: &[Expr<'_>]) -> usize {
         Node::Rate(_) | Node::Add(..) | Node::Sub(..) | Node::Mul(..) | Node::Power(..) => true,
         Node::Call(..)
         | Node::Call2(..)
+        | Node::Spline(..)
         | Node::Less(..)
         | Node::LessEqual(..)
         | Node::And(..)

@@ -53,6 +53,7 @@ pub fn weight(roots: &[Expr<'_>]) -> usize {
                     0
                 }
             }
+            Node::Spline(..) => 20,
             Node::Call(..) | Node::Call2(..) | Node::Less(..) | Node::LessEqual(..) | Node::Select(..) => 20,
         };
     }

@@ -134,7 +134,7 @@ fn factors(graph: &Graph, id: Id) -> [Option<(Id, bool)>; 2] {
             .map(|(operand, other)| behind_parameters(graph, operand).map(|sum| (sum, graph.is_parametric(other)))),
         // Multiples of a sum of angles are sums of multiples.
         Node::Call(Function::Sin | Function::Cos, a) if is_sum(graph, a) => [None, None],
-        Node::Power(a, _) | Node::Call(_, a) => [taken(a), None],
+        Node::Power(a, _) | Node::Call(_, a) | Node::Spline(_, a) => [taken(a), None],
         Node::Call2(_, a, b) => [taken(a), taken(b)],
         Node::Constant(_)
         | Node::Symbol(_)
