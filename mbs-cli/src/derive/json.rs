@@ -13,8 +13,8 @@
 //!     "operations": {"add": 0, …}, "instructions": [["hoisted", 0]], "results": [0]}, …},
 //!   "prescribed": [],
 //!   "constraints": [],
-//!   "splines": [],
-//!   "graph": {"nodes": [{"operation": "symbol", "name": "m", "symbol": ["parameter", 0]}, …], "roots": {"mass_matrix": [3], …}}
+//!   "graph": {"nodes": [{"operation": "symbol", "name": "m", "symbol": ["parameter", 0]}, …], "roots": {"mass_matrix": [3], …}},
+//!   "splines": []
 //! }
 //! ```
 //!
@@ -45,8 +45,8 @@ pub(crate) fn programs(derivation: &Derivation) -> String {
         "functions": functions,
         "prescribed": variables(&derivation.prescribed),
         "constraints": derivation.constraints,
-        "splines": derivation.splines().into_iter().map(spline).collect::<Vec<_>>(),
         "graph": graph(derivation),
+        "splines": derivation.splines().into_iter().map(spline).collect::<Vec<_>>(),
     });
     output::json(&object)
 }
@@ -71,20 +71,27 @@ fn of_function(derivation: &Derivation, function: &Function) -> Value {
         Completion::SolveConstrained => "solve constrained",
         Completion::SolveMultipliers => "solve multipliers",
     };
-    let mut object = program(derivation, &function.program);
-    object["arguments"] = json!(arguments);
-    object["returns"] = json!(returns);
-    object["completion"] = json!(completion);
-    object["operations"] = ops::counts(function.operations);
-    object
+    json!({
+        "arguments": arguments,
+        "returns": returns,
+        "completion": completion,
+        "operations": ops::counts(function.operations),
+        "instructions": instructions(derivation, &function.program),
+        "results": results(&function.program),
+    })
 }
 
 fn program(derivation: &Derivation, program: &Program) -> Value {
+    json!({ "instructions": instructions(derivation, program), "results": results(program) })
+}
+
+fn instructions(derivation: &Derivation, program: &Program) -> Vec<Value> {
     let splines = spline_numbers(derivation, program);
-    json!({
-        "instructions": program.instructions.iter().map(|&i| instruction(i, &splines)).collect::<Vec<_>>(),
-        "results": program.results.iter().map(|v| v.index()).collect::<Vec<_>>(),
-    })
+    program.instructions.iter().map(|&i| instruction(i, &splines)).collect()
+}
+
+fn results(program: &Program) -> Vec<usize> {
+    program.results.iter().map(|value| value.index()).collect()
 }
 
 fn spline(spline: &Spline) -> Value {

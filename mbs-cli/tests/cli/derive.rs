@@ -32,11 +32,32 @@ fn json_holds_every_program() {
     let json: Value = serde_json::from_str(&workshop.good(&["derive", "chain.mbs", "--emit", "json"])).unwrap();
     let expected = ["mechanism", "coordinates", "parameters", "inputs", "depends_on_time", "constructor", "functions"];
     assert_eq!(keys(&json)[..7], expected);
-    assert_eq!(keys(&json)[7..], ["prescribed", "constraints", "graph"]);
+    assert_eq!(keys(&json)[7..], ["prescribed", "constraints", "graph", "splines"]);
     assert_eq!(json["parameters"][0]["defaults"], serde_json::json!([1.0, 2.0]));
     let mass_matrix = &json["functions"]["mass_matrix"];
     assert_eq!(mass_matrix["returns"][0]["shape"], serde_json::json!(["symmetric", 2]));
     assert_eq!(mass_matrix["results"].as_array().unwrap().len(), 3);
+}
+
+#[test]
+fn json_holds_the_samples_of_tables() {
+    let workshop = Workshop::new();
+    workshop.write(
+        "table.mbs",
+        "mechanism A { param m: kg = 1; coord x: m; kinetic += 1/2*m*dt(x)^2; const at[3]: m = [0, 1, 3];
+         const pull[3]: N = [0, 2, 2]; force x += -table(x, at, pull) - table(2*x, at, pull); }",
+    );
+    let json: Value = serde_json::from_str(&workshop.good(&["derive", "table.mbs", "--emit", "json"])).unwrap();
+    let rows = [[0.0, 0.0, 0.0], [0.0, 0.0, 2.0], [1.0, 2.0, 0.0], [3.0, 2.0, 0.0]];
+    assert_eq!(json["splines"], serde_json::json!([{ "places": [0.0, 1.0, 3.0], "rows": rows }]));
+    let instructions = json["functions"]["generalized_force"]["instructions"].as_array().unwrap();
+    assert_eq!(
+        instructions.iter().filter(|i| i[0] == "spline" && i[1] == 0 && i[2] == 0).count(),
+        2,
+        "{instructions:?}"
+    );
+    let nodes = json["graph"]["nodes"].as_array().unwrap();
+    assert_eq!(nodes.iter().filter(|node| node["operation"] == "spline" && node["order"] == 1).count(), 2, "slopes");
 }
 
 #[test]

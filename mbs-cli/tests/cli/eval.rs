@@ -198,7 +198,7 @@ fn wrong_states_are_refused_by_name() {
         (r#"{"q": [1, NaN]}"#, r#""q"[1] (x_1) must be a finite number, found NaN"#),
         (r#"{"q": [1, -Infinity]}"#, r#""q"[1] (x_1) must be a finite number, found -Infinity"#),
         (r#"{"q": [1, "2"]}"#, r#""q"[1] (x_1) is "2": write a number and its unit, as in "20 deg""#),
-        (r#"{"q": [1, "2 kg"]}"#, r#""q"[1] (x_1) is "2 kg": `kg` is kg, it must be m"#),
+        (r#"{"q": [1, "2 kg"]}"#, r#""q"[1] (x_1) is "2 kg": its unit `kg` does not fit, m is wanted"#),
         (r#"{"q": [1, null]}"#, r#""q"[1] (x_1) must be a finite number, found null"#),
         (r#"{"q": [1, 2], "t": []}"#, r#""t" must be a finite number, found an array"#),
         (r#"{"q": [1, 2], "dq": [1, 2]}"#, r#"unknown key "dq"; did you mean "qd"?"#),

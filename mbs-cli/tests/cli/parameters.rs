@@ -83,14 +83,14 @@ fn numbers_with_units_are_converted() {
         let state = format!(r#"{{"q": [0, 0], "params": {{"tilt": {value}}}}}"#);
         refused(&workshop, "crane.mbs", &state, &format!("\"params\".\"tilt\" is {value}: {message}"));
     };
-    wrong("\"20 m\"", "`m` is m, it must be a plain number");
+    wrong("\"20 m\"", "its unit `m` does not fit, an angle or a plain number is wanted");
     wrong("\"20\"", "write a number and its unit, as in \"20 deg\"");
     refused(
         &workshop,
         "crane.mbs",
         r#"{"q": ["1 kg", 0], "prescribed": {"heave": [0, 0, "1 m/s"]}}"#,
-        "\"q\"[0] (x) is \"1 kg\": `kg` is kg, it must be m\nerror: --state: \
-         \"prescribed\".\"heave\"[2] (acceleration) is \"1 m/s\": `m/s` is m/s, it must be m/s²",
+        "\"q\"[0] (x) is \"1 kg\": its unit `kg` does not fit, m is wanted\nerror: --state: \
+         \"prescribed\".\"heave\"[2] (acceleration) is \"1 m/s\": its unit `m/s` does not fit, m/s² is wanted",
     );
 }
 

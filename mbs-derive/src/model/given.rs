@@ -20,7 +20,12 @@ pub fn in_si(text: &str, unit: &str) -> Result<f64, String> {
     let (number, own) = split(text).ok_or("write a number and its unit, as in \"20 deg\"")?;
     let (wanted, found) = (of_unit(unit)?, of_unit(own)?);
     if wanted.dimension != found.dimension {
-        return Err(format!("`{own}` is {}, it must be {}", in_words(found.dimension), in_words(wanted.dimension)));
+        let wanted = if wanted.dimension == Dimension::ONE {
+            "an angle or a plain number".to_string()
+        } else {
+            in_words(wanted.dimension)
+        };
+        return Err(format!("its unit `{own}` does not fit, {wanted} is wanted"));
     }
     let value = Number::parse_decimal(number.trim_start_matches(['+', '-'])).ok_or("the number is too long")?;
     let value = (value * found.scale).to_f64();
@@ -108,8 +113,8 @@ mod tests {
         for text in ["", "deg", "20", "NaN deg", "inf m", "1e999 m", "nan", "infinity m"] {
             check(text, "rad", form);
         }
-        check("20 deg", "m", "`deg` is a plain number, it must be m");
-        check("20 m", "rad", "`m` is m, it must be a plain number");
+        check("20 deg", "m", "its unit `deg` does not fit, m is wanted");
+        check("20 m", "rad", "its unit `m` does not fit, an angle or a plain number is wanted");
         check("20 m; 3", "m", "`m; 3` is not a unit");
         check("20 m = 3", "m", "`m = 3` is not a unit");
         assert!(in_si("2 furlong", "m").unwrap_err().starts_with("`furlong` is not a unit; "));
