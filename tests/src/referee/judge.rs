@@ -227,7 +227,8 @@ impl Court<'_> {
                 }
                 compared.iter_mut().for_each(|values| treatment.apply(values, &state.q, &self.mechanism.quaternions));
             }
-            self.compare(&compared[0], &compared[1], &compared[2..])
+            let floors = floors(&function.kind, expected, case);
+            self.compare(&compared[0], &compared[1], &compared[2..], &floors)
         };
         report.map_err(|report| wrong(&function.name, format!("{report}\n{}", shown(state))))
     }
@@ -273,7 +274,8 @@ impl Court<'_> {
         }
     }
 
-    fn compare(&mut self, found: &[f64], expected: &[f64], samples: &[Vec<f64>]) -> Result<(), String> {
+    /// Beside what rounding explains, numbers may be off by `floors`.
+    fn compare(&mut self, found: &[f64], expected: &[f64], samples: &[Vec<f64>], floors: &[f64]) -> Result<(), String> {
         if found.len() != expected.len() {
             return Err(format!("there are {} numbers, not {}", found.len(), expected.len()));
         }
@@ -284,7 +286,7 @@ impl Court<'_> {
             // another way.
             let structural = expected.abs() + spread <= 1e-14 * largest || expected.abs() <= 1e-10 * spread;
             let residue = if structural { ZERO.max(largest) } else { expected.abs() };
-            let bound = MULTIPLE * spread + 32.0 * f64::EPSILON * residue;
+            let bound = MULTIPLE * spread + 32.0 * f64::EPSILON * residue + floors.get(i).unwrap_or(&0.0);
             // Nobody asked for it, or nobody knows it.
             if expected.is_nan() {
                 continue;
@@ -371,6 +373,27 @@ fn places(random: &mut Random, k: usize, n: usize) -> Vec<f64> {
         _ => (random.bits() % 5) as f64 * FRAC_PI_2 - PI,
     };
     (0..n).map(|_| one(random)).collect()
+}
+
+/// What each number of a function may be off by because of others. An output may have been turned from the axes of a pose, which
+/// leaves a rounding of its largest component in all of them. What a parameter changes of an acceleration is a difference of changes
+/// that forces and inertias make each by itself.
+fn floors(kind: &FunctionKind, expected: &[f64], Case { state, truth, .. }: &Case) -> Vec<f64> {
+    let largest = |values: &[f64]| values.iter().fold(0.0, |largest: f64, x| largest.max(x.abs()));
+    match kind {
+        FunctionKind::Output(_)
+        | FunctionKind::OutputVelocity(_)
+        | FunctionKind::OutputJacobian(_)
+        | FunctionKind::OutputJacobianQd(_)
+        | FunctionKind::OutputJacobianU(_)
+        | FunctionKind::OutputJacobianRate(_) => vec![4.0 * f64::EPSILON * largest(expected); expected.len()],
+        FunctionKind::LinearizeParameters => {
+            let acceleration = truth.get("forward_dynamics").map_or(0.0, |qdd| largest(qdd));
+            let by = |p: &f64| if *p == 0.0 { 0.0 } else { 4.0 * f64::EPSILON * acceleration / p.abs() };
+            state.parameters.iter().map(by).cycle().take(expected.len()).collect()
+        }
+        _ => Vec::new(),
+    }
 }
 
 /// Where there are no accelerations, or many, all are NaN.

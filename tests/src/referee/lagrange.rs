@@ -87,6 +87,9 @@ pub(super) struct Equations<S> {
 pub(super) struct Written {
     trace: Trace,
     lines: Lines,
+    /// The same with other roundings of the axes that vectors are turned into and back, if they are rounded: what two ways to the
+    /// same force differ by does not cancel.
+    again: Option<(Trace, Lines)>,
     /// How many coordinates there are, with those of joints.
     coordinates: usize,
 }
@@ -121,7 +124,8 @@ impl Written {
             Ok(Lines::of(&Evaluator::new(mechanism, &traced).run()?))
         };
         let (trace, lines) = Trace::of(&given, calculation, Lines::groups)?;
-        Ok(Written { trace, lines, coordinates: state.q.len() })
+        let again = if R::ROUGH { Some(Trace::of(&given, calculation, Lines::groups)?) } else { None };
+        Ok(Written { trace, lines, again, coordinates: state.q.len() })
     }
 
     /// The equations of these coordinates. On which sides of branches they are was decided where they were written down.
@@ -132,7 +136,14 @@ impl Written {
         let places = |gradient: &[S]| gradient[range.clone()].to_vec();
         let rates = |gradient: &[S]| gradient[self.coordinates..][range.clone()].to_vec();
         let [of_lagrangian, of_its_rate] = lines.lagrangian.map(gradient);
-        let inertia = rates(&of_its_rate).into_iter().zip(places(&of_lagrangian));
+        let by_place = match &self.again {
+            None => places(&of_lagrangian),
+            Some((trace, lines)) => {
+                let values = trace.values(&given, Wanted::Inertia as usize);
+                places(&trace.gradient(&values, &[(lines.lagrangian[0], one)], given.len()))
+            }
+        };
+        let inertia = rates(&of_its_rate).into_iter().zip(by_place);
         let mut equations = Equations {
             kinetic: values[lines.kinetic],
             potential: values[lines.potential],
