@@ -162,16 +162,32 @@ impl Number {
         Some(exactly().unwrap_or_else(rounded))
     }
 
-    /// The result of an operation that is rounded once, of operands that bring in so much error; held exactly where it is a small
-    /// integer (0 and 1 above all).
+    /// The result of an operation that is rounded once, of operands that bring in this error; held exactly where it is a small
+    /// integer (0 and 1 above all), and 0 where it may be nothing but error.
     pub fn rounded(value: f64, inherited: f64) -> Number {
-        if value.fract() == 0.0 && value.abs() < 1e9 {
+        // Where a slope is vertical nothing is known of the error.
+        let inherited = if inherited.is_finite() { inherited } else { 0.0 };
+        if value.abs() <= inherited {
+            Number::ZERO
+        } else if value.fract() == 0.0 && value.abs() < 1e9 {
             Number::integer(value as i64)
         } else {
-            // Where a slope is vertical nothing is known of the error.
-            let inherited = if inherited.is_finite() { inherited } else { 0.0 };
             Number::Real { value, error: inherited + value.abs() * f64::EPSILON }
         }
+    }
+
+    /// `self / other`, to be multiplied with the same `other` again, whose error it therefore does not take over; `None` where
+    /// that is zero.
+    pub(crate) fn in_units_of(self, other: Number) -> Option<Number> {
+        let exactly = match (self, other) {
+            (Number::Exact { .. }, Number::Exact { .. }) => other.power(-2).map(|reciprocal| self * reciprocal),
+            _ => None,
+        };
+        let rounded = || {
+            let quotient = self.to_f64() / other.to_f64();
+            quotient.is_finite().then(|| Number::rounded(quotient, 0.0))
+        };
+        if other.is_zero() { None } else { exactly.or_else(rounded) }
     }
 
     /// How far, to first order, the constant that is meant may be from [`to_f64`](Self::to_f64).
@@ -393,5 +409,25 @@ mod tests {
         assert_eq!(number.to_f64(), 124.9999988609375);
         let small = Number::rational(1, 10i128.pow(38)).unwrap();
         assert_eq!(small.to_f64(), 1e-38);
+    }
+
+    #[test]
+    fn what_may_be_nothing_but_error_is_zero() {
+        assert!(Number::rounded(6.1e-17, 8.9e-16).is_zero());
+        assert!(!Number::rounded(6.1e-17, 1e-32).is_zero());
+    }
+
+    /// Coefficients are divided by the first of them, and multiplied with it again: what is unknown of it must not swallow the sums
+    /// of their quotients.
+    #[test]
+    fn quotients_do_not_take_over_what_is_unknown_of_the_divisor() {
+        let [first, other] = [Number::rounded(1e-3, 0.9e-3), Number::rounded(1.5e-3, 1.4e-3)];
+        let quotient = other.in_units_of(first).expect("finite");
+        assert_eq!((quotient.to_f64(), (quotient + Number::ONE).to_f64()), (1.5, 2.5));
+        let exact = Number::rational(3, 7).expect("no zero").in_units_of(Number::integer(-3));
+        assert_eq!(exact, Number::rational(-1, 7));
+        assert_eq!(Number::ONE.in_units_of(Number::ZERO), None);
+        let least = Number::rounded(1e-310, 0.0);
+        assert_eq!(Number::ONE.in_units_of(least), None, "infinite");
     }
 }

@@ -296,4 +296,15 @@ mod tests {
         let new = turned(&old, &inertias);
         same_energy((&old, &inertias), (&new.linkage, &new.inertias));
     }
+
+    /// The cosine of a right angle in doubles is 6e-17: a length with that factor was added to masses.
+    #[test]
+    fn right_angles_are_exact() {
+        let graph = Graph::new();
+        for (quarters, [s, c]) in [(-1.0, [-1, 0]), (1.0, [1, 0]), (2.0, [0, -1])] {
+            let angle = quarters * core::f64::consts::FRAC_PI_2;
+            let Edge::Tilt { sin, cos, .. } = tilt(0, angle, &graph) else { panic!("a tilt") };
+            assert_eq!([sin.id(), cos.id()], [graph.integer(s).id(), graph.integer(c).id()], "{quarters}");
+        }
+    }
 }

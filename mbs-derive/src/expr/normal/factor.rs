@@ -291,9 +291,11 @@ fn products(graph: &Graph, polynomial: &Polynomial) -> Vec<Product> {
 fn product(graph: &Graph, state: &Powers, parts: &[(Powers, Number)]) -> Product {
     // The number is a factor of its own, so that `2 m l` and `m l` have `m l` in common.
     let number = parts[0].1;
-    let rest: Vec<_> = match number.power(-2) {
-        Some(reciprocal) => parts.iter().map(|(powers, other)| (powers.clone(), *other * reciprocal)).collect(),
-        None => parts.to_vec(),
+    let quotients: Option<Vec<_>> =
+        parts.iter().map(|(powers, other)| Some((powers.clone(), other.in_units_of(number)?))).collect();
+    let (number, rest) = match quotients {
+        Some(quotients) => (number, quotients),
+        None => (Number::ONE, parts.to_vec()),
     };
     let (number, negative) = if number.is_negative() { (-number, true) } else { (number, false) };
     let coefficient = coefficient(graph, &rest);
