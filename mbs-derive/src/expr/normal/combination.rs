@@ -7,6 +7,9 @@ use crate::expr::{Id, Number};
 /// Products with powers beyond this many halves are not formed.
 const HIGHEST: i32 = 200;
 
+/// Products of more than this many different expressions are not formed: sums that stay factors would gather without end.
+const MOST_FACTORS: usize = 100;
+
 /// Terms with their coefficients, none of them zero.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Combination<K>(pub BTreeMap<K, Number>);
@@ -104,7 +107,7 @@ impl Polynomial {
     }
 }
 
-/// The product of two products of powers; `None` where a power is too high.
+/// The product of two products of powers; `None` where a power is too high, or factors are too many.
 pub fn product_of_powers(a: &Powers, b: &Powers) -> Option<Powers> {
     let mut product = a.clone();
     for (&id, &halves) in b {
@@ -117,7 +120,7 @@ pub fn product_of_powers(a: &Powers, b: &Powers) -> Option<Powers> {
             product.remove(&id);
         }
     }
-    Some(product)
+    (product.len() <= MOST_FACTORS).then_some(product)
 }
 
 /// A whole power of a product of powers; `None` where a power is too high.
