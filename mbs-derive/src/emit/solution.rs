@@ -64,8 +64,15 @@ impl Emitter<'_> {
             let field = ident(field);
             match parameter.length {
                 Some(length) => {
-                    let places = (0..length).map(Literal::usize_unsuffixed);
-                    places.map(|i| quote!(self.params.#field[#i])).collect::<Vec<_>>()
+                    let place =
+                        |i: usize| match parameter.columns.map(|n| [i / n, i % n].map(Literal::usize_unsuffixed)) {
+                            Some([row, column]) => quote!(self.params.#field[#row][#column]),
+                            None => {
+                                let i = Literal::usize_unsuffixed(i);
+                                quote!(self.params.#field[#i])
+                            }
+                        };
+                    (0..length).map(place).collect::<Vec<_>>()
                 }
                 None => vec![quote!(self.params.#field)],
             }
