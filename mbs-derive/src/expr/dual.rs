@@ -122,11 +122,10 @@ impl<S: Value> Value for Dual<S> {
             let sizes = terms.sizes.iter().map(|sizes| value(sizes)).collect();
             let solutions =
                 solve(&values, &Terms { sizes, motion: value(&terms.motion), scales: value(&terms.scales) });
-            let of_each = |f: &dyn Fn(&[S], &[S]) -> Vec<S>| -> Vec<Vec<S>> {
-                columns.iter().zip(&solutions).map(|(column, x)| f(&rate(column), x)).collect()
-            };
-            let right_sides = of_each(&|column, x| remainder(&mass, &jacobian, column, x, n));
-            let sizes = of_each(&|column, x| remainder_sizes(&jacobian, column, x, n));
+            let solved = || columns.iter().map(|column| rate(column)).zip(&solutions);
+            let right_sides: Vec<Vec<S>> =
+                solved().map(|(column, x)| remainder(&mass, &jacobian, &column, x, n)).collect();
+            let sizes = solved().map(|(column, x)| remainder_sizes(&jacobian, &column, x, n)).collect();
             let rates = solve(&right_sides, &Terms { sizes, motion: Vec::new(), scales: Vec::new() });
             let pair =
                 |(x, rates): (&Vec<S>, Vec<S>)| x.iter().zip(rates).map(|(&x, rate)| Dual::new(x, rate)).collect();
