@@ -42,12 +42,12 @@ pub(super) fn call<S: Real>(name: &str, arguments: &[Shared<S>], mixing: &Mixing
         },
         "table" | "table_monotone" | "table_spline" => {
             let (xs, ys) = (table::column(given(1)?)?, table::column(given(2)?)?);
-            let between: fn(Moving<S>, &[Moving<S>], &[Moving<S>]) -> Moving<S> = match name {
-                "table" => table::lines,
-                "table_monotone" => table::monotone,
-                _ => table::spline,
-            };
-            Value::Number(between(number_(0)?, &xs, &ys))
+            let x = number_(0)?;
+            Value::Number(match name {
+                "table" => table::lines(x, &xs, &ys),
+                "table_monotone" => table::monotone(x, &xs, &ys),
+                _ => table::spline(x, &xs, &ys),
+            })
         }
         "diag" | "inertia" => {
             let entry = |i: usize| if i < arguments.len() { number_(i) } else { Ok(number(0.0)) };

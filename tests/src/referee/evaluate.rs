@@ -61,11 +61,14 @@ pub(super) struct Sums<S> {
 /// A name and its value.
 type Bound<S> = (Rc<str>, Shared<S>);
 
+/// A coordinate, and how many follow if it is an array.
+type Place = (usize, Option<usize>);
+
 /// A part that is gone through.
 struct Instance {
     path: String,
     /// Arguments that are coordinates: the first one, and how many if they are an array.
-    coordinates: Vec<(Rc<str>, (usize, Option<usize>))>,
+    coordinates: Vec<(Rc<str>, Place)>,
 }
 
 pub(super) struct Evaluator<'m, S> {

@@ -206,9 +206,6 @@ impl Lines {
         let value = |x: &Moving<Traced<R>>| x.re.re.line();
         let lagrangian = sums.kinetic - sums.potential + sums.lagrangian;
         let components = sums.constraints.iter().flat_map(|row| &row.components);
-        let work = |(rates, force): &([Moving<Traced<R>>; 3], [Moving<Traced<R>>; 3])| {
-            std::array::from_fn::<_, 3, _>(|i| (value(&rates[i]), value(&force[i])))
-        };
         let all = |values: Vec<Moving<Traced<R>>>| values.iter().map(value).collect::<Vec<usize>>();
         Lines {
             kinetic: value(&sums.kinetic),
@@ -216,7 +213,9 @@ impl Lines {
             lagrangian: [value(&lagrangian), lagrangian.re.eps.line()],
             dissipation: value(&sums.dissipation),
             forces: sums.forces.iter().map(|(coordinate, force)| (*coordinate, value(force))).collect(),
-            works: sums.works.iter().flat_map(work).collect(),
+            works: (sums.works.iter())
+                .flat_map(|(rates, force)| rates.iter().map(value).zip(force.iter().map(value)))
+                .collect(),
             rows: components.map(|x| [value(x), x.re.eps.line(), x.eps.eps.line()]).collect(),
             outputs: sums.outputs.iter().map(|(_, y)| [all(y.flat()), all(velocity(y))]).collect(),
         }

@@ -7,7 +7,7 @@
 //! A sum of terms that parameters scale, `b z − c y`, is rounded in each of them as it stands: other factors that are constant in
 //! time may join these. And the error of `r cos θ − a` is that of a cosine, however small the sum is; that of `k r cos θ − k a` is no
 //! greater, but `(r cos θ − a)²` is as small as the error of `r² cos²θ − 2 a r cos θ + a²`. So where sines and cosines cancel, one such
-//! sum of a product may be multiplied out ([`Turned`]), while all others are kept, as are powers.
+//! sum of a product may be multiplied out (`Turned`), while all others are kept, as are powers.
 
 use std::cell::RefCell;
 use std::collections::BTreeMap;
