@@ -1,18 +1,19 @@
-//! Doubles against numbers of 200 bits: every generated function of every mechanism of the repository, at random states, and at
-//! states that are close, far, stiff and exactly zero, and where the differences that they were written with vanish: what is
-//! multiplied out, `x² − 2 a x + a²` for `(x − a)²`, has nothing but errors there.
+//! Doubles against numbers of 200 bits: every generated function of every mechanism of the repository, at random
+//! states, and at states that are close, far, stiff and exactly zero, and where the differences that they were written
+//! with vanish: what is multiplied out, `x² − 2 a x + a²` for `(x − a)²`, has nothing but errors there.
 //!
-//! One rounding of the inputs moves a result by some amount, whatever is done with them. The error of the generated code is
-//! held against that: `|f̂ − f| ≤ K (max |f(x + δx) − f(x)| + u |f|)`, with `u = 2⁻⁵³`. Each δx is a rounding of all inputs by `± u |x|`, time
-//! and parameters among them, and of what is rounded before anything is done with it: constants, sines, roots. |f| is the
-//! largest component of its kind (`scale`), and what vanishes for all inputs is moved like the others; of accelerations and their derivatives it is multiplied by the condition of M.
-//! What exceeds this by more than the length of a sum explains has lost digits that were there.
+//! One rounding of the inputs moves a result by some amount, whatever is done with them. The error of the generated
+//! code is held against that: `|f̂ − f| ≤ K (max |f(x + δx) − f(x)| + u |f|)`, with `u = 2⁻⁵³`. Each δx is a rounding
+//! of all inputs by `± u |x|`, time and parameters among them, and of what is rounded before anything is done with it:
+//! constants, sines, roots. |f| is the largest component of its kind (`scale`), and what vanishes for all inputs is
+//! moved like the others; of accelerations and their derivatives it is multiplied by the condition of M. What exceeds
+//! this by more than the length of a sum explains has lost digits that were there.
 //!
-//! `f` is what the energies give by differentiation and nothing else, over 200 bits; it is what was declared, evaluated over
-//! 200 bits by dual numbers, too.
+//! `f` is what the energies give by differentiation and nothing else, over 200 bits; it is what was declared, evaluated
+//! over 200 bits by dual numbers, too.
 //!
-//! With constraints the condition is that of the scaled bordered matrix, and what is compared is solved with all of it over 200
-//! bits (`bordered`); where rows depend on others, Aᵀλ is compared. What is not determined must be NaN.
+//! With constraints the condition is that of the scaled bordered matrix, and what is compared is solved with all of it
+//! over 200 bits (`bordered`); where rows depend on others, Aᵀλ is compared. What is not determined must be NaN.
 
 #[path = "accuracy/bordered.rs"]
 mod bordered;
@@ -55,7 +56,7 @@ const BOUND: f64 = 32.0;
 /// A function is measured at no fewer points.
 const LEAST: usize = 3;
 
-/// At so many states next to one it is seen what formulas lose as they are written.
+/// What formulas lose as they are written is taken at this many states next to one, too.
 const NEIGHBOURS: usize = 2;
 
 /// Roundings of the inputs that are tried.
@@ -333,8 +334,8 @@ fn contacts() {
     assert!(failures.is_empty(), "{} functions lose digits\n{}", failures.len(), failures.join("\n"));
 }
 
-/// Where inputs are doubles, and no rounding is known of, differences of inputs are exact: a spring of 1e9 N/m that is stretched
-/// by 10 nm pulls with ten newtons, to the last digits.
+/// Where inputs are doubles, and no rounding is known of, differences of inputs are exact: a spring of 1e9 N/m that is
+/// stretched by 10 nm pulls with ten newtons, to the last digits.
 #[test]
 fn differences_of_inputs_are_exact() {
     for case in CLOSE.iter().filter(|case| case.is_exact) {
@@ -392,8 +393,8 @@ fn forces_in_axes_of_the_world_are_not_turned_there_and_back() {
     assert_eq!(call("bias")[..3], [0.0; 3]);
 }
 
-/// What is held against the generated code is what was declared, to a thousandth of what the proof asks. Constants that no
-/// fraction holds are doubles in it.
+/// What is held against the generated code is what was declared, to a thousandth of what the proof asks. Constants that
+/// no fraction holds are doubles in it.
 #[test]
 fn the_reference_is_what_was_declared() {
     let of_the_repository =

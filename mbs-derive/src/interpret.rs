@@ -1,7 +1,7 @@
 //! Runs Programs in process: the command line, the proofs and the tests evaluate the very code that is emitted.
 
 use crate::expr::evaluate::{holds, truth};
-use crate::expr::{Number, Symbol, Terms, Value};
+use crate::expr::{Number, Symbol, Terms, Value, largest};
 use crate::model::lagrangian::component_names;
 use crate::optimise::{
     Argument, Completion, Derivation, Function, FunctionKind, Instruction, Program, ResultPart, Shape, Value as Step,
@@ -177,24 +177,18 @@ impl<'d, V: Value> Interpreter<'d, V> {
 
     /// How large that is by which the columns of a linearization are derivatives, as the runtime's `state_sizes` has it.
     fn measured(&self, function: &Function, state: &State<V>, motion: Vec<V>) -> Terms<V> {
-        let scales =
-            match function.kind {
-                FunctionKind::LinearizeParameters => self.parameters.clone(),
-                _ => {
-                    let kinds = self.derivation.coordinate_kinds();
-                    let magnitude = |x: V| if x.less(V::constant(0.0)) { x.neg() } else { x };
-                    let largest =
-                        |values: &[V], kind: usize| {
-                            let alike = values.iter().zip(&kinds).filter(|(_, other)| **other == kind);
-                            alike.fold(V::constant(0.0), |largest, (&x, _)| {
-                                if largest.less(magnitude(x)) { magnitude(x) } else { largest }
-                            })
-                        };
-                    let size = |&kind: &usize| if kind == 0 { V::constant(1.0) } else { largest(&state.q, kind) };
-                    let sizes = kinds.iter().map(size).chain(kinds.iter().map(|&kind| largest(&state.qd, kind)));
-                    sizes.chain(state.u.iter().map(|_| V::constant(0.0))).collect()
-                }
+        let scales = if function.kind == FunctionKind::LinearizeParameters {
+            self.parameters.clone()
+        } else {
+            let kinds = self.derivation.coordinate_kinds();
+            let alike = |values: &[V], kind: usize| {
+                largest(values.iter().zip(&kinds).filter(|(_, other)| **other == kind).map(|(&x, _)| x))
             };
+            let place = |&kind: &usize| if kind == 0 { V::constant(1.0) } else { alike(&state.q, kind) };
+            let rate = |&kind: &usize| alike(&state.qd, kind);
+            let inputs = state.u.iter().map(|_| V::constant(0.0));
+            kinds.iter().map(place).chain(kinds.iter().map(rate)).chain(inputs).collect()
+        };
         Terms { sizes: Vec::new(), motion, scales }
     }
 

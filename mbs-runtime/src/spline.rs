@@ -32,7 +32,8 @@ impl<'a, const R: usize> Spline<'a, R> {
         Self { places, rows }
     }
 
-    /// The value at `x` and its derivatives, `D` numbers in all; NaN where `x` is. At a place those of the row behind it.
+    /// The value at `x` and its derivatives, `D` numbers in all; NaN where `x` is NaN or infinite. At a place those of
+    /// the row behind it.
     ///
     /// The interval is found by bisection. Lanes that lie in different intervals go through those between them in turn.
     pub fn derivatives<T: Scalar, const D: usize>(&self, x: T) -> [T; D] {

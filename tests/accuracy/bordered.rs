@@ -14,7 +14,8 @@ use nalgebra::DMatrix;
 
 use super::exact::Exact;
 
-/// Of the scaled matrix, singular values less than this are those of rows that depend on others, or of motions without inertia.
+/// Of the scaled matrix, singular values less than this are those of rows that depend on others, or of motions without
+/// inertia.
 const NOTHING: f64 = 1e-12;
 
 /// Pivots less than this are, because rows that differ by δ leave pivots of δ².
@@ -82,8 +83,8 @@ impl Conditioned {
     }
 }
 
-/// q̈ and λ of a column of f and c; NaN where a motion has no inertia, or rows contradict each other. Where rows depend on others,
-/// λ is one of many.
+/// q̈ and λ of a column of f and c; NaN where a motion has no inertia, or rows contradict each other. Where rows depend
+/// on others, λ is one of many.
 pub(crate) struct Bordered {
     n: usize,
     scales: Vec<f64>,
@@ -210,8 +211,8 @@ impl Entry for Exact {
     }
 }
 
-/// What a function's system comes to that is set up over doubles, or over 200 bits, and solved over 200 bits: what it has lost was
-/// lost before it was solved.
+/// What a function's system comes to that is set up over doubles, or over 200 bits, and solved over 200 bits: what it
+/// has lost was lost before it was solved.
 pub(crate) fn solved<V: Entry>(mechanism: &Interpreter<'_, V>, function: &Function, state: &State<V>) -> Vec<V> {
     let derivation = mechanism.derivation();
     let n = derivation.dof();

@@ -175,7 +175,8 @@ mechanism OffsetPuck {
     kinetic += particle(m, table.point([x - centre, 0, 0]));
 }";
 
-/// Kinetic energies that distances are in: of turns whose radius is the distance of two hands, and of a hand from a wall.
+/// Kinetic energies that distances are in: of turns whose radius is the distance of two hands, and of a hand from a
+/// wall.
 const GOVERNOR: &str = "
 mechanism Governor {
     param m: kg = 1;

@@ -33,8 +33,8 @@ pub(crate) fn forgetting<T>(compute: impl FnOnce() -> T) -> T {
     result
 }
 
-/// What `compute` returns where constants, and the values of sines, roots and other functions, are rounded to doubles, up or
-/// down, each always in the same way.
+/// What `compute` returns where constants, and the values of sines, roots and other functions, are rounded to doubles,
+/// up or down, each always in the same way.
 pub(crate) fn rounding<T>(roundings: u64, compute: impl FnOnce() -> T) -> T {
     ARENA.with_borrow_mut(|arena| arena.roundings = Some(roundings));
     let result = compute();

@@ -1,8 +1,8 @@
 //! In which units the components of a result are compared with each other.
 //!
-//! Where the largest components of a matrix are of order one, one that is 1e-17 instead of 0 has lost nothing. So errors are held
-//! against the largest component of their kind, in coordinates that are measured so that all `Mᵢᵢ` are one: what is of the order of
-//! one does not depend on units then.
+//! Where the largest components of a matrix are of order one, one that is 1e-17 instead of 0 has lost nothing. So
+//! errors are held against the largest component of their kind, in coordinates that are measured so that all `Mᵢᵢ` are
+//! one: what is of the order of one does not depend on units then.
 
 use mbs_derive::optimise::{Function, FunctionKind, Shape};
 use nalgebra::DMatrix;

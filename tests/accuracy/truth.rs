@@ -1,4 +1,5 @@
-//! What was declared, over 200 bits: the energies as written, and Lagrange's equations from them by nested dual numbers.
+//! What was declared, over 200 bits: the energies as written, and Lagrange's equations from them by nested dual
+//! numbers.
 
 use mbs_derive::expr::{Dual, Symbol, Value};
 use mbs_derive::interpret::State;

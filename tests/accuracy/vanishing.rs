@@ -1,4 +1,5 @@
-//! Where the differences of a mechanism vanish: the sums that its energies and forces multiply, take powers and functions of.
+//! Where the differences of a mechanism vanish: the sums that its energies and forces multiply, take powers and
+//! functions of.
 
 use std::collections::BTreeMap;
 
@@ -6,7 +7,8 @@ use mbs_derive::expr::{Dual, Expr, Id, Node, Symbol, Tape};
 use mbs_derive::interpret::State;
 use mbs_derive::model::Lagrangian;
 
-/// So many sums of a mechanism are tried, spread over all of them, until so many vanish somewhere.
+/// How many sums of a mechanism are tried at most, spread over all of them, and after how many that vanish somewhere no
+/// more are.
 const TRIED: usize = 24;
 const MOST: usize = 6;
 

@@ -46,8 +46,14 @@ pub(super) enum Statement {
     Let(usize, Tree),
     /// `let (sin, cos) = angle.sin_cos();`
     SinCos([usize; 2], Tree),
-    /// `let [value, _, second] = TABLE_0.derivatives(x);` of the spline with this number in [`Names`]: orders, their locals, x.
-    Spline(usize, Vec<usize>, Vec<usize>, Tree),
+    /// `let [value, _, second] = TABLE_0.derivatives(x);`, of the orders that are read.
+    Spline {
+        /// Its number in [`Names`].
+        table: usize,
+        orders: Vec<usize>,
+        locals: Vec<usize>,
+        x: Tree,
+    },
     /// `let local = T::select(condition, || …, || …);`, of several locals `let [a, b] = T::select_each(…);`
     Branch(Vec<usize>, Tree, [Block; 2]),
     /// `let local: &dyn Fn() -> T = &|| …; let local = LazyCell::new(local);`
@@ -58,7 +64,7 @@ impl Statement {
     /// The expressions in it.
     pub(super) fn trees(&self) -> Vec<&Tree> {
         match self {
-            Statement::Let(_, tree) | Statement::SinCos(_, tree) | Statement::Spline(.., tree) => vec![tree],
+            Statement::Let(_, tree) | Statement::SinCos(_, tree) | Statement::Spline { x: tree, .. } => vec![tree],
             Statement::Branch(_, condition, [then, otherwise]) => {
                 std::iter::once(condition).chain(then.trees()).chain(otherwise.trees()).collect()
             }
@@ -71,7 +77,7 @@ impl Statement {
         match self {
             Statement::Let(local, _) | Statement::OnDemand(local, _) => std::slice::from_ref(local),
             Statement::SinCos(locals, _) => locals,
-            Statement::Branch(locals, ..) | Statement::Spline(_, _, locals, _) => locals,
+            Statement::Branch(locals, ..) | Statement::Spline { locals, .. } => locals,
         }
     }
 }
@@ -373,10 +379,10 @@ impl<'p, 'n> Writer<'p, 'n> {
     }
 
     /// The locals that hold derivatives of these orders.
-    fn spline_derivatives(&mut self, spline: u32, orders: Vec<usize>, argument: Tree) -> Vec<usize> {
-        let number = self.body.names.spline(&self.program.splines[spline as usize]);
+    fn spline_derivatives(&mut self, spline: u32, orders: Vec<usize>, x: Tree) -> Vec<usize> {
+        let table = self.body.names.spline(&self.program.splines[spline as usize]);
         let locals: Vec<usize> = orders.iter().map(|_| self.body.local(None)).collect();
-        self.push(Statement::Spline(number, orders, locals.clone(), argument));
+        self.push(Statement::Spline { table, orders, locals: locals.clone(), x });
         locals
     }
 

@@ -111,7 +111,7 @@ impl<'b, 'n> Text<'b, 'n> {
         let value = self.bound(statement);
         match statement {
             Statement::SinCos(..) => quote!(#binding (#(#locals),*) = #value;),
-            Statement::Spline(_, orders, ..) => {
+            Statement::Spline { orders, .. } => {
                 let bound = (0..=orders[orders.len() - 1]).map(|order| match orders.binary_search(&order) {
                     Ok(i) => locals[i].to_token_stream(),
                     Err(_) => quote!(_),
@@ -133,9 +133,9 @@ impl<'b, 'n> Text<'b, 'n> {
         match statement {
             Statement::Let(_, tree) => self.tree(tree),
             Statement::SinCos(_, angle) => self.tree(&Tree::Method("sin_cos", Box::new(angle.clone()), Vec::new())),
-            Statement::Spline(number, _, _, argument) => {
-                let (table, argument) = (ident(&table(*number)), self.tree(argument));
-                quote!(#table.derivatives(#argument))
+            Statement::Spline { table: number, x, .. } => {
+                let (table, x) = (ident(&table(*number)), self.tree(x));
+                quote!(#table.derivatives(#x))
             }
             Statement::Branch(locals, condition, sides) => {
                 let (condition, [then, otherwise]) =

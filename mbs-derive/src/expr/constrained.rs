@@ -39,8 +39,9 @@ fn larger<V: Value>(a: V, b: V) -> V {
     if a.less(b) { b } else { a }
 }
 
-fn largest<V: Value>(x: &[V]) -> V {
-    x.iter().fold(V::constant(0.0), |largest, &x| larger(largest, magnitude(x)))
+/// The greatest `|x|`, 0 of none.
+pub(crate) fn largest<V: Value>(x: impl IntoIterator<Item = V>) -> V {
+    x.into_iter().fold(V::constant(0.0), |largest, x| larger(largest, magnitude(x)))
 }
 
 fn is_finite<V: Value>(x: V) -> bool {
@@ -276,15 +277,15 @@ impl<V: Value> NullSpace<V> {
             return greatest;
         }
         let motion: Vec<V> = terms.motion.iter().zip(&self.scales.columns).map(|(&x, &s)| scaled(x, s)).collect();
-        let mut fastest = largest(&motion);
+        let mut fastest = largest(motion);
         for (j, (force, target)) in columns.iter().enumerate() {
             let scale = magnitude(terms.scales[j]);
-            fastest = larger(fastest, largest(&self.motion(force, target)).mul(scale));
+            fastest = larger(fastest, largest(self.motion(force, target)).mul(scale));
             let given = self.given_sizes(terms, j, target);
             greatest.iter_mut().zip(given).for_each(|(size, given)| *size = larger(*size, given.mul(scale)));
         }
         for (size, row) in greatest.iter_mut().zip(&self.slopes) {
-            if V::constant(0.0).less(largest(row)) {
+            if V::constant(0.0).less(largest(row.iter().copied())) {
                 *size = larger(*size, fastest);
             }
         }

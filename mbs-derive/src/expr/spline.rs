@@ -21,7 +21,8 @@ impl Spline {
     /// Of increasing places and rows of one length.
     ///
     /// # Panics
-    /// Where places do not increase, rows are too many, too few or of different lengths, or a number is infinite or NaN.
+    /// Where places do not increase, rows are too many, too few or of different lengths, or a number is infinite or
+    /// NaN.
     pub fn new(places: Vec<f64>, rows: Vec<Vec<f64>>) -> Self {
         assert!(places.windows(2).all(|two| two[0] < two[1]), "places increase");
         assert!(rows.len() == places.len() + 1, "{} places and {} rows", places.len(), rows.len());
@@ -45,7 +46,8 @@ impl Spline {
         self.rows[0].len() - 2
     }
 
-    /// The derivative of this order at `x`, by Horner's rule; NaN where `x` is. What `mbs_runtime::spline` gives, to the bit.
+    /// The derivative of this order at `x`, by Horner's rule; NaN where `x` is NaN or infinite. The runtime's `Spline`
+    /// gives the same bits.
     pub fn derivative<V: Value>(&self, x: V, order: usize) -> V {
         let (mut first, mut last) = (0, self.places.len());
         while first < last {

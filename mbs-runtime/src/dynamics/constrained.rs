@@ -18,12 +18,13 @@ use crate::scalar::{Real, Scalar};
 /// | `force`  | `f = Q − C q̇ − G − ∂D/∂q̇`                                        | `N`      | conjugate to `q`             |
 /// | `target` | `c = −γ`                                                         | `K`      | of the rows, per s²          |
 ///
-/// Only motions that `A` leaves need inertia: the condition that counts is that of the constrained motion, not those of `M` or
-/// of `A M⁻¹ Aᵀ`. A change of units of coordinates, rows and forces by powers of two changes exponents only.
+/// Only motions that `A` leaves need inertia: the condition that counts is that of the constrained motion, not those of
+/// `M` or of `A M⁻¹ Aᵀ`. A change of units of coordinates, rows and forces by powers of two changes exponents only.
 ///
-/// Rows that depend on others (to about 1e-10, 5e-6 for `f32`) and agree with them (to about 1e-8, 5e-4 for `f32`, of `c` and of the
-/// terms of `A q̈`, of the row and of those it depends on) leave `q̈` and `Aᵀ λ` as they are; `Σ (λₖ aₖ)²` is then least, where `aₖ` is the greatest `|Aₖᵢ| dᵢ` of the row, rounded down to a power of
-/// two, and `dᵢ` are the scales of the coordinates: `1/√Mᵢᵢ` of those that are independent. Everything is NaN where rows
+/// Rows that depend on others (to about 1e-10, 5e-6 for `f32`) and agree with them (to about 1e-8, 5e-4 for `f32`, of
+/// `c` and of the terms of `A q̈`, of the row and of those it depends on) leave `q̈` and `Aᵀ λ` as they are;
+/// `Σ (λₖ aₖ)²` is then least, where `aₖ` is the greatest `|Aₖᵢ| dᵢ` of the row, rounded down to a power of two, and
+/// `dᵢ` are the scales of the coordinates: `1/√Mᵢᵢ` of those that are independent. Everything is NaN where rows
 /// contradict each other, where a motion that they leave has no inertia, and where a number is infinite or NaN;
 /// [`try_constrained_solve`] says which.
 ///
@@ -41,8 +42,9 @@ use crate::scalar::{Real, Scalar};
 /// assert_eq!((q, l), ([2.0, 1.0, 1.0], [2.0, 0.0]));
 /// ```
 ///
-/// Source: M. Benzi, G. H. Golub, J. Liesen, *Numerical solution of saddle point problems*, Acta Numerica 14 (2005), section 6
-/// (null space methods), with scales after Duff and Koster (`dynamics/scaling.rs`); J. Nocedal, S. J. Wright, *Numerical Optimization*, 2nd ed. 2006, section 16.2.
+/// Source: M. Benzi, G. H. Golub, J. Liesen, *Numerical solution of saddle point problems*, Acta Numerica 14 (2005),
+/// section 6 (null space methods), with scales after Duff and Koster (`dynamics/scaling.rs`); J. Nocedal, S. J.
+/// Wright, *Numerical Optimization*, 2nd ed. 2006, section 16.2.
 #[must_use]
 pub fn constrained_solve<T: Scalar, const N: usize, const K: usize>(
     m: [[T; N]; N],
@@ -54,8 +56,8 @@ pub fn constrained_solve<T: Scalar, const N: usize, const K: usize>(
     (accelerations.map(|[q]| q), multipliers.map(|[l]| l))
 }
 
-/// The same for several right sides, column by column to the bit; matrices are arrays of rows. A column that contradicts the
-/// rows is NaN by itself.
+/// The same for several right sides, column by column to the bit; matrices are arrays of rows. A column that
+/// contradicts the rows is NaN by itself.
 #[must_use]
 pub fn constrained_solve_many<T: Scalar, const N: usize, const K: usize, const C: usize>(
     m: [[T; N]; N],
@@ -75,10 +77,10 @@ pub fn constrained_solve_many<T: Scalar, const N: usize, const K: usize, const C
 /// | `motion`         | q̈                                                                          | `N`              |
 /// | `sizes`          | how large that is by which each column is a derivative, with any sign; 0 where it is not known | `C` |
 ///
-/// Where rows depend on others, a column that is a difference of larger terms may be nothing but their rounding, and need not
-/// agree with itself. So its rows contradict each other only by more than rounding (about 1e-8, 5e-4 for `f32`) of the greatest
-/// scaled acceleration, of `motion` and of all columns, each for a change by its own size. The results are those of
-/// [`constrained_solve_many`], but for columns that it takes for contradictions.
+/// Where rows depend on others, a column that is a difference of larger terms may be nothing but their rounding, and
+/// need not agree with itself. So its rows contradict each other only by more than rounding (about 1e-8, 5e-4 for
+/// `f32`) of the greatest scaled acceleration, of `motion` and of all columns, each for a change by its own size. The
+/// results are those of [`constrained_solve_many`], but for columns that it takes for contradictions.
 ///
 /// ```
 /// // Both accelerate by 9.81, and two rows say that they do so alike: the second column is what rounding has left.
@@ -101,9 +103,10 @@ pub fn constrained_slopes<T: Scalar, const N: usize, const K: usize, const C: us
     T::constrained_solve(&m, &a, &force, &target, &Terms { sizes: None, motion: Some(motion), scales: sizes }).0
 }
 
-/// How large coordinates, speeds and inputs are by which accelerations are differentiated, for [`constrained_slopes`]: numbers of
-/// one kind are as large as the largest of them, coordinates of kind 0, which have no unit, as one. That of inputs, the columns
-/// after those of coordinates and speeds, does not matter, because no constraint depends on them: 0.
+/// How large coordinates, speeds and inputs are by which accelerations are differentiated, for [`constrained_slopes`]:
+/// numbers of one kind are as large as the largest of them, coordinates of kind 0, which have no unit, as one. That of
+/// inputs, the columns after those of coordinates and speeds, does not matter, because no constraint depends on
+/// them: 0.
 #[must_use]
 pub fn state_sizes<T: Scalar, const N: usize, const C: usize>(q: &[T; N], qd: &[T; N], kinds: [usize; N]) -> [T; C] {
     let largest = |values: &[T; N], kind: usize| {

@@ -1,10 +1,11 @@
-//! Random mechanisms, the generator against the referee: `cargo run --release -p mbs-tests --bin referee -- --seed 1 --count 1000`.
+//! Random mechanisms, the generator against the referee:
+//! `cargo run --release -p mbs-tests --bin referee -- --seed 1 --count 1000`.
 //!
-//! The mechanism of a seed is the same on every machine. `--count N` takes the seeds S, S + 1, … S + N − 1; `--construct NAME`
-//! puts a construct into all of them, `--without A,B` leaves constructs out; `--states K` compares at this many states each; `--shrink no` leaves texts as they were
-//! drawn; `--print yes` shows the text of the first seed and does no more; `--file PATH` takes the mechanism of a file, at the states
-//! of the first seed. What is wrong is printed with the text that shows it, and
-//! the exit code is 1.
+//! The mechanism of a seed is the same on every machine. `--count N` takes the seeds S, S + 1, … S + N − 1;
+//! `--construct NAME` puts a construct into all of them, `--without A,B` leaves constructs out; `--states K` compares
+//! at this many states each; `--shrink no` leaves texts as they were drawn; `--print yes` shows the text of the first
+//! seed and does no more; `--file PATH` takes the mechanism of a file, at the states of the first seed. What is wrong
+//! is printed with the text that shows it, and the exit code is 1.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;

@@ -1,5 +1,5 @@
-//! Random mechanisms, right by construction: dimensions fit, every coordinate has inertia or a constraint that carries it, no
-//! function leaves its domain.
+//! Random mechanisms, right by construction: dimensions fit, every coordinate has inertia or a constraint that carries
+//! it, no function leaves its domain.
 //!
 //! - `scalar`: numbers, lengths and angles that depend on positions; `frame`: poses, places and bodies;
 //! - `statement`: energies, forces, outputs; `constraint`: constraints;
@@ -122,7 +122,8 @@ pub fn draw(seed: u64, wanted: Option<Construct>, without: &[Construct]) -> Draw
     let mut random = Random::new(seed);
     // Nearly all constructs are met once in three, so that pairs are met often, and mechanisms stay small.
     let mut constructs: BTreeSet<Construct> = Construct::ALL.into_iter().filter(|_| random.one_in(3)).collect();
-    // Of those that bring many coordinates most mechanisms have one: what a mechanism costs grows with the cube of their number.
+    // Of those that bring many coordinates most mechanisms have one: what a mechanism costs grows with the cube of
+    // their number.
     if !random.one_in(8) {
         let kept = LARGE[(random.bits() % LARGE.len() as u64) as usize];
         constructs.retain(|construct| *construct == kept || !LARGE.contains(construct));

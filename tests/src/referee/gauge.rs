@@ -1,5 +1,6 @@
-//! What unit quaternions leave open. Their energies mean something only where the length is 1, so a derivative across that sphere
-//! is nobody's: what has a component along the quaternion is compared without it, and what cannot be freed of it is not.
+//! What unit quaternions leave open. Their energies mean something only where the length is 1, so a derivative across
+//! that sphere is nobody's: what has a component along the quaternion is compared without it, and what cannot be freed
+//! of it is not.
 
 use mbs_derive::optimise::FunctionKind;
 

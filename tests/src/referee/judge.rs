@@ -1,8 +1,8 @@
 //! One text, read by both: the generated functions, interpreted, against the referee's numbers.
 //!
-//! How far a number may be off follows from the text and the state: the referee calculates in doubles too, with inputs and every
-//! operation off by a rounding, several times; what those differ from the truth is what rounding explains. The bound is a
-//! multiple of that.
+//! How far a number may be off follows from the text and the state: the referee calculates in doubles too, with inputs
+//! and every operation off by a rounding, several times; what those differ from the truth is what rounding explains.
+//! The bound is a multiple of that.
 
 use std::collections::BTreeMap;
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -282,8 +282,8 @@ impl Court<'_> {
         let largest = expected.iter().fold(0.0, |largest: f64, x| largest.max(x.abs()));
         for (i, (&found, &expected)) in found.iter().zip(expected).enumerate() {
             let spread = samples.iter().map(|sample| (sample[i] - expected).abs()).fold(0.0, nan_max);
-            // What is zero by structure, or of which the referee's own terms leave nothing, may be a difference of other terms on
-            // another way.
+            // What is zero by structure, or of which the referee's own terms leave nothing, may be a difference of
+            // other terms on another way.
             let structural = expected.abs() + spread <= 1e-14 * largest || expected.abs() <= 1e-10 * spread;
             let residue = if structural { ZERO.max(largest) } else { expected.abs() };
             let bound = MULTIPLE * spread + 32.0 * f64::EPSILON * residue + floors.get(i).unwrap_or(&0.0);
@@ -375,9 +375,9 @@ fn places(random: &mut Random, k: usize, n: usize) -> Vec<f64> {
     (0..n).map(|_| one(random)).collect()
 }
 
-/// What each number of a function may be off by because of others. An output may have been turned from the axes of a pose, which
-/// leaves a rounding of its largest component in all of them. What a parameter changes of an acceleration is a difference of changes
-/// that forces and inertias make each by itself.
+/// What each number of a function may be off by because of others. An output may have been turned from the axes of a
+/// pose, which leaves a rounding of its largest component in all of them. What a parameter changes of an acceleration
+/// is a difference of changes that forces and inertias make each by itself.
 fn floors(kind: &FunctionKind, expected: &[f64], Case { state, truth, .. }: &Case) -> Vec<f64> {
     let largest = |values: &[f64]| values.iter().fold(0.0, |largest: f64, x| largest.max(x.abs()));
     match kind {

@@ -1,5 +1,5 @@
-//! Lagrange's equations from the text: by Nielsen's form, `∂L̇/∂q̇ − 2 ∂L/∂q = d/dt ∂L/∂q̇ − ∂L/∂q`, so that gradients and the
-//! derivative along the motion are all that is ever differentiated.
+//! Lagrange's equations from the text: by Nielsen's form, `∂L̇/∂q̇ − 2 ∂L/∂q = d/dt ∂L/∂q̇ − ∂L/∂q`, so that gradients
+//! and the derivative along the motion are all that is ever differentiated.
 //!
 //! # Source
 //! Nielsen, *Vorlesungen über elementare Mechanik*, 1935, p. 345.
@@ -87,8 +87,8 @@ pub(super) struct Equations<S> {
 pub(super) struct Written {
     trace: Trace,
     lines: Lines,
-    /// The same with other roundings of the axes that vectors are turned into and back, if they are rounded: what two ways to the
-    /// same force differ by does not cancel.
+    /// The same with other roundings of the axes that vectors are turned into and back, if they are rounded: what two
+    /// ways to the same force differ by does not cancel.
     again: Option<(Trace, Lines)>,
     /// How many coordinates there are, with those of joints.
     coordinates: usize,
@@ -112,7 +112,8 @@ struct Lines {
 }
 
 impl Written {
-    /// Goes through the text at a state. Behind the declared coordinates stand the auxiliary ones of joints, if the state has any.
+    /// Goes through the text at a state. Behind the declared coordinates stand the auxiliary ones of joints, if the
+    /// state has any.
     ///
     /// # Errors
     /// What the referee does not understand.
@@ -128,7 +129,8 @@ impl Written {
         Ok(Written { trace, lines, again, coordinates: state.q.len() })
     }
 
-    /// The equations of these coordinates. On which sides of branches they are was decided where they were written down.
+    /// The equations of these coordinates. On which sides of branches they are was decided where they were written
+    /// down.
     pub(super) fn equations<S: Real>(&self, state: &State<S>, range: Range<usize>, wanted: Wanted) -> Equations<S> {
         let (lines, one, given) = (&self.lines, S::of(1.0), in_a_row(state));
         let values = self.trace.values(&given, wanted as usize);
@@ -164,7 +166,8 @@ impl Written {
         }
         if wanted >= Wanted::Motion {
             equations.dissipation = rates(&gradient(lines.dissipation));
-            // Virtual work: what places and rotations do when only one rate changes, and forces on the coordinates themselves.
+            // Virtual work: what places and rotations do when only one rate changes, and forces on the coordinates
+            // themselves.
             let works: Vec<(usize, S)> = lines.works.iter().map(|&(rate, force)| (rate, values[force])).collect();
             equations.force = rates(&self.gradient(&values, &works, given.len()));
             for &(coordinate, force) in lines.forces.iter().filter(|(coordinate, _)| range.contains(coordinate)) {

@@ -1,4 +1,5 @@
-//! States at which constraints hold, found by Newton's method: only there rows may be redundant that are not everywhere.
+//! States at which constraints hold, found by Newton's method: only there rows may be redundant that are not
+//! everywhere.
 
 use super::evaluate::State;
 use super::lagrange::{Wanted, Written};

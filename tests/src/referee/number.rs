@@ -1,5 +1,5 @@
-//! What the referee calculates with, beside numbers of twice the digits: doubles whose rounding is made worse on purpose, and dual
-//! numbers over either, nested as deep as derivatives are wanted.
+//! What the referee calculates with, beside numbers of twice the digits: doubles whose rounding is made worse on
+//! purpose, and dual numbers over either, nested as deep as derivatives are wanted.
 
 use std::cell::Cell;
 use std::fmt::Debug;
@@ -96,9 +96,9 @@ pub(super) fn reseed(seed: u64) {
     NOISE.set(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1);
 }
 
-/// A double whose every result is off by up to one unit of the last place, at random: what rounding may do to a calculation is
-/// seen from a few of them (Monte Carlo arithmetic: Parker, *Monte Carlo arithmetic: exploiting randomness in floating-point
-/// arithmetic*, UCLA CSD-970002, 1997).
+/// A double whose every result is off by up to one unit of the last place, at random: what rounding may do to a
+/// calculation is seen from a few of them (Monte Carlo arithmetic: Parker, *Monte Carlo arithmetic: exploiting
+/// randomness in floating-point arithmetic*, UCLA CSD-970002, 1997).
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Noisy(f64);
 
@@ -186,7 +186,8 @@ impl<S: Real> Dual<S> {
     pub(super) fn fixed(re: S) -> Self {
         Dual { re, eps: S::zero() }
     }
-    /// f of it, whose value and derivative these are. Where the derivative does not exist it is NaN even for what stays.
+    /// f of it, whose value and derivative these are. Where the derivative does not exist it is NaN even for what
+    /// stays.
     fn chain(self, value: S, slope: S) -> Self {
         Dual::new(value, slope * self.eps)
     }

@@ -12,7 +12,8 @@ use super::wide::Wide;
 /// Results by the names of functions, flattened as the generated ones are.
 pub(super) type Quantities = BTreeMap<String, Vec<f64>>;
 
-/// Which columns of Jacobians and linearizations are wanted: one costs as much as all that is no derivative of the equations.
+/// Which columns of Jacobians and linearizations are wanted: one costs as much as all that is no derivative of the
+/// equations.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Directions {
     pub(super) q: Vec<usize>,
@@ -66,8 +67,8 @@ struct Bench<'m, R> {
     threshold: f64,
 }
 
-/// All quantities at a state; derivatives of the equations themselves in these directions, if any. `rank` is what the bordered
-/// system is known to have, `held` whether the constraints hold.
+/// All quantities at a state; derivatives of the equations themselves in these directions, if any. `rank` is what the
+/// bordered system is known to have, `held` whether the constraints hold.
 pub(super) fn quantities<R: Base>(
     mechanism: &Mechanism,
     state: &State<R>,

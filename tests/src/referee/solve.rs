@@ -1,5 +1,6 @@
-//! Linear systems of the size of a mechanism, in numbers of twice the digits: elimination with complete pivoting after the rows
-//! and columns have been scaled. Of redundant rows it finds some solution, of which q̈ and Aᵀλ are the same as of every other.
+//! Linear systems of the size of a mechanism, in numbers of twice the digits: elimination with complete pivoting after
+//! the rows and columns have been scaled. Of redundant rows it finds some solution, of which q̈ and Aᵀλ are the same as
+//! of every other.
 
 use super::number::Real;
 use super::wide::Wide;
@@ -32,9 +33,9 @@ fn scales(matrix: &[Vec<Wide>]) -> Vec<f64> {
     scales
 }
 
-/// Solves a symmetric system. Pivots below `threshold` of the largest count as zero, and so do those behind `rank`. Each entry, of
-/// the scaled system, is off by `noise()` of the largest: no way to solve a dense system bounds its errors entry by entry (Higham,
-/// *Accuracy and Stability of Numerical Algorithms*, 2nd edition, 2002, section 9.3).
+/// Solves a symmetric system. Pivots below `threshold` of the largest count as zero, and so do those behind `rank`.
+/// Each entry, of the scaled system, is off by `noise()` of the largest: no way to solve a dense system bounds its
+/// errors entry by entry (Higham, *Accuracy and Stability of Numerical Algorithms*, 2nd edition, 2002, section 9.3).
 pub(super) fn solve(
     matrix: &[Vec<Wide>],
     right: &[Vec<Wide>],

@@ -620,8 +620,8 @@ impl Reader {
         Ok(unit)
     }
 
-    /// The name of a unit that stands here: not called, indexed or asked for a component, not the time (directly behind a number
-    /// it is the tonne), and no second unit of a quantity that the unit so far has.
+    /// The name of a unit that stands here: not called, indexed or asked for a component, not the time (directly behind
+    /// a number it is the tonne), and no second unit of a quantity that the unit so far has.
     fn unit_name(&self, so_far: &Unit) -> Option<String> {
         let Token::Name(name) = self.peek() else { return None };
         let behind = self.tokens.get(self.at + 1).map(|(token, _)| token);

@@ -47,8 +47,9 @@ fn secants<S: Real>(xs: &[Moving<S>], ys: &[Moving<S>]) -> (Vec<Moving<S>>, Vec<
     (widths, secants)
 }
 
-/// Fritsch and Butland's slopes: 0 at a summit, else the harmonic mean of the secants, weighted by the intervals (equation 5 of
-/// their paper); at the ends Moler's, of the parabola through three samples, as far as it keeps the samples monotone.
+/// Fritsch and Butland's slopes: 0 at a summit, else the harmonic mean of the secants, weighted by the intervals
+/// (equation 5 of their paper); at the ends Moler's, of the parabola through three samples, as far as it keeps the
+/// samples monotone.
 pub(super) fn monotone<S: Real>(x: Moving<S>, xs: &[Moving<S>], ys: &[Moving<S>]) -> Moving<S> {
     let (widths, secants) = secants(xs, ys);
     let (two, three, zero) = (number::<S>(2.0), number::<S>(3.0), number::<S>(0.0));

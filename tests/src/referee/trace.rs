@@ -1,7 +1,9 @@
-//! A calculation written down, operation by operation, as it is carried out at one state; and its derivatives, by the chain rule
-//! from the result back to what it depends on (Griewank and Walther, *Evaluating derivatives*, 2nd edition, 2008, section 3.2).
+//! A calculation written down, operation by operation, as it is carried out at one state; and its derivatives, by the
+//! chain rule from the result back to what it depends on (Griewank and Walther, *Evaluating derivatives*, 2nd edition,
+//! 2008, section 3.2).
 //!
-//! The statements of a text are gone through once a state. What is wanted of them, hundreds of derivatives, is had from the list.
+//! The statements of a text are gone through once a state. What is wanted of them, hundreds of derivatives, is had from
+//! the list.
 
 use std::cell::RefCell;
 use std::collections::HashMap;
@@ -240,7 +242,8 @@ pub(super) struct Trace {
 }
 
 impl Trace {
-    /// Writes down what `calculation` makes of the given numbers, and how; it says which lines are the results, by groups.
+    /// Writes down what `calculation` makes of the given numbers, and how; it says which lines are the results, by
+    /// groups.
     pub(super) fn of<R: Base, T>(
         given: &[R],
         calculation: impl FnOnce(&[Traced<R>]) -> Result<T, String>,
@@ -334,7 +337,8 @@ fn carried_out<S: Real>(line: Line, given: &[S], values: &[S]) -> S {
 mod tests {
     use super::*;
 
-    /// f = x y sin(x/y) + atan2(x, y) of `x = 0.3`, `y = 0.7`: derivatives forwards and backwards, and one of the other.
+    /// f = x y sin(x/y) + atan2(x, y) of `x = 0.3`, `y = 0.7`: derivatives forwards and backwards, and one of the
+    /// other.
     #[test]
     fn backwards_is_forwards() {
         fn f<S: Real>(x: &[S]) -> S {

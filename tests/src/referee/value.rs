@@ -1,5 +1,5 @@
-//! Values of the language: numbers, arrays (three numbers are a vector, three vectors a matrix), points and poses, all in
-//! components of the world.
+//! Values of the language: numbers, arrays (three numbers are a vector, three vectors a matrix), points and poses, all
+//! in components of the world.
 
 use std::rc::Rc;
 
@@ -150,8 +150,8 @@ impl<S: Real> Pose<S> {
     }
 }
 
-/// What turning a vector into the axes of a body and back may do to it: a small part of it gets from one component into another,
-/// and how much changes as the axes turn.
+/// What turning a vector into the axes of a body and back may do to it: a small part of it gets from one component into
+/// another, and how much changes as the axes turn.
 #[derive(Clone, Debug)]
 pub(super) struct Mixing<S>(Option<[Triple<S>; 3]>);
 

@@ -1,8 +1,8 @@
 //! Numbers of twice the digits of a double, and the functions of the language in them.
 //!
 //! # Source
-//! Joldes, Muller, Popescu, *Tight and rigorous error bounds for basic building blocks of double-word arithmetic*, ACM Transactions
-//! on Mathematical Software 44(2), 2017: algorithms 6, 9, 12 and 17.
+//! Joldes, Muller, Popescu, *Tight and rigorous error bounds for basic building blocks of double-word arithmetic*, ACM
+//! Transactions on Mathematical Software 44(2), 2017: algorithms 6, 9, 12 and 17.
 
 use std::cell::RefCell;
 use std::collections::HashMap;
