@@ -55,7 +55,7 @@ pub fn cheapest_form<'g>(roots: &[Expr<'g>], kept: &Kept, limit: usize) -> Optio
         let sums: Option<Vec<Sum>> = roots.iter().map(|root| expansion.of(root.id())).collect();
         Doubled::ALL.into_iter().filter_map(move |doubled| {
             let polynomials: Option<Vec<_>> =
-                sums.as_ref()?.iter().map(|sum| expansion.polynomial(sum, doubled)).collect();
+                sums.as_ref()?.iter().map(|sum| expansion.polynomial(sum, Some(doubled))).collect();
             polynomials.map(|polynomials| factor::shared(graph, &polynomials))
         })
     };
@@ -73,7 +73,7 @@ pub fn quotients<'g>(pairs: &[(Expr<'g>, Expr<'g>)], kept: &Kept, limit: usize) 
             pairs.iter().map(|(a, b)| Some([expansion.of(a.id())?, expansion.of(b.id())?])).collect();
         Doubled::ALL.into_iter().filter_map(move |doubled| {
             let quotient = |[a, b]: &[Sum; 2]| {
-                let [a, b] = [expansion.polynomial(a, doubled)?, expansion.polynomial(b, doubled)?];
+                let [a, b] = [expansion.polynomial(a, Some(doubled))?, expansion.polynomial(b, Some(doubled))?];
                 let reciprocal = b.monomial_power(-1).unwrap_or_else(|| factor::reciprocal(graph, &b));
                 a.times(&reciprocal, limit)
             };
@@ -308,11 +308,11 @@ impl<'g, 'k> Expansion<'g, 'k> {
     }
 
     fn expression(&self, sum: &Sum) -> Option<Expr<'g>> {
-        Some(factor::factored(self.graph, &[self.polynomial(sum, Doubled::Kept)?])[0])
+        Some(factor::factored(self.graph, &[self.polynomial(sum, None)?])[0])
     }
 
-    /// The sum with waves as indivisible expressions.
-    fn polynomial(&self, sum: &Sum, doubled: Doubled) -> Option<Polynomial> {
+    /// The sum with waves as indivisible expressions, its doubled angles halved if a way is given.
+    fn polynomial(&self, sum: &Sum, doubled: Option<Doubled>) -> Option<Polynomial> {
         let mut polynomial = Polynomial::default();
         let mut doubles: IdMap<Double> = IdMap::default();
         for (term, &coefficient) in &sum.0 {
@@ -322,6 +322,7 @@ impl<'g, 'k> Expansion<'g, 'k> {
             }
             polynomial.add(product_of_powers(&term.powers, &powers)?, coefficient * sign);
         }
+        let Some(doubled) = doubled else { return Some(polynomial) };
         halved(&polynomial, doubled, self.limit, |id| doubles.get(&id).cloned())
     }
 
@@ -333,8 +334,9 @@ impl<'g, 'k> Expansion<'g, 'k> {
             Wave::Cos(angle) => (Function::Cos, angle),
         };
         let half = wave::half(angle)?;
+        let is_fourfold = wave::half(&half).is_some();
         let [sine, cosine] = [Wave::Sin(half.clone()), Wave::Cos(half)].map(|wave| self.indivisible(&wave));
-        Some(Double { function, sine: Polynomial::default().plus(&sine, sign), cosine })
+        Some(Double { function, sine: Polynomial::default().plus(&sine, sign), cosine, is_fourfold })
     }
 
     /// A wave as an indivisible expression; its sign is that of the graph's own form of the angle.
@@ -424,6 +426,28 @@ mod tests {
         assert_eq!(cheapest_form(&[c.powi(2) - s.powi(2)], &Kept::default(), 100), Some(vec![doubled]));
     }
 
+    /// `1 − cos 4x` has lost its digits where `2 sin² 2x` has them all, however often the angle was doubled.
+    #[test]
+    fn a_cosine_beside_its_one_is_halved() {
+        let graph = Graph::new();
+        let x = graph.symbol(Symbol::Coordinate(0));
+        let [a, b] = [0, 1].map(|i| graph.symbol(Symbol::Parameter(i)));
+        for multiple in [1, 2, 4, 6] {
+            let near_zero = a * (b + 1) * (multiple * x).sin().powi(2);
+            let near_quarter = a * (multiple * x).cos().powi(2);
+            // Where the sine, and where the cosine, is 1e-7.
+            for (f, angle) in [(near_zero, 1e-7), (near_quarter, std::f64::consts::FRAC_PI_2 - 1e-7)] {
+                let value = |symbol| match symbol {
+                    Symbol::Coordinate(_) => angle / multiple as f64,
+                    _ => 3.0,
+                };
+                let form = cheapest_form(&[f], &Kept::default(), 100).unwrap()[0];
+                let values: Vec<f64> = crate::expr::evaluate(&[form, f], value);
+                assert!((values[0] - values[1]).abs() < 1e-15 * values[1], "{form}: {values:?}");
+            }
+        }
+    }
+
     #[test]
     fn signs_of_reversed_angles_are_kept() {
         let graph = Graph::new();
@@ -433,11 +457,11 @@ mod tests {
             let f = [(2 * x - 2 * y).sin() + (x - y).sin(), (2 * x - 2 * y).cos() * (x - y).cos()];
             let form = cheapest_form(&f, &Kept::default(), 100).unwrap();
             assert!(f.iter().zip(&form).all(|(f, form)| agree(*f, *form)), "{form:?}");
-            let polynomial = |doubled| {
+            let polynomial = |doubled: Doubled| {
                 let nothing = Kept::default();
                 let mut expansion = Expansion::new(&graph, &nothing, Turned::Kept, 100);
                 let sum = expansion.of(f[0].id()).unwrap();
-                factor::factored(&graph, &[expansion.polynomial(&sum, doubled).unwrap()])[0]
+                factor::factored(&graph, &[expansion.polynomial(&sum, Some(doubled)).unwrap()])[0]
             };
             assert!(Doubled::ALL.into_iter().all(|doubled| agree(polynomial(doubled), f[0])));
         }

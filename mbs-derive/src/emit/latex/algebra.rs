@@ -235,7 +235,7 @@ impl<'g> Algebra<'g> {
         (text.len() <= LONGEST_TEXT).then_some(text)
     }
 
-    /// What the sine or cosine of twice a sum of whole multiples, not all of them even, is the double of.
+    /// What the sine or cosine of twice a sum of whole multiples is the double of.
     fn double(&mut self, id: Id) -> Option<Double> {
         let Node::Call(function @ (Function::Sin | Function::Cos), angle) = self.graph.node(id) else { return None };
         let (sum, _) = self.leading_positive(self.sums[&angle].clone()?);
@@ -253,10 +253,7 @@ impl<'g> Algebra<'g> {
                     product * self.graph.expr(id).power(HalfInteger::halves(halves))
                 });
         }
-        if !odd {
-            return None;
-        }
-        Some(Double { function, sine: self.expand(half.sin())?, cosine: self.expand(half.cos())? })
+        Some(Double { function, sine: self.expand(half.sin())?, cosine: self.expand(half.cos())?, is_fourfold: !odd })
     }
 }
 

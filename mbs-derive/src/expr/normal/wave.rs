@@ -58,10 +58,9 @@ pub fn expression<'g>(angle: &Angle, graph: &'g Graph) -> Expr<'g> {
     angle.iter().fold(graph.integer(0), |sum, (&id, &n)| sum + i64::from(n) * graph.expr(id))
 }
 
-/// Half of an angle that is twice a sum of whole multiples, not all of them even.
+/// Half of an angle that is twice a sum of whole multiples.
 pub fn half(angle: &Angle) -> Option<Angle> {
-    let halves = angle.iter().map(|(&id, &n)| (n % 2 == 0).then_some((id, n / 2))).collect::<Option<Angle>>()?;
-    halves.values().any(|n| n % 2 != 0).then_some(halves)
+    angle.iter().map(|(&id, &n)| (n % 2 == 0).then_some((id, n / 2))).collect()
 }
 
 fn combine(a: &Angle, b: &Angle, sign: i32) -> Angle {
