@@ -38,3 +38,65 @@ fn random_mechanisms() {
     }
     assert!(compared > 500, "{compared} numbers");
 }
+
+/// Of what depends on an inertia that is nothing but rounding there may be no answer, and none that has some digits.
+#[test]
+fn without_inertia_but_rounding() {
+    // Where the nut does not turn, because the screw turns it back, 1e-18 of the inertia is left.
+    let screw = "mechanism Screw {
+        coord x: m;
+        coord a: rad;
+        coord y: m;
+        coord z: m;
+        param m: kg = 1;
+        param j: kg*m^2 = 1;
+        param pitch: m = 1e-9;
+        input pull: N;
+        kinetic += 1/2*m*dt(x)^2 + 1/2*j*dt(a + x/pitch)^2 + 1/2*m*dt(y)^2 + 1/2*m*dt(z)^2;
+        constraint guide: y = 2*z;
+        force y += pull;
+    }";
+    let judged = judge((screw, &Default::default()), 1, 3).unwrap();
+    assert!(judged.numbers > 50 && judged.undetermined > 50, "{judged:?}");
+}
+
+/// A shaft's own inertia is 1e-8 of that of what it turns: its acceleration is a difference of two equations, which
+/// round each by itself what they have in common.
+#[test]
+fn differences_of_equations() {
+    let shaft = "mechanism Shaft {
+        param p2: kHz = 1;
+        param p3: km = 1;
+        prescribed w1: m = 0;
+        coord a4: rad;
+        param p5: kg*m^2 = 1;
+        coord a6: rad;
+        const p7: kg*m^2 = 4.40e-9;
+        coord a8: rad;
+        param p10: g = 1;
+        param p11: kg*cm^2 = 1;
+        param p12: m = 4.88e-4;
+        param p14: mm = 0;
+        param p15: mm/ms^2 = 1;
+        coord x16: m;
+        param p17: m = 3.27e-4;
+        param p19: kg*cm^2 = 1;
+        param p20: m = 1;
+        param p22: mm = 1;
+        param p23: N/m = 1;
+        param p27: m*s^-1 = 1;
+        kinetic += p5*dt(a4)^2;
+        kinetic += p7*dt(a6)^2;
+        let mut link9 = rot_z(a8 + a6^2);
+        kinetic += rigid_body(0, [0, 0, 0], diag(1, 1, 2)*p11, link9);
+        let place13 = link9.point([0, 0, p14]);
+        let mut link18 = link9 * translation([x16, 0, 0]);
+        kinetic += rigid_body(p10, [0, 0, 0], diag(p19, p19, p19), link18);
+        let place21 = (rot_y(1)*translation([0, p20, p22])) * link18.point([0, 0, p12]);
+        potential += spring(p23, sqrt((place13 - place21).norm_squared() + p17^2), p17);
+    }";
+    for seed in 1..3 {
+        let judged = judge((shaft, &Default::default()), seed, 3).unwrap_or_else(|fault| panic!("{fault}"));
+        assert!(judged.numbers > 50, "{judged:?}");
+    }
+}

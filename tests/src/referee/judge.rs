@@ -215,6 +215,19 @@ impl Court<'_> {
         if key == "constraint_force" {
             found = carried(&truth["constraint_jacobian"], &found);
         }
+        let solved = matches!(
+            function.kind,
+            FunctionKind::ForwardDynamics
+                | FunctionKind::Multipliers
+                | FunctionKind::Reaction(_)
+                | FunctionKind::Linearize
+                | FunctionKind::LinearizeParameters
+        );
+        // There all is NaN, as generated functions say, even if some of it would not depend on that motion.
+        if solved && rank.may_have_no_answer && found.iter().all(|x| x.is_nan()) {
+            self.judged.undetermined += found.len();
+            return Ok(());
+        }
         let report = if function.kind == FunctionKind::ForwardDynamics && !rank.determined() {
             undetermined(&found, case)
         } else {
@@ -399,7 +412,11 @@ fn floors(kind: &FunctionKind, expected: &[f64], Case { state, truth, .. }: &Cas
 /// Where there are no accelerations, or many, all are NaN.
 fn undetermined(found: &[f64], Case { rank, holds, .. }: &Case) -> Result<(), String> {
     // What is nearly singular may be taken for regular; where constraints hold to rounding they are not contradictory.
-    if !rank.clear || *holds || found.iter().all(|x| x.is_nan()) {
+    let is_nan = found.iter().all(|x| x.is_nan());
+    if is_nan && rank.regular && !rank.contradictory && !rank.may_have_no_answer {
+        return Err("everything is NaN, although each motion has inertia that is more than rounding".to_string());
+    }
+    if !rank.clear || *holds || is_nan {
         return Ok(());
     }
     let why = if rank.contradictory { "the rows contradict each other" } else { "some motion has no inertia" };

@@ -51,6 +51,10 @@ pub(super) trait Real:
     fn noise() -> f64 {
         0.0
     }
+    /// Something between 0 and 1, at random: 0 where roundings are not made worse on purpose.
+    fn share() -> f64 {
+        0.0
+    }
     /// −1, 0 or 1.
     fn signum(self) -> Self {
         let zero = Self::zero();
@@ -105,14 +109,19 @@ pub(super) struct Noisy(f64);
 impl Noisy {
     /// `value`, off by up to one unit of the last place.
     pub(super) fn rounded(value: f64) -> Self {
-        // xorshift64 (Marsaglia, *Xorshift RNGs*, 2003).
-        let mut x = NOISE.get();
-        x ^= x << 13;
-        x ^= x >> 7;
-        x ^= x << 17;
-        NOISE.set(x);
-        Noisy(value + value * (((x >> 11) as f64 / (1_u64 << 52) as f64 - 1.0) * f64::EPSILON))
+        Noisy(value + value * ((random() - 1.0) * f64::EPSILON))
     }
+}
+
+/// Something between 0 and 2.
+fn random() -> f64 {
+    // xorshift64 (Marsaglia, *Xorshift RNGs*, 2003).
+    let mut x = NOISE.get();
+    x ^= x << 13;
+    x ^= x >> 7;
+    x ^= x << 17;
+    NOISE.set(x);
+    (x >> 11) as f64 / (1_u64 << 52) as f64
 }
 
 macro_rules! noisy {
@@ -165,6 +174,9 @@ impl Real for Noisy {
     }
     fn noise() -> f64 {
         Noisy::rounded(1.0).0 - 1.0
+    }
+    fn share() -> f64 {
+        0.5 * random()
     }
     noisy_functions!(sqrt, sin, cos, tan, asin, acos, atan, sinh, cosh, tanh, exp, ln);
     fn atan2(self, x: Self) -> Self {

@@ -38,6 +38,9 @@ pub(super) struct Rank {
     pub(super) clear: bool,
     /// Whether there are no accelerations that satisfy all rows.
     pub(super) contradictory: bool,
+    /// Whether a motion may be taken for one without inertia, or a row for one that depends on others: then everything
+    /// that follows from accelerations may be NaN.
+    pub(super) may_have_no_answer: bool,
 }
 
 impl Rank {
@@ -52,6 +55,11 @@ const HELD: f64 = 1e-9;
 
 /// Elsewhere they do so exactly, or not.
 const ANYWHERE: f64 = 1e-20;
+
+/// A pivot that is less than this by each coordinate may be none. Rounding leaves so much of an inertia of 1 that is a
+/// sum of `N` terms: `N ε`, of which the runtime takes 16 (`dynamics/null_space.rs`), and elimination in
+/// another order finds more or less of it by what it lets entries grow to, which is less than 1000 / 16.
+const WITHOUT_INERTIA: f64 = 1000.0 * f64::EPSILON;
 
 /// A derivative of all equations in one direction.
 type Slopes<R> = Equations<Dual<R>>;
@@ -284,9 +292,14 @@ impl<'m, R: Base> Bench<'m, R> {
         let n = self.n();
         let rows = self.rows(without);
         let bordered = bordered(mass, &rows);
-        let rest = (0..n).map(|i| (without.force[i] - without.inertia[i] - without.dissipation[i]).wide());
-        let bias = rows.iter().map(|(row, holonomic)| -row.second(*holonomic).wide());
-        let right: Vec<Wide> = rest.chain(bias).collect();
+        let resting = State { qdd: vec![R::zero(); n], ..self.state.clone() };
+        let right = each_by_itself::<R>(|again| {
+            let other = again.then(|| self.here.equations(&resting, 0..n, Wanted::Motion));
+            let equations = other.as_ref().unwrap_or(without);
+            let rest = (0..n).map(|i| (equations.force[i] - equations.inertia[i] - equations.dissipation[i]).wide());
+            let rows = self.rows(equations);
+            rest.chain(rows.iter().map(|(row, holonomic)| -row.second(*holonomic).wide())).collect()
+        });
         let solution = solve(&bordered, &[right], self.threshold, rank, self.noise());
         let (qdd, minus) = solution.columns[0].split_at(n);
         let multipliers: Vec<Wide> = minus.iter().map(|l| -*l).collect();
@@ -305,6 +318,7 @@ impl<'m, R: Base> Bench<'m, R> {
             regular: solution.rank == n + of_rows.rank / 2,
             clear: solution.clear && of_rows.clear,
             contradictory: solution.contradictory,
+            may_have_no_answer: solution.least <= WITHOUT_INERTIA * n as f64 || !of_rows.clear,
         };
         if let Some(directions) = directions
             && rank.found == rank.full
@@ -348,7 +362,7 @@ impl<'m, R: Base> Bench<'m, R> {
     fn linearize(&mut self, directions: &Directions, bordered: &[Vec<Wide>], qdd: &[Wide], multipliers: &[Wide]) {
         let n = self.n();
         let moving = State { qdd: qdd.iter().map(|&x| R::exact(x)).collect(), ..self.state.clone() };
-        let changes = |seed: &dyn Fn(&mut State<Dual<R>>)| -> Vec<Wide> {
+        let once = |seed: &dyn Fn(&mut State<Dual<R>>)| -> Vec<Wide> {
             let slopes = self.slopes(&moving, Wanted::Motion, seed);
             let rows = self.rows(&slopes);
             let lost = (0..n).map(|i| {
@@ -358,6 +372,7 @@ impl<'m, R: Base> Bench<'m, R> {
             });
             lost.chain(rows.iter().map(|(row, holonomic)| -row.second(*holonomic).eps.wide())).collect()
         };
+        let changes = |seed: &dyn Fn(&mut State<Dual<R>>)| each_by_itself::<R>(|_| once(seed));
         let one = R::of(1.0);
         let mut right = Vec::new();
         for &j in &directions.q {
@@ -406,6 +421,18 @@ impl<'m, R: Base> Bench<'m, R> {
         self.put("inverse_dynamics_jacobian", torques);
         self.put("constraint_rate_jacobian", part(&directions.q, &rows, self.mechanism.rows.len()));
     }
+}
+
+/// Equations of which each is rounded by itself. The referee takes what they have in common from one calculation, whose
+/// roundings would cancel where the solution is a difference of equations; generated functions write each equation out,
+/// and round alike only what is alike. So each is somewhere between two calculations: `calculate(true)` is the second.
+fn each_by_itself<R: Real>(calculate: impl Fn(bool) -> Vec<Wide>) -> Vec<Wide> {
+    let mut found = calculate(false);
+    if R::ROUGH {
+        let again = calculate(true);
+        found.iter_mut().zip(again).for_each(|(a, b)| *a = *a + (b - *a) * Wide::from(R::share()));
+    }
+    found
 }
 
 /// A matrix of this height and this many columns, row by row, of which only the wanted columns are known.

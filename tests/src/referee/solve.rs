@@ -11,6 +11,8 @@ pub(super) struct Solution {
     pub(super) rank: usize,
     /// Whether the pivots tell the rank from any other: none is nearly zero.
     pub(super) clear: bool,
+    /// The least pivot; of the scaled matrix, whose entries are at most about 1.
+    pub(super) least: f64,
     /// Whether the rows that are left contradict the others on some right side.
     pub(super) contradictory: bool,
 }
@@ -90,7 +92,7 @@ pub(super) fn solve(
         rows[range].iter().flat_map(|row| &row[n..]).map(|x| size(*x)).fold(0.0, f64::max)
     };
     let contradictory = largest(found..n) > 1e-6 * largest(0..found);
-    Solution { columns, rank: found, clear: least > 1e-6 && left < 1e-13, contradictory }
+    Solution { columns, rank: found, least, clear: least > 1e-6 && left < 1e-13, contradictory }
 }
 
 #[cfg(test)]
