@@ -246,9 +246,26 @@ impl Draw {
 
     /// A name that nothing else has.
     fn fresh(&mut self, stem: &str) -> String {
+        self.fresh_but(&[], stem)
+    }
+
+    /// A name of a function that hides none that the text calls.
+    fn fresh_function(&mut self, stem: &str) -> String {
+        let called = [(Construct::Tables, "table"), (Construct::Arrays, "rpy")];
+        let hidden: Vec<&str> = called.iter().filter(|(by, _)| self.has(*by)).map(|(_, name)| *name).collect();
+        self.fresh_but(&hidden, stem)
+    }
+
+    /// A name of a part, which does not begin a statement of its own.
+    fn fresh_part(&mut self, stem: &str) -> String {
+        self.fresh_but(&["part"], stem)
+    }
+
+    fn fresh_but(&mut self, unfit: &[&str], stem: &str) -> String {
         self.names += 1;
-        if self.has(Construct::Keywords) && self.chance(40) && !self.words.is_empty() {
-            let at = self.below(self.words.len());
+        let fit: Vec<usize> = (0..self.words.len()).filter(|&at| !unfit.contains(&self.words[at])).collect();
+        if self.has(Construct::Keywords) && self.chance(40) && !fit.is_empty() {
+            let at = self.pick(&fit);
             return self.words.swap_remove(at).to_string();
         }
         format!("{stem}{}", self.names)
@@ -433,5 +450,27 @@ impl Draw {
         }
         text += "}\n";
         Drawn { text, imports, constructs: self.constructs }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Every word is a name of something, but none of what it would hide.
+    #[test]
+    fn words_are_names_where_they_may_be() {
+        let texts: Vec<String> = (0..400).map(|seed| draw(seed, Some(Construct::Keywords), &[]).text).collect();
+        let anywhere = |what: &str| texts.iter().any(|text| text.contains(what));
+        for text in &texts {
+            assert!(!text.contains("part part("), "{text}");
+            assert!(!(text.contains("fn table(") && text.contains("= table(r, ")), "{text}");
+            assert!(!(text.contains("fn rpy(") && text.contains("* rpy(")), "{text}");
+        }
+        for word in WORDS {
+            let declared = ["param", "coord", "let", "let mut", "output"].map(|what| format!("{what} {word}"));
+            assert!(declared.iter().any(|what| anywhere(what)), "{word} names nothing");
+        }
+        assert!(anywhere("fn table(") && anywhere("fn rpy(") && anywhere("fn part("));
     }
 }

@@ -39,7 +39,7 @@ impl Draw {
 
     /// The part: with names of its own, on the coordinate that it is given.
     fn rod(&mut self) -> Rod {
-        let (name, end) = (self.fresh("Rod"), self.fresh("end"));
+        let (name, end) = (self.fresh_part("Rod"), self.fresh("end"));
         let turn = self.pick(&["rot_x", "rot_y", "rot_z"]);
         let mut body = vec![format!("let mut hinged = pose * {turn}(angle);")];
         if self.has(Construct::Reactions) {
@@ -132,7 +132,7 @@ impl Draw {
 
     /// A part of two rods.
     fn limb(&mut self, rod: &Rod) {
-        let (name, instance) = (self.fresh("Limb"), self.fresh("limb"));
+        let (name, instance) = (self.fresh_part("Limb"), self.fresh("limb"));
         let (upper, lower) = (self.fresh("upper"), self.fresh("lower"));
         let (first, second) = (
             self.instance_on(rod, &upper, "pose", "one"),

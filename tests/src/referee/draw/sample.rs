@@ -58,7 +58,7 @@ impl Draw {
                     self.declarations.push(format!("param {value}[{count}]: 1 = [{}];", ys.join(", ")));
                 }
             }
-            let function = self.fresh("f");
+            let function = self.fresh_function("f");
             self.functions.push(format!("fn {function}(r) = {kind}(r, {place}, {value});"));
             // A slope that jumps is no energy's.
             if kind != "table" {

@@ -135,19 +135,19 @@ impl Draw {
     /// `fn` in the text and in another file.
     pub(super) fn functions_of_the_text(&mut self) {
         if self.has(Construct::Functions) {
-            let name = self.fresh("f");
+            let name = self.fresh_function("f");
             let body = self.pick(&SMOOTH).replace('#', "r");
             self.functions.push(format!("fn {name}(r) = {body};"));
             self.plain_functions.push(name.clone());
             if self.chance(50) {
-                let outer = self.fresh("f");
+                let outer = self.fresh_function("f");
                 let pair = self.pick(&PAIRS).replace('#', &format!("{name}(s)")).replace('@', "s");
                 self.functions.push(format!("fn {outer}(s) = {pair};"));
                 self.plain_functions.push(outer);
             }
         }
         if self.has(Construct::Imports) {
-            let (name, constant) = (self.fresh("g"), self.fresh("c"));
+            let (name, constant) = (self.fresh_function("g"), self.fresh("c"));
             let body = self.pick(&SMOOTH).replace('#', &format!("{constant}*r"));
             let value = self.number();
             self.shared.push(format!("const {constant}: 1 = {value};"));
