@@ -193,3 +193,12 @@ fn kinetic_energies_may_be_quadratic_in_disguise() {
         dimensionless(&format!("coord x: 1; coord y: 1; kinetic += {energy};"));
     }
 }
+
+/// `p/p` is 1 by rule and `p*(1/p)` as written, which rounding makes less than that: no branch may hang on it.
+#[test]
+fn what_is_equal_for_all_values_is_no_matter_of_rounding() {
+    let slopes = "coord x: 1; coord y: 1; kinetic += dt(x)^2 + dt(y)^2; param p: 1 = 0.7; param r: 1 = 3;";
+    dimensionless(&format!("{slopes} potential += if p/p < 1 && sin(x) >= -1 {{ p*x }} else {{ x^2 }};"));
+    dimensionless(&format!("{slopes} dissipation += p*dt(if r/r < 1 {{ x }} else {{ 2*y }})^2;"));
+    dimensionless(&format!("{slopes} force y += if sin(r*x)^2 + cos(r*x)^2 <= 1 {{ 1 }} else {{ dt(x) }};"));
+}

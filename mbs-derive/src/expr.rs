@@ -59,7 +59,7 @@ pub use evaluate::{Solution, Solutions, Tape, Terms, Value, evaluate};
 pub use function::{Binary, Function};
 pub use graph::{Expr, Graph, HalfInteger, Id, Node, Symbol};
 pub use hessian::hessian;
-pub use identity::{Verdict, degree_is_at_most, generic, vanishes};
+pub use identity::{Fingerprints, Verdict, degree_is_at_most, generic, vanishes};
 pub use normal::{Kept, cheapest_form, normal_form, quotients};
 pub use number::Number;
 pub use residue::Residue;

@@ -7,7 +7,7 @@ use super::factors::Factors;
 use super::function::{Binary, Function};
 use super::graph::{Expr, Id, Node, Symbol};
 use super::number::Number;
-use super::spline::Spline;
+use super::spline::{Spline, SplineDerivative};
 use super::table::Table;
 
 /// What solves a system with constraints for one right side after the other.
@@ -307,28 +307,41 @@ impl Tape {
         if let Some(value) = self.strict.then(|| strictly(step, &v)).flatten() {
             return value;
         }
-        match *step {
-            Node::Constant(value) => V::number(value),
-            Node::Symbol(symbol) => point(symbol),
-            Node::Rate(a) => v(a).rate(),
-            Node::Neg(a) => v(a).neg(),
-            Node::Add(a, b) => v(a).add(v(b)),
-            Node::Sub(a, b) => v(a).sub(v(b)),
-            Node::Mul(a, b) => v(a).mul(v(b)),
-            Node::Power(a, n) => v(a).power(n.to_halves()),
-            Node::Call(function, a) => v(a).call(function),
-            Node::Call2(function, a, b) => v(a).call2(function, v(b)),
-            Node::Spline(d, a) => v(a).spline(&self.splines[d.spline as usize], d.order as usize),
-            Node::Less(a, b) => truth(decide(at, v(a).less(v(b)))),
-            Node::LessEqual(a, b) => truth(decide(at, v(a).less_equal(v(b)))),
-            Node::And(a, b) => truth(holds(v(a)) && holds(v(b))),
-            Node::Not(a) => truth(!holds(v(a))),
-            Node::Select(c, a, b) => {
-                if holds(v(c)) {
-                    v(a)
-                } else {
-                    v(b)
-                }
+        let spline = |d: SplineDerivative, a: V| a.spline(&self.splines[d.spline as usize], d.order as usize);
+        value_of(step, v, point, spline, |holds| decide(at, holds))
+    }
+}
+
+/// The value of a node, of those of its operands, of symbols and of derivatives of splines; comparisons come out as `decide` says.
+#[inline(always)]
+pub(crate) fn value_of<V: Value>(
+    node: &Node,
+    v: impl Fn(Id) -> V,
+    point: impl Fn(Symbol) -> V,
+    spline: impl Fn(SplineDerivative, V) -> V,
+    decide: impl Fn(bool) -> bool,
+) -> V {
+    match *node {
+        Node::Constant(value) => V::number(value),
+        Node::Symbol(symbol) => point(symbol),
+        Node::Rate(a) => v(a).rate(),
+        Node::Neg(a) => v(a).neg(),
+        Node::Add(a, b) => v(a).add(v(b)),
+        Node::Sub(a, b) => v(a).sub(v(b)),
+        Node::Mul(a, b) => v(a).mul(v(b)),
+        Node::Power(a, n) => v(a).power(n.to_halves()),
+        Node::Call(function, a) => v(a).call(function),
+        Node::Call2(function, a, b) => v(a).call2(function, v(b)),
+        Node::Spline(derivative, a) => spline(derivative, v(a)),
+        Node::Less(a, b) => truth(decide(v(a).less(v(b)))),
+        Node::LessEqual(a, b) => truth(decide(v(a).less_equal(v(b)))),
+        Node::And(a, b) => truth(holds(v(a)) && holds(v(b))),
+        Node::Not(a) => truth(!holds(v(a))),
+        Node::Select(c, a, b) => {
+            if holds(v(c)) {
+                v(a)
+            } else {
+                v(b)
             }
         }
     }

@@ -9,10 +9,11 @@
 
 use super::branch::{Branches, Side};
 use super::dual::Dual;
-use super::evaluate::{Tape, Value};
+use super::evaluate::{Tape, Value, value_of};
 use super::function::Function;
-use super::graph::{Expr, Node, Symbol};
+use super::graph::{Expr, Graph, Id, Node, Symbol};
 use super::residue::{Residue, mixed};
+use super::spline::SplineDerivative;
 
 /// What was found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -134,11 +135,7 @@ impl<Varies: Fn(Symbol) -> bool> Test<Varies> {
             let direction = || Residue::random(mixed(mixed(line ^ key(symbol))));
             if (self.varies)(symbol) { base.add(s.mul(direction())) } else { base }
         };
-        let point = |symbol: Symbol| match rate(symbol) {
-            Rate::Is(rate) => Dual::new(at(symbol), at(rate)),
-            Rate::One => Dual::new(at(symbol), Residue::constant(1.0)),
-            Rate::Zero => Dual::fixed(at(symbol)),
-        };
+        let point = |symbol: Symbol| moving(symbol, at);
         let as_decided = |at: usize, holds: bool| {
             let known = decided.iter().find(|(comparison, _)| *comparison == at && !self.varying[at]);
             known.map_or(holds, |(_, holds)| *holds)
@@ -150,6 +147,49 @@ impl<Varies: Fn(Symbol) -> bool> Test<Varies> {
 /// A value of a symbol with no relation to those of others; the same one for the same point.
 pub fn generic<const K: usize>(symbol: Symbol, point: u64) -> Residue<K> {
     Residue::random(mixed(point ^ key(symbol)))
+}
+
+/// A symbol with its rate, of values of symbols.
+fn moving<const K: usize>(symbol: Symbol, at: impl Fn(Symbol) -> Residue<K>) -> Dual<Residue<K>> {
+    match rate(symbol) {
+        Rate::Is(rate) => Dual::new(at(symbol), at(rate)),
+        Rate::One => Dual::new(at(symbol), Residue::constant(1.0)),
+        Rate::Zero => Dual::fixed(at(symbol)),
+    }
+}
+
+/// Values of all nodes of a verbatim graph at some points of a finite field: what differs there is not equal. A node has them at
+/// once, while [`vanishes`] goes through all that an expression is made of.
+#[derive(Default)]
+pub struct Fingerprints(Vec<[Dual<Residue<0>>; FINGERPRINTS]>);
+
+/// A root exists at one point in two.
+const FINGERPRINTS: usize = 4;
+
+impl Fingerprints {
+    /// Whether two expressions are equal for all values of their symbols, as far as the field knows.
+    pub fn are_equal(&mut self, a: Expr<'_>, b: Expr<'_>) -> bool {
+        self.complete(a.graph());
+        let pairs = self.0[a.id().index()].iter().zip(&self.0[b.id().index()]);
+        let differences: Vec<_> = pairs.map(|(a, b)| a.value.sub(b.value)).filter(|d| d.is_defined()).collect();
+        let may_be_equal = !differences.is_empty() && differences.iter().all(|difference| difference.is_zero());
+        a == b || may_be_equal && vanishes(a - b) == Verdict::Holds
+    }
+
+    /// Operands come before what is made of them.
+    fn complete(&mut self, graph: &Graph) {
+        for index in self.0.len()..graph.len() {
+            let node = graph.node(Id(index as u32));
+            let values = std::array::from_fn(|number| {
+                let at = |symbol| generic(symbol, mixed(1 + number as u64));
+                let spline =
+                    |d: SplineDerivative, a: Dual<Residue<0>>| a.spline(&graph.spline_of(d.spline), d.order as usize);
+                let operand = |id: Id| self.0[id.index()][number];
+                value_of(&node, operand, |symbol| moving(symbol, at), spline, |holds| holds)
+            });
+            self.0.push(values);
+        }
+    }
 }
 
 fn divided_difference<const K: usize>(values: &[(Residue<K>, Residue<K>)]) -> Residue<K> {
@@ -321,6 +361,22 @@ mod tests {
         let beyond = graph.select(graph.integer(100).less(x), x, graph.integer(0));
         assert_eq!(vanishes(beyond), Verdict::Fails);
         assert_eq!(vanishes(graph.integer(0) / graph.integer(0)), Verdict::Undecided);
+    }
+
+    #[test]
+    fn fingerprints_tell_what_differs() {
+        let graph = Graph::verbatim();
+        let [x, y] = [0, 1].map(|i| graph.symbol(Symbol::Coordinate(i)));
+        let mut fingerprints = Fingerprints::default();
+        let mut equal = |a, b| fingerprints.are_equal(a, b);
+        let one = graph.integer(1);
+        assert!(equal(x / x, one) && equal(x, x) && equal(x.sin().powi(2) + x.cos().powi(2), one));
+        assert!(equal((x * y).rate(), x.rate() * y + x * y.rate()));
+        assert!(equal(x.sqrt() / x.sqrt(), one));
+        assert!(!equal(x, y) && !equal(x.powi(2).sqrt(), x) && !equal(x.call(Function::Abs), x));
+        assert!(!equal(x / x + graph.constant(Number::parse_decimal("1e-40").unwrap()), one));
+        // Nowhere is it known what they are.
+        assert!(!equal(one / graph.integer(0), y / graph.integer(0)));
     }
 
     /// Integers that one of the fields takes for zero, or for each other, written as they are or as sums.

@@ -1,7 +1,8 @@
 //! `if … { … } else { … }`: each branch is a value of its own, and the condition chooses between them.
 //!
 //! What is known at build time is decided at build time, and the other branch is not looked at: loops may ask for their
-//! turn.
+//! turn. Known is as well how things compare that are equal for all values, as `l/l` and 1: rounding must not choose between
+//! branches, one way here and the other way there.
 
 use super::evaluate::{Argument, Refused, Resolved, Resolver, in_words};
 use super::lagrangian::Choice;
@@ -169,6 +170,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
     fn less(&mut self, a: Expr<'g>, b: Expr<'g>) -> Truth<'g> {
         match (self.facts.constant(a), self.facts.constant(b)) {
             (Some(a), Some(b)) => Truth::Known((a + -b).is_negative()),
+            _ if self.facts.are_equal(a, b) => Truth::Known(false),
             _ => Truth::Open(a.less(b)),
         }
     }
@@ -176,6 +178,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
     fn less_equal(&mut self, a: Expr<'g>, b: Expr<'g>) -> Truth<'g> {
         match (self.facts.constant(a), self.facts.constant(b)) {
             (Some(a), Some(b)) => Truth::Known(!(b + -a).is_negative()),
+            _ if self.facts.are_equal(a, b) => Truth::Known(true),
             _ => Truth::Open(a.less_equal(b)),
         }
     }
@@ -325,6 +328,10 @@ mod tests {
         same("", "if y < 0 { -y } else { y }", "abs(y)");
         same("", "if y > 0 { 1*l } else if x > 0 { 2*l } else { 3*l }", "2*l");
         same("", "dt(if y < 0 { -y } else { y })", "-dt(y)");
+        // What is equal for all values is so whatever rounding makes of it.
+        same("", "if l/l < 1 { x } else { y }", "y");
+        same("", "if sin(x/l)^2 + cos(x/l)^2 >= 1 { x } else { y }", "x");
+        same("", "if x < 0 || l/l > 1 { x } else if (x + y)^2 <= x^2 + 2*x*y + y^2 { y } else { z }", "y");
         // What is not a number on the other side does not matter.
         same("", "if y > 0 { sqrt(y) } else { 2*sqrt(-y) }", "2*sqrt(-y)");
         same("", "dt(if y > 0 { sqrt(y) } else { 2*sqrt(-y) })", "dt(2*sqrt(-y))");

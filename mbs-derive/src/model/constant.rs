@@ -1,7 +1,7 @@
 //! What is known of the nodes of a verbatim graph: what each depends on, and the exact values of constants.
 
 use crate::expr::graph::IdMap;
-use crate::expr::{Expr, Graph, Id, Node, Number, Rounded, Symbol, Value};
+use crate::expr::{Expr, Fingerprints, Graph, Id, Node, Number, Rounded, Symbol, Value};
 
 /// What an expression depends on: a set.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -45,6 +45,7 @@ impl Dependence {
 pub(super) struct Facts {
     dependence: Vec<Dependence>,
     constants: IdMap<Number>,
+    fingerprints: Fingerprints,
     calculator: Calculator,
 }
 
@@ -67,6 +68,11 @@ impl Facts {
             Number::Exact { numerator, denominator: 1, pi: 0 } => i64::try_from(numerator).ok(),
             _ => None,
         }
+    }
+
+    /// Whether two expressions are equal for all values of their symbols.
+    pub(super) fn are_equal(&mut self, a: Expr<'_>, b: Expr<'_>) -> bool {
+        self.fingerprints.are_equal(a, b)
     }
 
     fn complete(&mut self, graph: &Graph) {
