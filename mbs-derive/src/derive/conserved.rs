@@ -99,21 +99,25 @@ fn depends_on_time(expr: Expr<'_>) -> bool {
 ///
 /// A function that is not zero on a whole region is zero at a random point with probability 0; twelve points, of both signs
 /// and with the parameters among the symbols, leave little doubt. Nothing is claimed of an expression whose value is lost in
-/// rounding. One with branches or steps may be zero on the one side and not on the other, where no point is: that is decided in
-/// a finite field, on every side.
+/// rounding. One with branches or steps may be zero on the one side and not on the other, where no point is, and one that
+/// saturates is zero in doubles wherever it has: that is decided in a finite field, on every side.
 pub(super) fn vanishes(expr: Expr<'_>) -> bool {
     let tried = |round| {
         let value = evaluate(&[expr], |symbol| Rounded::exact(generic_value(symbol, round)))[0];
         value.value.abs() <= 8.0 * value.error && value.error < 1e-9
     };
-    expr.is_zero() || (0..12).all(tried) && (!has_branches(expr) || is_zero_everywhere(expr) == Verdict::Holds)
+    expr.is_zero() || (0..12).all(tried) && (!has_parts(expr) || is_zero_everywhere(expr) == Verdict::Holds)
 }
 
-fn has_branches(expr: Expr<'_>) -> bool {
+/// Whether it may be zero, in doubles, at some places and not at others.
+fn has_parts(expr: Expr<'_>) -> bool {
     let graph = expr.graph();
     graph.reachable([expr.id()]).into_iter().any(|id| match graph.node(id) {
         Node::Select(..) | Node::Less(..) | Node::LessEqual(..) | Node::And(..) | Node::Not(_) => true,
-        Node::Call(function, _) => matches!(function, Function::Abs | Function::Signum),
+        Node::Call(Function::Abs | Function::Signum, _) => true,
+        // Its slope vanishes far away, and what it is divided or multiplied by outgrows all doubles.
+        Node::Call(Function::Tanh | Function::Cosh | Function::Sinh | Function::Exp, _) => true,
+        Node::Call(..) => false,
         // A table is zero on one interval and not on another.
         Node::Spline(..) => true,
         Node::Constant(_)
@@ -173,6 +177,14 @@ mod tests {
         assert_eq!(conserved("if x > 20 { x - 20 } else { 0 }"), ["energy_integral", "p_y"]);
         assert_eq!(conserved("abs(x - 20) + x"), ["energy_integral", "p_y"]);
         assert_eq!(conserved("if y > 20 { y - 20 } else { 0 }"), ["energy_integral", "p_x"]);
+    }
+
+    /// At a thousand the slope of tanh is zero in doubles.
+    #[test]
+    fn a_momentum_is_not_conserved_where_a_force_has_saturated() {
+        assert_eq!(conserved("tanh(1000*y)"), ["energy_integral", "p_x"]);
+        assert_eq!(conserved("exp(-1e6*y^2)"), ["energy_integral", "p_x"]);
+        assert_eq!(conserved("tanh(x)*y/(y*cosh(x))"), ["energy_integral", "p_y"]);
     }
 
     #[test]
