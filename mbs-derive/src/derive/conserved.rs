@@ -1,7 +1,8 @@
 //! First integrals: momenta of cyclic coordinates, and the energy integral where t is absent.
 
+use crate::expr::graph::IdMap;
 use crate::expr::{
-    Expr, Function, Node, Rounded, Symbol, Verdict, degree_is_at_most, evaluate, substitute,
+    Expr, Function, Id, Node, Rounded, Symbol, Verdict, degree_is_at_most, evaluate, substitute,
     vanishes as is_zero_everywhere,
 };
 use crate::model::Lagrangian;
@@ -55,14 +56,24 @@ pub fn conserved<'g>(
 }
 
 /// `q̇·∂L/∂q̇ − L`, Jacobi's integral; its value is `T + V` where T is homogeneous of second degree in the velocities and
-/// L is `T − V`, but it is formed as written.
+/// L is `T − V`, but it is formed as written, less what is seen to be linear in the velocities on both sides of the
+/// difference: there it leaves nothing but its rounding.
 ///
 /// Where t cancels, as in a frame that turns, it has the same value at any time: it is formed for t = 0, if that is a number.
 fn energy_integral<'g>(lagrange: &Lagrange<'g>, energies: &Energies<'g>, symbols: &Symbols) -> Expr<'g> {
     let graph = energies.lagrangian.graph();
-    let momentum_dot_velocity: Expr<'g> =
-        lagrange.momentum.iter().zip(&symbols.qd).fold(graph.integer(0), |sum, (&p, &qd)| sum + p * graph.symbol(qd));
-    let integral = momentum_dot_velocity - energies.lagrangian;
+    let dot_velocity = |momentum: &[Expr<'g>]| {
+        momentum.iter().zip(&symbols.qd).fold(graph.integer(0), |sum, (&p, &qd)| sum + p * graph.symbol(qd))
+    };
+    let degrees = degrees(lagrange.momentum.iter().copied().chain([energies.lagrangian]));
+    let (linear, rest) = parted(energies.lagrangian, |addend| degrees[&addend.id()] == Some(1));
+    let (constant, varying): (Vec<_>, Vec<_>) =
+        lagrange.momentum.iter().map(|&p| parted(p, |addend| degrees[&addend.id()] == Some(0))).unzip();
+    let cancels = !linear.is_zero() && is_zero_everywhere(dot_velocity(&constant) - linear) == Verdict::Holds;
+    let integral = match cancels {
+        true => dot_velocity(&varying) - rest,
+        false => dot_velocity(&lagrange.momentum) - energies.lagrangian,
+    };
     if !depends_on_time(integral) {
         return integral;
     }
@@ -70,6 +81,58 @@ fn energy_integral<'g>(lagrange: &Lagrange<'g>, energies: &Energies<'g>, symbols
     let is_finite =
         (0..3).all(|round| evaluate::<f64>(&[at_zero], |symbol| generic_value(symbol, round))[0].is_finite());
     if is_finite { at_zero } else { integral }
+}
+
+/// Of a sum the addends of a kind, and the others.
+fn parted<'g>(sum: Expr<'g>, is_of_kind: impl Fn(Expr<'g>) -> bool) -> (Expr<'g>, Expr<'g>) {
+    let graph = sum.graph();
+    let (mut of_kind, mut others) = (graph.integer(0), graph.integer(0));
+    let mut stack = vec![(sum, false)];
+    while let Some((addend, negative)) = stack.pop() {
+        match addend.node() {
+            Node::Add(a, b) => stack.extend([(graph.expr(b), negative), (graph.expr(a), negative)]),
+            Node::Sub(a, b) => stack.extend([(graph.expr(b), !negative), (graph.expr(a), negative)]),
+            Node::Neg(a) => stack.push((graph.expr(a), !negative)),
+            _ => {
+                let part = if is_of_kind(addend) { &mut of_kind } else { &mut others };
+                *part = if negative { *part - addend } else { *part + addend };
+            }
+        }
+    }
+    (of_kind, others)
+}
+
+/// In which degree each part of the expressions is homogeneous in the velocities, where that is seen.
+fn degrees<'g>(roots: impl Iterator<Item = Expr<'g>> + Clone) -> IdMap<Option<i32>> {
+    let mut degrees = IdMap::default();
+    let Some(graph) = roots.clone().next().map(|root| root.graph()) else { return degrees };
+    for id in graph.reachable(roots.map(|root| root.id())) {
+        let node = graph.node(id);
+        let of = |operand: Id| degrees[&operand];
+        let equal = |a: Id, b: Id| of(a).filter(|degree| of(b) == Some(*degree));
+        let is_at_rest = || node.operands().all(|operand| of(operand) == Some(0));
+        let degree = match node {
+            Node::Symbol(Symbol::Velocity(_)) => Some(1),
+            Node::Neg(a) => of(a),
+            Node::Add(a, b) | Node::Sub(a, b) => equal(a, b),
+            Node::Mul(a, b) => of(a).zip(of(b)).map(|(a, b)| a + b),
+            Node::Power(a, _) if of(a) == Some(0) => Some(0),
+            Node::Power(a, n) => of(a).zip(n.to_integer()).and_then(|(degree, n)| degree.checked_mul(n)),
+            Node::Select(condition, a, b) => equal(a, b).filter(|_| of(condition) == Some(0)),
+            Node::Constant(_)
+            | Node::Symbol(_)
+            | Node::Rate(_)
+            | Node::Call(..)
+            | Node::Call2(..)
+            | Node::Spline(..)
+            | Node::Less(..)
+            | Node::LessEqual(..)
+            | Node::And(..)
+            | Node::Not(_) => is_at_rest().then_some(0),
+        };
+        degrees.insert(id, degree);
+    }
+    degrees
 }
 
 /// Time itself, or a signal in time.
@@ -152,6 +215,7 @@ pub(super) fn generic_value(symbol: Symbol, round: u64) -> f64 {
 #[cfg(test)]
 mod tests {
     use crate::expr::Graph;
+    use crate::interpret::{Interpreter, State};
     use crate::optimise::FunctionKind;
 
     fn conserved(potential: &str) -> Vec<String> {
@@ -213,5 +277,25 @@ mod tests {
         assert_eq!(conserved_with(&format!("{puck} {spring} potential += 1e-20*t*x;")), [""; 0]);
         let late = "potential += if t > 100 { x*t } else { 0 };";
         assert_eq!(conserved_with(&format!("{puck} {spring} {late}")), [""; 0]);
+    }
+    /// A magnetic field does no work, however strong it is.
+    #[test]
+    fn terms_linear_in_the_velocities_leave_no_rounding_in_the_energy() {
+        let energy = |more: &str| {
+            let text = format!(
+                "#![dimensionless]\nmechanism A {{ param w: 1 = 1e17; coord x: 1; coord y: 1; kinetic += dt(x)^2 + \
+                 x^2*dt(y)^2; potential += y^2; {more} }}"
+            );
+            let graph = Graph::verbatim();
+            let (lagrangian, _) =
+                crate::declared(&text, &graph, &[]).unwrap_or_else(|e| panic!("{}", e.render("a", &text)));
+            let state = State { t: 0.0, q: vec![0.3, 0.7], qd: vec![0.1, -0.2], ..State::default() };
+            let derivation = crate::derived(&lagrangian);
+            Interpreter::new(&derivation).call("conserved", &state).expect("it is conserved")[0]
+        };
+        let plain = energy("");
+        assert!((plain - 0.5036).abs() < 1e-15);
+        assert_eq!(energy("lagrangian += w*x*dt(y) - w*cos(y)*dt(x);"), plain);
+        assert_eq!(energy("lagrangian += w*(x*dt(y) - y*dt(x)) + w*dt(x);"), plain);
     }
 }
