@@ -240,7 +240,7 @@ impl Court<'_> {
                 }
                 compared.iter_mut().for_each(|values| treatment.apply(values, &state.q, &self.mechanism.quaternions));
             }
-            let floors = floors(&function.kind, expected, case);
+            let floors = floors(function, expected, case, &self.derivation.holonomic);
             self.compare(&compared[0], &compared[1], &compared[2..], &floors)
         };
         report.map_err(|report| wrong(&function.name, format!("{report}\n{}", shown(state))))
@@ -389,17 +389,37 @@ fn places(random: &mut Random, k: usize, n: usize) -> Vec<f64> {
 }
 
 /// What each number of a function may be off by because of others. An output may have been turned from the axes of a
-/// pose, which leaves a rounding of its largest component in all of them. What a parameter changes of an acceleration
-/// is a difference of changes that forces and inertias make each by itself.
-fn floors(kind: &FunctionKind, expected: &[f64], Case { state, truth, .. }: &Case) -> Vec<f64> {
+/// pose, which leaves a rounding of its largest component in all of them, and in its derivatives one of the components
+/// times how fast the axes turn; so may the force and the moment of a reaction.
+/// What a parameter changes of an acceleration is a difference of changes that forces and inertias make each by itself.
+/// The value of a constraint that holds is a difference that a rounding of any coordinate changes, but one of so few
+/// digits that the calculations with roundings may all agree by chance.
+fn floors(function: &Function, expected: &[f64], Case { state, truth, .. }: &Case, holonomic: &[bool]) -> Vec<f64> {
     let largest = |values: &[f64]| values.iter().fold(0.0, |largest: f64, x| largest.max(x.abs()));
-    match kind {
-        FunctionKind::Output(_)
-        | FunctionKind::OutputVelocity(_)
-        | FunctionKind::OutputJacobian(_)
-        | FunctionKind::OutputJacobianQd(_)
-        | FunctionKind::OutputJacobianU(_)
-        | FunctionKind::OutputJacobianRate(_) => vec![4.0 * f64::EPSILON * largest(expected); expected.len()],
+    let speed: f64 = state.qd.iter().map(|v| v.abs()).sum();
+    let turned = |turning: f64| {
+        let outputs = ["_velocity", "_jacobian", "_jacobian_rate"].map(|end| function.name.strip_suffix(end));
+        let output = outputs.into_iter().flatten().find_map(|output| truth.get(output));
+        let value = output.map_or(0.0, |value| turning * largest(value));
+        vec![4.0 * f64::EPSILON * (largest(expected) + value); expected.len()]
+    };
+    match &function.kind {
+        FunctionKind::Output(_) => turned(0.0),
+        FunctionKind::OutputVelocity(_) => turned(speed),
+        FunctionKind::OutputJacobian(_) => turned(1.0),
+        FunctionKind::OutputJacobianQd(_) | FunctionKind::OutputJacobianU(_) => turned(0.0),
+        FunctionKind::OutputJacobianRate(_) => turned(speed),
+        FunctionKind::Reaction(_) => {
+            expected.chunks(3).flat_map(|vector| vec![4.0 * f64::EPSILON * largest(vector); vector.len()]).collect()
+        }
+        FunctionKind::Constraint => {
+            let terms = |(row, holonomic): (&[f64], &bool)| {
+                let along = if *holonomic { &state.q } else { &state.qd };
+                row.iter().zip(along).map(|(a, x)| (a * x).abs()).sum::<f64>()
+            };
+            let rows = truth["constraint_jacobian"].chunks(state.q.len()).zip(holonomic);
+            rows.map(|row| 4.0 * f64::EPSILON * terms(row)).collect()
+        }
         FunctionKind::LinearizeParameters => {
             let acceleration = truth.get("forward_dynamics").map_or(0.0, |qdd| largest(qdd));
             let by = |p: &f64| if *p == 0.0 { 0.0 } else { 4.0 * f64::EPSILON * acceleration / p.abs() };
