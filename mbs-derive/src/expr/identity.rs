@@ -257,7 +257,7 @@ fn rate(symbol: Symbol) -> Rate {
 }
 
 /// Another one for each symbol.
-fn key(symbol: Symbol) -> u64 {
+pub(super) fn key(symbol: Symbol) -> u64 {
     let (kind, index) = match symbol {
         Symbol::Time => (0, 0),
         Symbol::Coordinate(i) => (1, i),

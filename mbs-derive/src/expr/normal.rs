@@ -8,9 +8,11 @@
 //! - [`wave`]: sines and cosines of sums of angles;
 //! - [`half_angle`]: doubled angles halved again, `sin²θ` for `½ (1 − cos 2θ)`;
 //! - [`kept`]: sums that stay factors, so that no digits are lost;
+//! - `digits`: whether a form has lost some all the same;
 //! - [`factor`]: polynomials as expressions, with common factors taken out and products shared.
 
 pub mod combination;
+mod digits;
 pub mod factor;
 pub mod half_angle;
 pub mod kept;
@@ -45,8 +47,9 @@ pub fn normal_form<'g>(roots: &[Expr<'g>], kept: &Kept, limit: usize) -> Option<
 }
 
 /// The expressions in the cheapest of the forms that texts use, all of them in the same: multiple angles, or doubled angles
-/// halved; with common factors taken out, or shared products named. What is kept is not multiplied out. `None` where one of them
-/// has more than `limit` terms on the way.
+/// halved; with common factors taken out, or shared products named. What is kept is not multiplied out. Forms that lose digits do
+/// not count; where all of them do, the expressions stay as they are. `None` where one of them has more than `limit` terms on
+/// the way.
 pub fn cheapest_form<'g>(roots: &[Expr<'g>], kept: &Kept, limit: usize) -> Option<Vec<Expr<'g>>> {
     let Some(first) = roots.first() else { return Some(Vec::new()) };
     let graph = first.graph();
@@ -59,8 +62,18 @@ pub fn cheapest_form<'g>(roots: &[Expr<'g>], kept: &Kept, limit: usize) -> Optio
             polynomials.map(|polynomials| factor::shared(graph, &polynomials))
         })
     };
-    // Of equally cheap ones the first.
-    kept.ways().iter().flat_map(forms).min_by_key(|form| weight(form))
+    cheapest(roots, kept.ways().iter().flat_map(forms).collect())
+}
+
+/// Of equally cheap ones the first, among those that keep the digits of what they stand for; that itself where none does, `None`
+/// where there are no forms.
+fn cheapest<'g>(given: &[Expr<'g>], mut forms: Vec<Vec<Expr<'g>>>) -> Option<Vec<Expr<'g>>> {
+    if forms.is_empty() {
+        return None;
+    }
+    forms.sort_by_cached_key(|form| weight(form));
+    forms.dedup();
+    Some(forms.into_iter().find(|form| digits::are_kept(given, form)).unwrap_or_else(|| given.to_vec()))
 }
 
 /// `a / b` for each pair, in the cheapest of the forms that texts use; what is common to a and to a b of one term cancels.
@@ -81,7 +94,8 @@ pub fn quotients<'g>(pairs: &[(Expr<'g>, Expr<'g>)], kept: &Kept, limit: usize) 
             polynomials.map(|polynomials| factor::shared(graph, &polynomials))
         })
     };
-    kept.ways().iter().flat_map(forms).min_by_key(|form| weight(form))
+    let given: Vec<_> = pairs.iter().map(|&(a, b)| a / b).collect();
+    cheapest(&given, kept.ways().iter().flat_map(forms).collect())
 }
 
 /// A product of powers times a wave.
