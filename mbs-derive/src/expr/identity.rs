@@ -10,7 +10,7 @@
 use super::branch::{Branches, Side};
 use super::dual::Dual;
 use super::evaluate::{Tape, Value, value_of};
-use super::function::Function;
+use super::function::{Binary, Function};
 use super::graph::{Expr, Graph, Id, Node, Symbol};
 use super::residue::{Residue, mixed};
 use super::spline::SplineDerivative;
@@ -46,9 +46,12 @@ const POINTS_OF_CHOICES: u64 = 64;
 /// This many points on a line are tried to find those where all roots exist.
 const TRIED_ON_A_LINE: u64 = 64;
 
-/// This many points are tried for the values of one difference. Roots of a dozen sums exist at one in some thousands; what has a
-/// value at none of them has none in the field.
-const TRIED: usize = 1 << 14;
+/// This many points are tried for the values of one difference where there are no roots to be found, twice as many for each that
+/// is: roots of a dozen sums exist at one point in some thousands. What has a value at none of them has none in the field.
+const TRIED: usize = 64;
+
+/// For no more roots than this.
+const MOST_ROOTS: usize = 8;
 
 /// This many steps of evaluation are spent on what does not get to an end.
 const BUDGET: usize = 20_000_000;
@@ -59,6 +62,8 @@ struct Test<Varies> {
     /// Whether the value of each step varies.
     varying: Vec<bool>,
     has_choices: bool,
+    /// How many points are tried for the values of one difference.
+    tried: usize,
 }
 
 impl<Varies: Fn(Symbol) -> bool> Test<Varies> {
@@ -68,7 +73,9 @@ impl<Varies: Fn(Symbol) -> bool> Test<Varies> {
         let all = !tape.steps().iter().any(|step| matches!(step, Node::Symbol(s) if varies(*s)));
         let chosen = |(at, step): (usize, &Node)| (all || varying[at]) && is_choice(step);
         let has_choices = tape.steps().iter().enumerate().any(chosen);
-        Test { tape, varies, varying, has_choices }
+        let moves = self::varying(&tape, &|_| true);
+        let roots = tape.steps().iter().zip(&moves).filter(|(step, moves)| **moves && is_root(step)).count();
+        Test { tape, varies, varying, has_choices, tried: TRIED << roots.min(MOST_ROOTS) }
     }
 
     /// In both fields: what fails in one does not hold, and what one of them cannot decide, the other can.
@@ -112,7 +119,7 @@ impl<Varies: Fn(Symbol) -> bool> Test<Varies> {
             let mut values: Vec<(Residue<K>, Residue<K>)> = Vec::new();
             for number in 0..TRIED_ON_A_LINE {
                 tried += 1;
-                *left = left.checked_sub(self.tape.steps().len()).filter(|_| tried <= TRIED)?;
+                *left = left.checked_sub(self.tape.steps().len()).filter(|_| tried <= self.tried)?;
                 let s = Residue::random(mixed(line).wrapping_add(number));
                 let value = self.value(line, s, decided);
                 values.extend(value.is_defined().then_some((s, value)));
@@ -198,6 +205,30 @@ fn divided_difference<const K: usize>(values: &[(Residue<K>, Residue<K>)]) -> Re
         others.fold(*value, |term, (_, (other, _))| term.div(s.sub(*other)))
     });
     terms.fold(Residue::constant(0.0), Residue::add)
+}
+
+/// Whether it is a root, or its slope is, so that it exists at some points alone.
+fn is_root(step: &Node) -> bool {
+    match step {
+        Node::Power(_, n) => n.to_integer().is_none(),
+        Node::Call(function, _) => {
+            matches!(function, Function::Abs | Function::Signum | Function::Asin | Function::Acos)
+        }
+        Node::Call2(function, ..) => *function == Binary::Powf,
+        Node::Constant(_)
+        | Node::Symbol(_)
+        | Node::Rate(_)
+        | Node::Neg(_)
+        | Node::Add(..)
+        | Node::Sub(..)
+        | Node::Mul(..)
+        | Node::Spline(..)
+        | Node::Less(..)
+        | Node::LessEqual(..)
+        | Node::And(..)
+        | Node::Not(_)
+        | Node::Select(..) => false,
+    }
 }
 
 /// Whether the field leaves something to chance there: a sign or a comparison.
