@@ -9,6 +9,7 @@
 //! - `regroup`: masses move towards the base as far as joints cannot tell;
 //! - `twist`: velocities, and the kinetic energy;
 //! - `newton_euler`: motions out, wrenches back: inverse dynamics, bias, gravity;
+//! - `place`: links that share their origin, and moments about their joints;
 //! - `load`: forces on points and torques on bodies, which ride along with the wrenches;
 //! - `force_element`: springs and dampers between points, likewise;
 //! - `composite`: the mass matrix; `coriolis`: the Coriolis matrix.
@@ -23,6 +24,7 @@ pub(super) mod inertia;
 pub(super) mod linkage;
 pub(super) mod load;
 mod newton_euler;
+mod place;
 mod regroup;
 #[cfg(test)]
 mod trial;

@@ -70,11 +70,9 @@ pub(super) fn momentum<'g>(inertia: &Inertia<'g>, edge: &Edge<'g>) -> Wrench<'g>
             let mut couple = Vector([0, 1, 2].map(|i| -inertia.second.entry(i, axis)));
             couple.0[axis] = inertia.axial(axis);
             let e = Vector::unit(inertia.mass.graph(), axis);
-            Wrench { force: e.cross(inertia.first), couple }
+            Wrench::new(e.cross(inertia.first), couple)
         }
-        Edge::Slide { direction, .. } => {
-            Wrench { force: direction.scale(inertia.mass), couple: inertia.first.cross(direction) }
-        }
-        Edge::Turn(_) | Edge::Tilt { .. } | Edge::Shift(_) => Wrench { force: zero, couple: zero },
+        Edge::Slide { direction, .. } => Wrench::new(direction.scale(inertia.mass), inertia.first.cross(direction)),
+        Edge::Turn(_) | Edge::Tilt { .. } | Edge::Shift(_) => Wrench::new(zero, zero),
     }
 }

@@ -131,15 +131,13 @@ fn own_change<'g>(edge: &Edge<'g>, body: &Inertia<'g>, within: &Within<'g>, twis
             let e = Vector::unit(graph, axis);
             // vee([ω]× ê Σ) = (Σ ω) × e, because [ω]× ê = e ωᵀ − (ω·e) 1 and Σ is symmetric.
             let couple = (body.second.matrix() * w).cross(e) + vee(skew(e) * within.moments);
-            Wrench { force: w.cross(e.cross(body.first)) + e.cross(within.momentum), couple }
+            Wrench::new(w.cross(e.cross(body.first)) + e.cross(within.momentum), couple)
         }
         Edge::Slide { direction, .. } => {
             let carried = w.cross(direction);
-            Wrench { force: carried.scale(body.mass), couple: body.first.cross(carried) }
+            Wrench::new(carried.scale(body.mass), body.first.cross(carried))
         }
-        Edge::Turn(_) | Edge::Tilt { .. } | Edge::Shift(_) => {
-            Wrench { force: Vector::zero(graph), couple: Vector::zero(graph) }
-        }
+        Edge::Turn(_) | Edge::Tilt { .. } | Edge::Shift(_) => Wrench::zero(graph),
     }
 }
 
@@ -155,7 +153,7 @@ fn others_change<'g>(
     let zero = Vector::zero(body.mass.graph());
     let mut wrench = momentum(body, &own);
     // A pure couple, which is the same about every point.
-    let mut couple = Wrench { force: zero, couple: moved_couple(&own, body, within, &twists[joint]) };
+    let mut couple = Wrench::new(zero, moved_couple(&own, body, within, &twists[joint]));
     let (mut at, mut parts) = (joint, Vec::new());
     while let (Some(parent), Some(edge)) = (linkage.links[at].parent, linkage.links[at].edge) {
         if let (true, Ok(row)) = (at != joint, moving.binary_search(&at)) {

@@ -13,7 +13,6 @@ use crate::model::landmark::{Landmarks, Place};
 use super::linkage::{Edge, Linkage};
 use super::load::Load;
 use super::twist::Twist;
-use super::wrench::turned_about;
 
 /// The slopes of a term of V or D in the coordinates or velocities of points given elsewhere.
 #[derive(Clone, Debug)]
@@ -112,7 +111,7 @@ fn position<'g>(linkage: &Linkage<'g>, anchor: &Anchor<'g>) -> Vector<'g> {
     edges_to_base(linkage, anchor.link).fold(anchor.point, |p, edge| match edge {
         Edge::Shift(t) => p + t,
         Edge::Slide { direction, displacement } => p + direction.scale(displacement),
-        Edge::Turn(_) | Edge::Revolute { .. } | Edge::Tilt { .. } => turned(p, &edge),
+        Edge::Turn(_) | Edge::Revolute { .. } | Edge::Tilt { .. } => edge.turned(p),
     })
 }
 
@@ -120,19 +119,10 @@ fn position<'g>(linkage: &Linkage<'g>, anchor: &Anchor<'g>) -> Vector<'g> {
 fn velocity<'g>(linkage: &Linkage<'g>, twists: &[Twist<'g>], anchor: &Anchor<'g>) -> Vector<'g> {
     let Twist { angular, linear } = twists[anchor.link];
     let velocity = linear + angular.cross(anchor.point);
-    edges_to_base(linkage, anchor.link).fold(velocity, |v, edge| turned(v, &edge))
+    edges_to_base(linkage, anchor.link).fold(velocity, |v, edge| edge.turned(v))
 }
 
 fn edges_to_base<'g>(linkage: &Linkage<'g>, link: usize) -> impl Iterator<Item = Edge<'g>> {
     let up = |&link: &usize| linkage.links[link].parent;
     std::iter::successors(Some(link), up).filter_map(|link| linkage.links[link].edge)
-}
-
-/// In the axes of the parent.
-fn turned<'g>(v: Vector<'g>, edge: &Edge<'g>) -> Vector<'g> {
-    match *edge {
-        Edge::Turn(r) => r * v,
-        Edge::Revolute { axis, sin, cos, .. } | Edge::Tilt { axis, sin, cos } => turned_about(v, axis, sin, cos),
-        Edge::Shift(_) | Edge::Slide { .. } => v,
-    }
 }

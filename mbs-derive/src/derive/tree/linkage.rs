@@ -11,6 +11,7 @@ use crate::model::landmark::{is_still, moving_nodes};
 
 use super::super::lagrange::velocity_direction;
 use super::super::{carried, time_derivative};
+use super::wrench::turned_about;
 
 /// How a link moves in its parent.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -57,6 +58,29 @@ impl<'g> Edge<'g> {
             Edge::Slide { displacement, .. } => Some(displacement),
             Edge::Turn(_) | Edge::Tilt { .. } | Edge::Shift(_) => None,
         }
+    }
+
+    /// A vector of the link in the axes of the parent.
+    pub(super) fn turned(&self, v: Vector<'g>) -> Vector<'g> {
+        match *self {
+            Edge::Turn(r) => r * v,
+            Edge::Revolute { axis, sin, cos, .. } | Edge::Tilt { axis, sin, cos } => turned_about(v, axis, sin, cos),
+            Edge::Shift(_) | Edge::Slide { .. } => v,
+        }
+    }
+
+    /// A vector of the parent in the axes of the link.
+    pub(super) fn turned_back(&self, v: Vector<'g>) -> Vector<'g> {
+        match *self {
+            Edge::Turn(r) => r.transpose() * v,
+            Edge::Revolute { axis, sin, cos, .. } | Edge::Tilt { axis, sin, cos } => turned_about(v, axis, -sin, cos),
+            Edge::Shift(_) | Edge::Slide { .. } => v,
+        }
+    }
+
+    /// Whether the link's origin is the parent's.
+    pub(super) fn only_turns(&self) -> bool {
+        matches!(self, Edge::Turn(_) | Edge::Revolute { .. } | Edge::Tilt { .. })
     }
 
     /// A turn about a coordinate axis, axes and all.
@@ -122,6 +146,34 @@ impl<'g> Linkage<'g> {
     /// Whether there is a joint at all.
     pub(crate) fn has_joints(&self) -> bool {
         self.links.iter().any(|link| link.edge.is_some_and(|edge| edge.displacement().is_some()))
+    }
+
+    /// The link nearest to the base that has the same origin at all times. Joints between it and this one turn: a force through
+    /// the origin does nothing along them, and in axes nearer to the world it keeps the digits that it was given with.
+    pub(super) fn first_of_place(&self, link: usize) -> usize {
+        let turns = |link: usize| self.links[link].edge.is_some_and(|edge| edge.only_turns());
+        let up = |&link: &usize| self.links[link].parent.filter(|_| turns(link));
+        std::iter::successors(Some(link), up).last().unwrap_or(link)
+    }
+
+    /// The links of each place, each before its parent.
+    pub(super) fn places(&self) -> Vec<Vec<usize>> {
+        let mut places: Vec<Vec<usize>> = vec![Vec::new(); self.links.len()];
+        (0..self.links.len()).rev().for_each(|link| places[self.first_of_place(link)].push(link));
+        places.retain(|links| !links.is_empty());
+        places
+    }
+
+    /// Whether a link elsewhere hangs from one of these.
+    pub(super) fn bears_others(&self, links: &[usize]) -> bool {
+        let hangs = |link: usize| self.links[link].parent.is_some_and(|parent| links.contains(&parent));
+        (0..self.links.len()).any(|link| hangs(link) && !links.contains(&link))
+    }
+
+    /// The links from one to another that it hangs from, both included.
+    pub(super) fn way(&self, from: usize, to: usize) -> Vec<usize> {
+        let up = |&link: &usize| self.links[link].parent.filter(|_| link != to);
+        std::iter::successors(Some(from), up).collect()
     }
 
     /// Whether every joint follows coordinates and time linearly.

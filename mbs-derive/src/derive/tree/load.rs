@@ -4,8 +4,9 @@
 
 use crate::expr::{Graph, Vector};
 
-use super::linkage::{Edge, Linkage};
-use super::wrench::{Wrench, turned_about};
+use super::linkage::Linkage;
+use super::place;
+use super::wrench::Wrench;
 
 /// A force on a point of a link, or a torque on it.
 #[derive(Clone, Copy, Debug)]
@@ -22,32 +23,25 @@ pub(crate) struct Load<'g> {
 
 /// What acts on each link.
 pub(super) fn wrenches<'g>(linkage: &Linkage<'g>, loads: &[Load<'g>], graph: &'g Graph) -> Vec<Wrench<'g>> {
+    let zero = Vector::zero(graph);
     let mut wrenches = vec![Wrench::zero(graph); linkage.links.len()];
     for load in merged(loads) {
         let along = |link: usize| if load.is_in_world { in_link(linkage, link, load.vector) } else { load.vector };
         let Some(point) = load.point else {
-            let couple = Wrench { force: Vector::zero(graph), couple: along(load.link) };
-            wrenches[load.link] = wrenches[load.link].plus(couple);
+            wrenches[load.link] = wrenches[load.link].plus(Wrench::new(zero, along(load.link)));
             continue;
         };
-        let couple = point.cross(along(load.link));
-        wrenches[load.link] = wrenches[load.link].plus(Wrench { force: Vector::zero(graph), couple });
-        let taker = if load.is_in_world { first_of_place(linkage, load.link) } else { load.link };
-        wrenches[taker] = wrenches[taker].plus(Wrench { force: along(taker), couple: Vector::zero(graph) });
+        let taker = if load.is_in_world { linkage.first_of_place(load.link) } else { load.link };
+        let way = linkage.way(load.link, taker);
+        let arms: Vec<Vector<'g>> = way.iter().map(|&link| if link == load.link { point } else { zero }).collect();
+        let couple = || vec![Wrench::new(zero, point.cross(along(load.link)))];
+        let moments = place::moments(linkage, &way, &arms, along(taker)).unwrap_or_else(couple);
+        for (&link, moment) in way.iter().zip(moments) {
+            wrenches[link] = wrenches[link].plus(moment);
+        }
+        wrenches[taker] = wrenches[taker].plus(Wrench::new(along(taker), zero));
     }
     wrenches
-}
-
-/// The link nearest to the base that has the same origin at all times. Joints between it and this one turn: a force through the
-/// origin does nothing along them, and in axes nearer to the world it keeps the digits that it was given with.
-fn first_of_place(linkage: &Linkage<'_>, mut link: usize) -> usize {
-    while let (Some(parent), Some(edge)) = (linkage.links[link].parent, linkage.links[link].edge) {
-        match edge {
-            Edge::Turn(_) | Edge::Revolute { .. } | Edge::Tilt { .. } => link = parent,
-            Edge::Shift(_) | Edge::Slide { .. } => break,
-        }
-    }
-    link
 }
 
 /// Those at one point added up: they are turned once.
@@ -67,11 +61,6 @@ fn merged<'g>(loads: &[Load<'g>]) -> Vec<Load<'g>> {
 
 /// A vector of the world in the axes of a link, turned edge by edge.
 fn in_link<'g>(linkage: &Linkage<'g>, link: usize, vector: Vector<'g>) -> Vector<'g> {
-    let up = |&link: &usize| linkage.links[link].parent;
-    let way: Vec<usize> = std::iter::successors(Some(link), up).collect();
-    way.iter().rev().filter_map(|&link| linkage.links[link].edge).fold(vector, |v, edge| match edge {
-        Edge::Turn(r) => r.transpose() * v,
-        Edge::Revolute { axis, sin, cos, .. } | Edge::Tilt { axis, sin, cos } => turned_about(v, axis, -sin, cos),
-        Edge::Shift(_) | Edge::Slide { .. } => v,
-    })
+    let way = linkage.way(link, 0);
+    way.iter().rev().filter_map(|&link| linkage.links[link].edge).fold(vector, |v, edge| edge.turned_back(v))
 }

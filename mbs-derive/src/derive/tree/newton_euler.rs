@@ -14,6 +14,7 @@ use crate::expr::{Expr, Matrix, Vector};
 
 use super::inertia::{Inertia, Symmetric};
 use super::linkage::{Accelerations, Edge, Linkage, rates};
+use super::place;
 use super::wrench::{Wrench, turned_about};
 
 /// How a link moves.
@@ -75,7 +76,17 @@ pub(super) fn wrenches<'g>(
     accelerations: Accelerations,
 ) -> Vec<Wrench<'g>> {
     let motions = motions(linkage, gravity, accelerations);
-    inertias.iter().zip(&motions).map(|(i, m)| inertial(i, m)).collect()
+    let mut wrenches: Vec<Wrench<'g>> = inertias.iter().zip(&motions).map(|(i, m)| inertial(i, m)).collect();
+    // Where others hang from a place, what they take is turned from link to link in any case.
+    for links in linkage.places().into_iter().filter(|links| !linkage.bears_others(links)) {
+        let arms: Vec<Vector<'g>> = links.iter().map(|&link| inertias[link].first).collect();
+        let Some(first) = links.last() else { continue };
+        let moments = place::moments(linkage, &links, &arms, motions[*first].acceleration);
+        for (&link, moment) in links.iter().zip(moments.unwrap_or_default()) {
+            wrenches[link] = spinning(&inertias[link], &motions[link]).plus(moment);
+        }
+    }
+    wrenches
 }
 
 /// What wrenches on the links do along the joints: swept back, each edge takes what is along it.
@@ -142,9 +153,12 @@ impl<'g> Motion<'g> {
 
 /// What it takes to move these masses so.
 fn inertial<'g>(inertia: &Inertia<'g>, motion: &Motion<'g>) -> Wrench<'g> {
+    let Wrench { force, couple, .. } = spinning(inertia, motion);
+    Wrench::new(force, couple + inertia.first.cross(motion.acceleration))
+}
+
+/// The same but for the moment `h × a`.
+fn spinning<'g>(inertia: &Inertia<'g>, motion: &Motion<'g>) -> Wrench<'g> {
     let Motion { acceleration: a, spin, .. } = motion;
-    Wrench {
-        force: a.scale(inertia.mass) + spin.matrix * inertia.first,
-        couple: spin.couple(&inertia.second) + inertia.first.cross(*a),
-    }
+    Wrench::new(a.scale(inertia.mass) + spin.matrix * inertia.first, spin.couple(&inertia.second))
 }

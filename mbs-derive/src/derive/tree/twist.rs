@@ -64,10 +64,8 @@ fn momentum<'g>(inertia: &Inertia<'g>, twist: &Twist<'g>) -> Wrench<'g> {
         let (j, k) = ((i + 1) % 3, (i + 2) % 3);
         inertia.axial(i) * w.0[i] - (second.products[k] * w.0[j] + second.products[j] * w.0[k])
     };
-    Wrench {
-        force: v.scale(inertia.mass) + w.cross(inertia.first),
-        couple: inertia.first.cross(v) + Vector([0, 1, 2].map(spin)),
-    }
+    let couple = inertia.first.cross(v) + Vector([0, 1, 2].map(spin));
+    Wrench::new(v.scale(inertia.mass) + w.cross(inertia.first), couple)
 }
 
 fn energy<'g>(inertia: &Inertia<'g>, twist: &Twist<'g>) -> Expr<'g> {

@@ -11,28 +11,43 @@ pub(super) struct Wrench<'g> {
     pub(super) force: Vector<'g>,
     /// n, about the origin of the link.
     pub(super) couple: Vector<'g>,
+    /// A moment about the axis of the link's own edge alone, which is no part of n and goes no further.
+    pub(super) about_edge: Expr<'g>,
 }
 
 impl<'g> Wrench<'g> {
     /// None at all.
     pub(super) fn zero(graph: &'g Graph) -> Self {
-        Wrench { force: Vector::zero(graph), couple: Vector::zero(graph) }
+        Wrench::new(Vector::zero(graph), Vector::zero(graph))
+    }
+
+    /// A force through the origin and a couple.
+    pub(super) fn new(force: Vector<'g>, couple: Vector<'g>) -> Self {
+        Wrench { force, couple, about_edge: force.0[0].graph().integer(0) }
     }
 
     /// What is left of it where another one acts.
     pub(super) fn minus(self, other: Self) -> Self {
-        Wrench { force: self.force - other.force, couple: self.couple - other.couple }
+        Wrench {
+            force: self.force - other.force,
+            couple: self.couple - other.couple,
+            about_edge: self.about_edge - other.about_edge,
+        }
     }
 
     /// Both together.
     pub(super) fn plus(self, other: Self) -> Self {
-        Wrench { force: self.force + other.force, couple: self.couple + other.couple }
+        Wrench {
+            force: self.force + other.force,
+            couple: self.couple + other.couple,
+            about_edge: self.about_edge + other.about_edge,
+        }
     }
 
     /// The part that works on the edge's own motion: the couple about the axis, the force along the slide.
     pub(super) fn along(&self, edge: &Edge<'g>) -> Option<Expr<'g>> {
         match *edge {
-            Edge::Revolute { axis, .. } => Some(self.couple.0[axis]),
+            Edge::Revolute { axis, .. } => Some(self.couple.0[axis] + self.about_edge),
             Edge::Slide { direction, .. } => Some(direction.dot(self.force)),
             Edge::Turn(_) | Edge::Tilt { .. } | Edge::Shift(_) => None,
         }
@@ -40,22 +55,16 @@ impl<'g> Wrench<'g> {
 
     /// The same about the parent's origin, in its axes.
     pub(super) fn across(self, edge: &Edge<'g>) -> Self {
-        let Wrench { force, couple } = self;
+        let Wrench { force, couple, .. } = self;
+        // `n + t × f`
+        let shifted = |t: Vector<'g>| Wrench::new(force, couple + t.cross(force));
         match *edge {
-            Edge::Turn(r) => Wrench { force: r * force, couple: r * couple },
-            Edge::Shift(t) => self.shifted(t),
-            Edge::Slide { direction, displacement } => self.shifted(direction.scale(displacement)),
-            Edge::Revolute { axis, sin, cos, .. } | Edge::Tilt { axis, sin, cos } => self.turned(axis, sin, cos),
+            Edge::Shift(t) => shifted(t),
+            Edge::Slide { direction, displacement } => shifted(direction.scale(displacement)),
+            Edge::Turn(_) | Edge::Revolute { .. } | Edge::Tilt { .. } => {
+                Wrench::new(edge.turned(force), edge.turned(couple))
+            }
         }
-    }
-
-    fn turned(self, axis: usize, s: Expr<'g>, c: Expr<'g>) -> Self {
-        Wrench { force: turned_about(self.force, axis, s, c), couple: turned_about(self.couple, axis, s, c) }
-    }
-
-    /// `n + t × f`
-    fn shifted(self, t: Vector<'g>) -> Self {
-        Wrench { couple: self.couple + t.cross(self.force), ..self }
     }
 }
 
