@@ -10,11 +10,11 @@
 
 use super::dimension::Dimension;
 use super::evaluate::Resolver;
-use super::frame::{Edge, FrameId, rotation_by};
+use super::frame::{Edge, FrameId};
 use super::landmark::Motion;
 use super::value::{Free, Point, Value};
 use crate::expr::graph::IdMap;
-use crate::expr::{Expr, Matrix, Node, Number, Vector};
+use crate::expr::{Expr, Node, Number, Vector};
 
 /// Longer sums are left as they are.
 const MOST_TERMS: usize = 8;
@@ -339,11 +339,8 @@ fn shift<'g>(edge: &Edge<'g>) -> Option<Vector<'g>> {
 
 /// A place in the frame that an edge leads to, in the frame that it starts from.
 fn carried<'g>(edge: &Edge<'g>, place: Vector<'g>) -> Vector<'g> {
-    match *edge {
-        Edge::Rotation { axis, angle } => Matrix::rotation(axis, angle) * place,
-        Edge::Quaternion(q) => rotation_by(q) * place,
-        Edge::Translation(t) => t + place,
-    }
+    let turned = edge.rotation().map_or(place, |r| r * place);
+    shift(edge).map_or(turned, |t| t + turned)
 }
 
 #[cfg(test)]

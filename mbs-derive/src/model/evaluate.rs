@@ -15,7 +15,7 @@ use super::frame::{Edge, FrameId};
 use super::function::{Call, Function, Home};
 use super::gravity::Weights;
 use super::lagrangian::Lagrangian;
-use super::landmark;
+use super::landmark::{self, Motion};
 use super::operator::Sum;
 use super::output::Outputs;
 use super::part::Parts;
@@ -823,9 +823,21 @@ impl<'d, 'g> Resolver<'d, 'g> {
         if self.same_axes(vector.frame, FrameId::WORLD) {
             return vector.components;
         }
-        let turned = self.lagrangian.frames.get(vector.frame).rotation * vector.components;
+        let turned = self.velocity_in_world(vector.components);
+        let turned = turned.unwrap_or_else(|| self.lagrangian.frames.get(vector.frame).rotation * vector.components);
         self.lagrangian.landmarks.note_turned(vector.components, turned);
         turned
+    }
+
+    /// What is the velocity of a place, in world axes: turned back from the axes of its frame, it would keep what the rounding of
+    /// these turns leaves.
+    fn velocity_in_world(&self, components: Vector<'g>) -> Option<Vector<'g>> {
+        match self.lagrangian.landmarks.motion(components)? {
+            Motion::Velocity { factor, coordinates, frame } if factor.is_one() => {
+                Some(self.lagrangian.velocity_in_world(coordinates, frame))
+            }
+            Motion::Velocity { .. } | Motion::Turning { .. } => None,
+        }
     }
 
     /// In the axes of `frame`.

@@ -54,6 +54,15 @@ impl Edge<'_> {
 }
 
 impl<'g> Edge<'g> {
+    /// From the frame's axes to the parent's; `None` where they are the same.
+    pub(super) fn rotation(&self) -> Option<Matrix<'g>> {
+        match *self {
+            Edge::Rotation { axis, angle } => Some(Matrix::rotation(axis, angle)),
+            Edge::Quaternion(q) => Some(rotation_by(q)),
+            Edge::Translation(_) => None,
+        }
+    }
+
     /// Whether it leads back to where the other came from: `pose.inverse() * pose`.
     fn undoes(&self, other: &Edge<'g>) -> bool {
         let opposite = |a: Expr<'g>, b: Expr<'g>| a == -b || -a == b;
@@ -151,6 +160,11 @@ impl<'g> Frames<'g> {
         edges
     }
 
+    /// A frame and those that it hangs from, the world last.
+    pub fn way_to_world(&self, frame: FrameId) -> impl Iterator<Item = &Frame<'g>> {
+        std::iter::successors(Some(self.get(frame)), |at| at.parent.map(|parent| self.get(parent)))
+    }
+
     /// The nearest frame that both hang from, or are.
     pub fn nearest_common(&self, mut a: FrameId, mut b: FrameId) -> FrameId {
         // Parents have smaller numbers than their children.
@@ -199,7 +213,7 @@ impl<'g> Frames<'g> {
 }
 
 /// The rotation matrix of a unit quaternion, its diagonal in the homogeneous form `w² + x² − y² − z²`.
-pub(super) fn rotation_by<'g>([w, x, y, z]: [Expr<'g>; 4]) -> Matrix<'g> {
+fn rotation_by<'g>([w, x, y, z]: [Expr<'g>; 4]) -> Matrix<'g> {
     let [ww, xx, yy, zz] = [w, x, y, z].map(|c| c.powi(2));
     Matrix([
         [ww + xx - yy - zz, 2 * (x * y - w * z), 2 * (x * z + w * y)],

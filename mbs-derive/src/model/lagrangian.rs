@@ -8,7 +8,7 @@ use std::ops::Range;
 
 use crate::expr::{Expr, Graph, Id, Matrix, Number, Symbol, Vector};
 
-use super::frame::{FrameId, Frames};
+use super::frame::{Edge, FrameId, Frames};
 use super::landmark::Landmarks;
 
 /// A coordinate, parameter or input: one, or an array of them.
@@ -408,6 +408,18 @@ impl<'g> Lagrangian<'g> {
     pub fn velocity(&self, point: Vector<'g>, frame: FrameId) -> Vector<'g> {
         let moving = self.frames.get(frame);
         moving.velocity + moving.angular_velocity.cross(point) + point.map(Expr::rate)
+    }
+
+    /// The same velocity in world axes, summed up on the way there: nothing is turned into the axes of the frame and back, so a
+    /// component that is exact in the world stays so beside large ones.
+    pub(super) fn velocity_in_world(&self, point: Vector<'g>, frame: FrameId) -> Vector<'g> {
+        let own = self.frames.get(frame).angular_velocity.cross(point) + point.map(Expr::rate);
+        // An edge that shifts turns no axes, and ω is the same on both sides of it.
+        self.frames.way_to_world(frame).fold(own, |v, at| match at.edge {
+            Some(Edge::Translation(t)) => v + at.angular_velocity.cross(t) + t.map(Expr::rate),
+            Some(edge) => edge.rotation().map_or(v, |r| r * v),
+            None => v,
+        })
     }
 
     /// Position of a point given in the axes of `frame`, in world axes: `p + R c`.
