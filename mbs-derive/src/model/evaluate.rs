@@ -583,7 +583,10 @@ impl<'d, 'g> Resolver<'d, 'g> {
             return Ok(Value::Scalar(Scalar::new(expr, self.dimension(Dimension::LENGTH))));
         }
         let Free { components, frame, dimension } = self.vector(value)?;
-        let component = self.turned(components, frame, axis);
+        let component = match self.velocity_in_world(components) {
+            Some(velocity) => velocity.0[axis],
+            None => self.turned(components, frame, axis),
+        };
         self.lagrangian.landmarks.note_component_of(components, axis, component);
         self.note_component_of_velocity(component, axis, components);
         Ok(Value::Scalar(Scalar::new(component, dimension)))
@@ -968,6 +971,18 @@ mod tests {
         check("u", 1.5, "kg·m/s²");
         check("2^3^2", 512.0, "1");
         check("-2^2", -4.0, "1");
+    }
+
+    /// Nothing is turned into a frame's axes and back.
+    #[test]
+    fn velocities_along_axes_of_the_world_keep_their_digits() {
+        let frame = "let pose = translation([x, 1e8*l, 0]) * rot_z(theta) * rot_y(y/l) * rot_x(x/l);";
+        assert_eq!(value(frame, "dt(pose.origin()).x"), value("", "dt(x)"));
+        assert_eq!(value(frame, "dt(pose.origin()).y"), value("", "0"));
+        assert_eq!(value(frame, "dt(pose.origin()).z"), value("", "0"));
+        let turning = "let arm = rot_z(theta) * translation([l, 0, 0]) * rot_y(y/l) * rot_x(x/l);";
+        assert_eq!(value(turning, "dt(arm.origin()).z"), value("", "0"));
+        near(&value(turning, "dt(arm.origin()).x"), &value("", "-l*sin(theta)*dt(theta)"), "a velocity");
     }
 
     #[test]
