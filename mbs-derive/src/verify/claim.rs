@@ -375,24 +375,30 @@ impl<'a> Trial<'a> {
         let rates = add(&product, &bias);
         self.equal("A q̈ + γ = 0", &rates, &zero).or_else(|_| {
             let left: Vec<Rounded> =
-                zero.iter().zip(self.left_by_velocities(&a)).map(|(&zero, left)| zero + left).collect();
+                zero.iter().zip(self.left_by_state(&a, &qdd)).map(|(&zero, left)| zero + left).collect();
             self.equal("A q̈ + γ = 0", &rates, &left)
         })
     }
 
-    /// What velocities that hold the constraints to rounding leave of `A q̈ + γ`: where nothing else is in γ, rows that depend on
-    /// others contradict them by that.
-    fn left_by_velocities(&self, a: &[Rounded]) -> Vec<Rounded> {
+    /// What places and velocities that hold the constraints to rounding leave of `A q̈ + γ`: rows that depend on others
+    /// contradict them by that. An angle of hundreds of turns is held less well than a small one.
+    fn left_by_state(&self, a: &[Rounded], qdd: &[Rounded]) -> Vec<Rounded> {
         let speed = self.state.qd.iter().map(|v| v.value.abs()).fold(0.0, f64::max);
-        let blurred = |v: &Rounded| Rounded { value: v.value, error: v.error + CLOSED * speed };
-        let state = State { qd: self.state.qd.iter().map(blurred).collect(), ..self.state.clone() };
-        let [qdd, bias] =
-            ["forward_dynamics", "constraint_bias"].map(|name| self.interpreter.call(name, &state).unwrap_or_default());
-        let left = |(row, bias): (&[Rounded], &Rounded)| {
-            let along: f64 = row.iter().zip(&qdd).map(|(a, qdd)| a.value.abs() * qdd.error).sum();
-            Rounded { value: 0.0, error: along + bias.error }
+        let blurred = |v: &Rounded, size: f64| Rounded { value: v.value, error: v.error + CLOSED * size };
+        let qd = self.state.qd.iter().map(|v| blurred(v, speed)).collect();
+        let moving = State { qd, ..self.state.clone() };
+        let placed = State { q: self.state.q.iter().map(|v| blurred(v, v.value.abs())).collect(), ..moving.clone() };
+        let call = |name: &str, state| self.interpreter.call(name, state).unwrap_or_default();
+        let (accelerations, slopes, bias) =
+            (call("forward_dynamics", &moving), call("constraint_jacobian", &placed), call("constraint_bias", &placed));
+        let n = self.n();
+        let left = |(k, bias): (usize, &Rounded)| {
+            let along = |i: usize| {
+                a[k * n + i].value.abs() * accelerations[i].error + slopes[k * n + i].error * qdd[i].value.abs()
+            };
+            Rounded { value: 0.0, error: (0..n).map(along).sum::<f64>() + bias.error }
         };
-        a.chunks(self.n()).zip(&bias).map(left).collect()
+        bias.iter().enumerate().map(left).collect()
     }
 
     fn linearization(&self) -> Result<(), Failure> {
