@@ -46,12 +46,12 @@ const POINTS_OF_CHOICES: u64 = 64;
 /// This many points on a line are tried to find those where all roots exist.
 const TRIED_ON_A_LINE: u64 = 64;
 
-/// This many points are tried for the values of one difference where there are no roots to be found, twice as many for each that
-/// is: roots of a dozen sums exist at one point in some thousands. What has a value at none of them has none in the field.
-const TRIED: usize = 64;
+/// This many points are tried for the values of one difference. Roots of a dozen sums exist at one in some thousands; what has a
+/// value at none of them has none in the field.
+const TRIED: usize = 1 << 14;
 
-/// For no more roots than this.
-const MOST_ROOTS: usize = 8;
+/// This many where no root depends on a symbol: what has no value at one point has none at others.
+const TRIED_WITHOUT_ROOTS: usize = 64;
 
 /// This many steps of evaluation are spent on what does not get to an end.
 const BUDGET: usize = 20_000_000;
@@ -74,8 +74,9 @@ impl<Varies: Fn(Symbol) -> bool> Test<Varies> {
         let chosen = |(at, step): (usize, &Node)| (all || varying[at]) && is_choice(step);
         let has_choices = tape.steps().iter().enumerate().any(chosen);
         let moves = self::varying(&tape, &|_| true);
-        let roots = tape.steps().iter().zip(&moves).filter(|(step, moves)| **moves && is_root(step)).count();
-        Test { tape, varies, varying, has_choices, tried: TRIED << roots.min(MOST_ROOTS) }
+        let has_roots = tape.steps().iter().zip(&moves).any(|(step, moves)| *moves && is_root(step));
+        let tried = if has_roots { TRIED } else { TRIED_WITHOUT_ROOTS };
+        Test { tape, varies, varying, has_choices, tried }
     }
 
     /// In both fields: what fails in one does not hold, and what one of them cannot decide, the other can.
