@@ -460,7 +460,7 @@ mod tests {
     /// Every word is a name of something, but none of what it would hide.
     #[test]
     fn words_are_names_where_they_may_be() {
-        let texts: Vec<String> = (0..400).map(|seed| draw(seed, Some(Construct::Keywords), &[]).text).collect();
+        let texts: Vec<String> = (0..3000).map(|seed| draw(seed, Some(Construct::Keywords), &[]).text).collect();
         let anywhere = |what: &str| texts.iter().any(|text| text.contains(what));
         for text in &texts {
             assert!(!text.contains("part part("), "{text}");
