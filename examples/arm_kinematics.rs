@@ -1,8 +1,9 @@
-//! Where is the flange of the IRB 7600 in the posture of the thesis' Table 1, how else can the arm reach it, and what does it
-//! take to move it there?
+//! Where is the flange of the IRB 7600 in the posture of the thesis' Table 1, how else can the arm reach it, and what
+//! does it take to move it there?
 //!
-//! Look at the eight configurations: all reach the pose to rounding, and the thesis has one of them, by formulas that are given the pose
-//! in four digits. It prints 45, 29.9977, 29.9993, −44.9962, 30.0036, −0.0052: what its formulas make of that input.
+//! Look at the eight configurations: all reach the pose to rounding, and the thesis has one of them, by formulas that
+//! are given the pose in four digits. It prints 45, 29.9977, 29.9993, −44.9962, 30.0036, −0.0052: what its formulas
+//! make of that input.
 
 use mbs_examples::{Failure, arguments::Arguments, output};
 use mbs_models::arm::inverse::Solution;

@@ -1,9 +1,9 @@
 //! What does the kinematics of an arm cost, counted in sines?
 //!
-//! Inverse kinematics in closed form with all eight branches, pose and Jacobian of the flange, against one `sin_cos` of the
-//! standard library and against the same written plainly with nalgebra. All contenders agree before anything is timed; times
-//! are medians of rounds in which everyone has a turn, in one process. Look at the column `sin_cos`: 60 and 15 are the bounds
-//! that the two are held to.
+//! Inverse kinematics in closed form with all eight branches, pose and Jacobian of the flange, against one `sin_cos` of
+//! the standard library and against the same written plainly with nalgebra. All contenders agree before anything is
+//! timed; times are medians of rounds in which everyone has a turn, in one process. Look at the column `sin_cos`: 60
+//! and 15 are the bounds that the two are held to.
 
 use std::hint::black_box;
 use std::time::Instant;

@@ -1,12 +1,12 @@
 //! What does the IRB 7600 do on its way from the start to the stop of the thesis' Table 2, in 50 s?
 //!
 //! Case 1 starts from rest, case 2 with 1.5 °/s in every joint. Each is done by one quartic per joint, which cannot end
-//! without acceleration, by two quartics that meet half-way, and by a quintic. Look at the accelerations at the end (figures
-//! 3.10 and 3.11), at the flange below the base (3.4), at the time at which the arm is stretched or folded, and at the energies:
-//! the thesis says that case 2 needs more.
+//! without acceleration, by two quartics that meet half-way, and by a quintic. Look at the accelerations at the end
+//! (figures 3.10 and 3.11), at the flange below the base (3.4), at the time at which the arm is stretched or folded,
+//! and at the energies: the thesis says that case 2 needs more.
 //!
-//! `--out DIR` writes figures 3.4 to 3.11 and the torques as SVG and PNG, every curve as CSV, and the joint angles as RAPID
-//! modules for the robot's controller or its simulator.
+//! `--out DIR` writes figures 3.4 to 3.11 and the torques as SVG and PNG, every curve as CSV, and the joint angles as
+//! RAPID modules for the robot's controller or its simulator.
 
 #[path = "arm_trajectory/cases.rs"]
 mod cases;

@@ -1,12 +1,13 @@
 //! How does a vehicle get to a station and dock, and what does it cost?
 //!
-//! From a circle 80 km below the station and 18° behind: phasing, homing, closing, glide slope, docking. Burns are planned by the
-//! equations of Clohessy and Wiltshire, and flown in the nonlinear motion by thrusters with errors of 1 % and 0.5°, the same ones in
-//! every run. Look at the position at the port: it is what corrections leave of those errors; perfect thrusters leave nanometres,
-//! which is what the linear equations neglect over the last metres. The last lines fly the same with a station that attracts.
+//! From a circle 80 km below the station and 18° behind: phasing, homing, closing, glide slope, docking. Burns are
+//! planned by the equations of Clohessy and Wiltshire, and flown in the nonlinear motion by thrusters with errors of 1
+//! % and 0.5°, the same ones in every run. Look at the position at the port: it is what corrections leave of those
+//! errors; perfect thrusters leave nanometres, which is what the linear equations neglect over the last metres. The
+//! last lines fly the same with a station that attracts.
 //!
-//! `--axis v-bar` approaches from behind, `--axis r-bar` from below. `--out DIR` writes figures as SVG and PNG, and the way and the
-//! burns as CSV.
+//! `--axis v-bar` approaches from behind, `--axis r-bar` from below. `--out DIR` writes figures as SVG and PNG, and the
+//! way and the burns as CSV.
 
 #[path = "docking/figures.rs"]
 mod figures;

@@ -1,7 +1,7 @@
 //! How well does DOP853 keep the energy of a chaotic double pendulum?
 //!
-//! Released at rest at (2.0, 2.5) rad, 100 s. Look at the drift: it falls with the tolerance until rounding remains, while
-//! the evaluations grow by about a third per decade.
+//! Released at rest at (2.0, 2.5) rad, 100 s. Look at the drift: it falls with the tolerance until rounding remains,
+//! while the evaluations grow by about a third per decade.
 
 use std::ops::ControlFlow;
 

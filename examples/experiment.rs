@@ -1,11 +1,11 @@
 //! How large may a landing be that an arm on a rail repeats over a small platform?
 //!
-//! Chapter 6 of the thesis: the flange of the IRB 7600 plays the quadrotor of chapter 5, its simulated landing scaled down; the
-//! platform of chapter 4 heaves to the same scale. The greatest feasible scale is searched, and the arm, heavier than its
-//! controller knows, is simulated at that scale up to the contact with the deck.
+//! Chapter 6 of the thesis: the flange of the IRB 7600 plays the quadrotor of chapter 5, its simulated landing scaled
+//! down; the platform of chapter 4 heaves to the same scale. The greatest feasible scale is searched, and the arm,
+//! heavier than its controller knows, is simulated at that scale up to the contact with the deck.
 //!
-//! `--case II` takes the faster platform, `--scale S` another scale, feasible or not, `--attitude level` lets the tool point
-//! straight down instead of taking on the vehicle's attitude. `--out DIR` writes figures as SVG and PNG, and CSV.
+//! `--case II` takes the faster platform, `--scale S` another scale, feasible or not, `--attitude level` lets the tool
+//! point straight down instead of taking on the vehicle's attitude. `--out DIR` writes figures as SVG and PNG, and CSV.
 
 #[path = "experiment/assumed.rs"]
 mod assumed;

@@ -1,8 +1,8 @@
 //! How does a four-bar linkage swing about its rest, and does its linearization know?
 //!
-//! Assembled from a guess, released a hundredth of a radian from rest, kept on its constraints by projection. Look at the two
-//! periods: that of the swing, found by events, and that of the linearization reduced to the crank; they differ by the square
-//! of the amplitude.
+//! Assembled from a guess, released a hundredth of a radian from rest, kept on its constraints by projection. Look at
+//! the two periods: that of the swing, found by events, and that of the linearization reduced to the crank; they differ
+//! by the square of the amplitude.
 
 use std::error::Error;
 use std::ops::ControlFlow;

@@ -1,11 +1,12 @@
 //! How sure is a landing where mass, drag, wind and sensors are not what the controller believes?
 //!
-//! Many landings of case I, each with a vehicle, a wind and a start of its own, under a controller that is sampled at 500 Hz and
-//! sees a noisy state. Look at the touchdown's velocity: what a wrong mass does to it, the controller does not notice.
+//! Many landings of case I, each with a vehicle, a wind and a start of its own, under a controller that is sampled at
+//! 500 Hz and sees a noisy state. Look at the touchdown's velocity: what a wrong mass does to it, the controller does
+//! not notice.
 //!
-//! The members are simulated in parallel; each has its own random numbers, so that the digest of all results is the same for
-//! any number of threads. `--members N` says how many there are, `--threads N` by how many threads. `--out DIR` writes all
-//! results as CSV.
+//! The members are simulated in parallel; each has its own random numbers, so that the digest of all results is the
+//! same for any number of threads. `--members N` says how many there are, `--threads N` by how many threads. `--out
+//! DIR` writes all results as CSV.
 
 use std::time::Instant;
 
@@ -137,7 +138,8 @@ impl Deviates {
     }
 }
 
-/// A landing with a vehicle, a wind, a start and sensors of its own; the controller knows the vehicle as it was designed.
+/// A landing with a vehicle, a wind, a start and sensors of its own; the controller knows the vehicle as it was
+/// designed.
 fn member(seed: u64) -> Result<Touchdown, LandingError> {
     let mut deviates = Deviates(Pcg64Mcg::seed_from_u64(seed));
     let mut landing = Landing::new(Plant::Exact, Heave::CASE_I);

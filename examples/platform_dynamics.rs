@@ -1,8 +1,8 @@
 //! What do the six legs of the Stewart platform PS-6TL-1500 do, and how hard do they push, for an imposed motion?
 //!
-//! Chapter 4 of the thesis: tables 3 and 4 and the figures made of them, eight motions against the limits of the actuators, what
-//! the forces depend on, and control. Look at the flags: the motion of table 4 asks for legs a metre longer than the actuators are.
-//! And at the legs' own weight, nearly a third of the force where there is no payload.
+//! Chapter 4 of the thesis: tables 3 and 4 and the figures made of them, eight motions against the limits of the
+//! actuators, what the forces depend on, and control. Look at the flags: the motion of table 4 asks for legs a metre
+//! longer than the actuators are. And at the legs' own weight, nearly a third of the force where there is no payload.
 
 #[path = "platform_dynamics/control.rs"]
 mod control;

@@ -1,14 +1,15 @@
 //! How does a quadrotor come down on a platform that moves under it?
 //!
-//! Cases I and II of the thesis, where the platform heaves, each by the exact equations and by those for small angles, under
-//! backstepping control in continuous time; for comparison by a linear quadratic regulator, and with rotors that push harder
-//! near the deck. In case II the platform falls faster than a quadrotor can follow: look at the thrust, which is at its limits
-//! for a part of the time, and at the attitude, which takes longer to settle.
+//! Cases I and II of the thesis, where the platform heaves, each by the exact equations and by those for small angles,
+//! under backstepping control in continuous time; for comparison by a linear quadratic regulator, and with rotors that
+//! push harder near the deck. In case II the platform falls faster than a quadrotor can follow: look at the thrust,
+//! which is at its limits for a part of the time, and at the attitude, which takes longer to settle.
 //!
-//! Then a deck at sea, which heaves, rolls, pitches and yaws: look at the offset and the attitude in the axes of the deck.
+//! Then a deck at sea, which heaves, rolls, pitches and yaws: look at the offset and the attitude in the axes of the
+//! deck.
 //!
-//! Then the same decks on the Stewart platform of chapter 4 under its own control, with sampled controllers: look at what that
-//! changes, and at how far beyond its limits the platform would have to go.
+//! Then the same decks on the Stewart platform of chapter 4 under its own control, with sampled controllers: look at
+//! what that changes, and at how far beyond its limits the platform would have to go.
 //!
 //! `--out DIR` writes figures 5.2 to 5.9 and those of the other decks as SVG and PNG, and every curve as CSV.
 

@@ -1,9 +1,9 @@
 //! How does an astronaut drift about an orbital station, 1000 km and 3 m away from it?
 //!
-//! Released at rest relative to the station, or on the station's own orbit; a station on a circle or an ellipse, with and without a mass
-//! of its own. Each motion is integrated in the station's axes by the generated equations, and found again as the difference of two
-//! Kepler motions. Look at the last table: it says what becomes of a thousandth of a millimetre, and with that whether the motion near
-//! the station is chaotic.
+//! Released at rest relative to the station, or on the station's own orbit; a station on a circle or an ellipse, with
+//! and without a mass of its own. Each motion is integrated in the station's axes by the generated equations, and found
+//! again as the difference of two Kepler motions. Look at the last table: it says what becomes of a thousandth of a
+//! millimetre, and with that whether the motion near the station is chaotic.
 //!
 //! `--out DIR` writes figures 7.3 and 7.4 and their like as SVG and PNG, and every motion as CSV.
 

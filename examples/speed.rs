@@ -1,8 +1,8 @@
 //! Is the generated code as fast as dynamics that a specialist writes by hand for one robot?
 //!
-//! The benchmark arm three ways, in one process: the generated code, [`custom_arm6`] customised by hand, and the general
-//! algorithms in [`featherstone`]. Look at the ratios; with `RUSTFLAGS="-C target-cpu=native"` the processor's widest
-//! instructions are used. The arms agree to 1e-9 before anything is timed.
+//! The benchmark arm three ways, in one process: the generated code, [`custom_arm6`] customised by hand, and the
+//! general algorithms in [`featherstone`]. Look at the ratios; with `RUSTFLAGS="-C target-cpu=native"` the processor's
+//! widest instructions are used. The arms agree to 1e-9 before anything is timed.
 
 #[path = "speed/custom_arm6.rs"]
 mod custom_arm6;

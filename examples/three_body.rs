@@ -1,9 +1,9 @@
 //! What does a small body do that the Earth and the Moon, or another pair on circles, attract?
 //!
-//! The five points where it rests and whether it stays there; Arenstorf's orbit, which comes back after three loops if and only if
-//! the equations and the integration are right; asteroids that keep company with a planet in its orbit, as a tadpole about L₄
-//! and as a horseshoe. Look at Jacobi's constant, the energy integral that the generator found by itself: how little it changes
-//! says how good the motion is.
+//! The five points where it rests and whether it stays there; Arenstorf's orbit, which comes back after three loops if
+//! and only if the equations and the integration are right; asteroids that keep company with a planet in its orbit, as
+//! a tadpole about L₄ and as a horseshoe. Look at Jacobi's constant, the energy integral that the generator found by
+//! itself: how little it changes says how good the motion is.
 //!
 //! `--out DIR` writes the orbits as SVG and PNG, and as CSV.
 

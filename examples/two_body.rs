@@ -1,8 +1,8 @@
 //! Do two bodies that attract each other keep to Kepler's laws?
 //!
-//! The Earth and a Moon that starts slowly, both in inertial axes, by the generated equations; and an ellipse of eccentricity 0.6
-//! in units in which all is about one, by Kepler's equation and by DOP853. Look at the drift of what is conserved: energy,
-//! angular momentum, Laplace's vector, and the barycentre, which does not move.
+//! The Earth and a Moon that starts slowly, both in inertial axes, by the generated equations; and an ellipse of
+//! eccentricity 0.6 in units in which all is about one, by Kepler's equation and by DOP853. Look at the drift of what
+//! is conserved: energy, angular momentum, Laplace's vector, and the barycentre, which does not move.
 //!
 //! `--out DIR` writes the paths as SVG and PNG, and as CSV.
 

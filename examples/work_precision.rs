@@ -45,7 +45,8 @@ fn main() -> Result<(), Failure> {
     Ok(())
 }
 
-/// One run: its setting, a step \[s\] or a tolerance, the evaluations it took, and the distance of its end from the solution.
+/// One run: its setting, a step \[s\] or a tolerance, the evaluations it took, and the distance of its end from the
+/// solution.
 #[derive(Clone, Copy)]
 struct Point {
     setting: f64,

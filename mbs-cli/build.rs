@@ -1,4 +1,5 @@
-//! A digest of what the generator is built from: `MBS_GENERATOR`, by which `src/cache.rs` knows derivations of other versions.
+//! A digest of what the generator is built from: `MBS_GENERATOR`, by which `src/cache.rs` knows derivations of other
+//! versions.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;

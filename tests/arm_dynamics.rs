@@ -1,5 +1,5 @@
-//! Jacobians, velocities, forces and dynamics of the IRB 7600: reference values, duality, the thesis' (3.19), and control by
-//! the model in closed loop.
+//! Jacobians, velocities, forces and dynamics of the IRB 7600: reference values, duality, the thesis' (3.19), and
+//! control by the model in closed loop.
 
 use std::f64::consts::PI;
 use std::ops::ControlFlow;
@@ -286,7 +286,8 @@ fn under_computed_torque_the_error_decays_as_designed() {
     assert_eq!(compared, 20);
 }
 
-/// With gains of its own for each joint, and a model that knows nothing of a heavier hand: an error is left, and stays small.
+/// With gains of its own for each joint, and a model that knows nothing of a heavier hand: an error is left, and stays
+/// small.
 #[test]
 fn a_wrong_model_leaves_a_bounded_error() {
     let model = Arm::default();

@@ -133,7 +133,8 @@ fn random_poses_are_reached_by_every_branch() {
         let pose = arm.pose(&q);
         let solutions = arm.inverse(&pose).expect("reachable");
         check(&arm, &pose, &solutions, 1e-12);
-        // The configuration that the pose came from is among them; near singularities its angles are less sharp than the pose.
+        // The configuration that the pose came from is among them; near singularities its angles are less sharp than
+        // the pose.
         let nearest = solutions.iter().map(|solution| turned_apart(&solution.q, &q)).fold(f64::INFINITY, f64::min);
         let singular = arm_factors(&q).into_iter().fold(f64::INFINITY, f64::min);
         assert!(nearest < 1e-13 / singular.min(1.0), "{q:?}: {nearest:e}, {singular:e}");
@@ -219,7 +220,8 @@ fn a_numerical_search_finds_the_same_configurations() {
     assert!(converged * 10 > starts * 8, "{converged} of {starts}");
 }
 
-/// Within the ranges of the drives, and for mechanisms without a closed form: the benchmark arm, and four joints of a SCARA arm.
+/// Within the ranges of the drives, and for mechanisms without a closed form: the benchmark arm, and four joints of a
+/// SCARA arm.
 #[test]
 fn the_numerical_search_keeps_limits_and_serves_any_mechanism() {
     let arm = Arm::default();
@@ -337,7 +339,8 @@ fn a_wrist_on_axis_1_takes_the_angle_of_the_reference() {
         assert_eq!(solution.q[0], 0.6);
         assert_eq!(solution.singular, Singularities { shoulder: true, ..Default::default() });
     }
-    // All three singularities at once: the arm stretched cannot have its wrist on axis 1, but a straight wrist can be there.
+    // All three singularities at once: the arm stretched cannot have its wrist on axis 1, but a straight wrist can be
+    // there.
     let straight = arm.pose(&[0.0, theta_2, theta_3, 0.7, 0.0, 0.2]);
     let solutions = InverseKinematics::default().solve(&straight).expect("reachable");
     check(&arm, &straight, &solutions, 1e-12);
@@ -456,7 +459,8 @@ fn out_of_reach_the_error_says_by_how_much() {
     }
     let pose = Pose { position: [A1 + reach + D6 + 1e-9, 0.0, D1], rotation: level };
     assert!(matches!(arm.inverse(&pose), Err(Unsolvable::TooFar { by }) if (by - 1e-9).abs() < 1e-14));
-    // The wrist on axis 2: nearer than the folded arm gets, and too far for the other shoulder? No: that one reaches it.
+    // The wrist on axis 2: nearer than the folded arm gets, and too far for the other shoulder? No: that one reaches
+    // it.
     let near = Pose { position: [A1 + D6, 0.0, D1], rotation: level };
     let solutions = arm.inverse(&near).expect("the other shoulder reaches it");
     check(&arm, &near, &solutions, 1e-12);

@@ -1,5 +1,5 @@
-//! Trajectories of the IRB 7600: the thesis' Table 2 against its reference values, extrema and continuity, limits, work,
-//! the fastest motion along a path, and what is refused.
+//! Trajectories of the IRB 7600: the thesis' Table 2 against its reference values, extrema and continuity, limits,
+//! work, the fastest motion along a path, and what is refused.
 
 #[path = "arm_trajectory/cartesian.rs"]
 mod cartesian;

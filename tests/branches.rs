@@ -1,5 +1,5 @@
-//! Branches in compiled code: the side that is not taken is never executed, lanes execute both and select, and neither leaves
-//! a trace in values or derivatives; comparisons are those of IEEE 754 wherever they are made.
+//! Branches in compiled code: the side that is not taken is never executed, lanes execute both and select, and neither
+//! leaves a trace in values or derivatives; comparisons are those of IEEE 754 wherever they are made.
 //!
 //! The mechanism is `mechanisms/branches.mbs`, whose sides have no value where the other one is taken; that of
 //! `mechanisms/long_branches.mbs` is cut into blocks.

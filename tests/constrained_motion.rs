@@ -154,8 +154,8 @@ fn the_slider_crank_stays_closed() {
     assert!(drift.open <= 1e-15 && drift.slip <= 1e-13 && drift.energy <= 1e-9, "{drift:?}");
 }
 
-/// Newton's restitution: the velocity of the gap turns round and loses its part; wall and constraints share the impulse,
-/// `M Δq̇ = nᵀ j + Aᵀ μ` with `n (q̇ + Δq̇) = −e n q̇` and `A (q̇ + Δq̇) = 0`, n the gap's Jacobian.
+/// Newton's restitution: the velocity of the gap turns round and loses its part; wall and constraints share the
+/// impulse, `M Δq̇ = nᵀ j + Aᵀ μ` with `n (q̇ + Δq̇) = −e n q̇` and `A (q̇ + Δq̇) = 0`, n the gap's Jacobian.
 fn bounce(rod: &BouncingPendulum<f64>, restitution: f64, state: &mut State<[f64; 3]>) {
     let (m, a, n) = (rod.mass_matrix(&state.q), rod.constraint_jacobian(&state.q), rod.gap_jacobian(&state.q));
     let rows = [a[0], a[1], n[0]];

@@ -1,6 +1,7 @@
-//! Units of mass, length and time do not matter to constrained dynamics: every mechanism of the repository with constraints,
-//! and some that are ill-scaled on purpose, with each declared quantity in other units, by powers of two up to 2^±50 each.
-//! All operations but those of the solution are then the same but for exponents; the solution must be, too.
+//! Units of mass, length and time do not matter to constrained dynamics: every mechanism of the repository with
+//! constraints, and some that are ill-scaled on purpose, with each declared quantity in other units, by powers of two
+//! up to 2^±50 each. All operations but those of the solution are then the same but for exponents; the solution must
+//! be, too.
 
 use mbs_derive::expr::{Graph, Number, Terms, Value};
 use mbs_derive::interpret::{Interpreter, State};
@@ -235,8 +236,8 @@ fn inertia_may_fade_where_a_constraint_holds() {
     let interpreter = Interpreter::new(&derivation);
     for a in [0.0, 1e-200, 1e-12, 1e-9, 1e-8, 1e-5] {
         let state = State { q: vec![a, 0.5, 0.0], qd: vec![0.0; 3], u: vec![1.0], ..State::default() };
-        // c̈ = x, b̈ = −3x/2; 0.539 ä + 0.231 b̈ = 1, and along the row 9/4·(0.231/1.5 … ) as eliminated by hand, sin a ≈ 0:
-        // −3/2·(0.231 ä + 0.099 b̈) + x = 1.
+        // c̈ = x, b̈ = −3x/2; 0.539 ä + 0.231 b̈ = 1, and along the row 9/4·(0.231/1.5 … ) as eliminated by hand, sin a
+        // ≈ 0: −3/2·(0.231 ä + 0.099 b̈) + x = 1.
         let (maa, mab, mbb) = (1.1 * 0.49, 1.1 * 0.21, 1.1 * 0.09 + f64::sin(a).powi(2));
         // ä = (1 + 1.5 mab x)/maa
         let x = (1.0 + 1.5 * mab / maa) / (1.0 + 2.25 * (mbb - mab * mab / maa));

@@ -1,5 +1,5 @@
-//! Constraints of every mechanism: `A` and `γ` against numerical differences of the constraint along motions, and the compiled
-//! functions against the interpreted ones.
+//! Constraints of every mechanism: `A` and `γ` against numerical differences of the constraint along motions, and the
+//! compiled functions against the interpreted ones.
 
 use mbs_derive::expr::Graph;
 use mbs_derive::interpret::{self, Interpreter};
@@ -8,7 +8,8 @@ use mbs_derive::{declared, derived};
 use mbs_tests::compare::{assert_close, error};
 use mbs_tests::random::{Random, State, states};
 
-/// A bead on a wire that sways, slows down along x and is driven round at run time: constraints with `b`, of both kinds.
+/// A bead on a wire that sways, slows down along x and is driven round at run time: constraints with `b`, of both
+/// kinds.
 const SWAYING: &str = "mechanism Swaying {
     param m: kg = 0.3; param l: m = 0.8; param omega: 1/s = 2;
     coord r[3]: m; coord phi: rad;
@@ -46,8 +47,8 @@ fn some_mechanisms_are_constrained() {
     assert_eq!(modules, expected);
 }
 
-/// Along `q(s) = q + s q̇ + ½ s² q̈` at t + s: a holonomic φ has the slope `A q̇ + b` and the curvature `A q̈ + γ`; a Pfaffian `A q̇ + b`
-/// has the slope `A q̈ + γ`, and A is its derivative by q̇.
+/// Along `q(s) = q + s q̇ + ½ s² q̈` at t + s: a holonomic φ has the slope `A q̇ + b` and the curvature `A q̈ + γ`; a
+/// Pfaffian `A q̇ + b` has the slope `A q̈ + γ`, and A is its derivative by q̇.
 #[test]
 fn jacobian_and_bias_are_differences_along_motions() {
     for (module, source) in constrained() {

@@ -1,7 +1,8 @@
-//! Every wrong declaration in `bad/` and the report it earns, as snapshots; what follows from the advice; and inputs too
-//! large to be kept as files.
+//! Every wrong declaration in `bad/` and the report it earns, as snapshots; what follows from the advice; and inputs
+//! too large to be kept as files.
 //!
-//! In `bad/` lines `// mended: …` behind a line say what to write in its place; `bad/shared/` is what some of them import.
+//! In `bad/` lines `// mended: …` behind a line say what to write in its place; `bad/shared/` is what some of them
+//! import.
 
 use std::path::{Path, PathBuf};
 

@@ -1,5 +1,5 @@
-//! The user's promise: a crate of one's own, made from the README, builds and runs; a new `.mbs` beside the others builds,
-//! runs, and shows up as one new snapshot and nothing else.
+//! The user's promise: a crate of one's own, made from the README, builds and runs; a new `.mbs` beside the others
+//! builds, runs, and shows up as one new snapshot and nothing else.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -15,8 +15,8 @@ fn block(fence: &str) -> String {
     text[..text.find("```").expect("a closing fence")].to_string()
 }
 
-/// A crate in a temporary folder, of a name of its own; its target folder lies in the workspace's, so that what it depends on
-/// is built once.
+/// A crate in a temporary folder, of a name of its own; its target folder lies in the workspace's, so that what it
+/// depends on is built once.
 struct Downstream {
     folder: tempfile::TempDir,
 }

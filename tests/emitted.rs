@@ -1,4 +1,5 @@
-//! Random mechanisms of every construct as Rust, compiled in one crate: each function gives the interpreter's value to the last bit.
+//! Random mechanisms of every construct as Rust, compiled in one crate: each function gives the interpreter's value to
+//! the last bit.
 
 use std::fmt::Write as _;
 use std::fs;

@@ -1,5 +1,5 @@
-//! The experiment of chapter 6: the arm on its rail against Newton's laws and the arm alone, plans against reference values and
-//! against geometry typed by hand, the simulated arm against what its mass error predicts, and bad input.
+//! The experiment of chapter 6: the arm on its rail against Newton's laws and the arm alone, plans against reference
+//! values and against geometry typed by hand, the simulated arm against what its mass error predicts, and bad input.
 
 #[path = "experiment/bad_input.rs"]
 mod bad_input;

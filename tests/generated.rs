@@ -1,8 +1,8 @@
 //! The generated module of every file in `models/mechanisms/`, and its operation counts, as snapshots; of the files in
 //! `tests/mechanisms/` the counts alone.
 //!
-//! A changed derivation is a reviewed diff: operation counts first, then the code. `identities.rs` and `reference.rs` show
-//! that it is right.
+//! A changed derivation is a reviewed diff: operation counts first, then the code. `identities.rs` and `reference.rs`
+//! show that it is right.
 
 use mbs_derive::expr::Graph;
 use mbs_derive::{declared, derived, emit, generate};

@@ -42,8 +42,8 @@ macro_rules! check_written {
 mbs_models::for_each_mechanism!(check_models);
 mbs_tests::for_each_mechanism!(check_written);
 
-/// States at which the potential is finite, which of those of a mechanism are nearly all: bodies that attract each other do not
-/// meet.
+/// States at which the potential is finite, which of those of a mechanism are nearly all: bodies that attract each
+/// other do not meet.
 fn regular_states<const N: usize, const U: usize>(
     mechanism: &impl Mechanism<N, U, Scalar = f64>,
     seed: u64,
@@ -151,8 +151,8 @@ fn derivatives<const N: usize, const U: usize>(
     }
 }
 
-/// `Ṁ + ∂M/∂t − 2 C` skew-symmetric and `d/dt (T₂ − T₀ + V) = q̇·(Q − ∂D/∂q̇ + Aᵀλ) − ∂L/∂t`. Terms of L beside T and V are
-/// linear in the velocities and free of t in all mechanisms here: they do not enter.
+/// `Ṁ + ∂M/∂t − 2 C` skew-symmetric and `d/dt (T₂ − T₀ + V) = q̇·(Q − ∂D/∂q̇ + Aᵀλ) − ∂L/∂t`. Terms of L beside T and V
+/// are linear in the velocities and free of t in all mechanisms here: they do not enter.
 fn skewness_and_balance<const N: usize, const U: usize>(
     mechanism: &impl Mechanism<N, U, Scalar = f64>,
     dual: &impl Mechanism<N, U, Scalar = Dual<f64>>,
@@ -285,8 +285,8 @@ fn derivation_of(module: &str) -> Derivation {
     derived(&lagrangian)
 }
 
-/// To 1e-10 of the largest of the terms that are added up: rounding errors of some thousand operations, and of the factor
-/// 1e4 that [`well_conditioned`] allows.
+/// To 1e-10 of the largest of the terms that are added up: rounding errors of some thousand operations, and of the
+/// factor 1e4 that [`well_conditioned`] allows.
 #[track_caller]
 fn close(what: &str, found: &[f64], expected: &[f64], terms: &[&[f64]]) {
     let scale = terms.iter().flat_map(|t| t.iter()).fold(1.0, |s: f64, x| s.max(x.abs()));

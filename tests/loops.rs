@@ -1,4 +1,5 @@
-//! Arrays that loops fill, outputs and constraints in loops, and choices at build time, against the same mechanism at length.
+//! Arrays that loops fill, outputs and constraints in loops, and choices at build time, against the same mechanism at
+//! length.
 
 use mbs_derive::emit::Options;
 use mbs_tests::mechanisms::ladder_of_links::LadderOfLinks;

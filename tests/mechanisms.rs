@@ -1,6 +1,6 @@
-//! The mechanisms of `mechanisms/*.mbs`, and those of `models/mechanisms/` that have references of the same kind, against their references:
-//! `M`, `h`, `Q − ∂D/∂q̇`, `q̈`, and `A`, `γ`, `λ` where there are constraints, at random parameters and states, straight and zero ones among
-//! them.
+//! The mechanisms of `mechanisms/*.mbs`, and those of `models/mechanisms/` that have references of the same kind,
+//! against their references: `M`, `h`, `Q − ∂D/∂q̇`, `q̈`, and `A`, `γ`, `λ` where there are constraints, at random
+//! parameters and states, straight and zero ones among them.
 //!
 //! The files were written from `docs/language.md` alone.
 

@@ -1,5 +1,5 @@
-//! Three equations of the thesis whose misprints dimensional analysis finds: as printed they are refused, with the terms that
-//! do not fit and their dimensions; corrected they are accepted.
+//! Three equations of the thesis whose misprints dimensional analysis finds: as printed they are refused, with the
+//! terms that do not fit and their dimensions; corrected they are accepted.
 //!
 //! The equations are (4.11), (5.8) and (7.13) of the thesis *Dynamics of multibody systems in a gravitational field*.
 
@@ -37,8 +37,8 @@ fn equation_4_11() {
     accepted("leg", include_str!("misprints/leg.mbs"));
 }
 
-/// The gyroscopic torque of the rotors has the angle in place of its rate; the torque of the thrusts has a moment of inertia
-/// in place of the arm.
+/// The gyroscopic torque of the rotors has the angle in place of its rate; the torque of the thrusts has a moment of
+/// inertia in place of the arm.
 #[test]
 fn equation_5_8() {
     let report = refused("quadrotor_printed", include_str!("misprints/quadrotor_printed.mbs"));

@@ -1,7 +1,9 @@
-//! Motion in frames that move: the thesis' equations (7.4) to (7.13), as printed and as corrected, against the generated ones.
+//! Motion in frames that move: the thesis' equations (7.4) to (7.13), as printed and as corrected, against the
+//! generated ones.
 //!
-//! What a formula typed here says is compared with what the generator makes of the energies of `models/mechanisms/moving_frame.mbs`,
-//! `relative_cylindrical.mbs`, `relative_lvlh.mbs` and `relative_isotropic.mbs`. `docs/moving_frames.md` shows them side by side.
+//! What a formula typed here says is compared with what the generator makes of the energies of
+//! `models/mechanisms/moving_frame.mbs`, `relative_cylindrical.mbs`, `relative_lvlh.mbs` and `relative_isotropic.mbs`.
+//! `docs/moving_frames.md` shows them side by side.
 
 use mbs_models::moving_frame::{self, MovingFrame};
 use mbs_models::relative_cylindrical::{self, RelativeCylindrical};
@@ -71,7 +73,8 @@ fn the_approximation_7_6_loses_two_accelerations() {
     }
 }
 
-/// On the orbit of the station what is lost is as large as gravity, and 1.28 m/s² besides at 1000 km: the values of the reference.
+/// On the orbit of the station what is lost is as large as gravity, and 1.28 m/s² besides at 1000 km: the values of the
+/// reference.
 #[test]
 fn on_an_orbit_7_6_loses_the_acceleration_of_gravity() {
     let (mu, radius): (f64, f64) = (3.986_004_418e14, 6_778_137.0);
@@ -256,7 +259,8 @@ fn both_kinds_of_coordinates_fall_alike() {
     }
 }
 
-/// The tide 3 m from a station on its orbit, to the last digits: the linear one and the next order of the series, typed by hand.
+/// The tide 3 m from a station on its orbit, to the last digits: the linear one and the next order of the series, typed
+/// by hand.
 #[test]
 fn the_tide_keeps_its_digits_next_to_the_station() {
     let (mu, radius): (f64, f64) = (3.986_004_418e14, 6_778_137.0);

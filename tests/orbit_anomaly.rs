@@ -1,4 +1,5 @@
-//! Anomalies against 256 bits: the error is a few times what one unit in the last place of the anomaly given would change.
+//! Anomalies against 256 bits: the error is a few times what one unit in the last place of the anomaly given would
+//! change.
 
 use std::cell::RefCell;
 use std::f64::consts::PI;

@@ -75,7 +75,8 @@ fn elements_and_states_both_ways() {
     }
 }
 
-/// Down to straight lines, a state comes back from its elements, or there are none: rounding of e and ν is magnified by `r/p`.
+/// Down to straight lines, a state comes back from its elements, or there are none: rounding of e and ν is magnified by
+/// `r/p`.
 #[test]
 fn elements_of_nearly_straight_orbits_are_right_or_refused() {
     let mut random = Random::new(4);

@@ -45,7 +45,8 @@ fn effect_of_rounding(start: &StateVector, transition: &Transition) -> [f64; 2] 
     greatest
 }
 
-/// Errors of the way forward and back, in effects of one unit in the last place of the state between; and the iterations.
+/// Errors of the way forward and back, in effects of one unit in the last place of the state between; and the
+/// iterations.
 fn round_trip(state: &StateVector, time: f64) -> (f64, u32) {
     let there = propagate(1.0, state, time).unwrap();
     let back = propagate(1.0, &there.state, -time).unwrap();
@@ -81,7 +82,8 @@ fn near_circles_and_near_parabolas_forward_and_back() {
     check_round_trips(5, 100_000, |random| 10_f64.powf(random.uniform(0.0..6.0)));
 }
 
-/// `data/orbit_kepler.json`: by the classical equations, near circles and parabolas and parabolas to the last bit among them.
+/// `data/orbit_kepler.json`: by the classical equations, near circles and parabolas and parabolas to the last bit among
+/// them.
 #[test]
 fn a_thousand_states_against_80_digits() {
     let data: serde_json::Value = serde_json::from_str(include_str!("data/orbit_kepler.json")).unwrap();
@@ -199,7 +201,8 @@ fn straight_lines_end_in_the_centre() {
         assert!((found - expected).abs() <= 1e-12 * fall, "{found}, not {expected}");
     }
 
-    // Upwards on an ellipse, a parabola and a hyperbola: it came out of the centre; the ellipse falls back, the others do not.
+    // Upwards on an ellipse, a parabola and a hyperbola: it came out of the centre; the ellipse falls back, the others
+    // do not.
     let escape = (2.0 * mu / r).sqrt();
     for part in [0.5, 1.0, 2.0] {
         let up = StateVector::new((r * axis).into(), (part * escape * axis).into());

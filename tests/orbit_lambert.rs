@@ -18,7 +18,8 @@ fn random_vector(random: &mut Random, length: f64) -> [f64; 3] {
     (direction.normalize() * length).into()
 }
 
-/// How far an arc ends from its place, relative to it; and what one unit in the last place of place and velocity causes there.
+/// How far an arc ends from its place, relative to it; and what one unit in the last place of place and velocity causes
+/// there.
 fn miss(from: &[f64; 3], to: &[f64; 3], time: f64, found: &ConicArc) -> (f64, f64) {
     let start = StateVector::new(*from, found.departure);
     let there = state_transition(1.0, &start, time).unwrap();
@@ -167,8 +168,8 @@ fn bad_input_is_refused() {
     );
 }
 
-/// The long way and whole revolutions between places that are nearly one, down to where they are in line with the centre: the chord
-/// says all about the direction, and the time about the size of the ellipse.
+/// The long way and whole revolutions between places that are nearly one, down to where they are in line with the
+/// centre: the chord says all about the direction, and the time about the size of the ellipse.
 #[test]
 fn places_that_are_nearly_one() {
     let mut random = Random::new(4);

@@ -1,4 +1,5 @@
-//! Rendezvous and docking: every part against what it should do by itself, and whole missions with good and bad thrusters.
+//! Rendezvous and docking: every part against what it should do by itself, and whole missions with good and bad
+//! thrusters.
 
 use std::f64::consts::PI;
 

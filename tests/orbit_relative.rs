@@ -244,8 +244,8 @@ fn plain(station: &StateVector, relative: &StateVector, time: f64) -> StateVecto
     Frame::of(&end).unwrap().to_relative(&other)
 }
 
-/// On both sides of the border the two ways agree, at short times and after a hundred revolutions, whatever the separation is made of;
-/// on the near side the quadrature is taken, on the far one the difference.
+/// On both sides of the border the two ways agree, at short times and after a hundred revolutions, whatever the
+/// separation is made of; on the near side the quadrature is taken, on the far one the difference.
 #[test]
 fn near_and_far_motions_agree_where_they_meet() {
     let mut random = Random::new(6);
@@ -313,7 +313,8 @@ fn near_and_far_motions_agree_where_they_meet() {
                         let halves = out(&station, &half) + out(&middle, &half);
                         // The transition matrix knows the station to its rounding.
                         let error = (whole - halves).norm() / whole.norm() / (1.0 + rounding / end / f64::EPSILON);
-                        // Far out on fast hyperbolas large terms cancel in the matrix; that is no matter of the quadrature.
+                        // Far out on fast hyperbolas large terms cancel in the matrix; that is no matter of the
+                        // quadrature.
                         let limit = if e < 1.5 { 1e-13 } else { 2e-11 };
                         assert!(error <= limit, "e = {e}, {revolutions}, {kind}: {error}");
                     }
@@ -323,8 +324,8 @@ fn near_and_far_motions_agree_where_they_meet() {
     }
 }
 
-/// A radial displacement of 35 km alone, at the same inertial velocity, changes the period: after a hundred revolutions the body is
-/// somewhere else on another ellipse. Against that ellipse by its elements.
+/// A radial displacement of 35 km alone, at the same inertial velocity, changes the period: after a hundred revolutions
+/// the body is somewhere else on another ellipse. Against that ellipse by its elements.
 #[test]
 fn a_displacement_alone_drifts_round_the_orbit() {
     let (r, height) = (7000.0, 35.0);

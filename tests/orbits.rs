@@ -1,5 +1,5 @@
-//! `mbs_models::orbit` around the generated mechanisms: libration points, a station's motion, collisions; and the mechanisms themselves
-//! against Kepler's laws.
+//! `mbs_models::orbit` around the generated mechanisms: libration points, a station's motion, collisions; and the
+//! mechanisms themselves against Kepler's laws.
 
 use mbs_models::cr3bp::{Cr3bp, Params};
 use mbs_models::kepler::{self, Kepler};
@@ -34,7 +34,8 @@ fn bodies_rest_at_the_libration_points() {
     assert_eq!(Modes::about(0.7, Point::L4), Err(MassRatioError { mu: 0.7 }));
 }
 
-/// L₁ to L₃ are never stable, L₄ and L₅ up to Routh's mass ratio; the rates are those of the characteristic equation in textbooks.
+/// L₁ to L₃ are never stable, L₄ and L₅ up to Routh's mass ratio; the rates are those of the characteristic equation in
+/// textbooks.
 #[test]
 fn triangles_are_stable_up_to_rouths_mass_ratio() {
     let routh = 0.5 * (1.0 - (23.0_f64 / 27.0).sqrt());
@@ -138,7 +139,8 @@ fn cylindrical_coordinates_there_and_back() {
     assert_eq!(to_cylindrical(&above), Err(StationError::AtTheStation));
 }
 
-/// From rest at r₀ two points meet after `π √(r₀³/(8 μ))`, and spheres that touch at half of r₀ after `(½ + π/4) √(r₀³/(2 μ))`.
+/// From rest at r₀ two points meet after `π √(r₀³/(8 μ))`, and spheres that touch at half of r₀ after `(½ + π/4)
+/// √(r₀³/(2 μ))`.
 #[test]
 fn bodies_that_fall_into_each_other_collide_in_time() {
     let body = Kepler::new(kepler::Params { mu: 2.0, m: 1.0 });
@@ -184,8 +186,8 @@ fn an_astronaut_next_to_a_heavy_station_falls_onto_it() {
             |_| (),
         )
     };
-    // From rest at a to r in a free fall of its own: √(a³/2μ) (√(s (1 − s)) + acos √s), s = r/a. The tide across the orbit, n² z, adds
-    // half of n² a³/μ to the pull at the beginning, a hundredth, less later on.
+    // From rest at a to r in a free fall of its own: √(a³/2μ) (√(s (1 − s)) + acos √s), s = r/a. The tide across the
+    // orbit, n² z, adds half of n² a³/μ to the pull at the beginning, a hundredth, less later on.
     for contact in [0.0, 0.1] {
         let s: f64 = contact / 0.5;
         let alone = (0.125 / (2.0 * 6.6743e-11 * 420e3_f64)).sqrt() * ((s * (1.0 - s)).sqrt() + s.sqrt().acos());
@@ -194,7 +196,8 @@ fn an_astronaut_next_to_a_heavy_station_falls_onto_it() {
     }
 }
 
-/// Two bodies in inertial axes: the barycentre stays, and the relative motion is Kepler's, with the same vectors of Laplace.
+/// Two bodies in inertial axes: the barycentre stays, and the relative motion is Kepler's, with the same vectors of
+/// Laplace.
 #[test]
 fn two_bodies_move_as_one_relative_to_the_other() {
     let pair = TwoBody::new(mbs_models::two_body::Params { G: 1.0, mass: [0.7, 0.3] });
@@ -223,8 +226,8 @@ fn two_bodies_move_as_one_relative_to_the_other() {
     }
 }
 
-/// How long the approximation behind (7.13) is good: its error reaches a hundredth of the way within a minute and a quarter, at any
-/// distance, as what it drops is as large as what it keeps.
+/// How long the approximation behind (7.13) is good: its error reaches a hundredth of the way within a minute and a
+/// quarter, at any distance, as what it drops is as large as what it keeps.
 #[test]
 fn the_approximation_7_13_is_good_for_a_minute() {
     let station = Station::on_a_circle(EARTH_MU, 6_778_137.0).unwrap();

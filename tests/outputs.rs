@@ -114,8 +114,8 @@ fn a_rate_is_the_slope_of_the_jacobian() {
     }
 }
 
-/// With the velocity `J q̇ + b`: the acceleration is `J q̈ + J̇ q̇ + ḃ`, by first derivatives of the velocity, and by second
-/// derivatives of the value.
+/// With the velocity `J q̇ + b`: the acceleration is `J q̈ + J̇ q̇ + ḃ`, by first derivatives of the velocity, and by
+/// second derivatives of the value.
 #[test]
 fn accelerations_follow_from_the_rate() {
     let derivation = derivation(SHAPES);

@@ -1,4 +1,5 @@
-//! Parts against the same mechanism written out: the same code to the last byte, and a robot of parts against formulas by hand.
+//! Parts against the same mechanism written out: the same code to the last byte, and a robot of parts against formulas
+//! by hand.
 
 use mbs_derive::emit::Options;
 use mbs_tests::compare::assert_close;

@@ -1,5 +1,5 @@
-//! The Stewart platform and what surrounds it, against `data/stewart.json`, the thesis' values computed by other laws; bad
-//! input; direct kinematics from a hundred thousand starts; computed torque with limited actuators.
+//! The Stewart platform and what surrounds it, against `data/stewart.json`, the thesis' values computed by other laws;
+//! bad input; direct kinematics from a hundred thousand starts; computed torque with limited actuators.
 
 #[path = "platform/loops.rs"]
 mod loops;
@@ -363,8 +363,9 @@ fn direct_kinematics_from_a_hundred_thousand_starts() {
         1e9 * sines[500]
     );
     assert!(worst <= 1e-12, "{worst:e}");
-    // In sines with their cosine of the same process, which a busy machine slows alike. Optimised code keeps to 200; test builds
-    // are optimised by half and checked, take 140 to 150 of a library's sines that are optimised in full, and are given room of two.
+    // In sines with their cosine of the same process, which a busy machine slows alike. Optimised code keeps to 200;
+    // test builds are optimised by half and checked, take 140 to 150 of a library's sines that are optimised in full,
+    // and are given room of two.
     let most = if cfg!(debug_assertions) { 300.0 } else { 200.0 };
     assert!(ratio <= most, "{ratio} > {most}");
 }

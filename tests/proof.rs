@@ -1,5 +1,5 @@
-//! Declarations on which a careless proof would cry wolf: exact zeros that come out as rounding, bad scales, saturation,
-//! corners; and one-sided forces, which conserve nothing that they only seem to.
+//! Declarations on which a careless proof would cry wolf: exact zeros that come out as rounding, bad scales,
+//! saturation, corners; and one-sided forces, which conserve nothing that they only seem to.
 
 use mbs_derive::expr::Graph;
 use mbs_derive::{declared, derived, verify};
@@ -126,8 +126,8 @@ fn constrained_mechanisms_are_proved_on_and_off_their_constraints() {
     assert_eq!(conserved, ["energy_integral"]);
 }
 
-/// A comparison with NaN is false, and `1^NaN` is 1: where the declared energies hide so that they are undefined, derived code
-/// that has `x/x = 1` may well have another value. So it may where the sign of a zero decides.
+/// A comparison with NaN is false, and `1^NaN` is 1: where the declared energies hide so that they are undefined,
+/// derived code that has `x/x = 1` may well have another value. So it may where the sign of a zero decides.
 #[test]
 fn states_at_which_something_undefined_is_hidden_prove_nothing() {
     let plane = "coord x: 1; coord y: 1; kinetic += (dt(x)^2 + dt(y)^2)/2;";
@@ -155,7 +155,8 @@ fn a_mass_matrix_of_bad_condition_is_not_singular() {
     assert_eq!(proof.singular, 0);
 }
 
-/// A four-bar linkage in space whose hinges are declared in full: 10 rows on 8 coordinates, of rank 7 where it is closed.
+/// A four-bar linkage in space whose hinges are declared in full: 10 rows on 8 coordinates, of rank 7 where it is
+/// closed.
 #[test]
 fn a_closed_loop_may_have_more_rows_than_coordinates() {
     let conserved = proved(

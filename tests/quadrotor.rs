@@ -1,10 +1,10 @@
-//! The quadrotor against Euler's equations typed by hand, its two declarations against each other, its landings against the
-//! reference values.
+//! The quadrotor against Euler's equations typed by hand, its two declarations against each other, its landings against
+//! the reference values.
 //!
 //! # Source
 //!
-//! Doctoral thesis *Dynamics of multibody systems in a gravitational field*, chapter 5, corrected; the values were computed by two
-//! integrators that share no code with this project (DOP853 and RK4 in Python).
+//! Doctoral thesis *Dynamics of multibody systems in a gravitational field*, chapter 5, corrected; the values were
+//! computed by two integrators that share no code with this project (DOP853 and RK4 in Python).
 
 use std::ops::ControlFlow;
 
@@ -76,7 +76,8 @@ fn the_attitude_obeys_eulers_equations() {
     }
 }
 
-/// `quad.attitude_exact_point`. Only the product of the rotors' inertia and speed counts, so the torques fix the speeds.
+/// `quad.attitude_exact_point`. Only the product of the rotors' inertia and speed counts, so the torques fix the
+/// speeds.
 #[test]
 fn the_point_of_the_reference() {
     let speeds = Mixer::new(&Params::default()).speeds(&Effort { thrust: 420.0, torque: [1.0, -2.0, 0.5] }).speed;

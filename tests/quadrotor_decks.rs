@@ -1,5 +1,5 @@
-//! Landings on decks that move in six degrees of freedom and on the driven platform, in wind and near the ground, each against
-//! the same motion seen another way: from the deck, from a turned frame, by a closed form.
+//! Landings on decks that move in six degrees of freedom and on the driven platform, in wind and near the ground, each
+//! against the same motion seen another way: from the deck, from a turned frame, by a closed form.
 
 use mbs_models::platform::control::ComputedTorque;
 use mbs_models::platform::limits::{ActuatorLimits, InvalidLimits, Quantity};
@@ -169,7 +169,8 @@ fn a_drifting_deck_is_one_in_wind() {
     }
 }
 
-/// Without the drag, which is that along the world's axes, no direction is special: all turned by one angle lands alike.
+/// Without the drag, which is that along the world's axes, no direction is special: all turned by one angle lands
+/// alike.
 #[test]
 fn the_vehicle_follows_the_heading_of_the_deck() {
     let turn: f64 = 0.6;
@@ -306,8 +307,8 @@ fn drive(natural_frequency: f64) -> Drive {
     Drive { platform: unladen(), control: ComputedTorque::critically_damped(natural_frequency).expect("a gain") }
 }
 
-/// The driven platform is a linear oscillator where its model is right: as the controllers are sampled faster, the landing comes to
-/// be that on the deck of the closed form.
+/// The driven platform is a linear oscillator where its model is right: as the controllers are sampled faster, the
+/// landing comes to be that on the deck of the closed form.
 #[test]
 fn the_driven_platform_is_late_as_its_gains_say() {
     let middle = 2.3;

@@ -1,5 +1,5 @@
-//! Landings on decks, in winds and by vehicles that are turned over, infinite or NaN: each is refused by name, or is what it
-//! should be.
+//! Landings on decks, in winds and by vehicles that are turned over, infinite or NaN: each is refused by name, or is
+//! what it should be.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -323,8 +323,8 @@ fn ground_effect_is_bounded_by_its_least_height() {
     let without = still.simulate(start, |_, _, _| ()).expect("a touchdown");
     let small = with(GroundEffect::new(1e-300).expect("rotors")).expect("a touchdown");
     close(small.time, without.time, 1e-7);
-    // With the least height above all heights thrust is 4/3 of what the controller, which cannot see it, asks for. It sinks
-    // above its way by e, where `4/3 (g − (1 + k₁ k₂) e)` is the weight.
+    // With the least height above all heights thrust is 4/3 of what the controller, which cannot see it, asks for. It
+    // sinks above its way by e, where `4/3 (g − (1 + k₁ k₂) e)` is the weight.
     let huge = with(GroundEffect::new(1e300).expect("rotors")).expect("a touchdown");
     let Controller::Backstepping(controller) = still.controller else { panic!("backstepping") };
     let stiffness = 1.0 + controller.vertical.k1 * controller.vertical.k2;

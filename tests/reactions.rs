@@ -1,5 +1,5 @@
-//! `reaction`: forces and moments of joints against Newton–Euler and against free bodies by hand; what they cost, and that they
-//! cost nothing else.
+//! `reaction`: forces and moments of joints against Newton–Euler and against free bodies by hand; what they cost, and
+//! that they cost nothing else.
 
 use mbs_derive::derive::all_routes;
 use mbs_derive::expr::Graph;

@@ -101,8 +101,9 @@ fn differences_of_equations() {
     }
 }
 
-/// Seeds of long runs that once had a fault: energies with terms linear in the velocities, a constraint that holds to the
-/// last digit, `p/p < 1`, tensors that no turn changes, the moment of a reaction in turned axes, a force that saturates.
+/// Seeds of long runs that once had a fault: energies with terms linear in the velocities, a constraint that holds to
+/// the last digit, `p/p < 1`, tensors that no turn changes, the moment of a reaction in turned axes, a force that
+/// saturates.
 #[test]
 fn mechanisms_with_a_fault_once() {
     for seed in [80866, 81839, 82118, 83176, 83245, 91198] {

@@ -1,7 +1,7 @@
 //! Whatever a text says, the generator answers: with code, or with a report that names the place.
 //!
-//! The texts are drawn from a fixed stream, so that every run sees the same ones. `MBS_CASES=100000 cargo test --release
-//! -p mbs-tests --test robustness` draws more of them.
+//! The texts are drawn from a fixed stream, so that every run sees the same ones. `MBS_CASES=100000 cargo
+//! test --release -p mbs-tests --test robustness` draws more of them.
 
 use std::sync::{Arc, mpsc};
 use std::thread;

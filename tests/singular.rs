@@ -1,5 +1,5 @@
-//! Exact zeros, straight arms, coincident points: what is finite in mathematics is finite in the generated functions, and
-//! what is not is warned of, where it stands.
+//! Exact zeros, straight arms, coincident points: what is finite in mathematics is finite in the generated functions,
+//! and what is not is warned of, where it stands.
 
 use mbs_derive::expr::Graph;
 use mbs_derive::interpret::{Interpreter, State};

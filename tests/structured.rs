@@ -1,5 +1,6 @@
-//! Mechanisms of bodies against the algorithms that rigid-body dynamics has for them: Newton–Euler, composite and articulated
-//! bodies, Christoffel symbols; how the code grows with the number of bodies; what the benchmark arm may cost.
+//! Mechanisms of bodies against the algorithms that rigid-body dynamics has for them: Newton–Euler, composite and
+//! articulated bodies, Christoffel symbols; how the code grows with the number of bodies; what the benchmark arm may
+//! cost.
 
 #[path = "structured/agreement.rs"]
 mod agreement;
@@ -183,7 +184,8 @@ fn routes_proved(lagrangian: &Lagrangian<'_>) -> Result<Vec<Route>, String> {
     Ok(routes.iter().map(|equations| equations.route).collect())
 }
 
-/// Trees at random, declared by bodies and by world positions, with numbers and with parameters, shrunk where they fail.
+/// Trees at random, declared by bodies and by world positions, with numbers and with parameters, shrunk where they
+/// fail.
 #[test]
 fn random_trees_agree_with_the_algorithms_for_trees() {
     for_random_trees(300, tree_agrees);
@@ -270,8 +272,8 @@ fn chain(n: usize) -> Derivation {
     derivation
 }
 
-/// Each further link costs the same in the equations of motion, and in M as much more as there are links before it; forty links
-/// are derived in a second (eight where the generator checks itself).
+/// Each further link costs the same in the equations of motion, and in M as much more as there are links before it;
+/// forty links are derived in a second (eight where the generator checks itself).
 #[test]
 fn a_chain_grows_linearly() {
     let small = [5, 10, 20].map(chain);
@@ -300,7 +302,8 @@ fn per_link_constant(chains: &[Derivation; 3]) {
     }
 }
 
-/// What issue 4 asks of the benchmark arm, however it is declared: less than dynamics that a specialist customises by hand.
+/// What issue 4 asks of the benchmark arm, however it is declared: less than dynamics that a specialist customises by
+/// hand.
 #[test]
 fn budget_of_the_benchmark_arm_as_bodies() {
     let budget = [

@@ -1,4 +1,5 @@
-//! Tables against formulas by hand: values and two derivatives, at samples, between them, outside, as the values of tables change.
+//! Tables against formulas by hand: values and two derivatives, at samples, between them, outside, as the values of
+//! tables change.
 
 use mbs_derive::declared;
 use mbs_derive::derived;
@@ -55,7 +56,8 @@ fn between() -> impl Iterator<Item = f64> {
     (-60..120).map(|k| 0.05 * f64::from(k) + 0.0125)
 }
 
-/// `x³ − 2⟨x − 1⟩³ + 2⟨x − 3⟩³` from 0 on: its curvature is 0 at 4 and continuous, so that it is the natural spline of its samples.
+/// `x³ − 2⟨x − 1⟩³ + 2⟨x − 3⟩³` from 0 on: its curvature is 0 at 4 and continuous, so that it is the natural spline of
+/// its samples.
 fn cubic(x: f64) -> [f64; 3] {
     let behind = |a: f64| (x - a).max(0.0);
     let terms = [(1.0, behind(0.0)), (-2.0, behind(1.0)), (2.0, behind(3.0))];

@@ -91,8 +91,8 @@ fn assert_equal(what: &str, got: Matrix2<f64>, want: Matrix2<f64>, tolerance: f6
 }
 
 /// M is the inverse of what torques do, as lean and steer torque are the forces of the two speeds; it is also the mass
-/// matrix of the independent speeds, `Rᵀ M R`, in which the forward speed stands apart. C₁ and K then are `−M` times the
-/// slopes of the accelerations, and K splits by the speed.
+/// matrix of the independent speeds, `Rᵀ M R`, in which the forward speed stands apart. C₁ and K then are `−M` times
+/// the slopes of the accelerations, and K splits by the speed.
 #[test]
 fn canonical_coefficients() {
     let bicycle = WhippleBicycle::<f64>::default();
@@ -177,8 +177,8 @@ fn published_eigenvalues() {
     println!("largest difference to the table {:e}, to the coefficients (relative) {:e}", worst[0], worst[1]);
 }
 
-/// A state far from upright. The table has y upwards and the bicycle going along −x: rates and most angles change their sign;
-/// wheels turn against the rear frame there.
+/// A state far from upright. The table has y upwards and the bicycle going along −x: rates and most angles change their
+/// sign; wheels turn against the rear frame there.
 #[test]
 fn published_nonlinear_accelerations() {
     let bicycle = WhippleBicycle::<f64>::default();
@@ -231,7 +231,8 @@ fn the_front_wheel_touches_with_its_lowest_point() {
     }
 }
 
-/// Five seconds at 4.6 m/s after a push in roll of 0.5 rad/s, as in figure 4 of Meijaard et al.: it rights itself, and keeps its energy.
+/// Five seconds at 4.6 m/s after a push in roll of 0.5 rad/s, as in figure 4 of Meijaard et al.: it rights itself, and
+/// keeps its energy.
 #[test]
 fn it_rights_itself() {
     let bicycle = WhippleBicycle::<f64>::default();

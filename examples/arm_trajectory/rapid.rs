@@ -1,7 +1,7 @@
 //! The joint angles as a RAPID module: joint targets, one a second, and the moves between them.
 //!
-//! The robot's own second angle is that of Denavit and Hartenberg plus 90°. That all senses are the same was not verified
-//! against a drawing.
+//! The robot's own second angle is that of Denavit and Hartenberg plus 90°. That all senses are the same was not
+//! verified against a drawing.
 
 use std::fmt::Write;
 

@@ -1,5 +1,6 @@
-//! What the forces of the legs depend on: derivatives by parameters, by the attitude and by the stiffness of the legs, all of
-//! them by differentiation, at one state of motion. It has velocity, so that the terms of velocity are in the derivatives.
+//! What the forces of the legs depend on: derivatives by parameters, by the attitude and by the stiffness of the legs,
+//! all of them by differentiation, at one state of motion. It has velocity, so that the terms of velocity are in the
+//! derivatives.
 
 use std::path::Path;
 

@@ -190,7 +190,8 @@ fn print_control(platform: &Platform) -> Result<(), Failure> {
     Ok(())
 }
 
-/// `cases.csv`: what each motion asks of the legs, by payload; `limits.csv`: where it exceeds the limits, by payload and leg.
+/// `cases.csv`: what each motion asks of the legs, by payload; `limits.csv`: where it exceeds the limits, by payload
+/// and leg.
 ///
 /// Forces in `limits.csv` are those on legs with mass; `cases.csv` has the largest ones on legs without mass too.
 pub(crate) fn write(folder: &Path, platform: &Platform) -> Result<(), Failure> {

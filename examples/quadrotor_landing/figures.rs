@@ -1,4 +1,5 @@
-//! Figures 5.2 to 5.9 of the thesis, their like for the other decks and for the driven platform, and the curves as numbers.
+//! Figures 5.2 to 5.9 of the thesis, their like for the other decks and for the driven platform, and the curves as
+//! numbers.
 
 use std::path::Path;
 

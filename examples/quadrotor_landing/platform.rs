@@ -1,10 +1,10 @@
-//! The same landings on the Stewart platform of chapter 4, which its legs drive, against those on a deck that moves exactly as
-//! it is to.
+//! The same landings on the Stewart platform of chapter 4, which its legs drive, against those on a deck that moves
+//! exactly as it is to.
 //!
-//! The heave of the thesis is not one that the platform can make: about its home it would pass through its own base, and
-//! legs of any length would have to be longer than they are. So each landing is made twice: with the motion in full, on a
-//! platform that is raised until no leg is too short, where the legs are as long as it takes; and about home with the
-//! motion scaled to what stroke, speed and force of the legs allow.
+//! The heave of the thesis is not one that the platform can make: about its home it would pass through its own base,
+//! and legs of any length would have to be longer than they are. So each landing is made twice: with the motion in
+//! full, on a platform that is raised until no leg is too short, where the legs are as long as it takes; and about home
+//! with the motion scaled to what stroke, speed and force of the legs allow.
 
 use mbs_examples::Failure;
 use mbs_models::platform::control::ComputedTorque;
@@ -119,7 +119,8 @@ impl<const K: usize> Comparison<K> {
         Ok(Comparison { scale, motion, exact, sampled, driven, moments })
     }
 
-    /// By how much a landing is another one than that on the exact deck: time \[s\], relative velocity \[m/s\], offset \[m\].
+    /// By how much a landing is another one than that on the exact deck: time \[s\], relative velocity \[m/s\], offset
+    /// \[m\].
     fn difference(&self, end: &Touchdown) -> [f64; 3] {
         let results = |end: &Touchdown| [end.time, end.relative_velocity, end.horizontal_offset];
         let (changed, exact) = (results(end), results(&self.exact));
@@ -203,7 +204,8 @@ fn worst(survey: &Survey, quantities: &[Quantity]) -> f64 {
     excesses.filter(|e| quantities.contains(&e.worst.quantity)).map(|e| e.worst.excess()).fold(0.0, f64::max)
 }
 
-/// Lengths, rates and forces of the legs along the motion in full, exactly as it is to be, every 10 ms up to a time \[s\].
+/// Lengths, rates and forces of the legs along the motion in full, exactly as it is to be, every 10 ms up to a time
+/// \[s\].
 pub(crate) fn legs<const K: usize>(motion: &Superposition<K>, end: f64) -> Result<Vec<(f64, LegState)>, Failure> {
     let platform = platform()?;
     let moments = (0..).map(|i| 0.01 * f64::from(i)).take_while(|&t| t <= end);

@@ -1,5 +1,5 @@
-//! The arm of `models/mechanisms/arm6.mbs`, customised as a specialist would do it by hand: straight-line code for this arm
-//! alone, constants folded, terms with zero factors dropped, bodies regrouped to base inertial parameters.
+//! The arm of `models/mechanisms/arm6.mbs`, customised as a specialist would do it by hand: straight-line code for this
+//! arm alone, constants folded, terms with zero factors dropped, bodies regrouped to base inertial parameters.
 //!
 //! | function | additions and multiplications | |
 //! |---|---|---|
@@ -12,10 +12,10 @@
 //!
 //! # Source
 //!
-//! Khalil, Dombre, *Modeling, Identification and Control of Robots*, 2002: customised Newton–Euler, section 9.5 (the products of
-//! rates are shared in `U = [ω̇]× + [ω]×[ω]×`), base inertial parameters, section 9.4.3 (`Jyy = 0`, centres of mass on the
-//! axes' planes, no mass at all), composite bodies, section 9.7. The code was written out by a script from these formulas and
-//! the arm's Denavit–Hartenberg parameters.
+//! Khalil, Dombre, *Modeling, Identification and Control of Robots*, 2002: customised Newton–Euler, section 9.5 (the
+//! products of rates are shared in `U = [ω̇]× + [ω]×[ω]×`), base inertial parameters, section 9.4.3 (`Jyy = 0`, centres
+//! of mass on the axes' planes, no mass at all), composite bodies, section 9.7. The code was written out by a script
+//! from these formulas and the arm's Denavit–Hartenberg parameters.
 //!
 //! # Names
 //!

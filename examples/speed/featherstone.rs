@@ -3,9 +3,9 @@
 //!
 //! # Source
 //!
-//! Featherstone, *Rigid Body Dynamics Algorithms*, 2008 (RBDA): tables 5.1, 6.2 and 7.1, in body axes, with rotations and
-//! translations in place of 6×6 matrices; Echeandia, Wensing, *Numerical methods to compute the Coriolis matrix and Christoffel
-//! symbols for rigid-body systems*, J. Comput. Nonlinear Dyn. 16, 2021, algorithm 1, for C.
+//! Featherstone, *Rigid Body Dynamics Algorithms*, 2008 (RBDA): tables 5.1, 6.2 and 7.1, in body axes, with rotations
+//! and translations in place of 6×6 matrices; Echeandia, Wensing, *Numerical methods to compute the Coriolis matrix and
+//! Christoffel symbols for rigid-body systems*, J. Comput. Nonlinear Dyn. 16, 2021, algorithm 1, for C.
 
 use nalgebra::{Matrix3, Rotation3, Unit, Vector3};
 
@@ -66,8 +66,8 @@ struct Link {
     inertia: Inertia,
 }
 
-/// A link of an arm in standard Denavit–Hartenberg frames: `[d, a, α]`, mass, mass centre, and `[xx, yy, zz, xy, xz, yz]` of
-/// the inertia about it, in the link's frame.
+/// A link of an arm in standard Denavit–Hartenberg frames: `[d, a, α]`, mass, mass centre, and `[xx, yy, zz, xy, xz,
+/// yz]` of the inertia about it, in the link's frame.
 pub(crate) type Row = ([f64; 3], f64, [f64; 3], [f64; 6]);
 
 /// A tree of links, and room for what its algorithms compute on the way.

@@ -32,7 +32,8 @@ impl Arguments {
         })
     }
 
-    /// The same, for an example with options that are followed by a word, given as name and what the usage says of the word.
+    /// The same, for an example with options that are followed by a word, given as name and what the usage says of the
+    /// word.
     #[must_use]
     pub fn with_words(options: &[(&'static str, &str)]) -> Self {
         let names: Vec<&'static str> = options.iter().map(|option| option.0).collect();

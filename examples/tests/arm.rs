@@ -245,8 +245,8 @@ impl Row {
     }
 }
 
-/// Of every method: rates are slopes, the determinant is the closed form of the thesis' Jacobian, what the drives do is what the
-/// arm's energy gains, and what is printed follows from the rows.
+/// Of every method: rates are slopes, the determinant is the closed form of the thesis' Jacobian, what the drives do is
+/// what the arm's energy gains, and what is printed follows from the rows.
 #[test]
 fn tables_are_motions_of_the_arm() {
     let folder = tempfile::tempdir().unwrap();

@@ -127,7 +127,8 @@ fn motion_about_a_station() {
     let names: Vec<&str> = with_mass.iter().map(|sample| sample["case"].as_str().unwrap()).collect();
     assert_eq!(keys(&found["station_mass"]), names);
     with_mass.iter().zip(names).for_each(|(sample, case)| check("station_mass", case, sample));
-    // Against the difference of two Kepler motions, and in cylindrical coordinates, which lose digits near the station [m].
+    // Against the difference of two Kepler motions, and in cylindrical coordinates, which lose digits near the station
+    // [m].
     for (group, case) in
         [("circular", "far_radial"), ("circular", "near_radial"), ("elliptic", "near"), ("elliptic", "far")]
     {

@@ -114,7 +114,8 @@ fn forces_beyond_the_limit_are_those_with_mass(table: &str) {
     assert!(compared > 0, "{table}");
 }
 
-/// The rows of φ, θ, ψ against differences of the forces over a hundredth of a degree, along the combined motion at 0.3 s.
+/// The rows of φ, θ, ψ against differences of the forces over a hundredth of a degree, along the combined motion at 0.3
+/// s.
 fn derivatives_are_those_of_a_moving_platform(table: &str) {
     let (platform, [q, qd, qdd]) = (Platform::default(), Motion::COMBINED.at(0.3));
     for (coordinate, name) in [(3, "φ"), (4, "θ"), (5, "ψ")] {

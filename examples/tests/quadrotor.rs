@@ -12,7 +12,8 @@ use support::{good, json, keys, numbers, run};
 const LANDING: &str = env!("CARGO_BIN_EXE_quadrotor_landing");
 const MONTE_CARLO: &str = env!("CARGO_BIN_EXE_landing_monte_carlo");
 
-/// Touchdown time \[s\], relative velocity \[m/s\] and horizontal offset \[m\] of `quad.landing` of the reference values.
+/// Touchdown time \[s\], relative velocity \[m/s\] and horizontal offset \[m\] of `quad.landing` of the reference
+/// values.
 const LANDINGS: [(&str, &str, [f64; 3]); 4] = [
     ("I", "exact", [13.254_642_785_856_516, -0.200_219_070_194_215_8, 8.003_225_359_706_338e-8]),
     ("I", "small_angle", [13.254_642_806_506_784, -0.200_219_079_165_423_36, 8.006_023_104_986_414e-8]),
@@ -94,8 +95,8 @@ fn the_platform_is_flagged(case: &Value) {
     assert!(number(&full["tracking_error_max"]) > 100.0 * number(&full["tracking_error_touchdown"]));
 }
 
-/// The forces of figures 5.5 and 5.9 against Lagrange's equation of the heave alone, by hand: with the legs' horizontal reach c,
-/// `l² = z² + c²`, the sine `z/l` of a leg's elevation, its turning `c ż / l²`, and
+/// The forces of figures 5.5 and 5.9 against Lagrange's equation of the heave alone, by hand: with the legs' horizontal
+/// reach c, `l² = z² + c²`, the sine `z/l` of a leg's elevation, its turning `c ż / l²`, and
 ///
 /// ```text
 /// 6 F z/l = M z̈ + ½ M′ ż² + V′
@@ -129,8 +130,8 @@ fn forces_of_the_legs_are_lagranges(folder: &Path, case: &str, heave: Heave<4>, 
     assert_eq!(range, ["min", "max"].map(|key| number(&on_platform["leg_force"][key])));
 }
 
-/// Rows end at the touchdown: the height over the deck comes down to what the vehicle sinks from one row to the next, at a
-/// little more than 0.2 m/s.
+/// Rows end at the touchdown: the height over the deck comes down to what the vehicle sinks from one row to the next,
+/// at a little more than 0.2 m/s.
 fn tables_of_the_platform_are_landings(folder: &Path, name: &str) {
     let table = rows(folder, name);
     assert!(table.len() > 1300 && table[0].len() == 3 + 12 + 18, "{name}");

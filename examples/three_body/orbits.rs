@@ -8,13 +8,14 @@ use mbs_runtime::{Dop853, State, accelerations};
 
 /// Mass ratio of Arenstorf's orbit.
 pub(crate) const ARENSTORF_MU: f64 = 0.012_277_471;
-/// R. F. Arenstorf, *Periodic Solutions of the Restricted Three Body Problem Representing Analytic Continuations of Keplerian
-/// Elliptic Motions*, 1963; to more digits in Hairer, Nørsett, Wanner, *Solving Ordinary Differential Equations I*, II.0.
+/// R. F. Arenstorf, *Periodic Solutions of the Restricted Three Body Problem Representing Analytic Continuations of
+/// Keplerian Elliptic Motions*, 1963; to more digits in Hairer, Nørsett, Wanner, *Solving Ordinary Differential
+/// Equations I*, II.0.
 #[allow(clippy::excessive_precision)] // as it is printed
 const ARENSTORF: ([f64; 2], [f64; 2], f64) =
     ([0.994, 0.0], [0.0, -2.001_585_106_379_082_522_405_378_622_24], 17.065_216_560_157_962_558_891_720_624_9);
-/// Mass ratio of a planet in whose orbit asteroids keep: Jupiter, of which the Sun has 1047.3486 masses (International Astronomical
-/// Union, *Current Best Estimates*, 2009).
+/// Mass ratio of a planet in whose orbit asteroids keep: Jupiter, of which the Sun has 1047.3486 masses (International
+/// Astronomical Union, *Current Best Estimates*, 2009).
 const JUPITER_MU: f64 = 1.0 / 1_048.348_6;
 /// In units of the distance of the primaries: nearer is a collision.
 const CONTACT: f64 = 1e-5;

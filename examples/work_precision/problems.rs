@@ -79,8 +79,8 @@ pub(crate) fn arenstorf() -> Problem<impl Force> {
     Problem { name: "arenstorf", q: [0.994, 0.0], qd: [0.0, speed], end, force, separable: false, solution }
 }
 
-/// Four seconds of the generated double pendulum, released at rest. The solution is the one by steps of 2 ms, much shorter
-/// than any tolerance asks for: rounding remains.
+/// Four seconds of the generated double pendulum, released at rest. The solution is the one by steps of 2 ms, much
+/// shorter than any tolerance asks for: rounding remains.
 ///
 /// # Errors
 /// [`IntegrationError`] if that integration fails.

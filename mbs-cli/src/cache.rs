@@ -1,9 +1,9 @@
 //! What earlier calls have derived, in the user's cache folder.
 //!
-//! An entry is a file: a digest of all that follows in it and of its key, then a value as postcard writes it. Its name is its key,
-//! the digest of what the value was made from: the texts of a mechanism and of all that it imports, as they are called in
-//! reports, what was asked for, and the generator, for which the build script digests its sources. So entries are never out of
-//! date; the ones that were not used for longest go when there are too many.
+//! An entry is a file: a digest of all that follows in it and of its key, then a value as postcard writes it. Its name
+//! is its key, the digest of what the value was made from: the texts of a mechanism and of all that it imports, as they
+//! are called in reports, what was asked for, and the generator, for which the build script digests its sources. So
+//! entries are never out of date; the ones that were not used for longest go when there are too many.
 //!
 //! A cache that cannot be read or written is none: nothing here fails.
 
@@ -71,7 +71,8 @@ fn digest<'p>(parts: impl Iterator<Item = &'p [u8]>) -> [u8; 32] {
 }
 
 impl Cache {
-    /// The user's; none where the system has no such folder, or where the build could not tell one generator from another.
+    /// The user's; none where the system has no such folder, or where the build could not tell one generator from
+    /// another.
     pub(crate) fn of_user() -> Self {
         let folder = match std::env::var_os(FOLDER) {
             Some(folder) => Some(PathBuf::from(folder)).filter(|folder| !folder.as_os_str().is_empty()),

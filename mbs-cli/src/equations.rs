@@ -144,8 +144,8 @@ impl Constraints<f64> for Equations<'_> {
     }
 }
 
-/// Accelerations and multipliers: in closed form, or by the runtime's factorization where rows are redundant or stabilized, or
-/// where M is singular, but not on the motions that constraints leave.
+/// Accelerations and multipliers: in closed form, or by the runtime's factorization where rows are redundant or
+/// stabilized, or where M is singular, but not on the motions that constraints leave.
 pub(crate) struct Solver<'e, 'd> {
     equations: &'e Equations<'d>,
     /// Whether the closed form is taken where it is finite.

@@ -22,17 +22,18 @@ pub(crate) struct Arguments {
     /// The mechanism.
     #[arg(value_name = "FILE.mbs")]
     file: PathBuf,
-    /// A file with a JSON object, or an array of them: {"t": 0, "q": […], "qd": […], "qdd": […], "u": […], "params": {name:
-    /// value}, "prescribed": {name: [value, rate, acceleration]}}, all but q optional: zero, or the declared default. `-` is
-    /// standard input; JSON itself is taken, too.
+    /// A file with a JSON object, or an array of them: {"t": 0, "q": […], "qd": […], "qdd": […], "u": […], "params":
+    /// {name: value}, "prescribed": {name: [value, rate, acceleration]}}, all but q optional: zero, or the declared
+    /// default. `-` is standard input; JSON itself is taken, too.
     #[arg(long, value_name = "STATE.json")]
     state: String,
-    /// Print these quantities alone: names of the output, or of any generated function, such as `tip_velocity`, `tip_jacobian`,
-    /// `momentum`.
+    /// Print these quantities alone: names of the output, or of any generated function, such as `tip_velocity`,
+    /// `tip_jacobian`, `momentum`.
     #[arg(long, value_delimiter = ',', value_name = "NAMES")]
     only: Vec<String>,
-    /// Constraints that depend on others: an error, or multipliers of the least norm. Without this option accelerations and
-    /// multipliers are those of the generated functions, which take multipliers of the least norm in the scale of their rows.
+    /// Constraints that depend on others: an error, or multipliers of the least norm. Without this option accelerations
+    /// and multipliers are those of the generated functions, which take multipliers of the least norm in the scale of
+    /// their rows.
     #[arg(long, value_enum)]
     redundant: Option<Redundant>,
 }
@@ -68,8 +69,8 @@ struct Moving {
 }
 
 impl Moving {
-    /// Those of the generated functions, the multipliers on request of the least norm; NaN where constraints contradict each
-    /// other.
+    /// Those of the generated functions, the multipliers on request of the least norm; NaN where constraints contradict
+    /// each other.
     fn of(derivation: &Derivation, point: &Point, redundant: Option<Redundant>) -> Result<Self, Failure> {
         let (equations, state) = (Equations::new(derivation, point)?, &point.state);
         let [accelerations, mut multipliers] = ["forward_dynamics", "multipliers"].map(|f| equations.call(f, state));
@@ -193,7 +194,8 @@ fn outputs(derivation: &Derivation, evaluated: impl Fn(&Function) -> Vec<f64>) -
     outputs.map(|function| (function.name.clone(), shaped(function, &evaluated(function)))).collect()
 }
 
-/// The derivatives of those outputs that depend on velocities or inputs, by name: by q, and where they depend on them by q̇ and u.
+/// The derivatives of those outputs that depend on velocities or inputs, by name: by q, and where they depend on them
+/// by q̇ and u.
 fn output_jacobians(derivation: &Derivation, evaluated: impl Fn(&Function) -> Vec<f64>) -> Map<String, Value> {
     let is_output = |f: &&Function| matches!(f.kind, FunctionKind::Output(_));
     let outputs = derivation.functions.iter().filter(is_output);

@@ -1,7 +1,7 @@
 //! The files of a command: none is both read and written, none is written twice.
 //!
-//! Files are told apart by what they are, not by how they are spelled: a link, a hard link, `./m.mbs` and `sub/../m.mbs` are the
-//! file that they lead to.
+//! Files are told apart by what they are, not by how they are spelled: a link, a hard link, `./m.mbs` and
+//! `sub/../m.mbs` are the file that they lead to.
 
 use std::fs;
 use std::io::{self, ErrorKind};

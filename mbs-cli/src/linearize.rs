@@ -23,8 +23,9 @@ use self::system::System;
 
 /// Linearize a mechanism about a state: A, B, C, D in independent coordinates, poles, and what inputs reach.
 ///
-/// The change of the state x = (coordinates, velocities) obeys x' = A x + B u, that of the outputs is y = C x + D u; SI units,
-/// angles in radians. Where accelerations are not zero at the state, it is linearized about the motion through it.
+/// The change of the state x = (coordinates, velocities) obeys x' = A x + B u, that of the outputs is y = C x + D u; SI
+/// units, angles in radians. Where accelerations are not zero at the state, it is linearized about the motion through
+/// it.
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
     /// The mechanism.
@@ -33,9 +34,9 @@ pub(crate) struct Arguments {
     /// The state, as for `mbs eval`: a file with a JSON object, `-` for standard input, or JSON itself.
     #[arg(long, value_name = "STATE.json")]
     state: String,
-    /// Search for a state without accelerations, on the constraints, near the given one: what may be changed, separated by
-    /// commas. Coordinates and inputs by their names (`q_0` of an array q), velocities as in the table of `mbs simulate`
-    /// (`x_dot`). The rest stays as given.
+    /// Search for a state without accelerations, on the constraints, near the given one: what may be changed, separated
+    /// by commas. Coordinates and inputs by their names (`q_0` of an array q), velocities as in the table of `mbs
+    /// simulate` (`x_dot`). The rest stays as given.
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     trim: Vec<String>,
     /// Take these coordinates, and their velocities, as the independent ones; else they are chosen.

@@ -9,9 +9,9 @@
 //! - [`linearize`]: the linear system about a state, its poles, what inputs reach;
 //! - [`simulate`]: a motion as a table and as a figure.
 //!
-//! What they share: [`mechanism`] runs the generator's passes on a file, [`cache`] keeps what they gave, [`state`] reads states, [`mod@equations`]
-//! evaluates them along a motion, [`output`] writes, [`files`] sees that nothing
-//! that was read is overwritten, and [`failure`] is how a command ends early.
+//! What they share: [`mechanism`] runs the generator's passes on a file, [`cache`] keeps what they gave, [`state`]
+//! reads states, [`mod@equations`] evaluates them along a motion, [`output`] writes, [`files`] sees that nothing that
+//! was read is overwritten, and [`failure`] is how a command ends early.
 //!
 //! Exit codes: 0 fine, 1 the model or the input is bad, 2 wrong usage. Results go to standard output or to the files
 //! asked for, once everything has succeeded; errors, warnings and the progress bar go to standard error.
@@ -43,8 +43,8 @@ use failure::Failure;
 #[derive(Parser)]
 #[command(name = "mbs", version)]
 struct Arguments {
-    /// Derive and prove the mechanism in any case. Else what an earlier call has derived from the same texts is taken from the
-    /// user's cache folder, or from MBS_CACHE_DIR.
+    /// Derive and prove the mechanism in any case. Else what an earlier call has derived from the same texts is taken
+    /// from the user's cache folder, or from MBS_CACHE_DIR.
     #[arg(long, global = true)]
     no_cache: bool,
     #[command(subcommand)]

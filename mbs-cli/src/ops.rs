@@ -15,9 +15,9 @@ use explanation::Explanation;
 
 /// Count the operations of every generated function.
 ///
-/// Subtractions count as additions, negations are free, a sine and cosine of one angle are one `sincos`; `flops` is add +
-/// mul. Of the mass matrix the lower triangle is computed. What depends on parameters alone is computed once, when the
-/// mechanism is made, and not counted. The mechanism is derived in any case, never taken from the cache.
+/// Subtractions count as additions, negations are free, a sine and cosine of one angle are one `sincos`; `flops` is
+/// add + mul. Of the mass matrix the lower triangle is computed. What depends on parameters alone is computed once,
+/// when the mechanism is made, and not counted. The mechanism is derived in any case, never taken from the cache.
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
     /// The mechanism.

@@ -41,12 +41,13 @@ use crate::mechanism;
 use crate::output::{self, Staged};
 use crate::state::{self, Point, Request};
 
-/// Integrate a mechanism's equations of motion from a state; parameters stay as they are, and so do inputs and prescribed signals
-/// that are not given by --input and --signal.
+/// Integrate a mechanism's equations of motion from a state; parameters stay as they are, and so do inputs and
+/// prescribed signals that are not given by --input and --signal.
 ///
-/// The CSV has the header `t,<coordinates>,<coordinates>_dot,energy`, energy being T + V, and one row every `--dt` seconds;
-/// the last row is at the end time exactly. Where there are constraints, multipliers `lambda_<row>` and what is left of the
-/// rows, `residual_<row>`, follow; the motion starts from the nearest state that satisfies them and is kept on them.
+/// The CSV has the header `t,<coordinates>,<coordinates>_dot,energy`, energy being T + V, and one row every `--dt`
+/// seconds; the last row is at the end time exactly. Where there are constraints, multipliers `lambda_<row>` and what
+/// is left of the rows, `residual_<row>`, follow; the motion starts from the nearest state that satisfies them and is
+/// kept on them.
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
     /// The mechanism.
@@ -71,8 +72,8 @@ pub(crate) struct Arguments {
     /// Seconds between rows, and the step of methods without error control; a thousandth of the duration if not given.
     #[arg(long, value_name = "SECONDS", value_parser = positive, allow_negative_numbers = true)]
     dt: Option<f64>,
-    /// How constraints are kept: `state`, positions and velocities are projected after each step; `baumgarte:ALPHA,BETA`,
-    /// stabilization with these gains in 1/s; `none`.
+    /// How constraints are kept: `state`, positions and velocities are projected after each step;
+    /// `baumgarte:ALPHA,BETA`, stabilization with these gains in 1/s; `none`.
     #[arg(long, value_name = "HOW", default_value = "state", value_parser = drift)]
     project: Drift,
     /// Constraints that depend on others: an error, or multipliers of the least norm.
@@ -81,12 +82,13 @@ pub(crate) struct Arguments {
     /// Coordinates that stay as given, with their velocities, when the first state is brought onto the constraints.
     #[arg(long, value_name = "COORDINATES", value_delimiter = ',')]
     hold: Vec<String>,
-    /// An input over time: `push=2*sin(3*t)` is a formula in the model language of t, coordinates, velocities, parameters and
-    /// outputs; `push=@table.csv` a table of times and values, straight in between. May be given several times.
+    /// An input over time: `push=2*sin(3*t)` is a formula in the model language of t, coordinates, velocities,
+    /// parameters and outputs; `push=@table.csv` a table of times and values, straight in between. May be given several
+    /// times.
     #[arg(long, value_name = "NAME=FORMULA|NAME=@FILE.csv")]
     input: Vec<Drive>,
-    /// A prescribed signal over time: a formula of t and parameters, which is differentiated; or a table, through which a cubic
-    /// spline goes. May be given several times.
+    /// A prescribed signal over time: a formula of t and parameters, which is differentiated; or a table, through which
+    /// a cubic spline goes. May be given several times.
     #[arg(long, value_name = "NAME=FORMULA|NAME=@FILE.csv")]
     signal: Vec<Drive>,
     /// Record more columns: outputs, inputs, accelerations, reactions, conserved; multipliers are recorded in any case.

@@ -5,12 +5,13 @@
 //!  "prescribed": {}}
 //! ```
 //!
-//! All but `q` may be left out: zero, or the declared default. Arrays are flattened in declaration order; instead of an array
-//! may stand an object of names, `{"q": {"theta": 0.3}}`, or the names themselves, `{"theta": 0.3, "theta_dot": 1, "push": 2}`. A parameter is
-//! given by its name, an array parameter as an array or component by component (`length_0`). A number is in SI units; one with
-//! its unit is a string, `"20 deg"`. All that is wrong with a state is reported at once, parameters that the mechanism cannot
-//! have included; nothing is given twice. Warnings name signals that are left out, for hardly any motion that comes from outside
-//! is no motion, and plain numbers for parameters that were declared in other units than those of the SI.
+//! All but `q` may be left out: zero, or the declared default. Arrays are flattened in declaration order; instead of an
+//! array may stand an object of names, `{"q": {"theta": 0.3}}`, or the names themselves, `{"theta": 0.3, "theta_dot":
+//! 1, "push": 2}`. A parameter is given by its name, an array parameter as an array or component by component
+//! (`length_0`). A number is in SI units; one with its unit is a string, `"20 deg"`. All that is wrong with a state is
+//! reported at once, parameters that the mechanism cannot have included; nothing is given twice. Warnings name signals
+//! that are left out, for hardly any motion that comes from outside is no motion, and plain numbers for parameters that
+//! were declared in other units than those of the SI.
 
 use std::collections::BTreeSet;
 use std::fmt;
@@ -316,8 +317,8 @@ impl Reader<'_> {
         differentiated || of(&self.derivation.inputs, key).is_some()
     }
 
-    /// An array with all numbers, or an object of some by name, the others being zero; and what stands by name in the state
-    /// itself.
+    /// An array with all numbers, or an object of some by name, the others being zero; and what stands by name in the
+    /// state itself.
     fn vector(
         &mut self,
         object: &Map<String, Value>,

@@ -12,8 +12,8 @@ use crate::{Generated, generate_from, parse};
 
 /// Generates one mechanism with default options, for `mbs_runtime::include_mechanism!`.
 ///
-/// To be called from a build script. The module goes to `OUT_DIR`, under its own name: `CartPole` to `cart_pole.rs`. If the
-/// file cannot be read, is not a mechanism or cannot be proved, the report is printed and the script exits with 1.
+/// To be called from a build script. The module goes to `OUT_DIR`, under its own name: `CartPole` to `cart_pole.rs`. If
+/// the file cannot be read, is not a mechanism or cannot be proved, the report is printed and the script exits with 1.
 ///
 /// ```no_run
 /// mbs_derive::compile("mechanisms/cart_pole.mbs");
@@ -70,12 +70,11 @@ impl Config {
         or_exit(self.write(file.as_ref()));
     }
 
-    /// Generates every `.mbs` file of a folder, sorted by name, and `mechanisms.rs`, which includes them all, lists their
-    /// texts in `SOURCES` and `GENERATED`, and hands every mechanism to a macro of your choice:
+    /// Generates every `.mbs` file of a folder, sorted by name, and `mechanisms.rs`, which includes them all, lists
+    /// their texts in `SOURCES` and `GENERATED`, and hands every mechanism to a macro of your choice:
     /// `for_each_mechanism!(callback)` becomes `callback! { cart_pole CartPole 2 1; … }`, module, type, number of
-    /// coordinates and of inputs. Mechanisms with motions given at run time do not implement the trait `Mechanism` and are
-    /// left out there.
-    /// Files without a mechanism, which hold `const` and `fn` to be imported, are only looked
+    /// coordinates and of inputs. Mechanisms with motions given at run time do not implement the trait `Mechanism` and
+    /// are left out there. Files without a mechanism, which hold `const` and `fn` to be imported, are only looked
     /// through.
     ///
     /// `include!(concat!(env!("OUT_DIR"), "/mechanisms.rs"));`
@@ -212,8 +211,8 @@ fn index(mechanisms: &[(Generated, Sources)]) -> String {
 /// Reads the file of a mechanism, and all that it imports.
 ///
 /// # Errors
-/// A report for people, if the file cannot be read or is not UTF-8. What is wrong with imports is told by the passes that
-/// are given the result, at the place of the import.
+/// A report for people, if the file cannot be read or is not UTF-8. What is wrong with imports is told by the passes
+/// that are given the result, at the place of the import.
 pub fn read(file: &Path) -> Result<Sources, String> {
     let name = file.to_string_lossy();
     let bytes = bytes(file).map_err(|error| format!("error: cannot read {name}: {error}\n"))?;

@@ -1,7 +1,7 @@
 //! Pass 3: [`Lagrangian`] → [`Equations`]: mechanics, still symbolic.
 //!
-//! With `L = T − V + Σ lagrangian terms = ½ q̇ᵀ M q̇ + aᵀ q̇ + L₀`, an overdot the total time derivative, and D Rayleigh's
-//! dissipation function, Lagrange's equations are
+//! With `L = T − V + Σ lagrangian terms = ½ q̇ᵀ M q̇ + aᵀ q̇ + L₀`, an overdot the total time derivative, and D
+//! Rayleigh's dissipation function, Lagrange's equations are
 //!
 //! ```text
 //! M q̈ + C q̇ + G + ∂D/∂q̇ = Q + Aᵀ λ        A q̈ + γ = 0
@@ -146,8 +146,9 @@ pub struct Equations<'g> {
 
 /// Derives the equations of motion into `graph`, by every route that applies.
 ///
-/// The routes are equal in value, each function of a mechanism may take another: the cheapest is chosen by `optimise`. A long
-/// chain that is nothing but bodies is derived by its structure alone: differentiation would only take time to lose.
+/// The routes are equal in value, each function of a mechanism may take another: the cheapest is chosen by `optimise`.
+/// A long chain that is nothing but bodies is derived by its structure alone: differentiation would only take time to
+/// lose.
 pub fn routes<'g>(lagrangian: &Lagrangian<'_>, graph: &'g Graph) -> Vec<Equations<'g>> {
     derived_by(lagrangian, graph, &[Route::Plain, Route::Textbook, Route::Structured])
 }

@@ -166,8 +166,8 @@ impl Diagnostics {
         if self.messages.is_empty() { String::new() } else { self.render_in(&Sources::new(file_name, source)) }
     }
 
-    /// The report as a person reads it: every message with its file, its place and the line that it is about. Where there are
-    /// too many to show, errors go before warnings.
+    /// The report as a person reads it: every message with its file, its place and the line that it is about. Where
+    /// there are too many to show, errors go before warnings.
     pub fn render_in(&self, sources: &Sources) -> String {
         let mut shown: Vec<&Diagnostic> = self.messages.iter().collect();
         shown.sort_by_key(|message| message.severity);

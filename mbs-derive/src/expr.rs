@@ -1,7 +1,7 @@
 //! Expressions: a hash-consed graph and the calculus on it. No mechanics here.
 //!
-//! An [`Expr`] is a `Copy` handle into a [`Graph`]; operators on handles build nodes. Equal expressions are one node, and
-//! operands come before what is made of them, so that a pass over the graph is a loop over node numbers. Nothing
+//! An [`Expr`] is a `Copy` handle into a [`Graph`]; operators on handles build nodes. Equal expressions are one node,
+//! and operands come before what is made of them, so that a pass over the graph is a loop over node numbers. Nothing
 //! recurses on the depth of an expression.
 //!
 //! - [`number`]: exact constants;

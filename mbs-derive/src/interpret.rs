@@ -51,8 +51,8 @@ pub struct Violation {
     pub must: &'static str,
 }
 
-/// Which parameters, flattened in declaration order, the mechanism cannot have: those that are not finite, or else those that
-/// break its requirements.
+/// Which parameters, flattened in declaration order, the mechanism cannot have: those that are not finite, or else
+/// those that break its requirements.
 pub fn violations(derivation: &Derivation, parameters: &[f64]) -> Vec<Violation> {
     let names = component_names(&derivation.parameters).into_iter().zip(parameters);
     let broken: Vec<Violation> = names
@@ -97,8 +97,8 @@ impl<'d, V: Value> Interpreter<'d, V> {
         self.derivation.function(name).map(|function| self.evaluate(function, state))
     }
 
-    /// The results of one of the mechanism's functions, part by part and row by row, symmetric matrices in full. Where it takes
-    /// multipliers, they are those of forward dynamics.
+    /// The results of one of the mechanism's functions, part by part and row by row, symmetric matrices in full. Where
+    /// it takes multipliers, they are those of forward dynamics.
     pub fn evaluate(&self, function: &Function, state: &State<V>) -> Vec<V> {
         let takes_multipliers = function.arguments.contains(&Argument::Multipliers);
         let multipliers = takes_multipliers.then(|| self.call("multipliers", state)).flatten().unwrap_or_default();
@@ -152,7 +152,8 @@ impl<'d, V: Value> Interpreter<'d, V> {
         parts.collect()
     }
 
-    /// The values of a program whose accelerations and multipliers are those of the motion, and what its columns are measured by.
+    /// The values of a program whose accelerations and multipliers are those of the motion, and what its columns are
+    /// measured by.
     fn system(&self, function: &Function, state: &State<V>) -> (Vec<V>, Terms<V>) {
         let none = Terms { sizes: Vec::new(), motion: Vec::new(), scales: Vec::new() };
         let is_of_motion = |symbol| matches!(symbol, Symbol::Acceleration(_) | Symbol::Multiplier(_));
@@ -175,7 +176,8 @@ impl<'d, V: Value> Interpreter<'d, V> {
         (self.run(&function.program, &State { qdd, ..state.clone() }, &multipliers), terms)
     }
 
-    /// How large that is by which the columns of a linearization are derivatives, as the runtime's `state_sizes` has it.
+    /// How large that is by which the columns of a linearization are derivatives, as the runtime's `state_sizes` has
+    /// it.
     fn measured(&self, function: &Function, state: &State<V>, motion: Vec<V>) -> Terms<V> {
         let scales = if function.kind == FunctionKind::LinearizeParameters {
             self.parameters.clone()
@@ -456,8 +458,8 @@ mod tests {
         }
     }
 
-    /// A four-bar linkage that is balanced, so that accelerations are what rounding has left of them. A coupler that leans out of the
-    /// plane could not turn any more: that says nothing where it does not turn.
+    /// A four-bar linkage that is balanced, so that accelerations are what rounding has left of them. A coupler that
+    /// leans out of the plane could not turn any more: that says nothing where it does not turn.
     #[test]
     fn a_linearization_at_rest_is_no_contradiction() {
         let text = include_str!("verify/closed_loop.mbs");

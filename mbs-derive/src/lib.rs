@@ -1,7 +1,7 @@
 //! Derives a mechanism's equations of motion from its energies, proves them, and emits them as Rust.
 //!
-//! A mechanism is a file of energies in a small language; [`generate`] turns its text into a module of readable `no_std`
-//! Rust. Build scripts call [`compile`] or [`Config`], which do the same for files:
+//! A mechanism is a file of energies in a small language; [`generate`] turns its text into a module of readable
+//! `no_std` Rust. Build scripts call [`compile`] or [`Config`], which do the same for files:
 //!
 //! ```no_run
 //! // build.rs
@@ -165,8 +165,8 @@ pub fn generate_from(sources: &Sources, options: &emit::Options) -> Result<Gener
     })
 }
 
-/// `parse` and `model`: the text of a mechanism that imports nothing → its Lagrangian, and warnings. The parameters named in
-/// `freeze` become constants.
+/// `parse` and `model`: the text of a mechanism that imports nothing → its Lagrangian, and warnings. The parameters
+/// named in `freeze` become constants.
 ///
 /// # Errors
 /// All mistakes of the first pass that finds any.
@@ -178,8 +178,8 @@ pub fn declared<'g>(
     declared_from(&Sources::new("", source), graph, freeze)
 }
 
-/// `parse` and `model`: the texts of a mechanism and of all that it imports → its Lagrangian, and warnings. The parameters
-/// named in `freeze` become constants.
+/// `parse` and `model`: the texts of a mechanism and of all that it imports → its Lagrangian, and warnings. The
+/// parameters named in `freeze` become constants.
 ///
 /// # Errors
 /// All mistakes of the first pass that finds any.

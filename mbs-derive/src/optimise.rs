@@ -29,7 +29,8 @@ use schedule::{Forms, Hoisting};
 
 /// A mechanism ready to be proved, emitted or interpreted.
 ///
-/// With the feature `serde` it can be written and read again, by the same version of this crate; reading does not prove it.
+/// With the feature `serde` it can be written and read again, by the same version of this crate; reading does not prove
+/// it.
 #[derive(Clone, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Derivation {
@@ -169,8 +170,9 @@ pub enum Argument {
 
 /// What is still to be done with a program's values.
 ///
-/// A solution is one step, whatever it takes: its meaning is the solution of its system. Right sides come part by part, each as
-/// many rows as the system has; where the program depends on q̈ (or λ), forward dynamics (multipliers) is called first.
+/// A solution is one step, whatever it takes: its meaning is the solution of its system. Right sides come part by part,
+/// each as many rows as the system has; where the program depends on q̈ (or λ), forward dynamics (multipliers) is
+/// called first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Completion {
@@ -178,8 +180,8 @@ pub enum Completion {
     None,
     /// They are the lower triangle of M and then right sides f; the results are `M⁻¹ f`, found by the runtime's LDLᵀ.
     Solve,
-    /// They are the lower triangle of M, the rows of A, and then right sides f and c; the results are q̈ of `M q̈ − Aᵀ λ = f`,
-    /// `A q̈ = c`, found by the runtime's `constrained_solve`.
+    /// They are the lower triangle of M, the rows of A, and then right sides f and c; the results are q̈ of `M q̈ − Aᵀ
+    /// λ = f`, `A q̈ = c`, found by the runtime's `constrained_solve`.
     SolveConstrained,
     /// Likewise, but the results are λ.
     SolveMultipliers,
@@ -358,8 +360,8 @@ fn cheapest<'g>(routes: Vec<(Route, Vec<Roots<'g>>)>, forms: &mut Forms) -> Vec<
     best.into_iter().map(|(_, function)| function).collect()
 }
 
-/// What each function would cost by each route, in the order of the functions and of the routes; of a route with several ways by
-/// the cheapest.
+/// What each function would cost by each route, in the order of the functions and of the routes; of a route with
+/// several ways by the cheapest.
 pub fn compared(lagrangian: &Lagrangian<'_>, routes: &[Equations<'_>]) -> Vec<Vec<(Route, Operations)>> {
     let mut forms = Forms::default();
     let functions = |route| functions(route, &lagrangian.reactions);
@@ -519,7 +521,8 @@ fn conserved<'g>(equations: &Equations<'g>) -> Roots<'g> {
     Roots::new("conserved", FunctionKind::Conserved(names), &[Argument::Q, Argument::Qd], shape, values)
 }
 
-/// An output's value, velocity, Jacobians and their rate; each takes the arguments that it depends on, and q in any case.
+/// An output's value, velocity, Jacobians and their rate; each takes the arguments that it depends on, and q in any
+/// case.
 fn output<'g>(equations: &Equations<'g>, number: usize) -> Vec<Roots<'g>> {
     let output = &equations.outputs[number];
     let name = &output.name;

@@ -45,8 +45,8 @@ use syntax::{Declaration, Statement};
 /// [`Expression::left_spine`](syntax::Expression::left_spine) walks them without recursion.
 pub(crate) const MAX_DEPTH: usize = 256;
 
-/// Names, numbers and signs that the files of a mechanism may have together: the memory that a declaration takes goes with
-/// them, some hundred bytes each.
+/// Names, numbers and signs that the files of a mechanism may have together: the memory that a declaration takes goes
+/// with them, some hundred bytes each.
 pub(crate) const MAX_TOKENS: usize = 1_000_000;
 
 /// Reads the text of one `.mbs` file that imports nothing.

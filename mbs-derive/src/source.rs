@@ -1,8 +1,8 @@
 //! The files that a mechanism is declared by: its own, and those that it imports.
 //!
-//! A [`Span`] counts the bytes of all of them, the mechanism's own file first: a place needs no file beside it, and where
-//! nothing is imported spans are those of the one text. Files are known by their names, which are paths as text: an import
-//! is looked for beside the file that it stands in, and `..` takes a folder away from the path, links or not.
+//! A [`Span`] counts the bytes of all of them, the mechanism's own file first: a place needs no file beside it, and
+//! where nothing is imported spans are those of the one text. Files are known by their names, which are paths as text:
+//! an import is looked for beside the file that it stands in, and `..` takes a folder away from the path, links or not.
 //!
 //! ```
 //! use mbs_derive::source::{Sources, Unreadable};
@@ -170,8 +170,8 @@ fn utf8(bytes: Vec<u8>) -> Result<String, (usize, usize)> {
     })
 }
 
-/// What generated code may say of a file: its name as given, but of an absolute path only the last part, because the same
-/// declaration gives the same code on every machine.
+/// What generated code may say of a file: its name as given, but of an absolute path only the last part, because the
+/// same declaration gives the same code on every machine.
 pub fn portable(name: &str) -> &str {
     let path = Path::new(name);
     match path.file_name().and_then(|last| last.to_str()) {

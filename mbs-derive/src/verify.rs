@@ -1,11 +1,12 @@
 //! Pass 5: the Programs proved against the energies.
 //!
-//! At random states, exact zeros among them, each optimised Program is interpreted and compared with the declared energies
-//! evaluated by nested dual numbers: no symbolic derivative, no rewrite, no structure of the generator is shared. An error
-//! here is a bug of the generator, whatever the declaration says; it stops the build and prints the state.
+//! At random states, exact zeros among them, each optimised Program is interpreted and compared with the declared
+//! energies evaluated by nested dual numbers: no symbolic derivative, no rewrite, no structure of the generator is
+//! shared. An error here is a bug of the generator, whatever the declaration says; it stops the build and prints the
+//! state.
 //!
-//! Every side of every branch is to be taken: where the random states do not, others are sought (`coverage`), and what was taken
-//! nowhere is said. Where a branch compares what doubles hold exactly, its edge is a state, too.
+//! Every side of every branch is to be taken: where the random states do not, others are sought (`coverage`), and what
+//! was taken nowhere is said. Where a branch compares what doubles hold exactly, its edge is a state, too.
 //!
 //! - [`witness`]: Lagrange's equations from the verbatim energies, by dual numbers;
 //! - [`claim`]: what is compared, one function per generated function and identity; `group`: many columns at once;
@@ -49,11 +50,11 @@ pub struct Proof {
     pub states: usize,
     /// At how many of them some motion has no inertia: Euler angles and polar coordinates have such states.
     pub singular: usize,
-    /// The sides of choices that no state was found to take, of which nothing is proved: the number of the choice in the graph of
-    /// the declaration, and whether it is the side where its condition holds.
+    /// The sides of choices that no state was found to take, of which nothing is proved: the number of the choice in
+    /// the graph of the declaration, and whether it is the side where its condition holds.
     pub unproved: Vec<(Id, bool)>,
-    /// The sides that were taken only where something declared has no derivative, as `abs(x)` where x is zero: nothing is proved
-    /// of them either.
+    /// The sides that were taken only where something declared has no derivative, as `abs(x)` where x is zero: nothing
+    /// is proved of them either.
     pub at_corners: Vec<(Id, bool)>,
 }
 
@@ -264,8 +265,8 @@ fn overflowing(derivation: &Derivation) -> Option<String> {
     programs.find(|(_, program)| overflows(program)).map(|(name, _)| name.to_string())
 }
 
-/// Proves once more where the constraints hold, if there are any and such a state is near; whether some motion of a physical
-/// mechanism has no inertia there.
+/// Proves once more where the constraints hold, if there are any and such a state is near; whether some motion of a
+/// physical mechanism has no inertia there.
 fn prove_on_constraints(trial: &Trial<'_>, with: &[f64], is_physical: bool) -> Result<Option<bool>, Failure> {
     match if trial.is_constrained() { trial.consistent_state() } else { None } {
         Some(state) if trial.is_finite_at(&state) => {

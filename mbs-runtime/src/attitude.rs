@@ -1,9 +1,9 @@
 //! Attitudes as rotation matrices and as rotation vectors: axis times angle.
 //!
-//! The rotation vector `φ` of a rotation `R` is the axis that it turns about, as long as the angle that it turns by \[rad\]:
-//! `R = exp(φ×)`, where `φ×` is the skew-symmetric matrix with `(φ×) x = φ × x`. The difference of two attitudes is one:
-//! `log(R₂ R₁ᵀ)` turns `R₁` into `R₂`, in world axes. Differences that are matrices, or Euler angles, vanish at half a turn
-//! or depend on the axes chosen; this one does neither.
+//! The rotation vector `φ` of a rotation `R` is the axis that it turns about, as long as the angle that it turns by
+//! \[rad\]: `R = exp(φ×)`, where `φ×` is the skew-symmetric matrix with `(φ×) x = φ × x`. The difference of two
+//! attitudes is one: `log(R₂ R₁ᵀ)` turns `R₁` into `R₂`, in world axes. Differences that are matrices, or Euler angles,
+//! vanish at half a turn or depend on the axes chosen; this one does neither.
 
 use core::error::Error;
 use core::fmt;
@@ -82,8 +82,8 @@ impl Error for NotARotation {}
 /// ```
 ///
 /// # Source
-/// O. Rodrigues, *Des lois géométriques qui régissent les déplacements d'un système solide*, 1840; with half angles, because
-/// `1 − cos θ` cancels.
+/// O. Rodrigues, *Des lois géométriques qui régissent les déplacements d'un système solide*, 1840; with half angles,
+/// because `1 − cos θ` cancels.
 #[must_use]
 pub fn exp(rotation_vector: &Vector3<f64>) -> Matrix3<f64> {
     let [x, y, z] = [rotation_vector.x, rotation_vector.y, rotation_vector.z];
@@ -110,15 +110,15 @@ pub fn exp(rotation_vector: &Vector3<f64>) -> Matrix3<f64> {
 
 /// The rotation vector of a rotation: its axis times its angle, which is in `[0, π]`.
 ///
-/// Zero for the identity, and accurate to rounding up to half a turn, where both signs of the axis turn alike: there the
-/// largest component of the axis is positive.
+/// Zero for the identity, and accurate to rounding up to half a turn, where both signs of the axis turn alike: there
+/// the largest component of the axis is positive.
 ///
 /// | argument   | meaning                                | shape   | unit |
 /// |------------|----------------------------------------|---------|------|
 /// | `rotation` | a rotation; [`orthonormalized`] checks | `3 × 3` |      |
 ///
-/// The result \[rad\] is in the axes that `rotation` turns; the axis of a rotation is the same in both. An entry of `rotation`
-/// that is infinite or NaN gives NaN.
+/// The result \[rad\] is in the axes that `rotation` turns; the axis of a rotation is the same in both. An entry of
+/// `rotation` that is infinite or NaN gives NaN.
 ///
 /// ```
 /// use mbs_runtime::attitude::log;
@@ -130,8 +130,8 @@ pub fn exp(rotation_vector: &Vector3<f64>) -> Matrix3<f64> {
 /// ```
 ///
 /// # Source
-/// By the quaternion whose largest component is found first: S. W. Shepperd, *Quaternion from rotation matrix*, Journal of
-/// Guidance and Control 1:3, 1978; its angle is `2 atan2(|v|, w)`.
+/// By the quaternion whose largest component is found first: S. W. Shepperd, *Quaternion from rotation matrix*, Journal
+/// of Guidance and Control 1:3, 1978; its angle is `2 atan2(|v|, w)`.
 #[must_use]
 pub fn log(rotation: &Matrix3<f64>) -> Vector3<f64> {
     let r = |i: usize, j: usize| rotation[(i, j)];
@@ -175,8 +175,8 @@ pub fn orthonormalized(matrix: &Matrix3<f64>) -> Result<Matrix3<f64>, NotARotati
     orthonormalized_within(matrix, ROTATION_TOLERANCE)
 }
 
-/// The rotation nearest to `matrix` (the sum of the squared differences of all entries is least), if no entry of `RᵀR − 1`
-/// is larger than `tolerance`.
+/// The rotation nearest to `matrix` (the sum of the squared differences of all entries is least), if no entry of `RᵀR −
+/// 1` is larger than `tolerance`.
 ///
 /// It is the orthogonal factor of the polar decomposition. A matrix that is a rotation up to rounding comes back
 /// unchanged.
@@ -195,8 +195,8 @@ pub fn orthonormalized(matrix: &Matrix3<f64>) -> Result<Matrix3<f64>, NotARotati
 /// not come to 1e-12, as for matrices that are nearly singular.
 ///
 /// # Source
-/// Newton's iteration `X ← ½ (X + X⁻ᵀ)`: N. J. Higham, *Computing the polar decomposition – with applications*, SIAM Journal
-/// on Scientific and Statistical Computing 7:4, 1986, equation (3.1).
+/// Newton's iteration `X ← ½ (X + X⁻ᵀ)`: N. J. Higham, *Computing the polar decomposition – with applications*, SIAM
+/// Journal on Scientific and Statistical Computing 7:4, 1986, equation (3.1).
 pub fn orthonormalized_within(matrix: &Matrix3<f64>, tolerance: f64) -> Result<Matrix3<f64>, NotARotation> {
     let mut error = check_rotation(matrix, tolerance)?;
     let mut x = *matrix;

@@ -1,25 +1,27 @@
 //! States and accelerations that satisfy constraints.
 //!
-//! Holonomic rows `φ(q, t) = 0` and Pfaffian rows `a(q, t)·q̇ + b(q, t) = 0` restrict velocities to `A q̇ + b = 0`, with
-//! `A = ∂φ/∂q` and `b = ∂φ/∂t` of the holonomic ones, and accelerations to `A q̈ + γ = 0`. An integrator keeps neither `φ` nor
-//! `A q̇ + b` exactly at zero; [`Projector`] brings a state back by the smallest change in the metric of the mass matrix:
+//! Holonomic rows `φ(q, t) = 0` and Pfaffian rows `a(q, t)·q̇ + b(q, t) = 0` restrict velocities to `A q̇ + b = 0`,
+//! with `A = ∂φ/∂q` and `b = ∂φ/∂t` of the holonomic ones, and accelerations to `A q̈ + γ = 0`. An integrator keeps
+//! neither `φ` nor `A q̇ + b` exactly at zero; [`Projector`] brings a state back by the smallest change in the metric
+//! of the mass matrix:
 //!
 //! ```text
 //! δq = −M⁻¹ Aᵀ (A M⁻¹ Aᵀ)⁻¹ φ    (repeated, Newton's method),    δq̇ = −M⁻¹ Aᵀ (A M⁻¹ Aᵀ)⁻¹ (A q̇ + b)
 //! ```
 //!
-//! `A M⁻¹ Aᵀ` is never formed. With `M + Aᵀ A = L Lᵀ` of the system scaled to inertias and rows of order one, rows `L⁻¹ aᵢ` are
-//! made orthogonal one after the other, those that are left with the greatest share of their length first; a row that is left
-//! with nothing depends on those before: it is redundant. `Aᵀ A` changes nothing, because `A δ` is given, and makes up for what M
-//! lacks where rows hold a motion.
+//! `A M⁻¹ Aᵀ` is never formed. With `M + Aᵀ A = L Lᵀ` of the system scaled to inertias and rows of order one, rows `L⁻¹
+//! aᵢ` are made orthogonal one after the other, those that are left with the greatest share of their length first; a
+//! row that is left with nothing depends on those before: it is redundant. `Aᵀ A` changes nothing, because `A δ` is
+//! given, and makes up for what M lacks where rows hold a motion.
 //!
 //! | step                                                        | file              |
 //! |-------------------------------------------------------------|-------------------|
 //! | least change in the metric of M                             | `least_change.rs` |
 //! | linearization in independent coordinates and speeds         | `reduction.rs`    |
 //!
-//! Source: E. Hairer, C. Lubich, G. Wanner, *Geometric Numerical Integration*, 2nd ed. 2006, section IV.4 (projection); G. H.
-//! Golub, C. F. Van Loan, *Matrix Computations*, 4th ed. 2013, sections 5.2.8 (modified Gram–Schmidt), 5.4.2 (pivoting), 6.2.
+//! Source: E. Hairer, C. Lubich, G. Wanner, *Geometric Numerical Integration*, 2nd ed. 2006, section IV.4 (projection);
+//! G. H. Golub, C. F. Van Loan, *Matrix Computations*, 4th ed. 2013, sections 5.2.8 (modified Gram–Schmidt), 5.4.2
+//! (pivoting), 6.2.
 
 use crate::error::{ConstraintError, SingularMassMatrix};
 use crate::scalar::Real;
@@ -148,11 +150,12 @@ impl<T: Real, S: AsMut<[T]>> Projector<T, S> {
         self.assemble(constraints, t, state, |_| false)
     }
 
-    /// Finds a state that satisfies the constraints from a guess of which some coordinates are held, and their velocities too.
+    /// Finds a state that satisfies the constraints from a guess of which some coordinates are held, and their
+    /// velocities too.
     ///
     /// Newton's method with steps no longer than the largest coordinate or 1, that are halved while the residual grows;
-    /// bounded. On the way from the guess rows may depend on others; in the state that is found they must not, unless such
-    /// rows are left out.
+    /// bounded. On the way from the guess rows may depend on others; in the state that is found they must not, unless
+    /// such rows are left out.
     ///
     /// # Errors
     /// [`ConstraintError`]: a row stays open, which may be for want of another guess or of fewer coordinates that are held;
@@ -204,13 +207,13 @@ impl<T: Real, S: AsMut<[T]>> Projector<T, S> {
     ///
     /// The generated `forward_dynamics` and `multipliers` do the same in closed form where all rows are independent.
     ///
-    /// Source: J. Baumgarte, *Stabilization of constraints and integrals of motion in dynamical systems*, Computer Methods in
-    /// Applied Mechanics and Engineering 1 (1972).
+    /// Source: J. Baumgarte, *Stabilization of constraints and integrals of motion in dynamical systems*, Computer
+    /// Methods in Applied Mechanics and Engineering 1 (1972).
     ///
     /// # Errors
     /// [`ConstraintError`]: a row is redundant, unless such are left out; it asks for something else than the others (by more than
-    /// about 1e-8 of its terms, 2e-12 per s² of rows that know coordinates of one, or the same roots of `f32`); M is singular on
-    /// the motions that A leaves; something is not finite. What is to be received is then undefined.
+    /// about 1e-8 of its terms, 2e-12 per s² of rows that know coordinates of one, or the same roots of `f32`); M is
+    /// singular on the motions that A leaves; something is not finite. What is to be received is then undefined.
     #[allow(clippy::too_many_arguments)] // two equations with two unknowns
     pub fn accelerations<C: Constraints<T>>(
         &mut self,
@@ -246,8 +249,8 @@ impl<T: Real, S: AsMut<[T]>> Projector<T, S> {
             let inertia = work.metric[i * n..(i + 1) * n].iter().zip(&*qdd);
             transposed.residual[i] = inertia.fold(force[i], |rest, (&m, &qdd)| rest - m * qdd);
         }
-        // A coordinate that a row knows by nothing but rounding says nothing of the row's multiplier: it is measured against the
-        // length of the row, not against what other rows know of the coordinate.
+        // A coordinate that a row knows by nothing but rounding says nothing of the row's multiplier: it is measured
+        // against the length of the row, not against what other rows know of the coordinate.
         let rounding = T::from_f64(16.0 * n as f64) * T::EPSILON;
         for row in 0..k {
             let a = &work.jacobian[row * n..(row + 1) * n];
@@ -346,8 +349,8 @@ impl<T: Real> Workspace<'_, T> {
         }
     }
 
-    /// The first row whose residual is more than what changes by a small part of `size` make, of coordinates or velocities, of
-    /// those that are held, too.
+    /// The first row whose residual is more than what changes by a small part of `size` make, of coordinates or
+    /// velocities, of those that are held, too.
     fn unexplained<C: Constraints<T>>(&mut self, constraints: &C, t: T, size: T) -> Option<usize> {
         constraints.jacobian(t, self.q, self.jacobian);
         let n = self.q.len();

@@ -90,8 +90,8 @@ pub enum ControlError {
         /// Its row.
         index: usize,
     },
-    /// No feedback makes the loop stable at the least cost: an unstable motion is out of the reach of the inputs, or one that
-    /// does not decay by itself costs nothing.
+    /// No feedback makes the loop stable at the least cost: an unstable motion is out of the reach of the inputs, or
+    /// one that does not decay by itself costs nothing.
     NotStabilizable,
     /// The sample time is not positive and finite.
     SampleTime {
@@ -126,7 +126,8 @@ impl fmt::Display for ControlError {
 impl Error for ControlError {}
 
 impl<const N: usize, const U: usize, const Y: usize> StateSpace<N, U, Y> {
-    /// The eigenvalues of A \[1/s\], or \[1\] of a sampled system; complex ones in pairs, the one above the real axis first.
+    /// The eigenvalues of A \[1/s\], or \[1\] of a sampled system; complex ones in pairs, the one above the real axis
+    /// first.
     ///
     /// A is balanced, brought to Hessenberg form by reflections, and deflated by Francis' double steps.
     ///
@@ -134,17 +135,17 @@ impl<const N: usize, const U: usize, const Y: usize> StateSpace<N, U, Y> {
     /// [`ControlError::NotFinite`], [`ControlError::NotConverged`].
     ///
     /// # Source
-    /// B. N. Parlett and C. Reinsch, *Balancing a matrix for calculation of eigenvalues and eigenvectors*, and R. S. Martin,
-    /// G. Peters and J. H. Wilkinson, *The QR algorithm for real Hessenberg matrices*, both in Wilkinson and Reinsch,
-    /// *Handbook for Automatic Computation II*, 1971.
+    /// B. N. Parlett and C. Reinsch, *Balancing a matrix for calculation of eigenvalues and eigenvectors*, and R. S.
+    /// Martin, G. Peters and J. H. Wilkinson, *The QR algorithm for real Hessenberg matrices*, both in Wilkinson and
+    /// Reinsch, *Handbook for Automatic Computation II*, 1971.
     pub fn poles(&self) -> Result<[Complex<f64>; N], ControlError> {
         eigenvalues::eigenvalues(&self.a)
     }
 
     /// How many directions of the state the inputs reach.
     ///
-    /// An orthonormal basis of `B, A B, A² B, …` is built vector by vector, after states were scaled by powers of two that balance
-    /// A and B; what is left of a vector of length 1 counts as rounding below `1e-10`.
+    /// An orthonormal basis of `B, A B, A² B, …` is built vector by vector, after states were scaled by powers of two
+    /// that balance A and B; what is left of a vector of length 1 counts as rounding below `1e-10`.
     ///
     /// # Errors
     /// [`ControlError::NotFinite`].
@@ -163,16 +164,16 @@ impl<const N: usize, const U: usize, const Y: usize> StateSpace<N, U, Y> {
 
     /// The sampled system, with inputs held from one sample to the next, `sample_time` \[s\] later.
     ///
-    /// `Φ = exp(A T)` and `Γ = ∫₀ᵀ exp(A s) ds B` are blocks of the exponential of `[[A, B], [0, 0]] T`, which is computed by blocks: the
-    /// Padé approximant of degree 13 of a 2⁻ˢ-th of it, squared s times. A need not be regular.
+    /// `Φ = exp(A T)` and `Γ = ∫₀ᵀ exp(A s) ds B` are blocks of the exponential of `[[A, B], [0, 0]] T`, which is
+    /// computed by blocks: the Padé approximant of degree 13 of a 2⁻ˢ-th of it, squared s times. A need not be regular.
     ///
     /// # Errors
     /// [`ControlError::SampleTime`], [`ControlError::NotFinite`].
     ///
     /// # Source
-    /// N. J. Higham, *The scaling and squaring method for the matrix exponential revisited*, SIAM Journal on Matrix Analysis 26:4,
-    /// 2005, algorithm 2.3; the block matrix: C. F. Van Loan, *Computing integrals involving the matrix exponential*, IEEE
-    /// Transactions on Automatic Control 23:3, 1978.
+    /// N. J. Higham, *The scaling and squaring method for the matrix exponential revisited*, SIAM Journal on Matrix
+    /// Analysis 26:4, 2005, algorithm 2.3; the block matrix: C. F. Van Loan, *Computing integrals involving the matrix
+    /// exponential*, IEEE Transactions on Automatic Control 23:3, 1978.
     pub fn sampled(&self, sample_time: f64) -> Result<Self, ControlError> {
         let (a, b) = discretization::zero_order_hold(&self.a, &self.b, sample_time)?;
         Ok(Self { a, b, ..*self })

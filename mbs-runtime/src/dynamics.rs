@@ -1,5 +1,5 @@
-//! Linear algebra of forward dynamics: `M x = b` with a mass matrix, symmetric and positive definite; and with constraints,
-//! `M q̈ − Aᵀ λ = f`, `A q̈ = c`, where M may be singular.
+//! Linear algebra of forward dynamics: `M x = b` with a mass matrix, symmetric and positive definite; and with
+//! constraints, `M q̈ − Aᵀ λ = f`, `A q̈ = c`, where M may be singular.
 //!
 //! | step                                                                  | file                      |
 //! |-----------------------------------------------------------------------|---------------------------|

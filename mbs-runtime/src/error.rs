@@ -83,8 +83,8 @@ pub enum IntegrationError {
         /// The index of the event, counted from 0.
         event: usize,
     },
-    /// The allowed number of steps was used up; or steps of fixed length were cut short by events, or by the observer, a million
-    /// times within the time of one.
+    /// The allowed number of steps was used up; or steps of fixed length were cut short by events, or by the observer,
+    /// a million times within the time of one.
     TooManySteps {
         /// The time of the last accepted state \[s\].
         time: f64,

@@ -146,13 +146,15 @@ pub trait Integrator<T: Scalar> {
 
     /// [`integrate`](Integrator::integrate), with events: where their functions pass zero they happen.
     ///
-    /// Each event is found on the dense output of the step, to the resolution of the clock, and its action may change the
-    /// state, have the rest of the step made anew, or end the integration; see [`event`](crate::event) for what is found
-    /// and what is not. Looking between the ends of steps costs the interpolant of each of them: three evaluations for
+    /// Each event is found on the dense output of the step, to the resolution of the clock, and its action may change
+    /// the state, have the rest of the step made anew, or end the integration; see [`event`](crate::event) for what is
+    /// found and what is not. Looking between the ends of steps costs the interpolant of each of them: three
+    /// evaluations for
     /// [`Dop853`](crate::Dop853), two for [`GaussLegendre4`](crate::GaussLegendre4), none for the others.
     ///
-    /// The observer sees each step after its events: as far as the one from which the integration goes on anew, with the
-    /// state before its action. `replace` does not undo an action there. An event that never happens is no error: its
+    /// The observer sees each step after its events: as far as the one from which the integration goes on anew, with
+    /// the state before its action. `replace` does not undo an action there. An event that never happens is no error:
+    /// its
     /// [`count`](Event::count) is 0.
     ///
     /// ```
@@ -222,8 +224,8 @@ pub trait Step<V: Coordinates> {
 
     /// Goes on from `state` instead of the end of the step: for a projection onto constraints, or a jump.
     ///
-    /// The solution inside the step stays what it was. `Break(time)` with a time before the end drops it. A state that is not
-    /// finite is not taken: the integration ends with [`IntegrationError::NonFiniteState`].
+    /// The solution inside the step stays what it was. `Break(time)` with a time before the end drops it. A state that
+    /// is not finite is not taken: the integration ends with [`IntegrationError::NonFiniteState`].
     fn replace(&mut self, state: &State<V>);
 
     /// Goes on from `state` at the time `t` inside the step, and drops what came after it: for an impact.

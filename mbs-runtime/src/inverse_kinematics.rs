@@ -1,4 +1,5 @@
-//! Numerical inverse kinematics: coordinates at which a body of any mechanism takes a given pose, by damped least squares.
+//! Numerical inverse kinematics: coordinates at which a body of any mechanism takes a given pose, by damped least
+//! squares.
 //!
 //! The error of the pose is six numbers, in world axes:
 //!
@@ -12,21 +13,22 @@
 //! (JᵀJ + λ 1) Δq = Jᵀ e,   λ = μ E + max(μ, 1) w
 //! ```
 //!
-//! with the Jacobian's first three rows divided by `L`. Where that is so short that their squares might overflow, both halves are
-//! made smaller by one factor, which changes nothing. The damping fades with the error, so that regular solutions are
-//! approached quadratically, but for a small `w`, so that singular ones do no harm. `μ` begins at 1; it grows where a step makes the
-//! error larger, which is then taken back, and shrinks with every other, so that the best place is found soon where the target is
-//! out of reach. Coordinates at a limit that the error pushes against are held there; the others go on.
+//! with the Jacobian's first three rows divided by `L`. Where that is so short that their squares might overflow, both
+//! halves are made smaller by one factor, which changes nothing. The damping fades with the error, so that regular
+//! solutions are approached quadratically, but for a small `w`, so that singular ones do no harm. `μ` begins at 1; it
+//! grows where a step makes the error larger, which is then taken back, and shrinks with every other, so that the best
+//! place is found soon where the target is out of reach. Coordinates at a limit that the error pushes against are held
+//! there; the others go on.
 //!
-//! The method is local: it finds a solution near the guess, or a place that is the best around it. Start it from several
-//! guesses to find several.
+//! The method is local: it finds a solution near the guess, or a place that is the best around it. Start it from
+//! several guesses to find several.
 //!
 //! # Source
-//! Y. Nakamura and H. Hanafusa, *Inverse kinematic solutions with singularity robustness for robot manipulator control*,
-//! Journal of Dynamic Systems, Measurement, and Control 108:3, 1986; C. W. Wampler, *Manipulator inverse kinematic solutions
-//! based on vector formulations and damped least-squares methods*, IEEE Transactions on Systems, Man, and Cybernetics 16:1,
-//! 1986; the damping by the error: T. Sugihara, *Solvability-unconcerned inverse kinematics by the Levenberg–Marquardt
-//! method*, IEEE Transactions on Robotics 27:5, 2011.
+//! Y. Nakamura and H. Hanafusa, *Inverse kinematic solutions with singularity robustness for robot manipulator
+//! control*, Journal of Dynamic Systems, Measurement, and Control 108:3, 1986; C. W. Wampler, *Manipulator inverse
+//! kinematic solutions based on vector formulations and damped least-squares methods*, IEEE Transactions on Systems,
+//! Man, and Cybernetics 16:1, 1986; the damping by the error: T. Sugihara, *Solvability-unconcerned inverse kinematics
+//! by the Levenberg–Marquardt method*, IEEE Transactions on Robotics 27:5, 2011.
 
 use core::error::Error;
 use core::fmt;
@@ -87,7 +89,8 @@ pub struct Approach<const N: usize> {
 /// Why no coordinates were found.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum NotReached<const N: usize> {
-    /// Nothing near these coordinates is nearer to the target: it is out of reach, or the search ended in a local minimum.
+    /// Nothing near these coordinates is nearer to the target: it is out of reach, or the search ended in a local
+    /// minimum.
     Stationary(Approach<N>),
     /// The same, and coordinates are held by their limits.
     AtLimits {
@@ -96,7 +99,8 @@ pub enum NotReached<const N: usize> {
         /// Which of them are held.
         held: [bool; N],
     },
-    /// The length that counts as one radian is so far from that of the mechanism that one half of the error hides the other.
+    /// The length that counts as one radian is so far from that of the mechanism that one half of the error hides the
+    /// other.
     LengthOutOfProportion {
         /// The best coordinates.
         best: Approach<N>,
@@ -348,7 +352,8 @@ impl<const N: usize> DampedLeastSquares<N> {
         Approach { q: at.q, position_error, rotation_error, evaluations }
     }
 
-    /// How far coordinates move the body \[m\] and turn it \[rad\], where the length of a radian weighs one of the two away.
+    /// How far coordinates move the body \[m\] and turn it \[rad\], where the length of a radian weighs one of the two
+    /// away.
     fn out_of_proportion(&self, jacobian: &[[f64; N]; 6]) -> Option<[f64; 2]> {
         let greatest = |rows: &[[f64; N]]| rows.iter().flatten().fold(0.0, |most: f64, entry| most.max(entry.abs()));
         let weighed = [greatest(&jacobian[..3]), greatest(&jacobian[3..])];

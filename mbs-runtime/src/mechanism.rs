@@ -67,7 +67,8 @@ pub trait Mechanism<const N: usize, const U: usize> {
         u: &[Self::Scalar; U],
     ) -> [Self::Scalar; N];
 
-    /// `M q̈ + C q̇ + G + ∂D/∂q̇`: the generalized force that makes the mechanism move so; `Q` is not subtracted \[force\].
+    /// `M q̈ + C q̇ + G + ∂D/∂q̇`: the generalized force that makes the mechanism move so; `Q` is not subtracted
+    /// \[force\].
     fn inverse_dynamics(
         &self,
         t: Self::Scalar,

@@ -16,7 +16,8 @@ use crate::scalar::{Mask, Scalar};
 pub struct ParameterError<T = f64> {
     /// The parameter by its name, or what is made of parameters as the declaration has it: `m1 - m2`.
     pub quantity: &'static str,
-    /// Its value in SI units, in all lanes; of an inertia the least principal moment, or the greatest less the other two.
+    /// Its value in SI units, in all lanes; of an inertia the least principal moment, or the greatest less the other
+    /// two.
     pub value: T,
     /// What does not hold.
     pub condition: ParameterCondition,
@@ -88,8 +89,8 @@ pub fn require<T: Scalar>(
     if holds.all() { Ok(()) } else { Err(ParameterError { quantity, value, condition }) }
 }
 
-/// Refuses a symmetric matrix, given by its entries xx, yy, zz, xy, xz, yz, that is not positive semidefinite, or not the
-/// inertia of a body.
+/// Refuses a symmetric matrix, given by its entries xx, yy, zz, xy, xz, yz, that is not positive semidefinite, or not
+/// the inertia of a body.
 ///
 /// # Errors
 /// [`ParameterError`] with the least principal moment, or what the greatest is more than the sum of the other two.
@@ -120,8 +121,8 @@ fn larger<T: Scalar>(a: T, b: T) -> T {
 
 /// The eigenvalues of a symmetric matrix, ascending.
 ///
-/// Source: Smith, *Eigenvalues of a symmetric 3 × 3 matrix*, Communications of the ACM 4:4, 1961; of the matrix in units of its
-/// greatest entry, so that no square overflows or underflows.
+/// Source: Smith, *Eigenvalues of a symmetric 3 × 3 matrix*, Communications of the ACM 4:4, 1961; of the matrix in
+/// units of its greatest entry, so that no square overflows or underflows.
 fn principal_moments<T: Scalar>(entries: [T; 6]) -> [T; 3] {
     let constant = T::from_f64;
     let greatest = entries.iter().fold(T::zero(), |greatest, entry| larger(greatest, entry.abs()));

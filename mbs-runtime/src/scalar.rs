@@ -126,7 +126,8 @@ pub trait Scalar:
     /// The relative rounding error of an operation: the distance from 1 to the next larger number.
     const ROUNDING: f64 = f64::EPSILON;
 
-    /// `⌊log₂ |self|⌋`, of a subnormal number that of the smallest normal one; anything where it is zero, infinite or NaN.
+    /// `⌊log₂ |self|⌋`, of a subnormal number that of the smallest normal one; anything where it is zero, infinite or
+    /// NaN.
     ///
     /// What is scaled by powers of two asks for it, of numbers that are compared as a whole.
     fn exponent(self) -> i32 {
@@ -140,11 +141,11 @@ pub trait Scalar:
         least
     }
 
-    /// What [`constrained_solve_many`](crate::constrained_solve_many) calls: accelerations and multipliers, column by column, with
-    /// what tells rounding from a contradiction.
+    /// What [`constrained_solve_many`](crate::constrained_solve_many) calls: accelerations and multipliers, column by
+    /// column, with what tells rounding from a contradiction.
     ///
-    /// The basis of motions is chosen by comparisons; numbers of several lanes are solved lane by lane, so that each chooses by
-    /// itself.
+    /// The basis of motions is chosen by comparisons; numbers of several lanes are solved lane by lane, so that each
+    /// chooses by itself.
     fn constrained_solve<const N: usize, const K: usize, const C: usize>(
         m: &[[Self; N]; N],
         a: &[[Self; N]; K],

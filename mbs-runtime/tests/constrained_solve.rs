@@ -1,4 +1,5 @@
-//! `M q̈ − Aᵀ λ = f`, `A q̈ = c` against exact rational arithmetic: graded, nearly singular, redundant and singular systems.
+//! `M q̈ − Aᵀ λ = f`, `A q̈ = c` against exact rational arithmetic: graded, nearly singular, redundant and singular
+//! systems.
 
 use mbs_runtime::{
     ConstraintError, Dual, SingularMassMatrix, constrained_slopes, constrained_solve, constrained_solve_many,
@@ -389,7 +390,8 @@ fn dual_numbers_differentiate_the_solution() {
     }
 }
 
-/// One lane with a regular M, one in which a coordinate has no inertia, one in which another has none, one that is singular.
+/// One lane with a regular M, one in which a coordinate has no inertia, one in which another has none, one that is
+/// singular.
 #[cfg(feature = "wide")]
 #[test]
 fn each_lane_chooses_by_itself() {
@@ -447,8 +449,8 @@ fn rounding_makes_no_row_independent() {
     }
 }
 
-/// Redundant rows, rows of zeros, an M that is regular on the constrained motion alone, in any order and in units of 2^±50: N
-/// coordinates, of which K are held, by L rows.
+/// Redundant rows, rows of zeros, an M that is regular on the constrained motion alone, in any order and in units of
+/// 2^±50: N coordinates, of which K are held, by L rows.
 fn everything_at_once<const N: usize, const K: usize, const L: usize>(random: &mut Random) {
     let mut measured = 0;
     for round in 0..30 {
@@ -513,7 +515,8 @@ fn redundant_and_empty_rows_of_singular_bodies_in_any_units() {
     everything_at_once::<8, 6, 8>(&mut random);
 }
 
-/// One entry after the other is not finite: all results are NaN. Or it is near the end of the range of doubles: all are, or none.
+/// One entry after the other is not finite: all results are NaN. Or it is near the end of the range of doubles: all
+/// are, or none.
 #[test]
 fn no_result_is_a_number_beside_one_that_is_none() {
     let mut random = Random(9);
@@ -544,7 +547,8 @@ fn no_result_is_a_number_beside_one_that_is_none() {
     }
 }
 
-/// Lanes of which one is not finite, one contradicts itself, and one has a row that depends on the other: each as if alone.
+/// Lanes of which one is not finite, one contradicts itself, and one has a row that depends on the other: each as if
+/// alone.
 #[cfg(feature = "wide")]
 #[test]
 fn a_lane_that_fails_does_not_touch_others() {

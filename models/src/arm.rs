@@ -9,8 +9,8 @@
 //! | (3.17)–(3.19)     | [`irb7600`](crate::irb7600), generated; [`control`] by it; [`limits`] of the drives           |
 //! | 3.5, 3.6, table 2 | [`trajectory`]: motions from one posture to another, and along paths                              |
 //!
-//! Angles are those of Denavit and Hartenberg \[rad\], as in the thesis' tables: the second is the robot's own angle minus
-//! 90°. Positions are in m, axes those of the base, z up.
+//! Angles are those of Denavit and Hartenberg \[rad\], as in the thesis' tables: the second is the robot's own angle
+//! minus 90°. Positions are in m, axes those of the base, z up.
 //!
 //! ```
 //! use mbs_models::arm::Arm;

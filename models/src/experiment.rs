@@ -1,5 +1,5 @@
-//! The laboratory experiment of chapter 6 of the thesis: the arm on its rail carries the vehicle along a scaled landing, down to the
-//! platform that heaves to scale.
+//! The laboratory experiment of chapter 6 of the thesis: the arm on its rail carries the vehicle along a scaled
+//! landing, down to the platform that heaves to scale.
 //!
 //! | here          | what                                                                                             |
 //! |---------------|--------------------------------------------------------------------------------------------------|
@@ -12,15 +12,16 @@
 //! | [`search`]    | the greatest scale at which none breaks                                                            |
 //! | [`tracking`]  | the arm simulated under its controller, up to the contact with the platform                        |
 //!
-//! The flange plays the vehicle. Its origin is the vehicle's mass centre, its z axis points down where the vehicle's points up:
+//! The flange plays the vehicle. Its origin is the vehicle's mass centre, its z axis points down where the vehicle's
+//! points up:
 //!
 //! ```text
 //! p = (x_c + s (x − x_p), y_c + s (y − y_p), d + s z),   R = Rz(ψ) Ry(θ) Rx(φ) diag(1, −1, −1)
 //! ```
 //!
-//! with the scale `s`, the vehicle at `(x, y, z)` over a platform at `(x_p, y_p)`, and the platform of the laboratory, whose deck
-//! is at the height `d` when at rest, at `(x_c, y_c)`. The deck goes up and down with `d + s z_p`. Lengths are scaled, times and
-//! angles are not. Axes are those of the rail: x along it, z up, the arm's base at z = 0.
+//! with the scale `s`, the vehicle at `(x, y, z)` over a platform at `(x_p, y_p)`, and the platform of the laboratory,
+//! whose deck is at the height `d` when at rest, at `(x_c, y_c)`. The deck goes up and down with `d + s z_p`. Lengths
+//! are scaled, times and angles are not. Axes are those of the rail: x along it, z up, the arm's base at z = 0.
 //!
 //! ```
 //! use mbs_models::experiment::Experiment;
@@ -40,8 +41,8 @@
 //! ```
 //!
 //! # Source
-//! Doctoral thesis *Dynamics of multibody systems in a gravitational field*, chapter 6. Where things stand in the laboratory is
-//! assumed: the thesis' summary prints none of it.
+//! Doctoral thesis *Dynamics of multibody systems in a gravitational field*, chapter 6. Where things stand in the
+//! laboratory is assumed: the thesis' summary prints none of it.
 
 #[cfg(feature = "std")]
 pub mod error;

@@ -1,4 +1,5 @@
-//! Motion about the Earth and about a station, as chapter 7 of the thesis treats it: what surrounds the generated mechanisms.
+//! Motion about the Earth and about a station, as chapter 7 of the thesis treats it: what surrounds the generated
+//! mechanisms.
 //!
 //! | thesis                        | here                                                                                      |
 //! |-------------------------------|-------------------------------------------------------------------------------------------|
@@ -10,8 +11,8 @@
 //! | rendezvous                    | [`lambert`]: from one place to another in a time; [`mission`]: up to the port of a station     |
 //!
 //! # Start here
-//! A station goes round, and something is let go beside it. [`station::Station`] is on its orbit, [`lvlh::Frame`] turns inertial
-//! states into what is seen from it, [`lvlh::relative_motion`] says where the other one is later:
+//! A station goes round, and something is let go beside it. [`station::Station`] is on its orbit, [`lvlh::Frame`] turns
+//! inertial states into what is seen from it, [`lvlh::relative_motion`] says where the other one is later:
 //!
 //! ```
 //! use mbs_models::orbit::EARTH_MU;

@@ -9,9 +9,9 @@
 //! | (4.12)–(4.18) | the generated mechanism; [`dynamics`]: forces of the legs for an imposed motion; [`control`] by it |
 //! | table 3, 4    | [`motion`]: the imposed motions, and sums of them                                                 |
 //!
-//! Coordinates are `q = (x, y, z, φ, θ, ψ)`: the place of the platform's frame \[m\] and the angles of
-//! `R = Rz(ψ) Ry(θ) Rx(φ)` \[rad\]. The frame lies in the plane of the platform's joints, the base's joints lie in the plane
-//! z = 0, z is up. A leg's force is positive where it pushes.
+//! Coordinates are `q = (x, y, z, φ, θ, ψ)`: the place of the platform's frame \[m\] and the angles of `R = Rz(ψ) Ry(θ)
+//! Rx(φ)` \[rad\]. The frame lies in the plane of the platform's joints, the base's joints lie in the plane z = 0, z is
+//! up. A leg's force is positive where it pushes.
 //!
 //! ```
 //! use mbs_models::platform::{HOME, Platform};
@@ -26,8 +26,8 @@
 //! ```
 //!
 //! # Source
-//! Doctoral thesis *Dynamics of multibody systems in a gravitational field*, chapter 4. Geometry, masses and limits are assumed:
-//! no data of the manufacturer was at hand.
+//! Doctoral thesis *Dynamics of multibody systems in a gravitational field*, chapter 4. Geometry, masses and limits are
+//! assumed: no data of the manufacturer was at hand.
 
 pub mod control;
 pub mod direct;
@@ -96,8 +96,8 @@ pub enum PoseError {
     },
     /// The legs do not hold the platform, or the angles do not tell its attitude (θ = ±90°).
     Singular {
-        /// The smallest singular value of the Jacobian by coordinates; where accelerations are asked for, of the matrix of
-        /// angular rates.
+        /// The smallest singular value of the Jacobian by coordinates; where accelerations are asked for, of the matrix
+        /// of angular rates.
         smallest: f64,
         /// The largest one.
         largest: f64,

@@ -1,4 +1,5 @@
-//! A quadrotor that lands on a moving platform, as chapter 5 of the thesis treats it: what surrounds the generated dynamics of
+//! A quadrotor that lands on a moving platform, as chapter 5 of the thesis treats it: what surrounds the generated
+//! dynamics of
 //! [`quadrotor_euler`](crate::quadrotor_euler), and of
 //! [`quadrotor_quaternion`](crate::quadrotor_quaternion), the same vehicle without the singularity of the angles.
 //!

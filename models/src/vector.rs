@@ -1,5 +1,5 @@
-//! Vectors with three components, and products of matrices of 3 × 3 with them: what arm, platform, quadrotor and orbits share.
-//! A matrix is an array of its rows.
+//! Vectors with three components, and products of matrices of 3 × 3 with them: what arm, platform, quadrotor and orbits
+//! share. A matrix is an array of its rows.
 
 use mbs_runtime::Scalar;
 

@@ -49,8 +49,8 @@ fn gravity_helps_to_brake() {
     let limits = one_joint(UNLIMITED, UNLIMITED, 30.0);
     let path = StraightPath::new([0.0], [1.0]).unwrap();
     let found = retime(path, &pendulum, &limits, 2000).unwrap().duration();
-    // ½ m l² θ̇² = ± τ θ − m g l (1 − cos θ), switching where both branches meet: τ(2θ − 1) = m g l (1 − cos 1) … from the
-    // stop backwards: ½ m l² θ̇² = τ (1 − θ) + m g l (cos θ − cos 1).
+    // ½ m l² θ̇² = ± τ θ − m g l (1 − cos θ), switching where both branches meet: τ(2θ − 1) = m g l (1 − cos 1) … from
+    // the stop backwards: ½ m l² θ̇² = τ (1 − θ) + m g l (cos θ − cos 1).
     let square = |theta: f64| {
         let up = 30.0 * theta - 18.0 * (1.0 - theta.cos());
         let down = 30.0 * (1.0 - theta) + 18.0 * (theta.cos() - 1.0_f64.cos());

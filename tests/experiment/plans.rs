@@ -69,7 +69,8 @@ fn scales_are_as_feasible_as_the_reference_says() {
     }
 }
 
-/// The tool points down in the plane of axis 1, so that `θ₅ = −(θ₂ + θ₃)`, and that triangle is solved by the law of cosines.
+/// The tool points down in the plane of axis 1, so that `θ₅ = −(θ₂ + θ₃)`, and that triangle is solved by the law of
+/// cosines.
 fn greatest_wrist_angle(scale: f64, standoff: f64, height: impl Fn(f64) -> f64) -> f64 {
     let (reach, lower) = (1.075_f64, 1.056_f64.hypot(0.165));
     let forward = standoff.hypot(0.15) - 0.41;

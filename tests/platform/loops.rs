@@ -1,5 +1,6 @@
-//! The platform declared with closed loops, `stewart_platform_loops.mbs`, against the one in coordinates of the platform: the same
-//! motion from 24 coordinates on 18 constraints. Its Programs are interpreted: nothing else needs its 20 000 lines of code.
+//! The platform declared with closed loops, `stewart_platform_loops.mbs`, against the one in coordinates of the
+//! platform: the same motion from 24 coordinates on 18 constraints. Its Programs are interpreted: nothing else needs
+//! its 20 000 lines of code.
 
 use std::ops::ControlFlow;
 
@@ -104,7 +105,8 @@ fn integrate<const N: usize>(
         .expect("a smooth motion");
 }
 
-/// Both declarations under `forces(t, q, q̇)` of the platform's state, and how far their platforms are apart in the end.
+/// Both declarations under `forces(t, q, q̇)` of the platform's state, and how far their platforms are apart in the
+/// end.
 fn apart(
     end: f64,
     start: [Coordinates; 2],

@@ -1,7 +1,7 @@
 //! The formulas of mechanics texts as a careful person types them: the measure of what generated code may cost.
 //!
-//! Every expression that occurs twice has a name, brackets are set where they save a product, and what depends on parameters
-//! alone is computed beforehand, as in generated code. Nothing here knows the generator.
+//! Every expression that occurs twice has a name, brackets are set where they save a product, and what depends on
+//! parameters alone is computed beforehand, as in generated code. Nothing here knows the generator.
 
 pub mod cart_pole;
 pub mod double_pendulum;

@@ -10,8 +10,8 @@
 //! test -p mbs-runtime --lib event
 //! ```
 //!
-//! The text after `- ` occurs once in the file, and that after `+ ` takes its place; the arguments after `test ` are those of
-//! `cargo test`. The program `mutants` of this crate tries them.
+//! The text after `- ` occurs once in the file, and that after `+ ` takes its place; the arguments after `test ` are
+//! those of `cargo test`. The program `mutants` of this crate tries them.
 
 use std::path::Path;
 

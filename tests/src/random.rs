@@ -8,8 +8,8 @@ use std::ops::Range;
 ///
 /// # Source
 ///
-/// Steele, Lea, Flood, *Fast splittable pseudorandom number generators*, OOPSLA 2014, figure 17; the mixing constants are
-/// Stafford's variant 13, as in Vigna's `splitmix64.c` (2015).
+/// Steele, Lea, Flood, *Fast splittable pseudorandom number generators*, OOPSLA 2014, figure 17; the mixing constants
+/// are Stafford's variant 13, as in Vigna's `splitmix64.c` (2015).
 #[derive(Clone, Debug)]
 pub struct Random {
     state: u64,

@@ -1,8 +1,8 @@
 //! A second reading of the language, and random mechanisms to hold the generator against it.
 //!
-//! The referee was written from `docs/language.md` alone and shares no code with the generator: it carries out the statements of
-//! a text at one state after the other, with dual numbers, and gets Lagrange's equations by differentiating what comes out. It is
-//! slow and plain on purpose.
+//! The referee was written from `docs/language.md` alone and shares no code with the generator: it carries out the
+//! statements of a text at one state after the other, with dual numbers, and gets Lagrange's equations by
+//! differentiating what comes out. It is slow and plain on purpose.
 //!
 //! - `token`, `syntax`: tokens and grammar; `unit`: units and dimensions; `mechanism`: what is declared;
 //! - `wide`: numbers of twice the digits; `number`: doubles with roundings made worse, dual numbers;

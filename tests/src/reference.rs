@@ -12,7 +12,8 @@
 //!   [`elastic_joint_arm`], [`four_bar`], [`furuta_pendulum`], [`knife_edge`], [`quadrotor_with_slung_load`],
 //!   [`restricted_three_body`], [`rolling_coin`], [`shaken_pendulum`], [`slider_crank`], [`turntable`].
 //!
-//! The former answer to [`EquationsOfMotion`], the latter to [`dynamics::Dynamics`]. z points up, gravity is `g` downwards, units are SI.
+//! The former answer to [`EquationsOfMotion`], the latter to [`dynamics::Dynamics`]. z points up, gravity is `g`
+//! downwards, units are SI.
 
 pub mod arms;
 pub mod bead_on_hoop;

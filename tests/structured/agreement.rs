@@ -19,7 +19,8 @@ pub(crate) struct Pair<'a> {
     pub(crate) parameters: Vec<f64>,
     /// What judges, for the same parameters.
     pub(crate) tree: Tree,
-    /// Signals that the declaration has as formulas of t, which come after those given at run time: values and derivatives.
+    /// Signals that the declaration has as formulas of t, which come after those given at run time: values and
+    /// derivatives.
     pub(crate) formulas: &'a dyn Fn(f64) -> Vec<[f64; 3]>,
     /// The generalized forces of inputs at `x`.
     pub(crate) force: Force<'a>,
@@ -81,7 +82,8 @@ impl Pair<'_> {
         of("kinetic_energy", &[tree.kinetic_energy(x, xd)])?;
         of("potential_energy", &[tree.potential_energy(x)])?;
 
-        // Along a quaternion a force does nothing but strain its constraint, and depends on how energies go on off the sphere.
+        // Along a quaternion a force does nothing but strain its constraint, and depends on how energies go on off the
+        // sphere.
         let tangential = |mut force: Vec<f64>| {
             force.truncate(n);
             for at in tree.balls() {
@@ -205,8 +207,8 @@ pub(crate) fn regularity(tree: &Tree, seed: u64) -> f64 {
     smallest_pivot(tree, &x)
 }
 
-/// The smallest pivot of M over the coordinates, scaled to a unit diagonal; `M + q qᵀ` for quaternions, whose M says nothing
-/// along q.
+/// The smallest pivot of M over the coordinates, scaled to a unit diagonal; `M + q qᵀ` for quaternions, whose M says
+/// nothing along q.
 fn smallest_pivot(tree: &Tree, x: &[f64]) -> f64 {
     let n = tree.coordinates;
     let mut m = tree.composite_bodies(x).view((0, 0), (n, n)).into_owned();

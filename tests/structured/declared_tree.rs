@@ -1,5 +1,5 @@
-//! Trees of bodies at random: as proptest generates and shrinks them, as text of the model language, and as the tree that
-//! judges what is derived from it.
+//! Trees of bodies at random: as proptest generates and shrinks them, as text of the model language, and as the tree
+//! that judges what is derived from it.
 
 use std::fmt::Write;
 
@@ -38,8 +38,8 @@ enum Edge {
     },
 }
 
-/// What a hinge or a slide moves with. Coordinates are counted round among those that there are already; where there are
-/// none, the joint has one of its own.
+/// What a hinge or a slide moves with. Coordinates are counted round among those that there are already; where there
+/// are none, the joint has one of its own.
 #[derive(Clone, Debug)]
 enum Variable {
     /// A coordinate of its own.
@@ -372,8 +372,8 @@ impl DeclaredTree {
         text + "}\n"
     }
 
-    /// Statements that load its links: forces and torques in axes of the world and of the link, springs, drag, dampers. Some may be refused,
-    /// where no coordinate moves the link.
+    /// Statements that load its links: forces and torques in axes of the world and of the link, springs, drag, dampers.
+    /// Some may be refused, where no coordinate moves the link.
     pub(crate) fn loads(&self) -> Vec<String> {
         let of = |i: usize| {
             let point = format!("link{i}.point([0.1, {i}, -0.3])");
@@ -450,8 +450,8 @@ impl DeclaredTree {
 const NOTHING: Body = Body { mass: 0.0, center: [0.0; 3], inertia: [0.0; 6] };
 
 impl Mass {
-    /// A rigid body's inertia is that of three equal masses at the offsets, about the body's mass centre, and of a small
-    /// ball: no choice of numbers can violate the triangle inequality.
+    /// A rigid body's inertia is that of three equal masses at the offsets, about the body's mass centre, and of a
+    /// small ball: no choice of numbers can violate the triangle inequality.
     fn body(&self) -> Option<Body> {
         match *self {
             Mass::None => None,

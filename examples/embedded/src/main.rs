@@ -1,4 +1,5 @@
-//! On a microcontroller (`--target thumbv7em-none-eabihf --release`): balances for ever. Elsewhere: prints two seconds of it.
+//! On a microcontroller (`--target thumbv7em-none-eabihf --release`): balances for ever. Elsewhere: prints two seconds
+//! of it.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 use embedded::Model;

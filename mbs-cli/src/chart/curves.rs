@@ -30,7 +30,8 @@ pub struct Line {
 }
 
 impl Line {
-    /// The points in the order of their `x`; of more than some thousands the lowest and the highest of each bucket are kept.
+    /// The points in the order of their `x`; of more than some thousands the lowest and the highest of each bucket are
+    /// kept.
     #[must_use]
     pub fn new(name: impl Into<String>, points: Vec<(f64, f64)>) -> Self {
         let points = if points.len() <= POINTS {

@@ -1,7 +1,7 @@
 //! The expression graph of all functions of a mechanism as data; `docs/json.md` says how to read it.
 //!
-//! It is what the programs compute, put together: equal values are one node, whichever functions and whether the constructor
-//! computes them.
+//! It is what the programs compute, put together: equal values are one node, whichever functions and whether the
+//! constructor computes them.
 
 use std::collections::BTreeMap;
 

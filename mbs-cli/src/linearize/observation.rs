@@ -18,7 +18,8 @@ pub(super) fn components(derivation: &Derivation) -> Vec<[String; 2]> {
     columns.map(|column| [column.name, column.unit]).collect()
 }
 
-/// The derivatives of all outputs: by the generated Jacobians, and those of poses, for which these give twists, by dual numbers.
+/// The derivatives of all outputs: by the generated Jacobians, and those of poses, for which these give twists, by dual
+/// numbers.
 pub(super) fn slopes(derivation: &Derivation, point: &Point) -> Slopes {
     let interpreter = Interpreter::with_parameters(derivation, point.parameters.clone());
     let mut rows: [Vec<f64>; 3] = Default::default();
@@ -47,7 +48,8 @@ fn widths(point: &Point) -> [usize; 3] {
     [point.state.q.len(), point.state.qd.len(), point.state.u.len()]
 }
 
-/// The rows of an output's Jacobians, zero where it does not depend on the argument; `None` where they were not generated.
+/// The rows of an output's Jacobians, zero where it does not depend on the argument; `None` where they were not
+/// generated.
 fn generated(
     derivation: &Derivation,
     interpreter: &Interpreter<'_>,

@@ -1,6 +1,7 @@
 //! Coordinates and speeds that constraints leave independent, chosen by complete pivoting, or named.
 //!
-//! As `mbs_runtime::Reduction`, whose sizes are known to the compiler; its documentation has the equations and their sources.
+//! As `mbs_runtime::Reduction`, whose sizes are known to the compiler; its documentation has the equations and their
+//! sources.
 
 use nalgebra::DMatrix;
 
@@ -30,7 +31,8 @@ pub(super) enum Fault {
     },
 }
 
-/// Solves `rows x + constants = 0` for as many unknowns as there are independent rows, of those that are not `named` if any are.
+/// Solves `rows x + constants = 0` for as many unknowns as there are independent rows, of those that are not `named` if
+/// any are.
 pub(super) fn solve(
     mut rows: DMatrix<f64>,
     mut constants: DMatrix<f64>,

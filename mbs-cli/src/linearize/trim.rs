@@ -1,7 +1,7 @@
 //! The search for a state without accelerations.
 //!
-//! `q̈(q, q̇, u) = 0`, `φ(q) = 0` and `A q̇ + b = 0` are solved for what is free by Newton's method: steps of least norm, halved while
-//! what is left grows. Rows are weighed by the size of their derivatives.
+//! `q̈(q, q̇, u) = 0`, `φ(q) = 0` and `A q̇ + b = 0` are solved for what is free by Newton's method: steps of least
+//! norm, halved while what is left grows. Rows are weighed by the size of their derivatives.
 
 use mbs_derive::interpret::{Interpreter, State};
 use mbs_derive::model::lagrangian::component_names;

@@ -87,7 +87,8 @@ impl Explanation {
     }
 }
 
-/// Additions and multiplications that it takes not to multiply out the differences that energies and forces were written with.
+/// Additions and multiplications that it takes not to multiply out the differences that energies and forces were
+/// written with.
 fn kept((_, route, costs): &Explained) -> usize {
     let flops = |wanted: Route| costs.iter().find(|(r, _)| *r == wanted).map(|(_, cost)| cost.flops());
     match (flops(*route), flops(Route::MultipliedOut)) {

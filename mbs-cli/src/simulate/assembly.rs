@@ -109,7 +109,8 @@ pub(crate) fn check_rows(
 }
 
 /// A projection takes away an integrator's error. Where it takes away more, constraints lose rank there, as those of a
-/// flattened parallelogram do, and the nearest state may be on another branch. `near` is relative to 1 or the largest number.
+/// flattened parallelogram do, and the nearest state may be on another branch. `near` is relative to 1 or the largest
+/// number.
 pub(crate) fn stays_near(t: f64, near: f64, free: &Motion, projected: &Motion) -> Result<(), String> {
     let largest = |numbers: &[f64]| numbers.iter().fold(0.0_f64, |largest, x| largest.max(x.abs()));
     let change = |from: &[f64], to: &[f64]| {

@@ -8,8 +8,9 @@ use crate::equations::{Equations, Motion, Solver};
 /// A step of this length, relative to 1 s or the time, is one on which a smooth motion hardly changes.
 const MOMENT: f64 = 1e-9;
 
-/// Three measurements, as the end of a sentence: the condition of the mass matrix, the fastest rate of the linearized motion,
-/// and how much the accelerations change in a moment; what of them is out of the ordinary is said to be the probable reason.
+/// Three measurements, as the end of a sentence: the condition of the mass matrix, the fastest rate of the linearized
+/// motion, and how much the accelerations change in a moment; what of them is out of the ordinary is said to be the
+/// probable reason.
 pub(crate) fn hint(equations: &Equations<'_>, solver: &mut Solver<'_, '_>, t: f64, motion: &Motion) -> String {
     let state = equations.state(t, &motion.q, &motion.qd);
     let mut measured = Vec::new();

@@ -21,8 +21,9 @@ impl Column {
         Column { what, name: name.to_string(), label: name.to_string(), unit: unit.to_string() }
     }
 
-    /// The name with the unit behind it: factors follow each other, `_` divides, exponents are digits, `per_` begins where nothing
-    /// is above: `tip_m`, `x_dot_m_s`, `tau_Nm`, `rate_per_s`; a plain number has none. The tables of the examples are spelled so.
+    /// The name with the unit behind it: factors follow each other, `_` divides, exponents are digits, `per_` begins
+    /// where nothing is above: `tip_m`, `x_dot_m_s`, `tau_Nm`, `rate_per_s`; a plain number has none. The tables of the
+    /// examples are spelled so.
     pub(crate) fn name_with_unit(&self) -> String {
         let unit: String = self
             .unit

@@ -15,8 +15,8 @@ impl Curve {
         Curve { x, y, slopes: None }
     }
 
-    /// The cubic spline whose third derivative is continuous at the second place and the last but one ("not a knot"); a parabola
-    /// through three points, a line through two.
+    /// The cubic spline whose third derivative is continuous at the second place and the last but one ("not a knot"); a
+    /// parabola through three points, a line through two.
     ///
     /// Source: C. de Boor, *A Practical Guide to Splines*, revised ed. 2001, chapter IV, equations (11) to (15).
     pub(crate) fn spline(x: Vec<f64>, y: Vec<f64>) -> Self {

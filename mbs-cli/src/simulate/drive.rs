@@ -1,12 +1,13 @@
 //! Inputs and prescribed signals that change while a mechanism moves: formulas in the model language, and tables.
 //!
 //! `--input "push=2*sin(3*t)"` is a formula of t, the state and the outputs; `--signal "heave=a*sin(w*t)"` one of t and
-//! parameters. `--input push=@table.csv` is a table of times and values, straight in between; `--signal heave=@table.csv` likewise
-//! by a cubic spline, whose first and second derivative the signal takes. Formulas become part of the declaration, so that they
-//! are checked and differentiated as it is: an output for an input, the value of the `prescribed` statement for a signal.
+//! parameters. `--input push=@table.csv` is a table of times and values, straight in between; `--signal
+//! heave=@table.csv` likewise by a cubic spline, whose first and second derivative the signal takes. Formulas become
+//! part of the declaration, so that they are checked and differentiated as it is: an output for an input, the value of
+//! the `prescribed` statement for a signal.
 //!
-//! In a formula that names nothing but t, numbers are in SI units: `2*sin(3*t)` is `2 N * sin(3 rad/s * t)` of a force. In all
-//! others dimensions are checked.
+//! In a formula that names nothing but t, numbers are in SI units: `2*sin(3*t)` is `2 N * sin(3 rad/s * t)` of a force.
+//! In all others dimensions are checked.
 
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -1,5 +1,5 @@
-//! The motion as a figure over time: a panel for the coordinates of each unit, for the velocities, for the energies, and for
-//! what was recorded besides.
+//! The motion as a figure over time: a panel for the coordinates of each unit, for the velocities, for the energies,
+//! and for what was recorded besides.
 
 use std::ops::Range;
 

@@ -267,8 +267,8 @@ mod tests {
 
     use super::*;
 
-    /// 1 mg on a thread of 2 cm, attitude by a quaternion: with M of 1e-12 kg m² and singular, accelerations that lose digits
-    /// would make the steps as short as a nanosecond.
+    /// 1 mg on a thread of 2 cm, attitude by a quaternion: with M of 1e-12 kg m² and singular, accelerations that lose
+    /// digits would make the steps as short as a nanosecond.
     const BEAD: &str = "mechanism Bead {
         param m: kg = 1e-6; param r: m = 1e-3; param l: m = 0.02; param g: m/s^2 = 9.81;
         coord p[3]: m; coord e[4]: 1;

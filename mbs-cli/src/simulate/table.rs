@@ -1,13 +1,13 @@
-//! The motion as CSV: `t,<coordinates>,<coordinates>_dot,energy`, then multipliers and residuals of constraints, then what was
-//! asked for besides.
+//! The motion as CSV: `t,<coordinates>,<coordinates>_dot,energy`, then multipliers and residuals of constraints, then
+//! what was asked for besides.
 
 use std::fmt::Write;
 
 use super::column::Column;
 use super::motion::Motion;
 
-/// One line a row; every number with as many digits as it takes to read the same number. With units the names of the columns
-/// end in them.
+/// One line a row; every number with as many digits as it takes to read the same number. With units the names of the
+/// columns end in them.
 pub(crate) fn csv(motion: &Motion, units: bool) -> String {
     let name = |column: &Column| if units { column.name_with_unit() } else { column.name.clone() };
     let time = Column::new("time", "t", "s");

@@ -70,7 +70,8 @@ fn a_second_call_says_the_same_and_derives_nothing() {
     assert!(cached.entries() == entries, "an entry was written anew");
 }
 
-/// What is known of a mechanism is read as it was written: branches, reactions, constraints, systems that are solved, signals.
+/// What is known of a mechanism is read as it was written: branches, reactions, constraints, systems that are solved,
+/// signals.
 #[test]
 fn derivations_of_all_kinds_are_kept() {
     for name in [

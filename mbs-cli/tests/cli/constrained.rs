@@ -162,7 +162,8 @@ fn a_bad_guess_will_do() {
     assert_eq!(run(r#"{"q": [1.2, -1.6], "qd": [0.8, 0.6]}"#, &["--hold", "x,z"]), [1.2, -1.6]);
 }
 
-/// The rod's mass in its other coordinate: M is singular, but not on the circle. `x = 2 cos α` without weight, `ẋ` stays.
+/// The rod's mass in its other coordinate: M is singular, but not on the circle. `x = 2 cos α` without weight, `ẋ`
+/// stays.
 #[test]
 fn inertia_is_needed_where_constraints_leave_motion() {
     let workshop = workshop();

@@ -309,7 +309,8 @@ fn signals_that_are_left_out_are_named() {
     );
 }
 
-/// Outputs that depend on rates or inputs have derivatives by these, printed beside those by q; others have none to show.
+/// Outputs that depend on rates or inputs have derivatives by these, printed beside those by q; others have none to
+/// show.
 #[test]
 fn derivatives_of_outputs_by_rates_and_inputs() {
     let workshop = Workshop::new();

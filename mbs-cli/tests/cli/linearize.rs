@@ -245,8 +245,8 @@ fn a_pendulum_on_a_cart_is_that_of_the_textbook() {
     }
 }
 
-/// A linkage of one freedom: `J φ'' + ½ J' φ'² + V' = τ`, with J and V of the crank's angle alone; here from the geometry of two
-/// circles that meet, without constraints.
+/// A linkage of one freedom: `J φ'' + ½ J' φ'² + V' = τ`, with J and V of the crank's angle alone; here from the
+/// geometry of two circles that meet, without constraints.
 mod four_bar {
     const M: [f64; 3] = [0.2, 0.5, 0.4];
     const L: [f64; 3] = [0.2, 0.6, 0.5];

@@ -22,8 +22,8 @@ pub struct Conserved<'g> {
     pub value: Expr<'g>,
 }
 
-/// What is conserved for `u = 0`, `D = 0`: `q̇·∂L/∂q̇ − L` where t does not occur, no force acts and constraints do no work,
-/// and each momentum `pᵢ = ∂L/∂q̇ᵢ` with `∂L/∂qᵢ = 0` on which neither force nor constraint acts.
+/// What is conserved for `u = 0`, `D = 0`: `q̇·∂L/∂q̇ − L` where t does not occur, no force acts and constraints do no
+/// work, and each momentum `pᵢ = ∂L/∂q̇ᵢ` with `∂L/∂qᵢ = 0` on which neither force nor constraint acts.
 pub fn conserved<'g>(
     lagrange: &Lagrange<'g>,
     energies: &Energies<'g>,
@@ -55,11 +55,12 @@ pub fn conserved<'g>(
     found
 }
 
-/// `q̇·∂L/∂q̇ − L`, Jacobi's integral; its value is `T + V` where T is homogeneous of second degree in the velocities and
-/// L is `T − V`, but it is formed as written, less what is seen to be linear in the velocities on both sides of the
+/// `q̇·∂L/∂q̇ − L`, Jacobi's integral; its value is `T + V` where T is homogeneous of second degree in the velocities
+/// and L is `T − V`, but it is formed as written, less what is seen to be linear in the velocities on both sides of the
 /// difference: there it leaves nothing but its rounding.
 ///
-/// Where t cancels, as in a frame that turns, it has the same value at any time: it is formed for t = 0, if that is a number.
+/// Where t cancels, as in a frame that turns, it has the same value at any time: it is formed for t = 0, if that is a
+/// number.
 fn energy_integral<'g>(lagrange: &Lagrange<'g>, energies: &Energies<'g>, symbols: &Symbols) -> Expr<'g> {
     let graph = energies.lagrangian.graph();
     let dot_velocity = |momentum: &[Expr<'g>]| {
@@ -160,10 +161,10 @@ fn depends_on_time(expr: Expr<'_>) -> bool {
 
 /// Whether an expression is zero for all values of its symbols: tried at points with no special relation.
 ///
-/// A function that is not zero on a whole region is zero at a random point with probability 0; twelve points, of both signs
-/// and with the parameters among the symbols, leave little doubt. Nothing is claimed of an expression whose value is lost in
-/// rounding. One with branches or steps may be zero on the one side and not on the other, where no point is, and one that
-/// saturates is zero in doubles wherever it has: that is decided in a finite field, on every side.
+/// A function that is not zero on a whole region is zero at a random point with probability 0; twelve points, of both
+/// signs and with the parameters among the symbols, leave little doubt. Nothing is claimed of an expression whose value
+/// is lost in rounding. One with branches or steps may be zero on the one side and not on the other, where no point is,
+/// and one that saturates is zero in doubles wherever it has: that is decided in a finite field, on every side.
 pub(super) fn vanishes(expr: Expr<'_>) -> bool {
     let tried = |round| {
         let value = evaluate(&[expr], |symbol| Rounded::exact(generic_value(symbol, round)))[0];

@@ -1,8 +1,8 @@
 //! Constraints: what must vanish, its Jacobian, and its bias.
 //!
-//! Holonomic `φ(q, t) = 0` and Pfaffian `a(q, t)·q̇ + b(q, t) = 0` rows both read `A q̇ + b = 0` (`A = ∂φ/∂q`, `b = ∂φ/∂t`) and,
-//! once more differentiated, `A q̈ + γ = 0` with `γ = Ȧ q̇ + ḃ`. They enter the equations of motion as
-//! `M q̈ + C q̇ + G + ∂D/∂q̇ = Q + Aᵀ λ`.
+//! Holonomic `φ(q, t) = 0` and Pfaffian `a(q, t)·q̇ + b(q, t) = 0` rows both read `A q̇ + b = 0` (`A = ∂φ/∂q`, `b =
+//! ∂φ/∂t`) and, once more differentiated, `A q̈ + γ = 0` with `γ = Ȧ q̇ + ḃ`. They enter the equations of motion as `M
+//! q̈ + C q̇ + G + ∂D/∂q̇ = Q + Aᵀ λ`.
 
 use crate::expr::{Expr, Graph, Symbol, Tangent, carry_out, gradient};
 use crate::model::{ConstraintKind, Lagrangian};

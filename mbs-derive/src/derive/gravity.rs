@@ -1,7 +1,7 @@
 //! The uniform field in which all bodies weigh what they weigh, found among the terms of V.
 //!
-//! `V = −Σ g·(m p + R h)` over frames with mass m, moment h, origin p, attitude R: gravity is then the same as a base that
-//! accelerates by −g, and needs no forces of its own.
+//! `V = −Σ g·(m p + R h)` over frames with mass m, moment h, origin p, attitude R: gravity is then the same as a base
+//! that accelerates by −g, and needs no forces of its own.
 
 use std::collections::{BTreeMap, BTreeSet};
 

@@ -153,8 +153,9 @@ mod tests {
     use super::*;
     use crate::expr::{Graph, evaluate};
 
-    /// A particle in plane polar coordinates `(r, φ)` about a turntable that turns by `½ α t²`, on a spring, with friction along
-    /// the ray: Goldstein, Poole & Safko, *Classical Mechanics*, 3rd ed. 2002, section 1.6, with φ + ½ α t² for the angle.
+    /// A particle in plane polar coordinates `(r, φ)` about a turntable that turns by `½ α t²`, on a spring, with
+    /// friction along the ray: Goldstein, Poole & Safko, *Classical Mechanics*, 3rd ed. 2002, section 1.6, with φ + ½ α
+    /// t² for the angle.
     #[test]
     fn a_particle_on_a_turntable_moves_as_in_the_textbook() {
         let graph = Graph::new();

@@ -43,8 +43,9 @@ impl Lifted<'_> {
 
 /// Splits a mechanism into bodies in a field and the rest; `None` where no body is on a tree.
 ///
-/// A body that turns by a quaternion stays with the rest: off the unit sphere its energy is not a rigid body's, and Lagrange's
-/// equations are about all quaternions. So does an inertia that no body has: regrouping would lose its digits.
+/// A body that turns by a quaternion stays with the rest: off the unit sphere its energy is not a rigid body's, and
+/// Lagrange's equations are about all quaternions. So does an inertia that no body has: regrouping would lose its
+/// digits.
 pub(super) fn lifted<'g>(lagrangian: &Lagrangian<'_>, energies: &Energies<'g>, graph: &'g Graph) -> Option<Lifted<'g>> {
     let (bodies, mut other_kinetic) = lagrangian.bodies();
     let is_tree = |frame: FrameId| !lagrangian.frames.path(frame).iter().any(is_quaternion);

@@ -1,8 +1,8 @@
 //! First derivatives of the dynamics.
 //!
-//! With `r(q, q̇, q̈, u) = M q̈ + h + ∂D/∂q̇ − Q`, which forward dynamics makes zero,
-//! `∂q̈/∂x = −M⁻¹ ∂r/∂x` at that q̈ (implicit differentiation): no derivative of a factorization is needed. With constraints
-//! r has `−Aᵀ λ` and the rows `A q̈ + γ` besides, and the system is that of q̈ and λ.
+//! With `r(q, q̇, q̈, u) = M q̈ + h + ∂D/∂q̇ − Q`, which forward dynamics makes zero, `∂q̈/∂x = −M⁻¹ ∂r/∂x` at that q̈
+//! (implicit differentiation): no derivative of a factorization is needed. With constraints r has `−Aᵀ λ` and the rows
+//! `A q̈ + γ` besides, and the system is that of q̈ and λ.
 
 use crate::expr::{Expr, Symbol, gradient, substitute};
 
@@ -23,8 +23,8 @@ pub struct InverseDynamicsJacobian<'g> {
 /// Derivatives of q̈; rows are accelerations.
 #[derive(Clone, Debug)]
 pub struct Linearization<'g> {
-    /// `∂q̈/∂q`, `∂q̈/∂q̇`, `∂q̈/∂u`, where the factorization is unrolled; else `−∂r/∂x`, the right sides of a solution at run
-    /// time, with q̈ and λ left as symbols.
+    /// `∂q̈/∂q`, `∂q̈/∂q̇`, `∂q̈/∂u`, where the factorization is unrolled; else `−∂r/∂x`, the right sides of a solution
+    /// at run time, with q̈ and λ left as symbols.
     pub state: [Rows<'g>; 3],
     /// `∂q̈/∂parameters`, likewise.
     pub parameters: Rows<'g>,

@@ -23,8 +23,8 @@ pub struct OutputEquations<'g> {
     pub jacobian_qd: Option<Rows<'g>>,
     /// `∂value/∂u`, where the value depends on inputs.
     pub jacobian_u: Option<Rows<'g>>,
-    /// The total time derivative of the Jacobian, `J̇ = Σ ∂J/∂q_k q̇_k + ∂J/∂t`, where it was asked for. With the velocity
-    /// `J q̇ + b`, `b = ∂value/∂t`, the acceleration is `J q̈ + J̇ q̇ + ḃ`.
+    /// The total time derivative of the Jacobian, `J̇ = Σ ∂J/∂q_k q̇_k + ∂J/∂t`, where it was asked for. With the
+    /// velocity `J q̇ + b`, `b = ∂value/∂t`, the acceleration is `J q̈ + J̇ q̇ + ḃ`.
     pub jacobian_rate: Option<Rows<'g>>,
 }
 

@@ -1,14 +1,15 @@
 //! Reactions: the force and the moment that a joint transmits.
 //!
-//! The mechanism with its joints let go has auxiliary coordinates s besides its own. Lagrange's equations for them, with a
-//! generalized force R that holds them at zero, are
+//! The mechanism with its joints let go has auxiliary coordinates s besides its own. Lagrange's equations for them,
+//! with a generalized force R that holds them at zero, are
 //!
 //! ```text
 //! R = d/dt ∂L/∂ṡ − ∂L/∂s + ∂D/∂ṡ − Q_s − A_sᵀ λ        at s = ṡ = s̈ = 0
 //! ```
 //!
-//! with `Q_s` of forces at points and torques on bodies, and `A_s = ∂φ/∂s`, or the slope of a Pfaffian row in ṡ. As s stays
-//! zero, only derivatives *by* s and ṡ see it: one reverse sweep for each of the terms, whatever the number of joints.
+//! with `Q_s` of forces at points and torques on bodies, and `A_s = ∂φ/∂s`, or the slope of a Pfaffian row in ṡ. As s
+//! stays zero, only derivatives *by* s and ṡ see it: one reverse sweep for each of the terms, whatever the number of
+//! joints.
 
 use crate::expr::{Expr, Graph, Kept, Symbol, gradient, gradient_of_combination, substitute};
 use crate::model::{Lagrangian, lagrangian::AUXILIARY};

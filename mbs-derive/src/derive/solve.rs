@@ -1,16 +1,16 @@
 //! Forward dynamics: `q̈ = M⁻¹ (Q − h − ∂D/∂q̇)` by a factorization, never by an inverse.
 //!
-//! Without constraints M is positive definite, and `L D Lᵀ` needs no pivoting: it is unrolled where the mechanism is small. With
-//! constraints accelerations and multipliers solve one system,
+//! Without constraints M is positive definite, and `L D Lᵀ` needs no pivoting: it is unrolled where the mechanism is
+//! small. With constraints accelerations and multipliers solve one system,
 //!
 //! ```text
 //! ⎡ M  −Aᵀ ⎤ ⎡ q̈ ⎤   ⎡ Q − h − ∂D/∂q̇ ⎤
 //! ⎣ A   0  ⎦ ⎣ λ ⎦ = ⎣      −γ       ⎦
 //! ```
 //!
-//! of which M and A may each be singular as long as the motions that A allows have inertia: unit quaternions, two coordinates
-//! that turn about one axis in some states, rows that depend on others. Which coordinates depend on which is then decided at run
-//! time, by the runtime's `constrained_solve`; `expr/constrained.rs` does the same in process.
+//! of which M and A may each be singular as long as the motions that A allows have inertia: unit quaternions, two
+//! coordinates that turn about one axis in some states, rows that depend on others. Which coordinates depend on which
+//! is then decided at run time, by the runtime's `constrained_solve`; `expr/constrained.rs` does the same in process.
 //! Nocedal & Wright, *Numerical Optimization*, 2nd ed. 2006, section 16.2.
 
 use crate::expr::Expr;
@@ -38,7 +38,8 @@ pub struct ForwardDynamics<'g> {
     pub factorization: Option<Factorization<'g>>,
 }
 
-/// Sets up `M q̈ = Q − h − ∂D/∂q̇`, with constraints if there are any, and solves it where the mechanism is small and has none.
+/// Sets up `M q̈ = Q − h − ∂D/∂q̇`, with constraints if there are any, and solves it where the mechanism is small and
+/// has none.
 pub fn forward_dynamics<'g>(lagrange: &Lagrange<'g>, constraints: &Constraints<'g>) -> ForwardDynamics<'g> {
     let mut right_side = lagrange.free_force.clone();
     right_side.extend(constraints.bias.iter().map(|&bias| -bias));

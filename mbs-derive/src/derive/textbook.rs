@@ -49,8 +49,8 @@ impl Form<'_> {
     }
 }
 
-/// The equations in the form of a textbook, each function that is short enough; `None` for mechanisms with more coordinates, or
-/// with a longer kinetic energy, than anybody writes out.
+/// The equations in the form of a textbook, each function that is short enough; `None` for mechanisms with more
+/// coordinates, or with a longer kinetic energy, than anybody writes out.
 pub fn normal_form<'g>(plain: &Lagrange<'g>, kept: &Kept) -> Option<Lagrange<'g>> {
     if plain.momentum.len() > MOST_COORDINATES {
         return None;
@@ -100,8 +100,8 @@ fn forward_dynamics<'g>(forward: ForwardDynamics<'g>, kept: &Kept) -> ForwardDyn
     ForwardDynamics { factorization, unrolled, ..forward }
 }
 
-/// `L D Lᵀ` of a symmetric matrix and D, simple pivots first, with every step brought into the form of a textbook: what is
-/// left of M shows `i1 sin²θ` where the rest cancels. `None` where a step has too many terms.
+/// `L D Lᵀ` of a symmetric matrix and D, simple pivots first, with every step brought into the form of a textbook: what
+/// is left of M shows `i1 sin²θ` where the rest cancels. `None` where a step has too many terms.
 fn eliminate<'g>(mut m: Rows<'g>, kept: &Kept, last_first: bool) -> Option<(Factorization<'g>, Vec<Expr<'g>>)> {
     let mut remaining: Vec<usize> = (0..m.len()).collect();
     let mut steps = Vec::new();

@@ -1,7 +1,7 @@
 //! The structured route: bodies on a tree of frames, by Newton–Euler and composite bodies.
 //!
-//! Where a mechanism is declared by bodies on frames, its equations follow in a form that is shorter than what differentiation
-//! of the energies gives:
+//! Where a mechanism is declared by bodies on frames, its equations follow in a form that is shorter than what
+//! differentiation of the energies gives:
 //!
 //! - `linkage`: the declared frames, reduced to what moves;
 //! - `inertia`: pseudo-inertias, mass with its first and second moments;
@@ -238,8 +238,8 @@ impl<'g> Tree<'g> {
         self.congruent(&self.joint_mass_matrix(&self.composites()))
     }
 
-    /// C of the bodies: `Sᵀ Ĉ S + Sᵀ M̂ Ṡ`, with Ĉ and M̂ over the joints, and what poses change by themselves, at `q̇ = 0`, once
-    /// more (`docs/structured.md`, sections 2 and 8).
+    /// C of the bodies: `Sᵀ Ĉ S + Sᵀ M̂ Ṡ`, with Ĉ and M̂ over the joints, and what poses change by themselves, at
+    /// `q̇ = 0`, once more (`docs/structured.md`, sections 2 and 8).
     fn coriolis_matrix(&self) -> Rows<'g> {
         let composites = self.composites();
         let joint_coriolis = coriolis::coriolis_matrix(&self.linkage, &self.moving, &composites);

@@ -1,9 +1,9 @@
 //! Textbook output: a page of LaTeX (amsmath) with the energies, M, C, G and the equations of motion.
 //!
-//! Each entry is tried in several forms (multiple angles, half angles, as derived) and written in the shortest. On paper a
-//! sum is a list of products, so that is what everything here becomes: numbers, parameters, coordinates, trigonometric
-//! functions, in this order. Nothing recurses on the depth of an expression; what is longer than anybody would write is
-//! left out, and the page says so.
+//! Each entry is tried in several forms (multiple angles, half angles, as derived) and written in the shortest. On
+//! paper a sum is a list of products, so that is what everything here becomes: numbers, parameters, coordinates,
+//! trigonometric functions, in this order. Nothing recurses on the depth of an expression; what is longer than anybody
+//! would write is left out, and the page says so.
 //!
 //! - `page`: the page and its blocks;
 //! - `algebra`: expressions as polynomials, in their shortest form;

@@ -130,7 +130,8 @@ impl Scope {
         name
     }
 
-    /// Likewise of names that users of the code write: those that need no escape are as they are, whatever comes before.
+    /// Likewise of names that users of the code write: those that need no escape are as they are, whatever comes
+    /// before.
     fn unique_escaped<'a>(&mut self, wishes: impl Iterator<Item = &'a str> + Clone) -> Vec<String> {
         let is_plain = |wish: &&str| escaped(wish) == **wish;
         let plain: Vec<String> = wishes.clone().filter(is_plain).map(|wish| self.unique(wish)).collect();
@@ -286,8 +287,8 @@ enum Grade {
     Sum,
 }
 
-/// A name for each value that depends on parameters alone: `m_bob_length`, `m_cart_plus_m_bob`. `None` where it would be
-/// long or could be misread.
+/// A name for each value that depends on parameters alone: `m_bob_length`, `m_cart_plus_m_bob`. `None` where it would
+/// be long or could be misread.
 fn described(program: &Program, parameters: &[String]) -> Vec<Option<String>> {
     let mut names: Vec<Option<(String, Grade)>> = Vec::new();
     for instruction in &program.instructions {

@@ -1,13 +1,13 @@
 //! Long bodies in blocks.
 //!
 //! Each `let` opens a scope in the one before, and the compiler recurses over scopes: rustc 1.95 on x86-64 Linux, in
-//! debug mode, overflows its stack at 3400 of them (the linearization of an 18-link pendulum) and does not at 2200 (that
-//! of a six-joint arm). So a body of more than [`LONGEST`] statements is cut into blocks, and what leaves a block is
-//! declared before all of them.
+//! debug mode, overflows its stack at 3400 of them (the linearization of an 18-link pendulum) and does not at 2200
+//! (that of a six-joint arm). So a body of more than [`LONGEST`] statements is cut into blocks, and what leaves a block
+//! is declared before all of them.
 //!
 //! Blocks and not functions: code generation at `opt-level = 3` takes 1.1 s for 8 700 operations in one function (the
-//! arm), 0.9 s for 33 000 and 3 s for 73 000 (pendulums of 18 and 24 links); in functions that hand their values over in
-//! an array it takes two to four times as long.
+//! arm), 0.9 s for 33 000 and 3 s for 73 000 (pendulums of 18 and 24 links); in functions that hand their values over
+//! in an array it takes two to four times as long.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -22,8 +22,8 @@ use super::text::{Text, each_leaf};
 /// Statements in one block.
 const LONGEST: usize = 1000;
 
-/// Statements, in blocks if they are many; `results` follow them. What is computed on demand stands between the blocks: its
-/// type has no name, so it cannot be declared before.
+/// Statements, in blocks if they are many; `results` follow them. What is computed on demand stands between the blocks:
+/// its type has no name, so it cannot be declared before.
 pub(super) fn statements(statements: &[Statement], results: &[Tree], text: &Text<'_, '_>) -> TokenStream {
     let count = statements.len();
     if count <= LONGEST {

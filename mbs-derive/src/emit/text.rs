@@ -45,7 +45,8 @@ impl<'b, 'n> Text<'b, 'n> {
         Text { body, bound: std::array::from_fn(is_bound), abbreviated: others > WRITTEN_OUT, fields }
     }
 
-    /// `let [x, theta] = *q;`, …: the arguments and fields that the body reads, taken apart; parameters come from `params`.
+    /// `let [x, theta] = *q;`, …: the arguments and fields that the body reads, taken apart; parameters come from
+    /// `params`.
     pub(super) fn arguments(&self, derivation: &Derivation, params: &TokenStream) -> TokenStream {
         let mut symbols = BTreeSet::new();
         each_leaf(self.body.block.trees().into_iter(), &mut |leaf| {

@@ -115,8 +115,8 @@ impl<'g> Partial<'g> {
 
 /// Piecewise expressions in a reverse sweep: functions of the symbols themselves, each branch differentiated by itself.
 ///
-/// An adjoint sent into a branch that is not taken would be zero times what the branch's derivatives are there, and that
-/// may be NaN. So the derivatives in the symbols are selected instead.
+/// An adjoint sent into a branch that is not taken would be zero times what the branch's derivatives are there, and
+/// that may be NaN. So the derivatives in the symbols are selected instead.
 pub(super) struct Branches<'g> {
     graph: &'g Graph,
     sweeps: Vec<(Symbol, Sweep<'g>)>,

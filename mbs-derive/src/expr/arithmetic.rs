@@ -238,8 +238,8 @@ macro_rules! operators_with_integers {
 operators_with_integers!(Add add, Sub sub, Mul mul, Div div);
 
 impl<'g> Expr<'g> {
-    /// Splits `c · x`, and `(c · p) · x` where p depends on parameters alone, into c and `x` or `p · x`; c is 1 where no
-    /// number stands.
+    /// Splits `c · x`, and `(c · p) · x` where p depends on parameters alone, into c and `x` or `p · x`; c is 1 where
+    /// no number stands.
     fn split_coefficient(self) -> (Number, Expr<'g>) {
         let graph = self.graph;
         let constant = |e: Expr<'g>| match e.node() {

@@ -105,8 +105,9 @@ impl<'t> Branches<'t> {
         &self.sides
     }
 
-    /// Positions of comparisons, or of corners, and how they must come out, or whether what has the corner is positive, so that a
-    /// side is taken. The outermost come last. Where an `&&` must not hold, its first operand does not, or the second one.
+    /// Positions of comparisons, or of corners, and how they must come out, or whether what has the corner is positive,
+    /// so that a side is taken. The outermost come last. Where an `&&` must not hold, its first operand does not, or
+    /// the second one.
     pub fn way(&self, side: Side, by_the_second: bool) -> Vec<(usize, bool)> {
         let mut way = Vec::new();
         let mut link = Some(side.link);

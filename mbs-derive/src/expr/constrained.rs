@@ -1,7 +1,7 @@
 //! Systems with constraints, `M q̈ − Aᵀ λ = f`, `A q̈ = c`, solved as the runtime solves them.
 //!
-//! The same operations in the same order as the runtime's `dynamics/null_space.rs` and `dynamics/scaling.rs`, which say what
-//! they are and where they come from: the results are the same bits.
+//! The same operations in the same order as the runtime's `dynamics/null_space.rs` and `dynamics/scaling.rs`, which say
+//! what they are and where they come from: the results are the same bits.
 
 use super::evaluate::{Terms, Value};
 
@@ -11,7 +11,8 @@ const WEIGHTLESS: i64 = 1 << 32;
 /// Farther than any.
 const UNREACHABLE: i64 = i64::MAX / 4;
 
-/// Rows of which less is left depend on others; and so exactly they must agree: the roots of the rounding error, from above.
+/// Rows of which less is left depend on others; and so exactly they must agree: the roots of the rounding error, from
+/// above.
 const ROOT: f64 = 1.490_116_119_384_765_6e-8;
 
 /// M and A, factorized in a basis of the null space of A.
@@ -60,8 +61,8 @@ fn less_product<V: Value>(sum: V, a: V, b: V) -> V {
 }
 
 impl<V: Value> NullSpace<V> {
-    /// Of the lower triangle of M and of A, row by row; `None` where a motion that A leaves has no inertia, or something is not
-    /// finite.
+    /// Of the lower triangle of M and of A, row by row; `None` where a motion that A leaves has no inertia, or
+    /// something is not finite.
     pub(super) fn new(n: usize, mass: &[V], jacobian: &[V]) -> Option<Self> {
         if !mass.iter().chain(jacobian).all(|&x| is_finite(x)) {
             return None;
@@ -225,7 +226,8 @@ impl<V: Value> NullSpace<V> {
         }
     }
 
-    /// q̈, then λ, in the place of f, then c, column by column; `None` where rows contradict each other or something is not finite.
+    /// q̈, then λ, in the place of f, then c, column by column; `None` where rows contradict each other or something is
+    /// not finite.
     pub(super) fn solve(&self, columns: &[Vec<V>], terms: &Terms<V>) -> Vec<Option<Vec<V>>> {
         let columns: Vec<(Vec<V>, Vec<V>)> = columns.iter().map(|column| self.scaled_right_side(column)).collect();
         let greatest = if self.rank == self.k { Vec::new() } else { self.greatest_sizes(&columns, terms) };

@@ -11,8 +11,8 @@ use super::spline::Spline;
 
 /// `value + derivative ε` with `ε² = 0`.
 ///
-/// On the outermost level ε may stand for time: then [`Value::rate`] is the time derivative. A second time derivative is
-/// not carried and comes out as NaN.
+/// On the outermost level ε may stand for time: then [`Value::rate`] is the time derivative. A second time derivative
+/// is not carried and comes out as NaN.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Dual<S> {
     /// The value.

@@ -71,8 +71,8 @@ pub trait Value: Copy {
         let factors = Factors::new(first.len(), triangle);
         columns.iter_mut().for_each(|column| factors.solve(column));
     }
-    /// What gives q̈, then λ, of `M q̈ − Aᵀ λ = f`, `A q̈ = c` for a column of f, then c, of `n` coordinates; M is its lower
-    /// triangle, both are row by row. NaN where there is no solution, or more than one q̈.
+    /// What gives q̈, then λ, of `M q̈ − Aᵀ λ = f`, `A q̈ = c` for a column of f, then c, of `n` coordinates; M is its
+    /// lower triangle, both are row by row. NaN where there is no solution, or more than one q̈.
     fn constrained<'a>(n: usize, mass: Vec<Self>, jacobian: Vec<Self>) -> Solution<'a, Self>
     where
         Self: 'a,
@@ -212,9 +212,10 @@ impl Tape {
         Tape { steps, splines, roots: roots.iter().map(|root| at(root.id()).index()).collect(), strict: false }
     }
 
-    /// A tape on which nothing hides that a value is undefined: what is decided by a comparison with NaN is NaN, a power with
-    /// NaN in it is NaN (`1^NaN` is 1 in IEEE 754), and so are `atan2` on its cut, where the sign of a zero would decide, and `abs`
-    /// at its corner, where no derivative is right: 0 for |x| would be 0 for the second of |x|², which is 2.
+    /// A tape on which nothing hides that a value is undefined: what is decided by a comparison with NaN is NaN, a
+    /// power with NaN in it is NaN (`1^NaN` is 1 in IEEE 754), and so are `atan2` on its cut, where the sign of a zero
+    /// would decide, and `abs` at its corner, where no derivative is right: 0 for |x| would be 0 for the second
+    /// of |x|², which is 2.
     ///
     /// Branches not taken do not count, nor does an operand of `&&` and `||` where the other one decides.
     pub fn strict(roots: &[Expr<'_>]) -> Self {
@@ -251,8 +252,8 @@ impl Tape {
         self.all_deciding(point, |_, holds| holds)
     }
 
-    /// The values of the roots where some symbols vary from a point at which the values of all steps are `known`: what the symbols
-    /// are that `point` gives. A step of which nothing varies is what `fixed` makes of its known value.
+    /// The values of the roots where some symbols vary from a point at which the values of all steps are `known`: what
+    /// the symbols are that `point` gives. A step of which nothing varies is what `fixed` makes of its known value.
     pub(crate) fn run_varied<B: Value, V: Value>(
         &self,
         known: &[B],
@@ -312,7 +313,8 @@ impl Tape {
     }
 }
 
-/// The value of a node, of those of its operands, of symbols and of derivatives of splines; comparisons come out as `decide` says.
+/// The value of a node, of those of its operands, of symbols and of derivatives of splines; comparisons come out as
+/// `decide` says.
 #[inline(always)]
 pub(crate) fn value_of<V: Value>(
     node: &Node,

@@ -1,5 +1,5 @@
-//! The arena of expressions, in which equal ones are one node. Nodes are made by what applies the local rules: `arithmetic`,
-//! `power` and `condition`.
+//! The arena of expressions, in which equal ones are one node. Nodes are made by what applies the local rules:
+//! `arithmetic`, `power` and `condition`.
 //!
 //! Rules are local: they look at a node's operands and at what those are made of, never further. Nothing is expanded or
 //! flattened, because the shape of the recursion that was written is what keeps the generated code short.
@@ -43,7 +43,8 @@ pub enum Symbol {
     Parameter(u32),
     /// Input, given from outside at each instant.
     Input(u32),
-    /// Prescribed motion, given from outside at each instant: its number, and how often it is differentiated (0, 1 or 2).
+    /// Prescribed motion, given from outside at each instant: its number, and how often it is differentiated (0, 1 or
+    /// 2).
     Prescribed(u32, u8),
     /// Lagrange multiplier of a constraint row.
     Multiplier(u32),
@@ -460,7 +461,8 @@ impl<'g> Expr<'g> {
         self.graph.intern(Node::Rate(self.id))
     }
 
-    /// The same expression as a node of its own, in a verbatim graph: what is written like it elsewhere is another node.
+    /// The same expression as a node of its own, in a verbatim graph: what is written like it elsewhere is another
+    /// node.
     pub(crate) fn distinct(self) -> Expr<'g> {
         assert!(self.graph.verbatim, "equal expressions are one node in a graph with rules");
         let mut arena = self.graph.arena.borrow_mut();

@@ -1,10 +1,10 @@
 //! Second-order reverse sweep: all second derivatives of one expression by edge pushing.
 //!
-//! Source: Gower & Mello, *A new framework for the computation of Hessians*, Optimization Methods and Software 27:2, 2012,
-//! algorithm 3.1. Beside the adjoint of every node the sweep carries the second derivatives `w(i, j)` of the root in the
-//! values of the nodes not yet eliminated, taken as independent. Eliminating node `i` pushes its edges to its operands and
-//! creates those of its own curvature. On the kinetic energy of a chain of bodies, in the velocities, the `w` are the
-//! entries of composite inertias.
+//! Source: Gower & Mello, *A new framework for the computation of Hessians*, Optimization Methods and Software 27:2,
+//! 2012, algorithm 3.1. Beside the adjoint of every node the sweep carries the second derivatives `w(i, j)` of the root
+//! in the values of the nodes not yet eliminated, taken as independent. Eliminating node `i` pushes its edges to its
+//! operands and creates those of its own curvature. On the kinetic energy of a chain of bodies, in the velocities, the
+//! `w` are the entries of composite inertias.
 
 use std::collections::BTreeMap;
 

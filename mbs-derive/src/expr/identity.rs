@@ -1,11 +1,14 @@
-//! Whether expressions are identically zero, or polynomials of a degree in some of their symbols: decided in a finite field.
+//! Whether expressions are identically zero, or polynomials of a degree in some of their symbols: decided in a finite
+//! field.
 //!
-//! A function of s is a polynomial of degree k at most if and only if its divided differences of order `k + 1` vanish. They are
-//! formed along a random line through a random point, of values in a finite field ([`residue`](super::residue)), so that the
-//! answer knows no tolerance: `1e-30 v⁴` is not of degree two, and `(v⁴ − w⁴)/(v² − w²)` is.
+//! A function of s is a polynomial of degree k at most if and only if its divided differences of order `k + 1` vanish.
+//! They are formed along a random line through a random point, of values in a finite field
+//! ([`residue`](super::residue)), so that the answer knows no tolerance: `1e-30 v⁴` is not of degree two, and `(v⁴ −
+//! w⁴)/(v² − w²)` is.
 //!
-//! A function that has the degree is never said not to have it as long as it follows by algebra, by the addition of angles and by
-//! `√x² = x`; one that has not is taken for one that has with a probability of its degree over 2⁵¹ at each of the points.
+//! A function that has the degree is never said not to have it as long as it follows by algebra, by the addition of
+//! angles and by `√x² = x`; one that has not is taken for one that has with a probability of its degree over 2⁵¹ at
+//! each of the points.
 
 use super::branch::{Branches, Side};
 use super::dual::Dual;
@@ -31,8 +34,8 @@ pub fn vanishes(expr: Expr<'_>) -> Verdict {
     Test::new(expr, |_| false).decide(0)
 }
 
-/// Whether an expression is a polynomial of at most this degree in the symbols that vary, the same one on all sides of a condition
-/// that depends on them. Of degree 0 is what does not depend on them.
+/// Whether an expression is a polynomial of at most this degree in the symbols that vary, the same one on all sides of
+/// a condition that depends on them. Of degree 0 is what does not depend on them.
 pub fn degree_is_at_most(degree: usize, expr: Expr<'_>, varies: impl Fn(Symbol) -> bool) -> Verdict {
     Test::new(expr, varies).decide(degree + 1)
 }
@@ -46,8 +49,8 @@ const POINTS_OF_CHOICES: u64 = 64;
 /// This many points on a line are tried to find those where all roots exist.
 const TRIED_ON_A_LINE: u64 = 64;
 
-/// This many points are tried for the values of one difference. Roots of a dozen sums exist at one in some thousands; what has a
-/// value at none of them has none in the field.
+/// This many points are tried for the values of one difference. Roots of a dozen sums exist at one in some thousands;
+/// what has a value at none of them has none in the field.
 const TRIED: usize = 1 << 14;
 
 /// This many where no root depends on a symbol: what has no value at one point has none at others.
@@ -166,8 +169,8 @@ fn moving<const K: usize>(symbol: Symbol, at: impl Fn(Symbol) -> Residue<K>) -> 
     }
 }
 
-/// Values of all nodes of a verbatim graph at some points of a finite field: what differs there is not equal. A node has them at
-/// once, while [`vanishes`] goes through all that an expression is made of.
+/// Values of all nodes of a verbatim graph at some points of a finite field: what differs there is not equal. A node
+/// has them at once, while [`vanishes`] goes through all that an expression is made of.
 #[derive(Default)]
 pub struct Fingerprints(Vec<[Dual<Residue<0>>; FINGERPRINTS]>);
 

@@ -1,8 +1,8 @@
 //! Multiple-angle normal form: sums of monomials times a sine or cosine of a sum of angles, as in a textbook.
 //!
-//! Products of sines and cosines become sums, `cos a cos b = ½ (cos(a − b) + cos(a + b))`, so that what cancels cancels and a
-//! double pendulum shows `m2 l1 l2 cos(θ1 − θ2)`. The form can be exponentially longer than the graph it stands for, so it
-//! is given up when it grows past a bound; then the graph's own form is the better one.
+//! Products of sines and cosines become sums, `cos a cos b = ½ (cos(a − b) + cos(a + b))`, so that what cancels cancels
+//! and a double pendulum shows `m2 l1 l2 cos(θ1 − θ2)`. The form can be exponentially longer than the graph it stands
+//! for, so it is given up when it grows past a bound; then the graph's own form is the better one.
 //!
 //! - [`combination`]: linear combinations and polynomials;
 //! - [`wave`]: sines and cosines of sums of angles;
@@ -34,8 +34,8 @@ use wave::{Angle, Wave, cosine, sine};
 /// The expressions in normal form, with common factors taken out again; `None` where one of them has more than `limit`
 /// terms on the way.
 ///
-/// Equal polynomials give the same expression, where nothing is kept: that is for reading and comparing, because differences are
-/// multiplied out that have digits to lose.
+/// Equal polynomials give the same expression, where nothing is kept: that is for reading and comparing, because
+/// differences are multiplied out that have digits to lose.
 pub fn normal_form<'g>(roots: &[Expr<'g>], kept: &Kept, limit: usize) -> Option<Vec<Expr<'g>>> {
     let Some(first) = roots.first() else { return Some(Vec::new()) };
     let mut expansion = Expansion::new(first.graph(), kept, Turned::Kept, limit);
@@ -46,10 +46,10 @@ pub fn normal_form<'g>(roots: &[Expr<'g>], kept: &Kept, limit: usize) -> Option<
     roots.iter().map(form).collect()
 }
 
-/// The expressions in the cheapest of the forms that texts use, all of them in the same: multiple angles, or doubled angles
-/// halved; with common factors taken out, or shared products named. What is kept is not multiplied out. Forms that lose digits do
-/// not count; where all of them do, the expressions stay as they are. `None` where one of them has more than `limit` terms on
-/// the way.
+/// The expressions in the cheapest of the forms that texts use, all of them in the same: multiple angles, or doubled
+/// angles halved; with common factors taken out, or shared products named. What is kept is not multiplied out. Forms
+/// that lose digits do not count; where all of them do, the expressions stay as they are. `None` where one of them has
+/// more than `limit` terms on the way.
 pub fn cheapest_form<'g>(roots: &[Expr<'g>], kept: &Kept, limit: usize) -> Option<Vec<Expr<'g>>> {
     let Some(first) = roots.first() else { return Some(Vec::new()) };
     let graph = first.graph();
@@ -65,8 +65,8 @@ pub fn cheapest_form<'g>(roots: &[Expr<'g>], kept: &Kept, limit: usize) -> Optio
     cheapest(roots, kept.ways().iter().flat_map(forms).collect())
 }
 
-/// Of equally cheap ones the first, among those that keep the digits of what they stand for; that itself where none does, `None`
-/// where there are no forms.
+/// Of equally cheap ones the first, among those that keep the digits of what they stand for; that itself where none
+/// does, `None` where there are no forms.
 fn cheapest<'g>(given: &[Expr<'g>], mut forms: Vec<Vec<Expr<'g>>>) -> Option<Vec<Expr<'g>>> {
     if forms.is_empty() {
         return None;
@@ -76,7 +76,8 @@ fn cheapest<'g>(given: &[Expr<'g>], mut forms: Vec<Vec<Expr<'g>>>) -> Option<Vec
     Some(forms.into_iter().find(|form| digits::are_kept(given, form)).unwrap_or_else(|| given.to_vec()))
 }
 
-/// `a / b` for each pair, in the cheapest of the forms that texts use; what is common to a and to a b of one term cancels.
+/// `a / b` for each pair, in the cheapest of the forms that texts use; what is common to a and to a b of one term
+/// cancels.
 pub fn quotients<'g>(pairs: &[(Expr<'g>, Expr<'g>)], kept: &Kept, limit: usize) -> Option<Vec<Expr<'g>>> {
     let Some((first, _)) = pairs.first() else { return Some(Vec::new()) };
     let graph = first.graph();
@@ -213,7 +214,8 @@ impl<'g, 'k> Expansion<'g, 'k> {
         }
     }
 
-    /// A node with all sums as factors that are multiplied out only beside what does not vanish with them, if it vanishes with one.
+    /// A node with all sums as factors that are multiplied out only beside what does not vanish with them, if it
+    /// vanishes with one.
     fn unexpanded(&self, id: Id) -> Option<Option<Sum>> {
         if self.turned == Turned::Kept {
             return Some(None);
@@ -251,8 +253,9 @@ impl<'g, 'k> Expansion<'g, 'k> {
         self.beside(a, b)?.times_sum(self.beside(b, a)?.as_ref(), self.limit)
     }
 
-    /// A factor as it is multiplied out: a sum of coordinates stays one beside a factor that holds a power or a function; beside a
-    /// sine or cosine, whose square it would be multiplied by where a place is turned; and beside another one, which may be itself.
+    /// A factor as it is multiplied out: a sum of coordinates stays one beside a factor that holds a power or a
+    /// function; beside a sine or cosine, whose square it would be multiplied by where a place is turned; and beside
+    /// another one, which may be itself.
     fn beside<'a>(&self, factor: &'a Sum, other: &Sum) -> Option<Cow<'a, Sum>> {
         let is_turned = other.0.keys().any(|term| term.wave != Wave::One);
         let is_kept = self.is_difference_of_places(factor)
@@ -294,9 +297,9 @@ impl<'g, 'k> Expansion<'g, 'k> {
         product
     }
 
-    /// Whether powers of the sum are kept, and its products with powers and functions: a sum like x + a of coordinates, in which no
-    /// sines and cosines could cancel. Near x = −a, where two points come together, x² + 2 a x + a² has lost the digits that
-    /// (x + a)² has. The price is that (x + a)² − x² does not become a (a + 2 x).
+    /// Whether powers of the sum are kept, and its products with powers and functions: a sum like x + a of coordinates,
+    /// in which no sines and cosines could cancel. Near x = −a, where two points come together, x² + 2 a x + a² has
+    /// lost the digits that (x + a)² has. The price is that (x + a)² − x² does not become a (a + 2 x).
     fn is_difference_of_places(&self, sum: &Sum) -> bool {
         sum.0.len() > 1
             && sum.0.keys().all(|term| term.wave == Wave::One)

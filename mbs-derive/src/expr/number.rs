@@ -5,9 +5,10 @@ use std::ops::{Add, Mul, Neg};
 
 /// A constant of the graph.
 ///
-/// `Exact` is `numerator / denominator · π^pi`, in lowest terms with a positive denominator. What cannot be held so
-/// (a square root of two, an overflow) is `Real`, and 0 as soon as it may be nothing but rounding: what cancels in exact numbers
-/// leaves no trace in rounded ones. Equality and hashing are by bits of the values, so that numbers can be hash-consed.
+/// `Exact` is `numerator / denominator · π^pi`, in lowest terms with a positive denominator. What cannot be held so (a
+/// square root of two, an overflow) is `Real`, and 0 as soon as it may be nothing but rounding: what cancels in exact
+/// numbers leaves no trace in rounded ones. Equality and hashing are by bits of the values, so that numbers can be
+/// hash-consed.
 #[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Number {
@@ -162,8 +163,8 @@ impl Number {
         Some(exactly().unwrap_or_else(rounded))
     }
 
-    /// The result of an operation that is rounded once, of operands that bring in this error; held exactly where it is a small
-    /// integer (0 and 1 above all), and 0 where it may be nothing but error.
+    /// The result of an operation that is rounded once, of operands that bring in this error; held exactly where it is
+    /// a small integer (0 and 1 above all), and 0 where it may be nothing but error.
     pub fn rounded(value: f64, inherited: f64) -> Number {
         // Where a slope is vertical nothing is known of the error.
         let inherited = if inherited.is_finite() { inherited } else { 0.0 };
@@ -176,8 +177,8 @@ impl Number {
         }
     }
 
-    /// `self / other`, to be multiplied with the same `other` again, whose error it therefore does not take over; `None` where
-    /// that is zero.
+    /// `self / other`, to be multiplied with the same `other` again, whose error it therefore does not take over;
+    /// `None` where that is zero.
     pub(crate) fn in_units_of(self, other: Number) -> Option<Number> {
         let exactly = match (self, other) {
             (Number::Exact { .. }, Number::Exact { .. }) => other.power(-2).map(|reciprocal| self * reciprocal),
@@ -417,8 +418,8 @@ mod tests {
         assert!(!Number::rounded(6.1e-17, 1e-32).is_zero());
     }
 
-    /// Coefficients are divided by the first of them, and multiplied with it again: what is unknown of it must not swallow the sums
-    /// of their quotients.
+    /// Coefficients are divided by the first of them, and multiplied with it again: what is unknown of it must not
+    /// swallow the sums of their quotients.
     #[test]
     fn quotients_do_not_take_over_what_is_unknown_of_the_divisor() {
         let [first, other] = [Number::rounded(1e-3, 0.9e-3), Number::rounded(1.5e-3, 1.4e-3)];

@@ -1,8 +1,8 @@
 //! Numbers of a finite field, in which whether two expressions are equal is decided without rounding.
 //!
-//! Two rational functions of degree d that differ agree at a random point of a field of p elements with probability d/p at most
-//! (Schwartz, *Fast probabilistic algorithms for verification of polynomial identities*, Journal of the ACM 27:4, 1980). What is
-//! not rational is given values that obey the laws by which energies are simplified:
+//! Two rational functions of degree d that differ agree at a random point of a field of p elements with probability d/p
+//! at most (Schwartz, *Fast probabilistic algorithms for verification of polynomial identities*, Journal of the ACM
+//! 27:4, 1980). What is not rational is given values that obey the laws by which energies are simplified:
 //!
 //! - a sine with its cosine is a point of the unit circle. Its points over F_p are a cyclic group of order `p + 1 = 720 N`, N prime:
 //!   angles are added as its exponents are. A multiple of π is read as one of half degrees, everything else modulo N, where sums,
@@ -16,11 +16,12 @@
 //! - every other function is opaque: equal where its arguments are, odd where it is odd. So are roots and functions inside angles;
 //! - which of two different numbers is the smaller one is decided by a coin, and the other way round for the negatives of both.
 //!
-//! An identity that rests on no more than these laws holds at every point. One that needs others, `ln(exp(x)) = x` for instance,
-//! seems not to hold.
+//! An identity that rests on no more than these laws holds at every point. One that needs others, `ln(exp(x)) = x` for
+//! instance, seems not to hold.
 //!
-//! There are two such fields. An integer that is a multiple of p has no value in one of them, since it would be zero; a sum that comes
-//! out as one, `2^61 x − 5102193 x`, is zero in one and not in the other. So whatever is decided is decided in both.
+//! There are two such fields. An integer that is a multiple of p has no value in one of them, since it would be zero; a
+//! sum that comes out as one, `2^61 x − 5102193 x`, is zero in one and not in the other. So whatever is decided is
+//! decided in both.
 
 use super::evaluate::Value;
 use super::function::{Binary, Function};
@@ -41,8 +42,8 @@ struct Field {
     fold: u64,
     /// A point of order n.
     circle: (u64, u64),
-    /// A point of order 720 whose multiples are 90° = (0, 1), 45° = (√2, √2)/2, 60° = (1, √3)/2, and 36° with the cosine (1 + √5)/4; the
-    /// first that is found among the n-th powers of `((1 − t²)/(1 + t²), 2t/(1 + t²))`.
+    /// A point of order 720 whose multiples are 90° = (0, 1), 45° = (√2, √2)/2, 60° = (1, √3)/2, and 36° with the
+    /// cosine (1 + √5)/4; the first that is found among the n-th powers of `((1 − t²)/(1 + t²), 2t/(1 + t²))`.
     half_degree: (u64, u64),
 }
 

@@ -11,7 +11,8 @@ use super::evaluate::{Solutions, Terms, Value};
 use super::function::{Binary, Function};
 use super::number::Number;
 
-/// Below this no result is told from zero. Its square is still a normal number: arithmetic with those that are not is slow.
+/// Below this no result is told from zero. Its square is still a normal number: arithmetic with those that are not is
+/// slow.
 const FLOOR: f64 = 1e-150;
 
 /// A double and a bound, to first order, on its distance from the exact result.
@@ -132,9 +133,9 @@ impl Value for Rounded {
     fn less_equal(self, other: Self) -> bool {
         self.value <= other.value
     }
-    /// The solution in doubles, and how far it may be from the exact one: `|K⁻¹| |b − K x|`, where the remainder carries what
-    /// rounding has done to K, to b and to itself. So the bound follows the condition of the constrained motion, and knows
-    /// nothing of how the solution was found.
+    /// The solution in doubles, and how far it may be from the exact one: `|K⁻¹| |b − K x|`, where the remainder
+    /// carries what rounding has done to K, to b and to itself. So the bound follows the condition of the constrained
+    /// motion, and knows nothing of how the solution was found.
     ///
     /// Source: Higham, *Accuracy and Stability of Numerical Algorithms*, 2nd ed. 2002, sections 7.1 and 15.1.
     fn constrained_columns<'a>(n: usize, mass: Vec<Self>, jacobian: Vec<Self>) -> Solutions<'a, Self>

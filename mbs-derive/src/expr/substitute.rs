@@ -32,8 +32,8 @@ pub fn substitute_into<'g>(
     roots.iter().map(|root| copies[root.id()]).collect()
 }
 
-/// A verbatim expression in another verbatim graph, cut where `cut` puts something else in the place of a node; `None` where it
-/// has symbols besides that `allowed` does not let pass.
+/// A verbatim expression in another verbatim graph, cut where `cut` puts something else in the place of a node; `None`
+/// where it has symbols besides that `allowed` does not let pass.
 pub fn cut<'g>(
     root: Expr<'_>,
     graph: &'g Graph,

@@ -53,8 +53,8 @@ impl<V> IndexMut<Id> for Table<V> {
     }
 }
 
-/// Finds things that are kept elsewhere, numbered 0, 1, …, by their hashes: linear probing, the home slot of a hash being its
-/// leading bits.
+/// Finds things that are kept elsewhere, numbered 0, 1, …, by their hashes: linear probing, the home slot of a hash
+/// being its leading bits.
 #[derive(Default)]
 pub(crate) struct Finder {
     /// Part of the hash and one more than the number; a free slot has 0. As many as a power of two.
@@ -68,7 +68,8 @@ impl Finder {
         Finder { slots: vec![(0, 0); (count + count / 2).next_power_of_two()], count: 0 }
     }
 
-    /// The number of what has this hash and of which `is` holds; else it is given the next number, and the answer is `None`.
+    /// The number of what has this hash and of which `is` holds; else it is given the next number, and the answer is
+    /// `None`.
     pub(crate) fn find_or_add(&mut self, hash: u64, is: impl Fn(u32) -> bool) -> Option<u32> {
         if self.count as usize >= self.slots.len() / 4 * 3 {
             self.grow();

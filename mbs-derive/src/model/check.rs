@@ -152,7 +152,8 @@ impl<'d, 'g> Resolver<'d, 'g> {
         self.check_columns();
     }
 
-    /// A motion is a table with a column for each coordinate and each rate, `energy`, and two for each row of a constraint.
+    /// A motion is a table with a column for each coordinate and each rate, `energy`, and two for each row of a
+    /// constraint.
     fn check_columns(&mut self) {
         let coordinates = &self.lagrangian.coordinates;
         let names: BTreeSet<String> = coordinates.iter().flat_map(Variable::component_names).collect();

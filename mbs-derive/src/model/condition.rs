@@ -1,8 +1,8 @@
 //! `if … { … } else { … }`: each branch is a value of its own, and the condition chooses between them.
 //!
 //! What is known at build time is decided at build time, and the other branch is not looked at: loops may ask for their
-//! turn. Known is as well how things compare that are equal for all values, as `l/l` and 1: rounding must not choose between
-//! branches, one way here and the other way there.
+//! turn. Known is as well how things compare that are equal for all values, as `l/l` and 1: rounding must not choose
+//! between branches, one way here and the other way there.
 
 use super::evaluate::{Argument, Refused, Resolved, Resolver, in_words};
 use super::lagrangian::Choice;

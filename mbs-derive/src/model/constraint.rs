@@ -164,8 +164,8 @@ impl<'d, 'g> Resolver<'d, 'g> {
         }
     }
 
-    /// What the rows that are left are in, and their multipliers: those of positions work through displacements, those of rates
-    /// through velocities.
+    /// What the rows that are left are in, and their multipliers: those of positions work through displacements, those
+    /// of rates through velocities.
     fn units_of_rows(
         &mut self,
         sides: [&Argument<'g>; 2],
@@ -292,8 +292,8 @@ fn simplified<'g>(rows: &[Expr<'_>], graph: &'g Graph) -> Vec<Expr<'g>> {
     })
 }
 
-/// Which rows are zero up to rounding wherever they are finite, at random states and parameters: the vertical velocity of
-/// the point where a coin touches the table is the sum of terms that cancel, though no local rule sees it.
+/// Which rows are zero up to rounding wherever they are finite, at random states and parameters: the vertical velocity
+/// of the point where a coin touches the table is the sum of terms that cancel, though no local rule sees it.
 fn vanishing(rows: &[Expr<'_>], lagrangian: &Lagrangian<'_>) -> Vec<bool> {
     let tape = Tape::new(rows);
     let mut random = Random::new(0x7661_6e69_7368);
@@ -311,8 +311,8 @@ fn vanishing(rows: &[Expr<'_>], lagrangian: &Lagrangian<'_>) -> Vec<bool> {
     tries.into_iter().zip(zeros).map(|(tries, zeros)| tries > 0 && tries == zeros).collect()
 }
 
-/// The value nearest to zero of a row that does not get there from any of some random states, and has one sign at all that
-/// are met on the way; `None` where it is zero somewhere, or nothing can be said.
+/// The value nearest to zero of a row that does not get there from any of some random states, and has one sign at all
+/// that are met on the way; `None` where it is zero somewhere, or nothing can be said.
 fn never_zero(row: Expr<'_>, lagrangian: &Lagrangian<'_>) -> Option<f64> {
     const STARTS: usize = 16;
     const STEPS: usize = 60;

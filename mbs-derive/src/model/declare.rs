@@ -42,7 +42,8 @@ impl<'d, 'g> Resolver<'d, 'g> {
         self.declare_symbols(quantity, Origin::Parameter, symbols, measure.dimension, length)
     }
 
-    /// What was declared of the last parameter besides its name: another unit than those of the SI, that it is positive.
+    /// What was declared of the last parameter besides its name: another unit than those of the SI, that it is
+    /// positive.
     fn note_conditions(&mut self, quantity: &Quantity, measure: &Measure) {
         let Some(parameter) = self.lagrangian.parameters.last_mut() else { return };
         parameter.declared_unit =

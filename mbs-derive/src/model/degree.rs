@@ -1,8 +1,8 @@
 //! What must hold of the energies and constraints as functions of the velocities.
 //!
-//! L is quadratic in q̇ and V does not depend on it; constraints are linear in it and independent; every motion that they
-//! leave has inertia. A declaration that fails has no equations of motion of the form
-//! `M q̈ + C q̇ + G + ∂D/∂q̇ = Q + Aᵀλ`.
+//! L is quadratic in q̇ and V does not depend on it; constraints are linear in it and independent; every motion that
+//! they leave has inertia. A declaration that fails has no equations of motion of the form `M q̈ + C q̇ + G + ∂D/∂q̇ =
+//! Q + Aᵀλ`.
 //!
 //! Degrees are decided on the expressions (`velocity`), signs and sizes at random states (`inertia`, `rank`).
 
@@ -241,7 +241,8 @@ impl Line {
         Dual::new(Rounded::exact(value), Rounded::exact(derivative))
     }
 
-    /// A value in a finite field for every symbol: those of the parameters are their defaults, all others have no relation.
+    /// A value in a finite field for every symbol: those of the parameters are their defaults, all others have no
+    /// relation.
     pub(super) fn in_field<const K: usize>(
         &self,
         point: u64,
@@ -276,7 +277,8 @@ fn degrees(lagrangian: &Lagrangian<'_>, lines: &[Line]) -> Vec<Problem> {
     .concat()
 }
 
-/// Whether the differences of order `degree + 1`, which vanish of a polynomial of the degree, are more than rounding on a line.
+/// Whether the differences of order `degree + 1`, which vanish of a polynomial of the degree, are more than rounding on
+/// a line.
 pub(super) fn seems_beyond(degree: usize, tape: &Tape, root: usize, line: &Line) -> bool {
     let mut values = [0.0, 1.0, 2.0, 3.0].map(|s| tape.run(line.point(s))[root].value).to_vec();
     let size = values.iter().fold(0.0, |s: f64, x| s.max(x.abs()));

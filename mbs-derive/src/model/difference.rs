@@ -1,10 +1,10 @@
 //! Differences of places, formed in the nearest frame that all of them hang from.
 //!
 //! World components of a point carry the whole way from the origin of the world: the radius of an orbit, the track of a
-//! vehicle. What two points share of it cancels in their difference, but only as far as rounding lets it: 1e-9 m are left of
-//! an orbit's radius. So a world component that is a sum of places with numbers, `a.x`, `a.x/2 + b.x/2 + c`, is remembered as such,
-//! and where the numbers add up to zero, the sum is formed anew, in the axes of the nearest common frame, of what differs
-//! below it. Velocities of points are differences in the same way: `dt(a) − dt(b) = dt(a − b)`.
+//! vehicle. What two points share of it cancels in their difference, but only as far as rounding lets it: 1e-9 m are
+//! left of an orbit's radius. So a world component that is a sum of places with numbers, `a.x`, `a.x/2 + b.x/2 + c`, is
+//! remembered as such, and where the numbers add up to zero, the sum is formed anew, in the axes of the nearest common
+//! frame, of what differs below it. Velocities of points are differences in the same way: `dt(a) − dt(b) = dt(a − b)`.
 //!
 //! An expression that is missing in the table is a difference of world components, as it was before.
 
@@ -247,8 +247,8 @@ impl<'d, 'g> Resolver<'d, 'g> {
         }
     }
 
-    /// The combination in the axes of the nearest common frame of its places, where it is a difference and that frame is not
-    /// the world.
+    /// The combination in the axes of the nearest common frame of its places, where it is a difference and that frame
+    /// is not the world.
     fn formed(&mut self, combination: &Combination<'g>) -> Option<Free<'g>> {
         if !combination.is_difference() {
             return None;
@@ -275,8 +275,8 @@ impl<'d, 'g> Resolver<'d, 'g> {
         Some(difference)
     }
 
-    /// `Σ wᵢ pᵢ` as seen from the origin of a frame, in its axes. What is only shifted is added up first, level by level: x and y of
-    /// x + a and y + b cancel without what is added to them.
+    /// `Σ wᵢ pᵢ` as seen from the origin of a frame, in its axes. What is only shifted is added up first, level by
+    /// level: x and y of x + a and y + b cancel without what is added to them.
     fn sum_in(&self, frame: FrameId, terms: &[(Number, Point<'g>)]) -> Vector<'g> {
         let mut levels: Vec<Vec<(Number, Vector<'g>)>> = Vec::new();
         let mut turned: Vec<(Number, Vector<'g>)> = Vec::new();

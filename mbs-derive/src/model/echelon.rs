@@ -52,8 +52,8 @@ impl<const K: usize> Echelon<K> {
         &self.dependent
     }
 
-    /// The columns of a vector that the matrix takes to zero, the fewest of those that have one entry 1 among the columns without
-    /// a leading one; `None` where there is no such vector.
+    /// The columns of a vector that the matrix takes to zero, the fewest of those that have one entry 1 among the
+    /// columns without a leading one; `None` where there is no such vector.
     pub(crate) fn shortest_dependence(&self) -> Option<Vec<usize>> {
         let free = (0..self.columns).filter(|column| self.rows.iter().all(|(lead, _)| lead != column));
         let dependence = |column: usize| {

@@ -1,7 +1,7 @@
 //! `let p[n];`: arrays whose elements are given their values one by one, such as by the turns of a loop.
 //!
-//! An element has a value from the statement `p[i] = …;` on, and takes one only (with `let mut` new ones of the same shape
-//! and dimension); what has no value yet cannot be read, neither by itself nor with the whole array.
+//! An element has a value from the statement `p[i] = …;` on, and takes one only (with `let mut` new ones of the same
+//! shape and dimension); what has no value yet cannot be read, neither by itself nor with the whole array.
 
 use super::evaluate::{Argument, Refused, Resolved, Resolver};
 use super::scope::{Binding, Origin};

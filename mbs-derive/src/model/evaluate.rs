@@ -832,8 +832,8 @@ impl<'d, 'g> Resolver<'d, 'g> {
         turned
     }
 
-    /// What is the velocity of a place, in world axes: turned back from the axes of its frame, it would keep what the rounding of
-    /// these turns leaves.
+    /// What is the velocity of a place, in world axes: turned back from the axes of its frame, it would keep what the
+    /// rounding of these turns leaves.
     fn velocity_in_world(&self, components: Vector<'g>) -> Option<Vector<'g>> {
         match self.lagrangian.landmarks.motion(components)? {
             Motion::Velocity { factor, coordinates, frame } if factor.is_one() => {

@@ -129,8 +129,8 @@ impl<'g> Frames<'g> {
         self.frames.iter()
     }
 
-    /// A frame that moves in `parent` as `edge` says; the same edge on the same parent is the same frame, and an edge that undoes
-    /// that of `parent` leads to the frame that this one is attached to.
+    /// A frame that moves in `parent` as `edge` says; the same edge on the same parent is the same frame, and an edge
+    /// that undoes that of `parent` leads to the frame that this one is attached to.
     pub fn attach(&mut self, parent: FrameId, edge: Edge<'g>) -> FrameId {
         if let Frame { parent: Some(before), edge: Some(last), .. } = self.get(parent)
             && edge.undoes(last)

@@ -1,7 +1,7 @@
 //! Functions written in the language: those of the mechanism, and those of the library.
 //!
-//! A call gives the body a scope of its own, in which the arguments are values of any shape and dimension, and evaluates
-//! it: a function is as polymorphic as its body.
+//! A call gives the body a scope of its own, in which the arguments are values of any shape and dimension, and
+//! evaluates it: a function is as polymorphic as its body.
 
 use std::collections::BTreeSet;
 

@@ -1,8 +1,8 @@
 //! `gravity [0, 0, -g];`: the weight of every body that was declared as one.
 //!
-//! A body of mass m with its mass centre at r has the potential energy `−m g·r`. It is added when all statements have been
-//! gone through, so that the statement may stand anywhere; it is written as a hand would write it, `m*g*r.z`, and found
-//! again by what finds that.
+//! A body of mass m with its mass centre at r has the potential energy `−m g·r`. It is added when all statements have
+//! been gone through, so that the statement may stand anywhere; it is written as a hand would write it, `m*g*r.z`, and
+//! found again by what finds that.
 
 use std::collections::BTreeMap;
 

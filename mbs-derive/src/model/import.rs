@@ -26,8 +26,8 @@ impl<'d, 'g> Resolver<'d, 'g> {
         }
     }
 
-    /// The functions that may be called here: from an imported file one of the mechanism's own is not seen, and one of the
-    /// library is seen behind it.
+    /// The functions that may be called here: from an imported file one of the mechanism's own is not seen, and one of
+    /// the library is seen behind it.
     pub(super) fn functions_in_sight(&self) -> &BTreeMap<&'d str, Function<'d>> {
         if self.home() == Home::Mechanism { &self.functions } else { &self.shared }
     }

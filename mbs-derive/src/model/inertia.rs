@@ -54,8 +54,8 @@ pub(super) fn problem(motion: &Motion, constraints: &VelocityEquations, lines: &
     without_inertia(motion, constraints, lines, n)
 }
 
-/// The coordinates of a motion that has no inertia at any state, decided in a finite field at the defaults of the parameters;
-/// where it has no values, none is said to be.
+/// The coordinates of a motion that has no inertia at any state, decided in a finite field at the defaults of the
+/// parameters; where it has no values, none is said to be.
 fn without_inertia(motion: &Motion, constraints: &VelocityEquations, lines: &[Line], n: usize) -> Option<Problem> {
     let first = dependence::<0>(motion, constraints, lines, n);
     let second = dependence::<1>(motion, constraints, lines, n);
@@ -89,8 +89,8 @@ fn dependence<const K: usize>(
     (!singular.is_empty()).then(|| singular.into_iter().collect::<Option<Vec<_>>>()?.pop())
 }
 
-/// `M + Aᵀ A`, positive definite where M is so on the motions that A leaves; in the scales of the solution, which are those of
-/// the units.
+/// `M + Aᵀ A`, positive definite where M is so on the motions that A leaves; in the scales of the solution, which are
+/// those of the units.
 pub(crate) fn on_allowed_motions(n: usize, mut mass: Vec<Rounded>, mut a: Vec<Rounded>) -> Vec<Rounded> {
     let scales = scales(n, &mass, &a);
     mass.iter_mut().enumerate().for_each(|(k, x)| *x = scales.mass(k / n, k % n, *x));
@@ -114,8 +114,8 @@ pub(crate) fn eliminate_rounded(m: &[Rounded], n: usize) -> (Elimination, f64) {
     let values: Vec<f64> = (0..n * n).map(value).collect();
     let scale = |k: usize| (values[k / n * (n + 1)] * values[k % n * (n + 1)]).sqrt();
     let inherited = (0..n * n).map(|k| if scale(k) > 0.0 { m[k].error / scale(k) } else { 0.0 }).fold(0.0, f64::max);
-    // Elimination with the largest pivots is backward stable: Higham, Accuracy and Stability of Numerical Algorithms, 2nd ed. 2002,
-    // section 10.3.
+    // Elimination with the largest pivots is backward stable: Higham, Accuracy and Stability of Numerical Algorithms,
+    // 2nd ed. 2002, section 10.3.
     let rounding = 64.0 * n as f64 * (inherited + f64::EPSILON);
     (eliminate(&values, n), rounding)
 }

@@ -1,8 +1,9 @@
 //! `table(x, xs, ys)` and its like: values between samples.
 //!
-//! In each interval between two places stands a polynomial. Where the samples are numbers they are one [`Spline`], a function of
-//! one argument like others, which generated code looks up in a constant. Where their values depend on parameters the table is
-//! written as branches: a tree of comparisons with the places finds the interval, as a binary search would.
+//! In each interval between two places stands a polynomial. Where the samples are numbers they are one [`Spline`], a
+//! function of one argument like others, which generated code looks up in a constant. Where their values depend on
+//! parameters the table is written as branches: a tree of comparisons with the places finds the interval, as a binary
+//! search would.
 //!
 //! - `table`: straight lines; before the first and behind the last place their values;
 //! - `table_monotone`: cubics that rise where the samples rise, with a continuous slope (F. N. Fritsch, R. E. Carlson,
@@ -24,8 +25,8 @@ use crate::expr::{Expr, Number, Spline};
 /// Samples of one table at most.
 pub(super) const MAX_SAMPLES: usize = 10_000;
 
-/// Where values depend on parameters, a table is a tree of as many branches as it has samples, in each function that needs it and
-/// in each derivative.
+/// Where values depend on parameters, a table is a tree of as many branches as it has samples, in each function that
+/// needs it and in each derivative.
 pub(super) const MAX_PARAMETRIC: usize = 200;
 
 /// What a table is made of.

@@ -1,7 +1,7 @@
 //! What a mechanism is: coordinates, energies, forces, outputs, and the bodies and frames they were declared with.
 //!
-//! The expressions live in a verbatim graph, as declared, time derivatives not yet carried out; `derive` works on a copy
-//! with the local rules applied, and `verify` proves the result against the verbatim one.
+//! The expressions live in a verbatim graph, as declared, time derivatives not yet carried out; `derive` works on a
+//! copy with the local rules applied, and `verify` proves the result against the verbatim one.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -228,7 +228,8 @@ pub struct Output<'g> {
     pub units: Vec<String>,
     /// Its value.
     pub value: OutputValue<'g>,
-    /// Whether the time derivative of its Jacobian is generated; only where the value depends on no velocities or inputs.
+    /// Whether the time derivative of its Jacobian is generated; only where the value depends on no velocities or
+    /// inputs.
     pub jacobian_rate: bool,
 }
 
@@ -279,9 +280,9 @@ pub struct Lagrangian<'g> {
     pub outputs: Vec<Output<'g>>,
     /// Joints whose wrenches are asked for, in declaration order.
     pub reactions: Vec<Reaction>,
-    /// The mechanism with these joints let go, where there are any: behind its own coordinates it has
-    /// [six](AUXILIARY) more for each joint, in the order of `reactions`, and is the same mechanism where they are zero. Its
-    /// constraints have the same rows.
+    /// The mechanism with these joints let go, where there are any: behind its own coordinates it has [six](AUXILIARY)
+    /// more for each joint, in the order of `reactions`, and is the same mechanism where they are zero. Its constraints
+    /// have the same rows.
     pub released: Option<Box<Lagrangian<'g>>>,
     /// The frames, with their twists.
     pub frames: Frames<'g>,
@@ -372,9 +373,9 @@ impl<'g> Lagrangian<'g> {
 
     /// `½ m |v_c|² + ½ ωᵀ I ω`, in the axes of the body's frame; it is known from then on as the energy of this body.
     ///
-    /// Of a rigid body it is written with the mass moments about the frame's origin, which are constant:
-    /// `½ m v·v + h·(v × ω) + ½ ωᵀ J ω` with `h = m c` and `J = I + m (c·c 1 − c cᵀ)`, and each product of two velocities
-    /// once: on a six-joint arm a sixth fewer operations in what is derived from it.
+    /// Of a rigid body it is written with the mass moments about the frame's origin, which are constant: `½ m v·v +
+    /// h·(v × ω) + ½ ωᵀ J ω` with `h = m c` and `J = I + m (c·c 1 − c cᵀ)`, and each product of two velocities once: on
+    /// a six-joint arm a sixth fewer operations in what is derived from it.
     pub fn kinetic_energy_of(&mut self, body: &Body<'g>) -> Expr<'g> {
         let energy = self.energy_of(body);
         self.landmarks.note_body(energy, *body);
@@ -410,8 +411,8 @@ impl<'g> Lagrangian<'g> {
         moving.velocity + moving.angular_velocity.cross(point) + point.map(Expr::rate)
     }
 
-    /// The same velocity in world axes, summed up on the way there: nothing is turned into the axes of the frame and back, so a
-    /// component that is exact in the world stays so beside large ones.
+    /// The same velocity in world axes, summed up on the way there: nothing is turned into the axes of the frame and
+    /// back, so a component that is exact in the world stays so beside large ones.
     pub(super) fn velocity_in_world(&self, point: Vector<'g>, frame: FrameId) -> Vector<'g> {
         let own = self.frames.get(frame).angular_velocity.cross(point) + point.map(Expr::rate);
         // An edge that shifts turns no axes, and ω is the same on both sides of it.

@@ -1,8 +1,8 @@
 //! Landmarks: what some of the verbatim expressions stand for in space.
 //!
-//! `½ m dt(p).norm_squared()` is a sum of squares like any other, but `p` was a point of a frame: whoever knows that finds the
-//! body again behind the scalar, and gravity behind `m g p.z`. The expressions are one node wherever they are written, so a
-//! table from nodes to their meaning is enough, and a node that is missing in it loses nothing but speed.
+//! `½ m dt(p).norm_squared()` is a sum of squares like any other, but `p` was a point of a frame: whoever knows that
+//! finds the body again behind the scalar, and gravity behind `m g p.z`. The expressions are one node wherever they are
+//! written, so a table from nodes to their meaning is enough, and a node that is missing in it loses nothing but speed.
 
 use std::collections::BTreeMap;
 
@@ -137,8 +137,8 @@ impl<'g> Landmarks<'g> {
         }
     }
 
-    /// Bodies whose kinetic energies add up, with factors that are constant in time, to the sum of these terms, and the terms
-    /// left over.
+    /// Bodies whose kinetic energies add up, with factors that are constant in time, to the sum of these terms, and the
+    /// terms left over.
     pub fn bodies_of(&self, energies: &[Expr<'g>]) -> (Vec<Body<'g>>, Vec<Expr<'g>>) {
         let (mut bodies, mut rest, mut squares) = (Vec::new(), Vec::new(), Vec::new());
         for (factor, term) in energies.iter().flat_map(|&e| terms(e, |term| self.bodies.contains_key(&term))) {
@@ -229,7 +229,8 @@ fn scaled<'g>(body: &Body<'g>, factor: Expr<'g>) -> Body<'g> {
     Body { mass: factor * body.mass, inertia: body.inertia.map(|inertia| inertia.scale(factor)), ..*body }
 }
 
-/// The terms of a sum, each split into a factor that is constant in time and the rest; what is `known` is not taken apart.
+/// The terms of a sum, each split into a factor that is constant in time and the rest; what is `known` is not taken
+/// apart.
 pub(super) fn terms<'g>(sum: Expr<'g>, known: impl Fn(Id) -> bool) -> Vec<(Expr<'g>, Expr<'g>)> {
     let graph = sum.graph();
     let moving = moving_nodes(sum);

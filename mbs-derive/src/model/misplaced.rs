@@ -1,5 +1,5 @@
-//! Places that are counted from another origin than was probably meant: mass centres in room coordinates, vectors in the axes
-//! of a pose that stand for a place in it, arms of torques from the origin of the world.
+//! Places that are counted from another origin than was probably meant: mass centres in room coordinates, vectors in
+//! the axes of a pose that stand for a place in it, arms of torques from the origin of the world.
 
 use std::collections::BTreeSet;
 
@@ -14,8 +14,8 @@ use crate::parse::syntax::{Expression, ExpressionKind, Span};
 // ---- mass centres
 
 impl<'g> Resolver<'_, 'g> {
-    /// A mass centre is counted in the axes of its pose. One that moves with the coordinates that move the pose itself is a
-    /// place in the room: the pose would move it once more.
+    /// A mass centre is counted in the axes of its pose. One that moves with the coordinates that move the pose itself
+    /// is a place in the room: the pose would move it once more.
     pub(super) fn check_mass_centre(&mut self, com: Vector<'g>, frame: FrameId, span: &Span) -> Resolved<()> {
         if !com.0.iter().any(|c| self.facts.dependence(*c).on(Dependence::COORDINATE)) {
             return Ok(());
@@ -54,8 +54,8 @@ impl<'g> Resolver<'_, 'g> {
         Err(self.refuse(span, message, help))
     }
 
-    /// Two coordinates that are components of the mass centre in a pose that only turns: a pose that was forgotten to be
-    /// shifted?
+    /// Two coordinates that are components of the mass centre in a pose that only turns: a pose that was forgotten to
+    /// be shifted?
     fn warn_of_room_coordinates(&mut self, com: Vector<'g>, path: &[Edge<'g>], span: &Span) {
         let is_coordinate = |c: &Expr<'g>| match c.node() {
             Node::Symbol(Symbol::Coordinate(i)) => Some(i as usize),
@@ -125,7 +125,8 @@ fn motions<'g>(edge: &Edge<'g>) -> Vec<Expr<'g>> {
 // ---- vectors and points
 
 impl<'g> Resolver<'_, 'g> {
-    /// `pose * v` is a vector, which does not know where the pose stands: as a place it is counted from the origin of the world.
+    /// `pose * v` is a vector, which does not know where the pose stands: as a place it is counted from the origin of
+    /// the world.
     pub(super) fn warn_of_a_vector_for_a_place(&mut self, place: &Argument<'g>) {
         let Value::Vector(Free { frame, components, .. }) = place.value else { return };
         if components.0.iter().all(|c| c.is_zero()) || !self.is_shifted(frame) {

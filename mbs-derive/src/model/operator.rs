@@ -104,7 +104,8 @@ struct Term {
 }
 
 impl<'d, 'g> Resolver<'d, 'g> {
-    /// Takes note of a term, and of what stands before the first sign; refused from the first term on that does not fit.
+    /// Takes note of a term, and of what stands before the first sign; refused from the first term on that does not
+    /// fit.
     #[inline(never)]
     pub(super) fn summed(
         &mut self,
@@ -200,7 +201,8 @@ impl<'d, 'g> Resolver<'d, 'g> {
         })
     }
 
-    /// A point moved by a vector in its own axes stays a point of its frame; two of its points differ by a vector in them.
+    /// A point moved by a vector in its own axes stays a point of its frame; two of its points differ by a vector in
+    /// them.
     fn sum_of_vectors(&mut self, a: Argument<'g>, b: Argument<'g>, minus: bool, span: &Span) -> Resolved<Value<'g>> {
         let (left, right) = (self.vector(&a)?, self.vector(&b)?);
         let dimension = self.common(left.fit(), right.fit(), span)?;

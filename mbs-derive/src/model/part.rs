@@ -1,8 +1,8 @@
 //! Parts: `part link(m, pose) { … }` once, `link arm(m, pose);` many times.
 //!
-//! A use gives the body a scope of its own, in which the arguments are values of any shape, and goes through its statements
-//! there. What it names becomes the part's own by a path: the output `tip` of `arm` is `arm_tip`, that of `leg[1]` is
-//! `leg_1_tip`. What it declares can be asked for as `arm.tip`.
+//! A use gives the body a scope of its own, in which the arguments are values of any shape, and goes through its
+//! statements there. What it names becomes the part's own by a path: the output `tip` of `arm` is `arm_tip`, that of
+//! `leg[1]` is `leg_1_tip`. What it declares can be asked for as `arm.tip`.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::rc::Rc;

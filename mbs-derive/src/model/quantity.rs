@@ -36,8 +36,8 @@ impl<'d, 'g> Resolver<'d, 'g> {
         Ok(Value::Scalar(Scalar::new(self.graph.constant(value), self.dimension(measure.dimension))))
     }
 
-    /// A name of the mechanism may be meant by the unit with this number: right behind the decimal only if nothing tells
-    /// that apart, further on always, but for `m` and `s` where the dimensions of sums tell.
+    /// A name of the mechanism may be meant by the unit with this number: right behind the decimal only if nothing
+    /// tells that apart, further on always, but for `m` and `s` where the dimensions of sums tell.
     fn check_unit_name(&mut self, decimal: &str, unit: &Unit, number: usize) -> Resolved<()> {
         let Name { text, span } = &unit.factors[number].name;
         if text == "t" && self.dimensionless {

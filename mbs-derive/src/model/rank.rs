@@ -92,8 +92,9 @@ impl VelocityEquations {
         problems
     }
 
-    /// The rows that are at all states sums of multiples of those before them. Of a row for which every motion is already taken
-    /// nothing is said: off the constraints a closed loop may leave no motion, and have one where it is closed.
+    /// The rows that are at all states sums of multiples of those before them. Of a row for which every motion is
+    /// already taken nothing is said: off the constraints a closed loop may leave no motion, and have one where it is
+    /// closed.
     fn dependent_rows(&self, lines: &[Line], n: usize) -> Vec<usize> {
         let matrices: Vec<Vec<Vec<f64>>> = lines.iter().map(|line| self.pfaffian(line, n)).collect();
         let finite: Vec<_> = matrices.into_iter().filter(|rows| rows.iter().flatten().all(|x| x.is_finite())).collect();
@@ -122,7 +123,8 @@ impl VelocityEquations {
     }
 }
 
-/// Of each row the share of its length that those before it do not have, by orthogonalization; 1 where they are n already.
+/// Of each row the share of its length that those before it do not have, by orthogonalization; 1 where they are n
+/// already.
 fn shares_of_their_own(rows: &[Vec<f64>], n: usize) -> Vec<f64> {
     let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
     let mut basis: Vec<Vec<f64>> = Vec::new();
@@ -160,8 +162,9 @@ fn is_root(row: Expr<'_>) -> bool {
     }
 }
 
-/// Whether Newton's method comes nearer to zero by nothing but a constant factor at each step, from all states from which it
-/// comes near at all: by 1/4 where a square is to vanish, by ever less where the gradient does not vanish with the row.
+/// Whether Newton's method comes nearer to zero by nothing but a constant factor at each step, from all states from
+/// which it comes near at all: by 1/4 where a square is to vanish, by ever less where the gradient does not vanish with
+/// the row.
 fn has_multiple_zero(row: Expr<'_>, lines: &[Line]) -> bool {
     let tape = Tape::new(&[row]);
     let found: Vec<bool> = lines.iter().take(4).filter_map(|line| converges_linearly(&tape, line)).collect();

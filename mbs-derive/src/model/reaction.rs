@@ -1,8 +1,9 @@
 //! `reaction name at pose;`: joints whose wrenches are asked for.
 //!
-//! A declaration with reactions is gone through twice. The first time the joints are held, and a `reaction` statement changes
-//! nothing: the mechanism is what it would be without it, and so is all that is derived from it but the reactions. The second
-//! time the joints are let go: each pose moves, from its statement on, with six auxiliary coordinates,
+//! A declaration with reactions is gone through twice. The first time the joints are held, and a `reaction` statement
+//! changes nothing: the mechanism is what it would be without it, and so is all that is derived from it but the
+//! reactions. The second time the joints are let go: each pose moves, from its statement on, with six auxiliary
+//! coordinates,
 //!
 //! ```text
 //! pose · translation(ξ) · rot_x(ψ₁) · rot_y(ψ₂) · rot_z(ψ₃)

@@ -46,7 +46,8 @@ impl Condition {
         }
     }
 
-    /// Nothing where these numbers satisfy it; else the number that does not, and what it must be, as the end of a sentence.
+    /// Nothing where these numbers satisfy it; else the number that does not, and what it must be, as the end of a
+    /// sentence.
     ///
     /// The number is the quantity itself, the least principal moment, or the greatest less the other two.
     pub fn violation(self, values: &[f64]) -> Option<(f64, &'static str)> {
@@ -163,7 +164,8 @@ fn without_ones(mut value: Expr<'_>) -> Expr<'_> {
 
 // ---- squares
 
-/// A term of T: a product of a sign, factors of parameters alone, other factors, and factors that are not yet looked at.
+/// A term of T: a product of a sign, factors of parameters alone, other factors, and factors that are not yet looked
+/// at.
 #[derive(Clone, Default)]
 struct Term {
     negative: bool,
@@ -226,7 +228,8 @@ fn multiplied_out(graph: &Graph, terms: &[Expr<'_>]) -> Option<Vec<Term>> {
     None
 }
 
-/// Whether a product of these factors, in order of their numbers, is a square of something that moves, whatever that is.
+/// Whether a product of these factors, in order of their numbers, is a square of something that moves, whatever that
+/// is.
 fn is_square(graph: &Graph, factors: &[Id]) -> bool {
     let mut single: Vec<Id> = Vec::new();
     for &factor in factors {

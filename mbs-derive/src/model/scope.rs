@@ -83,8 +83,8 @@ impl<'g> Binding<'g> {
 #[derive(Debug)]
 pub(super) struct Scope<'g> {
     blocks: Vec<BTreeMap<String, Binding<'g>>>,
-    /// The bodies of functions that are being called and parts that are being built: nothing is seen through the last of
-    /// them but what is the mechanism's own.
+    /// The bodies of functions that are being called and parts that are being built: nothing is seen through the last
+    /// of them but what is the mechanism's own.
     functions: Vec<Body>,
 }
 

@@ -94,7 +94,8 @@ impl Samples {
         Samples { states, parameters: default_parameters(lagrangian) }
     }
 
-    /// The states with the values of some expressions there, and their slopes with the velocities growing in proportion.
+    /// The states with the values of some expressions there, and their slopes with the velocities growing in
+    /// proportion.
     fn values(&self, exprs: &[Expr<'_>]) -> Vec<(&State, Vec<Dual<f64>>)> {
         let tape = tape(exprs);
         let values = self.states.iter().map(|state| (state, tape.run(|symbol| self.value(state, symbol))));

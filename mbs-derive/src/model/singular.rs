@@ -1,11 +1,12 @@
 //! Warnings about derivatives that are undefined where the mechanism may get to: `norm()` of coincident points, kinks,
 //! `atan2(0, 0)`, 0/0.
 //!
-//! While expressions are built, every call and operator whose derivative fails at some argument is noted with its place.
-//! The finished energies, constraints, outputs and forces, simplified as `derive` will simplify them (`sqrt(x)^2` is x), are then
-//! evaluated at special states: each coordinate zero, each angle π or π/2, at rest, all zero, all equal. Where an argument
-//! is one at which its derivative fails, while the value stays bounded around, there is a warning at the noted place.
-//! Gravity `-k/r` grows without bound towards r = 0: no mechanism gets there, and there is no warning.
+//! While expressions are built, every call and operator whose derivative fails at some argument is noted with its
+//! place. The finished energies, constraints, outputs and forces, simplified as `derive` will simplify them
+//! (`sqrt(x)^2` is x), are then evaluated at special states: each coordinate zero, each angle π or π/2, at rest, all
+//! zero, all equal. Where an argument is one at which its derivative fails, while the value stays bounded around, there
+//! is a warning at the noted place. Gravity `-k/r` grows without bound towards r = 0: no mechanism gets there, and
+//! there is no warning.
 
 mod corner;
 
@@ -375,8 +376,8 @@ impl Search<'_, '_, '_> {
         Tape::new(&roots.collect::<Vec<_>>())
     }
 
-    /// Whether the mechanism may get there: the constraints hold, and neither the energies nor the values that are wanted
-    /// are infinite, or grow without bound as what matters comes near.
+    /// Whether the mechanism may get there: the constraints hold, and neither the energies nor the values that are
+    /// wanted are infinite, or grow without bound as what matters comes near.
     fn is_reachable(&self, fault: &Fault, special: &Special, values: &[Rounded]) -> bool {
         let value = |id: &Id| values[self.positions[id]].value;
         let is_infinite = |group: usize| self.groups[group].roots.iter().any(|root| value(root).is_infinite());

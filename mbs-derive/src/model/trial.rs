@@ -61,7 +61,8 @@ pub(super) fn mechanism<T>(statements: &str, look: impl FnOnce(Lagrangian<'_>) -
     })
 }
 
-/// What an expression is at the trial state, flattened, with the unit of its components, or all of them where they differ.
+/// What an expression is at the trial state, flattened, with the unit of its components, or all of them where they
+/// differ.
 pub(super) fn value_with_unit(statements: &str, expression: &str) -> (Vec<f64>, String) {
     mechanism(&format!("{statements} output result = {expression};"), |lagrangian| {
         let output = &lagrangian.outputs[lagrangian.outputs.len() - 1];

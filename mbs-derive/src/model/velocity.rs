@@ -1,15 +1,16 @@
 //! The degree of expressions in the velocities, decided on the graph.
 //!
-//! Most degrees can be read off: that of a product is the sum of those of its factors, that of a sum the larger one of its terms.
-//! Where that is too much, or a root or a quotient says nothing, the expression may still be of the degree, because higher powers
-//! cancel: that is decided in a finite field ([`degree_is_at_most`]), where no term is too small to be seen.
+//! Most degrees can be read off: that of a product is the sum of those of its factors, that of a sum the larger one of
+//! its terms. Where that is too much, or a root or a quotient says nothing, the expression may still be of the degree,
+//! because higher powers cancel: that is decided in a finite field ([`degree_is_at_most`]), where no term is too small
+//! to be seen.
 
 use std::collections::BTreeMap;
 
 use crate::expr::{Expr, Graph, Id, Node, Symbol, Verdict, degree_is_at_most};
 
-/// The numbers of the terms that are not polynomials of at most this degree in the velocities, the same one at all of them; where
-/// that cannot be decided, those for which `seems` says so.
+/// The numbers of the terms that are not polynomials of at most this degree in the velocities, the same one at all of
+/// them; where that cannot be decided, those for which `seems` says so.
 pub(super) fn beyond(degree: usize, terms: &[Expr<'_>], seems: impl Fn(usize) -> bool) -> Vec<usize> {
     let Some(first) = terms.first() else { return Vec::new() };
     let bounds = bounds(first.graph(), terms);

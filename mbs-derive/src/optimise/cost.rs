@@ -94,8 +94,8 @@ fn columns(results: &[ResultPart]) -> usize {
     })
 }
 
-/// What the runtime's `constrained_solve` costs for these right sides, of `n` coordinates and `k` rows that are independent,
-/// where no entry is zero. With `s = n − k` independent coordinates, pairs of a product and a sum:
+/// What the runtime's `constrained_solve` costs for these right sides, of `n` coordinates and `k` rows that are
+/// independent, where no entry is zero. With `s = n − k` independent coordinates, pairs of a product and a sum:
 ///
 /// | step                                  | pairs                                            | products          | quotients |
 /// |---------------------------------------|--------------------------------------------------|-------------------|-----------|
@@ -107,7 +107,8 @@ fn columns(results: &[ResultPart]) -> usize {
 /// | `S = L D Lᵀ`                          | Σ p(p+1)/2, p < s                                | s(s−1)/2 + s²     | s         |
 /// | each right side                       | 2k(k−1) + 2n k + 2s k + s(s−1)                   | 2n + 2k + 2k + s  |           |
 ///
-/// (`s²` and one of the `k` compare pivots.) Where rows depend on others, or more of them than coordinates, it costs otherwise.
+/// (`s²` and one of the `k` compare pivots.) Where rows depend on others, or more of them than coordinates, it costs
+/// otherwise.
 pub fn solve_constrained([n, k]: [usize; 2], results: &[ResultPart]) -> Operations {
     let (k, columns) = (k.min(n), columns(results));
     let s = n - k;

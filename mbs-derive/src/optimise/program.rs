@@ -121,8 +121,8 @@ pub struct Program {
 }
 
 impl Program {
-    /// Of instructions whose operands come before them, in the order in which the results need them; the selections of one
-    /// branch stand together.
+    /// Of instructions whose operands come before them, in the order in which the results need them; the selections of
+    /// one branch stand together.
     pub fn new(instructions: Vec<Instruction>, results: Vec<Value>) -> Self {
         if !instructions.iter().any(region::is_selection) {
             return Program { instructions, results, ..Program::default() };

@@ -1,14 +1,15 @@
 //! Which values are needed on one side of a branch only.
 //!
-//! A [`Region`] is a part of a program that is executed as a whole or not at all: the body, the sides of a [`Branch`], and
-//! what a value needs that is computed on demand. Regions nest. From the results back to the leaves each value is put where
-//! all that use it can see it, and no further out:
+//! A [`Region`] is a part of a program that is executed as a whole or not at all: the body, the sides of a [`Branch`],
+//! and what a value needs that is computed on demand. Regions nest. From the results back to the leaves each value is
+//! put where all that use it can see it, and no further out:
 //!
 //! - what one side of a branch uses, and nothing else, belongs to that side;
 //! - what both sides use, or something around the branch, belongs around it;
 //! - what sides of several branches use, and nothing that is certain to be executed, is computed when first asked for.
 //!
-//! So whatever is executed is needed. Selections on one condition are one branch, where none of them depends on another.
+//! So whatever is executed is needed. Selections on one condition are one branch, where none of them depends on
+//! another.
 
 use std::collections::BTreeMap;
 
@@ -17,7 +18,8 @@ use super::program::{Instruction, Value};
 /// Branches are nested at most this deep; sides of deeper ones are computed on demand.
 const NESTING: u32 = 64;
 
-/// At most this many values of a program are computed on demand; the others are computed in any case, as loops without end would make them.
+/// At most this many values of a program are computed on demand; the others are computed in any case, as loops without
+/// end would make them.
 const ON_DEMAND: usize = 1000;
 
 /// A part of a program that is executed as a whole or not at all.
@@ -41,7 +43,8 @@ impl Region {
 pub struct Place {
     /// The region in which it is known.
     pub region: Region,
-    /// Whether it is computed whenever that region is executed; conditions that are not are asked where they are needed.
+    /// Whether it is computed whenever that region is executed; conditions that are not are asked where they are
+    /// needed.
     pub certain: bool,
     /// The region of what it alone needs, if it is computed when first asked for.
     pub on_demand: Option<Region>,
@@ -132,9 +135,9 @@ pub(super) fn is_selection(instruction: &Instruction) -> bool {
     matches!(instruction, Instruction::Select(..))
 }
 
-/// The regions of instructions whose operands come before them, and an order in which the results need them and the selections
-/// of each branch can be made together. Where a selection depends on another one of its condition, only those are one branch
-/// that have equally many selections below.
+/// The regions of instructions whose operands come before them, and an order in which the results need them and the
+/// selections of each branch can be made together. Where a selection depends on another one of its condition, only
+/// those are one branch that have equally many selections below.
 pub(super) fn regions(instructions: &[Instruction], results: &[Value]) -> (Regions, Vec<Value>) {
     let together = regions_by_rank(instructions, results, vec![0; instructions.len()]);
     if let Some(order) = order(instructions, results, &together) {

@@ -54,8 +54,8 @@ impl Hoisting {
     }
 }
 
-/// One expression for all ways to multiply and add the same parameters, so that `(m g) l` and `m (g l)` are one value. Each is
-/// found once.
+/// One expression for all ways to multiply and add the same parameters, so that `(m g) l` and `m (g l)` are one value.
+/// Each is found once.
 #[derive(Default)]
 pub struct Forms(IdMap<Id>);
 
@@ -76,8 +76,8 @@ enum Dependence {
     State,
 }
 
-/// The largest parameter-only operations that the roots are made of, in order of their numbers. What only some side of a branch
-/// needs is among them where it has a value whatever the parameters are.
+/// The largest parameter-only operations that the roots are made of, in order of their numbers. What only some side of
+/// a branch needs is among them where it has a value whatever the parameters are.
 fn candidates(graph: &Graph, roots: &[Expr<'_>]) -> Vec<Id> {
     let order = graph.reachable(roots.iter().map(|root| root.id()));
     if !order.iter().any(|id| matches!(graph.node(*id), Node::Symbol(Symbol::Parameter(_)))) {

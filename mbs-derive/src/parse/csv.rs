@@ -84,7 +84,8 @@ fn trimmed(text: &str, span: Span) -> Span {
     start..start + inner.trim_end_matches(is_space).len()
 }
 
-/// What a column is called, and its unit: read as `name: unit = 0`, in which every part stands where it stands in the table.
+/// What a column is called, and its unit: read as `name: unit = 0`, in which every part stands where it stands in the
+/// table.
 fn column(text: &str, cell: &Span, tokens: &mut usize, errors: &mut Diagnostics) -> Option<Quantity> {
     let written = &text[cell.clone()];
     let (name, unit) = match written.split_once('[') {

@@ -8,7 +8,8 @@ impl Declaration {
     /// Makes the parameters with these names constants of their declared defaults.
     ///
     /// # Errors
-    /// A name that no parameter has, reported where something else of that name, or a parameter of a similar one, is declared.
+    /// A name that no parameter has, reported where something else of that name, or a parameter of a similar one, is
+    /// declared.
     pub fn freeze(&mut self, names: &[String]) -> Result<(), Diagnostics> {
         let mut errors = Diagnostics::default();
         for name in names {

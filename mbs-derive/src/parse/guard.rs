@@ -1,8 +1,8 @@
 //! What must be right before the text is cut into tokens: characters, comments, brackets.
 //!
 //! Two reasons. The tokenizer and syn recurse over brackets, so that deep ones would overflow the stack; and of all
-//! this they say no more than "cannot parse". Outside comments and the paths of imports only ASCII without quotes gets past
-//! here.
+//! this they say no more than "cannot parse". Outside comments and the paths of imports only ASCII without quotes gets
+//! past here.
 
 use super::syntax::Span;
 use super::{MAX_DEPTH, MAX_TOKENS};

@@ -5,7 +5,8 @@
 //! shared := ("//!" doc | import)* (doc* (const | fn) ";")*
 //! ```
 //!
-//! A file whose name ends with `.csv` is a table, whose columns are constants. A file counts once, wherever it is imported, and what it imports comes before what it declares.
+//! A file whose name ends with `.csv` is a table, whose columns are constants. A file counts once, wherever it is
+//! imported, and what it imports comes before what it declares.
 
 use std::vec;
 
@@ -21,7 +22,8 @@ use crate::source::{Sources, is_table};
 
 // ---- the statement
 
-/// The paths that a text imports, as far as it can be read: what [`Reader::import`] accepts at the top of a file, and more.
+/// The paths that a text imports, as far as it can be read: what [`Reader::import`] accepts at the top of a file, and
+/// more.
 pub(crate) fn paths(text: &str) -> Vec<String> {
     let mut paths = Vec::new();
     let mut rest = behind_comments(text.strip_prefix('\u{feff}').unwrap_or(text));

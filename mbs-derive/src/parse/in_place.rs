@@ -4,10 +4,11 @@
 //! quantity := number unit_name exponent? (("*" | "/") unit_name exponent?)*      (no white space but behind the number)
 //! ```
 //!
-//! The unit binds more tightly than any operator and is the longest that can be read: `0.3 kg*x` is `(0.3 kg)*x`, for `x` is
-//! no unit. It ends before a name that is called, indexed or has a component, before `t`, which is the time, and before a
-//! second unit of the same quantity, so that the `g` of `0.3 kg*g` is a name (`m/s/s` may be written). Whether a name of the
-//! mechanism might have been meant in place of a unit is for the next pass to say, which knows these names.
+//! The unit binds more tightly than any operator and is the longest that can be read: `0.3 kg*x` is `(0.3 kg)*x`, for
+//! `x` is no unit. It ends before a name that is called, indexed or has a component, before `t`, which is the time, and
+//! before a second unit of the same quantity, so that the `g` of `0.3 kg*g` is a name (`m/s/s` may be written). Whether
+//! a name of the mechanism might have been meant in place of a unit is for the next pass to say, which knows these
+//! names.
 
 use proc_macro2::Delimiter;
 use syn::buffer::Cursor;

@@ -38,8 +38,8 @@ pub(super) const INPUT: Form = Form {
 pub(super) const PRESCRIBED: Form = Form { keyword: "prescribed", needs_unit: Some("m"), value: FormValue::Optional };
 
 impl Reader<'_> {
-    /// `quantity := keyword name ("[" expression "]" ("[" expression "]")?)? (":" unit)? ("=" expression)? ("," "positive")?`,
-    /// two lengths and the last of a `param` alone
+    /// `quantity := keyword name ("[" expression "]" ("[" expression "]")?)? (":" unit)? ("=" expression)? (","
+    /// "positive")?`, two lengths and the last of a `param` alone
     pub(super) fn quantity(&mut self, input: ParseStream<'_>, docs: Vec<String>, form: &Form) -> Parsed<Quantity> {
         let start = self.next(input).start;
         self.eat_word(input, form.keyword);

@@ -3,7 +3,8 @@
 use std::mem;
 use std::ops::Range;
 
-/// Byte range in the source text; where a mechanism imports files, in [all texts](crate::source::Sources) one after the other.
+/// Byte range in the source text; where a mechanism imports files, in [all texts](crate::source::Sources) one after the
+/// other.
 pub type Span = Range<usize>;
 
 /// A name with its place.
@@ -113,8 +114,8 @@ pub enum StatementKind {
         /// Its value.
         body: Expression,
     },
-    /// `prescribed heave: m;`, `prescribed heave: m = a * sin(w * t);`: a motion given from outside, as a run-time signal with
-    /// two derivatives or as a formula of the time.
+    /// `prescribed heave: m;`, `prescribed heave: m = a * sin(w * t);`: a motion given from outside, as a run-time
+    /// signal with two derivatives or as a formula of the time.
     Prescribed(Quantity),
     /// `force at point += value;`: a force on a point, generalized by virtual work.
     ForceAt {
@@ -155,7 +156,8 @@ pub enum StatementKind {
         /// What the part is given.
         arguments: Vec<Expression>,
     },
-    /// `reaction name at pose;`, `reaction name[i] at pose;`: the wrench that a joint transmits to what hangs on the pose.
+    /// `reaction name at pose;`, `reaction name[i] at pose;`: the wrench that a joint transmits to what hangs on the
+    /// pose.
     Reaction {
         /// Doc comments before it.
         docs: Vec<String>,
@@ -168,8 +170,8 @@ pub enum StatementKind {
         /// Which of its elements, if it is one.
         element: Vec<Expression>,
     },
-    /// `constraint name: left = right;`, `constraint name[i]: left = right;`: holonomic where no velocity occurs, else linear
-    /// in the velocities (Pfaffian).
+    /// `constraint name: left = right;`, `constraint name[i]: left = right;`: holonomic where no velocity occurs, else
+    /// linear in the velocities (Pfaffian).
     Constraint {
         /// Doc comments before it.
         docs: Vec<String>,

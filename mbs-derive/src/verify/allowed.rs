@@ -50,7 +50,8 @@ impl Trial<'_> {
         self.equal("energy balance", &[momentum_dot_velocity_rate - l.derivative], &[power - l_t.derivative])
     }
 
-    /// Whether velocities and accelerations satisfy the constraints: off them, more rows than coordinates may contradict each other.
+    /// Whether velocities and accelerations satisfy the constraints: off them, more rows than coordinates may
+    /// contradict each other.
     fn is_allowed(&self, state: &State<Rounded>) -> bool {
         let rates = self.interpreter.call("constraint_rate", state).unwrap_or_default();
         let product = times(&self.call_if_any("constraint_jacobian"), &state.qdd);
@@ -63,8 +64,8 @@ impl Trial<'_> {
             && along.into_iter().all(|(rate, size)| is_small(&rate, size))
     }
 
-    /// The state moved onto the constraints: Newton's method on φ, each step the least in the scales of M and A, then the allowed
-    /// velocities. `None` where it does not get there.
+    /// The state moved onto the constraints: Newton's method on φ, each step the least in the scales of M and A, then
+    /// the allowed velocities. `None` where it does not get there.
     pub fn consistent_state(&self) -> Option<State<Rounded>> {
         let (n, weights) = (self.n(), doubles_of(&self.weights()));
         let mut state = self.state.clone();

@@ -76,8 +76,8 @@ impl<'a> Trial<'a> {
         self.outputs()
     }
 
-    /// What elimination shows of M, and of `M + Aᵀ A`, which is singular where a motion that the constraints allow has no inertia;
-    /// each with the size of a pivot that may be nothing but rounding.
+    /// What elimination shows of M, and of `M + Aᵀ A`, which is singular where a motion that the constraints allow has
+    /// no inertia; each with the size of a pivot that may be nothing but rounding.
     pub(super) fn inertia(&self) -> [(Elimination, f64); 2] {
         [self.call("mass_matrix"), self.augmented_mass_matrix()].map(|matrix| eliminate_rounded(&matrix, self.n()))
     }
@@ -145,8 +145,8 @@ impl<'a> Trial<'a> {
         for (component, (found, expected)) in found.iter().zip(expected).enumerate() {
             let rounding = ROUNDING * (found.error + expected.error);
             let allowed = TOLERANCE * found.value.abs().max(expected.value.abs()) + rounding;
-            // Where the witness itself is 0/0 (a derivative at a corner), or all rounding, it says nothing; but where it is a number,
-            // what is none disagrees.
+            // Where the witness itself is 0/0 (a derivative at a corner), or all rounding, it says nothing; but where
+            // it is a number, what is none disagrees.
             let silent = !(expected.value.is_finite() && expected.error.is_finite())
                 || found.value.is_finite() && !found.error.is_finite();
             let agrees = (found.value - expected.value).abs() <= allowed;
@@ -170,8 +170,8 @@ impl<'a> Trial<'a> {
         self.equal("potential energy", &self.call("potential_energy"), &[potential])
     }
 
-    /// `[ω]× = Rᵀ Ṙ` and `v = Rᵀ ṗ`: the recursion of twists against the time derivative of the poses, where R is a rotation
-    /// and stays one: a quaternion is of unit length only where its constraint holds.
+    /// `[ω]× = Rᵀ Ṙ` and `v = Rᵀ ṗ`: the recursion of twists against the time derivative of the poses, where R is a
+    /// rotation and stays one: a quaternion is of unit length only where its constraint holds.
     fn twists_of_frames(&self) -> Result<(), Failure> {
         for values in self.witness.frames(self.state, self.parameters).chunks(18) {
             let (r, p) = (|i: usize, j: usize| values[3 * i + j], |i: usize| values[9 + i]);
@@ -230,8 +230,8 @@ impl<'a> Trial<'a> {
         self.equal("M q̈ + h + ∂D/∂q̇ = inverse dynamics", &sum, &self.call("inverse_dynamics"))
     }
 
-    /// `C q̇ + G = h`, and C is that of Christoffel's symbols: `½(Ṁ + ∂M/∂t + P − Pᵀ) + ∂a/∂q − (∂a/∂q)ᵀ`, entry by entry, with
-    /// `Pᵢⱼ = ∂(M q̇)ᵢ/∂qⱼ`.
+    /// `C q̇ + G = h`, and C is that of Christoffel's symbols: `½(Ṁ + ∂M/∂t + P − Pᵀ) + ∂a/∂q − (∂a/∂q)ᵀ`, entry by
+    /// entry, with `Pᵢⱼ = ∂(M q̇)ᵢ/∂qⱼ`.
     fn coriolis_matrix(&self) -> Result<(), Failure> {
         let n = self.n();
         let (c, g) = (self.call("coriolis_matrix"), self.call("gravity"));
@@ -280,9 +280,10 @@ impl<'a> Trial<'a> {
         on_allowed_motions(self.n(), self.call("mass_matrix"), self.call_if_any("constraint_jacobian"))
     }
 
-    /// Whether accelerations are determined at this state: not where M, or M on the motions that A allows, is singular, or where
-    /// rows contradict each other. They are numbers where it clearly is not, no row does, and all else is finite. Without
-    /// constraints they may be numbers where M is singular, too: a pivot that would be zero is what rounding leaves of it.
+    /// Whether accelerations are determined at this state: not where M, or M on the motions that A allows, is singular,
+    /// or where rows contradict each other. They are numbers where it clearly is not, no row does, and all else is
+    /// finite. Without constraints they may be numbers where M is singular, too: a pivot that would be zero is what
+    /// rounding leaves of it.
     fn accelerations_are_determined(&self) -> Result<bool, Failure> {
         let found = self.call("forward_dynamics");
         if found.iter().all(|qdd| qdd.value.is_finite()) {

@@ -83,8 +83,8 @@ impl<'c, 'l, 'g> Coverage<'c, 'l, 'g> {
         self.taken[side] >= WANTED
     }
 
-    /// The choices one of whose sides has been taken nowhere: its number in the graph, and which side; and those one of whose
-    /// sides has been taken at such states alone at which nothing can be proved.
+    /// The choices one of whose sides has been taken nowhere: its number in the graph, and which side; and those one of
+    /// whose sides has been taken at such states alone at which nothing can be proved.
     pub(super) fn missing(&self) -> [Vec<(Id, bool)>; 2] {
         [false, true].map(|met| {
             let sides = self.branches.sides().iter().enumerate();
@@ -103,8 +103,8 @@ impl<'c, 'l, 'g> Coverage<'c, 'l, 'g> {
         matches!(self.choices.tape.steps()[side.choice], Node::Call(..))
     }
 
-    /// States, with parameters, at which a side is taken: found by steps along the gradients of the differences that its
-    /// conditions compare, at the defaults of the parameters unless a condition is about them alone.
+    /// States, with parameters, at which a side is taken: found by steps along the gradients of the differences that
+    /// its conditions compare, at the defaults of the parameters unless a condition is about them alone.
     pub(super) fn states_on(&self, side: usize) -> impl Iterator<Item = (State, Vec<f64>)> + '_ {
         let side: Side = self.branches.sides()[side];
         let mut random = Random::new(0x7369_6465 + side.choice as u64);
@@ -118,8 +118,8 @@ impl<'c, 'l, 'g> Coverage<'c, 'l, 'g> {
         })
     }
 
-    /// States, with parameters, at which what comparisons compare is equal, where `<` and `<=` differ: of symbols, their absolute
-    /// values and constants, which no rounding keeps apart.
+    /// States, with parameters, at which what comparisons compare is equal, where `<` and `<=` differ: of symbols,
+    /// their absolute values and constants, which no rounding keeps apart.
     pub(super) fn states_on_edges(&self) -> Vec<(State, Vec<f64>)> {
         let mut seen = Vec::new();
         let mut states = Vec::new();

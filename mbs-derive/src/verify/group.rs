@@ -2,13 +2,14 @@
 
 use crate::expr::{Rounded, Symbol};
 
-/// Matrices of at most this many columns are proved column by column; of wider ones every column counts in one of this many sums.
+/// Matrices of at most this many columns are proved column by column; of wider ones every column counts in one of this
+/// many sums.
 const GROUPS: usize = 8;
 
 /// Every `step`-th column from `first` on, each with its weight.
 ///
-/// A sum of columns `Σ wⱼ ∂f/∂xⱼ` is the derivative of f in the direction w, one sweep. Errors of its columns could cancel,
-/// but not at all of the states at which the proof is made.
+/// A sum of columns `Σ wⱼ ∂f/∂xⱼ` is the derivative of f in the direction w, one sweep. Errors of its columns could
+/// cancel, but not at all of the states at which the proof is made.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Group {
     first: usize,

@@ -10,8 +10,8 @@ use super::claim::Trial;
 
 /// Whether some motion that the constraints allow has no inertia there; none has a negative one.
 ///
-/// Pivots tell where they are larger than rounding. Where they are not, the rank is found in a finite field, at points that are zero
-/// where the state is.
+/// Pivots tell where they are larger than rounding. Where they are not, the rank is found in a finite field, at points
+/// that are zero where the state is.
 pub(super) fn is_singular(trial: &Trial<'_>, state: &State, parameters: &[f64]) -> Result<bool, Failure> {
     let [(whole, rounding), allowed] = trial.inertia();
     if whole.smallest < -rounding.max(1e-9) {

@@ -1,4 +1,5 @@
-//! The motion with constraints at one state, and its derivatives: the system is factorized, and its rounding bounded, once.
+//! The motion with constraints at one state, and its derivatives: the system is factorized, and its rounding bounded,
+//! once.
 
 use crate::expr::{Dual, Rounded, Solutions, Terms, Value, remainder, remainder_sizes};
 use crate::interpret::System;

@@ -100,8 +100,8 @@ const TWICE: &str = "#![dimensionless] mechanism A { coord x: 1; coord y: 1; coo
     kinetic += (2 + x^2)*dt(x)^2 + dt(y)^2*(3 + z^2) + dt(z)^2 + dt(x)*dt(z)/2; potential += 9.81*y + x*z; \
     dissipation += dt(y)^2; constraint rod: x^2 + y^2 = 1; constraint same: (x^2 + y^2 - 1)*(2 + z) = 0; }";
 
-/// Rows that depend on others are allowed what the state leaves open of them, and energy the work of the multipliers along it:
-/// what is wrong by a millionth is refused all the same.
+/// Rows that depend on others are allowed what the state leaves open of them, and energy the work of the multipliers
+/// along it: what is wrong by a millionth is refused all the same.
 #[test]
 fn redundant_rows_hide_nothing() {
     assert!(proof(TWICE, |_| ()).is_ok());
@@ -125,12 +125,12 @@ fn redundant_rows_hide_nothing() {
     }
 }
 
-/// A four-bar linkage in space whose hinges are declared in full: where it is closed, rows depend on others, and of those that say
-/// nothing of the motion in its plane velocities that hold them leave rounding alone.
+/// A four-bar linkage in space whose hinges are declared in full: where it is closed, rows depend on others, and of
+/// those that say nothing of the motion in its plane velocities that hold them leave rounding alone.
 const LOOP: &str = include_str!("closed_loop.mbs");
 
-/// What is allowed because a loop is closed to rounding alone (1e-13 of the terms of a row, what velocities leave of it, the work
-/// of multipliers along what is left of the rates) is far from a millionth of what is computed.
+/// What is allowed because a loop is closed to rounding alone (1e-13 of the terms of a row, what velocities leave of
+/// it, the work of multipliers along what is left of the rates) is far from a millionth of what is computed.
 #[test]
 fn what_closed_loops_leave_open_hides_nothing() {
     assert!(proof(LOOP, |_| ()).is_ok());
@@ -282,8 +282,8 @@ fn sides_that_are_met_at_corners_alone_are_named_so() {
     assert_eq!(sides("abs(x) > -1"), [vec![false], vec![]]);
 }
 
-/// The tool turns by `b − sin b + 1`, so that M is singular at b = 0; the pivot there is rounding and not zero. Where M is not,
-/// wrong accelerations are refused.
+/// The tool turns by `b − sin b + 1`, so that M is singular at b = 0; the pivot there is rounding and not zero. Where M
+/// is not, wrong accelerations are refused.
 #[test]
 fn nothing_is_claimed_of_accelerations_where_a_motion_has_no_inertia() {
     let text = "mechanism Turning { param l: m = 0.38; param j: kg*m^2 = 1.6; param m[3]: kg = [1.5, 2, 2]; param f: J = 1; \

@@ -1,8 +1,8 @@
 //! The least change, in the metric of a mass matrix, that satisfies linear equations.
 //!
-//! Coordinates are scaled by powers of two, to inertias of about one; those without inertia by the rows. M itself may be
-//! singular, or next to it, where rows hold the motion: `M + Aᵀ A` of the scaled system stands in its place, which changes
-//! nothing, because `A δ` is given.
+//! Coordinates are scaled by powers of two, to inertias of about one; those without inertia by the rows. M itself may
+//! be singular, or next to it, where rows hold the motion: `M + Aᵀ A` of the scaled system stands in its place, which
+//! changes nothing, because `A δ` is given.
 
 use super::RedundantRows;
 use crate::dynamics::scaled;
@@ -96,11 +96,11 @@ impl<'m, T: Real> Workspace<'m, T> {
         self.done[row] != T::zero()
     }
 
-    /// A row that was left out and asks for something else than those that were satisfied, where all rows took part and `begin` is
-    /// what was changed; and what is left of it.
+    /// A row that was left out and asks for something else than those that were satisfied, where all rows took part and
+    /// `begin` is what was changed; and what is left of it.
     ///
-    /// What is nothing but rounding agrees: of the terms, and of rows about as large as coordinates of one or more, per s², which
-    /// is what stabilization makes of a mechanism at rest.
+    /// What is nothing but rounding agrees: of the terms, and of rows about as large as coordinates of one or more, per
+    /// s², which is what stabilization makes of a mechanism at rest.
     pub(super) fn contradiction(&self, bias: &[T]) -> Option<(usize, T)> {
         let n = self.q.len();
         let done = self.targets.iter().zip(&*self.done).filter(|(_, done)| **done != T::zero());
@@ -154,8 +154,8 @@ impl<'m, T: Real> Workspace<'m, T> {
 }
 
 impl<T: Real> Workspace<'_, T> {
-    /// `M + Aᵀ A = L Lᵀ` of the scaled system, in the lower triangle, with the rows that take part; where that is singular, with
-    /// all of them.
+    /// `M + Aᵀ A = L Lᵀ` of the scaled system, in the lower triangle, with the rows that take part; where that is
+    /// singular, with all of them.
     pub(super) fn factorize(&mut self, takes_part: impl Fn(usize) -> bool) -> Result<(), SingularMassMatrix> {
         let n = self.q.len();
         self.scale();

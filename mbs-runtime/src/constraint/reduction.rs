@@ -1,13 +1,14 @@
 //! Linearized motion on constraints, in coordinates and speeds that are independent.
 //!
-//! About a state that satisfies the constraints, neighbouring ones satisfy `A_h δq = 0`, with the holonomic rows `A_h` of A, and
+//! About a state that satisfies the constraints, neighbouring ones satisfy `A_h δq = 0`, with the holonomic rows `A_h`
+//! of A, and
 //!
 //! ```text
 //! A δq̇ + D δq = 0,    D = ∂(A q̇ + b)/∂q
 //! ```
 //!
-//! Of `n` coordinates `n − rank A_h` are independent, and of the speeds `n − rank A`. With chosen ones, `δq_I` and `δq̇_J`, the
-//! rows are solved for the others by elimination:
+//! Of `n` coordinates `n − rank A_h` are independent, and of the speeds `n − rank A`. With chosen ones, `δq_I` and
+//! `δq̇_J`, the rows are solved for the others by elimination:
 //!
 //! ```text
 //! δq = P δq_I,    δq̇ = S δq_I + R δq̇_J
@@ -15,13 +16,13 @@
 //! d/dt δq̇_J = (Q_J P + V_J S) δq_I + V_J R δq̇_J + U_J δu
 //! ```
 //!
-//! with `Q = ∂q̈/∂q`, `V = ∂q̈/∂q̇`, `U = ∂q̈/∂u` of the constrained accelerations; an index stands for rows. Accelerations keep to
-//! `A q̈ + γ = 0` in all neighbouring states, so nothing is left out.
+//! with `Q = ∂q̈/∂q`, `V = ∂q̈/∂q̇`, `U = ∂q̈/∂u` of the constrained accelerations; an index stands for rows.
+//! Accelerations keep to `A q̈ + γ = 0` in all neighbouring states, so nothing is left out.
 //!
-//! Source: J. P. Meijaard, J. M. Papadopoulos, A. Ruina, A. L. Schwab, *Linearized dynamics equations for the balance and steer of a
-//! bicycle: a benchmark and review*, Proc. R. Soc. A 463 (2007), appendix A (independent speeds and coordinates of nonholonomic
-//! mechanisms); Neimark, Fufaev, *Dynamics of Nonholonomic Systems*, 1972, chapter VI; G. H. Golub, C. F. Van Loan, *Matrix
-//! Computations*, 4th ed. 2013, section 3.4.8 (complete pivoting).
+//! Source: J. P. Meijaard, J. M. Papadopoulos, A. Ruina, A. L. Schwab, *Linearized dynamics equations for the balance
+//! and steer of a bicycle: a benchmark and review*, Proc. R. Soc. A 463 (2007), appendix A (independent speeds and
+//! coordinates of nonholonomic mechanisms); Neimark, Fufaev, *Dynamics of Nonholonomic Systems*, 1972, chapter VI; G.
+//! H. Golub, C. F. Van Loan, *Matrix Computations*, 4th ed. 2013, section 3.4.8 (complete pivoting).
 
 use crate::error::ReductionError;
 use crate::mechanism::Linearization;
@@ -120,7 +121,8 @@ impl<T: Real, const N: usize, const I: usize, const J: usize> Reduction<T, N, I,
         Ok(Self { coordinates, speeds, p, r, s })
     }
 
-    /// The motion next to the state, from the derivatives of the constrained accelerations there: the generated `linearize`.
+    /// The motion next to the state, from the derivatives of the constrained accelerations there: the generated
+    /// `linearize`.
     #[must_use]
     pub fn linearize<const U: usize>(
         &self,
@@ -272,8 +274,8 @@ fn largest<T: Real>(row: &[T]) -> T {
 mod tests {
     use super::*;
 
-    /// A disk of radius 2 rolls upright along x with `ẋ = 3`: coordinates x, y, heading φ, spin ψ; rows `ẋ − 2 ψ̇ cos φ`,
-    /// `ẏ − 2 ψ̇ sin φ`.
+    /// A disk of radius 2 rolls upright along x with `ẋ = 3`: coordinates x, y, heading φ, spin ψ; rows `ẋ − 2 ψ̇ cos
+    /// φ`, `ẏ − 2 ψ̇ sin φ`.
     const A: [[f64; 4]; 2] = [[1.0, 0.0, 0.0, -2.0], [0.0, 1.0, 0.0, 0.0]];
     const D: [[f64; 4]; 2] = [[0.0; 4], [0.0, 0.0, -3.0, 0.0]];
 

@@ -235,8 +235,8 @@ fn rounding_says_nothing_of_multipliers() {
     }
 }
 
-/// A free body of this inertia, its attitude a quaternion: M has rank 3, `M = 4 s Gᵀ J G`; and next to it, where the first
-/// of two coordinates about one axis has lost its own inertia, two angles tied to a third.
+/// A free body of this inertia, its attitude a quaternion: M has rank 3, `M = 4 s Gᵀ J G`; and next to it, where the
+/// first of two coordinates about one axis has lost its own inertia, two angles tied to a third.
 struct Small {
     size: f64,
     own: f64,

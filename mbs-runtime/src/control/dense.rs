@@ -47,8 +47,8 @@ pub(super) fn is_finite<const M: usize, const N: usize>(a: &[[f64; N]; M]) -> bo
     a.iter().flatten().all(|entry| entry.is_finite())
 }
 
-/// `A⁻¹ B` by Gaussian elimination, the pivot of a column being the largest of what is left in units of its row; `None` where there
-/// is none, or the result is not finite.
+/// `A⁻¹ B` by Gaussian elimination, the pivot of a column being the largest of what is left in units of its row; `None`
+/// where there is none, or the result is not finite.
 pub(super) fn solve<const N: usize, const K: usize>(
     mut a: [[f64; N]; N],
     mut b: [[f64; K]; N],

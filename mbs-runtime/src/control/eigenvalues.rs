@@ -165,7 +165,8 @@ fn double_step<const N: usize>(h: &mut [[f64; N]; N], first: usize, last: usize,
     }
 }
 
-/// The reflection of the rows and columns k to k + 2 that takes `(p, q, r)` to the first axis; `v` is `(p + length, q, r)`.
+/// The reflection of the rows and columns k to k + 2 that takes `(p, q, r)` to the first axis; `v` is `(p + length, q,
+/// r)`.
 fn reflect<const N: usize>(h: &mut [[f64; N]; N], k: usize, first: usize, last: usize, v: [f64; 3], length: f64) {
     let count = if k + 1 < last { 3 } else { 2 };
     let left = v.map(|entry| entry / length);

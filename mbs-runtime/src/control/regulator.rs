@@ -29,19 +29,19 @@ type Square<const N: usize> = [[f64; N]; N];
 /// | `q`      | weight of the state, positive semidefinite  | `N × N` |
 /// | `r`      | weight of the input, positive definite      | `U × U` |
 ///
-/// The equation is turned into that of a sampled system by Cayley's transformation, and that one solved by doubling: each
-/// iteration looks twice as far ahead. Of several parameters of the transformation the one that leaves the least is taken, and a
-/// step of Newton's method made. States are balanced by powers of two before; then they are scaled so that X has a diagonal of
-/// the order of 1, and all is done once more, which makes the result independent of units.
+/// The equation is turned into that of a sampled system by Cayley's transformation, and that one solved by doubling:
+/// each iteration looks twice as far ahead. Of several parameters of the transformation the one that leaves the least
+/// is taken, and a step of Newton's method made. States are balanced by powers of two before; then they are scaled so
+/// that X has a diagonal of the order of 1, and all is done once more, which makes the result independent of units.
 ///
 /// # Errors
 /// [`ControlError`].
 ///
 /// # Source
-/// E. K.-W. Chu, H.-Y. Fan and W.-W. Lin, *A structure-preserving doubling algorithm for continuous-time algebraic Riccati
-/// equations*, Linear Algebra and its Applications 396, 2005, algorithm 1 (its equations 9 to 11 the transformation); the step of
-/// Newton's method: D. L. Kleinman, *On an iterative technique for Riccati equation computations*, IEEE Transactions on
-/// Automatic Control 13:1, 1968.
+/// E. K.-W. Chu, H.-Y. Fan and W.-W. Lin, *A structure-preserving doubling algorithm for continuous-time algebraic
+/// Riccati equations*, Linear Algebra and its Applications 396, 2005, algorithm 1 (its equations 9 to 11 the
+/// transformation); the step of Newton's method: D. L. Kleinman, *On an iterative technique for Riccati equation
+/// computations*, IEEE Transactions on Automatic Control 13:1, 1968.
 pub fn lqr<const N: usize, const U: usize>(
     a: &Square<N>,
     b: &[[f64; U]; N],
@@ -68,8 +68,8 @@ pub fn lqr<const N: usize, const U: usize>(
 /// [`ControlError`].
 ///
 /// # Source
-/// E. K.-W. Chu, H.-Y. Fan, W.-W. Lin and C.-S. Wang, *Structure-preserving algorithms for periodic discrete-time algebraic
-/// Riccati equations*, International Journal of Control 77:8, 2004, algorithm 2.1 with one period.
+/// E. K.-W. Chu, H.-Y. Fan, W.-W. Lin and C.-S. Wang, *Structure-preserving algorithms for periodic discrete-time
+/// algebraic Riccati equations*, International Journal of Control 77:8, 2004, algorithm 2.1 with one period.
 pub fn discrete_lqr<const N: usize, const U: usize>(
     a: &Square<N>,
     b: &[[f64; U]; N],
@@ -175,8 +175,8 @@ impl<const N: usize> Equation<N> {
         }
     }
 
-    /// Powers of two that balance what drives each state with what it drives: rows of A and G with columns of A and H, G and H
-    /// being weighed alike.
+    /// Powers of two that balance what drives each state with what it drives: rows of A and G with columns of A and H,
+    /// G and H being weighed alike.
     fn balance(&self) -> [f64; N] {
         let mut d = [1.0; N];
         for _ in 0..30 {

@@ -15,9 +15,10 @@
 //! h = M q − f in the dependent coordinates,  λ = L⁻ᵀ U₁⁻ᵀ h
 //! ```
 //!
-//! Sources: M. Benzi, G. H. Golub, J. Liesen, *Numerical solution of saddle point problems*, Acta Numerica 14 (2005), section 6
-//! (null space methods); G. H. Golub, C. F. Van Loan, *Matrix Computations*, 4th ed. 2013, sections 3.4.8 (complete pivoting)
-//! and 4.2.8 (symmetric pivoting); N. J. Higham, *Accuracy and Stability of Numerical Algorithms*, 2nd ed. 2002, chapters 9, 10.
+//! Sources: M. Benzi, G. H. Golub, J. Liesen, *Numerical solution of saddle point problems*, Acta Numerica 14 (2005),
+//! section 6 (null space methods); G. H. Golub, C. F. Van Loan, *Matrix Computations*, 4th ed. 2013, sections 3.4.8
+//! (complete pivoting) and 4.2.8 (symmetric pivoting); N. J. Higham, *Accuracy and Stability of Numerical Algorithms*,
+//! 2nd ed. 2002, chapters 9, 10.
 
 use super::scaling::{Scales, exponent, power, scaled};
 use crate::scalar::{Mask, Scalar};
@@ -39,12 +40,13 @@ pub(crate) struct NullSpace<T, const N: usize, const K: usize> {
     scales: Scales<N, K>,
     /// M, scaled, both triangles.
     mass: [[T; N]; N],
-    /// The same in the order of `columns`; exchanges of independent coordinates are kept in the rows of dependent ones alone.
+    /// The same in the order of `columns`; exchanges of independent coordinates are kept in the rows of dependent ones
+    /// alone.
     ordered: [[T; N]; N],
     /// A, scaled.
     slopes: [[T; N]; K],
-    /// Of A with rows and columns in the order of the pivots: L below, U₁ and its diagonal, W beside it; beside the rows that
-    /// depend on others, what is left of them.
+    /// Of A with rows and columns in the order of the pivots: L below, U₁ and its diagonal, W beside it; beside the
+    /// rows that depend on others, what is left of them.
     basis: [[T; N]; K],
     /// `1/U₁ᵢᵢ`
     reciprocals: [T; K],
@@ -64,7 +66,8 @@ pub(crate) struct NullSpace<T, const N: usize, const K: usize> {
     is_finite: bool,
 }
 
-/// What tells rounding from a contradiction, beside the columns themselves: a target may be what is left of larger terms.
+/// What tells rounding from a contradiction, beside the columns themselves: a target may be what is left of larger
+/// terms.
 #[derive(Clone, Copy, Debug)]
 pub struct Terms<'a, T, const N: usize, const K: usize, const C: usize> {
     /// How large the terms of each target are.
@@ -312,9 +315,9 @@ impl<T: Scalar, const N: usize, const K: usize> NullSpace<T, N, K> {
         }
     }
 
-    /// The largest entry of the rows and columns that are left, the first of equal ones, if it is greater than `least`. Entries
-    /// that their rows have taken are as good while they are no less than half of it; of those the one that changes the others
-    /// least.
+    /// The largest entry of the rows and columns that are left, the first of equal ones, if it is greater than `least`.
+    /// Entries that their rows have taken are as good while they are no less than half of it; of those the one that
+    /// changes the others least.
     #[inline]
     fn pivot(&self, p: usize, least: T, rows: &Rows<T, K>) -> Option<(usize, usize)> {
         let greatest = &rows.greatest;
@@ -549,9 +552,10 @@ impl<T: Scalar, const N: usize, const K: usize> NullSpace<T, N, K> {
         })
     }
 
-    /// Of each row the greatest terms, scaled, that its targets may be the rest of: of all accelerations, because the slopes of a row
-    /// may know coordinates that the row does not, and of its targets; in the motion and in all columns, where that by which they
-    /// are derivatives changes by its own size. A row of zeros has no scale: there only its targets count.
+    /// Of each row the greatest terms, scaled, that its targets may be the rest of: of all accelerations, because the
+    /// slopes of a row may know coordinates that the row does not, and of its targets; in the motion and in all
+    /// columns, where that by which they are derivatives changes by its own size. A row of zeros has no scale: there
+    /// only its targets count.
     fn greatest_sizes<const C: usize>(
         &self,
         terms: &Terms<'_, T, N, K, C>,
@@ -644,8 +648,9 @@ impl<T: Scalar, const N: usize, const K: usize> NullSpace<T, N, K> {
         motion
     }
 
-    /// Whether the rows that depend on others ask for what those give: to what rounding leaves of the terms of the row and of those
-    /// it depends on, which are `sizes` and those of `A q̈`; and of what is left of the row, which is not nothing, to all of it.
+    /// Whether the rows that depend on others ask for what those give: to what rounding leaves of the terms of the row
+    /// and of those it depends on, which are `sizes` and those of `A q̈`; and of what is left of the row, which is not
+    /// nothing, to all of it.
     fn check(&self, r: usize, motion: &[T; N], target: &[T; K], sizes: &[T; K]) -> Result<(), Fault<T>> {
         for k in r..K {
             let row = self.rows[k];

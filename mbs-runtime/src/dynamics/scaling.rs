@@ -1,8 +1,8 @@
 //! Powers of two that bring `M` and `A` to order one, and which coordinate each row of `A` is solved for.
 //!
-//! With `D = diag(2^−sᵢ)` and `R = diag(2^−tₖ)` the scaled system has `D M D`, `R A D`. A change of units multiplies rows and
-//! columns by powers of two; what is scaled stays the same to the bit, because scales follow from exponents of entries alone,
-//! by differences that units drop out of:
+//! With `D = diag(2^−sᵢ)` and `R = diag(2^−tₖ)` the scaled system has `D M D`, `R A D`. A change of units multiplies
+//! rows and columns by powers of two; what is scaled stays the same to the bit, because scales follow from exponents of
+//! entries alone, by differences that units drop out of:
 //!
 //! 1. Each row takes the coordinate that it moves most easily: rows are assigned to coordinates so that
 //!    `Π aₖᵢ² / Mᵢᵢ` is greatest over all assignments, coordinates without inertia before all others.
@@ -11,20 +11,22 @@
 //! 3. A coordinate without inertia is scaled so that the entry taken is as great as the greatest of its row.
 //! 4. A row is scaled to a greatest entry of one.
 //!
-//! So a zero that rounding has turned into 1e-16 changes nothing: not in the diagonal of `M`, because what has next to no inertia
-//! is taken and scaled by rows, and not in `A`, because it is not taken, and pivots are those that are.
+//! So a zero that rounding has turned into 1e-16 changes nothing: not in the diagonal of `M`, because what has next to
+//! no inertia is taken and scaled by rows, and not in `A`, because it is not taken, and pivots are those that are.
 //!
-//! Source: I. S. Duff, J. Koster, *On algorithms for permuting large entries to the diagonal of a sparse matrix*, SIAM J. Matrix
-//! Anal. Appl. 22 (2001), section 2 (greatest product, scaling by its dual variables); I. S. Duff, S. Pralet, *Strategies for
-//! scaling and pivoting for sparse symmetric indefinite problems*, SIAM J. Matrix Anal. Appl. 27 (2005), section 3; R. Jonker,
-//! A. Volgenant, *A shortest augmenting path algorithm for dense and sparse linear assignment problems*, Computing 38 (1987).
+//! Source: I. S. Duff, J. Koster, *On algorithms for permuting large entries to the diagonal of a sparse matrix*, SIAM
+//! J. Matrix Anal. Appl. 22 (2001), section 2 (greatest product, scaling by its dual variables); I. S. Duff, S.
+//! Pralet, *Strategies for scaling and pivoting for sparse symmetric indefinite problems*, SIAM J. Matrix Anal. Appl.
+//! 27 (2005), section 3; R. Jonker, A. Volgenant, *A shortest augmenting path algorithm for dense and sparse linear
+//! assignment problems*, Computing 38 (1987).
 
 use crate::scalar::{Mask, Scalar};
 
 /// Twice an exponent; those of units, which need not be even, stay apart from those of squares.
 type Doubled = i64;
 
-/// A coordinate without inertia is taken before all others: more than the exponents of a path through all rows add up to.
+/// A coordinate without inertia is taken before all others: more than the exponents of a path through all rows add up
+/// to.
 const WEIGHTLESS: Doubled = 1 << 32;
 
 /// Of an entry that is zero: so far below all others that sums with others are, too.
@@ -95,7 +97,8 @@ fn doubled<T: Scalar>(x: T) -> Doubled {
     if x.equal(T::zero()).all() { ABSENT } else { Doubled::from(x.exponent()) }
 }
 
-/// The row that takes each coordinate, if one does: the assignment of greatest product, row by row along shortest paths.
+/// The row that takes each coordinate, if one does: the assignment of greatest product, row by row along shortest
+/// paths.
 #[inline]
 fn assignment<const N: usize, const K: usize>(
     inertia: &[Doubled; N],
@@ -248,7 +251,8 @@ fn relax<const N: usize, const K: usize>(
     }
 }
 
-/// The least size of a coordinate at which it is in no row greater than what that has taken; absent where it is in none.
+/// The least size of a coordinate at which it is in no row greater than what that has taken; absent where it is in
+/// none.
 fn lower_bound<const N: usize, const K: usize>(
     sizes: &[Doubled; N],
     slopes: &[[Doubled; N]; K],

@@ -257,8 +257,8 @@ fn order_within_an_eighth_of_a_step_both_ways() {
     }
 }
 
-/// An alarm that sets itself anew a little later each time: told at once where the clock cannot tell the times apart, and
-/// after a million events in the time of one step where it can.
+/// An alarm that sets itself anew a little later each time: told at once where the clock cannot tell the times apart,
+/// and after a million events in the time of one step where it can.
 #[test]
 fn an_alarm_without_progress_is_an_error() {
     fn ring(integrator: &impl Integrator<f64>, later: f64) -> (IntegrationError, usize) {

@@ -2,8 +2,8 @@
 //!
 //! Source: E. Hairer, S. P. Nørsett and G. Wanner, *Solving Ordinary Differential Equations I*, 2nd ed. 1993, section
 //! II.4 (step control, initial step); K. Gustafsson, *Control theoretic techniques for stepsize selection in explicit
-//! Runge–Kutta methods*, 1991, and in the form of E. Hairer and G. Wanner, *Solving Ordinary Differential Equations II*,
-//! 2nd ed. 1996, section IV.2, formula 2.43c (the PI controller).
+//! Runge–Kutta methods*, 1991, and in the form of E. Hairer and G. Wanner, *Solving Ordinary Differential Equations
+//! II*, 2nd ed. 1996, section IV.2, formula 2.43c (the PI controller).
 
 use core::ops::ControlFlow;
 

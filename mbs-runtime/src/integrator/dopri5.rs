@@ -86,8 +86,8 @@ const D: [Weight; 6] = [
 ///
 /// # Source
 /// J. R. Dormand and P. J. Prince, *A family of embedded Runge–Kutta formulae*, Journal of Computational and Applied
-/// Mathematics 6, 1980, table 2; E. Hairer, S. P. Nørsett and G. Wanner, *Solving Ordinary Differential Equations I*, 2nd
-/// ed. 1993, sections II.4 to II.6.
+/// Mathematics 6, 1980, table 2; E. Hairer, S. P. Nørsett and G. Wanner, *Solving Ordinary Differential Equations I*,
+/// 2nd ed. 1993, sections II.4 to II.6.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Dopri5 {
     /// Relative tolerance of each number in `q` and `q̇`, positive.

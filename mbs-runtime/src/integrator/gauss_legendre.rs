@@ -40,9 +40,9 @@ const B_BAR: [f64; 2] = [0.25 + ROOT / 12.0, 0.25 - ROOT / 12.0];
 /// The Gauss–Legendre method of order 4: implicit, symmetric, symplectic for every mechanism without dissipation whose
 /// state is `(q, M q̇)` in canonical coordinates; steps of fixed length.
 ///
-/// The equations of the two stages (see the table in `gauss_legendre.rs`) are iterated until the accelerations change by
-/// no more than `tolerance` relative to the largest of them, or by rounding alone; two evaluations an iteration, six to
-/// ten iterations where the step is a hundredth of the shortest period. Rounding errors are compensated.
+/// The equations of the two stages (see the table in `gauss_legendre.rs`) are iterated until the accelerations change
+/// by no more than `tolerance` relative to the largest of them, or by rounding alone; two evaluations an iteration, six
+/// to ten iterations where the step is a hundredth of the shortest period. Rounding errors are compensated.
 ///
 /// ```
 /// use core::ops::ControlFlow;
@@ -192,7 +192,8 @@ impl<V: Coordinates<Scalar: Real>> Work<V> {
                 continue;
             }
             stalled += 1;
-            // Changes that no longer decrease are rounding if the coordinates do not feel them; or hardly, and for long.
+            // Changes that no longer decrease are rounding if the coordinates do not feel them; or hardly, and for
+            // long.
             let reach = largest(&old.q) + h.abs() * (largest(&old.qd) + h.abs() * size);
             let felt =
                 if stalled < 4 { V::Scalar::from_f64(64.0) * V::Scalar::EPSILON } else { V::Scalar::EPSILON.sqrt() };
@@ -346,8 +347,8 @@ mod tests {
         GaussLegendre4::new(0.01).integrate(balance, 0.0, 10.0, &mut state, go_on).unwrap();
     }
 
-    /// In the second half of a step a force that pushes back and forth, beside a coordinate that is far away: only the second
-    /// stage does not settle, and what it moves by is much more than rounding.
+    /// In the second half of a step a force that pushes back and forth, beside a coordinate that is far away: only the
+    /// second stage does not settle, and what it moves by is much more than rounding.
     #[test]
     fn an_iteration_that_goes_back_and_forth_is_an_error() {
         let back_and_forth = |t: f64, q: &[f64; 2], _: &[f64; 2], qdd: &mut [f64; 2]| {

@@ -5,9 +5,9 @@
 //! q₁ = q₀ + h q̇₁
 //! ```
 //!
-//! Source: R. de Vogelaere, *Methods of integration which preserve the contact transformation property of the Hamiltonian
-//! equations*, 1956; E. Hairer, C. Lubich and G. Wanner, *Geometric Numerical Integration*, 2nd ed. 2006, formula
-//! I.1.9. Between the ends of a step `q` is the cubic Hermite polynomial, `q̇` the straight line.
+//! Source: R. de Vogelaere, *Methods of integration which preserve the contact transformation property of the
+//! Hamiltonian equations*, 1956; E. Hairer, C. Lubich and G. Wanner, *Geometric Numerical Integration*, 2nd ed. 2006,
+//! formula I.1.9. Between the ends of a step `q` is the cubic Hermite polynomial, `q̇` the straight line.
 
 use core::ops::ControlFlow;
 
@@ -20,9 +20,9 @@ use crate::state::{Coordinates, State};
 
 /// The semi-implicit Euler method of order 1: one evaluation in a step of fixed length.
 ///
-/// The velocity first, the coordinate with the new velocity: `q̇₁ = q̇₀ + h f(t₀, q₀, q̇₀)`, `q₁ = q₀ + h q̇₁`. Symplectic
-/// where the acceleration comes from a potential and a constant mass matrix; the energy then oscillates by `O(h)` and
-/// does not drift. Rounding errors are compensated.
+/// The velocity first, the coordinate with the new velocity: `q̇₁ = q̇₀ + h f(t₀, q₀, q̇₀)`, `q₁ = q₀ + h q̇₁`.
+/// Symplectic where the acceleration comes from a potential and a constant mass matrix; the energy then oscillates by
+/// `O(h)` and does not drift. Rounding errors are compensated.
 ///
 /// ```
 /// use core::ops::ControlFlow;

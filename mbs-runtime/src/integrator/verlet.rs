@@ -21,12 +21,13 @@ use crate::state::{Coordinates, State};
 
 /// The Störmer–Verlet method of order 2: one evaluation in a step of fixed length, for accelerations `f(t, q)`.
 ///
-/// Kick, drift, kick: `q̇½ = q̇₀ + h/2 f(t₀, q₀)`, `q₁ = q₀ + h q̇½`, `q̇₁ = q̇½ + h/2 f(t₁, q₁)`. Symplectic and symmetric
-/// where the acceleration comes from a potential and a constant mass matrix (a separable Hamiltonian): the energy
-/// oscillates by `O(h²)` and does not drift. Rounding errors are compensated.
+/// Kick, drift, kick: `q̇½ = q̇₀ + h/2 f(t₀, q₀)`, `q₁ = q₀ + h q̇½`, `q̇₁ = q̇½ + h/2 f(t₁, q₁)`. Symplectic and
+/// symmetric where the acceleration comes from a potential and a constant mass matrix (a separable Hamiltonian): the
+/// energy oscillates by `O(h²)` and does not drift. Rounding errors are compensated.
 ///
-/// An acceleration that depends on `q̇` is evaluated with the velocity at hand: `q̇½` at the end of a step, and the first
-/// kick of the next step takes over that value. The method is then of order 1, and neither symplectic nor symmetric;
+/// An acceleration that depends on `q̇` is evaluated with the velocity at hand: `q̇½` at the end of a step, and the
+/// first kick of the next step takes over that value. The method is then of order 1, and neither symplectic nor
+/// symmetric;
 /// [`GaussLegendre4`](crate::GaussLegendre4) is both for any mechanism without dissipation.
 ///
 /// ```

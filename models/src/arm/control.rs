@@ -63,8 +63,8 @@ impl Error for InvalidGain {}
 /// With this the error obeys `ë + K_d ė + K_p e = 0` for each joint by itself, as far as the model is right.
 ///
 /// # Source
-/// J. Y. S. Luh, M. W. Walker, R. P. C. Paul, *Resolved-acceleration control of mechanical manipulators*, IEEE Transactions on
-/// Automatic Control 25:3, 1980, for joint angles.
+/// J. Y. S. Luh, M. W. Walker, R. P. C. Paul, *Resolved-acceleration control of mechanical manipulators*, IEEE
+/// Transactions on Automatic Control 25:3, 1980, for joint angles.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ComputedTorque {
     /// `K_p` \[1/s²\], positive and finite.

@@ -7,8 +7,8 @@
 //! x + i y = e^{iθ₂} (a₂ + l₁ e^{iκ}),   κ = θ₃ + φ,   l₁ = √(a₃² + d₄²),   φ = atan2(d₄, a₃)
 //! ```
 //!
-//! is a triangle with the sides `a₂`, `l₁` and `ρ = |x + i y|`. Its angle comes by half angles, where (3.11) takes an arc
-//! cosine that loses half of the digits near the stretched arm:
+//! is a triangle with the sides `a₂`, `l₁` and `ρ = |x + i y|`. Its angle comes by half angles, where (3.11) takes an
+//! arc cosine that loses half of the digits near the stretched arm:
 //!
 //! ```text
 //! tan ½κ = ± √( (a₂ + l₁ − ρ)(a₂ + l₁ + ρ) / ((ρ − a₂ + l₁)(ρ + a₂ − l₁)) )
@@ -33,9 +33,9 @@
 //! | wrist       | axes 4 and 6 are in line: `sin θ₅ = 0`   | `θ₄` against `θ₆`: `θ₄` is that of the reference |
 //!
 //! # Source
-//! Doctoral thesis *Dynamics of multibody systems in a gravitational field*, section 3.2. The decoupling is that of D. L.
-//! Pieper, *The kinematics of manipulators under computer control*, 1968. Triangles from their sides: W. Kahan,
-//! *Miscalculating area and angles of a needle-like triangle*, 2014.
+//! Doctoral thesis *Dynamics of multibody systems in a gravitational field*, section 3.2. The decoupling is that of D.
+//! L. Pieper, *The kinematics of manipulators under computer control*, 1968. Triangles from their sides: W.
+//! Kahan, *Miscalculating area and angles of a needle-like triangle*, 2014.
 
 use core::error::Error;
 use core::f64::consts::{PI, TAU};
@@ -60,7 +60,8 @@ pub enum Shoulder {
 /// To which side of the upper arm the forearm is bent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Elbow {
-    /// `0 ≤ θ₃ + φ ≤ π`: the elbow is above the line from shoulder to wrist where the arm reaches forward; (3.11), (3.12).
+    /// `0 ≤ θ₃ + φ ≤ π`: the elbow is above the line from shoulder to wrist where the arm reaches forward; (3.11),
+    /// (3.12).
     Positive,
     /// `−π < θ₃ + φ < 0`.
     Negative,
@@ -105,12 +106,12 @@ impl Singularities {
     }
 }
 
-/// How close the wrist is to axis 1 \[m\], and how small `|sin θ₅|`, where they are singular: then what is left is rounding, and
-/// says nothing of the angle.
+/// How close the wrist is to axis 1 \[m\], and how small `|sin θ₅|`, where they are singular: then what is left is
+/// rounding, and says nothing of the angle.
 pub const UNDETERMINED: f64 = 1e-13;
 
-/// How near `κ` is to 0 or π \[rad\] where the arm is stretched or folded: near the stretched arm the distance of the wrist changes
-/// with the square of `κ`, so that a pose in double precision tells the branches apart down to some 1e-8.
+/// How near `κ` is to 0 or π \[rad\] where the arm is stretched or folded: near the stretched arm the distance of the
+/// wrist changes with the square of `κ`, so that a pose in double precision tells the branches apart down to some 1e-8.
 pub const STRETCHED: f64 = 1e-7;
 
 /// How far beyond the stretched arm a wrist is still taken for reached \[m\]: what rounding adds to a pose.
@@ -261,8 +262,8 @@ pub struct InverseKinematics {
     /// What becomes of matrices that are not quite rotations; by default they are orthonormalized up to
     /// [`ROTATION_TOLERANCE`].
     pub inexact: Inexact,
-    /// The angles of which `θ₁` and `θ₄` are taken where the pose leaves them open \[rad\]; by default zero. These two must
-    /// be finite.
+    /// The angles of which `θ₁` and `θ₄` are taken where the pose leaves them open \[rad\]; by default zero. These two
+    /// must be finite.
     pub reference: JointVector,
 }
 
@@ -525,7 +526,8 @@ impl Solutions {
         self.len += 1;
     }
 
-    /// Those within the ranges of the joints, every angle moved into its range by whole turns, to the value nearest to `near`.
+    /// Those within the ranges of the joints, every angle moved into its range by whole turns, to the value nearest to
+    /// `near`.
     #[must_use]
     pub fn within(&self, limits: &JointLimits, near: &JointVector) -> Self {
         let mut admitted = Self::none();
@@ -537,8 +539,8 @@ impl Solutions {
         admitted
     }
 
-    /// All of them, every angle moved into its range by whole turns where that can be done; of several values that nearest to
-    /// `near` is taken. Angles that no turn brings into range are left in `[−π, π]`.
+    /// All of them, every angle moved into its range by whole turns where that can be done; of several values that
+    /// nearest to `near` is taken. Angles that no turn brings into range are left in `[−π, π]`.
     #[must_use]
     pub fn wrapped(&self, limits: &JointLimits, near: &JointVector) -> Self {
         let mut moved = *self;
@@ -549,8 +551,8 @@ impl Solutions {
         moved
     }
 
-    /// The one within the ranges of the joints that is nearest to `near`, whole turns considered: the sum of the squared
-    /// differences of the angles is least. `None` where none is within.
+    /// The one within the ranges of the joints that is nearest to `near`, whole turns considered: the sum of the
+    /// squared differences of the angles is least. `None` where none is within.
     #[must_use]
     pub fn nearest(&self, limits: &JointLimits, near: &JointVector) -> Option<Solution> {
         let distance = |solution: &Solution| -> f64 { (0..6).map(|i| square(solution.q[i] - near[i])).sum() };

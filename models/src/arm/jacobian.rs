@@ -4,9 +4,9 @@
 //! [v; ω] = J(q) q̇,   τ = Jᵀ [f; m],   column i of J: [z_{i−1} × (P − P_{i−1}); z_{i−1}]
 //! ```
 //!
-//! Rows are the velocity of the flange's origin, then its angular velocity, in the axes of the base; so are the components of
-//! forces and moments, the moment about the flange's origin. Velocities and angular velocities have different units, and
-//! singular values mix them: metres and radians count alike here.
+//! Rows are the velocity of the flange's origin, then its angular velocity, in the axes of the base; so are the
+//! components of forces and moments, the moment about the flange's origin. Velocities and angular velocities have
+//! different units, and singular values mix them: metres and radians count alike here.
 //!
 //! ```
 //! use mbs_models::arm::Arm;
@@ -74,8 +74,8 @@ impl fmt::Display for SingularJacobian {
 
 impl Error for SingularJacobian {}
 
-/// How small the smallest singular value is, against the largest, where the Jacobian counts as singular: of what is carried over,
-/// half of the digits would be left.
+/// How small the smallest singular value is, against the largest, where the Jacobian counts as singular: of what is
+/// carried over, half of the digits would be left.
 pub const SINGULAR: f64 = 1e-9;
 
 /// The factors of the Jacobian's determinant, one for each way of being singular.
@@ -96,8 +96,8 @@ impl Factors {
         -A2 * self.elbow * self.wrist * self.shoulder
     }
 
-    /// How far the arm is from its singularities: the smallest magnitude of the three, each as a part of the largest that it can
-    /// have. From 0, singular, to less than 1; NaN where a factor is.
+    /// How far the arm is from its singularities: the smallest magnitude of the three, each as a part of the largest
+    /// that it can have. From 0, singular, to less than 1; NaN where a factor is.
     #[must_use]
     pub fn margin(&self) -> f64 {
         let parts = [self.shoulder / (A1 + A2 + L1), self.elbow / L1, self.wrist];
@@ -136,18 +136,20 @@ pub fn singular_values(jacobian: &Jacobian) -> [f64; 6] {
     }
 }
 
-/// The largest singular value over the smallest: infinite where the Jacobian is singular, NaN where an entry is infinite or
-/// NaN.
+/// The largest singular value over the smallest: infinite where the Jacobian is singular, NaN where an entry is
+/// infinite or NaN.
 #[must_use]
 pub fn condition(jacobian: &Jacobian) -> f64 {
     let values = singular_values(jacobian);
     values[0] / values[5]
 }
 
-/// Yoshikawa's measure of manipulability `√det(J Jᵀ)`, the product of the singular values; of the flange it is `|det J|` \[m³\].
+/// Yoshikawa's measure of manipulability `√det(J Jᵀ)`, the product of the singular values; of the flange it is `|det
+/// J|` \[m³\].
 ///
 /// # Source
-/// T. Yoshikawa, *Manipulability of robotic mechanisms*, International Journal of Robotics Research 4:2, 1985, equation (3).
+/// T. Yoshikawa, *Manipulability of robotic mechanisms*, International Journal of Robotics Research 4:2, 1985, equation
+/// (3).
 #[must_use]
 pub fn manipulability(q: &JointVector) -> f64 {
     determinant(q).abs()
@@ -163,8 +165,8 @@ impl Arm {
 
     /// Pose and Jacobian of the flange at once, sharing sines, cosines and axes.
     ///
-    /// Typed by hand from (3.15), (3.16) in the axes of the arm's plane, because the generated functions each evaluate the
-    /// sines again and the generated Jacobian costs three times as much; the results are the same up to rounding.
+    /// Typed by hand from (3.15), (3.16) in the axes of the arm's plane, because the generated functions each evaluate
+    /// the sines again and the generated Jacobian costs three times as much; the results are the same up to rounding.
     ///
     /// With `e` forward in the arm's plane and `z` up, `z₁ = z₂` is across it, and `z₁ × e = −z`, `z₁ × z = e`.
     #[must_use]
@@ -214,7 +216,8 @@ impl Arm {
 
     /// The Jacobians of the links' mass centres: velocities of the centres, then angular velocities of the links.
     ///
-    /// They give the mass matrix, `M = Σ (mᵢ J_vᵀ J_v + J_ωᵀ Rᵢ Iᵢ Rᵢᵀ J_ω)`, and the gravity, `G = −Σ J_vᵀ mᵢ g`, of (3.19).
+    /// They give the mass matrix, `M = Σ (mᵢ J_vᵀ J_v + J_ωᵀ Rᵢ Iᵢ Rᵢᵀ J_ω)`, and the gravity, `G = −Σ J_vᵀ mᵢ g`, of
+    /// (3.19).
     #[must_use]
     pub fn mass_center_jacobians(&self, q: &JointVector) -> [Jacobian; 6] {
         let arm = &self.model;
@@ -234,7 +237,8 @@ impl Arm {
         self.model.flange_velocity(q, qd)
     }
 
-    /// The joint velocities \[rad/s\] that move the flange with this velocity \[m/s\] and angular velocity \[rad/s\]: `J⁻¹ [v; ω]`.
+    /// The joint velocities \[rad/s\] that move the flange with this velocity \[m/s\] and angular velocity \[rad/s\]:
+    /// `J⁻¹ [v; ω]`.
     ///
     /// # Errors
     /// [`SingularJacobian`] where the smallest singular value is below [`SINGULAR`] of the largest, or something is not finite.
@@ -258,8 +262,8 @@ impl Arm {
     /// [`SingularJacobian::InvalidDamping`] if `λ` is not positive, [`SingularJacobian::NonFinite`] if something is not finite.
     ///
     /// # Source
-    /// Y. Nakamura and H. Hanafusa, *Inverse kinematic solutions with singularity robustness for robot manipulator control*,
-    /// Journal of Dynamic Systems, Measurement, and Control 108:3, 1986.
+    /// Y. Nakamura and H. Hanafusa, *Inverse kinematic solutions with singularity robustness for robot manipulator
+    /// control*, Journal of Dynamic Systems, Measurement, and Control 108:3, 1986.
     pub fn joint_velocity_damped(
         &self,
         q: &JointVector,

@@ -70,13 +70,13 @@ impl JointLimits {
     /// | 5     | ±100°                          | 100 °/s | 150 °/s²     | 2.5 kN·m  |
     /// | 6     | ±300°                          | 160 °/s | 250 °/s²     | 1.2 kN·m  |
     ///
-    /// The second angle of Denavit and Hartenberg, which [`lower`](Self::lower) and [`upper`](Self::upper) bound, is the
-    /// robot's own minus 90°.
+    /// The second angle of Denavit and Hartenberg, which [`lower`](Self::lower) and [`upper`](Self::upper) bound, is
+    /// the robot's own minus 90°.
     ///
     /// # Source
-    /// Ranges and speeds are recalled from the manufacturer's product specification and were not looked up; that the senses of
-    /// the axes are those of Denavit and Hartenberg is not verified against a drawing. Accelerations and torques are not
-    /// published: they are assumed here, of the size that a payload of 500 kg asks for.
+    /// Ranges and speeds are recalled from the manufacturer's product specification and were not looked up; that the
+    /// senses of the axes are those of Denavit and Hartenberg is not verified against a drawing. Accelerations and
+    /// torques are not published: they are assumed here, of the size that a payload of 500 kg asks for.
     pub const IRB7600: Self = Self {
         lower: radians([-180.0, -150.0, -180.0, -300.0, -100.0, -300.0]),
         upper: radians([180.0, -5.0, 60.0, 300.0, 100.0, 300.0]),
@@ -107,7 +107,8 @@ impl JointLimits {
         Ok(())
     }
 
-    /// How far the angle is out of the joint's range, turned as near to it as whole turns bring it \[rad\]; zero within.
+    /// How far the angle is out of the joint's range, turned as near to it as whole turns bring it \[rad\]; zero
+    /// within.
     ///
     /// Infinite where the angle is, which no turn brings anywhere; NaN where the angle or an end of the range is.
     #[must_use]
@@ -140,8 +141,8 @@ impl JointLimits {
         self.lower[joint] - LIMIT_TOLERANCE <= angle && angle <= self.upper[joint] + LIMIT_TOLERANCE
     }
 
-    /// The angle, of those that differ from `angle` by whole turns and lie in the range of the joint, that is nearest to
-    /// `near`; `None` where none does.
+    /// The angle, of those that differ from `angle` by whole turns and lie in the range of the joint, that is nearest
+    /// to `near`; `None` where none does.
     ///
     /// Axes 4 and 6 turn by more than once: there most angles have two values.
     ///

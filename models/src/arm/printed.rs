@@ -1,7 +1,7 @@
 //! The thesis' inverse kinematics as printed: one configuration, by principal arc tangents of quotients.
 //!
-//! They hold where all angles that the arc tangents give are within ±90°, the wrist is in front of the shoulder and the elbow
-//! positive: on about one pose in ten. [`inverse`](super::inverse) gives all configurations, everywhere.
+//! They hold where all angles that the arc tangents give are within ±90°, the wrist is in front of the shoulder and the
+//! elbow positive: on about one pose in ten. [`inverse`](super::inverse) gives all configurations, everywhere.
 
 use core::f64::consts::PI;
 
@@ -9,7 +9,8 @@ use mbs_runtime::{Pose, Scalar};
 
 use super::{A1, A2, A3, D1, D4, D6, JointVector};
 
-/// The joint angles \[rad\] of formulas (3.7)–(3.12) as printed, evaluated in the order `θ₁`, `θ₃`, `θ₂`, `θ₄`, `θ₅`, `θ₆`.
+/// The joint angles \[rad\] of formulas (3.7)–(3.12) as printed, evaluated in the order `θ₁`, `θ₃`, `θ₂`, `θ₄`, `θ₅`,
+/// `θ₆`.
 ///
 /// ```text
 /// (3.7)   θ₁ = arctg((P_y − d₆ h₂₃)/(P_x − d₆ h₁₃))
@@ -21,11 +22,11 @@ use super::{A1, A2, A3, D1, D4, D6, JointVector};
 /// (3.12)  θ₂ = π − arccos((a₂² + P₁₄² − l₁²)/(2 a₂ P₁₄)) − arccos((P₀₁² + P₁₄² − P₀₄²)/(2 P₀₁ P₁₄)) − arctg(d₁/a₁)
 /// ```
 ///
-/// `P₀₁` is the distance of joint 2 from the base, `P₀₄` that of the wrist, `P₁₄` that of the wrist from joint 2. The closing
-/// bracket that (3.10) has too many is left out. The matrix is used as it is given, rotation or not.
+/// `P₀₁` is the distance of joint 2 from the base, `P₀₄` that of the wrist, `P₁₄` that of the wrist from joint 2. The
+/// closing bracket that (3.10) has too many is left out. The matrix is used as it is given, rotation or not.
 ///
-/// Algebra, as the generated functions are: the angles are NaN out of reach, and those of another pose than the given one
-/// where the formulas do not hold.
+/// Algebra, as the generated functions are: the angles are NaN out of reach, and those of another pose than the given
+/// one where the formulas do not hold.
 ///
 /// ```
 /// use mbs_models::arm::printed::inverse_kinematics;
@@ -41,8 +42,8 @@ use super::{A1, A2, A3, D1, D4, D6, JointVector};
 /// ```
 ///
 /// # Source
-/// Doctoral thesis *Dynamics of multibody systems in a gravitational field*, equations (3.7)–(3.12), with the constants of
-/// table 1.
+/// Doctoral thesis *Dynamics of multibody systems in a gravitational field*, equations (3.7)–(3.12), with the constants
+/// of table 1.
 #[must_use]
 pub fn inverse_kinematics(pose: &Pose<f64>) -> JointVector {
     let [px, py, pz] = pose.position;

@@ -27,14 +27,15 @@ use crate::quadrotor::landing::{Landing, LandingError, MOST_MOMENTS};
 
 /// A landing, known at equal distances of time and interpolated between, and what it lands on.
 ///
-/// Between two moments every coordinate is the polynomial of degree 5 that has its value, rate and acceleration at both: what
-/// is interpolated is C² and off by `h⁶ q⁽⁶⁾/46080` at most.
+/// Between two moments every coordinate is the polynomial of degree 5 that has its value, rate and acceleration at
+/// both: what is interpolated is C² and off by `h⁶ q⁽⁶⁾/46080` at most.
 ///
-/// A flight goes on for [`OVERRUN`] after the touchdown, as if there were no platform, so that an arm that lags behind still knows
-/// where to go.
+/// A flight goes on for [`OVERRUN`] after the touchdown, as if there were no platform, so that an arm that lags behind
+/// still knows where to go.
 ///
 /// # Source
-/// E. Hairer, S. P. Nørsett, G. Wanner, *Solving Ordinary Differential Equations I*, section II.6, for Hermite's interpolation.
+/// E. Hairer, S. P. Nørsett, G. Wanner, *Solving Ordinary Differential Equations I*, section II.6, for Hermite's
+/// interpolation.
 #[derive(Clone, Debug)]
 pub struct Flight {
     /// At least two.
@@ -180,9 +181,9 @@ impl Flight {
 
 /// Value, rate and acceleration at the part `s` of an interval of the length `h`, from those at its ends.
 ///
-/// With `p(s) = p₀ + v₀ s + ½ a₀ s² + s³ (c₃ + c₄ s + c₅ s²)`, velocities times h and accelerations times h², and what is missing
-/// at the end, `D = p₁ − p₀ − v₀ − ½ a₀`, `E = v₁ − v₀ − a₀`, `F = a₁ − a₀`: `c₃ = 10 D − 4 E + ½ F`, `c₄ = −15 D + 7 E − F`,
-/// `c₅ = 6 D − 3 E + ½ F`.
+/// With `p(s) = p₀ + v₀ s + ½ a₀ s² + s³ (c₃ + c₄ s + c₅ s²)`, velocities times h and accelerations times h², and what
+/// is missing at the end, `D = p₁ − p₀ − v₀ − ½ a₀`, `E = v₁ − v₀ − a₀`, `F = a₁ − a₀`: `c₃ = 10 D − 4 E + ½ F`, `c₄ =
+/// −15 D + 7 E − F`, `c₅ = 6 D − 3 E + ½ F`.
 fn hermite([p0, v0, a0]: [f64; 3], [p1, v1, a1]: [f64; 3], h: f64, s: f64) -> [f64; 3] {
     let (v0, v1, a0, a1) = (v0 * h, v1 * h, a0 * h * h, a1 * h * h);
     let (d, e, f) = (p1 - p0 - v0 - 0.5 * a0, v1 - v0 - a0, a1 - a0);

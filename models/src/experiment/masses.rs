@@ -29,8 +29,8 @@ impl fmt::Display for InvalidMass {
 
 impl Error for InvalidMass {}
 
-/// Whether all masses are those of bodies: positive ones of carriage and links, so that the mass matrix has an inverse; the load may
-/// be none. Mass centres and gravity are to be finite.
+/// Whether all masses are those of bodies: positive ones of carriage and links, so that the mass matrix has an inverse;
+/// the load may be none. Mass centres and gravity are to be finite.
 pub(super) fn check(params: &Params<f64>) -> Result<(), InvalidMass> {
     let positive = |value: f64| value > 0.0 && value.is_finite();
     let load = |value: f64| value >= 0.0 && value.is_finite();

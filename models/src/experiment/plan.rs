@@ -58,8 +58,9 @@ pub struct Experiment {
     pub standoffs: [f64; 2],
     /// Whether the accelerations of the joints, [`JointLimits::acceleration`](crate::arm::JointLimits), are limits too.
     ///
-    /// They are assumed, and by default they are not: torques limit the drives. An attitude that is flown breaks them at any scale,
-    /// since angles are not scaled: right at the start the vehicle's controller turns it back from the tilt it begins with.
+    /// They are assumed, and by default they are not: torques limit the drives. An attitude that is flown breaks them
+    /// at any scale, since angles are not scaled: right at the start the vehicle's controller turns it back from the
+    /// tilt it begins with.
     pub joint_accelerations: bool,
     /// How long the platform heaves, at least to the touchdown \[s\].
     pub heaving: f64,
@@ -88,8 +89,8 @@ const MOST_MOMENTS: f64 = 1e7;
 pub const COARSEST: f64 = 0.1;
 
 impl Experiment {
-    /// The default arm and platform in [`Cell::LABORATORY`]; the flange takes on the vehicle's attitude, the platform heaves for
-    /// one [`PERIOD`].
+    /// The default arm and platform in [`Cell::LABORATORY`]; the flange takes on the vehicle's attitude, the platform
+    /// heaves for one [`PERIOD`].
     #[must_use]
     pub fn new(flight: Flight) -> Self {
         Self {
@@ -241,8 +242,8 @@ impl<'a> Plan<'a> {
         Ok(Moment { time, flange, axes, forces, margin, deck: self.deck(time), legs: self.legs(time)? })
     }
 
-    /// How far the arm keeps from the ends of its ranges, each as a part of half the range, and from singularities: the least on the
-    /// way, at every fourth moment of a survey; negative where a range is left.
+    /// How far the arm keeps from the ends of its ranges, each as a part of half the range, and from singularities: the
+    /// least on the way, at every fourth moment of a survey; negative where a range is left.
     ///
     /// # Errors
     /// [`Infeasible::Arm`], where the flange cannot go all the way.
@@ -333,7 +334,8 @@ pub fn turned_over(rotation: [[f64; 3]; 3]) -> [[f64; 3]; 3] {
     rotation.map(|[x, y, z]| [x, -y, -z])
 }
 
-/// Angular velocity and acceleration in the axes of the world: `ω = E(q) (φ̇, θ̇, ψ̇)`, `ω̇ = E (φ̈, θ̈, ψ̈) + Ė (φ̇, θ̇, ψ̇)`.
+/// Angular velocity and acceleration in the axes of the world: `ω = E(q) (φ̇, θ̇, ψ̇)`, `ω̇ = E (φ̈, θ̈, ψ̈) + Ė (φ̇,
+/// θ̇, ψ̇)`.
 fn angular_motion(q: &Coordinates, qd: &Coordinates, qdd: &Coordinates) -> [[f64; 3]; 2] {
     let moving: [Dual<f64>; 6] = core::array::from_fn(|i| Dual { value: q[i], derivative: qd[i] });
     let rates = angular_rates(&moving);

@@ -1,14 +1,15 @@
 //! The arm on its rail: seven axes, of which the first slides. Its redundancy is resolved by a stand-off.
 //!
-//! A pose of the flange leaves one of seven axes open. Here the carriage keeps the flange a constant stand-off `ρ` ahead of
-//! the arm's base, along the rail:
+//! A pose of the flange leaves one of seven axes open. Here the carriage keeps the flange a constant stand-off `ρ`
+//! ahead of the arm's base, along the rail:
 //!
 //! ```text
 //! r = x − ρ,   ṙ = ẋ,   r̈ = ẍ
 //! ```
 //!
-//! so that the motion along the rail is all the carriage's, and the arm sees a flange that moves across and up and down. The six
-//! angles are those of the closed form on one branch; rates and accelerations follow from the Jacobian `J = [J_r J_θ]`:
+//! so that the motion along the rail is all the carriage's, and the arm sees a flange that moves across and up and
+//! down. The six angles are those of the closed form on one branch; rates and accelerations follow from the Jacobian
+//! `J = [J_r J_θ]`:
 //!
 //! ```text
 //! θ̇ = J_θ⁻¹ (V − J_r ṙ),   θ̈ = J_θ⁻¹ (V̇ − J_r r̈ − J̇ q̇),   V = [v; ω]
@@ -61,8 +62,8 @@ impl RailLimits {
     /// 22 m, 1.2 m/s, 1.5 m/s², 10 kN.
     ///
     /// # Source
-    /// The length is that of the thesis, chapter 6; the others are assumed, the force of the size that 2.8 t at that acceleration
-    /// ask for twice.
+    /// The length is that of the thesis, chapter 6; the others are assumed, the force of the size that 2.8 t at that
+    /// acceleration ask for twice.
     pub const LABORATORY: Self = Self { range: [0.0, 22.0], speed: 1.2, acceleration: 1.5, force: 10e3 };
 }
 
@@ -167,7 +168,8 @@ impl RailArm {
         InverseKinematics::default().solve(&Pose { position: [x - rail, y, z], rotation: pose.rotation })
     }
 
-    /// Positions, rates and accelerations of all axes while the flange moves so, the carriage a stand-off \[m\] behind it.
+    /// Positions, rates and accelerations of all axes while the flange moves so, the carriage a stand-off \[m\] behind
+    /// it.
     ///
     /// Angles are in `[−π, π]`: ranges are checked by whoever asks.
     ///

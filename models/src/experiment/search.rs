@@ -52,8 +52,8 @@ pub struct Greatest<'a> {
     pub plan: Plan<'a>,
     /// What it asks of the machines.
     pub survey: Survey,
-    /// The next scale, no more than the tolerance above, and what breaks first there; `None` where the greatest scale that may be
-    /// tried is feasible.
+    /// The next scale, no more than the tolerance above, and what breaks first there; `None` where the greatest scale
+    /// that may be tried is feasible.
     pub next: Option<(f64, Infeasible)>,
 }
 
@@ -90,12 +90,12 @@ impl Error for SearchError {}
 impl Experiment {
     /// The greatest feasible scale: by steps upwards to the first that is infeasible, then by halving.
     ///
-    /// Of all stand-offs with which the carriage stays on the rail that with the greatest [clearance](Plan::clearance) is tried.
-    /// Ranges of the axes, reach and singularities choose it so; speeds, accelerations and forces do not. Where one of those breaks
-    /// first, another stand-off may allow a greater scale.
+    /// Of all stand-offs with which the carriage stays on the rail that with the greatest [clearance](Plan::clearance)
+    /// is tried. Ranges of the axes, reach and singularities choose it so; speeds, accelerations and forces do not.
+    /// Where one of those breaks first, another stand-off may allow a greater scale.
     ///
-    /// Of a scale above one that is infeasible nothing is said: lengths grow with the scale, and limits that they break stay
-    /// broken but in odd cases.
+    /// Of a scale above one that is infeasible nothing is said: lengths grow with the scale, and limits that they break
+    /// stay broken but in odd cases.
     ///
     /// # Errors
     /// [`SearchError`].

@@ -17,10 +17,11 @@ impl Experiment {
     /// The plan at this scale, with the stand-off that keeps the arm farthest from the ends of its ranges and from
     /// singularities: [`Plan::clearance`] is the greatest.
     ///
-    /// Stand-offs are those within [`standoffs`](Self::standoffs) with which the carriage stays on the rail: `x(t) − ρ` within
+    /// Stand-offs are those within [`standoffs`](Self::standoffs) with which the carriage stays on the rail: `x(t) − ρ`
+    /// within
     /// [`RailLimits::range`](super::rail_arm::RailLimits::range) up to the touchdown. Where there is none, all of them are taken, and
-    /// the [survey](Plan::survey) names the end of the rail. They are tried every 50 mm, and the best is made better by golden
-    /// sections.
+    /// the [survey](Plan::survey) names the end of the rail. They are tried every 50 mm, and the best is made better by
+    /// golden sections.
     ///
     /// # Errors
     /// [`PlanError`]; [`PlanError::Infeasible`] if no stand-off lets the flange go all the way: why that in the middle does not.

@@ -34,7 +34,8 @@ pub struct Seen {
     pub time: f64,
 }
 
-/// What a plan asks of the machines: of the robot from the beginning to the touchdown, of the platform as long as it heaves.
+/// What a plan asks of the machines: of the robot from the beginning to the touchdown, of the platform as long as it
+/// heaves.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Survey {
     /// The limit that breaks first.
@@ -49,7 +50,8 @@ pub struct Survey {
     pub forces: RailVector,
     /// The largest speed as a part of its limit.
     pub speed_ratio: Seen,
-    /// The largest acceleration as a part of its limit, whether that [counts](super::plan::Experiment::joint_accelerations) or not.
+    /// The largest acceleration as a part of its limit, whether that
+    /// [counts](super::plan::Experiment::joint_accelerations) or not.
     pub acceleration_ratio: Seen,
     /// The largest force or torque as a part of its limit.
     pub force_ratio: Seen,

@@ -1,7 +1,7 @@
 //! The arm simulated under its controller, up to the contact with the platform.
 //!
-//! The controller knows the model and the plan; the arm is another one, heavier than the model says. Once a period it takes
-//! positions and rates, and holds the forces that the model asks for until the next:
+//! The controller knows the model and the plan; the arm is another one, heavier than the model says. Once a period it
+//! takes positions and rates, and holds the forces that the model asks for until the next:
 //!
 //! ```text
 //! u = sat( M(q) (q̈_d + 2 ω ė + ω² e) + C(q, q̇) q̇ + G(q) ),   e = q_d − q
@@ -12,8 +12,8 @@
 //! moves as planned.
 //!
 //! # Source
-//! J. Y. S. Luh, M. W. Walker, R. P. C. Paul, *Resolved-acceleration control of mechanical manipulators*, IEEE Transactions on
-//! Automatic Control 25:3, 1980, for the coordinates of the axes.
+//! J. Y. S. Luh, M. W. Walker, R. P. C. Paul, *Resolved-acceleration control of mechanical manipulators*, IEEE
+//! Transactions on Automatic Control 25:3, 1980, for the coordinates of the axes.
 
 use core::error::Error;
 use core::fmt;
@@ -52,7 +52,8 @@ pub const MODULE_EXCESS: f64 = 0.10;
 const MOST_LOOKS: f64 = 1e7;
 
 impl Tracking {
-    /// Of an arm whose links are 3 % heavier than the model's and whose load is 10 %, inertias alike; 20 rad/s, every 4 ms.
+    /// Of an arm whose links are 3 % heavier than the model's and whose load is 10 %, inertias alike; 20 rad/s, every 4
+    /// ms.
     ///
     /// All of it is assumed.
     #[must_use]
@@ -105,7 +106,8 @@ pub struct Look {
     pub turn: f64,
 }
 
-/// The flange and the deck where they meet. The deck is level, with the axes of the rail; the vehicle is the flange turned over.
+/// The flange and the deck where they meet. The deck is level, with the axes of the rail; the vehicle is the flange
+/// turned over.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Contact {
     /// \[s\]
@@ -207,7 +209,8 @@ impl From<IntegrationError> for TrackingError {
 }
 
 impl Plan<'_> {
-    /// Simulates the arm from where the plan begins to the contact with the deck. `observer` sees every look of the controller.
+    /// Simulates the arm from where the plan begins to the contact with the deck. `observer` sees every look of the
+    /// controller.
     ///
     /// ```
     /// # use mbs_models::experiment::{Experiment, flight::Flight, tracking::Tracking};

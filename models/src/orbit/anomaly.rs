@@ -6,9 +6,9 @@
 //! | parabola  | `D = tan(ν/2)`                                     | `D + D³/3`       | `2 √(μ/p³)`              |
 //! | hyperbola | `sinh H = √(e²−1) sin ν/(1 + e cos ν)`             | `e sinh H − H`   | `√(μ/|a|³)`              |
 //!
-//! e is the eccentricity, 0 or more. ν, E, H and the mean anomaly are in radians, a parabola's D and its mean anomaly are numbers.
-//! All are zero at the nearest point. On an ellipse whole turns are kept. Near the parabola nothing cancels: what is lost is a few
-//! times what rounding the anomaly given would change.
+//! e is the eccentricity, 0 or more. ν, E, H and the mean anomaly are in radians, a parabola's D and its mean anomaly
+//! are numbers. All are zero at the nearest point. On an ellipse whole turns are kept. Near the parabola nothing
+//! cancels: what is lost is a few times what rounding the anomaly given would change.
 //!
 //! # Source
 //! Battin, *An Introduction to the Mathematics and Methods of Astrodynamics*, 1999, sections 4.2 to 4.4.

@@ -4,10 +4,12 @@
 //! ẍ − 2 n ẏ − 3 n² x = 0,   ÿ + 2 n ẋ = 0,   z̈ + n² z = 0,   n = √(μ/r³)
 //! ```
 //!
-//! in the axes of [`lvlh`](super::lvlh): x away from the centre, y along the motion, z along the orbital angular momentum.
+//! in the axes of [`lvlh`](super::lvlh): x away from the centre, y along the motion, z along the orbital angular
+//! momentum.
 //!
 //! # Source
-//! Clohessy, Wiltshire, *Terminal guidance system for satellite rendezvous*, Journal of the Aerospace Sciences 27(9), 1960.
+//! Clohessy, Wiltshire, *Terminal guidance system for satellite rendezvous*, Journal of the Aerospace Sciences
+//! 27(9), 1960.
 
 use core::fmt;
 
@@ -29,8 +31,8 @@ pub enum TargetingError {
     },
     /// A component of a place or state is not finite.
     NotFinite,
-    /// After this time the place within the orbital plane does not depend on some velocities: whole revolutions, and some other
-    /// times, the first 1.406 of a revolution.
+    /// After this time the place within the orbital plane does not depend on some velocities: whole revolutions, and
+    /// some other times, the first 1.406 of a revolution.
     SingularInPlane {
         /// \[s\]
         time: f64,

@@ -51,7 +51,8 @@ impl core::error::Error for FlightError {}
 /// Of the first distance: points whose motion cannot be continued closer than that have met.
 const MET: f64 = 1e-3;
 
-/// Integrates `q̈ = f(t, q, q̇)` from `t` to `t_end`, and ends where the distance of two bodies falls to that at which they touch.
+/// Integrates `q̈ = f(t, q, q̇)` from `t` to `t_end`, and ends where the distance of two bodies falls to that at which
+/// they touch.
 ///
 /// | argument   | meaning                                                        | unit |
 /// |------------|----------------------------------------------------------------|------|
@@ -60,9 +61,9 @@ const MET: f64 = 1e-3;
 /// | `state`    | afterwards the one at the end or at the collision               |      |
 /// | `observer` | called after each accepted step                                 |      |
 ///
-/// Points that fall into each other leave the integrator no step. They have collided where that happens at less than a thousandth of
-/// their first distance, and the time is that of the last state. What is nearer for less than a step of the integrator, twice across
-/// the distance of contact between two places where it looks, is not seen.
+/// Points that fall into each other leave the integrator no step. They have collided where that happens at less than a
+/// thousandth of their first distance, and the time is that of the last state. What is nearer for less than a step of
+/// the integrator, twice across the distance of contact between two places where it looks, is not seen.
 ///
 /// # Errors
 /// [`FlightError`].

@@ -1,7 +1,7 @@
 //! Classical orbital elements, from states and back.
 //!
-//! The size is given by p, which every conic has. Angles that a position does not fix are chosen so that a state comes back from its
-//! elements:
+//! The size is given by p, which every conic has. Angles that a position does not fix are chosen so that a state comes
+//! back from its elements:
 //!
 //! | orbit                              | chosen                                                                 |
 //! |------------------------------------|------------------------------------------------------------------------|
@@ -9,9 +9,9 @@
 //! | a circle                           | ω = 0: ν counts from the ascending node                                 |
 //! | a circle in the plane z = 0        | Ω = ω = 0: ν counts from the x axis, in the direction of the motion     |
 //!
-//! A state comes back to a few roundings times `r/p`. Far out on an orbit that is nearly a straight line that is too much for six
-//! numbers of this kind, and there are none: [`ElementsError::NearlyStraight`]. [`kepler`](super::kepler) carries such states all the
-//! same.
+//! A state comes back to a few roundings times `r/p`. Far out on an orbit that is nearly a straight line that is too
+//! much for six numbers of this kind, and there are none: [`ElementsError::NearlyStraight`]. [`kepler`](super::kepler)
+//! carries such states all the same.
 //!
 //! An inclination or eccentricity counts as zero up to [`NONE`], where it is rounding alone.
 //!
@@ -75,7 +75,8 @@ pub enum ElementsError {
     },
     /// The state lies in the centre, or moves towards it or away from it: no angular momentum.
     Straight,
-    /// The motion is so nearly one along a straight line that e and ν, as they are rounded, would not give the state back to 1e-9.
+    /// The motion is so nearly one along a straight line that e and ν, as they are rounded, would not give the state
+    /// back to 1e-9.
     NearlyStraight {
         /// `p = h²/μ` \[m\].
         semi_latus_rectum: f64,
@@ -181,7 +182,8 @@ impl Elements {
         }
     }
 
-    /// By what part rounding of e and ν, half a unit in the last place each, moves the place at the distance r: `r = p/(1 + e cos ν)`.
+    /// By what part rounding of e and ν, half a unit in the last place each, moves the place at the distance r: `r =
+    /// p/(1 + e cos ν)`.
     fn loss(&self, r: f64) -> f64 {
         let (sin, cos) = Scalar::sin_cos(self.true_anomaly);
         let rounding = cos.abs() + (self.true_anomaly * sin).abs();

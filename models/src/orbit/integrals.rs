@@ -4,9 +4,9 @@
 //! α = 2/r − v²/μ = 1/a,   h = r × v
 //! ```
 //!
-//! An error of α grows with time: after n revolutions a relative error ε is one of 3π n ε in the anomaly. Far out h is a small
-//! difference of large products, and says how the centre will be passed. So these two are computed more accurately than the state
-//! is given, and results are adjusted to them.
+//! An error of α grows with time: after n revolutions a relative error ε is one of 3π n ε in the anomaly. Far out h is
+//! a small difference of large products, and says how the centre will be passed. So these two are computed more
+//! accurately than the state is given, and results are adjusted to them.
 //!
 //! # Source
 //! Dekker, *A floating-point technique for extending the available precision*, Numerische Mathematik 18, 1971.
@@ -86,11 +86,11 @@ pub(super) fn angular_momentum(state: &StateVector) -> Vector {
     [difference(y, w, z, v), difference(z, u, x, w), difference(x, v, y, u)]
 }
 
-/// A state near a computed one that has the energy α and, within the plane through its position, the angular momentum h, up to
-/// the rounding of its own numbers.
+/// A state near a computed one that has the energy α and, within the plane through its position, the angular momentum
+/// h, up to the rounding of its own numbers.
 ///
-/// The velocity is changed across the position by `Δh × r/r²`; then position and velocity are stretched by factors `1 + ε` of which
-/// the sum of squares is least.
+/// The velocity is changed across the position by `Δh × r/r²`; then position and velocity are stretched by factors `1 +
+/// ε` of which the sum of squares is least.
 #[inline]
 pub(super) fn with_integrals(mu: f64, state: &StateVector, alpha: Double, momentum: &Vector) -> StateVector {
     let distance = norm(&state.position);

@@ -4,20 +4,21 @@
 //! α = 2/r − v²/μ,   h = r × v,   p = h²/μ,   e² = 1 − α p,   q = p/(1 + e)
 //! ```
 //!
-//! The state gives the conic and the place on it, counted from its nearest point (`universal.rs`); the time goes on, whole
-//! revolutions are taken off, and Kepler's equation gives the new place. Circles, parabolas and straight lines are no special
-//! cases but one: a straight line ends where it falls into the centre.
+//! The state gives the conic and the place on it, counted from its nearest point (`universal.rs`); the time goes on,
+//! whole revolutions are taken off, and Kepler's equation gives the new place. Circles, parabolas and straight lines
+//! are no special cases but one: a straight line ends where it falls into the centre.
 //!
 //! # Accuracy
-//! The result is that of a state which differs from the given one by some roundings: what is lost besides is what one unit in the
-//! last place of the given state causes. On the way back from a result, errors are of the size that its own rounding causes; the
-//! tests measure both.
+//! The result is that of a state which differs from the given one by some roundings: what is lost besides is what one
+//! unit in the last place of the given state causes. On the way back from a result, errors are of the size that its own
+//! rounding causes; the tests measure both.
 //!
-//! This module carries states; [`mbs_models::kepler`](crate::kepler) is the generated mechanism of the same motion, to be integrated,
-//! with thrust if need be.
+//! This module carries states; [`mbs_models::kepler`](crate::kepler) is the generated mechanism of the same motion, to
+//! be integrated, with thrust if need be.
 //!
 //! # Source
-//! Battin, *An Introduction to the Mathematics and Methods of Astrodynamics*, 1999, chapter 4; counting from an apsis is ours.
+//! Battin, *An Introduction to the Mathematics and Methods of Astrodynamics*, 1999, chapter 4; counting from an apsis
+//! is ours.
 
 use core::f64::consts::PI;
 use core::fmt;
@@ -209,7 +210,8 @@ impl Conic {
                 return Err(KeplerError::OutOfRange);
             }
             if half_revolutions != 0.0 {
-                // What is left of the way first: it is nearly as long as the half revolutions, so that their difference is exact.
+                // What is left of the way first: it is nearly as long as the half revolutions, so that their difference
+                // is exact.
                 target = (going - half_revolutions * half) + self.time;
             }
             if is_odd(half_revolutions) {

@@ -1,18 +1,19 @@
 //! Lambert's problem: the conic from one place to another in a given time.
 //!
-//! Izzo's variable x and parameter λ, with `κ = 1 − x²`, `y = √(1 − λ² κ)`, `η = y − λ x`, give the time of M revolutions as
+//! Izzo's variable x and parameter λ, with `κ = 1 − x²`, `y = √(1 − λ² κ)`, `η = y − λ x`, give the time of M
+//! revolutions as
 //!
 //! ```text
 //! T = ½ U₃(2 ψ/√κ; κ) + 2 λ η + M π/κ^{3/2},   sin ψ = √κ η,   cos ψ = λ + x η
 //! ```
 //!
-//! which is Battin's hypergeometric series in closed form: one expression for ellipses, parabolas and hyperbolas, with the universal
-//! function U₃ that Kepler's equation has. Near x = ±1, where ellipses are long, `w = 1 ± x` is what is searched, so that κ keeps
-//! its digits.
+//! which is Battin's hypergeometric series in closed form: one expression for ellipses, parabolas and hyperbolas, with
+//! the universal function U₃ that Kepler's equation has. Near x = ±1, where ellipses are long, `w = 1 ± x` is what is
+//! searched, so that κ keeps its digits.
 //!
 //! # Source
-//! Izzo, *Revisiting Lambert's problem*, Celestial Mechanics and Dynamical Astronomy 121, 2015; Battin, *An Introduction to the
-//! Mathematics and Methods of Astrodynamics*, 1999, chapter 7.
+//! Izzo, *Revisiting Lambert's problem*, Celestial Mechanics and Dynamical Astronomy 121, 2015; Battin, *An
+//! Introduction to the Mathematics and Methods of Astrodynamics*, 1999, chapter 7.
 
 use core::f64::consts::{LN_2, PI};
 use core::fmt;
@@ -304,7 +305,8 @@ impl Flight {
             } else {
                 high = w
             }
-            // Where the time hardly changes, for the short way between near places, derivatives are rounding: steps alone say nothing.
+            // Where the time hardly changes, for the short way between near places, derivatives are rounding: steps
+            // alone say nothing.
             let is_near = residual.abs() <= 0.1 * target;
             let mut step = self.side * Self::householder(residual, self.derivatives(&trial));
             if !(w + step > low && w + step < high) {

@@ -50,8 +50,9 @@ impl core::error::Error for MassRatioError {}
 
 /// L₁ to L₅ as `[x, y]` in the units and axes of [`cr3bp`](crate::cr3bp), to the last digit or two.
 ///
-/// L₁ lies between the primaries, L₂ beyond the smaller one, L₃ beyond the larger one; L₄ and L₅ make triangles of equal sides with
-/// them, ahead of the smaller one and behind it. With γ the distance from the primary that is near, the first three are roots of
+/// L₁ lies between the primaries, L₂ beyond the smaller one, L₃ beyond the larger one; L₄ and L₅ make triangles of
+/// equal sides with them, ahead of the smaller one and behind it. With γ the distance from the primary that is near,
+/// the first three are roots of
 ///
 /// ```text
 /// L₁:  γ⁵ − (3 − μ) γ⁴ + (3 − 2μ) γ³ − μ γ² + 2μ γ − μ = 0              x = 1 − μ − γ
@@ -77,8 +78,8 @@ pub fn points(mu: f64) -> Result<[[f64; 2]; 5], MassRatioError> {
     Ok([[near - gammas[0], 0.0], [near + gammas[1], 0.0], [-mu - gammas[2], 0.0], [corner, height], [corner, -height]])
 }
 
-/// The root of a polynomial between 0, where it is negative, and 2, where it is positive: Newton's method, kept between bounds.
-/// Coefficients from the lowest power on.
+/// The root of a polynomial between 0, where it is negative, and 2, where it is positive: Newton's method, kept between
+/// bounds. Coefficients from the lowest power on.
 fn root(polynomial: &[f64; 6]) -> f64 {
     // L₁'s polynomial is positive at 1 and has no other root below.
     let (mut low, mut high) = (0.0, if polynomial[4] < 0.0 { 1.0 } else { 2.0 });

@@ -20,7 +20,8 @@ use super::kepler::{Conic, KeplerError, propagate};
 use super::transition::state_transition;
 use super::vector::{StateVector, Vector, combined, cross, dot, minus, norm, plus, scaled, transformed};
 
-/// A station has no such frame: it lies in the centre, or moves along a straight line through it, or its state is not finite.
+/// A station has no such frame: it lies in the centre, or moves along a straight line through it, or its state is not
+/// finite.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FrameError {
     /// Of the station.
@@ -162,12 +163,13 @@ const GAUSS: [[f64; 2]; 4] = [
     [0.930_568_155_797_026_3, 0.173_927_422_568_726_93],
 ];
 
-/// What [`spread`] is less than where the quadrature carries the separation; a plain difference would lose two digits and more.
+/// What [`spread`] is less than where the quadrature carries the separation; a plain difference would lose two digits
+/// and more.
 ///
-/// Over the separation a station's place along its orbit varies by six times the spread on ellipses and at most ten on hyperbolas,
-/// in units of q. As a function of complex time Kepler's motion is regular within a distance of q/v_q about real times: without a
-/// limit for e = 0, 1.33 for e = 1, 1 for e → ∞. The remainder `(4!)⁴/(9 (8!)³) f⁽⁸⁾` of the quadrature, with `f⁽⁸⁾` of the size
-/// `8! (6 · 0.01/1.33)⁸ f` at e → 1, is 4e-16 f.
+/// Over the separation a station's place along its orbit varies by six times the spread on ellipses and at most ten on
+/// hyperbolas, in units of q. As a function of complex time Kepler's motion is regular within a distance of q/v_q about
+/// real times: without a limit for e = 0, 1.33 for e = 1, 1 for e → ∞. The remainder `(4!)⁴/(9 (8!)³) f⁽⁸⁾` of the
+/// quadrature, with `f⁽⁸⁾` of the size `8! (6 · 0.01/1.33)⁸ f` at e → 1, is 4e-16 f.
 const NEAR: f64 = 0.01;
 
 /// How far apart two motions may come, in units of the nearest distance q.
@@ -176,8 +178,8 @@ const NEAR: f64 = 0.01;
 /// (|δr|/q + |δv|/v_q) (1 + τ min(1/|α q|, 1 + τ)),   v_q² = μ (1 + e)/q,   τ = |t| v_q/q,   α = 1/a
 /// ```
 ///
-/// Both, δr and δv, change the energy by `|δα| q ≤ 4 (|δr|/q + |δv|/v_q)` on ellipses, and it the time by `δt/t = 3/2 δα/α`; but
-/// near the parabola by no more than the part of the way that is fallen through.
+/// Both, δr and δv, change the energy by `|δα| q ≤ 4 (|δr|/q + |δv|/v_q)` on ellipses, and it the time by `δt/t = 3/2
+/// δα/α`; but near the parabola by no more than the part of the way that is fallen through.
 fn spread(mu: f64, conic: &Conic, separation: &StateVector, time: f64) -> f64 {
     let (q, e) = (conic.nearest(), conic.eccentricity());
     let speed = Scalar::sqrt(mu / q * (1.0 + e));
@@ -188,15 +190,15 @@ fn spread(mu: f64, conic: &Conic, separation: &StateVector, time: f64) -> f64 {
 
 /// The exact relative motion of two bodies that attract each other not, about one centre.
 ///
-/// Bodies that are far apart, or drift apart in the time, are propagated one by one: the error is then that of two places. The
-/// separation of two that stay near, which their difference would lose in rounding, is
+/// Bodies that are far apart, or drift apart in the time, are propagated one by one: the error is then that of two
+/// places. The separation of two that stay near, which their difference would lose in rounding, is
 ///
 /// ```text
 /// δ(t) = ∫₀¹ Φ(t; x_t + λ δ₀) dλ · δ₀
 /// ```
 ///
-/// with the state transition matrix Φ of Kepler's motion, by Gauss' quadrature with four nodes: no linearization, and as many digits
-/// as Φ has.
+/// with the state transition matrix Φ of Kepler's motion, by Gauss' quadrature with four nodes: no linearization, and
+/// as many digits as Φ has.
 ///
 /// | argument   | meaning                                | unit   |
 /// |------------|----------------------------------------|--------|

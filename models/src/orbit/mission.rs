@@ -12,7 +12,8 @@
 //! corrected later; what is left at the port is reported. [`coast`] is how the vehicle moves in between, [`safety`] where it may be,
 //! [`error`] why it does not arrive.
 //!
-//! Places and velocities are in the station's frame, [`lvlh`](super::lvlh): x away from the centre, y along the motion, z normal.
+//! Places and velocities are in the station's frame, [`lvlh`](super::lvlh): x away from the centre, y along the motion,
+//! z normal.
 //!
 //! ```
 //! use mbs_models::orbit::mission::{Axis, Mission};
@@ -23,7 +24,8 @@
 //! ```
 //!
 //! # Source
-//! Fehse, *Automated Rendezvous and Docking of Spacecraft*, 2003, chapters 2 and 3; the numbers of the scenario are assumed.
+//! Fehse, *Automated Rendezvous and Docking of Spacecraft*, 2003, chapters 2 and 3; the numbers of the scenario are
+//! assumed.
 
 pub mod coast;
 pub mod error;
@@ -144,7 +146,8 @@ pub struct Mission {
     pub homing_duration: f64,
     /// How long closing takes \[s\].
     pub closing_duration: f64,
-    /// Corrections on the way of phasing, homing and closing each, at most 20: after half of the time, half of the rest, and so on.
+    /// Corrections on the way of phasing, homing and closing each, at most 20: after half of the time, half of the
+    /// rest, and so on.
     pub corrections: u32,
     /// Corrections that are smaller are left out \[m/s\].
     pub smallest_correction: f64,
@@ -171,7 +174,8 @@ pub struct Mission {
 }
 
 impl Mission {
-    /// To a station on a circle 400 km up, inclined by 51.6°, from a circle 80 km lower, 18° behind and inclined by 0.01° more.
+    /// To a station on a circle 400 km up, inclined by 51.6°, from a circle 80 km lower, 18° behind and inclined by
+    /// 0.01° more.
     ///
     /// All numbers but the station's altitude are assumed.
     #[must_use]
@@ -245,8 +249,8 @@ impl Mission {
 
     /// Flies it.
     ///
-    /// `thrust` receives every burn and returns what the thrusters make of it, in the same axes; `|burn| burn.delta_v` is what they
-    /// should. `observe` sees the way, the closer the denser.
+    /// `thrust` receives every burn and returns what the thrusters make of it, in the same axes; `|burn| burn.delta_v`
+    /// is what they should. `observe` sees the way, the closer the denser.
     ///
     /// # Errors
     /// [`MissionError`].
@@ -357,8 +361,8 @@ pub struct PhaseReport {
     pub duration: f64,
     /// In the station's frame, before the next phase begins \[m, m/s\].
     pub end: StateVector,
-    /// For homing and closing: how near the vehicle would come to the station's mass centre within one revolution if after the first
-    /// burn there were no other \[m\].
+    /// For homing and closing: how near the vehicle would come to the station's mass centre within one revolution if
+    /// after the first burn there were no other \[m\].
     pub drift_clearance: Option<f64>,
 }
 

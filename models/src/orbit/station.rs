@@ -1,4 +1,5 @@
-//! A station on its orbit, as the generated mechanisms of relative motion are told about it, and a body that flies about it.
+//! A station on its orbit, as the generated mechanisms of relative motion are told about it, and a body that flies
+//! about it.
 //!
 //! ```text
 //! r̈ = r ν̇² − μ/r²,   ν̈ = −2 ṙ ν̇/r,   v² = μ (1 + e)/q at the periapsis, at the distance q

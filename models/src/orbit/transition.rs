@@ -14,15 +14,16 @@
 //! V = r₀/μ (v − v₀)(v − v₀)ᵀ + (r₀ (1 − F) r r₀ᵀ − C r v₀ᵀ)/r³ + G_t 1
 //! ```
 //!
-//! where `r vᵀ` is a product of vectors, and r beside a scalar its length. U are the universal functions of the way χ between both
-//! states, `U_k(χ; α) = χ^k Σ_n (−α χ²)^n/(2n + k)!`.
+//! where `r vᵀ` is a product of vectors, and r beside a scalar its length. U are the universal functions of the way χ
+//! between both states, `U_k(χ; α) = χ^k Σ_n (−α χ²)^n/(2n + k)!`.
 //!
 //! # Accuracy
-//! On hyperbolas large terms cancel far out: with e = 20, 600 times as far as at the nearest point on both ends of the way and more,
-//! five digits.
+//! On hyperbolas large terms cancel far out: with e = 20, 600 times as far as at the nearest point on both ends of the
+//! way and more, five digits.
 //!
 //! # Source
-//! Battin, *An Introduction to the Mathematics and Methods of Astrodynamics*, 1999: the blocks in the universal functions.
+//! Battin, *An Introduction to the Mathematics and Methods of Astrodynamics*, 1999: the blocks in the universal
+//! functions.
 
 use core::f64::consts::PI;
 

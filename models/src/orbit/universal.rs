@@ -11,9 +11,10 @@
 //! x = q − U₂,   y = √p U₁     towards the nearest point, and across
 //! ```
 //!
-//! For s > 0 all terms of the first line are positive: nothing cancels, at no eccentricity. Therefore this project counts from
-//! an apsis, where most texts count from the state that is given. Counted from the farthest point of an ellipse the same lines
-//! hold with its distance for q and −e for e; there, too, small differences of time stay accurate.
+//! For s > 0 all terms of the first line are positive: nothing cancels, at no eccentricity. Therefore this project
+//! counts from an apsis, where most texts count from the state that is given. Counted from the farthest point of an
+//! ellipse the same lines hold with its distance for q and −e for e; there, too, small differences of time stay
+//! accurate.
 //!
 //! # Source
 //! Battin, *An Introduction to the Mathematics and Methods of Astrodynamics*, 1999, sections 4.5 and 4.6.
@@ -174,9 +175,10 @@ impl Shape {
 
     /// The s at which `√μ t = time`, for an ellipse within half a revolution, from its farthest point within a quarter.
     ///
-    /// `q s + e U₃(s)` grows with s, and its derivatives are r, e U₁ and e U₀; each iteration takes all three, which gives fourth
-    /// order (Danby, *Fundamentals of Celestial Mechanics*, 1988, section 6.6), between bounds that bisection halves if need be.
-    /// The search ends with a short step of fourth order, never with one of bisection, and with one of Newton's method.
+    /// `q s + e U₃(s)` grows with s, and its derivatives are r, e U₁ and e U₀; each iteration takes all three, which
+    /// gives fourth order (Danby, *Fundamentals of Celestial Mechanics*, 1988, section 6.6), between bounds that
+    /// bisection halves if need be. The search ends with a short step of fourth order, never with one of bisection, and
+    /// with one of Newton's method.
     #[inline]
     pub(super) fn place(&self, time: f64) -> Place {
         let target = time.abs();
@@ -232,7 +234,8 @@ impl Shape {
         }
     }
 
-    /// Near the solution: of `q s + e s³/6 = √μ t`, and for hyperbolas where that is far off of `e sinh H = M + H` besides.
+    /// Near the solution: of `q s + e s³/6 = √μ t`, and for hyperbolas where that is far off of `e sinh H = M + H`
+    /// besides.
     #[inline]
     fn start(&self, time: f64) -> f64 {
         let s = if self.e < 1e-3 {

@@ -1,15 +1,16 @@
 //! Motion near a station on an ellipse, linear: the state transition matrix of Yamanaka and Ankersen.
 //!
-//! Tschauner and Hempel's equations, with the true anomaly θ instead of the time and distances multiplied by `ρ = 1 + e cos θ`,
-//! have solutions without singularities and with one integral, which is the time itself:
+//! Tschauner and Hempel's equations, with the true anomaly θ instead of the time and distances multiplied by `ρ = 1 + e
+//! cos θ`, have solutions without singularities and with one integral, which is the time itself:
 //!
 //! ```text
 //! J = (h/p²) (t − t₀),   s = ρ sin θ,   c = ρ cos θ
 //! ```
 //!
 //! # Source
-//! Yamanaka, Ankersen, *New state transition matrix for relative motion on an arbitrary elliptical orbit*, Journal of Guidance,
-//! Control, and Dynamics 25(1), 2002: the transition in the plane and its inverse at the beginning. Their x, y, z are y, −z, −x here.
+//! Yamanaka, Ankersen, *New state transition matrix for relative motion on an arbitrary elliptical orbit*, Journal of
+//! Guidance, Control, and Dynamics 25(1), 2002: the transition in the plane and its inverse at the beginning. Their x,
+//! y, z are y, −z, −x here.
 
 use core::fmt;
 
@@ -108,8 +109,8 @@ impl Anomaly {
     }
 }
 
-/// The state transition matrix for states relative to a station, in the axes of [`lvlh`](super::lvlh): position, then velocity,
-/// `matrix[row][column]`.
+/// The state transition matrix for states relative to a station, in the axes of [`lvlh`](super::lvlh): position, then
+/// velocity, `matrix[row][column]`.
 ///
 /// | argument  | meaning                                     | unit   |
 /// |-----------|---------------------------------------------|--------|

@@ -87,12 +87,12 @@ impl From<PoseError> for NotControlled {
 /// F = J_q⁻ᵀ [M(q) (q̈_d + K_d ė + K_p e) + C(q, q̇) q̇ + G(q)],   e = q_d − q
 /// ```
 ///
-/// With this the error obeys `ë + K_d ė + K_p e = 0` for each coordinate by itself, as far as the model is right and the
-/// actuators can give the forces.
+/// With this the error obeys `ë + K_d ė + K_p e = 0` for each coordinate by itself, as far as the model is right and
+/// the actuators can give the forces.
 ///
 /// # Source
-/// J. Y. S. Luh, M. W. Walker, R. P. C. Paul, *Resolved-acceleration control of mechanical manipulators*, IEEE Transactions on
-/// Automatic Control 25:3, 1980, for the coordinates of the platform.
+/// J. Y. S. Luh, M. W. Walker, R. P. C. Paul, *Resolved-acceleration control of mechanical manipulators*, IEEE
+/// Transactions on Automatic Control 25:3, 1980, for the coordinates of the platform.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ComputedTorque {
     /// `K_p` \[1/s²\], positive and finite.

@@ -4,12 +4,13 @@
 //! f_i = (|R P_i + p − B_i|² − l_i²) / (2 l_i) = 0,   i = 0 … 5
 //! ```
 //!
-//! which is the leg's excess length, up to its square. The unknowns are the place `p` and a rotation matrix, which each step turns
-//! by a vector: no angle is evaluated between start and end, and none can be singular. A step that does not lessen `Σ f_i²` is
-//! halved. Steps are bounded in number, so that lengths which belong to no pose end in an error, not in an endless loop.
+//! which is the leg's excess length, up to its square. The unknowns are the place `p` and a rotation matrix, which each
+//! step turns by a vector: no angle is evaluated between start and end, and none can be singular. A step that does not
+//! lessen `Σ f_i²` is halved. Steps are bounded in number, so that lengths which belong to no pose end in an error, not
+//! in an endless loop.
 //!
-//! A platform has up to forty poses with the same lengths (J.-P. Merlet, *Parallel Robots*, 2nd ed. 2006, section 4.3.2); the one
-//! found is that which the start leads to. In tracking a motion that is the last pose.
+//! A platform has up to forty poses with the same lengths (J.-P. Merlet, *Parallel Robots*, 2nd ed. 2006, section
+//! 4.3.2); the one found is that which the start leads to. In tracking a motion that is the last pose.
 
 use core::error::Error;
 use core::fmt;
@@ -58,8 +59,8 @@ pub enum NotFound {
         /// The largest `|f_i|` there \[m\].
         residual: f64,
     },
-    /// The steps allowed were used up, or no part of a step brought the lengths nearer: they may belong to no pose, or to one on
-    /// the other side of a singularity.
+    /// The steps allowed were used up, or no part of a step brought the lengths nearer: they may belong to no pose, or
+    /// to one on the other side of a singularity.
     NotConverged {
         /// The best pose.
         pose: Coordinates,

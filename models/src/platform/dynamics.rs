@@ -78,8 +78,8 @@ impl Platform {
 
     /// Accelerations under these forces of the legs \[N\].
     ///
-    /// A pose that the legs cannot hold has accelerations too. One near θ = ±90° has none: M is singular there. Its condition
-    /// grows as the square of that of the [matrix of angular rates](super::jacobian::angular_rates).
+    /// A pose that the legs cannot hold has accelerations too. One near θ = ±90° has none: M is singular there. Its
+    /// condition grows as the square of that of the [matrix of angular rates](super::jacobian::angular_rates).
     ///
     /// # Errors
     /// [`PoseError::NonFinite`], [`PoseError::ZeroLength`]; [`PoseError::Singular`], with the singular values of the matrix of
@@ -118,7 +118,8 @@ impl Platform {
         derivative.filter(|derivative| all_finite(&[derivative])).ok_or(PoseError::NonFinite)
     }
 
-    /// Derivatives of the legs' forces along a displacement `dq` of the platform, its rates and accelerations staying the same.
+    /// Derivatives of the legs' forces along a displacement `dq` of the platform, its rates and accelerations staying
+    /// the same.
     ///
     /// # Errors
     /// As [`leg_forces`](Self::leg_forces).
@@ -138,9 +139,9 @@ impl Platform {
 
     /// Derivatives of the legs' forces by the stiffness `k` \[N/m\] that all legs have, where it is finite.
     ///
-    /// A leg under the force F gives way by `F/k`, and the platform by `δq = −J_q⁻¹ F/k`; its drives do not make up for that.
-    /// The forces change by `δF = (∂F/∂q) δq`, so that `∂F/∂k = (∂F/∂q) J_q⁻¹ F/k²`, to first order in `1/k`, the rates of δq
-    /// left out.
+    /// A leg under the force F gives way by `F/k`, and the platform by `δq = −J_q⁻¹ F/k`; its drives do not make up for
+    /// that. The forces change by `δF = (∂F/∂q) δq`, so that `∂F/∂k = (∂F/∂q) J_q⁻¹ F/k²`, to first order in `1/k`, the
+    /// rates of δq left out.
     ///
     /// # Errors
     /// As [`leg_forces`](Self::leg_forces); [`PoseError::NonFinite`] where `k` is zero or NaN.
@@ -156,8 +157,8 @@ impl Platform {
         self.leg_forces_displaced(&displacement, q, qd, qdd)
     }
 
-    /// The mass matrix as the thesis prints it: diagonal, with the mass and the moments of inertia of platform and payload
-    /// about the axes of the platform's frame; without actuators \[kg, kg·m²\].
+    /// The mass matrix as the thesis prints it: diagonal, with the mass and the moments of inertia of platform and
+    /// payload about the axes of the platform's frame; without actuators \[kg, kg·m²\].
     ///
     /// It is right where the frame is at the mass centre, the angles φ and θ are zero, and the legs have no mass.
     ///
@@ -181,7 +182,8 @@ impl Platform {
         ]
     }
 
-    /// Forces of the legs \[N\] with the [printed mass matrix](Self::printed_mass_matrix) in the place of M; C and G are right.
+    /// Forces of the legs \[N\] with the [printed mass matrix](Self::printed_mass_matrix) in the place of M; C and G
+    /// are right.
     ///
     /// # Errors
     /// As [`leg_forces`](Self::leg_forces).

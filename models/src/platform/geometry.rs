@@ -12,8 +12,9 @@ use crate::vector::{cross, dot, minus, product};
 
 /// The joints of base and platform; leg i joins `base[i]` to `platform[i]`.
 ///
-/// They lie on circles, two by two around three directions 120° apart: on the base at 0°, 120°, 240° and half the angle of a
-/// pair to each side; on the platform the pairs are around 60°, 180°, 300°, so that two legs that meet above part below.
+/// They lie on circles, two by two around three directions 120° apart: on the base at 0°, 120°, 240° and half the angle
+/// of a pair to each side; on the platform the pairs are around 60°, 180°, 300°, so that two legs that meet above part
+/// below.
 ///
 /// # Source
 /// Thesis, equation (4.2): the joints of base and platform are plane.
@@ -30,7 +31,8 @@ pub struct Geometry<T = f64> {
 pub struct Legs<T = f64> {
     /// `l_i`, from joint to joint \[m\].
     pub length: LegVector<T>,
-    /// `u_i`, the unit vectors from the base's joints to the platform's, in the axes of the base; NaN where the length is 0.
+    /// `u_i`, the unit vectors from the base's joints to the platform's, in the axes of the base; NaN where the length
+    /// is 0.
     pub direction: [[T; 3]; 6],
     /// `R P_i`, from the platform's frame to its joints, in the axes of the base \[m\].
     pub lever: [[T; 3]; 6],

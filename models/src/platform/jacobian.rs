@@ -4,8 +4,9 @@
 //! l̇ = J [v; ω] = J_q q̇,   J_q = J · blockdiag(1, T),   τ = J_qᵀ F
 //! ```
 //!
-//! Rows are legs. `v` is the velocity of the platform's frame and `ω` the angular velocity, in the axes of the base; `T` turns rates
-//! of the angles into ω. Where J loses rank the platform moves with its legs held, or cannot be held by them.
+//! Rows are legs. `v` is the velocity of the platform's frame and `ω` the angular velocity, in the axes of the base;
+//! `T` turns rates of the angles into ω. Where J loses rank the platform moves with its legs held, or cannot be held by
+//! them.
 
 use mbs_runtime::nalgebra::SVD;
 use mbs_runtime::{Scalar, to_matrix};

@@ -349,11 +349,11 @@ impl Platform {
         }
     }
 
-    /// The greatest factor up to 1 by which the motion can be scaled about its mean, so that the legs keep all limits at the
-    /// samples `0, step, 2 step, …` up to `end` \[s\]; to a thousandth, rounded down.
+    /// The greatest factor up to 1 by which the motion can be scaled about its mean, so that the legs keep all limits
+    /// at the samples `0, step, 2 step, …` up to `end` \[s\]; to a thousandth, rounded down.
     ///
-    /// It is found by halving: a factor is taken to keep the limits where a greater one does. Zero where not even the mean keeps
-    /// them. Factors at which a sample has no legs or no forces do not keep them.
+    /// It is found by halving: a factor is taken to keep the limits where a greater one does. Zero where not even the
+    /// mean keeps them. Factors at which a sample has no legs or no forces do not keep them.
     ///
     /// # Errors
     /// [`NotSurveyed::InvalidSampling`]; [`NotSurveyed::Limits`]; [`NotSurveyed::Pose`] where the mean has no legs or no forces.

@@ -1,7 +1,9 @@
-//! Imposed motions: every coordinate swings about a mean by itself; the eight cases of the thesis, and sums of such motions.
+//! Imposed motions: every coordinate swings about a mean by itself; the eight cases of the thesis, and sums of such
+//! motions.
 //!
-//! The thesis says that there are eight and prints two, tables 3 and 4, without their frequency; the others are proposals, and
-//! the frequency π/2 rad/s is assumed. A [`Superposition`] has as many sines in each coordinate as it has motions: a deck at sea.
+//! The thesis says that there are eight and prints two, tables 3 and 4, without their frequency; the others are
+//! proposals, and the frequency π/2 rad/s is assumed. A [`Superposition`] has as many sines in each coordinate as it
+//! has motions: a deck at sea.
 
 use core::f64::consts::FRAC_PI_2;
 
@@ -40,7 +42,8 @@ impl Motion {
 
     /// Case 6, table 4: `x = −0.3 + 0.25 sin ωt`, `y = −0.4 sin ωt`, `z = 0.7 + 0.5 sin ωt` from home \[m\], ψ = 20°.
     ///
-    /// With z from the base instead, the platform of the assumed geometry passes through a singular pose where φ is 10°.
+    /// With z from the base instead, the platform of the assumed geometry passes through a singular pose where φ is
+    /// 10°.
     pub const TABLE_4: Self = Self {
         mean: [-0.3, 0.0, HOME[2] + 0.7, 0.0, 0.0, 20.0 * DEGREE],
         sine: [0.25, -0.4, 0.5, 0.0, 0.0, 0.0],
@@ -126,8 +129,8 @@ impl Superposition<2> {
     /// | yaw        | 2°, 0.5 rad/s          | 0.5°, 1.0 rad/s           |
     ///
     /// # Source
-    /// The thesis names a marine platform with four degrees of freedom and says neither which nor how they move. These four are
-    /// one reading: those of a ship that keeps its place. Amplitudes, frequencies and phases are assumed.
+    /// The thesis names a marine platform with four degrees of freedom and says neither which nor how they move. These
+    /// four are one reading: those of a ship that keeps its place. Amplitudes, frequencies and phases are assumed.
     pub const MARINE: Self = Self([
         Motion {
             sine: [0.0, 0.0, 0.6, 5.0 * DEGREE, 0.0, 2.0 * DEGREE],
@@ -203,7 +206,8 @@ impl<const K: usize> PlatformMotion for Superposition<K> {
 mod tests {
     use super::*;
 
-    /// By the theorems of addition and by hand: two sines of one frequency are one, means and factors act where they should.
+    /// By the theorems of addition and by hand: two sines of one frequency are one, means and factors act where they
+    /// should.
     #[test]
     fn motions_add_up() {
         let t = 1.7;

@@ -2,7 +2,8 @@
 
 use super::backstepping::Reference;
 
-/// Height over the platform against time: a quintic down to a last height, then a steady sink rate. Assumed; the thesis prints none.
+/// Height over the platform against time: a quintic down to a last height, then a steady sink rate. Assumed; the thesis
+/// prints none.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Approach {
     /// Height at the beginning \[m\], where it rests over the platform.

@@ -6,12 +6,12 @@
 //! a = r̈ + z₁ − k₂ z₂ − k₁ (z₂ + k₁ z₁)
 //! ```
 //!
-//! makes `V = ½ (z₁² + z₂²)` fall as `V̇ = −k₁ z₁² − k₂ z₂²`: from `ż₁ = −z₂ − k₁ z₁`, and `ż₂ = a − r̈ − k₁ ż₁ = z₁ − k₂ z₂`. The
-//! error obeys `ë + (k₁ + k₂) ė + (1 + k₁ k₂) e = 0`.
+//! makes `V = ½ (z₁² + z₂²)` fall as `V̇ = −k₁ z₁² − k₂ z₂²`: from `ż₁ = −z₂ − k₁ z₁`, and `ż₂ = a − r̈ − k₁ ż₁ = z₁ −
+//! k₂ z₂`. The error obeys `ë + (k₁ + k₂) ė + (1 + k₁ k₂) e = 0`.
 //!
 //! # Source
-//! S. Bouabdallah and R. Siegwart, *Backstepping and sliding-mode techniques applied to an indoor micro quadrotor*, 2005, for the
-//! structure; here with feed-forward of the reference.
+//! S. Bouabdallah and R. Siegwart, *Backstepping and sliding-mode techniques applied to an indoor micro quadrotor*,
+//! 2005, for the structure; here with feed-forward of the reference.
 
 use mbs_runtime::Scalar;
 
@@ -110,8 +110,8 @@ impl Backstepping {
 
     /// The command at a state that is to follow a position and a yaw \[rad\].
     ///
-    /// Desired roll and pitch are taken as constant: the tilt is much faster than the position. Where a number of these is none,
-    /// neither is a rotor's speed.
+    /// Desired roll and pitch are taken as constant: the tilt is much faster than the position. Where a number of these
+    /// is none, neither is a rotor's speed.
     #[must_use]
     pub fn command(&self, position: &[Reference; 3], heading: Reference, q: &[f64; 6], qd: &[f64; 6]) -> Command {
         let Params { g, inertias: [ix, iy, iz], .. } = self.params;

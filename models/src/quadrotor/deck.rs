@@ -1,6 +1,7 @@
 //! What is landed on, as it moves: a level deck that heaves, and one that moves in all six degrees of freedom.
 //!
-//! A [`Deck`] is a function of time: [`HeavingDeck`] is that of the thesis, [`MovingDeck`] that of a platform which moves as
+//! A [`Deck`] is a function of time: [`HeavingDeck`] is that of the thesis, [`MovingDeck`] that of a platform which
+//! moves as
 //! [`PlatformMotion`] says, for example [`Superposition::MARINE`](crate::platform::Superposition::MARINE), a deck at sea.
 //!
 //! ```
@@ -98,7 +99,8 @@ impl DeckState {
 
     /// The vehicle with these coordinates `(x, y, z, φ, θ, ψ)` and rates, as the deck sees it.
     ///
-    /// The velocity is `Rᵀ (ẋ − v − ω × d)`, that of the vehicle against the point of the deck below it, d being its offset.
+    /// The velocity is `Rᵀ (ẋ − v − ω × d)`, that of the vehicle against the point of the deck below it, d being its
+    /// offset.
     #[must_use]
     pub fn relative(&self, q: &Coordinates, qd: &Coordinates) -> Relative {
         let seen = |vector: &[f64; 3]| transposed_product(&self.rotation, vector);

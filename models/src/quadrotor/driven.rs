@@ -1,13 +1,13 @@
 //! Landing on the Stewart platform of chapter 4 while its legs drive it.
 //!
-//! Vehicle and platform are integrated together, each under a controller of its own; both are sampled at the same moments and
-//! hold what they ask for in between. The platform's controller is to follow the motion of the deck by
-//! [computed torque](crate::platform::control), with forces that are cut to what the actuators give. The vehicle's controller
-//! sees where the deck is and how fast it moves; of the acceleration it knows what was planned. The platform does not feel the
-//! vehicle before the touchdown.
+//! Vehicle and platform are integrated together, each under a controller of its own; both are sampled at the same
+//! moments and hold what they ask for in between. The platform's controller is to follow the motion of the deck by
+//! [computed torque](crate::platform::control), with forces that are cut to what the actuators give. The vehicle's
+//! controller sees where the deck is and how fast it moves; of the acceleration it knows what was planned. The platform
+//! does not feel the vehicle before the touchdown.
 //!
-//! What legs cannot do is not held back but told: lengths, speeds and forces go into a [`Survey`] with all excesses. Legs that
-//! leave their stroke are as long as the motion needs; forces that are cut leave the motion behind its plan.
+//! What legs cannot do is not held back but told: lengths, speeds and forces go into a [`Survey`] with all excesses.
+//! Legs that leave their stroke are as long as the motion needs; forces that are cut leave the motion behind its plan.
 
 use mbs_runtime::{Scalar, State};
 
@@ -93,11 +93,12 @@ struct Held {
 }
 
 impl<M: PlatformMotion> Landing<MovingDeck<M>> {
-    /// The landing of a vehicle in this state on the platform that is driven along the motion of the deck, from rest at the place
-    /// where that motion begins.
+    /// The landing of a vehicle in this state on the platform that is driven along the motion of the deck, from rest at
+    /// the place where that motion begins.
     ///
-    /// Rotor speeds and forces of the legs are held for one period \[s\] and integrated by one step of RK4 a period; the
-    /// touchdown is found within the period by halving it. `observer` sees every moment at which the controllers act.
+    /// Rotor speeds and forces of the legs are held for one period \[s\] and integrated by one step of RK4 a period;
+    /// the touchdown is found within the period by halving it. `observer` sees every moment at which the controllers
+    /// act.
     ///
     /// # Errors
     /// [`LandingError`]; `NotPositive` where the period is not, `Limits` where nothing can keep those of the platform, `Platform`

@@ -3,8 +3,8 @@
 //! From `m (a + g e_z) = U R e_z`, with the yaw given.
 //!
 //! # Source
-//! Doctoral thesis *Dynamics of multibody systems in a gravitational field*, equations (5.10) and (5.11), which print velocities in
-//! the place of some accelerations.
+//! Doctoral thesis *Dynamics of multibody systems in a gravitational field*, equations (5.10) and (5.11), which print
+//! velocities in the place of some accelerations.
 
 use core::fmt;
 

@@ -4,16 +4,18 @@
 //! T / T∞ = 1 / (1 − (R / 4h)²)
 //! ```
 //!
-//! for a rotor of radius R at the height h over a plane, in hover. The formula comes from one source and its image below the plane; it
-//! grows without bound towards `h = R/4`, where no rotor does. Heights below a least one, in radii, are taken for that one.
+//! for a rotor of radius R at the height h over a plane, in hover. The formula comes from one source and its image
+//! below the plane; it grows without bound towards `h = R/4`, where no rotor does. Heights below a least one, in radii,
+//! are taken for that one.
 //!
 //! # Source
-//! I. C. Cheeseman and W. E. Bennett, *The Effect of the Ground on a Helicopter Rotor in Forward Flight*, Aeronautical Research
-//! Council, Reports and Memoranda 3021, 1955, for hover. The least height is assumed.
+//! I. C. Cheeseman and W. E. Bennett, *The Effect of the Ground on a Helicopter Rotor in Forward Flight*, Aeronautical
+//! Research Council, Reports and Memoranda 3021, 1955, for hover. The least height is assumed.
 
 use core::fmt;
 
-/// How much harder rotors push near a deck. The deck is taken for an infinite plane, all rotors for equally high over it.
+/// How much harder rotors push near a deck. The deck is taken for an infinite plane, all rotors for equally high over
+/// it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GroundEffect {
     /// R \[m\], positive and finite.
@@ -59,7 +61,8 @@ impl fmt::Display for InvalidGroundEffect {
 impl core::error::Error for InvalidGroundEffect {}
 
 impl GroundEffect {
-    /// Of rotors with this radius \[m\]; heights below half a radius count as that, so that thrust grows to 4/3 at most.
+    /// Of rotors with this radius \[m\]; heights below half a radius count as that, so that thrust grows to 4/3 at
+    /// most.
     ///
     /// # Errors
     /// [`InvalidGroundEffect::RotorRadius`].

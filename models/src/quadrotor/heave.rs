@@ -1,9 +1,9 @@
 //! Elevation of the platform: a sum of sines, (5.9).
 //!
-//! As a motion of the platform it is [`Heave::about`], a [`Superposition`] of sines in all six coordinates. This one is kept
-//! beside it for two reasons: the landings of the thesis are computed with exactly these products, `A ω` and `A ω²`, which that
-//! one rounds in another order; and it needs one sine and one cosine a wave, not one of each for all six coordinates, at every
-//! evaluation of a landing. That both are the same motion is tested.
+//! As a motion of the platform it is [`Heave::about`], a [`Superposition`] of sines in all six coordinates. This one is
+//! kept beside it for two reasons: the landings of the thesis are computed with exactly these products, `A ω` and `A
+//! ω²`, which that one rounds in another order; and it needs one sine and one cosine a wave, not one of each for all
+//! six coordinates, at every evaluation of a landing. That both are the same motion is tested.
 //!
 //! # Source
 //! Doctoral thesis *Dynamics of multibody systems in a gravitational field*, equation (5.9) and cases I and II.
@@ -53,7 +53,8 @@ impl<const K: usize> Heave<K> {
         Superposition::heave(middle, &self.amplitude, &self.frequency)
     }
 
-    /// The greatest downward acceleration that it may have, `Σ Aᵢ ωᵢ²` \[m/s²\]: above g nothing that only falls can follow.
+    /// The greatest downward acceleration that it may have, `Σ Aᵢ ωᵢ²` \[m/s²\]: above g nothing that only falls can
+    /// follow.
     #[must_use]
     pub fn acceleration_bound(&self) -> f64 {
         self.amplitude.iter().zip(&self.frequency).map(|(a, w)| a.abs() * w * w).sum()

@@ -1,7 +1,7 @@
 //! Landing on a deck that moves: guidance, and simulation up to the touchdown.
 //!
-//! The vehicle is led down straight over the point of the deck that is to be landed on, with the deck's yaw; it touches down
-//! where its mass centre comes to the plane of the deck.
+//! The vehicle is led down straight over the point of the deck that is to be landed on, with the deck's yaw; it touches
+//! down where its mass centre comes to the plane of the deck.
 
 mod check;
 mod error;

@@ -1,7 +1,7 @@
 //! A linear quadratic regulator about the flat trajectory, from the generated linearization.
 //!
-//! Straight over the platform the flat trajectory is upright, with equal rotor speeds `Ω² = m (g + z̈) / 4b`. About hovering,
-//! errors `e = (q − q_r, q̇ − q̇_r)` and changes of speed v obey `ė = A e + B v`, with A and B from
+//! Straight over the platform the flat trajectory is upright, with equal rotor speeds `Ω² = m (g + z̈) / 4b`. About
+//! hovering, errors `e = (q − q_r, q̇ − q̇_r)` and changes of speed v obey `ė = A e + B v`, with A and B from
 //! [`QuadrotorEuler::linearize`]. `v = −K e` makes `∫ eᵀ Q e + vᵀ R v dt` least, with `K = R⁻¹ Bᵀ X` and
 //!
 //! ```text
@@ -23,7 +23,8 @@ use crate::quadrotor_euler::{Params, QuadrotorEuler};
 const STATES: usize = 12;
 const INPUTS: usize = 4;
 
-/// Deviations that count as much as each other, in the sense of Bryson: Q and R have their inverse squares on the diagonal.
+/// Deviations that count as much as each other, in the sense of Bryson: Q and R have their inverse squares on the
+/// diagonal.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Weights {
     /// Of each position \[m\].
@@ -88,7 +89,8 @@ impl Lqr {
         Ok(Lqr { params, mixer, gain: to_matrix(&regulator.gain) })
     }
 
-    /// The command at a state that is to follow a position and a yaw \[rad\], both near to those that it was made about: yaw 0.
+    /// The command at a state that is to follow a position and a yaw \[rad\], both near to those that it was made
+    /// about: yaw 0.
     #[must_use]
     pub fn command(&self, position: &[Reference; 3], heading: Reference, q: &[f64; 6], qd: &[f64; 6]) -> Command {
         let Params { m, g, .. } = self.params;

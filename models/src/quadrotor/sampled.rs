@@ -11,8 +11,8 @@ use super::zero_order_hold::ZeroOrderHold;
 impl<D: Deck> Landing<D> {
     /// The landing with rotor speeds that are held for one period, integrated by one step of RK4 a period.
     ///
-    /// `sensor` gives the state that the controller sees at a time, for the one that is. The touchdown is found within the
-    /// period by halving it.
+    /// `sensor` gives the state that the controller sees at a time, for the one that is. The touchdown is found within
+    /// the period by halving it.
     ///
     /// # Errors
     /// [`LandingError`]; `NotPositive` where the period \[s\] is not, `Sensor` where the sensor gives NaN or an infinite value.

@@ -6,12 +6,12 @@
 //! z̈ = cθ cφ U/m − g − k |ż| ż                 ψ̈ = ((Ix − Iy) φ̇ θ̇ + τz) / Iz
 //! ```
 //!
-//! with `k = C ρ A / 2m` and `Ω = Ω₂ + Ω₄ − Ω₁ − Ω₃`; in wind, velocities of the drag are those against the air. It takes the
-//! rates of the Euler angles for the angular velocity: its error is of the first order in the angles.
+//! with `k = C ρ A / 2m` and `Ω = Ω₂ + Ω₄ − Ω₁ − Ω₃`; in wind, velocities of the drag are those against the air. It
+//! takes the rates of the Euler angles for the angular velocity: its error is of the first order in the angles.
 //!
 //! # Source
-//! Doctoral thesis *Dynamics of multibody systems in a gravitational field*, equations (5.8) and (5.12), corrected: the sign of the
-//! drag and of a rotor's term, a lost dot, `cθ cφ` in z̈.
+//! Doctoral thesis *Dynamics of multibody systems in a gravitational field*, equations (5.8) and (5.12), corrected: the
+//! sign of the drag and of a rotor's term, a lost dot, `cθ cφ` in z̈.
 
 use mbs_runtime::Scalar;
 

@@ -12,7 +12,8 @@ use super::mixer::RotorSpeeds;
 pub struct Touchdown {
     /// \[s\]
     pub time: f64,
-    /// Along the normal of the deck, against the point of it that is touched: `ż − ż_p` on a level one, negative \[m/s\].
+    /// Along the normal of the deck, against the point of it that is touched: `ż − ż_p` on a level one, negative
+    /// \[m/s\].
     pub relative_velocity: f64,
     /// Distance from the point that was to be landed on, in the plane of the deck \[m\].
     pub horizontal_offset: f64,
@@ -24,8 +25,8 @@ pub struct Touchdown {
     pub state: State<[f64; 6]>,
     /// The deck.
     pub deck: DeckState,
-    /// The greatest downward acceleration that the deck's point had on the way \[m/s²\]: where it is above g, nothing that only
-    /// pushes upwards could follow.
+    /// The greatest downward acceleration that the deck's point had on the way \[m/s²\]: where it is above g, nothing
+    /// that only pushes upwards could follow.
     pub deck_fall: f64,
     /// The greatest roll and pitch on the way \[rad\].
     pub greatest_tilt: [f64; 2],
@@ -33,8 +34,8 @@ pub struct Touchdown {
     pub settling_time: f64,
     /// The least and the greatest thrust that the controller asked for \[N\].
     pub thrust_range: [f64; 2],
-    /// What the rotors spend on turning the air, `∫ Σ d Ω³ dt` \[J\]; under a controller in continuous time by the speeds at the
-    /// end of every 2 ms.
+    /// What the rotors spend on turning the air, `∫ Σ d Ω³ dt` \[J\]; under a controller in continuous time by the
+    /// speeds at the end of every 2 ms.
     pub rotor_work: f64,
     /// The part of the moments looked at in which thrust, tilt or a rotor was at its limit.
     pub limited: f64,

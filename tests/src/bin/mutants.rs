@@ -1,4 +1,5 @@
-//! Tries the mutants of `tests/mutants/*.txt`, each in a copy of the repository, and reports those that no test notices.
+//! Tries the mutants of `tests/mutants/*.txt`, each in a copy of the repository, and reports those that no test
+//! notices.
 //!
 //! ```text
 //! cargo run -p mbs-tests --bin mutants -- [runtime] [generator] [--only WORDS]… [--skip N] [--take N]

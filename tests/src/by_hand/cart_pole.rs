@@ -2,9 +2,9 @@
 //!
 //! # Source
 //!
-//! Tedrake, *Underactuated Robotics* (course notes), "The cart-pole system": with `f` the force on the cart and θ from straight
-//! down, `ẍ = (f + m_p sin θ (l θ̇² + g cos θ)) / (m_c + m_p sin²θ)`; the equation of the pole is `l θ̈ = −ẍ cos θ − g sin θ`.
-//! The friction of the rail is added to `f`.
+//! Tedrake, *Underactuated Robotics* (course notes), "The cart-pole system": with `f` the force on the cart and θ from
+//! straight down, `ẍ = (f + m_p sin θ (l θ̇² + g cos θ)) / (m_c + m_p sin²θ)`; the equation of the pole is `l θ̈ = −ẍ
+//! cos θ − g sin θ`. The friction of the rail is added to `f`.
 
 use mbs_runtime::Scalar;
 

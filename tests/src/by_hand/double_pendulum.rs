@@ -2,7 +2,8 @@
 //!
 //! # Source
 //!
-//! Landau & Lifshitz, *Mechanics*, 3rd ed. 1976, section 5, problem 1, for the Lagrangian. Its equations, with `δ = θ₁ − θ₂`,
+//! Landau & Lifshitz, *Mechanics*, 3rd ed. 1976, section 5, problem 1, for the Lagrangian. Its equations, with `δ = θ₁
+//! − θ₂`,
 //!
 //! ```text
 //! (m₁ + m₂) l₁² θ̈₁ + m₂ l₁ l₂ cos δ θ̈₂ + m₂ l₁ l₂ sin δ θ̇₂² + (m₁ + m₂) g l₁ sin θ₁ = 0

@@ -2,9 +2,9 @@
 //!
 //! # Source
 //!
-//! Cazzolato & Prime, *On the dynamics of the Furuta pendulum*, Journal of Control Science and Engineering 2011. With θ from
-//! straight down, the pendulum's moments about its mass centre `J` across and `J_a` along its length, `J₀ = J_arm + m r² + J_a`,
-//! `J₂ = J + m l²`, `K = J₂ − J_a`,
+//! Cazzolato & Prime, *On the dynamics of the Furuta pendulum*, Journal of Control Science and Engineering 2011. With θ
+//! from straight down, the pendulum's moments about its mass centre `J` across and `J_a` along its length, `J₀ =
+//! J_arm + m r² + J_a`, `J₂ = J + m l²`, `K = J₂ − J_a`,
 //!
 //! ```text
 //! (J₀ + K sin²θ) φ̈ + m r l cos θ θ̈ + K sin 2θ φ̇ θ̇ − m r l sin θ θ̇² + b₁ φ̇ = τ

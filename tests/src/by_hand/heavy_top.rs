@@ -2,8 +2,8 @@
 //!
 //! # Source
 //!
-//! Goldstein, Poole & Safko, *Classical Mechanics*, 3rd ed. 2002, section 5.7, for the Lagrangian. With the spin about the axis
-//! `ω₃ = ψ̇ + φ̇ cos θ` its equations are
+//! Goldstein, Poole & Safko, *Classical Mechanics*, 3rd ed. 2002, section 5.7, for the Lagrangian. With the spin about
+//! the axis `ω₃ = ψ̇ + φ̇ cos θ` its equations are
 //!
 //! ```text
 //! I₃ ω̇₃ = 0

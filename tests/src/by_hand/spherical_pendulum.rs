@@ -2,8 +2,8 @@
 //!
 //! # Source
 //!
-//! Landau & Lifshitz, *Mechanics*, 3rd ed. 1976, section 14, problem 1, for the Lagrangian. Its equations, with θ from straight
-//! down, are `θ̈ = sin θ cos θ φ̇² − (g/l) sin θ` and `sin θ φ̈ = −2 cos θ θ̇ φ̇`.
+//! Landau & Lifshitz, *Mechanics*, 3rd ed. 1976, section 14, problem 1, for the Lagrangian. Its equations, with θ from
+//! straight down, are `θ̈ = sin θ cos θ φ̇² − (g/l) sin θ` and `sin θ φ̈ = −2 cos θ θ̇ φ̇`.
 
 use mbs_runtime::Scalar;
 

@@ -1,8 +1,8 @@
 //! Two serial arms, and the values that a third party computed for one of them.
 //!
 //! `tests/data/arm6.json` is the arm on which operation counts are quoted: general inertias, nothing vanishes.
-//! `tests/data/serial.json` is cut from the thesis' reference values: pose, Jacobian and dynamics of the IRB 7600 at the
-//! thesis' table 1, by a separate program.
+//! `tests/data/serial.json` is cut from the thesis' reference values: pose, Jacobian and dynamics of the IRB 7600 at
+//! the thesis' table 1, by a separate program.
 
 use super::rigid_body::{Link, SerialArm};
 use serde_json::Value;

@@ -2,9 +2,9 @@
 //!
 //! # Source
 //!
-//! Newton's second law in the axes of the turning hoop, `r̈ = r'' + ω̇ × r + 2 ω × r' + ω × (ω × r)` (Goldstein, Poole, Safko,
-//! *Classical Mechanics*, 3rd edition 2002, section 4.10), along the wire. Without lean and offset it is the bead on a
-//! spinning hoop of Taylor, *Classical Mechanics*, 2005, chapter 7.
+//! Newton's second law in the axes of the turning hoop, `r̈ = r'' + ω̇ × r + 2 ω × r' + ω × (ω × r)` (Goldstein, Poole,
+//! Safko, *Classical Mechanics*, 3rd edition 2002, section 4.10), along the wire. Without lean and offset it is the
+//! bead on a spinning hoop of Taylor, *Classical Mechanics*, 2005, chapter 7.
 
 use nalgebra::Vector3;
 
@@ -76,8 +76,8 @@ mod tests {
         }
     }
 
-    /// A level hoop about a point of its rim: `R β̈ + ω² R sin β + ω̇ R (1 + cos β) = 0` with β from the far end, in the sense
-    /// of ω: a pendulum in the field of the centrifugal force.
+    /// A level hoop about a point of its rim: `R β̈ + ω² R sin β + ω̇ R (1 + cos β) = 0` with β from the far end, in
+    /// the sense of ω: a pendulum in the field of the centrifugal force.
     #[test]
     fn level_hoop_about_its_rim() {
         let hoop = BeadOnHoop { lean: std::f64::consts::FRAC_PI_2, offset: HOOP.radius, g: 0.0, ..HOOP };

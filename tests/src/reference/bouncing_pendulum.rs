@@ -1,11 +1,11 @@
-//! A rod on a hinge in the coordinates of its mass centre, x to the right and y upwards, and its angle `φ` from hanging down; its
-//! tip bounces off a wall below the hinge.
+//! A rod on a hinge in the coordinates of its mass centre, x to the right and y upwards, and its angle `φ` from hanging
+//! down; its tip bounces off a wall below the hinge.
 //!
 //! # Source
 //!
-//! Newton's and Euler's laws with the force of the hinge as multiplier. Impact: E. J. Routh, *Dynamics of a System of Rigid
-//! Bodies*, 7th edition 1905, with Newton's coefficient of restitution. Between impacts it is a pendulum of the reduced length
-//! `(I + m d²)/(m d)`.
+//! Newton's and Euler's laws with the force of the hinge as multiplier. Impact: E. J. Routh, *Dynamics of a System of
+//! Rigid Bodies*, 7th edition 1905, with Newton's coefficient of restitution. Between impacts it is a pendulum of the
+//! reduced length `(I + m d²)/(m d)`.
 
 use super::cartesian_pendulum::CartesianPendulum;
 use super::dynamics::Dynamics;
@@ -40,8 +40,9 @@ impl BouncingPendulum {
         CartesianPendulum { m: self.m, l: d + self.moment / (self.m * d), g: self.g }
     }
 
-    /// When the tip hits the wall, released at rest at `phi`: after a quarter of a swing, then, as the wall is where the rod
-    /// hangs, after half a swing each, of an amplitude with `sin(α/2)` smaller by the coefficient of restitution.
+    /// When the tip hits the wall, released at rest at `phi`: after a quarter of a swing, then, as the wall is where
+    /// the rod hangs, after half a swing each, of an amplitude with `sin(α/2)` smaller by the coefficient of
+    /// restitution.
     pub fn impacts(&self, phi: f64, restitution: f64) -> impl Iterator<Item = f64> {
         let pendulum = self.alike();
         let mut sine = (0.5 * phi).sin();

@@ -2,8 +2,8 @@
 //!
 //! # Source
 //!
-//! Lagrange's equations, worked out by hand as for [`n_pendulum`](super::n_pendulum) with rods and a cart; verified here
-//! against rods made of three particles.
+//! Lagrange's equations, worked out by hand as for [`n_pendulum`](super::n_pendulum) with rods and a cart; verified
+//! here against rods made of three particles.
 
 use super::dynamics::Dynamics;
 
@@ -74,8 +74,8 @@ mod tests {
     use crate::reference::dynamics::tests::agrees_with_lagrange;
     use crate::reference::lagrange::{Number, Particles};
 
-    /// A uniform rod is a sixth of its mass at each end and the rest in the middle: mass, centre and inertia are the same
-    /// (Simpson's rule is exact for a parabola).
+    /// A uniform rod is a sixth of its mass at each end and the rest in the middle: mass, centre and inertia are the
+    /// same (Simpson's rule is exact for a parabola).
     impl Particles<6> for CartWithFiveLinks {
         fn g(&self) -> f64 {
             self.g

@@ -2,9 +2,9 @@
 //!
 //! # Source
 //!
-//! Goldstein, Poole, Safko, *Classical Mechanics*, 3rd edition 2002, section 2.4, on Lagrange's multipliers; the motion as that
-//! of one angle. Whittaker, Watson, *A Course of Modern Analysis*, 4th edition 1927, 22.301 and Gauss: period by the
-//! arithmetic–geometric mean.
+//! Goldstein, Poole, Safko, *Classical Mechanics*, 3rd edition 2002, section 2.4, on Lagrange's multipliers; the motion
+//! as that of one angle. Whittaker, Watson, *A Course of Modern Analysis*, 4th edition 1927, 22.301 and Gauss: period
+//! by the arithmetic–geometric mean.
 
 use super::dynamics::Dynamics;
 

@@ -2,9 +2,9 @@
 //!
 //! # Source
 //!
-//! Neimark, Fufaev, *Dynamics of Nonholonomic Systems*, 1972, and Bloch, *Nonholonomic Mechanics and Control*, 2nd edition
-//! 2015, on the Chaplygin sleigh: with the speed `v` along the blade and `ω = φ̇`,
-//! `v̇ = a ω²`, `ω̇ = −m a v ω/(I + m a²)`; push and torque are added.
+//! Neimark, Fufaev, *Dynamics of Nonholonomic Systems*, 1972, and Bloch, *Nonholonomic Mechanics and Control*, 2nd
+//! edition 2015, on the Chaplygin sleigh: with the speed `v` along the blade and `ω = φ̇`, `v̇ = a ω²`, `ω̇ = −m a v
+//! ω/(I + m a²)`; push and torque are added.
 
 use super::dynamics::Dynamics;
 

@@ -2,8 +2,8 @@
 //!
 //! # Source
 //!
-//! Jackson, *Classical Electrodynamics*, 3rd edition 1999, section 12.2 (a static uniform field); Landau, Lifshitz, *The
-//! Classical Theory of Fields*, 4th edition 1975, §21; here at speeds far below that of light.
+//! Jackson, *Classical Electrodynamics*, 3rd edition 1999, section 12.2 (a static uniform field); Landau,
+//! Lifshitz, *The Classical Theory of Fields*, 4th edition 1975, §21; here at speeds far below that of light.
 
 use nalgebra::{Rotation3, Unit, Vector3};
 

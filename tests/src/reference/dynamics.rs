@@ -1,4 +1,5 @@
-//! Mechanisms that may be driven, have friction and constraints: what `mbs eval` shows of them, from formulas typed by hand.
+//! Mechanisms that may be driven, have friction and constraints: what `mbs eval` shows of them, from formulas typed by
+//! hand.
 //!
 //! What is driven (times, prescribed motions, inputs) is held by the reference at its momentary value.
 

@@ -2,10 +2,10 @@
 //!
 //! # Source
 //!
-//! Spong, *Modeling and control of elastic joint robots*, ASME Journal of Dynamic Systems, Measurement, and Control 109,
-//! 1987: `D(q) q̈ + c(q, q̇) + g(q) + K (q − θ) = 0`, `J θ̈ − K (q − θ) = u`, rotors turning about their own axes only. The arm is the
-//! planar elbow manipulator of Spong, Hutchinson, Vidyasagar, *Robot Modeling and Control*, 2006, chapter on dynamics.
-//! Joint damping is added.
+//! Spong, *Modeling and control of elastic joint robots*, ASME Journal of Dynamic Systems, Measurement, and Control
+//! 109, 1987: `D(q) q̈ + c(q, q̇) + g(q) + K (q − θ) = 0`, `J θ̈ − K (q − θ) = u`, rotors turning about their own axes
+//! only. The arm is the planar elbow manipulator of Spong, Hutchinson, Vidyasagar, *Robot Modeling and Control*, 2006,
+//! chapter on dynamics. Joint damping is added.
 
 use super::dynamics::Dynamics;
 
@@ -34,7 +34,8 @@ pub struct ElasticJointArm {
 
 /// Coordinates `[q₁, q₂, θ₁, θ₂]`.
 impl Dynamics<4> for ElasticJointArm {
-    /// `d₁₁ = m₁ c₁² + m₂ (l² + c₂² + 2 l c₂ cos q₂) + I₁ + I₂`, `d₁₂ = m₂ (c₂² + l c₂ cos q₂) + I₂`, `d₂₂ = m₂ c₂² + I₂`.
+    /// `d₁₁ = m₁ c₁² + m₂ (l² + c₂² + 2 l c₂ cos q₂) + I₁ + I₂`, `d₁₂ = m₂ (c₂² + l c₂ cos q₂) + I₂`, `d₂₂ = m₂ c₂² +
+    /// I₂`.
     fn mass_matrix(&self, q: &[f64; 4]) -> [[f64; 4]; 4] {
         let ([m1, m2], [c1, c2], [i1, i2], l) = (self.m, self.centre, self.moment, self.l);
         let d11 = m1 * c1 * c1 + m2 * (l * l + c2 * c2 + 2.0 * l * c2 * q[1].cos()) + i1 + i2;
@@ -70,8 +71,8 @@ mod tests {
     use crate::reference::dynamics::tests::agrees_with_lagrange;
     use crate::reference::lagrange::{Energies, Number, Particles};
 
-    /// Each link as two halves at the radius of gyration on both sides of its mass centre; a rotor as a particle that goes
-    /// round at one metre.
+    /// Each link as two halves at the radius of gyration on both sides of its mass centre; a rotor as a particle that
+    /// goes round at one metre.
     struct Bodies<'a>(&'a ElasticJointArm);
 
     impl Particles<4> for Bodies<'_> {

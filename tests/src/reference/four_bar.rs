@@ -2,9 +2,9 @@
 //!
 //! # Source
 //!
-//! Lagrange's equations of a two-link chain and a rod in absolute angles, closed by multipliers: Wittenburg, *Dynamics of
-//! Multibody Systems*, 2nd edition 2008, on closed chains. Verified here against the linkage with the crank's angle as
-//! its only coordinate, the place of the last hinge found as the meeting of two circles.
+//! Lagrange's equations of a two-link chain and a rod in absolute angles, closed by multipliers: Wittenburg, *Dynamics
+//! of Multibody Systems*, 2nd edition 2008, on closed chains. Verified here against the linkage with the crank's angle
+//! as its only coordinate, the place of the last hinge found as the meeting of two circles.
 
 use super::dynamics::Dynamics;
 

@@ -38,7 +38,8 @@ impl FurutaPendulum {
     }
 }
 
-/// Coordinates `[α, θ]`. The pendulum swings about the arm, so that its bob is at `[L, l sin θ, −l cos θ]` in the arm's axes.
+/// Coordinates `[α, θ]`. The pendulum swings about the arm, so that its bob is at `[L, l sin θ, −l cos θ]` in the arm's
+/// axes.
 impl Dynamics<2> for FurutaPendulum {
     /// `[[J₀ + m L² + J sin²θ + I_a cos²θ, m L l cos θ], [m L l cos θ, J]]`.
     fn mass_matrix(&self, &[_, theta]: &[f64; 2]) -> [[f64; 2]; 2] {
@@ -68,8 +69,8 @@ mod tests {
     use crate::reference::dynamics::tests::agrees_with_lagrange;
     use crate::reference::lagrange::{Number, Particles};
 
-    /// The arm as a particle at one metre, the pendulum as six particles of a sixth of its mass: two along its length at
-    /// `±a`, four across it at `±b`, so that `I_a = ⅔ m b²` and `I = ⅓ m (a² + b²)`.
+    /// The arm as a particle at one metre, the pendulum as six particles of a sixth of its mass: two along its length
+    /// at `±a`, four across it at `±b`, so that `I_a = ⅔ m b²` and `I = ⅓ m (a² + b²)`.
     impl Particles<2> for FurutaPendulum {
         fn g(&self) -> f64 {
             self.g

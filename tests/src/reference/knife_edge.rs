@@ -2,9 +2,9 @@
 //!
 //! # Source
 //!
-//! Neimark, Fufaev, *Dynamics of Nonholonomic Systems*, 1972, on the skate on an inclined plane: with the speed `v` along the
-//! blade, `v̇ = g sin α cos φ`, `φ̈ = 0`; from rest at the origin with `φ = ω t` it draws a cycloid,
-//! `x = a sin²ωt`, `y = a (ωt − ½ sin 2ωt)`, `a = g sin α/(2ω²)`: it does not get lower than `a`.
+//! Neimark, Fufaev, *Dynamics of Nonholonomic Systems*, 1972, on the skate on an inclined plane: with the speed `v`
+//! along the blade, `v̇ = g sin α cos φ`, `φ̈ = 0`; from rest at the origin with `φ = ω t` it draws a cycloid, `x = a
+//! sin²ωt`, `y = a (ωt − ½ sin 2ωt)`, `a = g sin α/(2ω²)`: it does not get lower than `a`.
 
 use super::dynamics::Dynamics;
 

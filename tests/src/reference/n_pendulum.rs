@@ -1,4 +1,5 @@
-//! A chain of `N` point masses on massless rods in the x–z plane, hung at the origin; absolute angles from straight down.
+//! A chain of `N` point masses on massless rods in the x–z plane, hung at the origin; absolute angles from straight
+//! down.
 //!
 //! `rᵢ = Σ_{k ≤ i} lₖ [sin θₖ, 0, −cos θₖ]`. With `μᵢⱼ = Σ_{k ≥ max(i,j)} mₖ`, the mass that hangs on both rods, every
 //! symbol is a line; for equal links `μᵢⱼ = (N − max(i,j)) m`, counted from zero.

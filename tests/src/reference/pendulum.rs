@@ -4,8 +4,8 @@
 //!
 //! # Source
 //!
-//! Landau, Lifshitz, *Mechanics*, 3rd edition 1976, §5 (problem 1 with one mass); Rayleigh's function: Goldstein, Poole,
-//! Safko, *Classical Mechanics*, 3rd edition 2002, section 1.5.
+//! Landau, Lifshitz, *Mechanics*, 3rd edition 1976, §5 (problem 1 with one mass); Rayleigh's function: Goldstein,
+//! Poole, Safko, *Classical Mechanics*, 3rd edition 2002, section 1.5.
 
 use super::EquationsOfMotion;
 

@@ -2,9 +2,10 @@
 //!
 //! # Source
 //!
-//! Lagrange's equations over the load's place, `r = [x − d sin p + l sin a, z − d cos p − l cos a]` with pitch `p` about +y,
-//! `d` from the mass centre to the hook and `a` the thread's angle from straight down: with `d = 0` the planar model of
-//! Sreenath, Michael, Kumar, *Trajectory generation and control of a quadrotor with a cable-suspended load*, ICRA 2013.
+//! Lagrange's equations over the load's place, `r = [x − d sin p + l sin a, z − d cos p − l cos a]` with pitch `p`
+//! about +y, `d` from the mass centre to the hook and `a` the thread's angle from straight down: with `d = 0` the
+//! planar model of Sreenath, Michael, Kumar, *Trajectory generation and control of a quadrotor with a cable-suspended
+//! load*, ICRA 2013.
 
 use super::dynamics::Dynamics;
 

@@ -3,7 +3,8 @@
 //! # Source
 //!
 //! Szebehely, *Theory of Orbits*, 1967, chapters 1 and 10; Murray, Dermott, *Solar System Dynamics*, 1999, chapter 3:
-//! `ẍ − 2 ẏ = ∂U/∂x`, `ÿ + 2 ẋ = ∂U/∂y`, `z̈ = ∂U/∂z` with `U = ½ (x² + y²) + (1 − μ)/r₁ + μ/r₂`, and Jacobi's `2 U − v²`.
+//! `ẍ − 2 ẏ = ∂U/∂x`, `ÿ + 2 ẋ = ∂U/∂y`, `z̈ = ∂U/∂z` with `U = ½ (x² + y²) + (1 − μ)/r₁ + μ/r₂`, and Jacobi's `2 U −
+//! v²`.
 
 use super::dynamics::Dynamics;
 

@@ -8,8 +8,8 @@
 //!
 //! They share the data and nothing else beyond the link pose; the tests below say that they agree.
 //!
-//! Frames are standard (distal) Denavit–Hartenberg: frame `i` is fixed to link `i` at its far end, joint `i` turns about
-//! `z` of frame `i − 1`, and `T = Rz(θ) Tz(d) Tx(a) Rx(α)`.
+//! Frames are standard (distal) Denavit–Hartenberg: frame `i` is fixed to link `i` at its far end, joint `i` turns
+//! about `z` of frame `i − 1`, and `T = Rz(θ) Tz(d) Tx(a) Rx(α)`.
 
 use super::EquationsOfMotion;
 use super::lagrange::{self, Dual, Energies, Number};
@@ -115,8 +115,8 @@ impl<const N: usize> SerialArm<N> {
 
     /// Geometric Jacobian of the flange's origin: rows `v` then `ω`, base axes.
     ///
-    /// Column `j` is `[zⱼ₋₁ × (p − pⱼ₋₁); zⱼ₋₁]`: Whitney, *The mathematics of coordinated control of prosthetic arms and
-    /// manipulators*, 1972; the thesis' (3.16).
+    /// Column `j` is `[zⱼ₋₁ × (p − pⱼ₋₁); zⱼ₋₁]`: Whitney, *The mathematics of coordinated control of prosthetic arms
+    /// and manipulators*, 1972; the thesis' (3.16).
     pub fn jacobian(&self, q: &[f64; N]) -> [[f64; N]; 6] {
         let poses = self.poses(q);
         let columns: [Vector6<f64>; N] = from_fn(|j| {
@@ -132,8 +132,8 @@ impl<const N: usize> SerialArm<N> {
         from_fn(|i| axis(&poses[i]).dot(&wrenches[i].1))
     }
 
-    /// For each joint the force and the moment of the link before it on the link behind it, in base axes, the moment about the
-    /// origin of frame `i − 1`, on the joint's axis; base to flange and back with 3-vectors.
+    /// For each joint the force and the moment of the link before it on the link behind it, in base axes, the moment
+    /// about the origin of frame `i − 1`, on the joint's axis; base to flange and back with 3-vectors.
     ///
     /// # Source
     ///
@@ -172,7 +172,8 @@ impl<const N: usize> SerialArm<N> {
         wrenches
     }
 
-    /// For each joint the axes of frame `i − 1` turned by its angle, as columns in base axes: those of the link, before its twist.
+    /// For each joint the axes of frame `i − 1` turned by its angle, as columns in base axes: those of the link, before
+    /// its twist.
     pub fn joint_rotations(&self, q: &[f64; N]) -> [Matrix3<f64>; N] {
         let poses = self.poses(q);
         from_fn(|i| poses[i].rotation * Rotation3::from_axis_angle(&Vector3::z_axis(), q[i]))

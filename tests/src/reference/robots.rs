@@ -1,7 +1,7 @@
 //! The trees of bodies that the mechanisms declare, typed a second time.
 //!
-//! Parameters come from outside, by name and component, so that a test can vary them; what is constant in a declaration is
-//! typed here as a number.
+//! Parameters come from outside, by name and component, so that a test can vary them; what is constant in a declaration
+//! is typed here as a number.
 
 use super::arms;
 use super::rigid_body::SerialArm;
@@ -10,7 +10,8 @@ use super::tree::{Body, Law, Motion, Node, Place, Tree};
 /// The value of a parameter's component.
 pub type Values<'a> = &'a dyn Fn(&str, usize) -> f64;
 
-/// A serial arm in standard Denavit–Hartenberg frames: a hinge about z, then a body in a frame that is shifted and twisted.
+/// A serial arm in standard Denavit–Hartenberg frames: a hinge about z, then a body in a frame that is shifted and
+/// twisted.
 pub fn serial<const N: usize>(arm: &SerialArm<N>) -> Tree {
     let mut nodes = Vec::new();
     for (i, link) in arm.links.iter().enumerate() {
@@ -194,8 +195,8 @@ pub fn arm_on_moving_base(value: Values<'_>) -> Tree {
     tree(3, 4, nodes, down(value))
 }
 
-/// A sliding ball joint with two branches, slides and hinges that signals drive, bent laws, skew places: every kind of joint,
-/// for the algorithms to agree on.
+/// A sliding ball joint with two branches, slides and hinges that signals drive, bent laws, skew places: every kind of
+/// joint, for the algorithms to agree on.
 #[cfg(test)]
 pub(super) fn menagerie() -> Tree {
     let place = |shift, angle| Place { shift, axis: [0.3, -0.7, 0.2], angle };

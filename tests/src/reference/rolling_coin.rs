@@ -1,7 +1,8 @@
 //! A coin that rolls on a table without slipping: heading `φ`, lean `θ` from upright, spin `ψ`.
 //!
-//! Axes that do not spin with the coin: `e₁ = [cos φ, sin φ, 0]` along the track, `e₂ = [−sin φ cos θ, cos φ cos θ, sin θ]` the
-//! axis, `e₃ = [sin φ sin θ, −cos φ sin θ, cos θ]` up in the coin's plane; `ω = θ̇ e₁ + (ψ̇ + φ̇ sin θ) e₂ + φ̇ cos θ e₃`.
+//! Axes that do not spin with the coin: `e₁ = [cos φ, sin φ, 0]` along the track, `e₂ = [−sin φ cos θ, cos φ cos θ, sin
+//! θ]` the axis, `e₃ = [sin φ sin θ, −cos φ sin θ, cos θ]` up in the coin's plane; `ω = θ̇ e₁ + (ψ̇ + φ̇ sin θ) e₂ + φ̇
+//! cos θ e₃`.
 //!
 //! # Source
 //!
@@ -99,8 +100,8 @@ mod tests {
         [[cp, sp, S::constant(0.0)], [-sp * c, cp * c, s], [sp * s, -cp * s, c]]
     }
 
-    /// Newton: the contact force is `f = m (a + g e_z)`, its level part the multipliers. Euler: its moment about the centre is
-    /// the rate of the angular momentum, differentiated as a dual number.
+    /// Newton: the contact force is `f = m (a + g e_z)`, its level part the multipliers. Euler: its moment about the
+    /// centre is the rate of the angular momentum, differentiated as a dual number.
     #[test]
     fn agrees_with_newton_and_euler() {
         for state in states::<5>(21, 60) {

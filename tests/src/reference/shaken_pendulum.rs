@@ -3,8 +3,8 @@
 //! # Source
 //!
 //! The tangential component of `m (r̈ + g e_z) = S` at `r = p + l [sin θ, 0, −cos θ]`, with `e_θ = [cos θ, 0, sin θ]`:
-//! `l θ̈ + 2 l̇ θ̇ + p̈ₓ cos θ + (p̈_z + g) sin θ = 0`. The shaken pivot is Landau, Lifshitz, *Mechanics*, 3rd edition 1976, §5,
-//! problem 3, and §30.
+//! `l θ̈ + 2 l̇ θ̇ + p̈ₓ cos θ + (p̈_z + g) sin θ = 0`. The shaken pivot is Landau, Lifshitz, *Mechanics*, 3rd edition
+//! 1976, §5, problem 3, and §30.
 
 use super::dynamics::Dynamics;
 

@@ -1,10 +1,11 @@
-//! A slider-crank with uniform crank and rod; angles from the x axis, along which the piston slides, towards y; gravity along −y.
+//! A slider-crank with uniform crank and rod; angles from the x axis, along which the piston slides, towards y; gravity
+//! along −y.
 //!
 //! # Source
 //!
-//! Lagrange's equations of a two-link chain and a piston, closed by multipliers: Wittenburg, *Dynamics of Multibody Systems*,
-//! 2nd edition 2008, on closed chains. Verified here against the linkage with the crank's angle as its only coordinate, the
-//! piston's place in closed form.
+//! Lagrange's equations of a two-link chain and a piston, closed by multipliers: Wittenburg, *Dynamics of Multibody
+//! Systems*, 2nd edition 2008, on closed chains. Verified here against the linkage with the crank's angle as its only
+//! coordinate, the piston's place in closed form.
 
 use super::dynamics::Dynamics;
 

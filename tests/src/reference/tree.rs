@@ -6,9 +6,9 @@
 //! - mass matrix by Jacobians of the mass centres, over any [`Number`] ([`Tree::jacobian_mass_matrix`]);
 //! - Coriolis matrix by Christoffel symbols, from the derivatives of the latter by dual numbers ([`Tree::coriolis_matrix`]).
 //!
-//! A tree moves with `x`: the coordinates `q`, then the signals that prescribe the rest of its motion. A joint's variable is
-//! a function of `x` ([`Law`]), its rates are `ν = N(x) ẋ`, and `ν̇ = N ẍ + Ṅ ẋ`; of a ball joint `ν = 2 vec(q̄ q̇)`, and
-//! `Ṅ ẋ = 2 vec(q̄̇ q̇) = 0`. Each algorithm works with ν, and N takes its results to `x`.
+//! A tree moves with `x`: the coordinates `q`, then the signals that prescribe the rest of its motion. A joint's
+//! variable is a function of `x` ([`Law`]), its rates are `ν = N(x) ẋ`, and `ν̇ = N ẍ + Ṅ ẋ`; of a ball joint `ν = 2
+//! vec(q̄ q̇)`, and `Ṅ ẋ = 2 vec(q̄̇ q̇) = 0`. Each algorithm works with ν, and N takes its results to `x`.
 
 use super::lagrange::{Dual, Number};
 use super::rigid_body::{blocks, spatial};
@@ -379,8 +379,8 @@ impl Tree {
         })
     }
 
-    /// Columns of the Jacobians of a point of node `i` and of its rotation, in world axes: number of the variable, `∂v/∂ẋ`,
-    /// `∂ω/∂ẋ`; one for each joint and variable on the way to the world.
+    /// Columns of the Jacobians of a point of node `i` and of its rotation, in world axes: number of the variable,
+    /// `∂v/∂ẋ`, `∂ω/∂ẋ`; one for each joint and variable on the way to the world.
     fn point_columns<S: Number>(
         &self,
         i: usize,
@@ -451,7 +451,8 @@ impl Tree {
             .collect()
     }
 
-    /// The columns of node `i`'s motion subspace `S`, which is constant in its own axes, with the numbers of their rates.
+    /// The columns of node `i`'s motion subspace `S`, which is constant in its own axes, with the numbers of their
+    /// rates.
     fn subspace(&self, i: usize) -> Vec<(usize, Vector6<f64>)> {
         let first: usize = self.nodes[..i].iter().map(|node| node.motion.freedom()).sum();
         let columns = match &self.nodes[i].motion {

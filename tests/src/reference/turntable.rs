@@ -2,8 +2,8 @@
 //!
 //! # Source
 //!
-//! Relative motion, `m (r'' + ω̇ × r + 2 ω × r' + ω × (ω × r) + Rᵀ c̈) = F` (Goldstein, Poole, Safko, *Classical Mechanics*, 3rd
-//! edition 2002, section 4.10, with the acceleration of the origin added), written out in the plane.
+//! Relative motion, `m (r'' + ω̇ × r + 2 ω × r' + ω × (ω × r) + Rᵀ c̈) = F` (Goldstein, Poole, Safko, *Classical
+//! Mechanics*, 3rd edition 2002, section 4.10, with the acceleration of the origin added), written out in the plane.
 
 use super::dynamics::Dynamics;
 

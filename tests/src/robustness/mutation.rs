@@ -1,5 +1,5 @@
-//! A good text, damaged: tokens deleted, doubled, swapped, replaced by others of the language; numbers, units and brackets
-//! changed; stray bytes; truncation.
+//! A good text, damaged: tokens deleted, doubled, swapped, replaced by others of the language; numbers, units and
+//! brackets changed; stray bytes; truncation.
 
 use proptest::collection::vec;
 use proptest::prelude::*;

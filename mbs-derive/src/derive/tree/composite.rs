@@ -1,7 +1,8 @@
 //! Composite bodies: M from what each joint carries when it moves alone.
 //!
-//! The masses beyond a joint, as one rigid body `(m, h, Σ)`, take the wrench of momentum `f = e × h`, `n = J e` per unit of a turn
-//! about e, `f = m d`, `n = h × d` per unit of a slide along d; its part on the joints towards the base is a column of M.
+//! The masses beyond a joint, as one rigid body `(m, h, Σ)`, take the wrench of momentum `f = e × h`, `n = J e` per
+//! unit of a turn about e, `f = m d`, `n = h × d` per unit of a slide along d; its part on the joints towards the base
+//! is a column of M.
 //!
 //! Source: Walker & Orin, *Efficient dynamic computer simulation of robotic mechanisms*, 1982.
 

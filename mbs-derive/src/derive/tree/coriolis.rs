@@ -1,17 +1,18 @@
 //! C of the bodies, in Christoffel form, without a derivative of M.
 //!
-//! With `T_b` the pose of a body as a 4 × 4 matrix and `P_b = [Σ h; hᵀ m]` its pseudo-inertia, `C_ij = Σ_b tr(∂_i T_b P_b (d∂_j T_b/dt)ᵀ)`.
-//! In the frame of a joint d, S its unit twist as a matrix `[ê 0; 0 0]` or `[0 d; 0 0]`, V the twist of its link, P the
-//! composite body beyond it, and `Π = Σ_b (V_b − V) P_b = [A l; 0 0]`, what moves within that body:
+//! With `T_b` the pose of a body as a 4 × 4 matrix and `P_b = [Σ h; hᵀ m]` its pseudo-inertia, `C_ij = Σ_b tr(∂_i T_b
+//! P_b (d∂_j T_b/dt)ᵀ)`. In the frame of a joint d, S its unit twist as a matrix `[ê 0; 0 0]` or `[0 d; 0 0]`, V the
+//! twist of its link, P the composite body beyond it, and `Π = Σ_b (V_b − V) P_b = [A l; 0 0]`, what moves within that
+//! body:
 //!
 //! ```text
 //! C_ad = S_a · wrench([ω]× S P + S Π)                              for every joint a from d to the base
 //! C_da = e_a · vee(S (V P + Π)ᵀ) + (ω_a × e_a) · n + (v_a × e_a) · f        with (f, n) the wrench of S P
 //! ```
 //!
-//! where a wrench of `[X x; 0 0]` has the force x and the couple vee(X).
-//! Source: Echeandia & Wensing, *Numerical methods to compute the Coriolis matrix and Christoffel symbols for rigid-body
-//! systems*, 2021, for the recursion by joints; the pseudo-inertia form is derived above.
+//! where a wrench of `[X x; 0 0]` has the force x and the couple vee(X). Source: Echeandia & Wensing, *Numerical
+//! methods to compute the Coriolis matrix and Christoffel symbols for rigid-body systems*, 2021, for the recursion by
+//! joints; the pseudo-inertia form is derived above.
 
 use crate::expr::{Expr, Matrix, Vector};
 
@@ -106,7 +107,8 @@ impl<'g> Within<'g> {
 
 /// `R A Rᵀ` for the rotation by the angle with this sine and cosine about a coordinate axis.
 ///
-/// In the plane of x and y, with `u = s (Axx − Ayy) + c (Axy + Ayx)`: `Axx − s u`, `Ayy + s u`, `c u − Ayx`, `c u − Axy`.
+/// In the plane of x and y, with `u = s (Axx − Ayy) + c (Axy + Ayx)`: `Axx − s u`, `Ayy + s u`, `c u − Ayx`, `c u −
+/// Axy`.
 fn block_turned_about<'g>(a: Matrix<'g>, axis: usize, s: Expr<'g>, c: Expr<'g>) -> Matrix<'g> {
     let (i, j, k) = ((axis + 1) % 3, (axis + 2) % 3, axis);
     let mut turned = a;
@@ -180,7 +182,8 @@ fn moved_couple<'g>(edge: &Edge<'g>, body: &Inertia<'g>, within: &Within<'g>, tw
     }
 }
 
-/// The work of a wrench on the change of an axis that is carried along: `(ω × e)·n + (v × e)·f`, of a slide `(ω × d)·f`.
+/// The work of a wrench on the change of an axis that is carried along: `(ω × e)·n + (v × e)·f`, of a slide `(ω ×
+/// d)·f`.
 fn turning_axis<'g>(edge: &Edge<'g>, twist: &Twist<'g>, wrench: &Wrench<'g>) -> Expr<'g> {
     let Twist { angular: w, linear: v } = *twist;
     let graph = w.0[0].graph();

@@ -1,7 +1,7 @@
 //! Force elements: terms of V and D that are functions of points and their velocities alone, whatever acts there.
 //!
-//! A spring pulls with `F = −∂V/∂p`, a damper with `F = −∂D/∂ṗ`, differentiated with the coordinates of the points and their
-//! velocities as the only variables; as a load on the link the force is swept back with the other wrenches.
+//! A spring pulls with `F = −∂V/∂p`, a damper with `F = −∂D/∂ṗ`, differentiated with the coordinates of the points and
+//! their velocities as the only variables; as a load on the link the force is swept back with the other wrenches.
 
 use std::cell::RefCell;
 use std::rc::Rc;
@@ -41,8 +41,8 @@ pub(crate) struct Anchor<'g> {
 }
 
 impl ForceElement {
-    /// What a term of V says of points, and the places that its components are of; `None` where it depends on the motion in
-    /// another way as well.
+    /// What a term of V says of points, and the places that its components are of; `None` where it depends on the
+    /// motion in another way as well.
     pub(crate) fn spring<'v>(term: Expr<'v>, landmarks: &Landmarks<'v>) -> Option<(Self, Vec<Place<'v>>)> {
         ForceElement::of(term, landmarks, Symbol::Coordinate)
     }

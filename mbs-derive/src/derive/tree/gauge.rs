@@ -1,8 +1,9 @@
 //! Frames turned about their own joint axes, so that constant turns between joints become turns about one axis.
 //!
-//! The axes of a link behind a turning joint are fixed up to a constant turn about the joint's axis: nothing physical tells
-//! θ from θ + α. Between two joints a constant turn is `R_k(α) R_i(β) R_k(γ)` (Euler), of which the outer two join the angles
-//! of the two joints; what remains costs a plane rotation instead of a full one, as Denavit and Hartenberg's convention has it.
+//! The axes of a link behind a turning joint are fixed up to a constant turn about the joint's axis: nothing physical
+//! tells θ from θ + α. Between two joints a constant turn is `R_k(α) R_i(β) R_k(γ)` (Euler), of which the outer two
+//! join the angles of the two joints; what remains costs a plane rotation instead of a full one, as Denavit and
+//! Hartenberg's convention has it.
 
 use crate::expr::{Expr, Graph, Matrix, Number, Vector};
 

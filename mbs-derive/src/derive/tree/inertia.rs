@@ -1,8 +1,8 @@
 //! Pseudo-inertias: mass, first and second moments, which add up and move from frame to frame.
 //!
-//! A body is `(m, h, Σ)` with `h = ∫ r dm` and `Σ = ∫ r rᵀ dm` about the origin of its frame, in its axes; the inertia tensor is
-//! `J = tr(Σ) 1 − Σ`. Moments, unlike the data of a body with a mass centre, are linear in the mass: bodies that move as one
-//! are one sum, and what a joint cannot see is subtracted from one frame and added to another.
+//! A body is `(m, h, Σ)` with `h = ∫ r dm` and `Σ = ∫ r rᵀ dm` about the origin of its frame, in its axes; the inertia
+//! tensor is `J = tr(Σ) 1 − Σ`. Moments, unlike the data of a body with a mass centre, are linear in the mass: bodies
+//! that move as one are one sum, and what a joint cannot see is subtracted from one frame and added to another.
 
 use crate::expr::{Expr, Graph, Matrix, Vector};
 
@@ -60,8 +60,8 @@ impl<'g> Symmetric<'g> {
 
     /// `R A Rᵀ` for the rotation by an angle with this sine and cosine about a coordinate axis.
     ///
-    /// In the plane of x and y, with `u = s (Axx − Ayy) + 2 c Axy`: `Axx − s u`, `Ayy + s u`, `c u − Axy`: five products where
-    /// squares of sine and cosine would take more.
+    /// In the plane of x and y, with `u = s (Axx − Ayy) + 2 c Axy`: `Axx − s u`, `Ayy + s u`, `c u − Axy`: five
+    /// products where squares of sine and cosine would take more.
     pub(crate) fn turned_about(self, axis: usize, s: Expr<'g>, c: Expr<'g>) -> Self {
         let (i, j, k) = ((axis + 1) % 3, (axis + 2) % 3, axis);
         let ([di, dj], [pi, pj, pk]) = ([self.diagonal[i], self.diagonal[j]], [i, j, k].map(|n| self.products[n]));

@@ -1,7 +1,8 @@
 //! The declared frames, reduced to what moves: a tree of links, each behind one elementary motion.
 //!
-//! Constant turns and shifts in a row become one of each; a turn about a skew axis e becomes a constant turn of z onto e, a turn
-//! about z, and the turn back, which joins what follows; a translation that moves becomes slides along constant directions.
+//! Constant turns and shifts in a row become one of each; a turn about a skew axis e becomes a constant turn of z onto
+//! e, a turn about z, and the turn back, which joins what follows; a translation that moves becomes slides along
+//! constant directions.
 
 use crate::expr::graph::IdMap;
 use crate::expr::{Expr, Graph, HalfInteger, Matrix, Node, Tangent, Vector};
@@ -35,8 +36,8 @@ pub(crate) enum Edge<'g> {
         axis: usize,
         /// Any expression of coordinates and time.
         angle: Expr<'g>,
-        /// The sine of the turn of the axes: of the angle, or 0 where the axes do not follow a body that looks the same from
-        /// all sides.
+        /// The sine of the turn of the axes: of the angle, or 0 where the axes do not follow a body that looks the same
+        /// from all sides.
         sin: Expr<'g>,
         /// Its cosine.
         cos: Expr<'g>,
@@ -148,8 +149,9 @@ impl<'g> Linkage<'g> {
         self.links.iter().any(|link| link.edge.is_some_and(|edge| edge.displacement().is_some()))
     }
 
-    /// The link nearest to the base that has the same origin at all times. Joints between it and this one turn: a force through
-    /// the origin does nothing along them, and in axes nearer to the world it keeps the digits that it was given with.
+    /// The link nearest to the base that has the same origin at all times. Joints between it and this one turn: a force
+    /// through the origin does nothing along them, and in axes nearer to the world it keeps the digits that it was
+    /// given with.
     pub(super) fn first_of_place(&self, link: usize) -> usize {
         let turns = |link: usize| self.links[link].edge.is_some_and(|edge| edge.only_turns());
         let up = |&link: &usize| self.links[link].parent.filter(|_| turns(link));
@@ -267,7 +269,8 @@ fn components(v: Vector<'_>) -> usize {
     v.0.iter().filter(|c| !c.is_zero()).count()
 }
 
-/// A constant rotation that takes z to a unit axis of numbers: its columns are two unit vectors across it, and the axis.
+/// A constant rotation that takes z to a unit axis of numbers: its columns are two unit vectors across it, and the
+/// axis.
 fn rotation_from_z<'g>(axis: Vector<'g>) -> Matrix<'g> {
     let graph = axis.0[0].graph();
     let number = |e: Expr<'g>| e.as_constant().expect("`attach` lets no other axis turn").to_f64();
@@ -279,7 +282,8 @@ fn rotation_from_z<'g>(axis: Vector<'g>) -> Matrix<'g> {
     Matrix([x.0, y.0, axis.0]).transpose()
 }
 
-/// A translation as a constant one and slides along constant directions: one where it goes along a line, else one an axis.
+/// A translation as a constant one and slides along constant directions: one where it goes along a line, else one an
+/// axis.
 fn slides_of<'g>(t: Vector<'g>) -> (Vector<'g>, Vec<(Vector<'g>, Expr<'g>)>) {
     let parts = t.0.map(Affine::of);
     let rest = Vector(parts.map(|part| part.constant));

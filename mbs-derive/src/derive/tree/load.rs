@@ -1,6 +1,7 @@
 //! Loads: forces on points and torques on bodies, as wrenches on links.
 //!
-//! Swept back together with what it takes to move the masses, a load costs its turn into the axes of its link and no more.
+//! Swept back together with what it takes to move the masses, a load costs its turn into the axes of its link and no
+//! more.
 
 use crate::expr::{Graph, Vector};
 

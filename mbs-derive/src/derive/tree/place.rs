@@ -1,8 +1,9 @@
 //! Places: links that share their origin, because only turns are between them.
 //!
-//! A force F at an arm r from the place takes the moment `e·(r × F)` of each joint there, with both in the axes of the link
-//! behind it; or else its couple is turned from link to link. Where the force is along an axis the one is 0 as it stands, and
-//! the other keeps what the rounding of the turns leaves: of a weight far from the place, more than all else about the axis.
+//! A force F at an arm r from the place takes the moment `e·(r × F)` of each joint there, with both in the axes of the
+//! link behind it; or else its couple is turned from link to link. Where the force is along an axis the one is 0 as it
+//! stands, and the other keeps what the rounding of the turns leaves: of a weight far from the place, more than all
+//! else about the axis.
 
 use crate::expr::{Expr, Vector};
 
@@ -11,8 +12,8 @@ use super::wrench::Wrench;
 
 /// What a force does about the joints of a place, one wrench a link; `None` where turned couples are as good.
 ///
-/// `links` are of one place, each before its parent, the first of the place last; `arms` are fixed in each of them, and the same
-/// `force` acts at all of them, here in the axes of the first.
+/// `links` are of one place, each before its parent, the first of the place last; `arms` are fixed in each of them, and
+/// the same `force` acts at all of them, here in the axes of the first.
 pub(super) fn moments<'g>(
     linkage: &Linkage<'g>,
     links: &[usize],

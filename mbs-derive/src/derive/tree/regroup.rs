@@ -8,8 +8,8 @@
 //! - what reaches the base does not move at all.
 //!
 //! The energies are the same functions of the coordinates, up to a constant of V; the single groups need not be bodies.
-//! Source: Gautier & Khalil, *Direct calculation of minimum set of inertial parameters of serial robots*, 1990, for the rule
-//! of the turn, here with second moments in the place of inertias.
+//! Source: Gautier & Khalil, *Direct calculation of minimum set of inertial parameters of serial robots*, 1990, for the
+//! rule of the turn, here with second moments in the place of inertias.
 
 use crate::expr::{Expr, Graph};
 
@@ -32,7 +32,8 @@ pub(super) fn regrouped<'g>(linkage: &Linkage<'g>, inertias: Vec<Inertia<'g>>) -
 
 /// The axes of a link at a tip need not follow a body that looks the same from all sides: a wheel, a rotor, a top.
 ///
-/// Links that are held by something need theirs. With `h = 0` across the axis and `Σ = diag(s, s, ·)` the body's moments are the same in axes that do not spin.
+/// Links that are held by something need theirs. With `h = 0` across the axis and `Σ = diag(s, s, ·)` the body's
+/// moments are the same in axes that do not spin.
 pub(super) fn without_spin<'g>(
     linkage: &Linkage<'g>,
     inertias: &[Inertia<'g>],

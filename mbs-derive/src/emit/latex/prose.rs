@@ -6,8 +6,8 @@ pub(super) fn paragraphs(docs: &[String]) -> String {
     lines.join("\n").trim().to_string()
 }
 
-/// A text whose characters mean themselves. Letters that pdflatex does not know become commands; what it has no command for
-/// is given by its number.
+/// A text whose characters mean themselves. Letters that pdflatex does not know become commands; what it has no command
+/// for is given by its number.
 pub(super) fn escaped(text: &str) -> String {
     let mut escaped = String::new();
     let mut rest = text.chars().peekable();

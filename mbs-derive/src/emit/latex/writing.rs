@@ -37,8 +37,8 @@ impl Algebra<'_> {
         group
     }
 
-    /// Accelerations first, then by falling degree in the velocities, products without waves before those with; parameters
-    /// before what depends on the state, and that before what is given from outside.
+    /// Accelerations first, then by falling degree in the velocities, products without waves before those with;
+    /// parameters before what depends on the state, and that before what is given from outside.
     fn group_order(&self, group: &Group) -> GroupOrder {
         let given = group.parts.iter().flat_map(|(powers, _)| powers).filter(|(id, _)| !self.atoms[id].parametric);
         let given: Powers = given.map(|(&id, &halves)| (id, halves)).collect();
@@ -145,7 +145,8 @@ impl Algebra<'_> {
         vec![self.product(&product_of_parts(&common, powers), factor, brackets)]
     }
 
-    /// Where the first of the summands stands, or the first that is no parameter; before the state where none depends on it.
+    /// Where the first of the summands stands, or the first that is no parameter; before the state where none depends
+    /// on it.
     pub(super) fn bracket_place(&self, summands: impl Iterator<Item = Powers>) -> Option<Place> {
         let summands: Vec<Powers> = summands.collect();
         let atoms = || summands.iter().flat_map(|powers| powers.keys()).map(|id| &self.atoms[id]);

@@ -7,7 +7,8 @@ use crate::expr::{Id, Number};
 /// Products with powers beyond this many halves are not formed.
 const HIGHEST: i32 = 200;
 
-/// Products of more than this many different expressions are not formed: sums that stay factors would gather without end.
+/// Products of more than this many different expressions are not formed: sums that stay factors would gather without
+/// end.
 const MOST_FACTORS: usize = 100;
 
 /// Terms with their coefficients, none of them zero.

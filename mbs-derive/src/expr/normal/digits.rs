@@ -1,7 +1,7 @@
 //! Whether a form has the digits of the expressions that it stands for.
 //!
-//! `2 cos a − cos(a − b) − cos(a + b)` is `4 cos a sin² (b/2)`, but next to b = 0 it is nothing but the rounding of its terms.
-//! Such states are tried: one place after another, then all of them, is nearly zero or a quarter of a turn.
+//! `2 cos a − cos(a − b) − cos(a + b)` is `4 cos a sin² (b/2)`, but next to b = 0 it is nothing but the rounding of its
+//! terms. Such states are tried: one place after another, then all of them, is nearly zero or a quarter of a turn.
 
 use crate::expr::evaluate::{Tape, Value};
 use crate::expr::identity::key;

@@ -1,9 +1,9 @@
 //! Polynomials as expressions: parameters gathered into coefficients, common factors taken out, products shared.
 //!
-//! Several ways are tried on all polynomials together, with common factors taken out and without, and the cheapest is kept;
-//! in all of them, products that occur more than once are computed once. Source of the idea: Hosangadi, Fallah, Kastner, *Optimizing
-//! polynomial expressions by algebraic factorization and common subexpression elimination*, IEEE Transactions on
-//! Computer-Aided Design 2006; here every choice is the most frequent one, and none is taken back.
+//! Several ways are tried on all polynomials together, with common factors taken out and without, and the cheapest is
+//! kept; in all of them, products that occur more than once are computed once. Source of the idea: Hosangadi, Fallah,
+//! Kastner, *Optimizing polynomial expressions by algebraic factorization and common subexpression elimination*, IEEE
+//! Transactions on Computer-Aided Design 2006; here every choice is the most frequent one, and none is taken back.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -33,8 +33,8 @@ pub fn shared<'g>(graph: &'g Graph, polynomials: &[Polynomial]) -> Vec<Expr<'g>>
     ways.into_iter().min_by_key(|way| weight(way)).unwrap_or_default()
 }
 
-/// What the expressions cost together, in units of an addition, as `optimise` counts it; what depends on parameters alone is
-/// free, because it is computed once.
+/// What the expressions cost together, in units of an addition, as `optimise` counts it; what depends on parameters
+/// alone is free, because it is computed once.
 pub fn weight(roots: &[Expr<'_>]) -> usize {
     let Some(first) = roots.first() else { return 0 };
     let graph = first.graph();

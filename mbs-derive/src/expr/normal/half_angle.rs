@@ -1,6 +1,7 @@
 //! Doubled angles halved: `sin²θ` for `½ (1 − cos 2θ)`, `sin θ cos θ` for `½ sin 2θ`.
 //!
-//! Mechanics texts write `cos(θ1 − θ2)` where angles are combined, but powers of `sin θ` and `cos θ` where one is doubled.
+//! Mechanics texts write `cos(θ1 − θ2)` where angles are combined, but powers of `sin θ` and `cos θ` where one is
+//! doubled.
 
 use std::collections::BTreeMap;
 
@@ -10,8 +11,8 @@ use super::combination::{Polynomial, product_of_powers};
 
 /// What becomes of the cosine of a doubled angle.
 ///
-/// Where all that it is multiplied with stands beside it, `k + k cos 2x = 2 k cos²x` and `k − k cos 2x = 2 k sin²x` whatever the
-/// way: near their zeros the sums have lost the digits that the squares have.
+/// Where all that it is multiplied with stands beside it, `k + k cos 2x = 2 k cos²x` and `k − k cos 2x = 2 k sin²x`
+/// whatever the way: near their zeros the sums have lost the digits that the squares have.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Doubled {
     /// `1 + cos 2x = 2 cos²x` and `1 − cos 2x = 2 sin²x`, where the 1 is there.
@@ -25,7 +26,8 @@ pub enum Doubled {
 }
 
 impl Doubled {
-    /// All ways; first that of most texts, last that which needs another sine and cosine where the single angle's are there.
+    /// All ways; first that of most texts, last that which needs another sine and cosine where the single angle's are
+    /// there.
     pub const ALL: [Doubled; 4] = [Doubled::Matched, Doubled::Sine, Doubled::Cosine, Doubled::Kept];
 }
 
@@ -42,7 +44,8 @@ pub struct Double {
     pub is_fourfold: bool,
 }
 
-/// The polynomial with doubled angles halved, given which indivisible expressions have one; `None` beyond `limit` terms.
+/// The polynomial with doubled angles halved, given which indivisible expressions have one; `None` beyond `limit`
+/// terms.
 pub fn halved(
     polynomial: &Polynomial,
     doubled: Doubled,

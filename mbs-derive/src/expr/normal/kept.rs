@@ -1,13 +1,15 @@
 //! Sums that stay factors: the differences that springs, dampers and forces were written with.
 //!
-//! `k (r − r₀)` is exact where r is near r₀, and so is `(r − r₀)²`; `k r − k r₀` and `r² − 2 r r₀ + r₀²` have lost the digits that the two
-//! share. So a sum that an energy or a force takes in a product, a power or a function is one symbol wherever it is
-//! multiplied, in all that is derived from it. Where it is only added to others, its terms are added to theirs.
+//! `k (r − r₀)` is exact where r is near r₀, and so is `(r − r₀)²`; `k r − k r₀` and `r² − 2 r r₀ + r₀²` have lost the
+//! digits that the two share. So a sum that an energy or a force takes in a product, a power or a function is one
+//! symbol wherever it is multiplied, in all that is derived from it. Where it is only added to others, its terms are
+//! added to theirs.
 //!
-//! A sum of terms that parameters scale, `b z − c y`, is rounded in each of them as it stands: other factors that are constant in
-//! time may join these. And the error of `r cos θ − a` is that of a cosine, however small the sum is; that of `k r cos θ − k a` is no
-//! greater, but `(r cos θ − a)²` is as small as the error of `r² cos²θ − 2 a r cos θ + a²`. So where sines and cosines cancel, one such
-//! sum of a product may be multiplied out (`Turned`), while all others are kept, as are powers.
+//! A sum of terms that parameters scale, `b z − c y`, is rounded in each of them as it stands: other factors that are
+//! constant in time may join these. And the error of `r cos θ − a` is that of a cosine, however small the sum is; that
+//! of `k r cos θ − k a` is no greater, but `(r cos θ − a)²` is as small as the error of `r² cos²θ − 2 a r cos θ + a²`.
+//! So where sines and cosines cancel, one such sum of a product may be multiplied out (`Turned`), while all others are
+//! kept, as are powers.
 
 use std::cell::RefCell;
 use std::collections::BTreeMap;
@@ -100,8 +102,8 @@ impl Kept {
         self.sums.borrow().get(&id).is_some_and(|terms| terms.are_turned)
     }
 
-    /// The same, with those of which sines and cosines may cancel multiplied out, if there are any: what costs more by itself may
-    /// cost less in what is derived from it.
+    /// The same, with those of which sines and cosines may cancel multiplied out, if there are any: what costs more by
+    /// itself may cost less in what is derived from it.
     pub fn turned_sums_multiplied_out(&self) -> Option<Self> {
         (self.ways().len() > 1).then(|| Kept { expands_turned: true, ..self.clone() })
     }
@@ -125,8 +127,8 @@ impl Kept {
     }
 }
 
-/// The sums that a node multiplies or takes as arguments, and whether it does no more than to scale them by what is constant in
-/// time.
+/// The sums that a node multiplies or takes as arguments, and whether it does no more than to scale them by what is
+/// constant in time.
 fn factors(graph: &Graph, id: Id) -> [Option<(Id, bool)>; 2] {
     let taken = |operand: Id| behind_parameters(graph, operand).map(|sum| (sum, false));
     match graph.node(id) {

@@ -26,7 +26,8 @@ impl Search<'_, '_, '_> {
         })
     }
 
-    /// Whether the second derivatives are the same on both sides, and another by rule at the corner, where `signum` is 0.
+    /// Whether the second derivatives are the same on both sides, and another by rule at the corner, where `signum`
+    /// is 0.
     pub(super) fn has_gap(&self, fault: &Fault, state: &State) -> bool {
         let tape = self.tape_of(fault.group);
         let curvature = |along: Symbol, step: f64| -> f64 {

@@ -35,8 +35,8 @@ use crate::irb7600::Irb7600;
 
 /// A straight line of the flange's origin, while the flange turns evenly about one axis: `0 ≤ s ≤ 1`.
 ///
-/// `p = p₀ + s (p₁ − p₀)` and `R = exp(s φ×) R₀` with `φ = log(R₁ R₀ᵀ)`, which is Shoemake's slerp. It turns the shorter way;
-/// where both are half a turn, `φ` has its largest component positive.
+/// `p = p₀ + s (p₁ − p₀)` and `R = exp(s φ×) R₀` with `φ = log(R₁ R₀ᵀ)`, which is Shoemake's slerp. It turns the
+/// shorter way; where both are half a turn, `φ` has its largest component positive.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FlangeLine {
     position: [f64; 3],
@@ -49,8 +49,8 @@ impl FlangeLine {
     /// From one pose of the flange to another.
     ///
     /// # Errors
-    /// Matrices that are no rotations, or too far from one to be orthonormalized; positions that are not finite; poses that
-    /// are the same.
+    /// Matrices that are no rotations, or too far from one to be orthonormalized; positions that are not finite; poses
+    /// that are the same.
     pub fn new(from: &Pose<f64>, to: &Pose<f64>) -> Result<Self, CartesianError> {
         let rotation = |pose: &Pose<f64>, s| {
             orthonormalized(&to_matrix(&pose.rotation)).map_err(|error| CartesianError::Rotation { s, error })
@@ -76,7 +76,8 @@ impl FlangeLine {
         Pose { position, rotation: to_rows(&(exp(&(self.turn * s)) * self.rotation)) }
     }
 
-    /// `d/ds` of the position \[m\] and the angular velocity per `s` \[rad\], the same all along, in the axes of the base.
+    /// `d/ds` of the position \[m\] and the angular velocity per `s` \[rad\], the same all along, in the axes of the
+    /// base.
     #[must_use]
     pub fn twist(&self) -> [f64; 6] {
         let ([x, y, z], turn) = (self.way, self.turn);
@@ -84,8 +85,8 @@ impl FlangeLine {
     }
 }
 
-/// The joints of the arm while its flange follows a [`FlangeLine`], on one branch of the inverse kinematics; `K` postures
-/// along it are kept, from which those between are found.
+/// The joints of the arm while its flange follows a [`FlangeLine`], on one branch of the inverse kinematics; `K`
+/// postures along it are kept, from which those between are found.
 ///
 /// `q′ = J⁻¹ [p′; φ]` and `q″ = −J⁻¹ J′ q′`, where J′ is the generated Jacobian evaluated in dual numbers.
 #[derive(Clone, Debug)]
@@ -111,12 +112,14 @@ const APART: f64 = 2.0;
 impl<'a, const K: usize> CartesianPath<'a, K> {
     /// Follows `line` from the posture `start`, which must be at its beginning.
     ///
-    /// The branch is that of `start`, all along; steps are halved until no joint jumps. The ranges of the joints are those of
+    /// The branch is that of `start`, all along; steps are halved until no joint jumps. The ranges of the joints are
+    /// those of
     /// [`Arm::limits`].
     ///
     /// # Errors
     /// [`CartesianError`] with the place along the line: where it leaves the reach, where a joint comes to the end of its
-    /// range, where the arm becomes singular, or so nearly that a joint turns by more than 0.1 rad in 1e-10 of the line.
+    /// range, where the arm becomes singular, or so nearly that a joint turns by more than 0.1 rad in 1e-10 of the
+    /// line.
     pub fn new(arm: &'a Arm, line: FlangeLine, start: &JointVector) -> Result<Self, CartesianError> {
         const { assert!(K > 1, "both ends of the line are kept") };
         check_start(arm, &line, start)?;

@@ -49,8 +49,8 @@ impl Extrema {
 }
 
 impl<const N: usize, const P: usize> Piecewise<N, P> {
-    /// Pieces that end at `ends`, with the coefficients of `Σ cₖ sᵏ`, `s` from 0 to 1 within each; refused where an angle,
-    /// a velocity or an acceleration overflows.
+    /// Pieces that end at `ends`, with the coefficients of `Σ cₖ sᵏ`, `s` from 0 to 1 within each; refused where an
+    /// angle, a velocity or an acceleration overflows.
     pub(super) fn new(ends: [f64; P], coefficients: [[[f64; COEFFICIENTS]; N]; P]) -> Result<Self, TrajectoryError> {
         const { assert!(P > 0, "a motion has at least one piece") };
         let motion = Self { ends, pieces: coefficients.map(|piece| piece.map(Polynomial)) };
@@ -80,8 +80,8 @@ impl<const N: usize, const P: usize> Piecewise<N, P> {
         &self.ends
     }
 
-    /// Coefficients of `q_joint = Σ cₖ τᵏ`, where τ \[s\] is the time since the beginning of the piece, the constant first
-    /// \[rad/sᵏ\].
+    /// Coefficients of `q_joint = Σ cₖ τᵏ`, where τ \[s\] is the time since the beginning of the piece, the constant
+    /// first \[rad/sᵏ\].
     ///
     /// # Panics
     /// If there is no such piece or joint.
@@ -143,8 +143,8 @@ impl<const N: usize, const P: usize> Piecewise<N, P> {
         })
     }
 
-    /// Refuses a motion that leaves the ranges of its joints by more than [`LIMIT_TOLERANCE`]; `ranges` are lowest and highest
-    /// angles \[rad\], equal ones for a joint that must not move.
+    /// Refuses a motion that leaves the ranges of its joints by more than [`LIMIT_TOLERANCE`]; `ranges` are lowest and
+    /// highest angles \[rad\], equal ones for a joint that must not move.
     ///
     /// # Errors
     /// [`TrajectoryError::LimitExceeded`] with the first joint that leaves its range, at its farthest;

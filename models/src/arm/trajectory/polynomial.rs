@@ -28,8 +28,8 @@ impl Polynomial {
 
     /// Its zeros within `0 ≤ s ≤ 1` where its sign changes, in order, and how many there are.
     ///
-    /// Between zeros of the derivative a polynomial is monotone: there a change of sign is one zero, and bisection finds
-    /// it to the last bit. A zero without a change of sign is no extremum of the polynomial that this one is the
+    /// Between zeros of the derivative a polynomial is monotone: there a change of sign is one zero, and bisection
+    /// finds it to the last bit. A zero without a change of sign is no extremum of the polynomial that this one is the
     /// derivative of, and is left out.
     pub(super) fn sign_changes(&self) -> ([f64; COEFFICIENTS], usize) {
         let (mut zeros, mut count) = ([0.0; COEFFICIENTS], 0);

@@ -19,8 +19,8 @@ use super::{Piecewise, Quantity, TrajectoryError, check_duration, check_finite};
 /// velocity at the start.
 ///
 /// # Source
-/// *Dynamics of multibody systems in a gravitational field*, section 3.6 and Table 2, which asks for zero acceleration at
-/// the stop as well: [`two_piece_quartic`] and [`quintic`](super::quintic()) have it.
+/// *Dynamics of multibody systems in a gravitational field*, section 3.6 and Table 2, which asks for zero acceleration
+/// at the stop as well: [`two_piece_quartic`] and [`quintic`](super::quintic()) have it.
 pub fn quartic<const N: usize>(
     start: [f64; N],
     velocity: [f64; N],
@@ -38,10 +38,9 @@ pub fn quartic<const N: usize>(
 /// "Start–move–stop": two quartics per joint that meet at half the time with three continuous derivatives, from `start`
 /// with the velocity `velocity` and no acceleration, to `stop` with neither.
 ///
-/// Ten conditions for ten coefficients. With `D = stop − start`, `V = v₀T/2`, `s = 2t/T` in the first half and
-/// `r = 2(1 − t/T)` in the second: `q = start + V s + (D − 5V/4) s³ + (9V/16 − D/2) s⁴`, then
-/// `q = stop + (3V/4 − D) r³ + (D/2 − 7V/16) r⁴`. At rest the joint is at half the way at half the time, at twice its mean
-/// speed.
+/// Ten conditions for ten coefficients. With `D = stop − start`, `V = v₀T/2`, `s = 2t/T` in the first half and `r = 2(1
+/// − t/T)` in the second: `q = start + V s + (D − 5V/4) s³ + (9V/16 − D/2) s⁴`, then `q = stop + (3V/4 − D) r³ + (D/2 −
+/// 7V/16) r⁴`. At rest the joint is at half the way at half the time, at twice its mean speed.
 ///
 /// Arguments and errors are those of [`quartic`].
 ///

@@ -4,8 +4,8 @@ use super::{Motion, TrajectoryError};
 
 /// The times at which `function` of the joint angles changes sign along `motion`, in order \[s\].
 ///
-/// The motion is looked at `intervals` equal intervals of time; a change of sign within one is found by bisection, to the
-/// resolution of the clock. Two changes within one interval are not seen, nor is a zero without a change of sign.
+/// The motion is looked at `intervals` equal intervals of time; a change of sign within one is found by bisection, to
+/// the resolution of the clock. Two changes within one interval are not seen, nor is a zero without a change of sign.
 ///
 /// ```
 /// use mbs_models::arm::trajectory::{quintic, sign_change::sign_changes};

@@ -6,17 +6,17 @@
 //! τ = M q′ u + (M q″ + C(q, q′) q′) x + G,   q̇² = q′² x,   q̈ = q′ u + q″ x
 //! ```
 //!
-//! so that every limit is a strip of the (u, x) plane at each point of a grid of s, and `x` changes by `2 Δ u` from one point
-//! to the next where u is constant between. Backwards from the stop, the speeds are found from which it can still be reached;
-//! forwards from the start, the largest u is taken that stays among them. No switching points are looked for, and zero-inertia
-//! points need no care.
+//! so that every limit is a strip of the (u, x) plane at each point of a grid of s, and `x` changes by `2 Δ u` from one
+//! point to the next where u is constant between. Backwards from the stop, the speeds are found from which it can still
+//! be reached; forwards from the start, the largest u is taken that stays among them. No switching points are looked
+//! for, and zero-inertia points need no care.
 //!
 //! # Source
 //! H. Pham, Q.-C. Pham, *A new approach to time-optimal path parameterization based on reachability analysis*, IEEE
-//! Transactions on Robotics 34:3, 2018, sections III and IV, with constraints at both ends of an interval ("interpolation
-//! scheme"). The problem is that of J. E. Bobrow, S. Dubowsky, J. S. Gibson, *Time-optimal control of robotic manipulators
-//! along specified paths*, 1985, and of K. G. Shin, N. D. McKay, *Minimum-time control of robotic manipulators with geometric
-//! path constraints*, 1985.
+//! Transactions on Robotics 34:3, 2018, sections III and IV, with constraints at both ends of an interval
+//! ("interpolation scheme"). The problem is that of J. E. Bobrow, S. Dubowsky, J. S. Gibson, *Time-optimal control of
+//! robotic manipulators along specified paths*, 1985, and of K. G. Shin, N. D. McKay, *Minimum-time control of robotic
+//! manipulators with geometric path constraints*, 1985.
 
 use std::vec::Vec;
 
@@ -46,9 +46,9 @@ const ROUNDS: usize = 12;
 
 /// The fastest motion along `path` from rest to rest.
 ///
-/// `intervals` is the number of equal intervals of the grid, some hundreds; the time converges with their number. Limits hold
-/// between the points of the grid, too: where they are exceeded at a quarter, half or three quarters of an interval, they
-/// are tightened by as much, joint by joint, and the motion is found again.
+/// `intervals` is the number of equal intervals of the grid, some hundreds; the time converges with their number.
+/// Limits hold between the points of the grid, too: where they are exceeded at a quarter, half or three quarters of an
+/// interval, they are tightened by as much, joint by joint, and the motion is found again.
 ///
 /// The mechanism must be autonomous, without forces that grow with the velocity.
 ///
@@ -292,8 +292,8 @@ impl<const N: usize> Grid<'_, N> {
         })
     }
 
-    /// What `u` and `x` at the beginning of interval `i` must satisfy for the limits to hold at both its ends, and for `x` at
-    /// its end to be in the range `next`.
+    /// What `u` and `x` at the beginning of interval `i` must satisfy for the limits to hold at both its ends, and for
+    /// `x` at its end to be in the range `next`.
     fn strips(&self, i: usize, next: [f64; 2]) -> Strips {
         let mut strips = Strips { lines: Vec::with_capacity(8 * N + 2), lowest: 0.0, highest: f64::INFINITY };
         for (load, ahead) in [(self.load(i), 0.0), (self.load(i + 1), 2.0 * self.interval)] {

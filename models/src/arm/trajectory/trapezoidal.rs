@@ -10,8 +10,8 @@ use super::{Piecewise, Quantity, RateLimits, TrajectoryError, check_finite, quar
 /// The part of the way covered is `s = t²/(2 ta (T − ta))` while accelerating. With `ta = T/2` the speed is a triangle.
 ///
 /// # Errors
-/// A duration that is not positive and finite, an acceleration time that is not within `0 < ta ≤ T/2`, an angle that is not
-/// finite, and equal postures.
+/// A duration that is not positive and finite, an acceleration time that is not within `0 < ta ≤ T/2`, an angle that is
+/// not finite, and equal postures.
 pub fn trapezoidal<const N: usize>(
     start: [f64; N],
     stop: [f64; N],
@@ -45,8 +45,8 @@ pub fn trapezoidal<const N: usize>(
 /// `s̈ ≤ minᵢ aᵢ/|Dᵢ|` are those of the joint that is slowest for its way.
 ///
 /// # Errors
-/// Limits that are not positive (an infinite one is none, but one joint that moves must have a limit of acceleration), an
-/// angle that is not finite, and equal postures.
+/// Limits that are not positive (an infinite one is none, but one joint that moves must have a limit of acceleration),
+/// an angle that is not finite, and equal postures.
 pub fn trapezoidal_within<const N: usize>(
     start: [f64; N],
     stop: [f64; N],

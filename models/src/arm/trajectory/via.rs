@@ -16,17 +16,18 @@ pub struct Knot<const N: usize> {
 ///
 /// Quartics first and last, cubics in between; angles, velocities and accelerations are continuous, and all six
 /// conditions at the ends hold. One knot alone is reached by a quintic. The velocities at the inner knots solve a
-/// tridiagonal system that is diagonally dominant, from the continuity of the acceleration: with the way `Δ` and the time
-/// `h` of a piece, the acceleration of a cubic is `6Δ/h² − (4v₀ + 2v₁)/h` at its start and `−6Δ/h² + (2v₀ + 4v₁)/h` at its
-/// end, that of a quartic that starts with `v₀` and `a₀` is `a₀ − 12(Δ − v₀h − a₀h²/2)/h² + 6(v₁ − v₀ − a₀h)/h` at its end.
+/// tridiagonal system that is diagonally dominant, from the continuity of the acceleration: with the way `Δ` and the
+/// time `h` of a piece, the acceleration of a cubic is `6Δ/h² − (4v₀ + 2v₁)/h` at its start and `−6Δ/h² + (2v₀ +
+/// 4v₁)/h` at its end, that of a quartic that starts with `v₀` and `a₀` is `a₀ − 12(Δ − v₀h − a₀h²/2)/h² + 6(v₁ − v₀ −
+/// a₀h)/h` at its end.
 ///
 /// # Errors
-/// Times that are not increasing, or not finite; a number that is not finite; all knots equal to a start at rest, and no
-/// velocity at the end.
+/// Times that are not increasing, or not finite; a number that is not finite; all knots equal to a start at rest, and
+/// no velocity at the end.
 ///
 /// # Source
-/// The 4-3-4 trajectory of K. S. Fu, R. C. Gonzalez, C. S. G. Lee, *Robotics: control, sensing, vision, and intelligence*,
-/// 1987, section 4.3, for any number of knots.
+/// The 4-3-4 trajectory of K. S. Fu, R. C. Gonzalez, C. S. G. Lee, *Robotics: control, sensing, vision, and
+/// intelligence*, 1987, section 4.3, for any number of knots.
 pub fn through<const N: usize, const P: usize>(
     start: &JointState<N>,
     knots: &[Knot<N>; P],

@@ -1,4 +1,5 @@
-//! How the vehicle really moves between burns: the nonlinear relative motion, with or without the station's own attraction.
+//! How the vehicle really moves between burns: the nonlinear relative motion, with or without the station's own
+//! attraction.
 //!
 //! Without it both are Kepler motions, [`relative_motion`]. With it, in axes that do not turn, ρ from the station at R,
 //!
@@ -9,8 +10,8 @@
 //! where nothing cancels for small ρ.
 //!
 //! # Source
-//! Thesis, equation (7.11), corrected; Battin, *An Introduction to the Mathematics and Methods of Astrodynamics*, 1999, on
-//! Encke's method.
+//! Thesis, equation (7.11), corrected; Battin, *An Introduction to the Mathematics and Methods of Astrodynamics*, 1999,
+//! on Encke's method.
 
 use core::fmt;
 use core::ops::ControlFlow;

@@ -132,7 +132,8 @@ impl<T: FnMut(&Burn) -> Vector, O: FnMut(&Moment)> Flight<'_, T, O> {
         self.coast(end - self.time)
     }
 
-    /// Along the corridor: `pulses` pulses of a slope that ends `before` the port, of which some are flown to their end.
+    /// Along the corridor: `pulses` pulses of a slope that ends `before` the port, of which some are flown to their
+    /// end.
     fn pulses(&mut self, slope: &Glideslope, before: f64, pulses: u32, coasted: u32) -> Result<(), MissionError> {
         let start = self.time;
         let interval = slope.duration() / f64::from(pulses);

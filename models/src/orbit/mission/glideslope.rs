@@ -5,12 +5,12 @@
 //! ρ(t) = ρ₀ e^{at} + (ρ̇_T/a) (e^{at} − 1)
 //! ```
 //!
-//! with ρ the distance to go and ρ̇ < 0. Pulses come at equal intervals; each aims at the point of the line where the next one is
-//! due. Between pulses the path leaves the line a little, less with more pulses.
+//! with ρ the distance to go and ρ̇ < 0. Pulses come at equal intervals; each aims at the point of the line where the
+//! next one is due. Between pulses the path leaves the line a little, less with more pulses.
 //!
 //! # Source
-//! Hablani, Tapper, Dana-Bashian, *Guidance and relative navigation for autonomous rendezvous in a circular orbit*, Journal of
-//! Guidance, Control, and Dynamics 25(3), 2002.
+//! Hablani, Tapper, Dana-Bashian, *Guidance and relative navigation for autonomous rendezvous in a circular orbit*,
+//! Journal of Guidance, Control, and Dynamics 25(3), 2002.
 
 use core::fmt;
 

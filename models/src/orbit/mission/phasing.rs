@@ -1,8 +1,8 @@
 //! From far away to a point behind the station on its orbit, by two burns.
 //!
-//! Two plans compete: half an ellipse that touches both orbits, begun when the phase is right, and the best of Lambert's arcs over
-//! departures and durations. The first is the cheapest between circles in one plane, but only there it arrives; the second arrives
-//! always.
+//! Two plans compete: half an ellipse that touches both orbits, begun when the phase is right, and the best of
+//! Lambert's arcs over departures and durations. The first is the cheapest between circles in one plane, but only there
+//! it arrives; the second arrives always.
 //!
 //! # Source
 //! Curtis, *Orbital Mechanics for Engineering Students*, 2020, chapter 6; Izzo, *Revisiting Lambert's problem*, 2015.

@@ -65,8 +65,8 @@ pub enum LandingError {
         /// θ \[rad\].
         pitch: f64,
     },
-    /// The vehicle leaves the deck where it is to reach it: the period does not resolve the motion, or the velocity of the deck
-    /// is not the rate of its position.
+    /// The vehicle leaves the deck where it is to reach it: the period does not resolve the motion, or the velocity of
+    /// the deck is not the rate of its position.
     Unresolved {
         /// When \[s\].
         time: f64,

@@ -93,8 +93,8 @@ impl Draw {
         self.member(&format!("translation([{x}, {y}, {z}]) * rot_z({a}) * rot_y({b}) * rot_x({c})"))
     }
 
-    /// A hinge declared in full: by a common point and a common axis, or by two points of it. One row of six follows from the
-    /// others where they hold, and only there.
+    /// A hinge declared in full: by a common point and a common axis, or by two points of it. One row of six follows
+    /// from the others where they hold, and only there.
     fn hinged_coupler(&mut self) {
         let (a, b) = (self.coordinate(Measure::Angle), self.coordinate(Measure::Angle));
         let crank = self.member(&format!("rot_x({a}) * rot_y({b})"));

@@ -2,15 +2,15 @@
 //!
 //! # Source
 //!
-//! Featherstone, *Rigid Body Dynamics Algorithms*, 2008 (RBDA), table 7.1, and section 9.2 for the joints whose motion is
-//! prescribed.
+//! Featherstone, *Rigid Body Dynamics Algorithms*, 2008 (RBDA), table 7.1, and section 9.2 for the joints whose motion
+//! is prescribed.
 
 use super::super::rigid_body::{cross_force, cross_motion, spatial};
 use super::{Motion, Node, Tree};
 use nalgebra::{DMatrix, DVector, Matrix6, Matrix6xX, Vector3, Vector6};
 
-/// What is known of a node before forces are: the transform from its parent, its free coordinates, its inertia and forces of
-/// those beyond, in its own axes.
+/// What is known of a node before forces are: the transform from its parent, its free coordinates, its inertia and
+/// forces of those beyond, in its own axes.
 struct Articulated {
     /// Spatial motions from the axes of the parent.
     transform: Matrix6<f64>,
@@ -42,8 +42,8 @@ struct Reduced {
 }
 
 impl Tree {
-    /// `q̈` under generalized forces, without ever forming `M`; the signals move as `xd` and `xdd` say, whose entries for the
-    /// coordinates' accelerations are not read. Ball joints keep their unit length.
+    /// `q̈` under generalized forces, without ever forming `M`; the signals move as `xd` and `xdd` say, whose entries
+    /// for the coordinates' accelerations are not read. Ball joints keep their unit length.
     ///
     /// `None` where joints share a coordinate, or a joint has two.
     pub fn articulated_bodies(&self, x: &[f64], xd: &[f64], xdd: &[f64], forces: &[f64]) -> Option<Vec<f64>> {
