@@ -288,6 +288,15 @@ mod tests {
         PI,
     ];
 
+    /// Of a small turn about an axis in a plane, what turns stay in it is of second order: `θ²/2` times products of the axis.
+    #[test]
+    fn small_turns_keep_their_second_order() {
+        for size in [1e-4, 1e-7, 1e-9, 1e-100] {
+            let turned = exp(&Vector3::new(size, size, 0.0))[(0, 1)];
+            assert!((turned / (0.5 * size * size) - 1.0).abs() < 1e-8, "{size}: {turned}");
+        }
+    }
+
     /// The axes of the world and its diagonals, in all senses, and others near them.
     fn axes() -> impl Iterator<Item = UnitVector3<f64>> {
         let components = [-1.0, -0.3, -1e-9, 0.0, 1e-17, 0.7, 1.0];

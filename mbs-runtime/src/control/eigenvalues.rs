@@ -180,3 +180,19 @@ fn reflect<const N: usize>(h: &mut [[f64; N]; N], k: usize, first: usize, last: 
         (0..count).for_each(|i| row[k + i] -= along * right[i]);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::pair;
+
+    #[test]
+    fn pairs_of_real_eigenvalues() {
+        // Their sum is the trace, their product the determinant.
+        for [a, b, c, d] in [[2.0, 1.0, 1.0, 2.0], [5.0, 2.0, -1.0, 2.0], [1.0, 1e8, 1e-8, -3.0], [4.0, 0.0, 7.0, -4.0]]
+        {
+            let [x, y] = pair(a, b, c, d).map(|z| z.re);
+            assert!((x + y - (a + d)).abs() < 1e-14 * 5.0, "{x} {y}");
+            assert!((x * y - (a * d - b * c)).abs() < 1e-14 * 20.0, "{x} {y}");
+        }
+    }
+}

@@ -205,3 +205,16 @@ fn bad_input_is_refused() {
     let found = short.solve(planar, &target, &guess);
     assert!(matches!(found, Err(NotReached::TooManyEvaluations(best)) if best.evaluations == 2), "{found:?}");
 }
+
+/// A rejected step damps the next ones more; each good one takes some of that back. Where it did not, the same poses would take
+/// 13.7 evaluations instead of 12.2.
+#[test]
+fn good_steps_are_damped_less_and_less() {
+    let mut evaluations = 0;
+    for (i, j) in (0..40).flat_map(|i| (0..40).map(move |j| (f64::from(i), f64::from(j)))) {
+        let (target, _) = planar(&[0.4 + 0.15 * i, -3.0 + 0.15 * j, 0.7]);
+        let found = DampedLeastSquares::default().solve(planar, &target, &[0.1, 0.05, -0.4]).expect("reached");
+        evaluations += found.evaluations;
+    }
+    assert!(evaluations <= 1600 * 25 / 2, "{evaluations}");
+}
