@@ -239,7 +239,7 @@ operators_with_integers!(Add add, Sub sub, Mul mul, Div div);
 
 impl<'g> Expr<'g> {
     /// Splits `c · x`, and `(c · p) · x` where p depends on parameters alone, into c and `x` or `p · x`; c is 1 where
-    /// no number stands.
+    /// there is no factor c.
     fn split_coefficient(self) -> (Number, Expr<'g>) {
         let graph = self.graph;
         let constant = |e: Expr<'g>| match e.node() {

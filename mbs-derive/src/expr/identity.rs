@@ -74,10 +74,12 @@ impl<Varies: Fn(Symbol) -> bool> Test<Varies> {
         let tape = Tape::strict(&[expr]);
         let varying = varying(&tape, &varies);
         let all = !tape.steps().iter().any(|step| matches!(step, Node::Symbol(s) if varies(*s)));
-        let chosen = |(at, step): (usize, &Node)| (all || varying[at]) && is_choice(step);
-        let has_choices = tape.steps().iter().enumerate().any(chosen);
-        let moves = self::varying(&tape, &|_| true);
-        let has_roots = tape.steps().iter().zip(&moves).any(|(step, moves)| *moves && is_root(step));
+        let moving = self::varying(&tape, &|_| true);
+        let any = |is_meant: &dyn Fn(usize, Chance) -> bool| {
+            tape.steps().iter().enumerate().any(|(at, step)| chance(step).is_some_and(|chance| is_meant(at, chance)))
+        };
+        let has_choices = any(&|at, chance| (all || varying[at]) && chance != Chance::Slope);
+        let has_roots = any(&|at, chance| moving[at] && chance != Chance::Outcome);
         let tried = if has_roots { TRIED } else { TRIED_WITHOUT_ROOTS };
         Test { tape, varies, varying, has_choices, tried }
     }
@@ -211,36 +213,23 @@ fn divided_difference<const K: usize>(values: &[(Residue<K>, Residue<K>)]) -> Re
     terms.fold(Residue::constant(0.0), Residue::add)
 }
 
-/// Whether it is a root, or its slope is, so that it exists at some points alone.
-fn is_root(step: &Node) -> bool {
-    match step {
-        Node::Power(_, n) => n.to_integer().is_none(),
-        Node::Call(function, _) => {
-            matches!(function, Function::Abs | Function::Signum | Function::Asin | Function::Acos)
-        }
-        Node::Call2(function, ..) => *function == Binary::Powf,
-        Node::Constant(_)
-        | Node::Symbol(_)
-        | Node::Rate(_)
-        | Node::Neg(_)
-        | Node::Add(..)
-        | Node::Sub(..)
-        | Node::Mul(..)
-        | Node::Spline(..)
-        | Node::Less(..)
-        | Node::LessEqual(..)
-        | Node::And(..)
-        | Node::Not(_)
-        | Node::Select(..) => false,
-    }
+/// What the field leaves to chance at a step.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Chance {
+    /// Which of two roots it is, and whether there is one at all.
+    Root,
+    /// Whether there is a root that its slope has.
+    Slope,
+    /// How a comparison comes out.
+    Outcome,
 }
 
-/// Whether the field leaves something to chance there: a sign or a comparison.
-fn is_choice(step: &Node) -> bool {
+fn chance(step: &Node) -> Option<Chance> {
     match step {
-        Node::Power(_, n) => n.to_integer().is_none(),
-        Node::Call(function, _) => matches!(function, Function::Abs | Function::Signum),
-        Node::Less(..) | Node::LessEqual(..) => true,
+        Node::Power(_, n) if n.to_integer().is_none() => Some(Chance::Root),
+        Node::Call(Function::Abs | Function::Signum, _) => Some(Chance::Root),
+        Node::Call(Function::Asin | Function::Acos, _) | Node::Call2(Binary::Powf, ..) => Some(Chance::Slope),
+        Node::Less(..) | Node::LessEqual(..) => Some(Chance::Outcome),
         Node::Constant(_)
         | Node::Symbol(_)
         | Node::Rate(_)
@@ -248,11 +237,13 @@ fn is_choice(step: &Node) -> bool {
         | Node::Add(..)
         | Node::Sub(..)
         | Node::Mul(..)
+        | Node::Power(..)
+        | Node::Call(..)
         | Node::Call2(..)
         | Node::Spline(..)
         | Node::And(..)
         | Node::Not(_)
-        | Node::Select(..) => false,
+        | Node::Select(..) => None,
     }
 }
 

@@ -14,7 +14,7 @@ const NEAR: f64 = 1e-6;
 /// How many times the bound on the error of what is written a form's may be.
 const ALLOWED: f64 = 1e4;
 
-/// Whether no number of `form` has lost more digits than the same number of `given`, at any of the states tried.
+/// Whether each component of `form` has the digits that it has in `given`, at all states tried.
 pub(super) fn are_kept(given: &[Expr<'_>], form: &[Expr<'_>]) -> bool {
     let Some(first) = given.first() else { return true };
     let graph = first.graph();
