@@ -301,10 +301,18 @@ fn same_bits<const N: usize, const K: usize>(random: &mut Random) {
         if K > 1 && round % 3 == 0 {
             (a[K - 1], c[K - 1]) = (a[0].map(|x| -3.0 * x), -3.0 * c[0]);
         }
+        // A component that nearly vanishes beside another of its vector.
+        if K > 1 && round % 3 == 1 {
+            let small = [1e-9, 1e-18, 0.0][round / 3 % 3];
+            (a[1], c[1]) = (a[0].map(|x| small * x * (1.0 + 1e-9 * number(0))), small * c[0]);
+        }
         let (q, l) = constrained_solve(m, a, f, c);
         let triangle: Vec<f64> = (0..N).flat_map(|i| m[i][..=i].to_vec()).collect();
         let column: Vec<f64> = f.into_iter().chain(c).collect();
-        let found = <f64 as Value>::constrained(N, triangle.clone(), a.concat())(&column);
+        let found =
+            <f64 as Value>::constrained(N, triangle.clone(), a.concat(), &std::array::from_fn::<_, K, _>(|k| k))(
+                &column,
+            );
         let bits = |x: &f64| if x.is_nan() { None } else { Some(x.to_bits()) };
         let expected: Vec<_> = q.iter().chain(&l).map(bits).collect();
         assert_eq!(found.iter().map(bits).collect::<Vec<_>>(), expected, "{N} {K}: M = {m:?}, A = {a:?}, {f:?}, {c:?}");
@@ -313,11 +321,12 @@ fn same_bits<const N: usize, const K: usize>(random: &mut Random) {
         let noise = |x: f64| x * [1e-17, 1e-9, 1e-6][round % 3];
         let (force, target) = (f.map(|f| [f, noise(f), 0.0]), c.map(|c| [c, noise(c) + noise(1.0), noise(scale[0])]));
         let sizes: [f64; 3] = std::array::from_fn(|_| number(4));
-        let slopes = constrained_slopes(m, a, force, target, &q, sizes);
+        let vectors: [usize; K] = std::array::from_fn(|k| k / 2);
+        let slopes = constrained_slopes(m, a, force, target, vectors, &q, sizes);
         let columns: Vec<Vec<f64>> =
             (0..3).map(|j| force.iter().map(|f| f[j]).chain(target.iter().map(|c| c[j])).collect()).collect();
         let terms = Terms { sizes: Vec::new(), motion: q.to_vec(), scales: sizes.to_vec() };
-        let found = <f64 as Value>::constrained_columns(N, triangle, a.concat())(&columns, &terms);
+        let found = <f64 as Value>::constrained_columns(N, triangle, a.concat(), &vectors)(&columns, &terms);
         for (j, column) in found.iter().enumerate() {
             let expected: Vec<_> = slopes.iter().map(|row| bits(&row[j])).collect();
             let found: Vec<_> = column[..N].iter().map(bits).collect();

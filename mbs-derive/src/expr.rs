@@ -53,7 +53,7 @@ pub mod vector;
 
 pub use adjoint::{gradient, gradient_of_combination};
 pub use condition::Condition;
-pub(crate) use constrained::{Scales, largest, least_change, remainder, remainder_sizes};
+pub(crate) use constrained::{AGREEMENT, Scales, largest, least_change, remainder, remainder_sizes};
 pub use dual::Dual;
 pub use evaluate::{Solution, Solutions, Tape, Terms, Value, evaluate};
 pub use function::{Binary, Function};

@@ -138,7 +138,10 @@ impl<'d, V: Value> Interpreter<'d, V> {
             Completion::None => unreachable!("there is no system"),
             Completion::Solve => V::solve_symmetric(mass, &mut columns),
             Completion::SolveConstrained | Completion::SolveMultipliers => {
-                columns = V::constrained_columns(n, mass.to_vec(), jacobian.to_vec())(&columns, &terms);
+                columns =
+                    V::constrained_columns(n, mass.to_vec(), jacobian.to_vec(), &self.derivation.constraint_vectors)(
+                        &columns, &terms,
+                    );
             }
         }
         if function.completion == Completion::SolveMultipliers {
@@ -197,7 +200,7 @@ impl<'d, V: Value> Interpreter<'d, V> {
     /// q̈, then λ.
     fn constrained_motion(&self, forward_dynamics: &Function, state: &State<V>) -> Vec<V> {
         let System { mass, jacobian, right_side } = self.system_of_motion(forward_dynamics, state);
-        V::constrained(self.derivation.dof(), mass, jacobian)(&right_side)
+        V::constrained(self.derivation.dof(), mass, jacobian, &self.derivation.constraint_vectors)(&right_side)
     }
 
     /// What a program sets up for the motion with constraints.

@@ -121,7 +121,8 @@ impl<T: Scalar> Scalar for Dual<T> {
         let (f, c) = (force.map(|row| row.map(|x| x.value)), target.map(|row| row.map(|x| x.value)));
         let sizes = terms.sizes.map(|sizes| sizes.map(|row| row.map(|x| x.value)));
         let (motion, scales) = (terms.motion.map(|q| q.map(|x| x.value)), terms.scales.map(|x| x.value));
-        let terms = Terms { sizes: sizes.as_ref(), motion: motion.as_ref(), scales };
+        let vectors = terms.vectors;
+        let terms = Terms { vectors, sizes: sizes.as_ref(), motion: motion.as_ref(), scales };
         let (q, l) = T::constrained_solve(&values, &rows, &f, &c, &terms);
         let (mut f, mut c) = (force.map(|row| row.map(|x| x.derivative)), target.map(|row| row.map(|x| x.derivative)));
         let mut sizes = c;
@@ -141,7 +142,7 @@ impl<T: Scalar> Scalar for Dual<T> {
                 sizes[k][column] = size;
             }
         }
-        let terms = Terms { sizes: Some(&sizes), ..Terms::unknown() };
+        let terms = Terms { vectors, sizes: Some(&sizes), ..Terms::unknown() };
         let (q_rate, l_rate) = T::constrained_solve(&values, &rows, &f, &c, &terms);
         let pair = |value, derivative| Self { value, derivative };
         let motion = |i: usize| core::array::from_fn(|j| pair(q[i][j], q_rate[i][j]));

@@ -46,7 +46,8 @@ mod scaling;
 
 pub(crate) use constrained::solve as solve_constrained;
 pub use constrained::{
-    constrained_slopes, constrained_solve, constrained_solve_many, state_sizes, try_constrained_solve,
+    constrained_slopes, constrained_solve, constrained_solve_many, constrained_solve_vectors, state_sizes,
+    try_constrained_solve,
 };
 pub use null_space::Terms;
 pub(crate) use scaling::scaled;
@@ -54,7 +55,7 @@ pub(crate) use scaling::scaled;
 /// `x` with `M x = b`, for `M` symmetric and positive definite.
 ///
 /// `N³/6 + 3N²/2` multiplications or so and `N` divisions, in the [order documented](self). Where `M` is singular the
-/// result is infinite or NaN; [`try_ldlt_solve`] checks.
+/// result is infinite, NaN or what rounding makes of it; [`try_ldlt_solve`] checks.
 ///
 /// | argument | meaning                              | shape     | unit                              |
 /// |----------|--------------------------------------|-----------|-----------------------------------|

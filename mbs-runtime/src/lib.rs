@@ -168,8 +168,8 @@ pub use constraint::reduction::{ReducedLinearization, Reduction};
 pub use constraint::{Constraints, Projector, RedundantRows};
 pub use dual::Dual;
 pub use dynamics::{
-    Ldlt, constrained_slopes, constrained_solve, constrained_solve_many, ldlt_solve, ldlt_solve_many, state_sizes,
-    try_constrained_solve, try_ldlt_solve,
+    Ldlt, constrained_slopes, constrained_solve, constrained_solve_many, constrained_solve_vectors, ldlt_solve,
+    ldlt_solve_many, state_sizes, try_constrained_solve, try_ldlt_solve,
 };
 pub use error::{ConstraintError, DimensionMismatch, IntegrationError, ReductionError, SingularMassMatrix};
 pub use event::{Direction, Event, Response};

@@ -3,7 +3,7 @@
 
 use mbs_runtime::{
     ConstraintError, Dual, SingularMassMatrix, constrained_slopes, constrained_solve, constrained_solve_many,
-    state_sizes, try_constrained_solve,
+    constrained_solve_vectors, state_sizes, try_constrained_solve,
 };
 use num_rational::BigRational;
 use num_traits::{Signed, ToPrimitive, Zero};
@@ -589,7 +589,7 @@ fn a_column_of_rounding_is_no_contradiction_among_others() {
     let (m, a) = ([[1.0, 0.0], [0.0, 3.0]], [[1.0, -1.0], [-2.0, 2.0]]);
     let force = [[1.0, 1e-17, 0.0], [7.0, 0.0, -1e-17]];
     let target = [[0.0, 1e-17, -2e-17], [0.0, 1e-17, 3e-17]];
-    let slopes = |motion: f64, sizes: [f64; 3]| constrained_slopes(m, a, force, target, &[motion; 2], sizes);
+    let slopes = |motion: f64, sizes: [f64; 3]| constrained_slopes(m, a, force, target, [0, 1], &[motion; 2], sizes);
     let nans = |slopes: [[f64; 3]; 2]| [0, 1, 2].map(|j| slopes[0][j].is_nan() && slopes[1][j].is_nan());
     // Beside the first column; beside the motion; beside neither, and where nothing is known.
     let alone = constrained_solve_many(m, a, force, target).0;
@@ -604,9 +604,66 @@ fn a_column_of_rounding_is_no_contradiction_among_others() {
     // The numbers are those of the same columns without a word about their sizes.
     let (first, expected) = (slopes(9.81, [1.0; 3]).map(|row| row[0]), alone.map(|row| row[0]));
     assert_eq!(first, expected);
+    // Where there is no motion there is no derivative of it.
+    assert_eq!(nans(slopes(f64::NAN, [1.0; 3])), [true; 3]);
     // A contradiction remains one.
-    let wrong = constrained_slopes(m, a, [[0.0], [0.0]], [[1.0], [1.0]], &[9.81; 2], [1.0]);
+    let wrong = constrained_slopes(m, a, [[0.0], [0.0]], [[1.0], [1.0]], [0, 1], &[9.81; 2], [1.0]);
     assert!(wrong.as_flattened().iter().all(|x| x.is_nan()), "{wrong:?}");
+}
+
+/// Two bodies turn about x and y and are held parallel, `z₁ × z₂ = 0`, nearly upright. The third row is `x` and `y` times
+/// the others, but for the rounding of rows and target of order one; by itself it would contradict them, or hold what
+/// is left of it by a slope of 1e-8.
+#[test]
+fn a_component_near_zero_is_known_no_better_than_its_vector() {
+    let mut random = Random(87175);
+    for round in 0..200 {
+        let tilt = 2f64.powi(-20 - round % 34);
+        let [x, y] = random.numbers().map(|x: f64| tilt * x);
+        let upright = [[0.0, 1.0, 0.0, -1.0], [-1.0, 0.0, 1.0, 0.0]];
+        let rounding = 1e-17 * random.number();
+        let third: [f64; 4] = core::array::from_fn(|i| -x * upright[0][i] - y * upright[1][i] + rounding);
+        let targets: [f64; 2] = random.numbers();
+        let target = -x * targets[0] - y * targets[1] + 1e-16 * random.number();
+        let system = System::<4, 2> { a: upright, c: targets, ..System::random(&mut random, 4) };
+        let (expected, _) = system.solve();
+        let (a, c) = ([upright[0], upright[1], third], [targets[0], targets[1], target]);
+        let (found, _) = constrained_solve_vectors(system.m, a, system.f, c, [0; 3]);
+        for (found, expected) in found.iter().zip(expected) {
+            assert!((found - expected).abs() < 1e-9 * (1.0 + expected.abs()), "{round}: {found} {expected}");
+        }
+        // Of dual numbers likewise, and in every order of the rows.
+        let dual = |x: f64| Dual { value: x, derivative: x };
+        let turned = |k: usize| [(k + 1) % 3, (k + 2) % 3, k];
+        let order = turned(round as usize % 3);
+        let (q, _) = constrained_solve_vectors(
+            system.m.map(|row| row.map(Dual::constant)),
+            order.map(|k| a[k].map(Dual::constant)),
+            system.f.map(dual),
+            order.map(|k| dual(c[k])),
+            [5; 3],
+        );
+        for (q, expected) in q.iter().zip(expected) {
+            let bound = 1e-9 * (1.0 + expected.abs());
+            assert!((q.value - expected).abs() < bound && (q.derivative - expected).abs() < bound, "{round}: {q:?}");
+        }
+    }
+}
+
+/// Components that move coordinates of their own are rows like others: without inertia, next to a dead centre where
+/// zeros are rounding, and beside a coordinate of 1e-20 of their inertia.
+#[test]
+fn components_of_a_vector_keep_their_own_coordinates() {
+    let solve = |m: [[f64; 2]; 2], a, c| constrained_solve_vectors(m, a, [0.0; 2], c, [0, 0]).0;
+    let near = |found: [f64; 2], expected: [f64; 2]| {
+        let is_near = |(x, y): (&f64, f64)| (x - y).abs() <= 1e-9 * y.abs();
+        assert!(found.iter().zip(expected).all(is_near), "{found:?} {expected:?}");
+    };
+    for zero in [0.0, 1e-16, -6e-17, 1e-13, 1e-9, 1e-6, 1e-3] {
+        near(solve([[0.0; 2]; 2], [[1.0, zero], [-zero, 1.1]], [4.4 - zero, -1.1 - 4.4 * zero]), [4.4, -1.0]);
+    }
+    near(solve([[1e-20, 0.0], [0.0, 1.0]], [[1.0, 0.0], [1e-3, 1.0]], [2.0, 3.0]), [2.0, 2.998]);
+    near(solve([[1.0, 0.0], [0.0, 1e24]], [[1.0, 0.0], [0.0, 1e-12]], [2.0, 3e-12]), [2.0, 3.0]);
 }
 
 /// So in every unit of the rows, of the coordinates and of what is varied.
@@ -619,7 +676,7 @@ fn whether_a_column_contradicts_does_not_depend_on_units() {
             let unit = 2f64.powi(exponent);
             let target = [[0.0, contradiction], [0.0, contradiction]];
             let slopes = |size: [f64; 2], force: [[f64; 2]; 2], target: [[f64; 2]; 2], a: [[f64; 2]; 2]| {
-                constrained_slopes(m, a, force, target, &[1.0, 1.0], size)[0][1].is_nan()
+                constrained_slopes(m, a, force, target, [0, 1], &[1.0, 1.0], size)[0][1].is_nan()
             };
             // Of what is varied: its size grows as its column shrinks.
             let column = |rows: [[f64; 2]; 2]| rows.map(|[x, y]| [x, y / unit]);

@@ -51,7 +51,17 @@ impl Emitter<'_> {
         debug_assert_eq!(function.results[0].shape, Shape::Vector(n), "forward dynamics");
         let shapes = [Shape::Matrix(n, n), Shape::Matrix(k, n), Shape::Vector(n), Shape::Vector(k)];
         let [mass_matrix, jacobian, force, target] = shapes.map(|shape| shaped(shape, values));
-        quote!(::mbs_runtime::constrained_solve(#mass_matrix, #jacobian, #force, #target))
+        if self.derivation.constraint_vectors.windows(2).all(|rows| rows[0] != rows[1]) {
+            return quote!(::mbs_runtime::constrained_solve(#mass_matrix, #jacobian, #force, #target));
+        }
+        let vectors = self.vectors();
+        quote!(::mbs_runtime::constrained_solve_vectors(#mass_matrix, #jacobian, #force, #target, #vectors))
+    }
+
+    /// The number of the constraint that each row is of.
+    fn vectors(&self) -> TokenStream {
+        let numbers = self.derivation.constraint_vectors.iter().map(|&number| Literal::usize_unsuffixed(number));
+        quote!([#(#numbers),*])
     }
 
     /// How large that is by which each column of a linearization is a derivative.
@@ -94,12 +104,12 @@ impl Emitter<'_> {
             rows.iter_mut().for_each(|row| row.extend((0..width).filter_map(|_| values.next())));
         }
         let (force, target) = rows.split_at(n);
-        let scale = ident(&self.names.scale);
+        let (vectors, scale) = (self.vectors(), ident(&self.names.scale));
         let (force, target) =
             (force.iter().map(|row| quote!([#(#row),*])), target.iter().map(|row| quote!([#(#row),*])));
         let solution = quote! {
             ::mbs_runtime::constrained_slopes(
-                #mass_matrix, #jacobian, [#(#force),*], [#(#target),*], #scale.0, #scale.1
+                #mass_matrix, #jacobian, [#(#force),*], [#(#target),*], #vectors, #scale.0, #scale.1
             )
         };
         if widths.len() == 1 {

@@ -11,9 +11,12 @@ const WEIGHTLESS: i64 = 1 << 32;
 /// Farther than any.
 const UNREACHABLE: i64 = i64::MAX / 4;
 
-/// Rows of which less is left depend on others; and so exactly they must agree: the roots of the rounding error, from
-/// above.
-const ROOT: f64 = 1.490_116_119_384_765_6e-8;
+/// What is less than another number by more than this exponent is small beside it.
+const SMALL: i64 = 20;
+
+/// So exactly rows that depend on others must agree with them: the root of the rounding error, from above. Rows of which
+/// a hundredth of it is left depend on others.
+pub(crate) const AGREEMENT: f64 = 1.490_116_119_384_765_6e-8;
 
 /// M and A, factorized in a basis of the null space of A.
 pub(super) struct NullSpace<V> {
@@ -23,6 +26,7 @@ pub(super) struct NullSpace<V> {
     mass: Vec<Vec<V>>,
     slopes: Vec<Vec<V>>,
     basis: Vec<Vec<V>>,
+    vectors: Vec<usize>,
     reciprocals: Vec<V>,
     rank: usize,
     rows: Vec<usize>,
@@ -61,16 +65,16 @@ fn less_product<V: Value>(sum: V, a: V, b: V) -> V {
 }
 
 impl<V: Value> NullSpace<V> {
-    /// Of the lower triangle of M and of A, row by row; `None` where a motion that A leaves has no inertia, or
-    /// something is not finite.
-    pub(super) fn new(n: usize, mass: &[V], jacobian: &[V]) -> Option<Self> {
+    /// Of the lower triangle of M and of A, row by row; rows of the same number in `vectors` are of one vector. `None`
+    /// where a motion that A leaves has no inertia, or something is not finite.
+    pub(super) fn new(n: usize, mass: &[V], jacobian: &[V], vectors: &[usize]) -> Option<Self> {
         if !mass.iter().chain(jacobian).all(|&x| is_finite(x)) {
             return None;
         }
         let m = |i: usize, j: usize| mass[i.max(j) * (i.max(j) + 1) / 2 + i.min(j)];
         let a: Vec<&[V]> = jacobian.chunks_exact(n.max(1)).collect();
         let k = a.len();
-        let scales = Scales::of(n, &|i| m(i, i), &a);
+        let scales = Scales::of(n, &|i| m(i, i), &a, vectors);
         let mass = (0..n).map(|i| (0..n).map(|j| scales.mass(i, j, m(i, j))).collect());
         let slopes: Vec<Vec<V>> = (0..k).map(|row| (0..n).map(|i| scales.row(row, i, a[row][i])).collect()).collect();
         let zero = V::constant(0.0);
@@ -81,6 +85,7 @@ impl<V: Value> NullSpace<V> {
             basis: slopes.clone(),
             slopes,
             scales,
+            vectors: vectors.to_vec(),
             reciprocals: vec![zero; k],
             rank: 0,
             rows: (0..k).collect(),
@@ -98,7 +103,7 @@ impl<V: Value> NullSpace<V> {
     }
 
     fn eliminate(&mut self) {
-        while let Some((row, column)) = self.pivot(V::constant(ROOT * 1e-2)) {
+        while let Some((row, column)) = self.pivot(V::constant(AGREEMENT * 1e-2)) {
             let p = self.rank;
             self.basis.swap(p, row);
             self.rows.swap(p, row);
@@ -226,9 +231,12 @@ impl<V: Value> NullSpace<V> {
         }
     }
 
-    /// q̈, then λ, in the place of f, then c, column by column; `None` where rows contradict each other or something is
-    /// not finite.
+    /// q̈, then λ, in the place of f, then c, column by column; `None` where rows contradict each other, something is not
+    /// finite, or the motion is none of which the columns are derivatives.
     pub(super) fn solve(&self, columns: &[Vec<V>], terms: &Terms<V>) -> Vec<Option<Vec<V>>> {
+        if !terms.motion.iter().all(|&x| is_finite(x)) {
+            return vec![None; columns.len()];
+        }
         let columns: Vec<(Vec<V>, Vec<V>)> = columns.iter().map(|column| self.scaled_right_side(column)).collect();
         let greatest = if self.rank == self.k { Vec::new() } else { self.greatest_sizes(&columns, terms) };
         let solution = |(j, (force, target)): (usize, &(Vec<V>, Vec<V>))| {
@@ -333,16 +341,26 @@ impl<V: Value> NullSpace<V> {
         ordered
     }
 
+    fn size(&self, row: usize, motion: &[V], sizes: &[V]) -> V {
+        let terms = |k: usize| sizes[k].add(self.along(k, motion));
+        let own = terms(row);
+        if !largest(self.slopes[row].iter().copied()).less(V::constant(1.0)) {
+            return own;
+        }
+        let others = (0..self.k).filter(|&k| k != row && self.vectors[k] == self.vectors[row]);
+        others.fold(own, |size, k| larger(size, scaled(terms(k), self.scales.rows[k] - self.scales.rows[row])))
+    }
+
     fn agrees(&self, motion: &[V], target: &[V], sizes: &[V]) -> bool {
         (self.rank..self.k).all(|k| {
             let row = self.rows[k];
-            let (mut rest, mut size) = (target[row], sizes[row]);
+            let (mut rest, mut size) = (target[row], self.size(row, motion, sizes));
             for p in 0..self.rank {
                 let factor = self.basis[k][p];
                 rest = less_product(rest, factor, target[self.rows[p]]);
-                size = size.add(magnitude(factor).mul(sizes[self.rows[p]]));
+                size = size.add(magnitude(factor).mul(self.size(self.rows[p], motion, sizes)));
             }
-            let rounding = size.add(self.along(row, motion)).mul(V::constant(ROOT));
+            let rounding = size.mul(V::constant(AGREEMENT));
             let left = |i: usize| magnitude(self.basis[k][i]).mul(magnitude(motion[self.columns[i]]));
             let allowed = (self.rank..self.n).fold(rounding, |sum, i| sum.add(left(i)));
             let zero = V::constant(0.0);
@@ -400,15 +418,15 @@ struct Exponents {
 }
 
 impl Scales {
-    pub(crate) fn of<V: Value>(n: usize, diagonal: &dyn Fn(usize) -> V, a: &[&[V]]) -> Self {
+    pub(crate) fn of<V: Value>(n: usize, diagonal: &dyn Fn(usize) -> V, a: &[&[V]], vectors: &[usize]) -> Self {
         let inertia: Vec<Option<i64>> = (0..n).map(|i| exponent(diagonal(i)).map(i64::from)).collect();
         let slopes = a.iter().map(|row| row.iter().map(|&x| exponent(x).map(i64::from)).collect()).collect();
         let mut exponents = Exponents { inertia, slopes, taken: vec![None; n] };
+        exponents.forget_small(vectors);
         exponents.assign();
         let reference = exponents.inertia.iter().find_map(|&size| size).unwrap_or(0);
         let columns: Vec<i64> = exponents.sizes().iter().map(|size| (size - reference).div_euclid(2)).collect();
-        let largest = |row: &Vec<Option<i64>>| (0..n).filter_map(|i| Some(row[i]? - columns[i])).max().unwrap_or(0);
-        let rows = exponents.slopes.iter().map(|row| largest(row) as i32).collect();
+        let rows = (0..a.len()).map(|row| exponents.row_size(&columns, vectors, row)).collect();
         let columns = columns.iter().map(|&s| s as i32).collect();
         Scales { taken: exponents.taken, columns, rows, mass: reference as i32 }
     }
@@ -421,6 +439,11 @@ impl Scales {
     /// An entry of A in these scales.
     pub(crate) fn row<V: Value>(&self, row: usize, i: usize, entry: V) -> V {
         scaled(entry, -self.columns[i] - self.rows[row])
+    }
+
+    /// What a row asks for in these scales.
+    pub(crate) fn target(&self, row: usize, entry: f64) -> f64 {
+        scaled(entry, -self.rows[row])
     }
 
     /// The inertia that is one in these scales.
@@ -522,6 +545,26 @@ impl Exponents {
         }
     }
 
+    fn forget_small(&mut self, vectors: &[usize]) {
+        let k = self.slopes.len();
+        for i in 0..self.taken.len() {
+            for row in 0..k {
+                let beside = (0..k).filter(|&other| vectors[other] == vectors[row]).filter_map(|k| self.slopes[k][i]);
+                if beside.max() > self.slopes[row][i].map(|slope| slope + SMALL) {
+                    self.slopes[row][i] = None;
+                }
+            }
+        }
+    }
+
+    fn row_size(&self, columns: &[i64], vectors: &[usize], row: usize) -> i32 {
+        let vector = || self.slopes.iter().zip(vectors).filter(|(_, vector)| **vector == vectors[row]);
+        let greatest = |i: usize| Some(vector().filter_map(|(slopes, _)| slopes[i]).max()? - columns[i]);
+        let all = 0..columns.len();
+        let moved = all.clone().filter(|&i| self.slopes[row][i].is_some());
+        moved.filter_map(greatest).max().or_else(|| all.filter_map(greatest).max()).unwrap_or(0) as i32
+    }
+
     fn lower_bound(&self, sizes: &[Option<i64>], coordinate: usize) -> Option<i64> {
         let bound = |i: usize| {
             let row = &self.slopes[self.taken[i]?];
@@ -546,11 +589,13 @@ pub(super) fn power<V: Value>(exponent: i32) -> V {
     V::constant(f64::from_bits(((1023 + exponent) as u64) << 52))
 }
 
-/// The least x with `A x = target`, measured by `Σ wᵢ xᵢ²`; rows that others determine are left out.
-pub(crate) fn least_change(n: usize, weights: &[f64], jacobian: &[f64], target: &[f64]) -> Option<Vec<f64>> {
+/// The least x with `A x = target`, measured by `Σ wᵢ xᵢ²`; rows that others determine are left out. Rows of the same
+/// number in `vectors` are of one vector.
+pub(crate) fn least_change(weights: &[f64], jacobian: &[f64], vectors: &[usize], target: &[f64]) -> Option<Vec<f64>> {
+    let n = weights.len();
     let triangle: Vec<f64> = (0..n).flat_map(|i| (0..=i).map(move |j| if i == j { weights[i] } else { 0.0 })).collect();
     let column = [vec![0.0; n].as_slice(), target].concat();
-    let mut x = NullSpace::new(n, &triangle, jacobian)?.solve_independent_rows(&column)?;
+    let mut x = NullSpace::new(n, &triangle, jacobian, vectors)?.solve_independent_rows(&column)?;
     x.truncate(n);
     Some(x)
 }
@@ -589,10 +634,10 @@ mod tests {
     fn a_solution_is_differentiated_by_its_equation() {
         let (mass, jacobian) = system(Dual::new(0.0, 1.0));
         let column = [1.0, 0.0, 1.0, 0.0].map(Dual::fixed);
-        let found = Dual::<f64>::constrained(3, mass, jacobian)(&column);
+        let found = Dual::<f64>::constrained(3, mass, jacobian, &[0])(&column);
         let at = |fading: f64| {
             let (mass, jacobian) = system(fading);
-            f64::constrained(3, mass, jacobian)(&[1.0, 0.0, 1.0, 0.0])
+            f64::constrained(3, mass, jacobian, &[0])(&[1.0, 0.0, 1.0, 0.0])
         };
         let (before, after) = (at(-1e-6), at(1e-6));
         for (i, found) in found.iter().enumerate() {
@@ -607,23 +652,23 @@ mod tests {
         let fading = Rounded { value: 1e-18, error: 1e-17 };
         let (mass, jacobian) = system(fading);
         let column = [1.0, 0.0, 1.0, 0.0].map(Rounded::exact);
-        let found = Rounded::constrained(3, mass, jacobian)(&column);
+        let found = Rounded::constrained(3, mass, jacobian, &[0])(&column);
         let expected = [3.3125, -2.625, 1.75, 0.25];
         for (found, expected) in found.iter().zip(expected) {
             assert!(found.error < 1e-14 && (found.value - expected).abs() <= found.error, "{found:?} {expected}");
         }
         let unknown = Rounded { value: 0.0, error: 1e-3 };
         let (mass, jacobian) = system(unknown);
-        let found = Rounded::constrained(3, mass, jacobian)(&column);
+        let found = Rounded::constrained(3, mass, jacobian, &[0])(&column);
         assert!(found[1].error > 1e-3 && found[1].error < 1.0, "{found:?}");
     }
 
     #[test]
     fn what_is_not_determined_is_nan_in_all_components() {
         let (mass, jacobian) = (vec![1.0, 0.0, 0.0], vec![1.0, 0.0]);
-        assert!(f64::constrained(2, mass, jacobian)(&[1.0, 0.0, 0.0]).iter().all(|x| x.is_nan()));
+        assert!(f64::constrained(2, mass, jacobian, &[0])(&[1.0, 0.0, 0.0]).iter().all(|x| x.is_nan()));
         let twice = vec![1.0, 0.0, 2.0, 0.0];
-        let solve = f64::constrained(2, vec![1.0, 0.0, 1.0], twice);
+        let solve = f64::constrained(2, vec![1.0, 0.0, 1.0], twice, &[0, 1]);
         assert_eq!(solve(&[0.0, 1.0, 1.0, 2.0])[..2], [1.0, 1.0]);
         assert!(solve(&[0.0, 1.0, 1.0, 3.0]).iter().all(|x| x.is_nan()));
     }

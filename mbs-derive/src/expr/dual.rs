@@ -109,13 +109,13 @@ impl<S: Value> Value for Dual<S> {
         }
     }
     /// Likewise, in the basis of the values.
-    fn constrained_columns<'a>(n: usize, mass: Vec<Self>, jacobian: Vec<Self>) -> Solutions<'a, Self>
+    fn constrained_columns<'a>(n: usize, mass: Vec<Self>, jacobian: Vec<Self>, vectors: &[usize]) -> Solutions<'a, Self>
     where
         Self: 'a,
     {
         let value = |numbers: &[Self]| numbers.iter().map(|v| v.value).collect::<Vec<S>>();
         let rate = |numbers: &[Self]| numbers.iter().map(|v| v.derivative).collect::<Vec<S>>();
-        let solve = S::constrained_columns(n, value(&mass), value(&jacobian));
+        let solve = S::constrained_columns(n, value(&mass), value(&jacobian), vectors);
         let (mass, jacobian) = (rate(&mass), rate(&jacobian));
         Box::new(move |columns, terms| {
             let values: Vec<Vec<S>> = columns.iter().map(|column| value(column)).collect();

@@ -72,22 +72,23 @@ pub trait Value: Copy {
         columns.iter_mut().for_each(|column| factors.solve(column));
     }
     /// What gives q̈, then λ, of `M q̈ − Aᵀ λ = f`, `A q̈ = c` for a column of f, then c, of `n` coordinates; M is its
-    /// lower triangle, both are row by row. NaN where there is no solution, or more than one q̈.
-    fn constrained<'a>(n: usize, mass: Vec<Self>, jacobian: Vec<Self>) -> Solution<'a, Self>
+    /// lower triangle, both are row by row; rows of the same number in `vectors` are of one vector. NaN where there is
+    /// no solution, or more than one q̈.
+    fn constrained<'a>(n: usize, mass: Vec<Self>, jacobian: Vec<Self>, vectors: &[usize]) -> Solution<'a, Self>
     where
         Self: 'a,
     {
-        let solve = Self::constrained_columns(n, mass, jacobian);
+        let solve = Self::constrained_columns(n, mass, jacobian, vectors);
         let none = Terms { sizes: Vec::new(), motion: Vec::new(), scales: Vec::new() };
         Box::new(move |column| solve(&[column.to_vec()], &none).remove(0))
     }
     /// The same for several columns.
-    fn constrained_columns<'a>(n: usize, mass: Vec<Self>, jacobian: Vec<Self>) -> Solutions<'a, Self>
+    fn constrained_columns<'a>(n: usize, mass: Vec<Self>, jacobian: Vec<Self>, vectors: &[usize]) -> Solutions<'a, Self>
     where
         Self: 'a,
     {
-        let system = NullSpace::new(n, &mass, &jacobian);
-        let rows = n + jacobian.len() / n.max(1);
+        let system = NullSpace::new(n, &mass, &jacobian, vectors);
+        let rows = n + vectors.len();
         let undefined = move || vec![Self::constant(f64::NAN); rows];
         Box::new(move |columns, terms| match &system {
             Some(system) => system.solve(columns, terms).into_iter().map(|x| x.unwrap_or_else(undefined)).collect(),

@@ -138,13 +138,13 @@ impl Value for Rounded {
     /// motion, and knows nothing of how the solution was found.
     ///
     /// Source: Higham, *Accuracy and Stability of Numerical Algorithms*, 2nd ed. 2002, sections 7.1 and 15.1.
-    fn constrained_columns<'a>(n: usize, mass: Vec<Self>, jacobian: Vec<Self>) -> Solutions<'a, Self>
+    fn constrained_columns<'a>(n: usize, mass: Vec<Self>, jacobian: Vec<Self>, vectors: &[usize]) -> Solutions<'a, Self>
     where
         Self: 'a,
     {
         let doubles = |numbers: &[Self]| numbers.iter().map(|number| number.value).collect::<Vec<f64>>();
-        let system = NullSpace::new(n, &doubles(&mass), &doubles(&jacobian));
-        let size = n + jacobian.len() / n.max(1);
+        let system = NullSpace::new(n, &doubles(&mass), &doubles(&jacobian), vectors);
+        let size = n + vectors.len();
         let unit = |j: usize| (0..size).map(|i| f64::from(u8::from(i == j))).collect::<Vec<f64>>();
         // Rows that depend on others take no part: they have agreed.
         let response = |system: &NullSpace<f64>, j: usize| system.solve_independent_rows(&unit(j));

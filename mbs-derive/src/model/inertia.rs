@@ -39,8 +39,9 @@ impl Motion {
 pub(super) fn problem(motion: &Motion, constraints: &VelocityEquations, lines: &[Line], n: usize) -> Option<Problem> {
     let matrix = |line: &Line| {
         let mass = motion.mass_matrix(n, |velocity, symbol| line.rounded(velocity, symbol));
-        let rows = constraints.pfaffian(line, n).into_iter().filter(|row| row.iter().all(|x| x.is_finite()));
-        on_allowed_motions(n, mass, rows.flatten().map(Rounded::exact).collect())
+        let rows = constraints.pfaffian(line, n).into_iter().zip(constraints.vectors());
+        let (rows, vectors): (Vec<_>, Vec<_>) = rows.filter(|(row, _)| row.iter().all(|x| x.is_finite())).unzip();
+        on_allowed_motions(n, mass, rows.concat().into_iter().map(Rounded::exact).collect(), &vectors)
     };
     // Of a large mechanism, whose matrix takes n² evaluations, fewer states have to do.
     let tried = lines.iter().take(if n > 20 { 2 } else { lines.len() });
@@ -91,20 +92,25 @@ fn dependence<const K: usize>(
 
 /// `M + Aᵀ A`, positive definite where M is so on the motions that A leaves; in the scales of the solution, which are
 /// those of the units.
-pub(crate) fn on_allowed_motions(n: usize, mut mass: Vec<Rounded>, mut a: Vec<Rounded>) -> Vec<Rounded> {
-    let scales = scales(n, &mass, &a);
+pub(crate) fn on_allowed_motions(
+    n: usize,
+    mut mass: Vec<Rounded>,
+    mut a: Vec<Rounded>,
+    vectors: &[usize],
+) -> Vec<Rounded> {
+    let scales = scales(n, &mass, &a, vectors);
     mass.iter_mut().enumerate().for_each(|(k, x)| *x = scales.mass(k / n, k % n, *x));
     a.iter_mut().enumerate().for_each(|(k, x)| *x = scales.row(k / n, k % n, *x));
     let gram = |i: usize, j: usize| a.chunks(n).map(|row| row[i] * row[j]).sum::<Rounded>();
     (0..n * n).map(|k| mass[k] + gram(k / n, k % n)).collect()
 }
 
-/// The scales of M and A; what cannot be told from zero is zero.
-pub(crate) fn scales(n: usize, mass: &[Rounded], a: &[Rounded]) -> Scales {
+/// The scales of M and A, rows of the same number in `vectors` of one vector; what cannot be told from zero is zero.
+pub(crate) fn scales(n: usize, mass: &[Rounded], a: &[Rounded], vectors: &[usize]) -> Scales {
     let known = |v: &Rounded| if v.value.abs() <= ROUNDING * v.error { 0.0 } else { v.value };
     let rows: Vec<Vec<f64>> = a.chunks(n).map(|row| row.iter().map(known).collect()).collect();
     let rows: Vec<&[f64]> = rows.iter().map(Vec::as_slice).collect();
-    Scales::of(n, &|i| known(&mass[i * (n + 1)]), &rows)
+    Scales::of(n, &|i| known(&mass[i * (n + 1)]), &rows, vectors)
 }
 
 /// What elimination shows, and below what a pivot may be nothing but rounding.
@@ -169,7 +175,7 @@ mod tests {
     /// Which sign the inertia of the motions has that a row leaves: 0 where one has none.
     fn sign(mass: [f64; 9], row: [f64; 3]) -> i32 {
         let [mass, row] = [mass.as_slice(), &row].map(|numbers| numbers.iter().copied().map(Rounded::exact).collect());
-        let (found, rounding) = eliminate_rounded(&on_allowed_motions(3, mass, row), 3);
+        let (found, rounding) = eliminate_rounded(&on_allowed_motions(3, mass, row, &[0]), 3);
         i32::from(found.smallest > rounding) - i32::from(found.smallest < -rounding)
     }
 

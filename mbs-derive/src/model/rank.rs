@@ -51,6 +51,11 @@ impl VelocityEquations {
         (0..rest.len()).map(|row| columns.iter().map(|column| column[row].sub(rest[row])).collect()).collect()
     }
 
+    /// The constraint of each row.
+    pub(super) fn vectors(&self) -> impl Iterator<Item = usize> {
+        self.owners.iter().map(|(constraint, _)| *constraint)
+    }
+
     pub(super) fn pfaffian(&self, line: &Line, n: usize) -> Vec<Vec<f64>> {
         self.jacobian(n, |velocity, symbol| line.with_velocity(velocity, symbol))
     }

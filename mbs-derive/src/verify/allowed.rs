@@ -64,6 +64,16 @@ impl Trial<'_> {
             && along.into_iter().all(|(rate, size)| is_small(&rate, size))
     }
 
+    /// Whether places and velocities satisfy the constraints.
+    pub(super) fn holds_constraints(&self) -> bool {
+        let small = |name: &str, size: f64| {
+            let is_small = |v: &Rounded| v.value.abs() <= 1e-9 * size + ROUNDING * v.error;
+            self.call_if_any(name).iter().all(is_small)
+        };
+        let greatest = |numbers: &[Rounded]| numbers.iter().map(|v| v.value.abs()).fold(0.0, f64::max);
+        small("constraint", greatest(&self.state.q)) && small("constraint_rate", greatest(&self.state.qd))
+    }
+
     /// The state moved onto the constraints: Newton's method on φ, each step the least in the scales of M and A, then
     /// the allowed velocities. `None` where it does not get there.
     pub fn consistent_state(&self) -> Option<State<Rounded>> {
@@ -79,7 +89,9 @@ impl Trial<'_> {
                 return Some(exact(&doubles(&State { qd, ..state.clone() })));
             }
             let target: Vec<f64> = value.iter().map(|v| -v.value).collect();
-            let step = least_change(n, &weights, &doubles_of(&a), &target)?;
+            // On the way each row is one by itself: where they will be small in their vectors, they are not yet.
+            let each: Vec<usize> = (0..target.len()).collect();
+            let step = least_change(&weights, &doubles_of(&a), &each, &target)?;
             state.q.iter_mut().zip(step).for_each(|(q, step)| *q = Rounded::exact(q.value + step));
         }
         None
@@ -96,7 +108,7 @@ impl Trial<'_> {
     /// The diagonal of a metric of q̇ that follows the units, as the scales of the solution do: powers of two.
     pub(super) fn weights(&self) -> Vec<Rounded> {
         let n = self.n();
-        let scales = scales(n, &self.call("mass_matrix"), &self.call_if_any("constraint_jacobian"));
+        let scales = scales(n, &self.call("mass_matrix"), &self.call_if_any("constraint_jacobian"), self.vectors());
         (0..n).map(|i| scales.weight(i)).collect()
     }
 
@@ -107,7 +119,7 @@ impl Trial<'_> {
         }
         let a = doubles_of(&self.call_if_any("constraint_jacobian"));
         let target: Vec<f64> = self.call_if_any("constraint_rate").iter().map(|v| -v.value).collect();
-        let change = least_change(self.n(), &doubles_of(&self.weights()), &a, &target)?;
+        let change = least_change(&doubles_of(&self.weights()), &a, self.vectors(), &target)?;
         Some(self.state.qd.iter().zip(change).map(|(qd, change)| Rounded::exact(qd.value + change)).collect())
     }
 
@@ -117,7 +129,7 @@ impl Trial<'_> {
         let triangle: Vec<Rounded> = (0..n).flat_map(|i| mass[i * n..=i * n + i].to_vec()).collect();
         let bias = self.interpreter.call("constraint_bias", at).unwrap_or_default();
         let column: Vec<Rounded> = f.iter().copied().chain(bias.iter().map(|&g| -g)).collect();
-        let mut solution = Rounded::constrained(n, triangle, a)(&column);
+        let mut solution = Rounded::constrained(n, triangle, a, self.vectors())(&column);
         let multipliers = solution.split_off(n);
         (solution, multipliers)
     }

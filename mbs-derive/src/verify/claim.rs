@@ -3,9 +3,9 @@
 use std::cell::{OnceCell, RefCell};
 use std::collections::BTreeMap;
 
-use crate::expr::{Dual, Rounded, Symbol, Value, least_change};
+use crate::expr::{AGREEMENT, Dual, Rounded, Symbol, Value, least_change};
 use crate::interpret::{Interpreter, State};
-use crate::model::degree::{Elimination, ROUNDING, eliminate_rounded, on_allowed_motions};
+use crate::model::degree::{Elimination, ROUNDING, eliminate_rounded, on_allowed_motions, scales};
 use crate::optimise::{Completion, Derivation, Function, FunctionKind, Shape};
 
 use super::group::Group;
@@ -86,6 +86,11 @@ impl<'a> Trial<'a> {
         self.derivation
     }
 
+    /// The constraint of each row.
+    pub(super) fn vectors(&self) -> &'a [usize] {
+        &self.derivation.constraint_vectors
+    }
+
     /// Whether there are constraints.
     pub fn is_constrained(&self) -> bool {
         !self.derivation.constraints.is_empty()
@@ -135,8 +140,9 @@ impl<'a> Trial<'a> {
     }
 
     pub(super) fn motion(&self, forward_dynamics: &Function) -> &Motion<'a> {
-        self.motion
-            .get_or_init(|| Motion::new(self.n(), self.interpreter.system_of_motion(forward_dynamics, self.state)))
+        self.motion.get_or_init(|| {
+            Motion::new(self.n(), self.interpreter.system_of_motion(forward_dynamics, self.state), self.vectors())
+        })
     }
 
     /// Compares component by component: to [`TOLERANCE`], or to what rounding may have done to either side.
@@ -277,7 +283,7 @@ impl<'a> Trial<'a> {
 
     /// `M + Aᵀ A`, regular wherever M is on the motions that A allows.
     fn augmented_mass_matrix(&self) -> Vec<Rounded> {
-        on_allowed_motions(self.n(), self.call("mass_matrix"), self.call_if_any("constraint_jacobian"))
+        on_allowed_motions(self.n(), self.call("mass_matrix"), self.call_if_any("constraint_jacobian"), self.vectors())
     }
 
     /// Whether accelerations are determined at this state: not where M, or M on the motions that A allows, is singular,
@@ -306,7 +312,7 @@ impl<'a> Trial<'a> {
         const AGREED: f64 = 1e-10;
         let (n, a) = (self.n(), doubles_of(&self.call_if_any("constraint_jacobian")));
         let target: Vec<f64> = self.call_if_any("constraint_bias").iter().map(|v| -v.value).collect();
-        let Some(qdd) = least_change(n, &doubles_of(&self.weights()), &a, &target) else { return false };
+        let Some(qdd) = least_change(&doubles_of(&self.weights()), &a, self.vectors(), &target) else { return false };
         a.chunks(n).zip(&target).all(|(row, c)| {
             let terms = || row.iter().zip(&qdd).map(|(a, x)| a * x);
             (c - terms().sum::<f64>()).abs() <= AGREED * (c.abs() + terms().map(f64::abs).sum::<f64>())
@@ -377,8 +383,26 @@ impl<'a> Trial<'a> {
         self.equal("A q̈ + γ = 0", &rates, &zero).or_else(|_| {
             let left: Vec<Rounded> =
                 zero.iter().zip(self.left_by_state(&a, &qdd)).map(|(&zero, left)| zero + left).collect();
-            self.equal("A q̈ + γ = 0", &rates, &left)
+            let found = self.equal("A q̈ + γ = 0", &rates, &left);
+            found.or_else(|failure| match self.holds_constraints() {
+                true => Err(failure),
+                false => self.equal("A q̈ + γ = 0", &rates, &self.left_by_solution(&a, &qdd, &bias)),
+            })
         })
+    }
+
+    /// What the solution accepts of rows that depend on others: off the constraints these contradict each other, by a
+    /// part of the terms of a row and of those it depends on, here of the greatest.
+    fn left_by_solution(&self, a: &[Rounded], qdd: &[Rounded], bias: &[Rounded]) -> Vec<Rounded> {
+        let n = self.n();
+        let scales = scales(n, &self.call("mass_matrix"), a, self.vectors());
+        let size = |(k, row): (usize, &[Rounded])| {
+            let along: f64 = row.iter().zip(qdd).map(|(a, qdd)| (a.value * qdd.value).abs()).sum();
+            scales.target(k, along + bias[k].value.abs())
+        };
+        let greatest = a.chunks(n).enumerate().map(size).fold(0.0, f64::max);
+        let left = |k: usize| Rounded { value: 0.0, error: 2.0 * AGREEMENT * greatest / scales.target(k, 1.0) };
+        (0..bias.len()).map(left).collect()
     }
 
     /// What places and velocities that hold the constraints to rounding leave of `A q̈ + γ`: rows that depend on others

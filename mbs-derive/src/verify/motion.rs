@@ -11,8 +11,8 @@ pub(super) struct Motion<'a> {
 }
 
 impl Motion<'_> {
-    pub(super) fn new(n: usize, system: System<Rounded>) -> Self {
-        let solve = Rounded::constrained_columns(n, system.mass, system.jacobian);
+    pub(super) fn new(n: usize, system: System<Rounded>, vectors: &[usize]) -> Self {
+        let solve = Rounded::constrained_columns(n, system.mass, system.jacobian, vectors);
         let solution = solve(&[system.right_side], &Terms::default()).remove(0);
         Motion { solve, solution }
     }

@@ -56,7 +56,38 @@ pub fn constrained_solve<T: Scalar, const N: usize, const K: usize>(
     (accelerations.map(|[q]| q), multipliers.map(|[l]| l))
 }
 
-/// The same for several right sides, column by column to the bit; matrices are arrays of rows. A column that
+/// The same where rows are the components of vectors: those with the same number in `vectors` share a unit, and a row
+/// that moves the same coordinates less than another of its vector is known no better than that.
+///
+/// So a component that vanishes for the vectors of a hinge that are nearly parallel to an axis is one of a vector of
+/// order one, not an equation of its own; in what [`constrained_solve`] makes least, `aₖ` is then the greatest
+/// `|Aⱼᵢ| dᵢ` of its vector in the coordinates that it moves.
+///
+/// ```
+/// // The axes of a hinge, 1e-12 from upright: the third component asks for what the others do, to rounding.
+/// let (x, y) = (1e-12, 2e-12);
+/// let a = [[0.0, 1.0, 0.0, -1.0], [-1.0, 0.0, 1.0, 0.0], [y, -x, -y, x]];
+/// let m: [[f64; 4]; 4] = core::array::from_fn(|i| core::array::from_fn(|j| if i == j { 1.0 } else { 0.0 }));
+/// let (f, c) = ([4.0, 2.0, 0.0, 0.0], [3.0, 1.0, -3.0 * x - y + 1e-16]);
+/// let (q, _) = mbs_runtime::constrained_solve_vectors(m, a, f, c, [0; 3]);
+/// assert_eq!(q, [1.5, 2.5, 2.5, -0.5]);
+/// let (alone, _) = mbs_runtime::constrained_solve(m, a, f, c);
+/// assert!(alone[0].is_nan());
+/// ```
+#[must_use]
+pub fn constrained_solve_vectors<T: Scalar, const N: usize, const K: usize>(
+    m: [[T; N]; N],
+    a: [[T; N]; K],
+    force: [T; N],
+    target: [T; K],
+    vectors: [usize; K],
+) -> ([T; N], [T; K]) {
+    let terms = Terms { vectors: Some(&vectors), ..Terms::unknown() };
+    let (accelerations, multipliers) = T::constrained_solve(&m, &a, &force.map(|f| [f]), &target.map(|c| [c]), &terms);
+    (accelerations.map(|[q]| q), multipliers.map(|[l]| l))
+}
+
+/// [`constrained_solve`] for several right sides, column by column to the bit; matrices are arrays of rows. A column that
 /// contradicts the rows is NaN by itself.
 #[must_use]
 pub fn constrained_solve_many<T: Scalar, const N: usize, const K: usize, const C: usize>(
@@ -74,19 +105,21 @@ pub fn constrained_solve_many<T: Scalar, const N: usize, const K: usize, const C
 /// |------------------|----------------------------------------------------------------------------|------------------|
 /// | `m`, `a`         | M and A, as of [`constrained_solve`]                                       | `[N][N]`, `[K][N]` |
 /// | `force`,`target` | `f′ − M′ q̈ + A′ᵀ λ` and `c′ − A′ q̈`, column by column                       | `[N][C]`, `[K][C]` |
+/// | `vectors`        | the number of the vector that each row is of, as of [`constrained_solve_vectors`] | `K`        |
 /// | `motion`         | q̈                                                                          | `N`              |
 /// | `sizes`          | how large that is by which each column is a derivative, with any sign; 0 where it is not known | `C` |
 ///
 /// Where rows depend on others, a column that is a difference of larger terms may be nothing but their rounding, and
 /// need not agree with itself. So its rows contradict each other only by more than rounding (about 1e-8, 5e-4 for
 /// `f32`) of the greatest scaled acceleration, of `motion` and of all columns, each for a change by its own size. The
-/// results are those of [`constrained_solve_many`], but for columns that it takes for contradictions.
+/// results are those of [`constrained_solve_many`], but for columns that it takes for contradictions. All are NaN where
+/// `motion` is infinite or NaN.
 ///
 /// ```
 /// // Both accelerate by 9.81, and two rows say that they do so alike: the second column is what rounding has left.
 /// let (m, a): ([[f64; 2]; 2], _) = ([[1.0, 0.0], [0.0, 1.0]], [[1.0, -1.0], [2.0, -2.0]]);
 /// let (force, target) = ([[1.0, 0.0], [0.0, 0.0]], [[0.0, 0.0], [0.0, 1e-15]]);
-/// let slopes = mbs_runtime::constrained_slopes(m, a, force, target, &[9.81, 9.81], [1.0, 1.0]);
+/// let slopes = mbs_runtime::constrained_slopes(m, a, force, target, [0, 1], &[9.81, 9.81], [1.0, 1.0]);
 /// assert_eq!(slopes, [[0.5, 0.0], [0.5, 0.0]]);
 /// let (alone, _) = mbs_runtime::constrained_solve_many(m, a, force, target);
 /// assert!(alone[0][0] == 0.5 && alone[0][1].is_nan());
@@ -97,10 +130,12 @@ pub fn constrained_slopes<T: Scalar, const N: usize, const K: usize, const C: us
     a: [[T; N]; K],
     force: [[T; C]; N],
     target: [[T; C]; K],
+    vectors: [usize; K],
     motion: &[T; N],
     sizes: [T; C],
 ) -> [[T; C]; N] {
-    T::constrained_solve(&m, &a, &force, &target, &Terms { sizes: None, motion: Some(motion), scales: sizes }).0
+    let terms = Terms { vectors: Some(&vectors), sizes: None, motion: Some(motion), scales: sizes };
+    T::constrained_solve(&m, &a, &force, &target, &terms).0
 }
 
 /// How large coordinates, speeds and inputs are by which accelerations are differentiated, for [`constrained_slopes`]:
@@ -133,7 +168,7 @@ pub fn try_constrained_solve<T: Real, const N: usize, const K: usize>(
     force: [T; N],
     target: [T; K],
 ) -> Result<([T; N], [T; K]), ConstraintError> {
-    let mut system = NullSpace::new(&m, &a);
+    let mut system = NullSpace::new(&m, &a, None);
     system.factorize()?;
     Ok(system.solve(&force, &target)?)
 }
@@ -160,7 +195,7 @@ pub(crate) fn solve<T: Scalar, const N: usize, const K: usize, const C: usize>(
 ) -> ([[T; C]; N], [[T; C]; K]) {
     let undefined = T::from_f64(f64::NAN);
     let (mut accelerations, mut multipliers) = ([[undefined; C]; N], [[undefined; C]; K]);
-    let mut system = NullSpace::new(m, a);
+    let mut system = NullSpace::new(m, a, terms.vectors);
     if system.factorize().is_ok() {
         system.solve_columns(force, target, terms, (&mut accelerations, &mut multipliers));
     }

@@ -52,6 +52,8 @@ pub(crate) struct NullSpace<T, const N: usize, const K: usize> {
     reciprocals: [T; K],
     /// How many rows are independent.
     rank: usize,
+    /// The vector that each row is of.
+    vectors: [usize; K],
     /// Rows of A in the order of the pivots, those that depend on others last.
     rows: [usize; K],
     /// Coordinates: the dependent ones in the order of the pivots, then the independent ones in that of theirs.
@@ -66,10 +68,13 @@ pub(crate) struct NullSpace<T, const N: usize, const K: usize> {
     is_finite: bool,
 }
 
-/// What tells rounding from a contradiction, beside the columns themselves: a target may be what is left of larger
-/// terms.
+/// What tells rounding from a contradiction and from an independent row, beside the numbers themselves: these may be
+/// what is left of larger terms.
 #[derive(Clone, Copy, Debug)]
 pub struct Terms<'a, T, const N: usize, const K: usize, const C: usize> {
+    /// The number of the vector that each row is of: its rows share a unit, and a row that is small among them is known
+    /// as well as they are. Without it each row is by itself.
+    pub vectors: Option<&'a [usize; K]>,
     /// How large the terms of each target are.
     pub sizes: Option<&'a [[T; C]; K]>,
     /// q̈ of the motion of which the columns are derivatives; without it each column is judged by itself.
@@ -82,7 +87,7 @@ impl<T: Scalar, const N: usize, const K: usize, const C: usize> Terms<'_, T, N, 
     /// Nothing but the columns.
     #[inline]
     pub fn unknown() -> Self {
-        Terms { sizes: None, motion: None, scales: [T::zero(); C] }
+        Terms { vectors: None, sizes: None, motion: None, scales: [T::zero(); C] }
     }
 }
 
@@ -197,10 +202,12 @@ fn are_finite<T: Scalar, const N: usize, const K: usize>(m: &[[T; N]; N], a: &[[
 }
 
 impl<T: Scalar, const N: usize, const K: usize> NullSpace<T, N, K> {
-    /// M, of which the lower triangle is read, and A in their scales, to be factorized where they are.
+    /// M, of which the lower triangle is read, and A in their scales, to be factorized where they are; rows of the same
+    /// number in `vectors` are of one vector, without it each is by itself.
     #[inline]
-    pub(crate) fn new(m: &[[T; N]; N], a: &[[T; N]; K]) -> Self {
-        let scales = Scales::of(m, a);
+    pub(crate) fn new(m: &[[T; N]; N], a: &[[T; N]; K], vectors: Option<&[usize; K]>) -> Self {
+        let vectors = vectors.copied().unwrap_or(core::array::from_fn(|k| k));
+        let scales = Scales::of(m, a, &vectors);
         let mut system = Self {
             scales,
             mass: [[T::zero(); N]; N],
@@ -209,6 +216,7 @@ impl<T: Scalar, const N: usize, const K: usize> NullSpace<T, N, K> {
             basis: [[T::zero(); N]; K],
             reciprocals: [T::zero(); K],
             rank: 0,
+            vectors,
             rows: [0; K],
             columns: [0; N],
             inertia: [[T::zero(); N]; N],
@@ -506,7 +514,8 @@ impl<T: Scalar, const N: usize, const K: usize> NullSpace<T, N, K> {
         }
     }
 
-    /// q̈ and λ column by column; NaN where a column contradicts the rows, and so is what stands there before.
+    /// q̈ and λ column by column; NaN where a column contradicts the rows, and so is what stands there before, as it
+    /// remains where the columns are derivatives of a motion that there is not.
     #[inline]
     pub(crate) fn solve_columns<const C: usize>(
         &self,
@@ -515,6 +524,9 @@ impl<T: Scalar, const N: usize, const K: usize> NullSpace<T, N, K> {
         terms: &Terms<'_, T, N, K, C>,
         solutions: (&mut [[T; C]; N], &mut [[T; C]; K]),
     ) {
+        if terms.motion.is_some_and(|motion| !motion.iter().all(|&x| is_finite(x))) {
+            return;
+        }
         let column =
             |j: usize| self.scaled_right_side(&force.each_ref().map(|f| f[j]), &target.each_ref().map(|c| c[j]));
         let greatest = if self.rank == K { [T::zero(); K] } else { self.greatest_sizes(terms, column) };
@@ -648,19 +660,32 @@ impl<T: Scalar, const N: usize, const K: usize> NullSpace<T, N, K> {
         motion
     }
 
+    /// How large the terms of a row are, scaled: of its target and of `A q̈`, and where the row is small in its vector,
+    /// those of the others in it.
+    fn size(&self, row: usize, motion: &[T; N], sizes: &[T; K]) -> T {
+        let own = sizes[row] + self.along(row, motion);
+        if !is_less(largest(&self.slopes[row]), T::one()) {
+            return own;
+        }
+        (0..K).filter(|&k| k != row && self.vectors[k] == self.vectors[row]).fold(own, |size, k| {
+            let other = sizes[k] + self.along(k, motion);
+            larger(size, scaled(other, self.scales.rows[k] - self.scales.rows[row]))
+        })
+    }
+
     /// Whether the rows that depend on others ask for what those give: to what rounding leaves of the terms of the row
     /// and of those it depends on, which are `sizes` and those of `A q̈`; and of what is left of the row, which is not
     /// nothing, to all of it.
     fn check(&self, r: usize, motion: &[T; N], target: &[T; K], sizes: &[T; K]) -> Result<(), Fault<T>> {
         for k in r..K {
             let row = self.rows[k];
-            let (mut rest, mut size) = (target[row], sizes[row]);
+            let (mut rest, mut size) = (target[row], self.size(row, motion, sizes));
             for p in 0..r {
                 let factor = self.basis[k][p];
                 rest = rest - factor * target[self.rows[p]];
-                size = size + magnitude(factor) * sizes[self.rows[p]];
+                size = size + magnitude(factor) * self.size(self.rows[p], motion, sizes);
             }
-            let rounding = (size + self.along(row, motion)) * T::from_f64(root(T::ROUNDING));
+            let rounding = size * T::from_f64(root(T::ROUNDING));
             let left = |i: usize| magnitude(self.basis[k][i]) * magnitude(motion[self.columns[i]]);
             let allowed = (r..N).fold(rounding, |sum, i| sum + left(i));
             if !is_less(magnitude(rest), allowed) && !rest.equal(T::zero()).all() {

@@ -9,7 +9,8 @@
 //! 2. A coordinate is scaled to an inertia of one, `dᵢ = 1/√Mᵢᵢ`; one that a row has taken to a greater one where another
 //!    row would else have an entry greater than the one it has taken.
 //! 3. A coordinate without inertia is scaled so that the entry taken is as great as the greatest of its row.
-//! 4. A row is scaled to a greatest entry of one.
+//! 4. A row is scaled to a greatest entry of one. Rows of one vector share a unit: where another of them moves the same
+//!    coordinates more, that is scaled to one; a row of zeros has the scale of its vector.
 //!
 //! So a zero that rounding has turned into 1e-16 changes nothing: not in the diagonal of `M`, because what has next to
 //! no inertia is taken and scaled by rows, and not in `A`, because it is not taken, and pivots are those that are.
@@ -32,6 +33,9 @@ const WEIGHTLESS: Doubled = 1 << 32;
 /// Of an entry that is zero: so far below all others that sums with others are, too.
 const ABSENT: Doubled = -(1 << 59);
 
+/// What is less than another number by more than this exponent is small beside it.
+const SMALL: Doubled = 20;
+
 /// Farther than any, nearer than what is absent.
 const UNREACHABLE: Doubled = 1 << 58;
 
@@ -52,9 +56,9 @@ pub(crate) struct Scales<const N: usize, const K: usize> {
 }
 
 impl<const N: usize, const K: usize> Scales<N, K> {
-    /// Of a finite system.
+    /// Of a finite system; `vectors` has the number of the vector that each row is of.
     #[inline]
-    pub(crate) fn of<T: Scalar>(m: &[[T; N]; N], a: &[[T; N]; K]) -> Self {
+    pub(crate) fn of<T: Scalar>(m: &[[T; N]; N], a: &[[T; N]; K], vectors: &[usize; K]) -> Self {
         let (mut inertia, mut slopes) = ([ABSENT; N], [[ABSENT; N]; K]);
         for i in 0..N {
             inertia[i] = doubled(m[i][i]);
@@ -64,6 +68,7 @@ impl<const N: usize, const K: usize> Scales<N, K> {
                 slopes[k][i] = doubled(a[k][i]);
             }
         }
+        forget_small(&mut slopes, vectors);
         let taken = assignment(&inertia, &slopes);
         let sizes = sizes(&inertia, &slopes, &taken);
         // Differences from one of them, so that units of odd exponents move all of them alike.
@@ -73,8 +78,7 @@ impl<const N: usize, const K: usize> Scales<N, K> {
             columns[i] = ((sizes[i] - reference).div_euclid(2)) as i32;
         }
         for k in 0..K {
-            let largest = (0..N).fold(ABSENT, |largest, i| largest.max(slopes[k][i] - Doubled::from(columns[i])));
-            rows[k] = if is_present(largest) { largest as i32 } else { 0 };
+            rows[k] = row_size(&slopes, &columns, vectors, k);
         }
         Scales { taken, columns, rows, mass: reference as i32 }
     }
@@ -84,6 +88,42 @@ impl<const N: usize, const K: usize> Scales<N, K> {
         let small = |x: i32| (-MOST / 2..=MOST / 2).contains(&x);
         self.columns.iter().all(|&s| small(s) && small(s + self.mass)) && self.rows.iter().all(|&t| small(t))
     }
+}
+
+/// Entries that are small beside another of their vector in the same coordinate, such as the zeros of a dead centre, say
+/// nothing of scales.
+#[inline]
+fn forget_small<const N: usize, const K: usize>(slopes: &mut [[Doubled; N]; K], vectors: &[usize; K]) {
+    for i in 0..N {
+        for k in 0..K {
+            let is_beside = |l: usize| vectors[l] == vectors[k] && slopes[k][i] < slopes[l][i] - SMALL;
+            if (0..K).any(is_beside) {
+                slopes[k][i] = ABSENT;
+            }
+        }
+    }
+}
+
+/// The exponent of the greatest entry that the vector of a row has in the coordinates that the row moves; of all its
+/// entries where the row moves none.
+#[inline]
+fn row_size<const N: usize, const K: usize>(
+    slopes: &[[Doubled; N]; K],
+    columns: &[i32; N],
+    vectors: &[usize; K],
+    row: usize,
+) -> i32 {
+    let [mut moved, mut all] = [ABSENT; 2];
+    for i in 0..N {
+        let vector = (0..K).filter(|&k| vectors[k] == vectors[row]);
+        let greatest = vector.fold(ABSENT, |greatest, k| greatest.max(slopes[k][i])) - Doubled::from(columns[i]);
+        all = all.max(greatest);
+        if is_present(slopes[row][i]) {
+            moved = moved.max(greatest);
+        }
+    }
+    let size = if is_present(moved) { moved } else { all };
+    if is_present(size) { size as i32 } else { 0 }
 }
 
 /// Where it is not zero.

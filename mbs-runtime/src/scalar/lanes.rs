@@ -48,7 +48,8 @@ macro_rules! lanes {
                     let sizes = terms.sizes.map(|sizes| of_lane(sizes, |x| x.as_array()[lane]));
                     let motion = terms.motion.map(|motion| motion.map(|x| x.as_array()[lane]));
                     let scales = terms.scales.map(|x| x.as_array()[lane]);
-                    let terms = Terms { sizes: sizes.as_ref(), motion: motion.as_ref(), scales };
+                    let vectors = terms.vectors;
+                    let terms = Terms { vectors, sizes: sizes.as_ref(), motion: motion.as_ref(), scales };
                     let (q, l) = <$float>::constrained_solve(&m, &a, &f, &c, &terms);
                     let put = |x: &mut Self, value: $float| x.as_mut_array()[lane] = value;
                     accelerations.as_flattened_mut().iter_mut().zip(q.as_flattened()).for_each(|(x, &q)| put(x, q));

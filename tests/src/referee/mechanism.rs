@@ -41,6 +41,8 @@ pub(super) struct Mechanism {
     pub(super) joints: Vec<(Rc<str>, usize)>,
     /// Which components of which constraints do not vanish identically, and whether they are holonomic.
     pub(super) rows: Vec<(usize, bool)>,
+    /// The constraint that each of these rows is a component of.
+    pub(super) vectors: Vec<usize>,
     /// Where quaternions that are coordinates begin.
     pub(super) quaternions: Vec<usize>,
 }
@@ -66,6 +68,7 @@ impl Mechanism {
             outputs: Vec::new(),
             joints: Vec::new(),
             rows: Vec::new(),
+            vectors: Vec::new(),
             quaternions: Vec::new(),
         };
         mechanism.declare()?;
@@ -162,7 +165,8 @@ impl Mechanism {
             moves.resize(rows.len(), false);
             pfaffian.resize(sums.constraints.len(), false);
             let owners = sums.constraints.iter().enumerate().flat_map(|(i, row)| vec![i; row.components.len()]);
-            for ((row, owner), moves) in rows.iter().zip(owners).zip(&mut moves) {
+            let owners: Vec<usize> = owners.collect();
+            for ((row, &owner), moves) in rows.iter().zip(&owners).zip(&mut moves) {
                 pfaffian[owner] |= row.by_value.iter().any(nonzero);
                 *moves |= row.by_value.iter().chain(&row.by_rate).chain(&row.along[..2]).any(nonzero);
             }
@@ -170,6 +174,7 @@ impl Mechanism {
                 sums.constraints.iter().zip(&pfaffian).flat_map(|(row, kind)| vec![!kind; row.components.len()]);
             let numbered = kinds.enumerate().zip(&moves).filter(|(_, moves)| **moves);
             self.rows = numbered.map(|(row, _)| row).collect();
+            self.vectors = self.rows.iter().map(|(row, _)| owners[*row]).collect();
             self.joints = sums.joints;
             self.outputs = sums.outputs.into_iter().map(|(name, _)| name).collect();
         }

@@ -318,7 +318,9 @@ impl<'m, R: Base> Bench<'m, R> {
             regular: solution.rank == n + of_rows.rank / 2,
             clear: solution.clear && of_rows.clear,
             contradictory: solution.contradictory,
-            may_have_no_answer: solution.least <= WITHOUT_INERTIA * n as f64 || !of_rows.clear,
+            may_have_no_answer: solution.least <= WITHOUT_INERTIA * n as f64
+                || !of_rows.clear
+                || self.has_component_near_zero(&rows),
         };
         if let Some(directions) = directions
             && rank.found == rank.full
@@ -327,6 +329,22 @@ impl<'m, R: Base> Bench<'m, R> {
         }
         self.wrenches(&multipliers)?;
         Ok(rank)
+    }
+
+    /// Whether a component of a constraint is less than `HELD` of the others by each coordinate: as its vector is known
+    /// to rounding, it may be none.
+    fn has_component_near_zero(&self, rows: &[(&Component<R>, bool)]) -> bool {
+        let slopes: Vec<Vec<f64>> = rows
+            .iter()
+            .map(|(row, holonomic)| wide(row.gradient(*holonomic)).iter().map(|x| x.value().abs()).collect())
+            .collect();
+        let vectors = &self.mechanism.vectors;
+        let greatest = |k: usize, i: usize| {
+            let vector = slopes.iter().zip(vectors).filter(|(_, vector)| **vector == vectors[k]);
+            vector.fold(0.0_f64, |greatest, (row, _)| greatest.max(row[i]))
+        };
+        let is_small = |k: usize| slopes[k].iter().enumerate().all(|(i, &x)| x <= HELD * greatest(k, i));
+        (0..slopes.len()).any(is_small)
     }
 
     /// What the auxiliary coordinates of the joints have to be held with, at the accelerations of the state.

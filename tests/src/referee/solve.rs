@@ -21,23 +21,50 @@ fn size(x: Wide) -> f64 {
     x.value().abs()
 }
 
+/// The power of two nearest to `x`.
+fn power(x: f64) -> f64 {
+    2.0_f64.powi(x.log2().round() as i32)
+}
+
 /// Powers of two that bring the largest entries of the rows and columns of a symmetric matrix near 1.
-fn scales(matrix: &[Vec<Wide>]) -> Vec<f64> {
+fn largest_near_one(matrix: &[Vec<Wide>]) -> Vec<f64> {
     let n = matrix.len();
     let mut scales = vec![1.0; n];
     for _ in 0..20 {
         let largest = |i: usize| (0..n).map(|j| size(matrix[i][j]) * scales[i] * scales[j]).fold(0.0, f64::max);
         let found: Vec<f64> = (0..n).map(largest).collect();
         for (scale, largest) in scales.iter_mut().zip(found).filter(|(_, largest)| *largest > 0.0) {
-            *scale *= 2.0_f64.powi((-0.5 * largest.log2()).round() as i32);
+            *scale *= power(largest.powf(-0.5));
         }
     }
     scales
 }
 
+/// Powers of two that bring the diagonal near 1 where it is not zero, and from there the largest entries that lead on to
+/// further rows: in a row beside a heavy coordinate and one without inertia both count alike.
+fn diagonal_near_one(matrix: &[Vec<Wide>]) -> Vec<f64> {
+    let n = matrix.len();
+    let own = |i: usize| Some(size(matrix[i][i])).filter(|x| *x > 0.0).map(|x| power(x.powf(-0.5)));
+    let mut scales: Vec<Option<f64>> = (0..n).map(own).collect();
+    loop {
+        let reached = |i: usize| {
+            let entries = (0..n).filter_map(|j| Some(size(matrix[i][j]) * scales[j]?));
+            Some(entries.fold(0.0, f64::max)).filter(|x| *x > 0.0).map(|x| power(1.0 / x))
+        };
+        let found: Vec<(usize, f64)> =
+            (0..n).filter(|&i| scales[i].is_none()).filter_map(|i| Some((i, reached(i)?))).collect();
+        if found.is_empty() {
+            return scales.into_iter().map(|scale| scale.unwrap_or(1.0)).collect();
+        }
+        found.into_iter().for_each(|(i, scale)| scales[i] = Some(scale));
+    }
+}
+
 /// Solves a symmetric system. Pivots below `threshold` of the largest count as zero, and so do those behind `rank`.
 /// Each entry, of the scaled system, is off by `noise()` of the largest: no way to solve a dense system bounds its
 /// errors entry by entry (Higham, *Accuracy and Stability of Numerical Algorithms*, 2nd edition, 2002, section 9.3).
+///
+/// The scales of two tell ranks from rounding where either does: that in which more pivots are found, or none is as small.
 pub(super) fn solve(
     matrix: &[Vec<Wide>],
     right: &[Vec<Wide>],
@@ -45,7 +72,24 @@ pub(super) fn solve(
     rank: Option<usize>,
     noise: impl Fn() -> f64,
 ) -> Solution {
-    let (n, scales) = (matrix.len(), scales(matrix));
+    let by_largest = solve_in(&largest_near_one(matrix), matrix, right, threshold, rank, &noise);
+    if by_largest.clear && by_largest.rank == matrix.len() {
+        return by_largest;
+    }
+    let by_diagonal = solve_in(&diagonal_near_one(matrix), matrix, right, threshold, rank, &noise);
+    let order = by_diagonal.rank.cmp(&by_largest.rank).then(by_diagonal.least.total_cmp(&by_largest.least));
+    if order.is_gt() { by_diagonal } else { by_largest }
+}
+
+fn solve_in(
+    scales: &[f64],
+    matrix: &[Vec<Wide>],
+    right: &[Vec<Wide>],
+    threshold: f64,
+    rank: Option<usize>,
+    noise: &impl Fn() -> f64,
+) -> Solution {
+    let n = matrix.len();
     // Each row with its right sides behind it.
     let mut rows: Vec<Vec<Wide>> = (0..n)
         .map(|i| {
@@ -85,7 +129,7 @@ pub(super) fn solve(
             let rest = (k + 1..found).fold(rows[k][n + c], |rest, j| rest - rows[k][j] * x[order[j]]);
             x[order[k]] = rest / rows[k][k];
         }
-        x.iter().zip(&scales).map(|(x, scale)| *x * *scale).collect()
+        x.iter().zip(scales).map(|(x, scale)| *x * *scale).collect()
     });
     let columns = columns.collect();
     let largest = |range: std::ops::Range<usize>| {
