@@ -79,6 +79,17 @@ impl<'g> Matrix<'g> {
         Matrix([0, 1, 2].map(|i| [0, 1, 2].map(|j| self.0[j][i])))
     }
 
+    /// Rotation about a coordinate axis by the angle of this sine and cosine.
+    pub(crate) fn plane_rotation(axis: usize, sin: Expr<'g>, cos: Expr<'g>) -> Self {
+        let (i, j) = ((axis + 1) % 3, (axis + 2) % 3);
+        let mut rows = Self::identity(sin.graph()).0;
+        rows[i][i] = cos;
+        rows[j][j] = cos;
+        rows[i][j] = -sin;
+        rows[j][i] = sin;
+        Matrix(rows)
+    }
+
     /// Rotation by `angle` about a unit axis: `cos 1 + (1 − cos) e eᵀ + sin [e]×` (Rodrigues).
     ///
     /// About a coordinate axis the entries 0 and 1 are written as such.
@@ -86,13 +97,7 @@ impl<'g> Matrix<'g> {
         let graph = angle.graph();
         let (c, s) = (angle.cos(), angle.sin());
         if let Some(k) = (0..3).find(|&k| axis == Vector::unit(graph, k)) {
-            let (i, j) = ((k + 1) % 3, (k + 2) % 3);
-            let mut rows = Self::identity(graph).0;
-            rows[i][i] = c;
-            rows[j][j] = c;
-            rows[i][j] = -s;
-            rows[j][i] = s;
-            return Matrix(rows);
+            return Self::plane_rotation(k, s, c);
         }
         let e = axis.0;
         let versine = 1 - c;

@@ -167,7 +167,14 @@ impl<'g> Turned<'g> {
             None => 0.0,
         };
         let more = claimed.unwrap_or(0.0) - before;
-        let angle = if more == 0.0 { angle } else { angle + rounded(more, graph) };
+        // Quarter turns are exact before the joint, and would cost its angle digits.
+        let quarters = libm::round(more / core::f64::consts::FRAC_PI_2);
+        let is_quarters = (more - quarters * core::f64::consts::FRAC_PI_2).abs() <= 8.0 * f64::EPSILON;
+        if is_quarters && quarters != 0.0 {
+            let turn = rotation(axis, quarters * core::f64::consts::FRAC_PI_2, graph);
+            above = self.hang(above, Edge::Turn(turn), graph);
+        }
+        let angle = if is_quarters { angle } else { angle + rounded(more, graph) };
         let at = self.hang(above, Edge::revolute(axis, angle), graph);
         self.settle(at, claimed.map(|angle| Gauge { axis, angle }), inertia);
     }
@@ -225,7 +232,8 @@ fn tilt<'g>(axis: usize, angle: f64, graph: &'g Graph) -> Edge<'g> {
 }
 
 fn rotation<'g>(axis: usize, angle: f64, graph: &'g Graph) -> Matrix<'g> {
-    Matrix::rotation(Vector::unit(graph, axis), rounded(angle, graph))
+    let [sin, cos] = [libm::sin(angle), libm::cos(angle)].map(|value| rounded(value, graph));
+    Matrix::plane_rotation(axis, sin, cos)
 }
 
 /// The rotation that takes one coordinate axis to another, and the others in a ring.
@@ -296,6 +304,28 @@ mod tests {
         let inertias: Vec<_> = (0..old.links.len()).map(|link| body(link, &graph)).collect();
         let new = turned(&old, &inertias);
         same_energy((&old, &inertias), (&new.linkage, &new.inertias));
+    }
+
+    /// Half a turn added to a joint's angle would cost an angle of 1e7 its last digits.
+    #[test]
+    fn quarter_turns_stand_before_the_joint() {
+        let graph = Graph::new();
+        for (first, axis, second) in [(1, 0, 2), (1, 2, 0), (0, 2, 1), (2, 1, 0)] {
+            for angle in [1.9, -1.9, 0.4] {
+                let turn = rotation(axis, angle, &graph);
+                let old =
+                    linkage(&[(0, joint(first, 0, &graph)), (1, Edge::Turn(turn)), (2, joint(second, 1, &graph))]);
+                let inertias: Vec<_> = (0..old.links.len()).map(|link| body(link, &graph)).collect();
+                let new = turned(&old, &inertias);
+                let angles = new.linkage.links.iter().filter_map(|link| match link.edge {
+                    Some(Edge::Revolute { angle, .. }) => Some(angle),
+                    _ => None,
+                });
+                let expected = [0, 1].map(|i| graph.symbol(Symbol::Coordinate(i)));
+                assert_eq!(angles.collect::<Vec<_>>(), expected, "{first} {axis} {second} {angle}");
+                same_energy((&old, &inertias), (&new.linkage, &new.inertias));
+            }
+        }
     }
 
     /// The cosine of a right angle in doubles is 6e-17: a length with that factor was added to masses.
