@@ -47,13 +47,13 @@ impl Lifted<'_> {
 /// Lagrange's equations are about all quaternions. So does an inertia that no body has: regrouping would lose its
 /// digits.
 pub(super) fn lifted<'g>(lagrangian: &Lagrangian<'_>, energies: &Energies<'g>, graph: &'g Graph) -> Option<Lifted<'g>> {
-    let (bodies, mut other_kinetic) = lagrangian.bodies();
     let is_tree = |frame: FrameId| !lagrangian.frames.path(frame).iter().any(is_quaternion);
+    let (bodies, mut other_kinetic) = lagrangian.landmarks.bodies_of(&lagrangian.kinetic, is_tree);
     let is_physical = |body: &Body<'_>| is_tree(body.frame) && !is_impossible(body.inertia);
     let (bodies, others): (Vec<_>, Vec<_>) = bodies.into_iter().partition(is_physical);
     other_kinetic.extend(others.iter().map(|body| lagrangian.energy_of(body)));
     let bodies: Vec<Body<'g>> = bodies.iter().map(|body| carried_body(body, graph)).collect();
-    let (drags, mut other_dissipation) = lagrangian.landmarks.bodies_of(&lagrangian.dissipation);
+    let (drags, mut other_dissipation) = lagrangian.landmarks.bodies_of(&lagrangian.dissipation, is_tree);
     let (drags, others): (Vec<_>, Vec<_>) = drags.into_iter().partition(is_physical);
     other_dissipation.extend(others.iter().map(|body| lagrangian.energy_of(body)));
     let drags: Vec<Body<'g>> = drags.iter().map(|body| carried_body(body, graph)).collect();

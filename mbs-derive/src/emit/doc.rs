@@ -199,7 +199,9 @@ fn rows(derivation: &Derivation) -> String {
 /// What there is where accelerations are not determined.
 fn where_singular(derivation: &Derivation) -> &'static str {
     match derivation.constraints.is_empty() {
-        true => "Where `M` is singular the results are infinite or NaN; the integrators report that.",
+        true => {
+            "Where `M` is singular the results are infinite, NaN or rounding; the integrators report what is not finite."
+        }
         false => {
             "Where a motion that `A` leaves has no inertia, or rows contradict each other, all results are NaN; the integrators \
              report that."

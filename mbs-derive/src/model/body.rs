@@ -181,6 +181,27 @@ mod tests {
         );
     }
 
+    /// Turns about the origin leave the squares of what slides, those by a quaternion of another length as well: nothing
+    /// of 1e-16 of the mass stands beside them.
+    #[test]
+    fn a_free_body_has_the_squares_of_its_coordinates_rates() {
+        let pose = "let a = translation([x, y, z]) * rot_z(theta) * quaternion(8*q[0], 7, 0, 1);";
+        let free = format!("{pose} kinetic += rigid_body(m, [0, 0, 0], diag(1, 1, 1)*0*m*l^2, a);");
+        equal(&free, 1, "kinetic += particle(m, [x, y, z]);");
+        equal(&format!("{pose} kinetic += particle(m, a.origin());"), 1, "kinetic += particle(m, [x, y, z]);");
+    }
+
+    /// Where a quaternion's length is not 1, which constraints alone forbid, T is positive all the same.
+    #[test]
+    fn a_stretched_quaternion_leaves_kinetic_energies_positive() {
+        let pose = "let a = translation([x, y, z]) * quaternion(8*q[0], 7, 0, 1);";
+        for component in ["[l, 0, 0]", "[0, l, 0]", "[0, 0, l]", "[l, l, -l]", "[-l, l, l]", "[-l, -l, -l]"] {
+            let (energy, _) =
+                kinetic(&format!("{pose} kinetic += rigid_body(m, {component}, diag(1, 1, 1)*0*m*l^2, a);"));
+            assert!(energy > 0.0, "{component}: {energy}");
+        }
+    }
+
     #[test]
     fn bodies_stay_visible_in_sums() {
         let two = "particle(m, world.point([x, y, z])) + particle(2*m, world.point([x, 0, 0]))";

@@ -327,7 +327,7 @@ fn aligned<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) -> Resolved
 
 fn dot<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) -> Resolved<Value<'g>> {
     let Aligned { a, b, dimension, .. } = aligned(resolver, call)?;
-    let product = a.dot(b);
+    let product = resolver.lagrangian.product_of_velocities(a, b).unwrap_or_else(|| a.dot(b));
     resolver.lagrangian.landmarks.note_product(a, b, product);
     Ok(Value::Scalar(Scalar::new(product, dimension)))
 }
@@ -337,17 +337,22 @@ fn cross<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) -> Resolved<V
     Ok(Value::Vector(Free { components: a.cross(b), frame, dimension }))
 }
 
+/// `v·v`
+fn square_of<'g>(resolver: &Resolver<'_, 'g>, v: Vector<'g>) -> Expr<'g> {
+    resolver.lagrangian.product_of_velocities(v, v).unwrap_or_else(|| v.norm_squared())
+}
+
 fn norm_squared<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) -> Resolved<Value<'g>> {
     let v = resolver.vector(&call.arguments[0])?;
     let dimension = resolver.bounded(v.dimension.power(2, 1), call.span)?;
-    let square = v.components.norm_squared();
+    let square = square_of(resolver, v.components);
     resolver.lagrangian.landmarks.note_product(v.components, v.components, square);
     Ok(Value::Scalar(Scalar::new(square, dimension)))
 }
 
 fn norm<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) -> Resolved<Value<'g>> {
     let v = resolver.vector(&call.arguments[0])?;
-    let square = v.components.norm_squared();
+    let square = square_of(resolver, v.components);
     resolver.lagrangian.landmarks.note_product(v.components, v.components, square);
     Ok(Value::Scalar(Scalar::new(square.sqrt(), v.dimension)))
 }

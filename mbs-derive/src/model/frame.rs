@@ -11,6 +11,8 @@
 
 use crate::expr::{Expr, Graph, Matrix, Vector};
 
+use super::landmark::is_still;
+
 /// Number of a frame in its [`Frames`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct FrameId(usize);
@@ -173,6 +175,37 @@ impl<'g> Frames<'g> {
             *later = self.get(*later).parent.unwrap_or(FrameId::WORLD);
         }
         a
+    }
+
+    /// `v·v` of the origin, and how many times as large it is in the axes of the frame: 1, but behind quaternions e
+    /// `|e|⁴`.
+    ///
+    /// Turns about the origin do not change it. So what slides along fixed axes, or turns by a quaternion, has it in the
+    /// axes in which it was last shifted, the squares of its coordinates' rates; elsewhere sines and cosines cancel by
+    /// themselves, and forms are shorter in the axes of the frame.
+    pub fn speed_squared(&self, frame: FrameId) -> (Expr<'g>, Expr<'g>) {
+        let own = self.get(frame).velocity;
+        let mut stretch = None;
+        let mut way = self.way_to_world(frame);
+        let is_shifted = |at: &&Frame<'g>| match at.edge {
+            Some(Edge::Rotation { .. }) => false,
+            Some(Edge::Quaternion(e)) => {
+                let [ww, xx, yy, zz] = e.map(|c| c.powi(2));
+                let factor = (ww + xx + yy + zz).powi(2);
+                stretch = Some(stretch.map_or(factor, |stretch: Expr<'g>| stretch * factor));
+                false
+            }
+            Some(Edge::Translation(_)) | None => true,
+        };
+        let shifted = way.find(is_shifted).map_or(own, |at| at.velocity);
+        let axes_are_fixed = way.all(|above| match above.edge {
+            Some(Edge::Rotation { angle, .. }) => is_still(angle),
+            Some(Edge::Quaternion(e)) => e.into_iter().all(is_still),
+            Some(Edge::Translation(_)) | None => true,
+        });
+        let is_longer = stretch.is_none() && !axes_are_fixed;
+        let velocity = if is_longer { own } else { shifted };
+        (velocity.norm_squared(), stretch.unwrap_or_else(|| own.0[0].graph().integer(1)))
     }
 
     fn moved(&self, parent: FrameId, edge: Edge<'g>) -> Frame<'g> {

@@ -138,14 +138,20 @@ impl<'g> Landmarks<'g> {
     }
 
     /// Bodies whose kinetic energies add up, with factors that are constant in time, to the sum of these terms, and the
-    /// terms left over.
-    pub fn bodies_of(&self, energies: &[Expr<'g>]) -> (Vec<Body<'g>>, Vec<Expr<'g>>) {
+    /// terms left over. Squares of velocities are particles on these frames alone.
+    pub fn bodies_of(
+        &self,
+        energies: &[Expr<'g>],
+        has_particles: impl Fn(FrameId) -> bool,
+    ) -> (Vec<Body<'g>>, Vec<Expr<'g>>) {
         let (mut bodies, mut rest, mut squares) = (Vec::new(), Vec::new(), Vec::new());
         for (factor, term) in energies.iter().flat_map(|&e| terms(e, |term| self.bodies.contains_key(&term))) {
             match (self.bodies.get(&term.id()), self.squared_velocity(term)) {
                 (Some(body), _) => bodies.push(scaled(body, factor)),
-                (None, Some(place)) => squares.push(Square { factor, place, term: factor * term }),
-                (None, None) => rest.push(factor * term),
+                (None, Some(place)) if has_particles(place.frame) => {
+                    squares.push(Square { factor, place, term: factor * term });
+                }
+                (None, _) => rest.push(factor * term),
             }
         }
         gather(squares, &mut bodies, &mut rest);
