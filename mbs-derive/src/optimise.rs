@@ -48,7 +48,7 @@ pub struct Derivation {
     pub prescribed: Vec<Variable>,
     /// The rows of the constraints by name: `closure`, or `closure_0`, `closure_1`, ….
     pub constraints: Vec<String>,
-    /// The constraint of each row, by its number: rows of one are the components of a vector.
+    /// For each row the first one of the same constraint in the same unit: those are the components of a vector.
     pub constraint_vectors: Vec<usize>,
     /// Which of the rows are holonomic.
     pub holonomic: Vec<bool>,
@@ -212,7 +212,6 @@ pub fn straight_line(lagrangian: &Lagrangian<'_>, routes: &[Equations<'_>]) -> D
     let graph = Graph::new();
     let (requirements, required) = requirements(lagrangian, &graph);
     let depends_on_time = functions.iter().any(|f| f.program.uses(|symbol| symbol == Symbol::Time));
-    let vectors = lagrangian.constraints.iter().enumerate();
     Derivation {
         name: lagrangian.name.clone(),
         docs: lagrangian.docs.clone(),
@@ -221,9 +220,7 @@ pub fn straight_line(lagrangian: &Lagrangian<'_>, routes: &[Equations<'_>]) -> D
         inputs: lagrangian.inputs.clone(),
         prescribed: lagrangian.prescribed.clone(),
         constraints: lagrangian.constraints.iter().flat_map(Constraint::row_names).collect(),
-        constraint_vectors: vectors
-            .flat_map(|(number, constraint)| constraint.rows.iter().map(move |_| number))
-            .collect(),
+        constraint_vectors: lagrangian.constraint_vectors(),
         holonomic: lagrangian.holonomic_rows(),
         constraint_units: lagrangian.constraints.iter().flat_map(|constraint| constraint.units.clone()).collect(),
         reactions: lagrangian.reactions.clone(),

@@ -612,8 +612,8 @@ fn a_column_of_rounding_is_no_contradiction_among_others() {
 }
 
 /// Two bodies turn about x and y and are held parallel, `z₁ × z₂ = 0`, nearly upright. The third row is `x` and `y` times
-/// the others, but for the rounding of rows and target of order one; by itself it would contradict them, or hold what
-/// is left of it by a slope of 1e-8.
+/// the others, but for the rounding of rows and target of order one; by itself it would contradict them, or be
+/// taken for independent with a pivot of 1e-8.
 #[test]
 fn a_component_near_zero_is_known_no_better_than_its_vector() {
     let mut random = Random(87175);
@@ -664,6 +664,25 @@ fn components_of_a_vector_keep_their_own_coordinates() {
     }
     near(solve([[1e-20, 0.0], [0.0, 1.0]], [[1.0, 0.0], [1e-3, 1.0]], [2.0, 3.0]), [2.0, 2.998]);
     near(solve([[1.0, 0.0], [0.0, 1e24]], [[1.0, 0.0], [0.0, 1e-12]], [2.0, 3e-12]), [2.0, 3.0]);
+    let small = 2f64.powi(-40);
+    near(solve([[1.0, 0.0], [0.0, 1.0]], [[0.0, 1e7], [small, 1.0]], [1e7, 1.0 + small]), [1.0, 1.0]);
+    near(solve([[1.0, 0.0], [0.0, 1.0]], [[1.0, 1.0], [1e-11, -1e-11]], [3.0, -1e-11]), [1.0, 2.0]);
+}
+
+/// A parallelogram of light cranks and a heavy coupler next to its dead centre, φ = 1e-9: the first row alone says that
+/// the cranks turn alike.
+#[test]
+fn a_component_next_to_a_dead_centre_counts() {
+    for light in [1e-10, 1e-8, 1e-4, 1e-2, 1.0] {
+        for angle in [1e-9, 1e-7, 1e-3] {
+            let m = [[light, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, light]];
+            let a = [[-angle, 0.0, angle], [1.0, 2.0, -1.0]];
+            let (q, _) = constrained_solve_vectors(m, a, [0.3, 0.1, 0.0], [0.0, 0.0], [0, 0]);
+            let expected = 0.15 / light;
+            assert!((q[0] - expected).abs() < 1e-8 * expected && (q[2] - expected).abs() < 1e-8 * expected, "{q:?}");
+            assert!(q[1].abs() < 1e-8 * expected, "{light} {angle}: {q:?}");
+        }
+    }
 }
 
 /// So in every unit of the rows, of the coordinates and of what is varied.

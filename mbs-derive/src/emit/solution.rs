@@ -51,14 +51,14 @@ impl Emitter<'_> {
         debug_assert_eq!(function.results[0].shape, Shape::Vector(n), "forward dynamics");
         let shapes = [Shape::Matrix(n, n), Shape::Matrix(k, n), Shape::Vector(n), Shape::Vector(k)];
         let [mass_matrix, jacobian, force, target] = shapes.map(|shape| shaped(shape, values));
-        if self.derivation.constraint_vectors.windows(2).all(|rows| rows[0] != rows[1]) {
+        if self.derivation.constraint_vectors.iter().enumerate().all(|(row, &first)| row == first) {
             return quote!(::mbs_runtime::constrained_solve(#mass_matrix, #jacobian, #force, #target));
         }
         let vectors = self.vectors();
         quote!(::mbs_runtime::constrained_solve_vectors(#mass_matrix, #jacobian, #force, #target, #vectors))
     }
 
-    /// The number of the constraint that each row is of.
+    /// The number of the vector that each row is of.
     fn vectors(&self) -> TokenStream {
         let numbers = self.derivation.constraint_vectors.iter().map(|&number| Literal::usize_unsuffixed(number));
         quote!([#(#numbers),*])

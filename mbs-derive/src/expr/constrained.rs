@@ -11,11 +11,11 @@ const WEIGHTLESS: i64 = 1 << 32;
 /// Farther than any.
 const UNREACHABLE: i64 = i64::MAX / 4;
 
-/// What is less than another number by more than this exponent is small beside it.
-const SMALL: i64 = 20;
+/// An entry that is less than another of its vector in the same coordinate by more than this exponent is rounding.
+const ROUNDING: i64 = 46;
 
-/// So exactly rows that depend on others must agree with them: the root of the rounding error, from above. Rows of which
-/// a hundredth of it is left depend on others.
+/// How exactly rows that depend on others must agree with them: the root of the rounding error, from above. A row of
+/// which less than a hundredth of this is left depends on others.
 pub(crate) const AGREEMENT: f64 = 1.490_116_119_384_765_6e-8;
 
 /// M and A, factorized in a basis of the null space of A.
@@ -103,7 +103,7 @@ impl<V: Value> NullSpace<V> {
     }
 
     fn eliminate(&mut self) {
-        while let Some((row, column)) = self.pivot(V::constant(AGREEMENT * 1e-2)) {
+        while let Some((row, column)) = self.pivot() {
             let p = self.rank;
             self.basis.swap(p, row);
             self.rows.swap(p, row);
@@ -121,15 +121,25 @@ impl<V: Value> NullSpace<V> {
         }
     }
 
-    fn pivot(&self, least: V) -> Option<(usize, usize)> {
+    fn pivot(&self) -> Option<(usize, usize)> {
         let size = |(k, i): (usize, usize)| magnitude(self.basis[k][i]);
-        let entries = || (self.rank..self.k).flat_map(|k| (self.rank..self.n).map(move |i| (k, i)));
+        let is_independent = |k: &usize| {
+            let least = self.least_slope(self.rows[*k]);
+            (self.rank..self.n).any(|i| least.less(size((*k, i))))
+        };
+        let rows: Vec<usize> = (self.rank..self.k).filter(is_independent).collect();
+        let entries = || rows.iter().flat_map(|&k| (self.rank..self.n).map(move |i| (k, i)));
         let largest = entries().reduce(|best, entry| if size(best).less(size(entry)) { entry } else { best })?;
         let enough = size(largest).mul(V::constant(0.5));
         let is_taken = |&(k, i): &(usize, usize)| self.scales.taken[self.columns[i]] == Some(self.rows[k]);
         let taken = entries().filter(is_taken).filter(|&entry| !size(entry).less(enough));
         let gentlest = taken.min_by_key(|&entry| self.growth(entry));
-        least.less(size(largest)).then(|| gentlest.unwrap_or(largest))
+        Some(gentlest.unwrap_or(largest))
+    }
+
+    fn least_slope(&self, row: usize) -> V {
+        let (least, small) = (V::constant(AGREEMENT * 1e-2), self.scales.small[row]);
+        if small == 0 { least } else { larger(scaled(least, -small), V::constant(16.0 * f64::EPSILON)) }
     }
 
     fn growth(&self, (row, column): (usize, usize)) -> Option<i32> {
@@ -407,6 +417,7 @@ pub(crate) struct Scales {
     taken: Vec<Option<usize>>,
     columns: Vec<i32>,
     rows: Vec<i32>,
+    small: Vec<i32>,
     mass: i32,
 }
 
@@ -422,13 +433,15 @@ impl Scales {
         let inertia: Vec<Option<i64>> = (0..n).map(|i| exponent(diagonal(i)).map(i64::from)).collect();
         let slopes = a.iter().map(|row| row.iter().map(|&x| exponent(x).map(i64::from)).collect()).collect();
         let mut exponents = Exponents { inertia, slopes, taken: vec![None; n] };
-        exponents.forget_small(vectors);
+        exponents.forget_rounding(vectors);
         exponents.assign();
         let reference = exponents.inertia.iter().find_map(|&size| size).unwrap_or(0);
         let columns: Vec<i64> = exponents.sizes().iter().map(|size| (size - reference).div_euclid(2)).collect();
-        let rows = (0..a.len()).map(|row| exponents.row_size(&columns, vectors, row)).collect();
+        let sizes: Vec<[i64; 2]> = (0..a.len()).map(|row| exponents.row_sizes(&columns, vectors, row)).collect();
+        let small = sizes.iter().map(|[own, size]| (size - own) as i32).collect();
+        let rows = sizes.iter().map(|[_, size]| *size as i32).collect();
         let columns = columns.iter().map(|&s| s as i32).collect();
-        Scales { taken: exponents.taken, columns, rows, mass: reference as i32 }
+        Scales { taken: exponents.taken, columns, rows, small, mass: reference as i32 }
     }
 
     /// An entry of M in these scales.
@@ -545,24 +558,28 @@ impl Exponents {
         }
     }
 
-    fn forget_small(&mut self, vectors: &[usize]) {
+    fn forget_rounding(&mut self, vectors: &[usize]) {
         let k = self.slopes.len();
         for i in 0..self.taken.len() {
             for row in 0..k {
                 let beside = (0..k).filter(|&other| vectors[other] == vectors[row]).filter_map(|k| self.slopes[k][i]);
-                if beside.max() > self.slopes[row][i].map(|slope| slope + SMALL) {
+                if beside.max() > self.slopes[row][i].map(|slope| slope + ROUNDING) {
                     self.slopes[row][i] = None;
                 }
             }
         }
     }
 
-    fn row_size(&self, columns: &[i64], vectors: &[usize], row: usize) -> i32 {
+    /// Of the row, and of its vector in the coordinates that it moves.
+    fn row_sizes(&self, columns: &[i64], vectors: &[usize], row: usize) -> [i64; 2] {
         let vector = || self.slopes.iter().zip(vectors).filter(|(_, vector)| **vector == vectors[row]);
         let greatest = |i: usize| Some(vector().filter_map(|(slopes, _)| slopes[i]).max()? - columns[i]);
-        let all = 0..columns.len();
-        let moved = all.clone().filter(|&i| self.slopes[row][i].is_some());
-        moved.filter_map(greatest).max().or_else(|| all.filter_map(greatest).max()).unwrap_or(0) as i32
+        let all = || 0..columns.len();
+        let moved = || all().filter(|&i| self.slopes[row][i].is_some());
+        let own = moved().filter_map(|i| Some(self.slopes[row][i]? - columns[i])).max();
+        let size = moved().filter_map(greatest).max().or_else(|| all().filter_map(greatest).max());
+        let size = size.unwrap_or(0);
+        [own.unwrap_or(size - ROUNDING), size]
     }
 
     fn lower_bound(&self, sizes: &[Option<i64>], coordinate: usize) -> Option<i64> {

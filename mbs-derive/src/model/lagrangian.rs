@@ -357,6 +357,18 @@ impl<'g> Lagrangian<'g> {
         declare(self.graph, &mut self.parameters, name, unit, length, defaults, Symbol::Parameter)
     }
 
+    /// For each row of the constraints the first one of the same constraint in the same unit: those are a vector's.
+    pub fn constraint_vectors(&self) -> Vec<usize> {
+        let rows = self
+            .constraints
+            .iter()
+            .enumerate()
+            .flat_map(|(number, constraint)| constraint.units.iter().map(move |[unit, _]| (number, unit.as_str())));
+        let rows: Vec<(usize, &str)> = rows.collect();
+        let first = |row: &(usize, &str)| rows.iter().position(|other| other == row).unwrap_or_default();
+        rows.iter().map(first).collect()
+    }
+
     /// Adds a rigid body's kinetic energy `½ m |v_c|² + ½ ωᵀ I ω` to T.
     ///
     /// Mass centre and inertia are constant in the axes of the frame.
@@ -371,7 +383,7 @@ impl<'g> Lagrangian<'g> {
         self.kinetic.push(energy);
     }
 
-    /// `½ m |v_c|² + ½ ωᵀ I ω`, in the axes of the body's frame; it is known from then on as the energy of this body.
+    /// `½ m |v_c|² + ½ ωᵀ I ω`, ω in the axes of the body's frame, `v·v` as of [`Frames::speed_squared`]; it is known from then on as the energy of this body.
     ///
     /// Of a rigid body it is written with the mass moments about the frame's origin, which are constant: `½ m v·v +
     /// h·(v × ω) + ½ ωᵀ J ω` with `h = m c` and `J = I + m (c·c 1 − c cᵀ)`, and each product of two velocities once: on

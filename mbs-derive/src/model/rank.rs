@@ -13,6 +13,7 @@ pub(super) struct VelocityEquations {
     kinds: Vec<ConstraintKind>,
     /// Of each row the number of its constraint, and its own number there.
     owners: Vec<(usize, usize)>,
+    vectors: Vec<usize>,
 }
 
 /// At this share of its length what is left of a row may be nothing but rounding, and at this it is.
@@ -28,6 +29,7 @@ impl VelocityEquations {
             rows: Tape::new(&rows),
             kinds: all().map(|(i, _)| lagrangian.constraints[i].kind).collect(),
             owners: all().collect(),
+            vectors: lagrangian.constraint_vectors(),
         }
     }
 
@@ -51,9 +53,9 @@ impl VelocityEquations {
         (0..rest.len()).map(|row| columns.iter().map(|column| column[row].sub(rest[row])).collect()).collect()
     }
 
-    /// The constraint of each row.
+    /// Which rows are of one vector.
     pub(super) fn vectors(&self) -> impl Iterator<Item = usize> {
-        self.owners.iter().map(|(constraint, _)| *constraint)
+        self.vectors.iter().copied()
     }
 
     pub(super) fn pfaffian(&self, line: &Line, n: usize) -> Vec<Vec<f64>> {

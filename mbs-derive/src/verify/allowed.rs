@@ -89,7 +89,7 @@ impl Trial<'_> {
                 return Some(exact(&doubles(&State { qd, ..state.clone() })));
             }
             let target: Vec<f64> = value.iter().map(|v| -v.value).collect();
-            // On the way each row is one by itself: where they will be small in their vectors, they are not yet.
+            // Off the constraints a row is not yet small in its vector, and its equation is needed to get there.
             let each: Vec<usize> = (0..target.len()).collect();
             let step = least_change(&weights, &doubles_of(&a), &each, &target)?;
             state.q.iter_mut().zip(step).for_each(|(q, step)| *q = Rounded::exact(q.value + step));

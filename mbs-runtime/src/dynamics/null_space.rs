@@ -91,9 +91,11 @@ impl<T: Scalar, const N: usize, const K: usize, const C: usize> Terms<'_, T, N, 
     }
 }
 
-/// Rows of which less than this is left depend on others: what rounding of states leaves of them where they do.
-fn least_slope<T: Scalar>() -> T {
-    T::from_f64(root(T::ROUNDING) * 1e-2)
+/// A row of which no more than this is left depends on others: what rounding of states leaves of it where it does. Of a
+/// row that is small in its vector by a power of two it is as much less, down to what rounding leaves of the vector.
+fn least_slope<T: Scalar>(small: i32) -> T {
+    let least = T::from_f64(root(T::ROUNDING) * 1e-2);
+    if small == 0 { least } else { larger(scaled(least, -small), T::from_f64(16.0 * T::ROUNDING)) }
 }
 
 /// The square root of a power of four or twice one, from above; without a library.
@@ -143,8 +145,10 @@ fn largest<T: Scalar>(row: &[T]) -> T {
 struct Rows<T, const K: usize> {
     /// Where the coordinate stands that the row has taken.
     taken: [usize; K],
-    /// The greatest magnitude that is left.
+    /// The greatest magnitude that is left; zero where the row depends on others.
     greatest: [T; K],
+    /// What is not greater is rounding.
+    least: [T; K],
     /// The same beside the entry taken.
     beside: [T; K],
 }
@@ -160,12 +164,16 @@ impl<T: Scalar, const K: usize> Rows<T, K> {
             self.beside[k] = larger(largest(&row[p..taken]), largest(&row[taken + 1..]));
             self.greatest[k] = larger(self.beside[k], row[taken].abs());
         }
+        if !is_less(self.least[k], self.greatest[k]) {
+            self.greatest[k] = T::zero();
+        }
     }
 
     #[inline]
     fn swap(&mut self, k: usize, l: usize) {
         self.taken.swap(k, l);
         self.greatest.swap(k, l);
+        self.least.swap(k, l);
         self.beside.swap(k, l);
     }
 
@@ -283,18 +291,19 @@ impl<T: Scalar, const N: usize, const K: usize> NullSpace<T, N, K> {
     /// `A = L U` with complete pivoting, until what is left is rounding.
     #[inline]
     fn eliminate(&mut self) {
-        let least = least_slope::<T>();
-        let mut rows = Rows { taken: [N; K], greatest: [T::zero(); K], beside: [T::zero(); K] };
+        let zeros = [T::zero(); K];
+        let mut rows = Rows { taken: [N; K], greatest: zeros, least: zeros, beside: zeros };
         for i in 0..N {
             if let Some(row) = self.scales.taken[i] {
                 rows.taken[row] = i;
             }
         }
         for k in 0..K {
+            rows.least[k] = least_slope(self.scales.small[k]);
             rows.measure(k, 0, &self.basis[k]);
         }
         for p in 0..K.min(N) {
-            let Some((row, column)) = self.pivot(p, least, &rows) else { return };
+            let Some((row, column)) = self.pivot(p, &rows) else { return };
             if row != p {
                 self.basis.swap(p, row);
                 self.rows.swap(p, row);
@@ -323,21 +332,21 @@ impl<T: Scalar, const N: usize, const K: usize> NullSpace<T, N, K> {
         }
     }
 
-    /// The largest entry of the rows and columns that are left, the first of equal ones, if it is greater than `least`.
+    /// The largest entry of the rows and columns that are left, the first of equal ones, if any row is independent.
     /// Entries that their rows have taken are as good while they are no less than half of it; of those the one that
     /// changes the others least.
     #[inline]
-    fn pivot(&self, p: usize, least: T, rows: &Rows<T, K>) -> Option<(usize, usize)> {
+    fn pivot(&self, p: usize, rows: &Rows<T, K>) -> Option<(usize, usize)> {
         let greatest = &rows.greatest;
         let row = (p + 1..K).fold(p, |best, k| if is_less(greatest[best], greatest[k]) { k } else { best });
-        if !is_less(least, greatest[row]) {
+        if !is_less(T::zero(), greatest[row]) {
             return None;
         }
         let enough = greatest[row] * T::from_f64(0.5);
         let mut gentlest: Option<(i32, usize)> = None;
         for k in p..K {
             let i = rows.taken[k];
-            if i < p || i >= N || is_less(self.basis[k][i].abs(), enough) {
+            if i < p || i >= N || is_less(greatest[k], enough) || is_less(self.basis[k][i].abs(), enough) {
                 continue;
             }
             let Some(growth) = self.growth(p, (k, i), rows.beside[k]) else { return Some((k, i)) };
@@ -514,8 +523,8 @@ impl<T: Scalar, const N: usize, const K: usize> NullSpace<T, N, K> {
         }
     }
 
-    /// q̈ and λ column by column; NaN where a column contradicts the rows, and so is what stands there before, as it
-    /// remains where the columns are derivatives of a motion that there is not.
+    /// q̈ and λ column by column. `solutions` must hold NaN: columns that contradict the rows are not written, and none is
+    /// where `terms.motion` is not finite.
     #[inline]
     pub(crate) fn solve_columns<const C: usize>(
         &self,

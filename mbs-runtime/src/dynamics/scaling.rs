@@ -33,8 +33,8 @@ const WEIGHTLESS: Doubled = 1 << 32;
 /// Of an entry that is zero: so far below all others that sums with others are, too.
 const ABSENT: Doubled = -(1 << 59);
 
-/// What is less than another number by more than this exponent is small beside it.
-const SMALL: Doubled = 20;
+/// An entry that is less than another of its vector in the same coordinate by more than this exponent is rounding.
+const ROUNDING: Doubled = 46;
 
 /// Farther than any, nearer than what is absent.
 const UNREACHABLE: Doubled = 1 << 58;
@@ -51,6 +51,8 @@ pub(crate) struct Scales<const N: usize, const K: usize> {
     pub(crate) taken: [Option<usize>; N],
     pub(crate) columns: [i32; N],
     pub(crate) rows: [i32; K],
+    /// By which power of two the greatest entry of a row is less than that of its vector.
+    pub(crate) small: [i32; K],
     /// Of M.
     pub(crate) mass: i32,
 }
@@ -68,19 +70,20 @@ impl<const N: usize, const K: usize> Scales<N, K> {
                 slopes[k][i] = doubled(a[k][i]);
             }
         }
-        forget_small(&mut slopes, vectors);
+        forget_rounding(&mut slopes, vectors);
         let taken = assignment(&inertia, &slopes);
         let sizes = sizes(&inertia, &slopes, &taken);
         // Differences from one of them, so that units of odd exponents move all of them alike.
         let reference = inertia.iter().copied().find(|&size| is_present(size)).unwrap_or(0);
-        let (mut columns, mut rows) = ([0; N], [0; K]);
+        let (mut columns, mut rows, mut small) = ([0; N], [0; K], [0; K]);
         for i in 0..N {
             columns[i] = ((sizes[i] - reference).div_euclid(2)) as i32;
         }
         for k in 0..K {
-            rows[k] = row_size(&slopes, &columns, vectors, k);
+            let [own, size] = row_sizes(&slopes, &columns, vectors, k);
+            (rows[k], small[k]) = (size as i32, (size - own) as i32);
         }
-        Scales { taken, columns, rows, mass: reference as i32 }
+        Scales { taken, columns, rows, small, mass: reference as i32 }
     }
 
     /// Whether products of two scales are exact and one multiplication brings an entry to scale.
@@ -90,13 +93,13 @@ impl<const N: usize, const K: usize> Scales<N, K> {
     }
 }
 
-/// Entries that are small beside another of their vector in the same coordinate, such as the zeros of a dead centre, say
-/// nothing of scales.
+/// Entries that are rounding beside another of their vector in the same coordinate, such as the zeros of a dead centre,
+/// say nothing of scales.
 #[inline]
-fn forget_small<const N: usize, const K: usize>(slopes: &mut [[Doubled; N]; K], vectors: &[usize; K]) {
+fn forget_rounding<const N: usize, const K: usize>(slopes: &mut [[Doubled; N]; K], vectors: &[usize; K]) {
     for i in 0..N {
         for k in 0..K {
-            let is_beside = |l: usize| vectors[l] == vectors[k] && slopes[k][i] < slopes[l][i] - SMALL;
+            let is_beside = |l: usize| vectors[l] == vectors[k] && slopes[k][i] < slopes[l][i] - ROUNDING;
             if (0..K).any(is_beside) {
                 slopes[k][i] = ABSENT;
             }
@@ -104,26 +107,28 @@ fn forget_small<const N: usize, const K: usize>(slopes: &mut [[Doubled; N]; K], 
     }
 }
 
-/// The exponent of the greatest entry that the vector of a row has in the coordinates that the row moves; of all its
-/// entries where the row moves none.
+/// The exponents of the greatest entry of a row, and of the greatest that its vector has in the coordinates that the
+/// row moves; that of the whole vector where the row moves none.
 #[inline]
-fn row_size<const N: usize, const K: usize>(
+fn row_sizes<const N: usize, const K: usize>(
     slopes: &[[Doubled; N]; K],
     columns: &[i32; N],
     vectors: &[usize; K],
     row: usize,
-) -> i32 {
-    let [mut moved, mut all] = [ABSENT; 2];
+) -> [Doubled; 2] {
+    let [mut own, mut moved, mut all] = [ABSENT; 3];
     for i in 0..N {
         let vector = (0..K).filter(|&k| vectors[k] == vectors[row]);
         let greatest = vector.fold(ABSENT, |greatest, k| greatest.max(slopes[k][i])) - Doubled::from(columns[i]);
         all = all.max(greatest);
         if is_present(slopes[row][i]) {
+            own = own.max(slopes[row][i] - Doubled::from(columns[i]));
             moved = moved.max(greatest);
         }
     }
     let size = if is_present(moved) { moved } else { all };
-    if is_present(size) { size as i32 } else { 0 }
+    let size = if is_present(size) { size } else { 0 };
+    [if is_present(own) { own } else { size - ROUNDING }, size]
 }
 
 /// Where it is not zero.

@@ -41,6 +41,9 @@ pub(super) struct Rank {
     /// Whether a motion may be taken for one without inertia, or a row for one that depends on others: then everything
     /// that follows from accelerations may be NaN.
     pub(super) may_have_no_answer: bool,
+    /// Whether a component of a constraint is so small beside the others of its vector that it may be one of its own, with
+    /// accelerations that satisfy it, or what rounding leaves of none.
+    pub(super) has_component_near_zero: bool,
 }
 
 impl Rank {
@@ -318,9 +321,8 @@ impl<'m, R: Base> Bench<'m, R> {
             regular: solution.rank == n + of_rows.rank / 2,
             clear: solution.clear && of_rows.clear,
             contradictory: solution.contradictory,
-            may_have_no_answer: solution.least <= WITHOUT_INERTIA * n as f64
-                || !of_rows.clear
-                || self.has_component_near_zero(&rows),
+            may_have_no_answer: solution.least <= WITHOUT_INERTIA * n as f64 || !of_rows.clear,
+            has_component_near_zero: self.has_component_near_zero(&rows),
         };
         if let Some(directions) = directions
             && rank.found == rank.full

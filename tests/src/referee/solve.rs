@@ -41,7 +41,7 @@ fn largest_near_one(matrix: &[Vec<Wide>]) -> Vec<f64> {
 }
 
 /// Powers of two that bring the diagonal near 1 where it is not zero, and from there the largest entries that lead on to
-/// further rows: in a row beside a heavy coordinate and one without inertia both count alike.
+/// further rows, so that a heavy coordinate and one without inertia count alike in a row that has both.
 fn diagonal_near_one(matrix: &[Vec<Wide>]) -> Vec<f64> {
     let n = matrix.len();
     let own = |i: usize| Some(size(matrix[i][i])).filter(|x| *x > 0.0).map(|x| power(x.powf(-0.5)));
@@ -64,7 +64,7 @@ fn diagonal_near_one(matrix: &[Vec<Wide>]) -> Vec<f64> {
 /// Each entry, of the scaled system, is off by `noise()` of the largest: no way to solve a dense system bounds its
 /// errors entry by entry (Higham, *Accuracy and Stability of Numerical Algorithms*, 2nd edition, 2002, section 9.3).
 ///
-/// The scales of two tell ranks from rounding where either does: that in which more pivots are found, or none is as small.
+/// Solved in two scalings: the one with more pivots counts, of equal ones that whose least pivot is greater.
 pub(super) fn solve(
     matrix: &[Vec<Wide>],
     right: &[Vec<Wide>],
