@@ -45,6 +45,7 @@ pub use output::OutputEquations;
 pub use solve::ForwardDynamics;
 pub use textbook::Form;
 
+use conserved::Exact;
 use lift::Lifted;
 use reaction::{Reactions, Wrenches};
 use tree::Masses;
@@ -186,7 +187,9 @@ fn derived_by<'g>(lagrangian: &Lagrangian<'_>, graph: &'g Graph, routes: &[Route
         Route::Ungrouped => by_bodies(Masses::AsDeclared),
     };
     let constraints = constraint::constraints(lagrangian, graph, symbols);
-    let mechanism = Mechanism { lagrangian, symbols, energies, constraints, outputs: OnceCell::new() };
+    let unfolded = Graph::verbatim();
+    let exact = Exact::new(lagrangian, &unfolded);
+    let mechanism = Mechanism { lagrangian, symbols, energies, constraints, exact, outputs: OnceCell::new() };
     let ways = routes.iter().flat_map(|&route| kept(route).into_iter().map(move |kept| (route, kept)));
     let mut found: Vec<_> =
         ways.filter_map(|(route, kept)| Some(mechanism.equations(route, kept, by(route, kept)?))).collect();
@@ -206,6 +209,7 @@ struct Mechanism<'a, 'v, 'g> {
     symbols: &'a Symbols,
     energies: &'a Energies<'g>,
     constraints: Constraints<'g>,
+    exact: Exact<'a, 'a>,
     /// Made after the equations of the first route: where a graph has branches, sums follow the order in which it grew.
     outputs: OnceCell<Vec<OutputEquations<'g>>>,
 }
@@ -213,13 +217,13 @@ struct Mechanism<'a, 'v, 'g> {
 impl<'g> Mechanism<'_, '_, 'g> {
     /// Everything that follows from Lagrange's equations.
     fn equations(&self, route: Route, kept: &Kept, lagrange: Lagrange<'g>) -> Equations<'g> {
-        let &Mechanism { lagrangian, symbols, energies, ref constraints, ref outputs } = self;
+        let &Mechanism { lagrangian, symbols, energies, ref constraints, ref exact, ref outputs } = self;
         let form = route.form(kept);
         let forward_dynamics = form.forward_dynamics(&lagrange, constraints);
         let slopes = linearize::inverse_dynamics_slopes(&lagrange, symbols);
         let inverse_dynamics_jacobian = linearize::inverse_dynamics_jacobian(&slopes, form, symbols);
         let linearization = linearize::linearization(&lagrange, &slopes, &forward_dynamics, form, constraints, symbols);
-        let conserved = conserved::conserved(&lagrange, energies, constraints, symbols, lagrangian);
+        let conserved = conserved::conserved(&lagrange, energies, constraints, exact, symbols);
         let graph = lagrange.kinetic_energy.graph();
         Equations {
             route,
