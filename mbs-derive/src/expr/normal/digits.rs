@@ -9,7 +9,7 @@ use crate::expr::residue::mixed;
 use crate::expr::{Expr, Node, Rounded, Symbol};
 
 /// How near the states are to those where sines, cosines and differences vanish.
-const NEAR: f64 = 1e-6;
+const NEAR: f64 = 1e-9;
 
 /// How many times the bound on the error of what is written a form's may be.
 const ALLOWED: f64 = 1e4;
