@@ -216,8 +216,14 @@ impl<T: Scalar> Scalar for Dual<T> {
 
     #[inline]
     fn tanh(self) -> Self {
-        let tanh = self.value.tanh();
-        self.chain(tanh, T::one() - tanh * tanh)
+        let sech = self.value.sech();
+        self.chain(self.value.tanh(), sech * sech)
+    }
+
+    #[inline]
+    fn sech(self) -> Self {
+        let sech = self.value.sech();
+        self.chain(sech, -sech * self.value.tanh())
     }
 
     #[inline]
@@ -319,7 +325,7 @@ mod tests {
 
     #[test]
     fn derivatives_agree_with_differences() {
-        let functions: [(&str, Function); 23] = [
+        let functions: [(&str, Function); 24] = [
             ("sin", |x| x.sin()),
             ("cos", |x| x.cos()),
             ("tan", |x| x.tan()),
@@ -329,6 +335,7 @@ mod tests {
             ("sinh", |x| x.sinh()),
             ("cosh", |x| x.cosh()),
             ("tanh", |x| x.tanh()),
+            ("sech", |x| x.sech()),
             ("exp", |x| x.exp()),
             ("ln", |x| x.ln()),
             ("sqrt", |x| x.sqrt()),

@@ -88,6 +88,11 @@ pub trait Scalar:
     fn cosh(self) -> Self;
     /// Hyperbolic tangent.
     fn tanh(self) -> Self;
+    /// Hyperbolic secant `1/cosh`, whose square is the slope of [`tanh`](Scalar::tanh).
+    #[inline]
+    fn sech(self) -> Self {
+        Self::one() / self.cosh()
+    }
     /// `e` to the power of `self`.
     fn exp(self) -> Self;
     /// Natural logarithm.

@@ -182,6 +182,7 @@ impl Value for Exact {
             Function::Sinh => x.sinh(PRECISION, NEAREST, c),
             Function::Cosh => x.cosh(PRECISION, NEAREST, c),
             Function::Tanh => x.tanh(PRECISION, NEAREST, c),
+            Function::Sech => x.cosh(PRECISION, NEAREST, c).reciprocal(PRECISION, NEAREST),
             Function::Exp => x.exp(PRECISION, NEAREST, c),
             Function::Ln => x.ln(PRECISION, NEAREST, c),
             Function::Abs => x.abs(),

@@ -90,7 +90,7 @@ impl Scalar for Counted {
     }
 
     functions!(sincos: sin, cos);
-    functions!(other: tan, asin, acos, atan, sinh, cosh, tanh, exp, ln, sqrt, abs, signum);
+    functions!(other: tan, asin, acos, atan, sinh, cosh, tanh, sech, exp, ln, sqrt, abs, signum);
 
     fn sin_cos(self) -> (Counted, Counted) {
         count(|done| done.sincos += 1);

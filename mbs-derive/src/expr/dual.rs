@@ -150,7 +150,8 @@ pub(super) fn slope<S: Value>(function: Function, x: S) -> S {
         Function::Atan => one.div(one.add(square(x))),
         Function::Sinh => x.call(Function::Cosh),
         Function::Cosh => x.call(Function::Sinh),
-        Function::Tanh => one.div(square(x.call(Function::Cosh))),
+        Function::Tanh => square(x.call(Function::Sech)),
+        Function::Sech => x.call(Function::Sech).mul(x.call(Function::Tanh)).neg(),
         Function::Exp => x.call(Function::Exp),
         Function::Ln => one.div(x),
         Function::Abs => x.call(Function::Signum),
@@ -168,7 +169,7 @@ mod tests {
     fn functions_agree_with_their_symbolic_derivatives() {
         let graph = Graph::new();
         let x = graph.symbol(Symbol::Coordinate(0));
-        for function in Function::ALL {
+        for function in Function::ALL.into_iter().chain([Function::Sech]) {
             let at = 0.4;
             let f = x.call(function);
             let mut d = Tangent::new(|_| Some(graph.integer(1)));

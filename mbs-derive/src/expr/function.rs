@@ -24,6 +24,8 @@ pub enum Function {
     Cosh,
     /// hyperbolic tangent
     Tanh,
+    /// hyperbolic secant: no word of the language, but the root of tanh′, of which `1 − tanh²` leaves no digits far away
+    Sech,
     /// exponential
     Exp,
     /// natural logarithm, argument positive
@@ -45,7 +47,7 @@ pub enum Binary {
 }
 
 impl Function {
-    /// Every function of one argument.
+    /// Every function of one argument that a declaration may call.
     pub const ALL: [Function; 13] = [
         Function::Sin,
         Function::Cos,
@@ -74,6 +76,7 @@ impl Function {
             Function::Sinh => "sinh",
             Function::Cosh => "cosh",
             Function::Tanh => "tanh",
+            Function::Sech => "sech",
             Function::Exp => "exp",
             Function::Ln => "ln",
             Function::Abs => "abs",
@@ -93,7 +96,8 @@ impl Function {
             Function::Atan => (one + x.powi(2)).powi(-1),
             Function::Sinh => x.call(Function::Cosh),
             Function::Cosh => x.call(Function::Sinh),
-            Function::Tanh => one - value.powi(2),
+            Function::Tanh => x.call(Function::Sech).powi(2),
+            Function::Sech => -value * x.call(Function::Tanh),
             Function::Exp => value,
             Function::Ln => x.powi(-1),
             Function::Abs => x.call(Function::Signum),
@@ -111,7 +115,8 @@ impl Function {
             Function::Acos => -x * (one - x.powi(2)).power(HalfInteger::halves(-3)),
             Function::Atan => -2 * x * (one + x.powi(2)).powi(-2),
             Function::Sinh | Function::Cosh | Function::Exp => value,
-            Function::Tanh => -2 * value * (one - value.powi(2)),
+            Function::Tanh => -2 * value * x.call(Function::Sech).powi(2),
+            Function::Sech => value * (x.call(Function::Tanh).powi(2) - value.powi(2)),
             Function::Ln => -x.powi(-2),
             Function::Abs | Function::Signum => x.graph().integer(0),
         }
@@ -129,6 +134,7 @@ impl Function {
             Function::Sinh => x.sinh(),
             Function::Cosh => x.cosh(),
             Function::Tanh => x.tanh(),
+            Function::Sech => 1.0 / x.cosh(),
             Function::Exp => x.exp(),
             Function::Ln => x.ln(),
             Function::Abs => x.abs(),
@@ -148,6 +154,7 @@ impl Function {
             Function::Sinh => libm::sinh(x),
             Function::Cosh => libm::cosh(x),
             Function::Tanh => libm::tanh(x),
+            Function::Sech => 1.0 / libm::cosh(x),
             Function::Exp => libm::exp(x),
             Function::Ln => libm::log(x),
             Function::Abs => x.abs(),
@@ -157,7 +164,7 @@ impl Function {
 
     /// Whether `f(−x) = f(x)`.
     pub(super) fn is_even(self) -> bool {
-        matches!(self, Function::Cos | Function::Cosh | Function::Abs)
+        matches!(self, Function::Cos | Function::Cosh | Function::Sech | Function::Abs)
     }
 
     /// Whether `f(−x) = −f(x)`.
@@ -170,7 +177,13 @@ impl Function {
             | Function::Sinh
             | Function::Tanh
             | Function::Signum => true,
-            Function::Cos | Function::Acos | Function::Cosh | Function::Exp | Function::Ln | Function::Abs => false,
+            Function::Cos
+            | Function::Acos
+            | Function::Cosh
+            | Function::Sech
+            | Function::Exp
+            | Function::Ln
+            | Function::Abs => false,
         }
     }
 }

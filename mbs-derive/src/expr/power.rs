@@ -143,7 +143,7 @@ fn exact_value(function: Function, argument: Number) -> Option<Number> {
         Function::Tan | Function::Asin | Function::Atan | Function::Sinh | Function::Tanh if argument.is_zero() => {
             Some(Number::ZERO)
         }
-        Function::Exp | Function::Cosh if argument.is_zero() => Some(Number::ONE),
+        Function::Exp | Function::Cosh | Function::Sech if argument.is_zero() => Some(Number::ONE),
         Function::Abs => Some(if argument.is_negative() { -argument } else { argument }),
         _ => None,
     }

@@ -97,6 +97,7 @@ fn of_call(function: Function, argument: Range) -> Range {
     match function {
         Function::Sin | Function::Cos | Function::Tanh | Function::Signum => UNIT,
         Function::Exp | Function::Abs | Function::Acos => NOT_NEGATIVE,
+        Function::Sech => Range { lower: 0.0, upper: 1.0 },
         Function::Cosh => Range { lower: 1.0, ..NOT_NEGATIVE },
         Function::Asin | Function::Atan | Function::Sinh if argument.is_not_negative() => NOT_NEGATIVE,
         Function::Tan | Function::Asin | Function::Atan | Function::Sinh | Function::Ln => REALS,

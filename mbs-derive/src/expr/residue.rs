@@ -328,6 +328,7 @@ impl<const K: usize> Value for Residue<K> {
             Function::Sinh => odd(),
             Function::Cosh => growing(),
             Function::Tanh => odd().div(growing()),
+            Function::Sech => one.div(growing()),
             Function::Exp => e(),
             Function::Ln if self.value == 1 => Self::rational(Ratio::ZERO),
             Function::Ln => Self::opaque(mixed(self.value ^ 0x6c6e_0000) % Self::P),

@@ -240,7 +240,7 @@ fn is_square(graph: &Graph, factors: &[Id]) -> bool {
     }
     let never_negative = |id: &Id| match graph.node(*id) {
         Node::Power(_, n) => n.to_halves() % 4 == 0 || n.to_halves() % 2 != 0,
-        Node::Call(function, _) => matches!(function, Function::Abs | Function::Exp | Function::Cosh),
+        Node::Call(function, _) => matches!(function, Function::Abs | Function::Exp | Function::Cosh | Function::Sech),
         _ => false,
     };
     !factors.is_empty() && single.iter().all(never_negative)

@@ -92,7 +92,7 @@ impl Shape {
 /// 1 for even functions, −1 for odd ones, 0 for others.
 pub(super) fn parity(function: Function) -> i32 {
     match function {
-        Function::Cos | Function::Cosh | Function::Abs => 1,
+        Function::Cos | Function::Cosh | Function::Sech | Function::Abs => 1,
         Function::Sin | Function::Tan | Function::Asin | Function::Atan => -1,
         Function::Sinh | Function::Tanh | Function::Signum => -1,
         Function::Acos | Function::Exp | Function::Ln => 0,
@@ -109,6 +109,7 @@ pub(super) fn shape(function: Function, argument: String, bare: &str) -> Shape {
         Function::Sinh => Shape::Named("\\sinh", argument),
         Function::Cosh => Shape::Named("\\cosh", argument),
         Function::Tanh => Shape::Named("\\tanh", argument),
+        Function::Sech => Shape::Named("\\operatorname{sech}", argument),
         Function::Asin => closed("\\arcsin"),
         Function::Acos => closed("\\arccos"),
         Function::Atan => closed("\\arctan"),
