@@ -50,10 +50,9 @@ pub fn conserved<'g>(
     for (i, name) in component_names(&lagrangian.coordinates).into_iter().enumerate() {
         let is_free_of =
             |(k, row): (usize, &Vec<Expr<'g>>)| exact.vanishes(row[i], |declared| declared.constraints.jacobian[k][i]);
-        if force_free[i]
-            && constraints.jacobian.iter().enumerate().all(is_free_of)
-            && exact.vanishes(lagrange.position_gradient[i], |declared| declared.position_gradient[i])
-        {
+        let unconstrained = constraints.jacobian.iter().enumerate().all(is_free_of);
+        let cyclic = || exact.vanishes(lagrange.position_gradient[i], |declared| declared.position_gradient[i]);
+        if force_free[i] && unconstrained && cyclic() {
             found.push(Conserved { name: format!("p_{name}"), value: lagrange.momentum[i] });
         }
     }
@@ -88,9 +87,8 @@ impl<'l, 'u> Exact<'l, 'u> {
     /// Whether an expression is zero: not where its value at some points, with the bound of its rounding, shows that it
     /// is not, and else if the same derivative of the declaration is.
     fn vanishes(&self, expr: Expr<'_>, of: impl Fn(&Declared<'u>) -> Expr<'u>) -> bool {
-        expr.is_zero()
-            || may_vanish(expr)
-                && is_zero_everywhere(of(self.declared.get_or_init(|| self.declared()))) == Verdict::Holds
+        let declared = || of(self.declared.get_or_init(|| self.declared()));
+        expr.is_zero() || may_vanish(expr) && is_zero_everywhere(declared()) == Verdict::Holds
     }
 
     fn declared(&self) -> Declared<'u> {
@@ -220,7 +218,7 @@ fn depends_on_time(expr: Expr<'_>) -> bool {
 fn may_vanish(expr: Expr<'_>) -> bool {
     (0..4).all(|round| {
         let value = evaluate(&[expr], |symbol| Rounded::exact(generic_value(symbol, round)))[0];
-        !(value.value.abs() > 8.0 * value.error)
+        value.value.abs() <= 8.0 * value.error || value.error.is_nan()
     })
 }
 
