@@ -1,0 +1,123 @@
+//! `experiment` as outside programs call it: what it prints and what it writes.
+
+use crate::support::{good, json, keys, numbers, run};
+use serde_json::Value;
+
+const PROGRAM: &str = env!("CARGO_BIN_EXE_experiment");
+
+fn number(value: &Value) -> f64 {
+    numbers(value)[0]
+}
+
+#[test]
+fn the_greatest_scale_of_each_case() {
+    for (case, touchdown) in [("I", 13.254_642_8), ("II", 13.253_187_5)] {
+        let folder = tempfile::tempdir().unwrap();
+        let found = json(&good(PROGRAM, &["--json", "--case", case, "--out", folder.path().to_str().unwrap()]));
+        let scale = number(&found["scale"]);
+        // A search elsewhere found 0.1 feasible, and 0.12 not where the tool points down.
+        assert!((0.1..0.125).contains(&scale), "{scale}");
+        assert_eq!((&found["feasible"], &found["limit"]), (&Value::from(true), &Value::Null));
+        assert!(number(&found["next_scale"]) - scale <= 1e-4);
+        assert!(found["next_limit"].as_str().unwrap().contains("joint 5: position 100."), "{}", found["next_limit"]);
+        for name in ["max_joint_speed_ratio", "max_torque_ratio", "singularity_margin"] {
+            assert!((0.05..1.0).contains(&number(&found[name])), "{name}: {}", found[name]);
+        }
+        // Measured, not zero by construction: the arm is heavier than its controller knows.
+        assert!((1e-4..2e-3).contains(&number(&found["tracking_error_max"])), "{}", found["tracking_error_max"]);
+        assert!((number(&found["planned_touchdown_time"]) - touchdown).abs() < 1e-5);
+        assert!((number(&found["touchdown_time"]) - touchdown).abs() < 0.05, "{}", found["touchdown_time"]);
+        assert!((numbers(&found["relative_velocity"])[2] + 0.2 * scale).abs() < 0.02 * scale);
+        assert!(number(&found["platform"]["stroke"]) < 0.65);
+        written(folder.path(), case, scale, number(&found["touchdown_time"]));
+        digits(case, scale, number(&found["next_scale"]), folder.path());
+    }
+}
+
+/// Figures that are some, and a table that says what was printed.
+#[track_caller]
+fn written(folder: &std::path::Path, case: &str, scale: f64, contact: f64) {
+    for name in ["path", "elevation", "axes", "limits", "tracking", "platform", "scales"] {
+        let file = |extension| folder.join(format!("case_{case}_{name}.{extension}"));
+        let svg = std::fs::read_to_string(file("svg")).unwrap();
+        assert!(svg.starts_with("<svg") && svg.trim_end().ends_with("</svg>") && !svg.contains("NaN"), "{name}");
+        let png = std::fs::read(file("png")).unwrap();
+        assert!(png.starts_with(b"\x89PNG") && png.len() > 10_000, "{name}");
+    }
+    let mut table = csv::Reader::from_path(folder.join(format!("case_{case}.csv"))).unwrap();
+    let header: Vec<String> = table.headers().unwrap().iter().map(String::from).collect();
+    let rows: Vec<Vec<f64>> = table.deserialize().map(Result::unwrap).collect();
+    let column = |name: &str| header.iter().position(|column| column == name).unwrap();
+    let (first, last) = (&rows[0], &rows[rows.len() - 1]);
+    assert!((contact - last[0]) < 0.021 && rows.iter().flatten().all(|x| x.is_finite()));
+    let height = |row: &[f64]| row[column("flange_z_m")] - row[column("deck_m")];
+    // From 10 m over the platform, to scale, down to what the last 20 ms leave.
+    assert!((height(first) - 10.0 * scale).abs() < 1e-9 && (0.0..1e-3).contains(&height(last)));
+    assert!(rows.iter().all(|row| height(row) > 0.0 && row[column("error_m")] < 2e-3));
+    // The carriage keeps behind the flange, but for the error of both.
+    let standoff = |row: &[f64]| row[column("flange_x_m")] - row[column("q0_m")];
+    assert!(rows.iter().all(|row| (standoff(row) - standoff(first)).abs() < 2e-3));
+}
+
+/// The feasible scale and the next one are told apart, in text and in titles.
+#[track_caller]
+fn digits(case: &str, scale: f64, next: f64, folder: &std::path::Path) {
+    let (scale, next) = (format!("{scale:.5}"), format!("{next:.5}"));
+    assert_ne!(scale, next);
+    let text = good(PROGRAM, &["--case", case]);
+    let head = format!("case {case}, attitude flown: the scale {scale} is feasible\n  at {next} it is not: ");
+    assert!(text.starts_with(&head), "{text}");
+    let platform = std::fs::read_to_string(folder.join(format!("case_{case}_platform.svg"))).unwrap();
+    assert!(platform.contains(&format!("case {case} at {scale}")));
+    assert!(platform.contains("shortest") && platform.contains("longest"));
+}
+
+#[test]
+fn scales_that_are_asked_for() {
+    let of = |scale: &str| json(&good(PROGRAM, &["--json", "--scale", scale]));
+    let tenth = of("0.1");
+    assert_eq!((number(&tenth["scale"]), &tenth["feasible"]), (0.1, &Value::from(true)));
+    assert!((number(&tenth["platform"]["stroke"]) - 0.243_600_7).abs() < 1e-6);
+    let more = of("0.13");
+    assert_eq!(more["feasible"], Value::from(false));
+    assert!(more["limit"].as_str().unwrap().contains("joint 5: position"), "{}", more["limit"]);
+    assert!(number(&more["max_torque_ratio"]) < 1.0);
+    let out_of_reach = of("0.3");
+    assert_eq!((&out_of_reach["feasible"], &out_of_reach["touchdown_time"]), (&Value::from(false), &Value::Null));
+    assert!(out_of_reach["limit"].as_str().unwrap().contains("out of reach"));
+    assert_eq!(keys(&tenth), keys(&out_of_reach));
+    // A tool that points straight down, at the same scale.
+    let level = json(&good(PROGRAM, &["--json", "--scale", "0.1", "--attitude", "level"]));
+    assert!(number(&level["max_joint_speed_ratio"]) < number(&tenth["max_joint_speed_ratio"]));
+    // What the drives gave, which the plan did not know: the arm is heavier.
+    let (given, planned) = (number(&tenth["drive_ratio_max"]), number(&tenth["max_torque_ratio"]));
+    assert!(given > planned && given < 1.1 * planned, "{given}, planned {planned}");
+    assert_eq!((&tenth["simulation_error"], &out_of_reach["drive_ratio_max"]), (&Value::Null, &Value::Null));
+    for found in [&tenth, &out_of_reach] {
+        assert_eq!((number(&found["assumed"]["link_excess"]), number(&found["assumed"]["module_excess"])), (0.03, 0.1));
+        let unchecked = found["assumed"]["not_checked"].as_array().unwrap();
+        assert!(unchecked.iter().any(|what| what.as_str().unwrap().contains("collisions")), "{unchecked:?}");
+    }
+    let text = good(PROGRAM, &["--scale", "0.1"]);
+    assert!(text.contains("links 3 % and vehicle 10 % heavier than the controller knows: the flange"), "{text}");
+    let last: Vec<&str> = text.lines().rev().take(2).collect();
+    assert!(last[0].starts_with("not checked: collisions") && last[1].contains("assumed: "), "{text}");
+    assert!(text.starts_with("case I, attitude flown: the scale 0.10000 is feasible\n"), "{text}");
+}
+
+#[test]
+fn wrong_words_end_with_2_and_scales_that_are_none_with_1() {
+    for arguments in [&["--case", "III"][..], &["--case"], &["--scale", "big"], &["--attitude", "any"], &["--fast"]] {
+        let output = run(PROGRAM, arguments);
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}");
+        let complaint = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(complaint.starts_with("error: ") && complaint.contains("[--scale S]") && output.stdout.is_empty());
+    }
+    for scale in ["-0.1", "0", "NaN", "inf"] {
+        let output = run(PROGRAM, &["--json", "--scale", scale]);
+        assert_eq!(output.status.code(), Some(1), "{scale}");
+        assert!(
+            String::from_utf8_lossy(&output.stderr).contains("the scale must be positive") && output.stdout.is_empty()
+        );
+    }
+}

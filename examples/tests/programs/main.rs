@@ -1,0 +1,9 @@
+//! The examples as outside programs call them: what they print and what they write.
+
+mod arm;
+mod docking;
+mod experiment;
+mod orbits;
+mod platform;
+mod quadrotor;
+mod support;

@@ -1,0 +1,178 @@
+//! The quadrotor's examples as outside programs call them: what they print and what they write.
+
+use std::path::Path;
+
+use crate::support::{good, json, keys, numbers, run};
+use mbs_models::quadrotor::backstepping::Reference;
+use mbs_models::quadrotor::heave::Heave;
+use serde_json::Value;
+
+const LANDING: &str = env!("CARGO_BIN_EXE_quadrotor_landing");
+const MONTE_CARLO: &str = env!("CARGO_BIN_EXE_landing_monte_carlo");
+
+/// Touchdown time \[s\], relative velocity \[m/s\] and horizontal offset \[m\] of `quad.landing` of the reference
+/// values.
+const LANDINGS: [(&str, &str, [f64; 3]); 4] = [
+    ("I", "exact", [13.254_642_785_856_516, -0.200_219_070_194_215_8, 8.003_225_359_706_338e-8]),
+    ("I", "small_angle", [13.254_642_806_506_784, -0.200_219_079_165_423_36, 8.006_023_104_986_414e-8]),
+    ("II", "exact", [13.253_187_507_321_867, -0.198_488_288_738_778_1, 3.621_129_885_747_774e-5]),
+    ("II", "small_angle", [13.253_187_511_549_939, -0.198_488_290_675_218_9, 3.673_239_971_465_485e-5]),
+];
+
+#[test]
+fn landings_are_those_of_the_reference() {
+    let folder = tempfile::tempdir().unwrap();
+    let found = json(&good(LANDING, &["--json", "--out", folder.path().to_str().unwrap()]));
+    assert_eq!(keys(&found), ["I", "II", "marine"]);
+    for (case, plant, expected) in LANDINGS {
+        let end = &found[case][plant];
+        let names = ["touchdown_time", "relative_velocity", "horizontal_offset"];
+        for ((name, expected), tolerance) in names.iter().zip(expected).zip([1e-5, 1e-5, 1e-6]) {
+            let found = numbers(&end[name])[0];
+            assert!((found - expected).abs() <= tolerance, "{case} {plant} {name}: {found}, not {expected}");
+        }
+        for name in ["max_phi_deg", "max_theta_deg", "settling_time", "thrust_min", "thrust_max"] {
+            assert!(numbers(&end[name])[0] > 0.0, "{case} {plant} {name}");
+        }
+    }
+    let figures = (2..=9).map(|number| format!("figure_5_{number}"));
+    let marine = ["path", "elevation", "attitude", "forces"].map(|what| format!("marine_{what}"));
+    for name in figures.chain(marine).chain(PLATFORM_RUNS.map(|run| run.to_string())) {
+        for extension in ["svg", "png"] {
+            let figure = folder.path().join(format!("{name}.{extension}"));
+            assert!(figure.metadata().unwrap().len() > 1000, "{}", figure.display());
+        }
+    }
+    for name in PLATFORM_RUNS {
+        tables_of_the_platform_are_landings(folder.path(), name);
+    }
+    for (case, heave) in [("I", Heave::CASE_I), ("II", Heave::CASE_II)] {
+        the_platform_is_flagged(&found[case]);
+        forces_of_the_legs_are_lagranges(folder.path(), case, heave, &found[case]["platform"]);
+    }
+    the_deck_at_sea_is_met(&found["marine"]);
+}
+
+const PLATFORM_RUNS: [&str; 6] = [
+    "case_I_platform_full",
+    "case_I_platform_scaled",
+    "case_II_platform_full",
+    "case_II_platform_scaled",
+    "marine_platform_full",
+    "marine_platform_scaled",
+];
+
+fn number(value: &Value) -> f64 {
+    numbers(value)[0]
+}
+
+fn rows(folder: &Path, name: &str) -> Vec<Vec<f64>> {
+    let mut table = csv::Reader::from_path(folder.join(format!("{name}.csv"))).unwrap();
+    table.deserialize().map(Result::unwrap).collect()
+}
+
+/// The heave in full is out of the legs' stroke, and said to be; what is scaled keeps all limits. Either is a landing.
+fn the_platform_is_flagged(case: &Value) {
+    let on_platform = &case["platform"];
+    // 1.1 m less 1.45 m
+    assert!(number(&on_platform["lowest_about_home"]) < -0.3);
+    let [full, scaled] = ["full", "scaled"].map(|name| &on_platform[name]);
+    assert_eq!((&full["within_limits"], &scaled["within_limits"]), (&Value::from(false), &Value::from(true)));
+    let longest = numbers(&full["leg_length"])[1];
+    assert!((longest - 1.70 - number(&full["out_of_stroke"])).abs() < 1e-12 && longest > 3.0);
+    assert_eq!(number(&scaled["out_of_stroke"]), 0.0);
+    let [scale, middle] = ["scale", "middle"].map(|name| number(&scaled[name]));
+    assert!(scale > 0.1 && scale < 0.3 && middle == 1.1, "{scale} {middle}");
+    for (name, expected) in [("touchdown_time", 5e-3), ("relative_velocity", 2e-3), ("horizontal_offset", 1e-5)] {
+        let difference = number(&full["difference"][name]);
+        let exact = number(&case["exact"][name]);
+        // The exact deck on the raised platform is that of the thesis, to what the integrator leaves.
+        assert!((number(&full[name]) - exact - difference).abs() < 1e-7, "{name}");
+        assert!(difference != 0.0 && difference.abs() < expected, "{name}: {difference}");
+    }
+    assert!(number(&full["tracking_error_max"]) > 100.0 * number(&full["tracking_error_touchdown"]));
+}
+
+/// The forces of figures 5.5 and 5.9 against Lagrange's equation of the heave alone, by hand: with the legs' horizontal
+/// reach c, `l² = z² + c²`, the sine `z/l` of a leg's elevation, its turning `c ż / l²`, and
+///
+/// ```text
+/// 6 F z/l = M z̈ + ½ M′ ż² + V′
+/// ```
+fn forces_of_the_legs_are_lagranges(folder: &Path, case: &str, heave: Heave<4>, on_platform: &Value) {
+    let middle = number(&on_platform["full"]["middle"]);
+    let (platform, g) = (250.0, 9.80665);
+    let (cylinder, centre, piston, top, turning) = (35.0, 0.35, 15.0, 0.4, 3.0 + 1.5 + 35.0 * 0.35 * 0.35);
+    let c2: f64 = 1.308_634_132_273_f64.powi(2) - 1.21;
+    let mass = |z: f64| {
+        let l2 = z * z + c2;
+        let turned = turning + piston * (l2.sqrt() - top).powi(2);
+        platform + 6.0 * (turned * c2 / (l2 * l2) + piston * z * z / l2)
+    };
+    let table = rows(folder, &format!("case_{case}_legs"));
+    let mut range = [f64::INFINITY, f64::NEG_INFINITY];
+    for row in &table {
+        let Reference { value, rate, acceleration } = heave.at(row[0]);
+        let (z, h) = (middle + value, 1e-4);
+        let l = (z * z + c2).sqrt();
+        assert!((row[1] - l).abs() < 1e-9 && (row[7] - rate * z / l).abs() < 1e-9);
+        let slope = (mass(z + h) - mass(z - h)) / (2.0 * h);
+        let rise = c2 / l.powi(3);
+        let weight = platform * g + 6.0 * g * (cylinder * centre * rise + piston * (1.0 - top * rise));
+        let force = (mass(z) * acceleration + 0.5 * slope * rate * rate + weight) * l / z / 6.0;
+        for found in &row[13..19] {
+            assert!((found - force).abs() < 1e-5 * platform * g, "{found}, not {force}");
+            range = [range[0].min(*found), range[1].max(*found)];
+        }
+    }
+    assert_eq!(range, ["min", "max"].map(|key| number(&on_platform["leg_force"][key])));
+}
+
+/// Rows end at the touchdown: the height over the deck comes down to what the vehicle sinks from one row to the next,
+/// at a little more than 0.2 m/s.
+fn tables_of_the_platform_are_landings(folder: &Path, name: &str) {
+    let table = rows(folder, name);
+    assert!(table.len() > 1300 && table[0].len() == 3 + 12 + 18, "{name}");
+    assert!(table.iter().all(|row| row[2] > 0.0), "{name}");
+    let [before, last] = [2, 1].map(|back| &table[table.len() - back]);
+    let period = last[0] - before[0];
+    assert!((period - 0.01).abs() < 1e-9 && last[2] < 0.21 * period, "{name}");
+}
+
+fn the_deck_at_sea_is_met(marine: &Value) {
+    for flight in ["exact", "small_angle", "lqr", "ground_effect"] {
+        let end = &marine[flight];
+        let [offset, velocity, attitude] =
+            ["offset_deck", "velocity_deck", "attitude_deck_deg"].map(|name| numbers(&end[name]));
+        assert!(offset[2].abs() < 1e-9 && velocity[2] == number(&end["relative_velocity"]), "{flight}");
+        assert!((offset[0].hypot(offset[1]) - number(&end["horizontal_offset"])).abs() < 1e-15, "{flight}");
+        assert!(velocity[2] < -0.15 && velocity[2] > -0.25 && offset[0].hypot(offset[1]) < 0.02, "{flight}");
+        // A deck that rolls by 6.5° and pitches by 3.5° at most; the yaw is followed.
+        assert!(attitude[0].abs() < 7.0 && attitude[1].abs() < 4.0 && attitude[2].abs() < 0.5, "{flight}");
+    }
+    assert_eq!(marine["platform"]["full"]["within_limits"], false);
+    assert_eq!(marine["platform"]["scaled"]["within_limits"], true);
+}
+
+#[test]
+fn members_do_not_depend_on_the_number_of_threads() {
+    let with = |threads| json(&good(MONTE_CARLO, &["--json", "--members", "24", "--threads", threads]));
+    let (one, two) = (with("1"), with("2"));
+    assert_eq!(one, two);
+    assert_eq!((&one["members"], &one["failed"]), (&Value::from(24), &Value::from(0)));
+    for name in ["touchdown_time", "relative_velocity", "horizontal_offset"] {
+        let [mean, deviation] = ["mean", "sd"].map(|key| numbers(&one[name][key])[0]);
+        let [low, high] = numbers(&one[name]["ci95"])[..] else { panic!("{name}") };
+        assert!(low < mean && mean < high && deviation > 0.0, "{name}");
+    }
+    assert_ne!(one["digest"], json(&good(MONTE_CARLO, &["--json", "--members", "23"]))["digest"]);
+}
+
+#[test]
+fn wrong_usage_ends_with_2() {
+    for arguments in [["--members", "1"], ["--members", "many"], ["--fast", "--json"]] {
+        let output = run(MONTE_CARLO, &arguments);
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}");
+        assert!(output.stdout.is_empty() && output.stderr.starts_with(b"error: "));
+    }
+}

@@ -1,0 +1,84 @@
+//! The generated module of every file in `models/mechanisms/`, and its operation counts, as snapshots; of the files in
+//! `tests/mechanisms/` the counts alone.
+//!
+//! A changed derivation is a reviewed diff: operation counts first, then the code. `identities.rs` and `reference.rs`
+//! show that it is right.
+
+use mbs_derive::expr::Graph;
+use mbs_derive::{declared, derived, emit, generate};
+
+#[test]
+fn modules() {
+    for (module, source) in mbs_models::SOURCES {
+        let generated = generate(&format!("mechanisms/{module}.mbs"), source, &emit::Options::default());
+        let generated = generated.unwrap_or_else(|e| panic!("{}", e.render(module, source)));
+        assert_eq!(generated.module, *module, "a mechanism is named after its file");
+        assert_eq!(generated.warnings, "", "{module}");
+        snapshot(module, &generated.code);
+    }
+}
+
+#[test]
+fn operation_counts() {
+    for (module, source) in mbs_models::SOURCES.iter().chain(mbs_tests::mechanisms::SOURCES) {
+        let graph = Graph::verbatim();
+        let (lagrangian, _) = declared(source, &graph, &[]).expect("a mechanism of the repository");
+        let mut table =
+            format!("{:28} {:>6} {:>6} {:>4} {:>4} {:>6} {:>5}\n", "", "add", "mul", "div", "sqrt", "sincos", "other");
+        for function in derived(&lagrangian).functions {
+            let o = function.operations;
+            let name = &function.name;
+            table +=
+                &format!("{name:28} {:6} {:6} {:4} {:4} {:6} {:5}\n", o.add, o.mul, o.div, o.sqrt, o.sincos, o.other);
+        }
+        snapshot(&format!("{module}.operations"), &table);
+    }
+}
+
+/// The README's table of operation counts is this one.
+#[test]
+fn the_readme_tells_the_operation_counts() {
+    let functions = ["mass_matrix", "coriolis_matrix", "bias", "inverse_dynamics", "forward_dynamics"];
+    let mut table =
+        String::from("| mechanism | coordinates | M | C | C q̇ + G | inverse dynamics | forward dynamics |\n");
+    table += "|---|---|---|---|---|---|---|\n";
+    for (module, source) in mbs_models::SOURCES {
+        let graph = Graph::verbatim();
+        let (lagrangian, _) = declared(source, &graph, &[]).expect("a mechanism of the repository");
+        let derivation = derived(&lagrangian);
+        let counts = functions.map(|name| derivation.function(name).map_or(0, |f| f.operations.flops()).to_string());
+        table += &format!("| `{module}` | {} | {} |\n", derivation.dof(), counts.join(" | "));
+    }
+    let readme = include_str!("../../README.md");
+    assert!(readme.contains(&table), "the README should say\n\n{table}");
+}
+
+/// The counts that issue 2 asks of the benchmark arm.
+#[test]
+fn budget_of_the_benchmark_arm() {
+    let (_, source) = mbs_models::SOURCES.iter().find(|(module, _)| *module == "arm6").expect("arm6");
+    let graph = Graph::verbatim();
+    let (lagrangian, _) = declared(source, &graph, &[]).expect("arm6 is a mechanism");
+    let derivation = derived(&lagrangian);
+    let budget = [
+        ("mass_matrix", 790),
+        ("bias", 1110),
+        ("inverse_dynamics", 1170),
+        ("forward_dynamics", 2070),
+        ("coriolis_matrix", 3650),
+        ("inverse_dynamics_jacobian", 5800),
+    ];
+    for (name, most) in budget {
+        let operations = derivation.function(name).expect("generated for every mechanism").operations;
+        assert!(operations.flops() <= most, "{name}: {} > {most}", operations.flops());
+        assert_eq!(operations.sincos, 5, "{name}");
+    }
+}
+
+fn snapshot(name: &str, text: &str) {
+    let mut settings = insta::Settings::clone_current();
+    settings.set_snapshot_path("../snapshots");
+    settings.set_prepend_module_to_snapshot(false);
+    settings.set_omit_expression(true);
+    settings.bind(|| insta::assert_snapshot!(name, text));
+}

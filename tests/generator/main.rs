@@ -1,0 +1,15 @@
+//! What the generator derives, proves and prints: snapshots, identities, references, accuracy, determinism.
+
+mod accuracy;
+mod determinism;
+mod downstream;
+mod emitted;
+mod generated;
+mod identities;
+mod mutants;
+mod operations;
+mod proof;
+mod reference;
+mod robustness;
+mod structured;
+mod textbook;

@@ -1,0 +1,18 @@
+//! The systems of `mbs_models`: arm, platform, quadrotor, orbits, and the experiment that joins them.
+
+mod arm_dynamics;
+mod arm_kinematics;
+mod arm_trajectory;
+mod experiment;
+mod orbit_anomaly;
+mod orbit_elements;
+mod orbit_extremes;
+mod orbit_kepler;
+mod orbit_lambert;
+mod orbit_mission;
+mod orbit_relative;
+mod orbits;
+mod platform;
+mod quadrotor;
+mod quadrotor_decks;
+mod quadrotor_refused;

@@ -1,0 +1,750 @@
+//! The Stewart platform and what surrounds it, against `data/stewart.json`, the thesis' values computed by other laws;
+//! bad input; direct kinematics from a hundred thousand starts; computed torque with limited actuators.
+
+mod loops;
+
+use std::f64::consts::FRAC_PI_2;
+use std::ops::ControlFlow;
+use std::time::Instant;
+
+use mbs_derive::expr::Graph;
+use mbs_derive::{declared, derived};
+use mbs_models::platform::control::{ComputedTorque, NotControlled};
+use mbs_models::platform::direct::Newton;
+use mbs_models::platform::dynamics::{Direction, STILL};
+use mbs_models::platform::geometry::{Plate, attitude};
+use mbs_models::platform::leg::{LegMotion, NotSpherical};
+use mbs_models::platform::limits::{InvalidLimits, NotSurveyed};
+use mbs_models::platform::{
+    ActuatorLimits, Coordinates, HOME, InvalidPlatform, LegVector, Motion, NotFound, Platform, PoseError, Quantity,
+};
+use mbs_models::stewart_platform::Params;
+use mbs_runtime::{Dop853, Integrator, State};
+use mbs_tests::compare::assert_close;
+use mbs_tests::random::Random;
+use serde_json::Value;
+
+/// Relative; the reference was computed to 1e-14 or so.
+const TOLERANCE: f64 = 1e-9;
+
+fn reference() -> Value {
+    serde_json::from_str(include_str!("../data/stewart.json")).expect("valid JSON")
+}
+
+fn number(value: &Value) -> f64 {
+    value.as_f64().unwrap_or_else(|| panic!("no number: {value}"))
+}
+
+fn numbers(value: &Value) -> Vec<f64> {
+    match value {
+        Value::Array(entries) => entries.iter().flat_map(numbers).collect(),
+        _ => vec![number(value)],
+    }
+}
+
+fn vector<const N: usize>(value: &Value) -> [f64; N] {
+    numbers(value).try_into().unwrap_or_else(|found| panic!("{N} numbers expected: {found:?}"))
+}
+
+fn close(what: &str, got: impl AsRef<[f64]>, want: &Value) {
+    // Relative to the largest entry, however small.
+    let want = numbers(want);
+    let scale = want.iter().fold(0.0, |largest: f64, x| largest.max(x.abs()));
+    let scaled = |values: &[f64]| -> Vec<f64> { values.iter().map(|x| x / scale).collect() };
+    assert_close(what, &scaled(got.as_ref()), &scaled(&want), TOLERANCE);
+}
+
+/// The platform with this payload, on legs with or without mass.
+fn platform(payload: f64, actuators: bool) -> Platform {
+    let loaded = Platform::default().with_payload(payload).expect("a payload");
+    if actuators { loaded } else { loaded.without_actuator_inertia() }
+}
+
+/// Lengths and forces at t = 0, 0.5, …, 4 s.
+fn check_motion(what: &str, platform: &Platform, motion: &Motion, want: &Value) {
+    for i in 0..9 {
+        let [q, qd, qdd] = motion.at(0.5 * i as f64);
+        let what = format!("{what} at {} s", 0.5 * i as f64);
+        close(&format!("lengths of {what}"), platform.lengths(&q).unwrap(), &want["lengths"][i]);
+        close(&format!("generated lengths of {what}"), platform.model().leg_length(&q), &want["lengths"][i]);
+        close(&format!("forces of {what}"), platform.leg_forces(&q, &qd, &qdd).unwrap(), &want["forces"][i]);
+    }
+}
+
+/// What CasADi needs for a platform of this kind, with constants frozen, is 2301 and 1458 instructions.
+#[test]
+fn budget() {
+    let (_, source) =
+        mbs_models::SOURCES.iter().find(|(module, _)| *module == "stewart_platform").expect("a mechanism");
+    let graph = Graph::verbatim();
+    let (lagrangian, _) = declared(source, &graph, &[]).expect("a mechanism of the repository");
+    let derivation = derived(&lagrangian);
+    for (name, most) in [("inverse_dynamics", 1756), ("mass_matrix", 1206)] {
+        let operations = derivation.function(name).expect("generated for every mechanism").operations;
+        assert!(operations.flops() <= most, "{name}: {} > {most}", operations.flops());
+        assert_eq!(operations.sincos, 3, "{name}");
+    }
+}
+
+#[test]
+fn table_3() {
+    let want = &reference()["table3"];
+    for payload in [0, 300, 1250] {
+        for (actuators, name) in [(true, "True"), (false, "False")] {
+            let case = format!("payload_{payload}_act_{name}");
+            check_motion(&case, &platform(f64::from(payload), actuators), &Motion::TABLE_3, &want[&case]);
+        }
+    }
+}
+
+#[test]
+fn table_4() {
+    let data = reference();
+    for (case, want) in data["table4"].as_object().expect("cases") {
+        let motion = Motion::table_4_turned(vector::<3>(&want["angles_deg"]).map(f64::to_radians));
+        check_motion(case, &platform(300.0, true), &motion, &want["with_actuators"]);
+        check_motion(case, &platform(300.0, false), &motion, &want["without_actuators"]);
+        // The reference saw 4001 instants of one period.
+        let survey = platform(300.0, true).survey(&motion, 4.0, 1e-3).unwrap();
+        let extremes = [survey.length[0], survey.length[1], survey.condition.0];
+        let want = [&want["leg_min_m"], &want["leg_max_m"], &want["max_cond_J"]].map(number);
+        assert_close(case, &extremes, &want, 1e-6);
+        assert!(!survey.is_clear(), "{case} leaves the stroke");
+    }
+}
+
+#[test]
+fn table_4_from_the_base_passes_through_a_singular_pose() {
+    let want = &reference()["table4_from_the_base_phi10"];
+    let mut motion = Motion::table_4_turned([10.0, 0.0, 20.0].map(f64::to_radians));
+    motion.mean[2] -= HOME[2];
+    let determinant = |t: f64| platform(300.0, true).regularity(&motion.at(t)[0]).unwrap().determinant;
+    let all: Vec<f64> = (0..=4000).map(|i| determinant(1e-3 * i as f64)).collect();
+    let least = all.iter().copied().fold(f64::INFINITY, f64::min);
+    let most = all.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    // Rows or columns in another order change the sign alone.
+    let sign = (most * number(&want["det_J_max"])).signum();
+    let (least, most) = if sign > 0.0 { (least, most) } else { (-most, -least) };
+    assert_close("determinant", &[least, most], &[number(&want["det_J_min"]), number(&want["det_J_max"])], 1e-5);
+    // Where the sign changes there is a pose that cannot be held.
+    let (mut a, mut b) = all
+        .windows(2)
+        .enumerate()
+        .find(|(_, pair)| pair[0] * pair[1] < 0.0)
+        .map(|(i, _)| (1e-3 * i as f64, 1e-3 * (i + 1) as f64))
+        .expect("the determinant changes its sign");
+    for _ in 0..60 {
+        let middle = 0.5 * (a + b);
+        if determinant(a) * determinant(middle) <= 0.0 { b = middle } else { a = middle }
+    }
+    let [q, qd, qdd] = motion.at(a);
+    assert!(platform(300.0, true).regularity(&q).unwrap().is_singular());
+    assert!(!platform(300.0, true).reaches(&q).unwrap());
+    let refused = platform(300.0, true).leg_forces(&q, &qd, &qdd);
+    assert!(
+        matches!(refused, Err(PoseError::Singular { smallest, largest }) if smallest < 1e-9 * largest),
+        "{refused:?}"
+    );
+}
+
+#[test]
+fn home() {
+    let want = &reference()["home"];
+    let platform = Platform::default();
+    close("length", [platform.lengths(&HOME).unwrap()[0]], &want["home_leg_length_m"]);
+    close("Jacobian", platform.jacobian(&HOME).unwrap().as_flattened(), &want["home_Jtwist"]);
+    close("condition", [platform.regularity(&HOME).unwrap().condition], &want["home_cond"]);
+    assert!(platform.reaches(&HOME).unwrap());
+}
+
+/// (4.4), as it is printed: the square of the length, multiplied out.
+#[test]
+fn squares_of_lengths_as_printed() {
+    let platform = Platform::default();
+    let geometry = platform.geometry();
+    let mut random = Random::new(1);
+    for _ in 0..100 {
+        let q = random_pose(&mut random);
+        let (r, lengths) = (attitude(&q), platform.lengths(&q).unwrap());
+        for i in 0..6 {
+            let ([px, py, _], [bx, by, _]) = (geometry.platform[i], geometry.base[i]);
+            let turned = |row: usize| r[row][0] * px + r[row][1] * py;
+            let square = q[0] * q[0]
+                + q[1] * q[1]
+                + q[2] * q[2]
+                + 0.9 * 0.9
+                + 1.2 * 1.2
+                + 2.0 * turned(0) * (q[0] - bx)
+                + 2.0 * turned(1) * (q[1] - by)
+                + 2.0 * turned(2) * q[2]
+                - 2.0 * (q[0] * bx + q[1] * by);
+            assert_close("l²", &[lengths[i] * lengths[i]], &[square], 1e-14);
+        }
+    }
+}
+
+#[test]
+fn jacobians_are_derivatives_of_the_lengths() {
+    let platform = Platform::default();
+    let mut random = Random::new(2);
+    for _ in 0..100 {
+        let q = random_pose(&mut random);
+        let jacobian = platform.coordinate_jacobian(&q).unwrap();
+        assert_close("J_q", jacobian.as_flattened(), platform.model().leg_length_jacobian(&q).as_flattened(), 1e-13);
+        let qd = random.array(-1.0..1.0);
+        let rates = platform.leg_rates(&q, &qd).unwrap();
+        assert_close("l̇", &rates, &platform.model().leg_length_velocity(&q, &qd), 1e-13);
+        assert_close("q̇", &platform.coordinate_rates(&q, &rates).unwrap(), &qd, 1e-12);
+        let twist = platform.model().pose_velocity(&q, &qd);
+        let by_twist: Vec<f64> = platform.jacobian(&q).unwrap().iter().map(|row| dot(row, &twist)).collect();
+        assert_close("J [v; ω]", &by_twist, &rates, 1e-13);
+    }
+}
+
+#[test]
+fn general_motion() {
+    let data = reference();
+    for want in data["general"].as_array().expect("moments") {
+        let platform = platform(number(&want["payload_kg"]), want["actuators"].as_bool().expect("a flag"));
+        let motion = Motion::COMBINED.at(number(&want["t_s"]));
+        for (name, got) in ["q", "qd", "qdd"].iter().zip(&motion) {
+            close(name, got, &want[name]);
+        }
+        let [q, qd, qdd] = ["q", "qd", "qdd"].map(|name| vector(&want[name]));
+        close("Q", platform.generalized_force(&q, &qd, &qdd), &want["Q_N_or_Nm"]);
+        let forces = platform.leg_forces(&q, &qd, &qdd).unwrap();
+        close("forces", forces, &want["leg_force_N"]);
+        assert_close("back", &platform.accelerations(&q, &qd, &forces).unwrap(), &qdd, 1e-11);
+    }
+}
+
+#[test]
+fn equation_4_18() {
+    let [q, qd, _] = Motion::COMBINED.at(0.3);
+    for (actuators, name) in [(true, "with_actuators"), (false, "without_actuators")] {
+        let (platform, data) = (platform(300.0, actuators), reference());
+        let want = &data["eq_4_18"][name];
+        close("M", platform.model().mass_matrix(&q).as_flattened(), &want["M"]);
+        close("C", platform.model().coriolis_matrix(&q, &qd).as_flattened(), &want["C"]);
+        close("G", platform.model().gravity(&q), &want["G"]);
+    }
+}
+
+/// (4.15) leaves out 120 kg·m of coupling, and all that the legs weigh.
+#[test]
+fn the_printed_mass_matrix_is_wrong() {
+    let [q, qd, qdd] = Motion::COMBINED.at(0.3);
+    let bare = platform(300.0, false);
+    let matrix = bare.model().mass_matrix(&q);
+    let printed = bare.printed_mass_matrix();
+    let coupling = (0..36).filter(|i| i / 6 != i % 6).map(|i| matrix[i / 6][i % 6].abs()).fold(0.0, f64::max);
+    assert!((coupling - 119.628_893_702).abs() < 1e-8, "{coupling}");
+    let (right, wrong) = (bare.leg_forces(&q, &qd, &qdd).unwrap(), bare.printed_leg_forces(&q, &qd, &qdd).unwrap());
+    let off: LegVector = std::array::from_fn(|i| (right[i] - wrong[i]).abs());
+    let leg = (0..6).max_by(|&i, &j| off[i].total_cmp(&off[j])).expect("six legs");
+    // The worst leg is off by 18.8 N of 907.7 N, two parts of a hundred: the motion is slow.
+    assert_eq!(leg, 1);
+    assert!((right[leg] / 907.727_073_077 - 1.0).abs() < 1e-6, "{}", right[leg]);
+    assert!((off[leg] / 18.842_506_900 - 1.0).abs() < 1e-6, "{}", off[leg]);
+    // It is right where its assumptions hold.
+    let level = bare.with_payload(0.0).unwrap().without_actuator_inertia();
+    let (matrix, printed_level) = (level.model().mass_matrix(&HOME), level.printed_mass_matrix());
+    for i in 0..6 {
+        for j in 0..6 {
+            let want = if i == j { printed_level[i] } else { 0.0 };
+            assert!((matrix[i][j] - want).abs() < 1e-12, "M[{i}][{j}]");
+        }
+    }
+    assert_eq!(printed[0], 550.0);
+}
+
+#[test]
+fn spherical_coordinates_of_a_leg() {
+    let data = reference();
+    let want = &data["spherical_leg"];
+    let of = |names: [&str; 3]| names.map(|name| number(&want["inputs"][name]));
+    let motion = LegMotion {
+        position: of(["rho", "alpha", "beta"]),
+        rate: of(["rhod", "alphad", "betad"]),
+        acceleration: of(["rhodd", "alphadd", "betadd"]),
+    };
+    close("velocity", motion.joint_velocity(), &want["velocity"]);
+    close("acceleration", motion.joint_acceleration(), &want["acceleration"]);
+    close("C", motion.matrix().as_flattened(), &want["C"]);
+    let place = motion.direction().map(|e| motion.position[0] * e);
+    let back = LegMotion::of_joint(&place, &motion.joint_velocity(), &motion.joint_acceleration()).unwrap();
+    assert_close("position", &back.position, &motion.position, 1e-14);
+    assert_close("rates", &back.rate, &motion.rate, 1e-14);
+    assert_close("accelerations", &back.acceleration, &motion.acceleration, 1e-14);
+}
+
+#[test]
+fn legs_of_the_platform_in_spherical_coordinates() {
+    let platform = Platform::default();
+    for i in 0..40 {
+        let [q, qd, qdd] = Motion::COMBINED.at(0.1 * f64::from(i));
+        let (lengths, rates) = (platform.lengths(&q).unwrap(), platform.leg_rates(&q, &qd).unwrap());
+        for leg in 0..6 {
+            let motion = platform.spherical_leg(leg, &q, &qd, &qdd).unwrap();
+            let [_, velocity, acceleration] = platform.joint_motion(leg, &q, &qd, &qdd);
+            assert_close("length and rate", &[motion.position[0], motion.rate[0]], &[lengths[leg], rates[leg]], 1e-13);
+            assert_close("(4.7)", &motion.joint_velocity(), &velocity, 1e-13);
+            assert_close("(4.8)", &motion.joint_acceleration(), &acceleration, 1e-13);
+        }
+    }
+    let falling = LegMotion::of_joint(&[0.0, 0.0, 1.0], &[0.0; 3], &[0.0; 3]);
+    assert_eq!(falling, Err(NotSpherical::Vertical { sin_beta: 0.0 }));
+    assert_eq!(LegMotion::of_joint(&[0.0; 3], &[0.0; 3], &[0.0; 3]), Err(NotSpherical::ZeroLength { length: 0.0 }));
+    assert_eq!(LegMotion::of_joint(&[f64::NAN, 0.0, 1.0], &[0.0; 3], &[0.0; 3]), Err(NotSpherical::NonFinite));
+}
+
+#[test]
+fn direct_kinematics_of_the_reference() {
+    let data = reference();
+    let (lengths, want) = (vector(&data["fk_newton"]["lengths_m"]), vector::<6>(&data["fk_newton"]["q_true"]));
+    let found = Platform::default().direct(&lengths, &HOME).unwrap();
+    assert!(found.iterations <= 5 && found.residual <= 1e-12, "{found:?}");
+    assert!((0..6).all(|i| (found.pose[i] - want[i]).abs() <= 1e-12), "{found:?}");
+}
+
+/// Within 0.4 m and 20° of the middle, all legs within their stroke.
+fn random_pose(random: &mut Random) -> Coordinates {
+    let platform = Platform::default();
+    loop {
+        let turn = 20.0_f64.to_radians();
+        let ranges = [-0.4..0.4, -0.4..0.4, 0.7..1.5, -turn..turn, -turn..turn, -turn..turn];
+        let q = ranges.map(|range| random.uniform(range));
+        if platform.lengths(&q).is_ok_and(|lengths| lengths.iter().all(|&l| platform.limits.admits(l))) {
+            return q;
+        }
+    }
+}
+
+#[test]
+fn direct_kinematics_from_a_hundred_thousand_starts() {
+    let (platform, mut random) = (Platform::default(), Random::new(3));
+    let (mut histogram, mut worst) = ([0; 6], 0.0_f64);
+    let mut times = Vec::new();
+    for _ in 0..100_000 {
+        let q = random_pose(&mut random);
+        let lengths = platform.lengths(&q).unwrap();
+        // Off by 5 cm in a random direction, and turned by 5° about each axis at most.
+        let (mut direction, turn) = ([0.0; 3], 5.0_f64.to_radians());
+        direction = direction.map(|_: f64| random.uniform(-1.0..1.0));
+        let norm = dot(&direction, &direction).sqrt();
+        let mut start = q;
+        for i in 0..3 {
+            start[i] += 0.05 * direction[i] / norm;
+            start[i + 3] += random.uniform(-turn..turn);
+        }
+        let begin = Instant::now();
+        let found = platform.direct(&lengths, &start);
+        times.push(begin.elapsed().as_secs_f64());
+        let found = found.unwrap_or_else(|error| panic!("{error} at {q:?}"));
+        assert!(found.iterations <= 5 && found.residual <= 1e-12, "{found:?} for {q:?}");
+        histogram[found.iterations] += 1;
+        worst = (0..6).fold(worst, |worst, i| worst.max((found.pose[i] - q[i]).abs()));
+    }
+    times.sort_unstable_by(f64::total_cmp);
+    let mut sines: Vec<f64> = (0..1000)
+        .map(|i| {
+            let begin = Instant::now();
+            let sum: f64 = (0..100).map(|k| std::hint::black_box(0.01 * f64::from(i * k)).sin_cos().0).sum();
+            std::hint::black_box(sum);
+            begin.elapsed().as_secs_f64() / 100.0
+        })
+        .collect();
+    sines.sort_unstable_by(f64::total_cmp);
+    let ratio = times[50_000] / sines[500];
+    println!(
+        "iterations {histogram:?}, worst coordinate off by {worst:e}, median {:.0} ns, {ratio:.0} sin_cos of {:.1} ns",
+        1e9 * times[50_000],
+        1e9 * sines[500]
+    );
+    assert!(worst <= 1e-12, "{worst:e}");
+    // In sines with their cosine of the same process, which a busy machine slows alike. Optimised code keeps to 200;
+    // test builds are optimised by half and checked, take 140 to 150 of a library's sines that are optimised in full,
+    // and are given room of two.
+    let most = if cfg!(debug_assertions) { 300.0 } else { 200.0 };
+    assert!(ratio <= most, "{ratio} > {most}");
+}
+
+#[test]
+fn tracking_by_the_last_pose() {
+    let platform = Platform::default();
+    let mut pose = Motion::COMBINED.at(0.0)[0];
+    for i in 1..=2000 {
+        let q = Motion::COMBINED.at(0.005 * f64::from(i))[0];
+        let found = platform.direct(&platform.lengths(&q).unwrap(), &pose).unwrap();
+        assert!(found.iterations <= 3, "{found:?}");
+        pose = found.pose;
+        assert!((0..6).all(|i| (pose[i] - q[i]).abs() <= 1e-12), "{pose:?} {q:?}");
+    }
+}
+
+#[test]
+fn lengths_that_belong_to_no_pose_end_in_an_error() {
+    let platform = Platform::default();
+    // One leg of 4 m beside five of 1.2 m: the triangle with its neighbour does not close.
+    let torn = [4.0, 1.2, 1.2, 1.2, 1.2, 1.2];
+    match platform.direct(&torn, &HOME) {
+        Err(NotFound::NotConverged { iterations, residual, .. } | NotFound::Singular { iterations, residual, .. }) => {
+            assert!(iterations <= 50 && residual > 0.1, "{iterations} {residual}");
+        }
+        other => panic!("{other:?}"),
+    }
+    let few = Newton { iterations: 2, ..Newton::default() };
+    let lengths = platform.lengths(&[0.1, 0.1, 1.2, 0.2, 0.1, 0.2]).unwrap();
+    let stopped = few.solve(&platform, &lengths, &HOME);
+    assert!(
+        matches!(stopped, Err(NotFound::NotConverged { iterations: 2, residual, .. }) if residual > 1e-13),
+        "{stopped:?}"
+    );
+    let invalid = Newton { tolerance: -1.0, ..few }.solve(&platform, &lengths, &HOME);
+    assert_eq!(invalid, Err(NotFound::InvalidTolerance { tolerance: -1.0 }));
+    for length in [0.0, -1.0, f64::INFINITY] {
+        let mut lengths = lengths;
+        lengths[4] = length;
+        assert_eq!(platform.direct(&lengths, &HOME), Err(NotFound::InvalidLength { leg: 4, length }));
+    }
+    let mut start = HOME;
+    start[5] = f64::NAN;
+    assert_eq!(platform.direct(&lengths, &start), Err(NotFound::NonFiniteStart));
+    // Flat on the base the legs cannot tell up from down.
+    let flat = platform.direct(&lengths, &[0.0; 6]);
+    assert!(matches!(flat, Err(NotFound::Singular { iterations: 0, .. })), "{flat:?}");
+}
+
+#[test]
+fn bad_platforms_and_poses() {
+    let params = Params::default();
+    let refused = |params: Params| Platform::new(params).expect_err("no platform");
+    assert_eq!(refused(Params { payload_mass: -5.0, ..params }), InvalidPlatform::NegativePayload { mass: -5.0 });
+    assert_eq!(
+        refused(Params { piston_mass: -1.0, ..params }),
+        InvalidPlatform::Negative { parameter: "piston_mass", value: -1.0 }
+    );
+    assert_eq!(
+        refused(Params { base_radius: 0.0, ..params }),
+        InvalidPlatform::Radius { plate: Plate::Base, radius: 0.0 }
+    );
+    assert_eq!(
+        refused(Params { base_half_angle: 0.0, ..params }),
+        InvalidPlatform::CoincidentJoints { plate: Plate::Base, joints: [0, 1], distance: 0.0 }
+    );
+    // Pairs of 60° to each side meet their neighbours.
+    let met = refused(Params { platform_half_angle: 60.0_f64.to_radians(), ..params });
+    assert!(
+        matches!(met, InvalidPlatform::CoincidentJoints { plate: Plate::Platform, joints: [0, 1], distance } if distance < 1e-15),
+        "{met:?}"
+    );
+    assert_eq!(refused(Params { g: f64::NAN, ..params }), InvalidPlatform::NonFinite { parameter: "g" });
+    assert_eq!(refused(Params { platform_inertia: [55.0, 0.0, 105.0], ..params }), InvalidPlatform::NoInertia);
+
+    // Joints of one radius and angle, plates on each other: every leg has the length zero.
+    let stacked = Platform::new(Params {
+        platform_radius: 1.2,
+        base_half_angle: 30.0_f64.to_radians(),
+        platform_half_angle: 30.0_f64.to_radians(),
+        ..params
+    })
+    .unwrap();
+    let zero = stacked.lengths(&[0.0; 6]);
+    assert!(matches!(zero, Err(PoseError::ZeroLength { leg: 0, length }) if length < 1e-15), "{zero:?}");
+    // Straight up it cannot be held against a turn about z: the classical singularity of equal plates.
+    let upright = stacked.leg_forces(&HOME, &[0.0; 6], &[0.0; 6]);
+    assert!(matches!(upright, Err(PoseError::Singular { .. })), "{upright:?}");
+
+    let platform = Platform::default();
+    for place in 0..6 {
+        let mut q = HOME;
+        q[place] = f64::INFINITY;
+        assert_eq!(platform.lengths(&q), Err(PoseError::NonFinite));
+        assert_eq!(platform.leg_forces(&HOME, &q, &[0.0; 6]), Err(PoseError::NonFinite));
+        assert_eq!(platform.accelerations(&HOME, &[0.0; 6], &q), Err(PoseError::NonFinite));
+    }
+    // θ = 90°: the legs are fine, the angles are not.
+    let upended = platform.leg_forces(&[0.0, 0.0, 1.5, 0.0, FRAC_PI_2, 0.0], &[0.0; 6], &[0.0; 6]);
+    assert!(matches!(upended, Err(PoseError::Singular { .. })), "{upended:?}");
+    // Nor do accelerations follow there, or so near that M, which goes as cos² θ, is rounding.
+    for off in [0.0, 1e-12, -1e-8, 1e-5] {
+        for side in [1.0, -1.0] {
+            let q = [0.0, 0.0, 1.5, 0.2, side * (FRAC_PI_2 + off), 0.3];
+            let upended = platform.accelerations(&q, &[0.1; 6], &[1000.0; 6]);
+            assert!(
+                matches!(upended, Err(PoseError::Singular { smallest, largest }) if smallest < 1e-5 && (largest - 2.0_f64.sqrt()).abs() < 1e-9),
+                "{upended:?}"
+            );
+        }
+    }
+    // Where they are given they are right.
+    let (q, qd, qdd) = ([0.0, 0.0, 1.5, 0.2, FRAC_PI_2 - 1e-3, 0.3], [0.1; 6], [0.5; 6]);
+    let forces = platform.leg_forces(&q, &qd, &qdd).unwrap();
+    assert_close("q̈ near θ = 90°", &platform.accelerations(&q, &qd, &forces).unwrap(), &qdd, 1e-6);
+    // The legs of equal plates cannot hold the platform, and yet it falls.
+    let falling = stacked.accelerations(&HOME, &[0.0; 6], &[0.0; 6]).unwrap();
+    assert!(falling[2] < -9.0, "{falling:?}");
+}
+
+#[test]
+fn derivatives_of_forces_are_those_of_finite_differences() {
+    let platform = Platform::default();
+    let [q, qd, qdd] = Motion::COMBINED.at(0.7);
+    let p = *platform.params();
+    let forces = |params: Params| Platform::new(params).unwrap().leg_forces(&q, &qd, &qdd).unwrap();
+    let along = [
+        ("payload", Direction { payload_mass: 1.0, ..STILL }),
+        ("radius of the base", Direction { base_radius: 1.0, ..STILL }),
+        ("radius of the platform", Direction { platform_radius: 1.0, ..STILL }),
+        ("half angle of the base", Direction { base_half_angle: 1.0, ..STILL }),
+        ("half angle of the platform", Direction { platform_half_angle: 1.0, ..STILL }),
+    ];
+    for (name, along) in along {
+        let at = |h: f64| Params {
+            payload_mass: p.payload_mass + h * along.payload_mass,
+            base_radius: p.base_radius + h * along.base_radius,
+            platform_radius: p.platform_radius + h * along.platform_radius,
+            base_half_angle: p.base_half_angle + h * along.base_half_angle,
+            platform_half_angle: p.platform_half_angle + h * along.platform_half_angle,
+            ..p
+        };
+        let got = platform.leg_forces_along(&along, &q, &qd, &qdd).unwrap();
+        let h = 1e-5;
+        let (more, less) = (forces(at(h)), forces(at(-h)));
+        let want: LegVector = std::array::from_fn(|i| (more[i] - less[i]) / (2.0 * h));
+        // Differences are good to h² and ε/h.
+        assert_close(name, &got, &want, 1e-7);
+    }
+    // Displaced along each coordinate, and along all of them, while the rates stay.
+    let displaced = |dq: &Coordinates, h: f64| {
+        let q = std::array::from_fn(|i| q[i] + h * dq[i]);
+        platform.leg_forces(&q, &qd, &qdd).unwrap()
+    };
+    let one = |coordinate: usize| std::array::from_fn(|i| if i == coordinate { 1.0 } else { 0.0 });
+    for (name, dq) in [
+        ("x", one(0)),
+        ("y", one(1)),
+        ("z", one(2)),
+        ("φ", one(3)),
+        ("θ", one(4)),
+        ("ψ", one(5)),
+        ("all", [0.3, -0.2, 0.1, -0.5, 0.4, 0.6]),
+    ] {
+        let got = platform.leg_forces_displaced(&dq, &q, &qd, &qdd).unwrap();
+        let h = 1e-5;
+        let (more, less) = (displaced(&dq, h), displaced(&dq, -h));
+        let want: LegVector = std::array::from_fn(|i| (more[i] - less[i]) / (2.0 * h));
+        assert_close(name, &got, &want, 1e-7);
+    }
+    // The terms of velocity are in them: at rest, derivatives differ by more than differences could.
+    let (moving, still) = (
+        platform.leg_forces_displaced(&one(3), &q, &qd, &qdd).unwrap(),
+        platform.leg_forces_displaced(&one(3), &q, &[0.0; 6], &qdd).unwrap(),
+    );
+    assert!((0..6).any(|i| (moving[i] - still[i]).abs() > 1e-3 * moving[i].abs()), "{moving:?} {still:?}");
+}
+
+/// `∂F/∂k` against the forces of a platform on springs, whose pose is found by balance.
+#[test]
+fn derivative_by_stiffness_is_that_of_a_platform_on_springs() {
+    let platform = Platform::default();
+    let (rest, q) = ([0.0; 6], [0.05, -0.1, 1.15, 0.1, -0.05, 0.2]);
+    let commanded = platform.leg_forces(&q, &rest, &rest).unwrap();
+    let rigid = platform.lengths(&q).unwrap();
+    // Fixed point: lengths give forces, forces give lengths.
+    let sprung = |k: f64| {
+        let mut forces = commanded;
+        for _ in 0..60 {
+            let lengths = std::array::from_fn(|i| rigid[i] - forces[i] / k);
+            let pose = platform.direct(&lengths, &q).unwrap().pose;
+            forces = platform.leg_forces(&pose, &rest, &rest).unwrap();
+        }
+        forces
+    };
+    let k = 2e6;
+    let (more, less) = (sprung(1.01 * k), sprung(0.99 * k));
+    let want: LegVector = std::array::from_fn(|i| (more[i] - less[i]) / (0.02 * k) * 1e6);
+    let got = platform.leg_forces_by_stiffness(k, &q, &rest, &rest).unwrap().map(|x| x * 1e6);
+    // The next order is 1/k smaller: half a millimetre of a metre.
+    assert_close("∂F/∂k", &got, &want, 5e-3);
+    assert!(got.iter().any(|x| x.abs() > 0.1), "{got:?}");
+}
+
+#[test]
+fn stiffness_is_the_work_of_the_springs() {
+    let (platform, leg) = (Platform::default(), [1e7, 2e7, 1.5e7, 1e7, 3e7, 1e7]);
+    let q = [0.05, -0.1, 1.15, 0.1, -0.05, 0.2];
+    let stiffness = platform.stiffness(&q, &leg).unwrap();
+    let rest = platform.lengths(&q).unwrap();
+    let mut random = Random::new(4);
+    for _ in 0..20 {
+        let qd = random.array(-1.0..1.0);
+        let twist = platform.model().pose_velocity(&q, &qd);
+        // V = ½ Σ k (l − l₀)² along q + h q̇, to second order; the third cancels.
+        let energy = |h: f64| -> f64 {
+            let lengths = platform.lengths(&std::array::from_fn(|i| q[i] + h * qd[i])).unwrap();
+            (0..6).map(|i| 0.5 * leg[i] * (lengths[i] - rest[i]).powi(2)).sum()
+        };
+        let want = (energy(1e-4) + energy(-1e-4)) / 1e-8;
+        let got: f64 = (0..6).map(|i| twist[i] * dot(&stiffness[i], &twist)).sum();
+        assert!((got / want - 1.0).abs() < 1e-6, "{got} {want}");
+    }
+}
+
+#[test]
+fn motions_beyond_the_limits_are_flagged_with_leg_and_time() {
+    let platform = Platform::default();
+    let still = Motion { sine: [0.0; 6], cosine: [0.0; 6], ..Motion::COMBINED };
+    assert!(platform.survey(&still, 4.0, 0.01).unwrap().is_clear());
+    let survey = platform.survey(&Motion::TABLE_4, 4.0, 0.01).unwrap();
+    let first = survey.excesses[0][1].expect("leg 0 is too long").first;
+    // It starts 0.23 m beyond the stroke.
+    assert_eq!((first.leg, first.quantity, first.time, first.limit), (0, Quantity::TooLong, 0.0, 1.70));
+    assert!((first.value - 1.931_618_313_528).abs() < 1e-9);
+    assert_eq!(first.to_string(), "t = 0.000 s, leg 1: stroke 1.9316 m, the limit is 1.7 m");
+    let worst = survey.excesses[0][1].expect("as above").worst;
+    assert!(worst.value > 2.4 && worst.time > 0.5, "{worst:?}");
+    // The same motion three times as fast asks for too much speed and force.
+    let fast = Motion { frequency: Motion::TABLE_4.frequency.map(|w| 3.0 * w), ..Motion::TABLE_4 };
+    let survey = platform.survey(&fast, 4.0, 0.01).unwrap();
+    assert!(survey.speed > 0.6 && survey.excesses.iter().any(|leg| leg[2].is_some()));
+    assert!(survey.force > 10e3 && survey.excesses.iter().any(|leg| leg[3].is_some()));
+    let weak = ActuatorLimits { force: 100.0, ..platform.limits };
+    assert!(weak.saturated(&[f64::NAN; 6]).iter().all(|force| force.is_nan()));
+    assert_eq!(weak.saturated(&[50.0, 200.0, -200.0, 0.0, -50.0, 100.0]), [50.0, 100.0, -100.0, 0.0, -50.0, 100.0]);
+}
+
+#[test]
+fn surveys_without_samples_or_without_end_are_refused() {
+    let (platform, motion) = (Platform::default(), Motion::COMBINED);
+    let bad = [
+        (4.0, 0.0),
+        (4.0, -0.01),
+        (4.0, f64::NAN),
+        (4.0, f64::INFINITY),
+        (f64::NAN, 0.01),
+        (-1.0, 0.01),
+        (f64::INFINITY, 0.01),
+        // 10⁷ + 1 samples, more than a counter of 32 bits holds, and more than any.
+        (1e5, 0.01),
+        (4.0, 1e-10),
+        (4.0, f64::MIN_POSITIVE),
+    ];
+    for (end, step) in bad {
+        match platform.survey(&motion, end, step) {
+            Err(NotSurveyed::InvalidSampling { end: found_end, step: found_step }) => {
+                assert_eq!([found_end, found_step].map(f64::to_bits), [end, step].map(f64::to_bits));
+            }
+            other => panic!("{end} {step}: {other:?}"),
+        }
+    }
+    // One sample: the start.
+    for (end, step) in [(0.0, 0.01), (0.5, 1.0)] {
+        let survey = platform.survey(&motion, end, step).unwrap();
+        assert_eq!(survey.condition.1, 0.0);
+        let lengths = platform.lengths(&motion.at(0.0)[0]).unwrap();
+        assert_eq!(survey.length[1], lengths.into_iter().fold(0.0, f64::max));
+    }
+    // The moment at which a pose ends it: level at 0 s, upended after a second.
+    let turning = Motion { sine: [0.0, 0.0, 0.0, 0.0, FRAC_PI_2, 0.0], ..Motion::TABLE_3 };
+    let upended = platform.survey(&turning, 4.0, 1.0);
+    assert!(matches!(upended, Err(NotSurveyed::Pose { time: 1.0, error: PoseError::Singular { .. } })), "{upended:?}");
+}
+
+#[test]
+fn limits_that_nothing_can_keep_are_refused() {
+    let mut platform = Platform::default();
+    let good = platform.limits;
+    assert_eq!(good.check(), Ok(()));
+    let free = ActuatorLimits { shortest: 0.0, longest: f64::INFINITY, speed: f64::INFINITY, force: f64::INFINITY };
+    assert_eq!(free.check(), Ok(()));
+    let crossed = ActuatorLimits { shortest: 1.8, ..good };
+    assert_eq!(crossed.check(), Err(InvalidLimits::Stroke { shortest: 1.8, longest: 1.70 }));
+    for limits in [
+        ActuatorLimits { shortest: -0.1, ..good },
+        ActuatorLimits { shortest: f64::NAN, ..good },
+        ActuatorLimits { longest: f64::NAN, ..good },
+    ] {
+        assert!(matches!(limits.check(), Err(InvalidLimits::Stroke { .. })), "{limits:?}");
+    }
+    let control = ComputedTorque::critically_damped(5.0).unwrap();
+    for bad in [0.0, -1.0, f64::NAN] {
+        for (limits, of) in [
+            (ActuatorLimits { speed: bad, ..good }, Quantity::Speed),
+            (ActuatorLimits { force: bad, ..good }, Quantity::Force),
+        ] {
+            let refused = limits.check().unwrap_err();
+            assert!(
+                matches!(refused, InvalidLimits::Bound { quantity, bound } if quantity == of && bound.to_bits() == bad.to_bits()),
+                "{refused:?}"
+            );
+            // Who uses them refuses them.
+            platform.limits = limits;
+            let survey = platform.survey(&Motion::COMBINED, 1.0, 0.1);
+            assert!(matches!(survey, Err(NotSurveyed::Limits(InvalidLimits::Bound { .. }))), "{survey:?}");
+            let forces = control.limited_forces(&platform, &Motion::COMBINED.at(0.0), &HOME, &[0.0; 6]);
+            assert!(matches!(forces, Err(NotControlled::Limits(InvalidLimits::Bound { .. }))), "{forces:?}");
+        }
+    }
+    let weak = ActuatorLimits { force: -5.0, ..good }.check().unwrap_err();
+    assert_eq!(weak.to_string(), "the largest force must be positive, found -5 N");
+}
+
+/// The errors obey `ë + 2 ω ė + ω² e = 0`, of which the solution is known.
+#[test]
+fn computed_torque_makes_the_errors_oscillators() {
+    let platform = Platform::default();
+    let omega = 5.0_f64;
+    let control = ComputedTorque::critically_damped(omega).unwrap();
+    let motion = Motion::COMBINED;
+    let [reference, rate, _] = motion.at(0.0);
+    let off = [0.02, -0.03, 0.01, 0.05, -0.04, 0.03];
+    let mut state = State::new(std::array::from_fn(|i| reference[i] - off[i]), rate);
+    simulate(&platform, 1.0, &mut state, |t, q, qd| control.forces(&platform, &motion.at(t), q, qd).unwrap());
+    let decay = (1.0 + omega) * (-omega).exp();
+    for i in 0..6 {
+        let error = motion.at(1.0)[0][i] - state.q[i];
+        assert!((error - off[i] * decay).abs() < 1e-9, "coordinate {i}: {error} {}", off[i] * decay);
+    }
+}
+
+/// Heave with a load that the legs carry by a margin of a tenth: limited they start late, and still arrive.
+#[test]
+fn limited_actuators_saturate_and_recover() {
+    let mut platform = Platform::default().with_payload(1250.0).unwrap();
+    let control = ComputedTorque::critically_damped(6.0).unwrap();
+    let target = Motion { mean: [0.0, 0.0, 1.2, 0.0, 0.0, 0.0], sine: [0.0; 6], ..Motion::TABLE_3 };
+    let target = Motion { cosine: [0.0; 6], ..target };
+    let weight = platform.leg_forces(&HOME, &[0.0; 6], &[0.0; 6]).unwrap();
+    platform.limits.force = 1.1 * weight[0];
+    let mut saturated = false;
+    let mut state = State::new(HOME, [0.0; 6]);
+    simulate(&platform, 4.0, &mut state, |t, q, qd| {
+        let wanted = control.forces(&platform, &target.at(t), q, qd).unwrap();
+        let given = control.limited_forces(&platform, &target.at(t), q, qd).unwrap();
+        assert!(given.iter().all(|force| force.abs() <= platform.limits.force));
+        saturated |= wanted != given;
+        given
+    });
+    assert!(saturated, "the first moment asks for 3.6 m/s²");
+    assert!((0..6).all(|i| (state.q[i] - target.mean[i]).abs() < 1e-6), "{state:?}");
+    assert!(ComputedTorque::critically_damped(0.0).is_err() && ComputedTorque::critically_damped(f64::NAN).is_err());
+}
+
+fn simulate(
+    platform: &Platform,
+    end: f64,
+    state: &mut State<Coordinates>,
+    mut forces: impl FnMut(f64, &Coordinates, &Coordinates) -> LegVector,
+) {
+    let motion = |t: f64, q: &Coordinates, qd: &Coordinates, qdd: &mut Coordinates| {
+        *qdd = platform.accelerations(q, qd, &forces(t, q, qd)).expect("a regular pose");
+    };
+    Dop853::new(1e-11, 1e-12)
+        .integrate(motion, 0.0, end, state, |_| ControlFlow::Continue(()))
+        .expect("a smooth motion");
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
