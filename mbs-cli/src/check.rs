@@ -4,8 +4,8 @@ mod freedom;
 
 use std::path::PathBuf;
 
-use mbs_derive::model::Variable;
-use mbs_derive::model::lagrangian::component_names;
+use mbs_derive::variable::Variable;
+use mbs_derive::variable::component_names;
 
 use crate::cache::Cache;
 use crate::failure::Failure;

@@ -8,9 +8,9 @@ mod trim;
 use std::fmt::Write as _;
 use std::path::PathBuf;
 
-use mbs_derive::model::Variable;
-use mbs_derive::model::lagrangian::component_names;
 use mbs_derive::optimise::Derivation;
+use mbs_derive::variable::Variable;
+use mbs_derive::variable::component_names;
 use nalgebra::{Complex, DMatrix};
 use serde_json::{Value, json};
 

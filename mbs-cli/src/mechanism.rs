@@ -8,7 +8,7 @@ use mbs_derive::expr::Graph;
 use mbs_derive::model::Lagrangian;
 use mbs_derive::optimise::{self, Derivation};
 use mbs_derive::source::Sources;
-use mbs_derive::{Error, cargo, declared_from, emit, verify};
+use mbs_derive::{Error, cargo, declared_from, latex, verify};
 use serde::{Deserialize, Serialize};
 
 use crate::cache::{Cache, Key};
@@ -100,7 +100,7 @@ pub(crate) fn code(
 /// The equations as a page of a textbook, proved like the programs.
 pub(crate) fn latex(what: &str, sources: &Sources, cache: &Cache) -> Result<String, Failure> {
     kept(what, sources, cache, || {
-        let derived = derived_and(sources, |lagrangian, routes, _| emit::latex(lagrangian, &routes[0]))?;
+        let derived = derived_and(sources, |lagrangian, routes, _| latex::page(lagrangian, &routes[0]))?;
         Ok(Code { text: derived.also, warnings: derived.mechanism.warnings })
     })
 }

@@ -25,8 +25,8 @@ use std::path::PathBuf;
 
 use clap::ValueEnum;
 use mbs_cli::chart::Format;
-use mbs_derive::model::lagrangian::component_names;
 use mbs_derive::optimise::Derivation;
+use mbs_derive::variable::component_names;
 
 use drive::{Drive, Drives};
 use method::{Accuracy, Method};

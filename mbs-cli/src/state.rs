@@ -23,9 +23,10 @@ use std::path::Path;
 use mbs_derive::diagnostic::{Diagnostics, nearest};
 use mbs_derive::expr::Number;
 use mbs_derive::interpret::{State, Violation, violations};
-use mbs_derive::model::lagrangian::component_names;
-use mbs_derive::model::{Variable, given};
+use mbs_derive::model::given;
 use mbs_derive::optimise::Derivation;
+use mbs_derive::variable::Variable;
+use mbs_derive::variable::component_names;
 use serde::de::{Deserialize, Deserializer, Error, MapAccess, SeqAccess, Visitor};
 use serde_json::{Map, Value};
 

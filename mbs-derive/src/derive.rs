@@ -36,6 +36,7 @@ use std::fmt;
 use crate::expr::table::Table;
 use crate::expr::{Expr, Graph, Kept, Node, Symbol, carry_out, gradient_of_combination};
 use crate::model::{Lagrangian, PointForce};
+use crate::variable::Variable;
 
 pub use conserved::Conserved;
 pub use constraint::Constraints;
@@ -71,7 +72,7 @@ pub struct Symbols {
 impl Symbols {
     fn of(lagrangian: &Lagrangian<'_>) -> Symbols {
         let n = lagrangian.dof() as u32;
-        let count = |variables: &[crate::model::Variable]| variables.iter().map(|v| v.count() as u32).sum::<u32>();
+        let count = |variables: &[Variable]| variables.iter().map(|v| v.count() as u32).sum::<u32>();
         Symbols {
             q: (0..n).map(Symbol::Coordinate).collect(),
             qd: (0..n).map(Symbol::Velocity).collect(),

@@ -19,8 +19,8 @@
 
 use std::fmt;
 
-use crate::parse::syntax::Span;
 use crate::source::Sources;
+use crate::span::Span;
 
 /// How bad it is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]

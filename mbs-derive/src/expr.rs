@@ -19,6 +19,7 @@
 //! - `range`: between which values expressions stay;
 //! - [`residue`]: numbers of a finite field, `ratio`: rational ones; [`identity`]: what holds for all values of the symbols, decided there;
 //! - [`branch`]: the sides of conditions, and what leads to them;
+//! - `vanishing`: sums that are zero, left out;
 //! - `table`: tables over nodes, where a hash map would be slow;
 //! - [`vector`]: vectors and matrices over expressions;
 //! - [`display`]: infix printing.
@@ -49,6 +50,7 @@ pub(crate) mod table;
 pub mod tangent;
 #[cfg(test)]
 mod tests;
+mod vanishing;
 pub mod vector;
 
 pub use adjoint::{gradient, gradient_of_combination};
@@ -67,4 +69,5 @@ pub use rounded::Rounded;
 pub use spline::{Spline, SplineDerivative};
 pub use substitute::{carry_out, cut, substitute, substitute_into};
 pub use tangent::Tangent;
+pub use vanishing::without_vanishing_sums;
 pub use vector::{Matrix, Vector};

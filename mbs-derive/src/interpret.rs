@@ -2,27 +2,11 @@
 
 use crate::expr::evaluate::{holds, truth};
 use crate::expr::{Number, Symbol, Terms, Value, largest};
-use crate::model::lagrangian::component_names;
 use crate::optimise::{
     Argument, Completion, Derivation, Function, FunctionKind, Instruction, Program, ResultPart, Shape, Value as Step,
 };
-
-/// The arguments of a mechanism's functions, flattened in declaration order.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct State<V = f64> {
-    /// Time.
-    pub t: V,
-    /// Coordinates.
-    pub q: Vec<V>,
-    /// Velocities.
-    pub qd: Vec<V>,
-    /// Accelerations.
-    pub qdd: Vec<V>,
-    /// Inputs.
-    pub u: Vec<V>,
-    /// Prescribed motions: value, first and second derivative.
-    pub prescribed: Vec<[V; 3]>,
-}
+pub use crate::state::State;
+use crate::variable::component_names;
 
 /// A mechanism with values for its parameters: doubles, or dual numbers that carry derivatives.
 #[derive(Clone, Debug)]

@@ -22,7 +22,8 @@
 //! - [`parse`], [`model`]: the language, and the builder API that stands under it ([`model::Lagrangian`]);
 //! - [`derive`](mod@derive): mechanics: Lagrange's equations, still symbolic;
 //! - [`optimise`]: straight-line programs and their operation counts;
-//! - [`verify`]: the proof; [`interpret`]: Programs run in process; [`emit`]: Rust;
+//! - [`verify`]: the proof; [`interpret`]: Programs run in process; [`emit`]: Rust; [`latex`]: equations on paper;
+//! - [`span`], [`state`], [`variable`], [`numeric`]: what several passes need, and no mechanics;
 //! - [`diagnostic`]: what is wrong with a declaration, where, and what to write instead;
 //! - [`source`]: the files of a mechanism: its own, and those that it imports;
 //! - [`cargo`]: build scripts, the only input and output.
@@ -33,10 +34,15 @@ pub mod diagnostic;
 pub mod emit;
 pub mod expr;
 pub mod interpret;
+pub mod latex;
 pub mod model;
+pub mod numeric;
 pub mod optimise;
 pub mod parse;
 pub mod source;
+pub mod span;
+pub mod state;
+pub mod variable;
 pub mod verify;
 
 use std::fmt;
@@ -158,7 +164,7 @@ pub fn generate_from(sources: &Sources, options: &emit::Options) -> Result<Gener
         module: emit::module_name(&derivation),
         name: emit::type_name(&derivation),
         dof: derivation.dof(),
-        inputs: model::sample::count(&derivation.inputs),
+        inputs: variable::count(&derivation.inputs),
         implements_mechanism: emit::implements_mechanism(&derivation, options),
         code: emit::rust(&derivation, source::portable(&sources.main().name), options),
         warnings: warnings.render_in(sources),

@@ -25,7 +25,7 @@
 //! - `check`: what must hold of the finished mechanism; `singular`, `sign`: what it was probably not meant to do;
 //! - [`requirement`]: what parameters must satisfy whenever they are set; [`given`]: numbers with units, in SI units;
 //! - [`sample`]: random states; [`degree`]: what must hold of the energies: `velocity`: their degree; `rank`: the rows of constraints;
-//!   `inertia`: of every motion; `echelon`: elimination without a tolerance;
+//!   `inertia`: of every motion;
 //!   `closure`: whether constraints can hold together.
 
 mod attitude;
@@ -40,7 +40,6 @@ mod declare;
 pub mod degree;
 mod difference;
 pub mod dimension;
-pub(crate) mod echelon;
 mod element;
 mod energy;
 mod evaluate;
@@ -83,9 +82,7 @@ use evaluate::Resolver;
 use reaction::Hold;
 
 pub use frame::{Edge, Frame, FrameId, Frames};
-pub use lagrangian::{
-    Body, Choice, Constraint, ConstraintKind, Lagrangian, Output, OutputValue, PointForce, Reaction, Variable,
-};
+pub use lagrangian::{Body, Choice, Constraint, ConstraintKind, Lagrangian, Output, OutputValue, PointForce, Reaction};
 
 /// What a declaration means, in the verbatim `graph`, and warnings about it.
 ///

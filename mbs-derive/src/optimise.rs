@@ -17,9 +17,10 @@ pub mod schedule;
 
 use crate::derive::output::OutputShape;
 use crate::derive::{Equations, ForwardDynamics, Route, Rows};
-use crate::expr::{Expr, Graph, Spline, Symbol};
+use crate::expr::{Expr, Graph, Spline, Symbol, without_vanishing_sums};
 use crate::model::requirement::{Condition, Requirement, requirements};
-use crate::model::{Constraint, Lagrangian, Reaction, Variable};
+use crate::model::{Constraint, Lagrangian, Reaction};
+use crate::variable::Variable;
 
 pub use cost::Operations;
 pub use part::{ResultPart, Shape};
@@ -204,8 +205,7 @@ impl Completion {
 /// Makes the Programs, each function by its cheapest route; the routes are equal in value, the first wins a draw.
 pub fn straight_line(lagrangian: &Lagrangian<'_>, routes: &[Equations<'_>]) -> Derivation {
     let mut forms = Forms::default();
-    let ways = routes.iter().map(|route| (route.route, functions(route, &lagrangian.reactions)));
-    let roots = cheapest(ways.collect(), &mut forms);
+    let roots = cheapest(ways(lagrangian, routes), &mut forms);
     let hoisting = Hoisting::of(roots.iter().map(|f| f.roots.as_slice()), &mut forms);
     let mut functions: Vec<Function> = roots.into_iter().map(|f| f.into_function(&hoisting)).collect();
     count_constrained_motion(&mut functions);
@@ -231,6 +231,18 @@ pub fn straight_line(lagrangian: &Lagrangian<'_>, routes: &[Equations<'_>]) -> D
         required: lower::program(&required, &Hoisting::none()),
         functions,
     }
+}
+
+/// The functions by each route, without sums that vanish: of all of them at once, since they have most nodes in common.
+fn ways<'g>(lagrangian: &Lagrangian<'_>, routes: &[Equations<'g>]) -> Vec<(Route, Vec<Roots<'g>>)> {
+    let mut ways: Vec<_> = routes.iter().map(|route| (route.route, functions(route, &lagrangian.reactions))).collect();
+    let roots = |ways: &[(Route, Vec<Roots<'g>>)]| {
+        ways.iter().flat_map(|(_, functions)| functions).flat_map(|function| function.roots.clone()).collect::<Vec<_>>()
+    };
+    let mut rest = without_vanishing_sums(&roots(&ways)).into_iter();
+    let functions = ways.iter_mut().flat_map(|(_, functions)| functions);
+    functions.flat_map(|function| &mut function.roots).zip(&mut rest).for_each(|(root, new)| *root = new);
+    ways
 }
 
 /// Derivatives are taken along the constrained motion, which is found first.
@@ -367,9 +379,9 @@ fn cheapest<'g>(routes: Vec<(Route, Vec<Roots<'g>>)>, forms: &mut Forms) -> Vec<
 /// several ways by the cheapest.
 pub fn compared(lagrangian: &Lagrangian<'_>, routes: &[Equations<'_>]) -> Vec<Vec<(Route, Operations)>> {
     let mut forms = Forms::default();
-    let functions = |route| functions(route, &lagrangian.reactions);
-    let mut costs = |route| functions(route).iter().map(|function| function.cost(&mut forms)).collect();
-    let by_route: Vec<Vec<Operations>> = routes.iter().map(&mut costs).collect();
+    let ways = ways(lagrangian, routes);
+    let mut costs = |functions: &[Roots<'_>]| functions.iter().map(|function| function.cost(&mut forms)).collect();
+    let by_route: Vec<Vec<Operations>> = ways.iter().map(|(_, functions)| costs(functions)).collect();
     let function = |i: usize| {
         let mut all: Vec<(Route, Operations)> = Vec::new();
         for (route, costs) in routes.iter().zip(&by_route) {

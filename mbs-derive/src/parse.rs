@@ -33,7 +33,7 @@ mod shift;
 pub mod syntax;
 
 use crate::diagnostic::Diagnostics;
-use crate::source::Sources;
+use crate::source::{Sources, Unreadable};
 pub use encoding::text;
 #[cfg(test)]
 pub(crate) use in_place::UNITS;
@@ -68,6 +68,13 @@ pub fn declaration_of(sources: &Sources) -> Result<Declaration, Diagnostics> {
 /// Reads a file of constants and functions to be imported; `None` if it is not meant as one, but as a mechanism.
 pub fn shared(sources: &Sources) -> Option<Result<Vec<Statement>, Diagnostics>> {
     import::shared(sources)
+}
+
+impl Sources {
+    /// A text, and what it imports, directly or not: `read` is given the name of each file once and answers its bytes.
+    pub fn gather(name: &str, text: &str, read: impl FnMut(&str) -> Result<Vec<u8>, Unreadable>) -> Self {
+        Sources::followed(name, text, imports, read)
+    }
 }
 
 /// The paths that a text imports, as they are written; what is wrong with other imports [`declaration_of`] will say.

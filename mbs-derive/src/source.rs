@@ -17,8 +17,7 @@
 use std::collections::BTreeMap;
 use std::path::{Component, Path};
 
-use crate::parse;
-use crate::parse::syntax::Span;
+use crate::span::Span;
 
 /// All files of a mechanism together may be so long: offsets of tokens are 32 bits wide.
 pub const MAX_BYTES: usize = 1 << 26;
@@ -66,15 +65,21 @@ impl Sources {
         sources
     }
 
-    /// A text, and what it imports, directly or not: `read` is given the name of each file once and answers its bytes.
-    pub fn gather(name: &str, text: &str, mut read: impl FnMut(&str) -> Result<Vec<u8>, Unreadable>) -> Self {
+    /// A text, and what it imports, directly or not: `imports` finds the paths in a text, `read` is given the name of
+    /// each file once and answers its bytes.
+    pub(crate) fn followed(
+        name: &str,
+        text: &str,
+        imports: impl Fn(&str) -> Vec<String>,
+        mut read: impl FnMut(&str) -> Result<Vec<u8>, Unreadable>,
+    ) -> Self {
         let mut sources = Sources::new(name, text);
         let mut depths = vec![0];
         for number in 0.. {
             let Some(file) = sources.files.get(number) else { break };
             let from = file.name.clone();
             let text = file.text.as_deref().ok().filter(|_| !is_table(&from));
-            for path in text.map(parse::imports).unwrap_or_default() {
+            for path in text.map(&imports).unwrap_or_default() {
                 let name = beside(&from, &path);
                 if sources.numbers.contains_key(&name) {
                     continue;

@@ -30,8 +30,10 @@ use crate::diagnostic::Diagnostics;
 use crate::expr::{Expr, Graph, Id, Node, Rounded, carry_out};
 use crate::interpret::State;
 use crate::model::Lagrangian;
-use crate::model::sample::{Random, count, default_parameters};
+use crate::model::sample::default_parameters;
+use crate::numeric::Random;
 use crate::optimise::{Derivation, Instruction, Program};
+use crate::variable::count;
 
 use claim::{Trial, doubles};
 use coverage::{Choices, Coverage};

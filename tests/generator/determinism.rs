@@ -28,7 +28,7 @@ fn two_processes_generate_the_same_bytes() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let file = folder.path().join("generated.rs");
     let status = Command::new(std::env::current_exe().expect("this test"))
-        .args(["--exact", "two_processes_generate_the_same_bytes"])
+        .args(["--exact", "determinism::two_processes_generate_the_same_bytes"])
         .env(CHILD, &file)
         .status()
         .expect("this test starts again");

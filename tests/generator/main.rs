@@ -1,6 +1,7 @@
 //! What the generator derives, proves and prints: snapshots, identities, references, accuracy, determinism.
 
 mod accuracy;
+mod architecture;
 mod determinism;
 mod downstream;
 mod emitted;

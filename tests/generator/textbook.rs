@@ -3,8 +3,8 @@
 
 use mbs_derive::declared;
 use mbs_derive::derive::routes;
-use mbs_derive::emit::latex;
 use mbs_derive::expr::Graph;
+use mbs_derive::latex;
 
 const MANUAL: &str = include_str!("../../docs/language.md");
 
@@ -49,7 +49,7 @@ fn page(name: &str, source: &str) -> String {
     let graph = Graph::verbatim();
     let (lagrangian, _) = declared(source, &graph, &[]).unwrap_or_else(|e| panic!("{}", e.render(name, source)));
     let derived = Graph::new();
-    latex(&lagrangian, &routes(&lagrangian, &derived)[0])
+    latex::page(&lagrangian, &routes(&lagrangian, &derived)[0])
 }
 
 fn block_of_the_manual(name: &str) -> String {

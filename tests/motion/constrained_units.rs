@@ -5,9 +5,9 @@
 
 use mbs_derive::expr::{Graph, Number, Terms, Value};
 use mbs_derive::interpret::{Interpreter, State};
-use mbs_derive::model::Variable;
 use mbs_derive::optimise::cost::solve_constrained;
 use mbs_derive::optimise::{Derivation, ResultPart, Shape};
+use mbs_derive::variable::Variable;
 use mbs_derive::{declared, derived};
 use mbs_runtime::{constrained_slopes, constrained_solve, constrained_solve_many};
 use mbs_tests::counting::{Counted, counted};

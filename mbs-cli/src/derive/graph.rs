@@ -6,8 +6,8 @@
 use std::collections::BTreeMap;
 
 use mbs_derive::expr::Symbol;
-use mbs_derive::model::lagrangian::component_names;
 use mbs_derive::optimise::{Derivation, Instruction, Program};
+use mbs_derive::variable::component_names;
 use serde_json::{Map, Value, json};
 
 use super::json::{instruction, of_symbol, spline_numbers};

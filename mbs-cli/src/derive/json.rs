@@ -21,8 +21,8 @@
 //! `docs/json.md` says what it all means.
 
 use mbs_derive::expr::{Spline, Symbol};
-use mbs_derive::model::Variable;
 use mbs_derive::optimise::{Argument, Completion, Derivation, Function, Instruction, Program, Shape};
+use mbs_derive::variable::Variable;
 use serde_json::{Map, Value, json};
 
 use super::graph::graph;

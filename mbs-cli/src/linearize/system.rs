@@ -1,8 +1,8 @@
 //! A, B, C and D of a mechanism at a state, and what they say.
 
 use mbs_derive::interpret::Interpreter;
-use mbs_derive::model::lagrangian::component_names;
 use mbs_derive::optimise::Derivation;
+use mbs_derive::variable::component_names;
 use nalgebra::{Complex, DMatrix, Schur, linalg::balancing};
 
 use crate::failure::Failure;

@@ -4,8 +4,8 @@
 //! norm, halved while what is left grows. Rows are weighed by the size of their derivatives.
 
 use mbs_derive::interpret::{Interpreter, State};
-use mbs_derive::model::lagrangian::component_names;
 use mbs_derive::optimise::Derivation;
+use mbs_derive::variable::component_names;
 use nalgebra::{DMatrix, DVector};
 
 use crate::failure::Failure;

@@ -1,6 +1,6 @@
 //! The columns of a motion's table: names, units, and what they are.
 
-use mbs_derive::model::Variable;
+use mbs_derive::variable::Variable;
 
 /// A column.
 #[derive(Clone, Debug)]

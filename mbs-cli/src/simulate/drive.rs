@@ -14,11 +14,11 @@ use std::path::{Path, PathBuf};
 
 use mbs_derive::interpret::State;
 use mbs_derive::model::given;
-use mbs_derive::model::lagrangian::component_names;
 use mbs_derive::optimise::{Derivation, Function, FunctionKind};
 use mbs_derive::parse;
 use mbs_derive::parse::syntax::{Statement, StatementKind};
 use mbs_derive::source::Sources;
+use mbs_derive::variable::component_names;
 
 use super::curve::Curve;
 use crate::equations::Equations;

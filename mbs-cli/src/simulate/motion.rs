@@ -2,8 +2,8 @@
 
 use std::ops::ControlFlow;
 
-use mbs_derive::model::lagrangian::component_names;
 use mbs_derive::optimise::Derivation;
+use mbs_derive::variable::component_names;
 use mbs_runtime::{Constraints, IntegrationError, RedundantRows, Step, Summary};
 
 use super::column::{Column, of_variables};

@@ -1,7 +1,7 @@
 //! What is recorded of a motion besides its standard columns, where it is asked for.
 
-use mbs_derive::model::Variable;
 use mbs_derive::optimise::{Derivation, Function, FunctionKind, Shape};
+use mbs_derive::variable::Variable;
 use mbs_runtime::ConstraintError;
 
 use super::column::{Column, of_variables};

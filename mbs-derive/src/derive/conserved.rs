@@ -8,8 +8,8 @@ use crate::expr::{
     vanishes as is_zero_everywhere,
 };
 use crate::model::Lagrangian;
-use crate::model::lagrangian::component_names;
-use crate::model::sample::Random;
+use crate::numeric::Random;
+use crate::variable::component_names;
 
 use super::constraint::{Constraints, constraints};
 use super::lagrange::Lagrange;

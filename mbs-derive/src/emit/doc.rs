@@ -4,10 +4,10 @@ use proc_macro2::TokenStream;
 use quote::quote;
 
 use crate::expr::Symbol;
-use crate::model::Variable;
-use crate::model::lagrangian::component_names;
 use crate::model::requirement::{Condition, Requirement};
 use crate::optimise::{Argument, Derivation, Function, FunctionKind, Operations, Shape};
+use crate::variable::Variable;
+use crate::variable::component_names;
 
 /// Doc attributes, one a line.
 pub(super) fn attributes(lines: &[String]) -> TokenStream {

@@ -4,9 +4,9 @@ use proc_macro2::{Literal, TokenStream};
 use quote::quote;
 
 use crate::expr::Symbol;
-use crate::model::Variable;
-use crate::model::lagrangian::component_names;
 use crate::optimise::{Argument, Completion, Derivation, Function, FunctionKind};
+use crate::variable::Variable;
+use crate::variable::component_names;
 
 use super::body::{Body, Component};
 use super::expression::literal;

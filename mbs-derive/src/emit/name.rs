@@ -5,9 +5,9 @@ use std::collections::BTreeSet;
 use proc_macro2::{Ident, Span};
 
 use crate::expr::{Number, Spline, Symbol};
-use crate::model::Variable;
-use crate::model::lagrangian::component_names;
 use crate::optimise::{Derivation, Instruction, Program, Value};
+use crate::variable::Variable;
+use crate::variable::component_names;
 
 /// Names that a local may not take: generics, parameters of functions, and what patterns would take for constants.
 const RESERVED: [&str; 12] = [

@@ -4,9 +4,9 @@ use proc_macro2::{Literal, TokenStream};
 use quote::quote;
 
 use crate::expr::Number;
-use crate::model::Variable;
 use crate::model::requirement::Condition;
 use crate::optimise::Derivation;
+use crate::variable::Variable;
 
 use super::body::{Body, Component};
 use super::name::{Names, ident};

@@ -3,8 +3,8 @@
 use proc_macro2::{Literal, TokenStream};
 use quote::quote;
 
-use crate::model::lagrangian::component_names;
 use crate::optimise::{Completion, Derivation, Function, FunctionKind, Shape};
+use crate::variable::component_names;
 
 use super::body::Component;
 

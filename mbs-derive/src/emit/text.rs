@@ -6,8 +6,8 @@ use proc_macro2::TokenStream;
 use quote::{ToTokens, quote};
 
 use crate::expr::Symbol;
-use crate::model::Variable;
 use crate::optimise::Derivation;
+use crate::variable::Variable;
 
 use super::body::{Block, Body, FAMILIAR, Statement, familiar};
 use super::expression::{self, Leaves, Tree, literal};

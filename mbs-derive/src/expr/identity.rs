@@ -214,8 +214,8 @@ fn divided_difference<const K: usize>(values: &[(Residue<K>, Residue<K>)]) -> Re
 }
 
 /// What the field leaves to chance at a step.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Chance {
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Chance {
     /// Which of two roots it is, and whether there is one at all.
     Root,
     /// Whether there is a root that its slope has.
@@ -224,7 +224,7 @@ enum Chance {
     Outcome,
 }
 
-fn chance(step: &Node) -> Option<Chance> {
+pub(super) fn chance(step: &Node) -> Option<Chance> {
     match step {
         Node::Power(_, n) if n.to_integer().is_none() => Some(Chance::Root),
         Node::Call(Function::Abs | Function::Signum, _) => Some(Chance::Root),

@@ -87,7 +87,7 @@ pub fn carry_out<'v, 'g>(
 }
 
 /// The same operation on new operands, in another graph.
-fn rebuild<'g>((source, graph): (&Graph, &'g Graph), node: Node, new: impl Fn(Id) -> Expr<'g>) -> Expr<'g> {
+pub(super) fn rebuild<'g>((source, graph): (&Graph, &'g Graph), node: Node, new: impl Fn(Id) -> Expr<'g>) -> Expr<'g> {
     match node {
         Node::Constant(value) => graph.constant(value),
         Node::Symbol(symbol) => graph.symbol(symbol),

@@ -2,7 +2,7 @@
 //! symbolic sweeps, and as they were written, with derivatives by dual numbers.
 
 use super::{Binary, Dual, Expr, Function, Graph, HalfInteger, Rounded, Symbol, Tangent, Tape, gradient, hessian};
-use crate::model::sample::Random;
+use crate::numeric::Random;
 
 const SYMBOLS: [Symbol; 3] = [Symbol::Coordinate(0), Symbol::Velocity(1), Symbol::Parameter(2)];
 

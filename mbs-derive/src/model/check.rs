@@ -6,11 +6,12 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use super::degree::{self, Problem};
 use super::evaluate::Resolver;
-use super::lagrangian::{Constraint, Variable};
+use super::lagrangian::Constraint;
 use super::moments::{Impossible, principal_moments};
 use super::sample::default_parameters;
 use crate::expr::{Expr, Matrix, Node, Symbol, evaluate};
 use crate::parse::syntax::{Name, Span};
+use crate::variable::Variable;
 
 /// Where something stands, and the calls and parts that led there, the innermost first.
 #[derive(Clone, Debug)]

@@ -1,9 +1,10 @@
 //! Whether there is a state at which all holonomic constraints hold.
 
 use super::lagrangian::{ConstraintKind, Lagrangian};
-use super::sample::{Random, default_parameters};
+use super::sample::default_parameters;
 use crate::expr::{Dual, Expr, Symbol, Tape};
-use crate::interpret::State;
+use crate::numeric::Random;
+use crate::state::State;
 
 /// This many states are tried as starts, with this many steps each.
 const STARTS: usize = 48;

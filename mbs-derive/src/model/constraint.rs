@@ -11,11 +11,12 @@ use super::dimension::{Dimension, second_lacks};
 use super::evaluate::{Argument, Resolved, Resolver, in_words};
 use super::family::Family;
 use super::lagrangian::{Constraint, ConstraintKind, Lagrangian};
-use super::sample::{Random, default_parameters};
+use super::sample::default_parameters;
 use super::value::{Free, Scalar, Shape, Value, shared};
 use crate::expr::{Dual, Expr, Graph, Node, Number, Rounded, Symbol, Tape, Verdict, carry_out, degree_is_at_most};
-use crate::interpret::State;
+use crate::numeric::Random;
 use crate::parse::syntax::{BinaryOperator, Expression, Name, Span};
+use crate::state::State;
 
 /// More rows than any mechanism of so few coordinates has.
 const MAX_ROWS: usize = 10_000;

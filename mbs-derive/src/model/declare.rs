@@ -3,7 +3,8 @@
 use super::constant::Dependence;
 use super::dimension::{Dimension, Measure, measure};
 use super::evaluate::{Argument, Resolved, Resolver, in_words};
-use super::lagrangian::Variable;
+use crate::variable::Variable;
+
 use super::quantity::AnglesInPlace;
 use super::scope::Origin;
 use super::value::{Free, Scalar, Tensor, Value};

@@ -9,17 +9,16 @@
 use std::fmt;
 
 use crate::expr::{Dual, Expr, Number, Residue, Rounded, Symbol, Tape, Value, generic};
-use crate::interpret::State;
+use crate::numeric::Random;
+use crate::state::State;
+use crate::variable::component_names;
 
 use super::frame::Edge;
 use super::inertia::{self, Motion};
-use super::lagrangian::{Constraint, Lagrangian, component_names};
+use super::lagrangian::{Constraint, Lagrangian};
 use super::rank::VelocityEquations;
-use super::sample::{Random, default_parameters};
+use super::sample::default_parameters;
 use super::velocity;
-
-pub use super::inertia::{Elimination, eliminate};
-pub(crate) use super::inertia::{ROUNDING, eliminate_rounded, on_allowed_motions, scales};
 
 /// A mistake in the energies.
 #[derive(Clone, Debug, PartialEq, Eq)]

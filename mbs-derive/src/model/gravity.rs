@@ -12,10 +12,11 @@ use super::dimension::Dimension;
 use super::evaluate::{Resolved, Resolver};
 use super::lagrangian::{Body, Lagrangian};
 use super::landmark;
-use super::sample::{Random, default_parameters};
+use super::sample::default_parameters;
 use super::singular::along_the_motion;
 use super::value::{Free, Point, Shape};
 use crate::expr::{Expr, Graph, Id, Node, Symbol, Vector, carry_out, evaluate};
+use crate::numeric::Random;
 use crate::parse::syntax::{Expression, Span};
 
 /// The field, and what weighs in it.

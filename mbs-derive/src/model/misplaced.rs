@@ -6,10 +6,11 @@ use std::collections::BTreeSet;
 use super::constant::Dependence;
 use super::evaluate::{Argument, Resolved, Resolver};
 use super::frame::{Edge, FrameId};
-use super::lagrangian::component_names;
+
 use super::value::{Free, Value};
 use crate::expr::{Expr, Node, Symbol, Vector};
 use crate::parse::syntax::{Expression, ExpressionKind, Span};
+use crate::variable::component_names;
 
 // ---- mass centres
 

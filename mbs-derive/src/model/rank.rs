@@ -3,9 +3,9 @@
 use crate::expr::{Dual, Expr, Function, Node, Residue, Symbol, Tape, Value};
 
 use super::degree::{Line, Problem, seems_beyond};
-use super::echelon::Echelon;
 use super::lagrangian::{ConstraintKind, Lagrangian};
 use super::velocity;
+use crate::numeric::echelon::Echelon;
 
 /// `A q̇ + b = 0`, the rows of all constraints.
 pub(super) struct VelocityEquations {

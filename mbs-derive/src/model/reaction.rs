@@ -15,11 +15,12 @@ use super::element::shown;
 use super::evaluate::{Argument, Refused, Resolved, Resolver};
 use super::family::Family;
 use super::frame::Edge;
-use super::lagrangian::{AUXILIARY, Reaction, Variable};
+use super::lagrangian::{AUXILIARY, Reaction};
 use super::output::functions_of_output;
 use super::value::{Pose, Shape, Value};
 use crate::expr::{Expr, Graph, Symbol, Vector};
 use crate::parse::syntax::{Declaration, Expression, Name, Statement, StatementKind};
+use crate::variable::Variable;
 
 /// More joints than any mechanism of so few coordinates has.
 pub(super) const MAX_JOINTS: usize = 100;

@@ -16,7 +16,7 @@ use super::moments::{Impossible, principal_moments};
 use super::sample::default_parameters;
 use crate::expr::display::infix;
 use crate::expr::{Binary, Expr, Function, Graph, Id, Matrix, Node, Symbol, carry_out, evaluate};
-use crate::model::lagrangian::component_names;
+use crate::variable::component_names;
 
 /// What must hold.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]

@@ -1,35 +1,13 @@
 //! Random states, the same in every process, at which declarations are tried and derivations are proved.
 
 use crate::expr::Number;
-use crate::interpret::State;
+use crate::numeric::Random;
+use crate::state::State;
+use crate::variable::count;
 
-use super::lagrangian::{Lagrangian, Variable};
-
-/// A source of random numbers: splitmix64 (Steele, Lea, Flood, *Fast splittable pseudorandom number generators*, 2014).
-#[derive(Clone, Debug)]
-pub struct Random(u64);
+use super::lagrangian::Lagrangian;
 
 impl Random {
-    /// Always the same numbers for the same seed.
-    pub fn new(seed: u64) -> Self {
-        Random(seed)
-    }
-
-    /// Uniform in (−1, 1).
-    pub fn symmetric(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^= z >> 31;
-        (z >> 11) as f64 / (1u64 << 52) as f64 - 1.0
-    }
-
-    /// `count` of them, times `scale`.
-    pub fn vector(&mut self, count: usize, scale: f64) -> Vec<f64> {
-        (0..count).map(|_| scale * self.symmetric()).collect()
-    }
-
     /// A state of a mechanism: angles over the whole circle, all else of order one.
     pub fn state(&mut self, lagrangian: &Lagrangian<'_>) -> State {
         let (n, inputs) = (lagrangian.dof(), count(&lagrangian.inputs));
@@ -42,23 +20,9 @@ impl Random {
             prescribed: (0..count(&lagrangian.prescribed)).map(|_| [0, 1, 2].map(|_| self.symmetric())).collect(),
         }
     }
-
-    /// The parameters near their defaults, so that nothing is proved that holds for the defaults alone.
-    pub fn parameters_near(&mut self, defaults: &[f64]) -> Vec<f64> {
-        let varied = |&default: &f64| match default {
-            0.0 => 0.2 * self.symmetric(),
-            value => value * (1.0 + 0.2 * self.symmetric()),
-        };
-        defaults.iter().map(varied).collect()
-    }
 }
 
 /// The declared defaults of all parameters, flattened.
 pub fn default_parameters(lagrangian: &Lagrangian<'_>) -> Vec<f64> {
     lagrangian.parameters.iter().flat_map(|p| &p.defaults).copied().map(Number::to_f64).collect()
-}
-
-/// How many components some variables have.
-pub fn count(variables: &[Variable]) -> usize {
-    variables.iter().map(Variable::count).sum()
 }

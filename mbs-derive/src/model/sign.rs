@@ -5,11 +5,12 @@
 
 use super::evaluate::Resolver;
 use super::lagrangian::Lagrangian;
-use super::sample::{Random, default_parameters};
+use super::sample::default_parameters;
 use super::singular::along_the_motion;
 use crate::expr::{Dual, Expr, Graph, Node, Number, Symbol, Tape, carry_out};
-use crate::interpret::State;
+use crate::numeric::Random;
 use crate::parse::syntax::Span;
+use crate::state::State;
 
 /// How many states with finite values are looked at, and how many are tried at most to find them.
 const STATES: usize = 20;

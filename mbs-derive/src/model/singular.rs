@@ -13,13 +13,15 @@ mod corner;
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::evaluate::Resolver;
-use super::lagrangian::{Choice, ConstraintKind, Lagrangian, OutputValue, component_names};
-use super::sample::{Random, count, default_parameters};
+use super::lagrangian::{Choice, ConstraintKind, Lagrangian, OutputValue};
+use super::sample::default_parameters;
 use super::value::Value;
 use crate::expr::evaluate::holds;
 use crate::expr::{Binary, Expr, Function, Graph, HalfInteger, Id, Node, Rounded, Symbol, Tape, Value as _, carry_out};
-use crate::interpret::State;
+use crate::numeric::Random;
 use crate::parse::syntax::Span;
+use crate::state::State;
+use crate::variable::{component_names, count};
 
 /// A call or operator whose derivative fails at some argument.
 #[derive(Clone, Debug)]

@@ -1,11 +1,8 @@
 //! The declaration as it was written; every part keeps its byte range in the source.
 
 use std::mem;
-use std::ops::Range;
 
-/// Byte range in the source text; where a mechanism imports files, in [all texts](crate::source::Sources) one after the
-/// other.
-pub type Span = Range<usize>;
+pub use crate::span::Span;
 
 /// A name with its place.
 #[derive(Clone, Debug, PartialEq)]

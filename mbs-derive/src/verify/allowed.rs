@@ -2,7 +2,7 @@
 
 use crate::expr::{Rounded, Value, least_change};
 use crate::interpret::State;
-use crate::model::degree::{ROUNDING, scales};
+use crate::numeric::elimination::{ROUNDING, scales};
 
 use super::Failure;
 use super::claim::{CLOSED, Trial, doubles, doubles_of};

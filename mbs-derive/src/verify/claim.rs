@@ -5,7 +5,8 @@ use std::collections::BTreeMap;
 
 use crate::expr::{AGREEMENT, Dual, Rounded, Symbol, Value, least_change};
 use crate::interpret::{Interpreter, State};
-use crate::model::degree::{Elimination, ROUNDING, eliminate_rounded, on_allowed_motions, scales};
+use crate::numeric::elimination::{Elimination, ROUNDING, eliminate_rounded, on_allowed_motions, scales};
+
 use crate::optimise::{Completion, Derivation, Function, FunctionKind, Shape};
 
 use super::group::Group;

@@ -4,7 +4,8 @@ use crate::expr::branch::{Branches, Side};
 use crate::expr::{Dual, Expr, Function, Id, Node, Symbol, Tape};
 use crate::interpret::State;
 use crate::model::Lagrangian;
-use crate::model::sample::{Random, default_parameters};
+use crate::model::sample::default_parameters;
+use crate::numeric::Random;
 
 use super::witness::output_components;
 

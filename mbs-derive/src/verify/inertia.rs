@@ -2,7 +2,7 @@
 
 use crate::expr::{Number, Residue, Value};
 use crate::interpret::{Interpreter, State};
-use crate::model::echelon::Echelon;
+use crate::numeric::echelon::Echelon;
 use crate::optimise::{Derivation, Instruction};
 
 use super::Failure;

@@ -1,8 +1,9 @@
 //! Where accuracy is measured: random states, and those at which digits are easily lost.
 
 use mbs_derive::interpret::{Interpreter, State};
-use mbs_derive::model::{Lagrangian, Variable};
+use mbs_derive::model::Lagrangian;
 use mbs_derive::optimise::Derivation;
+use mbs_derive::variable::Variable;
 use mbs_tests::random::Random;
 use nalgebra::{DMatrix, DVector};
 

@@ -6,11 +6,13 @@ use mbs_derive::diagnostic::Diagnostics;
 use mbs_derive::emit::{self, Options};
 use mbs_derive::expr::Graph;
 use mbs_derive::interpret::{Interpreter, State};
+use mbs_derive::latex;
 use mbs_derive::model::Lagrangian;
-use mbs_derive::model::sample::{Random, count};
+use mbs_derive::numeric::Random;
 use mbs_derive::optimise::{Derivation, Shape};
 use mbs_derive::parse::syntax::Declaration;
 use mbs_derive::source::Sources;
+use mbs_derive::variable::count;
 use mbs_derive::verify::Failure;
 use mbs_derive::{Error, declared_from, derive, generate_from, optimise, parse};
 
@@ -52,7 +54,7 @@ pub fn examine(sources: &Sources) -> Result<Outcome, String> {
     let routes = derive::routes(&lagrangian, &graph);
     let derivation = optimise::straight_line(&lagrangian, &routes);
     evaluated(&lagrangian, &derivation)?;
-    if lagrangian.dof() <= TEXTBOOK && emit::latex(&lagrangian, &routes[0]).is_empty() {
+    if lagrangian.dof() <= TEXTBOOK && latex::page(&lagrangian, &routes[0]).is_empty() {
         return Err("the page of the textbook is empty".to_string());
     }
     generated(sources, &derivation)

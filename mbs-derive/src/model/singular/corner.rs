@@ -2,7 +2,7 @@
 
 use super::{Fault, Search};
 use crate::expr::{Dual, Symbol};
-use crate::interpret::State;
+use crate::state::State;
 
 impl Search<'_, '_, '_> {
     /// Whether the derivatives jump there, however small the step over it: `(|x| + x)²` is smooth at 0.

@@ -8,14 +8,14 @@ use crate::expr::{Binary, Expr, Function, Graph, Number, Symbol, Vector, evaluat
 use crate::model::Lagrangian;
 
 use super::algebra::Algebra;
-use super::latex;
 use super::layout::Entry;
 use super::notation::Notation;
+use super::page;
 use super::reader::Reader;
 
 fn output(lagrangian: &Lagrangian<'_>) -> String {
     let graph = Graph::new();
-    latex(lagrangian, &routes(lagrangian, &graph)[0])
+    page(lagrangian, &routes(lagrangian, &graph)[0])
 }
 
 fn double_pendulum(graph: &Graph) -> Lagrangian<'_> {

@@ -37,10 +37,12 @@ use crate::model::Lagrangian;
 
 use page::Page;
 
-/// The equations of motion as a person would write them: a page that pdflatex sets.
+/// Energies, matrices and equations of motion as a person would write them, whichever route they were derived by: a
+/// page of LaTeX that pdflatex sets.
 ///
-/// Matrices and equations of mechanisms with more than four coordinates are left out with their sizes.
-pub(super) fn latex(lagrangian: &Lagrangian<'_>, equations: &Equations<'_>) -> String {
+/// Entries of more than 40 terms are left out, and said to be; matrices and equations of mechanisms with more than four
+/// coordinates are left out with their sizes.
+pub fn page(lagrangian: &Lagrangian<'_>, equations: &Equations<'_>) -> String {
     let mut page = Page::new(lagrangian, equations.lagrange.kinetic_energy.graph());
     page.title(lagrangian);
     page.symbols(lagrangian);

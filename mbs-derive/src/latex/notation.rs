@@ -3,8 +3,9 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use crate::expr::Symbol;
-use crate::model::lagrangian::component_names;
-use crate::model::{Lagrangian, Variable};
+use crate::model::Lagrangian;
+use crate::variable::Variable;
+use crate::variable::component_names;
 
 /// How the symbols of a mechanism are written.
 pub(super) struct Notation {

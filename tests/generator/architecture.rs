@@ -1,0 +1,138 @@
+//! Which folder may use which: what ARCHITECTURE.md says in its table of arrows is what the sources do.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
+
+const ROOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/..");
+
+/// From each name to those that it uses.
+type Arrows = BTreeMap<String, BTreeSet<String>>;
+
+fn read(path: &Path) -> String {
+    std::fs::read_to_string(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
+}
+
+/// The rows `| name | may use |` of the table of ARCHITECTURE.md behind a heading.
+fn allowed(heading: &str) -> Arrows {
+    let text = read(&Path::new(ROOT).join("ARCHITECTURE.md"));
+    let (_, section) = text.split_once(heading).expect("the heading is there");
+    let rows = section.lines().skip_while(|line| !line.starts_with('|')).take_while(|line| line.starts_with('|'));
+    let names = |cell: &str| cell.split(['`', ',', ' ', '–']).filter(|n| !n.is_empty()).map(String::from).collect();
+    let row = |line: &str| {
+        let cells: Vec<&str> = line.trim_matches('|').split('|').collect();
+        let users: BTreeSet<String> = names(cells[0]);
+        users.into_iter().map(|user| (user, names(cells[1]))).collect::<Vec<_>>()
+    };
+    rows.skip(2).flat_map(row).collect()
+}
+
+/// All sources below a folder, without those of tests.
+fn sources(folder: &Path) -> Vec<PathBuf> {
+    let (mut found, mut folders) = (Vec::new(), vec![folder.to_path_buf()]);
+    while let Some(folder) = folders.pop() {
+        for entry in std::fs::read_dir(&folder).expect("a folder").map(|entry| entry.expect("an entry").path()) {
+            match entry.extension().and_then(|extension| extension.to_str()) {
+                _ if entry.is_dir() => folders.push(entry),
+                Some("rs") => found.push(entry),
+                _ => {}
+            }
+        }
+    }
+    found.sort();
+    found
+}
+
+/// What stands in a source before its tests, without comments.
+fn code(source: &str) -> String {
+    let before_tests = source.split("#[cfg(test)]\nmod tests {").next().unwrap_or_default();
+    before_tests.lines().filter(|line| !line.trim_start().starts_with("//")).collect::<Vec<_>>().join("\n")
+}
+
+/// Files that are modules for tests alone: their declaration stands behind `#[cfg(test)]`.
+fn is_for_tests(file: &Path) -> bool {
+    let module = file.file_stem().expect("a name").to_string_lossy().into_owned();
+    let parents = [file.with_file_name("mod.rs"), file.parent().expect("a folder").with_extension("rs")];
+    parents
+        .iter()
+        .filter_map(|parent| std::fs::read_to_string(parent).ok())
+        .any(|text| text.contains(&format!("#[cfg(test)]\nmod {module};")))
+}
+
+/// Which folders of mbs-derive use which, by their paths from the crate's root.
+fn arrows_in_the_generator() -> Arrows {
+    let root = Path::new(ROOT).join("mbs-derive/src");
+    let modules: BTreeSet<String> = std::fs::read_dir(&root)
+        .expect("mbs-derive/src")
+        .map(|entry| entry.expect("an entry").path().file_stem().expect("a name").to_string_lossy().into_owned())
+        .filter(|name| name != "lib")
+        .collect();
+    let mut arrows: Arrows = modules.iter().map(|module| (module.clone(), BTreeSet::new())).collect();
+    for file in sources(&root).into_iter().filter(|file| !is_for_tests(file)) {
+        let inside = file.strip_prefix(&root).expect("below the root").with_extension("");
+        let user = inside.iter().next().expect("a name").to_string_lossy().into_owned();
+        let Some(used) = arrows.get_mut(&user) else { continue };
+        for path in code(&read(&file)).split("crate::").skip(1) {
+            let name: String = path.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect();
+            if name != user && modules.contains(&name) {
+                used.insert(name);
+            }
+        }
+    }
+    arrows
+}
+
+/// Which members of the workspace depend on which, those for tests and builds included.
+fn arrows_between_crates() -> Arrows {
+    let members = ["mbs-derive", "mbs-runtime", "models", "mbs-cli", "tests", "examples"];
+    let package = |member: &str| if member.starts_with("mbs-") { member.into() } else { format!("mbs-{member}") };
+    let used = |member: &str| {
+        let manifest = read(&Path::new(ROOT).join(member).join("Cargo.toml"));
+        let depends = |other: &&str| {
+            let name = package(other);
+            *other != member
+                && manifest
+                    .lines()
+                    .any(|line| line.starts_with(&format!("{name}.")) || line.starts_with(&format!("{name} ")))
+        };
+        members.iter().filter(|other| depends(other)).map(|other| (*other).to_string()).collect()
+    };
+    members.iter().map(|member| ((*member).to_string(), used(member))).collect()
+}
+
+#[track_caller]
+fn hold(found: &Arrows, allowed: &Arrows) {
+    assert_eq!(found.keys().collect::<Vec<_>>(), allowed.keys().collect::<Vec<_>>(), "each has a row of the table");
+    for (user, used) in found {
+        let refused: Vec<_> = used.difference(&allowed[user]).collect();
+        assert!(refused.is_empty(), "{user} uses {refused:?}, which ARCHITECTURE.md does not allow");
+        let unused: Vec<_> = allowed[user].difference(used).collect();
+        assert!(unused.is_empty(), "ARCHITECTURE.md allows {user} to use {unused:?}, which it does not need");
+    }
+}
+
+/// Nothing leads back to where it came from.
+#[track_caller]
+fn assert_one_way(arrows: &Arrows) {
+    let mut left: BTreeSet<&String> = arrows.keys().collect();
+    while !left.is_empty() {
+        let done: Vec<&String> =
+            left.iter().copied().filter(|user| arrows[*user].iter().all(|used| !left.contains(used))).collect();
+        assert!(!done.is_empty(), "a circle of {left:?}");
+        done.iter().for_each(|user| assert!(left.remove(user)));
+    }
+}
+
+#[test]
+fn passes_of_the_generator_look_one_way() {
+    let arrows = arrows_in_the_generator();
+    hold(&arrows, &allowed("## Arrows"));
+    assert_one_way(&arrows);
+}
+
+#[test]
+fn crates_look_one_way() {
+    let arrows = arrows_between_crates();
+    hold(&arrows, &allowed("Between crates:"));
+    assert_one_way(&arrows);
+    assert!(arrows["mbs-derive"].is_empty() && arrows["mbs-runtime"].is_empty());
+}
