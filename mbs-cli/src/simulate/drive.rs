@@ -18,7 +18,7 @@ use mbs_derive::optimise::{Derivation, Function, FunctionKind};
 use mbs_derive::parse;
 use mbs_derive::parse::syntax::{Statement, StatementKind};
 use mbs_derive::source::Sources;
-use mbs_derive::variable::component_names;
+use mbs_derive::variable::{Variable, component_names};
 
 use super::curve::Curve;
 use crate::equations::Equations;
@@ -78,6 +78,12 @@ impl Drives<'_> {
 
     /// The declaration with the formulas in it.
     pub(crate) fn declared(&self, sources: Sources) -> Result<Sources, Failure> {
+        for (option, drives) in [("--input", self.inputs), ("--signal", self.signals)] {
+            let again = |(i, drive): &(usize, &Drive)| drives[..*i].iter().any(|other| other.name == drive.name);
+            if let Some((_, drive)) = drives.iter().enumerate().find(again) {
+                return Err(Failure::new(format_args!("{option} {} is given twice", drive.name)));
+            }
+        }
         if !self.inputs.iter().chain(self.signals).any(|drive| matches!(drive.source, Source::Formula(_))) {
             return Ok(sources);
         }
@@ -148,12 +154,14 @@ impl Drives<'_> {
             let known = inputs.iter().position(|name| *name == drive.name);
             let index = known.ok_or_else(|| unknown("--input", "input", &drive.name, &inputs))?;
             let given = match &drive.source {
-                Source::Table(path) => Given::Curve(table(path, &drive.name, span, Curve::broken_line)?),
+                Source::Table(path) => Given::Curve(table(
+                    path,
+                    &quantity(&derivation.inputs, index, &drive.name),
+                    span,
+                    Curve::broken_line,
+                )?),
                 Source::Formula(_) => Given::Function(formula(derivation, index, &drive.name)?),
             };
-            if driven.inputs.iter().any(|(other, _)| *other == index) {
-                return Err(Failure::new(format_args!("--input {} is given twice", drive.name)));
-            }
             driven.inputs.push((index, given));
         }
         let signals = component_names(&derivation.prescribed);
@@ -161,10 +169,8 @@ impl Drives<'_> {
             let Source::Table(path) = &drive.source else { continue };
             let known = signals.iter().position(|name| *name == drive.name);
             let index = known.ok_or_else(|| unknown("--signal", "prescribed signal", &drive.name, &signals))?;
-            if driven.signals.iter().any(|(other, _)| *other == index) {
-                return Err(Failure::new(format_args!("--signal {} is given twice", drive.name)));
-            }
-            driven.signals.push((index, table(path, &drive.name, span, Curve::spline)?));
+            let wanted = quantity(&derivation.prescribed, index, &drive.name);
+            driven.signals.push((index, table(path, &wanted, span, Curve::spline)?));
         }
         Ok(driven)
     }
@@ -259,13 +265,12 @@ fn formula(derivation: &Derivation, index: usize, name: &str) -> Result<usize, F
         derivation.functions.iter().position(is_value).ok_or_else(|| refused("there is no value".to_string()))?;
     let function = &derivation.functions[number];
     let FunctionKind::Output(output) = function.kind else { return Err(refused("there is no value".to_string())) };
-    let units = derivation.inputs.iter().flat_map(|v| std::iter::repeat_n(&v.unit, v.count()));
-    let unit = units.clone().nth(index).cloned().unwrap_or_default();
+    let unit = quantity(&derivation.inputs, index, name).unit;
     if function.program.results.len() != 1 {
         return Err(refused("an input is one number".to_string()));
     }
     let found = &derivation.output_units[output][0];
-    if !given::is_of(found, &unit) {
+    if !given::is_of(found, unit) {
         return Err(refused(format!("it is in {unit}, the formula is in {found}")));
     }
     if function.program.uses(|symbol| matches!(symbol, mbs_derive::expr::Symbol::Input(_))) {
@@ -327,10 +332,59 @@ fn unknown(option: &str, what: &str, name: &str, known: &[String]) -> Failure {
     Failure::new(format_args!("{option}: there is no {what} `{name}`{hint}"))
 }
 
-/// A table whose first column is the time; the values are in the column of this name, or in the second.
+/// What a column of a table is wanted for.
+struct Wanted<'a> {
+    name: &'a str,
+    unit: &'a str,
+}
+
+/// The component with this number of some variables.
+fn quantity<'a>(variables: &'a [Variable], index: usize, name: &'a str) -> Wanted<'a> {
+    let mut units = variables.iter().flat_map(|v| std::iter::repeat_n(v.unit.as_str(), v.count()));
+    Wanted { name, unit: units.nth(index).unwrap_or("1") }
+}
+
+/// The columns of a table that count: times, and values.
+struct Columns {
+    /// Where the values stand.
+    values: usize,
+    /// What times and values are multiplied by: they are in the units of the header, without one in SI units.
+    scales: [f64; 2],
+}
+
+impl Columns {
+    /// As a table without a header has them.
+    const FIRST_TWO: Columns = Columns { values: 1, scales: [1.0; 2] };
+
+    /// From a header, `t [ms], push [kN]`: the first column is the time, that of the name has the values.
+    fn of(header: &csv::StringRecord, wanted: &Wanted<'_>) -> Result<Columns, String> {
+        let headings: Vec<_> = header.iter().map(heading).collect();
+        let Some(values) = headings.iter().skip(1).position(|(name, _)| *name == wanted.name).map(|i| i + 1) else {
+            let names: Vec<&str> = headings.iter().map(|(name, _)| *name).collect();
+            return Err(format!("there is no column `{}`; the columns are {}", wanted.name, names.join(", ")));
+        };
+        let scale = |column: usize, unit: &str| match headings[column] {
+            (_, None) => Ok(1.0),
+            (name, Some(own)) => {
+                given::in_si(&format!("1 {own}"), unit).map_err(|reason| format!("column `{name}`: {reason}"))
+            }
+        };
+        Ok(Columns { values, scales: [scale(0, "s")?, scale(values, wanted.unit)?] })
+    }
+}
+
+/// The name and the unit of a column: `push [kN]`.
+fn heading(cell: &str) -> (&str, Option<&str>) {
+    match cell.strip_suffix(']').and_then(|cell| cell.split_once('[')) {
+        Some((name, unit)) => (name.trim(), Some(unit.trim())),
+        None => (cell, None),
+    }
+}
+
+/// A table whose first column is the time; the values are in the column of this name, without a header in the second.
 fn table(
     path: &Path,
-    name: &str,
+    wanted: &Wanted<'_>,
     (start, end): (f64, f64),
     curve: fn(Vec<f64>, Vec<f64>) -> Curve,
 ) -> Result<Curve, Failure> {
@@ -339,7 +393,7 @@ fn table(
     let bytes = fs::read(path).map_err(|error| Failure::new(format_args!("cannot read {shown}: {error}")))?;
     let mut reader =
         csv::ReaderBuilder::new().has_headers(false).comment(Some(b'#')).trim(csv::Trim::All).from_reader(&*bytes);
-    let (mut times, mut values, mut column) = (Vec::new(), Vec::new(), 1);
+    let (mut times, mut values, mut columns) = (Vec::new(), Vec::new(), Columns::FIRST_TWO);
     for (number, record) in reader.records().enumerate() {
         let record = record.map_err(|error| refused(error.to_string()))?;
         let line = record.position().map_or(0, |position| position.line());
@@ -349,15 +403,10 @@ fn table(
             number.ok_or_else(|| refused(format!("line {line}, column {}: `{text}` is not a finite number", i + 1)))
         };
         if number == 0 && record.iter().any(|cell| cell.parse::<f64>().is_err()) {
-            let named = record.iter().position(|cell| cell == name);
-            column = match (named, record.len()) {
-                (Some(column), _) => column,
-                (None, 2) => 1,
-                (None, _) => return Err(refused(format!("there is no column `{name}`"))),
-            };
+            columns = Columns::of(&record, wanted).map_err(refused)?;
             continue;
         }
-        let (time, value) = (cell(0)?, cell(column)?);
+        let [time, value] = [columns.scales[0] * cell(0)?, columns.scales[1] * cell(columns.values)?];
         if times.last().is_some_and(|last| *last >= time) {
             return Err(refused(format!(
                 "line {line}: times must increase, {time:?} comes after {:?}",

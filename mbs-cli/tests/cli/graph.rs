@@ -192,6 +192,7 @@ fn evaluate(report: &Value, state: &Value) -> Vec<f64> {
             "sinh" => a[0].sinh(),
             "cosh" => a[0].cosh(),
             "tanh" => a[0].tanh(),
+            "sech" => 1.0 / a[0].cosh(),
             "exp" => a[0].exp(),
             "ln" => a[0].ln(),
             "abs" => a[0].abs(),

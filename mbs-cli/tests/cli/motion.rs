@@ -102,6 +102,28 @@ fn tables_drive_inputs_and_signals() {
     assert!(report.contains("the table wall.csv was read"), "{report}");
 }
 
+/// The units of a header count, and its names: kilonewtons and milliseconds.
+#[test]
+fn tables_are_in_the_units_of_their_headers() {
+    const DRIVEN: [&str; 4] = ["--input", "push=@push.csv", "--signal", "wall=0.5"];
+    let workshop = workshop();
+    workshop.write("push.csv", "t [s],other [m],push [N]\n0,9,2\n2,9,2.5\n");
+    let (_, expected) = run(&workshop, &DRIVEN);
+    workshop.write("push.csv", "t [ms], push [kN]\n0,0.002\n2000,0.0025\n");
+    let (_, row) = run(&workshop, &DRIVEN);
+    assert!(row.iter().zip(&expected).all(|(a, b)| (a - b).abs() < 1e-9), "{row:?} {expected:?}");
+    let bad = |table: &str| {
+        workshop.write("push.csv", table);
+        workshop.bad(&[RUN.as_slice(), DRIVEN.as_slice()].concat())
+    };
+    let report = bad("t,force\n0,1\n2,1\n");
+    assert_eq!(report, "error: push.csv: there is no column `push`; the columns are t, force\n");
+    let report = bad("t,push [mm]\n0,1\n2,1\n");
+    assert!(report.starts_with("error: push.csv: column `push`: its unit `mm` does not fit, "), "{report}");
+    let report = bad("t [kg],push\n0,1\n2,1\n");
+    assert!(report.starts_with("error: push.csv: column `t`: its unit `kg` does not fit, "), "{report}");
+}
+
 #[test]
 fn wrong_formulas_are_refused() {
     let workshop = workshop();
