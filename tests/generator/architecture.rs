@@ -136,3 +136,17 @@ fn crates_look_one_way() {
     assert_one_way(&arrows);
     assert!(arrows["mbs-derive"].is_empty() && arrows["mbs-runtime"].is_empty());
 }
+
+/// A stranger finds what CONTRIBUTING.md sends them to.
+#[test]
+fn the_files_that_contributing_names_exist() {
+    let text = read(&Path::new(ROOT).join("CONTRIBUTING.md"));
+    let (_, section) = text.split_once("## Where it goes").expect("the heading is there");
+    let table: Vec<&str> = section.lines().filter(|line| line.starts_with('|')).collect();
+    let paths: Vec<&str> =
+        table.iter().flat_map(|line| line.split('`').skip(1).step_by(2)).filter(|path| path.contains('/')).collect();
+    assert!(table.len() > 8 && paths.len() > 12, "{table:?}");
+    for path in paths {
+        assert!(Path::new(ROOT).join(path).exists(), "CONTRIBUTING.md names {path}, which is not there");
+    }
+}

@@ -301,26 +301,24 @@ fn per_link_constant(chains: &[Derivation; 3]) {
     }
 }
 
-/// What issue 4 asks of the benchmark arm, however it is declared: less than dynamics that a specialist customises by
-/// hand.
+/// What the benchmark arm costs at most, however it is declared: less than dynamics that a specialist customises by
+/// hand. A rise is a mistake, a fall is to be written here.
 #[test]
 fn budget_of_the_benchmark_arm_as_bodies() {
     let budget = [
-        ("inverse_dynamics", 510),
-        ("bias", 480),
-        ("mass_matrix", 262),
-        ("forward_dynamics", 900),
-        ("coriolis_matrix", 940),
-        ("inverse_dynamics_jacobian", 4000),
+        ("inverse_dynamics", 494),
+        ("bias", 456),
+        ("mass_matrix", 253),
+        ("forward_dynamics", 865),
+        ("coriolis_matrix", 936),
+        ("inverse_dynamics_jacobian", 3006),
     ];
     let mut excess = String::new();
     for name in ["arm6", "arm6_params", "arm6_world"] {
         let derivation = derivation_of(source(name)).unwrap_or_else(|errors| panic!("{errors}"));
         for (function, most) in budget {
             let operations = derivation.function(function).expect("generated for every mechanism").operations;
-            let most_sincos =
-                if ["mass_matrix", "coriolis_matrix", "forward_dynamics"].contains(&function) { 6 } else { 5 };
-            if operations.flops() > most || operations.sincos > most_sincos {
+            if operations.flops() > most || operations.sincos > 5 {
                 excess += &format!("{name}: {function}: {operations:?}, budget {most}\n");
             }
         }
