@@ -54,7 +54,7 @@ mod interpolation;
 pub mod lagrangian;
 pub mod landmark;
 #[cfg(test)]
-mod manual;
+pub(crate) mod manual;
 mod misplaced;
 pub(crate) mod moments;
 mod operator;

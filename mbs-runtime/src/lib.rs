@@ -129,11 +129,6 @@
 #[cfg(feature = "std")]
 extern crate std;
 
-/// The examples of the manual.
-#[cfg(all(doctest, feature = "std"))]
-#[doc = include_str!("../../docs/integrators.md")]
-pub mod manual {}
-
 /// The nalgebra that conversions speak of.
 pub use nalgebra;
 /// The serde that generated code derives through.

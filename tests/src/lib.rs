@@ -9,6 +9,11 @@
 //! - [`mutants`]: changes of the source that tests must notice;
 //! - [`mechanisms`]: generated from `mechanisms/*.mbs`, which were written from the manual alone.
 
+/// The examples of the manual of the integrators.
+#[cfg(doctest)]
+#[doc = include_str!("../../docs/integrators.md")]
+pub mod integrators {}
+
 pub mod by_hand;
 pub mod compare;
 pub mod counting;
