@@ -234,14 +234,14 @@ pub fn straight_line(lagrangian: &Lagrangian<'_>, routes: &[Equations<'_>]) -> D
 }
 
 /// The functions by each route, without sums that vanish: of all of them at once, since they have most nodes in common.
+/// Accelerations and their derivatives keep them: they are differences of equations, and what these have in common has
+/// to round alike, where a coordinate has 1e-8 of the inertia of another.
 fn ways<'g>(lagrangian: &Lagrangian<'_>, routes: &[Equations<'g>]) -> Vec<(Route, Vec<Roots<'g>>)> {
     let mut ways: Vec<_> = routes.iter().map(|route| (route.route, functions(route, &lagrangian.reactions))).collect();
-    let roots = |ways: &[(Route, Vec<Roots<'g>>)]| {
-        ways.iter().flat_map(|(_, functions)| functions).flat_map(|function| function.roots.clone()).collect::<Vec<_>>()
-    };
-    let mut rest = without_vanishing_sums(&roots(&ways)).into_iter();
-    let functions = ways.iter_mut().flat_map(|(_, functions)| functions);
-    functions.flat_map(|function| &mut function.roots).zip(&mut rest).for_each(|(root, new)| *root = new);
+    let simplified = ways.iter_mut().flat_map(|(_, functions)| functions).filter(|function| !function.kind.is_solved());
+    let mut roots: Vec<&mut Expr<'g>> = simplified.flat_map(|function| &mut function.roots).collect();
+    let all: Vec<Expr<'g>> = roots.iter().map(|root| **root).collect();
+    roots.iter_mut().zip(without_vanishing_sums(&all)).for_each(|(root, new)| **root = new);
     ways
 }
 
@@ -251,6 +251,14 @@ fn count_constrained_motion(functions: &mut [Function]) {
     let Some(motion) = forward_dynamics.filter(|f| f.completion.is_constrained()).map(|f| f.operations) else { return };
     let is_slope = |f: &&mut Function| matches!(f.kind, FunctionKind::Linearize | FunctionKind::LinearizeParameters);
     functions.iter_mut().filter(is_slope).for_each(|f| f.operations = f.operations + motion);
+}
+
+impl FunctionKind {
+    /// Whether a system of the equations of motion is solved for it.
+    fn is_solved(&self) -> bool {
+        use FunctionKind as Kind;
+        matches!(self, Kind::ForwardDynamics | Kind::Linearize | Kind::LinearizeParameters | Kind::Multipliers)
+    }
 }
 
 impl Derivation {
