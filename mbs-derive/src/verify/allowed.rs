@@ -50,9 +50,8 @@ impl Trial<'_> {
         self.equal("energy balance", &[momentum_dot_velocity_rate - l.derivative], &[power - l_t.derivative])
     }
 
-    /// Whether velocities and accelerations satisfy the constraints, and are not so large that energies overflow: off the
-    /// constraints, more rows than coordinates may contradict each other, and where a slope has faded (that of tanh far
-    /// away) what it would take to hold a row by it has no limit.
+    /// Whether velocities and accelerations satisfy the constraints: off them, more rows than coordinates may
+    /// contradict each other.
     fn is_allowed(&self, state: &State<Rounded>) -> bool {
         let rates = self.interpreter.call("constraint_rate", state).unwrap_or_default();
         let product = times(&self.call_if_any("constraint_jacobian"), &state.qdd);
@@ -60,7 +59,7 @@ impl Trial<'_> {
         let is_small = |v: &Rounded, size: f64| v.value.abs() <= 1e-9 * size + ROUNDING * v.error;
         let along = product.iter().zip(&bias).map(|(&a, &b)| (a + b, a.value.abs() + b.value.abs()));
         let speed = state.qd.iter().map(|v| v.value.abs()).fold(0.0, f64::max);
-        state.qd.iter().chain(&state.qdd).all(|v| v.value.abs() < 1e50)
+        state.qd.iter().chain(&state.qdd).all(|v| v.value.is_finite())
             && rates.iter().all(|rate| is_small(rate, speed))
             && along.into_iter().all(|(rate, size)| is_small(&rate, size))
     }
@@ -113,7 +112,8 @@ impl Trial<'_> {
         (0..n).map(|i| scales.weight(i)).collect()
     }
 
-    /// The velocities nearest to the state's with `A q̇ + b = 0`.
+    /// The velocities nearest to the state's with `A q̇ + b = 0`; `None` where they are so large that energies overflow:
+    /// where a slope has faded, as that of tanh far away, a row may be held by it alone at no other.
     fn allowed_velocities(&self) -> Option<Vec<Rounded>> {
         if !self.is_constrained() {
             return Some(self.state.qd.clone());
@@ -121,7 +121,9 @@ impl Trial<'_> {
         let a = doubles_of(&self.call_if_any("constraint_jacobian"));
         let target: Vec<f64> = self.call_if_any("constraint_rate").iter().map(|v| -v.value).collect();
         let change = least_change(&doubles_of(&self.weights()), &a, self.vectors(), &target)?;
-        Some(self.state.qd.iter().zip(change).map(|(qd, change)| Rounded::exact(qd.value + change)).collect())
+        let is_moderate = change.iter().all(|change| change.abs() < 1e50);
+        let changed = self.state.qd.iter().zip(change).map(|(qd, change)| Rounded::exact(qd.value + change));
+        is_moderate.then(|| changed.collect())
     }
 
     /// q̈ and λ of `M q̈ = f + Aᵀ λ`, `A q̈ + γ = 0` at a state with this one's coordinates.
