@@ -1,7 +1,7 @@
 //! Sums that are zero for all values of their symbols, and so would leave nothing but rounding.
 //!
-//! The rate of a slope less the slope of a rate is one, where the order of factors hides it: `a (b c) − b (a c)`. Beside
-//! small terms its rounding may be all that is seen. Which sums vanish is decided in two finite fields
+//! The rate of a slope less the slope of that rate is zero, where the order of factors hides it: `a (b c) − b (a c)`.
+//! Beside small terms its rounding may be all that is seen. Which sums vanish is decided in two finite fields
 //! ([`residue`](super::residue)), never by a tolerance.
 
 use super::evaluate::{Value, value_of};
@@ -21,7 +21,7 @@ const POINTS_OF_ROOTS: u32 = 24;
 /// This many points are tried at most: at one in two a root has no value.
 const TRIED: u64 = 96;
 
-/// The expressions with zero in the place of each sum that vanishes; the same ones where there are none.
+/// The expressions with zero in the place of each sum that vanishes; unchanged where no sum does.
 pub fn without_vanishing_sums<'g>(roots: &[Expr<'g>]) -> Vec<Expr<'g>> {
     let Some(graph) = roots.first().map(|root| root.graph()) else { return Vec::new() };
     let order = graph.reachable(roots.iter().map(|root| root.id()));
