@@ -5,10 +5,10 @@
 //! are given the pose in four digits. It prints 45, 29.9977, 29.9993, −44.9962, 30.0036, −0.0052: what its formulas
 //! make of that input.
 
+use mbs_arm::inverse::Solution;
+use mbs_arm::jacobian::{self, Jacobian};
+use mbs_arm::{Arm, JointLimits, JointVector, printed};
 use mbs_examples::{Failure, arguments::Arguments, output};
-use mbs_models::arm::inverse::Solution;
-use mbs_models::arm::jacobian::{self, Jacobian};
-use mbs_models::arm::{Arm, JointLimits, JointVector, printed};
 use mbs_runtime::Pose;
 use serde_json::{Value, json};
 

@@ -8,8 +8,8 @@
 use std::hint::black_box;
 use std::time::Instant;
 
+use mbs_arm::{Arm, InverseKinematics};
 use mbs_examples::{Failure, arguments::Arguments, output};
-use mbs_models::arm::{Arm, InverseKinematics};
 use mbs_runtime::Pose;
 use serde_json::{Map, Value, json};
 
@@ -152,7 +152,7 @@ fn configurations(arm: &Arm) -> Vec<[f64; 6]> {
         ((bits ^ (bits >> 31)) as f64 / u64::MAX as f64 * 2.0 - 1.0) * std::f64::consts::PI
     };
     let regular = |q: &[f64; 6]| {
-        let factors = mbs_models::arm::jacobian::determinant_factors(q);
+        let factors = mbs_arm::jacobian::determinant_factors(q);
         [factors.shoulder, factors.elbow, factors.wrist].iter().all(|factor| factor.abs() > 0.05)
     };
     std::iter::repeat_with(|| std::array::from_fn(|_| uniform()))
@@ -165,7 +165,7 @@ fn configurations(arm: &Arm) -> Vec<[f64; 6]> {
 mod plain {
     use std::f64::consts::{FRAC_PI_2, PI};
 
-    use mbs_models::arm::{A1, A2, A3, D1, D4, D6};
+    use mbs_arm::{A1, A2, A3, D1, D4, D6};
     use mbs_runtime::Pose;
     use nalgebra::{Matrix3, Matrix4, Matrix6, Vector3};
 

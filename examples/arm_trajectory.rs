@@ -19,8 +19,8 @@ mod summary;
 #[path = "arm_trajectory/tables.rs"]
 mod tables;
 
+use mbs_arm::Arm;
 use mbs_examples::{Failure, arguments::Arguments, output};
-use mbs_models::arm::Arm;
 use serde_json::{Value, json};
 
 use cases::{Case, Run};

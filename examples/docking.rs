@@ -15,9 +15,9 @@ mod figures;
 mod flight;
 
 use mbs_examples::{Failure, arguments::Arguments, output};
-use mbs_models::orbit::mission::coast::Attraction;
-use mbs_models::orbit::mission::phasing::Method;
-use mbs_models::orbit::mission::{Axis, Mission, Phase, Report, STATION_ATTRACTION};
+use mbs_orbit::mission::coast::Attraction;
+use mbs_orbit::mission::phasing::Method;
+use mbs_orbit::mission::{Axis, Mission, Phase, Report, STATION_ATTRACTION};
 use serde_json::{Value, json};
 
 use flight::{Flight, Thrusters};

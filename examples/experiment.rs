@@ -17,8 +17,8 @@ mod run;
 mod summary;
 
 use mbs_examples::{Failure, arguments::Arguments};
-use mbs_models::experiment::plan::Attitude;
-use mbs_models::quadrotor::heave::Heave;
+use mbs_landing::experiment::plan::Attitude;
+use mbs_landing::quadrotor::heave::Heave;
 
 use run::{Case, Run};
 

@@ -12,9 +12,9 @@ use std::time::Instant;
 
 use indicatif::{ProgressBar, ProgressStyle};
 use mbs_examples::{Failure, arguments::Arguments, output};
-use mbs_models::quadrotor::heave::Heave;
-use mbs_models::quadrotor::landing::{Landing, LandingError, Plant};
-use mbs_models::quadrotor::touchdown::Touchdown;
+use mbs_landing::quadrotor::heave::Heave;
+use mbs_landing::quadrotor::landing::{Landing, LandingError, Plant};
+use mbs_landing::quadrotor::touchdown::Touchdown;
 use mbs_models::quadrotor_euler::{Params, QuadrotorEuler};
 use mbs_runtime::State;
 use rand::SeedableRng;

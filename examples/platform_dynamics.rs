@@ -16,7 +16,7 @@ mod summary;
 mod tables;
 
 use mbs_examples::{Failure, arguments::Arguments, output};
-use mbs_models::platform::{Coordinates, DirectKinematics, HOME, Motion, Platform};
+use mbs_platform::{Coordinates, DirectKinematics, HOME, Motion, Platform};
 use serde_json::{Value, json};
 
 use tables::{Samples, TABLE_4, table_3, table_4};

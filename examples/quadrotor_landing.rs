@@ -23,8 +23,8 @@ mod platform;
 mod summary;
 
 use mbs_examples::{Failure, arguments::Arguments, output};
-use mbs_models::platform::limits::LegState;
-use mbs_models::platform::{HOME, Superposition};
+use mbs_platform::limits::LegState;
+use mbs_platform::{HOME, Superposition};
 
 use flight::{CASES, Flight, Kind, MARINE};
 use platform::OnPlatform;

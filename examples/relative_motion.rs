@@ -17,7 +17,7 @@ mod flight;
 mod sensitivity;
 
 use mbs_examples::{Failure, arguments::Arguments, output};
-use mbs_models::orbit::EARTH_RADIUS;
+use mbs_orbit::EARTH_RADIUS;
 use serde_json::{Map, Value, json};
 
 use cases::Case;

@@ -12,9 +12,9 @@ mod orbits;
 
 use std::path::Path;
 
-use mbs_cli::chart::{Figure, Panel, Plane, PlaneLine};
+use mbs_chart::{Figure, Panel, Plane, PlaneLine};
 use mbs_examples::{Failure, arguments::Arguments, output};
-use mbs_models::orbit::libration::{Modes, Point, points};
+use mbs_orbit::libration::{Modes, Point, points};
 use serde_json::{Value, json};
 
 use orbits::{Flight, arenstorf, asteroids};

@@ -11,7 +11,7 @@ mod earth_moon;
 #[path = "two_body/ellipse.rs"]
 mod ellipse;
 
-use mbs_cli::chart::{Figure, Panel, Plane, PlaneLine};
+use mbs_chart::{Figure, Panel, Plane, PlaneLine};
 use mbs_examples::{Failure, arguments::Arguments, output};
 use serde_json::json;
 

@@ -1,12 +1,12 @@
 //! Both cases of Table 2, by three methods each.
 
+use mbs_arm::trajectory::cartesian::{Singularity, nearest_singularity};
+use mbs_arm::trajectory::sign_change::sign_changes;
+use mbs_arm::trajectory::time_optimal::{MotorLimits, TimeOptimal, retime};
+use mbs_arm::trajectory::work::{self, Integral};
+use mbs_arm::trajectory::{JointState, Motion, Piecewise, StraightPath, quartic, quintic, two_piece_quartic};
+use mbs_arm::{Arm, JointVector, jacobian};
 use mbs_examples::Failure;
-use mbs_models::arm::trajectory::cartesian::{Singularity, nearest_singularity};
-use mbs_models::arm::trajectory::sign_change::sign_changes;
-use mbs_models::arm::trajectory::time_optimal::{MotorLimits, TimeOptimal, retime};
-use mbs_models::arm::trajectory::work::{self, Integral};
-use mbs_models::arm::trajectory::{JointState, Motion, Piecewise, StraightPath, quartic, quintic, two_piece_quartic};
-use mbs_models::arm::{Arm, JointVector, jacobian};
 
 /// Table 2 of the thesis \[°\].
 const START: JointVector = [20.0, 10.0, 10.0, 10.0, 20.0, 10.0];

@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
-use mbs_cli::chart::{Curves, Figure, Line, Panel, Space, SpaceLine};
+use mbs_arm::Arm;
+use mbs_chart::{Curves, Figure, Line, Panel, Space, SpaceLine};
 use mbs_examples::{Failure, output::write_figure};
-use mbs_models::arm::Arm;
 
 use crate::cases::{Case, DURATION, Run, Sample};
 

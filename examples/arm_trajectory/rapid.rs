@@ -5,8 +5,8 @@
 
 use std::fmt::Write;
 
+use mbs_arm::Arm;
 use mbs_examples::Failure;
-use mbs_models::arm::Arm;
 
 use crate::cases::{self, Case, DURATION};
 

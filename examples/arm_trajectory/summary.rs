@@ -2,10 +2,10 @@
 
 use std::fmt::Write;
 
+use mbs_arm::Arm;
+use mbs_arm::trajectory::Motion;
+use mbs_arm::trajectory::cartesian::{CartesianError, CartesianPath, FlangeLine, branch_of};
 use mbs_examples::Failure;
-use mbs_models::arm::Arm;
-use mbs_models::arm::trajectory::Motion;
-use mbs_models::arm::trajectory::cartesian::{CartesianError, CartesianPath, FlangeLine, branch_of};
 
 use crate::cases::{self, Case};
 use crate::rapid;

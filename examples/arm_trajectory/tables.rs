@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
+use mbs_arm::Arm;
 use mbs_examples::{Failure, output::write_table};
-use mbs_models::arm::Arm;
 
 use crate::cases::{self, Case, Sample};
 

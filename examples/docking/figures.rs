@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
-use mbs_cli::chart::{Curves, Figure, Line, Panel, Plane, PlaneLine};
+use mbs_chart::{Curves, Figure, Line, Panel, Plane, PlaneLine};
 use mbs_examples::{Failure, output};
-use mbs_models::orbit::mission::{Axis, Moment, Phase};
+use mbs_orbit::mission::{Axis, Moment, Phase};
 
 use crate::flight::Flight;
 

@@ -1,7 +1,7 @@
 //! One mission, with what is drawn of it.
 
 use mbs_examples::Failure;
-use mbs_models::orbit::mission::{Burn, Mission, Moment, Report};
+use mbs_orbit::mission::{Burn, Mission, Moment, Report};
 use rand::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64Mcg;

@@ -1,6 +1,6 @@
 //! What the numbers rest on, and what nobody looked at.
 
-use mbs_models::experiment::tracking::{LINK_EXCESS, MODULE_EXCESS};
+use mbs_landing::experiment::tracking::{LINK_EXCESS, MODULE_EXCESS};
 use serde_json::{Value, json};
 
 /// From memory of the manufacturer's specification.

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use mbs_cli::chart::{Curves, Figure, Line, Panel, Space, SpaceLine};
+use mbs_chart::{Curves, Figure, Line, Panel, Space, SpaceLine};
 use mbs_examples::{Failure, output};
 
 use crate::run::{Other, Outcome, Run, Sample, Simulated};

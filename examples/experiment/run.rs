@@ -1,14 +1,14 @@
 //! One experiment: its plan, what it asks of the machines, and the simulated arm.
 
 use mbs_examples::Failure;
-use mbs_models::experiment::error::{Infeasible, PlanError};
-use mbs_models::experiment::flight::Flight;
-use mbs_models::experiment::plan::{Attitude, Experiment, Plan};
-use mbs_models::experiment::search::Search;
-use mbs_models::experiment::survey::Survey;
-use mbs_models::experiment::tracking::{Look, Tracked, Tracking, TrackingError};
-use mbs_models::quadrotor::heave::Heave;
-use mbs_models::quadrotor::landing::{Landing, Plant};
+use mbs_landing::experiment::error::{Infeasible, PlanError};
+use mbs_landing::experiment::flight::Flight;
+use mbs_landing::experiment::plan::{Attitude, Experiment, Plan};
+use mbs_landing::experiment::search::Search;
+use mbs_landing::experiment::survey::Survey;
+use mbs_landing::experiment::tracking::{Look, Tracked, Tracking, TrackingError};
+use mbs_landing::quadrotor::heave::Heave;
+use mbs_landing::quadrotor::landing::{Landing, Plant};
 use mbs_runtime::Pose;
 
 /// A motion of the platform.

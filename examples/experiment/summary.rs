@@ -2,8 +2,8 @@
 
 use std::fmt::Write;
 
-use mbs_models::experiment::plan::Attitude;
-use mbs_models::experiment::tracking::{LINK_EXCESS, MODULE_EXCESS, Tracked};
+use mbs_landing::experiment::plan::Attitude;
+use mbs_landing::experiment::tracking::{LINK_EXCESS, MODULE_EXCESS, Tracked};
 use serde_json::{Value, json};
 
 use crate::assumed;
@@ -145,10 +145,10 @@ fn write(text: &mut String, run: &Run<'_>) -> std::fmt::Result {
 
 #[cfg(test)]
 mod tests {
-    use mbs_models::experiment::Experiment;
-    use mbs_models::experiment::flight::Flight;
-    use mbs_models::quadrotor::heave::Heave;
-    use mbs_models::quadrotor::landing::{Landing, Plant};
+    use mbs_landing::experiment::Experiment;
+    use mbs_landing::experiment::flight::Flight;
+    use mbs_landing::quadrotor::heave::Heave;
+    use mbs_landing::quadrotor::landing::{Landing, Plant};
 
     use super::*;
     use crate::run::Case;

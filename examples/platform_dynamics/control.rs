@@ -3,8 +3,8 @@
 use std::ops::ControlFlow;
 
 use mbs_examples::Failure;
-use mbs_models::platform::control::ComputedTorque;
-use mbs_models::platform::{HOME, Motion, Platform};
+use mbs_platform::control::ComputedTorque;
+use mbs_platform::{HOME, Motion, Platform};
 use mbs_runtime::{Dop853, IntegrationError, Integrator, State};
 
 /// Of the errors \[rad/s\].

@@ -2,10 +2,10 @@
 
 use std::path::Path;
 
-use mbs_cli::chart::{Curves, Figure, Line, Panel, Space, SpaceLine};
+use mbs_chart::{Curves, Figure, Line, Panel, Space, SpaceLine};
 use mbs_examples::Failure;
 use mbs_examples::output::{write_figure, write_table};
-use mbs_models::platform::{Coordinates, HOME, LegVector, Motion, Platform};
+use mbs_platform::{Coordinates, HOME, LegVector, Motion, Platform};
 
 use crate::tables::{DURATION, Run, Samples, TABLE_4, table_3, table_4};
 

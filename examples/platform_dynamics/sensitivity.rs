@@ -5,8 +5,8 @@
 use std::path::Path;
 
 use mbs_examples::Failure;
-use mbs_models::platform::dynamics::{Direction, STILL};
-use mbs_models::platform::{LegVector, Motion, Platform};
+use mbs_platform::dynamics::{Direction, STILL};
+use mbs_platform::{LegVector, Motion, Platform};
 
 use crate::MOMENT;
 

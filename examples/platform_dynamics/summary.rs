@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use mbs_examples::{Failure, output::write_table};
-use mbs_models::platform::limits::{Excess, Survey};
-use mbs_models::platform::{HOME, LegVector, Motion, Platform};
+use mbs_platform::limits::{Excess, Survey};
+use mbs_platform::{HOME, LegVector, Motion, Platform};
 
 use crate::control::{self, follow};
 use crate::sensitivity;

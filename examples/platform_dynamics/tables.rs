@@ -1,7 +1,7 @@
 //! Lengths and forces of the legs along the motions of tables 3 and 4.
 
 use mbs_examples::Failure;
-use mbs_models::platform::{LegVector, Motion, Platform};
+use mbs_platform::{LegVector, Motion, Platform};
 
 /// \[kg\]
 pub(crate) const PAYLOADS: [u32; 3] = [0, 300, 1250];

@@ -3,11 +3,11 @@
 
 use std::path::Path;
 
-use mbs_cli::chart::{Curves, Figure, Line, Panel, Space, SpaceLine};
+use mbs_chart::{Curves, Figure, Line, Panel, Space, SpaceLine};
 use mbs_examples::{Failure, output};
-use mbs_models::platform::limits::LegState;
-use mbs_models::platform::{LegVector, PlatformMotion};
-use mbs_models::quadrotor::driven::{DrivenMoment, TrackingError};
+use mbs_landing::quadrotor::driven::{DrivenMoment, TrackingError};
+use mbs_platform::limits::LegState;
+use mbs_platform::{LegVector, PlatformMotion};
 
 use crate::flight::{Flight, MARINE, Moment};
 use crate::platform::{Comparison, OnPlatform};

@@ -1,13 +1,13 @@
 //! One landing on a deck that moves exactly as it is to, with what is drawn of it.
 
 use mbs_examples::Failure;
-use mbs_models::platform::Superposition;
-use mbs_models::quadrotor::deck::{Deck, HeavingDeck, MovingDeck, Relative};
-use mbs_models::quadrotor::ground_effect::GroundEffect;
-use mbs_models::quadrotor::heave::Heave;
-use mbs_models::quadrotor::landing::{Controller, Landing, Plant};
-use mbs_models::quadrotor::lqr::{Lqr, Weights};
-use mbs_models::quadrotor::touchdown::Touchdown;
+use mbs_landing::quadrotor::deck::{Deck, HeavingDeck, MovingDeck, Relative};
+use mbs_landing::quadrotor::ground_effect::GroundEffect;
+use mbs_landing::quadrotor::heave::Heave;
+use mbs_landing::quadrotor::landing::{Controller, Landing, Plant};
+use mbs_landing::quadrotor::lqr::{Lqr, Weights};
+use mbs_landing::quadrotor::touchdown::Touchdown;
+use mbs_platform::Superposition;
 use mbs_runtime::State;
 
 /// Cases of the thesis.

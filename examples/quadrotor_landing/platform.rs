@@ -7,13 +7,13 @@
 //! with the motion scaled to what stroke, speed and force of the legs allow.
 
 use mbs_examples::Failure;
-use mbs_models::platform::control::ComputedTorque;
-use mbs_models::platform::limits::{LegState, Quantity, Survey};
-use mbs_models::platform::{HOME, Platform, PlatformMotion, Superposition};
-use mbs_models::quadrotor::deck::MovingDeck;
-use mbs_models::quadrotor::driven::{Drive, DrivenMoment, DrivenTouchdown};
-use mbs_models::quadrotor::landing::{Landing, Plant};
-use mbs_models::quadrotor::touchdown::Touchdown;
+use mbs_landing::quadrotor::deck::MovingDeck;
+use mbs_landing::quadrotor::driven::{Drive, DrivenMoment, DrivenTouchdown};
+use mbs_landing::quadrotor::landing::{Landing, Plant};
+use mbs_landing::quadrotor::touchdown::Touchdown;
+use mbs_platform::control::ComputedTorque;
+use mbs_platform::limits::{LegState, Quantity, Survey};
+use mbs_platform::{HOME, Platform, PlatformMotion, Superposition};
 use serde_json::{Value, json};
 
 use crate::flight::{KEPT, over_base};

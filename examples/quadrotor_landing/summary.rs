@@ -1,7 +1,7 @@
 //! What the landings came to, as text and as JSON.
 
 use mbs_examples::Failure;
-use mbs_models::quadrotor::deck::Relative;
+use mbs_landing::quadrotor::deck::Relative;
 use mbs_models::quadrotor_euler::QuadrotorEuler;
 use serde_json::{Map, Value, json};
 

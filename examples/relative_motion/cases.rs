@@ -1,8 +1,8 @@
 //! The motions about a station, in its axes: x away from the Earth, y along the track, z along the normal of the orbit.
 
 use mbs_examples::Failure;
-use mbs_models::orbit::EARTH_MU;
-use mbs_models::orbit::station::Station;
+use mbs_orbit::EARTH_MU;
+use mbs_orbit::station::Station;
 use mbs_runtime::State;
 
 /// Distance of the station from the centre of the Earth on its circle \[m\]: 400 km above the equator.

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use mbs_cli::chart::{Figure, Panel, Plane, PlaneLine};
+use mbs_chart::{Figure, Panel, Plane, PlaneLine};
 use mbs_examples::{Failure, output};
 
 use crate::flight::{Flight, ORBITS};

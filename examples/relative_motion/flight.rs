@@ -1,13 +1,13 @@
 //! A motion over one orbit of the station, found in several ways.
 
 use mbs_examples::Failure;
-use mbs_models::orbit::EARTH_MU;
-use mbs_models::orbit::clohessy_wiltshire;
-use mbs_models::orbit::collision::fly;
-use mbs_models::orbit::lvlh::relative_motion;
-use mbs_models::orbit::station::{from_cylindrical, to_cylindrical};
-use mbs_models::orbit::vector::StateVector;
 use mbs_models::relative_cylindrical::{Params, RelativeCylindrical};
+use mbs_orbit::EARTH_MU;
+use mbs_orbit::clohessy_wiltshire;
+use mbs_orbit::collision::fly;
+use mbs_orbit::lvlh::relative_motion;
+use mbs_orbit::station::{from_cylindrical, to_cylindrical};
+use mbs_orbit::vector::StateVector;
 use mbs_runtime::{Dop853, State};
 
 use crate::cases::Case;

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use mbs_cli::chart::{self, Figure, Format};
+use mbs_chart::{Figure, Format};
 
 use crate::Failure;
 
@@ -20,7 +20,7 @@ pub fn create_folder(folder: &Path) -> Result<(), Failure> {
 /// What drawing or the file system refuses.
 pub fn write_figure(folder: &Path, name: &str, figure: &Figure) -> Result<(), Failure> {
     for (format, extension) in [(Format::Svg, "svg"), (Format::Png, "png")] {
-        std::fs::write(folder.join(format!("{name}.{extension}")), chart::draw(figure, format)?)?;
+        std::fs::write(folder.join(format!("{name}.{extension}")), mbs_chart::draw(figure, format)?)?;
     }
     Ok(())
 }

@@ -2,8 +2,8 @@
 
 use mbs_examples::Failure;
 use mbs_models::cr3bp_planar::{Cr3bpPlanar, Params};
-use mbs_models::orbit::collision::fly;
-use mbs_models::orbit::libration::points;
+use mbs_orbit::collision::fly;
+use mbs_orbit::libration::points;
 use mbs_runtime::{Dop853, State, accelerations};
 
 /// Mass ratio of Arenstorf's orbit.

@@ -1,9 +1,9 @@
 //! The Earth and the Moon in inertial axes about their barycentre, the Moon slower than it is.
 
 use mbs_examples::Failure;
-use mbs_models::orbit::EARTH_RADIUS;
-use mbs_models::orbit::collision::fly;
 use mbs_models::two_body::TwoBody;
+use mbs_orbit::EARTH_RADIUS;
+use mbs_orbit::collision::fly;
 use mbs_runtime::{Dop853, State, accelerations};
 
 /// How long they are followed.

@@ -2,8 +2,8 @@
 
 use mbs_examples::Failure;
 use mbs_models::kepler::{Kepler, Params};
-use mbs_models::orbit::collision::fly;
-use mbs_models::orbit::{kepler::propagate, vector::StateVector};
+use mbs_orbit::collision::fly;
+use mbs_orbit::{kepler::propagate, vector::StateVector};
 use mbs_runtime::{Dop853, Integrator, State, accelerations};
 
 /// When it is looked at.

@@ -24,7 +24,7 @@ mod table;
 use std::path::PathBuf;
 
 use clap::ValueEnum;
-use mbs_cli::chart::Format;
+use mbs_chart::Format;
 use mbs_derive::optimise::Derivation;
 use mbs_derive::variable::component_names;
 

@@ -83,14 +83,19 @@ fn arrows_in_the_generator() -> Arrows {
 
 /// Which members of the workspace depend on which, those for tests and builds included.
 fn arrows_between_crates() -> Arrows {
-    let members = ["mbs-derive", "mbs-runtime", "models", "mbs-cli", "tests", "examples"];
-    let package = |member: &str| if member.starts_with("mbs-") { member.into() } else { format!("mbs-{member}") };
+    let manifest = |folder: &str| read(&Path::new(ROOT).join(folder).join("Cargo.toml"));
+    let workspace = manifest("");
+    let (_, members) = workspace.split_once("members = [").expect("a workspace");
+    let (members, _) = members.split_once(']').expect("the end of its members");
+    let members: Vec<&str> = members.split('"').skip(1).step_by(2).collect();
     let used = |member: &str| {
-        let manifest = read(&Path::new(ROOT).join(member).join("Cargo.toml"));
+        let manifest_of_user = manifest(member);
         let depends = |other: &&str| {
-            let name = package(other);
+            let manifest = manifest(other);
+            let (_, name) = manifest.split_once("name = \"").expect("the name of a package");
+            let name = name.split('"').next().expect("a name");
             *other != member
-                && manifest
+                && manifest_of_user
                     .lines()
                     .any(|line| line.starts_with(&format!("{name}.")) || line.starts_with(&format!("{name} ")))
         };

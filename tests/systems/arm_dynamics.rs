@@ -4,10 +4,10 @@
 use std::f64::consts::PI;
 use std::ops::ControlFlow;
 
-use mbs_models::arm::control::{ComputedTorque, InvalidGain, Reference};
-use mbs_models::arm::inverse::PHI;
-use mbs_models::arm::jacobian::{SingularJacobian, condition, determinant, manipulability, singular_values};
-use mbs_models::arm::{A2, A3, Arm, D4, JointVector};
+use mbs_arm::control::{ComputedTorque, InvalidGain, Reference};
+use mbs_arm::inverse::PHI;
+use mbs_arm::jacobian::{SingularJacobian, condition, determinant, manipulability, singular_values};
+use mbs_arm::{A2, A3, Arm, D4, JointVector};
 use mbs_models::irb7600::{Irb7600, Params};
 use mbs_runtime::{Dop853, Dual, Integrator, Pose, Scalar, State, accelerations, to_matrix};
 use mbs_tests::compare::{assert_close, error};

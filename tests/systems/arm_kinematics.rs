@@ -2,10 +2,10 @@
 
 use std::f64::consts::{PI, TAU};
 
-use mbs_models::arm::inverse::{Branch, Elbow, Inexact, OutsideLimits, PHI, Shoulder, Singularities, Wrist};
-use mbs_models::arm::limits::InvalidLimits;
-use mbs_models::arm::printed;
-use mbs_models::arm::{
+use mbs_arm::inverse::{Branch, Elbow, Inexact, OutsideLimits, PHI, Shoulder, Singularities, Wrist};
+use mbs_arm::limits::InvalidLimits;
+use mbs_arm::printed;
+use mbs_arm::{
     A1, A2, A3, Arm, D1, D4, D6, InverseKinematics, JointLimits, JointVector, Solution, Solutions, Unsolvable,
 };
 use mbs_models::arm6::Arm6;
@@ -154,7 +154,7 @@ fn random_poses_are_reached_by_every_branch() {
 
 /// Wrist from axis 1, elbow, and wrist from straight, as sines or metres.
 fn arm_factors(q: &JointVector) -> [f64; 3] {
-    let factors = mbs_models::arm::jacobian::determinant_factors(q);
+    let factors = mbs_arm::jacobian::determinant_factors(q);
     [factors.shoulder, factors.elbow, factors.wrist].map(f64::abs)
 }
 

@@ -6,10 +6,10 @@ mod plans;
 mod rail;
 mod tracks;
 
-use mbs_models::experiment::Experiment;
-use mbs_models::experiment::flight::Flight;
-use mbs_models::quadrotor::heave::Heave;
-use mbs_models::quadrotor::landing::{Landing, Plant};
+use mbs_landing::experiment::Experiment;
+use mbs_landing::experiment::flight::Flight;
+use mbs_landing::quadrotor::heave::Heave;
+use mbs_landing::quadrotor::landing::{Landing, Plant};
 
 /// The landing of a case as it is flown.
 fn flown(heave: Heave<4>) -> Experiment {

@@ -6,7 +6,7 @@ use std::f64::consts::PI;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use astro_float::{BigFloat, Consts, RoundingMode, Sign};
-use mbs_models::orbit::anomaly::{self, AnomalyError};
+use mbs_orbit::anomaly::{self, AnomalyError};
 use mbs_tests::random::Random;
 
 /// A number of 256 bits.

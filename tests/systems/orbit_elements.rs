@@ -2,11 +2,11 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use mbs_models::orbit::EARTH_MU;
-use mbs_models::orbit::anomaly::{self, AnomalyError};
-use mbs_models::orbit::elements::{Elements, ElementsError};
-use mbs_models::orbit::kepler::propagate;
-use mbs_models::orbit::vector::StateVector;
+use mbs_orbit::EARTH_MU;
+use mbs_orbit::anomaly::{self, AnomalyError};
+use mbs_orbit::elements::{Elements, ElementsError};
+use mbs_orbit::kepler::propagate;
+use mbs_orbit::vector::StateVector;
 use mbs_tests::random::Random;
 use nalgebra::{Rotation3, Vector3};
 

@@ -1,14 +1,14 @@
-//! Zeros, infinities, NaN, the largest and the smallest numbers: a function of `mbs_models::orbit` returns an error or
+//! Zeros, infinities, NaN, the largest and the smallest numbers: a function of `mbs_orbit` returns an error or
 //! finite numbers.
 
-use mbs_models::orbit::elements::Elements;
-use mbs_models::orbit::lambert::{Branch, Route, arc};
-use mbs_models::orbit::libration::{Modes, Point, points};
-use mbs_models::orbit::lvlh::{Frame, relative_motion};
-use mbs_models::orbit::mission::glideslope::Glideslope;
-use mbs_models::orbit::station::{Station, to_cylindrical};
-use mbs_models::orbit::vector::StateVector;
-use mbs_models::orbit::{anomaly, clohessy_wiltshire, kepler, transition, yamanaka_ankersen};
+use mbs_orbit::elements::Elements;
+use mbs_orbit::lambert::{Branch, Route, arc};
+use mbs_orbit::libration::{Modes, Point, points};
+use mbs_orbit::lvlh::{Frame, relative_motion};
+use mbs_orbit::mission::glideslope::Glideslope;
+use mbs_orbit::station::{Station, to_cylindrical};
+use mbs_orbit::vector::StateVector;
+use mbs_orbit::{anomaly, clohessy_wiltshire, kepler, transition, yamanaka_ankersen};
 use mbs_tests::random::Random;
 
 const EXTREMES: [f64; 14] = [

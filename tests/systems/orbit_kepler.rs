@@ -2,10 +2,10 @@
 
 use std::f64::consts::PI;
 
-use mbs_models::orbit::EARTH_MU;
-use mbs_models::orbit::kepler::{KeplerError, propagate};
-use mbs_models::orbit::transition::{Transition, state_transition};
-use mbs_models::orbit::vector::StateVector;
+use mbs_orbit::EARTH_MU;
+use mbs_orbit::kepler::{KeplerError, propagate};
+use mbs_orbit::transition::{Transition, state_transition};
+use mbs_orbit::vector::StateVector;
 use mbs_tests::random::Random;
 use nalgebra::{Matrix6, UnitQuaternion, Vector3};
 

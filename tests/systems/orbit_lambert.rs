@@ -2,10 +2,10 @@
 
 use std::f64::consts::PI;
 
-use mbs_models::orbit::kepler::propagate;
-use mbs_models::orbit::lambert::{Branch, ConicArc, LambertError, Route, arc};
-use mbs_models::orbit::transition::state_transition;
-use mbs_models::orbit::vector::StateVector;
+use mbs_orbit::kepler::propagate;
+use mbs_orbit::lambert::{Branch, ConicArc, LambertError, Route, arc};
+use mbs_orbit::transition::state_transition;
+use mbs_orbit::vector::StateVector;
 use mbs_tests::random::Random;
 use nalgebra::Vector3;
 

@@ -3,18 +3,18 @@
 
 use std::f64::consts::PI;
 
-use mbs_models::orbit::clohessy_wiltshire::TargetingError;
-use mbs_models::orbit::elements::{Elements, ElementsError};
-use mbs_models::orbit::kepler::propagate;
-use mbs_models::orbit::lvlh::{Frame, RelativeMotion, relative_motion};
-use mbs_models::orbit::mission::coast::Attraction;
-use mbs_models::orbit::mission::error::MissionError;
-use mbs_models::orbit::mission::glideslope::{Glideslope, GlideslopeError};
-use mbs_models::orbit::mission::phasing::{Method, Phasing};
-use mbs_models::orbit::mission::safety::Zone;
-use mbs_models::orbit::mission::{Axis, LinearModel, Mission, Phase, Report, STATION_ATTRACTION};
-use mbs_models::orbit::vector::StateVector;
-use mbs_models::orbit::{EARTH_MU, EARTH_RADIUS};
+use mbs_orbit::clohessy_wiltshire::TargetingError;
+use mbs_orbit::elements::{Elements, ElementsError};
+use mbs_orbit::kepler::propagate;
+use mbs_orbit::lvlh::{Frame, RelativeMotion, relative_motion};
+use mbs_orbit::mission::coast::Attraction;
+use mbs_orbit::mission::error::MissionError;
+use mbs_orbit::mission::glideslope::{Glideslope, GlideslopeError};
+use mbs_orbit::mission::phasing::{Method, Phasing};
+use mbs_orbit::mission::safety::Zone;
+use mbs_orbit::mission::{Axis, LinearModel, Mission, Phase, Report, STATION_ATTRACTION};
+use mbs_orbit::vector::StateVector;
+use mbs_orbit::{EARTH_MU, EARTH_RADIUS};
 use mbs_tests::random::Random;
 use nalgebra::Vector3;
 
@@ -115,7 +115,7 @@ fn bad_thrusters_cost_fuel_and_accuracy_but_dock() {
     let perfect = flown(&Mission::to_the_station(Axis::VBar));
     for seed in 0..20 {
         let mut random = Random::new(seed);
-        let thrust = |burn: &mbs_models::orbit::mission::Burn| {
+        let thrust = |burn: &mbs_orbit::mission::Burn| {
             let size = norm(&burn.delta_v);
             let error: [f64; 3] = std::array::from_fn(|_| size * random.uniform(-0.02..0.02));
             std::array::from_fn(|i| burn.delta_v[i] + error[i])
@@ -398,7 +398,7 @@ fn bad_input_is_refused_with_its_value() {
     let broken = good.fly(|_| [f64::NAN; 3], |_| {}).unwrap_err();
     assert!(matches!(broken, MissionError::Thrust { time } if time > 1000.0), "{broken}");
     // Thrusters that fail for the last metres: it comes to a stop before the port, or drifts away.
-    let failing = |burn: &mbs_models::orbit::mission::Burn| match burn.phase {
+    let failing = |burn: &mbs_orbit::mission::Burn| match burn.phase {
         Phase::Docking => [0.0, -0.02, 0.0],
         _ => burn.delta_v,
     };

@@ -2,14 +2,14 @@
 
 use std::f64::consts::PI;
 
-use mbs_models::orbit::EARTH_MU;
-use mbs_models::orbit::clohessy_wiltshire::{self, TargetingError};
-use mbs_models::orbit::elements::Elements;
-use mbs_models::orbit::kepler::{KeplerError, propagate};
-use mbs_models::orbit::lvlh::{Frame, RelativeMotionError, relative_motion};
-use mbs_models::orbit::transition;
-use mbs_models::orbit::vector::StateVector;
-use mbs_models::orbit::yamanaka_ankersen::{self, TransitionError};
+use mbs_orbit::EARTH_MU;
+use mbs_orbit::clohessy_wiltshire::{self, TargetingError};
+use mbs_orbit::elements::Elements;
+use mbs_orbit::kepler::{KeplerError, propagate};
+use mbs_orbit::lvlh::{Frame, RelativeMotionError, relative_motion};
+use mbs_orbit::transition;
+use mbs_orbit::vector::StateVector;
+use mbs_orbit::yamanaka_ankersen::{self, TransitionError};
 use mbs_tests::random::Random;
 use nalgebra::{Matrix6, Vector3, Vector6};
 use serde_json::Value;

@@ -1,15 +1,15 @@
-//! `mbs_models::orbit` around the generated mechanisms: libration points, a station's motion, collisions; and the
+//! `mbs_orbit` around the generated mechanisms: libration points, a station's motion, collisions; and the
 //! mechanisms themselves against Kepler's laws.
 
 use mbs_models::cr3bp::{Cr3bp, Params};
 use mbs_models::kepler::{self, Kepler};
-use mbs_models::orbit::EARTH_MU;
-use mbs_models::orbit::collision::{FlightError, fly};
-use mbs_models::orbit::kepler::KeplerError;
-use mbs_models::orbit::libration::{MassRatioError, Modes, Point, points};
-use mbs_models::orbit::station::{Station, StationError, from_cylindrical, to_cylindrical};
 use mbs_models::relative_isotropic::{self, RelativeIsotropic};
 use mbs_models::two_body::TwoBody;
+use mbs_orbit::EARTH_MU;
+use mbs_orbit::collision::{FlightError, fly};
+use mbs_orbit::kepler::KeplerError;
+use mbs_orbit::libration::{MassRatioError, Modes, Point, points};
+use mbs_orbit::station::{Station, StationError, from_cylindrical, to_cylindrical};
 use mbs_runtime::{Dop853, State, accelerations};
 use mbs_tests::compare::assert_close;
 use mbs_tests::random::Random;

@@ -9,16 +9,16 @@ use std::time::Instant;
 
 use mbs_derive::expr::Graph;
 use mbs_derive::{declared, derived};
-use mbs_models::platform::control::{ComputedTorque, NotControlled};
-use mbs_models::platform::direct::Newton;
-use mbs_models::platform::dynamics::{Direction, STILL};
-use mbs_models::platform::geometry::{Plate, attitude};
-use mbs_models::platform::leg::{LegMotion, NotSpherical};
-use mbs_models::platform::limits::{InvalidLimits, NotSurveyed};
-use mbs_models::platform::{
+use mbs_models::stewart_platform::Params;
+use mbs_platform::control::{ComputedTorque, NotControlled};
+use mbs_platform::direct::Newton;
+use mbs_platform::dynamics::{Direction, STILL};
+use mbs_platform::geometry::{Plate, attitude};
+use mbs_platform::leg::{LegMotion, NotSpherical};
+use mbs_platform::limits::{InvalidLimits, NotSurveyed};
+use mbs_platform::{
     ActuatorLimits, Coordinates, HOME, InvalidPlatform, LegVector, Motion, NotFound, Platform, PoseError, Quantity,
 };
-use mbs_models::stewart_platform::Params;
 use mbs_runtime::{Dop853, Integrator, State};
 use mbs_tests::compare::assert_close;
 use mbs_tests::random::Random;

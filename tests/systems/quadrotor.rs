@@ -8,13 +8,13 @@
 
 use std::ops::ControlFlow;
 
-use mbs_models::quadrotor::approach::Approach;
-use mbs_models::quadrotor::backstepping::Reference;
-use mbs_models::quadrotor::heave::Heave;
-use mbs_models::quadrotor::landing::{Controller, Landing, LandingError, Plant};
-use mbs_models::quadrotor::lqr::{Lqr, Weights};
-use mbs_models::quadrotor::mixer::{Effort, Mixer};
-use mbs_models::quadrotor::small_angle;
+use mbs_landing::quadrotor::approach::Approach;
+use mbs_landing::quadrotor::backstepping::Reference;
+use mbs_landing::quadrotor::heave::Heave;
+use mbs_landing::quadrotor::landing::{Controller, Landing, LandingError, Plant};
+use mbs_landing::quadrotor::lqr::{Lqr, Weights};
+use mbs_landing::quadrotor::mixer::{Effort, Mixer};
+use mbs_landing::quadrotor::small_angle;
 use mbs_models::quadrotor_euler::{Params, QuadrotorEuler};
 use mbs_models::quadrotor_quaternion::{Params as QuaternionParams, QuadrotorQuaternion};
 use mbs_runtime::{Dop853, Integrator, State};

@@ -1,19 +1,19 @@
 //! Landings on decks that move in six degrees of freedom and on the driven platform, in wind and near the ground, each
 //! against the same motion seen another way: from the deck, from a turned frame, by a closed form.
 
-use mbs_models::platform::control::ComputedTorque;
-use mbs_models::platform::limits::{ActuatorLimits, InvalidLimits, Quantity};
-use mbs_models::platform::{Coordinates, HOME, Motion, Platform, PlatformMotion, PoseError, Superposition};
-use mbs_models::quadrotor::approach::Approach;
-use mbs_models::quadrotor::deck::{Deck, DeckState, HeavingDeck, MovingDeck};
-use mbs_models::quadrotor::driven::Drive;
-use mbs_models::quadrotor::ground_effect::GroundEffect;
-use mbs_models::quadrotor::heave::Heave;
-use mbs_models::quadrotor::landing::{Controller, Landing, LandingError, Plant};
-use mbs_models::quadrotor::lqr::{Lqr, Weights};
-use mbs_models::quadrotor::small_angle;
-use mbs_models::quadrotor::touchdown::Touchdown;
+use mbs_landing::quadrotor::approach::Approach;
+use mbs_landing::quadrotor::deck::{Deck, DeckState, HeavingDeck, MovingDeck};
+use mbs_landing::quadrotor::driven::Drive;
+use mbs_landing::quadrotor::ground_effect::GroundEffect;
+use mbs_landing::quadrotor::heave::Heave;
+use mbs_landing::quadrotor::landing::{Controller, Landing, LandingError, Plant};
+use mbs_landing::quadrotor::lqr::{Lqr, Weights};
+use mbs_landing::quadrotor::small_angle;
+use mbs_landing::quadrotor::touchdown::Touchdown;
 use mbs_models::quadrotor_euler::{Params, QuadrotorEuler};
+use mbs_platform::control::ComputedTorque;
+use mbs_platform::limits::{ActuatorLimits, InvalidLimits, Quantity};
+use mbs_platform::{Coordinates, HOME, Motion, Platform, PlatformMotion, PoseError, Superposition};
 use mbs_runtime::State;
 use mbs_tests::random::{Random, states};
 use nalgebra::{Matrix3, Rotation3, Vector3};

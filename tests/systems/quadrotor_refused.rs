@@ -3,17 +3,17 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use mbs_models::platform::control::ComputedTorque;
-use mbs_models::platform::{HOME, Motion, Platform, PoseError, Superposition};
-use mbs_models::quadrotor::approach::Approach;
-use mbs_models::quadrotor::deck::{Deck, DeckState, HeavingDeck, MovingDeck};
-use mbs_models::quadrotor::driven::{Drive, TrackingError};
-use mbs_models::quadrotor::ground_effect::GroundEffect;
-use mbs_models::quadrotor::heave::Heave;
-use mbs_models::quadrotor::landing::{Controller, Landing, LandingError, MOST_MOMENTS, Plant};
-use mbs_models::quadrotor::lqr::{Lqr, Weights};
-use mbs_models::quadrotor::touchdown::Touchdown;
+use mbs_landing::quadrotor::approach::Approach;
+use mbs_landing::quadrotor::deck::{Deck, DeckState, HeavingDeck, MovingDeck};
+use mbs_landing::quadrotor::driven::{Drive, TrackingError};
+use mbs_landing::quadrotor::ground_effect::GroundEffect;
+use mbs_landing::quadrotor::heave::Heave;
+use mbs_landing::quadrotor::landing::{Controller, Landing, LandingError, MOST_MOMENTS, Plant};
+use mbs_landing::quadrotor::lqr::{Lqr, Weights};
+use mbs_landing::quadrotor::touchdown::Touchdown;
 use mbs_models::quadrotor_euler::{Params, QuadrotorEuler};
+use mbs_platform::control::ComputedTorque;
+use mbs_platform::{HOME, Motion, Platform, PoseError, Superposition};
 use mbs_runtime::State;
 
 const PERIOD: f64 = 0.002;
@@ -136,7 +136,7 @@ fn damaged(landing: &mut Landing, damage: impl FnOnce(&mut Params<f64>)) {
     landing.vehicle = QuadrotorEuler::new(params);
 }
 
-fn controlled(landing: &mut Landing, damage: impl FnOnce(&mut mbs_models::quadrotor::backstepping::Backstepping)) {
+fn controlled(landing: &mut Landing, damage: impl FnOnce(&mut mbs_landing::quadrotor::backstepping::Backstepping)) {
     match &mut landing.controller {
         Controller::Backstepping(controller) => damage(controller),
         Controller::Lqr(_) => panic!("a regulator"),

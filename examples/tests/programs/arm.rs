@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use crate::support::{good, json, keys, numbers, run};
-use mbs_models::arm::Arm;
+use mbs_arm::Arm;
 use serde_json::Value;
 
 const KINEMATICS: &str = env!("CARGO_BIN_EXE_arm_kinematics");

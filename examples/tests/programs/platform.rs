@@ -1,7 +1,7 @@
 //! `platform_dynamics` as outside programs call it: what it prints and what it writes, against the thesis' values.
 
 use crate::support::{good, json, keys, numbers, run};
-use mbs_models::platform::{Motion, Platform};
+use mbs_platform::{Motion, Platform};
 use serde_json::Value;
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_platform_dynamics");

@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use crate::support::{good, json, keys, numbers, run};
-use mbs_models::quadrotor::backstepping::Reference;
-use mbs_models::quadrotor::heave::Heave;
+use mbs_landing::quadrotor::backstepping::Reference;
+use mbs_landing::quadrotor::heave::Heave;
 use serde_json::Value;
 
 const LANDING: &str = env!("CARGO_BIN_EXE_quadrotor_landing");

@@ -3,7 +3,7 @@
 
 use std::ops::Range;
 
-use mbs_cli::chart::{self, Curves, Figure, Format, Line, Panel};
+use mbs_chart::{Curves, Figure, Format, Line, Panel};
 
 use super::motion::{Motion, Row};
 use crate::failure::Failure;
@@ -18,7 +18,7 @@ pub(crate) fn draw(motion: &Motion, format: Format) -> Result<Vec<u8>, Failure> 
     let panels = panels(motion);
     let height = LEAST_HEIGHT.max(PANEL_HEIGHT * u32::try_from(panels.len()).unwrap_or(u32::MAX / PANEL_HEIGHT));
     let figure = Figure { title: motion.name.clone(), size: (WIDTH, height), panels };
-    chart::draw(&figure, format).map_err(Failure::new)
+    mbs_chart::draw(&figure, format).map_err(Failure::new)
 }
 
 /// Multipliers and residuals of constraints are in the table alone.

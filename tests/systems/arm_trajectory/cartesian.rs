@@ -1,10 +1,10 @@
 //! The flange along straight lines: on the line, on one branch, and refused with the place where it cannot go on.
 
-use mbs_models::arm::Arm;
-use mbs_models::arm::jacobian::determinant_factors;
-use mbs_models::arm::trajectory::cartesian::{CartesianError, CartesianPath, FlangeLine, Singularity};
-use mbs_models::arm::trajectory::time_optimal::{MotorLimits, retime};
-use mbs_models::arm::trajectory::{AlongPath, JointPath, Motion, TrajectoryError, quintic, trapezoidal};
+use mbs_arm::Arm;
+use mbs_arm::jacobian::determinant_factors;
+use mbs_arm::trajectory::cartesian::{CartesianError, CartesianPath, FlangeLine, Singularity};
+use mbs_arm::trajectory::time_optimal::{MotorLimits, retime};
+use mbs_arm::trajectory::{AlongPath, JointPath, Motion, TrajectoryError, quintic, trapezoidal};
 use mbs_runtime::attitude::{exp, log};
 use mbs_runtime::nalgebra::Vector3;
 use mbs_runtime::{Pose, to_matrix, to_rows};

@@ -1,8 +1,8 @@
 //! Conditions, continuity and extrema of the polynomials, at random data.
 
-use mbs_models::arm::trajectory::Quantity;
-use mbs_models::arm::trajectory::TrajectoryError::LimitExceeded;
-use mbs_models::arm::trajectory::{
+use mbs_arm::trajectory::Quantity;
+use mbs_arm::trajectory::TrajectoryError::LimitExceeded;
+use mbs_arm::trajectory::{
     Extrema, JointState, Knot, Motion, Piecewise, RateLimits, quartic, quintic, quintic_between, through, trapezoidal,
     trapezoidal_within, two_piece_quartic,
 };

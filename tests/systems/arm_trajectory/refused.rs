@@ -1,8 +1,8 @@
 //! What no trajectory is made of: each earns its own error, with the number at fault.
 
-use mbs_models::arm::trajectory::TrajectoryError::{self, *};
-use mbs_models::arm::trajectory::sign_change::sign_changes;
-use mbs_models::arm::trajectory::{
+use mbs_arm::trajectory::TrajectoryError::{self, *};
+use mbs_arm::trajectory::sign_change::sign_changes;
+use mbs_arm::trajectory::{
     JointState, Knot, Motion, Quantity, RateLimits, StraightPath, quartic, quintic, quintic_between, through,
     trapezoidal, trapezoidal_within, two_piece_quartic,
 };

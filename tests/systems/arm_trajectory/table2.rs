@@ -1,8 +1,6 @@
 //! Both cases of Table 2 against `tests/data/trajectory.json`.
 
-use mbs_models::arm::trajectory::{
-    Motion, Piecewise, quartic, quintic, sign_change::sign_changes, two_piece_quartic, work,
-};
+use mbs_arm::trajectory::{Motion, Piecewise, quartic, quintic, sign_change::sign_changes, two_piece_quartic, work};
 use mbs_models::irb7600::Irb7600;
 use mbs_tests::compare::assert_close;
 use serde_json::Value;

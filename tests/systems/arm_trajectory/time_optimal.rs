@@ -1,8 +1,8 @@
 //! The fastest motion along a path: against closed forms where there are, and against its limits where there are none.
 
-use mbs_models::arm::trajectory::TrajectoryError;
-use mbs_models::arm::trajectory::time_optimal::{MotorLimits, TimeOptimal, retime};
-use mbs_models::arm::trajectory::{
+use mbs_arm::trajectory::TrajectoryError;
+use mbs_arm::trajectory::time_optimal::{MotorLimits, TimeOptimal, retime};
+use mbs_arm::trajectory::{
     JointPath, JointState, Knot, Motion, PathPoint, Quantity, RateLimits, StraightPath, through,
 };
 use mbs_models::irb7600::Irb7600;
@@ -167,7 +167,7 @@ fn what_cannot_be_timed_is_refused() {
     let error = retime(path, &pendulum(0.0, 0.3), &limits, 10).unwrap_err();
     assert_eq!(error, TrajectoryError::VelocityForce { s: 0.0, joint: 0 });
     // A motion from rest has no tangent there.
-    let motion = mbs_models::arm::trajectory::quintic([0.0], [0.0], [1.0], 1.0).unwrap();
+    let motion = mbs_arm::trajectory::quintic([0.0], [0.0], [1.0], 1.0).unwrap();
     assert_eq!(retime(motion, &free, &limits, 10).unwrap_err(), TrajectoryError::PathStandsStill { s: 0.0 });
 }
 

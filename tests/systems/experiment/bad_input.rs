@@ -1,20 +1,20 @@
 //! What cannot be planned says why.
 
-use mbs_models::arm::inverse::Unsolvable;
-use mbs_models::arm::limits::InvalidLimits;
-use mbs_models::experiment::error::{Infeasible, PlanError};
-use mbs_models::experiment::flight::{Flight, OutsideFlight};
-use mbs_models::experiment::limits::AxisQuantity;
-use mbs_models::experiment::plan::{Attitude, BRANCH};
-use mbs_models::experiment::rail_arm::{FlangeMotion, NotFollowed, RailArm};
-use mbs_models::experiment::search::{Search, SearchError};
-use mbs_models::experiment::tracking::{Tracking, TrackingError};
-use mbs_models::experiment::{Experiment, InvalidMass};
+use mbs_arm::inverse::Unsolvable;
+use mbs_arm::limits::InvalidLimits;
+use mbs_landing::experiment::error::{Infeasible, PlanError};
+use mbs_landing::experiment::flight::{Flight, OutsideFlight};
+use mbs_landing::experiment::limits::AxisQuantity;
+use mbs_landing::experiment::plan::{Attitude, BRANCH};
+use mbs_landing::experiment::rail_arm::{FlangeMotion, NotFollowed, RailArm};
+use mbs_landing::experiment::search::{Search, SearchError};
+use mbs_landing::experiment::tracking::{Tracking, TrackingError};
+use mbs_landing::experiment::{Experiment, InvalidMass};
+use mbs_landing::quadrotor::heave::Heave;
+use mbs_landing::quadrotor::landing::{Landing, LandingError, Plant};
 use mbs_models::irb7600_rail::{Irb7600Rail, Params};
-use mbs_models::platform::Quantity;
-use mbs_models::platform::limits::InvalidLimits as InvalidActuators;
-use mbs_models::quadrotor::heave::Heave;
-use mbs_models::quadrotor::landing::{Landing, LandingError, Plant};
+use mbs_platform::Quantity;
+use mbs_platform::limits::InvalidLimits as InvalidActuators;
 
 use crate::experiment::guided;
 
@@ -54,7 +54,7 @@ fn poses_that_are_none() {
     assert!(matches!(robot.follow(&still, 4.0, BRANCH), Err(NotFollowed::Unreachable(Unsolvable::TooFar { .. }))));
     // Where the forearm points straight down, so does the tool: axes 4 and 6 are in line.
     let q = [0.0, -1.3, 1.3, 0.0, 0.0, 0.0];
-    let straight = mbs_models::arm::Arm::default().pose(&q);
+    let straight = mbs_arm::Arm::default().pose(&q);
     let flange = FlangeMotion::at_rest(straight.position, straight.rotation);
     let found = robot.follow(&flange, 0.0, BRANCH);
     assert!(matches!(found, Err(NotFollowed::Singular { margin }) if margin < 1e-8), "{found:?}");

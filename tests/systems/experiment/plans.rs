@@ -1,12 +1,12 @@
 //! Plans at a scale, and the greatest of them.
 
-use mbs_models::experiment::error::{Infeasible, PlanError};
-use mbs_models::experiment::limits::AxisQuantity;
-use mbs_models::experiment::plan::{Attitude, turned_over};
-use mbs_models::experiment::search::Search;
-use mbs_models::experiment::{Experiment, flight::Flight};
-use mbs_models::quadrotor::heave::Heave;
-use mbs_models::quadrotor::landing::{Landing, Plant};
+use mbs_landing::experiment::error::{Infeasible, PlanError};
+use mbs_landing::experiment::limits::AxisQuantity;
+use mbs_landing::experiment::plan::{Attitude, turned_over};
+use mbs_landing::experiment::search::Search;
+use mbs_landing::experiment::{Experiment, flight::Flight};
+use mbs_landing::quadrotor::heave::Heave;
+use mbs_landing::quadrotor::landing::{Landing, Plant};
 use mbs_runtime::attitude::log;
 use mbs_runtime::{Dop853, Integrator, to_matrix};
 use mbs_tests::compare::assert_close;

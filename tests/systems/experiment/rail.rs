@@ -2,9 +2,9 @@
 
 use std::array::from_fn;
 
-use mbs_models::arm::Arm;
-use mbs_models::arm::trajectory::cartesian::branch_of;
-use mbs_models::experiment::rail_arm::{FlangeMotion, RailArm, angles};
+use mbs_arm::Arm;
+use mbs_arm::trajectory::cartesian::branch_of;
+use mbs_landing::experiment::rail_arm::{FlangeMotion, RailArm, angles};
 use mbs_models::irb7600::Irb7600;
 use mbs_models::irb7600_rail::{Irb7600Rail, Params};
 use mbs_runtime::Dual;
@@ -88,7 +88,7 @@ fn the_axes_follow_the_flange() {
     let mut compared = 0;
     while compared < 200 {
         let q = random.array::<6>(-2.5..2.5);
-        let margin = mbs_models::arm::jacobian::determinant_factors(&q).margin();
+        let margin = mbs_arm::jacobian::determinant_factors(&q).margin();
         if margin < 0.05 {
             continue;
         }

@@ -1,9 +1,9 @@
 //! The arm under its controller.
 
-use mbs_models::experiment::plan::Experiment;
-use mbs_models::experiment::tracking::{Look, Tracking, TrackingError};
+use mbs_landing::experiment::plan::Experiment;
+use mbs_landing::experiment::tracking::{Look, Tracking, TrackingError};
+use mbs_landing::quadrotor::heave::Heave;
 use mbs_models::irb7600_rail::Irb7600Rail;
-use mbs_models::quadrotor::heave::Heave;
 use mbs_tests::compare::assert_close;
 use nalgebra::{Matrix6, SMatrix, SVector};
 

@@ -1,3 +1,0 @@
-//! What the program `mbs` shares with the examples: figures.
-
-pub mod chart;

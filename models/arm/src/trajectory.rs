@@ -1,0 +1,145 @@
+//! Motions of an arm from one posture to another: section 3.6 of the thesis, and what it leaves open.
+//!
+//! | function | motion | honours |
+//! |---|---|---|
+//! | [`quartic`] | one polynomial of degree 4 | start, its velocity, zero acceleration; stop at rest; the last acceleration is an output |
+//! | [`two_piece_quartic`] | "start–move–stop": two of degree 4, C³ | the same, and zero acceleration at the stop |
+//! | [`quintic`], [`quintic_between`] | one polynomial of degree 5 | position, velocity and acceleration at both ends |
+//! | [`trapezoidal`], [`trapezoidal_within`] | constant acceleration, constant speed, constant deceleration | rest at both ends; with limits: the fastest such motion |
+//! | [`through`] | degrees 4, 3 … 3, 4 | points with times, C² |
+//! | [`time_optimal::retime`] | the fastest motion along a path | limits of speed, acceleration and torque |
+//! | [`cartesian`] | the flange along a straight line | one branch of the inverse kinematics |
+//! | [`AlongPath`] | along a path by a law of time | |
+//!
+//! The first five rows are [`Piecewise`] polynomials: [`Motion::at`] evaluates q, q̇ and q̈, and extrema are found exactly,
+//! from the zeros of derivatives. [`work`] integrates the work and the effort of any [`Motion`]; [`sign_change`] finds where a
+//! function of the posture, such as the determinant of the Jacobian, changes sign.
+//!
+//! Angles are in radians, times in seconds; nothing depends on which mechanism the joints belong to but [`cartesian`].
+//!
+//! ```
+//! use mbs_arm::trajectory::{Motion, quartic};
+//!
+//! // From rest at 0 to rest at 1 rad in 2 s; fastest at two thirds of the time.
+//! let motion = quartic([0.0], [0.0], [1.0], 2.0)?;
+//! assert_eq!(motion.at(2.0)?.q, [1.0]);
+//! let speed = motion.velocity_extrema()[0].highest;
+//! assert!((speed.time - 4.0 / 3.0).abs() < 1e-15 && (speed.value - 16.0 / 18.0).abs() < 1e-15);
+//! // The acceleration at the stop is an output: −12 D/T².
+//! assert_eq!(motion.at(2.0)?.qdd, [-3.0]);
+//! # Ok::<(), mbs_arm::trajectory::TrajectoryError>(())
+//! ```
+
+mod error;
+mod path;
+mod piecewise;
+mod polynomial;
+mod quartic;
+mod quintic;
+mod trapezoidal;
+mod via;
+
+pub mod cartesian;
+pub mod sign_change;
+#[cfg(feature = "std")]
+pub mod time_optimal;
+pub mod work;
+
+pub use error::{Quantity, TrajectoryError};
+pub use path::{AlongPath, JointPath, PathPoint, StraightPath};
+pub use piecewise::{Extrema, Extremum, Piecewise};
+pub use quartic::{quartic, two_piece_quartic};
+pub use quintic::{quintic, quintic_between};
+pub use trapezoidal::{trapezoidal, trapezoidal_within};
+pub use via::{Knot, through};
+
+/// Angles, velocities and accelerations of `N` joints at one instant \[rad, rad/s, rad/s²\].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct JointState<const N: usize> {
+    /// Joint angles.
+    pub q: [f64; N],
+    /// Joint velocities.
+    pub qd: [f64; N],
+    /// Joint accelerations.
+    pub qdd: [f64; N],
+}
+
+impl<const N: usize> JointState<N> {
+    /// Standing still at `q`.
+    #[must_use]
+    pub const fn at_rest(q: [f64; N]) -> Self {
+        Self { q, qd: [0.0; N], qdd: [0.0; N] }
+    }
+}
+
+/// The joints as functions of time, from 0 to a duration.
+pub trait Motion<const N: usize> {
+    /// How long it lasts \[s\], positive.
+    fn duration(&self) -> f64;
+
+    /// The joints at the time `t`.
+    ///
+    /// # Errors
+    /// [`TrajectoryError::OutsideDuration`] if `t` is before 0, after the duration, or NaN.
+    fn at(&self, t: f64) -> Result<JointState<N>, TrajectoryError>;
+
+    /// The joints at the time `t`, at rest before the start and after the stop: what a controller follows that does not
+    /// stop asking.
+    ///
+    /// # Errors
+    /// [`TrajectoryError::OutsideDuration`] if `t` is NaN.
+    fn held_at(&self, t: f64) -> Result<JointState<N>, TrajectoryError> {
+        if (0.0..=self.duration()).contains(&t) || t.is_nan() {
+            return self.at(t);
+        }
+        self.at(t.clamp(0.0, self.duration())).map(|end| JointState::at_rest(end.q))
+    }
+}
+
+impl<const N: usize, M: Motion<N> + ?Sized> Motion<N> for &M {
+    fn duration(&self) -> f64 {
+        (**self).duration()
+    }
+
+    fn at(&self, t: f64) -> Result<JointState<N>, TrajectoryError> {
+        (**self).at(t)
+    }
+}
+
+/// Symmetric limits of speed and acceleration of every joint \[rad/s, rad/s²\].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RateLimits<const N: usize> {
+    /// The largest speed.
+    pub speed: [f64; N],
+    /// The largest acceleration, either way.
+    pub acceleration: [f64; N],
+}
+
+impl<const N: usize> RateLimits<N> {
+    /// Positive numbers all of them; infinite where a joint has no limit.
+    pub(crate) fn check(&self) -> Result<(), TrajectoryError> {
+        check_limits(Quantity::Velocity, &self.speed)?;
+        check_limits(Quantity::Acceleration, &self.acceleration)
+    }
+}
+
+/// Limits that are positive, infinite ones included.
+pub(crate) fn check_limits(quantity: Quantity, limits: &[f64]) -> Result<(), TrajectoryError> {
+    for (joint, &value) in limits.iter().enumerate() {
+        if value.is_nan() || value <= 0.0 {
+            return Err(TrajectoryError::InvalidLimit { quantity, joint, value });
+        }
+    }
+    Ok(())
+}
+
+fn check_duration(duration: f64) -> Result<(), TrajectoryError> {
+    if duration > 0.0 && duration.is_finite() { Ok(()) } else { Err(TrajectoryError::InvalidDuration { duration }) }
+}
+
+fn check_finite(quantity: Quantity, values: &[f64]) -> Result<(), TrajectoryError> {
+    match values.iter().position(|value| !value.is_finite()) {
+        Some(joint) => Err(TrajectoryError::NonFinite { quantity, joint }),
+        None => Ok(()),
+    }
+}

@@ -1,0 +1,217 @@
+//! The flight that the flange is to repeat: the vehicle's six coordinates as smooth functions of time.
+//!
+//! ```
+//! use mbs_landing::experiment::flight::Flight;
+//! use mbs_landing::quadrotor::heave::Heave;
+//! use mbs_landing::quadrotor::landing::{Landing, Plant};
+//!
+//! let flight = Flight::guided(&Landing::new(Plant::Exact, Heave::CASE_I))?;
+//! // At the touchdown the vehicle is over the middle of the platform, at the height of its deck.
+//! let [q, ..] = flight.at(flight.touchdown())?;
+//! assert_eq!([q[0], q[1]], flight.platform);
+//! assert!((q[2] - flight.heave.at(flight.touchdown()).value).abs() < 1e-9);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+use core::error::Error;
+use core::fmt;
+
+use std::vec::Vec;
+
+use mbs_runtime::{Integrator, State};
+
+use crate::quadrotor::backstepping::Reference;
+use crate::quadrotor::heave::Heave;
+use crate::quadrotor::landing::{Landing, LandingError, MOST_MOMENTS};
+use mbs_platform::Coordinates;
+
+/// A landing, known at equal distances of time and interpolated between, and what it lands on.
+///
+/// Between two moments every coordinate is the polynomial of degree 5 that has its value, rate and acceleration at
+/// both: what is interpolated is C² and off by `h⁶ q⁽⁶⁾/46080` at most.
+///
+/// A flight goes on for [`OVERRUN`] after the touchdown, as if there were no platform, so that an arm that lags behind
+/// still knows where to go.
+///
+/// # Source
+/// E. Hairer, S. P. Nørsett, G. Wanner, *Solving Ordinary Differential Equations I*, section II.6, for Hermite's
+/// interpolation.
+#[derive(Clone, Debug)]
+pub struct Flight {
+    /// At least two.
+    moments: Vec<[Coordinates; 3]>,
+    /// Between moments, positive \[s\].
+    step: f64,
+    touchdown: f64,
+    /// Elevation of the platform.
+    pub heave: Heave<4>,
+    /// Where the platform is \[m\].
+    pub platform: [f64; 2],
+}
+
+/// How long a flight is continued after the touchdown \[s\].
+pub const OVERRUN: f64 = 0.5;
+
+/// Between the moments of a [`Flight::guided`] \[s\].
+const STEP: f64 = 0.002;
+
+/// A time before the beginning or after the end of a flight, or NaN.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OutsideFlight {
+    /// The time asked for \[s\].
+    pub time: f64,
+    /// The last moment of the flight \[s\].
+    pub end: f64,
+}
+
+impl fmt::Display for OutsideFlight {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "the flight lasts from 0 to {} s, asked for was {} s", self.end, self.time)
+    }
+}
+
+impl Error for OutsideFlight {}
+
+impl Flight {
+    /// The simulated landing from this state: controller, rotors and drag included.
+    ///
+    /// # Errors
+    /// [`LandingError`], as of [`Landing::simulate`].
+    pub fn simulated(landing: &Landing, state: State<[f64; 6]>) -> Result<Self, LandingError> {
+        let motion = |t: f64, q: &[f64; 6], qd: &[f64; 6]| {
+            landing.accelerations(t, q, qd, &landing.command(t, q, qd).rotors.speed)
+        };
+        let mut times = Vec::new();
+        let mut moments = Vec::new();
+        let end = landing.simulate(state, |t, state, _| {
+            times.push(t);
+            moments.push([state.q, state.qd, motion(t, &state.q, &state.qd)]);
+        })?;
+        let step = match times[..] {
+            [first, second, ..] => second - first,
+            // It is down before it is seen twice.
+            _ => STEP,
+        };
+        let after: Vec<f64> =
+            (moments.len()..).map(|k| k as f64 * step).take_while(|&t| t < end.time + OVERRUN + step).collect();
+        let mut state = end.state;
+        landing.integrator.sample(
+            |t, q: &[f64; 6], qd: &[f64; 6], qdd: &mut [f64; 6]| *qdd = motion(t, q, qd),
+            end.time,
+            &after,
+            &mut state,
+            |t, state| moments.push([state.q, state.qd, motion(t, &state.q, &state.qd)]),
+        )?;
+        Self::of(landing, moments, step, end.time)
+    }
+
+    /// The landing that the guidance asks for: level, over the middle of the platform, without any error.
+    ///
+    /// # Errors
+    /// [`LandingError::NotPositive`] where the approach never comes down or `t_end` is no time, [`LandingError::NoTouchdown`],
+    /// [`LandingError::TooManyMoments`] where the touchdown is more than [`MOST_MOMENTS`] moments of 2 ms away,
+    /// [`LandingError::NotFinite`].
+    pub fn guided(landing: &Landing) -> Result<Self, LandingError> {
+        let approach = &landing.approach;
+        let positive = [
+            ("approach.duration", approach.duration),
+            ("approach.sink_rate", approach.sink_rate),
+            ("approach.last_height", approach.last_height),
+            ("t_end", landing.t_end),
+        ];
+        if let Some((parameter, value)) = positive.into_iter().find(|(_, value)| !(*value > 0.0 && value.is_finite())) {
+            return Err(LandingError::NotPositive { parameter, value });
+        }
+        let touchdown = approach.duration + approach.last_height / approach.sink_rate;
+        if touchdown > landing.t_end {
+            return Err(LandingError::NoTouchdown { time: landing.t_end, height: approach.at(landing.t_end).value });
+        }
+        if touchdown / STEP > f64::from(MOST_MOMENTS) {
+            return Err(LandingError::TooManyMoments { t_end: touchdown, period: STEP });
+        }
+        let moment = |t: f64| {
+            let [x, y, z] = landing.reference(t);
+            let part = |of: fn(&Reference) -> f64| [of(&x), of(&y), of(&z), 0.0, 0.0, 0.0];
+            [part(|r| r.value), part(|r| r.rate), part(|r| r.acceleration)]
+        };
+        let times = (0_u32..).map(|k| f64::from(k) * STEP).take_while(|&t| t < touchdown + OVERRUN + STEP);
+        Self::of(landing, times.map(moment).collect(), STEP, touchdown)
+    }
+
+    fn of(landing: &Landing, moments: Vec<[Coordinates; 3]>, step: f64, touchdown: f64) -> Result<Self, LandingError> {
+        let bad = moments.iter().flatten().flatten().find(|value| !value.is_finite());
+        match bad {
+            Some(&value) => Err(LandingError::NotFinite { parameter: "a coordinate of the vehicle", value }),
+            None => Ok(Self { moments, step, touchdown, heave: landing.deck.heave, platform: landing.deck.place }),
+        }
+    }
+
+    /// When the vehicle touches down \[s\].
+    #[must_use]
+    pub fn touchdown(&self) -> f64 {
+        self.touchdown
+    }
+
+    /// The last moment that is known \[s\], after the touchdown.
+    #[must_use]
+    pub fn end(&self) -> f64 {
+        (self.moments.len() - 1) as f64 * self.step
+    }
+
+    /// Coordinates `(x, y, z, φ, θ, ψ)` of the vehicle, their rates and accelerations.
+    ///
+    /// # Errors
+    /// [`OutsideFlight`].
+    pub fn at(&self, t: f64) -> Result<[Coordinates; 3], OutsideFlight> {
+        if !(0.0..=self.end()).contains(&t) {
+            return Err(OutsideFlight { time: t, end: self.end() });
+        }
+        let k = ((t / self.step) as usize).min(self.moments.len() - 2);
+        let (from, to) = (&self.moments[k], &self.moments[k + 1]);
+        let s = t / self.step - k as f64;
+        let mut found = [[0.0; 6]; 3];
+        for i in 0..6 {
+            let [value, rate, acceleration] =
+                hermite([0, 1, 2].map(|order| from[order][i]), [0, 1, 2].map(|order| to[order][i]), self.step, s);
+            (found[0][i], found[1][i], found[2][i]) = (value, rate, acceleration);
+        }
+        Ok(found)
+    }
+}
+
+/// Value, rate and acceleration at the part `s` of an interval of the length `h`, from those at its ends.
+///
+/// With `p(s) = p₀ + v₀ s + ½ a₀ s² + s³ (c₃ + c₄ s + c₅ s²)`, velocities times h and accelerations times h², and what
+/// is missing at the end, `D = p₁ − p₀ − v₀ − ½ a₀`, `E = v₁ − v₀ − a₀`, `F = a₁ − a₀`: `c₃ = 10 D − 4 E + ½ F`, `c₄ =
+/// −15 D + 7 E − F`, `c₅ = 6 D − 3 E + ½ F`.
+fn hermite([p0, v0, a0]: [f64; 3], [p1, v1, a1]: [f64; 3], h: f64, s: f64) -> [f64; 3] {
+    let (v0, v1, a0, a1) = (v0 * h, v1 * h, a0 * h * h, a1 * h * h);
+    let (d, e, f) = (p1 - p0 - v0 - 0.5 * a0, v1 - v0 - a0, a1 - a0);
+    let (c3, c4, c5) = (10.0 * d - 4.0 * e + 0.5 * f, -15.0 * d + 7.0 * e - f, 6.0 * d - 3.0 * e + 0.5 * f);
+    [
+        p0 + s * (v0 + s * (0.5 * a0 + s * (c3 + s * (c4 + s * c5)))),
+        (v0 + s * (a0 + s * (3.0 * c3 + s * (4.0 * c4 + s * 5.0 * c5)))) / h,
+        (a0 + s * (6.0 * c3 + s * (12.0 * c4 + s * 20.0 * c5))) / (h * h),
+    ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn polynomials_of_degree_5_are_kept() {
+        // 1 − t + 2t² − 3t³ + t⁴/2 − t⁵, from 0.3 to 0.8.
+        let at = |t: f64| {
+            [
+                1.0 - t + 2.0 * t * t - 3.0 * t.powi(3) + 0.5 * t.powi(4) - t.powi(5),
+                -1.0 + 4.0 * t - 9.0 * t * t + 2.0 * t.powi(3) - 5.0 * t.powi(4),
+                4.0 - 18.0 * t + 6.0 * t * t - 20.0 * t.powi(3),
+            ]
+        };
+        for s in [0.0, 0.2, 0.7, 1.0] {
+            let (found, expected) = (hermite(at(0.3), at(0.8), 0.5, s), at(0.3 + 0.5 * s));
+            assert!((0..3).all(|i| (found[i] - expected[i]).abs() < 1e-13), "{s}: {found:?}, not {expected:?}");
+        }
+    }
+}

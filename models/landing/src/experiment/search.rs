@@ -1,0 +1,150 @@
+//! The greatest scale at which no limit breaks.
+//!
+//! ```
+//! use mbs_landing::experiment::Experiment;
+//! use mbs_landing::experiment::flight::Flight;
+//! use mbs_landing::experiment::search::Search;
+//! use mbs_landing::quadrotor::heave::Heave;
+//! use mbs_landing::quadrotor::landing::{Landing, Plant};
+//!
+//! let flight = Flight::guided(&Landing::new(Plant::Exact, Heave::CASE_I))?;
+//! let experiment = Experiment { sampling: 0.05, ..Experiment::new(flight) };
+//! let found = experiment.greatest_scale(&Search::default())?;
+//! assert!((found.plan.scale() - 0.119).abs() < 1e-3);
+//! // A little above, axis 5 comes to the end of its range.
+//! let (_, broken) = found.next.expect("full size is too large");
+//! assert!(broken.to_string().contains("joint 5: position 100."));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+use core::error::Error;
+use core::fmt;
+
+use super::error::{Infeasible, PlanError};
+use super::plan::{Experiment, Plan};
+use super::survey::Survey;
+
+/// How scales are searched.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Search {
+    /// Scales are tried upwards from this one, in steps of it, until one is infeasible; positive.
+    pub step: f64,
+    /// The last one is then halved into until no more than this is left between feasible and infeasible; positive.
+    pub tolerance: f64,
+    /// No greater scale is tried.
+    pub most: f64,
+}
+
+impl Default for Search {
+    /// By steps of 0.02 up to 1, to 1e-4.
+    fn default() -> Self {
+        Self { step: 0.02, tolerance: 1e-4, most: 1.0 }
+    }
+}
+
+/// A search goes up by no more steps.
+const MOST_STEPS: f64 = 1e6;
+
+/// What a search found.
+#[derive(Clone, Copy, Debug)]
+pub struct Greatest<'a> {
+    /// The plan at the greatest feasible scale.
+    pub plan: Plan<'a>,
+    /// What it asks of the machines.
+    pub survey: Survey,
+    /// The next scale, no more than the tolerance above, and what breaks first there; `None` where the greatest scale
+    /// that may be tried is feasible.
+    pub next: Option<(f64, Infeasible)>,
+}
+
+/// Why a search finds nothing.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum SearchError {
+    /// Step, tolerance or greatest scale are not positive numbers, or there are more than a million steps.
+    Invalid(Search),
+    /// There is no plan at a scale, for another reason than that a limit breaks.
+    Plan(PlanError),
+    /// The smallest scale that is tried is infeasible.
+    NoneFeasible {
+        /// That scale.
+        scale: f64,
+        /// What breaks first.
+        reason: Infeasible,
+    },
+}
+
+impl fmt::Display for SearchError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Invalid(Search { step, tolerance, most }) => {
+                write!(f, "scales by steps of {step} up to {most}, to {tolerance}, are none, without end or too many")
+            }
+            Self::Plan(error) => error.fmt(f),
+            Self::NoneFeasible { scale, reason } => write!(f, "not even the scale {scale} is feasible: {reason}"),
+        }
+    }
+}
+
+impl Error for SearchError {}
+
+impl Experiment {
+    /// The greatest feasible scale: by steps upwards to the first that is infeasible, then by halving.
+    ///
+    /// Of all stand-offs with which the carriage stays on the rail that with the greatest [clearance](Plan::clearance)
+    /// is tried. Ranges of the axes, reach and singularities choose it so; speeds, accelerations and forces do not.
+    /// Where one of those breaks first, another stand-off may allow a greater scale.
+    ///
+    /// Of a scale above one that is infeasible nothing is said: lengths grow with the scale, and limits that they break
+    /// stay broken but in odd cases.
+    ///
+    /// # Errors
+    /// [`SearchError`].
+    pub fn greatest_scale(&self, search: &Search) -> Result<Greatest<'_>, SearchError> {
+        let Search { step, tolerance, most } = *search;
+        if !([step, tolerance, most].iter().all(|x| *x > 0.0 && x.is_finite()) && most / step < MOST_STEPS) {
+            return Err(SearchError::Invalid(*search));
+        }
+        let mut feasible = None;
+        let mut next = None;
+        for scale in (1_u32..).map(|k| (f64::from(k) * step).min(most)) {
+            match self.tried(scale)? {
+                Ok(found) => feasible = Some(found),
+                Err(reason) => {
+                    next = Some((scale, reason));
+                    break;
+                }
+            }
+            if scale >= most {
+                break;
+            }
+        }
+        let Some((mut plan, mut survey)) = feasible else {
+            let (scale, reason) = next.ok_or(SearchError::Invalid(*search))?;
+            return Err(SearchError::NoneFeasible { scale, reason });
+        };
+        if let Some((above, reason)) = &mut next {
+            while *above - plan.scale() > tolerance {
+                let middle = 0.5 * (plan.scale() + *above);
+                // Neighbouring numbers have no middle.
+                if middle <= plan.scale() || middle >= *above {
+                    break;
+                }
+                match self.tried(middle)? {
+                    Ok(found) => (plan, survey) = found,
+                    Err(found) => (*above, *reason) = (middle, found),
+                }
+            }
+        }
+        Ok(Greatest { plan, survey, next })
+    }
+
+    /// The plan at a scale, or what breaks first.
+    fn tried(&self, scale: f64) -> Result<Result<(Plan<'_>, Survey), Infeasible>, SearchError> {
+        let plan = match self.plan(scale) {
+            Ok(plan) => plan,
+            Err(PlanError::Infeasible(reason)) => return Ok(Err(reason)),
+            Err(error) => return Err(SearchError::Plan(error)),
+        };
+        Ok(plan.survey().and_then(|survey| survey.broken.map_or(Ok((plan, survey)), Err)))
+    }
+}

@@ -1,0 +1,250 @@
+//! Where the joints are, and the legs between them.
+
+use core::error::Error;
+use core::f64::consts::PI;
+use core::fmt;
+
+use mbs_runtime::Scalar;
+
+use super::{Coordinates, LegVector};
+use crate::vector::{cross, dot, minus, product};
+use mbs_models::stewart_platform::Params;
+
+/// The joints of base and platform; leg i joins `base[i]` to `platform[i]`.
+///
+/// They lie on circles, two by two around three directions 120° apart: on the base at 0°, 120°, 240° and half the angle
+/// of a pair to each side; on the platform the pairs are around 60°, 180°, 300°, so that two legs that meet above part
+/// below.
+///
+/// # Source
+/// Thesis, equation (4.2): the joints of base and platform are plane.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Geometry<T = f64> {
+    /// In the axes of the base \[m\].
+    pub base: [[T; 3]; 6],
+    /// In the axes of the platform \[m\].
+    pub platform: [[T; 3]; 6],
+}
+
+/// The legs at one pose.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Legs<T = f64> {
+    /// `l_i`, from joint to joint \[m\].
+    pub length: LegVector<T>,
+    /// `u_i`, the unit vectors from the base's joints to the platform's, in the axes of the base; NaN where the length
+    /// is 0.
+    pub direction: [[T; 3]; 6],
+    /// `R P_i`, from the platform's frame to its joints, in the axes of the base \[m\].
+    pub lever: [[T; 3]; 6],
+}
+
+/// Which of the two plates a joint is on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Plate {
+    /// That stands.
+    Base,
+    /// That moves.
+    Platform,
+}
+
+/// Why parameters describe no platform.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum InvalidPlatform {
+    /// A parameter is infinite or NaN.
+    NonFinite {
+        /// Its name.
+        parameter: &'static str,
+    },
+    /// The radius of a circle of joints is zero or negative.
+    Radius {
+        /// The plate.
+        plate: Plate,
+        /// The radius given \[m\].
+        radius: f64,
+    },
+    /// Two joints of one plate are at one place.
+    CoincidentJoints {
+        /// The plate.
+        plate: Plate,
+        /// The joints, counted from 0.
+        joints: [usize; 2],
+        /// How far they are apart \[m\].
+        distance: f64,
+    },
+    /// The payload has a negative mass.
+    NegativePayload {
+        /// The mass given \[kg\].
+        mass: f64,
+    },
+    /// Another mass, inertia or size is negative.
+    Negative {
+        /// Its name.
+        parameter: &'static str,
+        /// The value given.
+        value: f64,
+    },
+    /// The plate that moves has no mass, or an inertia of zero.
+    NoInertia,
+}
+
+impl fmt::Display for Plate {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Base => "base",
+            Self::Platform => "platform",
+        })
+    }
+}
+
+impl fmt::Display for InvalidPlatform {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match *self {
+            Self::NonFinite { parameter } => write!(f, "`{parameter}` is infinite or NaN"),
+            Self::Radius { plate, radius } => write!(f, "the {plate}'s joints are on a circle of radius {radius} m"),
+            Self::CoincidentJoints { plate, joints: [i, j], distance } => {
+                write!(f, "joints {i} and {j} of the {plate} coincide: they are {distance:e} m apart")
+            }
+            Self::NegativePayload { mass } => write!(f, "the payload has the negative mass {mass} kg"),
+            Self::Negative { parameter, value } => write!(f, "`{parameter}` is negative: {value}"),
+            Self::NoInertia => f.write_str("the platform has no mass, or an inertia of zero"),
+        }
+    }
+}
+
+impl Error for InvalidPlatform {}
+
+/// How near two joints are, as a part of the radius of their circle, where they count as one.
+pub const COINCIDENT: f64 = 1e-6;
+
+/// Directions of the pairs, on which side of them a joint is: as declared in `stewart_platform.mbs`.
+const PAIR: [f64; 6] = [0.0, 0.0, 2.0 * PI / 3.0, 2.0 * PI / 3.0, 4.0 * PI / 3.0, 4.0 * PI / 3.0];
+const SIDE: [f64; 6] = [-1.0, 1.0, -1.0, 1.0, -1.0, 1.0];
+
+impl<T: Scalar> Geometry<T> {
+    /// The joints of these parameters, whatever they are.
+    pub(crate) fn unchecked(params: &Params<T>) -> Self {
+        let on_circle = |radius: T, angle: T| {
+            let (sin, cos) = angle.sin_cos();
+            [radius * cos, radius * sin, T::zero()]
+        };
+        let of = |x: f64| T::from_f64(x);
+        Self {
+            base: core::array::from_fn(|i| {
+                on_circle(params.base_radius, of(PAIR[i]) + of(SIDE[i]) * params.base_half_angle)
+            }),
+            platform: core::array::from_fn(|i| {
+                let angle = of(PAIR[i]) + of(SIDE[i]) * (of(PI / 3.0) - params.platform_half_angle);
+                on_circle(params.platform_radius, angle)
+            }),
+        }
+    }
+
+    /// The legs at this pose, whatever it is.
+    #[must_use]
+    pub fn legs(&self, q: &Coordinates<T>) -> Legs<T> {
+        self.legs_at(&[q[0], q[1], q[2]], &attitude(q))
+    }
+
+    /// The legs with the platform's frame at `position` \[m\], turned by `rotation` (rows).
+    #[must_use]
+    pub fn legs_at(&self, position: &[T; 3], rotation: &[[T; 3]; 3]) -> Legs<T> {
+        let lever = self.platform.map(|joint| product(rotation, &joint));
+        let vector: [[T; 3]; 6] =
+            core::array::from_fn(|i| core::array::from_fn(|axis| position[axis] + lever[i][axis] - self.base[i][axis]));
+        let length = vector.map(|vector| dot(&vector, &vector).sqrt());
+        let direction = core::array::from_fn(|i| vector[i].map(|component| component / length[i]));
+        Legs { length, direction, lever }
+    }
+
+    /// Where the platform's joint of this leg is, in the axes of the base \[m\].
+    #[must_use]
+    pub fn joint(&self, leg: usize, q: &Coordinates<T>) -> [T; 3] {
+        let rotation = attitude(q);
+        core::array::from_fn(|axis| q[axis] + dot(&rotation[axis], &self.platform[leg]))
+    }
+}
+
+impl<T: Scalar> Legs<T> {
+    /// Rows of the Jacobian by twists: `l̇_i = u_i · v + (R P_i × u_i) · ω`.
+    #[must_use]
+    pub fn jacobian(&self) -> [[T; 6]; 6] {
+        core::array::from_fn(|i| {
+            let ([a, b, c], [d, e, f]) = (self.direction[i], cross(&self.lever[i], &self.direction[i]));
+            [a, b, c, d, e, f]
+        })
+    }
+}
+
+impl Geometry<f64> {
+    pub(crate) fn check_joints(&self, params: &Params) -> Result<(), InvalidPlatform> {
+        let plates =
+            [(Plate::Base, &self.base, params.base_radius), (Plate::Platform, &self.platform, params.platform_radius)];
+        for (plate, joints, radius) in plates {
+            if radius <= 0.0 {
+                return Err(InvalidPlatform::Radius { plate, radius });
+            }
+            for (i, j) in (0..6).flat_map(|i| (i + 1..6).map(move |j| (i, j))) {
+                let apart = minus(&joints[i], &joints[j]);
+                let distance = Scalar::sqrt(dot(&apart, &apart));
+                if distance <= COINCIDENT * radius {
+                    return Err(InvalidPlatform::CoincidentJoints { plate, joints: [i, j], distance });
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+/// `R = Rz(ψ) Ry(θ) Rx(φ)`, rows.
+#[must_use]
+#[inline]
+pub fn attitude<T: Scalar>(q: &Coordinates<T>) -> [[T; 3]; 3] {
+    let [(s1, c1), (s2, c2), (s3, c3)] = [q[3].sin_cos(), q[4].sin_cos(), q[5].sin_cos()];
+    [
+        [c3 * c2, c3 * s2 * s1 - s3 * c1, c3 * s2 * c1 + s3 * s1],
+        [s3 * c2, s3 * s2 * s1 + c3 * c1, s3 * s2 * c1 - c3 * s1],
+        [-s2, c2 * s1, c2 * c1],
+    ]
+}
+
+/// Masses, inertias and sizes; the joints are checked where they are known.
+pub(crate) fn check(params: &Params) -> Result<(), InvalidPlatform> {
+    let [inertia_x, inertia_y, inertia_z] = params.platform_inertia;
+    let [length, width, height] = params.payload_size;
+    let at_least_zero = [
+        ("platform_mass", params.platform_mass),
+        ("platform_inertia_0", inertia_x),
+        ("platform_inertia_1", inertia_y),
+        ("platform_inertia_2", inertia_z),
+        ("payload_size_0", length),
+        ("payload_size_1", width),
+        ("payload_size_2", height),
+        ("cylinder_mass", params.cylinder_mass),
+        ("cylinder_inertia", params.cylinder_inertia),
+        ("piston_mass", params.piston_mass),
+        ("piston_inertia", params.piston_inertia),
+    ];
+    let any = [
+        ("base_radius", params.base_radius),
+        ("platform_radius", params.platform_radius),
+        ("base_half_angle", params.base_half_angle),
+        ("platform_half_angle", params.platform_half_angle),
+        ("payload_mass", params.payload_mass),
+        ("cylinder_centre", params.cylinder_centre),
+        ("piston_centre", params.piston_centre),
+        ("g", params.g),
+    ];
+    if let Some((parameter, _)) = any.iter().chain(&at_least_zero).find(|(_, value)| !value.is_finite()) {
+        return Err(InvalidPlatform::NonFinite { parameter });
+    }
+    if params.payload_mass < 0.0 {
+        return Err(InvalidPlatform::NegativePayload { mass: params.payload_mass });
+    }
+    if let Some(&(parameter, value)) = at_least_zero.iter().find(|(_, value)| *value < 0.0) {
+        return Err(InvalidPlatform::Negative { parameter, value });
+    }
+    if params.platform_mass == 0.0 || params.platform_inertia.contains(&0.0) {
+        return Err(InvalidPlatform::NoInertia);
+    }
+    Ok(())
+}
