@@ -13,9 +13,6 @@
 //! assert!((0..6).all(|i| (torque[i] - gravity[i]).abs() < 1e-9));
 //! ```
 
-use core::error::Error;
-use core::fmt;
-
 use super::{Arm, JointVector};
 
 /// The motion that a controller is to follow, at one moment.
@@ -38,21 +35,14 @@ impl Reference {
 }
 
 /// A gain that is not a positive number.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[error("a gain must be positive and finite, that of joint {joint} is {gain}")]
 pub struct InvalidGain {
     /// The joint, counted from 0.
     pub joint: usize,
     /// The gain given: `K_p` \[1/s²\], `K_d` \[1/s\], or the natural frequency \[rad/s\] of which they are made.
     pub gain: f64,
 }
-
-impl fmt::Display for InvalidGain {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "a gain must be positive and finite, that of joint {} is {}", self.joint, self.gain)
-    }
-}
-
-impl Error for InvalidGain {}
 
 /// Computed-torque control: the model turns the arm into six independent oscillators.
 ///

@@ -37,7 +37,6 @@
 //! L. Pieper, *The kinematics of manipulators under computer control*, 1968. Triangles from their sides: W.
 //! Kahan, *Miscalculating area and angles of a needle-like triangle*, 2014.
 
-use core::error::Error;
 use core::f64::consts::{PI, TAU};
 use core::fmt;
 use core::ops::Deref;
@@ -140,16 +139,19 @@ pub struct Solutions {
 }
 
 /// Why a pose has no configuration.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum Unsolvable {
     /// A component of the position is infinite or NaN.
+    #[error("component {component} of the position is infinite or NaN")]
     NonFinitePosition {
         /// Which, counted from 0.
         component: usize,
     },
     /// The rotation is none.
-    Rotation(NotARotation),
+    #[error(transparent)]
+    Rotation(#[from] NotARotation),
     /// An angle of [`InverseKinematics::reference`] that may be needed, the first or the fourth, is infinite or NaN.
+    #[error("the reference of joint {joint} must be finite, found {value} rad")]
     NonFiniteReference {
         /// Of which joint, counted from 0.
         joint: usize,
@@ -157,57 +159,27 @@ pub enum Unsolvable {
         value: f64,
     },
     /// The wrist centre is farther from axis 2 than the stretched arm reaches, even with the shoulder that is nearer.
+    #[error("the wrist is out of reach by {by} m")]
     TooFar {
         /// By how much \[m\].
         by: f64,
     },
     /// The wrist centre is nearer to axis 2 than the folded arm reaches, with either shoulder.
+    #[error("the wrist is too near to the shoulder by {by} m")]
     TooNear {
         /// By how much \[m\].
         by: f64,
     },
 }
 
-impl fmt::Display for Unsolvable {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match *self {
-            Self::NonFinitePosition { component } => {
-                write!(f, "component {component} of the position is infinite or NaN")
-            }
-            Self::Rotation(error) => error.fmt(f),
-            Self::NonFiniteReference { joint, value } => {
-                write!(f, "the reference of joint {joint} must be finite, found {value} rad")
-            }
-            Self::TooFar { by } => write!(f, "the wrist is out of reach by {by} m"),
-            Self::TooNear { by } => write!(f, "the wrist is too near to the shoulder by {by} m"),
-        }
-    }
-}
-
-impl Error for Unsolvable {
-    fn source(&self) -> Option<&(dyn Error + 'static)> {
-        match self {
-            Self::Rotation(error) => Some(error),
-            Self::NonFinitePosition { .. }
-            | Self::NonFiniteReference { .. }
-            | Self::TooFar { .. }
-            | Self::TooNear { .. } => None,
-        }
-    }
-}
-
-impl From<NotARotation> for Unsolvable {
-    fn from(error: NotARotation) -> Self {
-        Self::Rotation(error)
-    }
-}
-
 /// Why none of the configurations of a pose is within the ranges of the joints.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum OutsideLimits {
     /// The ranges are no ranges.
-    Limits(InvalidLimits),
+    #[error(transparent)]
+    Limits(#[from] InvalidLimits),
     /// All configurations have an angle that no turn brings into its range.
+    #[error("every configuration crosses a limit, the best one that of joint {joint} by {by} rad")]
     Crossed {
         /// The configuration that is outside by least.
         best: Solution,
@@ -217,34 +189,8 @@ pub enum OutsideLimits {
         by: f64,
     },
     /// There are no configurations.
+    #[error("there are no configurations to choose from")]
     Empty,
-}
-
-impl fmt::Display for OutsideLimits {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match *self {
-            Self::Limits(error) => error.fmt(f),
-            Self::Crossed { joint, by, .. } => {
-                write!(f, "every configuration crosses a limit, the best one that of joint {joint} by {by} rad")
-            }
-            Self::Empty => f.write_str("there are no configurations to choose from"),
-        }
-    }
-}
-
-impl Error for OutsideLimits {
-    fn source(&self) -> Option<&(dyn Error + 'static)> {
-        match self {
-            Self::Limits(error) => Some(error),
-            Self::Crossed { .. } | Self::Empty => None,
-        }
-    }
-}
-
-impl From<InvalidLimits> for OutsideLimits {
-    fn from(error: InvalidLimits) -> Self {
-        Self::Limits(error)
-    }
 }
 
 /// What becomes of a matrix that is not quite a rotation. Tolerances are of the largest entry of `RᵀR − 1`.

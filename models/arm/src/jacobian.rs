@@ -28,9 +28,6 @@
 //! # Source
 //! Doctoral thesis *Dynamics of multibody systems in a gravitational field*, section 3.3.
 
-use core::error::Error;
-use core::fmt;
-
 use mbs_runtime::{Pose, Scalar, to_matrix, to_vector};
 use nalgebra::{Matrix6, SVD, Vector3, Vector6};
 
@@ -41,9 +38,10 @@ use super::{A1, A2, A3, Arm, D1, D4, D6, JointVector};
 pub type Jacobian = [[f64; 6]; 6];
 
 /// Why joint velocities or flange forces do not follow from the other side.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum SingularJacobian {
     /// Motions of the flange are lost, or nearly.
+    #[error("the arm is singular: singular values of the Jacobian from {largest} down to {smallest:e}")]
     Singular {
         /// The smallest singular value.
         smallest: f64,
@@ -51,27 +49,15 @@ pub enum SingularJacobian {
         largest: f64,
     },
     /// An angle, or a component of what was to be carried over, is infinite or NaN.
+    #[error("an angle or a component is infinite or NaN")]
     NonFinite,
     /// The damping is not a positive number.
+    #[error("the damping must be positive, found {damping}")]
     InvalidDamping {
         /// The damping given.
         damping: f64,
     },
 }
-
-impl fmt::Display for SingularJacobian {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match *self {
-            Self::Singular { smallest, largest } => {
-                write!(f, "the arm is singular: singular values of the Jacobian from {largest} down to {smallest:e}")
-            }
-            Self::NonFinite => f.write_str("an angle or a component is infinite or NaN"),
-            Self::InvalidDamping { damping } => write!(f, "the damping must be positive, found {damping}"),
-        }
-    }
-}
-
-impl Error for SingularJacobian {}
 
 /// How small the smallest singular value is, against the largest, where the Jacobian counts as singular: of what is
 /// carried over, half of the digits would be left.

@@ -1,8 +1,6 @@
 //! What the drives of the arm allow.
 
-use core::error::Error;
 use core::f64::consts::TAU;
-use core::fmt;
 
 use super::JointVector;
 
@@ -22,9 +20,10 @@ pub struct JointLimits {
 }
 
 /// Limits that nothing can keep.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum InvalidLimits {
     /// The range of a joint is empty, or NaN bounds it.
+    #[error("joint {joint} has the range {lower} to {upper} rad")]
     Range {
         /// Which, counted from 0.
         joint: usize,
@@ -34,6 +33,7 @@ pub enum InvalidLimits {
         upper: f64,
     },
     /// A speed, an acceleration or a torque is not positive.
+    #[error("speed, acceleration and torque of joint {joint} must be positive, found {bound}")]
     Bound {
         /// Of which joint, counted from 0.
         joint: usize,
@@ -41,19 +41,6 @@ pub enum InvalidLimits {
         bound: f64,
     },
 }
-
-impl fmt::Display for InvalidLimits {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match *self {
-            Self::Range { joint, lower, upper } => write!(f, "joint {joint} has the range {lower} to {upper} rad"),
-            Self::Bound { joint, bound } => {
-                write!(f, "speed, acceleration and torque of joint {joint} must be positive, found {bound}")
-            }
-        }
-    }
-}
-
-impl Error for InvalidLimits {}
 
 /// How far past a limit an angle counts as on it \[rad\]: what rounding may add to an angle that was computed.
 pub const LIMIT_TOLERANCE: f64 = 1e-10;

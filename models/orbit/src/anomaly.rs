@@ -14,7 +14,6 @@
 //! Battin, *An Introduction to the Mathematics and Methods of Astrodynamics*, 1999, sections 4.2 to 4.4.
 
 use core::f64::consts::PI;
-use core::fmt;
 
 use mbs_runtime::Scalar;
 
@@ -23,19 +22,22 @@ use super::kepler::{is_odd, rounded};
 use super::universal::{Shape, Universal, asinh};
 
 /// Why there is no such anomaly.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum AnomalyError {
     /// The eccentricity is negative, infinite or NaN.
+    #[error("the eccentricity must be zero or positive and finite, it is {e}")]
     Eccentricity {
         /// Its value \[1\].
         e: f64,
     },
     /// The anomaly is infinite or NaN.
+    #[error("the anomaly must be finite, it is {anomaly}")]
     NotFinite {
         /// Its value \[rad\]; a parabola's D has no unit.
         anomaly: f64,
     },
     /// A parabola or hyperbola does not reach this true anomaly.
+    #[error("the true anomaly {true_anomaly} rad is not within ±{limit} rad, where the asymptotes are")]
     BeyondAsymptote {
         /// The true anomaly \[rad\].
         true_anomaly: f64,
@@ -43,25 +45,9 @@ pub enum AnomalyError {
         limit: f64,
     },
     /// What was asked for is too large for `f64`.
+    #[error("the anomaly leaves the range of floating-point numbers")]
     OutOfRange,
 }
-
-impl fmt::Display for AnomalyError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            AnomalyError::Eccentricity { e } => {
-                write!(f, "the eccentricity must be zero or positive and finite, it is {e}")
-            }
-            AnomalyError::NotFinite { anomaly } => write!(f, "the anomaly must be finite, it is {anomaly}"),
-            AnomalyError::BeyondAsymptote { true_anomaly, limit } => {
-                write!(f, "the true anomaly {true_anomaly} rad is not within ±{limit} rad, where the asymptotes are")
-            }
-            AnomalyError::OutOfRange => write!(f, "the anomaly leaves the range of floating-point numbers"),
-        }
-    }
-}
-
-impl core::error::Error for AnomalyError {}
 
 /// The parabola on which `s = D`: `√μ t = s/2 + s³/6` is half of the mean anomaly.
 const PARABOLA: Shape = Shape { alpha: 0.0, q: 0.5, e: 1.0 };

@@ -11,60 +11,44 @@
 //! Clohessy, Wiltshire, *Terminal guidance system for satellite rendezvous*, Journal of the Aerospace Sciences
 //! 27(9), 1960.
 
-use core::fmt;
-
 use super::universal::Universal;
 use super::vector::{StateVector, Vector, transformed};
 
 /// Why a state was not carried on, or no velocity leads from one place to another in a time.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum TargetingError {
     /// The mean motion is not positive, NaN or infinite.
+    #[error("the mean motion must be positive, it is {n} rad/s")]
     MeanMotion {
         /// Its value \[rad/s\].
         n: f64,
     },
     /// The time is NaN or infinite; for a transfer it is not positive.
+    #[error("the time must be {}, it is {time} s", if .time.is_finite() { "positive" } else { "finite" })]
     Time {
         /// Its value \[s\].
         time: f64,
     },
     /// A component of a place or state is not finite.
+    #[error("a place or a velocity is not finite")]
     NotFinite,
     /// After this time the place within the orbital plane does not depend on some velocities: whole revolutions, and
     /// some other times, the first 1.406 of a revolution.
+    #[error("no velocity fixes the place in the orbital plane after {time} s")]
     SingularInPlane {
         /// \[s\]
         time: f64,
     },
     /// After half revolutions the place across the orbital plane does not depend on the velocity.
+    #[error("no velocity fixes the place across the orbital plane after {time} s")]
     SingularAcross {
         /// \[s\]
         time: f64,
     },
     /// Numbers on the way are too large or too small for `f64`.
+    #[error("the motion leaves the range of floating-point numbers")]
     OutOfRange,
 }
-
-impl fmt::Display for TargetingError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            TargetingError::MeanMotion { n } => write!(f, "the mean motion must be positive, it is {n} rad/s"),
-            TargetingError::Time { time } if !time.is_finite() => write!(f, "the time must be finite, it is {time} s"),
-            TargetingError::Time { time } => write!(f, "the time must be positive, it is {time} s"),
-            TargetingError::NotFinite => write!(f, "a place or a velocity is not finite"),
-            TargetingError::OutOfRange => write!(f, "the motion leaves the range of floating-point numbers"),
-            TargetingError::SingularInPlane { time } => {
-                write!(f, "no velocity fixes the place in the orbital plane after {time} s")
-            }
-            TargetingError::SingularAcross { time } => {
-                write!(f, "no velocity fixes the place across the orbital plane after {time} s")
-            }
-        }
-    }
-}
-
-impl core::error::Error for TargetingError {}
 
 /// The state transition matrix: position, then velocity, `matrix[row][column]`.
 ///

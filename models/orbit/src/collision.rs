@@ -1,14 +1,14 @@
 //! Integration up to the end or to a collision, whichever comes first.
 
-use core::fmt;
 use core::ops::ControlFlow;
 
 use mbs_runtime::{Dop853, Event, IntegrationError, Integrator, State, Step, Summary};
 
 /// Why a flight ended before its time.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum FlightError {
     /// Two bodies met.
+    #[error("collision at {time} s, at a distance of {distance} m")]
     Collision {
         /// When \[s\].
         time: f64,
@@ -16,6 +16,7 @@ pub enum FlightError {
         distance: f64,
     },
     /// They touch at the beginning already.
+    #[error("the bodies are {distance} m apart at the beginning, and touch at {contact} m")]
     StartsInside {
         /// Their distance \[m\].
         distance: f64,
@@ -23,30 +24,15 @@ pub enum FlightError {
         contact: f64,
     },
     /// The distance at which they touch is negative, infinite or NaN.
+    #[error("the distance of contact must be zero or positive, it is {contact} m")]
     Contact {
         /// Its value \[m\].
         contact: f64,
     },
     /// The integrator gave up for another reason.
+    #[error(transparent)]
     Integration(IntegrationError),
 }
-
-impl fmt::Display for FlightError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Collision { time, distance } => write!(f, "collision at {time} s, at a distance of {distance} m"),
-            Self::StartsInside { distance, contact } => {
-                write!(f, "the bodies are {distance} m apart at the beginning, and touch at {contact} m")
-            }
-            Self::Contact { contact } => {
-                write!(f, "the distance of contact must be zero or positive, it is {contact} m")
-            }
-            Self::Integration(error) => error.fmt(f),
-        }
-    }
-}
-
-impl core::error::Error for FlightError {}
 
 /// Of the first distance: points whose motion cannot be continued closer than that have met.
 const MET: f64 = 1e-3;

@@ -19,7 +19,6 @@
 //! Battin, *An Introduction to the Mathematics and Methods of Astrodynamics*, 1999, section 3.4.
 
 use core::f64::consts::PI;
-use core::fmt;
 
 use mbs_runtime::Scalar;
 
@@ -50,9 +49,10 @@ pub struct Elements {
 }
 
 /// Why there are no elements, or no state.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum ElementsError {
     /// What must be positive and finite is not: μ \[m³/s²\] or p \[m\].
+    #[error("{parameter} must be positive, it is {value}")]
     NotPositive {
         /// Its name.
         parameter: &'static str,
@@ -60,6 +60,7 @@ pub enum ElementsError {
         value: f64,
     },
     /// What must not be negative is: the eccentricity.
+    #[error("{parameter} must not be negative, it is {value}")]
     Negative {
         /// Its name.
         parameter: &'static str,
@@ -67,6 +68,7 @@ pub enum ElementsError {
         value: f64,
     },
     /// A component of the state, the eccentricity or an angle is infinite or NaN.
+    #[error("{parameter} must be finite, it is {value}")]
     NotFinite {
         /// Its name.
         parameter: &'static str,
@@ -74,9 +76,13 @@ pub enum ElementsError {
         value: f64,
     },
     /// The state lies in the centre, or moves towards it or away from it: no angular momentum.
+    #[error("a motion along a straight line has no orbital plane")]
     Straight,
     /// The motion is so nearly one along a straight line that e and ν, as they are rounded, would not give the state
     /// back to 1e-9.
+    #[error(
+        "at the distance {distance} an orbit of the semi-latus rectum {semi_latus_rectum} is too nearly a straight line: its elements would not give the state back"
+    )]
     NearlyStraight {
         /// `p = h²/μ` \[m\].
         semi_latus_rectum: f64,
@@ -84,6 +90,7 @@ pub enum ElementsError {
         distance: f64,
     },
     /// A parabola or hyperbola does not reach this true anomaly.
+    #[error("an orbit of eccentricity {eccentricity} does not reach the true anomaly {true_anomaly} rad")]
     BeyondAsymptote {
         /// The true anomaly \[rad\].
         true_anomaly: f64,
@@ -91,32 +98,9 @@ pub enum ElementsError {
         eccentricity: f64,
     },
     /// The state is too large or too small for `f64`.
+    #[error("the motion leaves the range of floating-point numbers")]
     OutOfRange,
 }
-
-impl fmt::Display for ElementsError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            ElementsError::NotPositive { parameter, value } => write!(f, "{parameter} must be positive, it is {value}"),
-            ElementsError::Negative { parameter, value } => {
-                write!(f, "{parameter} must not be negative, it is {value}")
-            }
-            ElementsError::NotFinite { parameter, value } => write!(f, "{parameter} must be finite, it is {value}"),
-            ElementsError::Straight => write!(f, "a motion along a straight line has no orbital plane"),
-            ElementsError::NearlyStraight { semi_latus_rectum, distance } => write!(
-                f,
-                "at the distance {distance} an orbit of the semi-latus rectum {semi_latus_rectum} is too nearly a straight \
-                 line: its elements would not give the state back"
-            ),
-            ElementsError::BeyondAsymptote { true_anomaly, eccentricity } => {
-                write!(f, "an orbit of eccentricity {eccentricity} does not reach the true anomaly {true_anomaly} rad")
-            }
-            ElementsError::OutOfRange => write!(f, "the motion leaves the range of floating-point numbers"),
-        }
-    }
-}
-
-impl core::error::Error for ElementsError {}
 
 /// From 0 to 2π.
 fn positive_angle(angle: f64) -> f64 {

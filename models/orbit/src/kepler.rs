@@ -21,7 +21,6 @@
 //! is ours.
 
 use core::f64::consts::PI;
-use core::fmt;
 
 use mbs_runtime::Scalar;
 
@@ -30,14 +29,16 @@ use super::universal::Shape;
 use super::vector::{StateVector, Vector, combined, cross, dot, norm, scaled};
 
 /// Why a state was not propagated.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum KeplerError {
     /// μ is not positive, NaN or infinite.
+    #[error("μ must be positive, it is {mu}")]
     Mu {
         /// Its value \[m³/s²\].
         mu: f64,
     },
     /// A component of the state is infinite or NaN.
+    #[error("component {component} of the state is {value}")]
     State {
         /// Which: 0 to 2 position, 3 to 5 velocity.
         component: usize,
@@ -45,35 +46,24 @@ pub enum KeplerError {
         value: f64,
     },
     /// The time is infinite or NaN.
+    #[error("the time is {time}")]
     Time {
         /// Its value \[s\].
         time: f64,
     },
     /// The state lies in the centre.
+    #[error("the state lies in the centre of attraction")]
     AtCentre,
     /// The motion is along a straight line, as far as rounding lets tell, and meets the centre on the way.
+    #[error("falls into the centre of attraction after {time}")]
     Collision {
         /// When, from the given state on \[s\]; negative before it.
         time: f64,
     },
     /// Numbers on the way are too large or too small for `f64`.
+    #[error("the motion leaves the range of floating-point numbers")]
     OutOfRange,
 }
-
-impl fmt::Display for KeplerError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            KeplerError::Mu { mu } => write!(f, "μ must be positive, it is {mu}"),
-            KeplerError::State { component, value } => write!(f, "component {component} of the state is {value}"),
-            KeplerError::Time { time } => write!(f, "the time is {time}"),
-            KeplerError::AtCentre => write!(f, "the state lies in the centre of attraction"),
-            KeplerError::Collision { time } => write!(f, "falls into the centre of attraction after {time}"),
-            KeplerError::OutOfRange => write!(f, "the motion leaves the range of floating-point numbers"),
-        }
-    }
-}
-
-impl core::error::Error for KeplerError {}
 
 /// A state that was propagated.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -16,7 +16,6 @@
 //! Introduction to the Mathematics and Methods of Astrodynamics*, 1999, chapter 7.
 
 use core::f64::consts::{LN_2, PI};
-use core::fmt;
 
 use mbs_runtime::Scalar;
 
@@ -82,30 +81,37 @@ pub struct ConicArc {
 }
 
 /// Why there is no such conic.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum LambertError {
     /// μ is not positive, NaN or infinite.
+    #[error("μ must be positive, it is {mu}")]
     Mu {
         /// Its value \[m³/s²\].
         mu: f64,
     },
     /// The time is not positive, NaN or infinite.
+    #[error("the time must be positive, it is {time}")]
     Time {
         /// Its value \[s\].
         time: f64,
     },
     /// A component of the places or of the pole is not finite.
+    #[error("the places and the pole must be finite")]
     NotFinite,
     /// A place lies in the centre.
+    #[error("a place lies in the centre of attraction")]
     AtCentre,
     /// Both places are in line with the centre: the plane of the motion is not determined.
+    #[error("the places are in line with the centre, {angle} rad apart: no plane is determined")]
     Collinear {
         /// The angle between them, 0 or π \[rad\].
         angle: f64,
     },
     /// The pole lies in the plane of the motion, so that it does not say which way round.
+    #[error("the pole lies in the plane of the motion")]
     PoleInPlane,
     /// That many revolutions take longer than the time given.
+    #[error("{revolutions} revolutions take at least {least}, not {time}")]
     TooManyRevolutions {
         /// As asked for.
         revolutions: u32,
@@ -115,29 +121,9 @@ pub enum LambertError {
         least: f64,
     },
     /// Numbers on the way are too large or too small for `f64`.
+    #[error("the motion leaves the range of floating-point numbers")]
     OutOfRange,
 }
-
-impl fmt::Display for LambertError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            LambertError::Mu { mu } => write!(f, "μ must be positive, it is {mu}"),
-            LambertError::Time { time } => write!(f, "the time must be positive, it is {time}"),
-            LambertError::NotFinite => write!(f, "the places and the pole must be finite"),
-            LambertError::AtCentre => write!(f, "a place lies in the centre of attraction"),
-            LambertError::Collinear { angle } => {
-                write!(f, "the places are in line with the centre, {angle} rad apart: no plane is determined")
-            }
-            LambertError::PoleInPlane => write!(f, "the pole lies in the plane of the motion"),
-            LambertError::TooManyRevolutions { revolutions, time, least } => {
-                write!(f, "{revolutions} revolutions take at least {least}, not {time}")
-            }
-            LambertError::OutOfRange => write!(f, "the motion leaves the range of floating-point numbers"),
-        }
-    }
-}
-
-impl core::error::Error for LambertError {}
 
 /// Of two places and the way round.
 struct Geometry {

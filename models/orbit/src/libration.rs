@@ -3,14 +3,13 @@
 //! # Source
 //! V. Szebehely, *Theory of Orbits*, 1967, chapters 4 and 5.
 
-use core::fmt;
-
 use mbs_runtime::Scalar;
 
 use mbs_models::cr3bp::{Cr3bp, Params};
 
 /// A mass ratio that is not in (0, ½], or so small that rounding puts a point where the smaller primary is.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[error("the part of the smaller primary must be more than 0, at most 1/2, and more than rounding, it is {mu}")]
 pub struct MassRatioError {
     /// The part of the smaller primary that was given.
     pub mu: f64,
@@ -35,18 +34,6 @@ impl Point {
     /// All five, in order.
     pub const ALL: [Self; 5] = [Self::L1, Self::L2, Self::L3, Self::L4, Self::L5];
 }
-
-impl fmt::Display for MassRatioError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(
-            f,
-            "the part of the smaller primary must be more than 0, at most 1/2, and more than rounding, it is {}",
-            self.mu
-        )
-    }
-}
-
-impl core::error::Error for MassRatioError {}
 
 /// L₁ to L₅ as `[x, y]` in the units and axes of [`cr3bp`](mbs_models::cr3bp), to the last digit or two.
 ///

@@ -11,8 +11,6 @@
 //! # Source
 //! Thesis, section 7.5; Curtis, *Orbital Mechanics for Engineering Students*, 2020, section 7.2.
 
-use core::fmt;
-
 use mbs_runtime::Scalar;
 
 use super::integrals::angular_momentum;
@@ -22,20 +20,12 @@ use super::vector::{StateVector, Vector, combined, cross, dot, minus, norm, plus
 
 /// A station has no such frame: it lies in the centre, or moves along a straight line through it, or its state is not
 /// finite.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[error("no frame goes round with a station at {:?} with the velocity {:?}", .state.position, .state.velocity)]
 pub struct FrameError {
     /// Of the station.
     pub state: StateVector,
 }
-
-impl fmt::Display for FrameError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let StateVector { position, velocity } = self.state;
-        write!(f, "no frame goes round with a station at {position:?} with the velocity {velocity:?}")
-    }
-}
-
-impl core::error::Error for FrameError {}
 
 /// Axes and rate of the frame of a station at one moment.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -124,35 +114,14 @@ pub struct RelativeMotion {
 }
 
 /// Why a relative motion was not found.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum RelativeMotionError {
     /// The station has no frame.
-    Frame(FrameError),
+    #[error(transparent)]
+    Frame(#[from] FrameError),
     /// One of the two was not propagated.
-    Kepler(KeplerError),
-}
-
-impl fmt::Display for RelativeMotionError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            RelativeMotionError::Frame(error) => error.fmt(f),
-            RelativeMotionError::Kepler(error) => error.fmt(f),
-        }
-    }
-}
-
-impl core::error::Error for RelativeMotionError {}
-
-impl From<FrameError> for RelativeMotionError {
-    fn from(error: FrameError) -> Self {
-        RelativeMotionError::Frame(error)
-    }
-}
-
-impl From<KeplerError> for RelativeMotionError {
-    fn from(error: KeplerError) -> Self {
-        RelativeMotionError::Kepler(error)
-    }
+    #[error(transparent)]
+    Kepler(#[from] KeplerError),
 }
 
 /// Nodes and weights of Gauss' quadrature of order 8 on (0, 1).

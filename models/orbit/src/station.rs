@@ -28,9 +28,10 @@ pub struct Station {
 }
 
 /// What is wrong with a station.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum StationError {
     /// What must be positive is not, or is infinite or NaN.
+    #[error("{parameter} must be positive, it is {value}")]
     NotPositive {
         /// Its name.
         parameter: &'static str,
@@ -38,6 +39,7 @@ pub enum StationError {
         value: f64,
     },
     /// What must not be negative is, or is infinite or NaN.
+    #[error("{parameter} must not be negative, it is {value}")]
     Negative {
         /// Its name.
         parameter: &'static str,
@@ -45,26 +47,15 @@ pub enum StationError {
         value: f64,
     },
     /// A body at the station itself has no direction from it, and no cylindrical coordinates.
+    #[error("a body at the station itself has no cylindrical coordinates about it")]
     AtTheStation,
     /// Numbers are too large or too small for `f64`, or are none.
+    #[error("the motion leaves the range of floating-point numbers")]
     OutOfRange,
     /// The station's orbit was not found at a time.
+    #[error(transparent)]
     Kepler(KeplerError),
 }
-
-impl fmt::Display for StationError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::NotPositive { parameter, value } => write!(f, "{parameter} must be positive, it is {value}"),
-            Self::Negative { parameter, value } => write!(f, "{parameter} must not be negative, it is {value}"),
-            Self::AtTheStation => write!(f, "a body at the station itself has no cylindrical coordinates about it"),
-            Self::OutOfRange => write!(f, "the motion leaves the range of floating-point numbers"),
-            Self::Kepler(error) => error.fmt(f),
-        }
-    }
-}
-
-impl core::error::Error for StationError {}
 
 /// An orbit that dips below the surface of the centre: it is computed, about a centre that is a point.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -12,8 +12,6 @@
 //! Guidance, Control, and Dynamics 25(1), 2002: the transition in the plane and its inverse at the beginning. Their x,
 //! y, z are y, −z, −x here.
 
-use core::fmt;
-
 use mbs_runtime::Scalar;
 
 use super::clohessy_wiltshire::Transfer;
@@ -23,41 +21,30 @@ use super::lvlh::{Frame, FrameError};
 use super::vector::{StateVector, Vector, dot, norm, transformed};
 
 /// Why there is no such matrix.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum TransitionError {
     /// The orbit of the station is not an ellipse.
+    #[error("the orbit of the station must be an ellipse, its eccentricity is {eccentricity}")]
     NotElliptic {
         /// Its eccentricity.
         eccentricity: f64,
     },
     /// The station was not propagated.
+    #[error(transparent)]
     Kepler(KeplerError),
     /// The station has no frame.
+    #[error(transparent)]
     Frame(FrameError),
     /// No velocity fixes the place after this time.
+    #[error("no velocity fixes the place after {time} s")]
     Singular {
         /// \[s\]
         time: f64,
     },
     /// A component of a place is not finite.
+    #[error("a place is not finite")]
     NotFinite,
 }
-
-impl fmt::Display for TransitionError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            TransitionError::NotElliptic { eccentricity } => {
-                write!(f, "the orbit of the station must be an ellipse, its eccentricity is {eccentricity}")
-            }
-            TransitionError::Kepler(error) => error.fmt(f),
-            TransitionError::Frame(error) => error.fmt(f),
-            TransitionError::NotFinite => write!(f, "a place is not finite"),
-            TransitionError::Singular { time } => write!(f, "no velocity fixes the place after {time} s"),
-        }
-    }
-}
-
-impl core::error::Error for TransitionError {}
 
 /// One end of the time.
 struct Anomaly {

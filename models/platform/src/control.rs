@@ -26,14 +26,12 @@
 //! assert!((0..6).all(|i| (state.q[i] - motion.at(3.0)[0][i]).abs() < 1e-6));
 //! ```
 
-use core::error::Error;
-use core::fmt;
-
 use super::limits::InvalidLimits;
 use super::{Coordinates, LegVector, Platform, PoseError};
 
 /// A gain that is not a positive number.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[error("a gain must be positive and finite, that of coordinate {coordinate} is {gain}")]
 pub struct InvalidGain {
     /// The coordinate, counted from 0.
     pub coordinate: usize,
@@ -41,44 +39,15 @@ pub struct InvalidGain {
     pub gain: f64,
 }
 
-impl fmt::Display for InvalidGain {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "a gain must be positive and finite, that of coordinate {} is {}", self.coordinate, self.gain)
-    }
-}
-
-impl Error for InvalidGain {}
-
 /// Why there are no forces within the limits.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum NotControlled {
     /// Nothing can keep the limits.
-    Limits(InvalidLimits),
+    #[error(transparent)]
+    Limits(#[from] InvalidLimits),
     /// The pose, the reference or the forces.
-    Pose(PoseError),
-}
-
-impl fmt::Display for NotControlled {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Limits(error) => error.fmt(f),
-            Self::Pose(error) => error.fmt(f),
-        }
-    }
-}
-
-impl Error for NotControlled {}
-
-impl From<InvalidLimits> for NotControlled {
-    fn from(error: InvalidLimits) -> Self {
-        Self::Limits(error)
-    }
-}
-
-impl From<PoseError> for NotControlled {
-    fn from(error: PoseError) -> Self {
-        Self::Pose(error)
-    }
+    #[error(transparent)]
+    Pose(#[from] PoseError),
 }
 
 /// Computed-torque control: the model turns the platform into six independent oscillators.

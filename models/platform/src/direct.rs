@@ -12,9 +12,6 @@
 //! A platform has up to forty poses with the same lengths (J.-P. Merlet, *Parallel Robots*, 2nd ed. 2006, section
 //! 4.3.2); the one found is that which the start leads to. In tracking a motion that is the last pose.
 
-use core::error::Error;
-use core::fmt;
-
 use mbs_runtime::Scalar;
 
 use super::geometry::attitude;
@@ -34,9 +31,10 @@ pub struct DirectKinematics {
 }
 
 /// Why no pose was found.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum NotFound {
     /// A length is not a positive number.
+    #[error("the length of leg {leg} must be positive, found {length}")]
     InvalidLength {
         /// The leg, counted from 0.
         leg: usize,
@@ -44,13 +42,16 @@ pub enum NotFound {
         length: f64,
     },
     /// A coordinate of the start is infinite or NaN.
+    #[error("a coordinate of the start is infinite or NaN")]
     NonFiniteStart,
     /// The tolerance is not a positive number.
+    #[error("the tolerance must be positive, found {tolerance}")]
     InvalidTolerance {
         /// The tolerance given \[m\].
         tolerance: f64,
     },
     /// The search came to a pose whose legs do not determine the next step.
+    #[error("singular pose after {iterations} steps, {residual:e} m off")]
     Singular {
         /// The pose.
         pose: Coordinates,
@@ -61,6 +62,7 @@ pub enum NotFound {
     },
     /// The steps allowed were used up, or no part of a step brought the lengths nearer: they may belong to no pose, or
     /// to one on the other side of a singularity.
+    #[error("no pose found in {iterations} steps, lengths are {residual:e} m off")]
     NotConverged {
         /// The best pose.
         pose: Coordinates,
@@ -70,26 +72,6 @@ pub enum NotFound {
         residual: f64,
     },
 }
-
-impl fmt::Display for NotFound {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match *self {
-            Self::InvalidLength { leg, length } => {
-                write!(f, "the length of leg {leg} must be positive, found {length}")
-            }
-            Self::NonFiniteStart => f.write_str("a coordinate of the start is infinite or NaN"),
-            Self::InvalidTolerance { tolerance } => write!(f, "the tolerance must be positive, found {tolerance}"),
-            Self::Singular { iterations, residual, .. } => {
-                write!(f, "singular pose after {iterations} steps, {residual:e} m off")
-            }
-            Self::NotConverged { iterations, residual, .. } => {
-                write!(f, "no pose found in {iterations} steps, lengths are {residual:e} m off")
-            }
-        }
-    }
-}
-
-impl Error for NotFound {}
 
 /// How the pose is searched.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,6 +1,5 @@
 //! Where the joints are, and the legs between them.
 
-use core::error::Error;
 use core::f64::consts::PI;
 use core::fmt;
 
@@ -48,14 +47,16 @@ pub enum Plate {
 }
 
 /// Why parameters describe no platform.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum InvalidPlatform {
     /// A parameter is infinite or NaN.
+    #[error("`{parameter}` is infinite or NaN")]
     NonFinite {
         /// Its name.
         parameter: &'static str,
     },
     /// The radius of a circle of joints is zero or negative.
+    #[error("the {plate}'s joints are on a circle of radius {radius} m")]
     Radius {
         /// The plate.
         plate: Plate,
@@ -63,6 +64,7 @@ pub enum InvalidPlatform {
         radius: f64,
     },
     /// Two joints of one plate are at one place.
+    #[error("joints {} and {} of the {plate} coincide: they are {distance:e} m apart", .joints[0], .joints[1])]
     CoincidentJoints {
         /// The plate.
         plate: Plate,
@@ -72,11 +74,13 @@ pub enum InvalidPlatform {
         distance: f64,
     },
     /// The payload has a negative mass.
+    #[error("the payload has the negative mass {mass} kg")]
     NegativePayload {
         /// The mass given \[kg\].
         mass: f64,
     },
     /// Another mass, inertia or size is negative.
+    #[error("`{parameter}` is negative: {value}")]
     Negative {
         /// Its name.
         parameter: &'static str,
@@ -84,6 +88,7 @@ pub enum InvalidPlatform {
         value: f64,
     },
     /// The plate that moves has no mass, or an inertia of zero.
+    #[error("the platform has no mass, or an inertia of zero")]
     NoInertia,
 }
 
@@ -95,23 +100,6 @@ impl fmt::Display for Plate {
         })
     }
 }
-
-impl fmt::Display for InvalidPlatform {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match *self {
-            Self::NonFinite { parameter } => write!(f, "`{parameter}` is infinite or NaN"),
-            Self::Radius { plate, radius } => write!(f, "the {plate}'s joints are on a circle of radius {radius} m"),
-            Self::CoincidentJoints { plate, joints: [i, j], distance } => {
-                write!(f, "joints {i} and {j} of the {plate} coincide: they are {distance:e} m apart")
-            }
-            Self::NegativePayload { mass } => write!(f, "the payload has the negative mass {mass} kg"),
-            Self::Negative { parameter, value } => write!(f, "`{parameter}` is negative: {value}"),
-            Self::NoInertia => f.write_str("the platform has no mass, or an inertia of zero"),
-        }
-    }
-}
-
-impl Error for InvalidPlatform {}
 
 /// How near two joints are, as a part of the radius of their circle, where they count as one.
 pub const COINCIDENT: f64 = 1e-6;

@@ -12,9 +12,6 @@
 //! (4.11) it has a stray `cos β`; here they are right. A vertical leg has no azimuth: there these coordinates are
 //! singular, which the dynamics, written with the unit vector `e`, is not.
 
-use core::error::Error;
-use core::fmt;
-
 use mbs_runtime::{Dual, Scalar};
 
 use super::geometry::Geometry;
@@ -28,41 +25,26 @@ pub type Spherical = [f64; 3];
 pub const VERTICAL: f64 = 1e-9;
 
 /// Why a leg has no spherical coordinates, or no rates of them.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum NotSpherical {
     /// A component is infinite or NaN.
+    #[error("a component is infinite or NaN")]
     NonFinite,
     /// The leg has no direction.
+    #[error("the leg has the length {length:e} m, and no direction")]
     ZeroLength {
         /// Its length \[m\].
         length: f64,
     },
     /// The leg is vertical, and its azimuth is any.
+    #[error("the leg is vertical (sin β = {sin_beta:e}) and has no azimuth")]
     Vertical {
         /// `sin β`
         sin_beta: f64,
     },
     /// The pose itself is at fault.
-    Pose(PoseError),
-}
-
-impl fmt::Display for NotSpherical {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::NonFinite => f.write_str("a component is infinite or NaN"),
-            Self::ZeroLength { length } => write!(f, "the leg has the length {length:e} m, and no direction"),
-            Self::Vertical { sin_beta } => write!(f, "the leg is vertical (sin β = {sin_beta:e}) and has no azimuth"),
-            Self::Pose(error) => error.fmt(f),
-        }
-    }
-}
-
-impl Error for NotSpherical {}
-
-impl From<PoseError> for NotSpherical {
-    fn from(error: PoseError) -> Self {
-        Self::Pose(error)
-    }
+    #[error(transparent)]
+    Pose(#[from] PoseError),
 }
 
 /// A leg's motion in spherical coordinates.

@@ -44,9 +44,6 @@ mod linear;
 pub mod motion;
 mod vector;
 
-use core::error::Error;
-use core::fmt;
-
 pub use direct::{DirectKinematics, NotFound};
 pub use geometry::{Geometry, InvalidPlatform};
 pub use limits::{ActuatorLimits, Quantity, Violation};
@@ -88,11 +85,13 @@ impl Default for Platform {
 }
 
 /// Why the legs of a pose have no direction, or their forces and rates do not follow from the platform's.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum PoseError {
     /// A coordinate, a rate, an acceleration or a force is infinite or NaN.
+    #[error("a coordinate, rate, acceleration or force is infinite or NaN")]
     NonFinite,
     /// A joint of the platform is on the joint of the base that its leg begins at.
+    #[error("leg {leg} has the length {length:e} m, and no direction")]
     ZeroLength {
         /// The leg, counted from 0.
         leg: usize,
@@ -100,6 +99,7 @@ pub enum PoseError {
         length: f64,
     },
     /// The legs do not hold the platform, or the angles do not tell its attitude (θ = ±90°).
+    #[error("the pose is singular: singular values from {largest} down to {smallest:e}")]
     Singular {
         /// The smallest singular value of the Jacobian by coordinates; where accelerations are asked for, of the matrix
         /// of angular rates.
@@ -108,20 +108,6 @@ pub enum PoseError {
         largest: f64,
     },
 }
-
-impl fmt::Display for PoseError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match *self {
-            Self::NonFinite => f.write_str("a coordinate, rate, acceleration or force is infinite or NaN"),
-            Self::ZeroLength { leg, length } => write!(f, "leg {leg} has the length {length:e} m, and no direction"),
-            Self::Singular { smallest, largest } => {
-                write!(f, "the pose is singular: singular values from {largest} down to {smallest:e}")
-            }
-        }
-    }
-}
-
-impl Error for PoseError {}
 
 impl Platform {
     /// The platform of these parameters, with the limits [`ActuatorLimits::PS_6TL_1500`].

@@ -1,6 +1,5 @@
 //! What the actuators allow: stroke, speed and force; and where a motion exceeds it.
 
-use core::error::Error;
 use core::fmt;
 
 use super::{Coordinates, LegVector, Platform, PlatformMotion, PoseError, Superposition};
@@ -19,9 +18,10 @@ pub struct ActuatorLimits {
 }
 
 /// Limits that nothing can keep.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum InvalidLimits {
     /// The stroke is crossed, begins below zero, or NaN bounds it.
+    #[error("the legs have the stroke {shortest} to {longest} m")]
     Stroke {
         /// The shortest length \[m\].
         shortest: f64,
@@ -29,6 +29,7 @@ pub enum InvalidLimits {
         longest: f64,
     },
     /// The speed or the force is not positive.
+    #[error("the largest {quantity} must be positive, found {bound} {}", .quantity.unit())]
     Bound {
         /// Which.
         quantity: Quantity,
@@ -36,19 +37,6 @@ pub enum InvalidLimits {
         bound: f64,
     },
 }
-
-impl fmt::Display for InvalidLimits {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match *self {
-            Self::Stroke { shortest, longest } => write!(f, "the legs have the stroke {shortest} to {longest} m"),
-            Self::Bound { quantity, bound } => {
-                write!(f, "the largest {quantity} must be positive, found {bound} {}", quantity.unit())
-            }
-        }
-    }
-}
-
-impl Error for InvalidLimits {}
 
 impl ActuatorLimits {
     /// 1.05 m to 1.70 m, 0.6 m/s, 10 kN.
@@ -225,9 +213,10 @@ pub struct Survey {
 pub const MOST_SAMPLES: u32 = 10_000_000;
 
 /// Why there is no survey of a motion.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum NotSurveyed {
     /// The end is negative, the step is not positive, one of them is infinite or NaN, or there are more than [`MOST_SAMPLES`].
+    #[error("samples every {step} s up to {end} s are none, without end or more than {MOST_SAMPLES}")]
     InvalidSampling {
         /// The last moment \[s\].
         end: f64,
@@ -235,34 +224,16 @@ pub enum NotSurveyed {
         step: f64,
     },
     /// Nothing can keep the limits.
-    Limits(InvalidLimits),
+    #[error(transparent)]
+    Limits(#[from] InvalidLimits),
     /// A sample has no legs or no forces.
+    #[error("t = {time:.3} s: {error}")]
     Pose {
         /// Of which moment \[s\].
         time: f64,
         /// Why.
         error: PoseError,
     },
-}
-
-impl fmt::Display for NotSurveyed {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::InvalidSampling { end, step } => {
-                write!(f, "samples every {step} s up to {end} s are none, without end or more than {MOST_SAMPLES}")
-            }
-            Self::Limits(error) => error.fmt(f),
-            Self::Pose { time, error } => write!(f, "t = {time:.3} s: {error}"),
-        }
-    }
-}
-
-impl Error for NotSurveyed {}
-
-impl From<InvalidLimits> for NotSurveyed {
-    fn from(error: InvalidLimits) -> Self {
-        Self::Limits(error)
-    }
 }
 
 impl Default for Survey {

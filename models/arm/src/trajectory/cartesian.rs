@@ -19,7 +19,6 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-use core::error::Error;
 use core::f64::consts::TAU;
 use core::fmt;
 
@@ -303,9 +302,10 @@ impl fmt::Display for Singularity {
 }
 
 /// Why the flange cannot follow a line; `s` is the part of the line that is over. Joints are counted from 0.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum CartesianError {
     /// The attitude at an end is none.
+    #[error("at s = {s}: {error}")]
     Rotation {
         /// 0 or 1.
         s: f64,
@@ -313,13 +313,16 @@ pub enum CartesianError {
         error: NotARotation,
     },
     /// The position at an end is infinite or NaN.
+    #[error("the position at s = {s} is infinite or NaN")]
     NonFinitePosition {
         /// 0 or 1.
         s: f64,
     },
     /// Both ends are the same pose.
+    #[error("both ends of the line are the same pose")]
     NoMotion,
     /// The posture to start from does not put the flange at the beginning of the line.
+    #[error("the flange is {distance} m and {angle} rad away from the beginning of the line")]
     StartElsewhere {
         /// From there \[m\].
         distance: f64,
@@ -327,6 +330,7 @@ pub enum CartesianError {
         angle: f64,
     },
     /// The line leaves the reach of the arm.
+    #[error("at s = {s}: {reason}")]
     Unreachable {
         /// Where.
         s: f64,
@@ -334,6 +338,7 @@ pub enum CartesianError {
         reason: Unsolvable,
     },
     /// The pose is reached on other branches, but not on this one.
+    #[error("at s = {s} the branch {branch:?} does not reach the line")]
     BranchEnds {
         /// Where.
         s: f64,
@@ -341,6 +346,7 @@ pub enum CartesianError {
         branch: Branch,
     },
     /// A joint comes to the end of its range.
+    #[error("at s = {s} joint {joint} comes to {angle} rad, its range ends at {limit} rad")]
     LimitExceeded {
         /// Where.
         s: f64,
@@ -352,6 +358,7 @@ pub enum CartesianError {
         limit: f64,
     },
     /// The arm is singular: joints would have to jump.
+    #[error("the {singularity} is singular at s = {s}")]
     Singular {
         /// Where.
         s: f64,
@@ -359,6 +366,7 @@ pub enum CartesianError {
         singularity: Singularity,
     },
     /// More postures must be kept: a joint turns by more than 2 rad from one to the next.
+    #[error("joint {joint} turns too far before s = {s}: keep more postures along the line")]
     TooFewPostures {
         /// Where.
         s: f64,
@@ -366,27 +374,3 @@ pub enum CartesianError {
         joint: usize,
     },
 }
-
-impl fmt::Display for CartesianError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Rotation { s, error } => write!(f, "at s = {s}: {error}"),
-            Self::NonFinitePosition { s } => write!(f, "the position at s = {s} is infinite or NaN"),
-            Self::NoMotion => f.write_str("both ends of the line are the same pose"),
-            Self::StartElsewhere { distance, angle } => {
-                write!(f, "the flange is {distance} m and {angle} rad away from the beginning of the line")
-            }
-            Self::Unreachable { s, reason } => write!(f, "at s = {s}: {reason}"),
-            Self::BranchEnds { s, branch } => write!(f, "at s = {s} the branch {branch:?} does not reach the line"),
-            Self::LimitExceeded { s, joint, angle, limit } => {
-                write!(f, "at s = {s} joint {joint} comes to {angle} rad, its range ends at {limit} rad")
-            }
-            Self::Singular { s, singularity } => write!(f, "the {singularity} is singular at s = {s}"),
-            Self::TooFewPostures { s, joint } => {
-                write!(f, "joint {joint} turns too far before s = {s}: keep more postures along the line")
-            }
-        }
-    }
-}
-
-impl Error for CartesianError {}

@@ -1,6 +1,5 @@
 //! Why there is no such trajectory, with the numbers that matter.
 
-use core::error::Error;
 use core::fmt;
 
 /// What a limit is about.
@@ -39,16 +38,19 @@ impl fmt::Display for Quantity {
 }
 
 /// Why a trajectory was refused. Joints are counted from 0.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum TrajectoryError {
     /// A duration is zero, negative, infinite or NaN.
+    #[error("a duration must be positive and finite, found {duration} s")]
     InvalidDuration {
         /// The duration given \[s\].
         duration: f64,
     },
     /// Start and stop are the same posture, and nothing moves in between.
+    #[error("start and stop are the same posture")]
     NoMotion,
     /// An angle, a velocity or an acceleration, given or what comes of those given, is infinite or NaN.
+    #[error("the {quantity} of joint {joint} is infinite or NaN")]
     NonFinite {
         /// Which of them.
         quantity: Quantity,
@@ -56,6 +58,7 @@ pub enum TrajectoryError {
         joint: usize,
     },
     /// A time does not lie after the one before it, or is not finite.
+    #[error("knot {index} is at {time} s, not after the one before it at {before} s")]
     TimesOutOfOrder {
         /// Which knot, counted from 0.
         index: usize,
@@ -65,6 +68,7 @@ pub enum TrajectoryError {
         time: f64,
     },
     /// The time asked for is not within the motion.
+    #[error("{time} s is not within the motion, which lasts from 0 to {duration} s")]
     OutsideDuration {
         /// The time asked for \[s\].
         time: f64,
@@ -72,6 +76,7 @@ pub enum TrajectoryError {
         duration: f64,
     },
     /// The time of acceleration is not positive, or takes more than half of the motion.
+    #[error("an acceleration of {time} s does not fit twice into a motion of {duration} s")]
     InvalidAccelerationTime {
         /// The time given \[s\].
         time: f64,
@@ -79,6 +84,7 @@ pub enum TrajectoryError {
         duration: f64,
     },
     /// A limit is zero, negative or NaN, or a range is empty.
+    #[error("the {quantity} limit of joint {joint} is not one: {value} {}", .quantity.unit())]
     InvalidLimit {
         /// What is limited.
         quantity: Quantity,
@@ -88,6 +94,10 @@ pub enum TrajectoryError {
         value: f64,
     },
     /// A joint goes beyond its limit.
+    #[error(
+        "the {quantity} of joint {joint} is {value} {unit} at {time} s, its limit is {limit} {unit}",
+        unit = .quantity.unit()
+    )]
     LimitExceeded {
         /// What exceeds the limit.
         quantity: Quantity,
@@ -101,6 +111,7 @@ pub enum TrajectoryError {
         limit: f64,
     },
     /// A path needs at least this many intervals of its grid.
+    #[error("a grid of {intervals} intervals is too coarse: at least {least}")]
     GridTooCoarse {
         /// The number of intervals given.
         intervals: usize,
@@ -108,11 +119,13 @@ pub enum TrajectoryError {
         least: usize,
     },
     /// A path has no length, an infinite one, or a NaN.
+    #[error("the length of a path must be positive and finite: {length}")]
     InvalidLength {
         /// The length given.
         length: f64,
     },
     /// The path parameter asked for is not on the path.
+    #[error("{s} is not on the path, which goes from 0 to {length}")]
     OutsidePath {
         /// The path parameter asked for.
         s: f64,
@@ -120,22 +133,26 @@ pub enum TrajectoryError {
         length: f64,
     },
     /// The path has no posture with a tangent here: it is singular.
+    #[error("the path is singular at s = {s}")]
     PathSingular {
         /// The path parameter.
         s: f64,
     },
     /// No joint moves with the path parameter here: the path has a corner or is badly parametrized.
+    #[error("no joint moves along the path at s = {s}")]
     PathStandsStill {
         /// The path parameter.
         s: f64,
     },
     /// No speed along the path satisfies all limits here, at the best approach and continuation.
+    #[error("no speed along the path satisfies the limits at s = {s}")]
     Infeasible {
         /// The path parameter.
         s: f64,
     },
     /// The mechanism has forces that grow with the velocity (dissipation): limits are then not linear in the square of
     /// the speed along the path.
+    #[error("joint {joint} has a force that grows with the velocity (s = {s}): not of this method")]
     VelocityForce {
         /// The path parameter at which it was noticed.
         s: f64,
@@ -143,56 +160,15 @@ pub enum TrajectoryError {
         joint: usize,
     },
     /// A function of the posture is infinite or NaN.
+    #[error("the function is infinite or NaN at t = {time} s")]
     NonFiniteFunction {
         /// When \[s\].
         time: f64,
     },
     /// An integral did not come to its tolerance.
+    #[error("the integral does not converge around t = {time} s")]
     NotConverged {
         /// The time around which it did not \[s\].
         time: f64,
     },
 }
-
-impl fmt::Display for TrajectoryError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match *self {
-            Self::InvalidDuration { duration } => {
-                write!(f, "a duration must be positive and finite, found {duration} s")
-            }
-            Self::NoMotion => f.write_str("start and stop are the same posture"),
-            Self::NonFinite { quantity, joint } => write!(f, "the {quantity} of joint {joint} is infinite or NaN"),
-            Self::TimesOutOfOrder { index, before, time } => {
-                write!(f, "knot {index} is at {time} s, not after the one before it at {before} s")
-            }
-            Self::OutsideDuration { time, duration } => {
-                write!(f, "{time} s is not within the motion, which lasts from 0 to {duration} s")
-            }
-            Self::InvalidAccelerationTime { time, duration } => {
-                write!(f, "an acceleration of {time} s does not fit twice into a motion of {duration} s")
-            }
-            Self::InvalidLimit { quantity, joint, value } => {
-                write!(f, "the {quantity} limit of joint {joint} is not one: {value} {}", quantity.unit())
-            }
-            Self::LimitExceeded { quantity, joint, time, value, limit } => {
-                let unit = quantity.unit();
-                write!(f, "the {quantity} of joint {joint} is {value} {unit} at {time} s, its limit is {limit} {unit}")
-            }
-            Self::GridTooCoarse { intervals, least } => {
-                write!(f, "a grid of {intervals} intervals is too coarse: at least {least}")
-            }
-            Self::InvalidLength { length } => write!(f, "the length of a path must be positive and finite: {length}"),
-            Self::OutsidePath { s, length } => write!(f, "{s} is not on the path, which goes from 0 to {length}"),
-            Self::PathSingular { s } => write!(f, "the path is singular at s = {s}"),
-            Self::PathStandsStill { s } => write!(f, "no joint moves along the path at s = {s}"),
-            Self::Infeasible { s } => write!(f, "no speed along the path satisfies the limits at s = {s}"),
-            Self::VelocityForce { s, joint } => {
-                write!(f, "joint {joint} has a force that grows with the velocity (s = {s}): not of this method")
-            }
-            Self::NonFiniteFunction { time } => write!(f, "the function is infinite or NaN at t = {time} s"),
-            Self::NotConverged { time } => write!(f, "the integral does not converge around t = {time} s"),
-        }
-    }
-}
-
-impl Error for TrajectoryError {}

@@ -1,8 +1,5 @@
 //! Why an experiment is not planned, or cannot be followed.
 
-use core::error::Error;
-use core::fmt;
-
 use super::flight::OutsideFlight;
 use super::limits::AxisViolation;
 use super::masses::InvalidMass;
@@ -13,14 +10,16 @@ use mbs_platform::PoseError;
 use mbs_platform::limits::{InvalidLimits as InvalidActuators, Violation};
 
 /// Why there is no plan, or none that can be followed.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum PlanError {
     /// The scale is not a positive number.
+    #[error("the scale must be positive, it is {scale}")]
     InvalidScale {
         /// The scale given.
         scale: f64,
     },
     /// What must be finite is not.
+    #[error("{parameter} must be finite, it is {value}")]
     NotFinite {
         /// Its name.
         parameter: &'static str,
@@ -28,11 +27,13 @@ pub enum PlanError {
         value: f64,
     },
     /// The least stand-off is greater than the greatest.
+    #[error("there is no stand-off from {} to {} m", .range[0], .range[1])]
     Standoffs {
         /// Those given \[m\].
         range: [f64; 2],
     },
     /// Moments are not apart, or more than [`COARSEST`], or there are more than ten million.
+    #[error("moments every {step} s up to {end} s are none, without end, too many or more than {COARSEST} s apart")]
     Sampling {
         /// Between moments \[s\].
         step: f64,
@@ -40,12 +41,16 @@ pub enum PlanError {
         end: f64,
     },
     /// The arm has a mass that no body has.
+    #[error(transparent)]
     Mass(InvalidMass),
     /// Nothing can keep the limits of the joints.
+    #[error(transparent)]
     Joints(InvalidLimits),
     /// Nothing can keep those of the platform.
+    #[error(transparent)]
     Actuators(InvalidActuators),
     /// Nothing can keep those of the rail: its range is empty, or a bound is not positive.
+    #[error("the rail from {} to {} m, with {bounds:?} m/s, m/s² and N, lets nothing move", .range[0], .range[1])]
     Rail {
         /// The ends of the rail \[m\].
         range: [f64; 2],
@@ -53,49 +58,18 @@ pub enum PlanError {
         bounds: [f64; 3],
     },
     /// The arm or the platform cannot be where it is to be.
-    Infeasible(Infeasible),
-}
-
-impl fmt::Display for PlanError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::InvalidScale { scale } => write!(f, "the scale must be positive, it is {scale}"),
-            Self::NotFinite { parameter, value } => write!(f, "{parameter} must be finite, it is {value}"),
-            Self::Standoffs { range: [least, greatest] } => {
-                write!(f, "there is no stand-off from {least} to {greatest} m")
-            }
-            Self::Sampling { step, end } => {
-                write!(
-                    f,
-                    "moments every {step} s up to {end} s are none, without end, too many or more than {COARSEST} s apart"
-                )
-            }
-            Self::Mass(error) => error.fmt(f),
-            Self::Joints(error) => error.fmt(f),
-            Self::Actuators(error) => error.fmt(f),
-            Self::Rail { range: [lower, upper], bounds: [speed, acceleration, force] } => write!(
-                f,
-                "the rail from {lower} to {upper} m, with {speed} m/s, {acceleration} m/s² and {force} N, lets nothing move"
-            ),
-            Self::Infeasible(reason) => reason.fmt(f),
-        }
-    }
-}
-
-impl Error for PlanError {}
-
-impl From<Infeasible> for PlanError {
-    fn from(reason: Infeasible) -> Self {
-        Self::Infeasible(reason)
-    }
+    #[error(transparent)]
+    Infeasible(#[from] Infeasible),
 }
 
 /// What breaks first, and when \[s\].
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum Infeasible {
     /// The flight has no such moment.
-    Flight(OutsideFlight),
+    #[error(transparent)]
+    Flight(#[from] OutsideFlight),
     /// The arm cannot follow.
+    #[error("t = {time:.3} s: {reason}")]
     Arm {
         /// When.
         time: f64,
@@ -103,8 +77,10 @@ pub enum Infeasible {
         reason: NotFollowed,
     },
     /// An axis of the robot exceeds a limit.
+    #[error("{0}")]
     Axis(AxisViolation),
     /// The platform has no legs, or no forces.
+    #[error("t = {time:.3} s: platform: {reason}")]
     Pose {
         /// When.
         time: f64,
@@ -112,6 +88,7 @@ pub enum Infeasible {
         reason: PoseError,
     },
     /// A leg of the platform exceeds a limit.
+    #[error("platform: {0}")]
     Leg(Violation),
 }
 
@@ -124,25 +101,5 @@ impl Infeasible {
             Self::Axis(violation) => violation.time,
             Self::Leg(violation) => violation.time,
         }
-    }
-}
-
-impl fmt::Display for Infeasible {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Flight(error) => error.fmt(f),
-            Self::Arm { time, reason } => write!(f, "t = {time:.3} s: {reason}"),
-            Self::Axis(violation) => violation.fmt(f),
-            Self::Pose { time, reason } => write!(f, "t = {time:.3} s: platform: {reason}"),
-            Self::Leg(violation) => write!(f, "platform: {violation}"),
-        }
-    }
-}
-
-impl Error for Infeasible {}
-
-impl From<OutsideFlight> for Infeasible {
-    fn from(error: OutsideFlight) -> Self {
-        Self::Flight(error)
     }
 }

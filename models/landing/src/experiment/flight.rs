@@ -13,9 +13,6 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-use core::error::Error;
-use core::fmt;
-
 use std::vec::Vec;
 
 use mbs_runtime::{Integrator, State};
@@ -56,21 +53,14 @@ pub const OVERRUN: f64 = 0.5;
 const STEP: f64 = 0.002;
 
 /// A time before the beginning or after the end of a flight, or NaN.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[error("the flight lasts from 0 to {end} s, asked for was {time} s")]
 pub struct OutsideFlight {
     /// The time asked for \[s\].
     pub time: f64,
     /// The last moment of the flight \[s\].
     pub end: f64,
 }
-
-impl fmt::Display for OutsideFlight {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "the flight lasts from 0 to {} s, asked for was {} s", self.end, self.time)
-    }
-}
-
-impl Error for OutsideFlight {}
 
 impl Flight {
     /// The simulated landing from this state: controller, rotors and drag included.

@@ -1,12 +1,10 @@
 //! Whether the arm's masses and inertias are those of bodies.
 
-use core::error::Error;
-use core::fmt;
-
 use mbs_models::irb7600_rail::Params;
 
 /// A mass or an inertia that no body has, or a number of the arm's parameters that is infinite or NaN.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[error("{parameter}{} is {value}: carriage and links have positive masses and inertias, the load none below zero", Index(*index))]
 pub struct InvalidMass {
     /// Its name.
     pub parameter: &'static str,
@@ -16,18 +14,14 @@ pub struct InvalidMass {
     pub value: f64,
 }
 
-impl fmt::Display for InvalidMass {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { parameter, index, value } = self;
-        f.write_str(parameter)?;
-        if let Some(index) = index {
-            write!(f, "[{index}]")?;
-        }
-        write!(f, " is {value}: carriage and links have positive masses and inertias, the load none below zero")
+/// `[2]`, or nothing.
+struct Index(Option<usize>);
+
+impl core::fmt::Display for Index {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        self.0.map_or(Ok(()), |index| write!(f, "[{index}]"))
     }
 }
-
-impl Error for InvalidMass {}
 
 /// Whether all masses are those of bodies: positive ones of carriage and links, so that the mass matrix has an inverse;
 /// the load may be none. Mass centres and gravity are to be finite.

@@ -30,9 +30,6 @@
 //! assert!((0..6).all(|i| (twist[i] - flange.twist[i]).abs() < 1e-12));
 //! ```
 
-use core::error::Error;
-use core::fmt;
-
 use mbs_runtime::{Pose, to_matrix, to_vector};
 use nalgebra::Vector6;
 
@@ -87,41 +84,26 @@ impl FlangeMotion {
 }
 
 /// Why the arm cannot follow its flange.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum NotFollowed {
     /// The pose is none, or out of reach from where the carriage is.
-    Unreachable(Unsolvable),
+    #[error(transparent)]
+    Unreachable(#[from] Unsolvable),
     /// The pose is reached on other branches, but not on this one.
+    #[error("the pose is not reached on the branch {branch:?}")]
     BranchEnds {
         /// The branch asked for.
         branch: Branch,
     },
     /// Branches meet, or nearly.
+    #[error("the arm is singular: a margin of {margin:e} is left")]
     Singular {
         /// What is left of the [margin](mbs_arm::jacobian::Factors::margin).
         margin: f64,
     },
     /// A velocity or an acceleration of the flange is infinite or NaN.
+    #[error("a velocity or an acceleration of the flange is infinite or NaN")]
     NonFinite,
-}
-
-impl fmt::Display for NotFollowed {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Unreachable(reason) => reason.fmt(f),
-            Self::BranchEnds { branch } => write!(f, "the pose is not reached on the branch {branch:?}"),
-            Self::Singular { margin } => write!(f, "the arm is singular: a margin of {margin:e} is left"),
-            Self::NonFinite => f.write_str("a velocity or an acceleration of the flange is infinite or NaN"),
-        }
-    }
-}
-
-impl Error for NotFollowed {}
-
-impl From<Unsolvable> for NotFollowed {
-    fn from(reason: Unsolvable) -> Self {
-        Self::Unreachable(reason)
-    }
 }
 
 /// A margin that is no larger counts as singular: half of the digits of the rates would be lost.

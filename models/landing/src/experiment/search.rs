@@ -17,9 +17,6 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-use core::error::Error;
-use core::fmt;
-
 use super::error::{Infeasible, PlanError};
 use super::plan::{Experiment, Plan};
 use super::survey::Survey;
@@ -58,13 +55,16 @@ pub struct Greatest<'a> {
 }
 
 /// Why a search finds nothing.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum SearchError {
     /// Step, tolerance or greatest scale are not positive numbers, or there are more than a million steps.
+    #[error("scales by steps of {} up to {}, to {}, are none, without end or too many", .0.step, .0.most, .0.tolerance)]
     Invalid(Search),
     /// There is no plan at a scale, for another reason than that a limit breaks.
+    #[error(transparent)]
     Plan(PlanError),
     /// The smallest scale that is tried is infeasible.
+    #[error("not even the scale {scale} is feasible: {reason}")]
     NoneFeasible {
         /// That scale.
         scale: f64,
@@ -72,20 +72,6 @@ pub enum SearchError {
         reason: Infeasible,
     },
 }
-
-impl fmt::Display for SearchError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Invalid(Search { step, tolerance, most }) => {
-                write!(f, "scales by steps of {step} up to {most}, to {tolerance}, are none, without end or too many")
-            }
-            Self::Plan(error) => error.fmt(f),
-            Self::NoneFeasible { scale, reason } => write!(f, "not even the scale {scale} is feasible: {reason}"),
-        }
-    }
-}
-
-impl Error for SearchError {}
 
 impl Experiment {
     /// The greatest feasible scale: by steps upwards to the first that is infeasible, then by halving.

@@ -15,8 +15,6 @@
 //! J. Y. S. Luh, M. W. Walker, R. P. C. Paul, *Resolved-acceleration control of mechanical manipulators*, IEEE
 //! Transactions on Automatic Control 25:3, 1980, for the coordinates of the axes.
 
-use core::error::Error;
-use core::fmt;
 use core::ops::ControlFlow;
 
 use mbs_runtime::attitude::log;
@@ -140,16 +138,19 @@ pub struct Tracked {
 }
 
 /// Why there is no contact.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum TrackingError {
     /// The simulated arm has a mass that no body has.
+    #[error(transparent)]
     Mass(InvalidMass),
     /// The natural frequency is not a positive number.
+    #[error("the natural frequency must be positive and finite, it is {natural_frequency} rad/s")]
     InvalidFrequency {
         /// The frequency given \[rad/s\].
         natural_frequency: f64,
     },
     /// The period is not positive, or there are more than ten million in a flight.
+    #[error("looks every {period} s up to {end} s are none, without end or too many")]
     InvalidPeriod {
         /// The period given \[s\].
         period: f64,
@@ -157,13 +158,16 @@ pub enum TrackingError {
         end: f64,
     },
     /// The plan cannot be followed.
-    Infeasible(Infeasible),
+    #[error(transparent)]
+    Infeasible(#[from] Infeasible),
     /// The flange does not start over the deck.
+    #[error("the flange begins {height} m over the deck")]
     NotAbove {
         /// How high it is \[m\].
         height: f64,
     },
     /// The flight is over, and the flange has not come down.
+    #[error("no contact until t = {time} s, the flange is {height} m over the deck")]
     NoContact {
         /// When it was given up \[s\].
         time: f64,
@@ -171,41 +175,8 @@ pub enum TrackingError {
         height: f64,
     },
     /// The integration failed.
-    Integration(IntegrationError),
-}
-
-impl fmt::Display for TrackingError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Mass(error) => error.fmt(f),
-            Self::InvalidFrequency { natural_frequency } => {
-                write!(f, "the natural frequency must be positive and finite, it is {natural_frequency} rad/s")
-            }
-            Self::InvalidPeriod { period, end } => {
-                write!(f, "looks every {period} s up to {end} s are none, without end or too many")
-            }
-            Self::Infeasible(reason) => reason.fmt(f),
-            Self::NotAbove { height } => write!(f, "the flange begins {height} m over the deck"),
-            Self::NoContact { time, height } => {
-                write!(f, "no contact until t = {time} s, the flange is {height} m over the deck")
-            }
-            Self::Integration(error) => error.fmt(f),
-        }
-    }
-}
-
-impl Error for TrackingError {}
-
-impl From<Infeasible> for TrackingError {
-    fn from(reason: Infeasible) -> Self {
-        Self::Infeasible(reason)
-    }
-}
-
-impl From<IntegrationError> for TrackingError {
-    fn from(error: IntegrationError) -> Self {
-        Self::Integration(error)
-    }
+    #[error(transparent)]
+    Integration(#[from] IntegrationError),
 }
 
 impl Plan<'_> {

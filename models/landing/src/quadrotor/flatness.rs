@@ -6,8 +6,6 @@
 //! Doctoral thesis *Dynamics of multibody systems in a gravitational field*, equations (5.10) and (5.11), which print
 //! velocities in the place of some accelerations.
 
-use core::fmt;
-
 use mbs_runtime::Scalar;
 
 /// Roll and pitch \[rad\], and the thrust per mass \[m/s²\].
@@ -22,19 +20,12 @@ pub struct Attitude {
 }
 
 /// Rotors that only push upwards cannot give this acceleration with an attitude that is not upside down.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[error("it is to fall freely or faster: g + a_z = {upward} m/s²")]
 pub struct Falling {
     /// `g + a_z` \[m/s²\], not positive.
     pub upward: f64,
 }
-
-impl fmt::Display for Falling {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "it is to fall freely or faster: g + a_z = {} m/s²", self.upward)
-    }
-}
-
-impl core::error::Error for Falling {}
 
 /// The attitude with yaw ψ \[rad\] in which thrust gives the acceleration a \[m/s²\] against gravity g \[m/s²\].
 ///

@@ -12,8 +12,6 @@
 //! I. C. Cheeseman and W. E. Bennett, *The Effect of the Ground on a Helicopter Rotor in Forward Flight*, Aeronautical
 //! Research Council, Reports and Memoranda 3021, 1955, for hover. The least height is assumed.
 
-use core::fmt;
-
 /// How much harder rotors push near a deck. The deck is taken for an infinite plane, all rotors for equally high over
 /// it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -31,34 +29,21 @@ const UNBOUNDED: f64 = 0.25;
 pub const LEAST_HEIGHT: f64 = 0.5;
 
 /// Why there is no such ground effect.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum InvalidGroundEffect {
     /// The radius is not positive and finite.
+    #[error("the rotors' radius must be positive and finite, it is {radius} m")]
     RotorRadius {
         /// The radius given \[m\].
         radius: f64,
     },
     /// The least height is not above a quarter of the radius, or not finite.
+    #[error("the least height must be above {UNBOUNDED} radii and finite, it is {height}")]
     LeastHeight {
         /// The height given \[radii\].
         height: f64,
     },
 }
-
-impl fmt::Display for InvalidGroundEffect {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::RotorRadius { radius } => {
-                write!(f, "the rotors' radius must be positive and finite, it is {radius} m")
-            }
-            Self::LeastHeight { height } => {
-                write!(f, "the least height must be above {UNBOUNDED} radii and finite, it is {height}")
-            }
-        }
-    }
-}
-
-impl core::error::Error for InvalidGroundEffect {}
 
 impl GroundEffect {
     /// Of rotors with this radius \[m\]; heights below half a radius count as that, so that thrust grows to 4/3 at

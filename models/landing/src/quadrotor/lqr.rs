@@ -10,8 +10,6 @@
 //!
 //! by [`mbs_runtime::control::lqr`].
 
-use core::fmt;
-
 use mbs_runtime::{Scalar, control, to_matrix};
 use nalgebra::SMatrix;
 
@@ -47,16 +45,9 @@ impl Default for Weights {
 }
 
 /// The equation has no stabilizing solution: a parameter is NaN or infinite, or some motion is out of control.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("no stabilizing solution of the Riccati equation was found")]
 pub struct NoRegulator;
-
-impl fmt::Display for NoRegulator {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("no stabilizing solution of the Riccati equation was found")
-    }
-}
-
-impl core::error::Error for NoRegulator {}
 
 /// The regulator.
 #[derive(Clone, Copy, Debug, PartialEq)]

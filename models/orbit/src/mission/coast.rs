@@ -13,7 +13,6 @@
 //! Thesis, equation (7.11), corrected; Battin, *An Introduction to the Mathematics and Methods of Astrodynamics*, 1999,
 //! on Encke's method.
 
-use core::fmt;
 use core::ops::ControlFlow;
 
 use mbs_runtime::{Dop853, IntegrationError, Integrator, Scalar, State};
@@ -32,38 +31,17 @@ pub struct Attraction {
 }
 
 /// Why a coast ended early.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum CoastError {
     /// The station or the vehicle was not propagated.
-    Kepler(KeplerError),
+    #[error(transparent)]
+    Kepler(#[from] KeplerError),
     /// The station has no frame.
-    Frame(FrameError),
+    #[error(transparent)]
+    Frame(#[from] FrameError),
     /// The vehicle was not integrated: it meets the point that the station is taken for, say.
+    #[error(transparent)]
     Integration(IntegrationError),
-}
-
-impl fmt::Display for CoastError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            CoastError::Kepler(error) => error.fmt(f),
-            CoastError::Frame(error) => error.fmt(f),
-            CoastError::Integration(error) => error.fmt(f),
-        }
-    }
-}
-
-impl core::error::Error for CoastError {}
-
-impl From<KeplerError> for CoastError {
-    fn from(error: KeplerError) -> Self {
-        CoastError::Kepler(error)
-    }
-}
-
-impl From<FrameError> for CoastError {
-    fn from(error: FrameError) -> Self {
-        CoastError::Frame(error)
-    }
 }
 
 impl From<RelativeMotionError> for CoastError {

@@ -1,7 +1,5 @@
 //! Why a mission does not end at the port.
 
-use core::fmt;
-
 use super::coast::CoastError;
 use super::glideslope::GlideslopeError;
 use crate::clohessy_wiltshire::TargetingError;
@@ -12,9 +10,10 @@ use crate::lvlh::FrameError;
 use crate::yamanaka_ankersen::TransitionError;
 
 /// Why a mission did not end at the port.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum MissionError {
     /// What must be positive and finite is not.
+    #[error("{parameter} must be positive, it is {value}")]
     NotPositive {
         /// Its name.
         parameter: &'static str,
@@ -22,6 +21,7 @@ pub enum MissionError {
         value: f64,
     },
     /// What must not be negative is, or is not finite.
+    #[error("{parameter} must not be negative, it is {value}")]
     Negative {
         /// Its name.
         parameter: &'static str,
@@ -29,6 +29,7 @@ pub enum MissionError {
         value: f64,
     },
     /// A duration is longer than a mission may take, the corridor opens to half a space, or corrections are too many.
+    #[error("{parameter} must be at most {limit}, it is {value}")]
     TooLarge {
         /// Its name.
         parameter: &'static str,
@@ -38,14 +39,19 @@ pub enum MissionError {
         limit: f64,
     },
     /// Station or vehicle are on no orbit.
+    #[error(transparent)]
     Orbit(ElementsError),
     /// The station or the vehicle was not propagated.
-    Kepler(KeplerError),
+    #[error(transparent)]
+    Kepler(#[from] KeplerError),
     /// The station has no frame.
-    Frame(FrameError),
+    #[error(transparent)]
+    Frame(#[from] FrameError),
     /// The approach or docking has no slope.
-    Glideslope(GlideslopeError),
+    #[error(transparent)]
+    Glideslope(#[from] GlideslopeError),
     /// A coast ended early.
+    #[error("the coast from t = {time} s ended early: {error}")]
     Coast {
         /// When it began \[s\].
         time: f64,
@@ -53,6 +59,7 @@ pub enum MissionError {
         error: CoastError,
     },
     /// No plan of phasing arrives: within the longest wait, above the lowest altitude.
+    #[error("no plan gets behind the station that waits at most {longest_wait} s and stays {lowest_altitude} m up")]
     NoPhasing {
         /// \[s\]
         longest_wait: f64,
@@ -60,6 +67,7 @@ pub enum MissionError {
         lowest_altitude: f64,
     },
     /// A correction of phasing was not found.
+    #[error("no correction at t = {time} s: {error}")]
     Lambert {
         /// When \[s\].
         time: f64,
@@ -67,6 +75,7 @@ pub enum MissionError {
         error: LambertError,
     },
     /// A burn was not found by Clohessy and Wiltshire's equations.
+    #[error("no burn at t = {time} s: {error}")]
     Targeting {
         /// When \[s\].
         time: f64,
@@ -74,6 +83,7 @@ pub enum MissionError {
         error: TargetingError,
     },
     /// A burn was not found by Yamanaka and Ankersen's matrix.
+    #[error("no burn at t = {time} s: {error}")]
     Transition {
         /// When \[s\].
         time: f64,
@@ -81,11 +91,13 @@ pub enum MissionError {
         error: TransitionError,
     },
     /// The thrusters gave NaN or an infinite value.
+    #[error("the thrusters give NaN or an infinite value at t = {time} s")]
     Thrust {
         /// When \[s\].
         time: f64,
     },
     /// The vehicle has not come to the port in thrice the time that it should have taken.
+    #[error("no contact until t = {time} s, {distance} m before the port")]
     NoContact {
         /// \[s\]
         time: f64,
@@ -93,61 +105,11 @@ pub enum MissionError {
         distance: f64,
     },
     /// The vehicle crossed the plane of the port outside the keep-out sphere: that is no docking.
+    #[error("the vehicle passes the plane of the port at t = {time} s, {distance} m beside it")]
     Missed {
         /// When \[s\].
         time: f64,
         /// From the port \[m\].
         distance: f64,
     },
-}
-
-impl fmt::Display for MissionError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            MissionError::NotPositive { parameter, value } => write!(f, "{parameter} must be positive, it is {value}"),
-            MissionError::Negative { parameter, value } => write!(f, "{parameter} must not be negative, it is {value}"),
-            MissionError::TooLarge { parameter, value, limit } => {
-                write!(f, "{parameter} must be at most {limit}, it is {value}")
-            }
-            MissionError::Orbit(error) => error.fmt(f),
-            MissionError::Kepler(error) => error.fmt(f),
-            MissionError::Frame(error) => error.fmt(f),
-            MissionError::Glideslope(error) => error.fmt(f),
-            MissionError::Coast { time, error } => write!(f, "the coast from t = {time} s ended early: {error}"),
-            MissionError::NoPhasing { longest_wait, lowest_altitude } => write!(
-                f,
-                "no plan gets behind the station that waits at most {longest_wait} s and stays {lowest_altitude} m up"
-            ),
-            MissionError::Lambert { time, error } => write!(f, "no correction at t = {time} s: {error}"),
-            MissionError::Targeting { time, error } => write!(f, "no burn at t = {time} s: {error}"),
-            MissionError::Transition { time, error } => write!(f, "no burn at t = {time} s: {error}"),
-            MissionError::Thrust { time } => write!(f, "the thrusters give NaN or an infinite value at t = {time} s"),
-            MissionError::NoContact { time, distance } => {
-                write!(f, "no contact until t = {time} s, {distance} m before the port")
-            }
-            MissionError::Missed { time, distance } => {
-                write!(f, "the vehicle passes the plane of the port at t = {time} s, {distance} m beside it")
-            }
-        }
-    }
-}
-
-impl core::error::Error for MissionError {}
-
-impl From<KeplerError> for MissionError {
-    fn from(error: KeplerError) -> Self {
-        MissionError::Kepler(error)
-    }
-}
-
-impl From<FrameError> for MissionError {
-    fn from(error: FrameError) -> Self {
-        MissionError::Frame(error)
-    }
-}
-
-impl From<GlideslopeError> for MissionError {
-    fn from(error: GlideslopeError) -> Self {
-        MissionError::Glideslope(error)
-    }
 }

@@ -12,8 +12,6 @@
 //! Hablani, Tapper, Dana-Bashian, *Guidance and relative navigation for autonomous rendezvous in a circular orbit*,
 //! Journal of Guidance, Control, and Dynamics 25(3), 2002.
 
-use core::fmt;
-
 use mbs_runtime::Scalar;
 
 /// Distance to go, and speeds at both ends.
@@ -25,9 +23,10 @@ pub struct Glideslope {
 }
 
 /// Why there is no such slope.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum GlideslopeError {
     /// What must be positive is not, or is NaN or infinite.
+    #[error("{parameter} must be positive, it is {value}")]
     NotPositive {
         /// Its name.
         parameter: &'static str,
@@ -35,19 +34,9 @@ pub enum GlideslopeError {
         value: f64,
     },
     /// Its rate or its duration are too large or too small for `f64`.
+    #[error("the approach leaves the range of floating-point numbers")]
     OutOfRange,
 }
-
-impl fmt::Display for GlideslopeError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::NotPositive { parameter, value } => write!(f, "{parameter} must be positive, it is {value}"),
-            Self::OutOfRange => write!(f, "the approach leaves the range of floating-point numbers"),
-        }
-    }
-}
-
-impl core::error::Error for GlideslopeError {}
 
 impl Glideslope {
     /// Over a distance ρ₀ \[m\], from a speed −ρ̇₀ to a speed −ρ̇_T, both positive \[m/s\].

@@ -1,7 +1,5 @@
 //! Why a landing has no touchdown.
 
-use core::fmt;
-
 use mbs_runtime::IntegrationError;
 
 use super::MOST_MOMENTS;
@@ -9,9 +7,10 @@ use mbs_platform::PoseError;
 use mbs_platform::limits::InvalidLimits;
 
 /// Why there is no touchdown.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum LandingError {
     /// What must be positive is not (or is NaN or infinite).
+    #[error("{parameter} must be positive, it is {value}")]
     NotPositive {
         /// Its name.
         parameter: &'static str,
@@ -19,6 +18,7 @@ pub enum LandingError {
         value: f64,
     },
     /// What has bounds is beyond them, or NaN.
+    #[error("{parameter} must be between {} and {}, it is {value}", .range[0], .range[1])]
     OutOfRange {
         /// Its name.
         parameter: &'static str,
@@ -28,6 +28,7 @@ pub enum LandingError {
         range: [f64; 2],
     },
     /// What must be a finite number is none.
+    #[error("{parameter} must be finite, it is {value}")]
     NotFinite {
         /// Its name.
         parameter: &'static str,
@@ -35,11 +36,13 @@ pub enum LandingError {
         value: f64,
     },
     /// The vehicle does not stand over the platform at the beginning.
+    #[error("the vehicle begins {height} m over the platform")]
     NotAbove {
         /// Over the deck \[m\].
         height: f64,
     },
     /// More than [`MOST_MOMENTS`] would have to be looked at.
+    #[error("moments every {period} s until {t_end} s are more than {MOST_MOMENTS}")]
     TooManyMoments {
         /// When it would be given up \[s\].
         t_end: f64,
@@ -47,11 +50,13 @@ pub enum LandingError {
         period: f64,
     },
     /// A coordinate of the deck is infinite or NaN.
+    #[error("a coordinate of the deck is NaN or infinite at t = {time} s")]
     Deck {
         /// When \[s\].
         time: f64,
     },
     /// The deck stands upright or hangs over where something is to stand on it.
+    #[error("the deck is turned over at t = {time} s: its normal has the vertical component {upward}")]
     Overturned {
         /// When \[s\].
         time: f64,
@@ -59,6 +64,7 @@ pub enum LandingError {
         upward: f64,
     },
     /// The vehicle's pitch is within 1° of ±90° or beyond: its angles do not tell its attitude.
+    #[error("at t = {time} s the pitch is {pitch} rad, near ±90° or beyond")]
     Pitch {
         /// When \[s\].
         time: f64,
@@ -67,6 +73,7 @@ pub enum LandingError {
     },
     /// The vehicle leaves the deck where it is to reach it: the period does not resolve the motion, or the velocity of
     /// the deck is not the rate of its position.
+    #[error("at t = {time} s the vehicle would leave the deck with {relative_velocity} m/s where it reaches it")]
     Unresolved {
         /// When \[s\].
         time: f64,
@@ -74,6 +81,7 @@ pub enum LandingError {
         relative_velocity: f64,
     },
     /// It has not touched down in time.
+    #[error("no touchdown until t = {time} s, {height} m over the platform")]
     NoTouchdown {
         /// When it was given up \[s\].
         time: f64,
@@ -81,13 +89,16 @@ pub enum LandingError {
         height: f64,
     },
     /// A sensor gave a value that is NaN or infinite.
+    #[error("a sensor gives NaN or an infinite value at t = {time} s")]
     Sensor {
         /// When \[s\].
         time: f64,
     },
     /// The integration failed.
-    Integration(IntegrationError),
+    #[error(transparent)]
+    Integration(#[from] IntegrationError),
     /// The legs of a driven platform cannot hold it.
+    #[error("the platform at t = {time} s: {error}")]
     Platform {
         /// When \[s\].
         time: f64,
@@ -95,6 +106,7 @@ pub enum LandingError {
         error: PoseError,
     },
     /// A driven platform has come through a pose in which its legs could not hold it: through or past them.
+    #[error("the platform is beyond a singular pose at t = {time} s: determinant {determinant} m³, {before} m³ before")]
     ThroughSingularity {
         /// When it was beyond \[s\].
         time: f64,
@@ -104,55 +116,6 @@ pub enum LandingError {
         before: f64,
     },
     /// Nothing can keep the limits of a driven platform.
+    #[error(transparent)]
     Limits(InvalidLimits),
-}
-
-impl fmt::Display for LandingError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            LandingError::NotPositive { parameter, value } => write!(f, "{parameter} must be positive, it is {value}"),
-            LandingError::OutOfRange { parameter, value, range: [least, greatest] } => {
-                write!(f, "{parameter} must be between {least} and {greatest}, it is {value}")
-            }
-            LandingError::NotFinite { parameter, value } => write!(f, "{parameter} must be finite, it is {value}"),
-            LandingError::NotAbove { height } => write!(f, "the vehicle begins {height} m over the platform"),
-            LandingError::NoTouchdown { time, height } => {
-                write!(f, "no touchdown until t = {time} s, {height} m over the platform")
-            }
-            LandingError::Pitch { time, pitch } => {
-                write!(f, "at t = {time} s the pitch is {pitch} rad, near ±90° or beyond")
-            }
-            LandingError::Unresolved { time, relative_velocity } => {
-                write!(
-                    f,
-                    "at t = {time} s the vehicle would leave the deck with {relative_velocity} m/s where it reaches it"
-                )
-            }
-            LandingError::TooManyMoments { t_end, period } => {
-                write!(f, "moments every {period} s until {t_end} s are more than {MOST_MOMENTS}")
-            }
-            LandingError::Sensor { time } => write!(f, "a sensor gives NaN or an infinite value at t = {time} s"),
-            LandingError::Deck { time } => write!(f, "a coordinate of the deck is NaN or infinite at t = {time} s"),
-            LandingError::Overturned { time, upward } => {
-                write!(f, "the deck is turned over at t = {time} s: its normal has the vertical component {upward}")
-            }
-            LandingError::Integration(error) => error.fmt(f),
-            LandingError::Platform { time, error } => write!(f, "the platform at t = {time} s: {error}"),
-            LandingError::ThroughSingularity { time, determinant, before } => {
-                write!(
-                    f,
-                    "the platform is beyond a singular pose at t = {time} s: determinant {determinant} m³, {before} m³ before"
-                )
-            }
-            LandingError::Limits(error) => error.fmt(f),
-        }
-    }
-}
-
-impl core::error::Error for LandingError {}
-
-impl From<IntegrationError> for LandingError {
-    fn from(error: IntegrationError) -> Self {
-        LandingError::Integration(error)
-    }
 }
