@@ -133,7 +133,7 @@ fn singular_velocities_are_refused_or_damped() {
 }
 
 /// The outputs at the mass centres, over any numbers: poses and Jacobians.
-fn mass_centers<T: Scalar>(arm: &Irb7600<T>, q: &[T; 6]) -> [(Pose<T>, [[T; 6]; 6]); 6] {
+pub(crate) fn mass_centers<T: Scalar>(arm: &Irb7600<T>, q: &[T; 6]) -> [(Pose<T>, [[T; 6]; 6]); 6] {
     [
         (arm.center_0(q), arm.center_0_jacobian(q)),
         (arm.center_1(q), arm.center_1_jacobian(q)),
@@ -145,7 +145,7 @@ fn mass_centers<T: Scalar>(arm: &Irb7600<T>, q: &[T; 6]) -> [(Pose<T>, [[T; 6]; 
 }
 
 /// `M = Σ (mᵢ J_vᵀ J_v + J_ωᵀ Rᵢ Iᵢ Rᵢᵀ J_ω)`, over any numbers.
-fn mass_matrix_of_3_19<T: Scalar>(arm: &Irb7600<T>, params: &Params<T>, q: &[T; 6]) -> [[T; 6]; 6] {
+pub(crate) fn mass_matrix_of_3_19<T: Scalar>(arm: &Irb7600<T>, params: &Params<T>, q: &[T; 6]) -> [[T; 6]; 6] {
     let mut m = [[T::zero(); 6]; 6];
     for (i, (pose, jacobian)) in mass_centers(arm, q).iter().enumerate() {
         let principal = [params.i_xx[i], params.i_yy[i], params.i_zz[i]];

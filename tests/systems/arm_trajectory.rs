@@ -8,10 +8,10 @@ mod table2;
 mod time_optimal;
 
 /// Table 2 of the thesis \[rad\].
-fn table2_ends() -> [[f64; 6]; 2] {
+pub(crate) fn table2_ends() -> [[f64; 6]; 2] {
     [[20.0, 10.0, 10.0, 10.0, 20.0, 10.0], [50.0, 90.0, 120.0, 80.0, 60.0, 100.0]]
         .map(|q: [f64; 6]| q.map(f64::to_radians))
 }
 
 /// \[s\]
-const DURATION: f64 = 50.0;
+pub(crate) const DURATION: f64 = 50.0;

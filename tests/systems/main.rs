@@ -3,6 +3,8 @@
 mod arm_dynamics;
 mod arm_kinematics;
 mod arm_trajectory;
+#[path = "../errata.rs"]
+mod errata;
 mod experiment;
 mod orbit_anomaly;
 mod orbit_elements;

@@ -1,0 +1,194 @@
+//! The page of assumed values against the code that has them.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::Path;
+
+use mbs_arm::JointLimits;
+use mbs_landing::experiment::plan::Cell;
+use mbs_landing::experiment::rail_arm::{RailArm, RailLimits};
+use mbs_landing::experiment::tracking::{LINK_EXCESS, MODULE_EXCESS, Tracking};
+use mbs_landing::quadrotor::approach::Approach;
+use mbs_landing::quadrotor::backstepping::Backstepping;
+use mbs_landing::quadrotor::ground_effect::LEAST_HEIGHT;
+use mbs_landing::quadrotor::landing::Landing;
+use mbs_landing::quadrotor::lqr::Weights;
+use mbs_models::{irb7600, irb7600_rail, quadrotor_euler, relative_lvlh, stewart_platform};
+use mbs_orbit::mission::{Axis, Mission};
+use mbs_platform::{ActuatorLimits, HOME, Motion, Superposition};
+use nalgebra::Vector3;
+
+use super::documentation::page;
+
+/// A row of the page.
+struct Row {
+    key: String,
+    value: String,
+    status: String,
+    place: String,
+}
+
+fn rows() -> Vec<Row> {
+    let page = page("assumed.md");
+    let row = |line: &str| {
+        let cells: Vec<String> = line.split('|').map(|cell| cell.trim().replace('`', "")).collect();
+        assert_eq!(cells.len(), 8, "{line}");
+        Row { key: cells[1].clone(), value: cells[3].clone(), status: cells[4].clone(), place: cells[6].clone() }
+    };
+    page.lines().filter(|line| line.starts_with("| `")).map(row).collect()
+}
+
+/// Its words that are numbers.
+fn words(value: &str) -> impl Iterator<Item = String> + '_ {
+    let words = value.split([' ', ',', ';']).map(|word| word.replace('−', "-"));
+    words.filter(|word| word.parse::<f64>().is_ok())
+}
+
+fn degrees<const N: usize>(angles: [f64; N]) -> Vec<f64> {
+    angles.map(f64::to_degrees).into()
+}
+
+/// Values of the arm, by their keys and in the units of the page.
+fn arm() -> Vec<(&'static str, Vec<f64>)> {
+    let (arm, limits) = (irb7600::Params::<f64>::default(), JointLimits::IRB7600);
+    let (mut lower, mut upper) = (degrees(limits.lower), degrees(limits.upper));
+    let offset = -60.0 - lower[1];
+    (lower[1], upper[1]) = (lower[1] + offset, upper[1] + offset);
+    vec![
+        ("gravity", vec![arm.g]),
+        ("arm.masses", arm.mass.into()),
+        ("arm.mass_centres", [arm.com_x, arm.com_y, arm.com_z].concat()),
+        ("arm.inertias", [arm.i_xx, arm.i_yy, arm.i_zz].concat()),
+        ("arm.ranges", (0..6).flat_map(|i| [lower[i], upper[i]]).collect()),
+        ("arm.senses", vec![offset]),
+        ("arm.speeds", degrees(limits.speed)),
+        ("arm.accelerations", degrees(limits.acceleration)),
+        ("arm.torques", limits.torque.map(|torque| torque / 1e3).into()),
+        ("arm.quartic", vec![]),
+    ]
+}
+
+fn platform() -> Vec<(&'static str, Vec<f64>)> {
+    let p = stewart_platform::Params::<f64>::default();
+    let limits = ActuatorLimits::PS_6TL_1500;
+    let amplitude = |motion: &Motion, i: usize| motion.sine[i] + motion.cosine[i];
+    let of_case = |case: usize, i: usize| amplitude(&Motion::CASES[case].1, i);
+    let angles = [of_case(3, 3), of_case(4, 4), of_case(6, 5)];
+    let marine = Superposition::MARINE.0;
+    let deck = |i: usize| marine.map(|wave| amplitude(&wave, i));
+    vec![
+        ("platform.radii", vec![p.base_radius, p.platform_radius]),
+        ("platform.half_angles", degrees([p.base_half_angle, p.platform_half_angle])),
+        ("platform.home", vec![HOME[2]]),
+        ("platform.attitude", vec![]),
+        ("platform.plate", [&[p.platform_mass][..], &p.platform_inertia].concat()),
+        ("platform.payload", p.payload_size.into()),
+        ("platform.cylinders", vec![p.cylinder_mass, p.cylinder_centre, p.cylinder_inertia]),
+        ("platform.pistons", vec![p.piston_mass, p.piston_centre, p.piston_inertia]),
+        ("platform.limits", vec![limits.shortest, limits.longest, limits.speed, limits.force / 1e3]),
+        ("platform.frequency", vec![Motion::TABLE_3.frequency[2]]),
+        ("platform.height", vec![Motion::TABLE_3.mean[2]]),
+        ("platform.cases", [vec![of_case(1, 0), of_case(2, 1)], degrees(angles)].concat()),
+        ("platform.combined", (0..6).map(|i| amplitude(&Motion::COMBINED, i)).collect()),
+        ("platform.combined_frequencies", Motion::COMBINED.frequency.into()),
+        ("landing.marine", [&deck(2)[..], &degrees(deck(3)), &degrees(deck(4)), &degrees(deck(5))].concat()),
+        ("landing.marine_frequencies", (2..6).flat_map(|i| marine.map(|wave| wave.frequency[i])).collect()),
+    ]
+}
+
+fn quadrotor() -> Vec<(&'static str, Vec<f64>)> {
+    let p = quadrotor_euler::Params::<f64>::default();
+    let (control, approach, weights) = (Backstepping::new(p), Approach::default(), Weights::default());
+    let channels = [control.horizontal, control.vertical, control.tilt, control.yaw];
+    assert!(channels.iter().all(|channel| channel.k1 == channel.k2), "the page says that they are equal");
+    let [least, greatest] = control.thrust_range;
+    let still = Landing::initial_state().qd.iter().fold(0.0_f64, |most, rate| most.max(rate.abs()));
+    vec![
+        ("quadrotor.inertias", p.inertias.into()),
+        ("quadrotor.rotors", vec![p.arm, p.thrust_factor, p.drag_factor, p.rotor_inertia]),
+        ("quadrotor.drag", vec![p.drag_coefficient, p.area, p.air_density]),
+        ("quadrotor.gains", channels.map(|channel| channel.k1).into()),
+        ("quadrotor.limits", vec![least, greatest, control.greatest_tilt.to_degrees()]),
+        ("quadrotor.guidance", vec![approach.height, approach.last_height, approach.duration, approach.sink_rate]),
+        ("quadrotor.start", vec![still]),
+        (
+            "quadrotor.regulator",
+            vec![weights.position, weights.angle.to_degrees(), weights.velocity, weights.rate, weights.rotor_speed],
+        ),
+        ("quadrotor.least_height", vec![LEAST_HEIGHT]),
+    ]
+}
+
+fn experiment() -> Vec<(&'static str, Vec<f64>)> {
+    let (p, rail, cell) = (irb7600_rail::Params::<f64>::default(), RailLimits::LABORATORY, Cell::LABORATORY);
+    let tracking = Tracking::new(&RailArm::default());
+    vec![
+        ("experiment.rail", vec![rail.speed, rail.acceleration, rail.force / 1e3]),
+        ("experiment.carriage", vec![p.carriage_mass]),
+        ("experiment.module", [&[p.module_mass, p.module_center][..], &p.module_inertia].concat()),
+        ("experiment.places", vec![cell.platform[0], cell.platform[1], cell.deck]),
+        ("experiment.excess", vec![LINK_EXCESS, MODULE_EXCESS]),
+        ("experiment.control", vec![tracking.natural_frequency, tracking.period]),
+    ]
+}
+
+fn orbits() -> Vec<(&'static str, Vec<f64>)> {
+    let (p, mission) = (relative_lvlh::Params::<f64>::default(), Mission::to_the_station(Axis::VBar));
+    let [station, vehicle] = [mission.station, mission.vehicle].map(|state| Vector3::from(state.position));
+    let [own, other] = [mission.station, mission.vehicle]
+        .map(|state| Vector3::from(state.position).cross(&Vector3::from(state.velocity)).normalize());
+    // Both planes turn about the first axis, which angles in them are counted from.
+    let behind = -vehicle.dot(&other.cross(&Vector3::x())).atan2(vehicle.x);
+    let between = own.cross(&other).norm().asin();
+    let start = vec![(station.norm() - vehicle.norm()) / 1e3, behind.to_degrees(), between.to_degrees()];
+    let corridor = [mission.corridor_half_angle.to_degrees(), mission.corridor_mouth, mission.port_distance];
+    vec![
+        ("orbit.station_mass", vec![p.station_mass / 1e3]),
+        ("orbit.body", vec![p.m]),
+        ("docking.start", start),
+        ("docking.zones", [&[mission.keep_out][..], &corridor].concat()),
+        ("docking.speeds", mission.approach_speeds.into()),
+    ]
+}
+
+/// A number of the page is that of the code; where a program keeps it to itself, its source has the same digits.
+#[test]
+fn assumed_values_are_those_of_the_code() {
+    let known: BTreeMap<_, _> =
+        [arm(), platform(), quadrotor(), experiment(), orbits()].into_iter().flatten().collect();
+    let mut checked = 0;
+    for Row { key, value, status, place } in rows() {
+        assert!(["assumed", "recalled", "reading"].contains(&status.as_str()), "{key}: {status}");
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("..").join(&place);
+        let source = fs::read_to_string(&path).unwrap_or_else(|error| panic!("{key}: {place}: {error}"));
+        let words: Vec<String> = words(&value).collect();
+        match known.get(key.as_str()) {
+            Some(want) => {
+                checked += 1;
+                let numbers: Vec<f64> = words.iter().map(|word| word.parse().expect("a number")).collect();
+                let close = |(found, want): (&f64, &f64)| (found - want).abs() <= 1e-9 * (1.0 + want.abs());
+                let same = numbers.len() == want.len() && numbers.iter().zip(want).all(close);
+                assert!(same, "{key}: the page has {numbers:?}, the code {want:?}");
+            }
+            None => words.iter().for_each(|word| assert!(source.contains(word), "{key}: {place} has no {word}")),
+        }
+    }
+    assert_eq!(checked, known.len(), "every value of the code has its row");
+}
+
+/// Keys are told apart, and no cell is empty.
+#[test]
+fn rows_are_whole() {
+    let page = page("assumed.md");
+    let rows = page.lines().filter(|line| line.starts_with("| `"));
+    let mut keys = Vec::new();
+    for row in rows {
+        let cells: Vec<&str> = row.trim_matches('|').split('|').map(str::trim).collect();
+        assert!(cells.iter().all(|cell| !cell.is_empty()), "{row}");
+        keys.push(cells[0]);
+    }
+    let count = keys.len();
+    keys.sort_unstable();
+    keys.dedup();
+    assert_eq!((keys.len(), count > 50), (count, true));
+}
