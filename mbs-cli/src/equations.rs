@@ -2,7 +2,7 @@
 
 use mbs_derive::expr::Symbol;
 use mbs_derive::interpret::{Interpreter, State};
-use mbs_derive::optimise::{Derivation, Function};
+use mbs_derive::optimise::{Derivation, Function, FunctionKind};
 use mbs_runtime::{ConstraintError, Constraints, Projector, RedundantRows};
 
 use crate::failure::Failure;
@@ -46,7 +46,7 @@ impl<'d> Equations<'d> {
         Ok(Equations {
             interpreter: Interpreter::with_parameters(derivation, start.parameters.clone()),
             derivation,
-            forward_dynamics: derivation.function("forward_dynamics").ok_or_else(missing)?,
+            forward_dynamics: derivation.function(FunctionKind::ForwardDynamics).ok_or_else(missing)?,
             start: start.state.clone(),
             driven: Driven::default(),
         })
@@ -89,9 +89,15 @@ impl<'d> Equations<'d> {
         self.interpreter.evaluate(&self.derivation.functions[number], state).first().copied().unwrap_or(f64::NAN)
     }
 
-    /// The results of a function; none where the mechanism does not have it.
-    pub(crate) fn call(&self, name: &str, state: &State) -> Vec<f64> {
-        self.interpreter.call(name, state).unwrap_or_default()
+    /// The results of a function that every mechanism has.
+    pub(crate) fn call(&self, kind: FunctionKind, state: &State) -> Vec<f64> {
+        let results = self.interpreter.call(kind, state);
+        results.unwrap_or_else(|| panic!("{} has no function `{}`", self.derivation.name, kind.name()))
+    }
+
+    /// The results of a function of the constraints, one that all mechanisms with constraints have.
+    pub(crate) fn rows_of(&self, kind: FunctionKind, state: &State) -> Vec<f64> {
+        self.interpreter.rows(kind, state)
     }
 
     /// `q̈` in closed form.
@@ -101,9 +107,9 @@ impl<'d> Equations<'d> {
 
     /// Whether inertia and forces are numbers: then accelerations are, too, unless M is singular.
     pub(crate) fn are_finite(&self, state: &State) -> bool {
-        ["mass_matrix", "bias", "generalized_force", "dissipation_force"]
-            .iter()
-            .all(|name| self.call(name, state).iter().all(|x| x.is_finite()))
+        use FunctionKind::{Bias, DissipationForce, GeneralizedForce, MassMatrix};
+        let mut all = [MassMatrix, Bias, GeneralizedForce, DissipationForce].into_iter();
+        all.all(|kind| self.call(kind, state).iter().all(|x| x.is_finite()))
     }
 
     /// How constraints bring states back.
@@ -128,19 +134,19 @@ impl Constraints<f64> for Equations<'_> {
     }
 
     fn mass_matrix(&self, t: f64, q: &[f64], m: &mut [f64]) {
-        m.copy_from_slice(&self.call("mass_matrix", &self.state(t, q, &self.start.qd)));
+        m.copy_from_slice(&self.call(FunctionKind::MassMatrix, &self.state(t, q, &self.start.qd)));
     }
 
     fn position(&self, t: f64, q: &[f64], phi: &mut [f64]) {
-        phi.copy_from_slice(&self.call("constraint", &self.state(t, q, &self.start.qd)));
+        phi.copy_from_slice(&self.rows_of(FunctionKind::Constraint, &self.state(t, q, &self.start.qd)));
     }
 
     fn rate(&self, t: f64, q: &[f64], qd: &[f64], rate: &mut [f64]) {
-        rate.copy_from_slice(&self.call("constraint_rate", &self.state(t, q, qd)));
+        rate.copy_from_slice(&self.rows_of(FunctionKind::ConstraintRate, &self.state(t, q, qd)));
     }
 
     fn jacobian(&self, t: f64, q: &[f64], a: &mut [f64]) {
-        a.copy_from_slice(&self.call("constraint_jacobian", &self.state(t, q, &self.start.qd)));
+        a.copy_from_slice(&self.rows_of(FunctionKind::ConstraintJacobian, &self.state(t, q, &self.start.qd)));
     }
 }
 
@@ -174,16 +180,18 @@ impl<'e, 'd> Solver<'e, 'd> {
 
     /// `λ`
     pub(crate) fn multipliers(&mut self, state: &State) -> Result<Vec<f64>, ConstraintError> {
-        let closed = self.is_closed.then(|| self.equations.call("multipliers", state));
+        let closed = self.is_closed.then(|| self.equations.rows_of(FunctionKind::Multipliers, state));
         finite(closed).map_or_else(|| self.factorize(state).map(|(_, multipliers)| multipliers), Ok)
     }
 
     fn factorize(&mut self, state: &State) -> Result<(Vec<f64>, Vec<f64>), ConstraintError> {
         let equations = self.equations;
-        let call = |name: &str| equations.call(name, state);
-        let (applied, bias, dissipation) = (call("generalized_force"), call("bias"), call("dissipation_force"));
+        use FunctionKind::{Bias, Constraint, ConstraintBias, ConstraintRate, DissipationForce, GeneralizedForce};
+        let [applied, bias, dissipation] =
+            [GeneralizedForce, Bias, DissipationForce].map(|kind| equations.call(kind, state));
         let force: Vec<f64> = (0..bias.len()).map(|i| applied[i] - bias[i] - dissipation[i]).collect();
-        let (gamma, rate, position) = (call("constraint_bias"), call("constraint_rate"), call("constraint"));
+        let [gamma, rate, position] =
+            [ConstraintBias, ConstraintRate, Constraint].map(|kind| equations.rows_of(kind, state));
         let [alpha, beta] = self.gains;
         let stabilized = |row: usize| {
             // A Pfaffian row has no position to come back to.

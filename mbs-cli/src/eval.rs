@@ -73,7 +73,8 @@ impl Moving {
     /// each other.
     fn of(derivation: &Derivation, point: &Point, redundant: Option<Redundant>) -> Result<Self, Failure> {
         let (equations, state) = (Equations::new(derivation, point)?, &point.state);
-        let [accelerations, mut multipliers] = ["forward_dynamics", "multipliers"].map(|f| equations.call(f, state));
+        let [accelerations, mut multipliers] =
+            [equations.call(FunctionKind::ForwardDynamics, state), equations.rows_of(FunctionKind::Multipliers, state)];
         let is_constrained = !derivation.constraints.is_empty();
         match redundant.filter(|_| is_constrained) {
             None => {}
@@ -107,7 +108,7 @@ fn check_names(only: &[String], derivation: &Derivation) -> Result<(), Failure> 
 /// The quantities asked for, in this order; all that `eval` prints where none are.
 fn chosen(derivation: &Derivation, point: &Point, all: Value, only: &[String], place: &str) -> Value {
     let interpreter = Interpreter::with_parameters(derivation, point.parameters.clone());
-    let value = |name: &String| match (all.get(name), derivation.function(name)) {
+    let value = |name: &String| match (all.get(name), derivation.named(name)) {
         (Some(value), _) => value.clone(),
         (None, Some(function)) => shaped(function, &interpreter.evaluate(function, &point.state)),
         (None, None) => Value::Null,
@@ -120,55 +121,70 @@ fn chosen(derivation: &Derivation, point: &Point, all: Value, only: &[String], p
     chosen
 }
 
-/// All functions at one point, in the order of the documentation.
+/// The functions that are printed first; those of a mechanism that are not among them follow behind what is composed.
+const FIRST: [FunctionKind; 13] = [
+    FunctionKind::MassMatrix,
+    FunctionKind::CoriolisMatrix,
+    FunctionKind::Gravity,
+    FunctionKind::Bias,
+    FunctionKind::DissipationForce,
+    FunctionKind::GeneralizedForce,
+    FunctionKind::InverseDynamics,
+    FunctionKind::InverseDynamicsJacobian,
+    FunctionKind::ForwardDynamics,
+    FunctionKind::Linearize,
+    FunctionKind::Multipliers,
+    FunctionKind::KineticEnergy,
+    FunctionKind::PotentialEnergy,
+];
+
+/// Functions that are printed on request, or as a part of something else.
+const APART: [FunctionKind; 3] = [FunctionKind::Momentum, FunctionKind::LinearizeParameters, FunctionKind::Conserved];
+
+/// All functions at one point.
 fn evaluation(derivation: &Derivation, point: &Point, moving: Moving) -> Value {
     let interpreter = Interpreter::with_parameters(derivation, point.parameters.clone());
     let evaluated = |function: &Function| interpreter.evaluate_with(function, &point.state, &moving.multipliers);
-    let value = |name: &str| derivation.function(name).map_or(Value::Null, |f| shaped(f, &evaluated(f)));
-    let mut linearize = value("linearize");
-    linearize["params"] = match derivation.function("linearize_parameters") {
-        Some(function) => shaped(function, &evaluated(function)),
-        None => vec![json!([]); derivation.dof()].into(),
+    let value = |kind| derivation.function(kind).map_or(Value::Null, |f| shaped(f, &evaluated(f)));
+    let printed = |kind: FunctionKind| {
+        let value = match kind {
+            FunctionKind::ForwardDynamics => moving.accelerations.clone().into(),
+            FunctionKind::Multipliers => moving.multipliers.clone().into(),
+            FunctionKind::Linearize => {
+                let mut linearize = value(kind);
+                let is_there = derivation.function(FunctionKind::LinearizeParameters).is_some();
+                let none = || vec![json!([]); derivation.dof()].into();
+                linearize["params"] = if is_there { value(FunctionKind::LinearizeParameters) } else { none() };
+                linearize
+            }
+            kind => value(kind),
+        };
+        (kind.name().to_string(), value)
     };
-    let mut evaluation = json!({
-        "mass_matrix": value("mass_matrix"),
-        "coriolis_matrix": value("coriolis_matrix"),
-        "gravity": value("gravity"),
-        "bias": value("bias"),
-        "dissipation_force": value("dissipation_force"),
-        "generalized_force": value("generalized_force"),
-        "inverse_dynamics": value("inverse_dynamics"),
-        "inverse_dynamics_jacobian": value("inverse_dynamics_jacobian"),
-        "forward_dynamics": moving.accelerations,
-        "linearize": linearize,
-        "multipliers": moving.multipliers,
-        "kinetic_energy": value("kinetic_energy"),
-        "potential_energy": value("potential_energy"),
-        "conserved": conserved(derivation, evaluated),
-        "outputs": outputs(derivation, evaluated),
-    });
+    let mut evaluation: Map<String, Value> = FIRST.into_iter().map(printed).collect();
+    evaluation.insert("conserved".to_string(), conserved(derivation, evaluated).into());
+    evaluation.insert("outputs".to_string(), outputs(derivation, evaluated).into());
     let jacobians = output_jacobians(derivation, evaluated);
     if !jacobians.is_empty() {
-        evaluation["output_jacobians"] = jacobians.into();
+        evaluation.insert("output_jacobians".to_string(), jacobians.into());
     }
     if !derivation.reactions.is_empty() {
-        evaluation["reactions"] = reactions(derivation, &interpreter, point, &moving).into();
+        let reactions = reactions(derivation, &interpreter, point, &moving);
+        evaluation.insert("reactions".to_string(), reactions.into());
     }
-    for name in ["constraint", "constraint_rate", "constraint_rate_jacobian", "constraint_jacobian", "constraint_bias"]
-    {
-        if derivation.function(name).is_some() {
-            evaluation[name] = value(name);
-        }
+    let of_mechanism = |kind: &FunctionKind| kind.output().or(kind.reaction()).is_none();
+    let others = derivation.functions.iter().map(|function| function.kind).filter(of_mechanism);
+    evaluation.extend(others.filter(|kind| !FIRST.contains(kind) && !APART.contains(kind)).map(printed));
+    if !derivation.constraints.is_empty() {
+        let force = constraint_force(&interpreter, &point.state, &moving.multipliers);
+        evaluation.insert("constraint_force".to_string(), force.into());
     }
-    if derivation.function("multipliers").is_some() {
-        evaluation["constraint_force"] = constraint_force(&interpreter, &point.state, &moving.multipliers).into();
-    }
-    evaluation
+    evaluation.into()
 }
 
 /// `Aᵀ λ`, with the multipliers of the motion.
 fn constraint_force(interpreter: &Interpreter<'_>, state: &State, multipliers: &[f64]) -> Vec<f64> {
-    let jacobian = interpreter.call("constraint_jacobian", state).unwrap_or_default();
+    let jacobian = interpreter.rows(FunctionKind::ConstraintJacobian, state);
     let mut force = vec![0.0; state.q.len()];
     for (row, multiplier) in jacobian.chunks(force.len()).zip(multipliers) {
         force.iter_mut().zip(row).for_each(|(force, a)| *force += a * multiplier);
@@ -178,13 +194,8 @@ fn constraint_force(interpreter: &Interpreter<'_>, state: &State, multipliers: &
 
 /// First integrals by name.
 fn conserved(derivation: &Derivation, evaluated: impl Fn(&Function) -> Vec<f64>) -> Map<String, Value> {
-    let named = derivation.functions.iter().filter_map(|function| match &function.kind {
-        FunctionKind::Conserved(names) => {
-            Some(names.iter().cloned().zip(evaluated(function).into_iter().map(Value::from)))
-        }
-        _ => None,
-    });
-    named.flatten().collect()
+    let values = derivation.function(FunctionKind::Conserved).map(evaluated);
+    derivation.conserved.iter().cloned().zip(values.into_iter().flatten().map(Value::from)).collect()
 }
 
 /// Values of the outputs by name, and rates of Jacobians that were asked for.
@@ -197,14 +208,15 @@ fn outputs(derivation: &Derivation, evaluated: impl Fn(&Function) -> Vec<f64>) -
 /// The derivatives of those outputs that depend on velocities or inputs, by name: by q, and where they depend on them
 /// by q̇ and u.
 fn output_jacobians(derivation: &Derivation, evaluated: impl Fn(&Function) -> Vec<f64>) -> Map<String, Value> {
-    let is_output = |f: &&Function| matches!(f.kind, FunctionKind::Output(_));
-    let outputs = derivation.functions.iter().filter(is_output);
-    let slopes = outputs.filter_map(|output| {
-        let functions = ["jacobian", "jacobian_qd", "jacobian_u"]
-            .map(|suffix| derivation.function(&format!("{}_{suffix}", output.name)));
-        let value = |function: &Function| shaped(function, &evaluated(function));
-        let by = ["q", "qd", "u"].into_iter().zip(functions);
-        let by: Map<String, Value> = by.filter_map(|(by, f)| Some((by.to_string(), value(f?)))).collect();
+    let slopes = derivation.functions.iter().filter_map(|output| {
+        let FunctionKind::Output(number) = output.kind else { return None };
+        let functions = [
+            ("q", FunctionKind::OutputJacobian(number)),
+            ("qd", FunctionKind::OutputJacobianQd(number)),
+            ("u", FunctionKind::OutputJacobianU(number)),
+        ];
+        let functions = functions.into_iter().filter_map(|(by, kind)| Some((by, derivation.function(kind)?)));
+        let by: Map<String, Value> = functions.map(|(by, f)| (by.to_string(), shaped(f, &evaluated(f)))).collect();
         (by.len() > 1).then(|| (output.name.clone(), by.into()))
     });
     slopes.collect()

@@ -31,43 +31,23 @@ pub mod textbook;
 mod tree;
 
 use std::cell::OnceCell;
-use std::fmt;
 
 use crate::expr::table::Table;
 use crate::expr::{Expr, Graph, Kept, Node, Symbol, carry_out, gradient_of_combination};
 use crate::model::{Lagrangian, PointForce};
+use crate::shape::Shape;
 use crate::variable::Variable;
 
-pub use conserved::Conserved;
-pub use constraint::Constraints;
-pub use lagrange::Lagrange;
-pub use linearize::{InverseDynamicsJacobian, Linearization};
-pub use output::OutputEquations;
-pub use solve::ForwardDynamics;
+pub use crate::equations::{
+    Conserved, Constraints, Equations, ForwardDynamics, InverseDynamicsJacobian, Lagrange, Linearization,
+    OutputEquations, Route, Rows, Symbols, Wrenches,
+};
 pub use textbook::Form;
 
 use conserved::Exact;
 use lift::Lifted;
-use reaction::{Reactions, Wrenches};
+use reaction::Reactions;
 use tree::Masses;
-
-/// Rows of expressions.
-pub type Rows<'g> = Vec<Vec<Expr<'g>>>;
-
-/// The symbols of a mechanism, by kind and in order.
-#[derive(Clone, Debug)]
-pub struct Symbols {
-    /// q
-    pub q: Vec<Symbol>,
-    /// q̇
-    pub qd: Vec<Symbol>,
-    /// q̈
-    pub qdd: Vec<Symbol>,
-    /// u
-    pub u: Vec<Symbol>,
-    /// parameters
-    pub parameters: Vec<Symbol>,
-}
 
 impl Symbols {
     fn of(lagrangian: &Lagrangian<'_>) -> Symbols {
@@ -83,22 +63,6 @@ impl Symbols {
     }
 }
 
-/// How equations were derived.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub enum Route {
-    /// The energies differentiated.
-    Plain,
-    /// The same in multiple-angle normal form.
-    Textbook,
-    /// Bodies on their tree of frames by sweeps, all else plainly.
-    Structured,
-    /// The same with every mass left where it was declared; for comparison.
-    Ungrouped,
-    /// As in a textbook with all sums multiplied out, whatever digits that costs; for comparison.
-    MultipliedOut,
-}
-
 impl Route {
     /// How what is derived by it is written.
     fn form(self, kept: &Kept) -> Form<'_> {
@@ -107,43 +71,6 @@ impl Route {
             Route::Plain | Route::Structured | Route::Ungrouped => Form::AsDerived,
         }
     }
-}
-
-impl fmt::Display for Route {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Route::Plain => "plain",
-            Route::Textbook => "textbook",
-            Route::Structured => "structured",
-            Route::Ungrouped => "ungrouped",
-            Route::MultipliedOut => "multiplied out",
-        })
-    }
-}
-
-/// Everything that is generated for a mechanism, as roots in one graph.
-#[derive(Clone, Debug)]
-pub struct Equations<'g> {
-    /// How they were derived.
-    pub route: Route,
-    /// The symbols that the roots depend on.
-    pub symbols: Symbols,
-    /// T, V, p, M, C, G, h and inverse dynamics.
-    pub lagrange: Lagrange<'g>,
-    /// q̈
-    pub forward_dynamics: ForwardDynamics<'g>,
-    /// Derivatives of inverse dynamics.
-    pub inverse_dynamics_jacobian: InverseDynamicsJacobian<'g>,
-    /// Derivatives of forward dynamics.
-    pub linearization: Linearization<'g>,
-    /// Rows of constraints.
-    pub constraints: Constraints<'g>,
-    /// First integrals.
-    pub conserved: Vec<Conserved<'g>>,
-    /// Outputs with their velocities and Jacobians.
-    pub outputs: Vec<OutputEquations<'g>>,
-    /// What the joints of each reaction transmit.
-    pub reactions: Vec<Wrenches<'g>>,
 }
 
 /// Derives the equations of motion into `graph`, by every route that applies.
@@ -197,8 +124,13 @@ fn derived_by<'g>(lagrangian: &Lagrangian<'_>, graph: &'g Graph, routes: &[Route
     // Reactions come last, so that all else is the same without them.
     if let Some(reactions) = Reactions::of(lagrangian, graph) {
         for equations in &mut found {
-            let wrenches = reactions.by(equations.route).or_else(|| reactions.by(Route::Plain));
-            equations.reactions = wrenches.unwrap_or_default();
+            let wrenches = reactions.by(equations.route).or_else(|| reactions.by(Route::Plain)).unwrap_or_default();
+            let wrenches = lagrangian.reactions.iter().zip(wrenches).map(|(reaction, values)| Wrenches {
+                name: reaction.name.clone(),
+                shape: reaction.length.map_or(Shape::Wrench, Shape::Wrenches),
+                values,
+            });
+            equations.reactions = wrenches.collect();
         }
     }
     found

@@ -75,17 +75,29 @@ impl<'d, V: Value> Interpreter<'d, V> {
         &self.parameters
     }
 
-    /// The results of the function with this name, part by part and row by row, symmetric matrices in full.
-    /// `None` if there is no such function.
-    pub fn call(&self, name: &str, state: &State<V>) -> Option<Vec<V>> {
-        self.derivation.function(name).map(|function| self.evaluate(function, state))
+    /// The results of a function, part by part and row by row, symmetric matrices in full; `None` where the mechanism
+    /// does not have it.
+    pub fn call(&self, kind: FunctionKind, state: &State<V>) -> Option<Vec<V>> {
+        self.derivation.function(kind).map(|function| self.evaluate(function, state))
+    }
+
+    /// The results of a function that mechanisms with constraints have, row by row; there are none without constraints.
+    ///
+    /// # Panics
+    /// If a mechanism with constraints does not have it, either.
+    pub fn rows(&self, kind: FunctionKind, state: &State<V>) -> Vec<V> {
+        match self.derivation.constraints.is_empty() {
+            true => Vec::new(),
+            false => self.call(kind, state).unwrap_or_else(|| panic!("there is no function `{}`", kind.name())),
+        }
     }
 
     /// The results of one of the mechanism's functions, part by part and row by row, symmetric matrices in full. Where
     /// it takes multipliers, they are those of forward dynamics.
     pub fn evaluate(&self, function: &Function, state: &State<V>) -> Vec<V> {
         let takes_multipliers = function.arguments.contains(&Argument::Multipliers);
-        let multipliers = takes_multipliers.then(|| self.call("multipliers", state)).flatten().unwrap_or_default();
+        let multipliers =
+            takes_multipliers.then(|| self.call(FunctionKind::Multipliers, state)).flatten().unwrap_or_default();
         self.evaluate_with(function, state, &multipliers)
     }
 
@@ -147,11 +159,13 @@ impl<'d, V: Value> Interpreter<'d, V> {
         if !function.program.uses(is_of_motion) {
             let is_slope = matches!(function.kind, FunctionKind::Linearize | FunctionKind::LinearizeParameters);
             let is_constrained = function.completion.is_constrained() && is_slope;
-            let motion = is_constrained.then(|| self.call("forward_dynamics", state)).flatten();
+            let motion = is_constrained.then(|| self.call(FunctionKind::ForwardDynamics, state)).flatten();
             let terms = motion.map_or(none, |motion| self.measured(function, state, motion));
             return (self.run(&function.program, state, &[]), terms);
         }
-        let Some(forward_dynamics) = self.derivation.function("forward_dynamics") else { return (Vec::new(), none) };
+        let Some(forward_dynamics) = self.derivation.function(FunctionKind::ForwardDynamics) else {
+            return (Vec::new(), none);
+        };
         let mut qdd = match forward_dynamics.completion {
             Completion::SolveConstrained => self.constrained_motion(forward_dynamics, state),
             Completion::None | Completion::Solve | Completion::SolveMultipliers => {
@@ -466,9 +480,9 @@ mod tests {
         ];
         let state = State { qd: vec![0.0; q.len()], q, ..State::default() };
         let interpreter = Interpreter::new(&derivation);
-        let accelerations = interpreter.call("forward_dynamics", &state).unwrap();
+        let accelerations = interpreter.call(FunctionKind::ForwardDynamics, &state).unwrap();
         assert!(accelerations.iter().all(|qdd| qdd.abs() < 1e-12), "{accelerations:?}");
-        let slopes = interpreter.call("linearize", &state).unwrap();
+        let slopes = interpreter.call(FunctionKind::Linearize, &state).unwrap();
         assert!(slopes.iter().all(|x| x.is_finite()), "{slopes:?}");
     }
 }

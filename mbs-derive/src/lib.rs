@@ -21,6 +21,7 @@
 //! - [`expr`]: the calculus: a hash-consed expression graph with exact constants, and its derivatives;
 //! - [`parse`], [`model`]: the language, and the builder API that stands under it ([`model::Lagrangian`]);
 //! - [`derive`](mod@derive): mechanics: Lagrange's equations, still symbolic;
+//! - `catalogue`: every generated function, declared once ([`optimise::FunctionKind`]);
 //! - [`optimise`]: straight-line programs and their operation counts;
 //! - [`verify`]: the proof; [`interpret`]: Programs run in process; [`emit`]: Rust; [`latex`]: equations on paper;
 //! - [`span`], [`state`], [`variable`], [`numeric`]: what several passes need, and no mechanics;
@@ -29,9 +30,11 @@
 //! - [`cargo`]: build scripts, the only input and output.
 
 pub mod cargo;
+mod catalogue;
 pub mod derive;
 pub mod diagnostic;
 pub mod emit;
+mod equations;
 pub mod expr;
 pub mod interpret;
 pub mod latex;
@@ -39,6 +42,7 @@ pub mod model;
 pub mod numeric;
 pub mod optimise;
 pub mod parse;
+mod shape;
 pub mod source;
 pub mod span;
 pub mod state;
@@ -155,7 +159,7 @@ pub fn generate_from(sources: &Sources, options: &emit::Options) -> Result<Gener
     let derivation = derived(&lagrangian);
     verify::against_energies(&lagrangian, &derivation)?.warn(&lagrangian, &mut warnings);
     for name in options.functions.iter().flatten() {
-        if derivation.function(name).is_none() {
+        if derivation.named(name).is_none() {
             let known = derivation.functions.iter().map(|f| f.name.clone()).collect();
             return Err(Error::UnknownFunction { name: name.clone(), known });
         }
@@ -202,7 +206,7 @@ pub fn declared_from<'g>(
 /// What each function of [`derived`] would cost by each route, those for comparison included; in the same order.
 pub fn compared(lagrangian: &Lagrangian<'_>) -> Vec<Vec<(derive::Route, optimise::Operations)>> {
     let graph = Graph::new();
-    optimise::compared(lagrangian, &derive::all_routes(lagrangian, &graph))
+    optimise::compared(&derive::all_routes(lagrangian, &graph))
 }
 
 /// `derive` and `optimise`: a Lagrangian → its Programs, not yet proved.

@@ -9,9 +9,11 @@
 //! was taken nowhere is said. Where a branch compares what doubles hold exactly, its edge is a state, too.
 //!
 //! - [`witness`]: Lagrange's equations from the verbatim energies, by dual numbers;
-//! - [`claim`]: what is compared, one function per generated function and identity; `group`: many columns at once;
-//!   `allowed`: states that hold constraints; `motion`: the motion with constraints, and its derivatives.
+//! - [`claim`]: what is compared, one function per claim of the catalogue: those about forces here, those about motions in
+//!   `acceleration`, those about outputs in `output`; `group`: many columns at once; `allowed`: states that hold
+//!   constraints; `motion`: the motion with constraints, and its derivatives.
 
+mod acceleration;
 mod allowed;
 pub mod claim;
 mod coverage;
@@ -21,6 +23,7 @@ mod linear;
 mod motion;
 #[cfg(test)]
 mod mutants;
+mod output;
 pub mod witness;
 
 use std::fmt;

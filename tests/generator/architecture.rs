@@ -3,6 +3,9 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
+use mbs_derive::expr::Graph;
+use mbs_derive::{declared, derived};
+
 const ROOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/..");
 
 /// From each name to those that it uses.
@@ -140,6 +143,21 @@ fn crates_look_one_way() {
     hold(&arrows, &allowed("Between crates:"));
     assert_one_way(&arrows);
     assert!(arrows["mbs-derive"].is_empty() && arrows["mbs-runtime"].is_empty());
+}
+
+/// The manual has a row for every function of the catalogue.
+#[test]
+fn the_manual_says_what_each_function_is() {
+    let text = "#![dimensionless] mechanism A { param m: 1 = 2; coord x: 1; coord y: 1; constraint c: x = y; \
+                kinetic += m*(dt(x)^2 + dt(y)^2); }";
+    let graph = Graph::verbatim();
+    let (lagrangian, _) = declared(text, &graph, &[]).expect("as good as any");
+    let manual = read(&Path::new(ROOT).join("docs/language.md"));
+    let (_, section) = manual.split_once("| function | |\n").expect("the table is there");
+    let rows = section.lines().take_while(|line| line.starts_with('|')).filter_map(|line| line.split('|').nth(1));
+    let said: BTreeSet<&str> = rows.flat_map(|cell| cell.split('`').skip(1).step_by(2)).collect();
+    let functions = derived(&lagrangian).functions;
+    assert_eq!(said, functions.iter().map(|function| function.name.as_str()).collect());
 }
 
 /// A stranger finds what CONTRIBUTING.md sends them to.

@@ -9,7 +9,7 @@ use std::process::Command;
 use mbs_derive::emit::Options;
 use mbs_derive::expr::Graph;
 use mbs_derive::interpret::{Interpreter, State};
-use mbs_derive::optimise::{Argument, Derivation};
+use mbs_derive::optimise::{Argument, Derivation, FunctionKind};
 use mbs_derive::source::{Sources, Unreadable};
 use mbs_derive::variable::count;
 use mbs_derive::{declared_from, derived, generate_from};
@@ -83,7 +83,7 @@ fn calls(number: usize, derivation: &Derivation, generated: &str, state: &State)
     let mut expected = String::new();
     let prescribed: Vec<String> = state.prescribed.iter().map(|signal| written(signal)).collect();
     for function in &derivation.functions {
-        let multipliers = interpreter.call("multipliers", state).unwrap_or_default();
+        let multipliers = interpreter.rows(FunctionKind::Multipliers, state);
         let time = derivation.depends_on_time.then(|| format!("f64::from_bits({})", state.t.to_bits()));
         let signals = (!prescribed.is_empty()).then(|| format!("&[{}]", prescribed.join(", ")));
         let given = |argument: &&Argument| **argument != Argument::U || !state.u.is_empty();

@@ -3,7 +3,7 @@
 
 use mbs_derive::expr::Graph;
 use mbs_derive::interpret::{self, Interpreter};
-use mbs_derive::optimise::Derivation;
+use mbs_derive::optimise::{Derivation, FunctionKind};
 use mbs_derive::{declared, derived};
 use mbs_runtime::{Dual, Mechanism};
 use mbs_tests::compare::error;
@@ -208,9 +208,10 @@ impl Constraints<'_> {
     fn at<const N: usize>(&self, t: f64, q: &[f64; N], qd: &[f64; N], u: &[f64]) -> Rows<N> {
         let [q, qd, u] = [q.as_slice(), qd, u].map(<[f64]>::to_vec);
         let state = interpret::State { t, q, qd, qdd: vec![0.0; N], u, prescribed: Vec::new() };
-        let call = |name: &str| self.0.call(name, &state).unwrap_or_default();
-        let rows = call("constraint_jacobian").chunks(N).map(|row| std::array::from_fn(|i| row[i])).collect();
-        Rows { rows, bias: call("constraint_bias"), multipliers: call("multipliers") }
+        let call = |kind| self.0.rows(kind, &state);
+        let rows =
+            call(FunctionKind::ConstraintJacobian).chunks(N).map(|row| std::array::from_fn(|i| row[i])).collect();
+        Rows { rows, bias: call(FunctionKind::ConstraintBias), multipliers: call(FunctionKind::Multipliers) }
     }
 }
 
@@ -246,8 +247,9 @@ fn compiled_is_interpreted<const N: usize, const U: usize>(
             u: u.to_vec(),
             prescribed: Vec::new(),
         };
-        let same = |name: &str, compiled: &[f64]| {
-            let interpreted = interpreter.call(name, &state).expect("generated for every mechanism");
+        let same = |kind: FunctionKind, compiled: &[f64]| {
+            let (name, interpreted) =
+                (kind.name(), interpreter.call(kind, &state).expect("generated for every mechanism"));
             assert_eq!(interpreted.len(), compiled.len(), "{module}::{name}");
             for (a, b) in compiled.iter().zip(&interpreted) {
                 let equal = if cfg!(target_feature = "fma") {
@@ -258,22 +260,22 @@ fn compiled_is_interpreted<const N: usize, const U: usize>(
                 assert!(equal, "{module}::{name}: compiled {a:?}, interpreted {b:?} at {state:?}");
             }
         };
-        same("kinetic_energy", &[mechanism.kinetic_energy(t, &q, &qd)]);
-        same("potential_energy", &[mechanism.potential_energy(t, &q)]);
-        same("momentum", &mechanism.momentum(t, &q, &qd));
-        same("mass_matrix", &mechanism.mass_matrix(t, &q).concat());
-        same("coriolis_matrix", &mechanism.coriolis_matrix(t, &q, &qd).concat());
-        same("gravity", &mechanism.gravity(t, &q));
-        same("bias", &mechanism.bias(t, &q, &qd));
-        same("dissipation_force", &mechanism.dissipation_force(t, &q, &qd));
-        same("generalized_force", &mechanism.generalized_force(t, &q, &qd, &u));
-        same("inverse_dynamics", &mechanism.inverse_dynamics(t, &q, &qd, &qdd));
-        same("forward_dynamics", &mechanism.forward_dynamics(t, &q, &qd, &u));
+        same(FunctionKind::KineticEnergy, &[mechanism.kinetic_energy(t, &q, &qd)]);
+        same(FunctionKind::PotentialEnergy, &[mechanism.potential_energy(t, &q)]);
+        same(FunctionKind::Momentum, &mechanism.momentum(t, &q, &qd));
+        same(FunctionKind::MassMatrix, &mechanism.mass_matrix(t, &q).concat());
+        same(FunctionKind::CoriolisMatrix, &mechanism.coriolis_matrix(t, &q, &qd).concat());
+        same(FunctionKind::Gravity, &mechanism.gravity(t, &q));
+        same(FunctionKind::Bias, &mechanism.bias(t, &q, &qd));
+        same(FunctionKind::DissipationForce, &mechanism.dissipation_force(t, &q, &qd));
+        same(FunctionKind::GeneralizedForce, &mechanism.generalized_force(t, &q, &qd, &u));
+        same(FunctionKind::InverseDynamics, &mechanism.inverse_dynamics(t, &q, &qd, &qdd));
+        same(FunctionKind::ForwardDynamics, &mechanism.forward_dynamics(t, &q, &qd, &u));
         let linearization = mechanism.linearize(t, &q, &qd, &u);
         let blocks = [linearization.q.concat(), linearization.qd.concat(), linearization.u.concat()];
-        same("linearize", &blocks.concat());
+        same(FunctionKind::Linearize, &blocks.concat());
         let jacobian = mechanism.inverse_dynamics_jacobian(t, &q, &qd, &qdd);
-        same("inverse_dynamics_jacobian", &[jacobian.q.concat(), jacobian.qd.concat()].concat());
+        same(FunctionKind::InverseDynamicsJacobian, &[jacobian.q.concat(), jacobian.qd.concat()].concat());
     }
 }
 

@@ -2,7 +2,7 @@
 
 use mbs_derive::expr::Graph;
 use mbs_derive::interpret::{Interpreter, State as Arguments};
-use mbs_derive::optimise::Derivation;
+use mbs_derive::optimise::{Derivation, FunctionKind};
 use mbs_derive::{declared, derived};
 use mbs_runtime::{Mechanism, Scalar};
 use mbs_tests::by_hand::ByHand;
@@ -15,8 +15,14 @@ use mbs_tests::compare::assert_close;
 use mbs_tests::counting::{Counted, Counts, counted};
 use mbs_tests::random::{State, states};
 
-const FUNCTIONS: [&str; 6] =
-    ["mass_matrix", "coriolis_matrix", "gravity", "bias", "inverse_dynamics", "forward_dynamics"];
+const FUNCTIONS: [FunctionKind; 6] = [
+    FunctionKind::MassMatrix,
+    FunctionKind::CoriolisMatrix,
+    FunctionKind::Gravity,
+    FunctionKind::Bias,
+    FunctionKind::InverseDynamics,
+    FunctionKind::ForwardDynamics,
+];
 
 fn derivation(source: &str) -> Derivation {
     let graph = Graph::verbatim();
@@ -31,17 +37,17 @@ fn source(module: &str) -> &'static str {
 /// The results of a function by hand and what it cost.
 fn by_hand<const N: usize, const U: usize>(
     hand: &impl ByHand<Counted, N, U>,
-    name: &str,
+    kind: FunctionKind,
     state: &State<N>,
     u: [f64; U],
 ) -> (Vec<f64>, Counts) {
     let [q, qd, qdd] = [state.q, state.qd, state.qdd].map(|x| x.map(Counted));
-    let (values, counts) = counted(|| match name {
-        "mass_matrix" => hand.mass_matrix(&q).concat(),
-        "coriolis_matrix" => hand.coriolis_matrix(&q, &qd).concat(),
-        "gravity" => hand.gravity(&q).to_vec(),
-        "bias" => hand.bias(&q, &qd).to_vec(),
-        "inverse_dynamics" => hand.inverse_dynamics(&q, &qd, &qdd).to_vec(),
+    let (values, counts) = counted(|| match kind {
+        FunctionKind::MassMatrix => hand.mass_matrix(&q).concat(),
+        FunctionKind::CoriolisMatrix => hand.coriolis_matrix(&q, &qd).concat(),
+        FunctionKind::Gravity => hand.gravity(&q).to_vec(),
+        FunctionKind::Bias => hand.bias(&q, &qd).to_vec(),
+        FunctionKind::InverseDynamics => hand.inverse_dynamics(&q, &qd, &qdd).to_vec(),
         _ => hand.forward_dynamics(&q, &qd, &u.map(Counted)).to_vec(),
     });
     (values.iter().map(|value| value.0).collect(), counts)
@@ -59,9 +65,10 @@ fn check<const N: usize, const U: usize, const P: usize, H: ByHand<Counted, N, U
     for state in states::<N>(11, 60) {
         let [q, qd, qdd] = [state.q, state.qd, state.qdd].map(|x| x.to_vec());
         let arguments = Arguments { t: 0.0, q, qd, qdd, u: u.to_vec(), prescribed: Vec::new() };
-        for name in FUNCTIONS {
-            let found = interpreter.call(name, &arguments).expect("generated for every mechanism");
-            let (expected, _) = by_hand(&hand, name, &state, u);
+        for kind in FUNCTIONS {
+            let name = kind.name();
+            let found = interpreter.call(kind, &arguments).expect("generated for every mechanism");
+            let (expected, _) = by_hand(&hand, kind, &state, u);
             // Accelerations are infinite or NaN where M is singular, and nothing but rounding where it nearly is.
             if found.iter().chain(&expected).all(|x| x.abs() < 1e9) {
                 assert_close(name, &found, &expected, 1e-10);
@@ -72,9 +79,10 @@ fn check<const N: usize, const U: usize, const P: usize, H: ByHand<Counted, N, U
     assert!(compared >= 5 * 60 + 20, "{compared} results compared");
     let generic = states::<N>(11, 1)[0];
     let mut losses = String::new();
-    for name in FUNCTIONS {
-        let (_, hand) = by_hand(&hand, name, &generic, u);
-        let found = derivation.function(name).expect("generated for every mechanism").operations;
+    for kind in FUNCTIONS {
+        let name = kind.name();
+        let (_, hand) = by_hand(&hand, kind, &generic, u);
+        let found = derivation.function(kind).expect("generated for every mechanism").operations;
         println!("{:18} {name:17} by hand {hand:?}\n{:36} {found:?}", derivation.name, "generated");
         if found.flops() > hand.flops() || found.weight() > hand.weight() {
             losses += &format!("{name}: generated {found:?}, by hand {hand:?}\n");
@@ -115,18 +123,18 @@ fn the_counts_of_the_programs_are_those_of_the_code() {
         let derivation = derivation(source(module));
         let State { q, qd, qdd } = states::<N>(11, 1)[0];
         let ([q, qd, qdd], t, u) = ([q, qd, qdd].map(|x| x.map(Counted)), Counted::zero(), [Counted(0.7); U]);
-        for (name, (_, counts)) in [
-            ("mass_matrix", counted(|| _ = generated.mass_matrix(t, &q))),
-            ("coriolis_matrix", counted(|| _ = generated.coriolis_matrix(t, &q, &qd))),
-            ("gravity", counted(|| _ = generated.gravity(t, &q))),
-            ("bias", counted(|| _ = generated.bias(t, &q, &qd))),
-            ("inverse_dynamics", counted(|| _ = generated.inverse_dynamics(t, &q, &qd, &qdd))),
-            ("forward_dynamics", counted(|| _ = generated.forward_dynamics(t, &q, &qd, &u))),
-            ("linearize", counted(|| _ = generated.linearize(t, &q, &qd, &u))),
+        for (kind, (_, counts)) in [
+            (FunctionKind::MassMatrix, counted(|| _ = generated.mass_matrix(t, &q))),
+            (FunctionKind::CoriolisMatrix, counted(|| _ = generated.coriolis_matrix(t, &q, &qd))),
+            (FunctionKind::Gravity, counted(|| _ = generated.gravity(t, &q))),
+            (FunctionKind::Bias, counted(|| _ = generated.bias(t, &q, &qd))),
+            (FunctionKind::InverseDynamics, counted(|| _ = generated.inverse_dynamics(t, &q, &qd, &qdd))),
+            (FunctionKind::ForwardDynamics, counted(|| _ = generated.forward_dynamics(t, &q, &qd, &u))),
+            (FunctionKind::Linearize, counted(|| _ = generated.linearize(t, &q, &qd, &u))),
         ] {
-            let said = derivation.function(name).expect("generated for every mechanism").operations;
+            let said = derivation.function(kind).expect("generated for every mechanism").operations;
             let said = Counts { add: said.add, mul: said.mul, div: said.div, sincos: said.sincos, other: 0 };
-            assert_eq!(counts, said, "{module}: {name}");
+            assert_eq!(counts, said, "{module}: {}", kind.name());
         }
     }
     check("cart_pole", mbs_models::cart_pole::CartPole::<Counted>::default());

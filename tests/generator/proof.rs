@@ -11,14 +11,7 @@ fn proved(source: &str) -> Vec<String> {
     let derivation = derived(&lagrangian);
     let proof = verify::against_energies(&lagrangian, &derivation).unwrap_or_else(|e| panic!("{source}\n{e}"));
     assert!(proof.states >= verify::STATES);
-    derivation
-        .functions
-        .iter()
-        .find_map(|f| match &f.kind {
-            mbs_derive::optimise::FunctionKind::Conserved(names) => Some(names.clone()),
-            _ => None,
-        })
-        .expect("every mechanism has the function")
+    derivation.conserved
 }
 
 fn dimensionless(body: &str) -> Vec<String> {

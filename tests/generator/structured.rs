@@ -10,7 +10,7 @@ use declared_tree::{DeclaredTree, declared_tree};
 use mbs_derive::derive::{self, Route};
 use mbs_derive::expr::Graph;
 use mbs_derive::model::Lagrangian;
-use mbs_derive::optimise::{self, Derivation};
+use mbs_derive::optimise::{self, Derivation, FunctionKind};
 use mbs_derive::variable::Variable;
 use mbs_derive::{declared, derived, verify};
 use mbs_tests::random::Random;
@@ -259,7 +259,7 @@ fn has_inertia(tree: &Tree) -> bool {
 }
 
 /// The additions and multiplications of a function.
-fn flops(derivation: &Derivation, function: &str) -> f64 {
+fn flops(derivation: &Derivation, function: FunctionKind) -> f64 {
     derivation.function(function).expect("generated for every mechanism").operations.flops() as f64
 }
 
@@ -283,7 +283,7 @@ fn a_chain_grows_linearly() {
     let [five, ten, twenty] = small;
     per_link_constant(&[ten.clone(), twenty.clone(), large.clone()]);
     // The parabola through three counts, at the fourth: Newton's divided differences.
-    let [m5, m10, m20, m40] = [&five, &ten, &twenty, &large].map(|chain| flops(chain, "mass_matrix"));
+    let [m5, m10, m20, m40] = [&five, &ten, &twenty, &large].map(|chain| flops(chain, FunctionKind::MassMatrix));
     let (first, second) = ((m10 - m5) / 5.0, (m20 - m10) / 10.0);
     let expected = m5 + 35.0 * first + 35.0 * 30.0 * (second - first) / 15.0;
     assert!((m40 / expected - 1.0).abs() <= 0.03, "M of forty links: {m40}, a parabola says {expected}");
@@ -293,11 +293,11 @@ fn a_chain_grows_linearly() {
 
 /// Within 3 %, from the first to the second and from the second to the third.
 fn per_link_constant(chains: &[Derivation; 3]) {
-    for function in ["inverse_dynamics", "bias"] {
+    for function in [FunctionKind::InverseDynamics, FunctionKind::Bias] {
         let slope =
             |a: &Derivation, b: &Derivation| (flops(b, function) - flops(a, function)) / (b.dof() - a.dof()) as f64;
         let (first, second) = (slope(&chains[0], &chains[1]), slope(&chains[1], &chains[2]));
-        assert!((second / first - 1.0).abs() <= 0.03, "{function}: {first} a link, then {second}");
+        assert!((second / first - 1.0).abs() <= 0.03, "{function:?}: {first} a link, then {second}");
     }
 }
 
@@ -306,12 +306,12 @@ fn per_link_constant(chains: &[Derivation; 3]) {
 #[test]
 fn budget_of_the_benchmark_arm_as_bodies() {
     let budget = [
-        ("inverse_dynamics", 494),
-        ("bias", 456),
-        ("mass_matrix", 253),
-        ("forward_dynamics", 871),
-        ("coriolis_matrix", 936),
-        ("inverse_dynamics_jacobian", 3006),
+        (FunctionKind::InverseDynamics, 494),
+        (FunctionKind::Bias, 456),
+        (FunctionKind::MassMatrix, 253),
+        (FunctionKind::ForwardDynamics, 871),
+        (FunctionKind::CoriolisMatrix, 936),
+        (FunctionKind::InverseDynamicsJacobian, 3006),
     ];
     let mut excess = String::new();
     for name in ["arm6", "arm6_params", "arm6_world"] {
@@ -319,7 +319,7 @@ fn budget_of_the_benchmark_arm_as_bodies() {
         for (function, most) in budget {
             let operations = derivation.function(function).expect("generated for every mechanism").operations;
             if operations.flops() > most || operations.sincos > 5 {
-                excess += &format!("{name}: {function}: {operations:?}, budget {most}\n");
+                excess += &format!("{name}: {function:?}: {operations:?}, budget {most}\n");
             }
         }
     }

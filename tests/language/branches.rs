@@ -18,6 +18,7 @@ use mbs_tests::compare::assert_close;
 use mbs_tests::mechanisms::branches::Branches;
 use mbs_tests::mechanisms::long_branches::LongBranches;
 use mbs_tests::mechanisms::switched_spring::{Params, SwitchedSpring};
+use mbs_tests::named;
 use watched::{Tally, Watched};
 
 /// `q`, `q̇`, `q̈` and `u`.
@@ -195,7 +196,7 @@ fn what_is_executed_is_defined_and_needed() {
             executed.quotients -= new.quotients;
             // Nothing was a NaN or an infinity, and nothing was computed but what the result needs.
             assert_eq!(executed.undefined, 0, "{function} at {arguments_:?}");
-            let (interpreted, needed) = Watched::tally(|| interpreter.call(function, &state(&watched)));
+            let (interpreted, needed) = Watched::tally(|| named(&interpreter, function, &state(&watched)));
             assert_eq!(executed, needed, "{function} at {arguments_:?}");
             let plain = compiled(function, &arguments_);
             assert_eq!(values.iter().map(|v| v.0).collect::<Vec<_>>(), plain);
@@ -332,9 +333,9 @@ fn comparisons_are_those_of_ieee_754() {
         check("dual", dual.iter().map(|v| v.value).collect());
         let lanes = compiled("comparisons", &arguments(&arguments_, f64x4::splat));
         check("lanes", lanes.iter().map(|v| v.to_array()[3]).collect());
-        check("interpreter", doubles.call("comparisons", &state(&arguments_)).expect("an output"));
+        check("interpreter", named(&doubles, "comparisons", &state(&arguments_)).expect("an output"));
         let lifted = arguments(&arguments_, |x| expr::Dual::fixed(Rounded::exact(x)));
-        let interpreted = duals.call("comparisons", &state(&lifted)).expect("an output");
+        let interpreted = named(&duals, "comparisons", &state(&lifted)).expect("an output");
         check("interpreter, dual", interpreted.iter().map(|v| v.value.value).collect());
         let witness = evaluate(declared, |symbol| match symbol {
             Symbol::Coordinate(i) => expr::Dual::fixed(Rounded::exact([x, y, 0.0][i as usize])),

@@ -8,6 +8,7 @@ use mbs_derive::{declared, derived};
 use mbs_models::spherical_pendulum::SphericalPendulum;
 use mbs_runtime::Dual as RuntimeDual;
 use mbs_tests::compare::assert_close;
+use mbs_tests::named;
 
 /// Outputs of every shape, one of which stands still; t, a prescribed formula and a prescribed signal move them.
 const SHAPES: &str = "
@@ -95,7 +96,7 @@ fn rates_are_generated_where_they_are_asked_for() {
     let derivation = derivation(SHAPES);
     assert_eq!(requested(&derivation), ["number", "place", "matrix", "pose", "rows", "fixed"]);
     for name in requested(&derivation) {
-        let shape = |suffix: &str| derivation.function(&format!("{name}{suffix}")).expect("generated").results.clone();
+        let shape = |suffix: &str| derivation.named(&format!("{name}{suffix}")).expect("generated").results.clone();
         assert_eq!(shape("_jacobian_rate"), shape("_jacobian"), "{name}");
     }
 }
@@ -106,9 +107,9 @@ fn a_rate_is_the_slope_of_the_jacobian() {
     let derivation = derivation(SHAPES);
     let (interpreter, state, h) = (Interpreter::new(&derivation), state(), 1e-5);
     for name in requested(&derivation) {
-        let jacobian = |h: f64| interpreter.call(&format!("{name}_jacobian"), &moved(&state, h)).expect("generated");
+        let jacobian = |h: f64| named(&interpreter, &format!("{name}_jacobian"), &moved(&state, h)).expect("generated");
         let slope: Vec<f64> = jacobian(h).iter().zip(jacobian(-h)).map(|(a, b)| (a - b) / (2.0 * h)).collect();
-        let rate = interpreter.call(&format!("{name}_jacobian_rate"), &state).expect("generated");
+        let rate = named(&interpreter, &format!("{name}_jacobian_rate"), &state).expect("generated");
         assert_close(name, &rate, &slope, 1e-8);
         assert_eq!(rate.iter().all(|entry| *entry == 0.0), name == "fixed", "{name}");
     }
@@ -124,9 +125,9 @@ fn accelerations_follow_from_the_rate() {
     let state = state();
     let along = moving(&state);
     for name in requested(&derivation) {
-        let call = |suffix: &str| plain.call(&format!("{name}{suffix}"), &state).expect("generated");
+        let call = |suffix: &str| named(&plain, &format!("{name}{suffix}"), &state).expect("generated");
         let slope = |suffix: &str, state: &State<Dual<f64>>| -> Vec<f64> {
-            let values = once.call(&format!("{name}{suffix}"), state).expect("generated");
+            let values = named(&once, &format!("{name}{suffix}"), state).expect("generated");
             values.iter().map(|v| v.derivative).collect()
         };
         // b is the velocity where q̇ = 0, at all times.
@@ -137,7 +138,7 @@ fn accelerations_follow_from_the_rate() {
         let acceleration: Vec<f64> = (0..drift.len()).map(acceleration).collect();
         assert_close(name, &acceleration, &slope("_velocity", &along), 1e-12);
 
-        let second = twice.call(name, &moving(&along)).expect("generated");
+        let second = named(&twice, name, &moving(&along)).expect("generated");
         let second: Vec<f64> = second.iter().map(|v| v.derivative.derivative).collect();
         let places = if name == "pose" { 3 } else { second.len() };
         if name != "rows" {
@@ -163,14 +164,14 @@ fn compiled_rates() {
 fn the_rate_of_a_robot_costs_three_jacobians() {
     let (_, source) = mbs_models::SOURCES.iter().find(|(module, _)| *module == "irb7600").expect("irb7600");
     let derivation = derivation(&source.replace("output flange = link;", "output flange = link, jacobian_rate;"));
-    let flops = |name: &str| derivation.function(name).expect("generated").operations.flops();
+    let flops = |name: &str| derivation.named(name).expect("generated").operations.flops();
     let (jacobian, rate) = (flops("flange_jacobian"), flops("flange_jacobian_rate"));
     assert!(rate <= 3 * jacobian, "{rate} for the rate, {jacobian} for the Jacobian");
     let state = State { prescribed: Vec::new(), q: vec![0.3, -0.2, 0.5, 0.1, 0.7, -0.4], ..state() };
     let state = State { qd: vec![0.2, 0.4, -0.5, 0.6, 0.1, 0.3], qdd: vec![0.0; 6], ..state };
-    let rates = interpreter::<Dual<f64>>(&derivation).call("flange_jacobian", &moving(&state)).expect("generated");
+    let rates = named(&interpreter::<Dual<f64>>(&derivation), "flange_jacobian", &moving(&state)).expect("generated");
     let expected: Vec<f64> = rates.iter().map(|v| v.derivative).collect();
-    let found = Interpreter::new(&derivation).call("flange_jacobian_rate", &state).expect("generated");
+    let found = named(&Interpreter::new(&derivation), "flange_jacobian_rate", &state).expect("generated");
     assert_close("flange", &found, &expected, 1e-13);
 }
 
@@ -188,7 +189,7 @@ fn derivatives_by_rates_and_inputs() {
     let state =
         State { q: vec![0.4, 0.6], qd: vec![1.5, -0.7], u: vec![3.0, 5.0, 7.0], qdd: vec![0.0; 2], ..State::default() };
     let interpreter = Interpreter::new(&derivation);
-    let call = |name: &str| interpreter.call(name, &state);
+    let call = |name: &str| named(&interpreter, name, &state);
     let cos = 0.6_f64.cos();
     assert_eq!(call("power_jacobian_qd"), Some(vec![3.0, 7.0 * cos]));
     assert_eq!(call("power_jacobian_u"), Some(vec![1.5, 0.0, -0.7 * cos]));

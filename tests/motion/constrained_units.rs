@@ -6,7 +6,7 @@
 use mbs_derive::expr::{Graph, Number, Terms, Value};
 use mbs_derive::interpret::{Interpreter, State};
 use mbs_derive::optimise::cost::solve_constrained;
-use mbs_derive::optimise::{Derivation, ResultPart, Shape};
+use mbs_derive::optimise::{Derivation, FunctionKind, ResultPart, Shape};
 use mbs_derive::variable::Variable;
 use mbs_derive::{declared, derived};
 use mbs_runtime::{constrained_slopes, constrained_solve, constrained_solve_many};
@@ -117,15 +117,15 @@ fn results(derivation: &Derivation, units: Units, state: &State, parameters: &[f
             .collect(),
     };
     let interpreter = Interpreter::with_parameters(derivation, times(parameters, &p));
-    let call = |name: &str| interpreter.call(name, &scaled).unwrap_or_default();
+    let call = |kind| interpreter.call(kind, &scaled).expect("generated for this mechanism");
     let acceleration = |i: usize| second * second / q[i];
     // By columns of these factors.
     let matrix = |values: &[f64], columns: &[f64], time: f64| -> Vec<f64> {
         let entry = |(at, &x): (usize, &f64)| x * acceleration(at / columns.len()) * columns[at % columns.len()] / time;
         values.iter().enumerate().map(entry).collect()
     };
-    let (a, linear, energy) = (call("constraint_jacobian"), call("linearize"), units.of("J"));
-    let reactions = call("multipliers")
+    let (a, linear, energy) = (call(FunctionKind::ConstraintJacobian), call(FunctionKind::Linearize), units.of("J"));
+    let reactions = call(FunctionKind::Multipliers)
         .into_iter()
         .zip(a.chunks(n))
         .map(|(l, row)| (0..n).map(|i| l * row[i] * q[i] / energy).collect::<Vec<f64>>());
@@ -133,7 +133,7 @@ fn results(derivation: &Derivation, units: Units, state: &State, parameters: &[f
     vec![
         (
             "accelerations".to_string(),
-            call("forward_dynamics").iter().enumerate().map(|(i, x)| x * acceleration(i)).collect(),
+            call(FunctionKind::ForwardDynamics).iter().enumerate().map(|(i, x)| x * acceleration(i)).collect(),
         ),
         ("reactions, row by row".to_string(), reactions.flatten().collect()),
         ("slopes in q".to_string(), matrix(&linear[..n * n], &q, 1.0)),
@@ -141,7 +141,7 @@ fn results(derivation: &Derivation, units: Units, state: &State, parameters: &[f
         ("slopes in u".to_string(), if u.is_empty() { Vec::new() } else { matrix(&linear[2 * n * n..], &u, 1.0) }),
         (
             "slopes in the parameters".to_string(),
-            if p.is_empty() { Vec::new() } else { matrix(&call("linearize_parameters"), &p, 1.0) },
+            if p.is_empty() { Vec::new() } else { matrix(&call(FunctionKind::LinearizeParameters), &p, 1.0) },
         ),
     ]
 }
@@ -207,7 +207,7 @@ fn a_body_turns_alike_at_every_size() {
             u: [0.3, -0.2, 0.9].map(|torque| torque * size).to_vec(),
             ..State::default()
         };
-        Interpreter::with_parameters(&derivation, vec![size, 1e-9]).call("forward_dynamics", &state).unwrap()
+        Interpreter::with_parameters(&derivation, vec![size, 1e-9]).call(FunctionKind::ForwardDynamics, &state).unwrap()
     };
     let expected = at(1.0);
     for size in [1e-18, 1e-15, 1e-9, 1e3, 1e8, 1e12, 1e18] {
@@ -242,8 +242,8 @@ fn inertia_may_fade_where_a_constraint_holds() {
         // ä = (1 + 1.5 mab x)/maa
         let x = (1.0 + 1.5 * mab / maa) / (1.0 + 2.25 * (mbb - mab * mab / maa));
         let expected = [(1.0 + 1.5 * mab * x) / maa, -1.5 * x, x];
-        let found = interpreter.call("forward_dynamics", &state).unwrap();
-        let slopes = interpreter.call("linearize", &state).unwrap();
+        let found = interpreter.call(FunctionKind::ForwardDynamics, &state).unwrap();
+        let slopes = interpreter.call(FunctionKind::Linearize, &state).unwrap();
         for (found, expected) in found.iter().zip(&expected) {
             assert!((found - expected).abs() < 1e-14, "{a:e}: {found} for {expected}");
         }

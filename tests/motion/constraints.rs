@@ -4,6 +4,7 @@
 use mbs_derive::expr::Graph;
 use mbs_derive::interpret::{self, Interpreter};
 use mbs_derive::model::ConstraintKind;
+use mbs_derive::optimise::FunctionKind;
 use mbs_derive::{declared, derived};
 use mbs_tests::compare::{assert_close, error};
 use mbs_tests::random::{Random, State, states};
@@ -79,16 +80,16 @@ const STEP: f64 = 2e-3;
 const TOLERANCE: f64 = 1e-7;
 
 impl Along<'_> {
-    fn call(&self, name: &str, state: &interpret::State) -> Vec<f64> {
-        self.interpreter.call(name, state).expect("generated where there are constraints")
+    fn call(&self, kind: FunctionKind, state: &interpret::State) -> Vec<f64> {
+        self.interpreter.call(kind, state).expect("generated where there are constraints")
     }
 
     fn check(&self, module: &str, kinds: &[ConstraintKind], state: &interpret::State) {
         let n = state.q.len();
-        let jacobian = self.call("constraint_jacobian", state);
-        let gamma = self.call("constraint_bias", state);
+        let jacobian = self.call(FunctionKind::ConstraintJacobian, state);
+        let gamma = self.call(FunctionKind::ConstraintBias, state);
         let [f0, f1, f2, f3, f4] =
-            [-2.0, -1.0, 0.0, 1.0, 2.0].map(|k| self.call("constraint", &moved(state, k * STEP)));
+            [-2.0, -1.0, 0.0, 1.0, 2.0].map(|k| self.call(FunctionKind::Constraint, &moved(state, k * STEP)));
         for (row, kind) in kinds.iter().enumerate() {
             let a = &jacobian[row * n..][..n];
             let dot = |x: &[f64]| a.iter().zip(x).map(|(a, x)| a * x).sum::<f64>();
@@ -109,7 +110,7 @@ impl Along<'_> {
                 let at = |k: f64| {
                     let mut state = state.clone();
                     varied(&mut state)[column] += k * STEP;
-                    self.call("constraint", &state)[row]
+                    self.call(FunctionKind::Constraint, &state)[row]
                 };
                 let slope = (at(-2.0) - 8.0 * at(-1.0) + 8.0 * at(1.0) - at(2.0)) / (12.0 * STEP);
                 assert_close(&format!("{module} {row}: A {column}"), &[a[column]], &[slope], TOLERANCE);
@@ -121,7 +122,7 @@ impl Along<'_> {
     fn explicit_rate(&self, state: &interpret::State, row: usize) -> f64 {
         let n = state.q.len();
         let held = interpret::State { qd: vec![0.0; n], qdd: vec![0.0; n], ..state.clone() };
-        let f = [-2.0, -1.0, 1.0, 2.0].map(|k| self.call("constraint", &moved(&held, k * STEP))[row]);
+        let f = [-2.0, -1.0, 1.0, 2.0].map(|k| self.call(FunctionKind::Constraint, &moved(&held, k * STEP))[row]);
         (f[0] - 8.0 * f[1] + 8.0 * f[2] - f[3]) / (12.0 * STEP)
     }
 }
@@ -155,22 +156,22 @@ macro_rules! compiled_is_interpreted {
                 let u = random.array::<$u>(-5.0..5.0);
                 let [q_flat, qd_flat, u_flat] = [&q[..], &qd, &u].map(<[f64]>::to_vec);
                 let state = interpret::State { q: q_flat, qd: qd_flat, u: u_flat, ..interpret::State::default() };
-                let same = |name: &str, compiled: &[f64]| {
-                    let interpreted = interpreter.call(name, &state).expect("generated where there are constraints");
+                let same = |kind: FunctionKind, compiled: &[f64]| {
+                    let (name, interpreted) = (kind.name(), interpreter.call(kind, &state).expect("generated where there are constraints"));
                     // A wheel that lies on the ground has no lowest point.
                     let undefined = interpreted.iter().any(|x| x.is_nan()) && compiled.iter().any(|x| x.is_nan());
                     let agrees = undefined || error(compiled, &interpreted) <= 1e-12;
                     assert!(agrees, "{name}: {compiled:?} {interpreted:?} at {state:?}");
                 };
-                same("constraint", &mechanism.constraint(&q, &qd));
-                same("constraint_rate", &mechanism.constraint_rate(&q, &qd));
-                same("constraint_rate_jacobian", &mechanism.constraint_rate_jacobian(&q, &qd).concat());
-                same("constraint_jacobian", &mechanism.constraint_jacobian(&q).concat());
-                same("constraint_bias", &mechanism.constraint_bias(&q, &qd));
+                same(FunctionKind::Constraint, &mechanism.constraint(&q, &qd));
+                same(FunctionKind::ConstraintRate, &mechanism.constraint_rate(&q, &qd));
+                same(FunctionKind::ConstraintRateJacobian, &mechanism.constraint_rate_jacobian(&q, &qd).concat());
+                same(FunctionKind::ConstraintJacobian, &mechanism.constraint_jacobian(&q).concat());
+                same(FunctionKind::ConstraintBias, &mechanism.constraint_bias(&q, &qd));
                 $(let $input = &u;)?
                 let multipliers = mechanism.multipliers(&q, &qd $(, $input)?);
                 if multipliers.iter().all(|lambda| lambda.is_finite()) {
-                    same("multipliers", &multipliers);
+                    same(FunctionKind::Multipliers, &multipliers);
                 }
             }
         }

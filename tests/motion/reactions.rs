@@ -9,6 +9,7 @@ use mbs_derive::{declared, derived, verify};
 use mbs_runtime::Wrench;
 use mbs_tests::compare::assert_close;
 use mbs_tests::mechanisms as written;
+use mbs_tests::named;
 use mbs_tests::random::{Random, State, positive, states};
 use mbs_tests::reference::arms::arm6;
 use mbs_tests::reference::four_bar::FourBar;
@@ -77,7 +78,7 @@ fn reactions_cost_nothing_but_themselves() {
         }
     }
     // The arm of the benchmark, its poses named.
-    let operations = |derivation: &Derivation, name: &str| derivation.function(name).map(|f| f.operations);
+    let operations = |derivation: &Derivation, name: &str| derivation.named(name).map(|f| f.operations);
     let (arm, with) = (derivation(source("arm6")), derivation(source("arm_with_reactions")));
     for function in &arm.functions {
         assert_eq!(Some(function.operations), operations(&with, &function.name), "{}", function.name);
@@ -89,7 +90,7 @@ fn reactions_cost_nothing_but_themselves() {
 fn budget_of_the_arm() {
     let arm = derivation(source("arm_with_reactions"));
     let [joints, torques] =
-        ["joint", "inverse_dynamics"].map(|name| arm.function(name).expect("it is generated").operations.flops());
+        ["joint", "inverse_dynamics"].map(|name| arm.named(name).expect("it is generated").operations.flops());
     assert!(joints <= 650 && 10 * joints < 14 * torques, "{joints} and {torques}");
 }
 
@@ -105,13 +106,13 @@ fn a_pendulum_pulls_at_its_hinge() {
     for State { q: [theta], qd: [omega], qdd: [alpha] } in states::<1>(52, 40) {
         let state =
             Arguments { q: vec![theta], qd: vec![omega], qdd: vec![alpha], u: vec![0.7], ..Arguments::default() };
-        let found = interpreter.call("hinge", &state).expect("it is generated");
+        let found = named(&interpreter, "hinge", &state).expect("it is generated");
         // Across the thread, and along it: the weight and the centripetal force.
         let (across, along) = (m * (l * alpha + g * theta.sin()), m * (g * theta.cos() + l * omega * omega));
         assert_close("hinge", &found, &[across, 0.0, along, 0.0, -l * across, 0.0], 1e-13);
         // In its motion the hinge transmits the torques about it, and nothing else about its axis.
-        let qdd = interpreter.call("forward_dynamics", &state).expect("it is generated");
-        let found = interpreter.call("hinge", &Arguments { qdd, ..state }).expect("it is generated");
+        let qdd = interpreter.call(FunctionKind::ForwardDynamics, &state).expect("it is generated");
+        let found = named(&interpreter, "hinge", &Arguments { qdd, ..state }).expect("it is generated");
         assert_close("torque", &found[4..5], &[-(0.7 - 0.5 * omega)], 1e-12);
     }
 }
@@ -240,7 +241,7 @@ fn a_rolling_disk_rests_on_the_floor() {
     let interpreter = Interpreter::new(&disk);
     for State { q, qd, qdd } in states::<5>(54, 40) {
         let state = Arguments { q: q.to_vec(), qd: qd.to_vec(), qdd: qdd.to_vec(), ..Arguments::default() };
-        let axle = disk.function("axle").expect("it is generated");
+        let axle = disk.named("axle").expect("it is generated");
         let multipliers = [1.7, -0.4];
         let found = interpreter.evaluate_with(axle, &state, &multipliers);
         let up = -radius * (q[3].sin() * qdd[3] + q[3].cos() * qd[3] * qd[3]);
@@ -273,8 +274,8 @@ fn a_free_body_needs_no_reaction() {
         let qd = v.into_iter().chain(rates).collect();
         let u = random.array::<6>(-2.0..2.0).to_vec();
         let state = Arguments { q, qd, u, ..Arguments::default() };
-        let qdd = interpreter.call("forward_dynamics", &state).expect("it is generated");
-        let found = interpreter.call("nothing", &Arguments { qdd, ..state }).expect("it is generated");
+        let qdd = interpreter.call(FunctionKind::ForwardDynamics, &state).expect("it is generated");
+        let found = named(&interpreter, "nothing", &Arguments { qdd, ..state }).expect("it is generated");
         assert_close("no reaction", &found, &[0.0; 6], TOLERANCE);
     }
 }

@@ -23,3 +23,11 @@ pub mod random;
 pub mod referee;
 pub mod reference;
 pub mod robustness;
+
+use mbs_derive::expr::Value;
+use mbs_derive::interpret::{Interpreter, State};
+
+/// The results of a function that the text of a mechanism has named: an output's or a reaction's.
+pub fn named<V: Value>(interpreter: &Interpreter<'_, V>, name: &str, state: &State<V>) -> Option<Vec<V>> {
+    interpreter.derivation().named(name).map(|function| interpreter.evaluate(function, state))
+}

@@ -8,6 +8,7 @@ use std::ops::ControlFlow;
 use std::time::Instant;
 
 use mbs_derive::expr::Graph;
+use mbs_derive::optimise::FunctionKind;
 use mbs_derive::{declared, derived};
 use mbs_models::stewart_platform::Params;
 use mbs_platform::control::{ComputedTorque, NotControlled};
@@ -79,8 +80,9 @@ fn budget() {
     let graph = Graph::verbatim();
     let (lagrangian, _) = declared(source, &graph, &[]).expect("a mechanism of the repository");
     let derivation = derived(&lagrangian);
-    for (name, most) in [("inverse_dynamics", 1756), ("mass_matrix", 1206)] {
-        let operations = derivation.function(name).expect("generated for every mechanism").operations;
+    for (kind, most) in [(FunctionKind::InverseDynamics, 1756), (FunctionKind::MassMatrix, 1206)] {
+        let (name, function) = (kind.name(), derivation.function(kind));
+        let operations = function.expect("generated for every mechanism").operations;
         assert!(operations.flops() <= most, "{name}: {} > {most}", operations.flops());
         assert_eq!(operations.sincos, 3, "{name}");
     }

@@ -25,7 +25,7 @@ pub(super) fn slopes(derivation: &Derivation, point: &Point) -> Slopes {
     let mut rows: [Vec<f64>; 3] = Default::default();
     for (number, function) in outputs(derivation) {
         let is_pose = matches!(function.results[0].shape, Shape::Pose | Shape::Poses(_));
-        let own = if is_pose { None } else { generated(derivation, &interpreter, &point.state, number) };
+        let own = if is_pose { None } else { generated(&interpreter, &point.state, number) };
         let own = own.unwrap_or_else(|| by_duals(derivation, function, point));
         rows.iter_mut().zip(own).for_each(|(rows, own)| rows.extend(own));
     }
@@ -50,16 +50,8 @@ fn widths(point: &Point) -> [usize; 3] {
 
 /// The rows of an output's Jacobians, zero where it does not depend on the argument; `None` where they were not
 /// generated.
-fn generated(
-    derivation: &Derivation,
-    interpreter: &Interpreter<'_>,
-    state: &State,
-    number: usize,
-) -> Option<[Vec<f64>; 3]> {
-    let of = |kind: FunctionKind| {
-        let function = derivation.functions.iter().find(|function| function.kind == kind);
-        function.map(|function| interpreter.evaluate(function, state))
-    };
+fn generated(interpreter: &Interpreter<'_>, state: &State, number: usize) -> Option<[Vec<f64>; 3]> {
+    let of = |kind: FunctionKind| interpreter.call(kind, state);
     let by_q = of(FunctionKind::OutputJacobian(number))?;
     let height = by_q.len() / state.q.len().max(1);
     let zero = |width: usize| vec![0.0; height * width];
@@ -126,7 +118,7 @@ mod tests {
         let interpreter = Interpreter::with_parameters(&derivation, point.parameters.clone());
         let mut compared = 0;
         for (number, function) in outputs(&derivation).take(4) {
-            let generated = generated(&derivation, &interpreter, &point.state, number).unwrap();
+            let generated = generated(&interpreter, &point.state, number).unwrap();
             for (one, other) in generated.iter().flatten().zip(by_duals(&derivation, function, &point).iter().flatten())
             {
                 assert!((one - other).abs() < 1e-15, "{}: {one}, not {other}", function.name);

@@ -1,7 +1,7 @@
 //! A, B, C and D of a mechanism at a state, and what they say.
 
 use mbs_derive::interpret::Interpreter;
-use mbs_derive::optimise::Derivation;
+use mbs_derive::optimise::{Derivation, FunctionKind};
 use mbs_derive::variable::component_names;
 use nalgebra::{Complex, DMatrix, Schur, linalg::balancing};
 
@@ -29,15 +29,15 @@ pub(super) struct System {
 pub(super) fn linearize(derivation: &Derivation, point: &Point, independent: &[usize]) -> Result<System, Failure> {
     let interpreter = Interpreter::with_parameters(derivation, point.parameters.clone());
     let (n, inputs) = (derivation.dof(), component_names(&derivation.inputs).len());
-    let call = |name: &str| interpreter.call(name, &point.state).unwrap_or_default();
-    let (slopes, accelerations) = (call("linearize"), call("forward_dynamics"));
+    let call = |kind| interpreter.call(kind, &point.state).expect("every mechanism has it");
+    let [slopes, accelerations] = [FunctionKind::Linearize, FunctionKind::ForwardDynamics].map(call);
     if !slopes.iter().chain(&accelerations).all(|x| x.is_finite()) {
         return Err(Failure::new("accelerations, or their derivatives, are infinite or NaN at the state"));
     }
     let block = |start: usize, width: usize| DMatrix::from_row_slice(n, width, &slopes[start..start + n * width]);
     let (by_q, by_qd, by_u) = (block(0, n), block(n * n, n), block(2 * n * n, inputs));
 
-    let (positions, speeds) = independent_motions(derivation, point, &call, independent)?;
+    let (positions, speeds) = independent_motions(&interpreter, point, independent)?;
     let [p, r, s] = [&positions.slopes, &speeds.slopes, &speeds.constants];
     let at = |matrix: DMatrix<f64>, rows: &[usize]| matrix.select_rows(rows);
     let (coordinates, named) = (positions.independent.clone(), speeds.independent.clone());
@@ -63,15 +63,16 @@ pub(super) fn linearize(derivation: &Derivation, point: &Point, independent: &[u
 
 /// `δq = P δq_I` of the holonomic rows, and `δq̇ = S δq_I + R δq̇_J` of all.
 fn independent_motions(
-    derivation: &Derivation,
+    interpreter: &Interpreter<'_>,
     point: &Point,
-    call: &impl Fn(&str) -> Vec<f64>,
     independent: &[usize],
 ) -> Result<(Solution, Solution), Failure> {
+    use FunctionKind::{Constraint, ConstraintJacobian, ConstraintRate, ConstraintRateJacobian};
+    let derivation = interpreter.derivation();
     let (n, k) = (derivation.dof(), derivation.constraints.len());
-    let (jacobian, rate_jacobian) = (call("constraint_jacobian"), call("constraint_rate_jacobian"));
-    let a = DMatrix::from_row_slice(k, n, &jacobian);
-    check_state(derivation, point, &a, [&call("constraint"), &call("constraint_rate")])?;
+    let rows = |kind| interpreter.rows(kind, &point.state);
+    let a = DMatrix::from_row_slice(k, n, &rows(ConstraintJacobian));
+    check_state(derivation, point, &a, [&rows(Constraint), &rows(ConstraintRate)])?;
     let holonomic: Vec<usize> = (0..k).filter(|&row| derivation.holonomic[row]).collect();
     let named = (!independent.is_empty()).then_some(independent);
     let names = component_names(&derivation.coordinates);
@@ -85,7 +86,7 @@ fn independent_motions(
     };
     let positions =
         reduction::solve(a.select_rows(&holonomic), DMatrix::zeros(holonomic.len(), 0), named).map_err(failed)?;
-    let moved = DMatrix::from_row_slice(k, n, &rate_jacobian) * &positions.slopes;
+    let moved = DMatrix::from_row_slice(k, n, &rows(ConstraintRateJacobian)) * &positions.slopes;
     // Where rows on speeds alone take away more of them, those that are left are chosen.
     let speeds = reduction::solve(a.clone(), moved.clone(), named).or_else(|_| reduction::solve(a, moved, None));
     Ok((positions, speeds.map_err(failed)?))

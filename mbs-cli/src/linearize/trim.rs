@@ -4,7 +4,7 @@
 //! norm, halved while what is left grows. Rows are weighed by the size of their derivatives.
 
 use mbs_derive::interpret::{Interpreter, State};
-use mbs_derive::optimise::Derivation;
+use mbs_derive::optimise::{Derivation, FunctionKind};
 use mbs_derive::variable::component_names;
 use nalgebra::{DMatrix, DVector};
 
@@ -101,14 +101,17 @@ impl Left {
 impl Conditions<'_> {
     fn evaluate(&self, state: &State) -> Result<Left, Failure> {
         let (n, k) = (self.derivation.dof(), self.derivation.constraints.len());
-        let call = |name: &str| self.interpreter.call(name, state).unwrap_or_default();
-        let (linearize, a, moved) = (call("linearize"), call("constraint_jacobian"), call("constraint_rate_jacobian"));
+        use FunctionKind::{Constraint, ConstraintJacobian, ConstraintRate, ConstraintRateJacobian};
+        let call = |kind| self.interpreter.call(kind, state).expect("every mechanism has it");
+        let rows = |kind| self.interpreter.rows(kind, state);
+        let (linearize, a, moved) =
+            (call(FunctionKind::Linearize), rows(ConstraintJacobian), rows(ConstraintRateJacobian));
         let inputs = state.u.len();
         let holonomic = |row: usize| self.derivation.holonomic[row];
-        let mut values = call("forward_dynamics");
-        let position = call("constraint");
+        let mut values = call(FunctionKind::ForwardDynamics);
+        let position = rows(Constraint);
         values.extend((0..k).map(|row| if holonomic(row) { position[row] } else { 0.0 }));
-        values.extend(call("constraint_rate"));
+        values.extend(rows(ConstraintRate));
         // By the kind of what is free: coordinate, velocity, input.
         let slope = |i: usize, j: usize| -> f64 {
             let (kind, index) = if j < 2 * n { (j / n, j % n) } else { (2, j - 2 * n) };

@@ -1,5 +1,6 @@
 //! A first state on the constraints, and what there is to say where there is none.
 
+use mbs_derive::optimise::FunctionKind;
 use mbs_runtime::{ConstraintError, Constraints, RedundantRows};
 
 use crate::check::abridged;
@@ -73,7 +74,8 @@ pub(crate) fn leave_open(
     let t = equations.start_time();
     check_rows(equations, motion, redundant_rows)?;
     let state = equations.state(t, &motion.q, &motion.qd);
-    let (residuals, rates) = (equations.call("constraint", &state), equations.call("constraint_rate", &state));
+    let [residuals, rates] =
+        [FunctionKind::Constraint, FunctionKind::ConstraintRate].map(|kind| equations.rows_of(kind, &state));
     let mut open = Vec::new();
     for (row, name) in equations.row_names().iter().enumerate() {
         if residuals[row].abs() > NOTICEABLE {

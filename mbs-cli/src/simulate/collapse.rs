@@ -1,6 +1,7 @@
 //! What is measured of a state from which an integrator found no way on, though accelerations are numbers there.
 
 use mbs_derive::interpret::State;
+use mbs_derive::optimise::FunctionKind;
 use mbs_runtime::nalgebra::{DMatrix, Schur};
 
 use crate::equations::{Equations, Motion, Solver};
@@ -15,7 +16,7 @@ pub(crate) fn hint(equations: &Equations<'_>, solver: &mut Solver<'_, '_>, t: f6
     let state = equations.state(t, &motion.q, &motion.qd);
     let mut measured = Vec::new();
     let mut reason = None;
-    if let Some(condition) = condition(&equations.call("mass_matrix", &state), motion.q.len()) {
+    if let Some(condition) = condition(&equations.call(FunctionKind::MassMatrix, &state), motion.q.len()) {
         measured.push(format!("the mass matrix, scaled by its diagonal, has a condition of {condition:.1e}"));
         if condition > 1e10 {
             reason = Some("a singular configuration is near");
@@ -53,7 +54,7 @@ fn condition(mass_matrix: &[f64], n: usize) -> Option<f64> {
 /// The greatest absolute eigenvalue of `d(q, q̇)/dt = (q̇, q̈)`, linearized.
 fn fastest_rate(equations: &Equations<'_>, state: &State) -> Option<f64> {
     let n = state.q.len();
-    let derivatives = equations.call("linearize", state);
+    let derivatives = equations.call(FunctionKind::Linearize, state);
     let entry = |i: usize, j: usize| match (i < n, j < n) {
         (true, _) => f64::from(u8::from(j == i + n)),
         (false, true) => derivatives[(i - n) * n + j],

@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use mbs_derive::optimise::Derivation;
+use mbs_derive::optimise::{Derivation, FunctionKind};
 use mbs_derive::variable::component_names;
 use mbs_runtime::{Constraints, IntegrationError, RedundantRows, Step, Summary};
 
@@ -221,15 +221,15 @@ impl<'a, 'd> Run<'a, 'd> {
     fn row(&self, solver: &mut Solver<'_, '_>, t: f64, moving: &Moving) -> Result<Row, String> {
         let equations = self.equations;
         let state = equations.state(t, &moving.q, &moving.qd);
-        let energy = |name: &str| equations.call(name, &state).first().copied().unwrap_or(0.0);
-        let (kinetic, potential) = (energy("kinetic_energy"), energy("potential_energy"));
+        let [kinetic, potential] =
+            [FunctionKind::KineticEnergy, FunctionKind::PotentialEnergy].map(|kind| equations.call(kind, &state)[0]);
         let multipliers =
             solver.multipliers(&state).map_err(|error| assembly::explained(equations, error, t, moving))?;
         let recorded = self
             .recorder
             .values(equations, solver, &state, &multipliers)
             .map_err(|error| assembly::explained(equations, error, t, moving))?;
-        let constraints = [multipliers, equations.call("constraint", &state)].concat();
+        let constraints = [multipliers, equations.rows_of(FunctionKind::Constraint, &state)].concat();
         let at = format!("at t = {t:?}, q = {:?}, qd = {:?}", state.q, state.qd);
         if !(kinetic + potential).is_finite() {
             return Err(format!("T is {kinetic:?}, V is {potential:?}, {at}"));

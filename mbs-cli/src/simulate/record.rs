@@ -70,11 +70,8 @@ impl<'d> Recorder<'d> {
                 outputs.flat_map(|(function, unit)| of_output(function, unit)).collect()
             }
             Record::Conserved => {
-                let names = functions(derivation, is_conserved).flat_map(|f| match &f.kind {
-                    FunctionKind::Conserved(names) => names.clone(),
-                    _ => Vec::new(),
-                });
-                names.map(|name| Column::new("conserved", &name, &unit_of_integral(derivation, &name))).collect()
+                let column = |name| Column::new("conserved", name, &unit_of_integral(derivation, name));
+                derivation.conserved.iter().map(|name| column(name)).collect()
             }
             Record::Reactions => {
                 let joints = derivation.reactions.iter().flat_map(|reaction| reaction.component_names());
@@ -131,7 +128,7 @@ fn is_output(function: &Function) -> bool {
 }
 
 fn is_conserved(function: &Function) -> bool {
-    matches!(function.kind, FunctionKind::Conserved(_))
+    function.kind == FunctionKind::Conserved
 }
 
 fn is_reaction(function: &Function) -> bool {

@@ -11,18 +11,8 @@ use crate::model::Lagrangian;
 use crate::numeric::Random;
 use crate::variable::component_names;
 
-use super::constraint::{Constraints, constraints};
-use super::lagrange::Lagrange;
-use super::{Energies, Symbols};
-
-/// A quantity that keeps its value for `u = 0`, `D = 0`.
-#[derive(Clone, Debug)]
-pub struct Conserved<'g> {
-    /// `energy_integral`, or `p_` and the coordinate.
-    pub name: String,
-    /// Its value.
-    pub value: Expr<'g>,
-}
+use super::constraint::constraints;
+use super::{Conserved, Constraints, Energies, Lagrange, Symbols};
 
 /// What is conserved for `u = 0`, `D = 0`: `q̇·∂L/∂q̇ − L` where t does not occur, no force acts and constraints do no
 /// work, and each momentum `pᵢ = ∂L/∂q̇ᵢ` with `∂L/∂qᵢ = 0` on which neither force nor constraint acts.
@@ -254,11 +244,7 @@ mod tests {
         let graph = Graph::verbatim();
         let (lagrangian, _) =
             crate::declared(&text, &graph, &[]).unwrap_or_else(|e| panic!("{}", e.render("a", &text)));
-        let names = crate::derived(&lagrangian).functions.into_iter().filter_map(|function| match function.kind {
-            FunctionKind::Conserved(names) => Some(names),
-            _ => None,
-        });
-        names.flatten().collect()
+        crate::derived(&lagrangian).conserved
     }
 
     /// Farther away than any point where it is tried, a force may act.
@@ -332,7 +318,7 @@ mod tests {
                 crate::declared(&text, &graph, &[]).unwrap_or_else(|e| panic!("{}", e.render("a", &text)));
             let state = State { t: 0.0, q: vec![0.3, 0.7], qd: vec![0.1, -0.2], ..State::default() };
             let derivation = crate::derived(&lagrangian);
-            Interpreter::new(&derivation).call("conserved", &state).expect("it is conserved")[0]
+            Interpreter::new(&derivation).call(FunctionKind::Conserved, &state).expect("it is conserved")[0]
         };
         let plain = energy("");
         assert!((plain - 0.5036).abs() < 1e-15);

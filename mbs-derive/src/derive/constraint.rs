@@ -8,26 +8,7 @@ use crate::expr::{Expr, Graph, Symbol, Tangent, carry_out, gradient};
 use crate::model::{ConstraintKind, Lagrangian};
 
 use super::lagrange::{at_rest, velocity_direction};
-use super::{Rows, Symbols, time_derivative};
-
-/// All rows of all constraints, in declaration order.
-#[derive(Clone, Debug, Default)]
-pub struct Constraints<'g> {
-    /// `φ`, or `a·q̇ + b` of Pfaffian rows.
-    pub value: Vec<Expr<'g>>,
-    /// `A q̇ + b`
-    pub rate: Vec<Expr<'g>>,
-    /// `∂(A q̇ + b)/∂q`
-    pub rate_jacobian: Rows<'g>,
-    /// A
-    pub jacobian: Rows<'g>,
-    /// b
-    pub drift: Vec<Expr<'g>>,
-    /// γ
-    pub bias: Vec<Expr<'g>>,
-    /// λ, as symbols.
-    pub multipliers: Vec<Symbol>,
-}
+use super::{Constraints, Symbols, time_derivative};
 
 impl<'g> Constraints<'g> {
     /// How many rows.

@@ -2,38 +2,7 @@
 
 use crate::expr::{Expr, Symbol, Tangent, gradient, hessian, substitute};
 
-use super::{Energies, Rows, Symbols, time_derivative};
-
-/// The terms of `M q̈ + C q̇ + G + ∂D/∂q̇ = Q`.
-#[derive(Clone, Debug)]
-pub struct Lagrange<'g> {
-    /// T
-    pub kinetic_energy: Expr<'g>,
-    /// V
-    pub potential_energy: Expr<'g>,
-    /// `p = ∂L/∂q̇`
-    pub momentum: Vec<Expr<'g>>,
-    /// `M = ∂²L/∂q̇²`
-    pub mass_matrix: Rows<'g>,
-    /// C
-    pub coriolis_matrix: Rows<'g>,
-    /// G
-    pub gravity: Vec<Expr<'g>>,
-    /// `h = C q̇ + G`
-    pub bias: Vec<Expr<'g>>,
-    /// `∂D/∂q̇`
-    pub dissipation_force: Vec<Expr<'g>>,
-    /// Q
-    pub generalized_force: Vec<Expr<'g>>,
-    /// `M q̈ + C q̇ + G + ∂D/∂q̇`
-    pub inverse_dynamics: Vec<Expr<'g>>,
-    /// `M q̈ + C q̇ + G + ∂D/∂q̇ − Q`, which forward dynamics makes zero.
-    pub residual: Vec<Expr<'g>>,
-    /// `Q − C q̇ − G − ∂D/∂q̇`, what accelerates.
-    pub free_force: Vec<Expr<'g>>,
-    /// `∂L/∂q`, which vanishes where the coordinate is cyclic.
-    pub position_gradient: Vec<Expr<'g>>,
-}
+use super::{Energies, Lagrange, Rows, Symbols, time_derivative};
 
 /// Differentiates the energies.
 pub fn equations<'g>(energies: &Energies<'g>, symbols: &Symbols) -> Lagrange<'g> {

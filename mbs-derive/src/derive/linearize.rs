@@ -4,31 +4,13 @@
 //! (implicit differentiation): no derivative of a factorization is needed. With constraints r has `−Aᵀ λ` and the rows
 //! `A q̈ + γ` besides, and the system is that of q̈ and λ.
 
+use crate::equations::{
+    Constraints, Factorization, ForwardDynamics, InverseDynamicsJacobian, Lagrange, Linearization, Rows, Symbols,
+};
 use crate::expr::{Expr, Symbol, gradient, substitute};
 
-use super::constraint::Constraints;
-use super::lagrange::{Lagrange, jacobian_by_rows, sub, transpose};
-use super::solve::{Factorization, ForwardDynamics};
-use super::{Form, Rows, Symbols};
-
-/// `∂τ/∂q` and `∂τ/∂q̇` of `τ = M q̈ + C q̇ + G + ∂D/∂q̇`.
-#[derive(Clone, Debug)]
-pub struct InverseDynamicsJacobian<'g> {
-    /// `∂τ/∂q`
-    pub q: Rows<'g>,
-    /// `∂τ/∂q̇`
-    pub qd: Rows<'g>,
-}
-
-/// Derivatives of q̈; rows are accelerations.
-#[derive(Clone, Debug)]
-pub struct Linearization<'g> {
-    /// `∂q̈/∂q`, `∂q̈/∂q̇`, `∂q̈/∂u`, where the factorization is unrolled; else `−∂r/∂x`, the right sides of a solution
-    /// at run time, with q̈ and λ left as symbols.
-    pub state: [Rows<'g>; 3],
-    /// `∂q̈/∂parameters`, likewise.
-    pub parameters: Rows<'g>,
-}
+use super::Form;
+use super::lagrange::{jacobian_by_rows, sub, transpose};
 
 /// `∂τ/∂x` for all x but the parameters: q, q̇ and u. One reverse sweep per generalized force.
 pub fn inverse_dynamics_slopes<'g>(lagrange: &Lagrange<'g>, symbols: &Symbols) -> Rows<'g> {
@@ -131,6 +113,7 @@ fn negative<'g>(rows: &Rows<'g>) -> Rows<'g> {
 
 #[cfg(test)]
 mod tests {
+    use crate::catalogue::FunctionKind;
     use crate::expr::Graph;
     use crate::interpret::{Interpreter, State};
 
@@ -148,13 +131,13 @@ mod tests {
         let derivation = crate::derived(&lagrangian);
         let (q, q_dot, u) = (0.4_f64, 1.5, 0.7);
         let state = State { t: 0.0, q: vec![q], qd: vec![q_dot], qdd: vec![0.0], u: vec![u], prescribed: Vec::new() };
-        let slopes = |name| Interpreter::<f64>::new(&derivation).call(name, &state).unwrap();
+        let slopes = |kind| Interpreter::<f64>::new(&derivation).call(kind, &state).unwrap();
         let is = |found: Vec<f64>, expected: &[f64]| {
             assert!(found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-14), "{found:?} {expected:?}");
         };
-        is(slopes("linearize"), &[-5.0 * q.cos(), -1.5, 0.5]);
+        is(slopes(FunctionKind::Linearize), &[-5.0 * q.cos(), -1.5, 0.5]);
         let acceleration = (-10.0 * q.sin() - 3.0 * q_dot + u) / 2.0;
-        is(slopes("linearize_parameters"), &[-acceleration / 2.0, -q.sin() / 2.0, -q_dot / 2.0]);
-        is(slopes("inverse_dynamics_jacobian"), &[10.0 * q.cos(), 3.0]);
+        is(slopes(FunctionKind::LinearizeParameters), &[-acceleration / 2.0, -q.sin() / 2.0, -q_dot / 2.0]);
+        is(slopes(FunctionKind::InverseDynamicsJacobian), &[10.0 * q.cos(), 3.0]);
     }
 }

@@ -2,48 +2,9 @@
 
 use crate::expr::{Expr, Graph, Symbol, Tangent, carry_out, gradient};
 use crate::model::{Lagrangian, OutputValue};
+use crate::shape::Shape;
 
-use super::{Rows, Symbols, time_derivative};
-
-/// An output's equations.
-#[derive(Clone, Debug)]
-pub struct OutputEquations<'g> {
-    /// As declared.
-    pub name: String,
-    /// Its shape.
-    pub shape: OutputShape,
-    /// Its components, row by row; for each pose the position and then the rows of the rotation.
-    pub value: Vec<Expr<'g>>,
-    /// Its time derivative; for each pose the velocity of its origin and the angular velocity, in world axes.
-    /// Absent where the value depends on velocities or inputs.
-    pub velocity: Option<Vec<Expr<'g>>>,
-    /// `∂velocity/∂q̇`, one row per component; of a value that depends on velocities `∂value/∂q`.
-    pub jacobian: Rows<'g>,
-    /// `∂value/∂q̇`, where the value depends on velocities.
-    pub jacobian_qd: Option<Rows<'g>>,
-    /// `∂value/∂u`, where the value depends on inputs.
-    pub jacobian_u: Option<Rows<'g>>,
-    /// The total time derivative of the Jacobian, `J̇ = Σ ∂J/∂q_k q̇_k + ∂J/∂t`, where it was asked for. With the
-    /// velocity `J q̇ + b`, `b = ∂value/∂t`, the acceleration is `J q̈ + J̇ q̇ + ḃ`.
-    pub jacobian_rate: Option<Rows<'g>>,
-}
-
-/// The shape of an output.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum OutputShape {
-    /// One number.
-    Scalar,
-    /// This many numbers.
-    Array(usize),
-    /// Rows and columns.
-    Matrix(usize, usize),
-    /// Position and rotation.
-    Pose,
-    /// This many matrices of these rows and columns.
-    Matrices(usize, usize, usize),
-    /// This many positions and rotations.
-    Poses(usize),
-}
+use super::{OutputEquations, Rows, Symbols, time_derivative};
 
 /// Carries out all outputs.
 pub fn outputs<'g>(lagrangian: &Lagrangian<'_>, graph: &'g Graph, symbols: &Symbols) -> Vec<OutputEquations<'g>> {
@@ -80,18 +41,18 @@ pub fn outputs<'g>(lagrangian: &Lagrangian<'_>, graph: &'g Graph, symbols: &Symb
         .collect()
 }
 
-fn shape(value: &OutputValue<'_>) -> OutputShape {
+fn shape(value: &OutputValue<'_>) -> Shape {
     let columns = |rows: &[Vec<Expr<'_>>]| rows.first().map_or(0, Vec::len);
     match value {
-        OutputValue::Scalar(_) => OutputShape::Scalar,
-        OutputValue::Array(entries) => OutputShape::Array(entries.len()),
-        OutputValue::Matrix(rows) => OutputShape::Matrix(rows.len(), columns(rows)),
-        OutputValue::Pose(_) => OutputShape::Pose,
+        OutputValue::Scalar(_) => Shape::Scalar,
+        OutputValue::Array(entries) => Shape::Vector(entries.len()),
+        OutputValue::Matrix(rows) => Shape::Matrix(rows.len(), columns(rows)),
+        OutputValue::Pose(_) => Shape::Pose,
         OutputValue::Matrices(matrices) => {
             let first = matrices.first().map_or(&[][..], Vec::as_slice);
-            OutputShape::Matrices(matrices.len(), first.len(), columns(first))
+            Shape::Matrices(matrices.len(), first.len(), columns(first))
         }
-        OutputValue::Poses(frames) => OutputShape::Poses(frames.len()),
+        OutputValue::Poses(frames) => Shape::Poses(frames.len()),
     }
 }
 

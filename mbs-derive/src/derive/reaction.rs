@@ -14,15 +14,12 @@
 use crate::expr::{Expr, Graph, Kept, Symbol, gradient, gradient_of_combination, substitute};
 use crate::model::{Lagrangian, lagrangian::AUXILIARY};
 
-use super::constraint::{self, Constraints};
+use super::constraint;
 use super::lagrange::{add, rate, sub};
 use super::lift::{self, Lifted};
 use super::textbook::Form;
 use super::tree::{self, Masses};
-use super::{Energies, Route, Symbols};
-
-/// The force, then the moment, for each joint of a reaction: in the axes of its pose, about its origin.
-pub type Wrenches<'g> = Vec<Expr<'g>>;
+use super::{Constraints, Energies, Route, Symbols};
 
 /// The wrenches of all reactions, ready to be derived by each route.
 pub(super) struct Reactions<'g> {
@@ -61,7 +58,7 @@ impl<'g> Reactions<'g> {
     }
 
     /// By a route, which need not apply.
-    pub(super) fn by(&self, route: Route) -> Option<Vec<Wrenches<'g>>> {
+    pub(super) fn by(&self, route: Route) -> Option<Vec<Vec<Expr<'g>>>> {
         let net = match route {
             Route::Plain | Route::Textbook | Route::MultipliedOut => self.plain(&self.energies),
             Route::Structured => self.structured(Masses::Regrouped)?,

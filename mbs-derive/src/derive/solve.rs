@@ -13,30 +13,12 @@
 //! is then decided at run time, by the runtime's `constrained_solve`; `expr/constrained.rs` does the same in process.
 //! Nocedal & Wright, *Numerical Optimization*, 2nd ed. 2006, section 16.2.
 
+use crate::equations::{Constraints, Factorization, ForwardDynamics, Lagrange, Rows, Step};
 use crate::expr::Expr;
-
-use super::Rows;
-use super::constraint::Constraints;
-use super::lagrange::Lagrange;
 
 /// Up to this many coordinates the factorization of M is unrolled in the generated function; beyond, the runtime's loop
 /// takes the mass matrix, because `n³/6` statements would be slower than a loop.
 pub const LARGEST_UNROLLED: usize = 8;
-
-/// How accelerations are found.
-#[derive(Clone, Debug)]
-pub struct ForwardDynamics<'g> {
-    /// M
-    pub mass_matrix: Rows<'g>,
-    /// A; no rows where there are no constraints.
-    pub jacobian: Rows<'g>,
-    /// `Q − h − ∂D/∂q̇`, then −γ.
-    pub right_side: Vec<Expr<'g>>,
-    /// q̈, where the factorization is unrolled.
-    pub unrolled: Option<Vec<Expr<'g>>>,
-    /// That factorization.
-    pub factorization: Option<Factorization<'g>>,
-}
 
 /// Sets up `M q̈ = Q − h − ∂D/∂q̇`, with constraints if there are any, and solves it where the mechanism is small and
 /// has none.
@@ -48,26 +30,6 @@ pub fn forward_dynamics<'g>(lagrange: &Lagrange<'g>, constraints: &Constraints<'
     let factorization = is_unrolled.then(|| Factorization::new(&mass_matrix));
     let unrolled = factorization.as_ref().map(|factorization| factorization.solve(&right_side));
     ForwardDynamics { mass_matrix, jacobian, right_side, unrolled, factorization }
-}
-
-/// `M = L D Lᵀ` with unit lower triangular L, rows and columns in the order of elimination.
-///
-/// Source: Golub & Van Loan, *Matrix Computations*, 4th ed. 2013, algorithm 4.1.1.
-#[derive(Clone, Debug)]
-pub struct Factorization<'g> {
-    /// In the order of elimination.
-    pub steps: Vec<Step<'g>>,
-}
-
-/// The elimination of one unknown.
-#[derive(Clone, Debug)]
-pub struct Step<'g> {
-    /// Its number.
-    pub pivot: usize,
-    /// Of what is eliminated later: its number, and its entry in the pivot's column of L.
-    pub column: Vec<(usize, Expr<'g>)>,
-    /// `1/Dₚ`
-    pub reciprocal: Expr<'g>,
 }
 
 impl<'g> Factorization<'g> {

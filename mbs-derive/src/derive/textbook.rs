@@ -1,12 +1,12 @@
 //! Lagrange's equations as a person would write them, and solved as a person would solve them.
 
+use crate::equations::{Factorization, ForwardDynamics, Step};
 use crate::expr::normal::weight;
 use crate::expr::{Expr, Kept, cheapest_form, quotients};
 
-use super::Rows;
-use super::constraint::Constraints;
-use super::lagrange::{Lagrange, add, sub};
-use super::solve::{self, Factorization, ForwardDynamics, Step};
+use super::lagrange::{add, sub};
+use super::solve;
+use super::{Constraints, Lagrange, Rows};
 
 /// Mechanisms with more coordinates keep the graph's own form: theirs has more terms than anybody would write.
 pub const MOST_COORDINATES: usize = 4;

@@ -34,9 +34,9 @@ mod wrench;
 use crate::expr::normal::weight;
 use crate::expr::{Expr, Symbol, Tangent, Vector, gradient};
 
-use super::lagrange::{Lagrange, add, at_rest, sub, transpose};
+use super::lagrange::{add, at_rest, sub, transpose};
 use super::lift::Lifted;
-use super::{Energies, Rows, Symbols};
+use super::{Energies, Lagrange, Rows, Symbols};
 use force_element::{Anchor, Held};
 use inertia::Inertia;
 use linkage::{Accelerations, Linkage};

@@ -3,9 +3,11 @@
 use proc_macro2::TokenStream;
 use quote::quote;
 
+use crate::catalogue::{About, Argument, FunctionKind};
 use crate::expr::Symbol;
 use crate::model::requirement::{Condition, Requirement};
-use crate::optimise::{Argument, Derivation, Function, FunctionKind, Operations, Shape};
+use crate::optimise::{Derivation, Function, Operations};
+use crate::shape::Shape;
 use crate::variable::Variable;
 use crate::variable::component_names;
 
@@ -136,221 +138,36 @@ fn force_units(derivation: &Derivation) -> Option<String> {
 
 /// Of a generated function.
 pub(super) fn function(derivation: &Derivation, function: &Function) -> Vec<String> {
-    let mut lines = vec![summary(derivation, function)];
-    let units = force_units(derivation);
-    let mut facts = Vec::new();
-    match &function.kind {
-        FunctionKind::Momentum => facts.extend(units.map(|units| format!("Forces times s: {units}."))),
-        FunctionKind::Gravity
-        | FunctionKind::Bias
-        | FunctionKind::DissipationForce
-        | FunctionKind::GeneralizedForce
-        | FunctionKind::InverseDynamics => facts.extend(units.map(|units| format!("Forces: {units}."))),
-        FunctionKind::MassMatrix | FunctionKind::CoriolisMatrix | FunctionKind::InverseDynamicsJacobian => {
-            facts.extend(units.map(|units| format!("Rows are forces: {units}.")))
-        }
-        FunctionKind::ForwardDynamics | FunctionKind::Linearize | FunctionKind::LinearizeParameters => {
-            facts.push(where_singular(derivation).to_string());
-        }
-        FunctionKind::Constraint
-        | FunctionKind::ConstraintRate
-        | FunctionKind::ConstraintRateJacobian
-        | FunctionKind::ConstraintJacobian
-        | FunctionKind::ConstraintBias => facts.push(rows(derivation)),
-        FunctionKind::Multipliers => {
-            facts.push(rows(derivation));
-            facts
-                .push("Where rows depend on others they are the least of those that give the same `Aᵀ λ`.".to_string());
-            facts.push(where_singular(derivation).to_string());
-        }
-        FunctionKind::Conserved(names) => {
-            facts.extend(names.iter().map(|name| format!("- `{name}`{}", first_integral(name))));
-        }
-        FunctionKind::KineticEnergy
-        | FunctionKind::PotentialEnergy
-        | FunctionKind::Output(_)
-        | FunctionKind::OutputVelocity(_)
-        | FunctionKind::OutputJacobian(_)
-        | FunctionKind::OutputJacobianQd(_)
-        | FunctionKind::OutputJacobianU(_)
-        | FunctionKind::OutputJacobianRate(_) => {}
-        FunctionKind::Reaction(number) => {
-            facts.extend(derivation.reactions.get(*number).into_iter().flat_map(|reaction| declared(&reaction.docs)));
-            facts.extend(reaction(derivation, function));
-        }
-    }
-    if function.kind == FunctionKind::LinearizeParameters {
-        let names = component_names(&derivation.parameters).join("`, `");
-        facts.push(format!("Columns are the parameters: `{names}`."));
-    }
-    if !facts.is_empty() {
+    let (entry, about) = (function.kind.entry(), about(derivation, function));
+    let mut lines = vec![(entry.doc)(&about)];
+    let notes = (entry.notes)(&about);
+    if !notes.is_empty() {
         lines.push(String::new());
-        lines.extend(facts);
+        lines.extend(notes);
     }
-    lines.push(String::new());
-    lines.push(operations(function.operations));
+    lines.extend([String::new(), operations(function.operations)]);
     lines
 }
 
-fn rows(derivation: &Derivation) -> String {
-    format!("Rows are the constraints: `{}`.", derivation.constraints.join("`, `"))
-}
-
-/// What there is where accelerations are not determined.
-fn where_singular(derivation: &Derivation) -> &'static str {
-    match derivation.constraints.is_empty() {
-        true => {
-            "Where `M` is singular the results are infinite, NaN or rounding; the integrators report what is not finite."
-        }
-        false => {
-            "Where a motion that `A` leaves has no inertia, or rows contradict each other, all results are NaN; the integrators \
-             report that."
-        }
-    }
-}
-
-fn summary(derivation: &Derivation, function: &Function) -> String {
-    let n = derivation.dof();
-    let shape = function.results.first().map_or(String::new(), |part| shape(part.shape));
-    let output = |suffix: &str| function.name.strip_suffix(suffix).unwrap_or(&function.name).to_string();
-    let energy_unit = if force_units(derivation).is_some() { " in J" } else { "" };
-    match &function.kind {
-        FunctionKind::KineticEnergy => format!("Kinetic energy `T`{energy_unit}."),
-        FunctionKind::PotentialEnergy => format!("Potential energy `V`{energy_unit}."),
-        FunctionKind::Momentum => format!("Generalized momenta `p = ∂L/∂q̇`, {shape}."),
-        FunctionKind::MassMatrix => format!("Mass matrix `M = ∂²L/∂q̇²`, {n} × {n}, both triangles filled."),
-        FunctionKind::CoriolisMatrix => {
-            format!("Coriolis matrix `C` in Christoffel's form, {shape}: `Ṁ + ∂M/∂t − 2C` is skew-symmetric.")
-        }
-        FunctionKind::Gravity => format!("Gravity and other forces of position `G = −∂L₀/∂q + ∂a/∂t`, {shape}."),
-        FunctionKind::Bias => format!("Bias `h = C q̇ + G` without forming `C`, {shape}."),
-        FunctionKind::DissipationForce => format!("Dissipation `∂D/∂q̇`, on the side of `M q̈`, {shape}."),
-        FunctionKind::GeneralizedForce => format!("Generalized force `Q` of the inputs and declared forces, {shape}."),
-        FunctionKind::InverseDynamics => {
-            format!("Inverse dynamics `M q̈ + C q̇ + G + ∂D/∂q̇`, {shape}; `Q` is not subtracted.")
-        }
-        FunctionKind::ForwardDynamics => match derivation.constraints.is_empty() {
-            true => format!("Accelerations `q̈ = M⁻¹ (Q − C q̇ − G − ∂D/∂q̇)`, {shape}, by `M = L D Lᵀ`."),
-            false => format!(
-                "Accelerations `q̈` of `M q̈ + C q̇ + G + ∂D/∂q̇ = Q + Aᵀ λ` and `A q̈ + γ = 0`, {shape}, by the runtime's \
-                 `constrained_solve`; `multipliers` are λ."
-            ),
-        },
-        FunctionKind::Constraint => {
-            format!("What must vanish: `φ(q, t)`, or `a·q̇ + b` of Pfaffian constraints, {shape}.")
-        }
-        FunctionKind::ConstraintRate => format!("What velocities must satisfy: `A q̇ + b`, {shape}."),
-        FunctionKind::ConstraintRateJacobian => {
-            format!("Derivatives `∂(A q̇ + b)/∂q`, {shape}, which the runtime's `Reduction` asks for.")
-        }
-        FunctionKind::ConstraintJacobian => {
-            format!("Constraint matrix `A`, {shape}: `∂φ/∂q`, or `a` of Pfaffian constraints.")
-        }
-        FunctionKind::ConstraintBias => format!("Bias `γ = Ȧ q̇ + ḃ` of `A q̈ + γ = 0`, {shape}."),
-        FunctionKind::Multipliers => {
-            format!("Lagrange multipliers `λ` of `M q̈ + C q̇ + G + ∂D/∂q̇ = Q + Aᵀ λ`, {shape}.")
-        }
-        FunctionKind::Linearize => "Derivatives `∂q̈/∂q`, `∂q̈/∂q̇`, `∂q̈/∂u` of forward dynamics.".to_string(),
-        FunctionKind::LinearizeParameters => {
-            format!("Derivatives `∂q̈/∂parameters` of forward dynamics, {shape}.")
-        }
-        FunctionKind::InverseDynamicsJacobian => {
-            "Derivatives `∂τ/∂q`, `∂τ/∂q̇` of inverse dynamics `τ`; `∂τ/∂q̈` is `M`.".to_string()
-        }
-        FunctionKind::Conserved(names) if names.is_empty() => "No first integrals were found.".to_string(),
-        FunctionKind::Conserved(_) => "First integrals: constant along motions with `u = 0`, `D = 0`.".to_string(),
-        FunctionKind::Output(_) => match function.results.first().map(|part| part.shape) {
-            Some(Shape::Pose) => format!("Output `{}`: position in m and attitude in the world.", function.name),
-            Some(Shape::Poses(n)) => {
-                format!("Output `{}`, {n} poses: positions in m and attitudes in the world.", function.name)
-            }
-            _ => format!("Output `{}`, {shape}.", function.name),
-        },
-        FunctionKind::OutputVelocity(number) if is_pose(derivation, *number) => {
-            let (name, each) = match function.results.first().map(|part| part.shape) {
-                Some(Shape::Matrix(..)) => (output("_velocity"), "each pose of "),
-                _ => (output("_velocity"), ""),
-            };
-            format!(
-                "Velocity of the origin of {each}`{name}`, then its angular velocity, in world axes, in m/s and rad/s."
-            )
-        }
-        FunctionKind::OutputVelocity(_) => format!("Time derivative of the output `{}`, {shape}.", output("_velocity")),
-        FunctionKind::OutputJacobian(number) => {
-            let name = output("_jacobian");
-            let has_velocity = derivation.functions.iter().any(|f| f.kind == FunctionKind::OutputVelocity(*number));
-            if has_velocity {
-                format!("Jacobian of the output `{name}`, {shape}: derivatives of its velocity by `q̇`.")
-            } else {
-                format!("Jacobian of the output `{name}`, {shape}: its derivatives by `q`.")
-            }
-        }
-        FunctionKind::OutputJacobianQd(_) => {
-            format!("Derivatives of the output `{}` by `q̇`, {shape}.", output("_jacobian_qd"))
-        }
-        FunctionKind::OutputJacobianU(_) => {
-            format!("Derivatives of the output `{}` by `u`, {shape}.", output("_jacobian_u"))
-        }
-        FunctionKind::OutputJacobianRate(number) => {
-            let name = output("_jacobian_rate");
-            let motion = match is_rheonomic(derivation, *number) {
-                true => "where its velocity is `J q̇ + b`, its acceleration is `J q̈ + J̇ q̇ + ḃ`",
-                false => "its acceleration is `J q̈ + J̇ q̇`",
-            };
-            format!("Time derivative `J̇` of the Jacobian `J` of the output `{name}`, {shape}: {motion}.")
-        }
-        FunctionKind::Reaction(_) => format!(
-            "Reaction `{}`, {shape}: what the part before the joint exerts on the part behind it, in the axes of the joint's \
-             pose, about its origin.",
-            function.name
-        ),
-    }
-}
-
-/// Which accelerations and multipliers a reaction is for, and its units.
-fn reaction(derivation: &Derivation, function: &Function) -> Vec<String> {
-    let has_units = force_units(derivation).is_some();
-    let units = has_units.then(|| "Forces in N, moments in N·m.".to_string());
-    let multipliers = function.arguments.contains(&Argument::Multipliers);
-    let of_motion = match multipliers {
-        true => {
-            "For the motion itself, `qdd` is what `forward_dynamics` gives, and `multipliers` those of `multipliers`."
-        }
-        false => "For the motion itself, `qdd` is what `forward_dynamics` gives.",
-    };
-    units.into_iter().chain([of_motion.to_string()]).collect()
-}
-
-fn is_pose(derivation: &Derivation, output: usize) -> bool {
-    let value = derivation.functions.iter().find(|f| f.kind == FunctionKind::Output(output));
-    value.is_some_and(|f| f.results.iter().any(|part| matches!(part.shape, Shape::Pose | Shape::Poses(_))))
-}
-
-/// Whether an output changes while the coordinates stand still.
-fn is_rheonomic(derivation: &Derivation, output: usize) -> bool {
-    let value = derivation.functions.iter().find(|f| f.kind == FunctionKind::Output(output));
-    value.is_some_and(|f| f.program.uses(|symbol| matches!(symbol, Symbol::Time | Symbol::Prescribed(..))))
-}
-
-fn first_integral(name: &str) -> String {
-    match name.strip_prefix("p_") {
-        Some(coordinate) => format!(": the momentum of `{coordinate}`, which does not occur in `L`"),
-        None => ": `q̇·∂L/∂q̇ − L`, the energy `T + V` where `T` is quadratic in `q̇` and `L = T − V`".to_string(),
-    }
-}
-
-fn shape(shape: Shape) -> String {
-    match shape {
-        Shape::Scalar => "one number".to_string(),
-        Shape::Vector(1) => "1 component".to_string(),
-        Shape::Vector(n) => format!("{n} components"),
-        Shape::Matrix(rows, columns) => format!("{rows} × {columns}"),
-        Shape::Symmetric(n) => format!("{n} × {n}"),
-        Shape::Pose => "a pose".to_string(),
-        Shape::Wrench => "a force and a moment".to_string(),
-        Shape::Wrenches(n) => format!("{n} forces and moments"),
-        Shape::Matrices(n, rows, columns) => format!("{n} matrices {rows} × {columns}"),
-        Shape::Poses(n) => format!("{n} poses"),
+/// What the catalogue asks for to say what a function computes.
+fn about<'a>(derivation: &'a Derivation, function: &'a Function) -> About<'a> {
+    let kind = function.kind;
+    let value = kind.output().and_then(|number| derivation.function(FunctionKind::Output(number)));
+    let velocity = kind.output().and_then(|number| derivation.function(FunctionKind::OutputVelocity(number)));
+    let reaction = kind.reaction().and_then(|number| derivation.reactions.get(number));
+    let is_rheonomic = |f: &Function| f.program.uses(|s| matches!(s, Symbol::Time | Symbol::Prescribed(..)));
+    About {
+        of: function.name.strip_suffix(kind.name()).unwrap_or(&function.name),
+        shape: function.results[0].shape,
+        arguments: &function.arguments,
+        parameters: component_names(&derivation.parameters),
+        constraints: &derivation.constraints,
+        conserved: &derivation.conserved,
+        force_units: force_units(derivation),
+        is_pose: value.is_some_and(|f| matches!(f.results[0].shape, Shape::Pose | Shape::Poses(_))),
+        has_velocity: velocity.is_some(),
+        is_rheonomic: value.is_some_and(is_rheonomic),
+        declared: reaction.map_or(Vec::new(), |reaction| declared(&reaction.docs)),
     }
 }
 

@@ -149,7 +149,7 @@ impl<'d> Emitter<'d> {
     /// Forward dynamics with constraints, where a generated function needs it.
     fn constrained_forward_dynamics(&self) -> Option<&'d Function> {
         let is_needed = self.functions.iter().any(|(_, f)| f.completion.is_constrained());
-        let forward_dynamics = self.derivation.functions.iter().find(|f| f.kind == FunctionKind::ForwardDynamics);
+        let forward_dynamics = self.derivation.function(FunctionKind::ForwardDynamics);
         forward_dynamics.filter(|_| is_needed)
     }
 
@@ -339,15 +339,11 @@ impl<'d> Emitter<'d> {
             quote!(#docs pub const #name: [&str; #length] = [#(#entries),*];)
         };
         let parameters = component_names(&self.derivation.parameters);
-        let has = |kind: &FunctionKind| self.functions.iter().any(|(_, f)| f.kind == *kind);
+        let has = |kind: FunctionKind| self.functions.iter().any(|(_, f)| f.kind == kind);
         let parameters = (!parameters.is_empty())
             .then(|| list("PARAMETERS", "The names of the parameters, arrays flattened.", &parameters));
-        let conserved = self.derivation.functions.iter().find_map(|f| match &f.kind {
-            FunctionKind::Conserved(names) if has(&f.kind) => {
-                Some(list("CONSERVED", "What `conserved` returns.", names))
-            }
-            _ => None,
-        });
+        let conserved = has(FunctionKind::Conserved)
+            .then(|| list("CONSERVED", "What `conserved` returns.", &self.derivation.conserved));
         quote!(#coordinates #inputs #parameters #conserved)
     }
 }

@@ -3,29 +3,13 @@
 use proc_macro2::{Literal, TokenStream};
 use quote::quote;
 
-use crate::optimise::{Argument, Derivation, Function, FunctionKind};
+use crate::catalogue::{Argument, FunctionKind, Trait};
+use crate::optimise::{Derivation, Function};
 use crate::variable::component_names;
 
 use super::item::{Emitter, selected};
 use super::name::ident;
 use super::{Options, doc};
-
-/// The functions of the trait `Mechanism`.
-const MECHANISM: [FunctionKind; 13] = [
-    FunctionKind::KineticEnergy,
-    FunctionKind::PotentialEnergy,
-    FunctionKind::Momentum,
-    FunctionKind::MassMatrix,
-    FunctionKind::CoriolisMatrix,
-    FunctionKind::Gravity,
-    FunctionKind::Bias,
-    FunctionKind::DissipationForce,
-    FunctionKind::GeneralizedForce,
-    FunctionKind::InverseDynamics,
-    FunctionKind::ForwardDynamics,
-    FunctionKind::Linearize,
-    FunctionKind::InverseDynamicsJacobian,
-];
 
 /// Whether the module implements the trait `Mechanism`.
 pub(super) fn implements_mechanism(derivation: &Derivation, options: &Options) -> bool {
@@ -37,8 +21,8 @@ fn of_trait<'f, 'd>(
     derivation: &Derivation,
     functions: &'f [(usize, &'d Function)],
 ) -> Option<Vec<&'f (usize, &'d Function)>> {
-    let find = |kind: &FunctionKind| functions.iter().find(|(_, f)| f.kind == *kind);
-    let found = || MECHANISM.iter().map(find).collect::<Option<Vec<_>>>();
+    let find = |kind: FunctionKind| functions.iter().find(|(_, f)| f.kind == kind);
+    let found = || FunctionKind::of_trait(Trait::Mechanism).map(find).collect::<Option<Vec<_>>>();
     derivation.prescribed.is_empty().then(found).flatten()
 }
 
@@ -53,7 +37,7 @@ impl Emitter<'_> {
         let inputs = component_names(&self.derivation.inputs);
         let [n_literal, u_literal] = [n, u].map(Literal::usize_unsuffixed);
         let forwards = functions.into_iter().map(|(number, function)| {
-            let trait_function = ident(trait_name(&function.kind));
+            let trait_function = ident(function.kind.name());
             let inherent = ident(&self.names.functions[*number]);
             let arguments = function.arguments.iter().map(|&argument| {
                 let length = if argument == Argument::U { &u_literal } else { &n_literal };
@@ -138,39 +122,5 @@ impl Emitter<'_> {
                 }
             }
         }
-    }
-}
-
-/// The name of a function of the trait.
-fn trait_name(kind: &FunctionKind) -> &'static str {
-    match kind {
-        FunctionKind::KineticEnergy => "kinetic_energy",
-        FunctionKind::PotentialEnergy => "potential_energy",
-        FunctionKind::Momentum => "momentum",
-        FunctionKind::MassMatrix => "mass_matrix",
-        FunctionKind::CoriolisMatrix => "coriolis_matrix",
-        FunctionKind::Gravity => "gravity",
-        FunctionKind::Bias => "bias",
-        FunctionKind::DissipationForce => "dissipation_force",
-        FunctionKind::GeneralizedForce => "generalized_force",
-        FunctionKind::InverseDynamics => "inverse_dynamics",
-        FunctionKind::ForwardDynamics => "forward_dynamics",
-        FunctionKind::Linearize => "linearize",
-        FunctionKind::InverseDynamicsJacobian => "inverse_dynamics_jacobian",
-        FunctionKind::LinearizeParameters
-        | FunctionKind::Constraint
-        | FunctionKind::ConstraintRate
-        | FunctionKind::ConstraintRateJacobian
-        | FunctionKind::ConstraintJacobian
-        | FunctionKind::ConstraintBias
-        | FunctionKind::Multipliers
-        | FunctionKind::Conserved(_)
-        | FunctionKind::Output(_)
-        | FunctionKind::OutputVelocity(_)
-        | FunctionKind::OutputJacobian(_)
-        | FunctionKind::OutputJacobianQd(_)
-        | FunctionKind::OutputJacobianU(_)
-        | FunctionKind::OutputJacobianRate(_)
-        | FunctionKind::Reaction(_) => unreachable!("not in the trait"),
     }
 }

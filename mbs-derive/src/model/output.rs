@@ -8,21 +8,15 @@ use super::evaluate::{Argument, Refused, Resolved, Resolver};
 use super::family::Family;
 use super::lagrangian::{Output, OutputValue};
 use super::value::{Free, Scalar, Tensor, Value};
+use crate::catalogue::{names, names_of_output};
 use crate::expr::Expr;
 use crate::parse::syntax::{Expression, Name, Span};
 
 /// Longer arrays are a slip of the pen.
 const MAX_LENGTH: usize = 10_000;
 
-/// Functions that every generated mechanism has: an output of that name would be a second one.
-#[rustfmt::skip]
-const GENERATED: [&str; 25] = [
-    "kinetic_energy", "potential_energy", "mass_matrix", "coriolis_matrix", "gravity", "bias", "momentum",
-    "inverse_dynamics", "forward_dynamics", "linearize", "inverse_dynamics_jacobian", "dissipation_force",
-    "generalized_force", "conserved", "constraint", "constraint_rate", "constraint_rate_jacobian", "constraint_jacobian",
-    "constraint_bias", "multipliers",
-    "linearize_parameters", "new", "try_new", "default", "params",
-];
+/// Methods that every generated mechanism has beside its functions: an output of that name would be a second one.
+const METHODS: [&str; 4] = ["new", "try_new", "default", "params"];
 
 /// An output, or an array of them, as far as its statements have been met.
 pub(super) struct Outputs<'g> {
@@ -122,7 +116,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
 
     /// `what` is put out under this name; functions of every mechanism are called otherwise.
     pub(super) fn check_is_free(&mut self, name: &Name, functions: &[String], what: &str) -> Resolved<()> {
-        if functions.iter().any(|f| GENERATED.contains(&f.as_str())) {
+        if functions.iter().any(|f| METHODS.into_iter().chain(names()).any(|known| known == f)) {
             let message = format!("`{}` is a function of every mechanism", name.text);
             return Err(self.refuse(&name.span, message, format!("choose another name for this {what}")));
         }
@@ -131,7 +125,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
 
     fn check_output_name(&mut self, name: &Name) -> Resolved<()> {
         let text = name.text.as_str();
-        let functions = functions_of_output;
+        let functions = names_of_output;
         let clashes = |other: &str| functions(other).iter().any(|f| functions(text).contains(f));
         if let Some(output) = self.outputs.iter().find(|output| clashes(&output.family.name.text)) {
             let other = &output.family.name.text;
@@ -241,12 +235,6 @@ impl<'d, 'g> Resolver<'d, 'g> {
     }
 }
 
-/// The functions that an output becomes.
-pub(super) fn functions_of_output(name: &str) -> [String; 6] {
-    ["", "_velocity", "_jacobian", "_jacobian_qd", "_jacobian_u", "_jacobian_rate"]
-        .map(|suffix| format!("{name}{suffix}"))
-}
-
 /// A literal 0 has the unit that all others share.
 fn completed(units: Vec<String>) -> Vec<String> {
     let mut known: Vec<&String> = units.iter().filter(|unit| !unit.is_empty()).collect();
@@ -266,7 +254,7 @@ mod tests {
     use super::super::trial::{mechanism, near, refusals, refused, value, value_with_unit};
     use super::super::{FrameId, OutputValue};
 
-    /// [`GENERATED`](super::GENERATED) lists what is emitted for a mechanism with everything that one may have.
+    /// What an output may not be called is what is emitted for a mechanism with everything that one may have.
     #[test]
     fn outputs_cannot_take_the_name_of_a_function() {
         let text = "#![dimensionless] mechanism A { param m: 1 = 2; coord x: 1; coord y: 1; constraint c: x = y; \
@@ -279,7 +267,7 @@ mod tests {
         // A private one gives way, and `check` is a function of the parameters.
         let public = names.filter(|name| !["constrained_motion", "check"].contains(name));
         let emitted: BTreeSet<&str> = public.filter(|name| *name != "o" && !name.starts_with("o_")).collect();
-        assert_eq!(emitted, super::GENERATED.into());
+        assert_eq!(emitted, super::METHODS.into_iter().chain(super::names()).collect());
     }
 
     #[test]

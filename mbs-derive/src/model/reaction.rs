@@ -16,8 +16,8 @@ use super::evaluate::{Argument, Refused, Resolved, Resolver};
 use super::family::Family;
 use super::frame::Edge;
 use super::lagrangian::{AUXILIARY, Reaction};
-use super::output::functions_of_output;
 use super::value::{Pose, Shape, Value};
+use crate::catalogue::names_of_output;
 use crate::expr::{Expr, Graph, Symbol, Vector};
 use crate::parse::syntax::{Declaration, Expression, Name, Statement, StatementKind};
 use crate::variable::Variable;
@@ -163,7 +163,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
 
     fn check_reaction_name(&mut self, name: &Name) -> Resolved<()> {
         let mut outputs = self.outputs.iter().map(|output| &output.family.name.text);
-        if let Some(output) = outputs.find(|output| functions_of_output(output).contains(&name.text)) {
+        if let Some(output) = outputs.find(|output| names_of_output(output).contains(&name.text)) {
             let message = format!("there is already an output `{output}` with a function of this name");
             return Err(self.refuse(&name.span, message, "choose another name"));
         }

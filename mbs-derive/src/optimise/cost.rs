@@ -146,7 +146,7 @@ pub fn solve(n: usize, results: &[ResultPart]) -> Operations {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::derive::solve::Factorization;
+    use crate::equations::Factorization;
     use crate::expr::{Expr, Graph, Symbol};
     use crate::optimise::{lower, schedule::Hoisting};
 

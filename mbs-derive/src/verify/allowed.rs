@@ -1,11 +1,12 @@
 //! Motions that the constraints allow: states that hold them, and what is conserved there.
 
+use crate::catalogue::FunctionKind as Kind;
 use crate::expr::{Rounded, Value, least_change};
 use crate::interpret::State;
 use crate::numeric::elimination::{ROUNDING, scales};
 
 use super::Failure;
-use super::claim::{CLOSED, Trial, doubles, doubles_of};
+use super::claim::{CLOSED, Trial, called, doubles, doubles_of};
 use super::linear::times;
 use super::witness::{exact, explicit_path, lift, lift_all, path};
 
@@ -20,31 +21,30 @@ impl Trial<'_> {
             qd: self.allowed_velocities().unwrap_or_else(|| vec![Rounded::exact(f64::NAN); n]),
             ..self.state.clone()
         };
-        let [force, h] =
-            ["generalized_force", "bias"].map(|name| self.interpreter.call(name, &free).unwrap_or_default());
+        let [force, h] = [Kind::GeneralizedForce, Kind::Bias].map(|kind| called(&self.interpreter, kind, &free));
         let unforced: Vec<Rounded> = (0..n).map(|i| force[i] - h[i]).collect();
         let (qdd, multipliers) = self.accelerations(&unforced, &free);
         let free = State { qdd, ..free };
         if self.is_allowed(&free) {
             let along = lift(&free, |symbol| path(&free, symbol));
-            let rates = self.dual.call("conserved", &along).unwrap_or_default();
+            let rates = called(&self.dual, Kind::Conserved, &along);
             let rates: Vec<Rounded> = rates.iter().map(|v| v.derivative).collect();
             // What is left of the rates of constraints is no motion that they allow: there the forces do work.
-            let left = self.interpreter.call("constraint_rate", &free).unwrap_or_default();
+            let left = self.rows_at(Kind::ConstraintRate, &free);
             let work: f64 = left.iter().zip(&multipliers).map(|(v, l)| (v.value * l.value).abs()).sum();
             self.equal("conserved quantities", &rates, &vec![Rounded { value: 0.0, error: work }; rates.len()])?;
         }
 
-        let real = State { qdd: self.call("forward_dynamics"), ..self.state.clone() };
+        let real = State { qdd: self.call(Kind::ForwardDynamics), ..self.state.clone() };
         let along = lift(&real, |symbol| path(&real, symbol));
-        let momentum = self.dual.call("momentum", &along).unwrap_or_default();
+        let momentum = called(&self.dual, Kind::Momentum, &along);
         let parameters = lift_all(self.parameters);
         let [l, ..] = self.witness.energies(&along, &parameters);
         let by_time = lift(&real, |symbol| explicit_path(&real, symbol));
         let [l_t, ..] = self.witness.energies(&by_time, &parameters);
         let momentum_dot_velocity_rate: Rounded =
             (0..n).map(|i| real.qdd[i] * momentum[i].value + real.qd[i] * momentum[i].derivative).sum();
-        let (force, damping) = (self.call("generalized_force"), self.call("dissipation_force"));
+        let (force, damping) = (self.call(Kind::GeneralizedForce), self.call(Kind::DissipationForce));
         let reaction = self.constraint_force();
         let power: Rounded = (0..n).map(|i| real.qd[i] * (force[i] - damping[i] + reaction[i])).sum();
         self.equal("energy balance", &[momentum_dot_velocity_rate - l.derivative], &[power - l_t.derivative])
@@ -53,9 +53,9 @@ impl Trial<'_> {
     /// Whether velocities and accelerations satisfy the constraints: off them, more rows than coordinates may
     /// contradict each other.
     fn is_allowed(&self, state: &State<Rounded>) -> bool {
-        let rates = self.interpreter.call("constraint_rate", state).unwrap_or_default();
-        let product = times(&self.call_if_any("constraint_jacobian"), &state.qdd);
-        let bias = self.interpreter.call("constraint_bias", state).unwrap_or_default();
+        let rates = self.rows_at(Kind::ConstraintRate, state);
+        let product = times(&self.rows(Kind::ConstraintJacobian), &state.qdd);
+        let bias = self.rows_at(Kind::ConstraintBias, state);
         let is_small = |v: &Rounded, size: f64| v.value.abs() <= 1e-9 * size + ROUNDING * v.error;
         let along = product.iter().zip(&bias).map(|(&a, &b)| (a + b, a.value.abs() + b.value.abs()));
         let speed = state.qd.iter().map(|v| v.value.abs()).fold(0.0, f64::max);
@@ -66,12 +66,12 @@ impl Trial<'_> {
 
     /// Whether places and velocities satisfy the constraints.
     pub(super) fn holds_constraints(&self) -> bool {
-        let small = |name: &str, size: f64| {
+        let small = |kind, size: f64| {
             let is_small = |v: &Rounded| v.value.abs() <= 1e-9 * size + ROUNDING * v.error;
-            self.call_if_any(name).iter().all(is_small)
+            self.rows(kind).iter().all(is_small)
         };
         let greatest = |numbers: &[Rounded]| numbers.iter().map(|v| v.value.abs()).fold(0.0, f64::max);
-        small("constraint", greatest(&self.state.q)) && small("constraint_rate", greatest(&self.state.qd))
+        small(Kind::Constraint, greatest(&self.state.q)) && small(Kind::ConstraintRate, greatest(&self.state.qd))
     }
 
     /// The state moved onto the constraints: Newton's method on φ, each step the least in the scales of M and A, then
@@ -80,7 +80,7 @@ impl Trial<'_> {
         let (n, weights) = (self.n(), doubles_of(&self.weights()));
         let mut state = self.state.clone();
         for _ in 0..50 {
-            let [value, a] = ["constraint", "constraint_jacobian"].map(|name| self.holonomic(name, &state));
+            let [value, a] = [Kind::Constraint, Kind::ConstraintJacobian].map(|kind| self.holonomic(kind, &state));
             let size = |row: &[Rounded]| row.iter().zip(&state.q).map(|(a, q)| (a.value * q.value).abs()).sum::<f64>();
             let is_closed = |(v, row): (&Rounded, &[Rounded])| v.value.abs() <= CLOSED * size(row) + ROUNDING * v.error;
             if value.iter().zip(a.chunks(n)).all(is_closed) {
@@ -98,8 +98,8 @@ impl Trial<'_> {
     }
 
     /// The rows of a function that belong to holonomic constraints.
-    fn holonomic(&self, name: &str, state: &State<Rounded>) -> Vec<Rounded> {
-        let values = self.interpreter.call(name, state).unwrap_or_default();
+    fn holonomic(&self, kind: Kind, state: &State<Rounded>) -> Vec<Rounded> {
+        let values = self.rows_at(kind, state);
         let holonomic = &self.derivation.holonomic;
         let rows = values.chunks(values.len() / holonomic.len()).zip(holonomic);
         rows.filter(|(_, is_holonomic)| **is_holonomic).flat_map(|(row, _)| row.to_vec()).collect()
@@ -108,7 +108,7 @@ impl Trial<'_> {
     /// The diagonal of a metric of q̇ that follows the units, as the scales of the solution do: powers of two.
     pub(super) fn weights(&self) -> Vec<Rounded> {
         let n = self.n();
-        let scales = scales(n, &self.call("mass_matrix"), &self.call_if_any("constraint_jacobian"), self.vectors());
+        let scales = scales(n, &self.call(Kind::MassMatrix), &self.rows(Kind::ConstraintJacobian), self.vectors());
         (0..n).map(|i| scales.weight(i)).collect()
     }
 
@@ -118,8 +118,8 @@ impl Trial<'_> {
         if !self.is_constrained() {
             return Some(self.state.qd.clone());
         }
-        let a = doubles_of(&self.call_if_any("constraint_jacobian"));
-        let target: Vec<f64> = self.call_if_any("constraint_rate").iter().map(|v| -v.value).collect();
+        let a = doubles_of(&self.rows(Kind::ConstraintJacobian));
+        let target: Vec<f64> = self.rows(Kind::ConstraintRate).iter().map(|v| -v.value).collect();
         let change = least_change(&doubles_of(&self.weights()), &a, self.vectors(), &target)?;
         let is_moderate = change.iter().all(|change| change.abs() < 1e50);
         let changed = self.state.qd.iter().zip(change).map(|(qd, change)| Rounded::exact(qd.value + change));
@@ -128,9 +128,9 @@ impl Trial<'_> {
 
     /// q̈ and λ of `M q̈ = f + Aᵀ λ`, `A q̈ + γ = 0` at a state with this one's coordinates.
     fn accelerations(&self, f: &[Rounded], at: &State<Rounded>) -> (Vec<Rounded>, Vec<Rounded>) {
-        let (n, mass, a) = (self.n(), self.call("mass_matrix"), self.call_if_any("constraint_jacobian"));
+        let (n, mass, a) = (self.n(), self.call(Kind::MassMatrix), self.rows(Kind::ConstraintJacobian));
         let triangle: Vec<Rounded> = (0..n).flat_map(|i| mass[i * n..=i * n + i].to_vec()).collect();
-        let bias = self.interpreter.call("constraint_bias", at).unwrap_or_default();
+        let bias = self.rows_at(Kind::ConstraintBias, at);
         let column: Vec<Rounded> = f.iter().copied().chain(bias.iter().map(|&g| -g)).collect();
         let mut solution = Rounded::constrained(n, triangle, a, self.vectors())(&column);
         let multipliers = solution.split_off(n);

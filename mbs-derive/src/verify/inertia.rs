@@ -1,5 +1,6 @@
 //! Whether every motion has inertia at a state.
 
+use crate::catalogue::FunctionKind as Kind;
 use crate::expr::{Number, Residue, Value};
 use crate::interpret::{Interpreter, State};
 use crate::numeric::echelon::Echelon;
@@ -39,8 +40,9 @@ fn is_singular_in_fields(derivation: &Derivation, state: &State, parameters: &[f
 /// `None` where a constant is not exact, or nothing has a value.
 fn is_singular_in_field<const K: usize>(derivation: &Derivation, state: &State, parameters: &[f64]) -> Option<bool> {
     const TRIED: u64 = 32;
-    let names = ["mass_matrix", "constraint_jacobian"];
-    let programs = names.iter().filter_map(|name| derivation.function(name)).map(|f| &f.program);
+    let functions =
+        || [Kind::MassMatrix, Kind::ConstraintJacobian].into_iter().filter_map(|kind| derivation.function(kind));
+    let programs = functions().map(|f| &f.program);
     let is_rounded = |i: &Instruction| matches!(i, Instruction::Constant(Number::Real { .. }));
     if programs.chain([&derivation.constructor]).flat_map(|program| &program.instructions).any(is_rounded) {
         return None;
@@ -50,7 +52,7 @@ fn is_singular_in_field<const K: usize>(derivation: &Derivation, state: &State, 
     (0..TRIED).find_map(|point| {
         let n = derivation.dof();
         let state = in_field(state, point);
-        let rows = names.iter().filter_map(|name| interpreter.call(name, &state)).flatten().collect::<Vec<_>>();
+        let rows = functions().flat_map(|f| interpreter.evaluate(f, &state)).collect::<Vec<_>>();
         Echelon::of(rows.chunks(n).map(<[Residue<K>]>::to_vec).collect()).map(|echelon| echelon.rank() < n)
     })
 }

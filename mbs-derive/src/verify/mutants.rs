@@ -1,6 +1,9 @@
 //! Programs that are wrong, and must be refused.
 
+use std::collections::BTreeSet;
+
 use super::{Failure, Proof, against_energies};
+use crate::catalogue::{FunctionKind as Kind, names, names_of_output};
 use crate::expr::{Function, Graph, Number, Symbol};
 use crate::model::Lagrangian;
 use crate::optimise::{Derivation, Instruction, Program, Value};
@@ -27,8 +30,8 @@ fn refused(text: &str, claim: &str, change: impl FnOnce(&mut Derivation)) {
     }
 }
 
-fn program<'d>(derivation: &'d mut Derivation, name: &str) -> &'d mut Program {
-    let function = derivation.functions.iter_mut().find(|function| function.name == name);
+fn program(derivation: &mut Derivation, kind: Kind) -> &mut Program {
+    let function = derivation.functions.iter_mut().find(|function| function.kind == kind);
     &mut function.expect("it is generated").program
 }
 
@@ -53,38 +56,26 @@ const PENDULUM: &str = "#![dimensionless] mechanism A { param g: 1 = 9.81; coord
 const ROD: &str = "#![dimensionless] mechanism A { coord x: 1; coord y: 1; kinetic += dt(x)^2 + dt(y)^2; \
     potential += 9.81*y; constraint rod: x^2 + y^2 = 1; output place = [x, y, 0]; }";
 
+/// All that a mechanism may have.
+const EVERYTHING: &str = "#![dimensionless] mechanism A { param m: 1 = 2; coord x: 1; coord y: 1; coord z: 1; input f: 1; \
+    let link = translation([y, z, 0])*rot_z(x); reaction hinge at link; \
+    kinetic += m*(dt(x)^2 + dt(y)^2 + dt(z)^2) + particle(m, link.point([1, 0, 0])); potential += y*z; force x += f; \
+    constraint rod: y^2 + z^2 = 1; output place = link, jacobian_rate; output power = f*dt(x); }";
+
+/// Whatever is generated is proved: no function may be NaN.
 #[test]
 fn what_is_not_a_number_proves_nothing() {
-    for name in [
-        "kinetic_energy",
-        "potential_energy",
-        "mass_matrix",
-        "coriolis_matrix",
-        "gravity",
-        "bias",
-        "momentum",
-        "dissipation_force",
-        "generalized_force",
-        "inverse_dynamics",
-        "inverse_dynamics_jacobian",
-        "forward_dynamics",
-        "linearize",
-        "linearize_parameters",
-        "conserved",
-    ] {
-        let change = |derivation: &mut Derivation| {
-            let program = program(derivation, name);
-            assert!(name == "conserved" || !program.results.is_empty());
-            program.become_undefined();
-        };
-        let text = if name == "conserved" { ROD } else { PENDULUM };
-        let found = proof(text, change);
-        assert!(matches!(found, Err(Failure::Disagreement(_))), "{name}: {found:?}");
+    let mut tried = BTreeSet::new();
+    for text in [PENDULUM, ROD, EVERYTHING] {
+        let functions = with_mechanism(text, |lagrangian| crate::derived(lagrangian).functions);
+        for kind in functions.iter().filter(|f| !f.program.results.is_empty()).map(|f| f.kind) {
+            let found = proof(text, |derivation| program(derivation, kind).become_undefined());
+            assert!(matches!(found, Err(Failure::Disagreement(_))), "{kind:?}: {found:?}");
+            tried.insert(kind.name().to_string());
+        }
     }
-    for name in ["constraint", "constraint_jacobian", "constraint_rate", "constraint_bias", "place", "place_jacobian"] {
-        let found = proof(ROD, |derivation| program(derivation, name).become_undefined());
-        assert!(matches!(found, Err(Failure::Disagreement(_))), "{name}: {found:?}");
-    }
+    let of_output = names_of_output("");
+    assert_eq!(tried, names().map(str::to_string).chain(of_output).collect());
 }
 
 impl Program {
@@ -105,22 +96,22 @@ const TWICE: &str = "#![dimensionless] mechanism A { coord x: 1; coord y: 1; coo
 #[test]
 fn redundant_rows_hide_nothing() {
     assert!(proof(TWICE, |_| ()).is_ok());
-    let entries: &[(&str, usize)] =
-        &[("coriolis_matrix", 9), ("constraint_jacobian", 6), ("constraint_bias", 2), ("bias", 3)];
-    for &(name, count) in entries {
+    let entries: &[(Kind, usize)] =
+        &[(Kind::CoriolisMatrix, 9), (Kind::ConstraintJacobian, 6), (Kind::ConstraintBias, 2), (Kind::Bias, 3)];
+    for &(kind, count) in entries {
         for result in 0..count {
-            let change = |derivation: &mut Derivation| program(derivation, name).stretch(result);
+            let change = |derivation: &mut Derivation| program(derivation, kind).stretch(result);
             let is_zero = proof(TWICE, change).is_ok();
-            let (zeros, at) = (with_mechanism(TWICE, |l| zeros_of(&crate::derived(l), name)), result);
-            assert_eq!(is_zero, zeros.contains(&at), "{name} {result}");
+            let (zeros, at) = (with_mechanism(TWICE, |l| zeros_of(&crate::derived(l), kind)), result);
+            assert_eq!(is_zero, zeros.contains(&at), "{kind:?} {result}");
         }
     }
     // The systems that are solved: six entries of M, six of A, three forces and two rates of rows.
-    for name in ["forward_dynamics", "multipliers"] {
-        let zeros = with_mechanism(TWICE, |l| zeros_of(&crate::derived(l), name));
+    for kind in [Kind::ForwardDynamics, Kind::Multipliers] {
+        let zeros = with_mechanism(TWICE, |l| zeros_of(&crate::derived(l), kind));
         for result in 0..17 {
-            let found = proof(TWICE, |derivation| program(derivation, name).stretch(result));
-            assert_eq!(found.is_ok(), zeros.contains(&result), "{name} {result}: {found:?}");
+            let found = proof(TWICE, |derivation| program(derivation, kind).stretch(result));
+            assert_eq!(found.is_ok(), zeros.contains(&result), "{kind:?} {result}: {found:?}");
         }
     }
 }
@@ -137,20 +128,20 @@ fn what_closed_loops_leave_open_hides_nothing() {
     // Of the systems that are solved, after M and A: the forces in the plane, and what rows ask for there.
     let (n, k, first) = (8, 10, 36 + 80);
     let in_plane = [0, 1, 2, 3, 5].into_iter().chain([0, 1, 5, 6].map(|row| n + row)).map(|i| first + i);
-    for (name, results) in [
-        ("forward_dynamics", in_plane.clone().collect()),
-        ("multipliers", in_plane.collect()),
-        ("constraint_bias", (0..k).collect::<Vec<_>>()),
+    for (kind, results) in [
+        (Kind::ForwardDynamics, in_plane.clone().collect()),
+        (Kind::Multipliers, in_plane.collect()),
+        (Kind::ConstraintBias, (0..k).collect::<Vec<_>>()),
     ] {
-        let zeros = with_mechanism(LOOP, |l| zeros_of(&crate::derived(l), name));
+        let zeros = with_mechanism(LOOP, |l| zeros_of(&crate::derived(l), kind));
         for result in results.into_iter().filter(|result| !zeros.contains(result)) {
-            let found = proof(LOOP, |derivation| program(derivation, name).stretch(result));
-            assert!(matches!(found, Err(Failure::Disagreement(_))), "{name} {result}: {found:?}");
+            let found = proof(LOOP, |derivation| program(derivation, kind).stretch(result));
+            assert!(matches!(found, Err(Failure::Disagreement(_))), "{kind:?} {result}: {found:?}");
         }
     }
     // Energy and a millionth of an angle, which changes along the motion. Twice the energy is conserved as well.
     refused(LOOP, "conserved quantities", |derivation| {
-        let program = program(derivation, "conserved");
+        let program = program(derivation, Kind::Conserved);
         let small = program.push(Instruction::Constant(Number::from_f64(2.0_f64.powi(-20)).expect("it is finite")));
         let angle = program.push(Instruction::Symbol(Symbol::Coordinate(0)));
         let product = program.push(Instruction::Mul(small, angle));
@@ -159,8 +150,8 @@ fn what_closed_loops_leave_open_hides_nothing() {
 }
 
 /// Which results are the constant zero.
-fn zeros_of(derivation: &Derivation, name: &str) -> Vec<usize> {
-    let program = &derivation.function(name).expect("it is generated").program;
+fn zeros_of(derivation: &Derivation, kind: Kind) -> Vec<usize> {
+    let program = &derivation.function(kind).expect("it is generated").program;
     let is_zero = |value: &Value| match program.instructions[value.index()] {
         Instruction::Constant(number) => number.to_f64() == 0.0,
         _ => false,
@@ -178,11 +169,11 @@ fn accelerations_that_are_nan_are_refused_in_all_units() {
              sin(x))); potential += {m:e}*x*z; constraint tie: {l:e}*y = {l:e}*(x + z^2); }}"
         );
         refused(&text, "accelerations are numbers", |derivation| {
-            program(derivation, "forward_dynamics").become_undefined()
+            program(derivation, Kind::ForwardDynamics).become_undefined()
         });
     }
     refused(TWICE, "accelerations are numbers", |derivation| {
-        program(derivation, "forward_dynamics").become_undefined()
+        program(derivation, Kind::ForwardDynamics).become_undefined()
     });
 }
 
@@ -193,7 +184,7 @@ fn the_coriolis_matrix_is_that_of_christoffel() {
         kinetic += (2 + cos(q[1]))*dt(q[0])^2 + (3 + sin(q[2]))*dt(q[1])^2 + dt(q[2])^2 + dt(q[0])*dt(q[2])*q[1]/9; }";
     assert!(proof(text, |_| ()).is_ok());
     refused(text, "C = ½(Ṁ + ∂M/∂t + P − Pᵀ)", |derivation| {
-        let program = program(derivation, "coriolis_matrix");
+        let program = program(derivation, Kind::CoriolisMatrix);
         let [x, y, z] = [0, 1, 2].map(|i| program.push(Instruction::Symbol(Symbol::Velocity(i))));
         for (at, value, is_negative) in
             [(1, z, true), (2, y, false), (3, z, false), (5, x, true), (6, y, true), (7, x, false)]
@@ -295,7 +286,7 @@ fn nothing_is_claimed_of_accelerations_where_a_motion_has_no_inertia() {
     let found = proof(text, |_| ());
     assert!(matches!(found, Ok(Proof { states: 25, singular: 3, .. })), "{found:?}");
     refused(text, "M q̈ + h + ∂D/∂q̇ = Q + Aᵀ λ", |derivation| {
-        let program = program(derivation, "forward_dynamics");
+        let program = program(derivation, Kind::ForwardDynamics);
         let first = program.results[0];
         program.results[0] = program.push(Instruction::Neg(first));
     });
@@ -310,7 +301,7 @@ fn edges_of_branches_are_met() {
              force x += if {condition} {{ 2 }} else {{ 5 }}; }}"
         );
         let swap = |derivation: &mut Derivation| {
-            let instructions = &mut program(derivation, "generalized_force").instructions;
+            let instructions = &mut program(derivation, Kind::GeneralizedForce).instructions;
             for instruction in instructions {
                 *instruction = match *instruction {
                     Instruction::Less(a, b) => Instruction::LessEqual(a, b),

@@ -219,7 +219,7 @@ pub(crate) fn solved<V: Entry>(mechanism: &Interpreter<'_, V>, function: &Functi
     let of_motion = |symbol| matches!(symbol, Symbol::Acceleration(_) | Symbol::Multiplier(_));
     let (mut state, mut multipliers) = (state.clone(), Vec::new());
     if function.program.uses(of_motion) {
-        let forward = derivation.function("forward_dynamics").expect("generated for every mechanism");
+        let forward = derivation.function(FunctionKind::ForwardDynamics).expect("generated for every mechanism");
         let [motion] = &solutions(mechanism, forward, &state, &[])[..] else { unreachable!("one right side") };
         (state.qdd, multipliers) = (motion[..n].to_vec(), motion[n..].to_vec());
     }

@@ -69,7 +69,7 @@ impl Units {
             (0..all).map(|k| scale(kind(k / n), unit(k / n, k % n))).collect()
         };
         match &function.kind {
-            Kind::KineticEnergy | Kind::PotentialEnergy | Kind::Conserved(_) => each(),
+            Kind::KineticEnergy | Kind::PotentialEnergy | Kind::Conserved => each(),
             Kind::Constraint | Kind::ConstraintRate | Kind::ConstraintBias => each(),
             Kind::Multipliers if self.is_redundant => (0..n).map(|i| scale(0, s[i])).collect(),
             Kind::Multipliers => self.multipliers.iter().map(|s| scale(0, 1.0 / s)).collect(),

@@ -2,7 +2,7 @@
 
 use mbs_derive::interpret::{Interpreter, State};
 use mbs_derive::model::Lagrangian;
-use mbs_derive::optimise::Derivation;
+use mbs_derive::optimise::{Derivation, FunctionKind};
 use mbs_derive::variable::Variable;
 use mbs_tests::random::Random;
 use nalgebra::{DMatrix, DVector};
@@ -96,21 +96,21 @@ pub(crate) fn on_the_constraints(derivation: &Derivation, points: &[Point]) -> V
     let nearest = |point: &Point| {
         let mechanism = Interpreter::with_parameters(derivation, point.parameters.clone());
         let mut state = point.state.clone();
-        let call = |name: &str, state: &State| mechanism.call(name, state).expect("generated with constraints");
+        let call = |kind, state: &State| mechanism.rows(kind, state);
         let change = |state: &State, residuals: &[f64]| {
             let (k, n) = (residuals.len(), state.q.len());
-            let slopes = DMatrix::from_row_slice(k, n, &call("constraint_jacobian", state));
+            let slopes = DMatrix::from_row_slice(k, n, &call(FunctionKind::ConstraintJacobian, state));
             let inverse = slopes.pseudo_inverse(1e-9).expect("not negative");
             inverse * DVector::from_column_slice(residuals)
         };
         for _ in 0..50 {
-            let mut residuals = call("constraint", &state);
+            let mut residuals = call(FunctionKind::Constraint, &state);
             let is_place = residuals.iter_mut().zip(&derivation.holonomic);
             is_place.filter(|(_, holonomic)| !**holonomic).for_each(|(residual, _)| *residual = 0.0);
             let change = change(&state, &residuals);
             state.q.iter_mut().zip(change.iter()).for_each(|(q, change)| *q -= change);
         }
-        let change = change(&state, &call("constraint_rate", &state));
+        let change = change(&state, &call(FunctionKind::ConstraintRate, &state));
         state.qd.iter_mut().zip(change.iter()).for_each(|(qd, change)| *qd -= change);
         Point { name: format!("{} on the constraints", point.name), state, parameters: point.parameters.clone() }
     };

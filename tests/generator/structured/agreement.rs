@@ -3,7 +3,7 @@
 use mbs_derive::expr::Dual;
 use mbs_derive::interpret::{Interpreter, State};
 use mbs_derive::numeric::elimination::eliminate;
-use mbs_derive::optimise::Derivation;
+use mbs_derive::optimise::{Derivation, FunctionKind};
 use mbs_tests::compare::error;
 use mbs_tests::random::{Posture, Random, onto_the_sphere};
 use mbs_tests::reference::tree::Tree;
@@ -74,13 +74,13 @@ impl Pair<'_> {
     fn agrees_at(&self, Moment { state, x: [x, xd, xdd] }: &Moment) -> Result<(), String> {
         let (tree, n) = (&self.tree, self.tree.coordinates);
         let interpreter = Interpreter::with_parameters(self.derivation, self.parameters.clone());
-        let call = |name: &str| interpreter.call(name, state).expect("generated for every mechanism");
-        let of = |name: &str, want: &[f64]| close(name, &call(name), want, &[]);
+        let call = |kind| interpreter.call(kind, state).expect("generated for every mechanism");
+        let of = |kind: FunctionKind, want: &[f64]| close(kind.name(), &call(kind), want, &[]);
 
         let m = tree.composite_bodies(x).view((0, 0), (n, n)).into_owned();
-        of("mass_matrix", m.as_slice())?;
-        of("kinetic_energy", &[tree.kinetic_energy(x, xd)])?;
-        of("potential_energy", &[tree.potential_energy(x)])?;
+        of(FunctionKind::MassMatrix, m.as_slice())?;
+        of(FunctionKind::KineticEnergy, &[tree.kinetic_energy(x, xd)])?;
+        of(FunctionKind::PotentialEnergy, &[tree.potential_energy(x)])?;
 
         // Along a quaternion a force does nothing but strain its constraint, and depends on how energies go on off the
         // sphere.
@@ -94,27 +94,27 @@ impl Pair<'_> {
         };
         let only_signals = |rates: &[f64]| -> Vec<f64> { [&vec![0.0; n][..], &rates[n..]].concat() };
         let (driven, driven_rates) = (only_signals(xdd), only_signals(xd));
-        let forces = |name: &str, xd: &[f64], xdd: &[f64]| {
+        let forces = |kind: FunctionKind, xd: &[f64], xdd: &[f64]| {
             let want = tangential(tree.newton_euler(x, xd, xdd));
-            close(name, &tangential(call(name)), &want, &[]).map(|()| want)
+            close(kind.name(), &tangential(call(kind)), &want, &[]).map(|()| want)
         };
-        forces("inverse_dynamics", xd, xdd)?;
-        let bias = forces("bias", xd, &driven)?;
-        forces("gravity", &driven_rates, &driven)?;
+        forces(FunctionKind::InverseDynamics, xd, xdd)?;
+        let bias = forces(FunctionKind::Bias, xd, &driven)?;
+        forces(FunctionKind::Gravity, &driven_rates, &driven)?;
 
-        let (c, gravity) = (call("coriolis_matrix"), call("gravity"));
+        let (c, gravity) = (call(FunctionKind::CoriolisMatrix), call(FunctionKind::Gravity));
         let c_qd: Vec<f64> = c.chunks(n).map(|row| row.iter().zip(&state.qd).map(|(c, v)| c * v).sum()).collect();
         let sum: Vec<f64> = c_qd.iter().zip(&gravity).map(|(a, b)| a + b).collect();
-        close("C q̇ + G = h", &sum, &call("bias"), &[&c_qd, &gravity])?;
+        close("C q̇ + G = h", &sum, &call(FunctionKind::Bias), &[&c_qd, &gravity])?;
         if !tree.has_ball_joints() {
             close("coriolis_matrix", &c, &tree.coriolis_matrix(x, xd).concat(), &[])?;
         }
         let doubled: Vec<f64> = (0..n * n).map(|k| c[k] + c[k % n * n + k / n]).collect();
         close("Ṁ + ∂M/∂t − 2 C skew", &doubled, &self.mass_rates(state), &[&c])?;
 
-        self.accelerations_agree(state, [x, xd, xdd], &bias, &call("forward_dynamics"))?;
+        self.accelerations_agree(state, [x, xd, xdd], &bias, &call(FunctionKind::ForwardDynamics))?;
         let jacobian = self.inverse_dynamics_jacobian(state);
-        close("inverse_dynamics_jacobian", &call("inverse_dynamics_jacobian"), &jacobian, &[])
+        close("inverse_dynamics_jacobian", &call(FunctionKind::InverseDynamicsJacobian), &jacobian, &[])
     }
 
     /// `M q̈ + h = Q` always, and `q̈` that of articulated bodies where M can be trusted.
@@ -155,7 +155,7 @@ impl Pair<'_> {
             };
             let prescribed = state.prescribed.iter().map(signal).collect();
             let (qd, qdd, u) = (Vec::new(), Vec::new(), Vec::new());
-            self.on_duals("mass_matrix", &State { t: Dual::new(state.t, 1.0), q, qd, qdd, u, prescribed })
+            self.on_duals(FunctionKind::MassMatrix, &State { t: Dual::new(state.t, 1.0), q, qd, qdd, u, prescribed })
         };
         let (total, partial) = (along(&state.qd), along(&vec![0.0; state.q.len()]));
         total.iter().zip(&partial).map(|(total, partial)| total + partial).collect()
@@ -178,7 +178,7 @@ impl Pair<'_> {
                 u: Vec::new(),
                 prescribed: state.prescribed.iter().map(|signal| signal.map(Dual::fixed)).collect(),
             };
-            self.on_duals("inverse_dynamics", &at)
+            self.on_duals(FunctionKind::InverseDynamics, &at)
         };
         let block = |in_velocity: bool| {
             let columns: Vec<Vec<f64>> = (0..n).map(|j| column(in_velocity, j)).collect();
@@ -188,9 +188,9 @@ impl Pair<'_> {
     }
 
     /// The derivatives that a function's results carry.
-    fn on_duals(&self, name: &str, state: &State<Dual<f64>>) -> Vec<f64> {
+    fn on_duals(&self, kind: FunctionKind, state: &State<Dual<f64>>) -> Vec<f64> {
         let parameters = self.parameters.iter().map(|value| Dual::fixed(*value)).collect();
-        let results = Interpreter::with_parameters(self.derivation, parameters).call(name, state);
+        let results = Interpreter::with_parameters(self.derivation, parameters).call(kind, state);
         results.expect("generated for every mechanism").iter().map(|result| result.derivative).collect()
     }
 }

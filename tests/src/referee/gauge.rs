@@ -41,7 +41,7 @@ pub(super) fn treatment(kind: &FunctionKind) -> Treatment {
         | FunctionKind::Output(_)
         | FunctionKind::OutputVelocity(_)
         | FunctionKind::OutputJacobianU(_)
-        | FunctionKind::Conserved(_) => Treatment::Whole,
+        | FunctionKind::Conserved => Treatment::Whole,
         FunctionKind::MassMatrix => Treatment::TangentTwice,
         FunctionKind::Momentum
         | FunctionKind::DissipationForce

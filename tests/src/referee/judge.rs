@@ -253,8 +253,12 @@ impl Court<'_> {
     /// Of mechanisms without constraints: with constraints they hold only where these do.
     fn first_integrals(&self, state: &State<f64>, given: &interpret::State, rank: Rank) -> Result<(), Fault> {
         for function in &self.derivation.functions {
-            let FunctionKind::Conserved(names) = &function.kind else { continue };
-            if names.is_empty() || !self.mechanism.rows.is_empty() || !rank.regular {
+            let names = &self.derivation.conserved;
+            if function.kind != FunctionKind::Conserved
+                || names.is_empty()
+                || !self.mechanism.rows.is_empty()
+                || !rank.regular
+            {
                 continue;
             }
             let understood = |result: Result<Vec<f64>, String>| result.map_err(Fault::NotUnderstood);
@@ -281,10 +285,10 @@ impl Court<'_> {
             FunctionKind::Multipliers | FunctionKind::Reaction(_) if !full => None,
             FunctionKind::Linearize | FunctionKind::LinearizeParameters => Some((name.to_string(), full)),
             FunctionKind::CoriolisMatrix => Some((name.to_string(), false)),
-            FunctionKind::Conserved(_) => None,
-            FunctionKind::OutputJacobian(_) => {
+            FunctionKind::Conserved => None,
+            FunctionKind::OutputJacobian(number) => {
                 let output = name.strip_suffix("_jacobian").unwrap_or(name);
-                let moves = self.derivation.function(&format!("{output}_velocity")).is_some();
+                let moves = self.derivation.function(FunctionKind::OutputVelocity(*number)).is_some();
                 Some((format!("{output}_{}", if moves { "jacobian" } else { "slope" }), true))
             }
             _ => Some((name.to_string(), true)),

@@ -6,7 +6,7 @@ use std::ops::ControlFlow;
 
 use mbs_derive::expr::Graph;
 use mbs_derive::interpret::{self, Interpreter};
-use mbs_derive::optimise::Derivation;
+use mbs_derive::optimise::{Derivation, FunctionKind};
 use mbs_derive::{declared, derived};
 use mbs_platform::control::ComputedTorque;
 use mbs_platform::geometry::Geometry;
@@ -35,21 +35,21 @@ fn derivation() -> Derivation {
 struct Loops<'d>(Interpreter<'d>);
 
 impl Loops<'_> {
-    fn call(&self, name: &str, q: &LoopCoordinates, qd: &LoopCoordinates, u: &LegVector) -> Vec<f64> {
+    fn call(&self, kind: FunctionKind, q: &LoopCoordinates, qd: &LoopCoordinates, u: &LegVector) -> Vec<f64> {
         let (q, qd, u) = (q.to_vec(), qd.to_vec(), u.to_vec());
         let state = interpret::State { t: 0.0, q, qd, qdd: vec![0.0; 24], u, prescribed: Vec::new() };
-        self.0.call(name, &state).unwrap_or_else(|| panic!("no {name}"))
+        self.0.call(kind, &state).expect("a mechanism with constraints has it")
     }
 
     fn accelerations(&self, q: &LoopCoordinates, qd: &LoopCoordinates, u: &LegVector) -> LoopCoordinates {
-        self.call("forward_dynamics", q, qd, u).try_into().expect("24 accelerations")
+        self.call(FunctionKind::ForwardDynamics, q, qd, u).try_into().expect("24 accelerations")
     }
 
     /// The largest entry of φ and of A q̇.
     fn open(&self, state: &State<LoopCoordinates>) -> f64 {
         let largest =
-            |name| self.call(name, &state.q, &state.qd, &[0.0; 6]).iter().fold(0.0_f64, |m, x| m.max(x.abs()));
-        largest("constraint").max(largest("constraint_rate"))
+            |kind| self.call(kind, &state.q, &state.qd, &[0.0; 6]).iter().fold(0.0_f64, |m, x| m.max(x.abs()));
+        largest(FunctionKind::Constraint).max(largest(FunctionKind::ConstraintRate))
     }
 }
 
@@ -89,7 +89,7 @@ fn accelerations_agree() {
             let motion = platform.spherical_leg(leg, &q, &qd, &want).unwrap();
             assert_close("accelerations of the legs", &[found[18 + leg]], &[motion.acceleration[0]], 1e-9);
         }
-        let energy = loops.call("kinetic_energy", &state.q, &state.qd, &forces)[0];
+        let energy = loops.call(FunctionKind::KineticEnergy, &state.q, &state.qd, &forces)[0];
         assert_close("T", &[energy], &[platform.model().kinetic_energy(&q, &qd)], 1e-13);
     }
 }

@@ -1,5 +1,7 @@
 //! What functions return.
 
+use std::fmt;
+
 /// A returned value and its shape.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ResultPart {
@@ -46,6 +48,24 @@ impl Shape {
             Shape::Wrenches(n) => 6 * n,
             Shape::Matrices(n, rows, columns) => n * rows * columns,
             Shape::Poses(n) => 12 * n,
+        }
+    }
+}
+
+/// As documentation says it.
+impl fmt::Display for Shape {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Shape::Scalar => write!(f, "one number"),
+            Shape::Vector(1) => write!(f, "1 component"),
+            Shape::Vector(n) => write!(f, "{n} components"),
+            Shape::Matrix(rows, columns) => write!(f, "{rows} × {columns}"),
+            Shape::Symmetric(n) => write!(f, "{n} × {n}"),
+            Shape::Pose => write!(f, "a pose"),
+            Shape::Wrench => write!(f, "a force and a moment"),
+            Shape::Wrenches(n) => write!(f, "{n} forces and moments"),
+            Shape::Matrices(n, rows, columns) => write!(f, "{n} matrices {rows} × {columns}"),
+            Shape::Poses(n) => write!(f, "{n} poses"),
         }
     }
 }
