@@ -10,6 +10,7 @@ use std::path::PathBuf;
 
 use mbs_derive::emit;
 use mbs_derive::optimise::Derivation;
+use mbs_derive::review;
 use mbs_derive::source::{self, Sources};
 
 use crate::cache::Cache;
@@ -26,6 +27,10 @@ pub(crate) struct Arguments {
     /// What to print.
     #[arg(long, value_enum, default_value_t = Emit::Rust)]
     emit: Emit,
+    /// Print it as it is reviewed: `a * b + c` for `a.mul_add(b, c)`; of a long module signatures, documentation, operation
+    /// counts and digests, and what every function gives at three states.
+    #[arg(long, conflicts_with = "emit")]
+    review: bool,
     /// Write to a file instead of standard output.
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
@@ -56,12 +61,13 @@ impl Emit {
 pub(crate) fn run(arguments: &Arguments, cache: &Cache) -> Result<(), Failure> {
     let mut files = Files::default();
     let sources = mechanism::open(&arguments.file, &mut files)?;
-    let what = arguments.emit.name();
+    let what = if arguments.review { "review" } else { arguments.emit.name() };
     if let Some(out) = &arguments.out {
         [what, mechanism::MECHANISM].iter().for_each(|what| mechanism::note(what, &sources, cache, &mut files));
         files.writes("--out", out)?;
     }
     let text = match arguments.emit {
+        _ if arguments.review => mechanism::code(what, &sources, cache, |derivation| reviewed(derivation, &sources))?,
         Emit::Rust => mechanism::code(what, &sources, cache, |derivation| rust(derivation, &sources))?,
         Emit::Latex => mechanism::latex(what, &sources, cache)?,
         Emit::Json => mechanism::code(what, &sources, cache, json::programs)?,
@@ -74,4 +80,8 @@ pub(crate) fn run(arguments: &Arguments, cache: &Cache) -> Result<(), Failure> {
 
 fn rust(derivation: &Derivation, sources: &Sources) -> String {
     emit::rust(derivation, source::portable(&sources.main().name), &emit::Options::default())
+}
+
+fn reviewed(derivation: &Derivation, sources: &Sources) -> String {
+    review::text(derivation, source::portable(&sources.main().name))
 }

@@ -1,14 +1,16 @@
 //! For build scripts: the only input and output of this crate.
 
 use std::collections::BTreeMap;
+use std::fmt;
 use std::fs::{self, File};
 use std::io::{self, ErrorKind, Read};
 use std::path::{Path, PathBuf};
 
 use crate::diagnostic::nearest;
 use crate::emit::Options;
-use crate::source::{MAX_BYTES, Sources, Unreadable};
-use crate::{Generated, generate_from, parse};
+use crate::expr::Graph;
+use crate::source::{self, MAX_BYTES, Sources, Unreadable};
+use crate::{Error, Generated, declared_from, derived, generate_from, parse, verify};
 
 /// Generates one mechanism with default options, for `mbs_runtime::include_mechanism!`.
 ///
@@ -20,6 +22,52 @@ use crate::{Generated, generate_from, parse};
 /// ```
 pub fn compile(file: impl AsRef<Path>) {
     Config::new().compile(file);
+}
+
+/// A mechanism as it is reviewed, for a snapshot: the generated module with `a * b + c` for `a.mul_add(b, c)`; where that
+/// is long, signatures, documentation, operation counts, digests of the bodies, and what every function gives at three
+/// states.
+///
+/// ```no_run
+/// // In a test, where mbs-derive is among the dev-dependencies: `insta::assert_snapshot!(text)`.
+/// let text = mbs_derive::review("mechanisms/cart_pole.mbs").unwrap();
+/// ```
+///
+/// # Errors
+/// The report that a build script prints: the file cannot be read, is not a mechanism, or cannot be proved.
+pub fn review(file: impl AsRef<Path>) -> Result<String, Report> {
+    let sources = read(file.as_ref())?;
+    let told = |error: Error| Report(error.render_in(&sources));
+    let graph = Graph::verbatim();
+    let (lagrangian, _) = declared_from(&sources, &graph, &[]).map_err(|errors| told(errors.into()))?;
+    let derivation = derived(&lagrangian);
+    verify::against_energies(&lagrangian, &derivation).map_err(|failure| told(failure.into()))?;
+    Ok(crate::review::text(&derivation, source::portable(&sources.main().name)))
+}
+
+/// What is wrong, as a build script prints it: file, line, column, the text underlined, and what to write instead.
+#[derive(Clone, PartialEq, Eq)]
+pub struct Report(String);
+
+impl fmt::Display for Report {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
+/// The report as it is: `unwrap` shows it with its lines.
+impl fmt::Debug for Report {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "\n{self}")
+    }
+}
+
+impl std::error::Error for Report {}
+
+impl From<String> for Report {
+    fn from(report: String) -> Self {
+        Report(report)
+    }
 }
 
 /// Options of a generation.

@@ -27,6 +27,7 @@
 //! - [`span`], [`state`], [`variable`], [`numeric`]: what several passes need, and no mechanics;
 //! - [`diagnostic`]: what is wrong with a declaration, where, and what to write instead;
 //! - [`source`]: the files of a mechanism: its own, and those that it imports;
+//! - [`review`](mod@review): a mechanism as people review it;
 //! - [`cargo`]: build scripts, the only input and output.
 
 pub mod cargo;
@@ -42,6 +43,7 @@ pub mod model;
 pub mod numeric;
 pub mod optimise;
 pub mod parse;
+pub mod review;
 mod shape;
 pub mod source;
 pub mod span;
@@ -51,7 +53,7 @@ pub mod verify;
 
 use std::fmt;
 
-pub use cargo::{Config, compile};
+pub use cargo::{Config, compile, review};
 use diagnostic::Diagnostics;
 use expr::Graph;
 use model::Lagrangian;

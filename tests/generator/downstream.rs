@@ -93,6 +93,14 @@ fn the_readme_makes_a_crate() {
     assert!(!report.contains("panicked"), "{report}");
 }
 
+/// The README's review is that of `examples/downstream`, which CI runs.
+#[test]
+fn the_readme_keeps_a_snapshot() {
+    let example = fs::read_to_string(format!("{ROOT}/examples/downstream/tests/review.rs")).expect("the example");
+    let review = block("rust,tests/review.rs").replace("cart_pole", "crane");
+    assert!(example.ends_with(&review), "{example}\n{review}");
+}
+
 /// Shared functions in a file of their own: a change of that file alone is seen, a mistake in it is shown there.
 #[test]
 fn what_a_mechanism_imports_belongs_to_it() {

@@ -225,6 +225,8 @@ pub(super) trait Leaves {
     fn leaf(&self, leaf: &Tree) -> TokenStream;
     /// Whether that is a value computed on demand.
     fn is_on_demand(&self, leaf: &Tree) -> bool;
+    /// Whether `a.mul_add(b, c)` is written `a * b + c`.
+    fn is_infix(&self) -> bool;
 }
 
 /// The tokens of an expression.
@@ -284,6 +286,7 @@ fn within(tree: &Tree, leaves: &impl Leaves, least: Precedence) -> TokenStream {
             let select = if known { quote!(T::blend(#c, #a, #b)) } else { quote!(T::select(#c, || #a, || #b)) };
             (Precedence::Method, select)
         }
+        Tree::Method("mul_add", a, rest) if leaves.is_infix() => return within(&unfused(a, rest), leaves, least),
         Tree::Method(name, a, arguments) => {
             let (name, a) = (ident(name), within(a, leaves, Precedence::Method));
             let arguments = arguments.iter().map(|argument| print(argument, leaves));
@@ -291,6 +294,18 @@ fn within(tree: &Tree, leaves: &impl Leaves, least: Precedence) -> TokenStream {
         }
     };
     if precedence < least { quote!((#tokens)) } else { tokens }
+}
+
+/// `a · b + c` as a sum, or as a difference where a sign allows it.
+fn unfused(a: &Tree, rest: &[Tree]) -> Tree {
+    let [b, c] = rest else { unreachable!("`mul_add` has two arguments") };
+    let product = Tree::Mul(Box::new(a.clone()), Box::new(b.clone()));
+    match (a, b, c) {
+        (_, Tree::Neg(b), _) => Tree::Sub(Box::new(c.clone()), Box::new(Tree::Mul(Box::new(a.clone()), b.clone()))),
+        (a, ..) if a.is_negative() => Tree::Sub(Box::new(c.clone()), Box::new(Tree::neg(product))),
+        (.., c) if c.is_negative() => Tree::Sub(Box::new(product), Box::new(Tree::neg(c.clone()))),
+        _ => Tree::Add(Box::new(product), Box::new(c.clone())),
+    }
 }
 
 /// Whether a value that is computed on demand is in it.
@@ -309,7 +324,8 @@ pub(super) fn literal(value: f64) -> TokenStream {
 mod tests {
     use super::*;
 
-    struct Plain;
+    /// Whether infix.
+    struct Plain(bool);
 
     impl Leaves for Plain {
         fn constant(&self, value: f64) -> TokenStream {
@@ -330,12 +346,20 @@ mod tests {
         fn is_on_demand(&self, _: &Tree) -> bool {
             false
         }
+        fn is_infix(&self) -> bool {
+            self.0
+        }
     }
 
     #[track_caller]
     fn check(tree: Tree, expected: &str) {
+        check_as(&tree, &Plain(false), expected);
+    }
+
+    #[track_caller]
+    fn check_as(tree: &Tree, leaves: &Plain, expected: &str) {
         let expected: TokenStream = expected.parse().unwrap();
-        assert_eq!(print(&tree, &Plain).to_string(), expected.to_string());
+        assert_eq!(print(tree, leaves).to_string(), expected.to_string());
     }
 
     #[test]
@@ -376,6 +400,23 @@ mod tests {
         check(Tree::sub(ab(), Tree::mul(c.clone(), d.clone())), "a.mul_add(b, -c * d)");
         check(Tree::sub(d.clone(), Tree::mul(c.clone(), ab())), "c.mul_add(-a * b, d)");
         check(Tree::sub(c, Tree::mul(Tree::Constant(2.0), a)), "2.0.mul_add(-a, c)");
+    }
+
+    #[test]
+    fn for_review_it_is_a_sum_again() {
+        let [a, b, c, d] = [0, 1, 2, 3].map(Tree::Local);
+        let ab = || Tree::mul(a.clone(), b.clone());
+        for (tree, expected) in [
+            (Tree::add(ab(), c.clone()), "a * b + c"),
+            (Tree::sub(ab(), c.clone()), "a * b - c"),
+            (Tree::sub(c.clone(), ab()), "c - a * b"),
+            (Tree::sub(ab(), Tree::mul(c.clone(), d.clone())), "a * b - c * d"),
+            (Tree::sub(d.clone(), Tree::mul(c.clone(), ab())), "d - c * (a * b)"),
+            (Tree::add(ab(), Tree::add(c.clone(), d.clone())), "a * b + (c + d)"),
+            (Tree::mul(Tree::add(ab(), c.clone()), d.clone()), "d * (a * b + c)"),
+        ] {
+            check_as(&tree, &Plain(true), expected);
+        }
     }
 
     #[test]

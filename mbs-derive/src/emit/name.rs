@@ -156,6 +156,8 @@ impl Scope {
 /// All names of a mechanism but those of the locals of one function.
 #[derive(Clone, Debug)]
 pub(super) struct Names {
+    /// Whether sums of products are written as such.
+    pub(super) infix: bool,
     /// The mechanism's struct.
     pub(super) mechanism: String,
     /// The fields of `Params`, one per declared parameter.
@@ -184,7 +186,7 @@ pub(super) struct Names {
 }
 
 impl Names {
-    pub(super) fn of(derivation: &Derivation) -> Self {
+    pub(super) fn of(derivation: &Derivation, infix: bool) -> Self {
         let mut scope = Scope::with(&RESERVED);
         let splines: Vec<Spline> = derivation.splines().into_iter().cloned().collect();
         scope.taken.extend((0..splines.len()).map(table));
@@ -215,6 +217,7 @@ impl Names {
         let mut fields = Scope::default();
         let mut methods = Scope::with(&METHODS);
         Names {
+            infix,
             mechanism: type_name(&derivation.name),
             fields: fields.unique_escaped(derivation.parameters.iter().map(|p| p.name.as_str())),
             functions: methods.unique_escaped(derivation.functions.iter().map(|f| f.name.as_str())),

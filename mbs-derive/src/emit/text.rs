@@ -212,6 +212,10 @@ impl Leaves for Text<'_, '_> {
     fn is_on_demand(&self, leaf: &Tree) -> bool {
         matches!(leaf, Tree::Local(local) if self.body.on_demand.contains(local))
     }
+
+    fn is_infix(&self) -> bool {
+        self.body.names.infix
+    }
 }
 
 /// `T::from_f64(0.295242)`
