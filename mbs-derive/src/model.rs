@@ -4,85 +4,36 @@
 //! In reading order:
 //!
 //! - [`frame`]: the tree of frames, each with its pose and its twist;
-//! - [`lagrangian`]: the result, and the builder API that stands under the language;
+//! - [`lagrangian`]: the result, and the calls that it is written by;
 //! - [`landmark`]: what some of its expressions stand for in space;
-//! - [`dimension`]: SI dimensions and units;
-//! - `value`: what expressions stand for; `scope`: what names stand for; `constant`: what is known of an expression;
-//! - `statement`: statements in order; `element`: arrays that loops fill; `family`: declarations with an index;
-//! - `declare`: parameters, coordinates, inputs, prescribed motions, constants; `output`: outputs;
-//! - `energy`: energies, generalized forces; `point_force`: forces at points, torques; `constraint`: constraints;
-//! - `gravity`: the field that all bodies weigh in;
-//! - `part`: statements that are used many times;
-//! - `reaction`: joints whose wrenches are asked for, held and let go;
-//! - `evaluate`: expressions → values; `quantity`: numbers with units; `operator`: `+ - * / ^` and `dt`;
-//! - `condition`: `if … else`;
-//! - `difference`: differences of places, in their nearest common frame;
-//! - `builtin`: functions and methods; `function`: functions written in the language; `body`: bodies;
-//! - `attitude`: axes of parameters, arrays for several arguments; `interpolation`: tables;
-//! - `import`: what imported files declare;
-//! - `misplaced`: places that are counted from another origin than was meant;
-//! - `moments`: whether an inertia is that of a body;
-//! - `check`: what must hold of the finished mechanism; `singular`, `sign`: what it was probably not meant to do;
-//! - [`requirement`]: what parameters must satisfy whenever they are set; [`given`]: numbers with units, in SI units;
-//! - [`sample`]: random states; [`degree`]: what must hold of the energies: `velocity`: their degree; `rank`: the rows of constraints;
-//!   `inertia`: of every motion;
-//!   `closure`: whether constraints can hold together.
+//! - `names`: what names stand for: variables, functions, parts, arrays, what is imported;
+//! - `value`: what expressions stand for: numbers with dimensions, vectors, points and poses with frames;
+//! - `statement`: what statements do: declare, add energies and forces, constrain, put out;
+//! - `check`: what must hold of the finished mechanism, and what it was probably not meant to do.
 
-mod attitude;
-mod body;
-mod builtin;
 mod check;
-mod closure;
-mod condition;
-mod constant;
-mod constraint;
-mod declare;
-pub mod degree;
-mod difference;
-pub mod dimension;
-mod element;
-mod energy;
-mod evaluate;
-mod family;
 pub mod frame;
-mod function;
-pub mod given;
-mod gravity;
-mod import;
-mod inertia;
-mod interpolation;
 pub mod lagrangian;
 pub mod landmark;
 #[cfg(test)]
 pub(crate) mod manual;
-mod misplaced;
-pub(crate) mod moments;
-mod operator;
-mod output;
-mod part;
-mod point_force;
-mod quantity;
-mod rank;
-mod reaction;
-pub mod requirement;
-pub mod sample;
-mod scope;
-mod sign;
-mod singular;
+mod names;
 mod statement;
-#[cfg(test)]
-mod trial;
 mod value;
-mod velocity;
 
 use crate::diagnostic::Diagnostics;
 use crate::expr::Graph;
 use crate::parse::syntax::Declaration;
-use evaluate::Resolver;
-use reaction::Hold;
+use names::function;
+use statement::reaction::Hold;
+use value::evaluate::Resolver;
 
+pub(crate) use check::moments;
+pub use check::{degree, requirement, sample};
 pub use frame::{Edge, Frame, FrameId, Frames};
 pub use lagrangian::{Body, Choice, Constraint, ConstraintKind, Lagrangian, Output, OutputValue, PointForce, Reaction};
+pub use statement::given;
+pub use value::dimension;
 
 /// What a declaration means, in the verbatim `graph`, and warnings about it.
 ///

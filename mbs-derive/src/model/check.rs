@@ -1,50 +1,67 @@
-//! What must hold of the finished mechanism: bodies are physical, every coordinate has inertia, everything is used.
+//! What must hold of the finished mechanism, and what it was probably not meant to do. In reading order:
 //!
-//! What the energies must be as functions of the velocities is tried at random states, by [`degree`](super::degree).
+//! - [`degree`]: what must hold of the energies; [`velocity`]: their degree; [`inertia`]: of every motion; [`moments`]: of a body;
+//! - [`rank`]: the rows of constraints; [`closure`]: whether constraints can hold together;
+//! - [`singular`], [`sign`]: what it was probably not meant to do; [`misplaced`]: places counted from another origin than meant;
+//! - [`requirement`]: what parameters must satisfy whenever they are set; [`sample`]: random states.
+
+pub(in crate::model) mod closure;
+pub mod degree;
+pub(in crate::model) mod inertia;
+pub(in crate::model) mod misplaced;
+pub(crate) mod moments;
+pub(in crate::model) mod rank;
+pub mod requirement;
+pub mod sample;
+pub(in crate::model) mod sign;
+pub(in crate::model) mod singular;
+#[cfg(test)]
+pub(in crate::model) mod trial;
+pub(in crate::model) mod velocity;
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::degree::{self, Problem};
-use super::evaluate::Resolver;
-use super::lagrangian::Constraint;
-use super::moments::{Impossible, principal_moments};
-use super::sample::default_parameters;
 use crate::expr::{Expr, Matrix, Node, Symbol, evaluate};
+use crate::model::check::degree::Problem;
+use crate::model::check::moments::{Impossible, principal_moments};
+use crate::model::check::sample::default_parameters;
+use crate::model::lagrangian::Constraint;
+use crate::model::value::evaluate::Resolver;
 use crate::parse::syntax::{Name, Span};
 use crate::variable::Variable;
 
 /// Where something stands, and the calls and parts that led there, the innermost first.
 #[derive(Clone, Debug)]
-pub(super) struct Place {
-    pub(super) span: Span,
-    pub(super) calls: Vec<(Span, String)>,
+pub(in crate::model) struct Place {
+    pub(in crate::model) span: Span,
+    pub(in crate::model) calls: Vec<(Span, String)>,
 }
 
 /// Mass and inertia of a body, with their places.
 #[derive(Clone, Debug)]
-pub(super) struct Physical<'g> {
-    pub(super) mass: Expr<'g>,
-    pub(super) mass_place: Place,
-    pub(super) inertia: Option<(Matrix<'g>, Place)>,
+pub(in crate::model) struct Physical<'g> {
+    pub(in crate::model) mass: Expr<'g>,
+    pub(in crate::model) mass_place: Place,
+    pub(in crate::model) inertia: Option<(Matrix<'g>, Place)>,
 }
 
 /// Where each term of an energy, each force and each constraint stands.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Places {
-    pub(super) kinetic: Vec<Place>,
-    pub(super) potential: Vec<Place>,
-    pub(super) lagrangian: Vec<Place>,
-    pub(super) dissipation: Vec<Place>,
+pub(in crate::model) struct Places {
+    pub(in crate::model) kinetic: Vec<Place>,
+    pub(in crate::model) potential: Vec<Place>,
+    pub(in crate::model) lagrangian: Vec<Place>,
+    pub(in crate::model) dissipation: Vec<Place>,
     /// Of the forces on coordinates.
-    pub(super) forces: Vec<Place>,
-    pub(super) constraints: Vec<Place>,
+    pub(in crate::model) forces: Vec<Place>,
+    pub(in crate::model) constraints: Vec<Place>,
     /// Of constraints between vectors, what vanishes, as it was written.
-    pub(super) differences: Vec<Option<String>>,
+    pub(in crate::model) differences: Vec<Option<String>>,
 }
 
 impl<'d, 'g> Resolver<'d, 'g> {
     /// Looks at the finished mechanism; `name` is where what concerns all of it is reported.
-    pub(super) fn check(&mut self, name: &Name) {
+    pub(in crate::model) fn check(&mut self, name: &Name) {
         self.check_names();
         self.check_reactions();
         self.check_bodies();
@@ -341,7 +358,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::trial::{messages, refused};
+    use crate::model::check::trial::{messages, refused};
 
     #[test]
     fn bodies_must_be_possible() {
@@ -368,8 +385,8 @@ mod tests {
             "param n: kg = 0; kinetic += particle(n, [x, y, z]);",
             "n: a body without mass and inertia has no kinetic energy; this is so by the default values of the parameters",
         );
-        assert!(super::super::trial::refusals(&body("0", "diag(i, i, 2*i)")).is_empty());
-        assert!(super::super::trial::refusals(&body("1", "diag(0, i, i)")).is_empty());
+        assert!(crate::model::check::trial::refusals(&body("0", "diag(i, i, 2*i)")).is_empty());
+        assert!(crate::model::check::trial::refusals(&body("1", "diag(0, i, i)")).is_empty());
     }
 
     #[test]

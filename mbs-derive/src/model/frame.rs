@@ -11,7 +11,7 @@
 
 use crate::expr::{Expr, Graph, Matrix, Vector};
 
-use super::landmark::is_still;
+use crate::model::landmark::is_still;
 
 /// Number of a frame in its [`Frames`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -57,7 +57,7 @@ impl Edge<'_> {
 
 impl<'g> Edge<'g> {
     /// From the frame's axes to the parent's; `None` where they are the same.
-    pub(super) fn rotation(&self) -> Option<Matrix<'g>> {
+    pub(in crate::model) fn rotation(&self) -> Option<Matrix<'g>> {
         match *self {
             Edge::Rotation { axis, angle } => Some(Matrix::rotation(axis, angle)),
             Edge::Quaternion(q) => Some(rotation_by(q)),

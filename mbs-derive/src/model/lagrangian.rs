@@ -9,8 +9,8 @@ use std::ops::Range;
 use crate::expr::{Expr, Graph, Id, Matrix, Number, Symbol, Vector};
 use crate::variable::Variable;
 
-use super::frame::{Edge, FrameId, Frames};
-use super::landmark::{Landmarks, Motion};
+use crate::model::frame::{Edge, FrameId, Frames};
+use crate::model::landmark::{Landmarks, Motion};
 
 /// A rigid body, or a particle (a body without rotational inertia), whose kinetic energy is part of T.
 #[derive(Clone, Copy, Debug)]
@@ -337,7 +337,7 @@ impl<'g> Lagrangian<'g> {
     }
 
     /// The same as a node of its own, which neither another call nor an energy that is written out has.
-    pub(super) fn declared_energy_of(&mut self, body: &Body<'g>) -> Expr<'g> {
+    pub(in crate::model) fn declared_energy_of(&mut self, body: &Body<'g>) -> Expr<'g> {
         let energy = self.kinetic_energy_of(body).distinct();
         self.landmarks.note_body(energy, *body);
         energy
@@ -372,7 +372,7 @@ impl<'g> Lagrangian<'g> {
 
     /// The same velocity in world axes, summed up on the way there: nothing is turned into the axes of the frame and
     /// back, so a component that is exact in the world stays so beside large ones.
-    pub(super) fn velocity_in_world(&self, point: Vector<'g>, frame: FrameId) -> Vector<'g> {
+    pub(in crate::model) fn velocity_in_world(&self, point: Vector<'g>, frame: FrameId) -> Vector<'g> {
         let own = self.frames.get(frame).angular_velocity.cross(point) + point.map(Expr::rate);
         // An edge that shifts turns no axes, and ω is the same on both sides of it.
         self.frames.way_to_world(frame).fold(own, |v, at| match at.edge {
@@ -384,7 +384,7 @@ impl<'g> Lagrangian<'g> {
 
     /// The scalar product of two vectors that are known as multiples of the velocity of one frame's origin, written as in
     /// the kinetic energy of a body there.
-    pub(super) fn product_of_velocities(&self, a: Vector<'g>, b: Vector<'g>) -> Option<Expr<'g>> {
+    pub(in crate::model) fn product_of_velocities(&self, a: Vector<'g>, b: Vector<'g>) -> Option<Expr<'g>> {
         let of_origin = |vector: Vector<'g>| match self.landmarks.motion(vector)? {
             Motion::Velocity { factor, coordinates, frame } => {
                 (coordinates == Vector::zero(self.graph)).then_some((factor, frame))

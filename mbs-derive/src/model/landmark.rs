@@ -6,10 +6,10 @@
 
 use std::collections::BTreeMap;
 
-use super::frame::FrameId;
-use super::lagrangian::Body;
 use crate::expr::graph::IdMap;
 use crate::expr::{Expr, HalfInteger, Id, Matrix, Node, Symbol, Vector};
+use crate::model::frame::FrameId;
+use crate::model::lagrangian::Body;
 
 /// A world component of a place that is fixed in a frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -24,7 +24,7 @@ pub struct Place<'g> {
 
 /// A vector that is linear in how a frame moves; in any axes, as long as all that it is multiplied with are the same.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Motion<'g> {
+pub(in crate::model) enum Motion<'g> {
     /// The velocity of a place that is fixed in the frame, times a factor: a momentum.
     Velocity { factor: Expr<'g>, coordinates: Vector<'g>, frame: FrameId },
     /// `A ω`, with A in the axes of the frame.
@@ -43,43 +43,43 @@ pub struct Landmarks<'g> {
 
 impl<'g> Landmarks<'g> {
     /// That an expression is the kinetic energy of a body.
-    pub(super) fn note_body(&mut self, energy: Expr<'g>, body: Body<'g>) {
+    pub(in crate::model) fn note_body(&mut self, energy: Expr<'g>, body: Body<'g>) {
         self.bodies.insert(energy.id(), body);
     }
 
     /// That these are the world components of a place.
-    pub(super) fn note_place(&mut self, position: Vector<'g>, coordinates: Vector<'g>, frame: FrameId) {
+    pub(in crate::model) fn note_place(&mut self, position: Vector<'g>, coordinates: Vector<'g>, frame: FrameId) {
         for (axis, &component) in position.0.iter().enumerate() {
             self.note_component(component, Place { axis, coordinates, frame });
         }
     }
 
     /// That an expression is a world component of a place; one that moves in its frame says nothing.
-    pub(super) fn note_component(&mut self, component: Expr<'g>, place: Place<'g>) {
+    pub(in crate::model) fn note_component(&mut self, component: Expr<'g>, place: Place<'g>) {
         if place.coordinates.0.iter().all(|&c| is_still(c)) {
             self.places.insert(component.id(), place);
         }
     }
 
     /// That a vector is the motion of something.
-    pub(super) fn note_motion(&mut self, vector: Vector<'g>, motion: Motion<'g>) {
+    pub(in crate::model) fn note_motion(&mut self, vector: Vector<'g>, motion: Motion<'g>) {
         self.motions.insert(key(vector), motion);
     }
 
     /// What moves so.
-    pub(super) fn motion(&self, vector: Vector<'g>) -> Option<Motion<'g>> {
+    pub(in crate::model) fn motion(&self, vector: Vector<'g>) -> Option<Motion<'g>> {
         self.motions.get(&key(vector)).copied()
     }
 
     /// That one vector is another in other axes.
-    pub(super) fn note_turned(&mut self, from: Vector<'g>, to: Vector<'g>) {
+    pub(in crate::model) fn note_turned(&mut self, from: Vector<'g>, to: Vector<'g>) {
         if let Some(motion) = self.motion(from) {
             self.note_motion(to, motion);
         }
     }
 
     /// That one vector is a multiple of another.
-    pub(super) fn note_scaled(&mut self, from: Vector<'g>, by: Expr<'g>, to: Vector<'g>) {
+    pub(in crate::model) fn note_scaled(&mut self, from: Vector<'g>, by: Expr<'g>, to: Vector<'g>) {
         if !is_still(by) {
             return;
         }
@@ -94,7 +94,7 @@ impl<'g> Landmarks<'g> {
     }
 
     /// That one vector is a matrix times another, rows and columns in these axes: of an angular velocity, a momentum.
-    pub(super) fn note_transformed(
+    pub(in crate::model) fn note_transformed(
         &mut self,
         from: Vector<'g>,
         axes: (FrameId, FrameId),
@@ -110,7 +110,7 @@ impl<'g> Landmarks<'g> {
     }
 
     /// That an expression is the scalar product of two vectors: twice a kinetic energy, where both are of one motion.
-    pub(super) fn note_product(&mut self, a: Vector<'g>, b: Vector<'g>, product: Expr<'g>) {
+    pub(in crate::model) fn note_product(&mut self, a: Vector<'g>, b: Vector<'g>, product: Expr<'g>) {
         let (Some(a), Some(b)) = (self.motion(a), self.motion(b)) else { return };
         let graph = product.graph();
         let body = match (a, b) {
@@ -129,7 +129,7 @@ impl<'g> Landmarks<'g> {
     }
 
     /// That an expression is the world component of a vector along an axis.
-    pub(super) fn note_component_of(&mut self, vector: Vector<'g>, axis: usize, component: Expr<'g>) {
+    pub(in crate::model) fn note_component_of(&mut self, vector: Vector<'g>, axis: usize, component: Expr<'g>) {
         if let Some(Motion::Velocity { factor, coordinates, frame }) = self.motion(vector)
             && factor.is_one()
         {
@@ -237,7 +237,7 @@ fn scaled<'g>(body: &Body<'g>, factor: Expr<'g>) -> Body<'g> {
 
 /// The terms of a sum, each split into a factor that is constant in time and the rest; what is `known` is not taken
 /// apart.
-pub(super) fn terms<'g>(sum: Expr<'g>, known: impl Fn(Id) -> bool) -> Vec<(Expr<'g>, Expr<'g>)> {
+pub(in crate::model) fn terms<'g>(sum: Expr<'g>, known: impl Fn(Id) -> bool) -> Vec<(Expr<'g>, Expr<'g>)> {
     let graph = sum.graph();
     let moving = moving_nodes(sum);
     let mut waiting = vec![(graph.integer(1), sum.id())];

@@ -3,13 +3,13 @@
 use std::collections::BTreeSet;
 use std::path::Path;
 
-use super::builtin::{FUNCTIONS, METHODS};
-use super::declare::MAX_COORDINATES;
-use super::dimension::UNITS;
-use super::evaluate::{MAX_NODES, MAX_STEPS};
-use super::function::{MAX_CALLS, library};
-use super::reaction::MAX_JOINTS;
-use super::statement::MAX_TURNS;
+use crate::model::names::function::{MAX_CALLS, library};
+use crate::model::statement::MAX_TURNS;
+use crate::model::statement::declare::MAX_COORDINATES;
+use crate::model::statement::reaction::MAX_JOINTS;
+use crate::model::value::builtin::{FUNCTIONS, METHODS};
+use crate::model::value::dimension::UNITS;
+use crate::model::value::evaluate::{MAX_NODES, MAX_STEPS};
 use crate::parse::syntax::StatementKind;
 use crate::parse::{MAX_DEPTH, MAX_TOKENS};
 use crate::source::{self, MAX_BYTES, MAX_IMPORTS};

@@ -1,20 +1,35 @@
-//! Statements, in order: local names, loops, choices; quantities, energies and outputs have files of their own.
+//! Statements, in order: local names, loops, choices. In reading order:
+//!
+//! - [`declare`]: parameters, coordinates, inputs, prescribed motions, constants; [`given`]: numbers with units, in SI units;
+//! - [`energy`]: energies, generalized forces; [`body`]: bodies; [`gravity`]: the field that all bodies weigh in;
+//! - [`point_force`]: forces at points, torques; [`constraint`]: constraints; [`output`]: outputs;
+//! - [`reaction`]: joints whose wrenches are asked for, held and let go.
 
-use super::evaluate::{Argument, Refused, Resolved, Resolver};
-use super::function::Home;
-use super::scope::{Binding, Origin};
-use super::value::{Scalar, Shape, Value, shared};
+pub(in crate::model) mod body;
+pub(in crate::model) mod constraint;
+pub(in crate::model) mod declare;
+pub(in crate::model) mod energy;
+pub mod given;
+pub(in crate::model) mod gravity;
+pub(in crate::model) mod output;
+pub(in crate::model) mod point_force;
+pub(in crate::model) mod reaction;
+
+use crate::model::names::function::Home;
+use crate::model::names::scope::{Binding, Origin};
+use crate::model::value::evaluate::{Argument, Refused, Resolved, Resolver};
+use crate::model::value::{Scalar, Shape, Value, shared};
 use crate::parse::syntax::{Expression, Name, Quantity, Span, Statement, StatementKind};
 
 /// Turns that the loops of one mechanism may take, all together.
-pub(super) const MAX_TURNS: usize = 100_000;
+pub(in crate::model) const MAX_TURNS: usize = 100_000;
 
 /// Blocks within blocks.
 const MAX_BLOCKS: usize = 100;
 
 impl<'d, 'g> Resolver<'d, 'g> {
     /// What names stand for, before any statement is looked at.
-    pub(super) fn survey(&mut self, statements: &'d [Statement]) {
+    pub(in crate::model) fn survey(&mut self, statements: &'d [Statement]) {
         for statement in statements {
             let (name, value) = match &statement.kind {
                 StatementKind::Param(Quantity { name, value, .. })
@@ -51,7 +66,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
     }
 
     /// All statements; `false` where the mechanism has outgrown its limits and the rest is not looked at.
-    pub(super) fn statements(&mut self, statements: &'d [Statement]) -> bool {
+    pub(in crate::model) fn statements(&mut self, statements: &'d [Statement]) -> bool {
         statements.iter().all(|statement| {
             // Why it was refused has been noted; the next one may be right.
             let _ = self.statement(statement);
@@ -137,7 +152,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
     }
 
     /// The value that a name is given, by an expression that must not come back to the name.
-    pub(super) fn definition(&mut self, name: &'d Name, value: &Expression) -> Resolved<Value<'g>> {
+    pub(in crate::model) fn definition(&mut self, name: &'d Name, value: &Expression) -> Resolved<Value<'g>> {
         self.defining = self.scope.is_outermost().then_some(name.text.as_str());
         let value = self.expression(value);
         self.defining = None;
@@ -145,9 +160,9 @@ impl<'d, 'g> Resolver<'d, 'g> {
     }
 
     /// Gives a name its meaning in the innermost block; `None` where its declaration was wrong.
-    pub(super) fn declare(&mut self, name: &Name, origin: Origin, value: Option<Value<'g>>) -> Resolved<()> {
+    pub(in crate::model) fn declare(&mut self, name: &Name, origin: Origin, value: Option<Value<'g>>) -> Resolved<()> {
         let (text, span) = (&name.text, name.span.clone());
-        if super::builtin::CONSTANTS.contains(&text.as_str()) {
+        if crate::model::value::builtin::CONSTANTS.contains(&text.as_str()) {
             return Err(self.refuse(&span, format!("`{text}` is built in"), "choose another name"));
         }
         let function =
@@ -202,7 +217,12 @@ impl<'d, 'g> Resolver<'d, 'g> {
     }
 
     /// A name keeps its shape, and a number its dimension.
-    pub(super) fn check_assignment(&mut self, name: &str, old: Value<'g>, new: &Argument<'g>) -> Resolved<()> {
+    pub(in crate::model) fn check_assignment(
+        &mut self,
+        name: &str,
+        old: Value<'g>,
+        new: &Argument<'g>,
+    ) -> Resolved<()> {
         if old.shape() != new.value.shape() {
             let message = format!("`{name}` is {}, this is {}", old.described(), new.value.described());
             return Err(self.refuse(&new.span, message, "use another name for it"));
@@ -222,7 +242,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
 // ---- loops and choices
 
 impl<'d, 'g> Resolver<'d, 'g> {
-    pub(super) fn is_in_a_loop(&self) -> bool {
+    pub(in crate::model) fn is_in_a_loop(&self) -> bool {
         self.loops > 0
     }
 
@@ -313,7 +333,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::trial::{near, refusals, refused, value};
+    use crate::model::check::trial::{near, refusals, refused, value};
 
     #[test]
     fn blocks_shadow_and_assign() {

@@ -1,15 +1,31 @@
-//! What expressions of the language stand for.
+//! What expressions of the language stand for. In reading order:
+//!
+//! - [`dimension`]: SI dimensions and units; [`constant`]: what is known of an expression;
+//! - [`evaluate`]: expressions → values; [`quantity`]: numbers with units; [`operator`]: `+ - * / ^` and `dt`;
+//! - [`condition`]: `if … else`; [`difference`]: differences of places, in their nearest common frame;
+//! - [`builtin`]: functions and methods; [`attitude`]: axes of parameters, arrays for several arguments; [`interpolation`]: tables.
+
+pub(in crate::model) mod attitude;
+pub(in crate::model) mod builtin;
+pub(in crate::model) mod condition;
+pub(in crate::model) mod constant;
+pub(in crate::model) mod difference;
+pub mod dimension;
+pub(in crate::model) mod evaluate;
+pub(in crate::model) mod interpolation;
+pub(in crate::model) mod operator;
+pub(in crate::model) mod quantity;
 
 use std::collections::BTreeMap;
 use std::rc::Rc;
 
-use super::dimension::Dimension;
-use super::frame::{Edge, FrameId};
 use crate::expr::{Expr, Matrix, Vector};
+use crate::model::frame::{Edge, FrameId};
+use crate::model::value::dimension::Dimension;
 
 /// The value of an expression.
 #[derive(Clone, Debug)]
-pub(super) enum Value<'g> {
+pub(in crate::model) enum Value<'g> {
     /// One number.
     Scalar(Scalar<'g>),
     /// A free vector.
@@ -28,56 +44,56 @@ pub(super) enum Value<'g> {
 
 /// A part that has been built.
 #[derive(Clone, Debug)]
-pub(super) struct Instance<'g> {
+pub(in crate::model) struct Instance<'g> {
     /// The name of the part.
-    pub(super) part: String,
+    pub(in crate::model) part: String,
     /// What it declares; nothing where a declaration was wrong.
-    pub(super) values: BTreeMap<String, Option<Value<'g>>>,
+    pub(in crate::model) values: BTreeMap<String, Option<Value<'g>>>,
     /// Whether none of its statements was refused.
-    pub(super) is_whole: bool,
+    pub(in crate::model) is_whole: bool,
 }
 
 /// One number with its dimension. The literal 0 fits every dimension.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Scalar<'g> {
-    pub(super) expr: Expr<'g>,
-    pub(super) dimension: Dimension,
+pub(in crate::model) struct Scalar<'g> {
+    pub(in crate::model) expr: Expr<'g>,
+    pub(in crate::model) dimension: Dimension,
 }
 
 /// A vector's components in the axes of `frame`; those of the world for a plain `[x, y, z]`.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Free<'g> {
-    pub(super) components: Vector<'g>,
-    pub(super) frame: FrameId,
-    pub(super) dimension: Dimension,
+pub(in crate::model) struct Free<'g> {
+    pub(in crate::model) components: Vector<'g>,
+    pub(in crate::model) frame: FrameId,
+    pub(in crate::model) dimension: Dimension,
 }
 
 /// A place: its coordinates in `frame`.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Point<'g> {
-    pub(super) coordinates: Vector<'g>,
-    pub(super) frame: FrameId,
+pub(in crate::model) struct Point<'g> {
+    pub(in crate::model) coordinates: Vector<'g>,
+    pub(in crate::model) frame: FrameId,
 }
 
 /// A matrix with the dimension that its entries share.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Tensor<'g> {
-    pub(super) entries: Matrix<'g>,
+pub(in crate::model) struct Tensor<'g> {
+    pub(in crate::model) entries: Matrix<'g>,
     /// The axes that rows and columns are in; plain numbers `[[…], […], […]]` do not say.
-    pub(super) axes: Option<(FrameId, FrameId)>,
-    pub(super) dimension: Dimension,
+    pub(in crate::model) axes: Option<(FrameId, FrameId)>,
+    pub(in crate::model) dimension: Dimension,
 }
 
 /// A frame, and what moves from there on: frames are made only of poses that something stands on.
 #[derive(Clone, Debug)]
-pub(super) struct Pose<'g> {
-    pub(super) base: FrameId,
-    pub(super) edges: Vec<Edge<'g>>,
+pub(in crate::model) struct Pose<'g> {
+    pub(in crate::model) base: FrameId,
+    pub(in crate::model) edges: Vec<Edge<'g>>,
 }
 
 /// Values in a row.
 #[derive(Clone, Debug)]
-pub(super) struct Array<'g> {
+pub(in crate::model) struct Array<'g> {
     values: Rc<[Value<'g>]>,
     /// How many values that are no arrays there are in it, all levels together.
     leaves: usize,
@@ -87,7 +103,7 @@ pub(super) struct Array<'g> {
 
 /// What a value can be used as.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Shape {
+pub(in crate::model) enum Shape {
     Number,
     Vector,
     Matrix,
@@ -97,11 +113,11 @@ pub(super) enum Shape {
 }
 
 impl<'g> Value<'g> {
-    pub(super) fn matrix(matrix: Tensor<'g>) -> Self {
+    pub(in crate::model) fn matrix(matrix: Tensor<'g>) -> Self {
         Value::Matrix(Box::new(matrix))
     }
 
-    pub(super) fn shape(&self) -> Shape {
+    pub(in crate::model) fn shape(&self) -> Shape {
         match self {
             Value::Scalar(_) => Shape::Number,
             Value::Vector(_) | Value::Point(_) => Shape::Vector,
@@ -116,7 +132,7 @@ impl<'g> Value<'g> {
     }
 
     /// With an article, for messages.
-    pub(super) fn described(&self) -> String {
+    pub(in crate::model) fn described(&self) -> String {
         match self {
             Value::Scalar(_) => "a number".to_string(),
             Value::Vector(_) => "a vector".to_string(),
@@ -135,7 +151,7 @@ impl<'g> Value<'g> {
 
 impl Shape {
     /// With an article, for messages.
-    pub(super) fn described(self) -> &'static str {
+    pub(in crate::model) fn described(self) -> &'static str {
         match self {
             Shape::Number => "a number",
             Shape::Vector => "a vector",
@@ -149,12 +165,12 @@ impl Shape {
 
 impl<'g> Array<'g> {
     /// More numbers than any mechanism has.
-    pub(super) const MAX_LEAVES: usize = 100_000;
+    pub(in crate::model) const MAX_LEAVES: usize = 100_000;
     /// More indices than any mechanism needs.
-    pub(super) const MAX_DEPTH: usize = 6;
+    pub(in crate::model) const MAX_DEPTH: usize = 6;
 
     /// `None` where that is more than any mechanism needs: loops could make arrays without end.
-    pub(super) fn new(values: Vec<Value<'g>>) -> Option<Self> {
+    pub(in crate::model) fn new(values: Vec<Value<'g>>) -> Option<Self> {
         let (mut leaves, mut depth) = (0usize, 0);
         for value in &values {
             match value {
@@ -169,24 +185,24 @@ impl<'g> Array<'g> {
         (leaves <= Self::MAX_LEAVES && array.depth <= Self::MAX_DEPTH).then_some(array)
     }
 
-    pub(super) fn values(&self) -> &[Value<'g>] {
+    pub(in crate::model) fn values(&self) -> &[Value<'g>] {
         &self.values
     }
 }
 
 impl<'g> Scalar<'g> {
-    pub(super) fn new(expr: Expr<'g>, dimension: Dimension) -> Self {
+    pub(in crate::model) fn new(expr: Expr<'g>, dimension: Dimension) -> Self {
         Scalar { expr, dimension }
     }
 
     /// A plain number.
-    pub(super) fn plain(expr: Expr<'g>) -> Self {
+    pub(in crate::model) fn plain(expr: Expr<'g>) -> Self {
         Scalar { expr, dimension: Dimension::ONE }
     }
 }
 
 /// Which dimension two values share; a zero fits every dimension.
-pub(super) fn shared(a: (Dimension, bool), b: (Dimension, bool)) -> Option<Dimension> {
+pub(in crate::model) fn shared(a: (Dimension, bool), b: (Dimension, bool)) -> Option<Dimension> {
     match (a, b) {
         ((a, _), (_, true)) => Some(a),
         ((_, true), (b, _)) => Some(b),
@@ -196,26 +212,26 @@ pub(super) fn shared(a: (Dimension, bool), b: (Dimension, bool)) -> Option<Dimen
 
 impl Scalar<'_> {
     /// For [`shared`].
-    pub(super) fn fit(&self) -> (Dimension, bool) {
+    pub(in crate::model) fn fit(&self) -> (Dimension, bool) {
         (self.dimension, self.expr.is_zero())
     }
 }
 
 impl Free<'_> {
     /// For [`shared`].
-    pub(super) fn fit(&self) -> (Dimension, bool) {
+    pub(in crate::model) fn fit(&self) -> (Dimension, bool) {
         (self.dimension, self.components.0.iter().all(|c| c.is_zero()))
     }
 }
 
 impl<'g> Tensor<'g> {
     /// Entries that do not say in which axes they are.
-    pub(super) fn plain(entries: Matrix<'g>, dimension: Dimension) -> Self {
+    pub(in crate::model) fn plain(entries: Matrix<'g>, dimension: Dimension) -> Self {
         Tensor { entries, axes: None, dimension }
     }
 
     /// For [`shared`].
-    pub(super) fn fit(&self) -> (Dimension, bool) {
+    pub(in crate::model) fn fit(&self) -> (Dimension, bool) {
         (self.dimension, self.entries.0.iter().flatten().all(|c| c.is_zero()))
     }
 }

@@ -1,0 +1,126 @@
+//! Whether every motion that the constraints leave has inertia: the mass matrix of the declared energies.
+
+use crate::expr::{Dual, Expr, Residue, Rounded, Symbol, Tape, Value};
+use crate::numeric::elimination::{Elimination, eliminate_rounded, on_allowed_motions};
+
+use crate::model::check::degree::{Line, Problem};
+use crate::model::check::rank::VelocityEquations;
+use crate::numeric::echelon::Echelon;
+
+/// `L + V`, which carries all velocities.
+pub(in crate::model) struct Motion {
+    tape: Tape,
+}
+
+impl Motion {
+    pub(in crate::model) fn new(sum: Expr<'_>) -> Self {
+        Motion { tape: Tape::new(&[sum]) }
+    }
+
+    /// `Mᵢⱼ = L(eᵢ + eⱼ) − L(eᵢ) − L(eⱼ) + L(0)`, the polarization of a quadratic polynomial.
+    fn mass_matrix<V: Value>(&self, n: usize, at: impl Fn(&dyn Fn(u32) -> V, Symbol) -> Dual<V>) -> Vec<V> {
+        let with = |i: Option<usize>, j: Option<usize>| {
+            let one = |k: u32, index: Option<usize>| f64::from(u8::from(index == Some(k as usize)));
+            let velocity = |k: u32| V::constant(one(k, i) + one(k, j));
+            self.tape.run(|symbol| at(&velocity, symbol))[0].value
+        };
+        let rest = with(None, None);
+        let single: Vec<V> = (0..n).map(|i| with(Some(i), None)).collect();
+        let entry = |i: usize, j: usize| with(Some(i), Some(j)).sub(single[i]).sub(single[j]).add(rest);
+        let lower: Vec<V> = (0..n).flat_map(|i| (0..=i).map(move |j| (i, j))).map(|(i, j)| entry(i, j)).collect();
+        let at = |i: usize, j: usize| lower[i.max(j) * (i.max(j) + 1) / 2 + i.min(j)];
+        (0..n * n).map(|k| at(k / n, k % n)).collect()
+    }
+}
+
+/// What is wrong with the inertia of a mechanism, if anything.
+pub(in crate::model) fn problem(
+    motion: &Motion,
+    constraints: &VelocityEquations,
+    lines: &[Line],
+    n: usize,
+) -> Option<Problem> {
+    let matrix = |line: &Line| {
+        let mass = motion.mass_matrix(n, |velocity, symbol| line.rounded(velocity, symbol));
+        let rows = constraints.pfaffian(line, n).into_iter().zip(constraints.vectors());
+        let (rows, vectors): (Vec<_>, Vec<_>) = rows.filter(|(row, _)| row.iter().all(|x| x.is_finite())).unzip();
+        on_allowed_motions(n, mass, rows.concat().into_iter().map(Rounded::exact).collect(), &vectors)
+    };
+    // Of a large mechanism, whose matrix takes n² evaluations, fewer states have to do.
+    let tried = lines.iter().take(if n > 20 { 2 } else { lines.len() });
+    let found: Vec<(Elimination, f64)> = tried.map(matrix).map(|m| eliminate_rounded(&m, n)).collect();
+    if let Some((negative, _)) = found.iter().find(|(e, rounding)| e.smallest < -rounding) {
+        return Some(Problem::NegativeInertia(negative.last));
+    }
+    if found.iter().any(|(e, rounding)| e.smallest > *rounding) {
+        return None;
+    }
+    without_inertia(motion, constraints, lines, n)
+}
+
+/// The coordinates of a motion that has no inertia at any state, decided in a finite field at the defaults of the
+/// parameters; where it has no values, none is said to be.
+fn without_inertia(motion: &Motion, constraints: &VelocityEquations, lines: &[Line], n: usize) -> Option<Problem> {
+    let first = dependence::<0>(motion, constraints, lines, n);
+    let second = dependence::<1>(motion, constraints, lines, n);
+    // In a field in which nothing has a value, nothing is decided.
+    let coordinates = match (first, second) {
+        (Some(first), Some(second)) => second.and(first),
+        (only, None) | (None, only) => only.flatten(),
+    }?;
+    Some(match coordinates.as_slice() {
+        &[alone] => Problem::NoInertia(alone),
+        _ => Problem::DependentInertia(coordinates),
+    })
+}
+
+/// The coordinates of a motion without inertia in one of the fields, if there is one; `None` where nothing has a value.
+fn dependence<const K: usize>(
+    motion: &Motion,
+    constraints: &VelocityEquations,
+    lines: &[Line],
+    n: usize,
+) -> Option<Option<Vec<usize>>> {
+    const TRIED: u64 = 64;
+    let line = lines.first()?;
+    let echelons = (0..TRIED).filter_map(|point| {
+        let mass = motion.mass_matrix(n, |velocity, symbol| line.in_field(point, velocity, symbol));
+        let rows = constraints.pfaffian_in_field::<K>(line, point, n);
+        // A motion without inertia is in the null space of both.
+        Echelon::of(mass.chunks(n).map(<[Residue<K>]>::to_vec).chain(rows).collect())
+    });
+    let singular: Vec<Option<Vec<usize>>> = echelons.take(2).map(|echelon| echelon.shortest_dependence()).collect();
+    (!singular.is_empty()).then(|| singular.into_iter().collect::<Option<Vec<_>>>()?.pop())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Which sign the inertia of the motions has that a row leaves: 0 where one has none.
+    fn sign(mass: [f64; 9], row: [f64; 3]) -> i32 {
+        let [mass, row] = [mass.as_slice(), &row].map(|numbers| numbers.iter().copied().map(Rounded::exact).collect());
+        let (found, rounding) = eliminate_rounded(&on_allowed_motions(3, mass, row, &[0]), 3);
+        i32::from(found.smallest > rounding) - i32::from(found.smallest < -rounding)
+    }
+
+    #[test]
+    fn units_do_not_change_what_has_inertia() {
+        // The second coordinate follows the third: 0.5 + 4·(−1.25), (1, 0.25), nothing at all.
+        let cases = [
+            ([3.0, 0.0, 0.0, 0.0, -1.25, 0.0, 0.0, 0.0, 0.5], -1),
+            ([3.0, 0.5, 0.0, 0.5, 1.0, 0.0, 0.0, 0.0, 0.25], 1),
+            ([3.0, 0.5, 0.0, 0.5, 1.0, 0.0, 0.0, 0.0, 0.0], 1),
+            ([3.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0], 0),
+        ];
+        for units in 0..81 {
+            let power = |digit: u32| 2.0_f64.powi(60 * (units / 3_i32.pow(digit) % 3 - 1));
+            let unit = [power(0), power(1), power(2)];
+            for (mass, expected) in cases {
+                let mass = std::array::from_fn(|k| unit[k / 3] * mass[k] * unit[k % 3]);
+                let row = std::array::from_fn(|i| power(3) * unit[i] * [0.0, 1.0, -2.0][i]);
+                assert_eq!(sign(mass, row), expected, "{unit:?} {mass:?} {row:?}");
+            }
+        }
+    }
+}

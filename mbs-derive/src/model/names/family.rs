@@ -1,0 +1,95 @@
+//! Declarations with an index, `output tip[i] = …;`: the elements of one array, gathered from the turns of loops.
+
+use std::collections::BTreeMap;
+
+use crate::model::value::evaluate::{Refused, Resolved, Resolver};
+use crate::parse::syntax::{Expression, Name, Span};
+
+/// A declaration, or an array of them, as far as its statements have been met.
+#[derive(Clone, Debug)]
+pub(in crate::model) struct Family {
+    pub(in crate::model) name: Name,
+    pub(in crate::model) is_array: bool,
+    /// Where each element is declared; of what is no array element 0.
+    elements: BTreeMap<usize, Span>,
+}
+
+impl Family {
+    pub(in crate::model) fn new(name: &Name, number: Option<usize>) -> Self {
+        let elements = BTreeMap::from([(number.unwrap_or(0), name.span.clone())]);
+        Family { name: name.clone(), is_array: number.is_some(), elements }
+    }
+
+    /// How many elements.
+    pub(in crate::model) fn count(&self) -> usize {
+        self.elements.len()
+    }
+
+    /// How many elements, where it is an array.
+    pub(in crate::model) fn length(&self) -> Option<usize> {
+        self.is_array.then_some(self.elements.len())
+    }
+}
+
+impl<'d, 'g> Resolver<'d, 'g> {
+    /// The index of a declaration, below `limit`.
+    pub(in crate::model) fn number_of(&mut self, index: Option<&Expression>, limit: usize) -> Resolved<Option<usize>> {
+        let Some(index) = index else { return Ok(None) };
+        let index = self.argument(index)?;
+        self.index(&index, limit).map(Some)
+    }
+
+    /// One more element of what is known by this name; `what` it is, such as "output".
+    pub(in crate::model) fn joined(
+        &mut self,
+        mut family: Family,
+        name: &Name,
+        number: Option<usize>,
+        what: &str,
+    ) -> Resolved<Family> {
+        let text = &name.text;
+        if family.is_array != number.is_some() {
+            let message = format!("`{text}` is both one {what} and an array");
+            let help = "give all of them an index, or another name".to_string();
+            return Err(self.refuse_twice(&name.span, message, help, family.name.span));
+        }
+        match (family.elements.insert(number.unwrap_or(0), name.span.clone()), number) {
+            (None, _) => Ok(family),
+            (Some(first), None) if first == name.span => {
+                let message = format!("each turn of the loop declares {} `{text}`", with_article(what));
+                let help = format!("give it an index: `{what} {text}[i]`, which runs from 0");
+                Err(self.refuse(&name.span, message, help))
+            }
+            (Some(first), None) => {
+                let message = format!("there is already {} `{text}`", with_article(what));
+                Err(self.refuse_twice(&name.span, message, "choose another name".to_string(), first))
+            }
+            (Some(first), Some(i)) if first == name.span => {
+                let message = format!("several turns of the loop declare {} `{text}[{i}]`", with_article(what));
+                Err(self.refuse(&name.span, message, "give it an index that is another one in each turn"))
+            }
+            (Some(first), Some(i)) => {
+                let message = format!("there is already {} `{text}[{i}]`", with_article(what));
+                let help = format!("each index stands for one {what}");
+                Err(self.refuse_twice(&name.span, message, help, first))
+            }
+        }
+    }
+
+    /// Every index from 0 on stands for an element.
+    pub(in crate::model) fn complete(&mut self, family: &Family, what: &str) -> Resolved<()> {
+        match (0..family.count()).find(|i| !family.elements.contains_key(i)) {
+            Some(_) if self.gave_up => Err(Refused),
+            Some(missing) => {
+                let message = format!("there is no {what} `{}[{missing}]`", family.name.text);
+                Err(self.refuse(&family.name.span, message, "indices run from 0 on, without gaps"))
+            }
+            None => Ok(()),
+        }
+    }
+}
+
+fn with_article(what: &str) -> String {
+    let article = if what.starts_with('o') { "an" } else { "a" };
+    format!("{article} {what}")
+}

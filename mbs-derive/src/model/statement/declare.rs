@@ -1,0 +1,685 @@
+//! `param`, `coord`, `input`, `prescribed` and `const`: quantities with units.
+
+use crate::model::value::constant::Dependence;
+use crate::model::value::dimension::{Dimension, Measure, measure};
+use crate::model::value::evaluate::{Argument, Resolved, Resolver, in_words};
+use crate::variable::Variable;
+
+use crate::expr::{Expr, Matrix, Number, Vector};
+use crate::model::names::scope::Origin;
+use crate::model::value::quantity::AnglesInPlace;
+use crate::model::value::{Free, Scalar, Tensor, Value};
+use crate::parse::syntax::{Expression, Quantity, Span};
+
+/// Longer arrays are a slip of the pen.
+const MAX_LENGTH: i64 = 10_000;
+
+/// The derivatives that are generated and proved grow with the square and the cube of the number of coordinates.
+pub(in crate::model) const MAX_COORDINATES: usize = 100;
+
+impl<'d, 'g> Resolver<'d, 'g> {
+    /// `param length: m = 0.5;`
+    pub(in crate::model) fn parameter(&mut self, quantity: &'d Quantity) -> Resolved<()> {
+        let (length, measure) = (self.size(quantity), self.measure(quantity, "param"));
+        let value = self.default_of(quantity, measure.as_ref().ok(), length);
+        let (Ok(length), Ok(measure), Ok(defaults)) = (length, measure, value) else {
+            return self.declare(&quantity.name, Origin::Parameter, None);
+        };
+        let name = &quantity.name.text;
+        let symbols = match length {
+            None => vec![self.lagrangian.parameter(name, &measure.si, defaults[0])],
+            Some(_) => self.lagrangian.parameter_array(name, &measure.si, defaults),
+        };
+        document(&mut self.lagrangian.parameters, quantity);
+        self.note_conditions(quantity, &measure);
+        if quantity.columns.is_some()
+            && let Ok(Some(rows)) = self.length(quantity)
+        {
+            if let Some(parameter) = self.lagrangian.parameters.last_mut() {
+                parameter.columns = Some(symbols.len() / rows);
+            }
+            return self.declare_matrix(quantity, &symbols, measure.dimension, rows);
+        }
+        self.declare_symbols(quantity, Origin::Parameter, symbols, measure.dimension, length)
+    }
+
+    /// What was declared of the last parameter besides its name: another unit than those of the SI, that it is
+    /// positive.
+    fn note_conditions(&mut self, quantity: &Quantity, measure: &Measure) {
+        let Some(parameter) = self.lagrangian.parameters.last_mut() else { return };
+        parameter.declared_unit =
+            quantity.unit.as_ref().filter(|_| !measure.scale.is_one()).map(|unit| unit.to_string());
+        parameter.positive = quantity.positive.is_some();
+        let wrong = parameter.defaults.iter().map(|value| value.to_f64()).find(|value| *value <= 0.0);
+        if let (Some(span), Some(value)) = (&quantity.positive, wrong) {
+            let message = format!("`{}` is declared positive, its default is {value}", quantity.name.text);
+            let _ = self.refuse(span, message, "leave `positive` out, or choose another default");
+        }
+    }
+
+    /// Row by row.
+    fn declare_matrix(
+        &mut self,
+        quantity: &Quantity,
+        symbols: &[Expr<'g>],
+        dimension: Dimension,
+        rows: usize,
+    ) -> Resolved<()> {
+        let dimension = self.dimension(dimension);
+        let of_row =
+            |row: &[Expr<'g>]| row.iter().map(|&e| Value::Scalar(Scalar::new(e, dimension))).collect::<Vec<_>>();
+        let rows: Vec<_> = symbols.chunks(symbols.len() / rows).map(of_row).collect();
+        let rows: Resolved<Vec<_>> = rows.into_iter().map(|row| self.array(row, &quantity.name.span)).collect();
+        let value = rows.and_then(|rows| self.array(rows, &quantity.name.span)).ok();
+        self.declare(&quantity.name, Origin::Parameter, value)
+    }
+
+    /// `coord theta: rad;`
+    pub(in crate::model) fn coordinate(&mut self, quantity: &'d Quantity) -> Resolved<()> {
+        let (length, measure) = (self.length(quantity), self.unscaled(quantity, "coord"));
+        let first = self.lagrangian.dof();
+        let (Ok(length), Ok(measure)) = (length, measure) else {
+            return self.declare(&quantity.name, Origin::Coordinate(first), None);
+        };
+        if first + length.unwrap_or(1) > MAX_COORDINATES {
+            let message = format!("a mechanism has at most {MAX_COORDINATES} coordinates");
+            let _ = self.refuse(&quantity.name.span, message, "derive a part of it, or fewer elements");
+            return self.declare(&quantity.name, Origin::Coordinate(first), None);
+        }
+        let symbols = self.lagrangian.coordinate(&quantity.name.text, &measure.si, length);
+        document(&mut self.lagrangian.coordinates, quantity);
+        self.declare_symbols(quantity, Origin::Coordinate(first), symbols, measure.dimension, length)
+    }
+
+    /// `input push: N;`
+    pub(in crate::model) fn input(&mut self, quantity: &'d Quantity) -> Resolved<()> {
+        let (length, measure) = (self.length(quantity), self.unscaled(quantity, "input"));
+        let (Ok(length), Ok(measure)) = (length, measure) else {
+            return self.declare(&quantity.name, Origin::Input, None);
+        };
+        let symbols = self.lagrangian.input(&quantity.name.text, &measure.si, length);
+        document(&mut self.lagrangian.inputs, quantity);
+        self.declare_symbols(quantity, Origin::Input, symbols, measure.dimension, length)
+    }
+
+    /// `prescribed heave: m;`, `prescribed heave: m = a * sin(w * t);`
+    pub(in crate::model) fn prescribed(&mut self, quantity: &'d Quantity) -> Resolved<()> {
+        let Some(formula) = &quantity.value else { return self.signal(quantity) };
+        let (length, measure) = (self.length(quantity), self.measure(quantity, "prescribed"));
+        let value = self.definition(&quantity.name, formula);
+        let motion = match (value, length, measure) {
+            (Ok(value), Ok(length), Ok(measure)) => self.motion(quantity, &value, length, &measure, &formula.span),
+            _ => Err(crate::model::value::evaluate::Refused),
+        };
+        self.declare(&quantity.name, Origin::Prescribed, motion.ok())
+    }
+
+    /// Given at run time, with two derivatives.
+    fn signal(&mut self, quantity: &'d Quantity) -> Resolved<()> {
+        let (length, measure) = (self.length(quantity), self.unscaled(quantity, "prescribed"));
+        let (Ok(length), Ok(measure)) = (length, measure) else {
+            return self.declare(&quantity.name, Origin::Prescribed, None);
+        };
+        let symbols = self.lagrangian.prescribe(&quantity.name.text, &measure.si, length);
+        document(&mut self.lagrangian.prescribed, quantity);
+        self.declare_symbols(quantity, Origin::Prescribed, symbols, measure.dimension, length)
+    }
+
+    /// Given by a formula.
+    fn motion(
+        &mut self,
+        quantity: &Quantity,
+        value: &Value<'g>,
+        length: Option<usize>,
+        measure: &Measure,
+        span: &Span,
+    ) -> Resolved<Value<'g>> {
+        let name = &quantity.name.text;
+        if !measure.scale.is_one() {
+            let at = quantity.unit.as_ref().map_or(&quantity.name.span, |unit| &unit.span);
+            let help = format!("write `prescribed {name}: {} = …;`", measure.si);
+            return Err(self.refuse(at, format!("`{name}` is a formula, in SI units"), help));
+        }
+        let elements = match (value, length) {
+            (Value::Scalar(_), length) => vec![value.clone(); length.unwrap_or(1)],
+            (_, Some(length)) => {
+                let elements = self.elements(&Argument { value: value.clone(), span: span.clone() })?;
+                self.check_length(elements.len(), length, span)?;
+                elements
+            }
+            (other, None) => {
+                let message = format!("`{name}` is one number, this is {}", other.described());
+                return Err(self.refuse(span, message, "write `let` for anything else, or declare a length: `[3]`"));
+            }
+        };
+        let mut values = Vec::new();
+        for element in elements {
+            let argument = Argument { value: element, span: span.clone() };
+            let expr = self.of_dimension(&argument, &format!("`{name}`"), measure.dimension)?;
+            let moved = Dependence::COORDINATE.or(Dependence::VELOCITY).or(Dependence::INPUT);
+            if self.facts.dependence(expr).on(moved) {
+                let help =
+                    "a prescribed motion is a formula of `t`, constants and parameters; write `let` for anything else";
+                return Err(self.refuse(span, "a prescribed motion does not depend on coordinates or inputs", help));
+            }
+            values.push(Value::Scalar(Scalar::new(expr, self.dimension(measure.dimension))));
+        }
+        match (length, values.pop()) {
+            (None, Some(value)) => Ok(value),
+            (_, last) => self.array(values.into_iter().chain(last).collect(), span),
+        }
+    }
+
+    /// `const d[6]: m = [0.78, …];`
+    pub(in crate::model) fn constant(&mut self, quantity: &'d Quantity) -> Resolved<()> {
+        let (length, measure) = (self.length(quantity), self.measure_if_any(quantity));
+        let is_angle = matches!(&measure, Ok(Some(measure)) if measure.si == "rad");
+        let value = self.value_of_constant(quantity, measure, length);
+        self.declare(&quantity.name, Origin::Constant, value.ok())?;
+        if let Some(binding) = self.scope.get_mut(&quantity.name.text) {
+            binding.is_angle = is_angle;
+        }
+        Ok(())
+    }
+
+    fn declare_symbols(
+        &mut self,
+        quantity: &Quantity,
+        origin: Origin,
+        symbols: Vec<Expr<'g>>,
+        dimension: Dimension,
+        length: Option<usize>,
+    ) -> Resolved<()> {
+        let dimension = self.dimension(dimension);
+        let mut values: Vec<_> = symbols.iter().map(|&s| Value::Scalar(Scalar::new(s, dimension))).collect();
+        let value = match length {
+            None => values.pop(),
+            Some(_) => self.array(values, &quantity.name.span).ok(),
+        };
+        self.declare(&quantity.name, origin, value)
+    }
+}
+
+fn document(variables: &mut [Variable], quantity: &Quantity) {
+    if let Some(variable) = variables.last_mut() {
+        variable.docs = quantity.docs.clone();
+    }
+}
+
+// ---- lengths and units
+
+impl<'d, 'g> Resolver<'d, 'g> {
+    fn length(&mut self, quantity: &Quantity) -> Resolved<Option<usize>> {
+        quantity.length.as_ref().map(|length| self.array_length(length)).transpose()
+    }
+
+    pub(in crate::model) fn array_length(&mut self, length: &Expression) -> Resolved<usize> {
+        let argument = self.argument(length)?;
+        match self.integer(&argument, "the length of an array")? {
+            n @ 1..=MAX_LENGTH => Ok(n as usize),
+            n => {
+                let message = format!("an array has from 1 to {MAX_LENGTH} elements, not {n}");
+                Err(self.refuse(&length.span, message, ""))
+            }
+        }
+    }
+
+    /// How many numbers, rows times columns.
+    fn size(&mut self, quantity: &Quantity) -> Resolved<Option<usize>> {
+        let (rows, Some(columns)) = (self.length(quantity)?, &quantity.columns) else { return self.length(quantity) };
+        let argument = self.argument(columns)?;
+        let columns_wanted = self.integer(&argument, "the length of an array")?;
+        let total = columns_wanted.checked_mul(rows.unwrap_or(1) as i64);
+        match total {
+            Some(total @ 1..=MAX_LENGTH) => Ok(Some(total as usize)),
+            _ => {
+                let message = format!("a matrix has from 1 to {MAX_LENGTH} numbers");
+                Err(self.refuse(&columns.span, message, ""))
+            }
+        }
+    }
+
+    /// The numbers of a default, row by row.
+    fn flattened(&mut self, value: Value<'g>, span: &Span) -> Resolved<Vec<Value<'g>>> {
+        if let Value::Scalar(_) = value {
+            return Ok(vec![value]);
+        }
+        let mut numbers = Vec::new();
+        for element in self.elements(&Argument { value, span: span.clone() })? {
+            numbers.extend(self.flattened(element, span)?);
+        }
+        Ok(numbers)
+    }
+
+    /// That a default has as many rows and columns as declared.
+    fn check_rows(&mut self, quantity: &Quantity, value: &Value<'g>, total: usize, span: &Span) -> Resolved<()> {
+        let rows = self.length(quantity)?.unwrap_or(1);
+        let elements = self.elements(&Argument { value: value.clone(), span: span.clone() })?;
+        let columns = total / rows;
+        let right = |element: &Value<'g>| match element {
+            Value::Array(row) => {
+                row.values().len() == columns && row.values().iter().all(|entry| matches!(entry, Value::Scalar(_)))
+            }
+            other => other.shape() == crate::model::value::Shape::Vector && columns == 3,
+        };
+        if elements.len() == rows && elements.iter().all(right) {
+            return Ok(());
+        }
+        let message = format!("{rows} rows of {columns} are declared, this is {}", value.described());
+        Err(self.refuse(span, message, "one value without brackets stands for all entries"))
+    }
+
+    fn measure_if_any(&mut self, quantity: &Quantity) -> Resolved<Option<Measure>> {
+        let Some(unit) = &quantity.unit else { return Ok(None) };
+        match measure(unit) {
+            Ok(measure) => Ok(Some(measure)),
+            Err(error) => Err(self.refuse(&error.span, error.message, error.help.unwrap_or_default())),
+        }
+    }
+
+    fn measure(&mut self, quantity: &Quantity, keyword: &str) -> Resolved<Measure> {
+        if let Some(measure) = self.measure_if_any(quantity)? {
+            return Ok(measure);
+        }
+        let name = &quantity.name.text;
+        let help = format!("write `{keyword} {name}: m`, `1` for a plain number");
+        Err(self.refuse(&quantity.name.span, format!("`{name}` needs a unit"), help))
+    }
+
+    /// States and inputs are given at run time, in SI units: no other may be declared.
+    fn unscaled(&mut self, quantity: &Quantity, keyword: &str) -> Resolved<Measure> {
+        let measure = self.measure(quantity, keyword)?;
+        if measure.scale.is_one() {
+            return Ok(measure);
+        }
+        let name = &quantity.name.text;
+        let span = quantity.unit.as_ref().map_or(&quantity.name.span, |unit| &unit.span);
+        let message = format!("`{name}` is given at run time, in SI units");
+        Err(self.refuse(span, message, format!("write `{keyword} {name}: {};`", measure.si)))
+    }
+}
+
+// ---- values
+
+impl<'d, 'g> Resolver<'d, 'g> {
+    /// The defaults of a parameter in SI units, one for each component.
+    fn default_of(
+        &mut self,
+        quantity: &'d Quantity,
+        measure: Option<&Measure>,
+        length: Resolved<Option<usize>>,
+    ) -> Resolved<Vec<Number>> {
+        let name = &quantity.name;
+        let Some(expression) = &quantity.value else {
+            let message = format!("the parameter `{}` needs a default", name.text);
+            let help = "parameters can be set at run time; the default is what they are until then";
+            return Err(self.refuse(&name.span, message, help));
+        };
+        let value = self.definition(name, expression)?;
+        let (measure, length) = (measure.ok_or(crate::model::value::evaluate::Refused)?, length?);
+        let measure = self.measure_of(expression, measure)?;
+        let value = self.in_unit(&value, Some(&measure), &expression.span, "the default of a parameter")?;
+        let scalar = |resolver: &mut Self, value: &Value<'g>| {
+            let scalar = resolver.scalar(&Argument { value: value.clone(), span: expression.span.clone() })?;
+            resolver.facts.constant(scalar.expr).ok_or(crate::model::value::evaluate::Refused)
+        };
+        match (&value, length) {
+            (value, Some(total)) if quantity.columns.is_some() && !matches!(value, Value::Scalar(_)) => {
+                self.check_rows(quantity, value, total, &expression.span)?;
+                let numbers = self.flattened(value.clone(), &expression.span)?;
+                numbers.iter().map(|value| scalar(self, value)).collect()
+            }
+            (Value::Array(array), Some(length)) => {
+                self.check_length(array.values().len(), length, &expression.span)?;
+                array.values().iter().map(|value| scalar(self, value)).collect()
+            }
+            (Value::Array(array), None) => {
+                let message = format!("`{}` is one number, this is {}", name.text, value.described());
+                let help = format!("write `param {}[{}]`", name.text, array.values().len());
+                Err(self.refuse(&expression.span, message, help))
+            }
+            (_, length) => scalar(self, &value).map(|number| vec![number; length.unwrap_or(1)]),
+        }
+    }
+
+    fn value_of_constant(
+        &mut self,
+        quantity: &'d Quantity,
+        measure: Resolved<Option<Measure>>,
+        length: Resolved<Option<usize>>,
+    ) -> Resolved<Value<'g>> {
+        let Some(expression) = &quantity.value else {
+            let message = format!("the constant `{}` needs a value", quantity.name.text);
+            return Err(self.refuse(&quantity.name.span, message, "write `= …`, or make it a `param`"));
+        };
+        let value = self.definition(&quantity.name, expression)?;
+        let measure = measure?.map(|measure| self.measure_of(expression, &measure)).transpose()?;
+        let value = self.in_unit(&value, measure.as_ref(), &expression.span, "a `const`")?;
+        match (&value, length?) {
+            (Value::Array(array), Some(length)) => {
+                self.check_length(array.values().len(), length, &expression.span).map(|()| value)
+            }
+            (_, Some(length)) => self.array(vec![value; length], &expression.span),
+            (_, None) => Ok(value),
+        }
+    }
+
+    /// What plain numbers of a value are in: angles that have their unit behind them are not in the declared one.
+    fn measure_of(&mut self, value: &Expression, declared: &Measure) -> Resolved<Measure> {
+        if declared.dimension != Dimension::ONE || declared.scale.is_one() {
+            return Ok(declared.clone());
+        }
+        match self.angles_in_place(value) {
+            AnglesInPlace::None => Ok(declared.clone()),
+            AnglesInPlace::All => Ok(Measure { scale: Number::ONE, ..declared.clone() }),
+            AnglesInPlace::Some => Err(self.mixed_angles(&value.span)),
+        }
+    }
+
+    fn check_length(&mut self, found: usize, length: usize, span: &Span) -> Resolved<()> {
+        match found {
+            found if found == length => Ok(()),
+            found => {
+                let message = format!("this array has {found} elements, {length} are declared");
+                Err(self.refuse(span, message, "one value without brackets stands for all elements"))
+            }
+        }
+    }
+
+    /// Every number in a value folded to a constant; a plain number counts in the unit.
+    fn in_unit(
+        &mut self,
+        value: &Value<'g>,
+        measure: Option<&Measure>,
+        span: &Span,
+        what: &str,
+    ) -> Resolved<Value<'g>> {
+        let argument = |value: &Value<'g>| Argument { value: value.clone(), span: span.clone() };
+        match value {
+            Value::Scalar(_) => {
+                let scalar = self.scalar(&argument(value))?;
+                self.number_in_unit(scalar, measure, span, what).map(Value::Scalar)
+            }
+            Value::Array(array) => {
+                let values: Resolved<Vec<_>> =
+                    array.values().iter().map(|value| self.in_unit(value, measure, span, what)).collect();
+                self.array(values?, span)
+            }
+            Value::Vector(_) | Value::Point(_) => {
+                let vector @ Free { dimension, .. } = self.vector(&argument(value))?;
+                let number = |expr| self.number_in_unit(Scalar::new(expr, dimension), measure, span, what);
+                let [x, y, z] = vector.components.0.map(number);
+                let (x, y, z) = (x?, y?, z?);
+                let components = Vector([x.expr, y.expr, z.expr]);
+                Ok(Value::Vector(Free { components, dimension: x.dimension, ..vector }))
+            }
+            Value::Matrix(matrix) => {
+                let Tensor { entries, axes, dimension } = **matrix;
+                let mut rows = entries.0;
+                let mut found = dimension;
+                for entry in rows.iter_mut().flatten() {
+                    let number = self.number_in_unit(Scalar::new(*entry, dimension), measure, span, what)?;
+                    (*entry, found) = (number.expr, number.dimension);
+                }
+                Ok(Value::matrix(Tensor { entries: Matrix(rows), axes, dimension: found }))
+            }
+            Value::Pose(_) | Value::Part(_) => {
+                let message = format!("{what} is made of numbers, this is {}", value.described());
+                Err(self.refuse(span, message, "write `let` for anything else"))
+            }
+        }
+    }
+
+    fn number_in_unit(
+        &mut self,
+        Scalar { expr, dimension }: Scalar<'g>,
+        measure: Option<&Measure>,
+        span: &Span,
+        what: &str,
+    ) -> Resolved<Scalar<'g>> {
+        let Some(number) = self.facts.constant(expr) else {
+            let help = "it is made of numbers, `pi` and other constants; what is made of parameters is a `let`";
+            return Err(self.refuse(span, format!("{what} must be known at build time"), help));
+        };
+        let Some(measure) = measure else {
+            return Ok(Scalar::new(self.graph.constant(number), dimension));
+        };
+        let wanted = self.dimension(measure.dimension);
+        if dimension != Dimension::ONE && dimension != wanted {
+            let message = format!("{} is declared, this is {}", in_words(wanted), in_words(dimension));
+            return Err(self.refuse(span, message, "a plain number is taken in the declared unit"));
+        }
+        let plain = dimension == Dimension::ONE || self.dimensionless;
+        let in_radians =
+            matches!((number, measure.scale), (Number::Exact { pi: 1.., .. }, Number::Exact { pi: 1.., .. }));
+        if plain && in_radians {
+            let help = "declare it in `rad`, or write the number of degrees alone";
+            return Err(self.refuse(span, "this angle is in radians already, as its `pi` or `deg` shows", help));
+        }
+        if measure.si == "rad" && measure.scale.is_one() {
+            self.warn_of_degrees(number, span);
+        }
+        let converted = if plain { number * measure.scale } else { number };
+        if converted.is_zero() && !number.is_zero() {
+            let message = format!("in {} this is nearer to zero than an `f64` can be", measure.si);
+            return Err(self.refuse(span, message, "choose other units, or check the exponent"));
+        }
+        let number = converted;
+        Ok(Scalar::new(self.graph.constant(number), wanted))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::expr::Number;
+    use crate::model::check::trial::{mechanism, messages, near, refusals, refused, value, value_with_unit};
+
+    #[test]
+    fn plain_numbers_are_in_the_declared_unit() {
+        let check = |declaration: &str, expected: Option<Number>, unit: &str| {
+            mechanism(declaration, |lagrangian| {
+                let parameter = lagrangian.parameters.last().unwrap();
+                assert_eq!(
+                    (parameter.defaults.last().copied(), parameter.unit.as_str()),
+                    (expected, unit),
+                    "{declaration}"
+                );
+            });
+        };
+        check("param a: m = 0.5;", Number::rational(1, 2), "m");
+        check("param a: mm = 0.5;", Number::rational(1, 2000), "m");
+        check("param a: kN*mm = 3;", Number::rational(3, 1), "N*m");
+        check("param a: deg = -90;", Some(Number::PI * Number::rational(-1, 2).unwrap()), "rad");
+        check("const b: rad = 0.5; param a: deg = b;", Number::rational(1, 2), "rad");
+        check(
+            "const b[2]: deg = [90, -90]; param a: deg = -b[1];",
+            Some(Number::PI * Number::rational(1, 2).unwrap()),
+            "rad",
+        );
+        check("const b: rad = 0.5; param a[2]: deg = [90 deg, b];", Number::rational(1, 2), "rad");
+        check("const b: 1 = 180; param a: deg = b;", Some(Number::PI), "rad");
+        check("param a: rad = 90*deg;", Some(Number::PI * Number::rational(1, 2).unwrap()), "rad");
+        check("param a: 1 = 2^-2;", Number::rational(1, 4), "1");
+        check("const b: mm = 4; param a: mm = 2*b;", Number::rational(1, 125), "m");
+        check("param a[3]: kg = [1, 2, 3];", Number::rational(3, 1), "kg");
+        check("param a[3]: kg = 1/3;", Number::rational(1, 3), "kg");
+        check("const n = 3; param a[2*n]: kg = 0;", Number::rational(0, 1), "kg");
+    }
+
+    #[test]
+    fn matrices_of_parameters() {
+        let declared = "param j[3][3]: kg*mm^2 = [[2e6, 0, 1e6], [0, 3e6, 0], [1e6, 0, 4e6]];";
+        mechanism(declared, |lagrangian| {
+            let j = lagrangian.parameters.last().unwrap();
+            let defaults: Vec<f64> = j.defaults.iter().map(|n| n.to_f64()).collect();
+            assert_eq!((j.length, defaults), (Some(9), vec![2.0, 0.0, 1.0, 0.0, 3.0, 0.0, 1.0, 0.0, 4.0]));
+            assert_eq!((j.component_names()[5].as_str(), j.lengths()), ("j_1_2", vec![3, 3]));
+        });
+        mechanism(
+            "param a[2][3]: m = 1; param w[3][3]: m = diag(1, 2, 3); let v = w*[1, 0, 0]; let b = a[1][2];",
+            |l| {
+                let w = l.parameters.last().unwrap();
+                assert_eq!(w.defaults[4], Number::integer(2));
+            },
+        );
+        refused(
+            "param a[2][2]: m = [1, 2, 3, 4];",
+            "[1, 2, 3, 4]: 2 rows of 2 are declared, this is an array of 4; one value without brackets stands for all entries",
+        );
+        let text = "mechanism A { param m: kg = 1; param j[3][3]: kg*m^2 = [[2, 0, 1], [0, 3, 0], [1, 0, 4]]; coord q[3]: rad; \
+                    let b = rpy(q[0], q[1], q[2]); kinetic += rigid_body(m, [0, 0, 0], inertia(j), b); }";
+        let report = crate::generate("a", text, &Default::default()).unwrap_err().render("a", text);
+        assert!(report.contains("an inertia is symmetric"), "{report}");
+        let entries = "inertia(j[0][0], j[1][1], j[2][2], j[0][1], j[0][2], j[1][2])";
+        let text = text.replace("inertia(j)", entries);
+        let generated = crate::generate("a", &text, &Default::default());
+        assert!(generated.is_ok_and(|g| g.code.contains("pub j: [[T; 3]; 3]")));
+    }
+
+    #[test]
+    fn constants_of_any_shape() {
+        assert_eq!(value_with_unit("const a: mm = 5;", "a"), (vec![0.005], "m".to_string()));
+        assert_eq!(value_with_unit("const a = 2; const b = a^2;", "b"), (vec![4.0], "1".to_string()));
+        assert_eq!(value_with_unit("const a: m = 2; const b = a^2;", "b"), (vec![4.0], "m²".to_string()));
+        near(&value("const com[2]: mm = [[1, 2, 3], [4, 5, 6]];", "com[1]"), &[0.004, 0.005, 0.006], "vectors");
+        assert_eq!(value_with_unit("const a: m = [1, 0, 0];", "2*a").1, "m");
+        assert_eq!(value_with_unit("const i: kg*m^2 = inertia(1, 2, 3);", "i").1, "kg·m²");
+        near(&value("const alpha[3]: deg = [90, 0, -45];", "alpha[2]"), &[-std::f64::consts::FRAC_PI_4], "degrees");
+        assert_eq!(value("for i in 0..2 { const c = 2*i; }", "x"), [0.3]);
+    }
+
+    #[test]
+    fn documentation_and_units_are_kept() {
+        mechanism(
+            "/// How\n/// heavy.\nparam a: kg = 1; coord w[2]: m; kinetic += a*dt(w[0])^2 + m*dt(w[1])^2;",
+            |lagrangian| {
+                let parameter = lagrangian.parameters.last().unwrap();
+                assert_eq!(parameter.docs, ["How", "heavy."]);
+                let w = lagrangian.coordinates.last().unwrap();
+                assert_eq!((w.first, w.length, w.unit.as_str()), (6, Some(2), "m"));
+            },
+        );
+    }
+
+    #[test]
+    fn prescribed_motions() {
+        assert_eq!(value_with_unit("prescribed s: m = 2*l*t^2/t^2;", "s"), (vec![6.0], "m".to_string()));
+        near(
+            &value("prescribed s[2]: 1 = [sin(t/t), 2]; prescribed w: 1/s = 3/t;", "[s[0], s[1], w*t]"),
+            &[1f64.sin(), 2.0, 3.0],
+            "formulas",
+        );
+        near(
+            &value("prescribed s: 1 = (t/(t^2)*t)^2; prescribed r[2]: m = l;", "[dt(s)*t, r[1]/l]"),
+            &[0.0, 1.0],
+            "formulas",
+        );
+        // Run-time signals with their derivatives.
+        assert_eq!(value_with_unit("prescribed s: m;", "dt(s)"), (vec![-1.4], "m/s".to_string()));
+        near(
+            &value("prescribed s[2]: rad;", "[s[0], s[1], dt(s[1]*x/l)]"),
+            &[0.6, 1.6, (-0.4 * 0.3 + 1.6 * 0.5) / 3.0],
+            "signals",
+        );
+        mechanism("/// Up and down.\nprescribed heave[2]: m; kinetic += 1/2*m*dt(x + heave[1])^2;", |lagrangian| {
+            let [heave] = &lagrangian.prescribed[..] else { panic!("one") };
+            assert_eq!((heave.length, heave.unit.as_str(), &*heave.docs[0]), (Some(2), "m", "Up and down."));
+        });
+        refused(
+            "prescribed s: m = x;",
+            "x: a prescribed motion does not depend on coordinates or inputs; a prescribed motion is a formula of `t`, constants and parameters; write `let` for anything else",
+        );
+        refused("prescribed s: m = m*t/t;", "m*t/t: `s` must be m, this is kg");
+        refused("prescribed s: mm = l;", "mm: `s` is a formula, in SI units; write `prescribed s: m = …;`");
+        refused("prescribed s: mm;", "mm: `s` is given at run time, in SI units; write `prescribed s: m;`");
+        refused(
+            "prescribed s: m = [l, l];",
+            "[l, l]: `s` is one number, this is an array of 2; write `let` for anything else, or declare a length: `[3]`",
+        );
+        refused(
+            "prescribed s[3]: m = [l, l];",
+            "[l, l]: this array has 2 elements, 3 are declared; one value without brackets stands for all elements",
+        );
+        refused("prescribed s: m;", "s: `s` is not used; it is in no energy, force, constraint or output");
+        refused(
+            "prescribed s: m; let a = dt(dt(s));",
+            "dt(s): accelerations cannot enter: this is a time derivative already; energies and forces are made of positions and velocities, inertia is kinetic energy",
+        );
+        assert!(refusals("prescribed s: m; kinetic += particle(m, [s, 0, x]);").is_empty());
+    }
+
+    #[test]
+    fn wrong_quantities() {
+        refused(
+            "param a: m;",
+            "a: the parameter `a` needs a default; parameters can be set at run time; the default is what they are until then",
+        );
+        refused(
+            "param a: m = l;",
+            "l: the default of a parameter must be known at build time; it is made of numbers, `pi` and other constants; what is made of parameters is a `let`",
+        );
+        refused(
+            "const a: m = 2*x;",
+            "2*x: a `const` must be known at build time; it is made of numbers, `pi` and other constants; what is made of parameters is a `let`",
+        );
+        refused(
+            "const b: kg = 1; param a: m = 2*b;",
+            "2*b: m is declared, this is kg; a plain number is taken in the declared unit",
+        );
+        refused(
+            "param a: furlong = 1;",
+            "furlong: `furlong` is not a unit; units are those of the SI: `kg`, `m`, `s`, `rad`, `N`, `J`, `W`, `Pa` …",
+        );
+        refused("param a: Nm = 1;", "Nm: `Nm` is not a unit; did you mean `N*m`?");
+        refused(
+            "param a: deg = pi/2;",
+            "pi/2: this angle is in radians already, as its `pi` or `deg` shows; declare it in `rad`, or write the number of degrees alone",
+        );
+        refused(
+            "param a[3]: kg = [1, 2];",
+            "[1, 2]: this array has 2 elements, 3 are declared; one value without brackets stands for all elements",
+        );
+        refused("param a: kg = [1, 2];", "[1, 2]: `a` is one number, this is an array of 2; write `param a[2]`");
+        refused(
+            "param a: kg = world;",
+            "world: the default of a parameter is made of numbers, this is a pose; write `let` for anything else",
+        );
+        refused("param a[0]: kg = 1;", "0: an array has from 1 to 10000 elements, not 0");
+        refused("param a[100000]: kg = 1;", "100000: an array has from 1 to 10000 elements, not 100000");
+        refused(
+            "param a[m]: kg = 1;",
+            "m: the length of an array must be a constant integer; a parameter may change at run time: declare it as `const name = …;`",
+        );
+        refused("coord w: deg;", "deg: `w` is given at run time, in SI units; write `coord w: rad;`");
+        refused("input w: kN*mm^2;", "kN*mm^2: `w` is given at run time, in SI units; write `input w: N*m^2;`");
+        // A wrong declaration declares its name all the same.
+        assert_eq!(refusals("param a: furlong = 1; let b = a + 1; param c: m; let d = c + l;").len(), 2);
+    }
+
+    #[test]
+    fn names_of_components_are_names() {
+        let text = "mechanism A { coord q[2]: m; param q_1: kg = 1; kinetic += 1/2*q_1*(dt(q[0])^2 + dt(q[1])^2); }";
+        assert_eq!(messages(text), ["q_1: `q_1` and `q` both have a component called `q_1`; choose another name"]);
+        // The columns of `mbs simulate`.
+        let column = |coordinate: &str| {
+            messages(&format!(
+                "#![dimensionless] mechanism A {{ coord x: 1; coord q[2]: 1; coord {coordinate}: 1; \
+                 lagrangian += dt(x)^2 + dt(q[0])^2 + dt(q[1])^2 + dt({coordinate})^2; constraint c: x = q[0]; }}"
+            ))
+        };
+        let taken = |name: &str, what: &str| {
+            let help = "choose another name for the coordinate";
+            assert!(
+                column(name)[0].starts_with(&format!("{name}: `{name}` is what {what} is called")),
+                "{:?}",
+                column(name)
+            );
+            assert!(column(name)[0].ends_with(help));
+        };
+        taken("x_dot", "the rate of `x`");
+        taken("q_1_dot", "the rate of `q_1`");
+        taken("energy", "the energy");
+        taken("lambda_c", "a number of the constraint `c`");
+        assert!(column("q_dot").is_empty() && column("lambda_x").is_empty());
+    }
+}

@@ -1,0 +1,75 @@
+//! Axes of parameters, and arrays given for several arguments.
+
+use crate::expr::{Expr, Graph, Symbol, Vector, carry_out, evaluate};
+use crate::model::check::sample::default_parameters;
+use crate::model::frame::FrameId;
+use crate::model::value::builtin::Call;
+use crate::model::value::constant::Dependence;
+use crate::model::value::evaluate::{Argument, Resolved, Resolver};
+use crate::model::value::{Shape, Value};
+
+impl<'g> Resolver<'_, 'g> {
+    /// The unit vector along an axis of parameters, `v/|v|`; `None` where it is made of numbers, or no axis at all.
+    pub(in crate::model) fn axis_of_parameters(&mut self, axis: &Argument<'g>) -> Resolved<Option<Vector<'g>>> {
+        let vector = self.vector(axis)?;
+        let all = vector.components.0.map(|e| self.facts.dependence(e)).into_iter();
+        let all = all.fold(Dependence::default(), Dependence::or);
+        if vector.frame != FrameId::WORLD || !all.on(Dependence::PARAMETER) || all.moves() || all.on(Dependence::RATE) {
+            return Ok(None);
+        }
+        let squared = vector.components.norm_squared();
+        let length = self.at_defaults(squared);
+        if length.is_nan() || length <= 0.0 {
+            let message = "an axis must have a direction, by the default values of the parameters this is zero";
+            return Err(self.refuse(&axis.span, message, "choose another default, such as `[0, 0, 1]`"));
+        }
+        Ok(Some(vector.components.scale(1 / squared.sqrt())))
+    }
+
+    /// What an expression of parameters is at their defaults.
+    fn at_defaults(&self, expr: Expr<'g>) -> f64 {
+        let (graph, defaults) = (Graph::new(), default_parameters(&self.lagrangian));
+        let value = |symbol| match symbol {
+            Symbol::Parameter(i) => defaults.get(i as usize).copied().unwrap_or(f64::NAN),
+            _ => f64::NAN,
+        };
+        evaluate(&carry_out(&[expr], &graph, |_| None), value)[0]
+    }
+
+    /// The numbers of the one array that is given for several arguments; `None` where they are given one by one.
+    pub(in crate::model) fn spread(
+        &mut self,
+        call: &Call<'_, 'g>,
+        count: usize,
+        message: &str,
+    ) -> Resolved<Option<Vec<Argument<'g>>>> {
+        let [whole] = call.arguments else { return Ok(None) };
+        let numbers = self.numbers_given(whole).filter(|numbers| numbers.len() == count);
+        match numbers {
+            Some(numbers) => Ok(Some(numbers)),
+            None => Err(self.refuse(&whole.span, message, format!("this is {}", whole.value.described()))),
+        }
+    }
+
+    /// As [`spread`](Self::spread), of three moments or six entries.
+    pub(in crate::model) fn spread_inertia(&mut self, call: &Call<'_, 'g>) -> Resolved<Option<Vec<Argument<'g>>>> {
+        let [whole] = call.arguments else { return Ok(None) };
+        match self.numbers_given(whole).filter(|numbers| [3, 6].contains(&numbers.len())) {
+            Some(numbers) => Ok(Some(numbers)),
+            None => {
+                let message = "an inertia is an array of 3 or 6 numbers, or a matrix";
+                Err(self.refuse(&whole.span, message, format!("this is {}", whole.value.described())))
+            }
+        }
+    }
+
+    /// The elements of an array of numbers or a vector.
+    fn numbers_given(&mut self, whole: &Argument<'g>) -> Option<Vec<Argument<'g>>> {
+        if matches!(whole.value, Value::Scalar(_) | Value::Pose(_) | Value::Part(_)) {
+            return None;
+        }
+        let elements = self.elements(whole).ok()?;
+        let numbers = elements.iter().all(|element| element.shape() == Shape::Number);
+        numbers.then(|| elements.into_iter().map(|value| Argument { value, span: whole.span.clone() }).collect())
+    }
+}
