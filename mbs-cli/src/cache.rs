@@ -2,8 +2,8 @@
 //!
 //! An entry is a file: a digest of all that follows in it and of its key, then a value as postcard writes it. Its name
 //! is its key, the digest of what the value was made from: the texts of a mechanism and of all that it imports, as they
-//! are called in reports, what was asked for, and the generator, for which the build script digests its sources. So
-//! entries are never out of date; the ones that were not used for longest go when there are too many.
+//! are called in reports, what was asked for, and this program. So entries are never out of date; the ones that were not
+//! used for longest go when there are too many.
 //!
 //! A cache that cannot be read or written is none: nothing here fails.
 
@@ -12,10 +12,9 @@ use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, SystemTime};
 
-use mbs_derive::source::Sources;
+use mbs_derive::cargo::Digest;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
-use sha2::{Digest, Sha256};
 
 /// The folder, where it is not the user's; empty for none.
 const FOLDER: &str = "MBS_CACHE_DIR";
@@ -35,50 +34,15 @@ pub(crate) struct Cache {
     capacity: u64,
 }
 
-/// What a value is made from.
-#[derive(Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Key([u8; 32]);
-
-impl Key {
-    /// Of what is made of a mechanism.
-    pub(crate) fn new(what: &str, sources: &Sources) -> Self {
-        let mut parts = vec![env!("MBS_GENERATOR"), env!("CARGO_PKG_VERSION"), what];
-        for number in 0..sources.count() {
-            let file = sources.file(number);
-            let (kind, text) = match &file.text {
-                Ok(text) => ("text", text),
-                Err(unreadable) => ("unreadable", &unreadable.reason),
-            };
-            parts.extend([file.name.as_str(), kind, text]);
-        }
-        Key(digest(parts.iter().map(|part| part.as_bytes())))
-    }
-
-    fn file_name(self) -> String {
-        let name: String = self.0.iter().map(|byte| format!("{byte:02x}")).collect();
-        format!("{name}.{EXTENSION}")
-    }
-}
-
-/// Of several parts, with their lengths, so that none can be taken for another.
-fn digest<'p>(parts: impl Iterator<Item = &'p [u8]>) -> [u8; 32] {
-    let mut digest = Sha256::new();
-    for part in parts {
-        digest.update((part.len() as u64).to_le_bytes());
-        digest.update(part);
-    }
-    digest.finalize().into()
-}
-
 impl Cache {
-    /// The user's; none where the system has no such folder, or where the build could not tell one generator from
-    /// another.
+    /// The user's; none where the system has no such folder, or where this program cannot tell itself from
+    /// another version.
     pub(crate) fn of_user() -> Self {
         let folder = match std::env::var_os(FOLDER) {
             Some(folder) => Some(PathBuf::from(folder)).filter(|folder| !folder.as_os_str().is_empty()),
             None => dirs::cache_dir().map(|folder| folder.join("mbs")),
         };
-        let is_known = !env!("MBS_GENERATOR").is_empty();
+        let is_known = Digest::of_this_program().is_some();
         Cache { folder: folder.filter(|_| is_known), capacity: CAPACITY }
     }
 
@@ -88,14 +52,14 @@ impl Cache {
     }
 
     /// Where a value is kept, or would be.
-    pub(crate) fn path(&self, key: Key) -> Option<PathBuf> {
-        self.folder.as_ref().map(|folder| folder.join(key.file_name()))
+    pub(crate) fn path(&self, key: Digest) -> Option<PathBuf> {
+        self.folder.as_ref().map(|folder| folder.join(file_name(key)))
     }
 
     /// What was kept under this key, or else what is made now, which is kept unless it fails.
     pub(crate) fn or_make<T: Serialize + DeserializeOwned, E>(
         &self,
-        key: Key,
+        key: Digest,
         make: impl FnOnce() -> Result<T, E>,
     ) -> Result<T, E> {
         if let Some(value) = self.get(key) {
@@ -110,14 +74,14 @@ impl Cache {
     }
 
     /// An entry that is whole; it counts as used now.
-    fn get<T: DeserializeOwned>(&self, key: Key) -> Option<T> {
+    fn get<T: DeserializeOwned>(&self, key: Digest) -> Option<T> {
         let path = self.path(key)?;
         // To open a pipe would wait for its other end.
         fs::metadata(&path).ok().filter(|there| there.is_file())?;
         let mut bytes = Vec::new();
         File::open(&path).ok()?.take(self.capacity + 1).read_to_end(&mut bytes).ok()?;
-        let (sum, content) = bytes.split_first_chunk::<32>()?;
-        if *sum != digest([&key.0[..], content].into_iter()) {
+        let (sum, content) = bytes.split_first_chunk::<16>()?;
+        if *sum != sum_of(key, content) {
             return None;
         }
         let value = postcard::from_bytes(content).ok()?;
@@ -126,9 +90,9 @@ impl Cache {
     }
 
     /// Writes an entry beside its place and moves it there: others see it whole, or not at all.
-    fn put<T: Serialize>(&self, folder: &Path, key: Key, value: &T) -> io::Result<()> {
+    fn put<T: Serialize>(&self, folder: &Path, key: Digest, value: &T) -> io::Result<()> {
         let content = postcard::to_allocvec(value).map_err(io::Error::other)?;
-        let sum = digest([&key.0[..], &content].into_iter());
+        let sum = sum_of(key, &content);
         if (sum.len() + content.len()) as u64 > self.capacity {
             return Ok(());
         }
@@ -136,7 +100,7 @@ impl Cache {
         let mut file = tempfile::Builder::new().suffix(&format!(".{EXTENSION}")).tempfile_in(folder)?;
         file.write_all(&sum)?;
         file.write_all(&content)?;
-        file.persist(folder.join(key.file_name())).map_err(|error| error.error)?;
+        file.persist(folder.join(file_name(key))).map_err(|error| error.error)?;
         self.make_room(folder)
     }
 
@@ -151,7 +115,7 @@ impl Cache {
             // Others may have removed it by now.
             let Ok(there) = fs::symlink_metadata(&path) else { continue };
             let used = there.modified()?;
-            let is_unfinished = path.file_stem().is_none_or(|name| name.len() != 2 * size_of::<Key>());
+            let is_unfinished = path.file_stem().is_none_or(|name| name.len() != 2 * size_of::<Digest>());
             if is_unfinished && used.elapsed().is_ok_and(|age| age > UNFINISHED) {
                 let _ = fs::remove_file(&path);
             } else if !is_unfinished && there.is_file() {
@@ -171,12 +135,20 @@ impl Cache {
     }
 }
 
+fn file_name(key: Digest) -> String {
+    format!("{key}.{EXTENSION}")
+}
+
+fn sum_of(key: Digest, content: &[u8]) -> [u8; 16] {
+    Digest::of([&key.bytes()[..], content]).bytes()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn key(text: &str) -> Key {
-        Key::new("test", &Sources::new("m.mbs", text))
+    fn key(text: &str) -> Digest {
+        Digest::of([text.as_bytes()])
     }
 
     fn cache(capacity: u64) -> (tempfile::TempDir, Cache) {
@@ -186,7 +158,7 @@ mod tests {
     }
 
     /// Whether it is made now, and what it is.
-    fn take(cache: &Cache, key: Key, value: &str) -> (bool, String) {
+    fn take(cache: &Cache, key: Digest, value: &str) -> (bool, String) {
         let mut made = false;
         let make = || {
             made = true;
@@ -204,21 +176,6 @@ mod tests {
         assert_eq!(take(&cache, key("a"), "two"), (false, "one".to_string()));
         assert_eq!(take(&cache, key("b"), "two"), (true, "two".to_string()));
         assert_eq!(take(&Cache::none(), key("a"), "three"), (true, "three".to_string()));
-    }
-
-    #[test]
-    fn keys_tell_texts_names_and_wishes_apart() {
-        let of = |what, name, text| Key::new(what, &Sources::new(name, text));
-        let keys = [of("a", "b", "c"), of("ab", "", "c"), of("a", "bc", ""), of("", "ab", "c"), of("a", "b", "c ")];
-        for (i, key) in keys.iter().enumerate() {
-            assert!(!keys[..i].contains(key), "{i}");
-        }
-        let imported = |text: &'static [u8]| {
-            let main = "import \"x.mbs\"; mechanism M { }";
-            Key::new("a", &Sources::gather("m.mbs", main, |_| Ok(text.to_vec())))
-        };
-        assert!(imported(b"const a = 1;") != imported(b"const a = 2;"));
-        assert!(imported(b"const a = 1;") == imported(b"const a = 1;"));
     }
 
     #[test]
@@ -252,7 +209,7 @@ mod tests {
 
     #[test]
     fn what_was_not_used_for_longest_goes() {
-        let entry = 32 + 101;
+        let entry = 16 + 101;
         let (_folder, cache) = cache(2 * entry);
         let value = "x".repeat(100);
         let age = |text: &str, seconds| {

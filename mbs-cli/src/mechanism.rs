@@ -3,15 +3,16 @@
 use std::path::Path;
 use std::time::Instant;
 
+use mbs_derive::cargo::{self, Digest};
 use mbs_derive::derive::{self, Equations};
 use mbs_derive::expr::Graph;
 use mbs_derive::model::Lagrangian;
 use mbs_derive::optimise::{self, Derivation};
 use mbs_derive::source::Sources;
-use mbs_derive::{Error, cargo, declared_from, latex, verify};
+use mbs_derive::{Error, declared_from, latex, verify};
 use serde::{Deserialize, Serialize};
 
-use crate::cache::{Cache, Key};
+use crate::cache::Cache;
 use crate::failure::Failure;
 use crate::files::Files;
 use crate::output;
@@ -62,7 +63,7 @@ pub(crate) fn open(path: &Path, files: &mut Files) -> Result<Sources, Failure> {
 
 /// Notes the file that an earlier call has kept.
 pub(crate) fn note(what: &str, sources: &Sources, cache: &Cache, files: &mut Files) {
-    if let Some(path) = cache.path(Key::new(what, sources)) {
+    if let Some(path) = cache.path(Digest::of_request(what, sources)) {
         files.reads("the derivation in", &path);
     }
 }
@@ -81,7 +82,9 @@ pub(crate) fn proved(sources: &Sources, cache: &Cache) -> Result<Mechanism, Fail
 
 /// Likewise, before warnings are reported.
 fn proved_quietly(sources: &Sources, cache: &Cache) -> Result<Mechanism, Failure> {
-    cache.or_make(Key::new(MECHANISM, sources), || derived_and(sources, |_, _, _| ()).map(|derived| derived.mechanism))
+    cache.or_make(Digest::of_request(MECHANISM, sources), || {
+        derived_and(sources, |_, _, _| ()).map(|derived| derived.mechanism)
+    })
 }
 
 /// What is written of a proved mechanism, unless an earlier call has written it: `what` tells it from other writings.
@@ -111,7 +114,7 @@ fn kept(
     cache: &Cache,
     make: impl FnOnce() -> Result<Code, Failure>,
 ) -> Result<String, Failure> {
-    let Code { text, warnings } = cache.or_make(Key::new(what, sources), make)?;
+    let Code { text, warnings } = cache.or_make(Digest::of_request(what, sources), make)?;
     output::report(&warnings);
     Ok(text)
 }

@@ -1,4 +1,10 @@
 //! For build scripts: the only input and output of this crate.
+//!
+//! A mechanism whose texts, options and generator are those of the last run is left as it is in `OUT_DIR`: see
+//! [`Digest`].
+
+mod digest;
+mod kept;
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -11,11 +17,13 @@ use crate::emit::Options;
 use crate::expr::Graph;
 use crate::source::{self, MAX_BYTES, Sources, Unreadable};
 use crate::{Error, Generated, declared_from, derived, generate_from, parse, verify};
+pub use digest::Digest;
+use kept::Kept;
 
 /// Generates one mechanism with default options, for `mbs_runtime::include_mechanism!`.
 ///
 /// To be called from a build script. The module goes to `OUT_DIR`, under its own name: `CartPole` to `cart_pole.rs`. If
-/// the file cannot be read, is not a mechanism or cannot be proved, the report is printed and the script exits with 1.
+/// the file cannot be read, is not a mechanism or cannot be proved, the script ends and cargo shows the report.
 ///
 /// ```no_run
 /// mbs_derive::compile("mechanisms/cart_pole.mbs");
@@ -132,17 +140,20 @@ impl Config {
     }
 
     fn write(&self, file: &Path) -> Result<(), String> {
-        let sources = watched(file)?;
-        let generated = self.generated(&sources)?;
-        self.write_file(&generated.module, &generated.code, &[&sources])
+        let made = self.make(watched(file)?)?;
+        self.write_module(&made, &[&made.sources])
     }
 
-    fn generated(&self, sources: &Sources) -> Result<Generated, String> {
-        let generated = generate_from(sources, &self.options).map_err(|e| e.render_in(sources))?;
-        for line in generated.warnings.lines() {
-            println!("cargo::warning={line}");
-        }
-        Ok(generated)
+    fn make(&self, sources: Sources) -> Result<Made, String> {
+        // Beside code that is checked in nothing is kept.
+        let folder = self.out_dir.is_none().then(|| self.folder()).transpose()?;
+        let kept = folder.and_then(|folder| Kept::new(&folder, &sources, &self.options));
+        let generated = match kept.as_ref().and_then(Kept::read) {
+            Some(generated) => generated,
+            None => generate_from(&sources, &self.options).map_err(|e| e.render_in(&sources))?,
+        };
+        tell(&generated.warnings);
+        Ok(Made { generated, sources, kept })
     }
 
     /// Nothing is written before everything has been generated.
@@ -151,30 +162,33 @@ impl Config {
         for file in mechanism_files(folder)? {
             let sources = watched(&file)?;
             match parse::shared(&sources) {
-                None => mechanisms.push((self.generated(&sources)?, sources)),
+                None => mechanisms.push(self.make(sources)?),
                 Some(declarations) => drop(declarations.map_err(|e| e.render_in(&sources))?),
             }
         }
         check_modules(&mechanisms)?;
-        let sources: Vec<&Sources> = mechanisms.iter().map(|(_, sources)| sources).collect();
-        for (mechanism, _) in &mechanisms {
-            self.write_file(&mechanism.module, &mechanism.code, &sources)?;
-        }
-        self.write_file(INDEX, &index(&mechanisms), &sources)
+        let sources: Vec<&Sources> = mechanisms.iter().map(|made| &made.sources).collect();
+        mechanisms.iter().try_for_each(|made| self.write_module(made, &sources))?;
+        self.write_file(&format!("{INDEX}.rs"), &index(&mechanisms), &sources)
+    }
+
+    /// The record last: it is of the module that is there.
+    fn write_module(&self, made: &Made, read: &[&Sources]) -> Result<(), String> {
+        self.write_file(&format!("{}.rs", made.generated.module), &made.generated.code, read)?;
+        let Some((file, text)) = made.kept.as_ref().map(|kept| kept.record(&made.generated)) else { return Ok(()) };
+        self.write_file(file, &text, read)
+    }
+
+    fn folder(&self) -> Result<PathBuf, String> {
+        self.out_dir.clone().or_else(|| std::env::var_os("OUT_DIR").map(PathBuf::from)).ok_or_else(|| {
+            "error: OUT_DIR is not set: call this from a build script, or name a folder with `Config::out_dir`\n".into()
+        })
     }
 
     /// Whole or not at all: written beside and renamed; never over a file that was read.
-    fn write_file(&self, module: &str, code: &str, read: &[&Sources]) -> Result<(), String> {
-        let folder = match (&self.out_dir, std::env::var_os("OUT_DIR")) {
-            (Some(folder), _) => folder.clone(),
-            (None, Some(folder)) => PathBuf::from(folder),
-            (None, None) => {
-                return Err("error: OUT_DIR is not set: call this from a build script, or name a folder with \
-                            `Config::out_dir`"
-                    .to_string());
-            }
-        };
-        let [path, beside] = [format!("{module}.rs"), format!("{module}.rs.new")].map(|name| folder.join(name));
+    fn write_file(&self, name: &str, text: &str, read: &[&Sources]) -> Result<(), String> {
+        let folder = self.folder()?;
+        let [path, beside] = [folder.join(name), folder.join(format!("{name}.new"))];
         for own in [&path, &beside] {
             if let Some(name) =
                 read.iter().flat_map(|sources| sources.names()).find(|name| is_same(own, Path::new(name)))
@@ -185,10 +199,17 @@ impl Config {
         }
         // What is left of an earlier call may be a link to elsewhere.
         let _ = fs::remove_file(&beside);
-        fs::write(&beside, code)
+        fs::write(&beside, text)
             .and_then(|()| fs::rename(&beside, &path))
             .map_err(|e| format!("error: cannot write {}: {e}", path.display()))
     }
+}
+
+/// A mechanism of the folder.
+struct Made {
+    generated: Generated,
+    sources: Sources,
+    kept: Option<Kept>,
 }
 
 /// Whether two paths lead to one file, through whichever links.
@@ -211,9 +232,9 @@ fn mechanism_files(folder: &Path) -> Result<Vec<PathBuf>, String> {
 }
 
 /// Modules become files: two of one name would be written to one.
-fn check_modules(mechanisms: &[(Generated, Sources)]) -> Result<(), String> {
+fn check_modules(mechanisms: &[Made]) -> Result<(), String> {
     let mut known: BTreeMap<&str, &str> = BTreeMap::new();
-    for (Generated { module, name, .. }, sources) in mechanisms {
+    for Made { generated: Generated { module, name, .. }, sources, .. } in mechanisms {
         let file = sources.main().name.as_str();
         let place = format!(" --> {file}:1:1\n  = help: give the mechanism another name\n");
         if module == INDEX {
@@ -229,26 +250,26 @@ fn check_modules(mechanisms: &[(Generated, Sources)]) -> Result<(), String> {
 }
 
 /// It stands in the same folder as the modules, and includes them as what stands beside it.
-fn index(mechanisms: &[(Generated, Sources)]) -> String {
+fn index(mechanisms: &[Made]) -> String {
     let mut text = String::from("// Generated by mbs. Do not edit.\n\n");
-    for (mechanism, _) in mechanisms {
-        text += &format!("include!(\"{}.rs\");\n", mechanism.module);
+    for Made { generated, .. } in mechanisms {
+        text += &format!("include!(\"{}.rs\");\n", generated.module);
     }
     text += "\n/// The declarations of all mechanisms: module and text, sorted by file name; what they import not included.\n";
     text += "pub const SOURCES: &[(&str, &str)] = &[\n";
-    for (mechanism, sources) in mechanisms {
-        text += &format!("    ({:?}, {:?}),\n", mechanism.module, sources.main().text.as_deref().unwrap_or_default());
+    for Made { generated, sources, .. } in mechanisms {
+        text += &format!("    ({:?}, {:?}),\n", generated.module, sources.main().text.as_deref().unwrap_or_default());
     }
     text += "];\n\n/// The generated code of all mechanisms: module and text, for snapshots.\n";
     text += "pub const GENERATED: &[(&str, &str)] = &[\n";
-    for (mechanism, _) in mechanisms {
-        text += &format!("    ({0:?}, include_str!(\"{0}.rs\")),\n", mechanism.module);
+    for Made { generated, .. } in mechanisms {
+        text += &format!("    ({0:?}, include_str!(\"{0}.rs\")),\n", generated.module);
     }
     text += "];\n\n/// Calls a macro with every mechanism that implements the trait `Mechanism`: module, type, number of coordinates\n";
     text += "/// and of inputs.\n";
     text += "#[macro_export]\nmacro_rules! for_each_mechanism {\n    ($callback:ident) => {\n        $callback! {\n";
-    for (mechanism, _) in mechanisms.iter().filter(|(mechanism, _)| mechanism.implements_mechanism) {
-        let Generated { module, name, dof, inputs, .. } = mechanism;
+    for Made { generated, .. } in mechanisms.iter().filter(|made| made.generated.implements_mechanism) {
+        let Generated { module, name, dof, inputs, .. } = generated;
         text += &format!("            {module} {name} {dof} {inputs};\n");
     }
     text + "        }\n    };\n}\n"
@@ -309,17 +330,54 @@ fn missing(path: &Path) -> Unreadable {
     Unreadable::new(format!("there is no file `{}`", path.display()), help)
 }
 
-/// A build script prints the report and exits with 1; no panic, no trace.
+/// Ends the program on a report: a build script by what cargo reads, without a panic and cargo's account of the script;
+/// any other program with exit code 1.
 fn or_exit<T>(result: Result<T, String>) {
     if let Err(report) = result {
-        eprintln!("{report}");
-        std::process::exit(1);
+        tell(&report);
+        std::process::exit(i32::from(!is_build_script()));
     }
+}
+
+/// `cargo run` and `cargo test` set `OUT_DIR` as well, the number of jobs cargo tells build scripts alone.
+fn is_build_script() -> bool {
+    ["OUT_DIR", "NUM_JOBS"].iter().all(|name| std::env::var_os(name).is_some())
+}
+
+/// Prints a report; in a build script for cargo, which writes `error:` or `warning:` and the package before each line.
+fn tell(report: &str) {
+    if is_build_script() {
+        directives(report).iter().for_each(|line| println!("{line}"));
+    } else {
+        eprint!("{report}");
+    }
+}
+
+/// A report, line by line, as cargo reads it from a build script.
+fn directives(report: &str) -> Vec<String> {
+    let mut severity = "error";
+    let directive = |line| {
+        let (of_block, text) = ["error", "warning"]
+            .into_iter()
+            .find_map(|name| Some((name, str::strip_prefix(line, name)?.strip_prefix(": ")?)))
+            .unwrap_or((severity, line));
+        severity = of_block;
+        format!("cargo::{severity}={text}")
+    };
+    report.lines().filter(|line| !line.is_empty()).map(directive).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn cargo_says_once_what_is_an_error_and_what_a_warning() {
+        let report = "error: no `x`\n --> m.mbs:1:1\n  = help: declare it\n\nwarning: an angle\n --> m.mbs:2:1\n\n… and 3 more\n";
+        let expected = "cargo::error=no `x`\ncargo::error= --> m.mbs:1:1\ncargo::error=  = help: declare it\n\
+                        cargo::warning=an angle\ncargo::warning= --> m.mbs:2:1\ncargo::warning=… and 3 more";
+        assert_eq!(directives(report).join("\n"), expected);
+    }
 
     #[test]
     fn code_does_not_replace_what_it_is_made_of() {

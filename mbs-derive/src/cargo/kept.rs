@@ -1,0 +1,112 @@
+//! What an earlier run of the same build script made of a mechanism, known by a file beside the module.
+//!
+//! ```text
+//! digest of all that follows and of the module
+//! digest of the request
+//! module, name, coordinates, inputs, whether it implements `Mechanism`
+//! warnings
+//! ```
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use super::digest::Digest;
+use crate::Generated;
+use crate::emit::Options;
+use crate::source::Sources;
+
+/// Where the record of a mechanism is, and of what request.
+pub(super) struct Kept {
+    folder: PathBuf,
+    file: String,
+    request: Digest,
+}
+
+impl Kept {
+    /// In `OUT_DIR`, under the name of the mechanism's file and a digest of its path. `None` where the program cannot tell
+    /// itself from another version.
+    pub(super) fn new(folder: &Path, sources: &Sources, options: &Options) -> Option<Self> {
+        Digest::of_this_program()?;
+        let path = &sources.main().name;
+        let stem = Path::new(path).file_stem().unwrap_or_default().display();
+        let file = format!("{stem}.{}", Digest::of([path.as_bytes()]));
+        Some(Kept { folder: folder.into(), file, request: Digest::of_request(&format!("{options:?}"), sources) })
+    }
+
+    /// What was made, if the request is the same and both files are whole.
+    pub(super) fn read(&self) -> Option<Generated> {
+        let record = fs::read_to_string(self.folder.join(&self.file)).ok()?;
+        let (sum, content) = record.split_once('\n')?;
+        let (request, content_of) = content.split_once('\n')?;
+        let (line, warnings) = content_of.split_once('\n')?;
+        if request != self.request.to_string() {
+            return None;
+        }
+        let &[module, name, dof, inputs, implements] = line.split(' ').collect::<Vec<_>>().as_slice() else {
+            return None;
+        };
+        let code = fs::read_to_string(self.folder.join(format!("{module}.rs"))).ok()?;
+        (sum == sum_of(content, &code)).then_some(())?;
+        Some(Generated {
+            module: module.into(),
+            name: name.into(),
+            dof: dof.parse().ok()?,
+            inputs: inputs.parse().ok()?,
+            implements_mechanism: implements.parse().ok()?,
+            code,
+            warnings: warnings.into(),
+        })
+    }
+
+    /// The name of the record's file, and its text.
+    pub(super) fn record(&self, made: &Generated) -> (&str, String) {
+        let Generated { module, name, dof, inputs, implements_mechanism, code, warnings } = made;
+        let content = format!("{}\n{module} {name} {dof} {inputs} {implements_mechanism}\n{warnings}", self.request);
+        (&self.file, format!("{}\n{content}", sum_of(&content, code)))
+    }
+}
+
+fn sum_of(content: &str, code: &str) -> String {
+    Digest::of([content.as_bytes(), code.as_bytes()]).to_string()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_what_is_whole_and_of_the_same_request_is_taken() {
+        let folder = std::env::temp_dir().join(format!("mbs_derive_kept_{}", std::process::id()));
+        fs::create_dir_all(&folder).unwrap();
+        let kept = |text: &str, options| Kept::new(&folder, &Sources::new("a/m.mbs", text), options).unwrap();
+        let (options, frozen) = (Options::default(), Options { freeze: vec!["m".into()], ..Options::default() });
+        let ours = kept("one", &options);
+        let [module, name, code] = ["m", "M", "pub struct M;\n"].map(String::from);
+        let warnings = "warning: a\n --> b\n".to_string();
+        let made = Generated { module, name, dof: 2, inputs: 1, implements_mechanism: true, code, warnings };
+        let (file, record) = ours.record(&made);
+        let files = [folder.join(file), folder.join("m.rs")];
+        let texts = [record.as_bytes(), made.code.as_bytes()];
+        assert_eq!(ours.read(), None);
+        let write = |n: usize, bytes: &[u8]| fs::write(&files[n], bytes).unwrap();
+        write(0, texts[0]);
+        assert_eq!(ours.read(), None, "no module");
+        write(1, texts[1]);
+        assert_eq!(ours.read().as_ref(), Some(&made));
+        assert_eq!(kept("two", &options).read(), None);
+        assert_eq!(kept("one", &frozen).read(), None);
+        for n in [0, 1] {
+            for at in 0..texts[n].len() {
+                let mut bytes = texts[n].to_vec();
+                bytes[at] ^= 1;
+                write(n, &bytes);
+                assert_eq!(ours.read(), None, "{at}");
+                write(n, &texts[n][..at]);
+                assert_eq!(ours.read(), None, "cut at {at}");
+            }
+            write(n, texts[n]);
+        }
+        assert_eq!(ours.read(), Some(made));
+        fs::remove_dir_all(&folder).unwrap();
+    }
+}
