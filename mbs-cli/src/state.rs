@@ -281,7 +281,13 @@ impl Reader<'_> {
         let is_unknown = |key: &&String| !KEYS.contains(&key.as_str()) && !self.is_name(key);
         let unknown: Vec<&String> = object.keys().filter(is_unknown).collect();
         for key in unknown {
-            let hint = hint(key, KEYS.map(String::from).as_slice(), "keys");
+            let names = component_names(&self.derivation.coordinates);
+            let rates = names.iter().flat_map(|name| SUFFIXES.map(|suffix| format!("{name}{suffix}")));
+            let inputs = component_names(&self.derivation.inputs);
+            let known: Vec<String> = KEYS.into_iter().map(String::from).chain(rates).chain(inputs).collect();
+            let near = nearest(key, known.iter().map(String::as_str));
+            let known = if near.is_some() { known } else { KEYS.map(String::from).to_vec() };
+            let hint = hint(key, &known, "keys");
             self.error(format!("unknown key {}{hint}", Value::from(key.as_str())));
         }
         let derivation = self.derivation;

@@ -10,9 +10,9 @@ fn linearized(workshop: &Workshop, arguments: &[&str]) -> Value {
     serde_json::from_str(&workshop.good(&arguments)).unwrap()
 }
 
-/// A mechanism of the repository.
-fn known(path: &str) -> String {
-    format!("{}/../{path}", env!("CARGO_MANIFEST_DIR"))
+/// A mechanism of the repository, to which there is a link here: it becomes a file of the package.
+fn known(file: &str) -> String {
+    format!("{}/tests/mechanisms/{file}", env!("CARGO_MANIFEST_DIR"))
 }
 
 fn matrix(value: &Value) -> Vec<Vec<f64>> {
@@ -150,7 +150,7 @@ fn a_sampled_system() {
 #[test]
 fn constraints_leave_independent_coordinates() {
     let workshop = Workshop::new();
-    let file = known("tests/mechanisms/cartesian_pendulum.mbs");
+    let file = known("cartesian_pendulum.mbs");
     let report = linearized(&workshop, &[&file, "--state", "{\"q\": [0, -1]}"]);
     assert_eq!(names(&report, "states"), ["x [m]", "x_dot [m/s]"]);
     assert_matrix(&report["a"], &[&[0.0, 1.0], &[-9.80665, 0.0]], 1e-13);
@@ -167,7 +167,7 @@ fn constraints_leave_independent_coordinates() {
 #[test]
 fn a_bicycle_weaves_and_capsizes_as_published() {
     let workshop = Workshop::new();
-    let file = known("tests/mechanisms/whipple_bicycle.mbs");
+    let file = known("whipple_bicycle.mbs");
     // Meijaard and others, 2007, table 2: castering, capsize, and weave at 5 m/s.
     let state = format!("{{\"q\": [0,0,0,0,0,0,0,0], \"qd\": [5,0,0,0,0,0,{},{}]}}", -5.0 / 0.3, -5.0 / 0.35);
     let report = linearized(&workshop, &[&file, "--state", &state]);
@@ -186,7 +186,7 @@ fn a_bicycle_weaves_and_capsizes_as_published() {
 #[test]
 fn a_bicycle_is_stable_between_two_speeds() {
     let folder = tempfile::tempdir().unwrap();
-    let file = known("tests/mechanisms/whipple_bicycle.mbs");
+    let file = known("whipple_bicycle.mbs");
     let at = |speed: f64| -> Value {
         let state =
             format!("{{\"q\": [0,0,0,0,0,0,0,0], \"qd\": [{speed},0,0,0,0,0,{},{}]}}", -speed / 0.3, -speed / 0.35);
@@ -225,7 +225,7 @@ fn root(function: impl Fn(f64) -> f64, [mut low, mut high]: [f64; 2]) -> f64 {
 #[test]
 fn a_pendulum_on_a_cart_is_that_of_the_textbook() {
     let workshop = Workshop::new();
-    let file = known("models/mechanisms/cart_pole.mbs");
+    let file = known("cart_pole.mbs");
     let (cart, bob, l, g, b) = (1.0, 0.1, 0.5, 9.81, 0.05);
     for (angle, sign) in [("3.141592653589793", 1.0), ("0", -1.0)] {
         let report = linearized(&workshop, &[&file, "--state", &format!("{{\"q\": [0.3, {angle}]}}")]);
@@ -299,7 +299,7 @@ mod four_bar {
 #[test]
 fn a_four_bar_linkage_is_reduced_to_its_crank() {
     let workshop = Workshop::new();
-    let file = known("models/mechanisms/four_bar.mbs");
+    let file = known("four_bar.mbs");
     for (crank, rate, torque) in [(0.8, 0.0, 0.3), (2.1, 1.7, -0.2), (-1.0, -3.0, 0.0)] {
         let ([coupler, rocker], [k1, k2]) = (four_bar::angles(crank), four_bar::ratios(crank));
         let state = format!(
@@ -329,7 +329,7 @@ fn a_four_bar_linkage_is_reduced_to_its_crank() {
 #[test]
 fn a_quadrotor_hovers() {
     let workshop = Workshop::new();
-    let file = known("models/mechanisms/quadrotor_quaternion.mbs");
+    let file = known("quadrotor_quaternion.mbs");
     let state = "{\"q\": [0,0,0,1,0,0,0], \"u\": [250,250,250,250], \"prescribed\": {\"wind_0\": [0,0,0], \"wind_1\": [0,0,0], \
                  \"wind_2\": [0,0,0]}}";
     let trim = "rotor_speed_0,rotor_speed_1,rotor_speed_2,rotor_speed_3";
