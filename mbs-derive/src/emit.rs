@@ -332,7 +332,7 @@ mod tests {
             last = Value(sum.0 + 1);
         }
         let gravity = derivation.functions.iter_mut().find(|f| f.name == "gravity").expect("there is one");
-        gravity.program = Program::new(instructions, vec![last]);
+        gravity.program = Program::new(instructions, vec![last], Vec::new());
         let text = emitted(&derivation);
         let start = text.find("pub fn gravity").unwrap();
         let body = &text[start..start + text[start..].find("///").unwrap()];

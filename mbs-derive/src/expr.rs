@@ -38,6 +38,7 @@ pub mod graph;
 pub mod hessian;
 pub mod identity;
 pub mod normal;
+mod note;
 pub mod number;
 mod power;
 mod range;

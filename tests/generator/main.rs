@@ -10,6 +10,7 @@ mod identities;
 mod mutants;
 mod operations;
 mod proof;
+mod readable;
 mod reference;
 mod robustness;
 mod structured;

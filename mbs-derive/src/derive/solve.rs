@@ -40,12 +40,18 @@ impl<'g> Factorization<'g> {
         for i in 0..m.len() {
             // (L D)ᵢⱼ = Mᵢⱼ − Σₖ (L D)ᵢₖ Lⱼₖ, k < j < i
             let mut scaled: Vec<Expr<'g>> = Vec::new();
+            (0..=i).for_each(|j| m[i][j].note(format_args!("m_{i}_{j}")));
             for j in 0..i {
                 scaled.push((0..j).fold(m[i][j], |sum, k| sum - scaled[k] * lower[j][k]));
             }
             let row: Vec<_> = (0..i).map(|j| scaled[j] * reciprocal[j]).collect();
+            for j in 0..i {
+                scaled[j].note(format_args!("ld_{i}_{j}"));
+                row[j].note(format_args!("l_{i}_{j}"));
+            }
             // Dᵢ = Mᵢᵢ − Σₖ (L D)ᵢₖ Lᵢₖ
             let pivot = (0..i).fold(m[i][i], |sum, k| sum - scaled[k] * row[k]);
+            pivot.note(format_args!("d_{i}"));
             reciprocal.push(pivot.powi(-1));
             lower.push(row);
         }
@@ -73,6 +79,7 @@ impl<'g> Factorization<'g> {
                 x[i] = x[i] - factor * x[step.pivot];
             }
         }
+        x.iter().enumerate().for_each(|(i, y)| y.note(format_args!("y_{i}")));
         x
     }
 

@@ -12,7 +12,8 @@
 //! - `place`: links that share their origin, and moments about their joints;
 //! - `load`: forces on points and torques on bodies, which ride along with the wrenches;
 //! - `force_element`: springs and dampers between points, likewise;
-//! - `composite`: the mass matrix; `coriolis`: the Coriolis matrix.
+//! - `composite`: the mass matrix; `coriolis`: the Coriolis matrix;
+//! - `notation`: what all these are called in generated code.
 //!
 //! What is no body is derived plainly and added.
 
@@ -24,6 +25,7 @@ pub(super) mod inertia;
 pub(super) mod linkage;
 pub(super) mod load;
 mod newton_euler;
+mod notation;
 mod place;
 mod regroup;
 #[cfg(test)]

@@ -30,6 +30,9 @@ pub(super) const FAMILIAR: [(f64, &str); 8] = [
     (1.0 / 3.0, "third"),
 ];
 
+/// A name counts for this many characters at most.
+const WIDEST: usize = 6;
+
 /// A component of a result.
 #[derive(Clone, Debug)]
 pub(super) enum Component {
@@ -107,6 +110,8 @@ pub(super) struct Body<'n> {
     pub(super) convert: String,
     /// The names of the locals.
     pub(super) locals: Vec<String>,
+    /// How many parts of a name there are.
+    parts: BTreeMap<String, usize>,
     /// Those that are computed on demand.
     pub(super) on_demand: BTreeSet<usize>,
     /// Its results are in the order of the components.
@@ -119,21 +124,36 @@ impl<'n> Body<'n> {
         let familiar = FAMILIAR.map(|(_, name)| scope.unique(name));
         let convert = scope.unique("c");
         let (locals, on_demand, block) = (Vec::new(), BTreeSet::new(), Block::default());
-        let body = Body { names, scope, familiar, convert, locals, on_demand, block };
+        let body = Body { names, scope, familiar, convert, locals, parts: BTreeMap::new(), on_demand, block };
         let (program, components) = restricted(program, components);
         let mut writer = Writer::new(&program, &components, body);
         writer.write();
         writer.finish(&components)
     }
 
-    fn local(&mut self, wish: Option<String>) -> usize {
-        let wished = wish.and_then(|name| self.scope.exactly(&name));
-        let name = wished.unwrap_or_else(|| {
-            let numbered = (self.locals.len()..).map(|i| format!("t{i}"));
-            numbered.into_iter().find_map(|name| self.scope.exactly(&name)).expect("there are enough numbers")
-        });
+    fn local(&mut self, wish: Wish) -> usize {
+        let name = match &wish {
+            Wish::Name(name) => self.scope.exactly(name).unwrap_or_else(|| self.part(name)),
+            Wish::PartOf(name) => self.part(name),
+            Wish::Number => {
+                let mut numbered = (self.locals.len()..).map(|i| format!("t{i}"));
+                numbered.find_map(|name| self.scope.exactly(&name)).expect("there are enough numbers")
+            }
+        };
         self.locals.push(name);
         self.locals.len() - 1
+    }
+
+    /// `name_a`, `name_b`, …: the next one that is free.
+    fn part(&mut self, name: &str) -> String {
+        let next = self.parts.entry(name.to_string()).or_insert(0);
+        loop {
+            let part = format!("{name}_{}", letters(*next));
+            *next += 1;
+            if let Some(free) = self.scope.exactly(&part) {
+                return free;
+            }
+        }
     }
 
     /// Whether a tree is the local of this name.
@@ -172,7 +192,8 @@ impl<'n> Body<'n> {
                     format!("c({value:?})").len()
                 }
             }
-            Tree::Symbol(_) | Tree::Hoisted(_) | Tree::Local(_) => self.name(tree).len(),
+            // A long name says more; it is no reason to cut an expression into more pieces.
+            Tree::Symbol(_) | Tree::Hoisted(_) | Tree::Local(_) => self.name(tree).len().min(WIDEST),
             Tree::Neg(_) | Tree::Not(_) => 1,
             Tree::Add(..) | Tree::Sub(..) | Tree::Mul(..) | Tree::Div(..) | Tree::And(..) => 3,
             Tree::Less(..) | Tree::LessEqual(..) => 7,
@@ -212,6 +233,22 @@ impl<'n> Body<'n> {
     }
 }
 
+/// What a local would be called.
+enum Wish {
+    /// So, or as a part of it where that is taken.
+    Name(String),
+    /// As a part of what it contributes to.
+    PartOf(String),
+    /// It contributes to nothing that has a name.
+    Number,
+}
+
+/// a, b, …, z, aa, ab, …
+fn letters(number: usize) -> String {
+    let last = char::from(b'a' + (number % 26) as u8);
+    if number < 26 { last.to_string() } else { letters(number / 26 - 1) + &last.to_string() }
+}
+
 /// Writes the instructions of a program as statements.
 struct Writer<'p, 'n> {
     program: &'p Program,
@@ -221,8 +258,10 @@ struct Writer<'p, 'n> {
     pairs: BTreeMap<Value, (Value, Value)>,
     /// Several derivatives of one spline at one argument, by their orders.
     splines: BTreeMap<(u32, Value), Vec<(usize, Value)>>,
-    /// Names that values would have as results.
+    /// Names that values have as results, or where they were derived.
     wishes: BTreeMap<Value, String>,
+    /// To what with a name each value contributes first.
+    goals: Vec<Option<Value>>,
     /// The values that are known and not used up.
     trees: Vec<Option<Tree>>,
     /// The statements of each region, those of finished ones taken.
@@ -245,12 +284,22 @@ impl<'p, 'n> Writer<'p, 'n> {
                 }
             }
         }
+        for (value, name) in &program.notes {
+            wishes.entry(*value).or_insert_with(|| name.clone());
+        }
+        let mut goals = vec![None; program.instructions.len()];
         let mut angles: BTreeMap<Value, [Option<Value>; 2]> = BTreeMap::new();
         for (i, instruction) in program.instructions.iter().enumerate().rev() {
             if uses[i] == 0 {
                 continue;
             }
-            instruction.operands().for_each(|operand| uses[operand.index()] += 1);
+            if wishes.contains_key(&value(i)) {
+                goals[i] = Some(value(i));
+            }
+            for operand in instruction.operands() {
+                uses[operand.index()] += 1;
+                goals[operand.index()] = goals[i].or(goals[operand.index()]);
+            }
             match *instruction {
                 Instruction::Call(Function::Sin, angle) => angles.entry(angle).or_default()[0] = Some(value(i)),
                 Instruction::Call(Function::Cos, angle) => angles.entry(angle).or_default()[1] = Some(value(i)),
@@ -266,7 +315,7 @@ impl<'p, 'n> Writer<'p, 'n> {
         pairs.keys().for_each(|angle| uses[angle.index()] -= 1);
         let splines = Self::splines(program, &mut uses);
         let (trees, statements) = (vec![None; uses.len()], vec![Vec::new(); program.regions.count()]);
-        Writer { program, uses, pairs, splines, wishes, trees, statements, region: Region::BODY, body }
+        Writer { program, uses, pairs, splines, wishes, goals, trees, statements, region: Region::BODY, body }
     }
 
     /// The derivatives of a spline at one argument that are computed at one place, which use the argument once.
@@ -310,7 +359,7 @@ impl<'p, 'n> Writer<'p, 'n> {
             }
             let tree = match self.trees[i].take() {
                 Some(selected) => selected,
-                None => self.tree(instruction),
+                None => self.tree(value(i), instruction),
             };
             if place.on_demand.is_some() {
                 self.trees[i] = Some(self.on_demand(value(i), tree, place));
@@ -333,7 +382,9 @@ impl<'p, 'n> Writer<'p, 'n> {
             let results = results.collect();
             Block { statements: std::mem::take(&mut self.statements[branch.sides[side].index()]), results }
         });
-        let locals: Vec<usize> = selections.iter().map(|&s| self.body.local(self.wishes.get(&s).cloned())).collect();
+        let wish = |&selection: &Value| self.wish(selection, &Tree::Constant(0.0));
+        let wishes: Vec<Wish> = selections.iter().map(wish).collect();
+        let locals: Vec<usize> = wishes.into_iter().map(|wish| self.body.local(wish)).collect();
         for (selection, &local) in selections.iter().zip(&locals) {
             self.trees[selection.index()] = Some(Tree::Local(local));
         }
@@ -346,7 +397,8 @@ impl<'p, 'n> Writer<'p, 'n> {
         if statements.is_empty() && tree.is_free() {
             return tree;
         }
-        let local = self.body.local(self.wish(value, &tree));
+        let wish = self.wish(value, &tree);
+        let local = self.body.local(wish);
         self.body.on_demand.insert(local);
         self.region = place.region;
         self.push(Statement::OnDemand(local, Block { statements, results: vec![tree] }));
@@ -361,8 +413,9 @@ impl<'p, 'n> Writer<'p, 'n> {
     fn sin_cos(&mut self, angle: Value, sin: Value, cos: Value) {
         let angle = self.take(angle);
         let words = self.body.describe(&angle);
-        let [first, second] = [Function::Sin, Function::Cos].map(|function| {
-            let wish = words.as_ref().map(|words| format!("{}_{words}", function.name()));
+        let [first, second] = [(Function::Sin, sin), (Function::Cos, cos)].map(|(function, value)| {
+            let wish = words.as_ref().map(|words| Wish::Name(format!("{}_{words}", function.name())));
+            let wish = wish.unwrap_or_else(|| self.wish(value, &Tree::Constant(0.0)));
             self.body.local(wish)
         });
         self.push(Statement::SinCos([first, second], angle));
@@ -374,19 +427,20 @@ impl<'p, 'n> Writer<'p, 'n> {
     fn spline(&mut self, spline: u32, argument: Value, derivatives: &[(usize, Value)]) {
         let argument = self.take(argument);
         let (orders, values): (Vec<usize>, Vec<Value>) = derivatives.iter().copied().unzip();
-        let locals = self.spline_derivatives(spline, orders, argument);
+        let locals = self.spline_derivatives(spline, orders, &values, argument);
         values.iter().zip(locals).for_each(|(value, local)| self.trees[value.index()] = Some(Tree::Local(local)));
     }
 
     /// The locals that hold derivatives of these orders.
-    fn spline_derivatives(&mut self, spline: u32, orders: Vec<usize>, x: Tree) -> Vec<usize> {
+    fn spline_derivatives(&mut self, spline: u32, orders: Vec<usize>, values: &[Value], x: Tree) -> Vec<usize> {
         let table = self.body.names.spline(&self.program.splines[spline as usize]);
-        let locals: Vec<usize> = orders.iter().map(|_| self.body.local(None)).collect();
+        let wishes: Vec<Wish> = values.iter().map(|&value| self.wish(value, &Tree::Constant(0.0))).collect();
+        let locals: Vec<usize> = wishes.into_iter().map(|wish| self.body.local(wish)).collect();
         self.push(Statement::Spline { table, orders, locals: locals.clone(), x });
         locals
     }
 
-    fn tree(&mut self, instruction: Instruction) -> Tree {
+    fn tree(&mut self, value: Value, instruction: Instruction) -> Tree {
         match instruction {
             Instruction::Constant(number) => Tree::Constant(number.to_f64()),
             Instruction::Symbol(symbol) => Tree::Symbol(symbol),
@@ -400,7 +454,8 @@ impl<'p, 'n> Writer<'p, 'n> {
             Instruction::Call(function, a) => self.call(function.name(), a),
             Instruction::Spline(derivative, a) => {
                 let argument = self.take(a);
-                let locals = self.spline_derivatives(derivative.spline, vec![derivative.order as usize], argument);
+                let orders = vec![derivative.order as usize];
+                let locals = self.spline_derivatives(derivative.spline, orders, &[value], argument);
                 Tree::Local(locals[0])
             }
             Instruction::Less(a, b) => self.comparison(Tree::Less, a, b),
@@ -466,18 +521,24 @@ impl<'p, 'n> Writer<'p, 'n> {
     }
 
     fn bind(&mut self, value: Value, tree: Tree) -> Tree {
-        let local = self.body.local(self.wish(value, &tree));
+        let wish = self.wish(value, &tree);
+        let local = self.body.local(wish);
         self.push(Statement::Let(local, tree));
         Tree::Local(local)
     }
 
-    /// What a value would be called.
-    fn wish(&self, value: Value, tree: &Tree) -> Option<String> {
-        self.wishes.get(&value).cloned().or_else(|| match tree {
+    /// What a value would be called: as a result, where it was derived, by what it is, by what it contributes to.
+    fn wish(&self, value: Value, tree: &Tree) -> Wish {
+        let described = || match tree {
             Tree::Method(_, _, rest) if rest.is_empty() => self.body.describe(tree),
             Tree::Mul(a, b) if a == b => self.body.describe(a).map(|words| format!("{words}_squared")),
             _ => None,
-        })
+        };
+        let goal = || self.goals[value.index()].and_then(|goal| self.wishes.get(&goal)).cloned();
+        match self.wishes.get(&value).cloned().or_else(described) {
+            Some(name) => Wish::Name(name),
+            None => goal().map_or(Wish::Number, Wish::PartOf),
+        }
     }
 
     /// The results: short ones as they are.
@@ -517,7 +578,7 @@ fn restricted(program: &Program, components: &[Component]) -> (Program, Vec<Comp
         });
     }
     let splines = program.splines.clone();
-    (Program { splines, ..Program::new(program.instructions.clone(), results) }, restricted)
+    (Program { splines, ..Program::new(program.instructions.clone(), results, program.notes.clone()) }, restricted)
 }
 
 fn value(index: usize) -> Value {

@@ -1,5 +1,7 @@
 //! What the generated documentation says: equations, shapes, units, operation counts.
 
+use std::collections::BTreeSet;
+
 use proc_macro2::TokenStream;
 use quote::quote;
 
@@ -40,6 +42,58 @@ pub(super) fn mechanism(derivation: &Derivation, functions: &[&Function]) -> Vec
     }));
     lines
 }
+
+/// Of a module: its mechanism, and the key to its locals where there is one.
+pub(super) fn module(derivation: &Derivation, module: &str, mechanism: &str) -> Vec<String> {
+    let mut lines = vec![format!("The mechanism [`{mechanism}`]({module}::{mechanism}).")];
+    let programs = derivation.functions.iter().map(|function| &function.program).chain([&derivation.constructor]);
+    let notes = programs.flat_map(|program| &program.notes).map(|(_, name)| name.trim_start_matches("by_"));
+    let letters: BTreeSet<&str> = notes.filter_map(|name| name.split(|c: char| c.is_ascii_digit()).next()).collect();
+    if !letters.is_empty() {
+        lines.extend(["", KEY_TO_LOCALS, ""].map(str::to_string));
+        let told = KEY.iter().filter(|(names, _)| names.iter().any(|name| letters.contains(name)));
+        lines.extend(told.map(|(_, line)| format!("- {line};")));
+        lines.extend(
+            [
+                "- `by_…`: a derivative by what follows; `…_neg`, `…_squared`: its negative, its square;",
+                "- `…_a`, `…_b`: parts of what is named, or the same in other axes fixed in the link.",
+                "",
+                SOURCES_OF_KEY,
+            ]
+            .map(str::to_string),
+        );
+    }
+    lines
+}
+
+const KEY_TO_LOCALS: &str = "Locals with the number j of a joint, from 1 at the base, are of the link behind it, in its axes, about its origin:";
+
+/// What `derive/tree/notation.rs` calls what is on the way to results: names without the number and axes, and the line.
+const KEY: [(&[&str], &str); 8] = [
+    (&["w", "v"], "`wjx`, `vjx`: angular velocity, velocity of the origin"),
+    (&["wd", "a"], "`wdjx`, `ajx`: their rates, the latter less gravity"),
+    (&["u"], "`ujxy`: entry of U = [ω̇]× + [ω]×[ω]×, by which points of the link accelerate"),
+    (
+        &["fi", "ni", "f", "n"],
+        "`fijx`, `nijx`: force and couple that move the link alone; `fjx`, `njx`: that the joint transmits",
+    ),
+    (
+        &["mc", "hc", "sc"],
+        "`mcj`, `hcjx`, `scjxy`: mass, first and second moments of all behind the joint, as one body",
+    ),
+    (&["pc", "lc"], "`pcjxy`, `lcjx`: moments and momentum of what moves within that body"),
+    (
+        &["mr", "hr", "sr"],
+        "`mrj`, `hrjx`, `srjxy`: mass and moments regrouped: what the joint does not feel is moved to the link before",
+    ),
+    (
+        &["l_", "d_", "ld_"],
+        "`m_i_j`, `l_i_j`, `d_i`, `y_i`, with coordinates from 0: entries of M = L D Lᵀ, L, D, and of L⁻¹ times a right side",
+    ),
+];
+
+const SOURCES_OF_KEY: &str =
+    "Sources: Khalil & Dombre, *Modeling, Identification and Control of Robots*, 2002, chapter 9; docs/structured.md.";
 
 /// The equation of motion, and what constraints add to it.
 fn equation(derivation: &Derivation) -> &'static [&'static str] {

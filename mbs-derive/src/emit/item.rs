@@ -20,8 +20,9 @@ pub(super) fn module(derivation: &Derivation, options: &Options) -> TokenStream 
     let names = Names::of(derivation, options.infix);
     let functions = selected(derivation, options.functions.as_deref());
     let emitter = Emitter { derivation, names: &names, functions };
-    let module = ident(&module_name(derivation));
-    let docs = doc::attributes(&[format!("The mechanism [`{0}`]({module}::{0}).", names.mechanism)]);
+    let module = module_name(derivation);
+    let docs = doc::attributes(&doc::module(derivation, &module, &names.mechanism));
+    let module = ident(&module);
     let parameters = parameter::items(derivation, &names, options.serde);
     let tables = emitter.tables();
     let mechanism = emitter.mechanism();

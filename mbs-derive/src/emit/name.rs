@@ -210,7 +210,15 @@ impl Names {
         let scale = if derivation.constraints.is_empty() { String::new() } else { scope.unique("scale") };
         let described = described(&derivation.constructor, &parameters);
         let hoisted = derivation.constructor.results.iter().enumerate().map(|(i, value)| {
-            let name = described[value.index()].as_ref().and_then(|name| scope.exactly(name));
+            let note = || {
+                derivation
+                    .constructor
+                    .notes
+                    .iter()
+                    .find(|(noted, name)| noted == value && !name.starts_with("by_"))
+                    .map(|(_, name)| name)
+            };
+            let name = described[value.index()].as_ref().or_else(note).and_then(|name| scope.exactly(name));
             name.unwrap_or_else(|| scope.unique(&format!("k{i}")))
         });
         let hoisted = hoisted.collect();

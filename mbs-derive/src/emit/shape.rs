@@ -3,7 +3,8 @@
 use proc_macro2::{Literal, TokenStream};
 use quote::quote;
 
-use crate::optimise::{Completion, Derivation, Function, FunctionKind, Shape};
+use crate::optimise::{Completion, Derivation, Function, FunctionKind};
+use crate::shape::{ResultPart, Shape};
 use crate::variable::component_names;
 
 use super::body::Component;
@@ -25,7 +26,8 @@ pub(super) fn components(derivation: &Derivation, function: &Function) -> Vec<Co
         }));
         start = triangular(n, 0);
     }
-    for shape in shapes {
+    let names = part_names(function);
+    for (shape, name) in shapes.into_iter().zip(&names) {
         match shape {
             Shape::Symmetric(_) => components.extend(square().map(|(i, j)| {
                 let (row, column) = (i.max(j), i.min(j));
@@ -39,7 +41,7 @@ pub(super) fn components(derivation: &Derivation, function: &Function) -> Vec<Co
             | Shape::Wrenches(_)
             | Shape::Matrices(..)
             | Shape::Poses(_) => {
-                let wish = |i| result_name(derivation, function, shape, i);
+                let wish = |i| result_name(derivation, function, (name, shape), i);
                 components.extend((0..shape.count()).map(|i| Component::Result(start + i, wish(i))));
             }
         }
@@ -69,9 +71,25 @@ fn triangular(i: usize, j: usize) -> usize {
     i * (i + 1) / 2 + j
 }
 
-/// What a component of a result is called; empty for no name.
-fn result_name(derivation: &Derivation, function: &Function, shape: Shape, i: usize) -> String {
+/// What the parts of a result are called; before the right sides of a system come the rows of A.
+fn part_names(function: &Function) -> Vec<String> {
+    let of = match function.kind {
+        FunctionKind::Linearize | FunctionKind::ForwardDynamics => "qdd",
+        FunctionKind::LinearizeParameters => "qdd_by_p",
+        FunctionKind::InverseDynamicsJacobian => "tau",
+        _ => function.name.as_str(),
+    };
+    let name = |part: &ResultPart| if part.name.is_empty() { of.to_string() } else { format!("{of}_by_{}", part.name) };
+    let rows = function.completion.solves().then(|| "a".to_string());
+    rows.into_iter().chain(function.results.iter().map(name)).collect()
+}
+
+/// What a component of a part is called.
+fn result_name(derivation: &Derivation, function: &Function, (name, shape): (&str, Shape), i: usize) -> String {
     let coordinate = || component_names(&derivation.coordinates)[i].clone();
+    let axis = |i: usize| ["x", "y", "z"][i % 3];
+    let pose = |i: usize| if i < 3 { axis(i).to_string() } else { format!("{}{}", axis(i / 3 - 1), axis(i)) };
+    let wrench = |i: usize| format!("{}{}", if i < 3 { "f" } else { "n" }, axis(i));
     match (&function.kind, shape) {
         (FunctionKind::Momentum, _) => format!("p_{}", coordinate()),
         (FunctionKind::Gravity, _) => format!("g_{}", coordinate()),
@@ -81,7 +99,16 @@ fn result_name(derivation: &Derivation, function: &Function, shape: Shape, i: us
             format!("{}_ddot", coordinate())
         }
         (FunctionKind::CoriolisMatrix, Shape::Matrix(_, columns)) => format!("c_{}_{}", i / columns, i % columns),
-        _ => String::new(),
+        (_, Shape::Scalar) => name.to_string(),
+        (_, Shape::Vector(_)) => format!("{name}_{i}"),
+        (_, Shape::Matrix(_, columns) | Shape::Symmetric(columns)) => format!("{name}_{}_{}", i / columns, i % columns),
+        (_, Shape::Matrices(_, rows, columns)) => {
+            format!("{name}_{}_{}_{}", i / (rows * columns), i / columns % rows, i % columns)
+        }
+        (_, Shape::Pose) => format!("{name}_{}", pose(i)),
+        (_, Shape::Poses(_)) => format!("{name}_{}_{}", i / 12, pose(i % 12)),
+        (_, Shape::Wrench) => format!("{name}_{}", wrench(i)),
+        (_, Shape::Wrenches(_)) => format!("{name}_{}_{}", i / 6, wrench(i % 6)),
     }
 }
 

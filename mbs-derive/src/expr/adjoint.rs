@@ -22,6 +22,7 @@ pub fn gradient_of_combination<'g>(roots: &[(Expr<'g>, Expr<'g>)], symbols: &[Sy
     let mut branches = Branches::new(graph, symbols);
     for &id in order.iter().rev() {
         if let Some(adjoint) = adjoints.get(id) {
+            adjoint.note_derivative_by(id);
             for (operand, partial) in branches.partials(graph.expr(id)) {
                 adjoints.add_product(operand, partial, adjoint);
             }

@@ -152,6 +152,8 @@ impl Node {
 pub struct Graph {
     arena: RefCell<Arena>,
     pub(super) verbatim: bool,
+    /// What nodes are called.
+    pub(super) notes: RefCell<IdMap<Rc<str>>>,
 }
 
 #[derive(Default)]
@@ -172,12 +174,12 @@ impl Graph {
     /// A graph whose constructors apply the local rules.
     #[allow(clippy::new_without_default)]
     pub fn new() -> Graph {
-        Graph { arena: RefCell::default(), verbatim: false }
+        Graph { arena: RefCell::default(), verbatim: false, notes: RefCell::default() }
     }
 
     /// A graph that keeps expressions as they were written, time derivatives included.
     pub fn verbatim() -> Graph {
-        Graph { arena: RefCell::default(), verbatim: true }
+        Graph { arena: RefCell::default(), verbatim: true, notes: RefCell::default() }
     }
 
     /// How many nodes there are.

@@ -27,6 +27,7 @@ pub fn substitute_into<'g>(
             Node::Symbol(symbol) => replacement(symbol).unwrap_or_else(|| graph.symbol(symbol)),
             node => rebuild((source, graph), node, |operand| copies[operand]),
         };
+        copy.note_of(id, source);
         copies[id] = copy;
     }
     roots.iter().map(|root| copies[root.id()]).collect()

@@ -36,7 +36,8 @@ pub fn without_vanishing_sums<'g>(roots: &[Expr<'g>]) -> Vec<Expr<'g>> {
             Some(graph.integer(0))
         } else {
             let is_touched = node.operands().any(|operand| copies[operand].is_some());
-            is_touched.then(|| rebuild((graph, graph), node, |a| copies[a].unwrap_or_else(|| graph.expr(a))))
+            let copy = || rebuild((graph, graph), node, |a| copies[a].unwrap_or_else(|| graph.expr(a)));
+            is_touched.then(copy).inspect(|copy| copy.note_of(id, graph))
         };
     }
     roots.iter().map(|root| copies[root.id()].unwrap_or(*root)).collect()

@@ -15,7 +15,10 @@ pub fn program(roots: &[Expr<'_>], hoisting: &Hoisting) -> Program {
     let mut lowering = Lowering::new(first.graph(), roots, hoisting);
     let results = roots.iter().map(|root| lowering.value(root.id())).collect();
     let splines = lowering.splines.iter().map(|&number| Spline::clone(&lowering.graph.spline_of(number))).collect();
-    Program { splines, ..Program::new(lowering.instructions, results) }
+    // Of several names the first stays.
+    lowering.notes.sort_by_key(|(value, _)| *value);
+    lowering.notes.dedup_by_key(|(value, _)| *value);
+    Program { splines, ..Program::new(lowering.instructions, results, lowering.notes) }
 }
 
 struct Lowering<'a> {
@@ -26,6 +29,8 @@ struct Lowering<'a> {
     splines: Vec<u32>,
     /// Equal instructions are one.
     known: Finder,
+    /// What values are called.
+    notes: Vec<(Value, String)>,
 }
 
 /// What is known of a node.
@@ -81,7 +86,14 @@ impl<'a> Lowering<'a> {
         }
         let most = order.len();
         let instructions = Vec::with_capacity(most);
-        Lowering { graph, nodes, instructions, splines: Vec::new(), known: Finder::with_capacity(most) }
+        Lowering {
+            graph,
+            nodes,
+            instructions,
+            splines: Vec::new(),
+            known: Finder::with_capacity(most),
+            notes: Vec::new(),
+        }
     }
 
     /// The value of a node, after those that it needs, depth first.
@@ -100,7 +112,9 @@ impl<'a> Lowering<'a> {
                 .for_each(|operand| stack.push(operand));
             stack[before..].reverse();
             if stack.len() == before {
-                self.nodes[id].value = Some(self.follow(recipe));
+                let value = self.follow(recipe);
+                self.nodes[id].value = Some(value);
+                self.notes.extend(self.graph.note(id).map(|name| (value, name.to_string())));
                 stack.pop();
             }
         }

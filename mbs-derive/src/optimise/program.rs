@@ -118,22 +118,29 @@ pub struct Program {
     pub regions: Regions,
     /// The splines that instructions evaluate.
     pub splines: Vec<Spline>,
+    /// What values are called where they were derived, in order.
+    pub notes: Vec<(Value, String)>,
 }
 
 impl Program {
     /// Of instructions whose operands come before them, in the order in which the results need them; the selections of
     /// one branch stand together.
-    pub fn new(instructions: Vec<Instruction>, results: Vec<Value>) -> Self {
+    pub fn new(instructions: Vec<Instruction>, results: Vec<Value>, notes: Vec<(Value, String)>) -> Self {
         if !instructions.iter().any(region::is_selection) {
-            return Program { instructions, results, ..Program::default() };
+            return Program { instructions, results, notes, ..Program::default() };
         }
         let (regions, order) = region::regions(&instructions, &results);
         let mut numbers = vec![Value(0); instructions.len()];
         order.iter().enumerate().for_each(|(new, old)| numbers[old.index()] = Value(new as u32));
-        let number = |value: Value| numbers[value.index()];
+        let (number, instructions_before) = (|value: Value| numbers[value.index()], instructions.len());
         let instructions: Vec<_> = order.iter().map(|old| instructions[old.index()].with_operands(number)).collect();
         let results = results.into_iter().map(number).collect();
-        Program { instructions, results, regions: regions.renumbered(&order, number), splines: Vec::new() }
+        let mut is_kept = vec![false; instructions_before];
+        order.iter().for_each(|old| is_kept[old.index()] = true);
+        let kept = notes.into_iter().filter(|(value, _)| is_kept[value.index()]);
+        let mut notes: Vec<_> = kept.map(|(value, name)| (number(value), name)).collect();
+        notes.sort_by_key(|(value, _)| *value);
+        Program { instructions, results, regions: regions.renumbered(&order, number), splines: Vec::new(), notes }
     }
 
     /// Whether it reads a symbol of this kind.

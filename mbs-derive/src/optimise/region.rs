@@ -454,7 +454,7 @@ mod tests {
             numbers.push(made);
         }
         let results = (0..1 + sequence.below(3)).map(|i| Value(numbers[numbers.len() - 1 - i] as u32)).collect();
-        Program::new(instructions, results)
+        Program::new(instructions, results, Vec::new())
     }
 
     /// What emitted code does where the conditions have these truth values.

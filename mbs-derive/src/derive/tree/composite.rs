@@ -11,6 +11,7 @@ use crate::expr::{Expr, Vector};
 use super::super::Rows;
 use super::inertia::Inertia;
 use super::linkage::{Edge, Linkage};
+use super::notation;
 use super::wrench::Wrench;
 
 /// The masses beyond each edge as one body, in the axes of the link behind it.
@@ -20,6 +21,7 @@ pub(super) fn composites<'g>(linkage: &Linkage<'g>, inertias: &[Inertia<'g>]) ->
         let (Some(parent), Some(edge)) = (link.parent, link.edge) else { continue };
         composites[parent] = composites[parent].plus(across(composites[number], &edge));
     }
+    composites.iter().zip(linkage.joints()).for_each(|(composite, joint)| notation::inertia("c", joint, composite));
     composites
 }
 

@@ -20,6 +20,7 @@ use super::super::Rows;
 use super::composite::{momentum, on_joints};
 use super::inertia::Inertia;
 use super::linkage::{Edge, Linkage, rate};
+use super::notation;
 use super::twist::{Twist, twists};
 use super::wrench::{Wrench, turned_about};
 
@@ -61,6 +62,10 @@ fn within<'g>(linkage: &Linkage<'g>, composites: &[Inertia<'g>]) -> Vec<Within<'
         let (Some(parent), Some(edge)) = (link.parent, link.edge) else { continue };
         let moved = within[number].with_own_motion(&edge, &composites[number]).across(&edge);
         within[parent] = within[parent].plus(moved);
+    }
+    for (within, joint) in within.iter().zip(linkage.joints()) {
+        notation::matrix("pc", joint, &within.moments);
+        notation::vector("lc", joint, within.momentum);
     }
     within
 }

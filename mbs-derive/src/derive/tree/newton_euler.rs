@@ -14,6 +14,7 @@ use crate::expr::{Expr, Matrix, Vector};
 
 use super::inertia::{Inertia, Symmetric};
 use super::linkage::{Accelerations, Edge, Linkage, rates};
+use super::notation;
 use super::place;
 use super::wrench::{Wrench, turned_about};
 
@@ -86,14 +87,16 @@ pub(super) fn wrenches<'g>(
             wrenches[link] = spinning(&inertias[link], &motions[link]).plus(moment);
         }
     }
+    wrenches.iter().zip(linkage.joints()).for_each(|(wrench, joint)| notation::wrench("i", joint, wrench));
     wrenches
 }
 
 /// What wrenches on the links do along the joints: swept back, each edge takes what is along it.
 pub(super) fn joint_forces<'g>(linkage: &Linkage<'g>, mut wrenches: Vec<Wrench<'g>>) -> Vec<Option<Expr<'g>>> {
-    let mut forces = vec![None; linkage.links.len()];
+    let (mut forces, joints) = (vec![None; linkage.links.len()], linkage.joints());
     for (number, link) in linkage.links.iter().enumerate().rev() {
         let (Some(parent), Some(edge)) = (link.parent, link.edge) else { continue };
+        notation::wrench("", joints[number], &wrenches[number]);
         forces[number] = wrenches[number].along(&edge);
         wrenches[parent] = wrenches[parent].plus(wrenches[number].across(&edge));
     }
@@ -109,9 +112,14 @@ fn motions<'g>(linkage: &Linkage<'g>, gravity: Vector<'g>, accelerations: Accele
         spin: Spin::of(zero, zero),
     };
     let mut motions: Vec<Motion<'g>> = vec![base];
-    for link in &linkage.links[1..] {
+    for (link, joint) in linkage.links.iter().zip(linkage.joints()).skip(1) {
         let (Some(parent), Some(edge)) = (link.parent, link.edge) else { unreachable!("only the base has no parent") };
-        motions.push(motions[parent].beyond(&edge, accelerations));
+        let motion = motions[parent].beyond(&edge, accelerations);
+        notation::vector("w", joint, motion.angular_velocity);
+        notation::vector("wd", joint, motion.angular_acceleration);
+        notation::vector("a", joint, motion.acceleration);
+        notation::matrix("u", joint, &motion.spin.matrix);
+        motions.push(motion);
     }
     motions
 }

@@ -15,6 +15,7 @@ use crate::expr::{Expr, Graph};
 
 use super::inertia::Inertia;
 use super::linkage::{Edge, Linkage};
+use super::notation;
 
 /// The same mechanism with its masses where they are cheapest.
 pub(super) fn regrouped<'g>(linkage: &Linkage<'g>, inertias: Vec<Inertia<'g>>) -> Vec<Inertia<'g>> {
@@ -27,6 +28,7 @@ pub(super) fn regrouped<'g>(linkage: &Linkage<'g>, inertias: Vec<Inertia<'g>>) -
         grouped[parent] = grouped[parent].plus(seen_from_parent(unseen, &edge));
     }
     grouped[0] = Inertia::zero(graph);
+    grouped.iter().zip(linkage.joints()).for_each(|(inertia, joint)| notation::inertia("r", joint, inertia));
     grouped
 }
 

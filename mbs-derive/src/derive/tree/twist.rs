@@ -4,6 +4,7 @@ use crate::expr::{Expr, Vector};
 
 use super::inertia::Inertia;
 use super::linkage::{Edge, Linkage, rate};
+use super::notation;
 use super::wrench::{Wrench, turned_about};
 
 /// ω and the velocity of the origin, in the axes of the link.
@@ -16,9 +17,12 @@ pub(super) struct Twist<'g> {
 /// Of every link; the base rests.
 pub(super) fn twists<'g>(linkage: &Linkage<'g>, zero: Expr<'g>) -> Vec<Twist<'g>> {
     let mut twists = vec![Twist { angular: Vector([zero; 3]), linear: Vector([zero; 3]) }];
-    for link in &linkage.links[1..] {
+    for (link, joint) in linkage.links.iter().zip(linkage.joints()).skip(1) {
         let (Some(parent), Some(edge)) = (link.parent, link.edge) else { unreachable!("only the base has no parent") };
-        twists.push(twists[parent].beyond(&edge));
+        let twist = twists[parent].beyond(&edge);
+        notation::vector("w", joint, twist.angular);
+        notation::vector("v", joint, twist.linear);
+        twists.push(twist);
     }
     twists
 }
