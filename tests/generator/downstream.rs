@@ -17,12 +17,12 @@ fn block(fence: &str) -> String {
 
 /// A crate in a temporary folder, of a name of its own; its target folder lies in the workspace's, so that what it
 /// depends on is built once.
-struct Downstream {
+pub(crate) struct Downstream {
     folder: tempfile::TempDir,
 }
 
 impl Downstream {
-    fn new(name: &str, dependencies: &str) -> Self {
+    pub(crate) fn new(name: &str, dependencies: &str) -> Self {
         let folder = tempfile::tempdir().expect("a temporary folder");
         let root = fs::canonicalize(ROOT).expect("the workspace");
         let dependencies = dependencies.replace("../mbs", &root.to_string_lossy());
@@ -37,28 +37,30 @@ impl Downstream {
         downstream
     }
 
-    fn path(&self, file: &str) -> PathBuf {
+    pub(crate) fn path(&self, file: &str) -> PathBuf {
         self.folder.path().join(file)
     }
 
-    fn write(&self, file: &str, text: &str) {
+    pub(crate) fn write(&self, file: &str, text: &str) {
         let path = self.path(file);
         fs::create_dir_all(path.parent().expect("a folder")).expect("a temporary folder");
         fs::write(path, text).expect("a temporary folder");
     }
 
     fn cargo(&self, arguments: &[&str]) -> Output {
+        let mut cargo = Command::new(env!("CARGO"));
+        cargo.args(arguments).env("INSTA_UPDATE", "new").env("INSTA_WORKSPACE_ROOT", self.folder.path());
+        self.within(&mut cargo).output().expect("cargo runs")
+    }
+
+    /// A program in the crate's folder.
+    pub(crate) fn within<'c>(&self, program: &'c mut Command) -> &'c mut Command {
         let target = Path::new(env!("CARGO_TARGET_TMPDIR")).join("downstream");
-        Command::new(env!("CARGO"))
-            .args(arguments)
+        program
             .current_dir(&self.folder)
             .env("CARGO_TARGET_DIR", target)
             .env("CARGO_NET_OFFLINE", "true")
             .env_remove("CI")
-            .env("INSTA_UPDATE", "new")
-            .env("INSTA_WORKSPACE_ROOT", self.folder.path())
-            .output()
-            .expect("cargo runs")
     }
 
     fn pending_snapshots(&self) -> Vec<String> {
@@ -70,7 +72,7 @@ impl Downstream {
     }
 }
 
-fn text(output: &Output) -> String {
+pub(crate) fn text(output: &Output) -> String {
     format!("{}{}", String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr))
 }
 

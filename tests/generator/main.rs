@@ -15,3 +15,4 @@ mod reference;
 mod robustness;
 mod structured;
 mod textbook;
+mod ui;
