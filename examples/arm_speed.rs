@@ -161,7 +161,7 @@ fn configurations(arm: &Arm) -> Vec<[f64; 6]> {
         .collect()
 }
 
-/// The same with nalgebra, as one writes it down: matrices of the links, and the angles by their formulas.
+/// The arm's kinematics with nalgebra, as one writes it down: matrices of the links, and the angles by their formulas.
 mod plain {
     use std::f64::consts::{FRAC_PI_2, PI};
 

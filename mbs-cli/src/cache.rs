@@ -2,8 +2,8 @@
 //!
 //! An entry is a file: a digest of all that follows in it and of its key, then a value as postcard writes it. Its name
 //! is its key, the digest of what the value was made from: the texts of a mechanism and of all that it imports, as they
-//! are called in reports, what was asked for, and this program. So entries are never out of date; the ones that were not
-//! used for longest go when there are too many.
+//! are called in reports, what was asked for, and this program. So entries are never out of date; the ones that were
+//! not used for longest go when there are too many.
 //!
 //! A cache that cannot be read or written is none: nothing here fails.
 

@@ -27,8 +27,8 @@ pub(crate) struct Arguments {
     /// What to print.
     #[arg(long, value_enum, default_value_t = Emit::Rust)]
     emit: Emit,
-    /// Print it as it is reviewed: `a * b + c` for `a.mul_add(b, c)`; of a long module signatures, documentation, operation
-    /// counts and digests, and what every function gives at three states.
+    /// Print it as it is reviewed: `a * b + c` for `a.mul_add(b, c)`; of a long module signatures, documentation,
+    /// operation counts and digests, and what every function gives at three states.
     #[arg(long, conflicts_with = "emit")]
     review: bool,
     /// Write to a file instead of standard output.

@@ -1,8 +1,8 @@
 //! Every generated function, declared once, in the order of the documentation.
 //!
 //! An entry is all that there is to say of a function: what it is called, what it takes, which of the [`Equations`] it
-//! computes in which shape and where there is one, its documentation with units, the runtime's trait that it belongs to,
-//! and what is proved of it. Whoever wants a function asks for its [`FunctionKind`].
+//! computes in which shape and where there is one, its documentation with units, the runtime's trait that it belongs
+//! to, and what is proved of it. Whoever wants a function asks for its [`FunctionKind`].
 
 mod entry;
 
@@ -15,8 +15,8 @@ pub use entry::{Argument, Completion};
 use Argument::{Multipliers, Q, Qd, Qdd, U};
 use entry::lower_triangle;
 
-/// The kinds of functions with their entries: those of a mechanism, and those of each output and of each reaction, which
-/// have its number.
+/// The kinds of functions with their entries: those of a mechanism, and those of each output and of each reaction,
+/// which have its number.
 macro_rules! catalogue {
     (
         mechanism { $($(#[$doc:meta])* $kind:ident $entry:tt)* }

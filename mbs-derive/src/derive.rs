@@ -9,8 +9,8 @@
 //!
 //! - [`lagrange`]: momenta, mass matrix, Christoffel form, gravity, bias, inverse dynamics;
 //! - [`textbook`]: the same in multiple-angle normal form, for small mechanisms;
-//! - `lift` and `gravity`: bodies and the field they are in, found again among the energies; `tree`: the same equations by
-//!   sweeps over their tree (`docs/structured.md`);
+//! - `lift` and `gravity`: bodies and the field they are in, found again among the energies; `tree`: the same equations
+//!   by sweeps over their tree (`docs/structured.md`);
 //! - [`solve`]: forward dynamics: LDLᵀ of M, unrolled or left to the runtime, or the constrained system at run time;
 //! - [`linearize`]: Jacobians of the equations of motion;
 //! - [`constraint`]: what must vanish, its Jacobian and its bias;
@@ -220,7 +220,7 @@ impl<'g> Energies<'g> {
         kept.and_constants_of(&[self.kinetic, self.potential, self.dissipation, self.other])
     }
 
-    /// The same with only these terms of T and V.
+    /// The Lagrangian with only these terms of T and V.
     fn with_terms(&self, kinetic: &[Expr<'_>], potential: &[Expr<'_>]) -> Self {
         let graph = self.kinetic.graph();
         let (kinetic, potential) = (sum(kinetic, graph), sum(potential, graph));

@@ -33,7 +33,7 @@ pub enum Route {
     Textbook,
     /// Bodies on their tree of frames by sweeps, all else plainly.
     Structured,
-    /// The same with every mass left where it was declared; for comparison.
+    /// By sweeps, every mass left where it was declared; for comparison.
     Ungrouped,
     /// As in a textbook with all sums multiplied out, whatever digits that costs; for comparison.
     MultipliedOut,

@@ -17,7 +17,8 @@
 //! - [`rounded`]: numbers with a bound on their rounding errors;
 //! - `factors`, `constrained`: symmetric systems and systems with constraints, solved as the runtime solves them;
 //! - `range`: between which values expressions stay;
-//! - [`residue`]: numbers of a finite field, `ratio`: rational ones; [`identity`]: what holds for all values of the symbols, decided there;
+//! - [`residue`]: numbers of a finite field, `ratio`: rational ones; [`identity`]: what holds for all values of the
+//!   symbols, decided there;
 //! - [`branch`]: the sides of conditions, and what leads to them;
 //! - `vanishing`: sums that are zero, left out;
 //! - `table`: tables over nodes, where a hash map would be slow;

@@ -101,7 +101,7 @@ impl<'d, V: Value> Interpreter<'d, V> {
         self.evaluate_with(function, state, &multipliers)
     }
 
-    /// The same with these multipliers.
+    /// [`evaluate`](Self::evaluate) with given multipliers.
     pub fn evaluate_with(&self, function: &Function, state: &State<V>, multipliers: &[V]) -> Vec<V> {
         match function.completion {
             Completion::None => {

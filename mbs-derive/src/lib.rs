@@ -145,8 +145,8 @@ impl From<verify::Failure> for Error {
 /// `file_name` is what the module's first line and the reports call the source.
 ///
 /// # Errors
-/// [`Error::Declaration`] if the text is not a mechanism, [`Error::Proof`] if the derived code disagrees with the energies,
-/// [`Error::UnknownFunction`] if the options ask for a function that there is not.
+/// [`Error::Declaration`] if the text is not a mechanism, [`Error::Proof`] if the derived code disagrees with the
+/// energies, [`Error::UnknownFunction`] if the options ask for a function that there is not.
 pub fn generate(file_name: &str, source: &str, options: &emit::Options) -> Result<Generated, Error> {
     generate_from(&Sources::new(file_name, source), options)
 }

@@ -10,7 +10,8 @@
 //! - `grammar`: the file and its statements, one function a construct;
 //! - `contextual`: statements that begin with a word that may be a name, too;
 //! - `quantity`: what a declaration declares: names, units, values;
-//! - `expression`: operators, calls, arrays, numbers; `in_place`: numbers with units; `condition`: `if … else`, comparisons;
+//! - `expression`: operators, calls, arrays, numbers; `in_place`: numbers with units; `condition`: `if … else`,
+//!   comparisons;
 //! - `reader`: tokens and refusals, what the three are written with;
 //! - `keyword`: the words that cannot be names;
 //! - `display`: the declaration as text again.

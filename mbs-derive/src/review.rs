@@ -1,8 +1,8 @@
 //! A mechanism as people review it: a text whose differences they can read.
 //!
-//! Up to [`FULL`] bytes it is the generated module, with `a * b + c` for `a.mul_add(b, c)`. Beyond that nobody reads it:
-//! what is left are signatures, documentation, operation counts, a digest of each body, and a table of what every function
-//! gives at three states.
+//! Up to [`FULL`] bytes it is the generated module, with `a * b + c` for `a.mul_add(b, c)`. Beyond that nobody reads
+//! it: what is left are signatures, documentation, operation counts, a digest of each body, and a table of what every
+//! function gives at three states.
 
 use std::fmt::Write;
 

@@ -191,8 +191,8 @@ pub fn orthonormalized(matrix: &Matrix3<f64>) -> Result<Matrix3<f64>, NotARotati
 /// ```
 ///
 /// # Errors
-/// [`NotARotation`], as [`check_rotation`]; [`NotARotation::NotOrthogonal`] with what is left after the iteration, if it does
-/// not come to 1e-12, as for matrices that are nearly singular.
+/// [`NotARotation`], as [`check_rotation`]; [`NotARotation::NotOrthogonal`] with what is left after the iteration, if
+/// it does not come to 1e-12, as for matrices that are nearly singular.
 ///
 /// # Source
 /// Newton's iteration `X ← ½ (X + X⁻ᵀ)`: N. J. Higham, *Computing the polar decomposition – with applications*, SIAM
@@ -222,8 +222,8 @@ const NEWTON_STEPS: usize = 30;
 /// The largest entry of `RᵀR − 1` by magnitude, if it is at most `tolerance`.
 ///
 /// # Errors
-/// [`NotARotation::NonFinite`] where an entry is infinite or NaN, [`NotARotation::NotOrthogonal`] where the columns are not
-/// orthogonal unit vectors within `tolerance`, [`NotARotation::Reflection`] where the determinant is not positive.
+/// [`NotARotation::NonFinite`] where an entry is infinite or NaN, [`NotARotation::NotOrthogonal`] where the columns are
+/// not orthogonal unit vectors within `tolerance`, [`NotARotation::Reflection`] where the determinant is not positive.
 pub fn check_rotation(matrix: &Matrix3<f64>, tolerance: f64) -> Result<f64, NotARotation> {
     let (error, determinant) = defect(matrix);
     // Where an entry is NaN so is the error, and no comparison with it holds.
@@ -288,7 +288,8 @@ mod tests {
         PI,
     ];
 
-    /// Of a small turn about an axis in a plane, what turns stay in it is of second order: `θ²/2` times products of the axis.
+    /// Of a small turn about an axis in a plane, what turns stay in it is of second order: `θ²/2` times products of the
+    /// axis.
     #[test]
     fn small_turns_keep_their_second_order() {
         for size in [1e-4, 1e-7, 1e-9, 1e-100] {

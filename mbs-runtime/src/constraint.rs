@@ -158,9 +158,9 @@ impl<T: Real, S: AsMut<[T]>> Projector<T, S> {
     /// such rows are left out.
     ///
     /// # Errors
-    /// [`ConstraintError`]: a row stays open, which may be for want of another guess or of fewer coordinates that are held;
-    /// a row is redundant, or contradicts others; M is singular on the motions that A leaves; something is not finite.
-    /// `state` is then as it was.
+    /// [`ConstraintError`]: a row stays open, which may be for want of another guess or of fewer coordinates that are
+    /// held; a row is redundant, or contradicts others; M is singular on the motions that A leaves; something is not
+    /// finite. `state` is then as it was.
     pub fn assemble<C, V>(
         &mut self,
         constraints: &C,
@@ -211,9 +211,10 @@ impl<T: Real, S: AsMut<[T]>> Projector<T, S> {
     /// Methods in Applied Mechanics and Engineering 1 (1972).
     ///
     /// # Errors
-    /// [`ConstraintError`]: a row is redundant, unless such are left out; it asks for something else than the others (by more than
-    /// about 1e-8 of its terms, 2e-12 per s² of rows that know coordinates of one, or the same roots of `f32`); M is
-    /// singular on the motions that A leaves; something is not finite. What is to be received is then undefined.
+    /// [`ConstraintError`]: a row is redundant, unless such are left out; it asks for something else than the others
+    /// (by more than about 1e-8 of its terms, 2e-12 per s² of rows that know coordinates of one, or the same roots of
+    /// `f32`); M is singular on the motions that A leaves; something is not finite. What is to be received is then
+    /// undefined.
     #[allow(clippy::too_many_arguments)] // two equations with two unknowns
     pub fn accelerations<C: Constraints<T>>(
         &mut self,

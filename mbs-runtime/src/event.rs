@@ -7,14 +7,16 @@
 //!
 //! - An event happens where its function reaches zero or passes it, not where it leaves zero: a function that is zero
 //!   at the start, or after an impact, waits until it has left zero.
-//! - A function that touches zero and turns back is not reliably seen: it counts as reaching zero where one of the nine places
-//!   falls on the zero itself, as round numbers and fixed steps let it, and goes unseen otherwise. Watch its derivative pass zero.
+//! - A function that touches zero and turns back is not reliably seen: it counts as reaching zero where one of the nine
+//!   places falls on the zero itself, as round numbers and fixed steps let it, and goes unseen otherwise. Watch its
+//!   derivative pass zero.
 //! - Two roots of one function less than an eighth of a step apart may go unseen; `max_step` or `step` of the method
 //!   is the remedy. Of three in an eighth one is seen.
-//! - Events of one step happen in the order of their times, those of the same time in the order in which they are given.
-//! - Where the observer replaces the end of a step, what changes the function by no more than an eighth of the step did is a
-//!   correction, such as a projection: an event does not happen twice or not at all for it. What changes it by more is a jump,
-//!   and passing zero with it no event.
+//! - Events of one step happen in the order of their times, those of the same time in the order in which they are
+//!   given.
+//! - Where the observer replaces the end of a step, what changes the function by no more than an eighth of the step did
+//!   is a correction, such as a projection: an event does not happen twice or not at all for it. What changes it by
+//!   more is a jump, and passing zero with it no event.
 //! - After an action that changes the state, or says [`Response::Restart`], the rest of the step is dropped, and the
 //!   integration goes on from the state it left.
 //! - Impacts that accumulate (Zeno: a ball that comes to rest) end with
@@ -70,7 +72,7 @@ type Action<'a, V> = dyn FnMut(f64, &mut State<V>) -> Response + 'a;
 /// use core::ops::ControlFlow;
 /// use mbs_runtime::{Dopri5, Event, Integrator, Response, State};
 ///
-/// // A ball falls from 5 m, bounces off the floor with a third of its speed less, three times, and is caught at the top.
+/// // A ball falls from 5 m, bounces off the floor with a third of its speed less, three times, is caught at the top.
 /// let mut bounce = |_, ball: &mut State<[f64; 1]>| {
 ///     ball.qd[0] *= -2.0 / 3.0;
 ///     Response::Continue

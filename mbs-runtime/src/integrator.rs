@@ -173,8 +173,8 @@ pub trait Integrator<T: Scalar> {
     ///
     /// # Errors
     /// [`IntegrationError::NonFiniteEvent`] if an event's function is infinite or NaN,
-    /// [`IntegrationError::EventsAccumulate`] if one follows itself too closely, [`IntegrationError::NonFiniteState`] if an
-    /// action leaves such numbers; otherwise as [`integrate`](Integrator::integrate).
+    /// [`IntegrationError::EventsAccumulate`] if one follows itself too closely, [`IntegrationError::NonFiniteState`]
+    /// if an action leaves such numbers; otherwise as [`integrate`](Integrator::integrate).
     fn integrate_with_events<V, F, R, O>(
         &self,
         acceleration: F,
@@ -213,8 +213,8 @@ pub trait Step<V: Coordinates> {
     /// Writes the solution at the time `t` inside the step; exact at both ends.
     ///
     /// The first call in a step evaluates what the interpolant needs: three accelerations for
-    /// [`Dop853`](crate::Dop853), two for [`GaussLegendre4`](crate::GaussLegendre4), for [`Rk4`](crate::Rk4) the one that
-    /// the next step begins with; none for the others.
+    /// [`Dop853`](crate::Dop853), two for [`GaussLegendre4`](crate::GaussLegendre4), for [`Rk4`](crate::Rk4) the one
+    /// that the next step begins with; none for the others.
     ///
     /// # Errors
     /// [`IntegrationError::InvalidTime`] if `t` is not inside the step; [`IntegrationError::NonFiniteState`] or
@@ -233,8 +233,8 @@ pub trait Step<V: Coordinates> {
     /// The solution inside the step stays what it was. `Break(t)` with this time ends the integration with `state`.
     ///
     /// # Errors
-    /// [`IntegrationError::InvalidTime`] if `t` is not inside the step, [`IntegrationError::NonFiniteState`] if the state is
-    /// not finite; the integration ends with this error, too.
+    /// [`IntegrationError::InvalidTime`] if `t` is not inside the step, [`IntegrationError::NonFiniteState`] if the
+    /// state is not finite; the integration ends with this error, too.
     fn restart(&mut self, t: f64, state: &State<V>) -> Result<(), IntegrationError>;
 }
 

@@ -52,8 +52,9 @@ pub struct DampedLeastSquares<const N: usize> {
     pub position_tolerance: f64,
     /// How far it may be turned from its attitude \[rad\].
     pub rotation_tolerance: f64,
-    /// The length that counts as one radian \[m\]: that of the mechanism. Places or attitudes that it makes a millionth or less
-    /// of what is weighed against them are found slowly, and beyond that not at all: [`NotReached::LengthOutOfProportion`].
+    /// The length that counts as one radian \[m\]: that of the mechanism. Places or attitudes that it makes a millionth
+    /// or less of what is weighed against them are found slowly, and beyond that not at all:
+    /// [`NotReached::LengthOutOfProportion`].
     pub length: f64,
     /// How often the pose and the Jacobian may be evaluated.
     pub evaluations: usize,
@@ -238,7 +239,8 @@ impl<const N: usize> DampedLeastSquares<N> {
     /// // Two links of one metre in the x, y plane, and a hand that turns.
     /// let arm = |q: &[f64; 3]| {
     ///     let [(s1, c1), (s12, c12), (s, c)] = [q[0], q[0] + q[1], q[0] + q[1] + q[2]].map(f64::sin_cos);
-    ///     let pose = Pose { position: [c1 + c12, s1 + s12, 0.0], rotation: [[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]] };
+    ///     let rotation = [[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]];
+    ///     let pose = Pose { position: [c1 + c12, s1 + s12, 0.0], rotation };
     ///     let mut jacobian = [[0.0; 3]; 6];
     ///     jacobian[0] = [-s1 - s12, -s12, 0.0];
     ///     jacobian[1] = [c1 + c12, c12, 0.0];

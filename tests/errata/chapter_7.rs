@@ -28,8 +28,8 @@ const G: f64 = 6.6743e-11;
 /// Of a station 400 km up \[m\].
 const CIRCLE: f64 = 6_778_137.0;
 
-/// (7.1) and (7.2) with their sums over p constraints and h velocities, solved for accelerations and multiplier; (7.3) where
-/// the row is the slope of Φ. As printed (7.2) is an equation for each velocity by itself.
+/// (7.1) and (7.2) with their sums over p constraints and h velocities, solved for accelerations and multiplier; (7.3)
+/// where the row is the slope of Φ. As printed (7.2) is an equation for each velocity by itself.
 #[test]
 fn e37_sums_of_the_multipliers() {
     let edge = KnifeEdge::<f64>::default();

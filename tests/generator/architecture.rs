@@ -160,6 +160,63 @@ fn the_manual_says_what_each_function_is() {
     assert_eq!(said, functions.iter().map(|function| function.name.as_str()).collect());
 }
 
+/// Sources that are written by hand, below the folders of the workspace's members.
+fn written_by_hand() -> Vec<PathBuf> {
+    ["mbs-derive", "mbs-runtime", "mbs-chart", "mbs-cli", "models", "tests", "examples"]
+        .iter()
+        .flat_map(|folder| sources(&Path::new(ROOT).join(folder)))
+        .filter(|file| !file.iter().any(|part| part == "target"))
+        .collect()
+}
+
+/// Files that are longer than the rest may be: none is added to them.
+const LONG: &[&str] = &[
+    "examples/speed/custom_arm6.rs",
+    "mbs-derive/src/model/statement/declare.rs",
+    "mbs-derive/src/model/value/builtin.rs",
+    "mbs-derive/src/model/value/evaluate.rs",
+    "mbs-derive/src/model/value/operator.rs",
+    "mbs-derive/src/parse/expression.rs",
+    "mbs-derive/src/parse/grammar.rs",
+    "mbs-runtime/src/dynamics/null_space.rs",
+    "mbs-runtime/src/integrator.rs",
+    "mbs-runtime/tests/constrained_solve.rs",
+    "models/arm/src/inverse.rs",
+    "tests/src/referee/evaluate.rs",
+    "tests/src/referee/syntax.rs",
+    "tests/src/reference/tree.rs",
+    "tests/systems/platform.rs",
+];
+
+#[test]
+fn no_source_is_longer_than_600_lines() {
+    let lines = |file: &PathBuf| read(file).lines().count();
+    let is_known = |file: &Path| LONG.iter().any(|known| file.ends_with(known));
+    let (known, others): (Vec<_>, Vec<_>) = written_by_hand().into_iter().partition(|file| is_known(file));
+    let long: Vec<_> = others.iter().filter(|file| lines(file) > 600).collect();
+    assert!(long.is_empty(), "split {long:?}");
+    let short: Vec<_> = known.iter().filter(|file| lines(file) <= 600).collect();
+    assert!(
+        short.is_empty() && known.len() == LONG.len(),
+        "take {short:?} off the list, and what is not there any more"
+    );
+}
+
+/// Rows of tables aside, and the documentation of generated code, which is wrapped where it is written.
+#[test]
+fn comments_are_as_wide_as_code() {
+    let is_wide = |line: &&str| {
+        let text = line.trim_start();
+        text.starts_with("//")
+            && line.chars().count() > 120
+            && !text.trim_start_matches(['/', '!', ' ']).starts_with('|')
+    };
+    let files = written_by_hand().into_iter().filter(|file| !file.ends_with("emit/item.rs"));
+    let wide: Vec<_> =
+        files.flat_map(|file| read(&file).lines().filter(is_wide).map(String::from).collect::<Vec<_>>()).collect();
+    assert!(wide.is_empty(), "wider than 120 columns: {wide:#?}");
+}
+
 /// A stranger finds what CONTRIBUTING.md sends them to.
 #[test]
 fn the_files_that_contributing_names_exist() {

@@ -1,8 +1,8 @@
 //! Every file in `models/mechanisms/` as it is reviewed, with its operation counts, as snapshots; of the files in
 //! `tests/mechanisms/` the counts alone. Equations in print are in `textbook.rs`.
 //!
-//! A changed derivation is a reviewed diff: equations and operation counts first, then the code. `identities.rs` and `reference.rs`
-//! show that it is right.
+//! A changed derivation is a reviewed diff: equations and operation counts first, then the code. `identities.rs` and
+//! `reference.rs` show that it is right.
 
 use std::fs;
 use std::path::Path;

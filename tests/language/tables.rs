@@ -28,7 +28,7 @@ fn with_table(kind: &str) -> Derivation {
     ))
 }
 
-/// The same with numbers for values: a spline, where the other is a tree of branches.
+/// A mechanism whose table holds numbers: a spline, where the other is a tree of branches.
 fn with_numbers(kind: &str, y: [f64; 5]) -> Derivation {
     derivation(&format!(
         "mechanism A {{ param m: kg = 2; const y[5]: J = {y:?}; const x[5]: m = [-1, 0, 1, 3, 4]; coord s: m;

@@ -2,11 +2,12 @@
 //!
 //! # Source
 //!
-//! - J. P. Meijaard, J. M. Papadopoulos, A. Ruina, A. L. Schwab, *Linearized dynamics equations for the balance and steer of a
-//!   bicycle: a benchmark and review*, Proc. R. Soc. A 463 (2007): the coefficients of `M q̈ + v C₁ q̇ + (g K₀ + v² K₂) q = f` in lean and
-//!   steer (section 5a), and the eigenvalues (table 2), which are also recomputed here from the coefficients.
-//! - P. Basu-Mandal, A. Chatterjee, J. M. Papadopoulos, *Hands-free circular motions of a benchmark bicycle*, Proc. R. Soc. A 463
-//!   (2007), table 1: accelerations of the nonlinear bicycle in a state far from upright.
+//! - J. P. Meijaard, J. M. Papadopoulos, A. Ruina, A. L. Schwab, *Linearized dynamics equations for the balance and
+//!   steer of a bicycle: a benchmark and review*, Proc. R. Soc. A 463 (2007): the coefficients of
+//!   `M q̈ + v C₁ q̇ + (g K₀ + v² K₂) q = f` in lean and steer (section 5a), and the eigenvalues (table 2), which are
+//!   also recomputed here from the coefficients.
+//! - P. Basu-Mandal, A. Chatterjee, J. M. Papadopoulos, *Hands-free circular motions of a benchmark bicycle*, Proc. R.
+//!   Soc. A 463 (2007), table 1: accelerations of the nonlinear bicycle in a state far from upright.
 
 use std::ops::ControlFlow;
 

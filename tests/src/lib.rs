@@ -2,7 +2,8 @@
 //!
 //! - [`random`]: seeded states, with exact zeros and straight arms among them;
 //! - [`compare`]: one error measure for numbers, vectors and matrices;
-//! - [`by_hand`]: formulas of mechanics texts, typed to be run, and [`counting`]: numbers that count what is done to them;
+//! - [`by_hand`]: formulas of mechanics texts, typed to be run, and [`counting`]: numbers that count what is done to
+//!   them;
 //! - [`mod@reference`]: equations of motion derived another way, with no generator in sight;
 //! - [`referee`]: a second reading of the language, and random mechanisms of every construct;
 //! - [`robustness`]: random models, most of them wrong;

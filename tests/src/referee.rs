@@ -11,7 +11,8 @@
 //! - `lagrange`, `solve`, `quantities`: from the statements to everything that a generated function returns;
 //! - `manifold`: states at which constraints hold;
 //! - [`mod@draw`]: random mechanisms;
-//! - [`mod@judge`]: the generator against all that; `conserved`: first integrals; `gauge`: what unit quaternions leave open;
+//! - [`mod@judge`]: the generator against all that; `conserved`: first integrals; `gauge`: what unit quaternions leave
+//!   open;
 //! - [`mod@shrink`]: faults in small texts.
 
 mod builtin;

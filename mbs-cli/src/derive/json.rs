@@ -13,7 +13,8 @@
 //!     "operations": {"add": 0, …}, "instructions": [["hoisted", 0]], "results": [0]}, …},
 //!   "prescribed": [],
 //!   "constraints": [],
-//!   "graph": {"nodes": [{"operation": "symbol", "name": "m", "symbol": ["parameter", 0]}, …], "roots": {"mass_matrix": [3], …}},
+//!   "graph": {"nodes": [{"operation": "symbol", "name": "m", "symbol": ["parameter", 0]}, …],
+//!             "roots": {"mass_matrix": [3], …}},
 //!   "splines": []
 //! }
 //! ```

@@ -6,8 +6,8 @@ use std::sync::OnceLock;
 
 use crate::source::Sources;
 
-/// 128 bits, twice the hash of the standard library. Not against forgery, and the same only between runs of one program,
-/// which [`of_request`](Self::of_request) makes part of them.
+/// 128 bits, twice the hash of the standard library. Not against forgery, and the same only between runs of one
+/// program, which [`of_request`](Self::of_request) makes part of them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Digest(u128);
 
@@ -26,7 +26,8 @@ impl Digest {
         Digest(high << 64 | low)
     }
 
-    /// Of the program that runs, with the generator and all else that is linked into it; `None` where it cannot be read.
+    /// Of the program that runs, with the generator and all else that is linked into it; `None` where it cannot be
+    /// read.
     pub fn of_this_program() -> Option<Self> {
         static PROGRAM: OnceLock<Option<Digest>> = OnceLock::new();
         let read = || std::fs::read(std::env::current_exe().ok()?).ok();

@@ -23,8 +23,8 @@ pub(super) struct Kept {
 }
 
 impl Kept {
-    /// In `OUT_DIR`, under the name of the mechanism's file and a digest of its path. `None` where the program cannot tell
-    /// itself from another version.
+    /// In `OUT_DIR`, under the name of the mechanism's file and a digest of its path. `None` where the program cannot
+    /// tell itself from another version.
     pub(super) fn new(folder: &Path, sources: &Sources, options: &Options) -> Option<Self> {
         Digest::of_this_program()?;
         let path = &sources.main().name;

@@ -4,8 +4,8 @@ use super::evaluate::{Tape, Value, holds};
 use super::function::Function;
 use super::graph::Node;
 
-/// One side of an `if`, or of the corner of an `abs` or `signum`: its value is wanted where the comparisons of [`Branches::way`]
-/// come out so.
+/// One side of an `if`, or of the corner of an `abs` or `signum`: its value is wanted where the comparisons of
+/// [`Branches::way`] come out so.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Side {
     /// The position of the choice on the tape.

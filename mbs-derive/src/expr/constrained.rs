@@ -233,8 +233,8 @@ impl<V: Value> NullSpace<V> {
         }
     }
 
-    /// q̈, then λ, in the place of f, then c, column by column; `None` where rows contradict each other, something is not
-    /// finite, or the motion is none of which the columns are derivatives.
+    /// q̈, then λ, in the place of f, then c, column by column; `None` where rows contradict each other, something is
+    /// not finite, or the motion is none of which the columns are derivatives.
     pub(super) fn solve(&self, columns: &[Vec<V>], terms: &Terms<V>) -> Vec<Option<Vec<V>>> {
         if !terms.motion.iter().all(|&x| is_finite(x)) {
             return vec![None; columns.len()];

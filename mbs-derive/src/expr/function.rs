@@ -24,7 +24,8 @@ pub enum Function {
     Cosh,
     /// hyperbolic tangent
     Tanh,
-    /// hyperbolic secant: no word of the language, but the root of tanh′, of which `1 − tanh²` leaves no digits far away
+    /// hyperbolic secant: no word of the language, but the root of tanh′, of which `1 − tanh²` leaves no digits far
+    /// away
     Sech,
     /// exponential
     Exp,

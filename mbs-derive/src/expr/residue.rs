@@ -4,17 +4,19 @@
 //! at most (Schwartz, *Fast probabilistic algorithms for verification of polynomial identities*, Journal of the ACM
 //! 27:4, 1980). What is not rational is given values that obey the laws by which energies are simplified:
 //!
-//! - a sine with its cosine is a point of the unit circle. Its points over F_p are a cyclic group of order `p + 1 = 720 N`, N prime:
-//!   angles are added as its exponents are. A multiple of π is read as one of half degrees, everything else modulo N, where sums,
-//!   products and quotients of angles are formed as of the numbers themselves. So `sin(a + b)`, `sin 2a` and `cos 30° = √3/2` have
-//!   the values that they should;
-//! - of the two roots of a square one is itself a square, since `p ≡ 3 (mod 4)`, and that one is `√x`: roots are multiplicative,
-//!   `√x · √x = x`, and `√(x²)` is x at half of the points and −x at the others, as |x| is;
-//! - exponentials are powers of a number of prime order `(p − 1)/2`, modulo which exponents are formed as angles are: `exp(a + b)` is
-//!   `exp(a) exp(b)`. An exponent with roots or functions in it is equal to another where its value is, and
-//!   `exp(−x) = 1/exp(x)`. Hyperbolic functions are made of exponentials;
-//! - every other function is opaque: equal where its arguments are, odd where it is odd. So are roots and functions inside angles;
-//! - which of two different numbers is the smaller one is decided by a coin, and the other way round for the negatives of both.
+//! - a sine with its cosine is a point of the unit circle. Its points over F_p are a cyclic group of order
+//!   `p + 1 = 720 N`, N prime: angles are added as its exponents are. A multiple of π is read as one of half degrees,
+//!   everything else modulo N, where sums, products and quotients of angles are formed as of the numbers themselves. So
+//!   `sin(a + b)`, `sin 2a` and `cos 30° = √3/2` have the values that they should;
+//! - of the two roots of a square one is itself a square, since `p ≡ 3 (mod 4)`, and that one is `√x`: roots are
+//!   multiplicative, `√x · √x = x`, and `√(x²)` is x at half of the points and −x at the others, as |x| is;
+//! - exponentials are powers of a number of prime order `(p − 1)/2`, modulo which exponents are formed as angles are:
+//!   `exp(a + b)` is `exp(a) exp(b)`. An exponent with roots or functions in it is equal to another where its value is,
+//!   and `exp(−x) = 1/exp(x)`. Hyperbolic functions are made of exponentials;
+//! - every other function is opaque: equal where its arguments are, odd where it is odd. So are roots and functions
+//!   inside angles;
+//! - which of two different numbers is the smaller one is decided by a coin, and the other way round for the negatives
+//!   of both.
 //!
 //! An identity that rests on no more than these laws holds at every point. One that needs others, `ln(exp(x)) = x` for
 //! instance, seems not to hold.

@@ -43,8 +43,8 @@ pub fn without_vanishing_sums<'g>(roots: &[Expr<'g>]) -> Vec<Expr<'g>> {
     roots.iter().map(|root| copies[root.id()].unwrap_or(*root)).collect()
 }
 
-/// The sums that vanish, in the order of their numbers. What depends on a comparison is left alone: no point may lead to
-/// one of its sides.
+/// The sums that vanish, in the order of their numbers. What depends on a comparison is left alone: no point may lead
+/// to one of its sides.
 fn vanishing_sums(graph: &Graph, order: &[Id]) -> Vec<Id> {
     let mut chances = Table::new(order, None);
     for &id in order {

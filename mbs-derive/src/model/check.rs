@@ -1,8 +1,10 @@
 //! What must hold of the finished mechanism, and what it was probably not meant to do. In reading order:
 //!
-//! - [`degree`]: what must hold of the energies; [`velocity`]: their degree; [`inertia`]: of every motion; [`moments`]: of a body;
+//! - [`degree`]: what must hold of the energies; [`velocity`]: their degree; [`inertia`]: of every motion; [`moments`]:
+//!   of a body;
 //! - [`rank`]: the rows of constraints; [`closure`]: whether constraints can hold together;
-//! - [`singular`], [`sign`]: what it was probably not meant to do; [`misplaced`]: places counted from another origin than meant;
+//! - [`singular`], [`sign`]: what it was probably not meant to do; [`misplaced`]: places counted from another origin
+//!   than meant;
 //! - [`requirement`]: what parameters must satisfy whenever they are set; [`sample`]: random states.
 
 pub(in crate::model) mod closure;

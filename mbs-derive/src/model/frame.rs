@@ -180,9 +180,9 @@ impl<'g> Frames<'g> {
     /// `v·v` of the origin, and how many times as large it is in the axes of the frame: 1, but behind quaternions e
     /// `|e|⁴`.
     ///
-    /// Turns about the origin do not change it. So what slides along fixed axes, or turns by a quaternion, has it in the
-    /// axes in which it was last shifted, the squares of its coordinates' rates; elsewhere sines and cosines cancel by
-    /// themselves, and forms are shorter in the axes of the frame.
+    /// Turns about the origin do not change it. So what slides along fixed axes, or turns by a quaternion, has it in
+    /// the axes in which it was last shifted, the squares of its coordinates' rates; elsewhere sines and cosines cancel
+    /// by themselves, and forms are shorter in the axes of the frame.
     pub fn speed_squared(&self, frame: FrameId) -> (Expr<'g>, Expr<'g>) {
         let own = self.get(frame).velocity;
         let mut stretch = None;

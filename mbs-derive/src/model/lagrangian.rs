@@ -324,7 +324,8 @@ impl<'g> Lagrangian<'g> {
         self.kinetic.push(energy);
     }
 
-    /// `½ m |v_c|² + ½ ωᵀ I ω`, ω in the axes of the body's frame, `v·v` as of [`Frames::speed_squared`]; it is known from then on as the energy of this body.
+    /// `½ m |v_c|² + ½ ωᵀ I ω`, ω in the axes of the body's frame, `v·v` as of [`Frames::speed_squared`]; it is known
+    /// from then on as the energy of this body.
     ///
     /// Of a rigid body it is written with the mass moments about the frame's origin, which are constant: `½ m v·v +
     /// h·(v × ω) + ½ ωᵀ J ω` with `h = m c` and `J = I + m (c·c 1 − c cᵀ)`, and each product of two velocities once: on
@@ -382,8 +383,8 @@ impl<'g> Lagrangian<'g> {
         })
     }
 
-    /// The scalar product of two vectors that are known as multiples of the velocity of one frame's origin, written as in
-    /// the kinetic energy of a body there.
+    /// The scalar product of two vectors that are known as multiples of the velocity of one frame's origin, written as
+    /// in the kinetic energy of a body there.
     pub(in crate::model) fn product_of_velocities(&self, a: Vector<'g>, b: Vector<'g>) -> Option<Expr<'g>> {
         let of_origin = |vector: Vector<'g>| match self.landmarks.motion(vector)? {
             Motion::Velocity { factor, coordinates, frame } => {

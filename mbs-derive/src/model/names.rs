@@ -1,6 +1,7 @@
 //! What names stand for. In reading order:
 //!
-//! - [`scope`]: blocks, from the innermost outwards; [`element`]: arrays that loops fill; [`family`]: declarations with an index;
+//! - [`scope`]: blocks, from the innermost outwards; [`element`]: arrays that loops fill; [`family`]: declarations with
+//!   an index;
 //! - [`function`]: functions written in the language; [`part`]: statements that are used many times;
 //! - [`import`]: what imported files declare.
 

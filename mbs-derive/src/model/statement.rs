@@ -1,6 +1,7 @@
 //! Statements, in order: local names, loops, choices. In reading order:
 //!
-//! - [`declare`]: parameters, coordinates, inputs, prescribed motions, constants; [`given`]: numbers with units, in SI units;
+//! - [`declare`]: parameters, coordinates, inputs, prescribed motions, constants; [`given`]: numbers with units, in SI
+//!   units;
 //! - [`energy`]: energies, generalized forces; [`body`]: bodies; [`gravity`]: the field that all bodies weigh in;
 //! - [`point_force`]: forces at points, torques; [`constraint`]: constraints; [`output`]: outputs;
 //! - [`reaction`]: joints whose wrenches are asked for, held and let go.

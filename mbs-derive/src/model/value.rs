@@ -3,7 +3,8 @@
 //! - [`dimension`]: SI dimensions and units; [`constant`]: what is known of an expression;
 //! - [`evaluate`]: expressions → values; [`quantity`]: numbers with units; [`operator`]: `+ - * / ^` and `dt`;
 //! - [`condition`]: `if … else`; [`difference`]: differences of places, in their nearest common frame;
-//! - [`builtin`]: functions and methods; [`attitude`]: axes of parameters, arrays for several arguments; [`interpolation`]: tables.
+//! - [`builtin`]: functions and methods; [`attitude`]: axes of parameters, arrays for several arguments;
+//!   [`interpolation`]: tables.
 
 pub(in crate::model) mod attitude;
 pub(in crate::model) mod builtin;

@@ -1,7 +1,7 @@
 //! Quantities in place: a number with its unit behind it, `0.3 kg`, `9.81 m/s^2`.
 //!
 //! ```text
-//! quantity := number unit_name exponent? (("*" | "/") unit_name exponent?)*      (no white space but behind the number)
+//! quantity := number unit_name exponent? (("*" | "/") unit_name exponent?)*   (white space behind the number only)
 //! ```
 //!
 //! The unit binds more tightly than any operator and is the longest that can be read: `0.3 kg*x` is `(0.3 kg)*x`, for

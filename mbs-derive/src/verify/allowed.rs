@@ -112,8 +112,8 @@ impl Trial<'_> {
         (0..n).map(|i| scales.weight(i)).collect()
     }
 
-    /// The velocities nearest to the state's with `A q̇ + b = 0`; `None` where they are so large that energies overflow:
-    /// where a slope has faded, as that of tanh far away, a row may be held by it alone at no other.
+    /// The velocities nearest to the state's with `A q̇ + b = 0`; `None` where they are so large that energies
+    /// overflow: where a slope has faded, as that of tanh far away, a row may be held by it alone at no other.
     fn allowed_velocities(&self) -> Option<Vec<Rounded>> {
         if !self.is_constrained() {
             return Some(self.state.qd.clone());

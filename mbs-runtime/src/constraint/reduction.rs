@@ -88,8 +88,8 @@ impl<T: Real, const N: usize, const I: usize, const J: usize> Reduction<T, N, I,
     /// Rows that depend on others are left out. It takes some `K² N` multiplications and allocates nothing.
     ///
     /// # Errors
-    /// [`ReductionError`]: what is named is not there or named twice; the constraints tie named ones to each other, or leave
-    /// one free that is not named; a number is not finite.
+    /// [`ReductionError`]: what is named is not there or named twice; the constraints tie named ones to each other, or
+    /// leave one free that is not named; a number is not finite.
     pub fn new<const K: usize>(
         jacobian: &[[T; N]; K],
         rate_jacobian: &[[T; N]; K],

@@ -87,8 +87,8 @@ pub fn constrained_solve_vectors<T: Scalar, const N: usize, const K: usize>(
     (accelerations.map(|[q]| q), multipliers.map(|[l]| l))
 }
 
-/// [`constrained_solve`] for several right sides, column by column to the bit; matrices are arrays of rows. A column that
-/// contradicts the rows is NaN by itself.
+/// [`constrained_solve`] for several right sides, column by column to the bit; matrices are arrays of rows. A column
+/// that contradicts the rows is NaN by itself.
 #[must_use]
 pub fn constrained_solve_many<T: Scalar, const N: usize, const K: usize, const C: usize>(
     m: [[T; N]; N],

@@ -3,7 +3,7 @@
 //! Of the scaled system (`scaling.rs`), in this order, each operation rounded by itself, sums from left to right:
 //!
 //! ```text
-//! A = L (U₁ U₂)        complete pivoting: the largest entry of all rows and columns that are left, or one nearly as large
+//! A = L (U₁ U₂)        complete pivoting: the largest entry of all rows and columns left, or one nearly as large
 //!                      that its row has taken; r pivots
 //! W = U₁⁻¹ U₂          q₁ = p − W q₂: dependent coordinates by independent ones
 //! V = M₂₁ᵀ − M₁₁ W     the rest of M in that basis:
@@ -523,8 +523,8 @@ impl<T: Scalar, const N: usize, const K: usize> NullSpace<T, N, K> {
         }
     }
 
-    /// q̈ and λ column by column. `solutions` must hold NaN: columns that contradict the rows are not written, and none is
-    /// where `terms.motion` is not finite.
+    /// q̈ and λ column by column. `solutions` must hold NaN: columns that contradict the rows are not written, and none
+    /// is where `terms.motion` is not finite.
     #[inline]
     pub(crate) fn solve_columns<const C: usize>(
         &self,

@@ -6,8 +6,8 @@
 //!
 //! 1. Each row takes the coordinate that it moves most easily: rows are assigned to coordinates so that
 //!    `Π aₖᵢ² / Mᵢᵢ` is greatest over all assignments, coordinates without inertia before all others.
-//! 2. A coordinate is scaled to an inertia of one, `dᵢ = 1/√Mᵢᵢ`; one that a row has taken to a greater one where another
-//!    row would else have an entry greater than the one it has taken.
+//! 2. A coordinate is scaled to an inertia of one, `dᵢ = 1/√Mᵢᵢ`; one that a row has taken to a greater one where
+//!    another row would else have an entry greater than the one it has taken.
 //! 3. A coordinate without inertia is scaled so that the entry taken is as great as the greatest of its row.
 //! 4. A row is scaled to a greatest entry of one. Rows of one vector share a unit: where another of them moves the same
 //!    coordinates more, that is scaled to one; a row of zeros has the scale of its vector.

@@ -80,8 +80,8 @@ impl GaussLegendre4 {
 
 impl<T: Real> Integrator<T> for GaussLegendre4 {
     /// # Errors
-    /// [`IntegrationError::InvalidStep`] if `step` is not positive; [`IntegrationError::InvalidTolerance`] if `tolerance`
-    /// is not; [`IntegrationError::TooManySteps`] at once if `max_steps` are too few;
+    /// [`IntegrationError::InvalidStep`] if `step` is not positive; [`IntegrationError::InvalidTolerance`] if
+    /// `tolerance` is not; [`IntegrationError::TooManySteps`] at once if `max_steps` are too few;
     /// [`IntegrationError::NotConverged`] if the iteration does not end; otherwise [`IntegrationError`] where the first
     /// bad number appears.
     fn integrate<V, F, R, O>(

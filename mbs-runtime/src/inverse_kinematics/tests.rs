@@ -12,7 +12,7 @@ fn planar(q: &[f64; 3]) -> (Pose<f64>, [[f64; 3]; 6]) {
     (pose, jacobian)
 }
 
-/// The same with a fourth link of half a metre between: one coordinate more than needed.
+/// An arm with a fourth link of half a metre between: one coordinate more than needed.
 fn redundant(q: &[f64; 4]) -> (Pose<f64>, [[f64; 4]; 6]) {
     let mut angle = 0.0;
     let mut position = [0.0; 3];
@@ -206,8 +206,8 @@ fn bad_input_is_refused() {
     assert!(matches!(found, Err(NotReached::TooManyEvaluations(best)) if best.evaluations == 2), "{found:?}");
 }
 
-/// A rejected step damps the next ones more; each good one takes some of that back. Where it did not, the same poses would take
-/// 13.7 evaluations instead of 12.2.
+/// A rejected step damps the next ones more; each good one takes some of that back. Where it did not, the same poses
+/// would take 13.7 evaluations instead of 12.2.
 #[test]
 fn good_steps_are_damped_less_and_less() {
     let mut evaluations = 0;

@@ -236,8 +236,8 @@ impl InverseKinematics {
     /// | `pose`   | of the flange, in the axes of the base       | m    |
     ///
     /// # Errors
-    /// [`Unsolvable`]: a rotation that is none or not near enough to one, a position that is not finite or out of reach, a
-    /// reference that is not finite, whether this pose needs it or not.
+    /// [`Unsolvable`]: a rotation that is none or not near enough to one, a position that is not finite or out of
+    /// reach, a reference that is not finite, whether this pose needs it or not.
     pub fn solve(&self, pose: &Pose<f64>) -> Result<Solutions, Unsolvable> {
         for joint in [0, 3] {
             let value = self.reference[joint];

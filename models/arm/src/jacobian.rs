@@ -225,7 +225,8 @@ impl Arm {
     /// `J⁻¹ [v; ω]`.
     ///
     /// # Errors
-    /// [`SingularJacobian`] where the smallest singular value is below [`SINGULAR`] of the largest, or something is not finite.
+    /// [`SingularJacobian`] where the smallest singular value is below [`SINGULAR`] of the largest, or something is not
+    /// finite.
     pub fn joint_velocity(&self, q: &JointVector, twist: &[f64; 6]) -> Result<JointVector, SingularJacobian> {
         let (u, values, v_t) = self.regular(q, twist)?;
         let along = u.tr_mul(&to_vector(twist)).component_div(&values);
@@ -243,7 +244,8 @@ impl Arm {
     /// | `damping` | `λ`                                         | m, or 1    |
     ///
     /// # Errors
-    /// [`SingularJacobian::InvalidDamping`] if `λ` is not positive, [`SingularJacobian::NonFinite`] if something is not finite.
+    /// [`SingularJacobian::InvalidDamping`] if `λ` is not positive, [`SingularJacobian::NonFinite`] if something is not
+    /// finite.
     ///
     /// # Source
     /// Y. Nakamura and H. Hanafusa, *Inverse kinematic solutions with singularity robustness for robot manipulator

@@ -137,7 +137,8 @@ impl JointLimits {
     /// use mbs_arm::JointLimits;
     ///
     /// let limits = JointLimits::IRB7600;
-    /// let degrees = |angle: f64, near: f64| limits.nearest_turn(3, angle.to_radians(), near.to_radians()).map(f64::to_degrees);
+    /// let turn = |angle: f64, near: f64| limits.nearest_turn(3, angle.to_radians(), near.to_radians());
+    /// let degrees = |angle, near| turn(angle, near).map(f64::to_degrees);
     /// assert_eq!(degrees(100.0, -250.0).map(f64::round), Some(-260.0));
     /// assert_eq!(degrees(100.0, 0.0).map(f64::round), Some(100.0));
     /// // The fifth joint ends at ±100°.

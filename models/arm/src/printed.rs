@@ -32,7 +32,8 @@ use super::{A1, A2, A3, D1, D4, D6, JointVector};
 /// use mbs_arm::printed::inverse_kinematics;
 /// use mbs_runtime::Pose;
 ///
-/// // (3.20), (3.21): the pose of table 1 in four digits. The thesis prints 45, 29.9977, 29.9993, −44.9962, 30.0036, −0.0052.
+/// // (3.20), (3.21): the pose of table 1 in four digits.
+/// // The thesis prints 45, 29.9977, 29.9993, −44.9962, 30.0036, −0.0052.
 /// let pose = Pose {
 ///     position: [0.2586, 0.1336, -0.4601],
 ///     rotation: [[-0.5227, 0.75, -0.4053], [0.3433, -0.25, -0.9053], [-0.7803, -0.6124, -0.1268]],

@@ -11,9 +11,9 @@
 //! | [`cartesian`] | the flange along a straight line | one branch of the inverse kinematics |
 //! | [`AlongPath`] | along a path by a law of time | |
 //!
-//! The first five rows are [`Piecewise`] polynomials: [`Motion::at`] evaluates q, q̇ and q̈, and extrema are found exactly,
-//! from the zeros of derivatives. [`work`] integrates the work and the effort of any [`Motion`]; [`sign_change`] finds where a
-//! function of the posture, such as the determinant of the Jacobian, changes sign.
+//! The first five rows are [`Piecewise`] polynomials: [`Motion::at`] evaluates q, q̇ and q̈, and extrema are found
+//! exactly, from the zeros of derivatives. [`work`] integrates the work and the effort of any [`Motion`];
+//! [`sign_change`] finds where a function of the posture, such as the determinant of the Jacobian, changes sign.
 //!
 //! Angles are in radians, times in seconds; nothing depends on which mechanism the joints belong to but [`cartesian`].
 //!

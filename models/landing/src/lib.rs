@@ -1,5 +1,5 @@
-//! A quadrotor lands on a moving platform, chapter 5 of the thesis: [`quadrotor`]; and the laboratory experiment of chapter 6
-//! that shows such a landing to scale, arm, platform and quadrotor together: [`experiment`].
+//! A quadrotor lands on a moving platform, chapter 5 of the thesis: [`quadrotor`]; and the laboratory experiment of
+//! chapter 6 that shows such a landing to scale, arm, platform and quadrotor together: [`experiment`].
 #![no_std]
 
 #[cfg(feature = "std")]

@@ -56,13 +56,13 @@ impl Route {
         Self { pole: [0.0, 0.0, -1.0], ..Self::prograde() }
     }
 
-    /// The same round another direction.
+    /// The problem with motion round another direction.
     #[must_use]
     pub fn about(self, pole: Vector) -> Self {
         Self { pole, ..self }
     }
 
-    /// The same with whole revolutions.
+    /// The problem with whole revolutions before the arrival.
     #[must_use]
     pub fn with_revolutions(self, revolutions: u32, branch: Branch) -> Self {
         Self { revolutions, branch, ..self }

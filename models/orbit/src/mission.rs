@@ -8,9 +8,9 @@
 //! | approach     | … a few metres from the port               | [`glideslope`] along the V-bar or the R-bar, many pulses             |
 //! | docking      | … contact                                  | pulses at a steady speed                                             |
 //!
-//! Every burn is planned from the state as it is then, so that what the linear model neglects and what thrusters do wrong is
-//! corrected later; what is left at the port is reported. [`coast`] is how the vehicle moves in between, [`safety`] where it may be,
-//! [`error`] why it does not arrive.
+//! Every burn is planned from the state as it is then, so that what the linear model neglects and what thrusters do
+//! wrong is corrected later; what is left at the port is reported. [`coast`] is how the vehicle moves in between,
+//! [`safety`] where it may be, [`error`] why it does not arrive.
 //!
 //! Places and velocities are in the station's frame, [`lvlh`](super::lvlh): x away from the centre, y along the motion,
 //! z normal.

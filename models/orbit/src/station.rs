@@ -151,8 +151,8 @@ impl Station {
     }
 
     /// Distance \[m\] and polar angle \[rad\], each with its first and second derivative: the prescribed signals of
-    /// [`relative_lvlh`](mbs_models::relative_lvlh) and [`relative_cylindrical`](mbs_models::relative_cylindrical). The angle is the true
-    /// anomaly within ±π; on a circle it goes on.
+    /// [`relative_lvlh`](mbs_models::relative_lvlh) and [`relative_cylindrical`](mbs_models::relative_cylindrical). The
+    /// angle is the true anomaly within ±π; on a circle it goes on.
     ///
     /// `r̈ = r ν̇² − μ/r²`, `ν̈ = −2 ṙ ν̇/r`.
     ///

@@ -7,8 +7,8 @@ pub type Vector = [f64; 3];
 
 /// Where a point is and how it moves, in one frame: cartesian, with the names of a vector's two parts.
 ///
-/// [`State`] is that of a mechanism, in whatever coordinates it has, as integrators move it. Where the coordinates are cartesian
-/// `From` leads from each to the other.
+/// [`State`] is that of a mechanism, in whatever coordinates it has, as integrators move it. Where the coordinates are
+/// cartesian `From` leads from each to the other.
 ///
 /// ```
 /// use mbs_orbit::vector::StateVector;
@@ -26,7 +26,7 @@ pub struct StateVector {
 }
 
 impl StateVector {
-    /// From both.
+    /// The state at a position, with a velocity.
     #[must_use]
     pub fn new(position: Vector, velocity: Vector) -> Self {
         Self { position, velocity }

@@ -113,8 +113,8 @@ impl Newton {
     /// | `start`   | a pose near the one wanted  | m, rad |
     ///
     /// # Errors
-    /// [`NotFound::NotConverged`] after [`iterations`](Newton::iterations) steps at the latest; [`NotFound::Singular`] where the
-    /// search comes to a singular pose; else what is wrong with the input.
+    /// [`NotFound::NotConverged`] after [`iterations`](Newton::iterations) steps at the latest; [`NotFound::Singular`]
+    /// where the search comes to a singular pose; else what is wrong with the input.
     ///
     /// # Source
     /// Thesis, equation (4.5), solved as it proposes, by Newton and Raphson, with damping and an end.

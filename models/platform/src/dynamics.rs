@@ -82,8 +82,8 @@ impl Platform {
     /// condition grows as the square of that of the [matrix of angular rates](super::jacobian::angular_rates).
     ///
     /// # Errors
-    /// [`PoseError::NonFinite`], [`PoseError::ZeroLength`]; [`PoseError::Singular`], with the singular values of the matrix of
-    /// angular rates, where the square of their ratio is at most [`SINGULAR`], within 0.004° of ±90°.
+    /// [`PoseError::NonFinite`], [`PoseError::ZeroLength`]; [`PoseError::Singular`], with the singular values of the
+    /// matrix of angular rates, where the square of their ratio is at most [`SINGULAR`], within 0.004° of ±90°.
     pub fn accelerations(
         &self,
         q: &Coordinates,

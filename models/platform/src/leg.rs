@@ -4,7 +4,7 @@
 //! P = B + ρ e,   e = (cos α sin β, sin α sin β, cos β)                                          (4.6)
 //! ẋ_P = C (ρ̇, α̇, β̇),   det C = −ρ² sin β                                                      (4.7)
 //! a_P = ρ̈ e + ω̇ × ρ e + ω × (2 ρ̇ e + ω × ρ e)                                                 (4.8)
-//! ω = (−β̇ sin α, β̇ cos α, α̇)                                                                  (4.10) is its derivative
+//! ω = (−β̇ sin α, β̇ cos α, α̇)                                                                  (4.10) its derivative
 //! (ρ̈, α̈, β̈) = C⁻¹ h                                                                            (4.11)
 //! ```
 //!

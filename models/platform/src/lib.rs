@@ -121,8 +121,8 @@ impl Platform {
     /// ```
     ///
     /// # Errors
-    /// [`InvalidPlatform`] where a radius is not positive, two joints coincide, a mass is negative, the platform has no inertia,
-    /// or something is not finite.
+    /// [`InvalidPlatform`] where a radius is not positive, two joints coincide, a mass is negative, the platform has no
+    /// inertia, or something is not finite.
     pub fn new(params: Params) -> Result<Self, InvalidPlatform> {
         geometry::check(&params)?;
         let geometry = Geometry::unchecked(&params);

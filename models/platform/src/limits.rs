@@ -215,7 +215,8 @@ pub const MOST_SAMPLES: u32 = 10_000_000;
 /// Why there is no survey of a motion.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum NotSurveyed {
-    /// The end is negative, the step is not positive, one of them is infinite or NaN, or there are more than [`MOST_SAMPLES`].
+    /// The end is negative, the step is not positive, one of them is infinite or NaN, or there are more than
+    /// [`MOST_SAMPLES`].
     #[error("samples every {step} s up to {end} s are none, without end or more than {MOST_SAMPLES}")]
     InvalidSampling {
         /// The last moment \[s\].
@@ -299,7 +300,8 @@ impl Platform {
     /// What the motion asks of the legs, sampled at `0, step, 2 step, …` up to `end` \[s\].
     ///
     /// # Errors
-    /// [`NotSurveyed::InvalidSampling`]; [`NotSurveyed::Limits`]; [`NotSurveyed::Pose`], the first sample that has no legs or no forces.
+    /// [`NotSurveyed::InvalidSampling`]; [`NotSurveyed::Limits`]; [`NotSurveyed::Pose`], the first sample that has no
+    /// legs or no forces.
     pub fn survey(&self, motion: &impl PlatformMotion, end: f64, step: f64) -> Result<Survey, NotSurveyed> {
         // NaN compares false.
         let sampled = step > 0.0 && step.is_finite() && end >= 0.0 && end / step < f64::from(MOST_SAMPLES);
@@ -329,7 +331,8 @@ impl Platform {
     /// mean keeps them. Factors at which a sample has no legs or no forces do not keep them.
     ///
     /// # Errors
-    /// [`NotSurveyed::InvalidSampling`]; [`NotSurveyed::Limits`]; [`NotSurveyed::Pose`] where the mean has no legs or no forces.
+    /// [`NotSurveyed::InvalidSampling`]; [`NotSurveyed::Limits`]; [`NotSurveyed::Pose`] where the mean has no legs or
+    /// no forces.
     pub fn admissible_scale<const K: usize>(
         &self,
         motion: &Superposition<K>,

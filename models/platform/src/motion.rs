@@ -182,7 +182,7 @@ impl<const K: usize> Superposition<K> {
         Self(motions)
     }
 
-    /// The same with all swings larger by a factor, about the same mean.
+    /// The motion with all swings larger by a factor, about the same mean.
     #[must_use]
     pub fn scaled(&self, factor: f64) -> Self {
         let scaled = |swing: Coordinates| swing.map(|amplitude| factor * amplitude);

@@ -41,8 +41,8 @@ pub(super) struct Rank {
     /// Whether a motion may be taken for one without inertia, or a row for one that depends on others: then everything
     /// that follows from accelerations may be NaN.
     pub(super) may_have_no_answer: bool,
-    /// Whether a component of a constraint is so small beside the others of its vector that it may be one of its own, with
-    /// accelerations that satisfy it, or what rounding leaves of none.
+    /// Whether a component of a constraint is so small beside the others of its vector that it may be one of its own,
+    /// with accelerations that satisfy it, or what rounding leaves of none.
     pub(super) has_component_near_zero: bool,
 }
 

@@ -40,8 +40,8 @@ fn largest_near_one(matrix: &[Vec<Wide>]) -> Vec<f64> {
     scales
 }
 
-/// Powers of two that bring the diagonal near 1 where it is not zero, and from there the largest entries that lead on to
-/// further rows, so that a heavy coordinate and one without inertia count alike in a row that has both.
+/// Powers of two that bring the diagonal near 1 where it is not zero, and from there the largest entries that lead on
+/// to further rows, so that a heavy coordinate and one without inertia count alike in a row that has both.
 fn diagonal_near_one(matrix: &[Vec<Wide>]) -> Vec<f64> {
     let n = matrix.len();
     let own = |i: usize| Some(size(matrix[i][i])).filter(|x| *x > 0.0).map(|x| power(x.powf(-0.5)));

@@ -1,10 +1,12 @@
 //! Trees of rigid bodies with hinges, slides, ball joints, prescribed motions and coupled joints, five ways:
 //!
 //! - inverse dynamics by Newton–Euler, with 3-vectors in world axes ([`Tree::newton_euler`]);
-//! - mass matrix by composite rigid bodies, with spatial vectors in the axes of the bodies ([`Tree::composite_bodies`]);
+//! - mass matrix by composite rigid bodies, with spatial vectors in the axes of the bodies
+//!   ([`Tree::composite_bodies`]);
 //! - accelerations by articulated bodies, where every joint has coordinates of its own ([`Tree::articulated_bodies`]);
 //! - mass matrix by Jacobians of the mass centres, over any [`Number`] ([`Tree::jacobian_mass_matrix`]);
-//! - Coriolis matrix by Christoffel symbols, from the derivatives of the latter by dual numbers ([`Tree::coriolis_matrix`]).
+//! - Coriolis matrix by Christoffel symbols, from the derivatives of the latter by dual numbers
+//!   ([`Tree::coriolis_matrix`]).
 //!
 //! A tree moves with `x`: the coordinates `q`, then the signals that prescribe the rest of its motion. A joint's
 //! variable is a function of `x` ([`Law`]), its rates are `ν = N(x) ẋ`, and `ν̇ = N ẍ + Ṅ ẋ`; of a ball joint `ν = 2

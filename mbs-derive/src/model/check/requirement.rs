@@ -2,10 +2,10 @@
 //!
 //! - A parameter that is declared `positive` is.
 //! - The mass of a body is not negative; its inertia is that of a body.
-//! - What squares in T are multiplied with is not negative: `1/2*m*dt(x)^2` asks for `m >= 0`, `1/2*(m1 - m2)*dt(x)^2` for
-//!   `m1 - m2 >= 0`; what is multiplied with one square is added up first.
-//! - What energies, forces and constraints divide by is not zero, of what they take the square root or the logarithm is in the
-//!   domain of that, wherever they are evaluated (not on one side of a branch alone).
+//! - What squares in T are multiplied with is not negative: `1/2*m*dt(x)^2` asks for `m >= 0`, `1/2*(m1 - m2)*dt(x)^2`
+//!   for `m1 - m2 >= 0`; what is multiplied with one square is added up first.
+//! - What energies, forces and constraints divide by is not zero, of what they take the square root or the logarithm is
+//!   in the domain of that, wherever they are evaluated (not on one side of a branch alone).
 //!
 //! A condition that the defaults do not satisfy is none: the declaration means something else.
 

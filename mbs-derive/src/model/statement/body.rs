@@ -186,8 +186,8 @@ mod tests {
         );
     }
 
-    /// Turns about the origin leave the squares of what slides, those by a quaternion of another length as well: nothing
-    /// of 1e-16 of the mass stands beside them.
+    /// Turns about the origin leave the squares of what slides, those by a quaternion of another length as well:
+    /// nothing of 1e-16 of the mass stands beside them.
     #[test]
     fn a_free_body_has_the_squares_of_its_coordinates_rates() {
         let pose = "let a = translation([x, y, z]) * rot_z(theta) * quaternion(8*q[0], 7, 0, 1);";

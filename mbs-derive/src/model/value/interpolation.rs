@@ -7,11 +7,11 @@
 //!
 //! - `table`: straight lines; before the first and behind the last place their values;
 //! - `table_monotone`: cubics that rise where the samples rise, with a continuous slope (F. N. Fritsch, R. E. Carlson,
-//!   *Monotone piecewise cubic interpolation*, 1980; the slopes of F. N. Fritsch, J. Butland, *A method for constructing
-//!   local monotone piecewise cubic interpolants*, 1984, and at the ends those of C. Moler, *Numerical Computing with
-//!   MATLAB*, 2004, section 3.6);
-//! - `table_spline`: the natural cubic spline, with a continuous curvature (C. de Boor, *A Practical Guide to Splines*, 1978,
-//!   chapter IV);
+//!   *Monotone piecewise cubic interpolation*, 1980; the slopes of F. N. Fritsch, J. Butland, *A method for
+//!   constructing local monotone piecewise cubic interpolants*, 1984, and at the ends those of C. Moler, *Numerical
+//!   Computing with MATLAB*, 2004, section 3.6);
+//! - `table_spline`: the natural cubic spline, with a continuous curvature (C. de Boor, *A Practical Guide to Splines*,
+//!   1978, chapter IV);
 //!
 //! the last two go on along the tangents at their ends.
 

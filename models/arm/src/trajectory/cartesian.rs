@@ -116,8 +116,8 @@ impl<'a, const K: usize> CartesianPath<'a, K> {
     /// [`Arm::limits`].
     ///
     /// # Errors
-    /// [`CartesianError`] with the place along the line: where it leaves the reach, where a joint comes to the end of its
-    /// range, where the arm becomes singular, or so nearly that a joint turns by more than 0.1 rad in 1e-10 of the
+    /// [`CartesianError`] with the place along the line: where it leaves the reach, where a joint comes to the end of
+    /// its range, where the arm becomes singular, or so nearly that a joint turns by more than 0.1 rad in 1e-10 of the
     /// line.
     pub fn new(arm: &'a Arm, line: FlangeLine, start: &JointVector) -> Result<Self, CartesianError> {
         const { assert!(K > 1, "both ends of the line are kept") };

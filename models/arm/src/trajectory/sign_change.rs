@@ -17,8 +17,8 @@ use super::{Motion, TrajectoryError};
 /// ```
 ///
 /// # Errors
-/// [`TrajectoryError::GridTooCoarse`] without intervals. The iterator gives [`TrajectoryError::NonFiniteFunction`] where the
-/// function is infinite or NaN, and ends there.
+/// [`TrajectoryError::GridTooCoarse`] without intervals. The iterator gives [`TrajectoryError::NonFiniteFunction`]
+/// where the function is infinite or NaN, and ends there.
 pub fn sign_changes<const N: usize, M, F>(
     motion: M,
     function: F,

@@ -54,7 +54,8 @@ const ROUNDS: usize = 12;
 ///
 /// # Errors
 /// - [`TrajectoryError::Infeasible`] with the place at which no speed satisfies the limits;
-/// - [`TrajectoryError::PathStandsStill`] where the tangent of the path vanishes, as it does at the ends of a motion from rest;
+/// - [`TrajectoryError::PathStandsStill`] where the tangent of the path vanishes, as it does at the ends of a motion
+///   from rest;
 /// - [`TrajectoryError::GridTooCoarse`] for fewer than four intervals, or where limits are exceeded between the points
 ///   of the grid however much they are tightened;
 /// - [`TrajectoryError::InvalidLimit`], [`TrajectoryError::InvalidLength`], [`TrajectoryError::NonFinite`] and

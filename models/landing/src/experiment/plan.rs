@@ -171,7 +171,7 @@ impl<'a> Plan<'a> {
         self.standoff
     }
 
-    /// The same with another stand-off, which is finite.
+    /// The plan with another stand-off, which is finite.
     pub(super) fn standing_off(self, standoff: f64) -> Self {
         Self { standoff, ..self }
     }

@@ -121,7 +121,8 @@ pub struct RailArm {
 }
 
 impl Default for RailArm {
-    /// With the declared masses and inertias, the quadrotor at the flange, [`JointLimits::IRB7600`] and [`RailLimits::LABORATORY`].
+    /// With the declared masses and inertias, the quadrotor at the flange, [`JointLimits::IRB7600`] and
+    /// [`RailLimits::LABORATORY`].
     fn default() -> Self {
         Self { model: Irb7600Rail::default(), joints: JointLimits::IRB7600, rail: RailLimits::LABORATORY }
     }

@@ -19,12 +19,13 @@ impl Experiment {
     ///
     /// Stand-offs are those within [`standoffs`](Self::standoffs) with which the carriage stays on the rail: `x(t) − ρ`
     /// within
-    /// [`RailLimits::range`](super::rail_arm::RailLimits::range) up to the touchdown. Where there is none, all of them are taken, and
-    /// the [survey](Plan::survey) names the end of the rail. They are tried every 50 mm, and the best is made better by
-    /// golden sections.
+    /// [`RailLimits::range`](super::rail_arm::RailLimits::range) up to the touchdown. Where there is none, all of them
+    /// are taken, and the [survey](Plan::survey) names the end of the rail. They are tried every 50 mm, and the best is
+    /// made better by golden sections.
     ///
     /// # Errors
-    /// [`PlanError`]; [`PlanError::Infeasible`] if no stand-off lets the flange go all the way: why that in the middle does not.
+    /// [`PlanError`]; [`PlanError::Infeasible`] if no stand-off lets the flange go all the way: why that in the middle
+    /// does not.
     pub fn plan(&self, scale: f64) -> Result<Plan<'_>, PlanError> {
         let wanted = self.plan_at(scale, middle(self.standoffs))?;
         let Some(reached) = overlap(self.standoffs, [-REACH, REACH]) else {

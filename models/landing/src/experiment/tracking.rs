@@ -8,8 +8,8 @@
 //! ```
 //!
 //! What is wrong about the masses, the period and the limits of the drives leave an error at the flange, which is what
-//! [`Tracked`] measures. The contact is where the flange's origin comes down to the deck, found on the dense output. The platform
-//! moves as planned.
+//! [`Tracked`] measures. The contact is where the flange's origin comes down to the deck, found on the dense output.
+//! The platform moves as planned.
 //!
 //! # Source
 //! J. Y. S. Luh, M. W. Walker, R. P. C. Paul, *Resolved-acceleration control of mechanical manipulators*, IEEE

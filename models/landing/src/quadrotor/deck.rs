@@ -128,8 +128,8 @@ impl DeckState {
     }
 }
 
-/// A level deck that heaves and does nothing else, as in the thesis: up to rounding [`MovingDeck`] with [`Heave::about`], without
-/// the turns that are none.
+/// A level deck that heaves and does nothing else, as in the thesis: up to rounding [`MovingDeck`] with
+/// [`Heave::about`], without the turns that are none.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HeavingDeck<const K: usize> {
     /// Its elevation.

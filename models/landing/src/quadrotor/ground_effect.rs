@@ -55,7 +55,7 @@ impl GroundEffect {
         Self::with_least_height(rotor_radius, LEAST_HEIGHT)
     }
 
-    /// The same with another least height \[radii\].
+    /// The ground effect of a rotor with another least height \[radii\].
     ///
     /// # Errors
     /// [`InvalidGroundEffect`].

@@ -4,7 +4,8 @@
 //! Without it both are Kepler motions, [`relative_motion`]. With it, in axes that do not turn, ρ from the station at R,
 //!
 //! ```text
-//! ρ̈ = −(μ/r³) (ρ − f(q) R) − G m_t ρ/ρ³,   r = |R + ρ|,   q = ρ·(ρ + 2 R)/R²,   f(q) = q (3 + 3 q + q²)/(1 + (1 + q)^{3/2})
+//! ρ̈ = −(μ/r³) (ρ − f(q) R) − G m_t ρ/ρ³,   r = |R + ρ|,
+//! q = ρ·(ρ + 2 R)/R²,   f(q) = q (3 + 3 q + q²)/(1 + (1 + q)^{3/2})
 //! ```
 //!
 //! where nothing cancels for small ρ.
