@@ -43,8 +43,11 @@ impl Files {
     /// # Errors
     /// It is one that was read or is written by another option, it is a folder, or its folder is not there.
     pub(crate) fn writes(&mut self, option: &str, path: &Path) -> Result<(), Failure> {
-        let identity = Identity::of(path)
-            .map_err(|error| Failure::new(format_args!("cannot write {}: {error}", path.display())))?;
+        let identity = Identity::of(path).map_err(|error| {
+            let is_missing = error.kind() == ErrorKind::NotFound;
+            let help = if is_missing { "; make the folder first, or name another" } else { "" };
+            Failure::new(format_args!("cannot write {}: {error}{help}", path.display()))
+        })?;
         if let Some(other) = self.known.iter().find(|known| known.identity == identity) {
             let name = path.display();
             return Err(Failure::new(format_args!("{option} {name} would overwrite a file in use: {}", other.clause)));

@@ -74,6 +74,7 @@ fn what_cannot_be_written_is_not_begun() {
     std::fs::create_dir(workshop.path("folder")).unwrap();
     let report = workshop.bad(&["derive", "pendulum.mbs", "--out", "missing/pendulum.rs"]);
     assert!(report.starts_with("error: cannot write missing/pendulum.rs: "), "{report}");
+    assert!(report.contains("; make the folder first, or name another"), "{report}");
     let report = workshop.bad(&["derive", "pendulum.mbs", "--out", "folder"]);
     assert!(report.starts_with("error: cannot write folder: "), "{report}");
 }
