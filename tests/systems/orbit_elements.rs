@@ -2,6 +2,7 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
+use mbs_models::check::Must;
 use mbs_orbit::EARTH_MU;
 use mbs_orbit::anomaly::{self, AnomalyError};
 use mbs_orbit::elements::{Elements, ElementsError};
@@ -213,11 +214,11 @@ fn keplers_equation_is_solved() {
 fn bad_input_is_refused_with_its_value() {
     let good = StateVector::new([1.0, 0.0, 0.0], [0.0, 1.0, 0.0]);
     for mu in [0.0, -1.0, f64::INFINITY] {
-        assert_eq!(Elements::from_state(mu, &good), Err(ElementsError::NotPositive { parameter: "mu", value: mu }));
+        assert_eq!(Elements::from_state(mu, &good), Err(ElementsError::Invalid(Must::BePositive.broken_by("mu", mu))));
     }
     let mut bad = good;
     bad.velocity[1] = f64::INFINITY;
-    let expected = ElementsError::NotFinite { parameter: "velocity y", value: f64::INFINITY };
+    let expected = ElementsError::Invalid(Must::BeFinite.broken_by("velocity y", f64::INFINITY));
     assert_eq!(Elements::from_state(1.0, &bad), Err(expected));
     for straight in [[0.0; 3], [3.0, 0.0, 0.0]] {
         let state = StateVector::new([1.0, 0.0, 0.0], straight);
@@ -235,23 +236,32 @@ fn bad_input_is_refused_with_its_value() {
                     elements would not give the state back";
     assert_eq!(far.to_string(), expected);
     let negative = Elements { semi_latus_rectum: -1.0, ..elements };
-    assert_eq!(negative.to_state(1.0), Err(ElementsError::NotPositive { parameter: "semi_latus_rectum", value: -1.0 }));
+    assert_eq!(
+        negative.to_state(1.0),
+        Err(ElementsError::Invalid(Must::BePositive.broken_by("semi_latus_rectum", -1.0)))
+    );
     let negative = Elements { eccentricity: -0.1, ..elements }.to_state(1.0).unwrap_err();
-    assert_eq!(negative, ElementsError::Negative { parameter: "eccentricity", value: -0.1 });
+    assert_eq!(negative, ElementsError::Invalid(Must::NotBeNegative.broken_by("eccentricity", -0.1)));
     assert_eq!(negative.to_string(), "eccentricity must not be negative, it is -0.1");
     let infinite = Elements { eccentricity: f64::INFINITY, ..elements }.to_state(1.0);
-    assert_eq!(infinite, Err(ElementsError::NotFinite { parameter: "eccentricity", value: f64::INFINITY }));
+    assert_eq!(infinite, Err(ElementsError::Invalid(Must::NotBeNegative.broken_by("eccentricity", f64::INFINITY))));
     let nan = Elements { inclination: f64::NAN, ..elements };
-    assert!(matches!(nan.to_state(1.0), Err(ElementsError::NotFinite { parameter: "inclination", .. })));
+    assert!(matches!(nan.to_state(1.0), Err(ElementsError::Invalid(error)) if error.parameter == "inclination"));
 
-    assert_eq!(anomaly::eccentric_from_mean(-0.1, 1.0), Err(AnomalyError::Eccentricity { e: -0.1 }));
+    assert_eq!(
+        anomaly::eccentric_from_mean(-0.1, 1.0),
+        Err(AnomalyError::Invalid(Must::NotBeNegative.broken_by("eccentricity", -0.1)))
+    );
     for (e, message) in [
         (f64::INFINITY, "the eccentricity must be zero or positive and finite, it is inf"),
         (f64::NAN, "the eccentricity must be zero or positive and finite, it is NaN"),
     ] {
         assert_eq!(anomaly::true_from_eccentric(e, 1.0).unwrap_err().to_string(), message);
     }
-    assert_eq!(anomaly::true_from_mean(0.5, f64::INFINITY), Err(AnomalyError::NotFinite { anomaly: f64::INFINITY }));
+    assert_eq!(
+        anomaly::true_from_mean(0.5, f64::INFINITY),
+        Err(AnomalyError::Invalid(Must::BeFinite.broken_by("anomaly", f64::INFINITY)))
+    );
     let limit = 2.0 * 3_f64.sqrt().atan();
     for true_anomaly in [2.2, -2.2, PI, 7.0] {
         let expected = AnomalyError::BeyondAsymptote { true_anomaly, limit };

@@ -2,6 +2,7 @@
 
 use std::f64::consts::PI;
 
+use mbs_models::check::Must;
 use mbs_orbit::EARTH_MU;
 use mbs_orbit::kepler::{KeplerError, propagate};
 use mbs_orbit::transition::{Transition, state_transition};
@@ -226,12 +227,18 @@ fn straight_lines_end_in_the_centre() {
 fn bad_input_is_refused_with_its_value() {
     let state = StateVector::new([7e6, 0.0, 0.0], [0.0, 7500.0, 0.0]);
     for mu in [0.0, -1.0, f64::INFINITY] {
-        assert_eq!(propagate(mu, &state, 1.0), Err(KeplerError::Mu { mu }));
+        assert_eq!(propagate(mu, &state, 1.0), Err(KeplerError::Invalid(Must::BePositive.broken_by("μ", mu))));
     }
-    assert!(matches!(propagate(f64::NAN, &state, 1.0), Err(KeplerError::Mu { mu }) if mu.is_nan()));
+    assert!(matches!(propagate(f64::NAN, &state, 1.0), Err(KeplerError::Invalid(error)) if error.value.is_nan()));
     for time in [f64::INFINITY, f64::NEG_INFINITY] {
-        assert_eq!(propagate(EARTH_MU, &state, time), Err(KeplerError::Time { time }));
-        assert_eq!(state_transition(EARTH_MU, &state, time), Err(KeplerError::Time { time }));
+        assert_eq!(
+            propagate(EARTH_MU, &state, time),
+            Err(KeplerError::Invalid(Must::BeFinite.broken_by("time", time)))
+        );
+        assert_eq!(
+            state_transition(EARTH_MU, &state, time),
+            Err(KeplerError::Invalid(Must::BeFinite.broken_by("time", time)))
+        );
     }
     for component in 0..6 {
         let mut x = state.to_array();
@@ -256,5 +263,5 @@ fn bad_input_is_refused_with_its_value() {
     assert!(propagate(EARTH_MU, &state, 1e15).is_ok());
     let nearly_straight = StateVector::new([1.0, 0.0, 0.0], [0.0, 2.0_f64.sqrt().next_down(), 0.0]);
     assert!(propagate(1.0, &nearly_straight, 1e6).unwrap().state.is_finite());
-    assert_eq!(KeplerError::Mu { mu: -1.0 }.to_string(), "μ must be positive, it is -1");
+    assert_eq!(KeplerError::Invalid(Must::BePositive.broken_by("μ", -1.0)).to_string(), "μ must be positive, it is -1");
 }

@@ -2,6 +2,7 @@
 
 use std::f64::consts::PI;
 
+use mbs_models::check::Must;
 use mbs_orbit::kepler::propagate;
 use mbs_orbit::lambert::{Branch, ConicArc, LambertError, Route, arc};
 use mbs_orbit::transition::state_transition;
@@ -148,11 +149,14 @@ fn the_parabola_in_between() {
 fn bad_input_is_refused() {
     let (x, y) = ([1.0, 0.0, 0.0], [0.0, 2.0, 0.0]);
     let route = Route::prograde();
-    assert_eq!(arc(-1.0, &x, &y, 1.0, &route), Err(LambertError::Mu { mu: -1.0 }));
+    assert_eq!(arc(-1.0, &x, &y, 1.0, &route), Err(LambertError::Invalid(Must::BePositive.broken_by("μ", -1.0))));
     for time in [0.0, -1.0, f64::INFINITY] {
-        assert_eq!(arc(1.0, &x, &y, time, &route), Err(LambertError::Time { time }));
+        assert_eq!(
+            arc(1.0, &x, &y, time, &route),
+            Err(LambertError::Invalid(Must::BePositive.broken_by("time", time)))
+        );
     }
-    assert!(matches!(arc(1.0, &x, &y, f64::NAN, &route), Err(LambertError::Time { time }) if time.is_nan()));
+    assert!(matches!(arc(1.0, &x, &y, f64::NAN, &route), Err(LambertError::Invalid(error)) if error.value.is_nan()));
     assert_eq!(arc(1.0, &[f64::NAN, 0.0, 0.0], &y, 1.0, &route), Err(LambertError::NotFinite));
     assert_eq!(arc(1.0, &x, &y, 1.0, &route.about([f64::INFINITY; 3])), Err(LambertError::NotFinite));
     assert_eq!(arc(1.0, &x, &[0.0; 3], 1.0, &route), Err(LambertError::AtCentre));

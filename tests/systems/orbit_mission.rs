@@ -3,6 +3,7 @@
 
 use std::f64::consts::PI;
 
+use mbs_models::check::{Invalid, Must};
 use mbs_orbit::clohessy_wiltshire::TargetingError;
 use mbs_orbit::elements::{Elements, ElementsError};
 use mbs_orbit::kepler::propagate;
@@ -253,7 +254,7 @@ fn glideslopes_obey_their_equation() {
     let [one, other] = [1e-5, 9e-4].map(|x| Glideslope::new(10.0, 0.1, 0.1 * (1.0 + x)).unwrap());
     close(one.duration(), 100.0 * (1.0 - 0.5e-5), 1e-8);
     close(other.duration(), 100.0 * (9e-4_f64).ln_1p() / 9e-4, 1e-9);
-    let expected = GlideslopeError::NotPositive { parameter: "last_speed", value: 0.0 };
+    let expected = GlideslopeError::Invalid(Must::BePositive.broken_by("last_speed", 0.0));
     assert_eq!(Glideslope::new(1.0, 1.0, 0.0), Err(expected));
     assert!(Glideslope::new(f64::NAN, 1.0, 1.0).is_err());
 }
@@ -359,31 +360,34 @@ fn bad_input_is_refused_with_its_value() {
     let good = Mission::to_the_station(Axis::VBar);
     let error = |mission: Mission| mission.fly(|burn| burn.delta_v, |_| {}).unwrap_err();
     for value in [0.0, -1.0, f64::INFINITY] {
-        let expected = MissionError::NotPositive { parameter: "homing_duration", value };
+        let expected = MissionError::Invalid(Must::BePositive.broken_by("homing_duration", value));
         assert_eq!(error(Mission { homing_duration: value, ..good }), expected);
     }
-    let expected = MissionError::Negative { parameter: "attraction.station", value: -1.0 };
+    let expected = MissionError::Invalid(Must::NotBeNegative.broken_by("attraction.station", -1.0));
     assert_eq!(error(Mission { attraction: Attraction { station: -1.0, ..good.attraction }, ..good }), expected);
     assert!(matches!(
         error(Mission { approach_distance: f64::NAN, ..good }),
-        MissionError::NotPositive { parameter: "approach_distance", value } if value.is_nan()
+        MissionError::Invalid(Invalid { parameter: "approach_distance", value, .. }) if value.is_nan()
     ));
     let parameter = "approach_distance - docking_distance";
-    let expected = MissionError::NotPositive { parameter, value: -50.0 };
+    let expected = MissionError::Invalid(Must::BePositive.broken_by(parameter, -50.0));
     assert_eq!(error(Mission { docking_distance: 300.0, ..good }), expected);
     assert!(matches!(
         error(Mission { homing_end: [f64::NAN, 0.0, 0.0], ..good }),
-        MissionError::Negative { parameter: "distance of homing_end", .. }
+        MissionError::Invalid(Invalid { parameter: "distance of homing_end", .. })
     ));
     assert!(matches!(
         error(Mission { approach_pulses: 0, ..good }),
-        MissionError::NotPositive { parameter: "approach_pulses", value: 0.0 }
+        MissionError::Invalid(Invalid { parameter: "approach_pulses", value: 0.0, .. })
     ));
 
     let straight = StateVector::new(good.station.position, [0.0; 3]);
     assert_eq!(error(Mission { station: straight, ..good }), MissionError::Orbit(ElementsError::Straight));
     let nan = StateVector::new([f64::NAN; 3], [0.0; 3]);
-    assert!(matches!(error(Mission { vehicle: nan, ..good }), MissionError::Orbit(ElementsError::NotFinite { .. })));
+    assert!(matches!(
+        error(Mission { vehicle: nan, ..good }),
+        MissionError::Orbit(ElementsError::Invalid(Invalid { must: Must::BeFinite, .. }))
+    ));
     let expected = MissionError::NoPhasing { longest_wait: 20_000.0, lowest_altitude: 1e6 };
     assert_eq!(error(Mission { lowest_altitude: 1e6, ..good }), expected);
 
@@ -411,16 +415,29 @@ fn bad_input_is_refused_with_its_value() {
 fn absurd_plans() {
     let good = Mission::to_the_station(Axis::VBar);
     let error = |mission: Mission| mission.fly(|burn| burn.delta_v, |_| {}).unwrap_err();
-    let too_large = |parameter, value, limit| MissionError::TooLarge { parameter, value, limit };
+    let too_large =
+        |parameter, value, limit| MissionError::Invalid(Must::BeWithin([0.0, limit]).broken_by(parameter, value));
     assert_eq!(error(Mission { longest_wait: 1e300, ..good }), too_large("longest_wait", 1e300, 1e7));
     assert_eq!(error(Mission { corrections: 40, ..good }), too_large("corrections", 40.0, 20.0));
     let slow = error(Mission { approach_speeds: [1e-300, 1e-300], ..good });
-    assert!(matches!(slow, MissionError::TooLarge { parameter: "duration of the approach", .. }), "{slow}");
+    assert!(
+        matches!(
+            slow,
+            MissionError::Invalid(Invalid { parameter: "duration of the approach", must: Must::BeWithin(_), .. })
+        ),
+        "{slow}"
+    );
     for half_angle in [0.5 * PI, 3.0, 1e300] {
         let wide = error(Mission { corridor_half_angle: half_angle, ..good });
-        assert!(matches!(wide, MissionError::TooLarge { parameter: "corridor_half_angle", .. }), "{wide}");
+        assert!(
+            matches!(
+                wide,
+                MissionError::Invalid(Invalid { parameter: "corridor_half_angle", must: Must::BeWithin(_), .. })
+            ),
+            "{wide}"
+        );
     }
-    let none = MissionError::NotPositive { parameter: "keep_out", value: 0.0 };
+    let none = MissionError::Invalid(Must::BePositive.broken_by("keep_out", 0.0));
     assert_eq!(error(Mission { keep_out: 0.0, ..good }), none);
     let fast = error(Mission { approach_speeds: [5e-324, 1e308], ..good });
     assert!(matches!(fast, MissionError::Glideslope(GlideslopeError::OutOfRange)), "{fast}");

@@ -2,6 +2,7 @@
 
 use std::f64::consts::PI;
 
+use mbs_models::check::Must;
 use mbs_orbit::EARTH_MU;
 use mbs_orbit::clohessy_wiltshire::{self, TargetingError};
 use mbs_orbit::elements::Elements;
@@ -392,7 +393,10 @@ fn velocities_that_lead_to_a_place() {
     let across = [0.0, -1000.0, 50.0];
     assert_eq!(clohessy_wiltshire::transfer(n, &from, &across, time), Err(TargetingError::SingularAcross { time }));
     for time in [0.0, -5.0, f64::INFINITY] {
-        assert_eq!(clohessy_wiltshire::transfer(n, &from, &to, time), Err(TargetingError::Time { time }));
+        assert_eq!(
+            clohessy_wiltshire::transfer(n, &from, &to, time),
+            Err(TargetingError::Invalid(Must::BePositive.broken_by("time", time)))
+        );
     }
     let nan = [f64::NAN, 0.0, 0.0];
     assert_eq!(clohessy_wiltshire::transfer(n, &nan, &to, 1.0), Err(TargetingError::NotFinite));
@@ -412,11 +416,11 @@ fn mean_motions_that_are_none_are_refused() {
         error
     };
     for n in [0.0, -0.0, -1e-3, f64::INFINITY, f64::NEG_INFINITY] {
-        assert_eq!(refused(n, 10.0), TargetingError::MeanMotion { n });
+        assert_eq!(refused(n, 10.0), TargetingError::Invalid(Must::BePositive.broken_by("mean motion", n)));
     }
-    assert!(matches!(refused(f64::NAN, 10.0), TargetingError::MeanMotion { n } if n.is_nan()));
-    assert_eq!(refused(1e-3, f64::INFINITY), TargetingError::Time { time: f64::INFINITY });
-    assert!(matches!(refused(1e-3, f64::NAN), TargetingError::Time { time } if time.is_nan()));
+    assert!(matches!(refused(f64::NAN, 10.0), TargetingError::Invalid(error) if error.value.is_nan()));
+    assert_eq!(refused(1e-3, f64::INFINITY), TargetingError::Invalid(Must::BeFinite.broken_by("time", f64::INFINITY)));
+    assert!(matches!(refused(1e-3, f64::NAN), TargetingError::Invalid(error) if error.value.is_nan()));
     for (n, time) in [(1e200, 1e200), (1e-300, 1e308)] {
         assert_eq!(refused(n, time), TargetingError::OutOfRange);
     }
@@ -469,7 +473,10 @@ fn bad_input_is_refused() {
     assert!(matches!(relative_motion(KM_MU, &straight, &relative, 1.0), Err(RelativeMotionError::Frame(_))));
     let good = station(7000.0, 0.0, 0.0);
     let found = relative_motion(KM_MU, &good, &relative, f64::INFINITY);
-    assert_eq!(found, Err(RelativeMotionError::Kepler(KeplerError::Time { time: f64::INFINITY })));
+    assert_eq!(
+        found,
+        Err(RelativeMotionError::Kepler(KeplerError::Invalid(Must::BeFinite.broken_by("time", f64::INFINITY))))
+    );
     let nan = StateVector::new([f64::NAN, 0.0, 0.0], [0.0; 3]);
     assert!(matches!(
         relative_motion(KM_MU, &good, &nan, 1.0),

@@ -10,6 +10,7 @@ use std::time::Instant;
 use mbs_derive::expr::Graph;
 use mbs_derive::optimise::FunctionKind;
 use mbs_derive::{declared, derived};
+use mbs_models::check::{Invalid, Must};
 use mbs_models::stewart_platform::Params;
 use mbs_platform::control::{ComputedTorque, NotControlled};
 use mbs_platform::direct::Newton;
@@ -393,14 +394,17 @@ fn lengths_that_belong_to_no_pose_end_in_an_error() {
 fn bad_platforms_and_poses() {
     let params = Params::default();
     let refused = |params: Params| Platform::new(params).expect_err("no platform");
-    assert_eq!(refused(Params { payload_mass: -5.0, ..params }), InvalidPlatform::NegativePayload { mass: -5.0 });
+    assert_eq!(
+        refused(Params { payload_mass: -5.0, ..params }),
+        InvalidPlatform::Invalid(Must::NotBeNegative.broken_by("payload_mass", -5.0))
+    );
     assert_eq!(
         refused(Params { piston_mass: -1.0, ..params }),
-        InvalidPlatform::Negative { parameter: "piston_mass", value: -1.0 }
+        InvalidPlatform::Invalid(Must::NotBeNegative.broken_by("piston_mass", -1.0))
     );
     assert_eq!(
         refused(Params { base_radius: 0.0, ..params }),
-        InvalidPlatform::Radius { plate: Plate::Base, radius: 0.0 }
+        InvalidPlatform::Invalid(Must::BePositive.broken_by("base_radius", 0.0))
     );
     assert_eq!(
         refused(Params { base_half_angle: 0.0, ..params }),
@@ -412,7 +416,10 @@ fn bad_platforms_and_poses() {
         matches!(met, InvalidPlatform::CoincidentJoints { plate: Plate::Platform, joints: [0, 1], distance } if distance < 1e-15),
         "{met:?}"
     );
-    assert_eq!(refused(Params { g: f64::NAN, ..params }), InvalidPlatform::NonFinite { parameter: "g" });
+    assert!(matches!(
+        refused(Params { g: f64::NAN, ..params }),
+        InvalidPlatform::Invalid(Invalid { parameter: "g", .. })
+    ));
     assert_eq!(refused(Params { platform_inertia: [55.0, 0.0, 105.0], ..params }), InvalidPlatform::NoInertia);
 
     // Joints of one radius and angle, plates on each other: every leg has the length zero.

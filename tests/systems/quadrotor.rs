@@ -14,6 +14,7 @@ use mbs_landing::quadrotor::heave::Heave;
 use mbs_landing::quadrotor::landing::{Controller, Landing, LandingError, Plant};
 use mbs_landing::quadrotor::lqr::{Lqr, Weights};
 use mbs_landing::quadrotor::mixer::{Effort, Mixer};
+use mbs_models::check::{Invalid, Must};
 use mbs_models::quadrotor_euler::{Params, QuadrotorEuler};
 use mbs_models::quadrotor_quaternion::{Params as QuaternionParams, QuadrotorQuaternion};
 use mbs_runtime::{Dop853, Integrator, State};
@@ -288,14 +289,17 @@ fn landings_that_cannot_be_are_refused() {
     let mut landing = Landing::new(Plant::Exact, Heave::CASE_I);
     landing.vehicle = QuadrotorEuler::new(Params { m: 0.0, ..Params::default() });
     let refused = landing.simulate(start, |_, _, _| ());
-    assert_eq!(refused, Err(LandingError::NotPositive { parameter: "m", value: 0.0 }));
+    assert_eq!(refused, Err(LandingError::Invalid(Must::BePositive.broken_by("m", 0.0))));
 
     let mut landing = Landing::new(Plant::Exact, Heave::CASE_I);
     let below = State::new([12.0, 7.0, -1.0, 0.0, 0.0, 0.0], [0.0; 6]);
     assert_eq!(landing.simulate(below, |_, _, _| ()), Err(LandingError::NotAbove { height: -1.0 }));
     let nowhere = State::new([12.0, 7.0, f64::NAN, 0.0, 0.0, 0.0], [0.0; 6]);
     let refused = landing.simulate(nowhere, |_, _, _| ());
-    assert!(matches!(refused, Err(LandingError::NotFinite { parameter: "q[2]", .. })), "{refused:?}");
+    assert!(
+        matches!(refused, Err(LandingError::Invalid(Invalid { parameter: "q", index: Some(2), .. }))),
+        "{refused:?}"
+    );
 
     type Damage = fn(&mut Landing);
     let broken: [(&str, Damage); 2] = [
@@ -306,7 +310,10 @@ fn landings_that_cannot_be_are_refused() {
         let mut landing = Landing::new(Plant::Exact, Heave::CASE_I);
         damage(&mut landing);
         let refused = landing.simulate(start, |_, _, _| ());
-        assert!(matches!(refused, Err(LandingError::NotFinite { parameter, .. }) if parameter == name), "{refused:?}");
+        assert!(
+            matches!(refused, Err(LandingError::Invalid(wrong)) if wrong.to_string().starts_with(name)),
+            "{refused:?}"
+        );
     }
     // A controller with a NaN estimate.
     let mut blind = Landing::new(Plant::Exact, Heave::CASE_I);
@@ -314,12 +321,15 @@ fn landings_that_cannot_be_are_refused() {
         controller.params.m = f64::NAN;
     }
     let refused = blind.simulate(start, |_, _, _| ());
-    assert!(matches!(refused, Err(LandingError::NotPositive { parameter: "controller.params.m", .. })), "{refused:?}");
+    assert!(
+        matches!(refused, Err(LandingError::Invalid(Invalid { parameter: "controller.params.m", .. }))),
+        "{refused:?}"
+    );
     let sampled = landing
         .simulate_sampled(start, 0.002, |t, state| if t > 1.0 { State::new([f64::NAN; 6], state.qd) } else { *state });
     assert!(matches!(sampled, Err(LandingError::Sensor { time }) if (time - 1.002).abs() < 1e-9), "{sampled:?}");
     let refused = landing.simulate_sampled(start, 0.0, |_, state| *state);
-    assert_eq!(refused, Err(LandingError::NotPositive { parameter: "period", value: 0.0 }));
+    assert_eq!(refused, Err(LandingError::Invalid(Must::BePositive.broken_by("period", 0.0))));
 
     landing.t_end = 5.0;
     let refused = landing.simulate(start, |_, _, _| ());

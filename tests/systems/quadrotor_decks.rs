@@ -10,6 +10,7 @@ use mbs_landing::quadrotor::landing::{Controller, Landing, LandingError, Plant};
 use mbs_landing::quadrotor::lqr::{Lqr, Weights};
 use mbs_landing::quadrotor::small_angle;
 use mbs_landing::quadrotor::touchdown::Touchdown;
+use mbs_models::check::{Invalid, Must};
 use mbs_models::quadrotor_euler::{Params, QuadrotorEuler};
 use mbs_platform::control::ComputedTorque;
 use mbs_platform::limits::{ActuatorLimits, InvalidLimits, Quantity};
@@ -439,14 +440,17 @@ fn decks_that_cannot_be_landed_on_are_told_of() {
     );
     let landing = Landing::on(Plant::Exact, at_the_place(Superposition::MARINE, [0.0; 3]));
     let refused = landing.simulate_driven(start, &drive(8.0), 0.0, |_| ());
-    assert_eq!(refused, Err(LandingError::NotPositive { parameter: "period", value: 0.0 }));
+    assert_eq!(refused, Err(LandingError::Invalid(Must::BePositive.broken_by("period", 0.0))));
     let mut impossible = drive(8.0);
     impossible.platform.limits.force = -1.0;
     let refused = landing.simulate_driven(start, &impossible, 0.002, |_| ());
     let expected = InvalidLimits::Bound { quantity: Quantity::Force, bound: -1.0 };
     assert_eq!(refused, Err(LandingError::Limits(expected)));
     let refused = landing.simulate_driven(State::new([f64::NAN; 6], [0.0; 6]), &drive(8.0), 0.002, |_| ());
-    assert!(matches!(refused, Err(LandingError::NotFinite { parameter: "q[0]", .. })), "{refused:?}");
+    assert!(
+        matches!(refused, Err(LandingError::Invalid(Invalid { parameter: "q", index: Some(0), .. }))),
+        "{refused:?}"
+    );
 }
 
 /// A level deck whose place nobody knows after a time.

@@ -28,6 +28,7 @@
 //! # Source
 //! Doctoral thesis *Dynamics of multibody systems in a gravitational field*, section 3.3.
 
+use mbs_models::check::{self, Invalid};
 use mbs_runtime::{Pose, Scalar, to_matrix, to_vector};
 use nalgebra::{Matrix6, SVD, Vector3, Vector6};
 
@@ -40,6 +41,9 @@ pub type Jacobian = [[f64; 6]; 6];
 /// Why joint velocities or flange forces do not follow from the other side.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum SingularJacobian {
+    /// A number that this does not work with.
+    #[error(transparent)]
+    Invalid(#[from] Invalid),
     /// Motions of the flange are lost, or nearly.
     #[error("the arm is singular: singular values of the Jacobian from {largest} down to {smallest:e}")]
     Singular {
@@ -51,12 +55,6 @@ pub enum SingularJacobian {
     /// An angle, or a component of what was to be carried over, is infinite or NaN.
     #[error("an angle or a component is infinite or NaN")]
     NonFinite,
-    /// The damping is not a positive number.
-    #[error("the damping must be positive, found {damping}")]
-    InvalidDamping {
-        /// The damping given.
-        damping: f64,
-    },
 }
 
 /// How small the smallest singular value is, against the largest, where the Jacobian counts as singular: of what is
@@ -244,8 +242,7 @@ impl Arm {
     /// | `damping` | `λ`                                         | m, or 1    |
     ///
     /// # Errors
-    /// [`SingularJacobian::InvalidDamping`] if `λ` is not positive, [`SingularJacobian::NonFinite`] if something is not
-    /// finite.
+    /// [`SingularJacobian::Invalid`] if `λ` is not positive, [`SingularJacobian::NonFinite`] if something is not finite.
     ///
     /// # Source
     /// Y. Nakamura and H. Hanafusa, *Inverse kinematic solutions with singularity robustness for robot manipulator
@@ -256,9 +253,7 @@ impl Arm {
         twist: &[f64; 6],
         damping: f64,
     ) -> Result<JointVector, SingularJacobian> {
-        if !(damping > 0.0 && damping.is_finite()) {
-            return Err(SingularJacobian::InvalidDamping { damping });
-        }
+        check::positive("damping", damping)?;
         let (u, values, v_t) = self.decomposed(q, twist)?;
         // σ/(σ² + λ²), of which nothing is lost where σ vanishes.
         let gain = values.map(|value| if value == 0.0 { 0.0 } else { value / (value * value + damping * damping) });

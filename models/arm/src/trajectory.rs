@@ -45,6 +45,8 @@ pub mod sign_change;
 pub mod time_optimal;
 pub mod work;
 
+use mbs_models::check::{self, Invalid};
+
 pub use error::{Quantity, TrajectoryError};
 pub use path::{AlongPath, JointPath, PathPoint, StraightPath};
 pub use piecewise::{Extrema, Extremum, Piecewise};
@@ -133,8 +135,8 @@ pub(crate) fn check_limits(quantity: Quantity, limits: &[f64]) -> Result<(), Tra
     Ok(())
 }
 
-fn check_duration(duration: f64) -> Result<(), TrajectoryError> {
-    if duration > 0.0 && duration.is_finite() { Ok(()) } else { Err(TrajectoryError::InvalidDuration { duration }) }
+fn check_duration(duration: f64) -> Result<(), Invalid> {
+    check::positive("duration", duration)
 }
 
 fn check_finite(quantity: Quantity, values: &[f64]) -> Result<(), TrajectoryError> {

@@ -65,6 +65,4 @@ pub mod survey;
 pub mod tracking;
 
 #[cfg(feature = "std")]
-pub use masses::InvalidMass;
-#[cfg(feature = "std")]
 pub use plan::Experiment;

@@ -5,6 +5,8 @@
 //! in crates of their own: `mbs-arm`, `mbs-platform`, `mbs-landing`, `mbs-orbit`.
 #![no_std]
 
+pub mod check;
+
 include!(concat!(env!("OUT_DIR"), "/mechanisms.rs"));
 
 /// The Rust on the page about frames that move is tested with that of this crate.

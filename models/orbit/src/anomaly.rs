@@ -15,6 +15,7 @@
 
 use core::f64::consts::PI;
 
+use mbs_models::check::{self, Invalid};
 use mbs_runtime::Scalar;
 
 use super::integrals::product;
@@ -24,18 +25,9 @@ use super::universal::{Shape, Universal, asinh};
 /// Why there is no such anomaly.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum AnomalyError {
-    /// The eccentricity is negative, infinite or NaN.
-    #[error("the eccentricity must be zero or positive and finite, it is {e}")]
-    Eccentricity {
-        /// Its value \[1\].
-        e: f64,
-    },
-    /// The anomaly is infinite or NaN.
-    #[error("the anomaly must be finite, it is {anomaly}")]
-    NotFinite {
-        /// Its value \[rad\]; a parabola's D has no unit.
-        anomaly: f64,
-    },
+    /// A number that this does not work with.
+    #[error(transparent)]
+    Invalid(#[from] Invalid),
     /// A parabola or hyperbola does not reach this true anomaly.
     #[error("the true anomaly {true_anomaly} rad is not within ±{limit} rad, where the asymptotes are")]
     BeyondAsymptote {
@@ -98,13 +90,8 @@ fn half_angle(e: f64, half: f64) -> f64 {
 }
 
 fn check(e: f64, anomaly: f64) -> Result<(), AnomalyError> {
-    if !(e >= 0.0 && e.is_finite()) {
-        Err(AnomalyError::Eccentricity { e })
-    } else if !anomaly.is_finite() {
-        Err(AnomalyError::NotFinite { anomaly })
-    } else {
-        Ok(())
-    }
+    check::not_negative("eccentricity", e)?;
+    Ok(check::finite("anomaly", anomaly)?)
 }
 
 fn finite(anomaly: f64) -> Result<f64, AnomalyError> {

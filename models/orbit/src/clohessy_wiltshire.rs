@@ -13,22 +13,14 @@
 
 use super::universal::Universal;
 use super::vector::{StateVector, Vector, transformed};
+use mbs_models::check::{self, Invalid};
 
 /// Why a state was not carried on, or no velocity leads from one place to another in a time.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum TargetingError {
-    /// The mean motion is not positive, NaN or infinite.
-    #[error("the mean motion must be positive, it is {n} rad/s")]
-    MeanMotion {
-        /// Its value \[rad/s\].
-        n: f64,
-    },
-    /// The time is NaN or infinite; for a transfer it is not positive.
-    #[error("the time must be {}, it is {time} s", if .time.is_finite() { "positive" } else { "finite" })]
-    Time {
-        /// Its value \[s\].
-        time: f64,
-    },
+    /// A number that this does not work with.
+    #[error(transparent)]
+    Invalid(#[from] Invalid),
     /// A component of a place or state is not finite.
     #[error("a place or a velocity is not finite")]
     NotFinite,
@@ -58,14 +50,10 @@ pub enum TargetingError {
 /// | `time`   | how far to go              | s     |
 ///
 /// # Errors
-/// [`TargetingError::MeanMotion`], [`TargetingError::Time`], [`TargetingError::OutOfRange`].
+/// [`TargetingError::Invalid`], [`TargetingError::OutOfRange`].
 pub fn state_transition(n: f64, time: f64) -> Result<[[f64; 6]; 6], TargetingError> {
-    if !(n > 0.0 && n.is_finite()) {
-        return Err(TargetingError::MeanMotion { n });
-    }
-    if !time.is_finite() {
-        return Err(TargetingError::Time { time });
-    }
+    check::positive("mean motion", n)?;
+    check::finite("time", time)?;
     // With α = 1 the universal functions are cos, sin, 1 − cos and nt − sin, the last two without cancellation.
     let Universal { u0: c, u1: s, u2: versine, u3: lag } = Universal::at(n * time, 1.0);
     let matrix = [
@@ -125,9 +113,7 @@ const SINGULAR: f64 = 1e-9;
 /// [`TargetingError`].
 pub fn transfer(n: f64, from: &Vector, to: &Vector, time: f64) -> Result<Transfer, TargetingError> {
     let phi = state_transition(n, time)?;
-    if time <= 0.0 {
-        return Err(TargetingError::Time { time });
-    }
+    check::positive("time", time)?;
     if !(from.iter().chain(to).all(|x| x.is_finite())) {
         return Err(TargetingError::NotFinite);
     }

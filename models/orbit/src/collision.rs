@@ -2,11 +2,15 @@
 
 use core::ops::ControlFlow;
 
+use mbs_models::check::{self, Invalid};
 use mbs_runtime::{Dop853, Event, IntegrationError, Integrator, State, Step, Summary};
 
 /// Why a flight ended before its time.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum FlightError {
+    /// A number that this does not work with.
+    #[error(transparent)]
+    Invalid(#[from] Invalid),
     /// Two bodies met.
     #[error("collision at {time} s, at a distance of {distance} m")]
     Collision {
@@ -21,12 +25,6 @@ pub enum FlightError {
         /// Their distance \[m\].
         distance: f64,
         /// The distance at which they touch \[m\].
-        contact: f64,
-    },
-    /// The distance at which they touch is negative, infinite or NaN.
-    #[error("the distance of contact must be zero or positive, it is {contact} m")]
-    Contact {
-        /// Its value \[m\].
         contact: f64,
     },
     /// The integrator gave up for another reason.
@@ -62,9 +60,7 @@ pub fn fly<const N: usize>(
     contact: f64,
     mut observer: impl FnMut(&mut dyn Step<[f64; N]>),
 ) -> Result<Summary, FlightError> {
-    if !(contact >= 0.0 && contact.is_finite()) {
-        return Err(FlightError::Contact { contact });
-    }
+    check::not_negative("contact", contact)?;
     let first = distance(t, state);
     if first.is_nan() {
         return Err(FlightError::Integration(IntegrationError::NonFiniteState { time: t }));

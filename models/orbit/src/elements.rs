@@ -20,6 +20,7 @@
 
 use core::f64::consts::PI;
 
+use mbs_models::check::{self, Invalid};
 use mbs_runtime::Scalar;
 
 use super::integrals::{angular_momentum, reciprocal_axis};
@@ -51,30 +52,9 @@ pub struct Elements {
 /// Why there are no elements, or no state.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum ElementsError {
-    /// What must be positive and finite is not: μ \[m³/s²\] or p \[m\].
-    #[error("{parameter} must be positive, it is {value}")]
-    NotPositive {
-        /// Its name.
-        parameter: &'static str,
-        /// Its value.
-        value: f64,
-    },
-    /// What must not be negative is: the eccentricity.
-    #[error("{parameter} must not be negative, it is {value}")]
-    Negative {
-        /// Its name.
-        parameter: &'static str,
-        /// Its value.
-        value: f64,
-    },
-    /// A component of the state, the eccentricity or an angle is infinite or NaN.
-    #[error("{parameter} must be finite, it is {value}")]
-    NotFinite {
-        /// Its name.
-        parameter: &'static str,
-        /// Its value \[m\], \[m/s\], \[1\] or \[rad\].
-        value: f64,
-    },
+    /// A number that this does not work with.
+    #[error(transparent)]
+    Invalid(#[from] Invalid),
     /// The state lies in the centre, or moves towards it or away from it: no angular momentum.
     #[error("a motion along a straight line has no orbital plane")]
     Straight,
@@ -119,14 +99,10 @@ impl Elements {
     /// # Errors
     /// [`ElementsError`].
     pub fn from_state(mu: f64, state: &StateVector) -> Result<Self, ElementsError> {
-        if !(mu > 0.0 && mu.is_finite()) {
-            return Err(ElementsError::NotPositive { parameter: "mu", value: mu });
-        }
+        check::positive("mu", mu)?;
         const NAMES: [&str; 6] = ["x", "y", "z", "velocity x", "velocity y", "velocity z"];
         for (parameter, value) in NAMES.into_iter().zip(state.to_array()) {
-            if !value.is_finite() {
-                return Err(ElementsError::NotFinite { parameter, value });
-            }
+            check::finite(parameter, value)?;
         }
         let momentum = angular_momentum(state);
         let (r, v, h) = (norm(&state.position), norm(&state.velocity), norm(&momentum));
@@ -179,9 +155,7 @@ impl Elements {
     /// # Errors
     /// [`ElementsError`].
     pub fn to_state(&self, mu: f64) -> Result<StateVector, ElementsError> {
-        if !(mu > 0.0 && mu.is_finite()) {
-            return Err(ElementsError::NotPositive { parameter: "mu", value: mu });
-        }
+        check::positive("mu", mu)?;
         self.check()?;
         let Self { semi_latus_rectum: p, eccentricity: e, .. } = *self;
         let (sin, cos) = Scalar::sin_cos(self.true_anomaly);
@@ -249,24 +223,12 @@ impl Elements {
         if self.eccentricity < 1.0 { 2.0 * PI / self.mean_motion(mu) } else { f64::INFINITY }
     }
 
-    fn check(&self) -> Result<(), ElementsError> {
-        let Self { semi_latus_rectum: p, eccentricity, true_anomaly, .. } = *self;
-        if !(p > 0.0 && p.is_finite()) {
-            return Err(ElementsError::NotPositive { parameter: "semi_latus_rectum", value: p });
-        }
-        if eccentricity < 0.0 {
-            return Err(ElementsError::Negative { parameter: "eccentricity", value: eccentricity });
-        }
-        let finite = [
-            ("eccentricity", eccentricity),
-            ("inclination", self.inclination),
-            ("ascending_node", self.ascending_node),
-            ("argument_of_periapsis", self.argument_of_periapsis),
-            ("true_anomaly", true_anomaly),
-        ];
-        if let Some((parameter, value)) = finite.into_iter().find(|(_, value)| !value.is_finite()) {
-            return Err(ElementsError::NotFinite { parameter, value });
-        }
-        Ok(())
+    fn check(&self) -> Result<(), Invalid> {
+        check::positive("semi_latus_rectum", self.semi_latus_rectum)?;
+        check::not_negative("eccentricity", self.eccentricity)?;
+        check::finite("inclination", self.inclination)?;
+        check::finite("ascending_node", self.ascending_node)?;
+        check::finite("argument_of_periapsis", self.argument_of_periapsis)?;
+        check::finite("true_anomaly", self.true_anomaly)
     }
 }

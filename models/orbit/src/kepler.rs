@@ -22,6 +22,7 @@
 
 use core::f64::consts::PI;
 
+use mbs_models::check::{self, Invalid};
 use mbs_runtime::Scalar;
 
 use super::integrals::{Double, angular_momentum, reciprocal_axis, with_integrals};
@@ -31,12 +32,9 @@ use super::vector::{StateVector, Vector, combined, cross, dot, norm, scaled};
 /// Why a state was not propagated.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum KeplerError {
-    /// μ is not positive, NaN or infinite.
-    #[error("μ must be positive, it is {mu}")]
-    Mu {
-        /// Its value \[m³/s²\].
-        mu: f64,
-    },
+    /// A number that this does not work with.
+    #[error(transparent)]
+    Invalid(#[from] Invalid),
     /// A component of the state is infinite or NaN.
     #[error("component {component} of the state is {value}")]
     State {
@@ -44,12 +42,6 @@ pub enum KeplerError {
         component: usize,
         /// Its value \[m\] or \[m/s\].
         value: f64,
-    },
-    /// The time is infinite or NaN.
-    #[error("the time is {time}")]
-    Time {
-        /// Its value \[s\].
-        time: f64,
     },
     /// The state lies in the centre.
     #[error("the state lies in the centre of attraction")]
@@ -99,9 +91,7 @@ pub struct Propagation {
 /// [`KeplerError`].
 pub fn propagate(mu: f64, state: &StateVector, time: f64) -> Result<Propagation, KeplerError> {
     let conic = Conic::through(mu, state)?;
-    if !time.is_finite() {
-        return Err(KeplerError::Time { time });
-    }
+    check::finite("time", time)?;
     if time == 0.0 {
         return Ok(Propagation { state: *state, iterations: 0 });
     }
@@ -143,9 +133,7 @@ const STRAIGHT: f64 = 4.0 * f64::EPSILON;
 impl Conic {
     /// The conic of a state.
     pub(super) fn through(mu: f64, state: &StateVector) -> Result<Self, KeplerError> {
-        if !(mu > 0.0 && mu.is_finite()) {
-            return Err(KeplerError::Mu { mu });
-        }
+        check::positive("μ", mu)?;
         if let Some(component) = state.to_array().iter().position(|x| !x.is_finite()) {
             return Err(KeplerError::State { component, value: state.to_array()[component] });
         }

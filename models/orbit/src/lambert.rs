@@ -17,6 +17,7 @@
 
 use core::f64::consts::{LN_2, PI};
 
+use mbs_models::check::{self, Invalid};
 use mbs_runtime::Scalar;
 
 use super::universal::{Universal, asinh};
@@ -83,18 +84,9 @@ pub struct ConicArc {
 /// Why there is no such conic.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum LambertError {
-    /// μ is not positive, NaN or infinite.
-    #[error("μ must be positive, it is {mu}")]
-    Mu {
-        /// Its value \[m³/s²\].
-        mu: f64,
-    },
-    /// The time is not positive, NaN or infinite.
-    #[error("the time must be positive, it is {time}")]
-    Time {
-        /// Its value \[s\].
-        time: f64,
-    },
+    /// A number that this does not work with.
+    #[error(transparent)]
+    Invalid(#[from] Invalid),
     /// A component of the places or of the pole is not finite.
     #[error("the places and the pole must be finite")]
     NotFinite,
@@ -367,12 +359,8 @@ const CLOSE: f64 = 1e-5;
 /// # Errors
 /// [`LambertError`].
 pub fn arc(mu: f64, from: &Vector, to: &Vector, time: f64, route: &Route) -> Result<ConicArc, LambertError> {
-    if !(mu > 0.0 && mu.is_finite()) {
-        return Err(LambertError::Mu { mu });
-    }
-    if !(time > 0.0 && time.is_finite()) {
-        return Err(LambertError::Time { time });
-    }
+    check::positive("μ", mu)?;
+    check::positive("time", time)?;
     let geometry = Geometry::new(from, to, &route.pole)?;
     let unit = Scalar::sqrt(geometry.s / (2.0 * mu)) * geometry.s;
     let target = time / unit;

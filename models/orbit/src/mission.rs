@@ -36,6 +36,7 @@ pub mod safety;
 
 use core::f64::consts::PI;
 
+use mbs_models::check;
 use mbs_runtime::Scalar;
 
 use super::elements::Elements;
@@ -273,8 +274,6 @@ impl Mission {
             ("closing_duration", self.closing_duration),
             ("port_distance", self.port_distance),
             ("approach_distance", self.approach_distance),
-            ("approach_speeds[0]", self.approach_speeds[0]),
-            ("approach_speeds[1]", self.approach_speeds[1]),
             ("approach_pulses", f64::from(self.approach_pulses)),
             ("docking_distance", self.docking_distance),
             ("docking_pulses", f64::from(self.docking_pulses)),
@@ -282,9 +281,8 @@ impl Mission {
             ("keep_out", self.keep_out),
             ("corridor_half_angle", self.corridor_half_angle),
         ];
-        if let Some((parameter, value)) = positive.into_iter().find(|&(_, value)| !(value > 0.0 && value.is_finite())) {
-            return Err(MissionError::NotPositive { parameter, value });
-        }
+        check::positive("approach_speeds", self.approach_speeds)?;
+        positive.into_iter().try_for_each(|(parameter, value)| check::positive(parameter, value))?;
         let not_negative = [
             ("attraction.station", self.attraction.station),
             ("lowest_altitude", self.lowest_altitude),
@@ -293,11 +291,7 @@ impl Mission {
             ("corridor_mouth", self.corridor_mouth),
             ("distance of homing_end", norm(&self.homing_end)),
         ];
-        if let Some((parameter, value)) =
-            not_negative.into_iter().find(|&(_, value)| !(value >= 0.0 && value.is_finite()))
-        {
-            return Err(MissionError::Negative { parameter, value });
-        }
+        not_negative.into_iter().try_for_each(|(parameter, value)| check::not_negative(parameter, value))?;
         let [first, last] = self.approach_speeds;
         let approach = Glideslope::new(self.approach_distance - self.docking_distance, first, last)?;
         let docking = Glideslope::new(self.docking_distance, last, last)?;
@@ -310,10 +304,8 @@ impl Mission {
             ("corridor_half_angle", self.corridor_half_angle, WIDEST),
             ("corrections", f64::from(self.corrections), MOST_CORRECTIONS),
         ];
-        match at_most.into_iter().find(|&(_, value, limit)| value > limit) {
-            Some((parameter, value, limit)) => Err(MissionError::TooLarge { parameter, value, limit }),
-            None => Ok(()),
-        }
+        at_most.into_iter().try_for_each(|(parameter, value, limit)| check::within(parameter, value, [0.0, limit]))?;
+        Ok(())
     }
 }
 

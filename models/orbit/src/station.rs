@@ -10,6 +10,7 @@
 
 use core::fmt;
 
+use mbs_models::check::{self, Invalid};
 use mbs_runtime::{Scalar, State};
 
 use super::kepler::{KeplerError, propagate};
@@ -30,22 +31,9 @@ pub struct Station {
 /// What is wrong with a station.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum StationError {
-    /// What must be positive is not, or is infinite or NaN.
-    #[error("{parameter} must be positive, it is {value}")]
-    NotPositive {
-        /// Its name.
-        parameter: &'static str,
-        /// Its value \[m³/s²\] or \[m\].
-        value: f64,
-    },
-    /// What must not be negative is, or is infinite or NaN.
-    #[error("{parameter} must not be negative, it is {value}")]
-    Negative {
-        /// Its name.
-        parameter: &'static str,
-        /// Its value \[1\] or \[kg\].
-        value: f64,
-    },
+    /// A number that this does not work with.
+    #[error(transparent)]
+    Invalid(#[from] Invalid),
     /// A body at the station itself has no direction from it, and no cylindrical coordinates.
     #[error("a body at the station itself has no cylindrical coordinates about it")]
     AtTheStation,
@@ -82,7 +70,7 @@ impl Station {
     /// | `radius` | of the circle                  | m     |
     ///
     /// # Errors
-    /// [`StationError::NotPositive`], [`StationError::OutOfRange`].
+    /// [`StationError::Invalid`], [`StationError::OutOfRange`].
     pub fn on_a_circle(mu: f64, radius: f64) -> Result<Self, StationError> {
         Self::from_periapsis(mu, radius, 0.0)
     }
@@ -96,14 +84,11 @@ impl Station {
     /// | `eccentricity` | 0 or more                        | 1     |
     ///
     /// # Errors
-    /// [`StationError::NotPositive`], [`StationError::Negative`], [`StationError::OutOfRange`].
+    /// [`StationError::Invalid`], [`StationError::OutOfRange`].
     pub fn from_periapsis(mu: f64, periapsis: f64, eccentricity: f64) -> Result<Self, StationError> {
-        for (parameter, value) in [("mu", mu), ("periapsis", periapsis)] {
-            if !(value > 0.0 && value.is_finite()) {
-                return Err(StationError::NotPositive { parameter, value });
-            }
-        }
-        not_negative("eccentricity", eccentricity)?;
+        check::positive("mu", mu)?;
+        check::positive("periapsis", periapsis)?;
+        check::not_negative("eccentricity", eccentricity)?;
         let speed = Scalar::sqrt(mu * (1.0 + eccentricity) / periapsis);
         let start = StateVector::new([periapsis, 0.0, 0.0], [0.0, speed, 0.0]);
         let station = Self { mu, periapsis, eccentricity, mass: 0.0, start };
@@ -114,9 +99,9 @@ impl Station {
     /// The same, with a mass that attracts as a point \[kg\].
     ///
     /// # Errors
-    /// [`StationError::Negative`].
+    /// [`StationError::Invalid`].
     pub fn with_mass(self, mass: f64) -> Result<Self, StationError> {
-        not_negative("station mass", mass)?;
+        check::not_negative("station mass", mass)?;
         Ok(Self { mass, ..self })
     }
 
@@ -157,11 +142,9 @@ impl Station {
     /// `r̈ = r ν̇² − μ/r²`, `ν̈ = −2 ṙ ν̇/r`.
     ///
     /// # Errors
-    /// [`StationError::Kepler`], [`StationError::OutOfRange`].
+    /// [`StationError::Invalid`], [`StationError::Kepler`], [`StationError::OutOfRange`].
     pub fn signals(&self, t: f64) -> Result<[[f64; 3]; 2], StationError> {
-        if !t.is_finite() {
-            return Err(StationError::Kepler(KeplerError::Time { time: t }));
-        }
+        check::finite("time", t)?;
         if self.eccentricity == 0.0 {
             let rate = self.rate();
             return finite([[self.periapsis, 0.0, 0.0], [rate * t, rate, 0.0]]);
@@ -192,10 +175,6 @@ impl Station {
 
 fn finite(signals: [[f64; 3]; 2]) -> Result<[[f64; 3]; 2], StationError> {
     if signals.iter().flatten().all(|x| x.is_finite()) { Ok(signals) } else { Err(StationError::OutOfRange) }
-}
-
-fn not_negative(parameter: &'static str, value: f64) -> Result<(), StationError> {
-    if value >= 0.0 && value.is_finite() { Ok(()) } else { Err(StationError::Negative { parameter, value }) }
 }
 
 /// Local axes to cylindrical coordinates r, θ, z about the station.

@@ -27,6 +27,7 @@
 
 use core::f64::consts::PI;
 
+use mbs_models::check;
 use mbs_runtime::Scalar;
 
 use super::kepler::{Conic, KeplerError};
@@ -54,9 +55,7 @@ pub struct Transition {
 /// [`KeplerError`].
 pub fn state_transition(mu: f64, state: &StateVector, time: f64) -> Result<Transition, KeplerError> {
     let conic = Conic::through(mu, state)?;
-    if !time.is_finite() {
-        return Err(KeplerError::Time { time });
-    }
+    check::finite("time", time)?;
     let arrival = conic.after(time)?;
     let end = if time == 0.0 { *state } else { arrival.state };
     let (way, rest) = conic.way(&arrival);

@@ -3,6 +3,7 @@
 use core::f64::consts::PI;
 use core::fmt;
 
+use mbs_models::check::{self, Invalid};
 use mbs_runtime::Scalar;
 
 use super::{Coordinates, LegVector};
@@ -49,20 +50,9 @@ pub enum Plate {
 /// Why parameters describe no platform.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum InvalidPlatform {
-    /// A parameter is infinite or NaN.
-    #[error("`{parameter}` is infinite or NaN")]
-    NonFinite {
-        /// Its name.
-        parameter: &'static str,
-    },
-    /// The radius of a circle of joints is zero or negative.
-    #[error("the {plate}'s joints are on a circle of radius {radius} m")]
-    Radius {
-        /// The plate.
-        plate: Plate,
-        /// The radius given \[m\].
-        radius: f64,
-    },
+    /// A number that this does not work with.
+    #[error(transparent)]
+    Invalid(#[from] Invalid),
     /// Two joints of one plate are at one place.
     #[error("joints {} and {} of the {plate} coincide: they are {distance:e} m apart", .joints[0], .joints[1])]
     CoincidentJoints {
@@ -72,20 +62,6 @@ pub enum InvalidPlatform {
         joints: [usize; 2],
         /// How far they are apart \[m\].
         distance: f64,
-    },
-    /// The payload has a negative mass.
-    #[error("the payload has the negative mass {mass} kg")]
-    NegativePayload {
-        /// The mass given \[kg\].
-        mass: f64,
-    },
-    /// Another mass, inertia or size is negative.
-    #[error("`{parameter}` is negative: {value}")]
-    Negative {
-        /// Its name.
-        parameter: &'static str,
-        /// The value given.
-        value: f64,
     },
     /// The plate that moves has no mass, or an inertia of zero.
     #[error("the platform has no mass, or an inertia of zero")]
@@ -168,9 +144,6 @@ impl Geometry<f64> {
         let plates =
             [(Plate::Base, &self.base, params.base_radius), (Plate::Platform, &self.platform, params.platform_radius)];
         for (plate, joints, radius) in plates {
-            if radius <= 0.0 {
-                return Err(InvalidPlatform::Radius { plate, radius });
-            }
             for (i, j) in (0..6).flat_map(|i| (i + 1..6).map(move |j| (i, j))) {
                 let apart = minus(&joints[i], &joints[j]);
                 let distance = Scalar::sqrt(dot(&apart, &apart));
@@ -197,40 +170,21 @@ pub fn attitude<T: Scalar>(q: &Coordinates<T>) -> [[T; 3]; 3] {
 
 /// Masses, inertias and sizes; the joints are checked where they are known.
 pub(crate) fn check(params: &Params) -> Result<(), InvalidPlatform> {
-    let [inertia_x, inertia_y, inertia_z] = params.platform_inertia;
-    let [length, width, height] = params.payload_size;
-    let at_least_zero = [
-        ("platform_mass", params.platform_mass),
-        ("platform_inertia_0", inertia_x),
-        ("platform_inertia_1", inertia_y),
-        ("platform_inertia_2", inertia_z),
-        ("payload_size_0", length),
-        ("payload_size_1", width),
-        ("payload_size_2", height),
-        ("cylinder_mass", params.cylinder_mass),
-        ("cylinder_inertia", params.cylinder_inertia),
-        ("piston_mass", params.piston_mass),
-        ("piston_inertia", params.piston_inertia),
-    ];
-    let any = [
-        ("base_radius", params.base_radius),
-        ("platform_radius", params.platform_radius),
-        ("base_half_angle", params.base_half_angle),
-        ("platform_half_angle", params.platform_half_angle),
-        ("payload_mass", params.payload_mass),
-        ("cylinder_centre", params.cylinder_centre),
-        ("piston_centre", params.piston_centre),
-        ("g", params.g),
-    ];
-    if let Some((parameter, _)) = any.iter().chain(&at_least_zero).find(|(_, value)| !value.is_finite()) {
-        return Err(InvalidPlatform::NonFinite { parameter });
-    }
-    if params.payload_mass < 0.0 {
-        return Err(InvalidPlatform::NegativePayload { mass: params.payload_mass });
-    }
-    if let Some(&(parameter, value)) = at_least_zero.iter().find(|(_, value)| *value < 0.0) {
-        return Err(InvalidPlatform::Negative { parameter, value });
-    }
+    check::positive("base_radius", params.base_radius)?;
+    check::positive("platform_radius", params.platform_radius)?;
+    check::finite("base_half_angle", params.base_half_angle)?;
+    check::finite("platform_half_angle", params.platform_half_angle)?;
+    check::finite("cylinder_centre", params.cylinder_centre)?;
+    check::finite("piston_centre", params.piston_centre)?;
+    check::finite("g", params.g)?;
+    check::not_negative("payload_mass", params.payload_mass)?;
+    check::not_negative("payload_size", params.payload_size)?;
+    check::not_negative("platform_mass", params.platform_mass)?;
+    check::not_negative("platform_inertia", params.platform_inertia)?;
+    check::not_negative("cylinder_mass", params.cylinder_mass)?;
+    check::not_negative("cylinder_inertia", params.cylinder_inertia)?;
+    check::not_negative("piston_mass", params.piston_mass)?;
+    check::not_negative("piston_inertia", params.piston_inertia)?;
     if params.platform_mass == 0.0 || params.platform_inertia.contains(&0.0) {
         return Err(InvalidPlatform::NoInertia);
     }

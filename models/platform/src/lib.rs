@@ -114,10 +114,11 @@ impl Platform {
     ///
     /// ```
     /// use mbs_platform::{InvalidPlatform, Platform};
+    /// use mbs_models::check::Must;
     /// use mbs_models::stewart_platform::Params;
     ///
     /// let overdrawn = Params { payload_mass: -1.0, ..Params::default() };
-    /// assert_eq!(Platform::new(overdrawn).unwrap_err(), InvalidPlatform::NegativePayload { mass: -1.0 });
+    /// assert_eq!(Platform::new(overdrawn).unwrap_err(), InvalidPlatform::Invalid(Must::NotBeNegative.broken_by("payload_mass", -1.0)));
     /// ```
     ///
     /// # Errors
@@ -152,7 +153,7 @@ impl Platform {
     /// The same platform with another payload: a box of this mass \[kg\].
     ///
     /// # Errors
-    /// [`InvalidPlatform::NegativePayload`], [`InvalidPlatform::NonFinite`].
+    /// [`InvalidPlatform::Invalid`].
     pub fn with_payload(&self, mass: f64) -> Result<Self, InvalidPlatform> {
         let params = Params { payload_mass: mass, ..*self.params() };
         Ok(Self { limits: self.limits, ..Self::new(params)? })

@@ -6,6 +6,7 @@ use mbs_arm::trajectory::{
     JointState, Knot, Motion, Quantity, RateLimits, StraightPath, quartic, quintic, quintic_between, through,
     trapezoidal, trapezoidal_within, two_piece_quartic,
 };
+use mbs_models::check::Must;
 
 const START: [f64; 2] = [0.0, 1.0];
 const STOP: [f64; 2] = [1.0, 1.0];
@@ -26,13 +27,16 @@ fn polynomials(start: [f64; 2], velocity: [f64; 2], stop: [f64; 2], duration: f6
 #[test]
 fn durations() {
     for duration in [0.0, -0.0, -1.0, f64::INFINITY] {
-        assert_eq!(polynomials(START, REST, STOP, duration), InvalidDuration { duration });
-        assert_eq!(trapezoidal(START, STOP, duration, 0.1).unwrap_err(), InvalidDuration { duration });
+        assert_eq!(polynomials(START, REST, STOP, duration), Invalid(Must::BePositive.broken_by("duration", duration)));
+        assert_eq!(
+            trapezoidal(START, STOP, duration, 0.1).unwrap_err(),
+            Invalid(Must::BePositive.broken_by("duration", duration))
+        );
     }
     let error = polynomials(START, REST, STOP, f64::NAN);
-    assert!(matches!(error, InvalidDuration { duration } if duration.is_nan()), "{error}");
+    assert!(matches!(error, Invalid(wrong) if wrong.value.is_nan()), "{error}");
     let [from, to] = [START, STOP].map(JointState::at_rest);
-    assert_eq!(quintic_between(&from, &to, 0.0).unwrap_err(), InvalidDuration { duration: 0.0 });
+    assert_eq!(quintic_between(&from, &to, 0.0).unwrap_err(), Invalid(Must::BePositive.broken_by("duration", 0.0)));
 }
 
 #[test]

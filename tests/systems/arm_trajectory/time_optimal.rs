@@ -5,6 +5,7 @@ use mbs_arm::trajectory::time_optimal::{MotorLimits, TimeOptimal, retime};
 use mbs_arm::trajectory::{
     JointPath, JointState, Knot, Motion, PathPoint, Quantity, RateLimits, StraightPath, through,
 };
+use mbs_models::check::Must;
 use mbs_models::irb7600::Irb7600;
 use mbs_models::pendulum::{Params, Pendulum};
 
@@ -190,7 +191,7 @@ fn paths_that_are_none_are_refused() {
     let limits = one_joint(1.0, 1.0, 1.0);
     for length in [0.0, -1.0, f64::INFINITY] {
         let error = retime(Claimed(length), &pendulum(0.0, 0.0), &limits, 10).unwrap_err();
-        assert_eq!(error, TrajectoryError::InvalidLength { length });
+        assert_eq!(error, TrajectoryError::Invalid(Must::BePositive.broken_by("length", length)));
     }
     assert!(retime(Claimed(f64::NAN), &pendulum(0.0, 0.0), &limits, 10).is_err());
     let error = retime(Claimed(1.0), &pendulum(0.0, 0.0), &limits, 10).unwrap_err();

@@ -2,6 +2,7 @@
 
 use mbs_arm::inverse::Unsolvable;
 use mbs_arm::limits::InvalidLimits;
+use mbs_landing::experiment::Experiment;
 use mbs_landing::experiment::error::{Infeasible, PlanError};
 use mbs_landing::experiment::flight::{Flight, OutsideFlight};
 use mbs_landing::experiment::limits::AxisQuantity;
@@ -9,9 +10,9 @@ use mbs_landing::experiment::plan::{Attitude, BRANCH};
 use mbs_landing::experiment::rail_arm::{FlangeMotion, NotFollowed, RailArm};
 use mbs_landing::experiment::search::{Search, SearchError};
 use mbs_landing::experiment::tracking::{Tracking, TrackingError};
-use mbs_landing::experiment::{Experiment, InvalidMass};
 use mbs_landing::quadrotor::heave::Heave;
 use mbs_landing::quadrotor::landing::{Landing, LandingError, Plant};
+use mbs_models::check::{Invalid, Must};
 use mbs_models::irb7600_rail::{Irb7600Rail, Params};
 use mbs_platform::Quantity;
 use mbs_platform::limits::InvalidLimits as InvalidActuators;
@@ -25,10 +26,13 @@ fn scales_are_positive_numbers() {
     let experiment = guided();
     for scale in [0.0, -0.1, f64::NAN, f64::INFINITY] {
         let found = experiment.plan(scale).expect_err("no scale");
-        let PlanError::InvalidScale { scale: named } = found else { panic!("{found}") };
-        assert_eq!(named.to_bits(), scale.to_bits());
+        let PlanError::Invalid(Invalid { parameter: "scale", value, .. }) = found else { panic!("{found}") };
+        assert_eq!(value.to_bits(), scale.to_bits());
     }
-    assert!(matches!(experiment.plan_at(0.1, f64::NAN), Err(PlanError::NotFinite { parameter: "standoff", .. })));
+    assert!(matches!(
+        experiment.plan_at(0.1, f64::NAN),
+        Err(PlanError::Invalid(Invalid { parameter: "standoff", .. }))
+    ));
 }
 
 #[test]
@@ -81,13 +85,13 @@ fn numbers_that_are_none_have_a_name() {
         experiment.plan(0.1).expect_err("something is wrong")
     };
     let named = |error: PlanError| match error {
-        PlanError::NotFinite { parameter, .. } => parameter,
+        PlanError::Invalid(Invalid { parameter, index, must: Must::BeFinite, .. }) => (parameter, index),
         other => panic!("{other}"),
     };
-    assert_eq!(named(with(|e| e.cell.deck = f64::NAN)), "cell.deck");
-    assert_eq!(named(with(|e| e.cell.platform[1] = f64::INFINITY)), "cell.platform[1]");
-    assert_eq!(named(with(|e| e.standoffs[0] = f64::NAN)), "standoffs[0]");
-    assert_eq!(named(with(|e| e.heaving = f64::NAN)), "heaving");
+    assert_eq!(named(with(|e| e.cell.deck = f64::NAN)), ("cell.deck", None));
+    assert_eq!(named(with(|e| e.cell.platform[1] = f64::INFINITY)), ("cell.platform", Some(1)));
+    assert_eq!(named(with(|e| e.standoffs[0] = f64::NAN)), ("standoffs", Some(0)));
+    assert_eq!(named(with(|e| e.heaving = f64::NAN)), ("heaving", None));
     assert!(matches!(with(|e| e.standoffs = [2.0, 1.0]), PlanError::Standoffs { .. }));
     for sampling in [0.0, -1.0, f64::NAN, 1e-9, 0.100_1, 1.0, 1e3, f64::INFINITY] {
         let experiment = Experiment { sampling, ..good.clone() };
@@ -137,13 +141,13 @@ fn masses_are_those_of_bodies() {
         let mut experiment = good.clone();
         experiment.robot.model = Irb7600Rail::new(params);
         let found = experiment.plan(0.1).expect_err("no body");
-        let PlanError::Mass(InvalidMass { parameter: named, index: which, .. }) = found else { panic!("{found}") };
+        let PlanError::Invalid(Invalid { parameter: named, index: which, .. }) = found else { panic!("{found}") };
         assert_eq!((named, which), (parameter, index), "{found}");
         assert!(found.to_string().starts_with(parameter), "{found}");
 
         let tracking = Tracking { plant: experiment.robot.model, ..Tracking::exact(&good.robot) };
         let found = plan.track(&tracking, |_| ()).expect_err("no body");
-        assert!(matches!(found, TrackingError::Mass(wrong) if wrong.parameter == parameter), "{found}");
+        assert!(matches!(found, TrackingError::Invalid(wrong) if wrong.parameter == parameter), "{found}");
     }
     // Nothing at the flange.
     let mut experiment = good.clone();
@@ -204,15 +208,21 @@ fn flights_that_are_none() {
         change(&mut landing);
         Flight::guided(&landing).map(|flight| flight.touchdown())
     };
-    assert!(matches!(with(|l| l.approach.sink_rate = 0.0), Err(LandingError::NotPositive { .. })));
-    assert!(matches!(with(|l| l.approach.duration = f64::NAN), Err(LandingError::NotPositive { .. })));
+    assert!(matches!(
+        with(|l| l.approach.sink_rate = 0.0),
+        Err(LandingError::Invalid(Invalid { must: Must::BePositive, .. }))
+    ));
+    assert!(matches!(
+        with(|l| l.approach.duration = f64::NAN),
+        Err(LandingError::Invalid(Invalid { must: Must::BePositive, .. }))
+    ));
     let restless = Heave { amplitude: [0.2, f64::NAN, 0.5, 0.3], ..Heave::CASE_I };
     let found = Flight::guided(&Landing::new(Plant::Exact, restless)).map(|flight| flight.touchdown());
-    assert!(matches!(found, Err(LandingError::NotFinite { .. })), "{found:?}");
+    assert!(matches!(found, Err(LandingError::Invalid(Invalid { must: Must::BeFinite, .. }))), "{found:?}");
     assert!(matches!(with(|l| l.t_end = 5.0), Err(LandingError::NoTouchdown { .. })));
     for t_end in [0.0, f64::NAN, f64::INFINITY] {
         let found = Flight::guided(&Landing { t_end, ..good.clone() }).map(|flight| flight.touchdown());
-        assert!(matches!(found, Err(LandingError::NotPositive { parameter: "t_end", .. })), "{t_end}: {found:?}");
+        assert!(matches!(found, Err(LandingError::Invalid(Invalid { parameter: "t_end", .. }))), "{t_end}: {found:?}");
     }
     // It comes down, but after more moments than can be kept.
     let slow = with(|l| (l.t_end, l.approach.sink_rate) = (1e9, 2e-7));
@@ -222,7 +232,7 @@ fn flights_that_are_none() {
     let mut blind = Landing::initial_state();
     blind.q[2] = f64::NAN;
     let found = Flight::simulated(&good, blind).map(|flight| flight.touchdown());
-    assert!(matches!(found, Err(LandingError::NotFinite { parameter: "q[2]", .. })), "{found:?}");
+    assert!(matches!(found, Err(LandingError::Invalid(Invalid { parameter: "q", index: Some(2), .. }))), "{found:?}");
 
     let flight = Flight::guided(&good).expect("a landing");
     for time in [-1e-9, 14.0, f64::NAN] {

@@ -3,6 +3,7 @@
 use mbs_landing::experiment::plan::Experiment;
 use mbs_landing::experiment::tracking::{Look, Tracking, TrackingError};
 use mbs_landing::quadrotor::heave::Heave;
+use mbs_models::check::Invalid;
 use mbs_models::irb7600_rail::Irb7600Rail;
 use mbs_tests::compare::assert_close;
 use nalgebra::{Matrix6, SMatrix, SVector};
@@ -111,7 +112,10 @@ fn what_cannot_be_tracked_says_why() {
     let exact = Tracking::exact(&experiment.robot);
     for natural_frequency in [0.0, -1.0, f64::NAN, f64::INFINITY] {
         let found = plan.track(&Tracking { natural_frequency, ..exact.clone() }, |_| ());
-        assert!(matches!(found, Err(TrackingError::InvalidFrequency { .. })), "{found:?}");
+        assert!(
+            matches!(found, Err(TrackingError::Invalid(Invalid { parameter: "natural_frequency", .. }))),
+            "{found:?}"
+        );
     }
     for period in [0.0, -1.0, f64::NAN, 1e-9] {
         let found = plan.track(&Tracking { period, ..exact.clone() }, |_| ());

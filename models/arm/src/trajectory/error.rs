@@ -1,6 +1,7 @@
 //! Why there is no such trajectory, with the numbers that matter.
 
 use core::fmt;
+use mbs_models::check::Invalid;
 
 /// What a limit is about.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -40,12 +41,9 @@ impl fmt::Display for Quantity {
 /// Why a trajectory was refused. Joints are counted from 0.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum TrajectoryError {
-    /// A duration is zero, negative, infinite or NaN.
-    #[error("a duration must be positive and finite, found {duration} s")]
-    InvalidDuration {
-        /// The duration given \[s\].
-        duration: f64,
-    },
+    /// A number that this does not work with.
+    #[error(transparent)]
+    Invalid(#[from] Invalid),
     /// Start and stop are the same posture, and nothing moves in between.
     #[error("start and stop are the same posture")]
     NoMotion,
@@ -117,12 +115,6 @@ pub enum TrajectoryError {
         intervals: usize,
         /// The least number.
         least: usize,
-    },
-    /// A path has no length, an infinite one, or a NaN.
-    #[error("the length of a path must be positive and finite: {length}")]
-    InvalidLength {
-        /// The length given.
-        length: f64,
     },
     /// The path parameter asked for is not on the path.
     #[error("{s} is not on the path, which goes from 0 to {length}")]

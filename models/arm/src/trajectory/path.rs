@@ -1,6 +1,7 @@
 //! Curves in the joints' space, without time.
 
 use super::{Extrema, JointState, Motion, Piecewise, Quantity, TrajectoryError, check_finite};
+use mbs_models::check;
 
 /// A point of a path with its tangent and curvature.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -96,13 +97,11 @@ impl<const N: usize, const PIECES: usize, P: JointPath<N>> AlongPath<P, N, PIECE
     /// Along `path` by `law`, a trajectory of the path parameter as if it were a joint.
     ///
     /// # Errors
-    /// [`TrajectoryError::InvalidLength`] if the length of the path is not positive and finite;
+    /// [`TrajectoryError::Invalid`] if the length of the path is not positive and finite;
     /// [`TrajectoryError::OutsidePath`] if the law leaves the path, by more than rounding.
     pub fn new(path: P, law: Piecewise<1, PIECES>) -> Result<Self, TrajectoryError> {
         let length = path.length();
-        if !(length > 0.0 && length.is_finite()) {
-            return Err(TrajectoryError::InvalidLength { length });
-        }
+        check::positive("length", length)?;
         let [Extrema { lowest, highest }] = law.position_extrema();
         for s in [lowest.value, highest.value] {
             if s.is_nan() || s < -1e-12 * length || s > length * (1.0 + 1e-12) {
@@ -150,8 +149,8 @@ mod tests {
         let law = quintic([0.0], [0.0], [1.0], 2.0).expect("a motion");
         for length in [f64::NAN, -1.0, 0.0, f64::INFINITY, f64::NEG_INFINITY] {
             match AlongPath::new(Claimed(length), law) {
-                Err(TrajectoryError::InvalidLength { length: found }) => {
-                    assert_eq!(found.to_bits(), length.to_bits());
+                Err(TrajectoryError::Invalid(found)) => {
+                    assert_eq!(found.value.to_bits(), length.to_bits());
                 }
                 other => panic!("{length}: {other:?}"),
             }

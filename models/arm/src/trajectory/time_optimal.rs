@@ -20,6 +20,7 @@
 
 use std::vec::Vec;
 
+use mbs_models::check;
 use mbs_runtime::Mechanism;
 
 use super::{JointPath, JointState, Motion, PathPoint, Quantity, RateLimits, TrajectoryError, check_limits};
@@ -58,7 +59,7 @@ const ROUNDS: usize = 12;
 ///   from rest;
 /// - [`TrajectoryError::GridTooCoarse`] for fewer than four intervals, or where limits are exceeded between the points
 ///   of the grid however much they are tightened;
-/// - [`TrajectoryError::InvalidLimit`], [`TrajectoryError::InvalidLength`], [`TrajectoryError::NonFinite`] and
+/// - [`TrajectoryError::InvalidLimit`], [`TrajectoryError::Invalid`], [`TrajectoryError::NonFinite`] and
 ///   [`TrajectoryError::VelocityForce`] for what is given.
 pub fn retime<const N: usize, const U: usize, P: JointPath<N>>(
     path: P,
@@ -69,9 +70,7 @@ pub fn retime<const N: usize, const U: usize, P: JointPath<N>>(
     limits.rates.check()?;
     check_limits(Quantity::Torque, &limits.torque)?;
     let length = path.length();
-    if !(length > 0.0 && length.is_finite()) {
-        return Err(TrajectoryError::InvalidLength { length });
-    }
+    check::positive("length", length)?;
     if intervals < LEAST_INTERVALS {
         return Err(TrajectoryError::GridTooCoarse { intervals, least: LEAST_INTERVALS });
     }

@@ -2,30 +2,19 @@
 
 use super::flight::OutsideFlight;
 use super::limits::AxisViolation;
-use super::masses::InvalidMass;
 use super::plan::COARSEST;
 use super::rail_arm::NotFollowed;
 use mbs_arm::limits::InvalidLimits;
+use mbs_models::check::Invalid;
 use mbs_platform::PoseError;
 use mbs_platform::limits::{InvalidLimits as InvalidActuators, Violation};
 
 /// Why there is no plan, or none that can be followed.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum PlanError {
-    /// The scale is not a positive number.
-    #[error("the scale must be positive, it is {scale}")]
-    InvalidScale {
-        /// The scale given.
-        scale: f64,
-    },
-    /// What must be finite is not.
-    #[error("{parameter} must be finite, it is {value}")]
-    NotFinite {
-        /// Its name.
-        parameter: &'static str,
-        /// Its value.
-        value: f64,
-    },
+    /// A number that this does not work with.
+    #[error(transparent)]
+    Invalid(#[from] Invalid),
     /// The least stand-off is greater than the greatest.
     #[error("there is no stand-off from {} to {} m", .range[0], .range[1])]
     Standoffs {
@@ -40,9 +29,6 @@ pub enum PlanError {
         /// The last one \[s\].
         end: f64,
     },
-    /// The arm has a mass that no body has.
-    #[error(transparent)]
-    Mass(InvalidMass),
     /// Nothing can keep the limits of the joints.
     #[error(transparent)]
     Joints(InvalidLimits),

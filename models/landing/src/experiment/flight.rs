@@ -15,6 +15,7 @@
 
 use std::vec::Vec;
 
+use mbs_models::check;
 use mbs_runtime::{Integrator, State};
 
 use crate::quadrotor::backstepping::Reference;
@@ -98,9 +99,8 @@ impl Flight {
     /// The landing that the guidance asks for: level, over the middle of the platform, without any error.
     ///
     /// # Errors
-    /// [`LandingError::NotPositive`] where the approach never comes down or `t_end` is no time,
-    /// [`LandingError::NoTouchdown`], [`LandingError::TooManyMoments`] where the touchdown is more than
-    /// [`MOST_MOMENTS`] moments of 2 ms away, [`LandingError::NotFinite`].
+    /// [`LandingError::Invalid`] where the approach never comes down or `t_end` is no time, [`LandingError::NoTouchdown`],
+    /// [`LandingError::TooManyMoments`] where the touchdown is more than [`MOST_MOMENTS`] moments of 2 ms away.
     pub fn guided(landing: &Landing) -> Result<Self, LandingError> {
         let approach = &landing.approach;
         let positive = [
@@ -109,9 +109,7 @@ impl Flight {
             ("approach.last_height", approach.last_height),
             ("t_end", landing.t_end),
         ];
-        if let Some((parameter, value)) = positive.into_iter().find(|(_, value)| !(*value > 0.0 && value.is_finite())) {
-            return Err(LandingError::NotPositive { parameter, value });
-        }
+        positive.into_iter().try_for_each(|(parameter, value)| check::positive(parameter, value))?;
         let touchdown = approach.duration + approach.last_height / approach.sink_rate;
         if touchdown > landing.t_end {
             return Err(LandingError::NoTouchdown { time: landing.t_end, height: approach.at(landing.t_end).value });
@@ -129,11 +127,8 @@ impl Flight {
     }
 
     fn of(landing: &Landing, moments: Vec<[Coordinates; 3]>, step: f64, touchdown: f64) -> Result<Self, LandingError> {
-        let bad = moments.iter().flatten().flatten().find(|value| !value.is_finite());
-        match bad {
-            Some(&value) => Err(LandingError::NotFinite { parameter: "a coordinate of the vehicle", value }),
-            None => Ok(Self { moments, step, touchdown, heave: landing.deck.heave, platform: landing.deck.place }),
-        }
+        moments.as_flattened().iter().try_for_each(|&values| check::finite("a coordinate of the vehicle", values))?;
+        Ok(Self { moments, step, touchdown, heave: landing.deck.heave, platform: landing.deck.place })
     }
 
     /// When the vehicle touches down \[s\].

@@ -1,5 +1,6 @@
 //! What all machines do at one scale.
 
+use mbs_models::check;
 use mbs_runtime::{Dual, Pose};
 
 use super::error::{Infeasible, PlanError};
@@ -112,29 +113,17 @@ impl Experiment {
     /// [`PlanError`], but for [`PlanError::Infeasible`], which a [survey](Plan::survey) tells.
     pub fn plan_at(&self, scale: f64, standoff: f64) -> Result<Plan<'_>, PlanError> {
         self.check()?;
-        if !(scale > 0.0 && scale.is_finite()) {
-            return Err(PlanError::InvalidScale { scale });
-        }
-        if !standoff.is_finite() {
-            return Err(PlanError::NotFinite { parameter: "standoff", value: standoff });
-        }
+        check::positive("scale", scale)?;
+        check::finite("standoff", standoff)?;
         Ok(Plan { experiment: self, scale, standoff })
     }
 
     fn check(&self) -> Result<(), PlanError> {
-        let Cell { platform: [x, y], deck } = self.cell;
+        check::finite("cell.platform", self.cell.platform)?;
+        check::finite("cell.deck", self.cell.deck)?;
+        check::finite("standoffs", self.standoffs)?;
+        check::finite("heaving", self.heaving)?;
         let [least, greatest] = self.standoffs;
-        let finite = [
-            ("cell.platform[0]", x),
-            ("cell.platform[1]", y),
-            ("cell.deck", deck),
-            ("standoffs[0]", least),
-            ("standoffs[1]", greatest),
-            ("heaving", self.heaving),
-        ];
-        if let Some((parameter, value)) = finite.into_iter().find(|(_, value)| !value.is_finite()) {
-            return Err(PlanError::NotFinite { parameter, value });
-        }
         if greatest < least {
             return Err(PlanError::Standoffs { range: self.standoffs });
         }
@@ -142,7 +131,7 @@ impl Experiment {
         if !(self.sampling > 0.0 && self.sampling <= COARSEST && longest / self.sampling < MOST_MOMENTS) {
             return Err(PlanError::Sampling { step: self.sampling, end: longest });
         }
-        masses::check(self.robot.model.params()).map_err(PlanError::Mass)?;
+        masses::check(self.robot.model.params())?;
         self.robot.joints.check().map_err(PlanError::Joints)?;
         self.platform.limits.check().map_err(PlanError::Actuators)?;
         let rail = &self.robot.rail;

@@ -17,11 +17,12 @@
 
 use core::ops::ControlFlow;
 
+use mbs_models::check::{self, Invalid};
 use mbs_runtime::attitude::log;
 use mbs_runtime::{Dop853, Event, IntegrationError, Integrator, Scalar, State, to_matrix};
 
 use super::error::Infeasible;
-use super::masses::{self, InvalidMass};
+use super::masses;
 use super::plan::{Plan, turned_over};
 use super::rail_arm::{RailArm, RailVector};
 use super::survey::{Seen, greatest_part};
@@ -77,11 +78,9 @@ impl Tracking {
     }
 
     fn check(&self, end: f64) -> Result<(), TrackingError> {
-        masses::check(self.plant.params()).map_err(TrackingError::Mass)?;
+        masses::check(self.plant.params())?;
         let Self { natural_frequency, period, .. } = *self;
-        if !(natural_frequency > 0.0 && natural_frequency.is_finite()) {
-            return Err(TrackingError::InvalidFrequency { natural_frequency });
-        }
+        check::positive("natural_frequency", natural_frequency)?;
         let sound = period > 0.0 && end / period < MOST_LOOKS;
         if sound { Ok(()) } else { Err(TrackingError::InvalidPeriod { period, end }) }
     }
@@ -140,15 +139,9 @@ pub struct Tracked {
 /// Why there is no contact.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum TrackingError {
-    /// The simulated arm has a mass that no body has.
+    /// A number that this does not work with.
     #[error(transparent)]
-    Mass(InvalidMass),
-    /// The natural frequency is not a positive number.
-    #[error("the natural frequency must be positive and finite, it is {natural_frequency} rad/s")]
-    InvalidFrequency {
-        /// The frequency given \[rad/s\].
-        natural_frequency: f64,
-    },
+    Invalid(#[from] Invalid),
     /// The period is not positive, or there are more than ten million in a flight.
     #[error("looks every {period} s up to {end} s are none, without end or too many")]
     InvalidPeriod {

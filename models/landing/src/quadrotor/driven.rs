@@ -14,7 +14,7 @@ use nalgebra::Vector3;
 
 use super::backstepping::Command;
 use super::deck::{DeckState, MovingDeck};
-use super::landing::{Landing, LandingError, attitude_told, finite};
+use super::landing::{Landing, LandingError, attitude_told, finite_deck};
 use super::mixer::RotorSpeeds;
 use super::touchdown::{Touchdown, Way};
 use super::zero_order_hold::ZeroOrderHold;
@@ -104,9 +104,8 @@ impl<M: PlatformMotion> Landing<MovingDeck<M>> {
     /// act.
     ///
     /// # Errors
-    /// [`LandingError`]; `NotPositive` where the period is not, `Limits` where nothing can keep those of the platform,
-    /// `Platform` where its legs cannot hold it, `ThroughSingularity` where they could not on the way from one moment
-    /// to the next.
+    /// [`LandingError`]; `Invalid` where the period is not, `Limits` where nothing can keep those of the platform, `Platform`
+    /// where its legs cannot hold it, `ThroughSingularity` where they could not on the way from one moment to the next.
     pub fn simulate_driven(
         &self,
         vehicle: State<[f64; 6]>,
@@ -147,7 +146,7 @@ impl<M: PlatformMotion> Landing<MovingDeck<M>> {
             greatest_error.distance = greatest_error.distance.max(error.distance);
             greatest_error.angle = greatest_error.angle.max(error.angle);
 
-            let deck = finite(self.deck.over_base(&[stands.q, stands.qd, plan[2]]), t)?;
+            let deck = finite_deck(self.deck.over_base(&[stands.q, stands.qd, plan[2]]), t)?;
             let command = self.command_over(&deck, t, &vehicle.q, &vehicle.qd);
             way.hold(t, &vehicle, &command, &deck);
             observer(&DrivenMoment { time: t, vehicle, platform: stands, deck, command, legs });

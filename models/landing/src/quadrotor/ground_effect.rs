@@ -12,6 +12,8 @@
 //! I. C. Cheeseman and W. E. Bennett, *The Effect of the Ground on a Helicopter Rotor in Forward Flight*, Aeronautical
 //! Research Council, Reports and Memoranda 3021, 1955, for hover. The least height is assumed.
 
+use mbs_models::check::{self, Invalid};
+
 /// How much harder rotors push near a deck. The deck is taken for an infinite plane, all rotors for equally high over
 /// it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,44 +30,23 @@ const UNBOUNDED: f64 = 0.25;
 /// The least height that counts where none is given \[radii\].
 pub const LEAST_HEIGHT: f64 = 0.5;
 
-/// Why there is no such ground effect.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-pub enum InvalidGroundEffect {
-    /// The radius is not positive and finite.
-    #[error("the rotors' radius must be positive and finite, it is {radius} m")]
-    RotorRadius {
-        /// The radius given \[m\].
-        radius: f64,
-    },
-    /// The least height is not above a quarter of the radius, or not finite.
-    #[error("the least height must be above {UNBOUNDED} radii and finite, it is {height}")]
-    LeastHeight {
-        /// The height given \[radii\].
-        height: f64,
-    },
-}
-
 impl GroundEffect {
     /// Of rotors with this radius \[m\]; heights below half a radius count as that, so that thrust grows to 4/3 at
     /// most.
     ///
     /// # Errors
-    /// [`InvalidGroundEffect::RotorRadius`].
-    pub fn new(rotor_radius: f64) -> Result<Self, InvalidGroundEffect> {
+    /// [`Invalid`].
+    pub fn new(rotor_radius: f64) -> Result<Self, Invalid> {
         Self::with_least_height(rotor_radius, LEAST_HEIGHT)
     }
 
     /// The ground effect of a rotor with another least height \[radii\].
     ///
     /// # Errors
-    /// [`InvalidGroundEffect`].
-    pub fn with_least_height(rotor_radius: f64, least_height: f64) -> Result<Self, InvalidGroundEffect> {
-        if !(rotor_radius > 0.0 && rotor_radius.is_finite()) {
-            return Err(InvalidGroundEffect::RotorRadius { radius: rotor_radius });
-        }
-        if !(least_height > UNBOUNDED && least_height.is_finite()) {
-            return Err(InvalidGroundEffect::LeastHeight { height: least_height });
-        }
+    /// [`Invalid`]: a radius that is not positive, a height that is not above a quarter of it.
+    pub fn with_least_height(rotor_radius: f64, least_height: f64) -> Result<Self, Invalid> {
+        check::positive("rotor radius", rotor_radius)?;
+        check::within("least height", least_height, [UNBOUNDED.next_up(), f64::MAX])?;
         Ok(GroundEffect { rotor_radius, least_height })
     }
 
@@ -115,11 +96,11 @@ mod tests {
     fn rotors_without_radius_and_heights_without_bound_are_refused() {
         for radius in [0.0, -0.4, f64::NAN, f64::INFINITY] {
             let refused = GroundEffect::new(radius);
-            assert!(matches!(refused, Err(InvalidGroundEffect::RotorRadius { .. })), "{radius}");
+            assert!(matches!(refused, Err(Invalid { parameter: "rotor radius", .. })), "{radius}");
         }
         for height in [0.25, 0.0, f64::NAN, f64::INFINITY] {
             let refused = GroundEffect::with_least_height(0.4, height);
-            assert!(matches!(refused, Err(InvalidGroundEffect::LeastHeight { .. })), "{height}");
+            assert!(matches!(refused, Err(Invalid { parameter: "least height", .. })), "{height}");
         }
     }
 }

@@ -21,7 +21,7 @@ use super::small_angle;
 use super::touchdown::{Touchdown, Way};
 use mbs_models::quadrotor_euler::{Params, QuadrotorEuler};
 
-pub(super) use check::{attitude_told, finite, upright};
+pub(super) use check::{attitude_told, finite_deck, upright};
 pub use error::LandingError;
 
 /// The equations that move the quadrotor.
@@ -224,7 +224,7 @@ impl<D: Deck> Landing<D> {
                 let deck = self.deck.at(t);
                 let seen = step.interpolate(t, &mut sample).map_err(LandingError::Integration);
                 let told = seen.and_then(|()| attitude_told(&sample, t));
-                if let Err(error) = told.and_then(|()| finite(deck, t)) {
+                if let Err(error) = told.and_then(|()| finite_deck(deck, t)) {
                     failed.set(Some(error));
                     return ControlFlow::Break(step.time());
                 }
@@ -256,7 +256,7 @@ impl<D: Deck> Landing<D> {
             (Err(error), _) => return Err(error.into()),
         };
         let time = summary.time;
-        let deck = finite(self.deck.at(time), time)?;
+        let deck = finite_deck(self.deck.at(time), time)?;
         if !summary.stopped {
             return Err(LandingError::NoTouchdown { time, height: deck.height(&place(&state.q)) });
         }

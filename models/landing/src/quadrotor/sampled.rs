@@ -4,7 +4,7 @@ use mbs_runtime::State;
 
 use super::backstepping::Command;
 use super::deck::Deck;
-use super::landing::{Landing, LandingError, attitude_told, finite};
+use super::landing::{Landing, LandingError, attitude_told, finite_deck};
 use super::touchdown::{Touchdown, Way};
 use super::zero_order_hold::ZeroOrderHold;
 
@@ -15,8 +15,7 @@ impl<D: Deck> Landing<D> {
     /// the period by halving it.
     ///
     /// # Errors
-    /// [`LandingError`]; `NotPositive` where the period \[s\] is not, `Sensor` where the sensor gives NaN or an
-    /// infinite value.
+    /// [`LandingError`]; `Invalid` where the period \[s\] is not, `Sensor` where the sensor gives NaN or an infinite value.
     pub fn simulate_sampled(
         &self,
         state: State<[f64; 6]>,
@@ -31,7 +30,7 @@ impl<D: Deck> Landing<D> {
                 return Err(LandingError::Sensor { time: t });
             }
             attitude_told(state, t)?;
-            let deck = finite(self.deck.at(t), t)?;
+            let deck = finite_deck(self.deck.at(t), t)?;
             let command = self.command_over(&deck, t, &seen.q, &seen.qd);
             way.hold(t, state, &command, &deck);
             Ok(command)

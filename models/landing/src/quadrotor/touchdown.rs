@@ -4,7 +4,7 @@ use mbs_runtime::{Scalar, State};
 
 use super::backstepping::{Command, nearest_turn};
 use super::deck::{DeckState, Relative};
-use super::landing::{LandingError, attitude_told, finite, upright};
+use super::landing::{LandingError, attitude_told, finite_deck, upright};
 use super::mixer::RotorSpeeds;
 
 /// How a landing ended.
@@ -102,7 +102,7 @@ impl Way {
         state: State<[f64; 6]>,
         deck: DeckState,
     ) -> Result<Touchdown, LandingError> {
-        let deck = upright(finite(deck, time)?, time)?;
+        let deck = upright(finite_deck(deck, time)?, time)?;
         attitude_told(&state, time)?;
         self.see(time, &state, &deck);
         self.spend_until(time);

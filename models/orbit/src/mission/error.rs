@@ -8,36 +8,14 @@ use crate::kepler::KeplerError;
 use crate::lambert::LambertError;
 use crate::lvlh::FrameError;
 use crate::yamanaka_ankersen::TransitionError;
+use mbs_models::check::Invalid;
 
 /// Why a mission did not end at the port.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum MissionError {
-    /// What must be positive and finite is not.
-    #[error("{parameter} must be positive, it is {value}")]
-    NotPositive {
-        /// Its name.
-        parameter: &'static str,
-        /// Its value.
-        value: f64,
-    },
-    /// What must not be negative is, or is not finite.
-    #[error("{parameter} must not be negative, it is {value}")]
-    Negative {
-        /// Its name.
-        parameter: &'static str,
-        /// Its value.
-        value: f64,
-    },
-    /// A duration is longer than a mission may take, the corridor opens to half a space, or corrections are too many.
-    #[error("{parameter} must be at most {limit}, it is {value}")]
-    TooLarge {
-        /// Its name.
-        parameter: &'static str,
-        /// Its value \[s\], \[rad\] or \[1\].
-        value: f64,
-        /// At most this.
-        limit: f64,
-    },
+    /// A number that this does not work with.
+    #[error(transparent)]
+    Invalid(#[from] Invalid),
     /// Station or vehicle are on no orbit.
     #[error(transparent)]
     Orbit(ElementsError),

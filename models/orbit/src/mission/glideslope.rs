@@ -12,6 +12,7 @@
 //! Hablani, Tapper, Dana-Bashian, *Guidance and relative navigation for autonomous rendezvous in a circular orbit*,
 //! Journal of Guidance, Control, and Dynamics 25(3), 2002.
 
+use mbs_models::check::{self, Invalid};
 use mbs_runtime::Scalar;
 
 /// Distance to go, and speeds at both ends.
@@ -25,14 +26,9 @@ pub struct Glideslope {
 /// Why there is no such slope.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum GlideslopeError {
-    /// What must be positive is not, or is NaN or infinite.
-    #[error("{parameter} must be positive, it is {value}")]
-    NotPositive {
-        /// Its name.
-        parameter: &'static str,
-        /// Its value \[m\] or \[m/s\].
-        value: f64,
-    },
+    /// A number that this does not work with.
+    #[error(transparent)]
+    Invalid(#[from] Invalid),
     /// Its rate or its duration are too large or too small for `f64`.
     #[error("the approach leaves the range of floating-point numbers")]
     OutOfRange,
@@ -44,10 +40,9 @@ impl Glideslope {
     /// # Errors
     /// [`GlideslopeError`].
     pub fn new(distance: f64, first_speed: f64, last_speed: f64) -> Result<Self, GlideslopeError> {
-        let all = [("distance", distance), ("first_speed", first_speed), ("last_speed", last_speed)];
-        if let Some((parameter, value)) = all.into_iter().find(|&(_, value)| !(value > 0.0 && value.is_finite())) {
-            return Err(GlideslopeError::NotPositive { parameter, value });
-        }
+        check::positive("distance", distance)?;
+        check::positive("first_speed", first_speed)?;
+        check::positive("last_speed", last_speed)?;
         let slope = Self { distance, first_speed, last_speed };
         let (rate, duration) = (slope.rate(), slope.duration());
         let is_in_range = rate.is_finite() && duration > 0.0 && duration.is_finite();

@@ -2,6 +2,7 @@
 
 use core::f64::consts::FRAC_PI_2;
 
+use mbs_models::check::{Invalid, finite, positive, within};
 use mbs_runtime::{Scalar, State};
 
 use super::{Controller, Landing, LandingError, MOST_MOMENTS};
@@ -15,52 +16,49 @@ impl<D: Deck> Landing<D> {
     /// Whether this can be a landing, from this state, looked at once a period \[s\].
     pub(in crate::quadrotor) fn check(&self, state: &State<[f64; 6]>, period: f64) -> Result<(), LandingError> {
         let params = self.vehicle.params();
-        let [x, y, z] = params.inertias;
-        positive(&[
-            ("m", params.m),
-            ("g", params.g),
-            ("inertias[0]", x),
-            ("inertias[1]", y),
-            ("inertias[2]", z),
-            ("arm", params.arm),
-            ("thrust_factor", params.thrust_factor),
-            ("drag_factor", params.drag_factor),
-            ("approach.duration", self.approach.duration),
-            ("approach.sink_rate", self.approach.sink_rate),
-            ("t_end", self.t_end),
-            ("period", period),
-        ])?;
-        all_finite(&[
-            ("rotor_inertia", params.rotor_inertia),
-            ("drag_coefficient", params.drag_coefficient),
-            ("area", params.area),
-            ("air_density", params.air_density),
-            ("approach.height", self.approach.height),
-            ("approach.last_height", self.approach.last_height),
-            ("wind[0]", self.wind[0]),
-            ("wind[1]", self.wind[1]),
-            ("wind[2]", self.wind[2]),
-        ])?;
-        all_finite(&core::array::from_fn::<_, 6, _>(|i| (COORDINATES[i], state.q[i])))?;
-        all_finite(&core::array::from_fn::<_, 6, _>(|i| (RATES[i], state.qd[i])))?;
+        positive("inertias", params.inertias)?;
+        each(
+            positive,
+            [
+                ("m", params.m),
+                ("g", params.g),
+                ("arm", params.arm),
+                ("thrust_factor", params.thrust_factor),
+                ("drag_factor", params.drag_factor),
+                ("approach.duration", self.approach.duration),
+                ("approach.sink_rate", self.approach.sink_rate),
+                ("t_end", self.t_end),
+                ("period", period),
+            ],
+        )?;
+        each(
+            finite,
+            [
+                ("rotor_inertia", params.rotor_inertia),
+                ("drag_coefficient", params.drag_coefficient),
+                ("area", params.area),
+                ("air_density", params.air_density),
+                ("approach.height", self.approach.height),
+                ("approach.last_height", self.approach.last_height),
+            ],
+        )?;
+        finite("wind", self.wind)?;
+        finite("q", state.q)?;
+        finite("qd", state.qd)?;
         attitude_told(state, 0.0)?;
         self.controller.check()?;
         if self.t_end / period > f64::from(MOST_MOMENTS) {
             return Err(LandingError::TooManyMoments { t_end: self.t_end, period });
         }
-        let deck = upright(finite(self.deck.at(0.0), 0.0)?, 0.0)?;
+        let deck = upright(finite_deck(self.deck.at(0.0), 0.0)?, 0.0)?;
         let height = deck.height(&[state.q[0], state.q[1], state.q[2]]);
         // Of finite numbers, but it may overflow.
         if height > 0.0 && height.is_finite() { Ok(()) } else { Err(LandingError::NotAbove { height }) }
     }
 }
 
-/// Of the vehicle at the beginning.
-const COORDINATES: [&str; 6] = ["q[0]", "q[1]", "q[2]", "q[3]", "q[4]", "q[5]"];
-const RATES: [&str; 6] = ["qd[0]", "qd[1]", "qd[2]", "qd[3]", "qd[4]", "qd[5]"];
-
 /// The deck at a time, where it is one.
-pub(in crate::quadrotor) fn finite(deck: DeckState, time: f64) -> Result<DeckState, LandingError> {
+pub(in crate::quadrotor) fn finite_deck(deck: DeckState, time: f64) -> Result<DeckState, LandingError> {
     if deck.is_finite() { Ok(deck) } else { Err(LandingError::Deck { time }) }
 }
 
@@ -84,7 +82,7 @@ pub(in crate::quadrotor) fn upright(deck: DeckState, time: f64) -> Result<DeckSt
 
 impl Controller {
     /// Whether every number is one that the law can work with: a NaN limit would limit nothing.
-    fn check(&self) -> Result<(), LandingError> {
+    fn check(&self) -> Result<(), Invalid> {
         match self {
             Controller::Backstepping(Backstepping {
                 params,
@@ -97,62 +95,52 @@ impl Controller {
                 greatest_tilt,
             }) => {
                 believed(params, mixer)?;
-                positive(&[
-                    ("controller.horizontal.k1", horizontal.k1),
-                    ("controller.horizontal.k2", horizontal.k2),
-                    ("controller.vertical.k1", vertical.k1),
-                    ("controller.vertical.k2", vertical.k2),
-                    ("controller.tilt.k1", tilt.k1),
-                    ("controller.tilt.k2", tilt.k2),
-                    ("controller.yaw.k1", yaw.k1),
-                    ("controller.yaw.k2", yaw.k2),
-                ])?;
+                each(
+                    positive,
+                    [
+                        ("controller.horizontal.k1", horizontal.k1),
+                        ("controller.horizontal.k2", horizontal.k2),
+                        ("controller.vertical.k1", vertical.k1),
+                        ("controller.vertical.k2", vertical.k2),
+                        ("controller.tilt.k1", tilt.k1),
+                        ("controller.tilt.k2", tilt.k2),
+                        ("controller.yaw.k1", yaw.k1),
+                        ("controller.yaw.k2", yaw.k2),
+                    ],
+                )?;
                 within("controller.thrust_range[0]", *least, [0.0, f64::MAX])?;
                 within("controller.thrust_range[1]", *greatest, [*least, f64::INFINITY])?;
                 within("controller.greatest_tilt", *greatest_tilt, [0.0, FRAC_PI_2])
             }
             Controller::Lqr(Lqr { params, mixer, gain }) => {
                 believed(params, mixer)?;
-                gain.iter().try_for_each(|&gain| all_finite(&[("controller.gain", gain)]))
+                gain.iter().try_for_each(|&gain| finite("controller.gain", gain))
             }
         }
     }
 }
 
 /// What a controller knows of the vehicle.
-fn believed(params: &Params<f64>, mixer: &Mixer) -> Result<(), LandingError> {
-    let [x, y, z] = params.inertias;
-    positive(&[
-        ("controller.params.m", params.m),
-        ("controller.params.g", params.g),
-        ("controller.params.inertias[0]", x),
-        ("controller.params.inertias[1]", y),
-        ("controller.params.inertias[2]", z),
-        ("controller.params.thrust_factor", params.thrust_factor),
-        ("controller.mixer.thrust_factor", mixer.thrust_factor),
-        ("controller.mixer.drag_factor", mixer.drag_factor),
-        ("controller.mixer.arm", mixer.arm),
-    ])?;
+fn believed(params: &Params<f64>, mixer: &Mixer) -> Result<(), Invalid> {
+    positive("controller.params.inertias", params.inertias)?;
+    each(
+        positive,
+        [
+            ("controller.params.m", params.m),
+            ("controller.params.g", params.g),
+            ("controller.params.thrust_factor", params.thrust_factor),
+            ("controller.mixer.thrust_factor", mixer.thrust_factor),
+            ("controller.mixer.drag_factor", mixer.drag_factor),
+            ("controller.mixer.arm", mixer.arm),
+        ],
+    )?;
     within("controller.mixer.greatest_speed", mixer.greatest_speed, [0.0, f64::INFINITY])
 }
 
-fn positive(parameters: &[(&'static str, f64)]) -> Result<(), LandingError> {
-    match parameters.iter().find(|(_, value)| !(*value > 0.0 && value.is_finite())) {
-        Some(&(parameter, value)) => Err(LandingError::NotPositive { parameter, value }),
-        None => Ok(()),
-    }
-}
-
-fn all_finite(parameters: &[(&'static str, f64)]) -> Result<(), LandingError> {
-    match parameters.iter().find(|(_, value)| !value.is_finite()) {
-        Some(&(parameter, value)) => Err(LandingError::NotFinite { parameter, value }),
-        None => Ok(()),
-    }
-}
-
-fn within(parameter: &'static str, value: f64, range: [f64; 2]) -> Result<(), LandingError> {
-    let [least, greatest] = range;
-    // NaN is not.
-    let inside = least <= value && value <= greatest;
-    if inside { Ok(()) } else { Err(LandingError::OutOfRange { parameter, value, range }) }
+/// All of them, by one check.
+fn each(
+    check: fn(&'static str, f64) -> Result<(), Invalid>,
+    parameters: impl IntoIterator<Item = (&'static str, f64)>,
+) -> Result<(), Invalid> {
+    parameters.into_iter().try_for_each(|(parameter, value)| check(parameter, value))
 }

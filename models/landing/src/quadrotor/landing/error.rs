@@ -1,5 +1,6 @@
 //! Why a landing has no touchdown.
 
+use mbs_models::check::Invalid;
 use mbs_runtime::IntegrationError;
 
 use super::MOST_MOMENTS;
@@ -9,32 +10,9 @@ use mbs_platform::limits::InvalidLimits;
 /// Why there is no touchdown.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum LandingError {
-    /// What must be positive is not (or is NaN or infinite).
-    #[error("{parameter} must be positive, it is {value}")]
-    NotPositive {
-        /// Its name.
-        parameter: &'static str,
-        /// Its value.
-        value: f64,
-    },
-    /// What has bounds is beyond them, or NaN.
-    #[error("{parameter} must be between {} and {}, it is {value}", .range[0], .range[1])]
-    OutOfRange {
-        /// Its name.
-        parameter: &'static str,
-        /// Its value.
-        value: f64,
-        /// The bounds.
-        range: [f64; 2],
-    },
-    /// What must be a finite number is none.
-    #[error("{parameter} must be finite, it is {value}")]
-    NotFinite {
-        /// Its name.
-        parameter: &'static str,
-        /// Its value.
-        value: f64,
-    },
+    /// A number that this does not work with.
+    #[error(transparent)]
+    Invalid(#[from] Invalid),
     /// The vehicle does not stand over the platform at the beginning.
     #[error("the vehicle begins {height} m over the platform")]
     NotAbove {
