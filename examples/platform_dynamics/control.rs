@@ -3,8 +3,8 @@
 use std::ops::ControlFlow;
 
 use mbs_examples::Failure;
-use mbs_platform::control::ComputedTorque;
 use mbs_platform::{HOME, Motion, Platform};
+use mbs_runtime::control::ComputedTorque;
 use mbs_runtime::{Dop853, IntegrationError, Integrator, State};
 
 /// Of the errors \[rad/s\].
@@ -36,7 +36,7 @@ pub(crate) fn follow(platform: &Platform, limit: f64) -> Result<Following, Failu
     let run = Dop853::new(1e-9, 1e-10).integrate(
         |t, q: &[f64; 6], qd: &[f64; 6], qdd: &mut [f64; 6]| {
             // Where the legs cannot hold the platform the integration ends, at its last good state.
-            let forces = control.limited_forces(&platform, &motion.at(t), q, qd).unwrap_or([f64::NAN; 6]);
+            let forces = platform.limited_forces(&control, &motion.at(t), q, qd).unwrap_or([f64::NAN; 6]);
             *qdd = platform.model().forward_dynamics(q, qd, &forces);
         },
         0.0,
@@ -44,7 +44,7 @@ pub(crate) fn follow(platform: &Platform, limit: f64) -> Result<Following, Failu
         &mut state,
         |step| {
             let (t, now) = (step.time(), step.state());
-            let wanted = control.forces(&platform, &motion.at(t), &now.q, &now.qd).unwrap_or([f64::NAN; 6]);
+            let wanted = platform.computed_forces(&control, &motion.at(t), &now.q, &now.qd).unwrap_or([f64::NAN; 6]);
             let largest = wanted.iter().fold(0.0, |largest: f64, force| largest.max(force.abs()));
             following.asked = following.asked.max(largest);
             if largest > limit {

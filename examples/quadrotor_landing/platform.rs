@@ -11,9 +11,9 @@ use mbs_landing::quadrotor::deck::MovingDeck;
 use mbs_landing::quadrotor::driven::{Drive, DrivenMoment, DrivenTouchdown};
 use mbs_landing::quadrotor::landing::{Landing, Plant};
 use mbs_landing::quadrotor::touchdown::Touchdown;
-use mbs_platform::control::ComputedTorque;
 use mbs_platform::limits::{LegState, Quantity, Survey};
 use mbs_platform::{HOME, Platform, PlatformMotion, Superposition};
+use mbs_runtime::control::ComputedTorque;
 use serde_json::{Value, json};
 
 use crate::flight::{KEPT, over_base};

@@ -11,6 +11,7 @@
 //! | what inputs reach, what outputs show               | [`StateSpace::controllability_rank`], [`StateSpace::observability_rank`] |
 //! | the sampled system                                 | [`StateSpace::sampled`]                                               |
 //! | feedback that is the best for a quadratic cost     | [`lqr`], [`discrete_lqr`]                                             |
+//! | forces that make errors die as designed            | [`ComputedTorque`]                                                    |
 //! | a controller that computes for a while, in the loop | [`SampledLoop`]                                                      |
 //!
 //! A and B of a mechanism are the first derivatives of its motion, [`Linearization`]: with `x = (δq, δq̇)`
@@ -33,6 +34,7 @@
 //!
 //! [`Linearization`]: crate::Linearization
 
+mod computed_torque;
 mod dense;
 mod discretization;
 mod eigenvalues;
@@ -43,6 +45,7 @@ mod sampled_loop;
 use core::error::Error;
 use core::fmt;
 
+pub use computed_torque::{ComputedTorque, InvalidGain};
 pub use nalgebra::Complex;
 pub use regulator::{Regulator, discrete_lqr, lqr};
 pub use sampled_loop::SampledLoop;

@@ -4,11 +4,11 @@
 use std::f64::consts::PI;
 use std::ops::ControlFlow;
 
-use mbs_arm::control::{ComputedTorque, InvalidGain, Reference};
 use mbs_arm::inverse::PHI;
 use mbs_arm::jacobian::{SingularJacobian, condition, determinant, manipulability, singular_values};
 use mbs_arm::{A2, A3, Arm, D4, JointVector};
 use mbs_models::irb7600::{Irb7600, Params};
+use mbs_runtime::control::{ComputedTorque, InvalidGain};
 use mbs_runtime::{Dop853, Dual, Integrator, Pose, Scalar, State, accelerations, to_matrix};
 use mbs_tests::compare::{assert_close, error};
 use mbs_tests::random::Random;
@@ -250,16 +250,16 @@ fn mass_centers_move_as_their_jacobians_say() {
 }
 
 /// A motion to follow: sines of different frequency.
-fn wanted(t: f64) -> Reference {
+fn wanted(t: f64) -> [JointVector; 3] {
     let middle = [0.3, -1.4, 0.2, 0.5, 0.6, -0.2];
     let amplitude = [0.5, 0.2, 0.3, 0.6, 0.4, 0.8];
     let rate = [0.9, 1.3, 0.7, 1.1, 1.7, 0.5];
     let each = |f: &dyn Fn(usize) -> f64| std::array::from_fn(f);
-    Reference {
-        q: each(&|i| middle[i] + amplitude[i] * (rate[i] * t).sin()),
-        qd: each(&|i| amplitude[i] * rate[i] * (rate[i] * t).cos()),
-        qdd: each(&|i| -amplitude[i] * rate[i] * rate[i] * (rate[i] * t).sin()),
-    }
+    [
+        each(&|i| middle[i] + amplitude[i] * (rate[i] * t).sin()),
+        each(&|i| amplitude[i] * rate[i] * (rate[i] * t).cos()),
+        each(&|i| -amplitude[i] * rate[i] * rate[i] * (rate[i] * t).sin()),
+    ]
 }
 
 #[test]
@@ -268,16 +268,16 @@ fn under_computed_torque_the_error_decays_as_designed() {
     let omega = 4.0_f64;
     let control = ComputedTorque::critically_damped(omega).expect("positive");
     let (e, ed) = ([0.2, -0.1, 0.15, 0.3, -0.2, 0.1], [0.5, 0.0, -0.4, 1.0, 0.3, -0.6]);
-    let start = wanted(0.0);
+    let [start_q, start_qd, _] = wanted(0.0);
     let mut state =
-        State::new(std::array::from_fn(|i| start.q[i] - e[i]), std::array::from_fn(|i| start.qd[i] - ed[i]));
-    let motion = accelerations(&arm.model, |t, q, qd| control.torque(&arm, &wanted(t), q, qd));
+        State::new(std::array::from_fn(|i| start_q[i] - e[i]), std::array::from_fn(|i| start_qd[i] - ed[i]));
+    let motion = accelerations(&arm.model, |t, q, qd| arm.computed_torque(&control, &wanted(t), q, qd));
     let times: Vec<f64> = (1..=20).map(|k| 0.1 * f64::from(k)).collect();
     let mut compared = 0;
     Dop853::new(1e-11, 1e-12)
         .sample(motion, 0.0, &times, &mut state, |t, state| {
             let decay = (-omega * t).exp();
-            let found: [f64; 6] = std::array::from_fn(|i| wanted(t).q[i] - state.q[i]);
+            let found: [f64; 6] = std::array::from_fn(|i| wanted(t)[0][i] - state.q[i]);
             let want: [f64; 6] = std::array::from_fn(|i| (e[i] + (ed[i] + omega * e[i]) * t) * decay);
             assert_close("error", &found, &want, 1e-9);
             compared += 1;
@@ -296,9 +296,9 @@ fn a_wrong_model_leaves_a_bounded_error() {
     let plant = Irb7600::new(params);
     let control = ComputedTorque::new([100.0, 120.0, 100.0, 150.0, 150.0, 200.0], [20.0, 22.0, 20.0, 25.0, 25.0, 28.0])
         .expect("positive");
-    let place = wanted(0.0).q;
+    let [place, ..] = wanted(0.0);
     let mut state = State::new(place, [0.0; 6]);
-    let motion = accelerations(&plant, |_, q, qd| control.torque(&model, &Reference::at_rest(place), q, qd));
+    let motion = accelerations(&plant, |_, q, qd| model.computed_torque(&control, &[place, [0.0; 6], [0.0; 6]], q, qd));
     Dop853::new(1e-9, 1e-10)
         .integrate(motion, 0.0, 5.0, &mut state, |_| ControlFlow::Continue(()))
         .expect("integrated");
@@ -336,10 +336,10 @@ fn gravity_compensation_holds_the_arm() {
 #[test]
 fn gains_must_be_positive() {
     for frequency in [0.0, -1.0, f64::NAN, f64::INFINITY] {
-        let found = ComputedTorque::critically_damped(frequency);
-        assert!(matches!(found, Err(InvalidGain { joint: 0, .. })), "{found:?}");
+        let found = ComputedTorque::<6>::critically_damped(frequency);
+        assert!(matches!(found, Err(InvalidGain { coordinate: 0, .. })), "{found:?}");
     }
     let mut damping = [2.0; 6];
     damping[3] = -2.0;
-    assert_eq!(ComputedTorque::new([1.0; 6], damping), Err(InvalidGain { joint: 3, gain: -2.0 }));
+    assert_eq!(ComputedTorque::new([1.0; 6], damping), Err(InvalidGain { coordinate: 3, gain: -2.0 }));
 }

@@ -12,7 +12,7 @@ use mbs_derive::optimise::FunctionKind;
 use mbs_derive::{declared, derived};
 use mbs_models::check::{Invalid, Must};
 use mbs_models::stewart_platform::Params;
-use mbs_platform::control::{ComputedTorque, NotControlled};
+use mbs_platform::control::NotControlled;
 use mbs_platform::direct::Newton;
 use mbs_platform::dynamics::{Direction, STILL};
 use mbs_platform::geometry::{Plate, attitude};
@@ -21,6 +21,7 @@ use mbs_platform::limits::{InvalidLimits, NotSurveyed};
 use mbs_platform::{
     ActuatorLimits, Coordinates, HOME, InvalidPlatform, LegVector, Motion, NotFound, Platform, PoseError, Quantity,
 };
+use mbs_runtime::control::ComputedTorque;
 use mbs_runtime::{Dop853, Integrator, State};
 use mbs_tests::compare::assert_close;
 use mbs_tests::random::Random;
@@ -663,7 +664,7 @@ fn limits_that_nothing_can_keep_are_refused() {
             platform.limits = limits;
             let survey = platform.survey(&Motion::COMBINED, 1.0, 0.1);
             assert!(matches!(survey, Err(NotSurveyed::Limits(InvalidLimits::Bound { .. }))), "{survey:?}");
-            let forces = control.limited_forces(&platform, &Motion::COMBINED.at(0.0), &HOME, &[0.0; 6]);
+            let forces = platform.limited_forces(&control, &Motion::COMBINED.at(0.0), &HOME, &[0.0; 6]);
             assert!(matches!(forces, Err(NotControlled::Limits(InvalidLimits::Bound { .. }))), "{forces:?}");
         }
     }
@@ -681,7 +682,7 @@ fn computed_torque_makes_the_errors_oscillators() {
     let [reference, rate, _] = motion.at(0.0);
     let off = [0.02, -0.03, 0.01, 0.05, -0.04, 0.03];
     let mut state = State::new(std::array::from_fn(|i| reference[i] - off[i]), rate);
-    simulate(&platform, 1.0, &mut state, |t, q, qd| control.forces(&platform, &motion.at(t), q, qd).unwrap());
+    simulate(&platform, 1.0, &mut state, |t, q, qd| platform.computed_forces(&control, &motion.at(t), q, qd).unwrap());
     let decay = (1.0 + omega) * (-omega).exp();
     for i in 0..6 {
         let error = motion.at(1.0)[0][i] - state.q[i];
@@ -701,15 +702,18 @@ fn limited_actuators_saturate_and_recover() {
     let mut saturated = false;
     let mut state = State::new(HOME, [0.0; 6]);
     simulate(&platform, 4.0, &mut state, |t, q, qd| {
-        let wanted = control.forces(&platform, &target.at(t), q, qd).unwrap();
-        let given = control.limited_forces(&platform, &target.at(t), q, qd).unwrap();
+        let wanted = platform.computed_forces(&control, &target.at(t), q, qd).unwrap();
+        let given = platform.limited_forces(&control, &target.at(t), q, qd).unwrap();
         assert!(given.iter().all(|force| force.abs() <= platform.limits.force));
         saturated |= wanted != given;
         given
     });
     assert!(saturated, "the first moment asks for 3.6 m/s²");
     assert!((0..6).all(|i| (state.q[i] - target.mean[i]).abs() < 1e-6), "{state:?}");
-    assert!(ComputedTorque::critically_damped(0.0).is_err() && ComputedTorque::critically_damped(f64::NAN).is_err());
+    assert!(
+        ComputedTorque::<6>::critically_damped(0.0).is_err()
+            && ComputedTorque::<6>::critically_damped(f64::NAN).is_err()
+    );
 }
 
 fn simulate(

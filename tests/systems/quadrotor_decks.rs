@@ -12,10 +12,10 @@ use mbs_landing::quadrotor::small_angle;
 use mbs_landing::quadrotor::touchdown::Touchdown;
 use mbs_models::check::{Invalid, Must};
 use mbs_models::quadrotor_euler::{Params, QuadrotorEuler};
-use mbs_platform::control::ComputedTorque;
 use mbs_platform::limits::{ActuatorLimits, InvalidLimits, Quantity};
 use mbs_platform::{Coordinates, HOME, Motion, Platform, PlatformMotion, PoseError, Superposition};
 use mbs_runtime::State;
+use mbs_runtime::control::ComputedTorque;
 use mbs_tests::random::{Random, states};
 use nalgebra::{Matrix3, Rotation3, Vector3};
 

@@ -12,9 +12,9 @@ use mbs_landing::quadrotor::landing::{Controller, Landing, LandingError, MOST_MO
 use mbs_landing::quadrotor::lqr::{Lqr, Weights};
 use mbs_landing::quadrotor::touchdown::Touchdown;
 use mbs_models::quadrotor_euler::{Params, QuadrotorEuler};
-use mbs_platform::control::ComputedTorque;
 use mbs_platform::{HOME, Motion, Platform, PoseError, Superposition};
 use mbs_runtime::State;
+use mbs_runtime::control::ComputedTorque;
 
 const PERIOD: f64 = 0.002;
 

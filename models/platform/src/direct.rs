@@ -12,12 +12,11 @@
 //! A platform has up to forty poses with the same lengths (J.-P. Merlet, *Parallel Robots*, 2nd ed. 2006, section
 //! 4.3.2); the one found is that which the start leads to. In tracking a motion that is the last pose.
 
-use mbs_runtime::Scalar;
+use mbs_runtime::{Scalar, to_matrix, to_vector};
 
 use super::geometry::attitude;
-use super::linear::Lu;
 use super::{Coordinates, LegVector, Platform, all_finite};
-use crate::vector::{cross, dot};
+use crate::geometry::{cross, dot};
 
 /// A pose found.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -94,6 +93,9 @@ const SMALLEST_PART: f64 = 1e-3;
 /// Rounding of `f_i`, as a part of the longest leg.
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
+/// A pivot that is no larger than this part of the matrix' norm is one of rounding.
+const ROUNDED_PIVOT: f64 = 1e-14;
+
 impl Platform {
     /// The pose at which the legs have these lengths \[m\]: [`Newton::solve`] with its default options.
     ///
@@ -147,14 +149,17 @@ impl Newton {
             if iterations == self.iterations {
                 return Err(NotFound::NotConverged { pose: place.pose(), iterations, residual: now.largest });
             }
-            let Some(lu) = Lu::new(now.jacobian(&reciprocal)) else {
+            let jacobian = to_matrix(&now.jacobian(&reciprocal));
+            let (lu, least) = (jacobian.lu(), ROUNDED_PIVOT * jacobian.norm());
+            // NaN is larger than nothing.
+            let is_regular = lu.u().diagonal().iter().all(|pivot| pivot.abs() > least);
+            let Some(step) = lu.solve(&to_vector(&now.f)).filter(|_| is_regular) else {
                 return Err(NotFound::Singular { pose: place.pose(), iterations, residual: now.largest });
             };
-            let step = lu.solve(&now.f);
             iterations += 1;
             let mut part = 1.0;
             loop {
-                let trial = place.moved(&step, -part);
+                let trial = place.moved(step.as_ref(), -part);
                 let then = excess(&trial);
                 if then.merit < now.merit || is_closed(&then) {
                     (place, now) = (trial, then);

@@ -7,11 +7,10 @@
 //! `M`, `C` and `G` are those of [`StewartPlatform`], with the cylinders and pistons of
 //! the legs.
 
-use mbs_runtime::Dual;
+use mbs_runtime::{Dual, to_matrix, to_vector};
 
 use super::geometry::Geometry;
-use super::jacobian::{SINGULAR, by_coordinates, extreme_angular_rates, product, solved_transposed};
-use super::linear::{Lu, transpose};
+use super::jacobian::{SINGULAR, by_coordinates, extreme_angular_rates, solved_transposed};
 use super::{Coordinates, LegVector, Platform, PoseError, all_finite};
 use mbs_models::stewart_platform::{Params, StewartPlatform};
 
@@ -114,8 +113,7 @@ impl Platform {
     ) -> Result<LegVector, PoseError> {
         self.leg_forces(q, qd, qdd)?;
         let params = lifted(self.params(), direction);
-        let derivative = dual_forces(&params, &q.map(Dual::constant), qd, qdd);
-        derivative.filter(|derivative| all_finite(&[derivative])).ok_or(PoseError::NonFinite)
+        dual_forces(&params, &q.map(Dual::constant), qd, qdd)
     }
 
     /// Derivatives of the legs' forces along a displacement `dq` of the platform, its rates and accelerations staying
@@ -133,8 +131,7 @@ impl Platform {
         self.leg_forces(q, qd, qdd)?;
         let params = lifted(self.params(), &STILL);
         let q = core::array::from_fn(|i| Dual { value: q[i], derivative: dq[i] });
-        let derivative = dual_forces(&params, &q, qd, qdd);
-        derivative.filter(|derivative| all_finite(&[derivative])).ok_or(PoseError::NonFinite)
+        dual_forces(&params, &q, qd, qdd)
     }
 
     /// Derivatives of the legs' forces by the stiffness `k` \[N/m\] that all legs have, where it is finite.
@@ -194,22 +191,25 @@ impl Platform {
         qdd: &Coordinates,
     ) -> Result<LegVector, PoseError> {
         let (right, printed) = (self.model().mass_matrix(q), self.printed_mass_matrix());
-        let (force, inertial) = (self.generalized_force(q, qd, qdd), product(&right, qdd));
+        let (force, inertial) = (self.generalized_force(q, qd, qdd), to_matrix(&right) * to_vector(qdd));
         let force = core::array::from_fn(|i| force[i] - inertial[i] + printed[i] * qdd[i]);
         solved_transposed(&self.coordinate_jacobian(q)?, &force)
     }
 }
 
-/// Derivatives of the forces; `None` where the legs cannot hold the platform.
+/// Derivatives of the forces: `J_qᵀ F = τ` gives `J_qᵀ δF = δτ − δJ_qᵀ F`.
 fn dual_forces(
     params: &Params<Dual<f64>>,
     q: &Coordinates<Dual<f64>>,
     qd: &Coordinates,
     qdd: &Coordinates,
-) -> Option<LegVector> {
+) -> Result<LegVector, PoseError> {
     let force = StewartPlatform::new(*params).inverse_dynamics(q, &qd.map(Dual::constant), &qdd.map(Dual::constant));
     let jacobian = by_coordinates(&Geometry::unchecked(params).legs(q), q);
-    Some(Lu::new(transpose(&jacobian))?.solve(&force).map(|force| force.derivative))
+    let (value, slope) = (jacobian.map(|row| row.map(|x| x.value)), jacobian.map(|row| row.map(|x| x.derivative)));
+    let legs = solved_transposed(&value, &force.map(|x| x.value))?;
+    let by_slope = to_matrix(&slope).tr_mul(&to_vector(&legs));
+    solved_transposed(&value, &core::array::from_fn(|i| force[i].derivative - by_slope[i]))
 }
 
 /// The parameters, which grow in the direction.

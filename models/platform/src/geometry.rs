@@ -5,9 +5,9 @@ use core::fmt;
 
 use mbs_models::check::{self, Invalid};
 use mbs_runtime::Scalar;
+use nalgebra::Vector3;
 
 use super::{Coordinates, LegVector};
-use crate::vector::{cross, dot, minus, product};
 use mbs_models::stewart_platform::Params;
 
 /// The joints of base and platform; leg i joins `base[i]` to `platform[i]`.
@@ -112,7 +112,7 @@ impl<T: Scalar> Geometry<T> {
     /// The legs with the platform's frame at `position` \[m\], turned by `rotation` (rows).
     #[must_use]
     pub fn legs_at(&self, position: &[T; 3], rotation: &[[T; 3]; 3]) -> Legs<T> {
-        let lever = self.platform.map(|joint| product(rotation, &joint));
+        let lever = self.platform.map(|joint| rotation.map(|row| dot(&row, &joint)));
         let vector: [[T; 3]; 6] =
             core::array::from_fn(|i| core::array::from_fn(|axis| position[axis] + lever[i][axis] - self.base[i][axis]));
         let length = vector.map(|vector| dot(&vector, &vector).sqrt());
@@ -145,8 +145,7 @@ impl Geometry<f64> {
             [(Plate::Base, &self.base, params.base_radius), (Plate::Platform, &self.platform, params.platform_radius)];
         for (plate, joints, radius) in plates {
             for (i, j) in (0..6).flat_map(|i| (i + 1..6).map(move |j| (i, j))) {
-                let apart = minus(&joints[i], &joints[j]);
-                let distance = Scalar::sqrt(dot(&apart, &apart));
+                let distance = (Vector3::from(joints[i]) - Vector3::from(joints[j])).norm();
                 if distance <= COINCIDENT * radius {
                     return Err(InvalidPlatform::CoincidentJoints { plate, joints: [i, j], distance });
                 }
@@ -189,4 +188,16 @@ pub(crate) fn check(params: &Params) -> Result<(), InvalidPlatform> {
         return Err(InvalidPlatform::NoInertia);
     }
     Ok(())
+}
+
+/// `a·b`, of dual numbers too, which are none of nalgebra's.
+#[inline]
+pub(crate) fn dot<T: Scalar>(a: &[T; 3], b: &[T; 3]) -> T {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+/// `a × b`, of dual numbers too.
+#[inline]
+pub(crate) fn cross<T: Scalar>(a: &[T; 3], b: &[T; 3]) -> [T; 3] {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }

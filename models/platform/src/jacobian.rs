@@ -8,11 +8,10 @@
 //! `T` turns rates of the angles into ω. Where J loses rank the platform moves with its legs held, or cannot be held by
 //! them.
 
-use mbs_runtime::{Scalar, to_matrix};
-use nalgebra::SVD;
+use mbs_runtime::{Scalar, to_matrix, to_vector};
+use nalgebra::{Matrix6, SVD};
 
 use super::geometry::Legs;
-use super::linear::{Lu, transpose};
 use super::{Coordinates, LegVector, Platform, PoseError, all_finite};
 
 /// Rows are legs; columns `v` and `ω`, or the rates of the coordinates.
@@ -94,7 +93,7 @@ impl Platform {
     /// [`PoseError::NonFinite`], [`PoseError::ZeroLength`]. A singular pose is none: it has a condition of infinity.
     pub fn regularity(&self, q: &Coordinates) -> Result<Regularity, PoseError> {
         let jacobian = self.jacobian(q)?;
-        let [smallest, largest] = extreme_singular_values(&jacobian).ok_or(PoseError::NonFinite)?;
+        let [smallest, largest] = extreme_singular_values(&to_matrix(&jacobian)).ok_or(PoseError::NonFinite)?;
         let determinant = to_matrix(&jacobian).determinant();
         let condition = if smallest > 0.0 { largest / smallest } else { f64::INFINITY };
         Ok(Regularity { determinant, condition, smallest, largest })
@@ -105,7 +104,7 @@ impl Platform {
     /// # Errors
     /// [`PoseError::NonFinite`], [`PoseError::ZeroLength`].
     pub fn leg_rates(&self, q: &Coordinates, qd: &Coordinates) -> Result<LegVector, PoseError> {
-        let rates = product(&self.coordinate_jacobian(q)?, qd);
+        let rates: LegVector = (to_matrix(&self.coordinate_jacobian(q)?) * to_vector(qd)).into();
         if all_finite(&[&rates]) { Ok(rates) } else { Err(PoseError::NonFinite) }
     }
 
@@ -135,36 +134,39 @@ impl Platform {
     }
 }
 
-pub(crate) fn product(a: &[[f64; 6]; 6], x: &[f64; 6]) -> [f64; 6] {
-    a.map(|row| (0..6).map(|j| row[j] * x[j]).sum())
-}
-
 /// `x` with `A x = b`.
 pub(crate) fn solved(a: &[[f64; 6]; 6], b: &[f64; 6]) -> Result<[f64; 6], PoseError> {
-    if !all_finite(&[a.as_flattened(), b]) {
+    solved_by(&to_matrix(a), b)
+}
+
+/// `x` with `Aᵀ x = b`.
+pub(crate) fn solved_transposed(a: &[[f64; 6]; 6], b: &[f64; 6]) -> Result<[f64; 6], PoseError> {
+    solved_by(&to_matrix(a).transpose(), b)
+}
+
+fn solved_by(a: &Matrix6<f64>, b: &[f64; 6]) -> Result<[f64; 6], PoseError> {
+    if !all_finite(&[a.as_slice(), b]) {
         return Err(PoseError::NonFinite);
     }
     let [smallest, largest] = extreme_singular_values(a).ok_or(PoseError::NonFinite)?;
-    match Lu::new(*a) {
-        Some(lu) if smallest > SINGULAR * largest => {
-            let x = lu.solve(b);
-            if all_finite(&[&x]) { Ok(x) } else { Err(PoseError::NonFinite) }
+    match a.lu().solve(&to_vector(b)) {
+        Some(x) if smallest > SINGULAR * largest => {
+            if all_finite(&[x.as_slice()]) {
+                Ok(x.into())
+            } else {
+                Err(PoseError::NonFinite)
+            }
         }
         _ => Err(PoseError::Singular { smallest, largest }),
     }
 }
 
-/// `x` with `Aᵀ x = b`.
-pub(crate) fn solved_transposed(a: &[[f64; 6]; 6], b: &[f64; 6]) -> Result<[f64; 6], PoseError> {
-    solved(&transpose(a), b)
-}
-
 /// The smallest and the largest singular value; `None` where an entry is infinite or NaN.
-fn extreme_singular_values(a: &[[f64; 6]; 6]) -> Option<[f64; 2]> {
-    if !all_finite(&[a.as_flattened()]) {
+fn extreme_singular_values(a: &Matrix6<f64>) -> Option<[f64; 2]> {
+    if !all_finite(&[a.as_slice()]) {
         return None;
     }
-    let svd = SVD::try_new(to_matrix(a), false, false, f64::EPSILON, SVD_STEPS)?;
+    let svd = SVD::try_new(*a, false, false, f64::EPSILON, SVD_STEPS)?;
     Some([svd.singular_values[5], svd.singular_values[0]])
 }
 

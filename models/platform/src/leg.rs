@@ -12,11 +12,11 @@
 //! (4.11) it has a stray `cos β`; here they are right. A vertical leg has no azimuth: there these coordinates are
 //! singular, which the dynamics, written with the unit vector `e`, is not.
 
-use mbs_runtime::{Dual, Scalar};
+use mbs_runtime::{Dual, Scalar, to_matrix};
+use nalgebra::Vector3;
 
 use super::geometry::Geometry;
 use super::{Coordinates, Platform, PoseError, all_finite};
-use crate::vector::{cross, dot, plus, product};
 
 /// `(ρ, α, β)` \[m, rad\], their rates or accelerations.
 pub type Spherical = [f64; 3];
@@ -81,7 +81,7 @@ impl LegMotion {
         }
         let [x, y, z] = *place;
         let across = Scalar::sqrt(x * x + y * y);
-        let rho = Scalar::sqrt(dot(place, place));
+        let rho = Vector3::from(*place).norm();
         if !(rho > f64::MIN_POSITIVE && rho.is_finite()) {
             return Err(NotSpherical::ZeroLength { length: rho });
         }
@@ -117,7 +117,7 @@ impl LegMotion {
     /// Velocity of the platform's joint \[m/s\]: `C (ρ̇, α̇, β̇)`.
     #[must_use]
     pub fn joint_velocity(&self) -> [f64; 3] {
-        product(&self.matrix(), &self.rate)
+        (to_matrix(&self.matrix()) * Vector3::from(self.rate)).into()
     }
 
     /// `ω = (−β̇ sin α, β̇ cos α, α̇)` \[rad/s\].
@@ -138,14 +138,11 @@ impl LegMotion {
     /// Acceleration of the platform's joint \[m/s²\], by (4.8) with (4.9), corrected.
     #[must_use]
     pub fn joint_acceleration(&self) -> [f64; 3] {
-        let e = self.direction();
-        let (w, wd) = (self.angular_velocity(), self.angular_acceleration());
-        let rho = e.map(|e| self.position[0] * e);
-        let along = e.map(|e| 2.0 * self.rate[0] * e);
-        let turned = cross(&w, &rho);
-        let around = cross(&w, &plus(&along, &turned));
-        let tangential = cross(&wd, &rho);
-        [0, 1, 2].map(|i| self.acceleration[0] * e[i] + tangential[i] + around[i])
+        let e = Vector3::from(self.direction());
+        let (w, wd) = (Vector3::from(self.angular_velocity()), Vector3::from(self.angular_acceleration()));
+        let rho = e * self.position[0];
+        let around = w.cross(&(e * (2.0 * self.rate[0]) + w.cross(&rho)));
+        (e * self.acceleration[0] + wd.cross(&rho) + around).into()
     }
 }
 

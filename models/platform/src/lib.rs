@@ -40,9 +40,7 @@ pub mod geometry;
 pub mod jacobian;
 pub mod leg;
 pub mod limits;
-mod linear;
 pub mod motion;
-mod vector;
 
 pub use direct::{DirectKinematics, NotFound};
 pub use geometry::{Geometry, InvalidPlatform};

@@ -17,8 +17,9 @@
 
 use core::ops::ControlFlow;
 
-use mbs_models::check::{self, Invalid};
+use mbs_models::check::{Invalid, Must};
 use mbs_runtime::attitude::log;
+use mbs_runtime::control::{ComputedTorque, InvalidGain};
 use mbs_runtime::{Dop853, Event, IntegrationError, Integrator, Scalar, State, to_matrix};
 
 use super::error::Infeasible;
@@ -79,8 +80,7 @@ impl Tracking {
 
     fn check(&self, end: f64) -> Result<(), TrackingError> {
         masses::check(self.plant.params())?;
-        let Self { natural_frequency, period, .. } = *self;
-        check::positive("natural_frequency", natural_frequency)?;
+        let Self { period, .. } = *self;
         let sound = period > 0.0 && end / period < MOST_LOOKS;
         if sound { Ok(()) } else { Err(TrackingError::InvalidPeriod { period, end }) }
     }
@@ -191,6 +191,8 @@ impl Plan<'_> {
     /// [`TrackingError`].
     pub fn track(&self, tracking: &Tracking, mut observer: impl FnMut(&Look)) -> Result<Tracked, TrackingError> {
         tracking.check(self.experiment().flight.end())?;
+        let control = ComputedTorque::critically_damped(tracking.natural_frequency)
+            .map_err(|InvalidGain { gain, .. }| Must::BePositive.broken_by("natural_frequency", gain))?;
         let height =
             |t: f64, state: &State<RailVector>| tracking.plant.flange(&state.q).position[2] - self.deck_height(t)[0];
         let start = self.axes(0.0)?;
@@ -207,7 +209,7 @@ impl Plan<'_> {
             if until > end {
                 return Err(TrackingError::NoContact { time: t, height: height(t, &state) });
             }
-            let look = self.look(tracking, t, &state)?;
+            let look = self.look(tracking, &control, t, &state)?;
             way.add(&look, &self.experiment().robot.force_limits());
             observer(&look);
 
@@ -221,7 +223,7 @@ impl Plan<'_> {
             })?;
             // It may come down at the very end of a period, too.
             if summary.stopped || height(summary.time, &state) <= 0.0 {
-                let last = self.look(tracking, summary.time, &state)?;
+                let last = self.look(tracking, &control, summary.time, &state)?;
                 way.errors(&last);
                 return Ok(way.end(self.contact(tracking, summary.time, state)));
             }
@@ -230,13 +232,16 @@ impl Plan<'_> {
     }
 
     /// What the controller sees and does at this state.
-    fn look(&self, tracking: &Tracking, time: f64, state: &State<RailVector>) -> Result<Look, TrackingError> {
+    fn look(
+        &self,
+        tracking: &Tracking,
+        control: &ComputedTorque<7>,
+        time: f64,
+        state: &State<RailVector>,
+    ) -> Result<Look, TrackingError> {
         let wanted = self.axes(time)?;
         let robot = &self.experiment().robot;
-        let w = tracking.natural_frequency;
-        let acceleration = core::array::from_fn(|i| {
-            wanted.qdd[i] + 2.0 * w * (wanted.qd[i] - state.qd[i]) + w * w * (wanted.q[i] - state.q[i])
-        });
+        let acceleration = control.acceleration(&[wanted.q, wanted.qd, wanted.qdd], &state.q, &state.qd);
         let asked = robot.model.inverse_dynamics(&state.q, &state.qd, &acceleration);
         let limits = robot.force_limits();
         let forces = core::array::from_fn(|i| asked[i].clamp(-limits[i], limits[i]));

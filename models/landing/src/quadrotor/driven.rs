@@ -9,6 +9,7 @@
 //! What legs cannot do is not held back but told: lengths, speeds and forces go into a [`Survey`] with all excesses.
 //! Legs that leave their stroke are as long as the motion needs; forces that are cut leave the motion behind its plan.
 
+use mbs_runtime::control::ComputedTorque;
 use mbs_runtime::{Scalar, State};
 use nalgebra::Vector3;
 
@@ -18,7 +19,6 @@ use super::landing::{Landing, LandingError, attitude_told, finite_deck};
 use super::mixer::RotorSpeeds;
 use super::touchdown::{Touchdown, Way};
 use super::zero_order_hold::ZeroOrderHold;
-use mbs_platform::control::ComputedTorque;
 use mbs_platform::jacobian::Regularity;
 use mbs_platform::limits::{LegState, Survey};
 use mbs_platform::{Coordinates, LegVector, Platform, PlatformMotion, PoseError};
@@ -29,7 +29,7 @@ pub struct Drive {
     /// The platform; the controller knows it as it is.
     pub platform: Platform,
     /// Its controller.
-    pub control: ComputedTorque,
+    pub control: ComputedTorque<6>,
 }
 
 /// How far a platform is from where it was to be.
@@ -135,7 +135,7 @@ impl<M: PlatformMotion> Landing<MovingDeck<M>> {
             attitude_told(&vehicle, t)?;
             let plan = self.deck.motion.at(t);
             let failed = |error| LandingError::Platform { time: t, error };
-            let force = control.forces(platform, &plan, &stands.q, &stands.qd).map_err(failed)?;
+            let force = platform.computed_forces(control, &plan, &stands.q, &stands.qd).map_err(failed)?;
             let legs = LegState {
                 length: platform.lengths(&stands.q).map_err(failed)?,
                 rate: platform.leg_rates(&stands.q, &stands.qd).map_err(failed)?,
