@@ -253,8 +253,8 @@ fn bad_input_is_refused_with_its_value() {
         Err(AnomalyError::Invalid(Must::NotBeNegative.broken_by("eccentricity", -0.1)))
     );
     for (e, message) in [
-        (f64::INFINITY, "the eccentricity must be zero or positive and finite, it is inf"),
-        (f64::NAN, "the eccentricity must be zero or positive and finite, it is NaN"),
+        (f64::INFINITY, "eccentricity must be finite and not negative, it is inf"),
+        (f64::NAN, "eccentricity must be finite and not negative, it is NaN"),
     ] {
         assert_eq!(anomaly::true_from_eccentric(e, 1.0).unwrap_err().to_string(), message);
     }

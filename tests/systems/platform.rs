@@ -1,10 +1,10 @@
 //! The Stewart platform and what surrounds it, against `data/stewart.json`, the thesis' values computed by other laws;
-//! bad input; direct kinematics from a hundred thousand starts; computed torque with limited actuators.
+//! bad input; direct kinematics from a hundred thousand starts.
 
+mod limits;
 mod loops;
 
 use std::f64::consts::FRAC_PI_2;
-use std::ops::ControlFlow;
 use std::time::Instant;
 
 use mbs_derive::expr::Graph;
@@ -12,17 +12,11 @@ use mbs_derive::optimise::FunctionKind;
 use mbs_derive::{declared, derived};
 use mbs_models::check::{Invalid, Must};
 use mbs_models::stewart_platform::Params;
-use mbs_platform::control::NotControlled;
 use mbs_platform::direct::Newton;
 use mbs_platform::dynamics::{Direction, STILL};
 use mbs_platform::geometry::{Plate, attitude};
 use mbs_platform::leg::{LegMotion, NotSpherical};
-use mbs_platform::limits::{InvalidLimits, NotSurveyed};
-use mbs_platform::{
-    ActuatorLimits, Coordinates, HOME, InvalidPlatform, LegVector, Motion, NotFound, Platform, PoseError, Quantity,
-};
-use mbs_runtime::control::ComputedTorque;
-use mbs_runtime::{Dop853, Integrator, State};
+use mbs_platform::{Coordinates, HOME, InvalidPlatform, LegVector, Motion, NotFound, Platform, PoseError};
 use mbs_tests::compare::assert_close;
 use mbs_tests::random::Random;
 use serde_json::Value;
@@ -571,163 +565,6 @@ fn stiffness_is_the_work_of_the_springs() {
         let got: f64 = (0..6).map(|i| twist[i] * dot(&stiffness[i], &twist)).sum();
         assert!((got / want - 1.0).abs() < 1e-6, "{got} {want}");
     }
-}
-
-#[test]
-fn motions_beyond_the_limits_are_flagged_with_leg_and_time() {
-    let platform = Platform::default();
-    let still = Motion { sine: [0.0; 6], cosine: [0.0; 6], ..Motion::COMBINED };
-    assert!(platform.survey(&still, 4.0, 0.01).unwrap().is_clear());
-    let survey = platform.survey(&Motion::TABLE_4, 4.0, 0.01).unwrap();
-    let first = survey.excesses[0][1].expect("leg 0 is too long").first;
-    // It starts 0.23 m beyond the stroke.
-    assert_eq!((first.leg, first.quantity, first.time, first.limit), (0, Quantity::TooLong, 0.0, 1.70));
-    assert!((first.value - 1.931_618_313_528).abs() < 1e-9);
-    assert_eq!(first.to_string(), "t = 0.000 s, leg 1: stroke 1.9316 m, the limit is 1.7 m");
-    let worst = survey.excesses[0][1].expect("as above").worst;
-    assert!(worst.value > 2.4 && worst.time > 0.5, "{worst:?}");
-    // The same motion three times as fast asks for too much speed and force.
-    let fast = Motion { frequency: Motion::TABLE_4.frequency.map(|w| 3.0 * w), ..Motion::TABLE_4 };
-    let survey = platform.survey(&fast, 4.0, 0.01).unwrap();
-    assert!(survey.speed > 0.6 && survey.excesses.iter().any(|leg| leg[2].is_some()));
-    assert!(survey.force > 10e3 && survey.excesses.iter().any(|leg| leg[3].is_some()));
-    let weak = ActuatorLimits { force: 100.0, ..platform.limits };
-    assert!(weak.saturated(&[f64::NAN; 6]).iter().all(|force| force.is_nan()));
-    assert_eq!(weak.saturated(&[50.0, 200.0, -200.0, 0.0, -50.0, 100.0]), [50.0, 100.0, -100.0, 0.0, -50.0, 100.0]);
-}
-
-#[test]
-fn surveys_without_samples_or_without_end_are_refused() {
-    let (platform, motion) = (Platform::default(), Motion::COMBINED);
-    let bad = [
-        (4.0, 0.0),
-        (4.0, -0.01),
-        (4.0, f64::NAN),
-        (4.0, f64::INFINITY),
-        (f64::NAN, 0.01),
-        (-1.0, 0.01),
-        (f64::INFINITY, 0.01),
-        // 10⁷ + 1 samples, more than a counter of 32 bits holds, and more than any.
-        (1e5, 0.01),
-        (4.0, 1e-10),
-        (4.0, f64::MIN_POSITIVE),
-    ];
-    for (end, step) in bad {
-        match platform.survey(&motion, end, step) {
-            Err(NotSurveyed::InvalidSampling { end: found_end, step: found_step }) => {
-                assert_eq!([found_end, found_step].map(f64::to_bits), [end, step].map(f64::to_bits));
-            }
-            other => panic!("{end} {step}: {other:?}"),
-        }
-    }
-    // One sample: the start.
-    for (end, step) in [(0.0, 0.01), (0.5, 1.0)] {
-        let survey = platform.survey(&motion, end, step).unwrap();
-        assert_eq!(survey.condition.1, 0.0);
-        let lengths = platform.lengths(&motion.at(0.0)[0]).unwrap();
-        assert_eq!(survey.length[1], lengths.into_iter().fold(0.0, f64::max));
-    }
-    // The moment at which a pose ends it: level at 0 s, upended after a second.
-    let turning = Motion { sine: [0.0, 0.0, 0.0, 0.0, FRAC_PI_2, 0.0], ..Motion::TABLE_3 };
-    let upended = platform.survey(&turning, 4.0, 1.0);
-    assert!(matches!(upended, Err(NotSurveyed::Pose { time: 1.0, error: PoseError::Singular { .. } })), "{upended:?}");
-}
-
-#[test]
-fn limits_that_nothing_can_keep_are_refused() {
-    let mut platform = Platform::default();
-    let good = platform.limits;
-    assert_eq!(good.check(), Ok(()));
-    let free = ActuatorLimits { shortest: 0.0, longest: f64::INFINITY, speed: f64::INFINITY, force: f64::INFINITY };
-    assert_eq!(free.check(), Ok(()));
-    let crossed = ActuatorLimits { shortest: 1.8, ..good };
-    assert_eq!(crossed.check(), Err(InvalidLimits::Stroke { shortest: 1.8, longest: 1.70 }));
-    for limits in [
-        ActuatorLimits { shortest: -0.1, ..good },
-        ActuatorLimits { shortest: f64::NAN, ..good },
-        ActuatorLimits { longest: f64::NAN, ..good },
-    ] {
-        assert!(matches!(limits.check(), Err(InvalidLimits::Stroke { .. })), "{limits:?}");
-    }
-    let control = ComputedTorque::critically_damped(5.0).unwrap();
-    for bad in [0.0, -1.0, f64::NAN] {
-        for (limits, of) in [
-            (ActuatorLimits { speed: bad, ..good }, Quantity::Speed),
-            (ActuatorLimits { force: bad, ..good }, Quantity::Force),
-        ] {
-            let refused = limits.check().unwrap_err();
-            assert!(
-                matches!(refused, InvalidLimits::Bound { quantity, bound } if quantity == of && bound.to_bits() == bad.to_bits()),
-                "{refused:?}"
-            );
-            // Who uses them refuses them.
-            platform.limits = limits;
-            let survey = platform.survey(&Motion::COMBINED, 1.0, 0.1);
-            assert!(matches!(survey, Err(NotSurveyed::Limits(InvalidLimits::Bound { .. }))), "{survey:?}");
-            let forces = platform.limited_forces(&control, &Motion::COMBINED.at(0.0), &HOME, &[0.0; 6]);
-            assert!(matches!(forces, Err(NotControlled::Limits(InvalidLimits::Bound { .. }))), "{forces:?}");
-        }
-    }
-    let weak = ActuatorLimits { force: -5.0, ..good }.check().unwrap_err();
-    assert_eq!(weak.to_string(), "the largest force must be positive, found -5 N");
-}
-
-/// The errors obey `ë + 2 ω ė + ω² e = 0`, of which the solution is known.
-#[test]
-fn computed_torque_makes_the_errors_oscillators() {
-    let platform = Platform::default();
-    let omega = 5.0_f64;
-    let control = ComputedTorque::critically_damped(omega).unwrap();
-    let motion = Motion::COMBINED;
-    let [reference, rate, _] = motion.at(0.0);
-    let off = [0.02, -0.03, 0.01, 0.05, -0.04, 0.03];
-    let mut state = State::new(std::array::from_fn(|i| reference[i] - off[i]), rate);
-    simulate(&platform, 1.0, &mut state, |t, q, qd| platform.computed_forces(&control, &motion.at(t), q, qd).unwrap());
-    let decay = (1.0 + omega) * (-omega).exp();
-    for i in 0..6 {
-        let error = motion.at(1.0)[0][i] - state.q[i];
-        assert!((error - off[i] * decay).abs() < 1e-9, "coordinate {i}: {error} {}", off[i] * decay);
-    }
-}
-
-/// Heave with a load that the legs carry by a margin of a tenth: limited they start late, and still arrive.
-#[test]
-fn limited_actuators_saturate_and_recover() {
-    let mut platform = Platform::default().with_payload(1250.0).unwrap();
-    let control = ComputedTorque::critically_damped(6.0).unwrap();
-    let target = Motion { mean: [0.0, 0.0, 1.2, 0.0, 0.0, 0.0], sine: [0.0; 6], ..Motion::TABLE_3 };
-    let target = Motion { cosine: [0.0; 6], ..target };
-    let weight = platform.leg_forces(&HOME, &[0.0; 6], &[0.0; 6]).unwrap();
-    platform.limits.force = 1.1 * weight[0];
-    let mut saturated = false;
-    let mut state = State::new(HOME, [0.0; 6]);
-    simulate(&platform, 4.0, &mut state, |t, q, qd| {
-        let wanted = platform.computed_forces(&control, &target.at(t), q, qd).unwrap();
-        let given = platform.limited_forces(&control, &target.at(t), q, qd).unwrap();
-        assert!(given.iter().all(|force| force.abs() <= platform.limits.force));
-        saturated |= wanted != given;
-        given
-    });
-    assert!(saturated, "the first moment asks for 3.6 m/s²");
-    assert!((0..6).all(|i| (state.q[i] - target.mean[i]).abs() < 1e-6), "{state:?}");
-    assert!(
-        ComputedTorque::<6>::critically_damped(0.0).is_err()
-            && ComputedTorque::<6>::critically_damped(f64::NAN).is_err()
-    );
-}
-
-fn simulate(
-    platform: &Platform,
-    end: f64,
-    state: &mut State<Coordinates>,
-    mut forces: impl FnMut(f64, &Coordinates, &Coordinates) -> LegVector,
-) {
-    let motion = |t: f64, q: &Coordinates, qd: &Coordinates, qdd: &mut Coordinates| {
-        *qdd = platform.accelerations(q, qd, &forces(t, q, qd)).expect("a regular pose");
-    };
-    Dop853::new(1e-11, 1e-12)
-        .integrate(motion, 0.0, end, state, |_| ControlFlow::Continue(()))
-        .expect("a smooth motion");
 }
 
 fn dot(a: &[f64], b: &[f64]) -> f64 {

@@ -122,8 +122,10 @@ impl fmt::Display for Invalid {
         }
         match self.must {
             Must::BeFinite => f.write_str(" must be finite")?,
-            Must::BePositive => f.write_str(" must be positive")?,
-            Must::NotBeNegative => f.write_str(" must not be negative")?,
+            Must::BePositive if self.value.is_finite() => f.write_str(" must be positive")?,
+            Must::BePositive => f.write_str(" must be positive and finite")?,
+            Must::NotBeNegative if self.value.is_finite() => f.write_str(" must not be negative")?,
+            Must::NotBeNegative => f.write_str(" must be finite and not negative")?,
             Must::BeWithin([least, greatest]) => write!(f, " must be between {least} and {greatest}")?,
         }
         write!(f, ", it is {}", self.value)

@@ -145,7 +145,7 @@ fn open_loop_motions_agree() {
 fn controlled_motions_agree() {
     let control = ComputedTorque::critically_damped(5.0).unwrap();
     let apart = apart(4.0, [HOME, [0.0; 6]], |platform, t, q, qd| {
-        control.forces(platform, &Motion::COMBINED.at(t), q, qd).unwrap()
+        platform.computed_forces(&control, &Motion::COMBINED.at(t), q, qd).unwrap()
     });
     println!("{apart:e}");
     assert!(apart < 1e-8, "{apart:e}");
