@@ -8,7 +8,7 @@
 use mbs_arm::inverse::Solution;
 use mbs_arm::jacobian::{self, Jacobian};
 use mbs_arm::{Arm, JointLimits, JointVector, printed};
-use mbs_examples::{Failure, arguments::Arguments, output};
+use mbs_examples::{Failure, arguments::Arguments, assumed, output};
 use mbs_runtime::Pose;
 use serde_json::{Value, json};
 
@@ -23,17 +23,24 @@ const PRINTED: Pose<f64> = Pose {
     rotation: [[-0.5227, 0.75, -0.4053], [0.3433, -0.25, -0.9053], [-0.7803, -0.6124, -0.1268]],
 };
 
+/// What the dynamics rest on; the kinematics rest on Table 1 alone.
+const ASSUMED: [&str; 4] = ["gravity", "arm.masses", "arm.mass_centres", "arm.inertias"];
+
 fn main() -> Result<(), Failure> {
     let arguments = Arguments::from_process();
     let report = Report::new(&Arm::default())?;
     if let Some(folder) = &arguments.out {
         output::create_folder(folder)?;
-        std::fs::write(folder.join("arm_kinematics.json"), format!("{:#}\n", report.to_json()))?;
+        std::fs::write(
+            folder.join("arm_kinematics.json"),
+            format!("{:#}\n", assumed::with(report.to_json(), &ASSUMED)),
+        )?;
     }
     if arguments.json {
-        println!("{}", report.to_json());
+        println!("{}", assumed::with(report.to_json(), &ASSUMED));
     } else {
         report.print();
+        print!("{}", assumed::text(&ASSUMED));
     }
     Ok(())
 }

@@ -20,10 +20,13 @@ mod summary;
 mod tables;
 
 use mbs_arm::Arm;
-use mbs_examples::{Failure, arguments::Arguments, output};
+use mbs_examples::{Failure, arguments::Arguments, assumed, output};
 use serde_json::{Value, json};
 
 use cases::{Case, Run};
+
+/// What torques, work and limits rest on.
+const ASSUMED: [&str; 2] = ["gravity", "arm."];
 
 fn main() -> Result<(), Failure> {
     let arguments = Arguments::from_process();
@@ -39,9 +42,10 @@ fn main() -> Result<(), Failure> {
         }
     }
     if arguments.json {
-        println!("{}", cases.iter().map(|case| (case.name.to_string(), to_json(case))).collect::<Value>());
+        let all = cases.iter().map(|case| (case.name.to_string(), to_json(case))).collect::<Value>();
+        println!("{}", assumed::with(all, &ASSUMED));
     } else {
-        print!("{}", summary::of(&arm, &cases)?);
+        print!("{}{}", summary::of(&arm, &cases)?, assumed::text(&ASSUMED));
     }
     Ok(())
 }

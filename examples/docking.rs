@@ -14,7 +14,7 @@ mod figures;
 #[path = "docking/flight.rs"]
 mod flight;
 
-use mbs_examples::{Failure, arguments::Arguments, output};
+use mbs_examples::{Failure, arguments::Arguments, assumed, output};
 use mbs_orbit::mission::coast::Attraction;
 use mbs_orbit::mission::phasing::Method;
 use mbs_orbit::mission::{Axis, Mission, Phase, Report, STATION_ATTRACTION};
@@ -23,6 +23,9 @@ use serde_json::{Value, json};
 use flight::{Flight, Thrusters};
 
 const OPTIONS: [(&str, &str); 1] = [("--axis", "v-bar|r-bar")];
+
+/// What the mission rests on.
+const ASSUMED: [&str; 3] = ["orbit.altitude", "orbit.station_mass", "docking."];
 
 fn main() -> Result<(), Failure> {
     let arguments = Arguments::with_words(&OPTIONS);
@@ -49,9 +52,9 @@ fn main() -> Result<(), Failure> {
             Phase::ALL.into_iter().map(|phase| (phase.name().to_string(), of_phase(&flown, phase))).collect();
         all["perfect_thrusters"] = results(&perfect.report);
         all["station_mass"] = results(&attracted.report);
-        println!("{all}");
+        println!("{}", assumed::with(all, &ASSUMED));
     } else {
-        print!("{}", summary(&flown, &perfect, &attracted));
+        print!("{}{}", summary(&flown, &perfect, &attracted), assumed::text(&ASSUMED));
     }
     Ok(())
 }
@@ -111,7 +114,7 @@ fn of_phase(flight: &Flight, phase: Phase) -> Value {
 fn summary(flown: &Flight, perfect: &Flight, attracted: &Flight) -> String {
     let report = &flown.report;
     let mut text = format!(
-        "assumed: station on a circle 400 km above the Earth; start 80 km lower, 18° behind, 0.01° out of plane; keep-out sphere of {:.0} m\n\
+        "station on a circle 400 km above the Earth; start 80 km lower, 18° behind, 0.01° out of plane; keep-out sphere of {:.0} m\n\
          approach along the {}; phasing by {} after a wait of {:.0} s; places and speeds in the station's axes, before the burn that ends a phase\n\n",
         flown.mission.keep_out,
         axis_name(flown.mission.axis),

@@ -11,7 +11,7 @@
 use std::time::Instant;
 
 use indicatif::{ProgressBar, ProgressStyle};
-use mbs_examples::{Failure, arguments::Arguments, output};
+use mbs_examples::{Failure, arguments::Arguments, assumed, output};
 use mbs_landing::quadrotor::heave::Heave;
 use mbs_landing::quadrotor::landing::{Landing, LandingError, Plant};
 use mbs_landing::quadrotor::touchdown::Touchdown;
@@ -46,6 +46,20 @@ mod scatter {
     pub(super) const SEEN_VELOCITY: f64 = 0.01;
     pub(super) const SEEN_RATE: f64 = 0.002;
 }
+
+/// What the landings rest on.
+const ASSUMED: [&str; 10] = [
+    "gravity",
+    "quadrotor.inertias",
+    "quadrotor.rotors",
+    "quadrotor.drag",
+    "quadrotor.gains",
+    "quadrotor.limits",
+    "quadrotor.guidance",
+    "quadrotor.start",
+    "landing.sampling",
+    "landing.scatter",
+];
 
 fn main() -> Result<(), Failure> {
     let arguments = Arguments::with_numbers(&["--members", "--threads"]);
@@ -97,6 +111,7 @@ fn main() -> Result<(), Failure> {
                 "relative_velocity": velocity.to_json(),
                 "horizontal_offset": offset.to_json(),
                 "digest": digest,
+                "assumed": assumed::to_json(&ASSUMED),
             })
         );
     } else {
@@ -112,6 +127,7 @@ fn main() -> Result<(), Failure> {
             let [low, high] = statistics.confidence();
             println!("{name:<18} {mean:>10.5} {unit:<4} {deviation:>14.5} {unit:<4}    {low:.5} to {high:.5} {unit}");
         }
+        print!("{}", assumed::text(&ASSUMED));
     }
     Ok(())
 }

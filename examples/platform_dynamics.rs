@@ -15,7 +15,7 @@ mod summary;
 #[path = "platform_dynamics/tables.rs"]
 mod tables;
 
-use mbs_examples::{Failure, arguments::Arguments, output};
+use mbs_examples::{Failure, arguments::Arguments, assumed, output};
 use mbs_platform::{Coordinates, DirectKinematics, HOME, Motion, Platform};
 use serde_json::{Value, json};
 
@@ -25,6 +25,9 @@ use tables::{Samples, TABLE_4, table_3, table_4};
 const POSE: Coordinates = [0.05, -0.04, 1.15, 0.1, -0.08, 0.2];
 /// The moment of the combined motion at which matrices are shown \[s\].
 const MOMENT: f64 = 0.3;
+
+/// What every length and force rests on.
+const ASSUMED: [&str; 2] = ["gravity", "platform."];
 
 fn main() -> Result<(), Failure> {
     let arguments = Arguments::from_process();
@@ -36,9 +39,10 @@ fn main() -> Result<(), Failure> {
         summary::write(folder, &platform)?;
     }
     if arguments.json {
-        println!("{}", report(&platform)?);
+        println!("{}", assumed::with(report(&platform)?, &ASSUMED));
     } else {
         summary::print(&platform)?;
+        print!("{}", assumed::text(&ASSUMED));
     }
     Ok(())
 }

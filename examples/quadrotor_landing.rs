@@ -22,7 +22,7 @@ mod platform;
 #[path = "quadrotor_landing/summary.rs"]
 mod summary;
 
-use mbs_examples::{Failure, arguments::Arguments, output};
+use mbs_examples::{Failure, arguments::Arguments, assumed, output};
 use mbs_platform::limits::LegState;
 use mbs_platform::{HOME, Superposition};
 
@@ -66,6 +66,23 @@ impl Landings {
     }
 }
 
+/// What the landings rest on.
+const ASSUMED: [&str; 13] = [
+    "gravity",
+    "platform.radii",
+    "platform.half_angles",
+    "platform.home",
+    "platform.plate",
+    "platform.cylinders",
+    "platform.pistons",
+    "platform.limits",
+    "quadrotor.",
+    "landing.sampling",
+    "landing.platform_control",
+    "landing.marine",
+    "landing.marine_frequencies",
+];
+
 fn main() -> Result<(), Failure> {
     let arguments = Arguments::from_process();
     let landings = Landings::simulated()?;
@@ -85,9 +102,9 @@ fn main() -> Result<(), Failure> {
         figures::write_platform(folder, &landings.marine)?;
     }
     if arguments.json {
-        println!("{}", summary::to_json(&landings)?);
+        println!("{}", assumed::with(summary::to_json(&landings)?, &ASSUMED));
     } else {
-        print!("{}", summary::text(&landings)?);
+        print!("{}{}", summary::text(&landings)?, assumed::text(&ASSUMED));
     }
     Ok(())
 }

@@ -16,12 +16,15 @@ mod flight;
 #[path = "relative_motion/sensitivity.rs"]
 mod sensitivity;
 
-use mbs_examples::{Failure, arguments::Arguments, output};
+use mbs_examples::{Failure, arguments::Arguments, assumed, output};
 use mbs_orbit::EARTH_RADIUS;
 use serde_json::{Map, Value, json};
 
 use cases::Case;
 use flight::Flight;
+
+/// What the motions rest on.
+const ASSUMED: [&str; 1] = ["orbit."];
 
 fn main() -> Result<(), Failure> {
     let arguments = Arguments::from_process();
@@ -37,9 +40,9 @@ fn main() -> Result<(), Failure> {
         figures::write(folder, &flights)?;
     }
     if arguments.json {
-        println!("{}", to_json(&flights, &growths));
+        println!("{}", assumed::with(to_json(&flights, &growths), &ASSUMED));
     } else {
-        print!("{}", summary(&flights, &growths));
+        print!("{}{}", summary(&flights, &growths), assumed::text(&ASSUMED));
     }
     Ok(())
 }

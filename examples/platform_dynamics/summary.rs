@@ -164,7 +164,7 @@ fn print_diagonal(platform: &Platform) -> Result<(), Failure> {
     let q = Motion::COMBINED.at(MOMENT)[0];
     let matrix = bare.model().mass_matrix(&q);
     let coupling = (0..36).filter(|i| i / 6 != i % 6).map(|i| matrix[i / 6][i % 6].abs()).fold(0.0, f64::max);
-    println!("\nThe diagonal mass matrix of (4.15), payload 300 kg, legs without mass, combined motion:");
+    println!("\nThe diagonal mass matrix of (4.15), E18, payload 300 kg, legs without mass, combined motion:");
     println!(
         "  it leaves out entries of up to {coupling:.2} kg·m at {MOMENT} s; forces are wrong by up to {worst:.1} N (of {of:.1} N at {at:.2} s)"
     );

@@ -13,7 +13,7 @@ const ORBITS: usize = 6;
 /// What the thesis calls chaos, said plainly.
 pub(crate) const PLAINLY: &str = "\
 Without a mass of the station the displacement grows by the same amount with every orbit, as the drift of two satellites of unlike periods
-does: regular motion. The 1/r of the thesis is one of its coordinates, not of these forces. A station that attracts as a point of 420 t
+does: regular motion (E46). The 1/r of the thesis is one of its coordinates, not of these forces. A station that attracts as a point of 420 t
 multiplies the displacement in the one passage close by, five times for the release on the 2:1 ellipse; then the astronaut has drifted
 away and it grows evenly again: sensitive, but not chaotic over these orbits. A real station has no such point: its hull is wider than
 the 1.94 m of its Hill sphere.

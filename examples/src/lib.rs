@@ -1,6 +1,7 @@
-//! What the examples share: their arguments, the files they write, and how they fail.
+//! What the examples share: their arguments, what they assume, the files they write, and how they fail.
 
 pub mod arguments;
+pub mod assumed;
 pub mod output;
 
 use std::error::Error;

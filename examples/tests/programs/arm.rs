@@ -49,6 +49,7 @@ fn kinematics_has_the_thesis_values() {
         "gravity",
         "coriolis",
         "torque",
+        "assumed",
     ];
     assert_eq!(keys(&found), names);
     for (key, rows, columns) in [("fk_rotation", 3, 3), ("jacobian", 6, 6), ("ik", 8, 6), ("mass_matrix", 6, 6)] {
@@ -91,7 +92,8 @@ fn kinematics_has_the_thesis_values() {
 fn trajectories_have_the_reference_values() {
     let found = json(&good(TRAJECTORY, &["--json"]));
     let reference = json(include_str!("../../../tests/data/trajectory.json"));
-    assert_eq!(keys(&found), ["case1", "case2"]);
+    assert_eq!(keys(&found), ["case1", "case2", "assumed"]);
+    assert_eq!(found["assumed"]["arm.case_2"]["value"], "1.5 °/s");
     for case in ["case1", "case2"] {
         assert_eq!(keys(&found[case]), ["quartic", "two_piece_quartic", "quintic"]);
         for method in ["quartic", "two_piece_quartic", "quintic"] {

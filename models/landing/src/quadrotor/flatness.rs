@@ -4,7 +4,7 @@
 //!
 //! # Source
 //! Doctoral thesis *Dynamics of multibody systems in a gravitational field*, equations (5.10) and (5.11), which print
-//! velocities in the place of some accelerations.
+//! velocities in the place of some accelerations, and lose one (E33, E34 of `docs/thesis/errata.md`).
 
 use mbs_runtime::Scalar;
 
