@@ -9,8 +9,8 @@ use std::ops::ControlFlow;
 
 use mbs_models::four_bar::FourBar;
 use mbs_runtime::{
-    ConstraintError, Constraints, Dop853, Event, Integrator, Projector, Reduction, ReductionError, Response, State,
-    accelerations,
+    ConstraintError, Constraints, Dop853, Event, IntegrationError, Integrator, Projected, Projector, Reduction,
+    ReductionError, Response, State, accelerations,
 };
 use serde_json::json;
 
@@ -61,25 +61,20 @@ fn linear_period(bars: &FourBar<f64>, rest: &State<[f64; 3]>) -> Result<f64, Red
 }
 
 /// The time of a whole swing, and the largest `|φ|` of an accepted step.
-fn swing(bars: &FourBar<f64>, start: State<[f64; 3]>) -> Result<(f64, f64), Box<dyn Error>> {
+fn swing(bars: &FourBar<f64>, start: State<[f64; 3]>) -> Result<(f64, f64), IntegrationError> {
     let mut state = start;
     let mut returns = |_, _: &mut State<[f64; 3]>| Response::Stop;
     let mut back = [Event::new(&|_, s: &State<[f64; 3]>| s.qd[CRANK]).falling().with_action(&mut returns)];
-    let mut projector = Projector::new([0.0; MEMORY]);
-    let (mut fault, mut open) = (None, 0.0_f64);
+    let projector = Projector::new([0.0; MEMORY]);
+    let method = Projected { method: Dop853::new(1e-10, 1e-12), constraints: bars, projector };
+    let mut open = 0.0_f64;
     let motion = accelerations(bars, |_, _, _| [0.0]);
-    let summary =
-        Dop853::new(1e-10, 1e-12).integrate_with_events(motion, 0.0, 10.0, &mut state, &mut back, |step| {
-            let mut nearest = *step.state();
-            if let Err(error) = projector.project(bars, step.time(), &mut nearest) {
-                fault = Some(error);
-                return ControlFlow::Break(step.time());
-            }
-            open = bars.constraint(&nearest.q, &nearest.qd).iter().fold(open, |open, phi| open.max(phi.abs()));
-            step.replace(&nearest);
-            ControlFlow::Continue(())
-        })?;
-    fault.map_or(Ok((summary.time, open)), |error| Err(error.into()))
+    let summary = method.integrate_with_events(motion, 0.0, 10.0, &mut state, &mut back, |step| {
+        let State { q, qd } = step.state();
+        open = bars.constraint(q, qd).iter().fold(open, |open, phi| open.max(phi.abs()));
+        ControlFlow::Continue(())
+    })?;
+    Ok((summary.time, open))
 }
 
 #[cfg(test)]

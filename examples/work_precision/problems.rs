@@ -89,7 +89,7 @@ pub(crate) fn double_pendulum() -> Result<Problem<impl Force>, IntegrationError>
     let force = move |q: &[f64; 2], qd: &[f64; 2]| pendulum.forward_dynamics(q, qd);
     let (q, qd, end) = ([1.0, 1.5], [0.0, 0.0], 4.0);
     let mut state = State::new(q, qd);
-    let exact = Dop853 { max_step: 2e-3, ..Dop853::new(1e-14, 1e-14) };
+    let exact = Dop853::new(1e-14, 1e-14).with_max_step(2e-3);
     exact.integrate(
         |_, q: &[f64; 2], qd: &[f64; 2], qdd: &mut [f64; 2]| *qdd = force(q, qd),
         0.0,

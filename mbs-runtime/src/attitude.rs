@@ -4,11 +4,11 @@
 //! \[rad\]: `R = exp(φ×)`, where `φ×` is the skew-symmetric matrix with `(φ×) x = φ × x`. The difference of two
 //! attitudes is one: `log(R₂ R₁ᵀ)` turns `R₁` into `R₂`, in world axes. Differences that are matrices, or Euler angles,
 //! vanish at half a turn or depend on the axes chosen; this one does neither.
+//!
+//! Matrices are arrays of rows, as in a [`Pose`](crate::Pose).
 
 use core::error::Error;
 use core::fmt;
-
-use nalgebra::{Matrix3, Vector3};
 
 use crate::scalar::Scalar;
 
@@ -19,6 +19,7 @@ pub const ROTATION_TOLERANCE: f64 = 1e-3;
 
 /// Why a matrix is not taken for a rotation.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum NotARotation {
     /// An entry is infinite or NaN.
     NonFinite {
@@ -74,19 +75,18 @@ impl Error for NotARotation {}
 ///
 /// ```
 /// use mbs_runtime::attitude::exp;
-/// use mbs_runtime::nalgebra::Vector3;
 ///
-/// // A quarter turn about z takes x to y.
-/// let turned = exp(&Vector3::new(0.0, 0.0, core::f64::consts::FRAC_PI_2)) * Vector3::x();
-/// assert!((turned - Vector3::y()).norm() < 1e-15);
+/// // A quarter turn about z takes x to y: the first column.
+/// let rotation = exp(&[0.0, 0.0, core::f64::consts::FRAC_PI_2]);
+/// assert!((rotation[1][0] - 1.0).abs() < 1e-15 && rotation[0][0].abs() < 1e-15);
 /// ```
 ///
 /// # Source
 /// O. Rodrigues, *Des lois géométriques qui régissent les déplacements d'un système solide*, 1840; with half angles,
 /// because `1 − cos θ` cancels.
 #[must_use]
-pub fn exp(rotation_vector: &Vector3<f64>) -> Matrix3<f64> {
-    let [x, y, z] = [rotation_vector.x, rotation_vector.y, rotation_vector.z];
+pub fn exp(rotation_vector: &[f64; 3]) -> [[f64; 3]; 3] {
+    let [x, y, z] = *rotation_vector;
     let angle = Scalar::sqrt(x * x + y * y + z * z);
     // sin θ / θ and (1 − cos θ) / θ²; an angle that vanishes, or whose square does, has their limits.
     let (sine, versine) = if angle == 0.0 {
@@ -99,13 +99,7 @@ pub fn exp(rotation_vector: &Vector3<f64>) -> Matrix3<f64> {
     let [a, b, c] = [sine * x, sine * y, sine * z];
     let [xy, xz, yz] = [versine * x * y, versine * x * z, versine * y * z];
     let [xx, yy, zz] = [versine * x * x, versine * y * y, versine * z * z];
-    #[rustfmt::skip]
-    let rotation = Matrix3::new(
-        1.0 - (yy + zz), xy - c, xz + b,
-        xy + c, 1.0 - (xx + zz), yz - a,
-        xz - b, yz + a, 1.0 - (xx + yy),
-    );
-    rotation
+    [[1.0 - (yy + zz), xy - c, xz + b], [xy + c, 1.0 - (xx + zz), yz - a], [xz - b, yz + a, 1.0 - (xx + yy)]]
 }
 
 /// The rotation vector of a rotation: its axis times its angle, which is in `[0, π]`.
@@ -122,19 +116,18 @@ pub fn exp(rotation_vector: &Vector3<f64>) -> Matrix3<f64> {
 ///
 /// ```
 /// use mbs_runtime::attitude::log;
-/// use mbs_runtime::nalgebra::{Matrix3, Vector3};
 ///
 /// // Half a turn about y.
-/// let vector = log(&Matrix3::from_diagonal(&Vector3::new(-1.0, 1.0, -1.0)));
-/// assert_eq!(vector, Vector3::new(0.0, core::f64::consts::PI, 0.0));
+/// let vector = log(&[[-1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, -1.0]]);
+/// assert_eq!(vector, [0.0, core::f64::consts::PI, 0.0]);
 /// ```
 ///
 /// # Source
 /// By the quaternion whose largest component is found first: S. W. Shepperd, *Quaternion from rotation matrix*, Journal
 /// of Guidance and Control 1:3, 1978; its angle is `2 atan2(|v|, w)`.
 #[must_use]
-pub fn log(rotation: &Matrix3<f64>) -> Vector3<f64> {
-    let r = |i: usize, j: usize| rotation[(i, j)];
+pub fn log(rotation: &[[f64; 3]; 3]) -> [f64; 3] {
+    let r = |i: usize, j: usize| rotation[i][j];
     let trace = r(0, 0) + r(1, 1) + r(2, 2);
     let largest = (0..3).fold(0, |best, i| if r(i, i) > r(best, best) { i } else { best });
     // Four times the quaternion's largest component, squared, is at least 4; all of it is scaled by one factor.
@@ -154,24 +147,30 @@ pub fn log(rotation: &Matrix3<f64>) -> Vector3<f64> {
     let (v, w) = if w < 0.0 { (v.map(|x| -x), -w) } else { (v, w) };
     // Every entry is in one of these four. `max` below would drop a NaN, and `atan2` an infinity.
     if ![v[0], v[1], v[2], w].iter().all(|x| x.is_finite()) {
-        return Vector3::repeat(f64::NAN);
+        return [f64::NAN; 3];
     }
     // Scaled, so that no square vanishes while its root does not.
     let scale = v[0].abs().max(v[1].abs()).max(v[2].abs());
     if scale == 0.0 {
-        return Vector3::zeros();
+        return [0.0; 3];
     }
     let [x, y, z] = v.map(|x| x / scale);
     let norm = Scalar::sqrt(x * x + y * y + z * z);
     let angle = 2.0 * Scalar::atan2(scale * norm, w);
-    Vector3::new(x, y, z) * (angle / norm)
+    [x, y, z].map(|x| x * (angle / norm))
+}
+
+/// The rotation vector that turns the attitude `from` into `to`, `log(to fromᵀ)` \[rad\], in world axes.
+#[must_use]
+pub fn difference(to: &[[f64; 3]; 3], from: &[[f64; 3]; 3]) -> [f64; 3] {
+    log(&to.map(|row| from.map(|column| dot(row, column))))
 }
 
 /// The rotation nearest to `matrix`, if that is one up to [`ROTATION_TOLERANCE`].
 ///
 /// # Errors
 /// As [`orthonormalized_within`].
-pub fn orthonormalized(matrix: &Matrix3<f64>) -> Result<Matrix3<f64>, NotARotation> {
+pub fn orthonormalized(matrix: &[[f64; 3]; 3]) -> Result<[[f64; 3]; 3], NotARotation> {
     orthonormalized_within(matrix, ROTATION_TOLERANCE)
 }
 
@@ -183,10 +182,10 @@ pub fn orthonormalized(matrix: &Matrix3<f64>) -> Result<Matrix3<f64>, NotARotati
 ///
 /// ```
 /// use mbs_runtime::attitude::{NotARotation, orthonormalized};
-/// use mbs_runtime::nalgebra::{Matrix3, Vector3};
 ///
-/// assert_eq!(orthonormalized(&(1.0001 * Matrix3::identity())).unwrap(), Matrix3::identity());
-/// let mirror = Matrix3::from_diagonal(&Vector3::new(1.0, 1.0, -1.0));
+/// let diagonal = |x, y, z| [[x, 0.0, 0.0], [0.0, y, 0.0], [0.0, 0.0, z]];
+/// assert_eq!(orthonormalized(&diagonal(1.0001, 1.0001, 1.0001)).unwrap(), diagonal(1.0, 1.0, 1.0));
+/// let mirror = diagonal(1.0, 1.0, -1.0);
 /// assert_eq!(orthonormalized(&mirror), Err(NotARotation::Reflection { determinant: -1.0 }));
 /// ```
 ///
@@ -197,7 +196,7 @@ pub fn orthonormalized(matrix: &Matrix3<f64>) -> Result<Matrix3<f64>, NotARotati
 /// # Source
 /// Newton's iteration `X ← ½ (X + X⁻ᵀ)`: N. J. Higham, *Computing the polar decomposition – with applications*, SIAM
 /// Journal on Scientific and Statistical Computing 7:4, 1986, equation (3.1).
-pub fn orthonormalized_within(matrix: &Matrix3<f64>, tolerance: f64) -> Result<Matrix3<f64>, NotARotation> {
+pub fn orthonormalized_within(matrix: &[[f64; 3]; 3], tolerance: f64) -> Result<[[f64; 3]; 3], NotARotation> {
     let mut error = check_rotation(matrix, tolerance)?;
     let mut x = *matrix;
     // Quadratic: from an error of 1e-3 the second step reaches rounding.
@@ -205,7 +204,8 @@ pub fn orthonormalized_within(matrix: &Matrix3<f64>, tolerance: f64) -> Result<M
         if error <= ROUNDING {
             break;
         }
-        x = 0.5 * (x + cofactors(&x) / x.determinant());
+        let (cofactors, determinant) = (cofactors(&x), determinant(&x));
+        x = core::array::from_fn(|i| core::array::from_fn(|j| 0.5 * (x[i][j] + cofactors[i][j] / determinant)));
         error = defect(&x).0;
     }
     // Where an entry is NaN so is the error, and no comparison with it holds.
@@ -222,16 +222,16 @@ const NEWTON_STEPS: usize = 30;
 /// The largest entry of `RᵀR − 1` by magnitude, if it is at most `tolerance`.
 ///
 /// # Errors
-/// [`NotARotation::NonFinite`] where an entry is infinite or NaN, [`NotARotation::NotOrthogonal`] where the columns are
-/// not orthogonal unit vectors within `tolerance`, [`NotARotation::Reflection`] where the determinant is not positive.
-pub fn check_rotation(matrix: &Matrix3<f64>, tolerance: f64) -> Result<f64, NotARotation> {
+/// [`NotARotation::NonFinite`] where an entry is infinite or NaN, [`NotARotation::NotOrthogonal`] where the columns are not
+/// orthogonal unit vectors within `tolerance`, [`NotARotation::Reflection`] where the determinant is not positive.
+pub fn check_rotation(matrix: &[[f64; 3]; 3], tolerance: f64) -> Result<f64, NotARotation> {
     let (error, determinant) = defect(matrix);
     // Where an entry is NaN so is the error, and no comparison with it holds.
     if error <= tolerance && determinant > 0.0 {
         return Ok(error);
     }
     for (row, column) in (0..3).flat_map(|i| (0..3).map(move |j| (i, j))) {
-        if !matrix[(row, column)].is_finite() {
+        if !matrix[row][column].is_finite() {
             return Err(NotARotation::NonFinite { row, column });
         }
     }
@@ -243,24 +243,66 @@ pub fn check_rotation(matrix: &Matrix3<f64>, tolerance: f64) -> Result<f64, NotA
 }
 
 /// The largest entry of `RᵀR − 1`, NaN where an entry is, and the determinant of `R`.
-fn defect(matrix: &Matrix3<f64>) -> (f64, f64) {
-    let [a, b, c] = [matrix.column(0), matrix.column(1), matrix.column(2)];
-    let entries = [a.dot(&a) - 1.0, b.dot(&b) - 1.0, c.dot(&c) - 1.0, a.dot(&b), a.dot(&c), b.dot(&c)];
+fn defect(matrix: &[[f64; 3]; 3]) -> (f64, f64) {
+    let [a, b, c] = columns(matrix);
+    let entries = [dot(a, a) - 1.0, dot(b, b) - 1.0, dot(c, c) - 1.0, dot(a, b), dot(a, c), dot(b, c)];
     let larger = |largest: f64, x: f64| if largest.is_nan() || x.abs() <= largest { largest } else { x.abs() };
-    (entries.into_iter().fold(0.0, larger), matrix.determinant())
+    (entries.into_iter().fold(0.0, larger), determinant(matrix))
+}
+
+/// Along the first row.
+fn determinant([[m11, m12, m13], [m21, m22, m23], [m31, m32, m33]]: &[[f64; 3]; 3]) -> f64 {
+    let minors = [m22 * m33 - m32 * m23, m21 * m33 - m31 * m23, m21 * m32 - m31 * m22];
+    m11 * minors[0] - m12 * minors[1] + m13 * minors[2]
 }
 
 /// `det(X) X⁻ᵀ`: the columns are the cross products of the others.
-fn cofactors(x: &Matrix3<f64>) -> Matrix3<f64> {
-    let [a, b, c] = [x.column(0), x.column(1), x.column(2)];
-    Matrix3::from_columns(&[b.cross(&c), c.cross(&a), a.cross(&b)])
+fn cofactors(x: &[[f64; 3]; 3]) -> [[f64; 3]; 3] {
+    let [a, b, c] = columns(x);
+    columns(&[cross(b, c), cross(c, a), cross(a, b)])
+}
+
+/// The columns as rows.
+fn columns(x: &[[f64; 3]; 3]) -> [[f64; 3]; 3] {
+    core::array::from_fn(|j| x.map(|row| row[j]))
+}
+
+fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use core::f64::consts::PI;
-    use nalgebra::{UnitQuaternion, UnitVector3};
+    use nalgebra::{Matrix3, UnitQuaternion, UnitVector3, Vector3};
+
+    /// nalgebra's, as the tests compute with them.
+    fn matrix(rows: [[f64; 3]; 3]) -> Matrix3<f64> {
+        Matrix3::from_fn(|i, j| rows[i][j])
+    }
+    fn rows(matrix: &Matrix3<f64>) -> [[f64; 3]; 3] {
+        matrix.transpose().into()
+    }
+    fn exp(vector: &Vector3<f64>) -> Matrix3<f64> {
+        matrix(super::exp(&(*vector).into()))
+    }
+    fn log(rotation: &Matrix3<f64>) -> Vector3<f64> {
+        super::log(&rows(rotation)).into()
+    }
+    fn orthonormalized(matrix: &Matrix3<f64>) -> Result<Matrix3<f64>, NotARotation> {
+        super::orthonormalized(&rows(matrix)).map(self::matrix)
+    }
+    fn orthonormalized_within(matrix: &Matrix3<f64>, tolerance: f64) -> Result<Matrix3<f64>, NotARotation> {
+        super::orthonormalized_within(&rows(matrix), tolerance).map(self::matrix)
+    }
+    fn check_rotation(matrix: &Matrix3<f64>, tolerance: f64) -> Result<f64, NotARotation> {
+        super::check_rotation(&rows(matrix), tolerance)
+    }
 
     /// From nothing to half a turn, dense at both ends.
     const ANGLES: [f64; 22] = [

@@ -46,13 +46,29 @@ use core::error::Error;
 use core::fmt;
 
 pub use computed_torque::{ComputedTorque, InvalidGain};
-pub use nalgebra::Complex;
 pub use regulator::{Regulator, discrete_lqr, lqr};
 pub use sampled_loop::SampledLoop;
 
 use dense::{difference, is_finite, product, transpose};
 
 use crate::scalar::Scalar;
+
+/// A complex number, as poles are.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Complex {
+    /// The real part.
+    pub re: f64,
+    /// The imaginary part.
+    pub im: f64,
+}
+
+impl Complex {
+    /// `re + i im`.
+    #[must_use]
+    pub const fn new(re: f64, im: f64) -> Self {
+        Self { re, im }
+    }
+}
 
 /// A linear system: N states, U inputs, Y outputs.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -69,6 +85,7 @@ pub struct StateSpace<const N: usize, const U: usize, const Y: usize> {
 
 /// Why there is no answer.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum ControlError {
     /// An entry of a matrix is infinite or NaN, or so large that the computation overflows.
     NotFinite {
@@ -141,7 +158,7 @@ impl<const N: usize, const U: usize, const Y: usize> StateSpace<N, U, Y> {
     /// B. N. Parlett and C. Reinsch, *Balancing a matrix for calculation of eigenvalues and eigenvectors*, and R. S.
     /// Martin, G. Peters and J. H. Wilkinson, *The QR algorithm for real Hessenberg matrices*, both in Wilkinson and
     /// Reinsch, *Handbook for Automatic Computation II*, 1971.
-    pub fn poles(&self) -> Result<[Complex<f64>; N], ControlError> {
+    pub fn poles(&self) -> Result<[Complex; N], ControlError> {
         eigenvalues::eigenvalues(&self.a)
     }
 
@@ -192,7 +209,7 @@ impl<const N: usize, const U: usize, const Y: usize> StateSpace<N, U, Y> {
 
 /// `ω₀ = |p|` of a pole p of a continuous system \[rad/s\].
 #[must_use]
-pub fn natural_frequency(pole: Complex<f64>) -> f64 {
+pub fn natural_frequency(pole: Complex) -> f64 {
     let (large, small) = if pole.re.abs() > pole.im.abs() { (pole.re, pole.im) } else { (pole.im, pole.re) };
     let ratio = if large == 0.0 { 0.0 } else { small / large };
     large.abs() * Scalar::sqrt(1.0 + ratio * ratio)
@@ -200,15 +217,15 @@ pub fn natural_frequency(pole: Complex<f64>) -> f64 {
 
 /// `ζ = −Re p/|p|` of a pole p of a continuous system: 1 where it does not swing, negative where it grows; 1 at zero.
 #[must_use]
-pub fn damping_ratio(pole: Complex<f64>) -> f64 {
+pub fn damping_ratio(pole: Complex) -> f64 {
     let frequency = natural_frequency(pole);
     if frequency == 0.0 { 1.0 } else { -pole.re / frequency }
 }
 
 /// The pole of a continuous system that is sampled to z: `ln z/T` \[1/s\], the one nearest to the real axis.
 #[must_use]
-pub fn continuous_pole(z: Complex<f64>, sample_time: f64) -> Complex<f64> {
-    Complex::new(Scalar::ln(natural_frequency(z)), Scalar::atan2(z.im, z.re)) / sample_time
+pub fn continuous_pole(z: Complex, sample_time: f64) -> Complex {
+    Complex::new(Scalar::ln(natural_frequency(z)) / sample_time, Scalar::atan2(z.im, z.re) / sample_time)
 }
 
 #[cfg(all(test, feature = "std"))]

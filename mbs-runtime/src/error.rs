@@ -1,15 +1,19 @@
 //! What can go wrong, one small enum or struct per operation, with the numbers that matter.
 
+use core::convert::Infallible;
 use core::error::Error;
 use core::fmt;
 
 /// Why an integration ended before its time.
 ///
+/// `E` is what the right-hand side or the observer stops with; [`Infallible`] where neither does.
+///
 /// The caller's state is then the last accepted one, at [`time`](IntegrationError::time): it can be looked at, or
 /// integrated further with other settings. An error without a time refuses what was asked for; the state is the last
 /// accepted one all the same, which is the initial one if the arguments themselves are at fault.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum IntegrationError {
+#[non_exhaustive]
+pub enum IntegrationError<E = Infallible> {
     /// A tolerance is not a positive finite number.
     InvalidTolerance {
         /// The relative tolerance given.
@@ -53,14 +57,19 @@ pub enum IntegrationError {
         /// The time of the last accepted state \[s\].
         time: f64,
     },
-    /// The mass matrix has no inverse, however short the step from here.
-    SingularMassMatrix {
-        /// The time of the last accepted state \[s\].
+    /// The right-hand side refused, however short the step from here; or the observer ended the integration.
+    Stopped {
+        /// The time of the last accepted state; of an observer, the end of the step that it saw \[s\].
         time: f64,
-        /// The pivot that is not positive, in the units of the mass matrix.
-        pivot: f64,
-        /// The row of the pivot, counted from 0.
-        index: usize,
+        /// What it said.
+        error: E,
+    },
+    /// No state on the constraints is near the end of the step; see [`Projected`](crate::Projected).
+    Constraint {
+        /// The end of the step \[s\].
+        time: f64,
+        /// What the projection said.
+        error: ConstraintError,
     },
     /// The equations of an implicit method's stages were not solved: the step is too long for the iteration.
     NotConverged {
@@ -93,7 +102,7 @@ pub enum IntegrationError {
     },
 }
 
-impl IntegrationError {
+impl<E> IntegrationError<E> {
     /// The time of the state that the integrator left \[s\]; `None` where it refused what was asked for.
     #[must_use]
     pub fn time(&self) -> Option<f64> {
@@ -105,18 +114,46 @@ impl IntegrationError {
             | Self::DimensionMismatch { .. } => None,
             Self::StepTooSmall { time, .. }
             | Self::NonFiniteState { time }
-            | Self::SingularMassMatrix { time, .. }
+            | Self::Stopped { time, .. }
+            | Self::Constraint { time, .. }
             | Self::NotConverged { time, .. }
             | Self::NonFiniteEvent { time, .. }
             | Self::EventsAccumulate { time, .. }
             | Self::TooManySteps { time, .. } => Some(time),
         }
     }
+
+    /// The same, of another kind where the right-hand side or the observer stopped: `f` makes it.
+    pub fn map<G>(self, f: impl FnOnce(E) -> G) -> IntegrationError<G> {
+        use IntegrationError as To;
+        match self {
+            Self::InvalidTolerance { relative, absolute } => To::InvalidTolerance { relative, absolute },
+            Self::InvalidStep { step } => To::InvalidStep { step },
+            Self::InvalidGain { beta } => To::InvalidGain { beta },
+            Self::InvalidTime { time } => To::InvalidTime { time },
+            Self::DimensionMismatch { coordinates, velocities } => To::DimensionMismatch { coordinates, velocities },
+            Self::StepTooSmall { time, step } => To::StepTooSmall { time, step },
+            Self::NonFiniteState { time } => To::NonFiniteState { time },
+            Self::Stopped { time, error } => To::Stopped { time, error: f(error) },
+            Self::Constraint { time, error } => To::Constraint { time, error },
+            Self::NotConverged { time, iterations } => To::NotConverged { time, iterations },
+            Self::NonFiniteEvent { time, event } => To::NonFiniteEvent { time, event },
+            Self::EventsAccumulate { time, event } => To::EventsAccumulate { time, event },
+            Self::TooManySteps { time, steps } => To::TooManySteps { time, steps },
+        }
+    }
 }
 
-impl fmt::Display for IntegrationError {
+impl IntegrationError {
+    /// An error that nobody stopped with, among those that somebody may.
+    pub(crate) fn widen<E>(self) -> IntegrationError<E> {
+        self.map(|never| match never {})
+    }
+}
+
+impl<E: fmt::Display> fmt::Display for IntegrationError<E> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match *self {
+        match self {
             Self::InvalidTolerance { relative, absolute } => {
                 write!(f, "tolerances must be positive and finite, found relative {relative:?}, absolute {absolute:?}")
             }
@@ -134,9 +171,8 @@ impl fmt::Display for IntegrationError {
             Self::NonFiniteState { time } => {
                 write!(f, "state or acceleration become infinite or NaN right after t = {time:?} s")
             }
-            Self::SingularMassMatrix { time, pivot, index } => {
-                write!(f, "singular mass matrix right after t = {time:?} s: pivot {index} is {pivot:?}")
-            }
+            Self::Stopped { time, error } => write!(f, "stopped at t = {time:?} s: {error}"),
+            Self::Constraint { time, error } => write!(f, "off the constraints at t = {time:?} s: {error}"),
             Self::NotConverged { time, iterations } => {
                 write!(
                     f,
@@ -154,7 +190,15 @@ impl fmt::Display for IntegrationError {
     }
 }
 
-impl Error for IntegrationError {}
+impl<E: Error + 'static> Error for IntegrationError<E> {
+    fn source(&self) -> Option<&(dyn Error + 'static)> {
+        match self {
+            Self::Stopped { error, .. } => Some(error),
+            Self::Constraint { error, .. } => Some(error),
+            _ => None,
+        }
+    }
+}
 
 /// A mass matrix that is not positive definite: a massless coordinate, coordinates that are singular in this place
 /// (the poles of Euler angles), or an argument that is not finite.
@@ -176,6 +220,7 @@ impl Error for SingularMassMatrix {}
 
 /// Why no state satisfies the constraints.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum ConstraintError {
     /// The row stays open: no small change of the coordinates brings it closer to zero.
     Open {
@@ -225,6 +270,7 @@ impl Error for ConstraintError {}
 
 /// Why a linearization cannot be reduced to the coordinates and speeds that were named.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum ReductionError {
     /// There is no coordinate of this number, or it is named twice.
     InvalidCoordinate {
@@ -316,15 +362,16 @@ mod tests {
 
     #[test]
     fn messages_name_the_numbers() {
-        let error = IntegrationError::StepTooSmall { time: 1.5, step: 1e-17 };
+        let error: IntegrationError = IntegrationError::StepTooSmall { time: 1.5, step: 1e-17 };
         assert_eq!(error.to_string(), "the tolerances are not met at t = 1.5 s even by a step of 1e-17 s");
-        let error = IntegrationError::SingularMassMatrix { time: 0.0, pivot: -2.0, index: 3 };
-        assert_eq!(error.to_string(), "singular mass matrix right after t = 0.0 s: pivot 3 is -2.0");
+        let error = SingularMassMatrix { pivot: -2.0, index: 3 };
+        let error = IntegrationError::Stopped { time: 0.0, error };
+        assert_eq!(error.to_string(), "stopped at t = 0.0 s: mass matrix is not positive definite: pivot 3 is -2.0");
         assert_eq!(
             SingularMassMatrix { pivot: 5e-17, index: 1 }.to_string(),
             "mass matrix is not positive definite: pivot 1 is 5e-17"
         );
         assert_eq!(error.time(), Some(0.0));
-        assert_eq!(IntegrationError::InvalidStep { step: 0.0 }.time(), None);
+        assert_eq!(IntegrationError::<Infallible>::InvalidStep { step: 0.0 }.time(), None);
     }
 }

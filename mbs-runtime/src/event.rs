@@ -33,7 +33,7 @@ use core::fmt;
 use core::ops::ControlFlow;
 
 use crate::error::IntegrationError;
-use crate::integrator::{Step, is_between};
+use crate::integrator::{Observer, Step, is_between};
 use crate::state::{Coordinates, State};
 
 /// Into how many parts a step is divided to look for changes of sign.
@@ -232,7 +232,6 @@ pub(crate) struct Watch<'e, 'a, V> {
     there: State<V>,
     /// The state that the actions left.
     after: State<V>,
-    fault: Option<IntegrationError>,
 }
 
 /// Where an event ends a step.
@@ -250,48 +249,41 @@ impl<'e, 'a, V: Coordinates> Watch<'e, 'a, V> {
         for event in events.iter_mut() {
             (event.count, event.last) = (0, f64::NAN);
         }
-        Self { events, jumped: true, replaced: false, there: like.clone(), after: like.clone(), fault: None }
-    }
-
-    /// The error that ended the integration from here, or else its result.
-    pub(crate) fn conclude<S>(self, result: Result<S, IntegrationError>) -> Result<S, IntegrationError> {
-        self.fault.map_or(result, Err)
+        Self { events, jumped: true, replaced: false, there: like.clone(), after: like.clone() }
     }
 
     /// Looks for events in the step, and shows the observer what is left of it.
-    pub(crate) fn observe<O>(&mut self, step: &mut dyn Step<V>, observer: &mut O) -> ControlFlow<f64>
-    where
-        O: FnMut(&mut dyn Step<V>) -> ControlFlow<f64>,
-    {
+    pub(crate) fn observe<E>(
+        &mut self,
+        step: &mut dyn Step<V>,
+        observer: &mut impl Observer<V, E>,
+    ) -> Result<ControlFlow<f64>, IntegrationError<E>> {
         if self.events.is_empty() {
             return observer(step);
         }
-        let cut = match self.look(step) {
-            Ok(cut) => cut,
-            Err(error) => {
-                self.fault = Some(error);
-                return ControlFlow::Break(error.time().unwrap_or(step.time()));
-            }
-        };
+        let cut = self.look(step).map_err(IntegrationError::widen)?;
         let mut part = Part { whole: step, there: &self.there, cut, origin: None, fault: None };
         let answer = observer(&mut part);
         let (end, Part { origin, fault, .. }) = (part.time(), part);
-        self.fault = fault;
-        if fault.is_some() {
-            return ControlFlow::Break(end);
+        if let Some(error) = fault {
+            if let Some(Cut { time, .. }) = cut {
+                let _ = step.restart(time, &self.there); // a state inside the step, and finite
+            }
+            return Err(error.widen());
         }
+        let answer = answer?;
         self.jumped = origin.is_some() || cut.is_some();
         self.replaced = cut.is_none() && origin == Some(end);
-        match (answer, cut) {
+        Ok(match (answer, cut) {
             (ControlFlow::Continue(()), Some(cut)) => {
                 let time = origin.unwrap_or(cut.time);
-                if origin.is_none() && step.restart(time, &self.after).is_err() {
-                    return ControlFlow::Continue(());
+                if origin.is_none() {
+                    step.restart(time, &self.after).map_err(IntegrationError::widen)?;
                 }
                 if cut.stop { ControlFlow::Break(time) } else { ControlFlow::Continue(()) }
             }
             (answer, _) => answer,
-        }
+        })
     }
 
     /// Lets the events of the step happen, as far as the first one from which a new step begins.

@@ -33,16 +33,14 @@
 use core::error::Error;
 use core::fmt;
 
-use nalgebra::Vector3;
-
 use crate::attitude::{self, NotARotation};
 use crate::dynamics::try_ldlt_solve;
-use crate::matrix::to_matrix;
 use crate::mechanism::Pose;
 use crate::scalar::Scalar;
 
 /// What is asked of the solution, and what may be spent on it.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct DampedLeastSquares<const N: usize> {
     /// Smallest coordinates, `−∞` where there is no limit.
     pub lower: [f64; N],
@@ -89,6 +87,7 @@ pub struct Approach<const N: usize> {
 
 /// Why no coordinates were found.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum NotReached<const N: usize> {
     /// Nothing near these coordinates is nearer to the target: it is out of reach, or the search ended in a local
     /// minimum.
@@ -213,7 +212,7 @@ const PROPORTION: f64 = 1e14;
 struct Evaluation<const N: usize> {
     q: [f64; N],
     /// What is missing to the position \[m\] and to the attitude \[rad\].
-    missing: [Vector3<f64>; 2],
+    missing: [[f64; 3]; 2],
     /// Both, and the Jacobian, as they are weighed.
     jacobian: [[f64; N]; 6],
     error: [f64; 6],
@@ -224,6 +223,30 @@ struct Evaluation<const N: usize> {
 }
 
 impl<const N: usize> DampedLeastSquares<N> {
+    /// Smallest and largest coordinates.
+    #[must_use]
+    pub const fn with_limits(self, lower: [f64; N], upper: [f64; N]) -> Self {
+        Self { lower, upper, ..self }
+    }
+
+    /// How far from its place \[m\] and from its attitude \[rad\] the body may be.
+    #[must_use]
+    pub const fn with_tolerances(self, position_tolerance: f64, rotation_tolerance: f64) -> Self {
+        Self { position_tolerance, rotation_tolerance, ..self }
+    }
+
+    /// The length that counts as one radian \[m\].
+    #[must_use]
+    pub const fn with_length(self, length: f64) -> Self {
+        Self { length, ..self }
+    }
+
+    /// How often the pose and the Jacobian may be evaluated.
+    #[must_use]
+    pub const fn with_evaluations(self, evaluations: usize) -> Self {
+        Self { evaluations, ..self }
+    }
+
     /// Coordinates near `guess` at which the body takes the pose `target`.
     ///
     /// | argument | meaning                                                    | shape                        | unit       |
@@ -303,7 +326,7 @@ impl<const N: usize> DampedLeastSquares<N> {
     }
 
     /// The target with its attitude orthonormalized, if that and everything else that was given makes sense.
-    fn checked(&self, target: &Pose<f64>, guess: &[f64; N]) -> Result<Target, NotReached<N>> {
+    fn checked(&self, target: &Pose<f64>, guess: &[f64; N]) -> Result<Pose<f64>, NotReached<N>> {
         let [position, rotation, length] = [self.position_tolerance, self.rotation_tolerance, self.length];
         if ![position, rotation, length].iter().all(|&x| x > 0.0 && x.is_finite()) {
             return Err(NotReached::InvalidTolerance { position, rotation, length });
@@ -317,8 +340,7 @@ impl<const N: usize> DampedLeastSquares<N> {
         if let Some(component) = target.position.iter().position(|x| !x.is_finite()) {
             return Err(NotReached::NonFiniteTarget { component });
         }
-        let rotation = attitude::orthonormalized(&to_matrix(&target.rotation))?;
-        Ok(Target { position: Vector3::from(target.position), rotation })
+        Ok(Pose { position: target.position, rotation: attitude::orthonormalized(&target.rotation)? })
     }
 
     /// `q`, every coordinate moved to its nearer limit if it is beyond.
@@ -332,10 +354,16 @@ impl<const N: usize> DampedLeastSquares<N> {
         if self.length * MOST > 1.0 { [1.0 / self.length, 1.0] } else { [MOST, MOST * self.length] }
     }
 
-    fn evaluation(&self, q: [f64; N], pose: &Pose<f64>, mut jacobian: [[f64; N]; 6], target: &Target) -> Evaluation<N> {
+    fn evaluation(
+        &self,
+        q: [f64; N],
+        pose: &Pose<f64>,
+        mut jacobian: [[f64; N]; 6],
+        target: &Pose<f64>,
+    ) -> Evaluation<N> {
         let missing = [
-            target.position - Vector3::from(pose.position),
-            attitude::log(&(target.rotation * to_matrix(&pose.rotation).transpose())),
+            core::array::from_fn(|i| target.position[i] - pose.position[i]),
+            attitude::difference(&target.rotation, &pose.rotation),
         ];
         let weights = self.weights();
         let error = core::array::from_fn(|r| weights[r / 3] * missing[r / 3][r % 3]);
@@ -405,18 +433,13 @@ struct Step<const N: usize> {
 }
 
 /// The Euclidean norm, whatever the size of the components.
-fn norm(x: &Vector3<f64>) -> f64 {
-    let greatest = x.amax();
+fn norm(x: &[f64; 3]) -> f64 {
+    let greatest = x.iter().fold(0.0, |greatest: f64, x| greatest.max(x.abs()));
     if greatest > 0.0 && greatest.is_finite() {
-        greatest * Scalar::sqrt((x / greatest).norm_squared())
+        greatest * Scalar::sqrt(x.iter().map(|x| (x / greatest) * (x / greatest)).sum::<f64>())
     } else {
         greatest
     }
-}
-
-struct Target {
-    position: Vector3<f64>,
-    rotation: nalgebra::Matrix3<f64>,
 }
 
 #[cfg(test)]

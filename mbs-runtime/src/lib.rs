@@ -19,7 +19,7 @@
 //! | `A`, `λ`       |                           | rows of the constraints `A q̇ + b = 0`, and Lagrange's multipliers  |
 //!
 //! SI units; angles in radians; forces conjugate to their coordinates (N for m, N·m for rad). Matrices are arrays of
-//! rows, `m[row][column]`; [`to_matrix`] makes nalgebra's of them. A [`Pose`] turns body axes to world axes.
+//! rows, `m[row][column]`; `to_matrix` makes nalgebra's of them (feature `nalgebra`). A [`Pose`] turns body axes to world axes.
 //!
 //! # From a mechanism to a motion
 //!
@@ -117,6 +117,7 @@
 //! |---------|---------------------------------------------------------------------------------------------------|
 //! | `std`   | default: mathematics of the standard library, `Trajectory`, `Vec` as coordinates                  |
 //! | `libm`  | mathematics of the libm crate, for `no_std`; where both are on, `std` computes                    |
+//! | `nalgebra` | matrices, vectors and isometries of nalgebra from arrays and poses; its vectors as coordinates |
 //! | `serde` | states, poses, wrenches and trajectories serialize; `mbs_runtime::serde` for generated parameters |
 //! | `wide`  | `wide::f64x4` and `wide::f32x8` are scalars; `mbs_runtime::wide`                                  |
 //!
@@ -130,6 +131,7 @@
 extern crate std;
 
 /// The nalgebra that conversions speak of.
+#[cfg(feature = "nalgebra")]
 pub use nalgebra;
 /// The serde that generated code derives through.
 #[cfg(feature = "serde")]
@@ -150,6 +152,7 @@ pub mod event;
 pub mod integrator;
 #[cfg(any(feature = "std", feature = "libm"))]
 pub mod inverse_kinematics;
+#[cfg(feature = "nalgebra")]
 mod matrix;
 mod mechanism;
 pub mod parameter;
@@ -171,10 +174,12 @@ pub use event::{Direction, Event, Response};
 pub use integrator::dop853::Dop853;
 pub use integrator::dopri5::Dopri5;
 pub use integrator::gauss_legendre::GaussLegendre4;
+pub use integrator::projected::Projected;
 pub use integrator::rk4::{Rk4, Rk4Stepper};
 pub use integrator::semi_implicit_euler::SemiImplicitEuler;
 pub use integrator::verlet::StormerVerlet;
-pub use integrator::{Integrator, Outcome, Step, Summary};
+pub use integrator::{Acceleration, Integrator, Observer, Outcome, Step, Summary};
+#[cfg(feature = "nalgebra")]
 pub use matrix::{to_matrix, to_rows, to_vector};
 pub use mechanism::{InverseDynamicsJacobian, Linearization, Mechanism, Pose, Wrench, accelerations};
 pub use parameter::{ParameterCondition, ParameterError};

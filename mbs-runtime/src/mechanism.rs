@@ -1,8 +1,5 @@
 //! What generated code implements: the equations of motion of one mechanism as functions of its state.
 
-use nalgebra::{Isometry3, IsometryMatrix3, RealField, Rotation3, Translation3, UnitQuaternion};
-
-use crate::matrix::to_matrix;
 use crate::scalar::Scalar;
 
 /// A mechanism with `N` coordinates and `U` inputs:
@@ -186,26 +183,9 @@ impl<T: Scalar> Wrench<T> {
     }
 }
 
-/// Exact: the rotation stays a matrix.
-impl<T: RealField> From<Pose<T>> for IsometryMatrix3<T> {
-    fn from(pose: Pose<T>) -> Self {
-        let rotation = Rotation3::from_matrix_unchecked(to_matrix(&pose.rotation));
-        Self::from_parts(Translation3::from(pose.position), rotation)
-    }
-}
-
-/// The rotation becomes a unit quaternion, up to rounding.
-impl<T: RealField> From<Pose<T>> for Isometry3<T> {
-    fn from(pose: Pose<T>) -> Self {
-        let rotation = Rotation3::from_matrix_unchecked(to_matrix(&pose.rotation));
-        Self::from_parts(Translation3::from(pose.position), UnitQuaternion::from_rotation_matrix(&rotation))
-    }
-}
-
 #[cfg(all(test, any(feature = "std", feature = "libm")))]
 mod tests {
     use super::*;
-    use nalgebra::Point3;
 
     #[test]
     fn a_wrench_about_another_point() {
@@ -213,17 +193,5 @@ mod tests {
         let weight = Wrench { force: [0.0, 0.0, -2.0], moment: [0.0, 6.0, 0.0] };
         assert_eq!(weight.about([3.0, 0.0, 0.0]), Wrench { force: [0.0, 0.0, -2.0], moment: [0.0; 3] });
         assert_eq!(weight.about([0.0, 1.0, 0.0]).moment, [2.0, 6.0, 0.0]);
-    }
-
-    #[test]
-    fn a_pose_and_its_isometries_agree() {
-        // A quarter turn about z: the body's x axis is the world's y axis.
-        let pose = Pose { position: [1.0, 2.0, 3.0], rotation: [[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]] };
-        assert_eq!(pose.transform_point([1.0, 0.0, 0.0]), [1.0, 3.0, 3.0]);
-        let point = Point3::new(0.5, -0.25, 4.0);
-        let expected = Point3::from(pose.transform_point([0.5, -0.25, 4.0]));
-        let (by_matrix, by_quaternion) = (IsometryMatrix3::from(pose), Isometry3::from(pose));
-        assert_eq!(by_matrix * point, expected);
-        assert!((by_quaternion * point - expected).norm() < 1e-15);
     }
 }

@@ -43,7 +43,8 @@ impl<V: Coordinates> State<V> {
 ///
 /// Arrays serve generated code: their length is known to the compiler, nothing is allocated. `Vec` (feature `std`)
 /// serves mechanisms whose number of coordinates is known at run time only: an integrator clones it when it starts
-/// and allocates nothing after. nalgebra's vectors are there for those who compute with them.
+/// and allocates nothing after. nalgebra's vectors (feature `nalgebra`) are there for those who
+/// compute with them.
 ///
 /// The length of a vector must not change while it is integrated.
 pub trait Coordinates: Clone {
@@ -84,6 +85,7 @@ impl<T: Scalar, const N: usize> Coordinates for [T; N] {
     }
 }
 
+#[cfg(feature = "nalgebra")]
 impl<T: Scalar, const N: usize> Coordinates for nalgebra::SVector<T, N> {
     type Scalar = T;
 
@@ -122,6 +124,7 @@ mod tests {
         assert!(State::new([1.0, 2.0], [3.0, 4.0]).is_finite());
         assert!(!State::new([1.0, f64::NAN], [3.0, 4.0]).is_finite());
         assert!(!State::new([1.0, 2.0], [f64::INFINITY, 4.0]).is_finite());
+        #[cfg(feature = "nalgebra")]
         assert!(State::new(nalgebra::Vector1::new(1.0_f32), nalgebra::Vector1::new(2.0)).is_finite());
     }
 

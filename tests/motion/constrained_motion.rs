@@ -1,11 +1,11 @@
-//! Long runs of generated mechanisms on their constraints: an observer brings every accepted step back onto them.
+//! Long runs of generated mechanisms on their constraints, to which every accepted step is brought back.
 //!
 //! Values: `orbit.constraint_pendulum` and `orbit.constraint_knife_edge` of the thesis' reference data.
 
 use std::ops::ControlFlow;
 
 use mbs_runtime::{
-    Constraints, Dop853, Event, Integrator, Mechanism, Projector, Response, State, Step, accelerations, ldlt_solve,
+    Constraints, Dop853, Event, Integrator, Mechanism, Projected, Projector, Response, State, accelerations, ldlt_solve,
 };
 use mbs_tests::mechanisms::bouncing_pendulum::{self, BouncingPendulum};
 use mbs_tests::mechanisms::cartesian_pendulum::CartesianPendulum;
@@ -13,12 +13,10 @@ use mbs_tests::mechanisms::knife_edge::KnifeEdge;
 use mbs_tests::mechanisms::slider_crank::{self, SliderCrank};
 use mbs_tests::reference;
 
-/// Goes on from the state on the constraints that is next to the end of the step.
-fn project<const N: usize>(constraints: &impl Constraints<f64>, step: &mut dyn Step<[f64; N]>) {
-    let mut state = *step.state();
+/// The method with its steps on the constraints.
+fn projected<C>(method: Dop853, constraints: &C) -> Projected<'_, Dop853, C, f64, [f64; 128]> {
     // Room for three coordinates and two rows, with some to spare.
-    Projector::new([0.0; 128]).project(constraints, step.time(), &mut state).expect("near the constraints");
-    step.replace(&state);
+    Projected { method, constraints, projector: Projector::new([0.0; 128]) }
 }
 
 /// Largest `|φ|` and `|A q̇ + b|` of a state.
@@ -60,11 +58,10 @@ fn run<const N: usize, const U: usize>(
         drift.slip = drift.slip.max(rate);
         drift.energy = drift.energy.max((energy(state) / initial - 1.0).abs());
     };
-    let summary = method
+    let summary = projected(method, mechanism)
         .integrate(accelerations(mechanism, |_, _, _| [0.0; U]), start, end, state, |step| {
             // What the step begins with is what the projection left.
             note(step.previous_time(), step.previous_state());
-            project(mechanism, step);
             ControlFlow::Continue(())
         })
         .expect("a smooth motion");
@@ -97,9 +94,8 @@ fn the_pendulum_keeps_its_period() {
         Response::Continue
     };
     let mut lowest = [Event::new(&|_, state: &State<[f64; 2]>| state.q[0]).with_action(&mut note)];
-    Dop853::new(1e-12, 1e-13)
-        .integrate_with_events(accelerations(&pendulum, |_, _, _| []), 0.0, 22.0, &mut raised(), &mut lowest, |step| {
-            project(&pendulum, step);
+    projected(Dop853::new(1e-12, 1e-13), &pendulum)
+        .integrate_with_events(accelerations(&pendulum, |_, _, _| []), 0.0, 22.0, &mut raised(), &mut lowest, |_| {
             ControlFlow::Continue(())
         })
         .expect("a smooth motion");
@@ -188,9 +184,8 @@ fn the_pendulum_bounces_as_its_periods_say() {
     };
     let gap = |_, state: &State<[f64; 3]>| rod.gap(&state.q);
     let mut wall = [Event::new(&gap).falling().with_action(&mut impact)];
-    Dop853::new(1e-12, 1e-13)
-        .integrate_with_events(accelerations(&rod, |_, _, _| []), 0.0, 10.0, &mut state, &mut wall, |step| {
-            project(&rod, step);
+    projected(Dop853::new(1e-12, 1e-13), &rod)
+        .integrate_with_events(accelerations(&rod, |_, _, _| []), 0.0, 10.0, &mut state, &mut wall, |_| {
             ControlFlow::Continue(())
         })
         .expect("impacts are far from each other");

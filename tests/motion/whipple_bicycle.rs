@@ -12,7 +12,7 @@
 use std::ops::ControlFlow;
 
 use mbs_runtime::{
-    Constraints, Dop853, Integrator, Linearization, Mechanism, Projector, ReducedLinearization, Reduction,
+    Constraints, Dop853, Integrator, Linearization, Mechanism, Projected, Projector, ReducedLinearization, Reduction,
     ReductionError, State, accelerations, to_matrix,
 };
 use mbs_tests::compare::assert_close;
@@ -246,12 +246,9 @@ fn it_rights_itself() {
     };
     let (initial, lean) = (energy(&state), state.qd[ROLL]);
     let mut drift = 0.0_f64;
-    Dop853::new(1e-10, 1e-12)
+    Projected { method: Dop853::new(1e-10, 1e-12), constraints: &bicycle, projector }
         .integrate(accelerations(&bicycle, |_, _, _| [0.0; 2]), 0.0, 5.0, &mut state, |step| {
             drift = drift.max((energy(step.previous_state()) / initial - 1.0).abs());
-            let mut nearest = *step.state();
-            projector.project(&bicycle, step.time(), &mut nearest).expect("near the constraints");
-            step.replace(&nearest);
             ControlFlow::Continue(())
         })
         .expect("a smooth motion");

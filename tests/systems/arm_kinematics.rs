@@ -226,7 +226,7 @@ fn a_numerical_search_finds_the_same_configurations() {
 fn the_numerical_search_keeps_limits_and_serves_any_mechanism() {
     let arm = Arm::default();
     let limits = &arm.limits;
-    let solver = DampedLeastSquares { lower: limits.lower, upper: limits.upper, ..Default::default() };
+    let solver = DampedLeastSquares::default().with_limits(limits.lower, limits.upper);
     let mut random = Random::new(31);
     let mut within = || -> JointVector { std::array::from_fn(|i| random.uniform(limits.lower[i]..limits.upper[i])) };
     let (mut found, mut held) = (0, 0);

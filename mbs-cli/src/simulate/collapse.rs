@@ -2,7 +2,7 @@
 
 use mbs_derive::interpret::State;
 use mbs_derive::optimise::FunctionKind;
-use mbs_runtime::nalgebra::{DMatrix, Schur};
+use nalgebra::{DMatrix, Schur};
 
 use crate::equations::{Equations, Motion, Solver};
 

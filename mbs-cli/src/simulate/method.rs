@@ -51,8 +51,8 @@ impl Method {
         accelerations: impl FnMut(f64, &Vec<f64>, &Vec<f64>, &mut Vec<f64>),
         (t, t_end): (f64, f64),
         state: &mut State<Vec<f64>>,
-        observer: impl FnMut(&mut dyn Step<Vec<f64>>) -> ControlFlow<f64>,
-    ) -> Result<Summary, IntegrationError> {
+        observer: impl FnMut(&mut dyn Step<Vec<f64>>) -> Result<ControlFlow<f64>, String>,
+    ) -> Result<Summary, IntegrationError<String>> {
         let Accuracy { relative, absolute, step } = accuracy;
         match self {
             Method::Dop853 => Dop853::new(relative, absolute).integrate(accelerations, t, t_end, state, observer),

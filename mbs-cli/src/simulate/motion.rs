@@ -161,35 +161,30 @@ impl<'a, 'd> Run<'a, 'd> {
             }
         };
         let mut sampled = motion.clone();
-        let mut open = None;
         let observer = |step: &mut dyn Step<Vec<f64>>| {
             let end = step.time();
             while let Some(time) = remaining.next_if(|&time| time <= end) {
                 if step.interpolate(time, &mut sampled).is_err() {
-                    return ControlFlow::Break(end);
+                    return Ok(ControlFlow::Break(end));
                 }
-                if let Err(reason) = closed(time, &mut sampled).and_then(|()| record(time, &sampled)) {
-                    open = Some(reason);
-                    return ControlFlow::Break(end);
-                }
+                closed(time, &mut sampled).and_then(|()| record(time, &sampled))?;
             }
             if is_projected {
                 sampled.clone_from(step.state());
-                if let Err(reason) = closed(end, &mut sampled) {
-                    open = Some(reason);
-                    return ControlFlow::Break(end);
-                }
+                closed(end, &mut sampled)?;
                 step.replace(&sampled);
             }
-            ControlFlow::Continue(())
+            Ok(ControlFlow::Continue(()))
         };
         let method = self.settings.method;
         let outcome = method.integrate(self.settings.accuracy, accelerations, (start, end), &mut motion, observer);
         progress.finish();
-        match (outcome, open) {
-            (_, Some(reason)) => Err(Failure::new(format_args!("the integration stopped: {reason}"))),
-            (Err(error), None) => Err(self.stopped(error, &motion)),
-            (Ok(summary), None) => Ok((rows, summary)),
+        match outcome {
+            Ok(summary) => Ok((rows, summary)),
+            Err(IntegrationError::Stopped { error, .. }) => {
+                Err(Failure::new(format_args!("the integration stopped: {error}")))
+            }
+            Err(error) => Err(self.stopped(error, &motion)),
         }
     }
 
@@ -245,7 +240,7 @@ impl<'a, 'd> Run<'a, 'd> {
     }
 
     /// One line with the time and the state from which there was no way on.
-    fn stopped(&self, error: IntegrationError, motion: &Moving) -> Failure {
+    fn stopped(&self, error: IntegrationError<String>, motion: &Moving) -> Failure {
         let t = error.time().unwrap_or(self.equations.start_time());
         let (q, qd) = (&motion.q, &motion.qd);
         let state = self.equations.state(t, q, qd);

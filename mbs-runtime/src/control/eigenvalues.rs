@@ -1,15 +1,13 @@
 //! Eigenvalues of a real matrix: Francis' double steps on its Hessenberg form.
 
-use nalgebra::Complex;
-
-use super::ControlError;
 use super::dense::{balance, is_finite};
+use super::{Complex, ControlError};
 use crate::scalar::Scalar;
 
 /// Steps for one eigenvalue; after every tenth without success the shift is an exceptional one.
 const STEPS: usize = 60;
 
-pub(super) fn eigenvalues<const N: usize>(a: &[[f64; N]; N]) -> Result<[Complex<f64>; N], ControlError> {
+pub(super) fn eigenvalues<const N: usize>(a: &[[f64; N]; N]) -> Result<[Complex; N], ControlError> {
     if !is_finite(a) {
         return Err(ControlError::NotFinite { matrix: 'A' });
     }
@@ -46,7 +44,7 @@ fn reduce<const N: usize>(h: &mut [[f64; N]; N]) {
 }
 
 /// Splits off one or two eigenvalues at the lower end at a time.
-fn deflate<const N: usize>(h: &mut [[f64; N]; N]) -> Result<[Complex<f64>; N], ControlError> {
+fn deflate<const N: usize>(h: &mut [[f64; N]; N]) -> Result<[Complex; N], ControlError> {
     let mut values = [Complex::new(0.0, 0.0); N];
     let size: f64 = h.iter().flatten().map(|entry| entry.abs()).sum();
     // Rows from `end` on are done; `shifted` was taken off the diagonal of the others.
@@ -59,7 +57,7 @@ fn deflate<const N: usize>(h: &mut [[f64; N]; N]) -> Result<[Complex<f64>; N], C
             (end, steps) = (last, 0);
         } else if first + 1 == last {
             let pair = pair(h[first][first], h[first][last], h[last][first], h[last][last]);
-            [values[first], values[last]] = pair.map(|value| value + shifted);
+            [values[first], values[last]] = pair.map(|value| Complex::new(value.re + shifted, value.im));
             (end, steps) = (first, 0);
         } else if steps == STEPS {
             return Err(ControlError::NotConverged);
@@ -85,7 +83,7 @@ fn start_of_block<const N: usize>(h: &mut [[f64; N]; N], last: usize, size: f64)
 }
 
 /// The eigenvalues of `[[a, b], [c, d]]`.
-fn pair(a: f64, b: f64, c: f64, d: f64) -> [Complex<f64>; 2] {
+fn pair(a: f64, b: f64, c: f64, d: f64) -> [Complex; 2] {
     let half = 0.5 * (a - d);
     // The discriminant `half² + b c` in units of its parts, as squares may overflow.
     let unit = half.abs().max(b.abs()).max(c.abs());

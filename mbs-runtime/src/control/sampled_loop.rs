@@ -1,7 +1,5 @@
 //! A controller that sees samples, computes for a while, and holds what it found, in the loop with a motion.
 
-use core::ops::ControlFlow;
-
 use crate::error::IntegrationError;
 use crate::integrator::{Integrator, Outcome, Step, Summary};
 use crate::scalar::Scalar;
@@ -49,10 +47,10 @@ impl<const U: usize> SampledLoop<U> {
     /// ```
     ///
     /// # Errors
-    /// [`IntegrationError::InvalidStep`] if the sample time is not positive and finite, or the delay not between zero
-    /// and it; [`IntegrationError::InvalidTime`] if `t_end` lies before `t`; otherwise as [`Integrator::integrate`]. An
-    /// input that is infinite or NaN ends in [`IntegrationError::NonFiniteState`] where the accelerations are.
-    pub fn integrate<T, V, I, F, R>(
+    /// [`IntegrationError::InvalidStep`] if the sample time is not positive and finite, or the delay not between zero and it;
+    /// [`IntegrationError::InvalidTime`] if `t_end` lies before `t`; otherwise as [`Integrator::integrate`]. An input that is
+    /// infinite or NaN ends in [`IntegrationError::NonFiniteState`] where the accelerations are.
+    pub fn integrate<T, V, I, F, R, O, A>(
         &self,
         integrator: &I,
         mut law: impl FnMut(f64, &State<V>) -> [f64; U],
@@ -60,16 +58,17 @@ impl<const U: usize> SampledLoop<U> {
         t: f64,
         t_end: f64,
         state: &mut State<V>,
-        mut observer: impl FnMut(&mut dyn Step<V>, &[f64; U]) -> ControlFlow<f64>,
-    ) -> Result<Summary, IntegrationError>
+        mut observer: O,
+    ) -> Result<Summary, IntegrationError<R::Error>>
     where
         T: Scalar,
         V: Coordinates<Scalar = T>,
         I: Integrator<T>,
         F: FnMut(T, &V, &V, &[f64; U], &mut V) -> R,
-        R: Outcome,
+        R: Outcome<A>,
+        O: FnMut(&mut dyn Step<V>, &[f64; U]) -> A,
     {
-        self.check(t, t_end)?;
+        self.check(t, t_end).map_err(IntegrationError::widen)?;
         let mut all = Summary { time: t, stopped: false, evaluations: 0, accepted: 0, rejected: 0, next_step: 0.0 };
         let (mut held, mut sample) = (self.initial, 0.0);
         while all.time < t_end {

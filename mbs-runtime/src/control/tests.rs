@@ -99,7 +99,7 @@ fn poles_of_random_systems_in_any_units() {
         let found = system(a, [[]; 7]).poles().unwrap();
         for expected in expected {
             let error = found.iter().map(|z| (z.re - expected.re).hypot(z.im - expected.im)).fold(9.0, f64::min);
-            assert!(error < 1e-13 * condition, "{error:e}: {expected} of {found:?}");
+            assert!(error < 1e-13 * condition, "{error:e}: {expected:?} of {found:?}");
         }
     }
 }

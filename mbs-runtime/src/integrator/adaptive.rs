@@ -5,10 +5,8 @@
 //! Runge–Kutta methods*, 1991, and in the form of E. Hairer and G. Wanner, *Solving Ordinary Differential Equations
 //! II*, 2nd ed. 1996, section IV.2, formula 2.43c (the PI controller).
 
-use core::ops::ControlFlow;
-
 use super::run::{Fault, Method, Next, Run, System};
-use super::{Outcome, Step, Summary};
+use super::{Acceleration, Observer, Summary};
 use crate::error::IntegrationError;
 use crate::scalar::{Real, Scalar};
 use crate::state::{Coordinates, State};
@@ -85,39 +83,34 @@ impl Control {
 /// An explicit Runge–Kutta pair, whose error is in units of the tolerance.
 pub(super) trait Pair<V: Coordinates>: Method<V, Error = V::Scalar> {
     /// The length of the first step, positive \[s\], from where the method has begun; `longest` at the most.
-    fn initial_step<F, R>(
+    fn initial_step<F: Acceleration<V>>(
         &mut self,
         system: &mut System<F>,
         t: f64,
         direction: f64,
         longest: f64,
         state: &State<V>,
-    ) -> f64
-    where
-        F: FnMut(V::Scalar, &V, &V, &mut V) -> R,
-        R: Outcome;
+    ) -> f64;
 }
 
 /// Steps whose error is at most 1, to `t_end`.
-pub(super) fn integrate<T, V, M, F, R, O>(
+pub(super) fn integrate<T, V, M, F>(
     control: &Control,
     method: M,
     acceleration: F,
     t: f64,
     t_end: f64,
     state: &mut State<V>,
-    observer: O,
-) -> Result<Summary, IntegrationError>
+    observer: impl Observer<V, F::Error>,
+) -> Result<Summary, IntegrationError<F::Error>>
 where
     T: Real,
     V: Coordinates<Scalar = T>,
     M: Pair<V>,
-    F: FnMut(T, &V, &V, &mut V) -> R,
-    R: Outcome,
-    O: FnMut(&mut dyn Step<V>) -> ControlFlow<f64>,
+    F: Acceleration<V>,
 {
     let mut run = Run::new(method, acceleration, t, t_end, state, observer)?;
-    control.check()?;
+    control.check().map_err(IntegrationError::widen)?;
     if t == t_end {
         return Ok(run.summary);
     }
@@ -196,11 +189,12 @@ impl<V: Coordinates<Scalar: Real>, const S: usize> Stages<V, S> {
     }
 
     /// The first stage of the first step.
-    pub(super) fn begin<F, R>(&mut self, system: &mut System<F>, t: f64, state: &State<V>) -> Result<(), Fault>
-    where
-        F: FnMut(V::Scalar, &V, &V, &mut V) -> R,
-        R: Outcome,
-    {
+    pub(super) fn begin<F: Acceleration<V>>(
+        &mut self,
+        system: &mut System<F>,
+        t: f64,
+        state: &State<V>,
+    ) -> Result<(), Fault<F::Error>> {
         self.v[0].copy_from(&state.qd);
         system.evaluate(t, &state.q, &state.qd, &mut self.a[0])
     }
@@ -213,7 +207,7 @@ impl<V: Coordinates<Scalar: Real>, const S: usize> Stages<V, S> {
 
     /// Stage `s` at the time `t`: `y₀ + h Σ a[s][j] k[j]` and the acceleration there.
     #[inline(always)] // as `combine`
-    pub(super) fn stage<F, R, const N: usize>(
+    pub(super) fn stage<F: Acceleration<V>, const N: usize>(
         &mut self,
         system: &mut System<F>,
         t: f64,
@@ -221,11 +215,7 @@ impl<V: Coordinates<Scalar: Real>, const S: usize> Stages<V, S> {
         old: &State<V>,
         s: usize,
         row: &[Weight; N],
-    ) -> Result<(), Fault>
-    where
-        F: FnMut(V::Scalar, &V, &V, &mut V) -> R,
-        R: Outcome,
-    {
+    ) -> Result<(), Fault<F::Error>> {
         combine(&mut self.q, &old.q, h, row, &self.v);
         combine(&mut self.v[s], &old.qd, h, row, &self.a);
         system.evaluate(t, &self.q, &self.v[s], &mut self.a[s])
@@ -240,11 +230,13 @@ impl<V: Coordinates<Scalar: Real>, const S: usize> Stages<V, S> {
 
     /// The acceleration at the end of the step, as stage `s`.
     #[inline]
-    pub(super) fn end<F, R>(&mut self, system: &mut System<F>, t: f64, new: &State<V>, s: usize) -> Result<(), Fault>
-    where
-        F: FnMut(V::Scalar, &V, &V, &mut V) -> R,
-        R: Outcome,
-    {
+    pub(super) fn end<F: Acceleration<V>>(
+        &mut self,
+        system: &mut System<F>,
+        t: f64,
+        new: &State<V>,
+        s: usize,
+    ) -> Result<(), Fault<F::Error>> {
         self.v[s].copy_from(&new.qd);
         system.evaluate(t, &new.q, &new.qd, &mut self.a[s])
     }
@@ -275,7 +267,7 @@ impl<V: Coordinates<Scalar: Real>, const S: usize> Stages<V, S> {
     ///
     /// One explicit Euler step, a hundredth of `|y|/|y'|` long, estimates the second derivative; then the step is such
     /// that `hᵖ max(|y'|, |y''|) = 1/100`, in the norm of the tolerances.
-    pub(super) fn initial_step<F, R>(
+    pub(super) fn initial_step<F: Acceleration<V>>(
         &mut self,
         system: &mut System<F>,
         t: f64,
@@ -283,11 +275,7 @@ impl<V: Coordinates<Scalar: Real>, const S: usize> Stages<V, S> {
         longest: f64,
         state: &State<V>,
         order: f64,
-    ) -> f64
-    where
-        F: FnMut(V::Scalar, &V, &V, &mut V) -> R,
-        R: Outcome,
-    {
+    ) -> f64 {
         let small = V::Scalar::from_f64(1e-5);
         let (d0, d1) = (self.norm(state, &state.q, &state.qd), self.norm(state, &self.v[0], &self.a[0]));
         let guess = if d0 < small || d1 < small { 1e-6 } else { 0.01 * (d0 / d1).to_f64() };

@@ -9,11 +9,9 @@
 //! is taken in the same norm over `q` and `q̇` together; the mass of details for Fortran's `IOUT`, stiffness and `NRD`
 //! is left out.
 
-use core::ops::ControlFlow;
-
 use super::adaptive::{self, Control, Pair, Stages, Weight, weighted};
 use super::run::{Fault, Method, Span, System};
-use super::{Integrator, Outcome, Step, Summary};
+use super::{Acceleration, Integrator, Observer, Summary};
 use crate::error::IntegrationError;
 use crate::scalar::{Real, Scalar};
 use crate::state::{Coordinates, State};
@@ -44,9 +42,10 @@ const END: usize = 12;
 /// ```
 /// use mbs_runtime::Dop853;
 ///
-/// let integrator = Dop853 { max_step: 0.5, ..Dop853::new(1e-9, 1e-12) };
+/// let integrator = Dop853::new(1e-9, 1e-12).with_max_step(0.5);
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Dop853 {
     /// Relative tolerance of each number in `q` and `q̇`, positive.
     pub rtol: f64,
@@ -80,23 +79,30 @@ impl Dop853 {
     }
 }
 
+settings! {
+    Dop853:
+    "The length of the first step, positive \\[s\\]." with_first_step first_step f64 = Some(first_step);
+    "The shortest step that may be tried \\[s\\]." with_min_step min_step f64 = min_step;
+    "The longest step, positive \\[s\\]." with_max_step max_step f64 = max_step;
+    "The number of steps allowed in one integration." with_max_steps max_steps usize = max_steps;
+    "`β` of the step control." with_beta beta f64 = beta;
+}
+
 impl<T: Real> Integrator<T> for Dop853 {
     /// # Errors
     /// [`IntegrationError`]: a tolerance or a limit of the step is bad; the tolerances cannot be met; there is no
     /// finite acceleration from some time on; the steps are used up.
-    fn integrate<V, F, R, O>(
+    fn run<V, F>(
         &self,
         acceleration: F,
         t: f64,
         t_end: f64,
         state: &mut State<V>,
-        observer: O,
-    ) -> Result<Summary, IntegrationError>
+        observer: impl Observer<V, F::Error>,
+    ) -> Result<Summary, IntegrationError<F::Error>>
     where
         V: Coordinates<Scalar = T>,
-        F: FnMut(T, &V, &V, &mut V) -> R,
-        R: Outcome,
-        O: FnMut(&mut dyn Step<V>) -> ControlFlow<f64>,
+        F: Acceleration<V>,
     {
         let control = self.control();
         let work = Work { stages: Stages::new(state, &control), parts: core::array::from_fn(|_| state.clone()) };
@@ -114,7 +120,7 @@ struct Work<V: Coordinates> {
 impl<V: Coordinates<Scalar: Real>> Work<V> {
     /// Stage `s` of the step of the length `length`.
     #[inline(always)] // the row is a constant: with it in sight the sums unroll
-    fn stage<F, R, const N: usize>(
+    fn stage<F: Acceleration<V>, const N: usize>(
         &mut self,
         system: &mut System<F>,
         t: f64,
@@ -122,11 +128,7 @@ impl<V: Coordinates<Scalar: Real>> Work<V> {
         old: &State<V>,
         s: usize,
         row: &[Weight; N],
-    ) -> Result<(), Fault>
-    where
-        F: FnMut(V::Scalar, &V, &V, &mut V) -> R,
-        R: Outcome,
-    {
+    ) -> Result<(), Fault<F::Error>> {
         self.stages.stage(system, t + NODES[s] * length, V::Scalar::from_f64(length), old, s, row)
     }
 
@@ -145,36 +147,35 @@ impl<V: Coordinates<Scalar: Real>> Work<V> {
 impl<V: Coordinates<Scalar: Real>> Method<V> for Work<V> {
     type Error = V::Scalar;
 
-    fn begin<F, R>(&mut self, system: &mut System<F>, t: f64, state: &State<V>) -> Result<(), Fault>
-    where
-        F: FnMut(V::Scalar, &V, &V, &mut V) -> R,
-        R: Outcome,
-    {
+    fn begin<F: Acceleration<V>>(
+        &mut self,
+        system: &mut System<F>,
+        t: f64,
+        state: &State<V>,
+    ) -> Result<(), Fault<F::Error>> {
         self.stages.begin(system, t, state)
     }
 
-    fn proceed<F, R>(&mut self, _: &mut System<F>, _: f64, _: &State<V>, _: bool) -> Result<(), Fault>
-    where
-        F: FnMut(V::Scalar, &V, &V, &mut V) -> R,
-        R: Outcome,
-    {
+    fn proceed<F: Acceleration<V>>(
+        &mut self,
+        _: &mut System<F>,
+        _: f64,
+        _: &State<V>,
+        _: bool,
+    ) -> Result<(), Fault<F::Error>> {
         self.stages.proceed(END);
         Ok(())
     }
 
     /// All stages of a step, its end, finite, and its error in units of the tolerance.
-    fn advance<F, R>(
+    fn advance<F: Acceleration<V>>(
         &mut self,
         system: &mut System<F>,
         t: f64,
         length: f64,
         old: &State<V>,
         new: &mut State<V>,
-    ) -> Result<V::Scalar, Fault>
-    where
-        F: FnMut(V::Scalar, &V, &V, &mut V) -> R,
-        R: Outcome,
-    {
+    ) -> Result<V::Scalar, Fault<F::Error>> {
         self.stage(system, t, length, old, 1, &A1)?;
         self.stage(system, t, length, old, 2, &A2)?;
         self.stage(system, t, length, old, 3, &A3)?;
@@ -200,11 +201,11 @@ impl<V: Coordinates<Scalar: Real>> Method<V> for Work<V> {
     }
 
     /// `r₁ = Δy`, `r₂ = h y₀' − Δy`, `r₃ = 2Δy − h (y₀' + y₁')`, `r₄ … r₇ = h Σ d k`.
-    fn prepare<F, R>(&mut self, system: &mut System<F>, span: &Span<'_, V>) -> Result<(), Fault>
-    where
-        F: FnMut(V::Scalar, &V, &V, &mut V) -> R,
-        R: Outcome,
-    {
+    fn prepare<F: Acceleration<V>>(
+        &mut self,
+        system: &mut System<F>,
+        span: &Span<'_, V>,
+    ) -> Result<(), Fault<F::Error>> {
         let Span { start, end, old, new } = *span;
         let length = end - start;
         self.stage(system, start, length, old, 13, &A13)?;
@@ -249,18 +250,14 @@ impl<V: Coordinates<Scalar: Real>> Method<V> for Work<V> {
 }
 
 impl<V: Coordinates<Scalar: Real>> Pair<V> for Work<V> {
-    fn initial_step<F, R>(
+    fn initial_step<F: Acceleration<V>>(
         &mut self,
         system: &mut System<F>,
         t: f64,
         direction: f64,
         longest: f64,
         state: &State<V>,
-    ) -> f64
-    where
-        F: FnMut(V::Scalar, &V, &V, &mut V) -> R,
-        R: Outcome,
-    {
+    ) -> f64 {
         self.stages.initial_step(system, t, direction, longest, state, 8.0)
     }
 }
@@ -268,6 +265,8 @@ impl<V: Coordinates<Scalar: Real>> Pair<V> for Work<V> {
 #[cfg(all(test, any(feature = "std", feature = "libm")))]
 mod tests {
     use super::*;
+    use crate::Step;
+    use core::ops::ControlFlow;
 
     const TAU: f64 = core::f64::consts::TAU;
 

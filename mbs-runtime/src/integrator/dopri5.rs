@@ -17,11 +17,9 @@
 //! and G. Wanner, *Solving Ordinary Differential Equations I*, 2nd ed. 1993, table II.5.2, and, for the dense output of
 //! order 4 by Shampine, section II.6 and their code DOPRI5.
 
-use core::ops::ControlFlow;
-
 use super::adaptive::{self, Control, Pair, Stages, Weight, weighted};
 use super::run::{Fault, Method, Span, System};
-use super::{Integrator, Outcome, Step, Summary};
+use super::{Acceleration, Integrator, Observer, Summary};
 use crate::error::IntegrationError;
 use crate::scalar::{Real, Scalar};
 use crate::state::{Coordinates, State};
@@ -81,7 +79,7 @@ const D: [Weight; 6] = [
 /// ```
 /// use mbs_runtime::Dopri5;
 ///
-/// let integrator = Dopri5 { max_step: 0.5, ..Dopri5::new(1e-6, 1e-9) };
+/// let integrator = Dopri5::new(1e-6, 1e-9).with_max_step(0.5);
 /// ```
 ///
 /// # Source
@@ -89,6 +87,7 @@ const D: [Weight; 6] = [
 /// Mathematics 6, 1980, table 2; E. Hairer, S. P. Nørsett and G. Wanner, *Solving Ordinary Differential Equations I*,
 /// 2nd ed. 1993, sections II.4 to II.6.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Dopri5 {
     /// Relative tolerance of each number in `q` and `q̇`, positive.
     pub rtol: f64,
@@ -122,23 +121,30 @@ impl Dopri5 {
     }
 }
 
+settings! {
+    Dopri5:
+    "The length of the first step, positive \\[s\\]." with_first_step first_step f64 = Some(first_step);
+    "The shortest step that may be tried \\[s\\]." with_min_step min_step f64 = min_step;
+    "The longest step, positive \\[s\\]." with_max_step max_step f64 = max_step;
+    "The number of steps allowed in one integration." with_max_steps max_steps usize = max_steps;
+    "`β` of the step control." with_beta beta f64 = beta;
+}
+
 impl<T: Real> Integrator<T> for Dopri5 {
     /// # Errors
-    /// [`IntegrationError`]: a tolerance, the gain or a limit of the step is bad; the tolerances cannot be met; there
-    /// is no finite acceleration from some time on; the steps are used up.
-    fn integrate<V, F, R, O>(
+    /// [`IntegrationError`]: a tolerance, the gain or a limit of the step is bad; the tolerances cannot be met; there is
+    /// no finite acceleration from some time on; the steps are used up.
+    fn run<V, F>(
         &self,
         acceleration: F,
         t: f64,
         t_end: f64,
         state: &mut State<V>,
-        observer: O,
-    ) -> Result<Summary, IntegrationError>
+        observer: impl Observer<V, F::Error>,
+    ) -> Result<Summary, IntegrationError<F::Error>>
     where
         V: Coordinates<Scalar = T>,
-        F: FnMut(T, &V, &V, &mut V) -> R,
-        R: Outcome,
-        O: FnMut(&mut dyn Step<V>) -> ControlFlow<f64>,
+        F: Acceleration<V>,
     {
         let control = self.control();
         let work = Work { stages: Stages::new(state, &control), parts: core::array::from_fn(|_| state.clone()) };
@@ -156,35 +162,34 @@ struct Work<V: Coordinates> {
 impl<V: Coordinates<Scalar: Real>> Method<V> for Work<V> {
     type Error = V::Scalar;
 
-    fn begin<F, R>(&mut self, system: &mut System<F>, t: f64, state: &State<V>) -> Result<(), Fault>
-    where
-        F: FnMut(V::Scalar, &V, &V, &mut V) -> R,
-        R: Outcome,
-    {
+    fn begin<F: Acceleration<V>>(
+        &mut self,
+        system: &mut System<F>,
+        t: f64,
+        state: &State<V>,
+    ) -> Result<(), Fault<F::Error>> {
         self.stages.begin(system, t, state)
     }
 
-    fn proceed<F, R>(&mut self, _: &mut System<F>, _: f64, _: &State<V>, _: bool) -> Result<(), Fault>
-    where
-        F: FnMut(V::Scalar, &V, &V, &mut V) -> R,
-        R: Outcome,
-    {
+    fn proceed<F: Acceleration<V>>(
+        &mut self,
+        _: &mut System<F>,
+        _: f64,
+        _: &State<V>,
+        _: bool,
+    ) -> Result<(), Fault<F::Error>> {
         self.stages.proceed(END);
         Ok(())
     }
 
-    fn advance<F, R>(
+    fn advance<F: Acceleration<V>>(
         &mut self,
         system: &mut System<F>,
         t: f64,
         length: f64,
         old: &State<V>,
         new: &mut State<V>,
-    ) -> Result<V::Scalar, Fault>
-    where
-        F: FnMut(V::Scalar, &V, &V, &mut V) -> R,
-        R: Outcome,
-    {
+    ) -> Result<V::Scalar, Fault<F::Error>> {
         let h = V::Scalar::from_f64(length);
         self.stages.stage(system, t + NODES[1] * length, h, old, 1, &A1)?;
         self.stages.stage(system, t + NODES[2] * length, h, old, 2, &A2)?;
@@ -202,11 +207,7 @@ impl<V: Coordinates<Scalar: Real>> Method<V> for Work<V> {
     }
 
     /// `r₁ = Δy`, `r₂ = h y₀' − Δy`, `r₃ = 2Δy − h (y₀' + y₁')`, `r₄ = h Σ d k`.
-    fn prepare<F, R>(&mut self, _: &mut System<F>, span: &Span<'_, V>) -> Result<(), Fault>
-    where
-        F: FnMut(V::Scalar, &V, &V, &mut V) -> R,
-        R: Outcome,
-    {
+    fn prepare<F: Acceleration<V>>(&mut self, _: &mut System<F>, span: &Span<'_, V>) -> Result<(), Fault<F::Error>> {
         let Span { start, end, old, new } = *span;
         let h = V::Scalar::from_f64(end - start);
         for (slopes, y0, y1, part) in [
@@ -241,18 +242,14 @@ impl<V: Coordinates<Scalar: Real>> Method<V> for Work<V> {
 }
 
 impl<V: Coordinates<Scalar: Real>> Pair<V> for Work<V> {
-    fn initial_step<F, R>(
+    fn initial_step<F: Acceleration<V>>(
         &mut self,
         system: &mut System<F>,
         t: f64,
         direction: f64,
         longest: f64,
         state: &State<V>,
-    ) -> f64
-    where
-        F: FnMut(V::Scalar, &V, &V, &mut V) -> R,
-        R: Outcome,
-    {
+    ) -> f64 {
         self.stages.initial_step(system, t, direction, longest, state, 5.0)
     }
 }
@@ -260,6 +257,8 @@ impl<V: Coordinates<Scalar: Real>> Pair<V> for Work<V> {
 #[cfg(all(test, any(feature = "std", feature = "libm")))]
 mod tests {
     use super::*;
+    use crate::Step;
+    use core::ops::ControlFlow;
 
     const TAU: f64 = core::f64::consts::TAU;
 

@@ -1,9 +1,7 @@
 //! Steps of fixed length.
 
-use core::ops::ControlFlow;
-
 use super::run::{Method, Next, Run};
-use super::{Outcome, Step, Summary};
+use super::{Acceleration, Observer, Summary};
 use crate::error::IntegrationError;
 use crate::scalar::Scalar;
 use crate::state::{Coordinates, State};
@@ -28,22 +26,20 @@ const MOST_CUTS: usize = 1_000_000;
 /// of them at the most.
 ///
 /// The length is the same number for all of them: the clock is rounded, a symplectic method's step is not.
-pub(super) fn integrate<T, V, M, F, R, O>(
+pub(super) fn integrate<T, V, M, F>(
     (step, max_steps): (f64, usize),
     method: M,
     acceleration: F,
     t: f64,
     t_end: f64,
     state: &mut State<V>,
-    observer: O,
-) -> Result<Summary, IntegrationError>
+    observer: impl Observer<V, F::Error>,
+) -> Result<Summary, IntegrationError<F::Error>>
 where
     T: Scalar,
     V: Coordinates<Scalar = T>,
     M: Method<V, Error = ()>,
-    F: FnMut(T, &V, &V, &mut V) -> R,
-    R: Outcome,
-    O: FnMut(&mut dyn Step<V>) -> ControlFlow<f64>,
+    F: Acceleration<V>,
 {
     let mut run = Run::new(method, acceleration, t, t_end, state, observer)?;
     if step.is_nan() || step <= 0.0 {

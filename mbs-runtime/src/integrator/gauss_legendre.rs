@@ -19,11 +19,9 @@
 //! (tableau), theorem VI.4.2 (symplectic), sections VIII.6.1 and VIII.5 (iteration, rounding). Between the ends of a
 //! step: cubic Hermite polynomials.
 
-use core::ops::ControlFlow;
-
 use super::compensation::Compensation;
 use super::run::{Fault, Method, Span, System};
-use super::{Integrator, Outcome, Step, Summary, fixed, hermite};
+use super::{Acceleration, Integrator, Observer, Summary, fixed, hermite};
 use crate::error::IntegrationError;
 use crate::scalar::{Real, Scalar};
 use crate::state::{Coordinates, State};
@@ -59,6 +57,7 @@ const B_BAR: [f64; 2] = [0.25 + ROOT / 12.0, 0.25 - ROOT / 12.0];
 /// E. Hairer, C. Lubich and G. Wanner, *Geometric Numerical Integration*, 2nd ed. 2006, table II.1.1, theorem VI.4.2,
 /// section VIII.6.1.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct GaussLegendre4 {
     /// The longest step \[s\]. The steps are equal and as many as needed, so that the last one ends where it should.
     pub step: f64,
@@ -78,25 +77,30 @@ impl GaussLegendre4 {
     }
 }
 
+settings! {
+    GaussLegendre4:
+    "The relative change of the accelerations at which the iteration ends, positive." with_tolerance tolerance f64 = tolerance;
+    "The number of iterations allowed in one step." with_max_iterations max_iterations usize = max_iterations;
+    "The number of steps allowed in one integration." with_max_steps max_steps usize = max_steps;
+}
+
 impl<T: Real> Integrator<T> for GaussLegendre4 {
     /// # Errors
     /// [`IntegrationError::InvalidStep`] if `step` is not positive; [`IntegrationError::InvalidTolerance`] if
     /// `tolerance` is not; [`IntegrationError::TooManySteps`] at once if `max_steps` are too few;
     /// [`IntegrationError::NotConverged`] if the iteration does not end; otherwise [`IntegrationError`] where the first
     /// bad number appears.
-    fn integrate<V, F, R, O>(
+    fn run<V, F>(
         &self,
         acceleration: F,
         t: f64,
         t_end: f64,
         state: &mut State<V>,
-        observer: O,
-    ) -> Result<Summary, IntegrationError>
+        observer: impl Observer<V, F::Error>,
+    ) -> Result<Summary, IntegrationError<F::Error>>
     where
         V: Coordinates<Scalar = T>,
-        F: FnMut(T, &V, &V, &mut V) -> R,
-        R: Outcome,
-        O: FnMut(&mut dyn Step<V>) -> ControlFlow<f64>,
+        F: Acceleration<V>,
     {
         let tolerance = self.tolerance;
         if !(tolerance > 0.0 && tolerance.is_finite()) {
@@ -132,18 +136,14 @@ struct Work<V: Coordinates> {
 
 impl<V: Coordinates<Scalar: Real>> Work<V> {
     /// `kᵢ = f(t₀ + cᵢ h, Qᵢ, Q̇ᵢ)` with the `k` at hand; how far it moves, and its size.
-    fn iterate<F, R>(
+    fn iterate<F: Acceleration<V>>(
         &mut self,
         system: &mut System<F>,
         t: f64,
         length: f64,
         old: &State<V>,
         i: usize,
-    ) -> Result<[V::Scalar; 2], Fault>
-    where
-        F: FnMut(V::Scalar, &V, &V, &mut V) -> R,
-        R: Outcome,
-    {
+    ) -> Result<[V::Scalar; 2], Fault<F::Error>> {
         let (h, c) = (V::Scalar::from_f64(length), V::Scalar::from_f64(C[i]));
         let (a, a_bar) = (A[i].map(V::Scalar::from_f64), A_BAR[i].map(V::Scalar::from_f64));
         let (q, qd) = (old.q.as_slice(), old.qd.as_slice());
@@ -164,11 +164,13 @@ impl<V: Coordinates<Scalar: Real>> Work<V> {
     }
 
     /// Iterates the accelerations of both stages until they stay.
-    fn solve<F, R>(&mut self, system: &mut System<F>, t: f64, length: f64, old: &State<V>) -> Result<(), Fault>
-    where
-        F: FnMut(V::Scalar, &V, &V, &mut V) -> R,
-        R: Outcome,
-    {
+    fn solve<F: Acceleration<V>>(
+        &mut self,
+        system: &mut System<F>,
+        t: f64,
+        length: f64,
+        old: &State<V>,
+    ) -> Result<(), Fault<F::Error>> {
         let h = V::Scalar::from_f64(length);
         let mut least = V::Scalar::zero();
         // For how many iterations the change has not decreased.
@@ -214,11 +216,12 @@ impl<V: Coordinates<Scalar: Real>> Method<V> for Work<V> {
     type Error = ();
 
     /// The accelerations of the stages start from the one at the beginning.
-    fn begin<F, R>(&mut self, system: &mut System<F>, t: f64, state: &State<V>) -> Result<(), Fault>
-    where
-        F: FnMut(V::Scalar, &V, &V, &mut V) -> R,
-        R: Outcome,
-    {
+    fn begin<F: Acceleration<V>>(
+        &mut self,
+        system: &mut System<F>,
+        t: f64,
+        state: &State<V>,
+    ) -> Result<(), Fault<F::Error>> {
         self.rounding.clear();
         let [k1, k2] = &mut self.k;
         system.evaluate(t, &state.q, &state.qd, k1)?;
@@ -227,11 +230,13 @@ impl<V: Coordinates<Scalar: Real>> Method<V> for Work<V> {
     }
 
     /// They start from the line through those of the step before: `k(c + 1)` of the next one.
-    fn proceed<F, R>(&mut self, _: &mut System<F>, _: f64, _: &State<V>, _: bool) -> Result<(), Fault>
-    where
-        F: FnMut(V::Scalar, &V, &V, &mut V) -> R,
-        R: Outcome,
-    {
+    fn proceed<F: Acceleration<V>>(
+        &mut self,
+        _: &mut System<F>,
+        _: f64,
+        _: &State<V>,
+        _: bool,
+    ) -> Result<(), Fault<F::Error>> {
         self.rounding.proceed();
         let root = V::Scalar::from_f64(ROOT);
         let [k1, k2] = self.k.each_mut().map(V::as_mut_slice);
@@ -243,18 +248,14 @@ impl<V: Coordinates<Scalar: Real>> Method<V> for Work<V> {
         Ok(())
     }
 
-    fn advance<F, R>(
+    fn advance<F: Acceleration<V>>(
         &mut self,
         system: &mut System<F>,
         t: f64,
         length: f64,
         old: &State<V>,
         new: &mut State<V>,
-    ) -> Result<(), Fault>
-    where
-        F: FnMut(V::Scalar, &V, &V, &mut V) -> R,
-        R: Outcome,
-    {
+    ) -> Result<(), Fault<F::Error>> {
         self.solve(system, t, length, old)?;
         let (h, half) = (V::Scalar::from_f64(length), V::Scalar::from_f64(0.5 * length));
         let b_bar = B_BAR.map(V::Scalar::from_f64);
@@ -268,11 +269,11 @@ impl<V: Coordinates<Scalar: Real>> Method<V> for Work<V> {
         if new.is_finite() { Ok(()) } else { Err(Fault::NonFinite) }
     }
 
-    fn prepare<F, R>(&mut self, system: &mut System<F>, span: &Span<'_, V>) -> Result<(), Fault>
-    where
-        F: FnMut(V::Scalar, &V, &V, &mut V) -> R,
-        R: Outcome,
-    {
+    fn prepare<F: Acceleration<V>>(
+        &mut self,
+        system: &mut System<F>,
+        span: &Span<'_, V>,
+    ) -> Result<(), Fault<F::Error>> {
         let [first, last] = &mut self.ends;
         system.evaluate(span.start, &span.old.q, &span.old.qd, first)?;
         system.evaluate(span.end, &span.new.q, &span.new.qd, last)
@@ -286,6 +287,8 @@ impl<V: Coordinates<Scalar: Real>> Method<V> for Work<V> {
 #[cfg(all(test, any(feature = "std", feature = "libm")))]
 mod tests {
     use super::*;
+    use crate::Step;
+    use core::ops::ControlFlow;
 
     fn go_on<V: Coordinates>(_: &mut dyn Step<V>) -> ControlFlow<f64> {
         ControlFlow::Continue(())

@@ -1,150 +1,179 @@
-//! Motions on constraints, to which an observer brings every accepted step back.
+//! Motions on constraints: any method, whose steps are brought back to where they have to be.
 //!
-//! Values: `orbit.constraint_pendulum` and `orbit.constraint_knife_edge` of the reference data, `g = 9.80665 m/s²`.
+//! Source: E. Hairer, C. Lubich and G. Wanner, *Geometric Numerical Integration*, 2nd ed. 2006, section IV.4 (standard
+//! projection method, algorithm IV.4.2), here in the metric of the mass matrix.
 
 use core::ops::ControlFlow;
-use std::vec::Vec;
 
-use crate::{Constraints, Dop853, Event, Integrator, Projector, Response, State, Step};
+use super::{Acceleration, Integrator, Observer, Step, Summary};
+use crate::constraint::{Constraints, Projector};
+use crate::error::IntegrationError;
+use crate::event::{Event, Watch};
+use crate::scalar::Real;
+use crate::state::{Coordinates, State};
 
-const G: f64 = 9.80665;
-
-/// A point of mass 1 at the distance 1 from the origin.
-struct Circle;
-
-impl Constraints<f64> for Circle {
-    fn rows(&self) -> usize {
-        1
-    }
-    fn is_holonomic(&self, _: usize) -> bool {
-        true
-    }
-    fn mass_matrix(&self, _: f64, _: &[f64], m: &mut [f64]) {
-        m.copy_from_slice(&[1.0, 0.0, 0.0, 1.0]);
-    }
-    fn position(&self, _: f64, q: &[f64], phi: &mut [f64]) {
-        phi[0] = length_error(q);
-    }
-    fn rate(&self, _: f64, q: &[f64], qd: &[f64], rate: &mut [f64]) {
-        rate[0] = q[0] * qd[0] + q[1] * qd[1];
-    }
-    fn jacobian(&self, _: f64, q: &[f64], a: &mut [f64]) {
-        a.copy_from_slice(q);
-    }
+/// An integrator whose steps are projected onto constraints: `φ(q, t) = 0` and `A q̇ + b = 0` hold at the end of each of
+/// them, and wherever an observer or [`sample`](Integrator::sample) looks between.
+///
+/// The accelerations have to satisfy `A q̈ + γ = 0`, as those of a generated `forward_dynamics` do; what is taken away
+/// is the drift of the method's errors. What [`Step::state`] and [`Step::interpolate`] give has been projected; the
+/// functions of events see the method's own interpolant. An observer that replaces the state, or an event that changes
+/// it, answers for the constraints itself.
+///
+/// | field         | meaning                                                                                       |
+/// |---------------|-----------------------------------------------------------------------------------------------|
+/// | `method`      | makes the steps                                                                               |
+/// | `constraints` | a mechanism, or whatever knows `φ`, `A`, `A q̇ + b` and `M`                                     |
+/// | `projector`   | brings states back; its memory is cloned once in each integration                             |
+///
+/// ```text
+/// let projector = Projector::new([0.0; Projector::<f64, [f64; 0]>::size(3, 2)]);
+/// let method = Projected { method: Dop853::new(1e-10, 1e-12), constraints: &four_bar, projector };
+/// method.integrate(accelerations(&four_bar, |_, _, _| [0.0]), 0.0, 10.0, &mut state, |_| ControlFlow::Continue(()))?;
+/// ```
+///
+/// The manual, `docs/integrators.md`, has a whole example.
+#[derive(Clone, Debug)]
+pub struct Projected<'a, I, C, T, S> {
+    /// Makes the steps.
+    pub method: I,
+    /// What the ends of the steps have to satisfy.
+    pub constraints: &'a C,
+    /// Brings them there.
+    pub projector: Projector<T, S>,
 }
 
-/// `φ = (x² + y² − 1)/2`.
-fn length_error(q: &[f64]) -> f64 {
-    0.5 * (q[0] * q[0] + q[1] * q[1] - 1.0)
-}
-
-/// `q̈ = g + Aᵀ λ` with `A q̈ + q̇·q̇ = 0`; y points up.
-fn swing(_: f64, q: &[f64; 2], qd: &[f64; 2], qdd: &mut [f64; 2]) {
-    let lambda = -(qd[0] * qd[0] + qd[1] * qd[1] - G * q[1]) / (q[0] * q[0] + q[1] * q[1]);
-    *qdd = [lambda * q[0], lambda * q[1] - G];
-}
-
-/// At rest at 60°.
-fn raised() -> State<[f64; 2]> {
-    let (sin, cos) = core::f64::consts::FRAC_PI_3.sin_cos();
-    State::new([sin, -cos], [0.0, 0.0])
-}
-
-fn energy(state: &State<[f64; 2]>) -> f64 {
-    0.5 * (state.qd[0] * state.qd[0] + state.qd[1] * state.qd[1]) + G * (state.q[1] + 1.0)
-}
-
-/// Goes on from the state on the constraints that is next to the end of the step.
-fn project<C: Constraints<f64>, const N: usize>(constraints: &C, step: &mut dyn Step<[f64; N]>) {
-    let mut state = *step.state();
-    Projector::new([0.0; 64]).project(constraints, step.time(), &mut state).unwrap();
-    step.replace(&state);
-}
-
-#[test]
-fn the_pendulum_stays_on_its_circle() {
-    let mut state = raised();
-    let initial = energy(&state);
-    let (mut open, mut drift) = (0.0_f64, 0.0_f64);
-    let summary = Dop853::new(1e-11, 1e-13)
-        .integrate(swing, 0.0, 1000.0, &mut state, |step| {
-            // What the step begins with is what the projection left.
-            open = open.max(length_error(&step.previous_state().q).abs());
-            drift = drift.max((energy(step.previous_state()) / initial - 1.0).abs());
-            project(&Circle, step);
-            ControlFlow::Continue(())
-        })
-        .unwrap();
-    assert_eq!(summary.time, 1000.0);
-    assert!(open.max(length_error(&state.q).abs()) <= 1e-15, "{open:e}");
-    assert!(drift <= 5e-9, "{drift:e}");
-}
-
-#[test]
-fn the_pendulum_keeps_its_period() {
-    let mut times = Vec::new();
-    let mut note = |t, _: &mut State<[f64; 2]>| {
-        times.push(t);
-        Response::Continue
-    };
-    let mut lowest = [Event::new(&|_, state: &State<[f64; 2]>| state.q[0]).with_action(&mut note)];
-    Dop853::new(1e-12, 1e-13)
-        .integrate_with_events(swing, 0.0, 22.0, &mut raised(), &mut lowest, |step| {
-            project(&Circle, step);
-            ControlFlow::Continue(())
-        })
-        .unwrap();
-    assert_eq!(times.len(), 20);
-    let period = 2.153_242_351_783_842_6;
-    for (i, time) in times.iter().enumerate() {
-        assert!((time - (0.25 + 0.5 * i as f64) * period).abs() < 1e-9, "passage {i}: {time}");
-    }
-}
-
-/// A blade on an incline that moves along its heading `φ` only: `sin φ ẋ − cos φ ẏ = 0`; x points down the slope.
-struct KnifeEdge;
-
-impl Constraints<f64> for KnifeEdge {
-    fn rows(&self) -> usize {
-        1
-    }
-    fn is_holonomic(&self, _: usize) -> bool {
-        false
-    }
-    fn mass_matrix(&self, _: f64, _: &[f64], m: &mut [f64]) {
-        m.copy_from_slice(&[1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0]);
-    }
-    fn position(&self, _: f64, _: &[f64], _: &mut [f64]) {}
-    fn rate(&self, _: f64, q: &[f64], qd: &[f64], rate: &mut [f64]) {
-        rate[0] = q[2].sin() * qd[0] - q[2].cos() * qd[1];
-    }
-    fn jacobian(&self, _: f64, q: &[f64], a: &mut [f64]) {
-        a.copy_from_slice(&[q[2].sin(), -q[2].cos(), 0.0]);
-    }
-}
-
-#[test]
-fn the_knife_edge_goes_where_it_points() {
-    // γ = φ̇ (cos φ ẋ + sin φ ẏ), λ = −(A g + γ), the slope 20°, φ̇ = 0.7 for ever.
-    let pull = G * 20.0_f64.to_radians().sin();
-    let slide = |_: f64, q: &[f64; 3], qd: &[f64; 3], qdd: &mut [f64; 3]| {
-        let (sin, cos) = q[2].sin_cos();
-        let lambda = -(pull * sin + qd[2] * (cos * qd[0] + sin * qd[1]));
-        *qdd = [pull + lambda * sin, -lambda * cos, 0.0];
-    };
-    let mut state = State::new([0.0; 3], [0.0, 0.0, 0.7]);
-    for (t, x, y) in
-        [(1.0, 1.420_402_975_033_200_8, 0.709_403_768_523_874_7), (2.0, 3.323_649_620_933_192_5, 4.218_278_993_490_296)]
+impl<T, I, C, S> Integrator<T> for Projected<'_, I, C, T, S>
+where
+    T: Real,
+    I: Integrator<T>,
+    C: Constraints<T>,
+    S: AsMut<[T]> + Clone,
+{
+    /// # Errors
+    /// [`IntegrationError::Constraint`] where no state near the end of a step satisfies the constraints; otherwise those
+    /// of the method.
+    fn run<V, F>(
+        &self,
+        acceleration: F,
+        t: f64,
+        t_end: f64,
+        state: &mut State<V>,
+        mut observer: impl Observer<V, F::Error>,
+    ) -> Result<Summary, IntegrationError<F::Error>>
+    where
+        V: Coordinates<Scalar = T>,
+        F: Acceleration<V>,
     {
-        Dop853::new(1e-12, 1e-13)
-            .integrate(slide, t - 1.0, t, &mut state, |step| {
-                project(&KnifeEdge, step);
-                ControlFlow::Continue(())
-            })
-            .unwrap();
-        assert!((state.q[0] - x).hypot(state.q[1] - y) < 1e-10, "{state:?}");
-        let mut rate = [0.0];
-        KnifeEdge.rate(t, &state.q, &state.qd, &mut rate);
-        assert!(rate[0].abs() < 1e-15);
+        let (mut projector, mut end) = (self.projector.clone(), state.clone());
+        self.method.run(acceleration, t, t_end, state, |step: &mut dyn Step<V>| {
+            Closed::observe(step, self.constraints, &mut projector, &mut end, &mut observer)
+        })
+    }
+
+    fn watch<V, F>(
+        &self,
+        acceleration: F,
+        t: f64,
+        t_end: f64,
+        state: &mut State<V>,
+        events: &mut [Event<'_, V>],
+        mut observer: impl Observer<V, F::Error>,
+    ) -> Result<Summary, IntegrationError<F::Error>>
+    where
+        V: Coordinates<Scalar = T>,
+        F: Acceleration<V>,
+    {
+        let (mut projector, mut end) = (self.projector.clone(), state.clone());
+        let mut watch = Watch::new(events, state);
+        let mut closed =
+            |step: &mut dyn Step<V>| Closed::observe(step, self.constraints, &mut projector, &mut end, &mut observer);
+        self.method.run(acceleration, t, t_end, state, |step: &mut dyn Step<V>| watch.observe(step, &mut closed))
     }
 }
+
+/// A step whose end, and whatever is asked for before it, is on the constraints.
+struct Closed<'a, V, C, T, S> {
+    whole: &'a mut dyn Step<V>,
+    constraints: &'a C,
+    projector: &'a mut Projector<T, S>,
+    end: &'a State<V>,
+    /// Whether the observer goes on from a state of its own.
+    replaced: bool,
+    fault: Option<IntegrationError>,
+}
+
+impl<T: Real, V: Coordinates<Scalar = T>, C: Constraints<T>, S: AsMut<[T]>> Closed<'_, V, C, T, S> {
+    /// Projects the end of the step, shows it to the observer, and goes on from there.
+    fn observe<E>(
+        step: &mut dyn Step<V>,
+        constraints: &C,
+        projector: &mut Projector<T, S>,
+        end: &mut State<V>,
+        observer: &mut impl Observer<V, E>,
+    ) -> Result<ControlFlow<f64>, IntegrationError<E>> {
+        let time = step.time();
+        end.copy_from(step.state());
+        projector.project(constraints, time, end).map_err(|error| IntegrationError::Constraint { time, error })?;
+        let mut closed = Closed { whole: step, constraints, projector, end, replaced: false, fault: None };
+        let answer = observer(&mut closed);
+        let replaced = closed.replaced;
+        if !replaced
+            && let Ok(ControlFlow::Break(last)) = answer
+            && last != time
+        {
+            let mut state = closed.end.clone();
+            closed.interpolate(last, &mut state).and_then(|()| closed.whole.restart(last, &state)).ok();
+        } else if !replaced {
+            closed.whole.replace(closed.end);
+        }
+        closed.fault.map_or(answer, |error| Err(error.widen()))
+    }
+}
+
+impl<T: Real, V: Coordinates<Scalar = T>, C: Constraints<T>, S: AsMut<[T]>> Step<V> for Closed<'_, V, C, T, S> {
+    fn previous_time(&self) -> f64 {
+        self.whole.previous_time()
+    }
+
+    fn time(&self) -> f64 {
+        self.whole.time()
+    }
+
+    fn previous_state(&self) -> &State<V> {
+        self.whole.previous_state()
+    }
+
+    fn state(&self) -> &State<V> {
+        self.end
+    }
+
+    fn interpolate(&mut self, t: f64, state: &mut State<V>) -> Result<(), IntegrationError> {
+        if t == self.whole.time() {
+            state.copy_from(self.end);
+            return Ok(());
+        }
+        self.whole.interpolate(t, state)?;
+        if t == self.whole.previous_time() {
+            return Ok(());
+        }
+        self.projector.project(self.constraints, t, state).map_err(|error| {
+            let error = IntegrationError::Constraint { time: t, error };
+            self.fault = Some(error);
+            error
+        })
+    }
+
+    fn replace(&mut self, state: &State<V>) {
+        self.replaced = true;
+        self.whole.replace(state);
+    }
+
+    fn restart(&mut self, t: f64, state: &State<V>) -> Result<(), IntegrationError> {
+        self.replaced = true;
+        self.whole.restart(t, state)
+    }
+}
+
+#[cfg(all(test, feature = "std"))]
+mod tests;

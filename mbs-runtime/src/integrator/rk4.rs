@@ -13,11 +13,9 @@
 //! Nørsett and G. Wanner, *Solving Ordinary Differential Equations I*, 2nd ed. 1993, table II.1.2. Between the ends of
 //! a step: cubic Hermite polynomials.
 
-use core::ops::ControlFlow;
-
 use super::run::{Fault, Method, Span, System};
-use super::{Integrator, Outcome, Step, Summary, fixed, hermite};
-use crate::error::{IntegrationError, SingularMassMatrix};
+use super::{Acceleration, Integrator, Observer, Outcome, Summary, fixed, hermite};
+use crate::error::IntegrationError;
 use crate::scalar::Scalar;
 use crate::state::{Coordinates, State};
 
@@ -26,6 +24,7 @@ use crate::state::{Coordinates, State};
 /// No error control, no branches: right for real time, and for lanes, which have to go in step. [`Rk4Stepper`] makes
 /// single steps.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Rk4 {
     /// The longest step \[s\]. The steps are equal and as many as needed, so that the last one ends where it should.
     pub step: f64,
@@ -41,23 +40,26 @@ impl Rk4 {
     }
 }
 
+settings! {
+    Rk4:
+    "The number of steps allowed in one integration." with_max_steps max_steps usize = max_steps;
+}
+
 impl<T: Scalar> Integrator<T> for Rk4 {
     /// # Errors
     /// [`IntegrationError::InvalidStep`] if `step` is not positive; [`IntegrationError::TooManySteps`] at once if
     /// `max_steps` are too few; otherwise [`IntegrationError`] where the first bad number appears.
-    fn integrate<V, F, R, O>(
+    fn run<V, F>(
         &self,
         acceleration: F,
         t: f64,
         t_end: f64,
         state: &mut State<V>,
-        observer: O,
-    ) -> Result<Summary, IntegrationError>
+        observer: impl Observer<V, F::Error>,
+    ) -> Result<Summary, IntegrationError<F::Error>>
     where
         V: Coordinates<Scalar = T>,
-        F: FnMut(T, &V, &V, &mut V) -> R,
-        R: Outcome,
-        O: FnMut(&mut dyn Step<V>) -> ControlFlow<f64>,
+        F: Acceleration<V>,
     {
         let method = Rk4Stepper::new(state);
         fixed::integrate((self.step, self.max_steps), method, acceleration, t, t_end, state, observer)
@@ -100,7 +102,7 @@ impl<V: Coordinates> Rk4Stepper<V> {
     /// Carries `state` from the time `t` to `t + h` in one step. `h` may be negative.
     ///
     /// # Errors
-    /// [`SingularMassMatrix`] where `acceleration` says so; `state` is then untouched. Numbers that are not finite are
+    /// Those of `acceleration`; `state` is then untouched. Numbers that are not finite are
     /// not looked for: [`State::is_finite`] does.
     pub fn step<F, R>(
         &mut self,
@@ -108,7 +110,7 @@ impl<V: Coordinates> Rk4Stepper<V> {
         t: V::Scalar,
         h: V::Scalar,
         state: &mut State<V>,
-    ) -> Result<(), SingularMassMatrix>
+    ) -> Result<(), R::Error>
     where
         F: FnMut(V::Scalar, &V, &V, &mut V) -> R,
         R: Outcome,
@@ -169,19 +171,22 @@ fn advance<V: Coordinates>(out: &mut V, base: &V, h: V::Scalar, slope: &V) {
 impl<V: Coordinates> Method<V> for Rk4Stepper<V> {
     type Error = ();
 
-    fn begin<F, R>(&mut self, system: &mut System<F>, t: f64, state: &State<V>) -> Result<(), Fault>
-    where
-        F: FnMut(V::Scalar, &V, &V, &mut V) -> R,
-        R: Outcome,
-    {
+    fn begin<F: Acceleration<V>>(
+        &mut self,
+        system: &mut System<F>,
+        t: f64,
+        state: &State<V>,
+    ) -> Result<(), Fault<F::Error>> {
         system.evaluate(t, &state.q, &state.qd, &mut self.k[0])
     }
 
-    fn proceed<F, R>(&mut self, system: &mut System<F>, t: f64, state: &State<V>, prepared: bool) -> Result<(), Fault>
-    where
-        F: FnMut(V::Scalar, &V, &V, &mut V) -> R,
-        R: Outcome,
-    {
+    fn proceed<F: Acceleration<V>>(
+        &mut self,
+        system: &mut System<F>,
+        t: f64,
+        state: &State<V>,
+        prepared: bool,
+    ) -> Result<(), Fault<F::Error>> {
         if prepared {
             self.k.swap(0, 4);
             return Ok(());
@@ -189,18 +194,14 @@ impl<V: Coordinates> Method<V> for Rk4Stepper<V> {
         self.begin(system, t, state)
     }
 
-    fn advance<F, R>(
+    fn advance<F: Acceleration<V>>(
         &mut self,
         system: &mut System<F>,
         t: f64,
         length: f64,
         old: &State<V>,
         new: &mut State<V>,
-    ) -> Result<(), Fault>
-    where
-        F: FnMut(V::Scalar, &V, &V, &mut V) -> R,
-        R: Outcome,
-    {
+    ) -> Result<(), Fault<F::Error>> {
         self.stages(V::Scalar::from_f64(length), old, |stage, q, qd, qdd| {
             system.evaluate(if stage == 3 { t + length } else { t + 0.5 * length }, q, qd, qdd)
         })?;
@@ -209,11 +210,11 @@ impl<V: Coordinates> Method<V> for Rk4Stepper<V> {
         if new.is_finite() { Ok(()) } else { Err(Fault::NonFinite) }
     }
 
-    fn prepare<F, R>(&mut self, system: &mut System<F>, span: &Span<'_, V>) -> Result<(), Fault>
-    where
-        F: FnMut(V::Scalar, &V, &V, &mut V) -> R,
-        R: Outcome,
-    {
+    fn prepare<F: Acceleration<V>>(
+        &mut self,
+        system: &mut System<F>,
+        span: &Span<'_, V>,
+    ) -> Result<(), Fault<F::Error>> {
         system.evaluate(span.end, &span.new.q, &span.new.qd, &mut self.k[4])
     }
 
@@ -225,6 +226,8 @@ impl<V: Coordinates> Method<V> for Rk4Stepper<V> {
 #[cfg(all(test, any(feature = "std", feature = "libm")))]
 mod tests {
     use super::*;
+    use crate::Step;
+    use core::ops::ControlFlow;
 
     fn go_on<V: Coordinates>(_: &mut dyn Step<V>) -> ControlFlow<f64> {
         ControlFlow::Continue(())

@@ -2,30 +2,29 @@
 
 use core::ops::ControlFlow;
 
-use super::{Outcome, Step, Summary, check_input, is_between};
-use crate::error::{IntegrationError, SingularMassMatrix};
+use super::{Acceleration, Observer, Step, Summary, check_input, is_between};
+use crate::error::IntegrationError;
 use crate::scalar::Scalar;
 use crate::state::{Coordinates, State};
 
 /// Why a step is refused.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Fault {
+pub(super) enum Fault<E> {
     Inaccurate,
     NonFinite,
-    Singular(SingularMassMatrix),
+    /// What the right-hand side says.
+    NoAcceleration(E),
     /// The stages of an implicit method, after as many iterations.
     NotConverged(usize),
 }
 
-impl Fault {
+impl<E> Fault<E> {
     /// The error to end with, at the last accepted `time`, when a step of length `step` could not be made.
-    pub(super) fn at(self, time: f64, step: f64) -> IntegrationError {
+    pub(super) fn at(self, time: f64, step: f64) -> IntegrationError<E> {
         match self {
             Self::Inaccurate => IntegrationError::StepTooSmall { time, step },
             Self::NonFinite => IntegrationError::NonFiniteState { time },
-            Self::Singular(SingularMassMatrix { pivot, index }) => {
-                IntegrationError::SingularMassMatrix { time, pivot, index }
-            }
+            Self::NoAcceleration(error) => IntegrationError::Stopped { time, error },
             Self::NotConverged(iterations) => IntegrationError::NotConverged { time, iterations },
         }
     }
@@ -40,14 +39,13 @@ pub(super) struct System<F> {
 impl<F> System<F> {
     /// `q̈ = f(t, q, q̇)`, finite.
     #[inline]
-    pub(super) fn evaluate<V, R>(&mut self, t: f64, q: &V, qd: &V, qdd: &mut V) -> Result<(), Fault>
+    pub(super) fn evaluate<V>(&mut self, t: f64, q: &V, qd: &V, qdd: &mut V) -> Result<(), Fault<F::Error>>
     where
         V: Coordinates,
-        F: FnMut(V::Scalar, &V, &V, &mut V) -> R,
-        R: Outcome,
+        F: Acceleration<V>,
     {
         self.evaluations += 1;
-        (self.acceleration)(V::Scalar::from_f64(t), q, qd, qdd).into_result().map_err(Fault::Singular)?;
+        (self.acceleration)(V::Scalar::from_f64(t), q, qd, qdd).map_err(Fault::NoAcceleration)?;
         if qdd.is_finite() { Ok(()) } else { Err(Fault::NonFinite) }
     }
 }
@@ -66,35 +64,38 @@ pub(super) trait Method<V: Coordinates> {
     type Error;
 
     /// Makes ready for a step from a state that does not come from this method: the first one, or after a jump.
-    fn begin<F, R>(&mut self, system: &mut System<F>, t: f64, state: &State<V>) -> Result<(), Fault>
-    where
-        F: FnMut(V::Scalar, &V, &V, &mut V) -> R,
-        R: Outcome;
+    fn begin<F: Acceleration<V>>(
+        &mut self,
+        system: &mut System<F>,
+        t: f64,
+        state: &State<V>,
+    ) -> Result<(), Fault<F::Error>>;
 
     /// Makes ready for the step after the one just made; `prepared` where that one was interpolated.
-    fn proceed<F, R>(&mut self, system: &mut System<F>, t: f64, state: &State<V>, prepared: bool) -> Result<(), Fault>
-    where
-        F: FnMut(V::Scalar, &V, &V, &mut V) -> R,
-        R: Outcome;
+    fn proceed<F: Acceleration<V>>(
+        &mut self,
+        system: &mut System<F>,
+        t: f64,
+        state: &State<V>,
+        prepared: bool,
+    ) -> Result<(), Fault<F::Error>>;
 
     /// The step from `old` at the time `t` to `new`, finite, `length` \[s\] later; negative backwards.
-    fn advance<F, R>(
+    fn advance<F: Acceleration<V>>(
         &mut self,
         system: &mut System<F>,
         t: f64,
         length: f64,
         old: &State<V>,
         new: &mut State<V>,
-    ) -> Result<Self::Error, Fault>
-    where
-        F: FnMut(V::Scalar, &V, &V, &mut V) -> R,
-        R: Outcome;
+    ) -> Result<Self::Error, Fault<F::Error>>;
 
     /// Evaluates and stores what [`interpolate`](Self::interpolate) needs.
-    fn prepare<F, R>(&mut self, system: &mut System<F>, span: &Span<'_, V>) -> Result<(), Fault>
-    where
-        F: FnMut(V::Scalar, &V, &V, &mut V) -> R,
-        R: Outcome;
+    fn prepare<F: Acceleration<V>>(
+        &mut self,
+        system: &mut System<F>,
+        span: &Span<'_, V>,
+    ) -> Result<(), Fault<F::Error>>;
 
     /// The solution at the fraction `theta` of the step.
     fn interpolate(&self, span: &Span<'_, V>, theta: V::Scalar, state: &mut State<V>);
@@ -130,13 +131,12 @@ pub(super) enum Next {
     Stop,
 }
 
-impl<'a, V, F, R, M, O> Run<'a, V, F, M, O>
+impl<'a, V, F, M, O> Run<'a, V, F, M, O>
 where
     V: Coordinates,
-    F: FnMut(V::Scalar, &V, &V, &mut V) -> R,
-    R: Outcome,
+    F: Acceleration<V>,
     M: Method<V>,
-    O: FnMut(&mut dyn Step<V>) -> ControlFlow<f64>,
+    O: Observer<V, F::Error>,
 {
     /// Checks what is given; nothing is evaluated yet.
     pub(super) fn new(
@@ -146,8 +146,8 @@ where
         t_end: f64,
         state: &'a mut State<V>,
         observer: O,
-    ) -> Result<Self, IntegrationError> {
-        check_input(t, t_end, state)?;
+    ) -> Result<Self, IntegrationError<F::Error>> {
+        check_input(t, t_end, state).map_err(IntegrationError::widen)?;
         Ok(Self {
             system: System { acceleration, evaluations: 0 },
             method,
@@ -162,7 +162,7 @@ where
     }
 
     /// Makes the method ready for a step from here.
-    pub(super) fn ready(&mut self) -> Result<(), Fault> {
+    pub(super) fn ready(&mut self) -> Result<(), Fault<F::Error>> {
         let t = self.summary.time;
         match self.known {
             None => self.method.begin(&mut self.system, t, self.state),
@@ -172,12 +172,12 @@ where
 
     /// Tries a step of the length `length`.
     #[inline]
-    pub(super) fn advance(&mut self, length: f64) -> Result<M::Error, Fault> {
+    pub(super) fn advance(&mut self, length: f64) -> Result<M::Error, Fault<F::Error>> {
         self.method.advance(&mut self.system, self.summary.time, length, self.state, &mut self.new)
     }
 
     /// Accepts the step just made, which ends at the time `end`, and asks the observer.
-    pub(super) fn accept(&mut self, end: f64) -> Result<Next, IntegrationError> {
+    pub(super) fn accept(&mut self, end: f64) -> Result<Next, IntegrationError<F::Error>> {
         let onward = Accepted {
             span: Span { start: self.summary.time, end, old: self.state, new: &self.new },
             system: &mut self.system,
@@ -189,9 +189,12 @@ where
         }
         .observe(&mut self.observer);
         self.state.copy_from(&self.new);
-        let Onward { stopped, prepared, origin } = onward?;
+        let Onward { stopped, prepared, origin, error } = onward?;
         if origin.is_some() {
             self.state.copy_from(&self.replacement);
+        }
+        if let Some(error) = error {
+            return Err(error);
         }
         self.known = if origin.is_some() { None } else { Some(prepared) };
         self.idle = if origin == Some(self.summary.time) { self.idle + 1 } else { 0 };
@@ -211,7 +214,10 @@ where
 }
 
 /// A step on its way through the observer.
-struct Accepted<'a, V, F, M> {
+struct Accepted<'a, V, F: Acceleration<V>, M>
+where
+    V: Coordinates,
+{
     span: Span<'a, V>,
     system: &'a mut System<F>,
     method: &'a mut M,
@@ -219,46 +225,53 @@ struct Accepted<'a, V, F, M> {
     prepared: bool,
     /// The time at which the integration goes on from the replacement.
     origin: Option<f64>,
-    fault: Option<IntegrationError>,
+    fault: Option<IntegrationError<F::Error>>,
 }
 
 /// What the observer wants.
-struct Onward {
+struct Onward<E> {
     /// Whether it ended the integration.
     stopped: bool,
     /// Whether the interpolant was prepared.
     prepared: bool,
     /// The time at which the integration goes on, or ends, with the replacement.
     origin: Option<f64>,
+    /// What the observer ended it with.
+    error: Option<IntegrationError<E>>,
 }
 
-impl<V, F, R, M> Accepted<'_, V, F, M>
+impl<V, F, M> Accepted<'_, V, F, M>
 where
     V: Coordinates,
-    F: FnMut(V::Scalar, &V, &V, &mut V) -> R,
-    R: Outcome,
+    F: Acceleration<V>,
     M: Method<V>,
 {
     /// Shows the step to the observer; how the integration goes on.
-    fn observe<O>(mut self, observer: &mut O) -> Result<Onward, IntegrationError>
-    where
-        O: FnMut(&mut dyn Step<V>) -> ControlFlow<f64>,
-    {
+    fn observe(
+        mut self,
+        observer: &mut impl Observer<V, F::Error>,
+    ) -> Result<Onward<F::Error>, IntegrationError<F::Error>> {
         let answer = observer(&mut self);
         if let Some(error) = self.fault {
             return Err(error);
         }
-        if let ControlFlow::Break(time) = answer
+        // An error with a time inside the step leaves the state of that time.
+        let (last, stopped, error) = match answer {
+            Ok(ControlFlow::Continue(())) => (None, false, None),
+            Ok(ControlFlow::Break(time)) => (Some(time), true, None),
+            Err(error) => (error.time(), true, Some(error)),
+        };
+        if let Some(time) = last
             && time != self.origin.unwrap_or(self.span.end)
         {
             let mut state = self.replacement.clone();
             self.try_interpolate(time, &mut state)?;
-            self.go_on_from(time, &state)?;
+            self.go_on_from(time, &state).map_err(IntegrationError::widen)?;
         }
-        Ok(Onward { stopped: answer.is_break(), prepared: self.prepared, origin: self.origin })
+        Ok(Onward { stopped, prepared: self.prepared, origin: self.origin, error })
     }
 
-    fn try_interpolate(&mut self, t: f64, state: &mut State<V>) -> Result<(), IntegrationError> {
+    fn try_interpolate(&mut self, t: f64, state: &mut State<V>) -> Result<(), IntegrationError<F::Error>> {
         let Span { start, end, old, new } = self.span;
         if t == end {
             state.copy_from(new);
@@ -280,7 +293,7 @@ where
     fn go_on_from(&mut self, t: f64, state: &State<V>) -> Result<(), IntegrationError> {
         if !state.is_finite() {
             let error = IntegrationError::NonFiniteState { time: self.span.end };
-            self.fault = Some(error);
+            self.fault = Some(error.widen());
             return Err(error);
         }
         self.replacement.copy_from(state);
@@ -289,11 +302,10 @@ where
     }
 }
 
-impl<V, F, R, M> Step<V> for Accepted<'_, V, F, M>
+impl<V, F, M> Step<V> for Accepted<'_, V, F, M>
 where
     V: Coordinates,
-    F: FnMut(V::Scalar, &V, &V, &mut V) -> R,
-    R: Outcome,
+    F: Acceleration<V>,
     M: Method<V>,
 {
     fn previous_time(&self) -> f64 {
@@ -313,7 +325,14 @@ where
     }
 
     fn interpolate(&mut self, t: f64, state: &mut State<V>) -> Result<(), IntegrationError> {
-        self.try_interpolate(t, state).inspect_err(|&error| self.fault = Some(error))
+        self.try_interpolate(t, state).map_err(|error| {
+            let seen = match error {
+                IntegrationError::InvalidTime { time } => IntegrationError::InvalidTime { time },
+                _ => IntegrationError::NonFiniteState { time: self.span.end },
+            };
+            self.fault = Some(error);
+            seen
+        })
     }
 
     fn replace(&mut self, state: &State<V>) {
@@ -324,7 +343,7 @@ where
     fn restart(&mut self, t: f64, state: &State<V>) -> Result<(), IntegrationError> {
         if !is_between(self.span.start, t, self.span.end) {
             let error = IntegrationError::InvalidTime { time: t };
-            self.fault = Some(error);
+            self.fault = Some(error.widen());
             return Err(error);
         }
         self.go_on_from(t, state)

@@ -9,11 +9,9 @@
 //! Hamiltonian equations*, 1956; E. Hairer, C. Lubich and G. Wanner, *Geometric Numerical Integration*, 2nd ed. 2006,
 //! formula I.1.9. Between the ends of a step `q` is the cubic Hermite polynomial, `q̇` the straight line.
 
-use core::ops::ControlFlow;
-
 use super::compensation::Compensation;
 use super::run::{Fault, Method, Span, System};
-use super::{Integrator, Outcome, Step, Summary, fixed, hermite};
+use super::{Acceleration, Integrator, Observer, Summary, fixed, hermite};
 use crate::error::IntegrationError;
 use crate::scalar::Scalar;
 use crate::state::{Coordinates, State};
@@ -38,6 +36,7 @@ use crate::state::{Coordinates, State};
 /// # Source
 /// E. Hairer, C. Lubich and G. Wanner, *Geometric Numerical Integration*, 2nd ed. 2006, formula I.1.9.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct SemiImplicitEuler {
     /// The longest step \[s\]. The steps are equal and as many as needed, so that the last one ends where it should.
     pub step: f64,
@@ -53,23 +52,26 @@ impl SemiImplicitEuler {
     }
 }
 
+settings! {
+    SemiImplicitEuler:
+    "The number of steps allowed in one integration." with_max_steps max_steps usize = max_steps;
+}
+
 impl<T: Scalar> Integrator<T> for SemiImplicitEuler {
     /// # Errors
     /// [`IntegrationError::InvalidStep`] if `step` is not positive; [`IntegrationError::TooManySteps`] at once if
     /// `max_steps` are too few; otherwise [`IntegrationError`] where the first bad number appears.
-    fn integrate<V, F, R, O>(
+    fn run<V, F>(
         &self,
         acceleration: F,
         t: f64,
         t_end: f64,
         state: &mut State<V>,
-        observer: O,
-    ) -> Result<Summary, IntegrationError>
+        observer: impl Observer<V, F::Error>,
+    ) -> Result<Summary, IntegrationError<F::Error>>
     where
         V: Coordinates<Scalar = T>,
-        F: FnMut(T, &V, &V, &mut V) -> R,
-        R: Outcome,
-        O: FnMut(&mut dyn Step<V>) -> ControlFlow<f64>,
+        F: Acceleration<V>,
     {
         let a = core::array::from_fn(|_| state.q.clone());
         let work = Work { a, rounding: Compensation::new(state) };
@@ -88,37 +90,36 @@ struct Work<V> {
 impl<V: Coordinates> Method<V> for Work<V> {
     type Error = ();
 
-    fn begin<F, R>(&mut self, system: &mut System<F>, t: f64, state: &State<V>) -> Result<(), Fault>
-    where
-        F: FnMut(V::Scalar, &V, &V, &mut V) -> R,
-        R: Outcome,
-    {
+    fn begin<F: Acceleration<V>>(
+        &mut self,
+        system: &mut System<F>,
+        t: f64,
+        state: &State<V>,
+    ) -> Result<(), Fault<F::Error>> {
         self.rounding.clear();
         system.evaluate(t, &state.q, &state.qd, &mut self.a[0])
     }
 
-    fn proceed<F, R>(&mut self, _: &mut System<F>, _: f64, _: &State<V>, _: bool) -> Result<(), Fault>
-    where
-        F: FnMut(V::Scalar, &V, &V, &mut V) -> R,
-        R: Outcome,
-    {
+    fn proceed<F: Acceleration<V>>(
+        &mut self,
+        _: &mut System<F>,
+        _: f64,
+        _: &State<V>,
+        _: bool,
+    ) -> Result<(), Fault<F::Error>> {
         self.rounding.proceed();
         self.a.swap(0, 1);
         Ok(())
     }
 
-    fn advance<F, R>(
+    fn advance<F: Acceleration<V>>(
         &mut self,
         system: &mut System<F>,
         t: f64,
         length: f64,
         old: &State<V>,
         new: &mut State<V>,
-    ) -> Result<(), Fault>
-    where
-        F: FnMut(V::Scalar, &V, &V, &mut V) -> R,
-        R: Outcome,
-    {
+    ) -> Result<(), Fault<F::Error>> {
         let h = V::Scalar::from_f64(length);
         let (q, qd, a) = (old.q.as_slice(), old.qd.as_slice(), self.a[0].as_slice());
         for i in 0..q.len() {
@@ -132,11 +133,7 @@ impl<V: Coordinates> Method<V> for Work<V> {
         system.evaluate(t + length, &new.q, &new.qd, &mut self.a[1])
     }
 
-    fn prepare<F, R>(&mut self, _: &mut System<F>, _: &Span<'_, V>) -> Result<(), Fault>
-    where
-        F: FnMut(V::Scalar, &V, &V, &mut V) -> R,
-        R: Outcome,
-    {
+    fn prepare<F: Acceleration<V>>(&mut self, _: &mut System<F>, _: &Span<'_, V>) -> Result<(), Fault<F::Error>> {
         Ok(())
     }
 

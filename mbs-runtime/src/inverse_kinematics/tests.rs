@@ -1,5 +1,6 @@
 use super::*;
 use core::f64::consts::PI;
+use nalgebra::Vector3;
 
 /// Two links of one metre in the x, y plane, and a hand that turns.
 fn planar(q: &[f64; 3]) -> (Pose<f64>, [[f64; 3]; 6]) {

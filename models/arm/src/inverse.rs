@@ -42,7 +42,7 @@ mod solutions;
 use core::f64::consts::{PI, TAU};
 
 use mbs_runtime::attitude::{NotARotation, ROTATION_TOLERANCE, check_rotation, orthonormalized_within};
-use mbs_runtime::{Pose, Scalar, to_matrix, to_rows};
+use mbs_runtime::{Pose, Scalar};
 
 pub use solutions::{OutsideLimits, Solutions};
 
@@ -243,10 +243,8 @@ impl InverseKinematics {
 
     fn rotation(&self, rows: &[[f64; 3]; 3]) -> Result<[[f64; 3]; 3], NotARotation> {
         match self.inexact {
-            Inexact::Reject(tolerance) => check_rotation(&to_matrix(rows), tolerance).map(|_| *rows),
-            Inexact::Orthonormalize(tolerance) => {
-                orthonormalized_within(&to_matrix(rows), tolerance).map(|rotation| to_rows(&rotation))
-            }
+            Inexact::Reject(tolerance) => check_rotation(rows, tolerance).map(|_| *rows),
+            Inexact::Orthonormalize(tolerance) => orthonormalized_within(rows, tolerance),
         }
     }
 

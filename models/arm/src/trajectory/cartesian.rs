@@ -22,7 +22,7 @@
 use core::f64::consts::TAU;
 use core::fmt;
 
-use mbs_runtime::attitude::{NotARotation, exp, log, orthonormalized};
+use mbs_runtime::attitude::{NotARotation, difference, exp, orthonormalized};
 use mbs_runtime::{Dual, Pose, to_matrix, to_rows};
 use nalgebra::{Matrix3, Vector3};
 
@@ -52,7 +52,7 @@ impl FlangeLine {
     /// that are the same.
     pub fn new(from: &Pose<f64>, to: &Pose<f64>) -> Result<Self, CartesianError> {
         let rotation = |pose: &Pose<f64>, s| {
-            orthonormalized(&to_matrix(&pose.rotation)).map_err(|error| CartesianError::Rotation { s, error })
+            orthonormalized(&pose.rotation).map_err(|error| CartesianError::Rotation { s, error })
         };
         for (pose, s) in [(from, 0.0), (to, 1.0)] {
             if !pose.position.iter().all(|x| x.is_finite()) {
@@ -61,18 +61,18 @@ impl FlangeLine {
         }
         let (start, stop) = (rotation(from, 0.0)?, rotation(to, 1.0)?);
         let way = core::array::from_fn(|i| to.position[i] - from.position[i]);
-        let turn = log(&(stop * start.transpose()));
+        let turn = Vector3::from(difference(&stop, &start));
         if way == [0.0; 3] && start == stop {
             return Err(CartesianError::NoMotion);
         }
-        Ok(Self { position: from.position, way, rotation: start, turn })
+        Ok(Self { position: from.position, way, rotation: to_matrix(&start), turn })
     }
 
     /// The pose at `s`, on the line's continuation beyond 0 and 1.
     #[must_use]
     pub fn pose(&self, s: f64) -> Pose<f64> {
         let position = core::array::from_fn(|i| self.position[i] + s * self.way[i]);
-        Pose { position, rotation: to_rows(&(exp(&(self.turn * s)) * self.rotation)) }
+        Pose { position, rotation: to_rows(&(to_matrix(&exp(&(self.turn * s).into())) * self.rotation)) }
     }
 
     /// `d/ds` of the position \[m\] and the angular velocity per `s` \[rad\], the same all along, in the axes of the
@@ -233,7 +233,7 @@ fn check_start(arm: &Arm, line: &FlangeLine, start: &JointVector) -> Result<(), 
     let (found, expected) = (arm.pose(start), line.pose(0.0));
     let apart: [f64; 3] = core::array::from_fn(|i| found.position[i] - expected.position[i]);
     let distance = Vector3::from(apart).norm();
-    let angle = log(&(to_matrix(&found.rotation) * to_matrix(&expected.rotation).transpose())).norm();
+    let angle = Vector3::from(difference(&found.rotation, &expected.rotation)).norm();
     // NaN fails the comparison.
     if !(distance <= START_TOLERANCE && angle <= START_TOLERANCE) {
         return Err(CartesianError::StartElsewhere { distance, angle });

@@ -18,9 +18,9 @@
 use core::ops::ControlFlow;
 
 use mbs_models::check::{Invalid, Must};
-use mbs_runtime::attitude::log;
+use mbs_runtime::attitude::{difference, log};
 use mbs_runtime::control::{ComputedTorque, InvalidGain};
-use mbs_runtime::{Dop853, Event, IntegrationError, Integrator, Scalar, State, to_matrix};
+use mbs_runtime::{Dop853, Event, IntegrationError, Integrator, Scalar, State};
 
 use super::error::Infeasible;
 use super::masses;
@@ -213,7 +213,7 @@ impl Plan<'_> {
             way.add(&look, &self.experiment().robot.force_limits());
             observer(&look);
 
-            let integrator = Dop853 { first_step: Some(tracking.period), ..tracking.integrator };
+            let integrator = tracking.integrator.with_first_step(tracking.period);
             let accelerations = |_: f64, q: &RailVector, qd: &RailVector, qdd: &mut RailVector| {
                 *qdd = tracking.plant.forward_dynamics(q, qd, &look.forces);
             };
@@ -247,7 +247,7 @@ impl Plan<'_> {
         let forces = core::array::from_fn(|i| asked[i].clamp(-limits[i], limits[i]));
         let (is, wanted_pose) = (tracking.plant.flange(&state.q), robot.pose(&wanted.q));
         let apart = [0, 1, 2].map(|i| is.position[i] - wanted_pose.position[i]);
-        let turn = log(&(to_matrix(&is.rotation) * to_matrix(&wanted_pose.rotation).transpose())).norm();
+        let turn = nalgebra::Vector3::from(difference(&is.rotation, &wanted_pose.rotation)).norm();
         let error = Scalar::sqrt(apart.iter().map(|x| x * x).sum::<f64>());
         Ok(Look { time, wanted, state: *state, forces, error, turn })
     }
@@ -260,7 +260,7 @@ impl Plan<'_> {
         Contact {
             time,
             position: [px - x, py - y, pz - z],
-            attitude: log(&to_matrix(&turned_over(pose.rotation))).into(),
+            attitude: log(&turned_over(pose.rotation)),
             velocity: [vx, vy, vz - rate],
             angular_velocity: [wx, wy, wz],
             state,
