@@ -159,5 +159,6 @@ pub(crate) fn explained(equations: &Equations<'_>, error: ConstraintError, t: f6
             format!("{motion} has no inertia, {at}: {singular}")
         }
         ConstraintError::NonFinite => format!("a constraint or its derivative is infinite or NaN, {at}"),
+        other => format!("{other}, {at}"),
     }
 }
