@@ -27,7 +27,7 @@ const PRINTED: Pose<f64> = Pose {
 const ASSUMED: [&str; 4] = ["gravity", "arm.masses", "arm.mass_centres", "arm.inertias"];
 
 fn main() -> Result<(), Failure> {
-    let arguments = Arguments::from_process();
+    let arguments = Arguments::of(include_str!("arm_kinematics.rs"));
     let report = Report::new(&Arm::default())?;
     if let Some(folder) = &arguments.out {
         output::create_folder(folder)?;

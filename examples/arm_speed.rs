@@ -25,7 +25,7 @@ struct Contender {
 }
 
 fn main() -> Result<(), Failure> {
-    let arguments = Arguments::from_process();
+    let arguments = Arguments::of(include_str!("arm_speed.rs"));
 
     let arm = Arm::default();
     let configurations = configurations(&arm);

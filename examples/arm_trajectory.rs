@@ -29,7 +29,7 @@ use cases::{Case, Run};
 const ASSUMED: [&str; 2] = ["gravity", "arm."];
 
 fn main() -> Result<(), Failure> {
-    let arguments = Arguments::from_process();
+    let arguments = Arguments::of(include_str!("arm_trajectory.rs"));
     let arm = Arm::default();
     let cases = cases::both(&arm)?;
     if let Some(folder) = &arguments.out {

@@ -22,17 +22,27 @@ use serde_json::{Value, json};
 
 use flight::{Flight, Thrusters};
 
-const OPTIONS: [(&str, &str); 1] = [("--axis", "v-bar|r-bar")];
+#[derive(Clone, Debug, clap::Args)]
+struct Options {
+    /// The side of the station from which it is approached.
+    #[arg(long, value_enum, default_value_t = Side::VBar)]
+    axis: Side,
+}
+
+#[derive(Clone, Copy, Debug, clap::ValueEnum)]
+enum Side {
+    VBar,
+    RBar,
+}
 
 /// What the mission rests on.
 const ASSUMED: [&str; 3] = ["orbit.altitude", "orbit.station_mass", "docking."];
 
 fn main() -> Result<(), Failure> {
-    let arguments = Arguments::with_words(&OPTIONS);
-    let axis = match arguments.words.get("--axis").map_or("v-bar", String::as_str) {
-        "v-bar" => Axis::VBar,
-        "r-bar" => Axis::RBar,
-        other => Arguments::refuse(&format!("--axis is v-bar or r-bar, not {other}"), &OPTIONS),
+    let arguments = Arguments::<Options>::with_options(include_str!("docking.rs"));
+    let axis = match arguments.options.axis {
+        Side::VBar => Axis::VBar,
+        Side::RBar => Axis::RBar,
     };
     let mission = Mission::to_the_station(axis);
     let massive = Mission { attraction: Attraction { station: STATION_ATTRACTION, ..mission.attraction }, ..mission };

@@ -5,12 +5,13 @@
 
 use std::ops::ControlFlow;
 
+use mbs_examples::arguments::Arguments;
 use mbs_models::double_pendulum::DoublePendulum;
 use mbs_runtime::{Dop853, IntegrationError, Integrator, State, accelerations};
 use serde_json::json;
 
 fn main() -> Result<(), IntegrationError> {
-    let as_json = std::env::args().any(|argument| argument == "--json");
+    let as_json = Arguments::of(include_str!("double_pendulum_energy.rs")).json;
     let runs = [1e-6, 1e-8, 1e-10, 1e-12].map(|rtol| run(rtol).map(|(drift, evaluations)| (rtol, drift, evaluations)));
     let mut rows = Vec::new();
     for run in runs {

@@ -22,25 +22,44 @@ use mbs_landing::quadrotor::heave::Heave;
 
 use run::{Case, Run};
 
-/// Options that are followed by a word.
-const OPTIONS: [(&str, &str); 3] = [("--case", "I|II"), ("--scale", "S"), ("--attitude", "flown|level")];
+#[derive(Clone, Debug, clap::Args)]
+struct Options {
+    /// The landing of chapter 5.
+    #[arg(long, value_enum, default_value_t = Landing::I)]
+    case: Landing,
+    /// The scale of the laboratory; the greatest feasible one without.
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    scale: Option<f64>,
+    /// Of the vehicle at the flange.
+    #[arg(long, value_enum, default_value_t = Shown::Flown)]
+    attitude: Shown,
+}
+
+#[derive(Clone, Copy, Debug, clap::ValueEnum)]
+enum Landing {
+    #[value(name = "I")]
+    I,
+    #[value(name = "II")]
+    II,
+}
+
+#[derive(Clone, Copy, Debug, clap::ValueEnum)]
+enum Shown {
+    Flown,
+    Level,
+}
 
 fn main() -> Result<(), Failure> {
-    let arguments = Arguments::with_words(&OPTIONS);
-    let refuse = |wrong: String| -> ! { Arguments::refuse(&wrong, &OPTIONS) };
-    let word = |name: &str| arguments.words.get(name).map(String::as_str);
-    let case = match word("--case") {
-        None | Some("I") => Case { name: "I", heave: Heave::CASE_I },
-        Some("II") => Case { name: "II", heave: Heave::CASE_II },
-        Some(other) => refuse(format!("there is no case {other}")),
+    let arguments = Arguments::<Options>::with_options(include_str!("experiment.rs"));
+    let Options { case, scale, attitude } = arguments.options;
+    let case = match case {
+        Landing::I => Case { name: "I", heave: Heave::CASE_I },
+        Landing::II => Case { name: "II", heave: Heave::CASE_II },
     };
-    let attitude = match word("--attitude") {
-        None | Some("flown") => Attitude::Flown,
-        Some("level") => Attitude::Level,
-        Some(other) => refuse(format!("there is no attitude {other}")),
+    let attitude = match attitude {
+        Shown::Flown => Attitude::Flown,
+        Shown::Level => Attitude::Level,
     };
-    let scale = word("--scale")
-        .map(|text| text.parse::<f64>().unwrap_or_else(|_| refuse(format!("--scale needs a number, not {text}"))));
     let experiment = run::experiment(&case, attitude)?;
     let mut run = Run::of(&experiment, case, scale)?;
     if let Some(folder) = &arguments.out {

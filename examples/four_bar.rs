@@ -7,6 +7,7 @@
 use std::error::Error;
 use std::ops::ControlFlow;
 
+use mbs_examples::arguments::Arguments;
 use mbs_models::four_bar::FourBar;
 use mbs_runtime::{
     ConstraintError, Constraints, Dop853, Event, IntegrationError, Integrator, Projected, Projector, Reduction,
@@ -19,12 +20,13 @@ const MEMORY: usize = Projector::<f64, [f64; 0]>::size(3, 2);
 const CRANK: usize = 0;
 
 fn main() -> Result<(), Box<dyn Error>> {
+    let arguments = Arguments::of(include_str!("four_bar.rs"));
     let bars = FourBar::<f64>::default();
     let rest = rest(&bars)?;
     let linear = linear_period(&bars, &rest)?;
     let (swing, open) = swing(&bars, at(&bars, rest.q[CRANK] + 0.01)?)?;
     let crank = rest.q[CRANK];
-    if std::env::args().any(|argument| argument == "--json") {
+    if arguments.json {
         println!("{}", json!({"rest": crank, "linear_period": linear, "period": swing, "largest_residual": open}));
     } else {
         println!("crank at rest at {crank:.6} rad, period {swing:.8} s, linearized {linear:.8} s");

@@ -23,7 +23,16 @@ use rand_pcg::Pcg64Mcg;
 use rayon::prelude::*;
 use serde_json::{Value, json};
 
-const MEMBERS: usize = 10_000;
+#[derive(Clone, Debug, clap::Args)]
+struct Options {
+    /// How many landings; statistics need two.
+    #[arg(long, value_name = "N", default_value_t = 10_000, value_parser = clap::value_parser!(u32).range(2..))]
+    members: u32,
+    /// By how many threads; as many as there are cores without.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    threads: Option<u32>,
+}
+
 /// Of the controller and of RK4 \[s\].
 const PERIOD: f64 = 1.0 / 500.0;
 
@@ -62,13 +71,9 @@ const ASSUMED: [&str; 10] = [
 ];
 
 fn main() -> Result<(), Failure> {
-    let arguments = Arguments::with_numbers(&["--members", "--threads"]);
-    let members = arguments.numbers.get("--members").copied().unwrap_or(MEMBERS);
-    if members < 2 {
-        eprintln!("error: statistics need two members at least");
-        std::process::exit(2);
-    }
-    if let Some(&threads) = arguments.numbers.get("--threads") {
+    let arguments = Arguments::<Options>::with_options(include_str!("landing_monte_carlo.rs"));
+    let members = arguments.options.members as usize;
+    if let Some(threads) = arguments.options.threads.map(|threads| threads as usize) {
         rayon::ThreadPoolBuilder::new().num_threads(threads).build_global()?;
     }
     let progress = ProgressBar::new(members as u64)

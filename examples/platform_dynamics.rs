@@ -30,7 +30,7 @@ const MOMENT: f64 = 0.3;
 const ASSUMED: [&str; 2] = ["gravity", "platform."];
 
 fn main() -> Result<(), Failure> {
-    let arguments = Arguments::from_process();
+    let arguments = Arguments::of(include_str!("platform_dynamics.rs"));
     let platform = Platform::default();
     if let Some(folder) = &arguments.out {
         output::create_folder(folder)?;

@@ -84,7 +84,7 @@ const ASSUMED: [&str; 13] = [
 ];
 
 fn main() -> Result<(), Failure> {
-    let arguments = Arguments::from_process();
+    let arguments = Arguments::of(include_str!("quadrotor_landing.rs"));
     let landings = Landings::simulated()?;
     if let Some(folder) = &arguments.out {
         output::create_folder(folder)?;

@@ -27,7 +27,7 @@ use flight::Flight;
 const ASSUMED: [&str; 1] = ["orbit."];
 
 fn main() -> Result<(), Failure> {
-    let arguments = Arguments::from_process();
+    let arguments = Arguments::of(include_str!("relative_motion.rs"));
     let flights: Vec<Flight> = cases::all()?.into_iter().map(Flight::of).collect::<Result<_, _>>()?;
     let growths = sensitivity::all()?;
     for flight in &flights {

@@ -10,10 +10,10 @@ mod custom_arm6;
 mod featherstone;
 
 use std::hint::black_box;
-use std::path::PathBuf;
 use std::time::Instant;
 
 use featherstone::Model;
+use mbs_examples::arguments::Arguments;
 use mbs_models::arm6::Arm6;
 use serde_json::{Map, Value, json};
 
@@ -41,9 +41,7 @@ type Results = Box<dyn FnMut(&State) -> Vec<f64>>;
 type Round = Box<dyn FnMut(&[State]) -> f64>;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let as_json = arguments.iter().any(|argument| argument == "--json");
-    let folder = arguments.iter().position(|argument| argument == "--out").and_then(|at| arguments.get(at + 1));
+    let arguments = Arguments::of(include_str!("speed.rs"));
 
     let states = states();
     let mut functions = Map::new();
@@ -52,11 +50,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         functions.insert(function.to_string(), timed(&mut contenders, &states));
     }
     let report = json!({ "arm6": functions });
-    if let Some(folder) = folder.map(PathBuf::from) {
-        std::fs::create_dir_all(&folder)?;
+    if let Some(folder) = &arguments.out {
+        std::fs::create_dir_all(folder)?;
         std::fs::write(folder.join("speed.json"), format!("{report}\n"))?;
     }
-    if as_json {
+    if arguments.json {
         println!("{report}");
     } else {
         print!("{}", table(&report["arm6"]));

@@ -23,7 +23,7 @@ use orbits::{Flight, arenstorf, asteroids};
 const PAIRS: [(&str, f64); 2] = [("earth_moon", 0.012_150_585_6), ("arenstorf", orbits::ARENSTORF_MU)];
 
 fn main() -> Result<(), Failure> {
-    let arguments = Arguments::from_process();
+    let arguments = Arguments::of(include_str!("three_body.rs"));
     let closed = arenstorf()?;
     let asteroids = asteroids()?;
     if let Some(folder) = &arguments.out {

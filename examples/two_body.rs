@@ -16,7 +16,7 @@ use mbs_examples::{Failure, arguments::Arguments, output};
 use serde_json::json;
 
 fn main() -> Result<(), Failure> {
-    let arguments = Arguments::from_process();
+    let arguments = Arguments::of(include_str!("two_body.rs"));
     let ellipse = ellipse::run()?;
     let earth_moon = earth_moon::run()?;
     if let Some(folder) = &arguments.out {

@@ -11,9 +11,9 @@ mod problems;
 mod rivals;
 
 use std::ops::ControlFlow;
-use std::path::Path;
 use std::time::Instant;
 
+use mbs_examples::arguments::Arguments;
 use mbs_runtime::{Dop853, Dopri5, GaussLegendre4, Integrator, Rk4, SemiImplicitEuler, State, StormerVerlet};
 use problems::{Force, Problem};
 use serde_json::{Value, json};
@@ -26,18 +26,16 @@ const EXPONENTS: std::ops::RangeInclusive<i32> = 6..=13;
 const ROUNDS: usize = 60;
 
 fn main() -> Result<(), Failure> {
-    let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let as_json = arguments.iter().any(|argument| argument == "--json");
-    let folder = arguments.iter().position(|argument| argument == "--out").and_then(|at| arguments.get(at + 1));
+    let arguments = Arguments::of(include_str!("work_precision.rs"));
 
     let reports =
         [report(&problems::kepler())?, report(&problems::arenstorf())?, report(&problems::double_pendulum()?)?];
-    if let Some(folder) = folder.map(Path::new) {
+    if let Some(folder) = &arguments.out {
         std::fs::create_dir_all(folder)?;
         std::fs::write(folder.join("work_precision.json"), format!("{}\n", to_json(&reports)))?;
         std::fs::write(folder.join("work_precision.csv"), csv(&reports))?;
     }
-    if as_json {
+    if arguments.json {
         println!("{}", to_json(&reports));
     } else {
         reports.iter().for_each(print);

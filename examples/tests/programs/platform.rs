@@ -141,5 +141,5 @@ fn derivatives_are_those_of_a_moving_platform(table: &str) {
 fn refuses_what_it_does_not_know() {
     let output = run(PROGRAM, &["--fast"]);
     assert_eq!(output.status.code(), Some(2));
-    assert!(String::from_utf8_lossy(&output.stderr).contains("unexpected argument --fast"));
+    assert!(String::from_utf8_lossy(&output.stderr).contains("unexpected argument '--fast'"));
 }
