@@ -65,7 +65,8 @@ fn the_recursion_can_be_followed() {
     let code = code("arm6");
     let body = code.split_once("pub fn inverse_dynamics(").expect("the function").1;
     let body = &body[..body.find("\n        }\n").expect("its end")];
-    let names = &locals(&format!("pub fn inverse_dynamics(\n{body}"))[0].1;
+    let function = format!("pub fn inverse_dynamics(\n{body}");
+    let names = &locals(&function)[0].1;
     let has = |name: &str| names.iter().any(|found| found.strip_suffix("_neg").unwrap_or(found) == name);
     for name in ["w2x", "w3x", "w4y", "w6z", "wd3x", "wd6x", "u3zx", "a3x", "f3y", "f4x", "fi6z", "n3x"] {
         assert!(has(name), "{name} is not among {names:?}");
