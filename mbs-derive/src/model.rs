@@ -12,12 +12,14 @@
 //! - `check`: what must hold of the finished mechanism, and what it was probably not meant to do.
 
 mod check;
+mod effort;
 pub mod frame;
 pub mod lagrangian;
 pub mod landmark;
 #[cfg(test)]
 pub(crate) mod manual;
 mod names;
+mod report;
 mod statement;
 mod value;
 
@@ -42,20 +44,20 @@ pub use value::dimension;
 pub fn resolve<'g>(declaration: &Declaration, graph: &'g Graph) -> Result<(Lagrangian<'g>, Diagnostics), Diagnostics> {
     let library = function::library();
     let mut resolver = gone_through(declaration, &library, graph, Hold::of(declaration));
-    if !resolver.errors.has_errors() {
+    if !resolver.report.errors.has_errors() {
         resolver.check(&declaration.name);
     }
-    if resolver.errors.has_errors() {
-        return Err(resolver.errors);
+    if resolver.report.errors.has_errors() {
+        return Err(resolver.report.errors);
     }
     if let Some(hold) = resolver.released() {
-        let Resolver { lagrangian, errors, .. } = gone_through(declaration, &library, graph, hold);
-        if errors.has_errors() {
-            return Err(errors);
+        let Resolver { lagrangian, report, .. } = gone_through(declaration, &library, graph, hold);
+        if report.errors.has_errors() {
+            return Err(report.errors);
         }
         resolver.lagrangian.released = Some(Box::new(lagrangian));
     }
-    Ok((resolver.lagrangian, resolver.errors))
+    Ok((resolver.lagrangian, resolver.report.errors))
 }
 
 /// The statements in order.
@@ -65,8 +67,7 @@ fn gone_through<'d, 'g>(
     graph: &'g Graph,
     hold: Hold<'g>,
 ) -> Resolver<'d, 'g> {
-    let mut resolver = Resolver::new(graph, &declaration.name.text, declaration.dimensionless);
-    resolver.hold = hold;
+    let mut resolver = Resolver::new(graph, &declaration.name.text, declaration.dimensionless, hold);
     resolver.lagrangian.docs = declaration.docs.clone();
     resolver.provide(&library.statements);
     resolver.import(&declaration.imported);

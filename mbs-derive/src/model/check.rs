@@ -28,6 +28,10 @@ use crate::model::check::degree::Problem;
 use crate::model::check::moments::{Impossible, principal_moments};
 use crate::model::check::sample::default_parameters;
 use crate::model::lagrangian::Constraint;
+use crate::model::names::family::Family;
+use crate::model::statement::gravity::Weights;
+use crate::model::statement::output::Outputs;
+use crate::model::statement::reaction::Joint;
 use crate::model::value::evaluate::Resolver;
 use crate::parse::syntax::{Name, Span};
 use crate::variable::Variable;
@@ -61,6 +65,25 @@ pub(in crate::model) struct Places {
     pub(in crate::model) differences: Vec<Option<String>>,
 }
 
+/// What is looked at when all is known.
+#[derive(Default)]
+pub(in crate::model) struct Found<'g> {
+    /// Masses and inertias.
+    pub(in crate::model) physical: Vec<Physical<'g>>,
+    /// The field that bodies weigh in, and the bodies that were declared as such.
+    pub(in crate::model) weights: Weights<'g>,
+    /// Where each kinetic, potential and lagrangian term and each constraint stands.
+    pub(in crate::model) places: Places,
+    /// Joints whose wrenches are asked for, as far as they have been met.
+    pub(in crate::model) joints: Vec<Joint>,
+    /// Of each constraint, which of its rows do not vanish.
+    pub(in crate::model) effective_rows: Vec<Vec<bool>>,
+    /// Outputs, and arrays of them, as far as they have been met.
+    pub(in crate::model) outputs: Vec<Outputs<'g>>,
+    /// Arrays of constraints, as far as they have been met.
+    pub(in crate::model) constraints: Vec<Family>,
+}
+
 impl<'d, 'g> Resolver<'d, 'g> {
     /// Looks at the finished mechanism; `name` is where what concerns all of it is reported.
     pub(in crate::model) fn check(&mut self, name: &Name) {
@@ -79,10 +102,10 @@ impl<'d, 'g> Resolver<'d, 'g> {
         self.check_use();
         self.check_calls();
         self.check_parts();
-        if !self.errors.has_errors() {
+        if !self.report.errors.has_errors() {
             self.check_degree(name);
         }
-        if !self.errors.has_errors() {
+        if !self.report.errors.has_errors() {
             self.warn_of_signs();
             self.warn_of_double_gravity();
             self.warn_of_singular_derivatives();
@@ -95,30 +118,30 @@ impl<'d, 'g> Resolver<'d, 'g> {
         for problem in degree::problems(&self.lagrangian) {
             let place = match &problem {
                 Problem::KineticNotQuadratic(term) | Problem::NegativeKinetic(term) => {
-                    self.places.kinetic.get(*term).cloned()
+                    self.found.places.kinetic.get(*term).cloned()
                 }
-                Problem::LagrangianNotQuadratic(term) => self.places.lagrangian.get(*term).cloned(),
-                Problem::PotentialDependsOnVelocity(term) => self.places.potential.get(*term).cloned(),
+                Problem::LagrangianNotQuadratic(term) => self.found.places.lagrangian.get(*term).cloned(),
+                Problem::PotentialDependsOnVelocity(term) => self.found.places.potential.get(*term).cloned(),
                 Problem::NoInertia(coordinate) | Problem::NegativeInertia(coordinate) => self.place_of(*coordinate),
                 Problem::DependentInertia(coordinates) => coordinates.first().and_then(|c| self.place_of(*c)),
                 Problem::ConstraintNotLinear(constraint)
                 | Problem::DependentConstraint(constraint, _)
-                | Problem::DegenerateConstraint(constraint) => self.places.constraints.get(*constraint).cloned(),
+                | Problem::DegenerateConstraint(constraint) => self.found.places.constraints.get(*constraint).cloned(),
                 Problem::NeverFinite => None,
             };
             let (message, help) = self
                 .in_components(&problem)
                 .unwrap_or_else(|| (problem.message(&self.lagrangian), problem.help(&self.lagrangian)));
             let place = place.unwrap_or_else(|| Place { span: name.span.clone(), calls: Vec::new() });
-            self.refuse_at(&place, message, help);
+            self.report.refuse_at(&place, message, help);
         }
     }
 
     /// Of a constraint between vectors some of whose components follow from others: which, and those to keep.
     fn in_components(&self, problem: &Problem) -> Option<(String, String)> {
         let Problem::DependentConstraint(number, dependent) = problem else { return None };
-        let difference = self.places.differences.get(*number)?.as_ref()?;
-        let effective = self.effective_rows.get(*number).filter(|effective| effective.len() == 3)?;
+        let difference = self.found.places.differences.get(*number)?.as_ref()?;
+        let effective = self.found.effective_rows.get(*number).filter(|effective| effective.len() == 3)?;
         let components: Vec<&str> =
             ["x", "y", "z"].into_iter().zip(effective).filter(|(_, is_in)| **is_in).map(|(name, _)| name).collect();
         let (out, kept): (Vec<_>, Vec<_>) = (0..components.len()).partition(|row| dependent.contains(row));
@@ -199,7 +222,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
     }
 
     fn span_of(&self, name: &str) -> Span {
-        self.scope.get(name).map_or(0..0, |binding| binding.span.clone())
+        self.names.scope.get(name).map_or(0..0, |binding| binding.span.clone())
     }
 }
 
@@ -208,7 +231,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
 impl<'d, 'g> Resolver<'d, 'g> {
     /// Masses and inertias, at the default values of the parameters.
     fn check_bodies(&mut self) {
-        let bodies = std::mem::take(&mut self.physical);
+        let bodies = std::mem::take(&mut self.found.physical);
         let roots = |body: &Physical<'g>| {
             let inertia = body.inertia.iter().flat_map(|(matrix, _)| matrix.0.into_iter().flatten());
             std::iter::once(body.mass).chain(inertia).collect::<Vec<_>>()
@@ -232,17 +255,17 @@ impl<'d, 'g> Resolver<'d, 'g> {
     }
 
     fn check_mass(&mut self, body: &Physical<'g>, mass: f64, inertia: &[f64]) {
-        let by_default = match self.facts.constant(body.mass) {
+        let by_default = match self.known.facts.constant(body.mass) {
             Some(_) => "",
             None => "this is so by the default values of the parameters",
         };
         if mass < 0.0 {
-            self.refuse_at(&body.mass_place, format!("a mass is not negative, this is {mass} kg"), by_default);
+            self.report.refuse_at(&body.mass_place, format!("a mass is not negative, this is {mass} kg"), by_default);
             self.note_declaration(body);
         }
         if mass == 0.0 && inertia.iter().all(|&entry| entry == 0.0) {
             let help = if by_default.is_empty() { "leave it out" } else { by_default };
-            self.refuse_at(&body.mass_place, "a body without mass and inertia has no kinetic energy", help);
+            self.report.refuse_at(&body.mass_place, "a body without mass and inertia has no kinetic energy", help);
             self.note_declaration(body);
         }
     }
@@ -253,7 +276,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
         let mut parameters = self.lagrangian.parameters.iter();
         let Some(parameter) = parameters.find(|p| p.contains(number as usize)) else { return };
         let place = self.span_of(&parameter.name);
-        self.errors.note(&body.mass_place.span, &place, "declared here");
+        self.report.errors.note(&body.mass_place.span, &place, "declared here");
     }
 
     fn check_moments(&mut self, moments: [f64; 3], place: &Place) {
@@ -262,14 +285,14 @@ impl<'d, 'g> Resolver<'d, 'g> {
         match Impossible::of(moments) {
             Some(Impossible::Negative) => {
                 let help = format!("{shown}; are the products of inertia too large for the diagonal?");
-                self.refuse_at(place, "an inertia has no negative principal moment", help);
+                self.report.refuse_at(place, "an inertia has no negative principal moment", help);
             }
             Some(Impossible::Unequal) => {
                 let message = "no body has this inertia: a principal moment is greater than the sum of the other two";
                 let help = format!(
                     "{shown}; where a body turns about one axis only, any two others will do, such as equal ones"
                 );
-                self.refuse_at(place, message, help);
+                self.report.refuse_at(place, message, help);
             }
             None => {}
         }
@@ -345,7 +368,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
         let inputs = unused(&self.lagrangian.inputs, Symbol::Input);
         let prescribed = unused(&self.lagrangian.prescribed, |i| Symbol::Prescribed(i, 0));
         for name in parameters.into_iter().chain(inputs).chain(prescribed) {
-            let warning = self.errors.warning(self.span_of(&name), format!("`{name}` is not used"));
+            let warning = self.report.errors.warning(self.span_of(&name), format!("`{name}` is not used"));
             warning.help("it is in no energy, force, constraint or output");
         }
     }

@@ -61,7 +61,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
                 | StatementKind::For { .. }
                 | StatementKind::If { .. } => continue,
             };
-            self.definitions.entry(&name.text).or_insert(value);
+            self.names.definitions.entry(&name.text).or_insert(value);
         }
         self.check_circles();
     }
@@ -71,7 +71,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
         statements.iter().all(|statement| {
             // Why it was refused has been noted; the next one may be right.
             let _ = self.statement(statement);
-            !self.exhausted(&statement.span) && !self.errors.is_full()
+            !self.exhausted(&statement.span) && !self.report.errors.is_full()
         })
     }
 
@@ -109,7 +109,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
                 let _ = self.argument(acceleration);
                 Err(self.refuse(&statement.span, "`gravity` cannot stand in a loop", help))
             }
-            StatementKind::Gravity { .. } if self.scope.is_in_part() => {
+            StatementKind::Gravity { .. } if self.names.scope.is_in_part() => {
                 Err(self.not_in_a_part("gravity", &statement.span))
             }
             // Known from the start.
@@ -133,10 +133,10 @@ impl<'d, 'g> Resolver<'d, 'g> {
     }
 
     fn outermost(&mut self, keyword: &str, span: &Span) -> Resolved<()> {
-        if self.scope.is_outermost() {
+        if self.names.scope.is_outermost() {
             return Ok(());
         }
-        if self.scope.is_in_part() {
+        if self.names.scope.is_in_part() {
             return Err(self.not_in_a_part(keyword, span));
         }
         let (block, help) = match (self.is_in_a_loop(), keyword) {
@@ -154,9 +154,9 @@ impl<'d, 'g> Resolver<'d, 'g> {
 
     /// The value that a name is given, by an expression that must not come back to the name.
     pub(in crate::model) fn definition(&mut self, name: &'d Name, value: &Expression) -> Resolved<Value<'g>> {
-        self.defining = self.scope.is_outermost().then_some(name.text.as_str());
+        self.names.defining = self.names.scope.is_outermost().then_some(name.text.as_str());
         let value = self.expression(value);
-        self.defining = None;
+        self.names.defining = None;
         value
     }
 
@@ -166,15 +166,18 @@ impl<'d, 'g> Resolver<'d, 'g> {
         if crate::model::value::builtin::CONSTANTS.contains(&text.as_str()) {
             return Err(self.refuse(&span, format!("`{text}` is built in"), "choose another name"));
         }
-        let function =
-            self.functions.get(text.as_str()).filter(|f| f.home != Home::Library && self.scope.is_outermost());
+        let function = self
+            .names
+            .functions
+            .get(text.as_str())
+            .filter(|f| f.home != Home::Library && self.names.scope.is_outermost());
         if let Some(first) = function.map(|f| f.place()) {
             // What is made of it is given up without a word.
-            let _ = self.scope.declare(text, Binding::new(origin, None, span.clone()));
+            let _ = self.names.scope.declare(text, Binding::new(origin, None, span.clone()));
             let (message, help) = (format!("`{text}` is already a function"), "choose another name".to_string());
             return Err(self.refuse_twice(&span, message, help, first));
         }
-        match self.scope.declare(text, Binding::new(origin, value, span.clone())) {
+        match self.names.scope.declare(text, Binding::new(origin, value, span.clone())) {
             Ok(()) => Ok(()),
             Err(known) => {
                 let help = match known {
@@ -185,8 +188,10 @@ impl<'d, 'g> Resolver<'d, 'g> {
                     _ => "choose another name".to_string(),
                 };
                 let message = format!("`{text}` is already {}", known.described());
-                match self.scope.get(text).map(|binding| binding.span.clone()) {
-                    Some(first) if self.scope.is_outermost() => Err(self.refuse_twice(&span, message, help, first)),
+                match self.names.scope.get(text).map(|binding| binding.span.clone()) {
+                    Some(first) if self.names.scope.is_outermost() => {
+                        Err(self.refuse_twice(&span, message, help, first))
+                    }
                     _ => Err(self.refuse(&span, message, help)),
                 }
             }
@@ -195,7 +200,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
 
     fn assign(&mut self, name: &'d Name, value: &Expression) -> Resolved<()> {
         let value = self.argument(value);
-        let Some(binding) = self.scope.get(&name.text) else {
+        let Some(binding) = self.names.scope.get(&name.text) else {
             let message = format!("`{}` is not declared", name.text);
             return Err(self.refuse(&name.span, message, format!("write `let {} = …;`", name.text)));
         };
@@ -210,7 +215,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
         if let (Some(old), Ok(new)) = (binding.value.clone(), &value) {
             self.check_assignment(&name.text, old, new)?;
         }
-        if let Some(binding) = self.scope.get_mut(&name.text) {
+        if let Some(binding) = self.names.scope.get_mut(&name.text) {
             binding.value = value.ok().map(|argument| argument.value);
             binding.used = None;
         }
@@ -244,7 +249,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
 
 impl<'d, 'g> Resolver<'d, 'g> {
     pub(in crate::model) fn is_in_a_loop(&self) -> bool {
-        self.loops > 0
+        self.effort.loops > 0
     }
 
     /// The statements behind the first condition that holds.
@@ -258,15 +263,15 @@ impl<'d, 'g> Resolver<'d, 'g> {
                 }
                 Ok(false) => {}
                 Err(Refused) => {
-                    self.gave_up = true;
+                    self.report.gave_up = true;
                     return Err(Refused);
                 }
             }
         }
         let place = branches.first().map_or(0..0, |(condition, _)| condition.span.clone());
-        self.scope.enter();
+        self.names.scope.enter();
         let complete = self.block(chosen, &place);
-        self.scope.leave();
+        self.names.scope.leave();
         if complete { Ok(()) } else { Err(Refused) }
     }
 
@@ -282,8 +287,8 @@ impl<'d, 'g> Resolver<'d, 'g> {
             return Err(Refused);
         };
         for number in first..last {
-            self.turns += 1;
-            if self.turns > MAX_TURNS {
+            self.effort.turns += 1;
+            if self.effort.turns > MAX_TURNS {
                 let message = format!("the loops of this mechanism take more than {MAX_TURNS} turns");
                 return Err(self.refuse(
                     &(start.span.start..end.span.end),
@@ -293,7 +298,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
             }
             // What is wrong in one turn is wrong in the next.
             if !self.turn(variable, number, body) {
-                self.gave_up = true;
+                self.report.gave_up = true;
                 return Err(Refused);
             }
         }
@@ -307,27 +312,27 @@ impl<'d, 'g> Resolver<'d, 'g> {
 
     /// Whether all went well.
     fn turn(&mut self, variable: &Name, number: i64, body: &'d [Statement]) -> bool {
-        let errors = self.errors.error_count();
-        self.scope.enter();
+        let errors = self.report.errors.error_count();
+        self.names.scope.enter();
         let value = Value::Scalar(Scalar::plain(self.graph.integer(number)));
         let declared = self.declare(variable, Origin::Loop, Some(value)).is_ok();
-        self.loops += 1;
+        self.effort.loops += 1;
         let complete = declared && self.block(body, &variable.span);
-        self.loops -= 1;
-        self.scope.leave();
-        complete && self.errors.error_count() == errors
+        self.effort.loops -= 1;
+        self.names.scope.leave();
+        complete && self.report.errors.error_count() == errors
     }
 
     /// The statements of a block that has been opened; whether all were looked at.
     fn block(&mut self, body: &'d [Statement], place: &Span) -> bool {
-        self.depth_of_blocks += 1;
-        let complete = if self.depth_of_blocks > MAX_BLOCKS {
+        self.effort.depth_of_blocks += 1;
+        let complete = if self.effort.depth_of_blocks > MAX_BLOCKS {
             self.refuse(place, format!("loops are nested deeper than {MAX_BLOCKS} levels"), "`if` counts, too");
             false
         } else {
             self.statements(body)
         };
-        self.depth_of_blocks -= 1;
+        self.effort.depth_of_blocks -= 1;
         complete
     }
 }

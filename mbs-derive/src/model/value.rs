@@ -1,7 +1,7 @@
 //! What expressions of the language stand for. In reading order:
 //!
 //! - [`dimension`]: SI dimensions and units; [`constant`]: what is known of an expression;
-//! - [`evaluate`]: expressions → values; [`quantity`]: numbers with units; [`operator`]: `+ - * / ^` and `dt`;
+//! - [`evaluate`]: expressions → values; [`usage`]: what values are used as; [`quantity`]: numbers with units; [`operator`]: `+ - * / ^` and `dt`;
 //! - [`condition`]: `if … else`; [`difference`]: differences of places, in their nearest common frame;
 //! - [`builtin`]: functions and methods; [`attitude`]: axes of parameters, arrays for several arguments;
 //!   [`interpolation`]: tables.
@@ -16,13 +16,26 @@ pub(in crate::model) mod evaluate;
 pub(in crate::model) mod interpolation;
 pub(in crate::model) mod operator;
 pub(in crate::model) mod quantity;
+pub(in crate::model) mod usage;
 
 use std::collections::BTreeMap;
 use std::rc::Rc;
 
 use crate::expr::{Expr, Matrix, Vector};
+use crate::model::check::singular::Sites;
 use crate::model::frame::{Edge, FrameId};
 use crate::model::value::dimension::Dimension;
+use constant::Facts;
+use difference::Differences;
+
+/// What is known of expressions, beside what they are.
+pub(in crate::model) struct Known<'g> {
+    pub(in crate::model) facts: Facts,
+    /// Which expressions are sums of places.
+    pub(in crate::model) differences: Differences<'g>,
+    /// Where derivatives may fail.
+    pub(in crate::model) sites: Sites<'g>,
+}
 
 /// The value of an expression.
 #[derive(Clone, Debug)]

@@ -18,7 +18,7 @@ impl<'g> Resolver<'_, 'g> {
     /// A mass centre is counted in the axes of its pose. One that moves with the coordinates that move the pose itself
     /// is a place in the room: the pose would move it once more.
     pub(in crate::model) fn check_mass_centre(&mut self, com: Vector<'g>, frame: FrameId, span: &Span) -> Resolved<()> {
-        if !com.0.iter().any(|c| self.facts.dependence(*c).on(Dependence::COORDINATE)) {
+        if !com.0.iter().any(|c| self.known.facts.dependence(*c).on(Dependence::COORDINATE)) {
             return Ok(());
         }
         let path = self.lagrangian.frames.path(frame);
@@ -44,7 +44,7 @@ impl<'g> Resolver<'_, 'g> {
         frame: FrameId,
         span: &Span,
     ) -> Resolved<()> {
-        if !entries.iter().any(|e| self.facts.dependence(*e).on(Dependence::COORDINATE)) {
+        if !entries.iter().any(|e| self.known.facts.dependence(*e).on(Dependence::COORDINATE)) {
             return Ok(());
         }
         let moved = self.coordinates_in(self.lagrangian.frames.path(frame).iter().flat_map(motions).collect());
@@ -70,7 +70,7 @@ impl<'g> Resolver<'_, 'g> {
         let coordinates: BTreeSet<usize> = com.0.iter().filter_map(is_coordinate).collect();
         let turns = path.iter().any(|edge| {
             let motion = motions(edge);
-            motion.iter().any(|e| self.facts.dependence(*e).on(Dependence::COORDINATE))
+            motion.iter().any(|e| self.known.facts.dependence(*e).on(Dependence::COORDINATE))
         });
         let shifts = path.iter().any(|edge| matches!(edge, Edge::Translation(_)));
         if coordinates.len() < 2 || !turns || shifts {
@@ -108,11 +108,11 @@ impl<'g> Resolver<'_, 'g> {
 
     /// What is probably not meant, once for each place.
     fn warn_once(&mut self, span: &Span, message: String, help: &str) {
-        let (place, calls) = self.place(span);
-        if self.has_said(&place, &message) {
+        let (place, calls) = self.report.place(span);
+        if self.report.has_said(&place, &message) {
             return;
         }
-        let warning = self.errors.warning(place, message).help(help);
+        let warning = self.report.errors.warning(place, message).help(help);
         for (call, what) in calls {
             warning.note(call, what);
         }

@@ -20,20 +20,20 @@ impl<'d, 'g> Resolver<'d, 'g> {
     pub(in crate::model) fn warn_of_signs(&mut self) {
         let samples = Samples::new(&self.lagrangian);
         for term in samples.never_positive(&self.lagrangian.kinetic) {
-            let place = self.places.kinetic[term].clone();
-            let warning = self.warn_at(&place, "this kinetic energy is never positive");
+            let place = self.found.places.kinetic[term].clone();
+            let warning = self.report.warn_at(&place, "this kinetic energy is never positive");
             warning.help("is its sign right? springs and weights are `potential += …`");
         }
         for term in samples.driving_dissipation(&self.lagrangian) {
             let message = "this dissipation brings energy in: somewhere its force acts along the motion";
-            let place = self.places.dissipation[term].clone();
-            let warning = self.warn_at(&place, message);
+            let place = self.found.places.dissipation[term].clone();
+            let warning = self.report.warn_at(&place, message);
             warning.help("D is positive and enters as the force `-∂D/∂q̇`: write `dissipation += 1/2 * b * dt(x)^2;`");
         }
         for force in samples.driving_forces(&self.lagrangian) {
             let message = "this force always acts along the motion: it brings energy in";
-            let place = self.places.forces[force].clone();
-            let warning = self.warn_at(&place, message);
+            let place = self.found.places.forces[force].clone();
+            let warning = self.report.warn_at(&place, message);
             warning.help("forces are written as they act on the mechanism, friction against the motion: `-b*dt(x)`");
         }
     }
@@ -54,10 +54,10 @@ impl<'d, 'g> Resolver<'d, 'g> {
         let value = angle.to_f64();
         if plain && value.abs() > std::f64::consts::TAU {
             let turns = (value.abs() / std::f64::consts::TAU * 10.0).round() / 10.0;
-            let (place, calls) = self.place(span);
-            if !self.has_said(&place, "degrees") {
+            let (place, calls) = self.report.place(span);
+            if !self.report.has_said(&place, "degrees") {
                 let message = format!("this angle is in radians: {value} rad are {turns} turns");
-                let warning = self.errors.warning(place, message);
+                let warning = self.report.errors.warning(place, message);
                 warning.help(format!("for degrees write `{value}*deg`"));
                 for (call, what) in calls {
                     warning.note(call, what);
@@ -73,7 +73,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
             _ => vec![angle],
         };
         for part in parts {
-            if let Some(number) = self.facts.constant(part) {
+            if let Some(number) = self.known.facts.constant(part) {
                 self.warn_of_degrees(number, span);
             }
         }

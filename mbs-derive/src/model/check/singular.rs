@@ -51,15 +51,15 @@ impl<'d, 'g> Resolver<'d, 'g> {
             _ => return,
         };
         for expr in exprs.iter().filter(|expr| is_choice(expr.node())) {
-            let choice = Choice { place: self.place(span).0, is_condition: false };
+            let choice = Choice { place: self.report.place(span).0, is_condition: false };
             self.lagrangian.choices.entry(expr.id()).or_insert(choice);
         }
         for expr in exprs.into_iter().filter_map(critical) {
             let argument = expr.node().operands().map(|id| self.graph.expr(id));
-            let moves = argument.map(|a| self.facts.dependence(a).moves()).fold(false, |a, b| a | b);
-            if moves && !self.sites.contains_key(&expr.id()) {
-                let (span, calls) = self.place(span);
-                self.sites.insert(expr.id(), Site { expr, span, calls });
+            let moves = argument.map(|a| self.known.facts.dependence(a).moves()).fold(false, |a, b| a | b);
+            if moves && !self.known.sites.contains_key(&expr.id()) {
+                let (span, calls) = self.report.place(span);
+                self.known.sites.insert(expr.id(), Site { expr, span, calls });
             }
         }
     }
@@ -150,10 +150,10 @@ struct Fault {
 
 impl<'d, 'g> Resolver<'d, 'g> {
     pub(in crate::model) fn warn_of_singular_derivatives(&mut self) {
-        if self.sites.is_empty() {
+        if self.known.sites.is_empty() {
             return;
         }
-        let sites: Vec<Site<'g>> = std::mem::take(&mut self.sites).into_values().collect();
+        let sites: Vec<Site<'g>> = std::mem::take(&mut self.known.sites).into_values().collect();
         let graph = Graph::new();
         let (search, copies) = Search::new(&self.lagrangian, &sites, &graph);
         if !search.nodes.iter().any(|id| is_critical(graph.node(*id))) {
@@ -172,7 +172,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
         }
         for (site, message) in found.into_values() {
             let Site { expr, span, calls } = &sites[site];
-            let warning = self.errors.warning(span.clone(), message).help(help(expr.node()));
+            let warning = self.report.errors.warning(span.clone(), message).help(help(expr.node()));
             for (call, what) in calls {
                 warning.note(call.clone(), what);
             }

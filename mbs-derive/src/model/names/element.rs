@@ -82,7 +82,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
             }
         });
         self.declare(name, origin, None)?;
-        if let (Ok(elements), Some(binding)) = (elements, self.scope.get_mut(&name.text)) {
+        if let (Ok(elements), Some(binding)) = (elements, self.names.scope.get_mut(&name.text)) {
             binding.elements = Some(elements);
         }
         Ok(())
@@ -96,7 +96,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
         value: &Expression,
     ) -> Resolved<()> {
         let argument = self.argument(value);
-        let Some(binding) = self.scope.get(&name.text) else {
+        let Some(binding) = self.names.scope.get(&name.text) else {
             let message = format!("`{}` is not declared", name.text);
             return Err(self.refuse(&name.span, message, format!("write `let {}[n];` before it", name.text)));
         };
@@ -105,12 +105,12 @@ impl<'d, 'g> Resolver<'d, 'g> {
         }
         let Ok(numbers) = self.numbers_of(name, indices) else {
             // Nobody knows which one was meant.
-            self.gave_up = true;
+            self.report.gave_up = true;
             return Err(Refused);
         };
         let shown = shown(&name.text, &numbers);
         let place = name.span.start..indices.last().map_or(name.span.end, |index| index.span.end + 1);
-        let is_mutable = self.scope.get(&name.text).is_some_and(|binding| binding.origin == Origin::Mutable);
+        let is_mutable = self.names.scope.get(&name.text).is_some_and(|binding| binding.origin == Origin::Mutable);
         match (self.element_at(&name.text, &numbers), &argument) {
             (Some(Element::Given { value: old, .. }), Ok(new)) if is_mutable => {
                 self.check_assignment(&shown, old, new)?;
@@ -124,7 +124,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
             Ok(argument) => Element::Given { value: argument.value, place, used: None },
             Err(Refused) => Element::Wrong,
         };
-        if let Some(elements) = self.scope.get_mut(&name.text).and_then(|binding| binding.elements.as_mut()) {
+        if let Some(elements) = self.names.scope.get_mut(&name.text).and_then(|binding| binding.elements.as_mut()) {
             *elements.get_mut(&numbers) = element;
         }
         Ok(())
@@ -137,7 +137,11 @@ impl<'d, 'g> Resolver<'d, 'g> {
             return self.refuse(place, message, help);
         }
         let help = format!("each element takes one; write `let mut {name}[n];` where they are to take new ones");
-        self.errors.error(place.clone(), format!("`{shown}` has a value already")).help(help).note(first, "given here");
+        self.report
+            .errors
+            .error(place.clone(), format!("`{shown}` has a value already"))
+            .help(help)
+            .note(first, "given here");
         Refused
     }
 
@@ -159,7 +163,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
         }
         let (new, old) = (value?, binding.value.ok_or(Refused)?);
         let changed = self.with_element(name, old, indices, new, &mut Vec::new())?;
-        if let Some(binding) = self.scope.get_mut(&name.text) {
+        if let Some(binding) = self.names.scope.get_mut(&name.text) {
             (binding.value, binding.used) = (Some(changed), None);
         }
         Ok(())
@@ -209,12 +213,12 @@ impl<'d, 'g> Resolver<'d, 'g> {
     }
 
     fn lengths_of(&self, name: &str) -> Vec<usize> {
-        let elements = self.scope.get(name).and_then(|binding| binding.elements.as_ref());
+        let elements = self.names.scope.get(name).and_then(|binding| binding.elements.as_ref());
         elements.map(|elements| elements.lengths.clone()).unwrap_or_default()
     }
 
     fn element_at(&self, name: &str, numbers: &[usize]) -> Option<Element<'g>> {
-        let elements = self.scope.get(name)?.elements.as_ref()?;
+        let elements = self.names.scope.get(name)?.elements.as_ref()?;
         Some(elements.values[elements.number(numbers)].clone())
     }
 }
@@ -263,7 +267,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
                 Ok(value)
             }
             // Where a loop was given up, the value would have come.
-            Some(Element::Empty) if !self.gave_up => {
+            Some(Element::Empty) if !self.report.gave_up => {
                 let shown = shown(name, numbers);
                 let help = format!("give it one before: `{shown} = …;`");
                 Err(self.refuse(span, format!("`{shown}` has no value yet"), help))
@@ -281,7 +285,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
     }
 
     fn note_use_of(&mut self, name: &str, numbers: &[usize], place: &Span) {
-        let elements = self.scope.get_mut(name).and_then(|binding| binding.elements.as_mut());
+        let elements = self.names.scope.get_mut(name).and_then(|binding| binding.elements.as_mut());
         if let Some(Element::Given { used, .. }) = elements.map(|elements| elements.get_mut(numbers)) {
             used.get_or_insert_with(|| place.clone());
         }

@@ -79,7 +79,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
     /// Every index from 0 on stands for an element.
     pub(in crate::model) fn complete(&mut self, family: &Family, what: &str) -> Resolved<()> {
         match (0..family.count()).find(|i| !family.elements.contains_key(i)) {
-            Some(_) if self.gave_up => Err(Refused),
+            Some(_) if self.report.gave_up => Err(Refused),
             Some(missing) => {
                 let message = format!("there is no {what} `{}[{missing}]`", family.name.text);
                 Err(self.refuse(&family.name.span, message, "indices run from 0 on, without gaps"))

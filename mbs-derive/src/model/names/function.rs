@@ -81,7 +81,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
         for statement in statements {
             if let StatementKind::Function { name, parameters, body } = &statement.kind {
                 let function = Function { name, parameters, body, home: Home::Library, circular: false };
-                self.functions.insert(&name.text, function);
+                self.names.functions.insert(&name.text, function);
             }
         }
     }
@@ -98,33 +98,33 @@ impl<'d, 'g> Resolver<'d, 'g> {
                 self.refuse(&parameter.span, message, "choose another name");
             }
         }
-        let own = self.functions.get(name.text.as_str()).filter(|known| known.home != Home::Library);
+        let own = self.names.functions.get(name.text.as_str()).filter(|known| known.home != Home::Library);
         let own = own.map(|known| (known.name.span.clone(), "a function"));
-        let imported = self.scope.get(&name.text).map(|known| (known.span.clone(), known.origin.described()));
+        let imported = self.names.scope.get(&name.text).map(|known| (known.span.clone(), known.origin.described()));
         if let Some((first, what)) = own.or(imported) {
             let message = format!("`{}` is already {what}", name.text);
             self.refuse_twice(&name.span, message, "choose another name".to_string(), first);
             return;
         }
         let home = self.home();
-        self.functions.insert(&name.text, Function { name, parameters, body, home, circular: false });
+        self.names.functions.insert(&name.text, Function { name, parameters, body, home, circular: false });
     }
 
     /// A function that calls itself, directly or through others, has no value.
     pub(in crate::model) fn check_circles(&mut self) {
-        let names: Vec<&'d str> = self.functions.keys().copied().collect();
+        let names: Vec<&'d str> = self.names.functions.keys().copied().collect();
         for name in names {
-            if self.functions[name].circular {
+            if self.names.functions[name].circular {
                 continue;
             }
             let Some(circle) = self.circle(name) else { continue };
             for member in &circle {
-                if let Some(function) = self.functions.get_mut(member) {
+                if let Some(function) = self.names.functions.get_mut(member) {
                     function.circular = true;
                 }
             }
             let message = format!("`{name}` calls itself: {} → {name}", circle.join(" → "));
-            let place = self.functions[name].name.span.clone();
+            let place = self.names.functions[name].name.span.clone();
             self.refuse(&place, message, "a function is a formula: repeat with a `for` loop and a `let mut`");
         }
     }
@@ -146,10 +146,10 @@ impl<'d, 'g> Resolver<'d, 'g> {
 
     /// The functions of the same home that a function calls, the last one first: those of other homes do not call back.
     fn callees(&self, name: &str) -> Vec<&'d str> {
-        let Some(caller) = self.functions.get(name) else { return Vec::new() };
+        let Some(caller) = self.names.functions.get(name) else { return Vec::new() };
         let called = |part: &'d Expression| match &part.kind {
             ExpressionKind::Call(name, _) => {
-                let found = self.functions.get_key_value(name.text.as_str());
+                let found = self.names.functions.get_key_value(name.text.as_str());
                 found.filter(|(_, function)| function.home == caller.home).map(|(name, _)| *name)
             }
             _ => None,
@@ -160,11 +160,12 @@ impl<'d, 'g> Resolver<'d, 'g> {
     /// What is wrong in a function is found where it is called: one that never is may be wrong in any way.
     pub(in crate::model) fn check_calls(&mut self) {
         let unused = |function: &&Function<'d>| {
-            function.home == Home::Mechanism && !self.called.contains(function.name.text.as_str())
+            function.home == Home::Mechanism && !self.names.called.contains(function.name.text.as_str())
         };
-        let unused: Vec<&'d Name> = self.functions.values().filter(unused).map(|function| function.name).collect();
+        let unused: Vec<&'d Name> =
+            self.names.functions.values().filter(unused).map(|function| function.name).collect();
         for name in unused {
-            let warning = self.errors.warning(name.span.clone(), format!("`{}` is never called", name.text));
+            let warning = self.report.errors.warning(name.span.clone(), format!("`{}` is never called", name.text));
             warning.help("so it has not been checked");
         }
     }
@@ -183,7 +184,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
         span: &Span,
     ) -> Resolved<Value<'g>> {
         if function.home == Home::Mechanism {
-            self.called.insert(&function.name.text);
+            self.names.called.insert(&function.name.text);
         }
         let arguments = arguments?;
         if function.circular {
@@ -199,8 +200,8 @@ impl<'d, 'g> Resolver<'d, 'g> {
             );
             return Err(self.refuse(&name.span, message, format!("write `{}`", function.form())));
         }
-        self.calls_so_far += 1;
-        if self.calls_so_far > MAX_CALLS {
+        self.effort.calls_so_far += 1;
+        if self.effort.calls_so_far > MAX_CALLS {
             let message = format!("the functions of this mechanism are called more than {MAX_CALLS} times");
             return Err(self.refuse(span, message, "name values that are used twice with `let`"));
         }
@@ -209,23 +210,23 @@ impl<'d, 'g> Resolver<'d, 'g> {
 
     fn body(&mut self, function: Function<'d>, arguments: Vec<Argument<'g>>, span: &Span) -> Resolved<Value<'g>> {
         match function.home {
-            Home::Mechanism => self.scope.enter_function(),
-            Home::Import | Home::Library => self.scope.enter_shared_function(),
+            Home::Mechanism => self.names.scope.enter_function(),
+            Home::Import | Home::Library => self.names.scope.enter_shared_function(),
         }
         for (parameter, argument) in function.parameters.iter().zip(arguments) {
             let binding = Binding::new(Origin::Argument, Some(argument.value), parameter.span.clone());
             // Two of one name have been reported.
-            let _ = self.scope.declare(&parameter.text, binding);
+            let _ = self.names.scope.declare(&parameter.text, binding);
         }
-        self.calls.push(Call {
+        self.report.calls.push(Call {
             name: function.name.text.clone(),
             span: span.clone(),
             home: function.home,
             is_part: false,
         });
         let value = self.expression(function.body);
-        self.calls.pop();
-        self.scope.leave();
+        self.report.calls.pop();
+        self.names.scope.leave();
         value
     }
 }

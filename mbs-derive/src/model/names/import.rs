@@ -11,17 +11,17 @@ impl<'d, 'g> Resolver<'d, 'g> {
     /// Declares the constants and functions of imported files; from here on names are the mechanism's own.
     pub(in crate::model) fn import(&mut self, statements: &'d [Statement]) {
         self.survey(statements);
-        self.shared = self.functions.clone();
+        self.names.shared = self.names.functions.clone();
         self.statements(statements);
-        self.definitions.clear();
-        self.scope.enter();
+        self.names.definitions.clear();
+        self.names.scope.enter();
     }
 
     /// Whose text is being looked at.
     pub(in crate::model) fn home(&self) -> Home {
-        match self.calls.last() {
+        match self.report.calls.last() {
             Some(call) => call.home,
-            None if self.scope.is_shared() => Home::Import,
+            None if self.names.scope.is_shared() => Home::Import,
             None => Home::Mechanism,
         }
     }
@@ -29,13 +29,13 @@ impl<'d, 'g> Resolver<'d, 'g> {
     /// The functions that may be called here: from an imported file one of the mechanism's own is not seen, and one of
     /// the library is seen behind it.
     pub(in crate::model) fn functions_in_sight(&self) -> &BTreeMap<&'d str, Function<'d>> {
-        if self.home() == Home::Mechanism { &self.functions } else { &self.shared }
+        if self.home() == Home::Mechanism { &self.names.functions } else { &self.names.shared }
     }
 
     /// A name that no imported file declares, in one of them.
     pub(in crate::model) fn unknown_to_imports(&mut self, name: &str, span: &Span) -> Refused {
-        let own = self.scope.hidden(name).filter(|_| self.home() == Home::Import);
-        let seen: Vec<&str> = self.scope.names().map(|(name, _)| name).collect();
+        let own = self.names.scope.hidden(name).filter(|_| self.home() == Home::Import);
+        let seen: Vec<&str> = self.names.scope.names().map(|(name, _)| name).collect();
         match (own, nearest(name, seen)) {
             (Some(origin), _) => {
                 let message = format!("`{name}` is {}: an imported file does not see it", origin.described());
@@ -60,7 +60,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
         help: String,
         first: Span,
     ) -> Refused {
-        self.errors.error(span.clone(), message).help(help).note(first, "it is declared here");
+        self.report.errors.error(span.clone(), message).help(help).note(first, "it is declared here");
         Refused
     }
 }

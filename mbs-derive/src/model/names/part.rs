@@ -66,21 +66,22 @@ impl<'d, 'g> Resolver<'d, 'g> {
             }
         }
         let part = Part { name, parameters, body, home: self.home() };
-        if let Some(first) = self.parts.known.get(name.text.as_str()).map(|known| known.name.span.clone()) {
+        if let Some(first) = self.names.parts.known.get(name.text.as_str()).map(|known| known.name.span.clone()) {
             let message = format!("`{}` is already a part", name.text);
             self.refuse_twice(&name.span, message, "choose another name".to_string(), first);
             return;
         }
-        self.parts.known.insert(&name.text, part);
+        self.names.parts.known.insert(&name.text, part);
     }
 
     /// What is wrong in a part is found where it is used.
     pub(in crate::model) fn check_parts(&mut self) {
-        let parts = &self.parts;
+        let parts = &self.names.parts;
         let unused = parts.known.values().filter(|p| p.home == Home::Mechanism && !parts.used.contains(&*p.name.text));
         let unused: Vec<&'d Name> = unused.map(|part| part.name).collect();
         for name in unused {
-            let warning = self.errors.warning(name.span.clone(), format!("the part `{}` is never used", name.text));
+            let warning =
+                self.report.errors.warning(name.span.clone(), format!("the part `{}` is never used", name.text));
             warning.help("so it has not been checked");
         }
     }
@@ -126,10 +127,10 @@ impl<'d, 'g> Resolver<'d, 'g> {
     fn part_in_sight(&mut self, name: &Name) -> Resolved<Part<'d>> {
         let home = self.home();
         let in_sight = |part: &&Part<'d>| home == Home::Mechanism || part.home == home;
-        if let Some(found) = self.parts.known.get(name.text.as_str()).filter(in_sight) {
+        if let Some(found) = self.names.parts.known.get(name.text.as_str()).filter(in_sight) {
             return Ok(*found);
         }
-        let known = self.parts.known.values().filter(in_sight).map(|part| part.name.text.as_str());
+        let known = self.names.parts.known.values().filter(in_sight).map(|part| part.name.text.as_str());
         let help = match nearest(&name.text, known) {
             Some(meant) => format!("did you mean `{meant}`?"),
             None => format!("declare it: `part {}(m, pose) {{ … }}`", name.text),
@@ -140,7 +141,8 @@ impl<'d, 'g> Resolver<'d, 'g> {
     /// The number of the instance, where it has an index; names and indices stand for one instance each.
     fn next_number(&mut self, name: &Name, index: Option<Argument<'g>>) -> Resolved<Option<usize>> {
         let in_loop = self.is_in_a_loop();
-        let known = self.scope.in_body(&name.text).map(|known| (known.origin, known.span.clone(), known.value.clone()));
+        let known =
+            self.names.scope.in_body(&name.text).map(|known| (known.origin, known.span.clone(), known.value.clone()));
         let built = match (&known, &index) {
             (None, _) => 0,
             (Some((Origin::Part, _, Some(Value::Array(array)))), Some(_)) => array.values().len(),
@@ -173,29 +175,29 @@ impl<'d, 'g> Resolver<'d, 'g> {
         arguments: Vec<Argument<'g>>,
         span: &Span,
     ) -> Resolved<Instance<'g>> {
-        self.parts.used.insert(&found.name.text);
+        self.names.parts.used.insert(&found.name.text);
         self.check_use_of(found, part, arguments.len(), span)?;
         let own = number.map_or(format!("{}_", name.text), |i| format!("{}_{i}_", name.text));
         let prefix = format!("{}{own}", self.prefix());
-        self.scope.enter_part(found.home != Home::Mechanism);
+        self.names.scope.enter_part(found.home != Home::Mechanism);
         for (parameter, argument) in found.parameters.iter().zip(arguments) {
             let binding = Binding::new(Origin::Argument, Some(argument.value), parameter.span.clone());
             // Two of one name have been reported.
-            let _ = self.scope.declare(&parameter.text, binding);
+            let _ = self.names.scope.declare(&parameter.text, binding);
         }
-        self.calls.push(Call { name: part.text.clone(), span: span.clone(), home: found.home, is_part: true });
-        self.parts.open.push(Open { prefix, outputs: BTreeMap::new() });
-        self.depth_of_blocks += 1;
-        let loops = std::mem::take(&mut self.loops);
-        let errors = self.errors.error_count();
+        self.report.calls.push(Call { name: part.text.clone(), span: span.clone(), home: found.home, is_part: true });
+        self.names.parts.open.push(Open { prefix, outputs: BTreeMap::new() });
+        self.effort.depth_of_blocks += 1;
+        let loops = std::mem::take(&mut self.effort.loops);
+        let errors = self.report.errors.error_count();
         let complete = self.statements(found.body);
-        let is_whole = self.errors.error_count() == errors;
-        self.loops = loops;
-        self.depth_of_blocks -= 1;
-        let given = self.parts.open.pop().map(|open| open.outputs).unwrap_or_default();
-        self.calls.pop();
+        let is_whole = self.report.errors.error_count() == errors;
+        self.effort.loops = loops;
+        self.effort.depth_of_blocks -= 1;
+        let given = self.names.parts.open.pop().map(|open| open.outputs).unwrap_or_default();
+        self.report.calls.pop();
         let instance = Instance { is_whole, ..self.finished(part, given) };
-        self.scope.leave();
+        self.names.scope.leave();
         if complete { Ok(instance) } else { Err(Refused) }
     }
 
@@ -208,18 +210,18 @@ impl<'d, 'g> Resolver<'d, 'g> {
             return Err(self.refuse(&part.span, message, format!("write `{}`", found.form())));
         }
         let same = |call: &&Call| call.is_part && call.name == part.text;
-        if self.calls.iter().any(|call| same(&call)) {
+        if self.report.calls.iter().any(|call| same(&call)) {
             let path: Vec<&str> =
-                self.calls.iter().filter(|call| call.is_part).map(|call| call.name.as_str()).collect();
+                self.report.calls.iter().filter(|call| call.is_part).map(|call| call.name.as_str()).collect();
             let message = format!("the part `{}` is built of itself: {} → {}", part.text, path.join(" → "), part.text);
             return Err(self.refuse(span, message, "repeat with a `for` loop"));
         }
-        self.parts.built += 1;
-        if self.parts.built > MAX_PARTS {
+        self.names.parts.built += 1;
+        if self.names.parts.built > MAX_PARTS {
             let message = format!("this mechanism has more than {MAX_PARTS} parts");
             return Err(self.refuse(span, message, "do parts or loops repeat more than was meant?"));
         }
-        if self.depth_of_blocks >= MAX_DEPTH {
+        if self.effort.depth_of_blocks >= MAX_DEPTH {
             let message = format!("parts and loops are nested deeper than {MAX_DEPTH} levels");
             return Err(self.refuse(span, message, ""));
         }
@@ -229,7 +231,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
     /// What a part gives: its outputs, and what its body declares.
     fn finished(&self, part: &Name, outputs: BTreeMap<String, Value<'g>>) -> Instance<'g> {
         let mut values: BTreeMap<_, _> = outputs.into_iter().map(|(name, value)| (name, Some(value))).collect();
-        for (name, binding) in self.scope.innermost() {
+        for (name, binding) in self.names.scope.innermost() {
             if matches!(binding.origin, Origin::Local | Origin::Mutable | Origin::Constant | Origin::Part) {
                 let value = match &binding.elements {
                     Some(elements) => elements.whole(),
@@ -243,7 +245,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
 
     fn declare_instance(&mut self, name: &Name, number: Option<usize>, instance: Option<Instance<'g>>) {
         let instance = instance.map(|instance| Value::Part(Rc::new(instance)));
-        let known = self.scope.in_body(&name.text).and_then(|known| match known.value.take() {
+        let known = self.names.scope.in_body(&name.text).and_then(|known| match known.value.take() {
             Some(Value::Array(array)) => Some(array.values().to_vec()),
             _ => None,
         });
@@ -254,7 +256,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
             }
             (Some(_), None) => None,
         };
-        self.scope.declare_in_body(&name.text, Binding::new(Origin::Part, value, name.span.clone()));
+        self.names.scope.declare_in_body(&name.text, Binding::new(Origin::Part, value, name.span.clone()));
     }
 }
 
@@ -263,7 +265,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
 impl<'g> Resolver<'_, 'g> {
     /// What the names of the part that is being built begin with; nothing in the mechanism itself.
     fn prefix(&self) -> &str {
-        self.parts.open.last().map_or("", |open| &open.prefix)
+        self.names.parts.open.last().map_or("", |open| &open.prefix)
     }
 
     /// A name with the path of the part that it stands in.
@@ -273,7 +275,7 @@ impl<'g> Resolver<'_, 'g> {
 
     /// Notes an output of the part that is being built.
     pub(in crate::model) fn give(&mut self, path: &Name, value: &Value<'g>) {
-        if let Some(open) = self.parts.open.last_mut()
+        if let Some(open) = self.names.parts.open.last_mut()
             && let Some(name) = path.text.strip_prefix(&open.prefix)
         {
             open.outputs.insert(name.to_string(), value.clone());

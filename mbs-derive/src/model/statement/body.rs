@@ -22,7 +22,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
             }
         };
         let (m, Point { coordinates, frame }) = (m?, place?);
-        self.physical.push(Physical { mass: m, mass_place: self.here(&mass.span), inertia: None });
+        self.found.physical.push(Physical { mass: m, mass_place: self.report.here(&mass.span), inertia: None });
         Ok(self.energy_of(Body { mass: m, com: coordinates, inertia: None, frame }))
     }
 
@@ -40,7 +40,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
 
     fn energy_of(&mut self, body: Body<'g>) -> Value<'g> {
         let energy = self.lagrangian.declared_energy_of(&body);
-        self.weights.bodies.insert(energy.id(), body);
+        self.found.weights.bodies.insert(energy.id(), body);
         Value::Scalar(Scalar::new(energy, self.dimension(Dimension::ENERGY)))
     }
 
@@ -57,9 +57,12 @@ impl<'d, 'g> Resolver<'d, 'g> {
         let tensor = self.inertia(inertia, frame);
         let (m, tensor, frame) = (m?, tensor?, frame?);
         let Free { components, .. } = self.mass_centre(com, frame)?;
-        let physical =
-            Physical { mass: m, mass_place: self.here(&mass.span), inertia: Some((tensor, self.here(&inertia.span))) };
-        self.physical.push(physical);
+        let physical = Physical {
+            mass: m,
+            mass_place: self.report.here(&mass.span),
+            inertia: Some((tensor, self.report.here(&inertia.span))),
+        };
+        self.found.physical.push(physical);
         let (com, frame) = self.fixed(components, frame, &com.span)?;
         Ok(self.energy_of(Body { mass: m, com, inertia: Some(tensor), frame }))
     }
@@ -88,7 +91,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
         for (i, j) in [(0, 1), (0, 2), (1, 2)] {
             let (a, b) = (rows[i][j], rows[j][i]);
             let equal = a == b
-                || self.facts.constant(a).is_some_and(|a| Some(a) == self.facts.constant(b))
+                || self.known.facts.constant(a).is_some_and(|a| Some(a) == self.known.facts.constant(b))
                 || vanishes(a - b) == Verdict::Holds;
             if !equal {
                 let message = format!("an inertia is symmetric, here the entries [{i}][{j}] and [{j}][{i}] differ");
@@ -107,7 +110,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
     }
 
     fn constant_in_time(&mut self, exprs: &[Expr<'g>], what: &str, span: &Span) -> Resolved<()> {
-        let moves = exprs.iter().any(|&e| self.facts.dependence(e).moves());
+        let moves = exprs.iter().any(|&e| self.known.facts.dependence(e).moves());
         if moves {
             let message = format!("{what} must be constant in time");
             let help = "for anything else write the kinetic energy out: `1/2 * m * dt(r).norm_squared()`";
@@ -123,7 +126,8 @@ impl<'d, 'g> Resolver<'d, 'g> {
         frame: FrameId,
         span: &Span,
     ) -> Resolved<(Vector<'g>, FrameId)> {
-        let moving = place.0.iter().map(|e| self.facts.dependence(*e)).fold(Dependence::default(), Dependence::or);
+        let moving =
+            place.0.iter().map(|e| self.known.facts.dependence(*e)).fold(Dependence::default(), Dependence::or);
         if !moving.moves() && !moving.on(Dependence::RATE) {
             return Ok((place, frame));
         }

@@ -12,7 +12,8 @@ use crate::model::lagrangian::{Constraint, ConstraintKind, Lagrangian};
 use crate::model::names::family::Family;
 use crate::model::value::constant::Dependence;
 use crate::model::value::dimension::{Dimension, second_lacks};
-use crate::model::value::evaluate::{Argument, Resolved, Resolver, in_words};
+use crate::model::value::evaluate::{Argument, Resolved, Resolver};
+use crate::model::value::usage::in_words;
 use crate::model::value::{Free, Scalar, Shape, Value, shared};
 use crate::numeric::Random;
 use crate::parse::syntax::{BinaryOperator, Expression, Name, Span};
@@ -40,7 +41,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
         let (left_shape, right_shape) = (left.value.shape(), right.value.shape());
         let rows = self.differences(left.clone(), right.clone(), &span)?;
         let (rows, effective) = match self.rows_when_held(rows.len()) {
-            None => (self.effective(rows, &span)?, self.effective_rows.last().cloned().unwrap_or_default()),
+            None => (self.effective(rows, &span)?, self.found.effective_rows.last().cloned().unwrap_or_default()),
             Some(effective) => {
                 let pairs = rows.into_iter().zip(&effective).filter(|(_, is_in)| **is_in);
                 (pairs.map(|(row, _)| row).collect(), effective)
@@ -49,28 +50,28 @@ impl<'d, 'g> Resolver<'d, 'g> {
         let kind = self.kind_of(&rows, &span)?;
         let units = self.units_of_rows([&left, &right], kind, &effective)?;
         let is_vector = [&left_shape, &right_shape].contains(&&Shape::Vector);
-        self.places.differences.push(is_vector.then_some(difference));
+        self.found.places.differences.push(is_vector.then_some(difference));
         let name = number.map_or(name.text.clone(), |i| format!("{}_{i}", name.text));
         self.lagrangian.constraints.push(Constraint { name, docs: docs.to_vec(), kind, rows, units });
-        let place = self.here(&span);
-        self.places.constraints.push(place);
+        let place = self.report.here(&span);
+        self.found.places.constraints.push(place);
         Ok(())
     }
 
     fn note_constraint(&mut self, name: &Name, number: Option<usize>) -> Resolved<()> {
-        match self.constraints.iter().position(|family| family.name.text == name.text) {
+        match self.found.constraints.iter().position(|family| family.name.text == name.text) {
             Some(known) => {
-                let family = self.constraints[known].clone();
-                self.constraints[known] = self.joined(family, name, number, "constraint")?;
+                let family = self.found.constraints[known].clone();
+                self.found.constraints[known] = self.joined(family, name, number, "constraint")?;
             }
-            None => self.constraints.push(Family::new(name, number)),
+            None => self.found.constraints.push(Family::new(name, number)),
         }
         Ok(())
     }
 
     /// Every index of an array stands for a constraint, and no two rows have one name.
     pub(in crate::model) fn check_families(&mut self) {
-        for family in std::mem::take(&mut self.constraints) {
+        for family in std::mem::take(&mut self.found.constraints) {
             let _ = self.complete(&family, "constraint");
         }
         let mut known: BTreeMap<String, usize> = BTreeMap::new();
@@ -83,8 +84,8 @@ impl<'d, 'g> Resolver<'d, 'g> {
                         true => format!("`{one}` is a constraint of its own and an element of an array"),
                         false => format!("the constraints `{one}` and `{other}` both have a row called `{row}`"),
                     };
-                    let place = self.places.constraints[number].clone();
-                    self.refuse_at(&place, message, "choose another name");
+                    let place = self.found.places.constraints[number].clone();
+                    self.report.refuse_at(&place, message, "choose another name");
                 }
             }
         }
@@ -94,7 +95,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
     /// `left − right`, row by row.
     fn differences(&mut self, left: Argument<'g>, right: Argument<'g>, span: &Span) -> Resolved<Vec<Expr<'g>>> {
         let nothing = |resolver: &mut Self, side: &Argument<'g>| match &side.value {
-            Value::Scalar(scalar) => resolver.facts.constant(scalar.expr).is_some_and(Number::is_zero),
+            Value::Scalar(scalar) => resolver.known.facts.constant(scalar.expr).is_some_and(Number::is_zero),
             _ => false,
         };
         if nothing(self, &right) {
@@ -194,7 +195,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
     /// The rows that do not vanish identically.
     fn effective(&mut self, rows: Vec<Expr<'g>>, span: &Span) -> Resolved<Vec<Expr<'g>>> {
         for row in &rows {
-            if self.facts.dependence(*row).on(Dependence::INPUT) {
+            if self.known.facts.dependence(*row).on(Dependence::INPUT) {
                 let help = "a motion given from outside is a `prescribed` signal: its derivatives are known";
                 return Err(self.refuse(span, "a constraint cannot depend on an input", help));
             }
@@ -217,7 +218,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
                 return Err(self.refuse(span, "this constrains no coordinate", help));
             }
         }
-        self.effective_rows.push(are_effective);
+        self.found.effective_rows.push(are_effective);
         if effective.is_empty() {
             return Err(self.refuse(span, "this constraint always holds", "leave it out"));
         }
@@ -227,7 +228,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
     /// Warns of rows that are of one sign wherever Newton's method leads from random states, and never zero.
     pub(in crate::model) fn warn_of_unsatisfiable_constraints(&mut self) {
         let (mut found, mut are_satisfiable) = (Vec::new(), true);
-        for (constraint, place) in self.lagrangian.constraints.iter().zip(&self.places.constraints) {
+        for (constraint, place) in self.lagrangian.constraints.iter().zip(&self.found.places.constraints) {
             if constraint.kind != ConstraintKind::Holonomic {
                 continue;
             }
@@ -243,7 +244,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
             }
         }
         let (rows, n) = (self.lagrangian.holonomic_rows().len(), self.lagrangian.dof());
-        if let Some(place) = self.places.constraints.last()
+        if let Some(place) = self.found.places.constraints.last()
             && are_satisfiable
             && rows >= n
             && !closes(&self.lagrangian)
@@ -252,12 +253,12 @@ impl<'d, 'g> Resolver<'d, 'g> {
             found.push((place.clone(), message, "leave some out, or check signs and defaults".to_string()));
         }
         for (place, message, help) in found {
-            self.warn_at(&place, message).help(help);
+            self.report.warn_at(&place, message).help(help);
         }
     }
 
     fn kind_of(&mut self, rows: &[Expr<'g>], span: &Span) -> Resolved<ConstraintKind> {
-        let rates = rows.iter().filter(|row| self.facts.dependence(**row).on(Dependence::VELOCITY)).count();
+        let rates = rows.iter().filter(|row| self.known.facts.dependence(**row).on(Dependence::VELOCITY)).count();
         match rates {
             0 if simplified(rows, &Graph::new()).into_iter().any(has_rate_of_signal) => {
                 let message = "a constraint on positions cannot hold the rate of a motion that is given at run time";

@@ -5,7 +5,8 @@ use crate::expr::{Expr, Node, Symbol};
 use crate::model::names::scope::Origin;
 use crate::model::value::constant::Dependence;
 use crate::model::value::dimension::{Dimension, lacking};
-use crate::model::value::evaluate::{Argument, Resolved, Resolver, in_words};
+use crate::model::value::evaluate::{Argument, Resolved, Resolver};
+use crate::model::value::usage::in_words;
 use crate::model::value::{Shape, Value, shared};
 use crate::parse::syntax::{BinaryOperator, EnergyTerm, Expression, ExpressionKind, Name};
 
@@ -37,8 +38,8 @@ impl<'d, 'g> Resolver<'d, 'g> {
             return Err(self.refuse(&expression.span, message, help));
         }
         self.check_dependence(term, scalar.expr, expression)?;
-        let place = self.here(&expression.span);
-        let (lagrangian, places) = (&mut self.lagrangian, &mut self.places);
+        let place = self.report.here(&expression.span);
+        let (lagrangian, places) = (&mut self.lagrangian, &mut self.found.places);
         let (terms, places) = match term {
             EnergyTerm::Kinetic => (&mut lagrangian.kinetic, &mut places.kinetic),
             EnergyTerm::Potential => (&mut lagrangian.potential, &mut places.potential),
@@ -83,7 +84,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
 
     /// The momenta `∂L/∂q̇` are differentiated in time: what enters L must have a known rate.
     fn check_dependence(&mut self, term: EnergyTerm, expr: Expr<'g>, expression: &Expression) -> Resolved<()> {
-        let dependence = self.facts.dependence(expr);
+        let dependence = self.known.facts.dependence(expr);
         if dependence.on(Dependence::INPUT) && term != EnergyTerm::Dissipation {
             let help = "inputs act through forces: `force q += u;`";
             return Err(self.refuse(&expression.span, "an energy cannot depend on an input", help));
@@ -137,7 +138,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
                 return None;
             }
             product = product.times(scalar.dimension)?;
-            speed |= self.facts.dependence(scalar.expr).on(Dependence::RATE);
+            speed |= self.known.facts.dependence(scalar.expr).on(Dependence::RATE);
             if speed && product == missing {
                 return Some(with_square(first, &steps, k));
             }
@@ -262,8 +263,8 @@ impl<'d, 'g> Resolver<'d, 'g> {
         }
         let force = scalar.expr;
         self.lagrangian.forces.push((target.number, force));
-        let place = self.here(&value.span);
-        self.places.forces.push(place);
+        let place = self.report.here(&value.span);
+        self.found.places.forces.push(place);
         Ok(())
     }
 
@@ -271,8 +272,8 @@ impl<'d, 'g> Resolver<'d, 'g> {
     fn targets(&mut self, name: &Name, index: Option<&Expression>) -> Resolved<Vec<Target>> {
         let index = index.map(|index| self.argument(index));
         let coordinates =
-            || self.scope.names().filter(|(_, b)| matches!(b.origin, Origin::Coordinate(_))).map(|(n, _)| n);
-        let Some(binding) = self.scope.get(&name.text) else {
+            || self.names.scope.names().filter(|(_, b)| matches!(b.origin, Origin::Coordinate(_))).map(|(n, _)| n);
+        let Some(binding) = self.names.scope.get(&name.text) else {
             let help = match nearest(&name.text, coordinates()) {
                 Some(meant) => format!("did you mean `{meant}`?"),
                 None => match coordinates().take(8).map(|name| format!("`{name}`")).collect::<Vec<_>>() {

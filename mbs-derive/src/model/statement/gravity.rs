@@ -34,7 +34,7 @@ impl<'g> Resolver<'_, 'g> {
     /// `gravity vector;`
     pub(in crate::model) fn gravity(&mut self, acceleration: &Expression, statement: &Span) -> Resolved<()> {
         let value = self.argument(acceleration)?;
-        if let Some((_, first)) = self.weights.field.clone() {
+        if let Some((_, first)) = self.found.weights.field.clone() {
             let help = "it acts on all bodies: add the vectors".to_string();
             return Err(self.refuse_twice(statement, "gravity is declared already".to_string(), help, first));
         }
@@ -46,12 +46,12 @@ impl<'g> Resolver<'_, 'g> {
         self.check_dimension(vector.fit(), "gravity", Dimension::ACCELERATION, &value.span)?;
         let field = self.in_world(Free { ..vector });
         self.check_constant_field(field, &value.span)?;
-        self.weights.field = Some((field, statement.clone()));
+        self.found.weights.field = Some((field, statement.clone()));
         Ok(())
     }
 
     fn check_constant_field(&mut self, field: Vector<'g>, span: &Span) -> Resolved<()> {
-        let all = field.0.iter().map(|&e| self.facts.dependence(e)).fold(Dependence::default(), Dependence::or);
+        let all = field.0.iter().map(|&e| self.known.facts.dependence(e)).fold(Dependence::default(), Dependence::or);
         let message = match all {
             all if all.on(Dependence::COORDINATE.or(Dependence::VELOCITY)) => "gravity does not depend on coordinates",
             all if all.moves() || all.on(Dependence::RATE) => "gravity does not change in time",
@@ -64,13 +64,13 @@ impl<'g> Resolver<'_, 'g> {
 
     /// Adds the potential energies of all bodies; the last that is done with the statements.
     pub(in crate::model) fn weigh(&mut self) {
-        let Some((field, statement)) = self.weights.field.clone() else { return };
+        let Some((field, statement)) = self.found.weights.field.clone() else { return };
         self.check_bodies_are_terms();
         for body in self.declared_bodies() {
             if let Some(potential) = self.weight(&body, field) {
                 self.lagrangian.potential.push(potential);
-                self.places.potential.push(Place { span: statement.clone(), calls: Vec::new() });
-                self.weights.added += 1;
+                self.found.places.potential.push(Place { span: statement.clone(), calls: Vec::new() });
+                self.found.weights.added += 1;
             }
         }
     }
@@ -92,7 +92,7 @@ impl<'g> Resolver<'_, 'g> {
 
     /// The bodies among the terms of T that were declared as bodies, in their order.
     fn declared_bodies(&self) -> Vec<Body<'g>> {
-        let declared = &self.weights.bodies;
+        let declared = &self.found.weights.bodies;
         let terms = self.lagrangian.kinetic.iter().flat_map(|&e| landmark::terms(e, |id| declared.contains_key(&id)));
         let body = |(factor, term): (Expr<'g>, Expr<'g>)| {
             let body = declared.get(&term.id())?;
@@ -103,21 +103,23 @@ impl<'g> Resolver<'_, 'g> {
 
     /// A body that is chosen, or multiplied by what changes, has no weight that follows from its kinetic energy.
     fn check_bodies_are_terms(&mut self) {
-        let declared = &self.weights.bodies;
+        let declared = &self.found.weights.bodies;
         let known = |id: Id| declared.contains_key(&id);
         let hides_body = |e: Expr<'g>, of_lagrangian: bool| {
             let rest = landmark::terms(e, known).into_iter().filter(|(_, term)| of_lagrangian || !known(term.id()));
             let rest: Vec<Id> = rest.map(|(_, term)| term.id()).collect();
             self.graph.reachable(rest).into_iter().any(known)
         };
-        let kinetic = self.lagrangian.kinetic.iter().zip(&self.places.kinetic).map(|(e, place)| (e, place, false));
-        let others = self.lagrangian.lagrangian.iter().zip(&self.places.lagrangian).map(|(e, place)| (e, place, true));
+        let kinetic =
+            self.lagrangian.kinetic.iter().zip(&self.found.places.kinetic).map(|(e, place)| (e, place, false));
+        let others =
+            self.lagrangian.lagrangian.iter().zip(&self.found.places.lagrangian).map(|(e, place)| (e, place, true));
         let found = kinetic.chain(others).filter(|(e, _, of_lagrangian)| hides_body(**e, *of_lagrangian));
         let found: Vec<Place> = found.map(|(_, place, _)| place.clone()).collect();
         for place in found {
             let help = "gravity acts on each `particle` and `rigid_body` that is a term of `kinetic +=`, with a factor that \
                         is constant in time; without the `gravity` statement, write the potential energies";
-            self.refuse_at(&place, "gravity does not find the body in this energy", help);
+            self.report.refuse_at(&place, "gravity does not find the body in this energy", help);
         }
     }
 }
@@ -133,19 +135,19 @@ const MOST_TERMS: usize = 2000;
 impl<'g> Resolver<'_, 'g> {
     /// A potential energy that is the weight of a body, or of all of them, up to a constant.
     pub(in crate::model) fn warn_of_double_gravity(&mut self) {
-        let Some((_, statement)) = self.weights.field.clone() else { return };
+        let Some((_, statement)) = self.found.weights.field.clone() else { return };
         let (written, weights) =
-            self.lagrangian.potential.split_at(self.lagrangian.potential.len() - self.weights.added);
+            self.lagrangian.potential.split_at(self.lagrangian.potential.len() - self.found.weights.added);
         if weights.is_empty() && self.declared_bodies().is_empty() {
-            let warning = self.errors.warning(statement, "gravity acts on nothing");
+            let warning = self.report.errors.warning(statement, "gravity acts on nothing");
             warning.help("it acts on every `particle` and `rigid_body` in `kinetic +=`, and there is none");
             return;
         }
         let doubles = doubles(&self.lagrangian, written, weights);
         for term in doubles {
             let message = "this is gravity once more: the `gravity` statement adds the weight of every body";
-            let place = self.places.potential[term].clone();
-            let warning = self.warn_at(&place, message);
+            let place = self.found.places.potential[term].clone();
+            let warning = self.report.warn_at(&place, message);
             warning.help("leave one of them out").note(statement.clone(), "gravity is declared here");
         }
     }

@@ -51,31 +51,31 @@ impl<'d, 'g> Resolver<'d, 'g> {
             Some(request) => self.check_jacobian_rate(&name.text, &shown.0, request).map(|()| shown),
             None => Ok(shown),
         });
-        let outputs = &mut self.outputs[position];
+        let outputs = &mut self.found.outputs[position];
         outputs.requests += usize::from(jacobian_rate.is_some());
         outputs.elements.insert(number.unwrap_or(0), shown);
         Ok(())
     }
 
     fn noted_output(&mut self, docs: &[String], name: &Name, number: Option<usize>) -> Resolved<usize> {
-        match self.outputs.iter().position(|outputs| outputs.family.name.text == name.text) {
-            Some(known) if self.outputs[known].family.is_array || number.is_some() || self.is_in_a_loop() => {
-                let family = self.outputs[known].family.clone();
-                self.outputs[known].family = self.joined(family, name, number, "output")?;
+        match self.found.outputs.iter().position(|outputs| outputs.family.name.text == name.text) {
+            Some(known) if self.found.outputs[known].family.is_array || number.is_some() || self.is_in_a_loop() => {
+                let family = self.found.outputs[known].family.clone();
+                self.found.outputs[known].family = self.joined(family, name, number, "output")?;
                 Ok(known)
             }
             _ => {
                 self.check_output_name(name)?;
                 let (family, docs) = (Family::new(name, number), docs.to_vec());
-                self.outputs.push(Outputs { family, docs, elements: BTreeMap::new(), requests: 0 });
-                Ok(self.outputs.len() - 1)
+                self.found.outputs.push(Outputs { family, docs, elements: BTreeMap::new(), requests: 0 });
+                Ok(self.found.outputs.len() - 1)
             }
         }
     }
 
     /// All outputs in order of declaration, arrays put together.
     pub(in crate::model) fn gather_outputs(&mut self) {
-        for Outputs { family, docs, elements, requests } in std::mem::take(&mut self.outputs) {
+        for Outputs { family, docs, elements, requests } in std::mem::take(&mut self.found.outputs) {
             let name = family.name.text.clone();
             if requests > 0 && requests < elements.len() {
                 let message = format!("`jacobian_rate` is asked for by some elements of `{name}`, not by all");
@@ -104,7 +104,8 @@ impl<'d, 'g> Resolver<'d, 'g> {
     fn check_jacobian_rate(&mut self, name: &str, value: &OutputValue<'g>, request: &Span) -> Resolved<()> {
         // Places are made of positions.
         let components = value.numbers();
-        let depends = components.into_iter().fold(Dependence::default(), |all, e| all.or(self.facts.dependence(e)));
+        let depends =
+            components.into_iter().fold(Dependence::default(), |all, e| all.or(self.known.facts.dependence(e)));
         let what = match (depends.on(Dependence::VELOCITY), depends.on(Dependence::INPUT)) {
             (true, _) => "velocities",
             (false, true) => "inputs",
@@ -127,13 +128,13 @@ impl<'d, 'g> Resolver<'d, 'g> {
         let text = name.text.as_str();
         let functions = names_of_output;
         let clashes = |other: &str| functions(other).iter().any(|f| functions(text).contains(f));
-        if let Some(output) = self.outputs.iter().find(|output| clashes(&output.family.name.text)) {
+        if let Some(output) = self.found.outputs.iter().find(|output| clashes(&output.family.name.text)) {
             let other = &output.family.name.text;
             let message =
                 format!("there is already an output `{other}`, with its `{other}_velocity` and `{other}_jacobian`");
             return Err(self.refuse(&name.span, message, "choose another name"));
         }
-        if let Some(joint) = self.joints.iter().find(|joint| functions(text).contains(&joint.family.name.text)) {
+        if let Some(joint) = self.found.joints.iter().find(|joint| functions(text).contains(&joint.family.name.text)) {
             let (message, first) =
                 (format!("there is already a reaction `{}`", joint.family.name.text), joint.family.name.span.clone());
             return Err(self.refuse_twice(&name.span, message, "choose another name".to_string(), first));

@@ -42,7 +42,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
     }
 
     fn is_moved(&mut self, rate: &Vector<'g>) -> bool {
-        rate.0.iter().any(|c| self.facts.dependence(*c).on(Dependence::VELOCITY))
+        rate.0.iter().any(|c| self.known.facts.dependence(*c).on(Dependence::VELOCITY))
     }
 
     fn velocity_at(&mut self, point: &Expression) -> Resolved<Free<'g>> {

@@ -98,7 +98,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
 
     /// Which element of an array that is given its values one by one; none where the name itself holds the pose.
     fn element_that_holds(&mut self, pose: &Name, element: &[Expression]) -> Resolved<Option<Vec<usize>>> {
-        let has_elements = self.scope.get(&pose.text).is_some_and(|binding| binding.elements.is_some());
+        let has_elements = self.names.scope.get(&pose.text).is_some_and(|binding| binding.elements.is_some());
         match (has_elements, element) {
             (true, _) => self.numbers_of(pose, element).map(Some),
             (false, []) => Ok(None),
@@ -113,7 +113,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
     fn held(&mut self, pose: &Name, element: Option<&[usize]>) -> Resolved<Pose<'g>> {
         let used = match element {
             Some(numbers) => self.use_of_element(&pose.text, numbers),
-            None => self.scope.get(&pose.text).and_then(|binding| binding.used.clone()),
+            None => self.names.scope.get(&pose.text).and_then(|binding| binding.used.clone()),
         };
         let value = match element {
             Some(numbers) => self.given(&pose.text, numbers, &pose.span)?,
@@ -123,14 +123,14 @@ impl<'d, 'g> Resolver<'d, 'g> {
         let Value::Pose(held) = value else {
             return Err(self.wrong_shape(&Argument { value, span: pose.span.clone() }, Shape::Pose));
         };
-        if self.scope.get(&pose.text).is_none() {
+        if self.names.scope.get(&pose.text).is_none() {
             let help = "name a pose that is made of it: `let base = world; reaction name at base;`";
             return Err(self.refuse(&pose.span, format!("`{}` is built in", pose.text), help));
         }
         if let Some(place) = used {
             let message = format!("something was built on `{shown}` before this reaction: it would not count");
             let help = format!("move the statement up, right behind the one that gives `{shown}` its value");
-            self.errors.error(pose.span.clone(), message).help(help).note(place, "it is used here");
+            self.report.errors.error(pose.span.clone(), message).help(help).note(place, "it is used here");
             return Err(Refused);
         }
         // Asking for the reaction builds nothing on it.
@@ -140,7 +140,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
 
     /// A new value, not used yet.
     fn give_pose(&mut self, pose: &Name, element: Option<&[usize]>, held: Pose<'g>) {
-        let Some(binding) = self.scope.get_mut(&pose.text) else { return };
+        let Some(binding) = self.names.scope.get_mut(&pose.text) else { return };
         match (element, &mut binding.elements) {
             (Some(numbers), Some(elements)) => elements.give(numbers, Value::Pose(held), pose.span.clone()),
             _ => (binding.value, binding.used) = (Some(Value::Pose(held)), None),
@@ -148,21 +148,21 @@ impl<'d, 'g> Resolver<'d, 'g> {
     }
 
     fn note_joint(&mut self, docs: &[String], name: &Name, number: Option<usize>) -> Resolved<()> {
-        match self.joints.iter().position(|joint| joint.family.name.text == name.text) {
+        match self.found.joints.iter().position(|joint| joint.family.name.text == name.text) {
             Some(known) => {
-                let family = self.joints[known].family.clone();
-                self.joints[known].family = self.joined(family, name, number, "reaction")?;
+                let family = self.found.joints[known].family.clone();
+                self.found.joints[known].family = self.joined(family, name, number, "reaction")?;
             }
             None => {
                 self.check_reaction_name(name)?;
-                self.joints.push(Joint { family: Family::new(name, number), docs: docs.to_vec() });
+                self.found.joints.push(Joint { family: Family::new(name, number), docs: docs.to_vec() });
             }
         }
         Ok(())
     }
 
     fn check_reaction_name(&mut self, name: &Name) -> Resolved<()> {
-        let mut outputs = self.outputs.iter().map(|output| &output.family.name.text);
+        let mut outputs = self.found.outputs.iter().map(|output| &output.family.name.text);
         if let Some(output) = outputs.find(|output| names_of_output(output).contains(&name.text)) {
             let message = format!("there is already an output `{output}` with a function of this name");
             return Err(self.refuse(&name.span, message, "choose another name"));
@@ -173,8 +173,8 @@ impl<'d, 'g> Resolver<'d, 'g> {
     /// Every index of an array stands for a joint, and no two joints have one name.
     pub(in crate::model) fn check_reactions(&mut self) {
         let mut reactions: Vec<Reaction> = Vec::new();
-        let total: usize = self.joints.iter().map(|joint| joint.family.count()).sum();
-        for Joint { family, docs } in self.joints.clone() {
+        let total: usize = self.found.joints.iter().map(|joint| joint.family.count()).sum();
+        for Joint { family, docs } in self.found.joints.clone() {
             let _ = self.complete(&family, "reaction");
             let (name, length) = (family.name.clone(), family.length());
             let reaction = Reaction { name: name.text, docs, length };
@@ -203,7 +203,7 @@ impl<'g> Resolver<'_, 'g> {
         let (first, joints) = (self.lagrangian.dof(), reactions.iter().map(Reaction::count).sum::<usize>());
         let symbol = |i: usize| self.graph.symbol(Symbol::Coordinate(i as u32));
         let auxiliary = (first..first + AUXILIARY * joints).map(symbol).collect();
-        let effective_rows = self.effective_rows.clone();
+        let effective_rows = self.found.effective_rows.clone();
         (joints > 0).then_some(Hold::Released(Released { reactions, auxiliary, effective_rows }))
     }
 

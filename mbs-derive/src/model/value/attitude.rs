@@ -12,7 +12,7 @@ impl<'g> Resolver<'_, 'g> {
     /// The unit vector along an axis of parameters, `v/|v|`; `None` where it is made of numbers, or no axis at all.
     pub(in crate::model) fn axis_of_parameters(&mut self, axis: &Argument<'g>) -> Resolved<Option<Vector<'g>>> {
         let vector = self.vector(axis)?;
-        let all = vector.components.0.map(|e| self.facts.dependence(e)).into_iter();
+        let all = vector.components.0.map(|e| self.known.facts.dependence(e)).into_iter();
         let all = all.fold(Dependence::default(), Dependence::or);
         if vector.frame != FrameId::WORLD || !all.on(Dependence::PARAMETER) || all.moves() || all.on(Dependence::RATE) {
             return Ok(None);

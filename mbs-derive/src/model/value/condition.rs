@@ -6,7 +6,8 @@
 
 use crate::expr::{Condition, Expr, Id, Matrix, Node, Vector};
 use crate::model::lagrangian::Choice;
-use crate::model::value::evaluate::{Argument, Refused, Resolved, Resolver, in_words};
+use crate::model::value::evaluate::{Argument, Refused, Resolved, Resolver};
+use crate::model::value::usage::in_words;
 use crate::model::value::{Free, Point, Scalar, Shape, Tensor, Value, shared};
 use crate::parse::syntax::{Comparison, Expression, ExpressionKind, Span};
 
@@ -49,7 +50,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
         match self.condition(condition)? {
             Truth::Known(holds) => Ok(holds),
             Truth::Open(open) => {
-                let help = match self.facts.dependence(open.0).moves() {
+                let help = match self.known.facts.dependence(open.0).moves() {
                     false => "a parameter may change at run time: declare it as `const name = …;`",
                     true => "while it moves a value is chosen: `let f = if a < b { … } else { … };`, `kinetic += if …`",
                 };
@@ -61,7 +62,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
 
     /// Notes where the choices stand that have been made since the graph had `before` nodes.
     fn note_choices(&mut self, before: usize, condition: &Span) {
-        let place = self.place(condition).0;
+        let place = self.report.place(condition).0;
         for index in before..self.graph.len() {
             let id = Id(index as u32);
             if matches!(self.graph.node(id), Node::Select(..)) {
@@ -84,7 +85,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
     fn condition(&mut self, expression: &Expression) -> Resolved<Truth<'g>> {
         self.deeper(&expression.span)?;
         let truth = self.truth(expression);
-        self.depth -= 1;
+        self.effort.depth -= 1;
         truth
     }
 
@@ -155,10 +156,10 @@ impl<'d, 'g> Resolver<'d, 'g> {
 
     /// Of constants: what changes is equal for no time, or at all times but none.
     fn equal(&mut self, a: Expr<'g>, b: Expr<'g>, span: &Span) -> Resolved<bool> {
-        if let (Some(a), Some(b)) = (self.facts.constant(a), self.facts.constant(b)) {
+        if let (Some(a), Some(b)) = (self.known.facts.constant(a), self.known.facts.constant(b)) {
             return Ok((a + -b).is_zero());
         }
-        let dependence = self.facts.dependence(a).or(self.facts.dependence(b));
+        let dependence = self.known.facts.dependence(a).or(self.known.facts.dependence(b));
         if dependence.moves() {
             let message = "`==` and `!=` compare constants: in a motion they hold for no time, or for all but none";
             return Err(self.refuse(span, message, "write `<`, `<=`, `>` or `>=`; an equation is a `constraint`"));
@@ -168,17 +169,17 @@ impl<'d, 'g> Resolver<'d, 'g> {
     }
 
     fn less(&mut self, a: Expr<'g>, b: Expr<'g>) -> Truth<'g> {
-        match (self.facts.constant(a), self.facts.constant(b)) {
+        match (self.known.facts.constant(a), self.known.facts.constant(b)) {
             (Some(a), Some(b)) => Truth::Known((a + -b).is_negative()),
-            _ if self.facts.are_equal(a, b) => Truth::Known(false),
+            _ if self.known.facts.are_equal(a, b) => Truth::Known(false),
             _ => Truth::Open(a.less(b)),
         }
     }
 
     fn less_equal(&mut self, a: Expr<'g>, b: Expr<'g>) -> Truth<'g> {
-        match (self.facts.constant(a), self.facts.constant(b)) {
+        match (self.known.facts.constant(a), self.known.facts.constant(b)) {
             (Some(a), Some(b)) => Truth::Known(!(b + -a).is_negative()),
-            _ if self.facts.are_equal(a, b) => Truth::Known(true),
+            _ if self.known.facts.are_equal(a, b) => Truth::Known(true),
             _ => Truth::Open(a.less_equal(b)),
         }
     }

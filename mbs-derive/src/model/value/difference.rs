@@ -121,8 +121,8 @@ impl<'d, 'g> Resolver<'d, 'g> {
 
     /// That an expression is a multiple of another.
     pub(in crate::model) fn note_multiple(&mut self, of: Expr<'g>, by: Expr<'g>, multiple: Expr<'g>) {
-        let Some(factor) = self.facts.constant(by).filter(|factor| !factor.is_zero()) else { return };
-        if let Some(known) = self.differences.components.get(&of.id()) {
+        let Some(factor) = self.known.facts.constant(by).filter(|factor| !factor.is_zero()) else { return };
+        if let Some(known) = self.known.differences.components.get(&of.id()) {
             let (combination, rest) = (known.combination.scaled(factor), known.rest.map(|rest| by * rest));
             self.note(multiple, Component { combination, rest, ..*known });
         }
@@ -130,7 +130,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
 
     /// The time derivative of a world component of a difference that was formed: that of the difference.
     pub(in crate::model) fn rate_of_difference(&mut self, component: Expr<'g>) -> Option<Expr<'g>> {
-        let (axis, difference) = self.differences.formed.get(&component.id()).copied()?;
+        let (axis, difference) = self.known.differences.formed.get(&component.id()).copied()?;
         let components = self.rate_of_components(difference);
         let dimension = self.dimension(Dimension::VELOCITY);
         let rate = self.noted(Free { components, dimension, ..difference });
@@ -141,14 +141,14 @@ impl<'d, 'g> Resolver<'d, 'g> {
     fn noted(&mut self, difference: Free<'g>) -> Vector<'g> {
         let world = self.in_world(difference);
         for (axis, component) in world.0.iter().enumerate() {
-            self.differences.formed.insert(component.id(), (axis, difference));
+            self.known.differences.formed.insert(component.id(), (axis, difference));
         }
         world
     }
 
     /// That an expression is the time derivative of another.
     pub(in crate::model) fn note_rate(&mut self, of: Expr<'g>, rate: Expr<'g>) {
-        let known = self.differences.components.get(&of.id());
+        let known = self.known.differences.components.get(&of.id());
         let Some(Component { axis, combination, rest }) = known.filter(|c| c.combination.kind == Kind::Places) else {
             return;
         };
@@ -160,13 +160,13 @@ impl<'d, 'g> Resolver<'d, 'g> {
     /// Numbers and symbols mean what they mean elsewhere as well.
     fn note(&mut self, expr: Expr<'g>, component: Component<'g>) {
         if !matches!(expr.node(), Node::Constant(_) | Node::Symbol(_)) {
-            self.differences.components.insert(expr.id(), component);
+            self.known.differences.components.insert(expr.id(), component);
         }
     }
 
     /// `a ± b`, where both may be world components of places.
     pub(in crate::model) fn sum_of_numbers(&mut self, a: Expr<'g>, b: Expr<'g>, minus: bool) -> Expr<'g> {
-        let of = |e: Expr<'g>| self.differences.components.get(&e.id());
+        let of = |e: Expr<'g>| self.known.differences.components.get(&e.id());
         let sum = match (of(a), of(b)) {
             (Some(a), Some(b)) => a.plus(b, minus),
             (Some(a), None) => Some(Component { rest: Some(added(a.rest, b, minus)), ..a.clone() }),
@@ -209,7 +209,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
 
     /// The vector that three numbers are the world components of, where that is a difference that was formed.
     pub(in crate::model) fn difference_with(&self, components: [Expr<'g>; 3]) -> Option<Free<'g>> {
-        let of = |axis: usize| match self.differences.formed.get(&components[axis].id()) {
+        let of = |axis: usize| match self.known.differences.formed.get(&components[axis].id()) {
             Some((along, vector)) if *along == axis => Some(*vector),
             _ => None,
         };
@@ -230,7 +230,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
             return None;
         }
         let of = |axis: usize| {
-            let known = self.differences.components.get(&vector.components.0[axis].id());
+            let known = self.known.differences.components.get(&vector.components.0[axis].id());
             known.filter(|component| component.axis == axis)
         };
         let all = [of(0)?, of(1)?, of(2)?];

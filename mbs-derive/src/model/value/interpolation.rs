@@ -19,7 +19,8 @@ use crate::expr::{Expr, Number, Spline};
 use crate::model::value::builtin::Call;
 use crate::model::value::constant::Dependence;
 use crate::model::value::dimension::Dimension;
-use crate::model::value::evaluate::{Argument, Refused, Resolved, Resolver, in_words};
+use crate::model::value::evaluate::{Argument, Refused, Resolved, Resolver};
+use crate::model::value::usage::in_words;
 use crate::model::value::{Scalar, Value, shared};
 
 /// Samples of one table at most.
@@ -85,7 +86,7 @@ fn samples<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>, least: usiz
         let message = format!("this table has {} places and {} values", places.len(), values.len());
         return Err(resolver.refuse(&ys.span, message, "each place has a value"));
     }
-    let is_constant = values.iter().all(|&value| resolver.facts.constant(value).is_some());
+    let is_constant = values.iter().all(|&value| resolver.known.facts.constant(value).is_some());
     let most = if is_constant { MAX_SAMPLES } else { MAX_PARAMETRIC };
     if !(least..=most).contains(&places.len()) {
         let kind = if is_constant { "" } else { " with parameters in its values" };
@@ -95,7 +96,7 @@ fn samples<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>, least: usiz
     }
     let places = increasing(resolver, &places, xs)?;
     for &value in &values {
-        let dependence = resolver.facts.dependence(value);
+        let dependence = resolver.known.facts.dependence(value);
         if dependence.moves() || dependence.on(Dependence::RATE) {
             let message = "the values of a table are constants and parameters";
             return Err(resolver.refuse(&ys.span, message, "multiply the table by what changes, or add it"));
@@ -124,7 +125,7 @@ fn numbers<'g>(resolver: &mut Resolver<'_, 'g>, array: &Argument<'g>) -> Resolve
 }
 
 fn increasing<'g>(resolver: &mut Resolver<'_, 'g>, places: &[Expr<'g>], xs: &Argument<'g>) -> Resolved<Vec<Number>> {
-    let known: Option<Vec<Number>> = places.iter().map(|&place| resolver.facts.constant(place)).collect();
+    let known: Option<Vec<Number>> = places.iter().map(|&place| resolver.known.facts.constant(place)).collect();
     let Some(known) = known else {
         let help = "the values may be parameters; places are numbers and constants";
         return Err(resolver.refuse(&xs.span, "the places of a table are known at build time", help));
@@ -141,7 +142,7 @@ fn increasing<'g>(resolver: &mut Resolver<'_, 'g>, places: &[Expr<'g>], xs: &Arg
 
 /// As one number, where it is made of numbers.
 fn folded<'g>(resolver: &mut Resolver<'_, 'g>, expr: Expr<'g>) -> Expr<'g> {
-    resolver.facts.constant(expr).map_or(expr, |number| resolver.graph.constant(number))
+    resolver.known.facts.constant(expr).map_or(expr, |number| resolver.graph.constant(number))
 }
 
 fn number<'g>(resolver: &Resolver<'_, 'g>, value: f64) -> Expr<'g> {
@@ -212,7 +213,7 @@ fn end_tangent<'g>(resolver: &mut Resolver<'_, 'g>, [h, next]: [f64; 2], [a, b]:
 }
 
 fn both<'g>(resolver: &mut Resolver<'_, 'g>, a: Expr<'g>, b: Expr<'g>) -> Option<[f64; 2]> {
-    Some([resolver.facts.constant(a)?.to_f64(), resolver.facts.constant(b)?.to_f64()])
+    Some([resolver.known.facts.constant(a)?.to_f64(), resolver.known.facts.constant(b)?.to_f64()])
 }
 
 /// Of the spline whose curvature is continuous, and 0 at the ends.
@@ -221,7 +222,7 @@ fn both<'g>(resolver: &mut Resolver<'_, 'g>, a: Expr<'g>, b: Expr<'g>) -> Option
 /// `h_{k−1} m_{k−1} + 2 (h_{k−1} + h_k) m_k + h_k m_{k+1} = 6 (δ_k − δ_{k−1})`, `m_0 = m_n = 0`.
 fn spline_tangents<'g>(resolver: &mut Resolver<'_, 'g>, samples: &Samples<'g>, secants: &[Expr<'g>]) -> Vec<Expr<'g>> {
     let h: Vec<f64> = samples.places.windows(2).map(|two| two[1] - two[0]).collect();
-    let known: Option<Vec<f64>> = secants.iter().map(|&e| Some(resolver.facts.constant(e)?.to_f64())).collect();
+    let known: Option<Vec<f64>> = secants.iter().map(|&e| Some(resolver.known.facts.constant(e)?.to_f64())).collect();
     let tangent = |m: &[f64], secant: f64, k: usize| secant - h[k] * (2.0 * m[k] + m[k + 1]) / 6.0;
     let last = h.len() - 1;
     let at_end = |m: &[f64], secant: f64| secant + h[last] * m[last] / 6.0;
@@ -306,7 +307,7 @@ impl<'g> Samples<'g> {
         for piece in pieces {
             let mut row = vec![0.0; longest + 1];
             for (entry, &expr) in row.iter_mut().zip([piece.from].iter().chain(&piece.coefficients)) {
-                *entry = resolver.facts.constant(expr)?.to_f64();
+                *entry = resolver.known.facts.constant(expr)?.to_f64();
             }
             rows.push(row);
         }

@@ -69,7 +69,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
 
     /// How a number of this name came to be, and its dimension.
     fn meaning(&self, name: &str) -> Option<(Origin, Dimension)> {
-        let binding = self.scope.get(name)?;
+        let binding = self.names.scope.get(name)?;
         match binding.value {
             Some(Value::Scalar(scalar)) => Some((binding.origin, scalar.dimension)),
             _ => None,
@@ -82,7 +82,9 @@ impl<'d, 'g> Resolver<'d, 'g> {
         let is_angle = |part: &&Expression| match &part.kind {
             ExpressionKind::Quantity(_, unit) => measure(unit).is_ok_and(|m| m.dimension == Dimension::ONE),
             // A constant that was declared in `rad` or `deg` has its unit, too.
-            _ => part.element_of().is_some_and(|(name, _)| self.scope.get(name).is_some_and(|known| known.is_angle)),
+            _ => part
+                .element_of()
+                .is_some_and(|(name, _)| self.names.scope.get(name).is_some_and(|known| known.is_angle)),
         };
         if !value.parts().any(|part| is_angle(&part)) {
             return AnglesInPlace::None;
