@@ -12,6 +12,7 @@ use std::fs::{self, File};
 use std::io::{self, ErrorKind, Read};
 use std::path::{Path, PathBuf};
 
+use crate::builder::Mechanism;
 use crate::diagnostic::nearest;
 use crate::emit::Options;
 use crate::expr::Graph;
@@ -32,9 +33,23 @@ pub fn compile(file: impl AsRef<Path>) {
     Config::new().compile(file);
 }
 
-/// A mechanism as it is reviewed, for a snapshot: the generated module with `a * b + c` for `a.mul_add(b, c)`; where
-/// that is long, signatures, documentation, operation counts, digests of the bodies, and what every function gives at
-/// three states.
+/// Generates one mechanism with default options as [`compile`] does, for a build script that handles the error itself.
+///
+/// ```no_run
+/// if let Err(report) = mbs_derive::try_compile("mechanisms/cart_pole.mbs") {
+///     println!("cargo::warning=without the cart: {}", report.to_string().lines().next().unwrap_or_default());
+/// }
+/// ```
+///
+/// # Errors
+/// The report that `compile` prints: the file cannot be read, is not a mechanism, or cannot be proved.
+pub fn try_compile(file: impl AsRef<Path>) -> Result<(), Report> {
+    Config::new().try_compile(file)
+}
+
+/// A mechanism as it is reviewed, for a snapshot: the generated module with `a * b + c` for `a.mul_add(b, c)`; where that
+/// is long, signatures, documentation, operation counts, digests of the bodies, and what every function gives at three
+/// states.
 ///
 /// ```no_run
 /// // In a test, where mbs-derive is among the dev-dependencies: `insta::assert_snapshot!(text)`.
@@ -126,6 +141,20 @@ impl Config {
         or_exit(self.write(file.as_ref()));
     }
 
+    /// Generates one mechanism; see [`try_compile`].
+    ///
+    /// # Errors
+    /// The report that [`compile`](Self::compile) prints.
+    pub fn try_compile(&self, file: impl AsRef<Path>) -> Result<(), Report> {
+        Ok(self.write(file.as_ref())?)
+    }
+
+    /// Generates a mechanism that is written as Rust values. Files that it was made of are the script's to name, by
+    /// `cargo::rerun-if-changed`.
+    pub fn compile_mechanism(&self, mechanism: &Mechanism) {
+        or_exit(self.write_mechanism(mechanism));
+    }
+
     /// Generates every `.mbs` file of a folder, sorted by name, and `mechanisms.rs`, which includes them all, lists
     /// their texts in `SOURCES` and `GENERATED`, and hands every mechanism to a macro of your choice:
     /// `for_each_mechanism!(callback)` becomes `callback! { cart_pole CartPole 2 1; … }`, module, type, number of
@@ -142,6 +171,12 @@ impl Config {
     fn write(&self, file: &Path) -> Result<(), String> {
         let made = self.make(watched(file)?)?;
         self.write_module(&made, &[&made.sources])
+    }
+
+    fn write_mechanism(&self, mechanism: &Mechanism) -> Result<(), String> {
+        let generated = mechanism.generate(&self.options).map_err(|e| e.render_in(&mechanism.sources()))?;
+        tell(&generated.warnings);
+        self.write_file(&format!("{}.rs", generated.module), &generated.code, &[])
     }
 
     fn make(&self, sources: Sources) -> Result<Made, String> {

@@ -150,6 +150,15 @@ impl Diagnostics {
         }
     }
 
+    /// Moves all places to one.
+    pub(crate) fn at(mut self, place: &Span) -> Self {
+        for message in &mut self.messages {
+            message.span = place.clone();
+            message.notes.clear();
+        }
+        self
+    }
+
     /// Moves all places to where their text stands among others.
     pub(crate) fn shift(&mut self, start: usize) {
         for message in &mut self.messages {
@@ -241,6 +250,9 @@ fn abridged(text: &str) -> String {
 
 /// The title, and the line of a place with the place underlined; how far the bars are indented.
 fn marked(title: &str, span: &Span, sources: &Sources) -> (String, String) {
+    if let Some(call) = sources.call(span) {
+        return (format!("{title}\n --> {call}\n"), " ".to_string());
+    }
     let (file_name, source, span) = sources.locate(span);
     let Excerpt { line, column, text, indent, width } = excerpt(source, &span);
     let (number, gutter) = (line.to_string(), " ".repeat(line.to_string().len()));

@@ -19,7 +19,8 @@
 //! ```
 //!
 //! - [`expr`]: the calculus: a hash-consed expression graph with exact constants, and its derivatives;
-//! - [`parse`], [`model`]: the language, and the builder API that stands under it ([`model::Lagrangian`]);
+//! - [`parse`], [`model`]: the language; [`builder`]: mechanisms written as Rust values, in place of a text;
+//! - [`Analysis`]: what is derived from one mechanism, pass by pass;
 //! - [`derive`](mod@derive): mechanics: Lagrange's equations, still symbolic;
 //! - `catalogue`: every generated function, declared once ([`optimise::FunctionKind`]);
 //! - [`optimise`]: straight-line programs and their operation counts;
@@ -30,6 +31,8 @@
 //! - [`review`](mod@review): a mechanism as people review it;
 //! - [`cargo`]: build scripts, the only input and output.
 
+mod analysis;
+pub mod builder;
 pub mod cargo;
 mod catalogue;
 pub mod derive;
@@ -53,7 +56,8 @@ pub mod verify;
 
 use std::fmt;
 
-pub use cargo::{Config, compile, review};
+pub use analysis::Analysis;
+pub use cargo::{Config, compile, review, try_compile};
 use diagnostic::Diagnostics;
 use expr::Graph;
 use model::Lagrangian;
@@ -156,25 +160,7 @@ pub fn generate(file_name: &str, source: &str, options: &emit::Options) -> Resul
 /// # Errors
 /// As [`generate`].
 pub fn generate_from(sources: &Sources, options: &emit::Options) -> Result<Generated, Error> {
-    let graph = Graph::verbatim();
-    let (lagrangian, mut warnings) = declared_from(sources, &graph, &options.freeze)?;
-    let derivation = derived(&lagrangian);
-    verify::against_energies(&lagrangian, &derivation)?.warn(&lagrangian, &mut warnings);
-    for name in options.functions.iter().flatten() {
-        if derivation.named(name).is_none() {
-            let known = derivation.functions.iter().map(|f| f.name.clone()).collect();
-            return Err(Error::UnknownFunction { name: name.clone(), known });
-        }
-    }
-    Ok(Generated {
-        module: emit::module_name(&derivation),
-        name: emit::type_name(&derivation),
-        dof: derivation.dof(),
-        inputs: variable::count(&derivation.inputs),
-        implements_mechanism: emit::implements_mechanism(&derivation, options),
-        code: emit::rust(&derivation, source::portable(&sources.main().name), options),
-        warnings: warnings.render_in(sources),
-    })
+    Analysis::frozen(sources, &Graph::verbatim(), &options.freeze)?.rust(options)
 }
 
 /// `parse` and `model`: the text of a mechanism that imports nothing → its Lagrangian, and warnings. The parameters
@@ -200,7 +186,15 @@ pub fn declared_from<'g>(
     graph: &'g Graph,
     freeze: &[String],
 ) -> Result<(Lagrangian<'g>, Diagnostics), Diagnostics> {
-    let mut declaration = parse::declaration_of(sources)?;
+    resolved(parse::declaration_of(sources)?, graph, freeze)
+}
+
+/// `model`, with the parameters named in `freeze` as constants.
+fn resolved<'g>(
+    mut declaration: parse::syntax::Declaration,
+    graph: &'g Graph,
+    freeze: &[String],
+) -> Result<(Lagrangian<'g>, Diagnostics), Diagnostics> {
     declaration.freeze(freeze)?;
     model::resolve(&declaration, graph)
 }

@@ -15,6 +15,7 @@
 //! ```
 
 use std::collections::BTreeMap;
+use std::panic::Location;
 use std::path::{Component, Path};
 
 use crate::span::Span;
@@ -35,6 +36,8 @@ pub struct Sources {
     files: Vec<Source>,
     /// The number of the file with this path, in its plain form.
     numbers: BTreeMap<String, usize>,
+    /// In place of texts, the calls of a build script that wrote the mechanism: a span counts them.
+    calls: Vec<&'static Location<'static>>,
 }
 
 /// One file.
@@ -60,9 +63,19 @@ pub struct Unreadable {
 impl Sources {
     /// One text, with no files beside it: what it imports is not there.
     pub fn new(name: &str, text: &str) -> Self {
-        let mut sources = Sources { files: Vec::new(), numbers: BTreeMap::new() };
+        let mut sources = Sources { files: Vec::new(), numbers: BTreeMap::new(), calls: Vec::new() };
         sources.push(name.to_string(), Ok(text.to_string()));
         sources
+    }
+
+    /// No text, but the calls that a mechanism was written by, in a file of this name.
+    pub(crate) fn of_calls(name: &str, calls: Vec<&'static Location<'static>>) -> Self {
+        Sources { calls, ..Sources::new(name, "") }
+    }
+
+    /// The call that a place is, where there is no text.
+    pub(crate) fn call(&self, span: &Span) -> Option<&'static Location<'static>> {
+        self.calls.get(span.start).copied()
     }
 
     /// A text, and what it imports, directly or not: `imports` finds the paths in a text, `read` is given the name of

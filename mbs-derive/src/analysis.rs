@@ -1,0 +1,126 @@
+//! One mechanism through the passes: the face of the generator.
+
+use crate::builder::Mechanism;
+use crate::derive;
+use crate::diagnostic::Diagnostics;
+use crate::emit::{self, Options};
+use crate::expr::Graph;
+use crate::latex;
+use crate::model::Lagrangian;
+use crate::optimise::Derivation;
+use crate::source::{self, Sources};
+use crate::variable;
+use crate::verify;
+use crate::{Error, Generated, declared_from, derived, resolved};
+
+/// What is derived from one mechanism, of a text or of calls; the Programs are not proved before they are printed.
+///
+/// ```
+/// use mbs_derive::{Analysis, expr::Graph, source::Sources};
+/// let text = "mechanism Spring { param m: kg = 1; param k: N/m = 4; coord x: m; \
+///             kinetic += m*dt(x)^2/2; potential += k*x^2/2; }";
+/// let graph = Graph::verbatim();
+/// let analysis = Analysis::of(&Sources::new("spring.mbs", text), &graph).unwrap();
+/// assert_eq!(analysis.lagrangian().dof(), 1);
+/// assert!(analysis.latex().contains("frac"));
+/// assert!(analysis.rust(&Default::default()).unwrap().code.contains("fn mass_matrix"));
+/// ```
+#[derive(Debug)]
+pub struct Analysis<'g> {
+    sources: Sources,
+    lagrangian: Lagrangian<'g>,
+    warnings: Diagnostics,
+    programs: Derivation,
+}
+
+impl<'g> Analysis<'g> {
+    /// The mechanism of a text and of all that it imports; its Lagrangian is written into the verbatim `graph`.
+    ///
+    /// # Errors
+    /// [`Error::Declaration`] if the text is not a mechanism.
+    pub fn of(sources: &Sources, graph: &'g Graph) -> Result<Self, Error> {
+        Self::frozen(sources, graph, &[])
+    }
+
+    /// The mechanism of a text, its parameters named in `freeze` constants.
+    ///
+    /// # Errors
+    /// [`Error::Declaration`] if the text is not a mechanism, or has no parameter of such a name.
+    pub fn frozen(sources: &Sources, graph: &'g Graph, freeze: &[String]) -> Result<Self, Error> {
+        let (lagrangian, warnings) = declared_from(sources, graph, freeze)?;
+        Ok(Self::new(sources.clone(), lagrangian, warnings))
+    }
+
+    /// The mechanism that calls have written, its parameters named in `freeze` constants.
+    ///
+    /// # Errors
+    /// [`Error::Declaration`] if what they have written is not a mechanism, or has no parameter of such a name.
+    pub fn written(mechanism: &Mechanism, graph: &'g Graph, freeze: &[String]) -> Result<Self, Error> {
+        let (lagrangian, warnings) = resolved(mechanism.declaration()?, graph, freeze)?;
+        Ok(Self::new(mechanism.sources(), lagrangian, warnings))
+    }
+
+    fn new(sources: Sources, lagrangian: Lagrangian<'g>, warnings: Diagnostics) -> Self {
+        let programs = derived(&lagrangian);
+        Analysis { sources, lagrangian, warnings, programs }
+    }
+
+    /// Energies, forces and constraints as they were declared.
+    pub fn lagrangian(&self) -> &Lagrangian<'g> {
+        &self.lagrangian
+    }
+
+    /// The generated functions, straight-line programs.
+    pub fn programs(&self) -> &Derivation {
+        &self.programs
+    }
+
+    /// Holds the programs against the energies at random states; all warnings about the mechanism.
+    ///
+    /// # Errors
+    /// [`Error::Proof`] where they disagree, or there are too few finite states.
+    pub fn prove(&self) -> Result<Diagnostics, Error> {
+        let mut warnings = self.warnings.clone();
+        verify::against_energies(&self.lagrangian, &self.programs)?.warn(&self.lagrangian, &mut warnings);
+        Ok(warnings)
+    }
+
+    /// A module of Rust, proved.
+    ///
+    /// # Errors
+    /// As [`prove`](Self::prove); [`Error::UnknownFunction`] if the options ask for a function that there is not.
+    pub fn rust(&self, options: &Options) -> Result<Generated, Error> {
+        let (derivation, warnings) = (&self.programs, self.prove()?);
+        for name in options.functions.iter().flatten() {
+            if derivation.named(name).is_none() {
+                let known = derivation.functions.iter().map(|f| f.name.clone()).collect();
+                return Err(Error::UnknownFunction { name: name.clone(), known });
+            }
+        }
+        Ok(Generated {
+            module: emit::module_name(derivation),
+            name: emit::type_name(derivation),
+            dof: derivation.dof(),
+            inputs: variable::count(&derivation.inputs),
+            implements_mechanism: emit::implements_mechanism(derivation, options),
+            code: emit::rust(derivation, source::portable(&self.sources.main().name), options),
+            warnings: warnings.render_in(&self.sources),
+        })
+    }
+
+    /// Energies, matrices and equations of motion, a page of LaTeX.
+    pub fn latex(&self) -> String {
+        let graph = Graph::new();
+        latex::page(&self.lagrangian, &derive::routes(&self.lagrangian, &graph)[0])
+    }
+}
+
+impl Mechanism {
+    /// A module of Rust, proved.
+    ///
+    /// # Errors
+    /// As [`generate`](crate::generate); `error.render_in(&mechanism.sources())` is the report for people.
+    pub fn generate(&self, options: &Options) -> Result<Generated, Error> {
+        Analysis::written(self, &Graph::verbatim(), &options.freeze)?.rust(options)
+    }
+}

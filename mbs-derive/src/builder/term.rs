@@ -1,0 +1,436 @@
+//! The values that a mechanism is written with: graphs of calls, each of which knows where it was made.
+
+use std::mem;
+use std::ops::{Add, Div, Mul, Neg, Sub};
+use std::panic::Location;
+use std::rc::Rc;
+
+use crate::parse::syntax::BinaryOperator;
+
+/// Where a call was made.
+pub(super) type Call = &'static Location<'static>;
+
+/// One call; shared, because values are used many times.
+#[derive(Clone, Debug)]
+pub struct Term(pub(super) Rc<Node>);
+
+#[derive(Debug)]
+pub(super) struct Node {
+    pub(super) kind: Kind,
+    pub(super) operands: Vec<Term>,
+    /// Leaves stand where they are used.
+    pub(super) call: Option<Call>,
+    /// Calls within calls, since the last one that is kept.
+    depth: usize,
+}
+
+#[derive(Clone, Debug)]
+pub(super) enum Kind {
+    Number(f64),
+    Quantity(f64, String),
+    Name(String),
+    Element(String, usize),
+    Negate,
+    Binary(BinaryOperator),
+    Call(&'static str),
+    Method(&'static str),
+    Field(&'static str),
+    Array,
+    /// `if a < b { c } else { d }`
+    Less,
+}
+
+/// The parser allows four times as many levels.
+const MAX_DEPTH: usize = 64;
+
+impl Term {
+    pub(super) fn leaf(kind: Kind) -> Self {
+        Term(Rc::new(Node { kind, operands: Vec::new(), call: None, depth: 0 }))
+    }
+
+    #[track_caller]
+    fn call(kind: Kind, operands: Vec<Term>) -> Self {
+        let depth = 1 + operands.iter().map(|operand| operand.0.depth % MAX_DEPTH).max().unwrap_or(0);
+        Term(Rc::new(Node { kind, operands, call: Some(Location::caller()), depth }))
+    }
+
+    pub(super) fn is_leaf(&self) -> bool {
+        matches!(self.0.kind, Kind::Number(_) | Kind::Quantity(..) | Kind::Name(_) | Kind::Element(..))
+    }
+
+    /// Whether it may be used again, or is too deep to be written out.
+    pub(super) fn is_kept(&self) -> bool {
+        Rc::strong_count(&self.0) > 1 || self.0.depth == MAX_DEPTH
+    }
+}
+
+/// Long sums are dropped term by term: the compiler's way would recurse over all of them.
+impl Drop for Node {
+    fn drop(&mut self) {
+        let mut rest = mem::take(&mut self.operands);
+        while let Some(Term(node)) = rest.pop() {
+            if let Ok(mut node) = Rc::try_unwrap(node) {
+                rest.append(&mut node.operands);
+            }
+        }
+    }
+}
+
+/// What is constrained and put out: [`Scalar`], [`Vector`] and [`Pose`], and nothing else.
+pub trait Value: Written {}
+
+/// What a call takes.
+pub trait Written {
+    /// The calls that it is made of.
+    fn term(&self) -> Term;
+}
+
+macro_rules! values {
+    ($($value:ident)*) => {$(
+        impl Value for $value {}
+
+        impl Written for $value {
+            fn term(&self) -> Term {
+                self.0.clone()
+            }
+        }
+
+        impl From<$value> for Term {
+            fn from(value: $value) -> Self {
+                value.0
+            }
+        }
+
+        impl From<&$value> for Term {
+            fn from(value: &$value) -> Self {
+                value.0.clone()
+            }
+        }
+
+        impl From<&$value> for $value {
+            fn from(value: &$value) -> Self {
+                value.clone()
+            }
+        }
+    )*};
+}
+
+/// A number with a dimension: `f64`s are plain ones.
+#[derive(Clone, Debug)]
+pub struct Scalar(pub(super) Term);
+
+/// A vector that knows its axes, or a place that knows its frame.
+#[derive(Clone, Debug)]
+pub struct Vector(pub(super) Term);
+
+/// Position and attitude of a frame, built on others.
+#[derive(Clone, Debug)]
+pub struct Pose(pub(super) Term);
+
+values!(Scalar Vector Pose);
+
+impl From<f64> for Term {
+    fn from(number: f64) -> Self {
+        Term::leaf(Kind::Number(number))
+    }
+}
+
+impl From<f64> for Scalar {
+    fn from(number: f64) -> Self {
+        Scalar(number.into())
+    }
+}
+
+impl From<[f64; 3]> for Vector {
+    #[track_caller]
+    fn from([x, y, z]: [f64; 3]) -> Self {
+        Vector::new(x, y, z)
+    }
+}
+
+// ---- operators
+
+macro_rules! operators {
+    ($($trait:ident $method:ident $operator:ident: $left:ty, $right:ty => $value:ident;)*) => {$(
+        impl $trait<$right> for $left {
+            type Output = $value;
+
+            #[track_caller]
+            fn $method(self, right: $right) -> $value {
+                $value(Term::call(Kind::Binary(BinaryOperator::$operator), vec![self.into(), right.into()]))
+            }
+        }
+    )*};
+}
+
+/// Of values and of references to them.
+macro_rules! of_values {
+    ($($trait:ident $method:ident $operator:ident: $left:ident, $right:ident => $value:ident;)*) => {$(
+        operators! {
+            $trait $method $operator: $left, $right => $value;
+            $trait $method $operator: $left, &$right => $value;
+            $trait $method $operator: &$left, $right => $value;
+            $trait $method $operator: &$left, &$right => $value;
+        }
+    )*};
+}
+
+/// Of values and numbers, on either side.
+macro_rules! with_numbers {
+    ($($trait:ident $method:ident $operator:ident $value:ident;)*) => {$(
+        operators! {
+            $trait $method $operator: $value, f64 => $value;
+            $trait $method $operator: &$value, f64 => $value;
+        }
+    )*};
+}
+
+macro_rules! numbers_with {
+    ($($trait:ident $method:ident $operator:ident $value:ident;)*) => {$(
+        operators! {
+            $trait $method $operator: f64, $value => $value;
+            $trait $method $operator: f64, &$value => $value;
+        }
+    )*};
+}
+
+of_values! {
+    Add add Add: Scalar, Scalar => Scalar;
+    Sub sub Sub: Scalar, Scalar => Scalar;
+    Mul mul Mul: Scalar, Scalar => Scalar;
+    Div div Div: Scalar, Scalar => Scalar;
+    Add add Add: Vector, Vector => Vector;
+    Sub sub Sub: Vector, Vector => Vector;
+    Mul mul Mul: Scalar, Vector => Vector;
+    Mul mul Mul: Vector, Scalar => Vector;
+    Div div Div: Vector, Scalar => Vector;
+    Mul mul Mul: Pose, Vector => Vector;
+    Mul mul Mul: Pose, Pose => Pose;
+}
+
+with_numbers! {
+    Add add Add Scalar;
+    Sub sub Sub Scalar;
+    Mul mul Mul Scalar;
+    Div div Div Scalar;
+    Mul mul Mul Vector;
+    Div div Div Vector;
+}
+
+numbers_with! {
+    Add add Add Scalar;
+    Sub sub Sub Scalar;
+    Mul mul Mul Scalar;
+    Div div Div Scalar;
+    Mul mul Mul Vector;
+}
+
+macro_rules! negative {
+    ($($value:ident: $left:ty;)*) => {$(
+        impl Neg for $left {
+            type Output = $value;
+
+            #[track_caller]
+            fn neg(self) -> $value {
+                $value(Term::call(Kind::Negate, vec![self.into()]))
+            }
+        }
+    )*};
+}
+
+negative! { Scalar: Scalar; Scalar: &Scalar; Vector: Vector; Vector: &Vector; }
+
+// ---- functions
+
+macro_rules! elementary {
+    ($($name:ident)*) => {
+        impl Scalar {$(
+            #[doc = concat!("`", stringify!($name), "(x)`, as in the language.")]
+            #[must_use]
+            #[track_caller]
+            pub fn $name(&self) -> Scalar {
+                Scalar(Term::call(Kind::Call(stringify!($name)), vec![self.term()]))
+            }
+        )*}
+    };
+}
+
+elementary!(sin cos tan asin acos atan sinh cosh tanh exp ln abs signum sqrt);
+
+macro_rules! of_two {
+    ($($name:ident)*) => {
+        impl Scalar {$(
+            #[doc = concat!("`", stringify!($name), "(a, b)`, as in the language.")]
+            #[must_use]
+            #[track_caller]
+            pub fn $name(&self, other: impl Into<Scalar>) -> Scalar {
+                Scalar(Term::call(Kind::Call(stringify!($name)), vec![self.term(), other.into().0]))
+            }
+        )*}
+    };
+}
+
+of_two!(atan2 hypot min max);
+
+impl Scalar {
+    /// `dt(x)`: the total time derivative.
+    #[must_use]
+    #[track_caller]
+    pub fn dt(&self) -> Scalar {
+        Scalar(Term::call(Kind::Call("dt"), vec![self.term()]))
+    }
+
+    /// `x^n`
+    #[must_use]
+    #[track_caller]
+    pub fn pow(&self, exponent: impl Into<Scalar>) -> Scalar {
+        Scalar(Term::call(Kind::Binary(BinaryOperator::Pow), vec![self.term(), exponent.into().0]))
+    }
+
+    /// `if self < bound { yes } else { no }`
+    #[must_use]
+    #[track_caller]
+    pub fn below(&self, bound: impl Into<Scalar>, yes: impl Into<Scalar>, no: impl Into<Scalar>) -> Scalar {
+        Scalar(Term::call(Kind::Less, vec![self.term(), bound.into().0, yes.into().0, no.into().0]))
+    }
+}
+
+impl Vector {
+    /// `[x, y, z]`, in world axes.
+    #[track_caller]
+    pub fn new(x: impl Into<Scalar>, y: impl Into<Scalar>, z: impl Into<Scalar>) -> Self {
+        Vector(Term::call(Kind::Array, vec![x.into().0, y.into().0, z.into().0]))
+    }
+
+    /// `v.x`: the component along the world's x.
+    #[must_use]
+    #[track_caller]
+    pub fn x(&self) -> Scalar {
+        Scalar(Term::call(Kind::Field("x"), vec![self.term()]))
+    }
+
+    /// `v.y`: the component along the world's y.
+    #[must_use]
+    #[track_caller]
+    pub fn y(&self) -> Scalar {
+        Scalar(Term::call(Kind::Field("y"), vec![self.term()]))
+    }
+
+    /// `v.z`: the component along the world's z.
+    #[must_use]
+    #[track_caller]
+    pub fn z(&self) -> Scalar {
+        Scalar(Term::call(Kind::Field("z"), vec![self.term()]))
+    }
+
+    /// `v.dot(w)`
+    #[must_use]
+    #[track_caller]
+    pub fn dot(&self, other: impl Into<Vector>) -> Scalar {
+        Scalar(Term::call(Kind::Method("dot"), vec![self.term(), other.into().0]))
+    }
+
+    /// `v.cross(w)`
+    #[must_use]
+    #[track_caller]
+    pub fn cross(&self, other: impl Into<Vector>) -> Vector {
+        Vector(Term::call(Kind::Method("cross"), vec![self.term(), other.into().0]))
+    }
+
+    /// `v.norm()`
+    #[must_use]
+    #[track_caller]
+    pub fn norm(&self) -> Scalar {
+        Scalar(Term::call(Kind::Method("norm"), vec![self.term()]))
+    }
+
+    /// `v.norm_squared()`
+    #[must_use]
+    #[track_caller]
+    pub fn norm_squared(&self) -> Scalar {
+        Scalar(Term::call(Kind::Method("norm_squared"), vec![self.term()]))
+    }
+
+    /// `dt(v)`: the total time derivative, as seen from the world.
+    #[must_use]
+    #[track_caller]
+    pub fn dt(&self) -> Vector {
+        Vector(Term::call(Kind::Call("dt"), vec![self.term()]))
+    }
+}
+
+impl Pose {
+    /// `world`
+    pub fn world() -> Self {
+        Pose(Term::leaf(Kind::Name("world".to_string())))
+    }
+
+    /// `translation([x, y, z])`
+    #[track_caller]
+    pub fn translation(by: impl Into<Vector>) -> Self {
+        Pose(Term::call(Kind::Call("translation"), vec![by.into().0]))
+    }
+
+    /// `rotation([x, y, z], angle)`: about an axis of plain numbers.
+    #[track_caller]
+    pub fn rotation(axis: impl Into<Vector>, angle: impl Into<Scalar>) -> Self {
+        Pose(Term::call(Kind::Call("rotation"), vec![axis.into().0, angle.into().0]))
+    }
+
+    /// `rpy(roll, pitch, yaw)`: about fixed axes x, y, z, one after the other.
+    #[track_caller]
+    pub fn rpy(roll: impl Into<Scalar>, pitch: impl Into<Scalar>, yaw: impl Into<Scalar>) -> Self {
+        Pose(Term::call(Kind::Call("rpy"), vec![roll.into().0, pitch.into().0, yaw.into().0]))
+    }
+
+    /// `pose.inverse()`
+    #[must_use]
+    #[track_caller]
+    pub fn inverse(&self) -> Pose {
+        Pose(Term::call(Kind::Method("inverse"), vec![self.term()]))
+    }
+
+    /// `pose.origin()`
+    #[must_use]
+    #[track_caller]
+    pub fn origin(&self) -> Vector {
+        Vector(Term::call(Kind::Method("origin"), vec![self.term()]))
+    }
+
+    /// `pose.point([x, y, z])`: the place with these coordinates in the pose.
+    #[must_use]
+    #[track_caller]
+    pub fn point(&self, coordinates: impl Into<Vector>) -> Vector {
+        Vector(Term::call(Kind::Method("point"), vec![self.term(), coordinates.into().0]))
+    }
+}
+
+/// `t`, in seconds.
+pub fn time() -> Scalar {
+    Scalar(Term::leaf(Kind::Name("t".to_string())))
+}
+
+/// `0.3 kg`: a number with its unit, in place.
+pub fn quantity(number: f64, unit: &str) -> Scalar {
+    Scalar(Term::leaf(Kind::Quantity(number, unit.to_string())))
+}
+
+/// `angular_velocity(pose)`
+#[track_caller]
+pub fn angular_velocity(pose: &Pose) -> Vector {
+    Vector(Term::call(Kind::Call("angular_velocity"), vec![pose.term()]))
+}
+
+/// `particle(mass, position)`: ½ m v², a kinetic energy.
+#[track_caller]
+pub fn particle(mass: impl Into<Scalar>, position: impl Into<Vector>) -> Scalar {
+    Scalar(Term::call(Kind::Call("particle"), vec![mass.into().0, position.into().0]))
+}
+
+/// `rigid_body(mass, com, inertia, pose)`: a kinetic energy. Mass centre and inertia, about the mass centre, are in the
+/// axes of the pose; the inertia's entries are xx, yy, zz, xy, xz, yz, as those of a matrix.
+#[track_caller]
+pub fn rigid_body(mass: impl Into<Scalar>, com: impl Into<Vector>, inertia: [Scalar; 6], pose: &Pose) -> Scalar {
+    let inertia = Term::call(Kind::Call("inertia"), inertia.into_iter().map(|entry| entry.0).collect());
+    Scalar(Term::call(Kind::Call("rigid_body"), vec![mass.into().0, com.into().0, inertia, pose.term()]))
+}

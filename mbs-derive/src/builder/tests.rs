@@ -1,0 +1,125 @@
+use super::*;
+use crate::emit::Options;
+use crate::generate;
+
+/// Links of these masses and lengths, each hinged at the end of the one before.
+fn chain(links: &[(f64, f64)]) -> Mechanism {
+    let mut chain = Mechanism::new("Chain", "Links on hinges.");
+    let g = chain.param("g", "m/s^2", 9.81);
+    chain.gravity(Vector::new(0.0, 0.0, -&g));
+    let q = chain.coords("q", links.len(), "rad");
+    let mut end = Pose::world();
+    for (&(mass, length), angle) in links.iter().zip(&q) {
+        let (m, l) = (quantity(mass, "kg"), quantity(length, "m"));
+        let link = end * Pose::rotation([0.0, 1.0, 0.0], -angle);
+        let moment = &m * l.pow(2.0) / 12.0;
+        let zero = || quantity(0.0, "kg*m^2");
+        let inertia = [moment.clone(), moment, zero(), zero(), zero(), zero()];
+        chain.kinetic(rigid_body(&m, Vector::new(0.0, 0.0, -&l / 2.0), inertia, &link));
+        chain.dissipation(quantity(0.01, "N*m*s") * angle.dt().pow(2.0) / 2.0);
+        end = link * Pose::translation(Vector::new(0.0, 0.0, -&l));
+    }
+    chain.doc("The end of the last link.");
+    chain.output("tip", &end.origin());
+    chain
+}
+
+const CHAIN: &str = "/// Links on hinges.
+mechanism Chain {
+    param g: m/s^2 = 9.81;
+    gravity [0, 0, -g];
+    coord q[3]: rad;
+    const m[3]: kg = [1.5, 0.7, 0.3];
+    const l[3]: m = [0.4, 0.3, 0.25];
+    let mut end = world;
+    for i in 0..3 {
+        let link = end * rotation([0, 1, 0], -q[i]);
+        let moment = m[i]*l[i]^2/12;
+        kinetic += rigid_body(m[i], [0, 0, -l[i]/2], inertia(moment, moment, 0, 0, 0, 0), link);
+        dissipation += 0.01 N*m*s*dt(q[i])^2/2;
+        end = link * translation([0, 0, -l[i]]);
+    }
+    /// The end of the last link.
+    output tip = end.origin();
+}";
+
+/// Without the first line, which names the source.
+fn module(code: &str) -> &str {
+    code.split_once('\n').expect("more than a line").1
+}
+
+#[test]
+fn calls_and_text_give_one_module() {
+    let options = Options::default();
+    let written = chain(&[(1.5, 0.4), (0.7, 0.3), (0.3, 0.25)]).generate(&options).unwrap();
+    let read = generate("chain.mbs", CHAIN, &options).unwrap();
+    assert_eq!(written.warnings, "");
+    assert_eq!(module(&written.code), module(&read.code));
+}
+
+/// The report on what a function has written, and the line that the function begins on.
+#[track_caller]
+fn refused(write: impl FnOnce(&mut Mechanism, &Scalar, &Scalar)) -> String {
+    let mut mechanism = Mechanism::new("A", "");
+    let (m, x) = (mechanism.param("m", "kg", 1.0), mechanism.coord("x", "m"));
+    write(&mut mechanism, &m, &x);
+    mechanism.kinetic(m * x.dt().pow(2.0) / 2.0);
+    mechanism.generate(&Options::default()).unwrap_err().render_in(&mechanism.sources())
+}
+
+#[test]
+fn reports_name_the_call() {
+    let line = line!() + 1;
+    let report = refused(|a, m, x| a.potential(m + x));
+    let place = format!("builder/tests.rs:{line}:");
+    assert!(report.starts_with("error: ") && report.contains(&place) && report.contains("kg"), "{report}");
+    // What the text says of the same mistake.
+    let text = "mechanism A { param m: kg = 1; coord x: m; potential += m + x; kinetic += m*dt(x)^2/2; }";
+    let told = generate("a.mbs", text, &Options::default()).unwrap_err().render("a.mbs", text);
+    assert_eq!(report.lines().next(), told.lines().next());
+}
+
+#[test]
+fn what_is_no_declaration_is_refused() {
+    let check = |report: String, part: &str| assert!(report.contains(part), "{report}");
+    check(refused(|a, _, _| drop(a.param("for", "m", 1.0))), "`for`");
+    check(refused(|a, _, _| drop(a.param("l", "metre/", 1.0))), "error: ");
+    check(refused(|a, _, _| drop(a.param("l", "m = 1; coord y: m", 1.0))), "error: ");
+    check(refused(|a, _, _| drop(a.param("l", "m", f64::NAN))), "NaN is not finite");
+    check(refused(|a, _, x| a.force(&(x + x), 1.0)), "acts on a coordinate");
+    check(refused(|a, _, x| a.output("dt of", x)), "error: ");
+    check(refused(|a, _, _| drop(a.coord("x", "m"))), "`x` is already a coordinate");
+    check(refused(|a, _, x| a.kinetic(x.dt().pow(3.0))), "error: ");
+}
+
+/// Neither the depth of what calls build nor the length of sums meets a limit of the stack or of the language.
+#[test]
+fn long_and_deep_values_are_taken() {
+    let mut a = Mechanism::new("A", "");
+    let (m, k, x) = (a.param("m", "kg", 1.0), a.param("k", "N/m", 1.0), a.coord("x", "m"));
+    a.kinetic(&m * x.dt().pow(2.0) / 2.0);
+    let square = &k * x.pow(2.0);
+    let sum = (0..20_000).fold(&square / 2.0, |sum, _| sum + &square);
+    let deep = (0..500).fold(square, |inner, _| -(-inner));
+    a.potential(sum + deep);
+    let drawn = a.declaration().expect("no mistake");
+    assert!(drawn.statements.len() > 300);
+    assert_eq!(a.generate(&Options::default()).unwrap().dof, 1);
+    drop((0..1_000_000).fold(x, |sum, _| sum + 1.0));
+}
+
+#[test]
+fn what_hangs_on_a_reaction_counts() {
+    let mut a = Mechanism::new("A", "");
+    let (m, g, q) = (a.param("m", "kg", 1.0), a.param("g", "m/s^2", 9.81), a.coord("q", "rad"));
+    let hinge = a.reaction("hinge", Pose::rotation([0.0, 1.0, 0.0], &q));
+    let bob = hinge.point(Vector::new(0.0, 0.0, quantity(-1.0, "m")));
+    a.gravity(Vector::new(0.0, 0.0, -g));
+    a.kinetic(particle(m, bob));
+    let text =
+        "mechanism A { param m: kg = 1; param g: m/s^2 = 9.81; coord q: rad; let hinge_pose = rotation([0, 1, 0], q);
+        reaction hinge at hinge_pose; gravity [0, 0, -g]; kinetic += particle(m, hinge_pose.point([0, 0, -1 m])); }";
+    let read = generate("a.mbs", text, &Options::default()).unwrap();
+    let written = a.generate(&Options::default()).unwrap();
+    assert_eq!(module(&written.code), module(&read.code));
+}
