@@ -383,7 +383,8 @@ impl Mechanism {
         if *count == 1 { format!("at_{line}_{column}") } else { format!("at_{line}_{column}_{count}") }
     }
 
-    /// The value as the expression of a statement. What may be used again, because somebody holds it, is a `let` before.
+    /// The value as the expression of a statement. What may be used again, because somebody holds it, is a `let`
+    /// before.
     fn value(&mut self, root: Term, call: Call) -> Expression {
         let mut done: HashMap<*const Node, Expression> = HashMap::new();
         let mut waiting = vec![(&root, false)];

@@ -47,9 +47,9 @@ pub fn try_compile(file: impl AsRef<Path>) -> Result<(), Report> {
     Config::new().try_compile(file)
 }
 
-/// A mechanism as it is reviewed, for a snapshot: the generated module with `a * b + c` for `a.mul_add(b, c)`; where that
-/// is long, signatures, documentation, operation counts, digests of the bodies, and what every function gives at three
-/// states.
+/// A mechanism as it is reviewed, for a snapshot: the generated module with `a * b + c` for `a.mul_add(b, c)`; where
+/// that is long, signatures, documentation, operation counts, digests of the bodies, and what every function gives at
+/// three states.
 ///
 /// ```no_run
 /// // In a test, where mbs-derive is among the dev-dependencies: `insta::assert_snapshot!(text)`.

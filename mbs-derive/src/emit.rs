@@ -51,9 +51,17 @@ pub fn rust(derivation: &Derivation, source: &str, options: &Options) -> String 
     printed(&file(derivation, options), source)
 }
 
+/// The module without the functions of the runtime's traits, which call those that are generated.
+pub(crate) fn without_forwarders(derivation: &Derivation, source: &str, options: &Options) -> String {
+    let mut file = file(derivation, options);
+    outline::leave_out_forwarders(&mut file.items);
+    printed(&file, source)
+}
+
 /// The module with long function bodies left out; a digest of each is in its documentation.
 pub(crate) fn outline(derivation: &Derivation, source: &str, options: &Options) -> String {
     let mut file = file(derivation, options);
+    outline::leave_out_forwarders(&mut file.items);
     outline::leave_out_bodies(&mut file.items);
     printed(&file, source)
 }
@@ -261,14 +269,24 @@ mod tests {
     #[test]
     fn a_side_of_a_branch_is_computed_there() {
         let text = pushed(|x, zero| x.graph().select(zero.less(x), x.sqrt(), -(1 / x)));
-        check(&text, &["let t0 = T::select(T::zero().less(x), || x.sqrt(), || -T::one() / x);", "[t0]"]);
+        check(
+            &text,
+            &[
+                "let generalized_force_0 = T::select(",
+                "T::zero().less(x),",
+                "|| x.sqrt(),",
+                "|| -T::one() / x,",
+                ");",
+                "[generalized_force_0]",
+            ],
+        );
         let text = pushed(|x, zero| x.graph().select(zero.less(x), x.sin() * x.sqrt() + x.sqrt(), x));
         let side = ["|| {", "let sqrt_x = x.sqrt();", "sqrt_x.mul_add(x.sin(), sqrt_x)", "},", "|| x,"];
         check(&text, &side);
         // Both sides are known.
         check(
             &pushed(|x, zero| x.graph().select(zero.less(x), x, zero)),
-            &["let t0 = T::blend(zero.less(x), x, zero);"],
+            &["let generalized_force_0 = T::blend(zero.less(x), x, zero);", "[generalized_force_0]"],
         );
     }
 
@@ -280,7 +298,7 @@ mod tests {
         });
         let root = "let sqrt_x: &dyn Fn() -> T = &|| x.sqrt();";
         check(&text, &[root, "let sqrt_x = ::core::cell::LazyCell::new(sqrt_x);"]);
-        check(&text, &["let t1 = T::select(zero.less(x), || *sqrt_x, || zero);"]);
+        check(&text, &["let generalized_force_0_a = T::select(zero.less(x), || *sqrt_x, || zero);"]);
     }
 
     #[test]

@@ -222,8 +222,8 @@ const NEWTON_STEPS: usize = 30;
 /// The largest entry of `RᵀR − 1` by magnitude, if it is at most `tolerance`.
 ///
 /// # Errors
-/// [`NotARotation::NonFinite`] where an entry is infinite or NaN, [`NotARotation::NotOrthogonal`] where the columns are not
-/// orthogonal unit vectors within `tolerance`, [`NotARotation::Reflection`] where the determinant is not positive.
+/// [`NotARotation::NonFinite`] where an entry is infinite or NaN, [`NotARotation::NotOrthogonal`] where the columns are
+/// not orthogonal unit vectors within `tolerance`, [`NotARotation::Reflection`] where the determinant is not positive.
 pub fn check_rotation(matrix: &[[f64; 3]; 3], tolerance: f64) -> Result<f64, NotARotation> {
     let (error, determinant) = defect(matrix);
     // Where an entry is NaN so is the error, and no comparison with it holds.

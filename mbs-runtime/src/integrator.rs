@@ -12,8 +12,8 @@
 //! | [`Dop853`](crate::Dop853) | by error control; order 8, dense output of order 7 | `dop853.rs` |
 //!
 //! The right-hand side is a closure `|t, q, qd, qdd|` that writes the accelerations into its last argument. It returns
-//! nothing, or a `Result<(), E>`: where it refuses, error control tries shorter steps before the integration ends. Time is `f64` whatever the scalar, so that a long run of `f32` keeps
-//! its clock; the closure gets it as a scalar.
+//! nothing, or a `Result<(), E>`: where it refuses, error control tries shorter steps before the integration ends. Time
+//! is `f64` whatever the scalar, so that a long run of `f32` keeps its clock; the closure gets it as a scalar.
 //!
 //! After each accepted step an observer sees the [`Step`]: its two ends, and the solution between them. It goes on with
 //! `ControlFlow::Continue(())`, or ends the integration at a time of its choice inside the step with
@@ -109,7 +109,8 @@ pub trait Integrator<T: Scalar> {
         self.run(acceleration, t, t_end, state, |step: &mut dyn Step<V>| R::answer(observer(step), step.time()))
     }
 
-    /// [`integrate`](Integrator::integrate), of a right-hand side and an observer in one form: what a method implements.
+    /// [`integrate`](Integrator::integrate), of a right-hand side and an observer in one form: what a method
+    /// implements.
     ///
     /// # Errors
     /// As [`integrate`](Integrator::integrate).
@@ -207,8 +208,8 @@ pub trait Integrator<T: Scalar> {
     ///
     /// # Errors
     /// [`IntegrationError::NonFiniteEvent`] if an event's function is infinite or NaN,
-    /// [`IntegrationError::EventsAccumulate`] if one follows itself too closely, [`IntegrationError::NonFiniteState`] if an
-    /// action leaves such numbers; otherwise as [`integrate`](Integrator::integrate).
+    /// [`IntegrationError::EventsAccumulate`] if one follows itself too closely, [`IntegrationError::NonFiniteState`]
+    /// if an action leaves such numbers; otherwise as [`integrate`](Integrator::integrate).
     fn integrate_with_events<V, F, R, O, A>(
         &self,
         mut acceleration: F,
@@ -273,9 +274,10 @@ pub trait Step<V> {
     /// that the next step begins with; none for the others.
     ///
     /// # Errors
-    /// [`IntegrationError::InvalidTime`] if `t` is not inside the step; [`IntegrationError::NonFiniteState`] if there is
-    /// no acceleration where the interpolant needs one. `state` is then untouched. When the observer returns, whatever
-    /// it returns, the integration ends with this error, or with the one that the right-hand side refused with.
+    /// [`IntegrationError::InvalidTime`] if `t` is not inside the step; [`IntegrationError::NonFiniteState`] if there
+    /// is no acceleration where the interpolant needs one. `state` is then untouched. When the observer returns,
+    /// whatever it returns, the integration ends with this error, or with the one that the right-hand side refused
+    /// with.
     fn interpolate(&mut self, t: f64, state: &mut State<V>) -> Result<(), IntegrationError>;
 
     /// Goes on from `state` instead of the end of the step: for a projection onto constraints, or a jump.

@@ -19,7 +19,8 @@
 //! | `A`, `λ`       |                           | rows of the constraints `A q̇ + b = 0`, and Lagrange's multipliers  |
 //!
 //! SI units; angles in radians; forces conjugate to their coordinates (N for m, N·m for rad). Matrices are arrays of
-//! rows, `m[row][column]`; `to_matrix` makes nalgebra's of them (feature `nalgebra`). A [`Pose`] turns body axes to world axes.
+//! rows, `m[row][column]`; `to_matrix` makes nalgebra's of them (feature `nalgebra`). A [`Pose`] turns body axes to
+//! world axes.
 //!
 //! # From a mechanism to a motion
 //!

@@ -1,5 +1,5 @@
-//! Generated code says what it computes: locals are called by what they are (`w3x`: angular velocity of link 3 about x) or
-//! by what they are part of, not by numbers.
+//! Generated code says what it computes: locals are called by what they are (`w3x`: angular velocity of link 3 about x)
+//! or by what they are part of, not by numbers.
 
 use mbs_derive::emit::Options;
 use mbs_derive::generate;
@@ -68,7 +68,7 @@ fn the_recursion_can_be_followed() {
     let function = format!("pub fn inverse_dynamics(\n{body}");
     let names = &locals(&function)[0].1;
     let has = |name: &str| names.iter().any(|found| found.strip_suffix("_neg").unwrap_or(found) == name);
-    for name in ["w2x", "w3x", "w4y", "w6z", "wd3x", "wd6x", "u3zx", "a3x", "f3y", "f4x", "fi6z", "n3x"] {
+    for name in ["w2x", "w3x", "w4y", "w6z", "wd3x", "wd6x", "u3zx", "a3x", "f3y", "f4x", "fi6y", "n3x"] {
         assert!(has(name), "{name} is not among {names:?}");
     }
     assert!(code.contains("/// - `wjx`, `vjx`: angular velocity, velocity of the origin;"), "{}", &code[..2000]);

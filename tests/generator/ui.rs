@@ -1,4 +1,5 @@
-//! What users get wrong with generated code, `tests/ui/*.rs`, and what the compiler says of it, in `*.stderr` beside them.
+//! What users get wrong with generated code, `tests/ui/*.rs`, and what the compiler says of it, in `*.stderr` beside
+//! them.
 //!
 //! `TRYBUILD=overwrite cargo test -p mbs-tests --test generator ui` writes down what it says now.
 

@@ -50,18 +50,23 @@ pub(super) fn module(derivation: &Derivation, module: &str, mechanism: &str) -> 
     let notes = programs.flat_map(|program| &program.notes).map(|(_, name)| name.trim_start_matches("by_"));
     let letters: BTreeSet<&str> = notes.filter_map(|name| name.split(|c: char| c.is_ascii_digit()).next()).collect();
     if !letters.is_empty() {
-        lines.extend(["", KEY_TO_LOCALS, ""].map(str::to_string));
         let told = KEY.iter().filter(|(names, _)| names.iter().any(|name| letters.contains(name)));
-        lines.extend(told.map(|(_, line)| format!("- {line};")));
-        lines.extend(
-            [
-                "- `by_…`: a derivative by what follows; `…_neg`, `…_squared`: its negative, its square;",
-                "- `…_a`, `…_b`: parts of what is named, or the same in other axes fixed in the link.",
-                "",
-                SOURCES_OF_KEY,
-            ]
-            .map(str::to_string),
+        let told: Vec<String> = told.map(|(_, line)| format!("- {line};")).collect();
+        let (head, parts, source) = match told.is_empty() {
+            true => ("Locals:", "parts of what is named.", None),
+            false => (
+                KEY_TO_LOCALS,
+                "parts of what is named, or the same in other axes fixed in the link.",
+                Some(SOURCES_OF_KEY),
+            ),
+        };
+        lines.extend(["", head, ""].map(str::to_string));
+        lines.extend(told);
+        lines.push(
+            "- `by_…`: a derivative by what follows; `…_neg`, `…_squared`: its negative, its square;".to_string(),
         );
+        lines.push(format!("- `…_a`, `…_b`: {parts}"));
+        lines.extend(source.into_iter().flat_map(|source| [String::new(), source.to_string()]));
     }
     lines
 }

@@ -301,7 +301,10 @@ fn unfused(a: &Tree, rest: &[Tree]) -> Tree {
     let [b, c] = rest else { unreachable!("`mul_add` has two arguments") };
     let product = Tree::Mul(Box::new(a.clone()), Box::new(b.clone()));
     match (a, b, c) {
-        (_, Tree::Neg(b), _) => Tree::Sub(Box::new(c.clone()), Box::new(Tree::Mul(Box::new(a.clone()), b.clone()))),
+        (_, b, _) if b.is_negative() => {
+            let product = Tree::Mul(Box::new(a.clone()), Box::new(Tree::neg(b.clone())));
+            Tree::Sub(Box::new(c.clone()), Box::new(product))
+        }
         (a, ..) if a.is_negative() => Tree::Sub(Box::new(c.clone()), Box::new(Tree::neg(product))),
         (.., c) if c.is_negative() => Tree::Sub(Box::new(product), Box::new(Tree::neg(c.clone()))),
         _ => Tree::Add(Box::new(product), Box::new(c.clone())),

@@ -5,8 +5,7 @@ use quote::ToTokens;
 /// Bodies of more bytes than this are left out.
 const LONG: usize = 400;
 
-/// Leaves out the long bodies of all functions, whose documentation then ends with a digest of what was there, and the
-/// functions of traits, which call them.
+/// Leaves out the long bodies of all functions, whose documentation then ends with a digest of what was there.
 pub(super) fn leave_out_bodies(items: &mut [syn::Item]) {
     for item in items {
         match item {
@@ -16,8 +15,18 @@ pub(super) fn leave_out_bodies(items: &mut [syn::Item]) {
                 attrs.retain(|attribute| !is_doc(attribute) || std::mem::replace(&mut docs, 1) == 0);
                 leave_out_bodies(items);
             }
-            syn::Item::Impl(block) if is_of_the_runtime(block) => block.items.clear(),
             syn::Item::Impl(block) => block.items.iter_mut().for_each(leave_out_body),
+            _ => {}
+        }
+    }
+}
+
+/// Leaves out the functions of mbs-runtime's traits.
+pub(super) fn leave_out_forwarders(items: &mut [syn::Item]) {
+    for item in items {
+        match item {
+            syn::Item::Mod(syn::ItemMod { content: Some((_, items)), .. }) => leave_out_forwarders(items),
+            syn::Item::Impl(block) if is_of_the_runtime(block) => block.items.clear(),
             _ => {}
         }
     }

@@ -1,5 +1,5 @@
-//! What nodes are called by those who made them: `w3x` for an angular velocity. The emitter names locals so; nothing else
-//! looks at it.
+//! What nodes are called by those who made them: `w3x` for an angular velocity. The emitter names locals so; nothing
+//! else looks at it.
 
 use std::fmt::Arguments;
 use std::rc::Rc;

@@ -1,7 +1,8 @@
 //! What expressions of the language stand for. In reading order:
 //!
 //! - [`dimension`]: SI dimensions and units; [`constant`]: what is known of an expression;
-//! - [`evaluate`]: expressions → values; [`usage`]: what values are used as; [`quantity`]: numbers with units; [`operator`]: `+ - * / ^` and `dt`;
+//! - [`evaluate`]: expressions → values; [`usage`]: what values are used as; [`quantity`]: numbers with units;
+//!   [`operator`]: `+ - * / ^` and `dt`;
 //! - [`condition`]: `if … else`; [`difference`]: differences of places, in their nearest common frame;
 //! - [`builtin`]: functions and methods; [`attitude`]: axes of parameters, arrays for several arguments;
 //!   [`interpolation`]: tables.

@@ -7,8 +7,9 @@ use core::fmt;
 /// Q = M(q) a + C(q, q̇) q̇ + G(q),   a = q̈_d + K_d ė + K_p e,   e = q_d − q
 /// ```
 ///
-/// [`acceleration`](Self::acceleration) is `a`, the model's inverse dynamics is the rest. With these forces the error obeys
-/// `ë + K_d ė + K_p e = 0`, each coordinate by itself, as far as the model is right and the drives can give the forces.
+/// [`acceleration`](Self::acceleration) is `a`, the model's inverse dynamics is the rest. With these forces the error
+/// obeys `ë + K_d ė + K_p e = 0`, each coordinate by itself, as far as the model is right and the drives can give the
+/// forces.
 ///
 /// ```
 /// use mbs_runtime::control::ComputedTorque;

@@ -47,9 +47,9 @@ impl<const U: usize> SampledLoop<U> {
     /// ```
     ///
     /// # Errors
-    /// [`IntegrationError::InvalidStep`] if the sample time is not positive and finite, or the delay not between zero and it;
-    /// [`IntegrationError::InvalidTime`] if `t_end` lies before `t`; otherwise as [`Integrator::integrate`]. An input that is
-    /// infinite or NaN ends in [`IntegrationError::NonFiniteState`] where the accelerations are.
+    /// [`IntegrationError::InvalidStep`] if the sample time is not positive and finite, or the delay not between zero
+    /// and it; [`IntegrationError::InvalidTime`] if `t_end` lies before `t`; otherwise as [`Integrator::integrate`]. An
+    /// input that is infinite or NaN ends in [`IntegrationError::NonFiniteState`] where the accelerations are.
     pub fn integrate<T, V, I, F, R, O, A>(
         &self,
         integrator: &I,

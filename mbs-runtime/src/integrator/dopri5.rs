@@ -132,8 +132,8 @@ settings! {
 
 impl<T: Real> Integrator<T> for Dopri5 {
     /// # Errors
-    /// [`IntegrationError`]: a tolerance, the gain or a limit of the step is bad; the tolerances cannot be met; there is
-    /// no finite acceleration from some time on; the steps are used up.
+    /// [`IntegrationError`]: a tolerance, the gain or a limit of the step is bad; the tolerances cannot be met; there
+    /// is no finite acceleration from some time on; the steps are used up.
     fn run<V, F>(
         &self,
         acceleration: F,

@@ -12,8 +12,8 @@ use crate::event::{Event, Watch};
 use crate::scalar::Real;
 use crate::state::{Coordinates, State};
 
-/// An integrator whose steps are projected onto constraints: `φ(q, t) = 0` and `A q̇ + b = 0` hold at the end of each of
-/// them, and wherever an observer or [`sample`](Integrator::sample) looks between.
+/// An integrator whose steps are projected onto constraints: `φ(q, t) = 0` and `A q̇ + b = 0` hold at the end of each
+/// of them, and wherever an observer or [`sample`](Integrator::sample) looks between.
 ///
 /// The accelerations have to satisfy `A q̈ + γ = 0`, as those of a generated `forward_dynamics` do; what is taken away
 /// is the drift of the method's errors. What [`Step::state`] and [`Step::interpolate`] give has been projected; the
@@ -51,8 +51,8 @@ where
     S: AsMut<[T]> + Clone,
 {
     /// # Errors
-    /// [`IntegrationError::Constraint`] where no state near the end of a step satisfies the constraints; otherwise those
-    /// of the method.
+    /// [`IntegrationError::Constraint`] where no state near the end of a step satisfies the constraints; otherwise
+    /// those of the method.
     fn run<V, F>(
         &self,
         acceleration: F,

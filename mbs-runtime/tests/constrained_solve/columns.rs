@@ -30,8 +30,8 @@ fn a_column_of_rounding_is_no_contradiction_among_others() {
     assert!(wrong.as_flattened().iter().all(|x| x.is_nan()), "{wrong:?}");
 }
 
-/// Two bodies turn about x and y and are held parallel, `z₁ × z₂ = 0`, nearly upright. The third row is `x` and `y` times
-/// the others, but for the rounding of rows and target of order one; by itself it would contradict them, or be
+/// Two bodies turn about x and y and are held parallel, `z₁ × z₂ = 0`, nearly upright. The third row is `x` and `y`
+/// times the others, but for the rounding of rows and target of order one; by itself it would contradict them, or be
 /// taken for independent with a pivot of 1e-8.
 #[test]
 fn a_component_near_zero_is_known_no_better_than_its_vector() {

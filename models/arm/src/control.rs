@@ -5,8 +5,8 @@ use mbs_runtime::control::ComputedTorque;
 use super::{Arm, JointVector};
 
 impl Arm {
-    /// The joint torques \[N·m\] of computed torque at this state, by this arm as the model: the inputs of the plant, which may
-    /// differ from it.
+    /// The joint torques \[N·m\] of computed torque at this state, by this arm as the model: the inputs of the plant,
+    /// which may differ from it.
     ///
     /// | argument    | meaning                                                    | unit                |
     /// |-------------|------------------------------------------------------------|---------------------|

@@ -242,7 +242,8 @@ impl Arm {
     /// | `damping` | `λ`                                         | m, or 1    |
     ///
     /// # Errors
-    /// [`SingularJacobian::Invalid`] if `λ` is not positive, [`SingularJacobian::NonFinite`] if something is not finite.
+    /// [`SingularJacobian::Invalid`] if `λ` is not positive, [`SingularJacobian::NonFinite`] if something is not
+    /// finite.
     ///
     /// # Source
     /// Y. Nakamura and H. Hanafusa, *Inverse kinematic solutions with singularity robustness for robot manipulator

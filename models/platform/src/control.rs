@@ -43,8 +43,8 @@ pub enum NotControlled {
 }
 
 impl Platform {
-    /// The forces of the legs \[N\] of computed torque at this state, by this platform as the model, from which the plant may
-    /// differ: `F = J_q⁻ᵀ [M(q) (q̈_d + K_d ė + K_p e) + C(q, q̇) q̇ + G(q)]`.
+    /// The forces of the legs \[N\] of computed torque at this state, by this platform as the model, from which the
+    /// plant may differ: `F = J_q⁻ᵀ [M(q) (q̈_d + K_d ė + K_p e) + C(q, q̇) q̇ + G(q)]`.
     ///
     /// | argument    | meaning                                                       | unit      |
     /// |-------------|---------------------------------------------------------------|-----------|

@@ -8,9 +8,9 @@
 //! (ρ̈, α̈, β̈) = C⁻¹ h                                                                            (4.11)
 //! ```
 //!
-//! In (4.7) the thesis prints coordinates for rates (E12), in (4.8) `ρ̇` for `2 ρ̇` (E13), in the third row of (4.11) it
-//! has a stray `cos β` (E14 of `docs/thesis/errata.md`); here they are right. A vertical leg has no azimuth: there these coordinates are
-//! singular, which the dynamics, written with the unit vector `e`, is not.
+//! In (4.7) the thesis prints coordinates for rates (E12), in (4.8) `ρ̇` for `2 ρ̇` (E13), in the third row of (4.11)
+//! it has a stray `cos β` (E14 of `docs/thesis/errata.md`); here they are right. A vertical leg has no azimuth: there
+//! these coordinates are singular, which the dynamics, written with the unit vector `e`, is not.
 
 use mbs_runtime::{Dual, Scalar, to_matrix};
 use nalgebra::Vector3;

@@ -116,7 +116,8 @@ impl Platform {
     /// use mbs_models::stewart_platform::Params;
     ///
     /// let overdrawn = Params { payload_mass: -1.0, ..Params::default() };
-    /// assert_eq!(Platform::new(overdrawn).unwrap_err(), InvalidPlatform::Invalid(Must::NotBeNegative.broken_by("payload_mass", -1.0)));
+    /// let refused = InvalidPlatform::Invalid(Must::NotBeNegative.broken_by("payload_mass", -1.0));
+    /// assert_eq!(Platform::new(overdrawn).unwrap_err(), refused);
     /// ```
     ///
     /// # Errors

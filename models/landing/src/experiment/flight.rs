@@ -99,8 +99,9 @@ impl Flight {
     /// The landing that the guidance asks for: level, over the middle of the platform, without any error.
     ///
     /// # Errors
-    /// [`LandingError::Invalid`] where the approach never comes down or `t_end` is no time, [`LandingError::NoTouchdown`],
-    /// [`LandingError::TooManyMoments`] where the touchdown is more than [`MOST_MOMENTS`] moments of 2 ms away.
+    /// [`LandingError::Invalid`] where the approach never comes down or `t_end` is no time,
+    /// [`LandingError::NoTouchdown`], [`LandingError::TooManyMoments`] where the touchdown is more than
+    /// [`MOST_MOMENTS`] moments of 2 ms away.
     pub fn guided(landing: &Landing) -> Result<Self, LandingError> {
         let approach = &landing.approach;
         let positive = [

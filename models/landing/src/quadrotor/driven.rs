@@ -104,8 +104,9 @@ impl<M: PlatformMotion> Landing<MovingDeck<M>> {
     /// act.
     ///
     /// # Errors
-    /// [`LandingError`]; `Invalid` where the period is not, `Limits` where nothing can keep those of the platform, `Platform`
-    /// where its legs cannot hold it, `ThroughSingularity` where they could not on the way from one moment to the next.
+    /// [`LandingError`]; `Invalid` where the period is not, `Limits` where nothing can keep those of the platform,
+    /// `Platform` where its legs cannot hold it, `ThroughSingularity` where they could not on the way from one moment
+    /// to the next.
     pub fn simulate_driven(
         &self,
         vehicle: State<[f64; 6]>,

@@ -15,7 +15,8 @@ impl<D: Deck> Landing<D> {
     /// the period by halving it.
     ///
     /// # Errors
-    /// [`LandingError`]; `Invalid` where the period \[s\] is not, `Sensor` where the sensor gives NaN or an infinite value.
+    /// [`LandingError`]; `Invalid` where the period \[s\] is not, `Sensor` where the sensor gives NaN or an infinite
+    /// value.
     pub fn simulate_sampled(
         &self,
         state: State<[f64; 6]>,

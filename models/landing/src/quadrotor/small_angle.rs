@@ -11,7 +11,8 @@
 //!
 //! # Source
 //! Doctoral thesis *Dynamics of multibody systems in a gravitational field*, equations (5.8) and (5.12), corrected: the
-//! sign of the drag (E27) and of a rotor's term (E31), a lost dot (E28), `cθ cφ` in z̈ (E26 of `docs/thesis/errata.md`).
+//! sign of the drag (E27) and of a rotor's term (E31), a lost dot (E28), `cθ cφ` in z̈ (E26 of
+//! `docs/thesis/errata.md`).
 
 use mbs_runtime::Scalar;
 
