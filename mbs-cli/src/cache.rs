@@ -12,7 +12,7 @@ use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, SystemTime};
 
-use mbs_derive::cargo::Digest;
+use mbs_derive::Digest;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 

@@ -10,8 +10,7 @@ use std::path::PathBuf;
 
 use mbs_derive::emit;
 use mbs_derive::optimise::Derivation;
-use mbs_derive::review;
-use mbs_derive::source::{self, Sources};
+use mbs_derive::source::Sources;
 
 use crate::cache::Cache;
 use crate::failure::Failure;
@@ -79,9 +78,9 @@ pub(crate) fn run(arguments: &Arguments, cache: &Cache) -> Result<(), Failure> {
 }
 
 fn rust(derivation: &Derivation, sources: &Sources) -> String {
-    emit::rust(derivation, source::portable(&sources.main().name), &emit::Options::default())
+    emit::rust(derivation, sources.portable_name(), &emit::Options::default())
 }
 
 fn reviewed(derivation: &Derivation, sources: &Sources) -> String {
-    review::text(derivation, source::portable(&sources.main().name))
+    derivation.review(sources.portable_name())
 }

@@ -3,13 +3,10 @@
 use std::path::Path;
 use std::time::Instant;
 
-use mbs_derive::cargo::{self, Digest};
-use mbs_derive::derive::{self, Equations};
 use mbs_derive::expr::Graph;
-use mbs_derive::model::Lagrangian;
-use mbs_derive::optimise::{self, Derivation};
+use mbs_derive::optimise::Derivation;
 use mbs_derive::source::Sources;
-use mbs_derive::{Error, declared_from, latex, verify};
+use mbs_derive::{Analysis, Digest, Error};
 use serde::{Deserialize, Serialize};
 
 use crate::cache::Cache;
@@ -54,7 +51,7 @@ pub(crate) const MECHANISM: &str = "mechanism";
 
 /// Reads a mechanism and what it imports, and notes the files.
 pub(crate) fn open(path: &Path, files: &mut Files) -> Result<Sources, Failure> {
-    let sources = cargo::read(path).map_err(Failure::rendered)?;
+    let sources = mbs_derive::read(path).map_err(Failure::rendered)?;
     for (number, name) in sources.names().enumerate() {
         files.reads(if number == 0 { "the mechanism" } else { "the import" }, Path::new(name));
     }
@@ -83,7 +80,7 @@ pub(crate) fn proved(sources: &Sources, cache: &Cache) -> Result<Mechanism, Fail
 /// Likewise, before warnings are reported.
 fn proved_quietly(sources: &Sources, cache: &Cache) -> Result<Mechanism, Failure> {
     cache.or_make(Digest::of_request(MECHANISM, sources), || {
-        derived_and(sources, |_, _, _| ()).map(|derived| derived.mechanism)
+        derived_and(sources, |_| ()).map(|derived| derived.mechanism)
     })
 }
 
@@ -103,7 +100,7 @@ pub(crate) fn code(
 /// The equations as a page of a textbook, proved like the programs.
 pub(crate) fn latex(what: &str, sources: &Sources, cache: &Cache) -> Result<String, Failure> {
     kept(what, sources, cache, || {
-        let derived = derived_and(sources, |lagrangian, routes, _| latex::page(lagrangian, &routes[0]))?;
+        let derived = derived_and(sources, |analysis| analysis.latex())?;
         Ok(Code { text: derived.also, warnings: derived.mechanism.warnings })
     })
 }
@@ -120,38 +117,28 @@ fn kept(
 }
 
 /// Derives and proves, whatever is kept, and takes something else from it besides; warnings go to standard error.
-pub(crate) fn proved_and<T>(
-    sources: &Sources,
-    also: impl Fn(&Lagrangian<'_>, &[Equations<'_>], &Derivation) -> T,
-) -> Result<Derived<T>, Failure> {
+pub(crate) fn proved_and<T>(sources: &Sources, also: impl Fn(&Analysis<'_>) -> T) -> Result<Derived<T>, Failure> {
     let derived = derived_and(sources, also)?;
     output::report(&derived.mechanism.warnings);
     Ok(derived)
 }
 
-fn derived_and<T>(
-    sources: &Sources,
-    also: impl Fn(&Lagrangian<'_>, &[Equations<'_>], &Derivation) -> T,
-) -> Result<Derived<T>, Failure> {
+fn derived_and<T>(sources: &Sources, also: impl Fn(&Analysis<'_>) -> T) -> Result<Derived<T>, Failure> {
     let refused = |error: Error| Failure::rendered(error.render_in(sources));
 
     let start = Instant::now();
     let graph = Graph::verbatim();
-    let (lagrangian, mut warnings) = declared_from(sources, &graph, &[]).map_err(|errors| refused(errors.into()))?;
-    let derived = Graph::new();
-    let routes = derive::routes(&lagrangian, &derived);
-    let derivation = optimise::straight_line(&lagrangian, &routes);
+    let analysis = Analysis::of(sources, &graph).map_err(refused)?;
     let derive_seconds = start.elapsed().as_secs_f64();
 
-    let proof = verify::against_energies(&lagrangian, &derivation).map_err(|failure| refused(failure.into()))?;
-    proof.warn(&lagrangian, &mut warnings);
-    let also = also(&lagrangian, &routes, &derivation);
+    let proof = analysis.prove().map_err(refused)?;
+    let also = also(&analysis);
     let mechanism = Mechanism {
-        derivation,
-        bodies: lagrangian.bodies().0.len(),
+        bodies: analysis.lagrangian().bodies().0.len(),
         proved_at: proof.states,
         singular_at: proof.singular,
-        warnings: warnings.render_in(sources),
+        warnings: analysis.warnings(Some(&proof)).render_in(sources),
+        derivation: analysis.into_programs(),
     };
     Ok(Derived { mechanism, derive_seconds, also })
 }

@@ -34,9 +34,7 @@ pub(crate) struct Arguments {
 /// Prints the operation counts.
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let sources = mechanism::open(&arguments.file, &mut Files::default())?;
-    let derived = mechanism::proved_and(&sources, |lagrangian, _, derivation| {
-        arguments.explain.then(|| Explanation::of(lagrangian, derivation))
-    })?;
+    let derived = mechanism::proved_and(&sources, |analysis| arguments.explain.then(|| Explanation::of(analysis)))?;
     output::print(&match (arguments.json, &derived.also) {
         (true, _) => output::json(&object(&derived)),
         (false, None) => table(&derived),

@@ -22,8 +22,8 @@ use std::path::Path;
 
 use mbs_derive::diagnostic::{Diagnostics, nearest};
 use mbs_derive::expr::Number;
-use mbs_derive::interpret::{State, Violation, violations};
-use mbs_derive::model::given;
+use mbs_derive::interpret::{State, Violation};
+use mbs_derive::model::in_si;
 use mbs_derive::optimise::Derivation;
 use mbs_derive::variable::Variable;
 use mbs_derive::variable::component_names;
@@ -395,7 +395,7 @@ impl Reader<'_> {
     fn number(&mut self, key: &str, json: &Value, unit: &str) -> f64 {
         let is_word = |text: &str| text.parse::<f64>().is_ok_and(|number| !number.is_finite());
         match json {
-            Value::String(text) if !is_word(text) => given::in_si(text, unit).unwrap_or_else(|reason| {
+            Value::String(text) if !is_word(text) => in_si(text, unit).unwrap_or_else(|reason| {
                 self.error(format!("{key} is {json}: {reason}"));
                 0.0
             }),
@@ -408,7 +408,7 @@ impl Reader<'_> {
 
     /// The mechanism can have these parameters.
     fn check(&mut self, parameters: &[f64]) {
-        for Violation { quantity, value, must } in violations(self.derivation, parameters) {
+        for Violation { quantity, value, must } in Violation::all(self.derivation, parameters) {
             self.error(format!("\"params\": `{quantity}` {must}, it is {value:?}"));
         }
     }

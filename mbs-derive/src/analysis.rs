@@ -1,17 +1,17 @@
 //! One mechanism through the passes: the face of the generator.
 
 use crate::builder::Mechanism;
-use crate::derive;
+use crate::derive::{self, Route};
 use crate::diagnostic::Diagnostics;
 use crate::emit::{self, Options};
 use crate::expr::Graph;
 use crate::latex;
 use crate::model::Lagrangian;
-use crate::optimise::Derivation;
-use crate::source::{self, Sources};
+use crate::optimise::{self, Derivation, Operations};
+use crate::source::Sources;
 use crate::variable;
-use crate::verify;
-use crate::{Error, Generated, declared_from, derived, resolved};
+use crate::verify::Proof;
+use crate::{Error, Generated, declared_from, resolved};
 
 /// What is derived from one mechanism, of a text or of calls; the Programs are not proved before they are printed.
 ///
@@ -31,6 +31,7 @@ pub struct Analysis<'g> {
     lagrangian: Lagrangian<'g>,
     warnings: Diagnostics,
     programs: Derivation,
+    nodes: usize,
 }
 
 impl<'g> Analysis<'g> {
@@ -61,8 +62,10 @@ impl<'g> Analysis<'g> {
     }
 
     fn new(sources: Sources, lagrangian: Lagrangian<'g>, warnings: Diagnostics) -> Self {
-        let programs = derived(&lagrangian);
-        Analysis { sources, lagrangian, warnings, programs }
+        let graph = Graph::new();
+        let programs = optimise::straight_line(&lagrangian, &derive::routes(&lagrangian, &graph));
+        let nodes = lagrangian.graph.len() + graph.len();
+        Analysis { sources, lagrangian, warnings, programs, nodes }
     }
 
     /// Energies, forces and constraints as they were declared.
@@ -75,14 +78,38 @@ impl<'g> Analysis<'g> {
         &self.programs
     }
 
-    /// Holds the programs against the energies at random states; all warnings about the mechanism.
+    /// The generated functions, by themselves.
+    pub fn into_programs(self) -> Derivation {
+        self.programs
+    }
+
+    /// How many nodes of expressions the passes have made up to the programs: what deriving costs, the same on every
+    /// machine.
+    pub fn nodes(&self) -> usize {
+        self.nodes
+    }
+
+    /// What each function would cost by each route, those for comparison included; in the order of the programs.
+    pub fn compared(&self) -> Vec<Vec<(Route, Operations)>> {
+        let graph = Graph::new();
+        optimise::compared(&derive::all_routes(&self.lagrangian, &graph))
+    }
+
+    /// Holds the programs against the energies at random states.
     ///
     /// # Errors
     /// [`Error::Proof`] where they disagree, or there are too few finite states.
-    pub fn prove(&self) -> Result<Diagnostics, Error> {
+    pub fn prove(&self) -> Result<Proof, Error> {
+        Ok(Proof::of(&self.lagrangian, &self.programs)?)
+    }
+
+    /// What is to be said of the declaration, and of what the proof, where there is one, has not reached.
+    pub fn warnings(&self, proof: Option<&Proof>) -> Diagnostics {
         let mut warnings = self.warnings.clone();
-        verify::against_energies(&self.lagrangian, &self.programs)?.warn(&self.lagrangian, &mut warnings);
-        Ok(warnings)
+        if let Some(proof) = proof {
+            proof.warn(&self.lagrangian, &mut warnings);
+        }
+        warnings
     }
 
     /// A module of Rust, proved.
@@ -90,7 +117,7 @@ impl<'g> Analysis<'g> {
     /// # Errors
     /// As [`prove`](Self::prove); [`Error::UnknownFunction`] if the options ask for a function that there is not.
     pub fn rust(&self, options: &Options) -> Result<Generated, Error> {
-        let (derivation, warnings) = (&self.programs, self.prove()?);
+        let (derivation, warnings) = (&self.programs, self.warnings(Some(&self.prove()?)));
         for name in options.functions.iter().flatten() {
             if derivation.named(name).is_none() {
                 let known = derivation.functions.iter().map(|f| f.name.clone()).collect();
@@ -103,7 +130,7 @@ impl<'g> Analysis<'g> {
             dof: derivation.dof(),
             inputs: variable::count(&derivation.inputs),
             implements_mechanism: emit::implements_mechanism(derivation, options),
-            code: emit::rust(derivation, source::portable(&self.sources.main().name), options),
+            code: emit::rust(derivation, self.sources.portable_name(), options),
             warnings: warnings.render_in(&self.sources),
         })
     }

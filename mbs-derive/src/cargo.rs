@@ -16,8 +16,8 @@ use crate::builder::Mechanism;
 use crate::diagnostic::nearest;
 use crate::emit::Options;
 use crate::expr::Graph;
-use crate::source::{self, MAX_BYTES, Sources, Unreadable};
-use crate::{Error, Generated, declared_from, derived, generate_from, parse, verify};
+use crate::source::{MAX_BYTES, Sources, Unreadable};
+use crate::{Analysis, Generated, parse};
 pub use digest::Digest;
 use kept::Kept;
 
@@ -60,12 +60,10 @@ pub fn try_compile(file: impl AsRef<Path>) -> Result<(), Report> {
 /// The report that a build script prints: the file cannot be read, is not a mechanism, or cannot be proved.
 pub fn review(file: impl AsRef<Path>) -> Result<String, Report> {
     let sources = read(file.as_ref())?;
-    let told = |error: Error| Report(error.render_in(&sources));
     let graph = Graph::verbatim();
-    let (lagrangian, _) = declared_from(&sources, &graph, &[]).map_err(|errors| told(errors.into()))?;
-    let derivation = derived(&lagrangian);
-    verify::against_energies(&lagrangian, &derivation).map_err(|failure| told(failure.into()))?;
-    Ok(crate::review::text(&derivation, source::portable(&sources.main().name)))
+    let proved = Analysis::of(&sources, &graph).and_then(|analysis| analysis.prove().map(|_| analysis));
+    let analysis = proved.map_err(|error| Report(error.render_in(&sources)))?;
+    Ok(analysis.programs().review(sources.portable_name()))
 }
 
 /// What is wrong, as a build script prints it: file, line, column, the text underlined, and what to write instead.
@@ -185,7 +183,7 @@ impl Config {
         let kept = folder.and_then(|folder| Kept::new(&folder, &sources, &self.options));
         let generated = match kept.as_ref().and_then(Kept::read) {
             Some(generated) => generated,
-            None => generate_from(&sources, &self.options).map_err(|e| e.render_in(&sources))?,
+            None => crate::generated(&sources, &self.options).map_err(|e| e.render_in(&sources))?,
         };
         tell(&generated.warnings);
         Ok(Made { generated, sources, kept })
@@ -313,6 +311,12 @@ fn index(mechanisms: &[Made]) -> String {
 // ---- reading
 
 /// Reads the file of a mechanism, and all that it imports.
+///
+/// ```no_run
+/// let sources = mbs_derive::read("mechanisms/cart_pole.mbs".as_ref()).unwrap();
+/// let graph = mbs_derive::expr::Graph::verbatim();
+/// let analysis = mbs_derive::Analysis::of(&sources, &graph).unwrap();
+/// ```
 ///
 /// # Errors
 /// A report for people, if the file cannot be read or is not UTF-8. What is wrong with imports is told by the passes

@@ -18,16 +18,16 @@
 //! - [`output`]: outputs, their velocities and Jacobians;
 //! - [`reaction`]: forces and moments that joints transmit.
 
-pub mod conserved;
-pub mod constraint;
+pub(crate) mod conserved;
+pub(crate) mod constraint;
 mod gravity;
-pub mod lagrange;
+pub(crate) mod lagrange;
 mod lift;
-pub mod linearize;
-pub mod output;
-pub mod reaction;
-pub mod solve;
-pub mod textbook;
+pub(crate) mod linearize;
+pub(crate) mod output;
+pub(crate) mod reaction;
+pub(crate) mod solve;
+pub(crate) mod textbook;
 mod tree;
 
 use std::cell::OnceCell;
@@ -38,11 +38,11 @@ use crate::model::{Lagrangian, PointForce};
 use crate::shape::Shape;
 use crate::variable::Variable;
 
-pub use crate::equations::{
-    Conserved, Constraints, Equations, ForwardDynamics, InverseDynamicsJacobian, Lagrange, Linearization,
-    OutputEquations, Route, Rows, Symbols, Wrenches,
-};
-pub use textbook::Form;
+pub(crate) use crate::equations::Equations;
+pub use crate::equations::Route;
+pub(crate) use crate::equations::{Conserved, Constraints, Lagrange, OutputEquations, Rows, Symbols, Wrenches};
+pub use solve::LARGEST_UNROLLED;
+pub(crate) use textbook::Form;
 
 use conserved::Exact;
 use lift::Lifted;
@@ -78,20 +78,16 @@ impl Route {
 /// The routes are equal in value, each function of a mechanism may take another: the cheapest is chosen by `optimise`.
 /// A long chain that is nothing but bodies is derived by its structure alone: differentiation would only take time to
 /// lose.
-pub fn routes<'g>(lagrangian: &Lagrangian<'_>, graph: &'g Graph) -> Vec<Equations<'g>> {
+pub(crate) fn routes<'g>(lagrangian: &Lagrangian<'_>, graph: &'g Graph) -> Vec<Equations<'g>> {
     derived_by(lagrangian, graph, &[Route::Plain, Route::Textbook, Route::Structured])
 }
 
 /// The same, and routes that are there for comparison only.
-pub fn all_routes<'g>(lagrangian: &Lagrangian<'_>, graph: &'g Graph) -> Vec<Equations<'g>> {
-    derived_by(
-        lagrangian,
-        graph,
-        &[Route::Plain, Route::Textbook, Route::Structured, Route::Ungrouped, Route::MultipliedOut],
-    )
+pub(crate) fn all_routes<'g>(lagrangian: &Lagrangian<'_>, graph: &'g Graph) -> Vec<Equations<'g>> {
+    derived_by(lagrangian, graph, &Route::ALL)
 }
 
-fn derived_by<'g>(lagrangian: &Lagrangian<'_>, graph: &'g Graph, routes: &[Route]) -> Vec<Equations<'g>> {
+pub(crate) fn derived_by<'g>(lagrangian: &Lagrangian<'_>, graph: &'g Graph, routes: &[Route]) -> Vec<Equations<'g>> {
     let symbols = Symbols::of(lagrangian);
     let energies = Energies::carried_out(lagrangian, graph);
     let (symbols, energies) = (&symbols, &energies);
@@ -175,7 +171,7 @@ impl<'g> Mechanism<'_, '_, 'g> {
 
 /// The declared scalars with their time derivatives carried out and the local rules applied.
 #[derive(Clone, Debug)]
-pub struct Energies<'g> {
+pub(crate) struct Energies<'g> {
     /// T
     pub kinetic: Expr<'g>,
     /// V

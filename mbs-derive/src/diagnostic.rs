@@ -70,6 +70,14 @@ impl Diagnostic {
 }
 
 /// The messages of a pass, in source order.
+///
+/// ```
+/// let graph = mbs_derive::expr::Graph::verbatim();
+/// let text = "mechanism Ball { coord x: m; kinetic += y; }";
+/// let errors = mbs_derive::declared(text, &graph, &[]).unwrap_err();
+/// let first = errors.iter().next().unwrap();
+/// assert_eq!(&text[first.span.clone()], "y");
+/// ```
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Diagnostics {
     /// Sorted by where they begin; of two at one place the one found first comes first.

@@ -6,11 +6,11 @@ use crate::expr::{Expr, Symbol};
 use crate::shape::Shape;
 
 /// Rows of expressions.
-pub type Rows<'g> = Vec<Vec<Expr<'g>>>;
+pub(crate) type Rows<'g> = Vec<Vec<Expr<'g>>>;
 
 /// The symbols of a mechanism, by kind and in order.
 #[derive(Clone, Debug)]
-pub struct Symbols {
+pub(crate) struct Symbols {
     /// q
     pub q: Vec<Symbol>,
     /// q̇
@@ -39,6 +39,12 @@ pub enum Route {
     MultipliedOut,
 }
 
+impl Route {
+    /// All of them, in this order: of equal costs the first one counts.
+    pub const ALL: [Route; 5] =
+        [Route::Plain, Route::Textbook, Route::Structured, Route::Ungrouped, Route::MultipliedOut];
+}
+
 impl fmt::Display for Route {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
@@ -53,7 +59,7 @@ impl fmt::Display for Route {
 
 /// Everything that is generated for a mechanism, as roots in one graph.
 #[derive(Clone, Debug)]
-pub struct Equations<'g> {
+pub(crate) struct Equations<'g> {
     /// How they were derived.
     pub route: Route,
     /// The symbols that the roots depend on.
@@ -78,7 +84,7 @@ pub struct Equations<'g> {
 
 /// The terms of `M q̈ + C q̇ + G + ∂D/∂q̇ = Q`.
 #[derive(Clone, Debug)]
-pub struct Lagrange<'g> {
+pub(crate) struct Lagrange<'g> {
     /// T
     pub kinetic_energy: Expr<'g>,
     /// V
@@ -109,7 +115,7 @@ pub struct Lagrange<'g> {
 
 /// How accelerations are found.
 #[derive(Clone, Debug)]
-pub struct ForwardDynamics<'g> {
+pub(crate) struct ForwardDynamics<'g> {
     /// M
     pub mass_matrix: Rows<'g>,
     /// A; no rows where there are no constraints.
@@ -126,14 +132,14 @@ pub struct ForwardDynamics<'g> {
 ///
 /// Source: Golub & Van Loan, *Matrix Computations*, 4th ed. 2013, algorithm 4.1.1.
 #[derive(Clone, Debug)]
-pub struct Factorization<'g> {
+pub(crate) struct Factorization<'g> {
     /// In the order of elimination.
     pub steps: Vec<Step<'g>>,
 }
 
 /// The elimination of one unknown.
 #[derive(Clone, Debug)]
-pub struct Step<'g> {
+pub(crate) struct Step<'g> {
     /// Its number.
     pub pivot: usize,
     /// Of what is eliminated later: its number, and its entry in the pivot's column of L.
@@ -144,7 +150,7 @@ pub struct Step<'g> {
 
 /// `∂τ/∂q` and `∂τ/∂q̇` of `τ = M q̈ + C q̇ + G + ∂D/∂q̇`.
 #[derive(Clone, Debug)]
-pub struct InverseDynamicsJacobian<'g> {
+pub(crate) struct InverseDynamicsJacobian<'g> {
     /// `∂τ/∂q`
     pub q: Rows<'g>,
     /// `∂τ/∂q̇`
@@ -153,7 +159,7 @@ pub struct InverseDynamicsJacobian<'g> {
 
 /// Derivatives of q̈; rows are accelerations.
 #[derive(Clone, Debug)]
-pub struct Linearization<'g> {
+pub(crate) struct Linearization<'g> {
     /// `∂q̈/∂q`, `∂q̈/∂q̇`, `∂q̈/∂u`, where the factorization is unrolled; else `−∂r/∂x`, the right sides of a solution
     /// at run time, with q̈ and λ left as symbols.
     pub state: [Rows<'g>; 3],
@@ -163,7 +169,7 @@ pub struct Linearization<'g> {
 
 /// All rows of all constraints, in declaration order.
 #[derive(Clone, Debug, Default)]
-pub struct Constraints<'g> {
+pub(crate) struct Constraints<'g> {
     /// `φ`, or `a·q̇ + b` of Pfaffian rows.
     pub value: Vec<Expr<'g>>,
     /// `A q̇ + b`
@@ -182,7 +188,7 @@ pub struct Constraints<'g> {
 
 /// A quantity that keeps its value for `u = 0`, `D = 0`.
 #[derive(Clone, Debug)]
-pub struct Conserved<'g> {
+pub(crate) struct Conserved<'g> {
     /// `energy_integral`, or `p_` and the coordinate.
     pub name: String,
     /// Its value.
@@ -191,7 +197,7 @@ pub struct Conserved<'g> {
 
 /// An output's equations.
 #[derive(Clone, Debug)]
-pub struct OutputEquations<'g> {
+pub(crate) struct OutputEquations<'g> {
     /// As declared.
     pub name: String,
     /// Its shape.
@@ -214,7 +220,7 @@ pub struct OutputEquations<'g> {
 
 /// The wrenches of a reaction.
 #[derive(Clone, Debug)]
-pub struct Wrenches<'g> {
+pub(crate) struct Wrenches<'g> {
     /// As declared.
     pub name: String,
     /// One wrench, or several.

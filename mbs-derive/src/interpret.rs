@@ -9,6 +9,17 @@ pub use crate::state::State;
 use crate::variable::component_names;
 
 /// A mechanism with values for its parameters: doubles, or dual numbers that carry derivatives.
+///
+/// ```
+/// use mbs_derive::{Analysis, expr::Graph, source::Sources};
+/// let text = "mechanism Spring { param k: N/m = 4; coord x: m; kinetic += 1 kg*dt(x)^2/2; potential += k*x^2/2; }";
+/// let graph = Graph::verbatim();
+/// let analysis = Analysis::of(&Sources::new("spring.mbs", text), &graph).unwrap();
+/// let spring = mbs_derive::interpret::Interpreter::new(analysis.programs());
+/// let state = mbs_derive::interpret::State { q: vec![0.5], qd: vec![0.0], ..Default::default() };
+/// let force = spring.call(mbs_derive::optimise::FunctionKind::Gravity, &state).unwrap();
+/// assert_eq!(force, [2.0]); // k x
+/// ```
 #[derive(Clone, Debug)]
 pub struct Interpreter<'d, V = f64> {
     derivation: &'d Derivation,
@@ -35,24 +46,35 @@ pub struct Violation {
     pub must: &'static str,
 }
 
-/// Which parameters, flattened in declaration order, the mechanism cannot have: those that are not finite, or else
-/// those that break its requirements.
-pub fn violations(derivation: &Derivation, parameters: &[f64]) -> Vec<Violation> {
-    let names = component_names(&derivation.parameters).into_iter().zip(parameters);
-    let broken: Vec<Violation> = names
-        .filter(|(_, value)| !value.is_finite())
-        .map(|(quantity, &value)| Violation { quantity, value, must: "must be finite" })
-        .collect();
-    if !broken.is_empty() {
-        return broken;
+impl Violation {
+    /// Which parameters, flattened in declaration order, the mechanism cannot have: those that are not finite, or else
+    /// those that break its requirements.
+    ///
+    /// ```
+    /// use mbs_derive::{Analysis, expr::Graph, interpret::Violation, source::Sources};
+    /// let text = "mechanism Ball { param m: kg = 1; coord x: m; kinetic += m*dt(x)^2/2; }";
+    /// let graph = Graph::verbatim();
+    /// let analysis = Analysis::of(&Sources::new("ball.mbs", text), &graph).unwrap();
+    /// assert!(Violation::all(analysis.programs(), &[2.0]).is_empty());
+    /// assert_eq!(Violation::all(analysis.programs(), &[-2.0])[0].quantity, "m");
+    /// ```
+    pub fn all(derivation: &Derivation, parameters: &[f64]) -> Vec<Violation> {
+        let names = component_names(&derivation.parameters).into_iter().zip(parameters);
+        let broken: Vec<Violation> = names
+            .filter(|(_, value)| !value.is_finite())
+            .map(|(quantity, &value)| Violation { quantity, value, must: "must be finite" })
+            .collect();
+        if !broken.is_empty() {
+            return broken;
+        }
+        let state = State::default();
+        let values = Run { state: &state, multipliers: &[], parameters, hoisted: &[] }.results(&derivation.required);
+        let broken = derivation.conditions(&values).filter_map(|(requirement, values)| {
+            let (value, must) = requirement.condition.violation(values)?;
+            Some(Violation { quantity: requirement.quantity.clone(), value, must })
+        });
+        broken.collect()
     }
-    let state = State::default();
-    let values = Run { state: &state, multipliers: &[], parameters, hoisted: &[] }.results(&derivation.required);
-    let broken = derivation.conditions(&values).filter_map(|(requirement, values)| {
-        let (value, must) = requirement.condition.violation(values)?;
-        Some(Violation { quantity: requirement.quantity.clone(), value, must })
-    });
-    broken.collect()
 }
 
 impl<'d, V: Value> Interpreter<'d, V> {

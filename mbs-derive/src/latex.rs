@@ -42,7 +42,7 @@ use page::Page;
 ///
 /// Entries of more than 40 terms are left out, and said to be; matrices and equations of mechanisms with more than four
 /// coordinates are left out with their sizes.
-pub fn page(lagrangian: &Lagrangian<'_>, equations: &Equations<'_>) -> String {
+pub(crate) fn page(lagrangian: &Lagrangian<'_>, equations: &Equations<'_>) -> String {
     let mut page = Page::new(lagrangian, equations.lagrange.kinetic_energy.graph());
     page.title(lagrangian);
     page.symbols(lagrangian);

@@ -33,7 +33,7 @@
 
 mod analysis;
 pub mod builder;
-pub mod cargo;
+mod cargo;
 mod catalogue;
 pub mod derive;
 pub mod diagnostic;
@@ -41,23 +41,23 @@ pub mod emit;
 mod equations;
 pub mod expr;
 pub mod interpret;
-pub mod latex;
+mod latex;
 pub mod model;
 pub mod numeric;
 pub mod optimise;
 pub mod parse;
-pub mod review;
+mod review;
 mod shape;
 pub mod source;
-pub mod span;
-pub mod state;
+mod span;
+mod state;
 pub mod variable;
 pub mod verify;
 
 use std::fmt;
 
 pub use analysis::Analysis;
-pub use cargo::{Config, compile, review, try_compile};
+pub use cargo::{Config, Digest, Report, compile, read, review, try_compile};
 use diagnostic::Diagnostics;
 use expr::Graph;
 use model::Lagrangian;
@@ -84,6 +84,12 @@ pub struct Generated {
 }
 
 /// Why nothing was generated.
+///
+/// ```
+/// let text = "mechanism Spring { coord x: m; potential += x^2; }";
+/// let error = mbs_derive::generate("spring.mbs", text, &Default::default()).unwrap_err();
+/// assert!(error.render("spring.mbs", text).contains("--> spring.mbs:1:"));
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Error {
@@ -148,23 +154,33 @@ impl From<verify::Failure> for Error {
 ///
 /// `file_name` is what the module's first line and the reports call the source.
 ///
+/// ```
+/// let text = "mechanism Spring { param k: N/m = 4; coord x: m; kinetic += 1 kg*dt(x)^2/2; potential += k*x^2/2; }";
+/// let module = mbs_derive::generate("spring.mbs", text, &Default::default()).unwrap();
+/// assert_eq!((module.name.as_str(), module.dof, module.inputs), ("Spring", 1, 0));
+/// assert!(module.code.contains("pub fn mass_matrix"));
+/// ```
+///
 /// # Errors
 /// [`Error::Declaration`] if the text is not a mechanism, [`Error::Proof`] if the derived code disagrees with the
 /// energies, [`Error::UnknownFunction`] if the options ask for a function that there is not.
 pub fn generate(file_name: &str, source: &str, options: &emit::Options) -> Result<Generated, Error> {
-    generate_from(&Sources::new(file_name, source), options)
+    generated(&Sources::new(file_name, source), options)
 }
 
-/// The texts of a mechanism and of all that it imports → a module of Rust, proved.
-///
-/// # Errors
-/// As [`generate`].
-pub fn generate_from(sources: &Sources, options: &emit::Options) -> Result<Generated, Error> {
+fn generated(sources: &Sources, options: &emit::Options) -> Result<Generated, Error> {
     Analysis::frozen(sources, &Graph::verbatim(), &options.freeze)?.rust(options)
 }
 
 /// `parse` and `model`: the text of a mechanism that imports nothing → its Lagrangian, and warnings. The parameters
 /// named in `freeze` become constants.
+///
+/// ```
+/// let graph = mbs_derive::expr::Graph::verbatim();
+/// let text = "mechanism Spring { param k: N/m = 4; coord x: m; kinetic += 1 kg*dt(x)^2/2; potential += k*x^2/2; }";
+/// let (lagrangian, warnings) = mbs_derive::declared(text, &graph, &[]).unwrap();
+/// assert_eq!((lagrangian.dof(), warnings.iter().count()), (1, 0));
+/// ```
 ///
 /// # Errors
 /// All mistakes of the first pass that finds any.
@@ -181,7 +197,7 @@ pub fn declared<'g>(
 ///
 /// # Errors
 /// All mistakes of the first pass that finds any.
-pub fn declared_from<'g>(
+pub(crate) fn declared_from<'g>(
     sources: &Sources,
     graph: &'g Graph,
     freeze: &[String],
@@ -199,13 +215,15 @@ fn resolved<'g>(
     model::resolve(&declaration, graph)
 }
 
-/// What each function of [`derived`] would cost by each route, those for comparison included; in the same order.
-pub fn compared(lagrangian: &Lagrangian<'_>) -> Vec<Vec<(derive::Route, optimise::Operations)>> {
-    let graph = Graph::new();
-    optimise::compared(&derive::all_routes(lagrangian, &graph))
-}
-
 /// `derive` and `optimise`: a Lagrangian → its Programs, not yet proved.
+///
+/// ```
+/// let graph = mbs_derive::expr::Graph::verbatim();
+/// let text = "mechanism Spring { param k: N/m = 4; coord x: m; kinetic += 1 kg*dt(x)^2/2; potential += k*x^2/2; }";
+/// let (lagrangian, _) = mbs_derive::declared(text, &graph, &[]).unwrap();
+/// let derivation = mbs_derive::derived(&lagrangian);
+/// assert_eq!(derivation.named("inverse_dynamics").unwrap().operations.flops(), 2); // q̈ + k x
+/// ```
 pub fn derived(lagrangian: &Lagrangian<'_>) -> Derivation {
     let graph = Graph::new();
     optimise::straight_line(lagrangian, &derive::routes(lagrangian, &graph))

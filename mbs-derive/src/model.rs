@@ -13,9 +13,9 @@
 
 mod check;
 mod effort;
-pub mod frame;
-pub mod lagrangian;
-pub mod landmark;
+pub(crate) mod frame;
+pub(crate) mod lagrangian;
+pub(crate) mod landmark;
 #[cfg(test)]
 pub(crate) mod manual;
 mod names;
@@ -31,17 +31,20 @@ use statement::reaction::Hold;
 use value::evaluate::Resolver;
 
 pub(crate) use check::moments;
-pub use check::{degree, requirement, sample};
-pub use frame::{Edge, Frame, FrameId, Frames};
-pub use lagrangian::{Body, Choice, Constraint, ConstraintKind, Lagrangian, Output, OutputValue, PointForce, Reaction};
-pub use statement::given;
-pub use value::dimension;
+pub(crate) use check::{requirement, sample};
+pub(crate) use frame::{Edge, FrameId};
+pub(crate) use lagrangian::{Body, Constraint, PointForce, Reaction};
+pub use lagrangian::{ConstraintKind, Lagrangian, OutputValue};
+pub use statement::given::{in_si, is_of};
 
 /// What a declaration means, in the verbatim `graph`, and warnings about it.
 ///
 /// # Errors
 /// Every mistake in the declaration, in source order.
-pub fn resolve<'g>(declaration: &Declaration, graph: &'g Graph) -> Result<(Lagrangian<'g>, Diagnostics), Diagnostics> {
+pub(crate) fn resolve<'g>(
+    declaration: &Declaration,
+    graph: &'g Graph,
+) -> Result<(Lagrangian<'g>, Diagnostics), Diagnostics> {
     let library = function::library();
     let mut resolver = gone_through(declaration, &library, graph, Hold::of(declaration));
     if !resolver.report.errors.has_errors() {

@@ -5,7 +5,8 @@
 //! - `echelon`: ranks and dependent rows in a finite field.
 
 pub(crate) mod echelon;
-pub mod elimination;
-pub mod random;
+pub(crate) mod elimination;
+pub(crate) mod random;
 
+pub use elimination::eliminate;
 pub use random::Random;

@@ -8,13 +8,14 @@
 //!
 //! Mechanics ends here: this pass only preserves values.
 
-pub mod cost;
-pub mod lower;
-pub mod program;
-pub mod region;
-pub mod schedule;
+pub(crate) mod cost;
+pub(crate) mod lower;
+pub(crate) mod program;
+pub(crate) mod region;
+pub(crate) mod schedule;
 
 use crate::catalogue::{self, Roots};
+use crate::derive;
 use crate::equations::{Equations, Route};
 use crate::expr::{Expr, Graph, Spline, Symbol, without_vanishing_sums};
 use crate::model::requirement::{Condition, Requirement, requirements};
@@ -24,7 +25,8 @@ use crate::variable::Variable;
 pub use crate::catalogue::{Argument, Completion, FunctionKind};
 pub use crate::shape::{ResultPart, Shape};
 pub use cost::Operations;
-pub use program::{Instruction, Program, Value};
+pub(crate) use program::Value;
+pub use program::{Instruction, Program};
 
 use schedule::{Forms, Hoisting};
 
@@ -32,6 +34,15 @@ use schedule::{Forms, Hoisting};
 ///
 /// With the feature `serde` it can be written and read again, by the same version of this crate; reading does not prove
 /// it.
+///
+/// ```
+/// use mbs_derive::{Analysis, expr::Graph, source::Sources};
+/// let text = "mechanism Spring { param k: N/m = 4; coord x: m; kinetic += 1 kg*dt(x)^2/2; potential += k*x^2/2; }";
+/// let graph = Graph::verbatim();
+/// let analysis = Analysis::of(&Sources::new("spring.mbs", text), &graph).unwrap();
+/// let names: Vec<&str> = analysis.programs().functions.iter().map(|f| f.name.as_str()).collect();
+/// assert!(names.contains(&"forward_dynamics"));
+/// ```
 #[derive(Clone, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Derivation {
@@ -96,7 +107,7 @@ pub struct Function {
 }
 
 /// Makes the Programs, each function by its cheapest route; the routes are equal in value, the first wins a draw.
-pub fn straight_line(lagrangian: &Lagrangian<'_>, routes: &[Equations<'_>]) -> Derivation {
+pub(crate) fn straight_line(lagrangian: &Lagrangian<'_>, routes: &[Equations<'_>]) -> Derivation {
     let mut forms = Forms::default();
     let chosen = cheapest(ways(routes), &mut forms);
     let hoisting = Hoisting::of(chosen.iter().map(|way| way.roots.values.as_slice()), &mut forms);
@@ -229,7 +240,7 @@ impl Way<'_, '_> {
             Completion::None => operations,
             Completion::Solve => operations + cost::solve(n, &self.roots.results),
             Completion::SolveConstrained | Completion::SolveMultipliers => {
-                operations + cost::solve_constrained([n, k], &self.roots.results)
+                operations + cost::Operations::of_constrained_solve([n, k], &self.roots.results)
             }
         }
     }
@@ -268,9 +279,26 @@ fn cheapest<'e, 'g>(ways: Vec<Vec<Way<'e, 'g>>>, forms: &mut Forms) -> Vec<Way<'
     best.into_iter().map(|(_, way)| way).collect()
 }
 
+/// The programs by one route, for each way that it can go; none where it leads nowhere. Not proved.
+///
+/// ```
+/// use mbs_derive::{Analysis, expr::Graph, source::Sources};
+/// let text = "mechanism Spring { param k: N/m = 4; coord x: m; kinetic += 1 kg*dt(x)^2/2; potential += k*x^2/2; }";
+/// let graph = Graph::verbatim();
+/// let analysis = Analysis::of(&Sources::new("spring.mbs", text), &graph).unwrap();
+/// use mbs_derive::{derive::Route, optimise::by_route};
+/// assert_eq!(by_route(analysis.lagrangian(), Route::Plain).len(), 1);
+/// assert!(by_route(analysis.lagrangian(), Route::Structured).is_empty()); // there are no bodies
+/// ```
+pub fn by_route(lagrangian: &Lagrangian<'_>, route: Route) -> Vec<Derivation> {
+    let graph = Graph::new();
+    let ways = derive::derived_by(lagrangian, &graph, &[route]);
+    ways.iter().map(|equations| straight_line(lagrangian, std::slice::from_ref(equations))).collect()
+}
+
 /// What each function would cost by each route, in the order of the functions and of the routes; of a route with
 /// several ways by the cheapest.
-pub fn compared(routes: &[Equations<'_>]) -> Vec<Vec<(Route, Operations)>> {
+pub(crate) fn compared(routes: &[Equations<'_>]) -> Vec<Vec<(Route, Operations)>> {
     let mut forms = Forms::default();
     let ways = ways(routes);
     let mut costs = |functions: &[Way<'_, '_>]| functions.iter().map(|way| way.cost(&mut forms)).collect();

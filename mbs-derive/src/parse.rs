@@ -31,14 +31,15 @@ mod keyword;
 mod quantity;
 mod reader;
 mod shift;
-pub mod syntax;
+pub(crate) mod syntax;
 
 use crate::diagnostic::Diagnostics;
 use crate::source::{Sources, Unreadable};
 pub use encoding::text;
 #[cfg(test)]
 pub(crate) use in_place::UNITS;
-use syntax::{Declaration, Statement};
+use syntax::Declaration;
+pub use syntax::{Statement, StatementKind};
 
 /// Delimiters, signs, powers and components may be nested this deep, all together.
 ///
@@ -54,7 +55,7 @@ pub(crate) const MAX_TOKENS: usize = 1_000_000;
 ///
 /// # Errors
 /// Everything in the text that is not the model language, in source order.
-pub fn declaration(source: &str) -> Result<Declaration, Diagnostics> {
+pub(crate) fn declaration(source: &str) -> Result<Declaration, Diagnostics> {
     declaration_of(&Sources::new("", source))
 }
 
@@ -67,7 +68,7 @@ pub fn declaration_of(sources: &Sources) -> Result<Declaration, Diagnostics> {
 }
 
 /// Reads a file of constants and functions to be imported; `None` if it is not meant as one, but as a mechanism.
-pub fn shared(sources: &Sources) -> Option<Result<Vec<Statement>, Diagnostics>> {
+pub(crate) fn shared(sources: &Sources) -> Option<Result<Vec<Statement>, Diagnostics>> {
     import::shared(sources)
 }
 
@@ -79,7 +80,7 @@ impl Sources {
 }
 
 /// The paths that a text imports, as they are written; what is wrong with other imports [`declaration_of`] will say.
-pub fn imports(source: &str) -> Vec<String> {
+pub(crate) fn imports(source: &str) -> Vec<String> {
     import::paths(source)
 }
 

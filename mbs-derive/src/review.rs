@@ -22,13 +22,16 @@ const STATES: usize = 3;
 /// This many digits of the largest number that a function returns are shown, and as many places of the others.
 const DIGITS: i32 = 12;
 
-/// What is to be reviewed of a mechanism; `source` is what the first line calls the declaration.
-pub fn text(derivation: &Derivation, source: &str) -> String {
-    let options = Options { infix: true, ..Options::default() };
-    if emit::rust(derivation, source, &options).len() <= FULL {
-        return emit::without_forwarders(derivation, source, &options);
+impl Derivation {
+    /// What is to be reviewed of a mechanism, as [`review`](fn@crate::review) reads it from a file; `source` is what
+    /// the first line calls the declaration.
+    pub fn review(&self, source: &str) -> String {
+        let options = Options { infix: true, ..Options::default() };
+        if emit::rust(self, source, &options).len() <= FULL {
+            return emit::without_forwarders(self, source, &options);
+        }
+        format!("{}\n{}", emit::outline(self, source, &options), values(self))
     }
-    format!("{}\n{}", emit::outline(derivation, source, &options), values(derivation))
 }
 
 /// What every function gives at some states.
@@ -137,7 +140,7 @@ mod tests {
             "mechanism Oscillator { param m: kg = 1; param k: N/m = 4; coord x: m; input f: N; \
              kinetic += 1/2*m*dt(x)^2; potential += 1/2*k*x^2; force x += f; }",
         );
-        let text = text(&short, "oscillator.mbs");
+        let text = short.review("oscillator.mbs");
         assert!(text.contains("[m * x_ddot + k * x]") && !text.contains("mul_add"), "{text}");
         assert!(
             text.contains("    impl<T: ::mbs_runtime::Scalar> ::mbs_runtime::Mechanism<1, 1> for Oscillator<T> {}\n")
@@ -153,7 +156,7 @@ mod tests {
              for i in 0..n { x = x + l*sin(q[i]); y = y - l*cos(q[i]); \
              kinetic += 1/2*m*(dt(x)^2 + dt(y)^2); potential += m*g*y; } }",
         );
-        let text = text(&chain, "chain.mbs");
+        let text = chain.review("chain.mbs");
         assert!(text.len() < FULL && text.contains("Digest of the body: ") && text.contains("pub fn mass_matrix"));
         let states = text.matches("// State ").count();
         assert_eq!(states, STATES);

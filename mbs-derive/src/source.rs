@@ -21,15 +21,25 @@ use std::path::{Component, Path};
 use crate::span::Span;
 
 /// All files of a mechanism together may be so long: offsets of tokens are 32 bits wide.
-pub const MAX_BYTES: usize = 1 << 26;
+pub(crate) const MAX_BYTES: usize = 1 << 26;
 
 /// Files that one mechanism may import, directly or not.
-pub const MAX_IMPORTS: usize = 100;
+pub(crate) const MAX_IMPORTS: usize = 100;
 
 /// Files that import files that import files.
-pub const MAX_DEPTH: usize = 20;
+pub(crate) const MAX_DEPTH: usize = 20;
 
 /// The texts of a mechanism and of all that it imports, directly or not, each once.
+///
+/// ```
+/// use mbs_derive::source::{Sources, Unreadable};
+/// let read = |name: &str| match name {
+///     "constants.mbs" => Ok(b"const g: m/s^2 = 9.81;".to_vec()),
+///     _ => Err(Unreadable::new("there is no such file", "check its name")),
+/// };
+/// let sources = Sources::gather("ball.mbs", "import \"constants.mbs\"; mechanism Ball { coord x: m; }", read);
+/// assert_eq!(sources.count(), 2);
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sources {
     /// The mechanism's own file first; never empty.
@@ -143,6 +153,17 @@ impl Sources {
         &self.files[0]
     }
 
+    /// What generated code may say of the mechanism's file: its name as given, but of an absolute path only the last
+    /// part, because the same declaration gives the same code on every machine.
+    pub fn portable_name(&self) -> &str {
+        let name = &self.main().name;
+        let path = Path::new(name);
+        match path.file_name().and_then(|last| last.to_str()) {
+            Some(last) if path.is_absolute() => last,
+            _ => name,
+        }
+    }
+
     /// The file with this number; the mechanism's own is number 0.
     pub fn file(&self, number: usize) -> &Source {
         &self.files[number]
@@ -186,16 +207,6 @@ fn utf8(bytes: Vec<u8>) -> Result<String, (usize, usize)> {
         let line = valid.rsplit('\n').next().unwrap_or_default();
         (valid.matches('\n').count() + 1, line.chars().count() + 1)
     })
-}
-
-/// What generated code may say of a file: its name as given, but of an absolute path only the last part, because the
-/// same declaration gives the same code on every machine.
-pub fn portable(name: &str) -> &str {
-    let path = Path::new(name);
-    match path.file_name().and_then(|last| last.to_str()) {
-        Some(last) if path.is_absolute() => last,
-        _ => name,
-    }
 }
 
 /// Whether a file is a table of numbers, `.csv`.
@@ -243,9 +254,9 @@ mod tests {
 
     #[test]
     fn generated_code_tells_no_absolute_path() {
-        assert_eq!(portable("mechanisms/a.mbs"), "mechanisms/a.mbs");
-        assert_eq!(portable("/somewhere/mechanisms/a.mbs"), "a.mbs");
-        assert_eq!(portable("../a.mbs"), "../a.mbs");
+        assert_eq!(Sources::new("mechanisms/a.mbs", "").portable_name(), "mechanisms/a.mbs");
+        assert_eq!(Sources::new("/somewhere/mechanisms/a.mbs", "").portable_name(), "a.mbs");
+        assert_eq!(Sources::new("../a.mbs", "").portable_name(), "../a.mbs");
     }
 
     /// A chain of files, each of which imports the next; the depth at which it is cut.

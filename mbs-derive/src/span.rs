@@ -4,4 +4,4 @@ use std::ops::Range;
 
 /// Bytes of the texts of a mechanism and of all that it imports, counted through: [`Sources`](crate::source::Sources)
 /// knows file, line and column.
-pub type Span = Range<usize>;
+pub(crate) type Span = Range<usize>;

@@ -1,5 +1,7 @@
 //! What the functions of a mechanism take.
 
+use crate::expr::{Dual, Symbol, Value};
+
 /// The arguments of a mechanism's functions, flattened in declaration order.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct State<V = f64> {
@@ -15,4 +17,24 @@ pub struct State<V = f64> {
     pub u: Vec<V>,
     /// Prescribed motions: value, first and second derivative.
     pub prescribed: Vec<[V; 3]>,
+}
+
+impl<V: Value> State<V> {
+    /// The state with a derivative in some direction: that of each variable is `direction(symbol)`.
+    pub fn along(&self, direction: impl Fn(Symbol) -> V) -> State<Dual<V>> {
+        let all = |values: &[V], symbol: fn(u32) -> Symbol| {
+            values.iter().enumerate().map(|(i, &v)| Dual::new(v, direction(symbol(i as u32)))).collect()
+        };
+        let signals = self.prescribed.iter().enumerate().map(|(i, signal)| {
+            [0, 1, 2].map(|order| Dual::new(signal[order], direction(Symbol::Prescribed(i as u32, order as u8))))
+        });
+        State {
+            t: Dual::new(self.t, direction(Symbol::Time)),
+            q: all(&self.q, Symbol::Coordinate),
+            qd: all(&self.qd, Symbol::Velocity),
+            qdd: all(&self.qdd, Symbol::Acceleration),
+            u: all(&self.u, Symbol::Input),
+            prescribed: signals.collect(),
+        }
+    }
 }

@@ -58,11 +58,18 @@ impl Variable {
 }
 
 /// The names of all components of some variables, flattened in declaration order.
+///
+/// ```
+/// let graph = mbs_derive::expr::Graph::verbatim();
+/// let text = "mechanism Balls { coord x[2]: m; kinetic += 1 kg*(dt(x[0])^2 + dt(x[1])^2); }";
+/// let (lagrangian, _) = mbs_derive::declared(text, &graph, &[]).unwrap();
+/// assert_eq!(mbs_derive::variable::component_names(&lagrangian.coordinates), ["x_0", "x_1"]);
+/// ```
 pub fn component_names(variables: &[Variable]) -> Vec<String> {
     variables.iter().flat_map(Variable::component_names).collect()
 }
 
 /// How many components some variables have.
-pub fn count(variables: &[Variable]) -> usize {
+pub(crate) fn count(variables: &[Variable]) -> usize {
     variables.iter().map(Variable::count).sum()
 }

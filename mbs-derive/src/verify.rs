@@ -15,7 +15,7 @@
 
 mod acceleration;
 mod allowed;
-pub mod claim;
+mod claim;
 mod coverage;
 mod group;
 mod inertia;
@@ -24,7 +24,7 @@ mod motion;
 #[cfg(test)]
 mod mutants;
 mod output;
-pub mod witness;
+mod witness;
 
 use std::fmt;
 
@@ -40,13 +40,14 @@ use crate::variable::count;
 
 use claim::{Trial, doubles};
 use coverage::{Choices, Coverage};
-use witness::{Witness, exact};
+pub use witness::Witness;
+use witness::exact;
 
 /// At this many generic states both must agree.
 pub const STATES: usize = 20;
 
 /// Largest relative difference, beside what rounding explains.
-pub const TOLERANCE: f64 = 1e-9;
+pub(crate) const TOLERANCE: f64 = 1e-9;
 
 /// What was proved.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -64,6 +65,53 @@ pub struct Proof {
 }
 
 impl Proof {
+    /// Proves every Program of a derivation.
+    ///
+    /// ```
+    /// use mbs_derive::{Analysis, expr::Graph, source::Sources};
+    /// let text = "mechanism Spring { param k: N/m = 4; coord x: m; kinetic += 1 kg*dt(x)^2/2; }";
+    /// let graph = Graph::verbatim();
+    /// let analysis = Analysis::of(&Sources::new("spring.mbs", text), &graph).unwrap();
+    /// let proof = mbs_derive::verify::Proof::of(analysis.lagrangian(), analysis.programs()).unwrap();
+    /// assert!(proof.states >= mbs_derive::verify::STATES && proof.unproved.is_empty());
+    /// ```
+    ///
+    /// # Errors
+    /// [`Failure::Disagreement`] is a bug of the generator; all others concern the declaration.
+    pub fn of(lagrangian: &Lagrangian<'_>, derivation: &Derivation) -> Result<Proof, Failure> {
+        if let Some(function) = overflowing(derivation) {
+            return Err(Failure::Overflow { function });
+        }
+        let (witness, choices) = (Witness::new(lagrangian), Choices::of(lagrangian));
+        let mut prover = Prover {
+            witness: &witness,
+            derivation,
+            coverage: Coverage::new(&choices, lagrangian),
+            states: 0,
+            singular: 0,
+        };
+        let mut random = Random::new(0x6d62_7300);
+        for (state, parameters) in states_with_zeros(lagrangian, &mut random) {
+            prover.prove(&state, &parameters, true)?;
+        }
+        let tried = 100 * STATES;
+        let mut generic = 0;
+        for attempt in 0..tried {
+            let state = random.state(lagrangian);
+            let defaults = default_parameters(lagrangian);
+            let as_declared = attempt % 2 == 0;
+            let parameters = if as_declared { defaults } else { random.parameters_near(&defaults) };
+            // Masses and inertias varied by themselves need not be those of a body.
+            generic += usize::from(prover.prove(&state, &parameters, as_declared)?);
+            if generic == STATES {
+                prover.prove_other_sides()?;
+                let [unproved, at_corners] = prover.coverage.missing();
+                return Ok(Proof { states: prover.states, singular: prover.singular, unproved, at_corners });
+            }
+        }
+        Err(Failure::TooFewStates { finite: generic, tried })
+    }
+
     /// Warns of each branch of which nothing is proved.
     pub fn warn(&self, lagrangian: &Lagrangian<'_>, warnings: &mut Diagnostics) {
         let corners = self.at_corners.iter().map(|side| (side, true));
@@ -119,25 +167,21 @@ pub enum Failure {
         /// Which function.
         function: String,
     },
-    /// The generated code and the energies disagree.
-    Disagreement(Box<Disagreement>),
-}
-
-/// A difference between generated code and declared energies: a bug of the generator.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Disagreement {
-    /// What was claimed.
-    pub claim: &'static str,
-    /// Which component.
-    pub component: usize,
-    /// What the Program gives.
-    pub found: f64,
-    /// What the energies give.
-    pub expected: f64,
-    /// Where.
-    pub state: State,
-    /// With which parameters.
-    pub parameters: Vec<f64>,
+    /// The generated code and the energies disagree: a bug of the generator.
+    Disagreement {
+        /// What was claimed.
+        claim: &'static str,
+        /// Which component.
+        component: usize,
+        /// What the Program gives.
+        found: f64,
+        /// What the energies give.
+        expected: f64,
+        /// Where.
+        state: Box<State>,
+        /// With which parameters.
+        parameters: Vec<f64>,
+    },
 }
 
 impl fmt::Display for Failure {
@@ -158,60 +202,18 @@ impl fmt::Display for Failure {
                  exponent meant?",
                 f64::MAX
             ),
-            Failure::Disagreement(d) => write!(
+            Failure::Disagreement { claim, component, found, expected, state, parameters } => write!(
                 f,
                 "the derived code disagrees with the declared energies; this is a bug of the generator, please report it\n  \
                  claim: {}, component {}\n  found {:?}, expected {:?}\n  at t = {:?}\n     q = {:?}\n    qd = {:?}\n   \
                  qdd = {:?}\n     u = {:?}\n  parameters = {:?}",
-                d.claim,
-                d.component,
-                d.found,
-                d.expected,
-                d.state.t,
-                d.state.q,
-                d.state.qd,
-                d.state.qdd,
-                d.state.u,
-                d.parameters
+                claim, component, found, expected, state.t, state.q, state.qd, state.qdd, state.u, parameters
             ),
         }
     }
 }
 
 impl std::error::Error for Failure {}
-
-/// Proves every Program of a derivation.
-///
-/// # Errors
-/// [`Failure::Disagreement`] is a bug of the generator; all others concern the declaration.
-pub fn against_energies(lagrangian: &Lagrangian<'_>, derivation: &Derivation) -> Result<Proof, Failure> {
-    if let Some(function) = overflowing(derivation) {
-        return Err(Failure::Overflow { function });
-    }
-    let (witness, choices) = (Witness::new(lagrangian), Choices::of(lagrangian));
-    let mut prover =
-        Prover { witness: &witness, derivation, coverage: Coverage::new(&choices, lagrangian), states: 0, singular: 0 };
-    let mut random = Random::new(0x6d62_7300);
-    for (state, parameters) in states_with_zeros(lagrangian, &mut random) {
-        prover.prove(&state, &parameters, true)?;
-    }
-    let tried = 100 * STATES;
-    let mut generic = 0;
-    for attempt in 0..tried {
-        let state = random.state(lagrangian);
-        let defaults = default_parameters(lagrangian);
-        let as_declared = attempt % 2 == 0;
-        let parameters = if as_declared { defaults } else { random.parameters_near(&defaults) };
-        // Masses and inertias varied by themselves need not be those of a body.
-        generic += usize::from(prover.prove(&state, &parameters, as_declared)?);
-        if generic == STATES {
-            prover.prove_other_sides()?;
-            let [unproved, at_corners] = prover.coverage.missing();
-            return Ok(Proof { states: prover.states, singular: prover.singular, unproved, at_corners });
-        }
-    }
-    Err(Failure::TooFewStates { finite: generic, tried })
-}
 
 /// Proves at one state after another.
 struct Prover<'a, 'c, 'l, 'g> {

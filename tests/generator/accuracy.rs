@@ -28,12 +28,12 @@ use std::collections::BTreeMap;
 use bordered::solved;
 use close::{CLOSE, Close};
 use exact::{Exact, forgetting, rounding};
-use mbs_derive::derive::routes;
+use mbs_derive::derive::Route;
 use mbs_derive::expr::{Graph, Value};
 use mbs_derive::interpret::{Interpreter, State};
 use mbs_derive::model::Lagrangian;
-use mbs_derive::optimise::{Argument, Completion, Derivation, Function, FunctionKind, straight_line};
-use mbs_derive::verify::witness::Witness;
+use mbs_derive::optimise::{Argument, Completion, Derivation, Function, FunctionKind, by_route};
+use mbs_derive::verify::Witness;
 use mbs_derive::{declared, derived};
 use mbs_tests::random::Random;
 use scale::Units;
@@ -77,10 +77,7 @@ fn worst_of(source: &str, formula: Formula, choose: impl Fn(&Lagrangian<'_>) -> 
     let graph = Graph::verbatim();
     let (lagrangian, _) = declared(source, &graph, &[]).unwrap_or_else(|e| panic!("{}", e.render("", source)));
     let emitted = derived(&lagrangian);
-    let rules = Graph::new();
-    let routes = routes(&lagrangian, &rules);
-    // Differentiated and nothing else; of a long chain of bodies there is one route only.
-    let plain = straight_line(&lagrangian, &routes[..1]);
+    let plain = plain(&lagrangian);
     let mut worst: BTreeMap<String, Worst> = BTreeMap::new();
     let mut points = choose(&lagrangian);
     points.extend(on_the_constraints(&emitted, &points));
@@ -94,6 +91,12 @@ fn worst_of(source: &str, formula: Formula, choose: impl Fn(&Lagrangian<'_>) -> 
         }
     }
     worst
+}
+
+/// Differentiated and nothing else; of a long chain of bodies there is one route only.
+fn plain(lagrangian: &Lagrangian<'_>) -> Derivation {
+    let mut ways = [Route::Plain, Route::Structured].into_iter().flat_map(|route| by_route(lagrangian, route));
+    ways.next().expect("every mechanism is derived by one of them")
 }
 
 /// A mechanism over 200 bits, at a state.
@@ -403,8 +406,7 @@ fn the_reference_is_what_was_declared() {
     for (name, source) in of_the_repository.chain(CLOSE.iter().map(|case| (case.name, case.source))) {
         let graph = Graph::verbatim();
         let (lagrangian, _) = declared(source, &graph, &[]).unwrap_or_else(|e| panic!("{}", e.render("", source)));
-        let rules = Graph::new();
-        let plain = straight_line(&lagrangian, &routes(&lagrangian, &rules)[..1]);
+        let plain = plain(&lagrangian);
         let witness = Witness::new(&lagrangian);
         let mut compared = 0;
         for point in points(&lagrangian).iter().take(4) {

@@ -220,3 +220,43 @@ fn the_files_that_contributing_names_exist() {
         assert!(Path::new(ROOT).join(path).exists(), "CONTRIBUTING.md names {path}, which is not there");
     }
 }
+
+/// What a user of mbs-derive can name: types, traits, functions and macros in public modules, by their paths.
+fn surface(file: &Path, path: &str) -> BTreeSet<String> {
+    let text = read(file);
+    let mut found = BTreeSet::new();
+    for item in text.split("\npub ").skip(1) {
+        let item = item.replace("unsafe ", "").replace('\n', " ");
+        let (kind, rest) = item.split_once(' ').expect("an item has a name");
+        let name = |text: &str| text.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect::<String>();
+        match kind {
+            "mod" => {
+                let name = name(rest);
+                let folder = if path.is_empty() { file.with_file_name("") } else { file.with_extension("") };
+                found.extend(surface(&folder.join(format!("{name}.rs")), &format!("{path}{name}::")));
+            }
+            "use" => {
+                let names = rest.split(';').next().unwrap_or_default();
+                let names =
+                    names.rsplit_once('{').map_or(names.rsplit("::").next().unwrap_or_default(), |(_, all)| all);
+                let names = names.split([',', '}']).map(|name| name.trim().to_string());
+                let is_constant = |name: &String| name.chars().all(|c| c.is_uppercase() || c == '_');
+                found.extend(names.filter(|name| !name.is_empty() && !is_constant(name)).map(|n| format!("{path}{n}")));
+            }
+            "const" | "static" => {}
+            _ => drop(found.insert(format!("{path}{}", name(rest.trim_start_matches("fn "))))),
+        }
+    }
+    found.extend(text.split("#[macro_export]").skip(1).map(|_| format!("{path}a macro")));
+    found
+}
+
+#[test]
+fn users_of_the_generator_see_at_most_80_names() {
+    let names = surface(&Path::new(ROOT).join("mbs-derive/src/lib.rs"), "");
+    for known in ["compile", "Analysis", "builder::Mechanism", "expr::Graph", "optimise::FunctionKind", "model::in_si"]
+    {
+        assert!(names.contains(known), "{known} is not among {names:?}");
+    }
+    assert!(names.len() <= 80, "{}: {names:#?}", names.len());
+}

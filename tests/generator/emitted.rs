@@ -11,8 +11,8 @@ use mbs_derive::expr::Graph;
 use mbs_derive::interpret::{Interpreter, State};
 use mbs_derive::optimise::{Argument, Derivation, FunctionKind};
 use mbs_derive::source::{Sources, Unreadable};
-use mbs_derive::variable::count;
-use mbs_derive::{declared_from, derived, generate_from};
+use mbs_derive::variable::component_names;
+use mbs_derive::{Analysis, Error};
 use mbs_tests::random::Random;
 use mbs_tests::referee::{Construct, Drawn, draw};
 
@@ -58,8 +58,9 @@ fn state(derivation: &Derivation, random: &mut Random) -> State {
     let mut some =
         |n: usize| (0..n).map(|_| if random.one_in(6) { 0.0 } else { random.uniform(-1.5..1.5) }).collect::<Vec<_>>();
     let n = derivation.dof();
-    let (q, qd, qdd, u) = (some(n), some(n), some(n), some(count(&derivation.inputs)));
-    let prescribed = some(3 * count(&derivation.prescribed)).chunks(3).map(|c| [c[0], c[1], c[2]]).collect();
+    let (q, qd, qdd, u) = (some(n), some(n), some(n), some(component_names(&derivation.inputs).len()));
+    let prescribed =
+        some(3 * component_names(&derivation.prescribed).len()).chunks(3).map(|c| [c[0], c[1], c[2]]).collect();
     State { t: some(1)[0], q, qd, qdd, u, prescribed }
 }
 
@@ -127,12 +128,13 @@ fn compiled_and_interpreted_agree_to_the_last_bit() {
     for (number, construct) in Construct::ALL.into_iter().cycle().take(MECHANISMS).enumerate() {
         let drawn = draw(77 + number as u64, Some(construct), &[]);
         let sources = sources(&drawn);
-        let generated = generate_from(&sources, &Options::default());
-        let generated = generated.unwrap_or_else(|error| panic!("{}\n{}", error.render_in(&sources), drawn.text));
-        fs::write(folder.path().join(format!("src/m{number}.rs")), &generated.code).expect("a temporary folder");
         let graph = Graph::verbatim();
-        let derivation = derived(&declared_from(&sources, &graph, &[]).expect("it was generated").0);
-        let (code, lines) = calls(number, &derivation, &generated.code, &state(&derivation, &mut random));
+        let told = |error: Error| format!("{}\n{}", error.render_in(&sources), drawn.text);
+        let analysis = Analysis::of(&sources, &graph).map_err(told).unwrap_or_else(|report| panic!("{report}"));
+        let generated = analysis.rust(&Options::default()).map_err(told).unwrap_or_else(|report| panic!("{report}"));
+        fs::write(folder.path().join(format!("src/m{number}.rs")), &generated.code).expect("a temporary folder");
+        let derivation = analysis.programs();
+        let (code, lines) = calls(number, derivation, &generated.code, &state(derivation, &mut random));
         write!(modules, "mod m{number} {{ include!(\"m{number}.rs\"); }}\nfn c{number}() {{\n{code}}}\n")
             .expect("a string");
         writeln!(main, "    c{number}();").expect("a string");

@@ -9,7 +9,7 @@ use std::path::Path;
 
 use mbs_derive::expr::Graph;
 use mbs_derive::optimise::{Derivation, FunctionKind};
-use mbs_derive::{declared, derived, emit, generate, review};
+use mbs_derive::{declared, derived, emit, generate};
 
 #[test]
 fn modules() {
@@ -19,7 +19,7 @@ fn modules() {
         let generated = generated.unwrap_or_else(|e| panic!("{}", e.render(module, source)));
         assert_eq!(generated.module, *module, "a mechanism is named after its file");
         assert_eq!(generated.warnings, "", "{module}");
-        snapshot(module, &review::text(&derivation(source), &file));
+        snapshot(module, &derivation(source).review(&file));
     }
 }
 

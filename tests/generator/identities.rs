@@ -70,7 +70,7 @@ fn identities<const N: usize, const U: usize>(module: &str, mechanism: &impl Mec
             }
             assert!(m[i][i] >= 0.0);
         }
-        let smallest = mbs_derive::numeric::elimination::eliminate(&m.concat(), N).smallest;
+        let smallest = mbs_derive::numeric::eliminate(&m.concat(), N).smallest;
         assert!(smallest >= -1e-12, "M is positive semidefinite: {smallest:e} at {q:?}");
         let m_qd = times(&m, &qd);
         let at_rest = mechanism.momentum(t, &q, &[0.0; N]);
@@ -225,7 +225,7 @@ impl<const N: usize> Rows<N> {
     fn independent(&self) -> bool {
         let dot = |a: &[f64; N], b: &[f64; N]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
         let products: Vec<f64> = self.rows.iter().flat_map(|a| self.rows.iter().map(move |b| dot(a, b))).collect();
-        mbs_derive::numeric::elimination::eliminate(&products, self.rows.len()).smallest > 1e-4
+        mbs_derive::numeric::eliminate(&products, self.rows.len()).smallest > 1e-4
     }
 }
 
@@ -307,5 +307,5 @@ fn sum<const N: usize>(a: &[f64; N], b: &[f64; N]) -> [f64; N] {
 
 /// Whether the accelerations can be trusted: no pivot of M, scaled to a unit diagonal, is below 1e-4.
 fn well_conditioned<const N: usize>(m: &[[f64; N]; N]) -> bool {
-    mbs_derive::numeric::elimination::eliminate(&m.concat(), N).smallest > 1e-4
+    mbs_derive::numeric::eliminate(&m.concat(), N).smallest > 1e-4
 }

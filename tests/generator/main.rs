@@ -16,3 +16,4 @@ mod robustness;
 mod structured;
 mod textbook;
 mod ui;
+mod work;

@@ -2,14 +2,15 @@
 //! saturation, corners; and one-sided forces, which conserve nothing that they only seem to.
 
 use mbs_derive::expr::Graph;
-use mbs_derive::{declared, derived, verify};
+use mbs_derive::verify::{self, Proof};
+use mbs_derive::{declared, derived};
 
 /// Derives and proves; the names of what is conserved.
 fn proved(source: &str) -> Vec<String> {
     let graph = Graph::verbatim();
     let (lagrangian, _) = declared(source, &graph, &[]).unwrap_or_else(|e| panic!("{}", e.render("case.mbs", source)));
     let derivation = derived(&lagrangian);
-    let proof = verify::against_energies(&lagrangian, &derivation).unwrap_or_else(|e| panic!("{source}\n{e}"));
+    let proof = Proof::of(&lagrangian, &derivation).unwrap_or_else(|e| panic!("{source}\n{e}"));
     assert!(proof.states >= verify::STATES);
     derivation.conserved
 }
@@ -92,7 +93,7 @@ fn singular_states_are_counted() {
         let graph = Graph::verbatim();
         let (lagrangian, _) =
             declared(&source, &graph, &[]).unwrap_or_else(|e| panic!("{}", e.render("case.mbs", &source)));
-        verify::against_energies(&lagrangian, &derived(&lagrangian)).map(|proof| proof.singular)
+        Proof::of(&lagrangian, &derived(&lagrangian)).map(|proof| proof.singular)
     };
     assert_eq!(count("coord r: 1; kinetic += dt(r)^2;"), Ok(0));
     let polar = count("coord r: 1; coord a: 1; kinetic += dt(r)^2 + r^2*dt(a)^2;").expect("regular but at the pole");
@@ -144,7 +145,7 @@ fn a_mass_matrix_of_bad_condition_is_not_singular() {
                   for i in 0..12 { for j in 0..12 { kinetic += 1/2*dt(x[i])*dt(x[j])/(i + j + 1); } } }";
     let graph = Graph::verbatim();
     let (lagrangian, _) = declared(source, &graph, &[]).unwrap_or_else(|e| panic!("{}", e.render("case.mbs", source)));
-    let proof = verify::against_energies(&lagrangian, &derived(&lagrangian)).unwrap_or_else(|e| panic!("{e}"));
+    let proof = Proof::of(&lagrangian, &derived(&lagrangian)).unwrap_or_else(|e| panic!("{e}"));
     assert_eq!(proof.singular, 0);
 }
 

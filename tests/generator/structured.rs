@@ -10,9 +10,10 @@ use declared_tree::{DeclaredTree, declared_tree};
 use mbs_derive::derive::{self, Route};
 use mbs_derive::expr::Graph;
 use mbs_derive::model::Lagrangian;
-use mbs_derive::optimise::{self, Derivation, FunctionKind};
+use mbs_derive::optimise::{Derivation, FunctionKind, by_route};
 use mbs_derive::variable::Variable;
-use mbs_derive::{declared, derived, verify};
+use mbs_derive::verify::{self, Proof};
+use mbs_derive::{declared, derived};
 use mbs_tests::random::Random;
 use mbs_tests::reference::robots::{self, Values};
 use mbs_tests::reference::tree::Tree;
@@ -136,8 +137,7 @@ fn mechanisms_are_proved_without_a_warning() {
         let (lagrangian, warnings) =
             declared(source, &graph, &[]).unwrap_or_else(|errors| panic!("{}", errors.render(name, source)));
         assert_eq!(warnings.render(name, source), "", "{name}");
-        let proof =
-            verify::against_energies(&lagrangian, &derived(&lagrangian)).unwrap_or_else(|e| panic!("{name}: {e}"));
+        let proof = Proof::of(&lagrangian, &derived(&lagrangian)).unwrap_or_else(|e| panic!("{name}: {e}"));
         assert!(proof.states >= verify::STATES, "{name}");
     }
 }
@@ -163,7 +163,7 @@ fn every_route_is_proved() {
             declared(source, &graph, &[]).unwrap_or_else(|errors| panic!("{}", errors.render(name, source)));
         let routes = routes_proved(&lagrangian).unwrap_or_else(|error| panic!("{name}: {error}"));
         assert_eq!(routes.contains(&Route::Structured), !without_bodies.contains(&name), "{name}: {routes:?}");
-        let is_long_chain = lagrangian.dof() > derive::solve::LARGEST_UNROLLED;
+        let is_long_chain = lagrangian.dof() > derive::LARGEST_UNROLLED;
         assert!(routes.contains(&Route::Plain) || is_long_chain, "{name}: {routes:?}");
     }
 }
@@ -174,13 +174,14 @@ fn every_mechanism() -> impl Iterator<Item = (&'static str, &'static str)> {
 
 /// Each route by itself against the energies; those that there are.
 fn routes_proved(lagrangian: &Lagrangian<'_>) -> Result<Vec<Route>, String> {
-    let graph = Graph::new();
-    let routes = derive::all_routes(lagrangian, &graph);
-    for equations in &routes {
-        let alone = optimise::straight_line(lagrangian, std::slice::from_ref(equations));
-        verify::against_energies(lagrangian, &alone).map_err(|error| format!("{}: {error}", equations.route))?;
+    let mut proved = Vec::new();
+    for route in Route::ALL {
+        for alone in by_route(lagrangian, route) {
+            Proof::of(lagrangian, &alone).map_err(|error| format!("{route}: {error}"))?;
+            proved.push(route);
+        }
     }
-    Ok(routes.iter().map(|equations| equations.route).collect())
+    Ok(proved)
 }
 
 /// Trees at random, declared by bodies and by world positions, with numbers and with parameters, shrunk where they

@@ -1,10 +1,9 @@
 //! The page of a textbook for every mechanism of the repository and of the manual, as snapshots: read them as an author
 //! would.
 
-use mbs_derive::declared;
-use mbs_derive::derive::routes;
+use mbs_derive::Analysis;
 use mbs_derive::expr::Graph;
-use mbs_derive::latex;
+use mbs_derive::source::Sources;
 
 const MANUAL: &str = include_str!("../../docs/language.md");
 
@@ -47,9 +46,8 @@ fn pages() {
 
 fn page(name: &str, source: &str) -> String {
     let graph = Graph::verbatim();
-    let (lagrangian, _) = declared(source, &graph, &[]).unwrap_or_else(|e| panic!("{}", e.render(name, source)));
-    let derived = Graph::new();
-    latex::page(&lagrangian, &routes(&lagrangian, &derived)[0])
+    let sources = Sources::new(name, source);
+    Analysis::of(&sources, &graph).unwrap_or_else(|e| panic!("{}", e.render_in(&sources))).latex()
 }
 
 fn block_of_the_manual(name: &str) -> String {

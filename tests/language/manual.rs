@@ -1,6 +1,8 @@
 //! The manual `docs/language.md`: every mechanism in it is generated and proved, with what it imports.
 
+use mbs_derive::Analysis;
 use mbs_derive::emit::Options;
+use mbs_derive::expr::Graph;
 use mbs_derive::source::{Sources, Unreadable};
 
 const MANUAL: &str = include_str!("../../docs/language.md");
@@ -35,7 +37,8 @@ fn every_mechanism_of_the_manual_is_generated_without_a_warning() {
     let (mut reports, mut count) = (String::new(), 0);
     for (line, source) in mechanisms {
         let sources = Sources::gather(&format!("language.md, block from line {line}"), &source, read);
-        match mbs_derive::generate_from(&sources, &Options::default()) {
+        let graph = Graph::verbatim();
+        match Analysis::of(&sources, &graph).and_then(|analysis| analysis.rust(&Options::default())) {
             Ok(generated) => reports += &generated.warnings,
             Err(error) => reports += &error.render_in(&sources),
         }
@@ -54,7 +57,7 @@ fn every_statement_of_the_manual_can_be_read() {
     let mut count = 0;
     for text in of_statements {
         let source = format!("mechanism Fragment {{\n{text}\n}}");
-        if let Err(errors) = mbs_derive::parse::declaration(&source) {
+        if let Err(errors) = mbs_derive::parse::declaration_of(&Sources::new("language.md", &source)) {
             panic!("{}", errors.render("language.md", &source));
         }
         count += 1;

@@ -5,8 +5,7 @@
 
 use mbs_derive::expr::{Graph, Number, Terms, Value};
 use mbs_derive::interpret::{Interpreter, State};
-use mbs_derive::optimise::cost::solve_constrained;
-use mbs_derive::optimise::{Derivation, FunctionKind, ResultPart, Shape};
+use mbs_derive::optimise::{Derivation, FunctionKind, Operations, ResultPart, Shape};
 use mbs_derive::variable::Variable;
 use mbs_derive::{declared, derived};
 use mbs_runtime::{constrained_slopes, constrained_solve, constrained_solve_many};
@@ -268,7 +267,7 @@ fn costs_what_is_said<const N: usize, const K: usize, const C: usize>(random: &m
     let target: [[Counted; C]; K] = std::array::from_fn(|_| std::array::from_fn(|_| number()));
     let ((q, _), counts) = counted(|| constrained_solve_many(m, a, force, target));
     assert!(q.as_flattened().iter().all(|q| q.0.is_finite()));
-    let expected = solve_constrained([N, K], &[ResultPart { name: "", shape: Shape::Matrix(N, C) }]);
+    let expected = Operations::of_constrained_solve([N, K], &[ResultPart { name: "", shape: Shape::Matrix(N, C) }]);
     assert_eq!([counts.add, counts.mul, counts.div], [expected.add, expected.mul, expected.div], "{N} {K} {C}");
 }
 

@@ -1,11 +1,12 @@
 //! `reaction`: forces and moments of joints against Newton–Euler and against free bodies by hand; what they cost, and
 //! that they cost nothing else.
 
-use mbs_derive::derive::all_routes;
+use mbs_derive::derive::Route;
 use mbs_derive::expr::Graph;
 use mbs_derive::interpret::{Interpreter, State as Arguments};
-use mbs_derive::optimise::{Derivation, FunctionKind, Instruction, straight_line};
-use mbs_derive::{declared, derived, verify};
+use mbs_derive::optimise::{Derivation, FunctionKind, Instruction, by_route};
+use mbs_derive::verify::Proof;
+use mbs_derive::{declared, derived};
 use mbs_runtime::Wrench;
 use mbs_tests::compare::assert_close;
 use mbs_tests::mechanisms as written;
@@ -21,7 +22,7 @@ fn derivation(source: &str) -> Derivation {
     let graph = Graph::verbatim();
     let (lagrangian, _) = declared(source, &graph, &[]).unwrap_or_else(|e| panic!("{}", e.render("case.mbs", source)));
     let derivation = derived(&lagrangian);
-    verify::against_energies(&lagrangian, &derivation).unwrap_or_else(|e| panic!("{source}\n{e}"));
+    Proof::of(&lagrangian, &derivation).unwrap_or_else(|e| panic!("{source}\n{e}"));
     derivation
 }
 
@@ -286,23 +287,25 @@ fn a_free_body_needs_no_reaction() {
 #[test]
 fn all_routes_agree() {
     for module in ["arm_with_reactions", "four_bar_with_reactions", "sprung_trolley", "hanging_masses"] {
-        let (verbatim, graph) = (Graph::verbatim(), Graph::new());
+        let verbatim = Graph::verbatim();
         let (lagrangian, _) = declared(source(module), &verbatim, &[]).expect("a mechanism of the repository");
-        let routes = all_routes(&lagrangian, &graph);
+        let routes: Vec<_> = Route::ALL
+            .into_iter()
+            .flat_map(|route| by_route(&lagrangian, route).into_iter().map(move |alone| (route, alone)))
+            .collect();
         assert!(routes.len() >= 2, "{module}");
         let mut random = Random::new(56);
         let n = lagrangian.dof();
         let mut numbers = |count: usize| (0..count).map(|_| random.uniform(-1.0..1.0)).collect::<Vec<_>>();
         let state = Arguments { q: numbers(n), qd: numbers(n), qdd: numbers(n), u: numbers(6), ..Arguments::default() };
-        let values = |route| {
-            let derivation = straight_line(&lagrangian, std::slice::from_ref(route));
-            let interpreter = Interpreter::new(&derivation);
+        let values = |derivation: &Derivation| {
+            let interpreter = Interpreter::new(derivation);
             let reactions = derivation.functions.iter().filter(|f| matches!(f.kind, FunctionKind::Reaction(_)));
             reactions.flat_map(|f| interpreter.evaluate_with(f, &state, &[1.3, -0.8])).collect::<Vec<_>>()
         };
-        let first = values(&routes[0]);
-        for route in &routes[1..] {
-            assert_close(&format!("{module}, {}", route.route), &values(route), &first, TOLERANCE);
+        let first = values(&routes[0].1);
+        for (route, alone) in &routes[1..] {
+            assert_close(&format!("{module}, {route}"), &values(alone), &first, TOLERANCE);
         }
     }
 }
@@ -322,6 +325,6 @@ fn a_wrong_reaction_is_found_out() {
         Instruction::Sub(a, b) => Instruction::Add(a, b),
         other => other,
     };
-    let failure = verify::against_energies(&lagrangian, &derivation).expect_err("it is wrong");
+    let failure = Proof::of(&lagrangian, &derivation).expect_err("it is wrong");
     assert!(failure.to_string().contains("claim: reactions"), "{failure}");
 }

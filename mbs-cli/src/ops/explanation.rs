@@ -1,9 +1,8 @@
 //! `mbs ops --explain`: which route each function took, and what it would cost by the others.
 
-use mbs_derive::compared;
+use mbs_derive::Analysis;
 use mbs_derive::derive::Route;
-use mbs_derive::model::Lagrangian;
-use mbs_derive::optimise::{Derivation, Operations};
+use mbs_derive::optimise::Operations;
 use serde_json::{Map, Value, json};
 
 use super::{counts, in_columns};
@@ -21,10 +20,11 @@ pub(crate) struct Explanation {
 
 impl Explanation {
     /// Derives by all routes.
-    pub(crate) fn of(lagrangian: &Lagrangian<'_>, derivation: &Derivation) -> Self {
-        let costs = compared(lagrangian);
-        let functions = derivation.functions.iter().zip(costs).map(|(f, costs)| (f.name.clone(), f.route, costs));
-        let (bodies, others) = lagrangian.bodies();
+    pub(crate) fn of(analysis: &Analysis<'_>) -> Self {
+        let costs = analysis.compared();
+        let functions =
+            analysis.programs().functions.iter().zip(costs).map(|(f, costs)| (f.name.clone(), f.route, costs));
+        let (bodies, others) = analysis.lagrangian().bodies();
         Explanation { functions: functions.collect(), bodies: bodies.len(), others: others.len() }
     }
 

@@ -13,10 +13,10 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use mbs_derive::interpret::State;
-use mbs_derive::model::given;
+use mbs_derive::model::{in_si, is_of};
 use mbs_derive::optimise::{Derivation, Function, FunctionKind};
 use mbs_derive::parse;
-use mbs_derive::parse::syntax::{Statement, StatementKind};
+use mbs_derive::parse::{Statement, StatementKind};
 use mbs_derive::source::Sources;
 use mbs_derive::variable::{Variable, component_names};
 
@@ -270,7 +270,7 @@ fn formula(derivation: &Derivation, index: usize, name: &str) -> Result<usize, F
         return Err(refused("an input is one number".to_string()));
     }
     let found = &derivation.output_units[output][0];
-    if !given::is_of(found, unit) {
+    if !is_of(found, unit) {
         return Err(refused(format!("it is in {unit}, the formula is in {found}")));
     }
     if function.program.uses(|symbol| matches!(symbol, mbs_derive::expr::Symbol::Input(_))) {
@@ -366,7 +366,7 @@ impl Columns {
         let scale = |column: usize, unit: &str| match headings[column] {
             (_, None) => Ok(1.0),
             (name, Some(own)) => {
-                given::in_si(&format!("1 {own}"), unit).map_err(|reason| format!("column `{name}`: {reason}"))
+                in_si(&format!("1 {own}"), unit).map_err(|reason| format!("column `{name}`: {reason}"))
             }
         };
         Ok(Columns { values, scales: [scale(0, "s")?, scale(values, wanted.unit)?] })

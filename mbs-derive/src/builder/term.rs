@@ -406,6 +406,16 @@ impl Pose {
 }
 
 /// `t`, in seconds.
+///
+/// ```
+/// use mbs_derive::builder::{Mechanism, quantity, time};
+/// let mut shaker = Mechanism::new("Shaker", "A mass on a spring whose end shakes.");
+/// let x = shaker.coord("x", "m");
+/// let shift = shaker.prescribed("shift", "m", quantity(0.01, "m") * (quantity(5.0, "rad/s") * time()).sin());
+/// shaker.kinetic(quantity(0.5, "kg") * x.dt().pow(2.0));
+/// shaker.potential(quantity(2.0, "N/m") * (&x - shift).pow(2.0));
+/// assert!(shaker.generate(&Default::default()).is_ok());
+/// ```
 pub fn time() -> Scalar {
     Scalar(Term::leaf(Kind::Name("t".to_string())))
 }
@@ -429,6 +439,18 @@ pub fn particle(mass: impl Into<Scalar>, position: impl Into<Vector>) -> Scalar 
 
 /// `rigid_body(mass, com, inertia, pose)`: a kinetic energy. Mass centre and inertia, about the mass centre, are in the
 /// axes of the pose; the inertia's entries are xx, yy, zz, xy, xz, yz, as those of a matrix.
+///
+/// ```
+/// use mbs_derive::builder::{Mechanism, Pose, Vector, angular_velocity, quantity, rigid_body};
+/// let mut door = Mechanism::new("Door", "Turns about a vertical hinge.");
+/// let leaf = Pose::rotation([0.0, 0.0, 1.0], &door.coord("angle", "rad"));
+/// let (m, zero) = (quantity(20.0, "kg"), || quantity(0.0, "kg*m^2"));
+/// let inertia = [quantity(7.0, "kg*m^2"), quantity(1.4, "kg*m^2"), quantity(8.3, "kg*m^2"), zero(), zero(), zero()];
+/// let com = Vector::new(quantity(0.5, "m"), quantity(0.0, "m"), quantity(0.0, "m"));
+/// door.kinetic(rigid_body(m, com, inertia, &leaf));
+/// door.output("turn", &angular_velocity(&leaf));
+/// assert!(door.generate(&Default::default()).is_ok());
+/// ```
 #[track_caller]
 pub fn rigid_body(mass: impl Into<Scalar>, com: impl Into<Vector>, inertia: [Scalar; 6], pose: &Pose) -> Scalar {
     let inertia = Term::call(Kind::Call("inertia"), inertia.into_iter().map(|entry| entry.0).collect());

@@ -16,7 +16,7 @@ use super::{Conserved, Constraints, Energies, Lagrange, Symbols};
 
 /// What is conserved for `u = 0`, `D = 0`: `q̇·∂L/∂q̇ − L` where t does not occur, no force acts and constraints do no
 /// work, and each momentum `pᵢ = ∂L/∂q̇ᵢ` with `∂L/∂qᵢ = 0` on which neither force nor constraint acts.
-pub fn conserved<'g>(
+pub(crate) fn conserved<'g>(
     lagrange: &Lagrange<'g>,
     energies: &Energies<'g>,
     constraints: &Constraints<'g>,
@@ -53,7 +53,7 @@ pub fn conserved<'g>(
 ///
 /// Where equations are derived, constants are folded to decimals, between which `sin²(5) + cos²(5) = 1` does not hold
 /// exactly. Here the declaration is differentiated once more, in a graph that folds nothing.
-pub struct Exact<'l, 'u> {
+pub(crate) struct Exact<'l, 'u> {
     lagrangian: &'l Lagrangian<'l>,
     graph: &'u Graph,
     declared: OnceCell<Declared<'u>>,
@@ -70,7 +70,7 @@ struct Declared<'u> {
 
 impl<'l, 'u> Exact<'l, 'u> {
     /// Of a mechanism, in an empty verbatim graph.
-    pub fn new(lagrangian: &'l Lagrangian<'l>, graph: &'u Graph) -> Self {
+    pub(crate) fn new(lagrangian: &'l Lagrangian<'l>, graph: &'u Graph) -> Self {
         Exact { lagrangian, graph, declared: OnceCell::new() }
     }
 

@@ -12,12 +12,12 @@ use super::{Constraints, Symbols, time_derivative};
 
 impl<'g> Constraints<'g> {
     /// How many rows.
-    pub fn count(&self) -> usize {
+    pub(crate) fn count(&self) -> usize {
         self.value.len()
     }
 
     /// `Aᵀ λ`
-    pub fn force(&self, n: usize, graph: &'g Graph) -> Vec<Expr<'g>> {
+    pub(crate) fn force(&self, n: usize, graph: &'g Graph) -> Vec<Expr<'g>> {
         let component = |i: usize| {
             let terms = self.jacobian.iter().zip(&self.multipliers).map(|(row, &l)| row[i] * graph.symbol(l));
             terms.fold(graph.integer(0), |sum, term| sum + term)
@@ -27,7 +27,7 @@ impl<'g> Constraints<'g> {
 }
 
 /// Differentiates the declared constraints.
-pub fn constraints<'g>(lagrangian: &Lagrangian<'_>, graph: &'g Graph, symbols: &Symbols) -> Constraints<'g> {
+pub(crate) fn constraints<'g>(lagrangian: &Lagrangian<'_>, graph: &'g Graph, symbols: &Symbols) -> Constraints<'g> {
     let mut all = Constraints::default();
     for constraint in &lagrangian.constraints {
         for &row in &constraint.rows {

@@ -5,7 +5,7 @@ use crate::expr::{Expr, Symbol, Tangent, gradient, hessian, substitute};
 use super::{Energies, Lagrange, Rows, Symbols, time_derivative};
 
 /// Differentiates the energies.
-pub fn equations<'g>(energies: &Energies<'g>, symbols: &Symbols) -> Lagrange<'g> {
+pub(crate) fn equations<'g>(energies: &Energies<'g>, symbols: &Symbols) -> Lagrange<'g> {
     let l = energies.lagrangian;
     let momentum = gradient(l, &symbols.qd); // p = ∂L/∂q̇
     let position_gradient = gradient(l, &symbols.q); // ∂L/∂q

@@ -13,12 +13,12 @@ use super::Form;
 use super::lagrange::{jacobian_by_rows, sub, transpose};
 
 /// `∂τ/∂x` for all x but the parameters: q, q̇ and u. One reverse sweep per generalized force.
-pub fn inverse_dynamics_slopes<'g>(lagrange: &Lagrange<'g>, symbols: &Symbols) -> Rows<'g> {
+pub(crate) fn inverse_dynamics_slopes<'g>(lagrange: &Lagrange<'g>, symbols: &Symbols) -> Rows<'g> {
     jacobian_by_rows(&lagrange.inverse_dynamics, &[symbols.q.as_slice(), &symbols.qd, &symbols.u].concat())
 }
 
 /// Those in q and q̇.
-pub fn inverse_dynamics_jacobian<'g>(
+pub(crate) fn inverse_dynamics_jacobian<'g>(
     slopes: &Rows<'g>,
     form: Form<'_>,
     symbols: &Symbols,
@@ -32,7 +32,7 @@ pub fn inverse_dynamics_jacobian<'g>(
 }
 
 /// `∂q̈/∂x = −M⁻¹ ∂r/∂x`
-pub fn linearization<'g>(
+pub(crate) fn linearization<'g>(
     lagrange: &Lagrange<'g>,
     inverse_dynamics_slopes: &Rows<'g>,
     forward: &ForwardDynamics<'g>,

@@ -7,7 +7,11 @@ use crate::shape::Shape;
 use super::{OutputEquations, Rows, Symbols, time_derivative};
 
 /// Carries out all outputs.
-pub fn outputs<'g>(lagrangian: &Lagrangian<'_>, graph: &'g Graph, symbols: &Symbols) -> Vec<OutputEquations<'g>> {
+pub(crate) fn outputs<'g>(
+    lagrangian: &Lagrangian<'_>,
+    graph: &'g Graph,
+    symbols: &Symbols,
+) -> Vec<OutputEquations<'g>> {
     lagrangian
         .outputs
         .iter()

@@ -22,7 +22,7 @@ pub const LARGEST_UNROLLED: usize = 8;
 
 /// Sets up `M q̈ = Q − h − ∂D/∂q̇`, with constraints if there are any, and solves it where the mechanism is small and
 /// has none.
-pub fn forward_dynamics<'g>(lagrange: &Lagrange<'g>, constraints: &Constraints<'g>) -> ForwardDynamics<'g> {
+pub(crate) fn forward_dynamics<'g>(lagrange: &Lagrange<'g>, constraints: &Constraints<'g>) -> ForwardDynamics<'g> {
     let mut right_side = lagrange.free_force.clone();
     right_side.extend(constraints.bias.iter().map(|&bias| -bias));
     let (mass_matrix, jacobian) = (lagrange.mass_matrix.clone(), constraints.jacobian.clone());
@@ -34,7 +34,7 @@ pub fn forward_dynamics<'g>(lagrange: &Lagrange<'g>, constraints: &Constraints<'
 
 impl<'g> Factorization<'g> {
     /// Factorizes the lower triangle of `m`, in the order of its rows.
-    pub fn new(m: &Rows<'g>) -> Self {
+    pub(crate) fn new(m: &Rows<'g>) -> Self {
         let mut lower: Rows<'g> = Vec::new();
         let mut reciprocal: Vec<Expr<'g>> = Vec::new();
         for i in 0..m.len() {
@@ -63,7 +63,7 @@ impl<'g> Factorization<'g> {
     }
 
     /// `M⁻¹ b`: forward substitution, scaling, back substitution.
-    pub fn solve(&self, b: &[Expr<'g>]) -> Vec<Expr<'g>> {
+    pub(crate) fn solve(&self, b: &[Expr<'g>]) -> Vec<Expr<'g>> {
         let mut x = self.reduce(b);
         for step in &self.steps {
             x[step.pivot] = x[step.pivot] * step.reciprocal;
@@ -72,7 +72,7 @@ impl<'g> Factorization<'g> {
     }
 
     /// `L⁻¹ b`
-    pub fn reduce(&self, b: &[Expr<'g>]) -> Vec<Expr<'g>> {
+    pub(crate) fn reduce(&self, b: &[Expr<'g>]) -> Vec<Expr<'g>> {
         let mut x = b.to_vec();
         for step in &self.steps {
             for &(i, factor) in &step.column {
@@ -84,7 +84,7 @@ impl<'g> Factorization<'g> {
     }
 
     /// `L⁻ᵀ x`
-    pub fn substitute_back(&self, mut x: Vec<Expr<'g>>) -> Vec<Expr<'g>> {
+    pub(crate) fn substitute_back(&self, mut x: Vec<Expr<'g>>) -> Vec<Expr<'g>> {
         for step in self.steps.iter().rev() {
             x[step.pivot] = step.column.iter().fold(x[step.pivot], |sum, &(j, factor)| sum - factor * x[j]);
         }

@@ -9,14 +9,14 @@ use super::solve;
 use super::{Constraints, Lagrange, Rows};
 
 /// Mechanisms with more coordinates keep the graph's own form: theirs has more terms than anybody would write.
-pub const MOST_COORDINATES: usize = 4;
+pub(crate) const MOST_COORDINATES: usize = 4;
 
 /// Expressions with more terms on the way keep the graph's own form.
-pub const MOST_TERMS: usize = 300;
+pub(crate) const MOST_TERMS: usize = 300;
 
 /// How equations are written.
 #[derive(Clone, Copy, Debug)]
-pub enum Form<'k> {
+pub(crate) enum Form<'k> {
     /// As the sweeps give them.
     AsDerived,
     /// As in a textbook, where that is not too long, but for sums that stay factors.
@@ -25,7 +25,7 @@ pub enum Form<'k> {
 
 impl Form<'_> {
     /// Expressions that are computed together, in this form.
-    pub fn list<'g>(self, expressions: &[Expr<'g>]) -> Vec<Expr<'g>> {
+    pub(crate) fn list<'g>(self, expressions: &[Expr<'g>]) -> Vec<Expr<'g>> {
         let form = match self {
             Form::AsDerived => None,
             Form::Textbook(kept) => cheapest_form(expressions, kept, MOST_TERMS),
@@ -34,13 +34,17 @@ impl Form<'_> {
     }
 
     /// Rows of expressions that are computed together, in this form.
-    pub fn rows<'g>(self, rows: &Rows<'g>) -> Rows<'g> {
+    pub(crate) fn rows<'g>(self, rows: &Rows<'g>) -> Rows<'g> {
         let mut flat = self.list(&rows.concat()).into_iter();
         rows.iter().map(|row| flat.by_ref().take(row.len()).collect()).collect()
     }
 
     /// Accelerations, found in this form.
-    pub fn forward_dynamics<'g>(self, lagrange: &Lagrange<'g>, constraints: &Constraints<'g>) -> ForwardDynamics<'g> {
+    pub(crate) fn forward_dynamics<'g>(
+        self,
+        lagrange: &Lagrange<'g>,
+        constraints: &Constraints<'g>,
+    ) -> ForwardDynamics<'g> {
         let forward = solve::forward_dynamics(lagrange, constraints);
         match self {
             Form::AsDerived => forward,
@@ -51,7 +55,7 @@ impl Form<'_> {
 
 /// The equations in the form of a textbook, each function that is short enough; `None` for mechanisms with more
 /// coordinates, or with a longer kinetic energy, than anybody writes out.
-pub fn normal_form<'g>(plain: &Lagrange<'g>, kept: &Kept) -> Option<Lagrange<'g>> {
+pub(crate) fn normal_form<'g>(plain: &Lagrange<'g>, kept: &Kept) -> Option<Lagrange<'g>> {
     if plain.momentum.len() > MOST_COORDINATES {
         return None;
     }

@@ -7,12 +7,12 @@ use super::tangent::{Tangent, power_derivative};
 /// `∂root/∂symbol` for each symbol.
 ///
 /// Source: Griewank & Walther, *Evaluating Derivatives*, 2nd ed. 2008, section 3.2.
-pub fn gradient<'g>(root: Expr<'g>, symbols: &[Symbol]) -> Vec<Expr<'g>> {
+pub(crate) fn gradient<'g>(root: Expr<'g>, symbols: &[Symbol]) -> Vec<Expr<'g>> {
     gradient_of_combination(&[(root, root.graph().integer(1))], symbols)
 }
 
 /// `Σ weight · ∂root/∂symbol` for each symbol: one sweep for several roots.
-pub fn gradient_of_combination<'g>(roots: &[(Expr<'g>, Expr<'g>)], symbols: &[Symbol]) -> Vec<Expr<'g>> {
+pub(crate) fn gradient_of_combination<'g>(roots: &[(Expr<'g>, Expr<'g>)], symbols: &[Symbol]) -> Vec<Expr<'g>> {
     let graph = roots.first().expect("at least one root").0.graph();
     let order = active(graph, roots.iter().map(|(root, _)| root.id()), |symbol| symbols.contains(&symbol));
     let mut adjoints = Adjoints::new(graph, &order);

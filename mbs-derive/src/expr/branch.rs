@@ -7,7 +7,7 @@ use super::graph::Node;
 /// One side of an `if`, or of the corner of an `abs` or `signum`: its value is wanted where the comparisons of
 /// [`Branches::way`] come out so.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Side {
+pub(crate) struct Side {
     /// The position of the choice on the tape.
     pub choice: usize,
     /// Which of its two sides.
@@ -26,7 +26,7 @@ struct Link {
 }
 
 /// All sides of all choices on a tape that the roots depend on.
-pub struct Branches<'t> {
+pub(crate) struct Branches<'t> {
     tape: &'t Tape,
     links: Vec<Link>,
     sides: Vec<Side>,
@@ -34,7 +34,7 @@ pub struct Branches<'t> {
 
 impl<'t> Branches<'t> {
     /// One pass from the roots down.
-    pub fn of(tape: &'t Tape) -> Self {
+    pub(crate) fn of(tape: &'t Tape) -> Self {
         let mut branches = Branches { tape, links: Vec::new(), sides: Vec::new() };
         let steps = tape.steps();
         // Of each step the shortest chain that makes its value wanted, once there is one.
@@ -71,7 +71,7 @@ impl<'t> Branches<'t> {
     }
 
     /// Whether each side is taken where the steps have these values.
-    pub fn taken<V: Value>(&self, values: &[V]) -> Vec<bool> {
+    pub(crate) fn taken<V: Value>(&self, values: &[V]) -> Vec<bool> {
         let steps = self.tape.steps();
         let mut wanted = vec![false; steps.len()];
         self.tape.roots().iter().for_each(|&root| wanted[root] = true);
@@ -101,14 +101,14 @@ impl<'t> Branches<'t> {
     }
 
     /// The sides, those of outer choices first.
-    pub fn sides(&self) -> &[Side] {
+    pub(crate) fn sides(&self) -> &[Side] {
         &self.sides
     }
 
     /// Positions of comparisons, or of corners, and how they must come out, or whether what has the corner is positive,
     /// so that a side is taken. The outermost come last. Where an `&&` must not hold, its first operand does not, or
     /// the second one.
-    pub fn way(&self, side: Side, by_the_second: bool) -> Vec<(usize, bool)> {
+    pub(crate) fn way(&self, side: Side, by_the_second: bool) -> Vec<(usize, bool)> {
         let mut way = Vec::new();
         let mut link = Some(side.link);
         while let Some(Link { before, condition, holds, .. }) = link.map(|at| self.links[at]) {

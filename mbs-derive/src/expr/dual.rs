@@ -13,6 +13,12 @@ use super::spline::Spline;
 ///
 /// On the outermost level ε may stand for time: then [`Value::rate`] is the time derivative. A second time derivative
 /// is not carried and comes out as NaN.
+///
+/// ```
+/// use mbs_derive::expr::{Dual, Value};
+/// let x = Dual::new(3.0, 1.0);
+/// assert_eq!(x.mul(x).derivative, 6.0); // d(x²)/dx
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Dual<S> {
     /// The value.

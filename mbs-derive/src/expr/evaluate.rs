@@ -11,10 +11,10 @@ use super::spline::{Spline, SplineDerivative};
 use super::table::Table;
 
 /// What solves a system with constraints for one right side after the other.
-pub type Solution<'a, V> = Box<dyn Fn(&[V]) -> Vec<V> + 'a>;
+pub(crate) type Solution<'a, V> = Box<dyn Fn(&[V]) -> Vec<V> + 'a>;
 
 /// What solves it for several right sides that belong together.
-pub type Solutions<'a, V> = Box<dyn Fn(&[Vec<V>], &Terms<V>) -> Vec<Vec<V>> + 'a>;
+pub(crate) type Solutions<'a, V> = Box<dyn Fn(&[Vec<V>], &Terms<V>) -> Vec<Vec<V>> + 'a>;
 
 /// What tells rounding from a contradiction of rows, as the runtime's `Terms`; each may be empty.
 #[derive(Clone, Debug, Default)]
@@ -154,12 +154,12 @@ impl Value for f64 {
 }
 
 /// A condition as a number.
-pub fn truth<V: Value>(holds: bool) -> V {
+pub(crate) fn truth<V: Value>(holds: bool) -> V {
     V::constant(if holds { 1.0 } else { 0.0 })
 }
 
 /// Whether a condition, as a number, holds.
-pub fn holds<V: Value>(condition: V) -> bool {
+pub(crate) fn holds<V: Value>(condition: V) -> bool {
     V::constant(0.0).less(condition)
 }
 

@@ -149,6 +149,14 @@ impl Node {
 }
 
 /// An arena in which equal expressions are one node.
+///
+/// ```
+/// use mbs_derive::expr::{Graph, Symbol, evaluate};
+/// let graph = Graph::new();
+/// let x = graph.symbol(Symbol::Coordinate(0));
+/// let sum = x * x + x * x;
+/// assert_eq!(evaluate(&[sum], |_| 3.0), [18.0]);
+/// ```
 pub struct Graph {
     arena: RefCell<Arena>,
     pub(super) verbatim: bool,

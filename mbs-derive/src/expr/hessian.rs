@@ -13,7 +13,7 @@ use super::function::Binary;
 use super::graph::{Expr, Graph, HalfInteger, Id, IdMap, Node, Symbol};
 
 /// `∂²root/∂symbolᵢ∂symbolⱼ`, as rows; symmetric to the node.
-pub fn hessian<'g>(root: Expr<'g>, symbols: &[Symbol]) -> Vec<Vec<Expr<'g>>> {
+pub(crate) fn hessian<'g>(root: Expr<'g>, symbols: &[Symbol]) -> Vec<Vec<Expr<'g>>> {
     let graph = root.graph();
     let order = active(graph, std::iter::once(root.id()), |symbol| symbols.contains(&symbol));
     let mut adjoints = Adjoints::new(graph, &order);

@@ -20,7 +20,7 @@ use super::spline::SplineDerivative;
 
 /// What was found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Verdict {
+pub(crate) enum Verdict {
     /// It is so, for all values of the symbols.
     Holds,
     /// It does not follow from the laws that the field knows.
@@ -30,13 +30,13 @@ pub enum Verdict {
 }
 
 /// Whether an expression of a verbatim graph is zero for all values of its symbols.
-pub fn vanishes(expr: Expr<'_>) -> Verdict {
+pub(crate) fn vanishes(expr: Expr<'_>) -> Verdict {
     Test::new(expr, |_| false).decide(0)
 }
 
 /// Whether an expression is a polynomial of at most this degree in the symbols that vary, the same one on all sides of
 /// a condition that depends on them. Of degree 0 is what does not depend on them.
-pub fn degree_is_at_most(degree: usize, expr: Expr<'_>, varies: impl Fn(Symbol) -> bool) -> Verdict {
+pub(crate) fn degree_is_at_most(degree: usize, expr: Expr<'_>, varies: impl Fn(Symbol) -> bool) -> Verdict {
     Test::new(expr, varies).decide(degree + 1)
 }
 
@@ -158,7 +158,7 @@ impl<Varies: Fn(Symbol) -> bool> Test<Varies> {
 }
 
 /// A value of a symbol with no relation to those of others; the same one for the same point.
-pub fn generic<const K: usize>(symbol: Symbol, point: u64) -> Residue<K> {
+pub(crate) fn generic<const K: usize>(symbol: Symbol, point: u64) -> Residue<K> {
     Residue::random(mixed(point ^ key(symbol)))
 }
 
@@ -174,14 +174,14 @@ fn moving<const K: usize>(symbol: Symbol, at: impl Fn(Symbol) -> Residue<K>) -> 
 /// Values of all nodes of a verbatim graph at some points of a finite field: what differs there is not equal. A node
 /// has them at once, while [`vanishes`] goes through all that an expression is made of.
 #[derive(Default)]
-pub struct Fingerprints(Vec<[Dual<Residue<0>>; FINGERPRINTS]>);
+pub(crate) struct Fingerprints(Vec<[Dual<Residue<0>>; FINGERPRINTS]>);
 
 /// A root exists at one point in two.
 const FINGERPRINTS: usize = 4;
 
 impl Fingerprints {
     /// Whether two expressions are equal for all values of their symbols, as far as the field knows.
-    pub fn are_equal(&mut self, a: Expr<'_>, b: Expr<'_>) -> bool {
+    pub(crate) fn are_equal(&mut self, a: Expr<'_>, b: Expr<'_>) -> bool {
         self.complete(a.graph());
         let pairs = self.0[a.id().index()].iter().zip(&self.0[b.id().index()]);
         let differences: Vec<_> = pairs.map(|(a, b)| a.value.sub(b.value)).filter(|d| d.is_defined()).collect();

@@ -12,19 +12,19 @@
 //! - `digits`: whether a form has lost some all the same;
 //! - [`factor`]: polynomials as expressions, with common factors taken out and products shared.
 
-pub mod combination;
+pub(crate) mod combination;
 mod digits;
 mod expansion;
-pub mod factor;
-pub mod half_angle;
-pub mod kept;
-pub mod wave;
+pub(crate) mod factor;
+pub(crate) mod half_angle;
+pub(crate) mod kept;
+pub(crate) mod wave;
 
 use super::graph::Expr;
 
-pub use expansion::{Sum, Term};
-pub use factor::weight;
-pub use kept::Kept;
+pub(crate) use expansion::Sum;
+pub(crate) use factor::weight;
+pub(crate) use kept::Kept;
 
 use combination::Polynomial;
 use expansion::Expansion;
@@ -36,7 +36,7 @@ use kept::Turned;
 ///
 /// Equal polynomials give the same expression, where nothing is kept: that is for reading and comparing, because
 /// differences are multiplied out that have digits to lose.
-pub fn normal_form<'g>(roots: &[Expr<'g>], kept: &Kept, limit: usize) -> Option<Vec<Expr<'g>>> {
+pub(crate) fn normal_form<'g>(roots: &[Expr<'g>], kept: &Kept, limit: usize) -> Option<Vec<Expr<'g>>> {
     let Some(first) = roots.first() else { return Some(Vec::new()) };
     let mut expansion = Expansion::new(first.graph(), kept, Turned::Kept, limit);
     let form = |root: &Expr<'g>| {
@@ -50,7 +50,7 @@ pub fn normal_form<'g>(roots: &[Expr<'g>], kept: &Kept, limit: usize) -> Option<
 /// angles halved; with common factors taken out, or shared products named. What is kept is not multiplied out. Forms
 /// that lose digits do not count; where all of them do, the expressions stay as they are. `None` where one of them has
 /// more than `limit` terms on the way.
-pub fn cheapest_form<'g>(roots: &[Expr<'g>], kept: &Kept, limit: usize) -> Option<Vec<Expr<'g>>> {
+pub(crate) fn cheapest_form<'g>(roots: &[Expr<'g>], kept: &Kept, limit: usize) -> Option<Vec<Expr<'g>>> {
     let Some(first) = roots.first() else { return Some(Vec::new()) };
     let graph = first.graph();
     let forms = |&turned: &Turned| {
@@ -78,7 +78,7 @@ fn cheapest<'g>(given: &[Expr<'g>], mut forms: Vec<Vec<Expr<'g>>>) -> Option<Vec
 
 /// `a / b` for each pair, in the cheapest of the forms that texts use; what is common to a and to a b of one term
 /// cancels.
-pub fn quotients<'g>(pairs: &[(Expr<'g>, Expr<'g>)], kept: &Kept, limit: usize) -> Option<Vec<Expr<'g>>> {
+pub(crate) fn quotients<'g>(pairs: &[(Expr<'g>, Expr<'g>)], kept: &Kept, limit: usize) -> Option<Vec<Expr<'g>>> {
     let Some((first, _)) = pairs.first() else { return Some(Vec::new()) };
     let graph = first.graph();
     let forms = |&turned: &Turned| {

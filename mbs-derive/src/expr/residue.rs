@@ -32,7 +32,7 @@ use super::ratio::Ratio;
 use super::spline::Spline;
 
 /// This many fields decide.
-pub const FIELDS: usize = 2;
+pub(crate) const FIELDS: usize = 2;
 
 /// A field, and points of its circle.
 struct Field {
@@ -71,7 +71,7 @@ const BASE: u64 = 4;
 
 /// A number of the field, or the mark of what has no value there: 1/0, the root of what is no square.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Residue<const K: usize> {
+pub(crate) struct Residue<const K: usize> {
     /// Below p, or [`UNDEFINED`].
     value: u64,
     /// The same number modulo n but for `half_turns`, as an exponent of a point of the circle.
@@ -101,7 +101,7 @@ impl<const K: usize> Residue<K> {
     }
 
     /// A number with no relation to others, the same for the same key.
-    pub fn random(key: u64) -> Self {
+    pub(crate) fn random(key: u64) -> Self {
         let [value, angle, exponent] = [mixed(key), mixed(mixed(key)), mixed(mixed(key) ^ 0x6578)];
         Self::plain(value % Self::P, angle % Self::N, Some(exponent % Self::H))
     }
@@ -111,12 +111,12 @@ impl<const K: usize> Residue<K> {
     }
 
     /// Whether it has a value.
-    pub fn is_defined(self) -> bool {
+    pub(crate) fn is_defined(self) -> bool {
         self.value != UNDEFINED
     }
 
     /// Whether it is zero.
-    pub fn is_zero(self) -> bool {
+    pub(crate) fn is_zero(self) -> bool {
         self.value == 0
     }
 

@@ -9,12 +9,12 @@ use super::table::Table;
 use super::tangent::Tangent;
 
 /// The expressions with each symbol replaced as `replacement` says; `None` leaves it.
-pub fn substitute<'g>(roots: &[Expr<'g>], replacement: impl Fn(Symbol) -> Option<Expr<'g>>) -> Vec<Expr<'g>> {
+pub(crate) fn substitute<'g>(roots: &[Expr<'g>], replacement: impl Fn(Symbol) -> Option<Expr<'g>>) -> Vec<Expr<'g>> {
     roots.first().map_or(Vec::new(), |first| substitute_into(first.graph(), roots, replacement))
 }
 
 /// The same, copied into another graph.
-pub fn substitute_into<'g>(
+pub(crate) fn substitute_into<'g>(
     graph: &'g Graph,
     roots: &[Expr<'_>],
     replacement: impl Fn(Symbol) -> Option<Expr<'g>>,
@@ -35,7 +35,7 @@ pub fn substitute_into<'g>(
 
 /// A verbatim expression in another verbatim graph, cut where `cut` puts something else in the place of a node; `None`
 /// where it has symbols besides that `allowed` does not let pass.
-pub fn cut<'g>(
+pub(crate) fn cut<'g>(
     root: Expr<'_>,
     graph: &'g Graph,
     cut: impl Fn(Id) -> Option<Expr<'g>>,
@@ -66,7 +66,7 @@ pub fn cut<'g>(
 }
 
 /// Copies verbatim expressions into `graph`, carrying out the time derivatives along `direction`.
-pub fn carry_out<'v, 'g>(
+pub(crate) fn carry_out<'v, 'g>(
     roots: &[Expr<'v>],
     graph: &'g Graph,
     direction: impl Fn(Symbol) -> Option<Expr<'g>>,

@@ -6,19 +6,19 @@ use super::graph::{Expr, Id, IdMap, Node, Symbol};
 /// The derivative along one direction, given by the derivatives of the symbols.
 ///
 /// It remembers what it has differentiated, so that many expressions that share nodes cost one sweep.
-pub struct Tangent<'g, Direction> {
+pub(crate) struct Tangent<'g, Direction> {
     direction: Direction,
     derivatives: IdMap<Expr<'g>>,
 }
 
 impl<'g, Direction: Fn(Symbol) -> Option<Expr<'g>>> Tangent<'g, Direction> {
     /// `direction` tells how each symbol changes; `None` is not at all.
-    pub fn new(direction: Direction) -> Self {
+    pub(crate) fn new(direction: Direction) -> Self {
         Tangent { direction, derivatives: IdMap::default() }
     }
 
     /// The derivative of `root` along the direction.
-    pub fn of(&mut self, root: Expr<'g>) -> Expr<'g> {
+    pub(crate) fn of(&mut self, root: Expr<'g>) -> Expr<'g> {
         let graph = root.graph();
         let mut stack = vec![root.id()];
         while let Some(&id) = stack.last() {
@@ -39,7 +39,7 @@ impl<'g, Direction: Fn(Symbol) -> Option<Expr<'g>>> Tangent<'g, Direction> {
     }
 
     /// The derivatives of several expressions.
-    pub fn of_all(&mut self, roots: &[Expr<'g>]) -> Vec<Expr<'g>> {
+    pub(crate) fn of_all(&mut self, roots: &[Expr<'g>]) -> Vec<Expr<'g>> {
         roots.iter().map(|&root| self.of(root)).collect()
     }
 

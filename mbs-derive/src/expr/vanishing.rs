@@ -22,7 +22,7 @@ const POINTS_OF_ROOTS: u32 = 24;
 const TRIED: u64 = 96;
 
 /// The expressions with zero in the place of each sum that vanishes; unchanged where no sum does.
-pub fn without_vanishing_sums<'g>(roots: &[Expr<'g>]) -> Vec<Expr<'g>> {
+pub(crate) fn without_vanishing_sums<'g>(roots: &[Expr<'g>]) -> Vec<Expr<'g>> {
     let Some(graph) = roots.first().map(|root| root.graph()) else { return Vec::new() };
     let order = graph.reachable(roots.iter().map(|root| root.id()));
     let vanishing = vanishing_sums(graph, &order);

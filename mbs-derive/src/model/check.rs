@@ -8,13 +8,13 @@
 //! - [`requirement`]: what parameters must satisfy whenever they are set; [`sample`]: random states.
 
 pub(in crate::model) mod closure;
-pub mod degree;
+pub(super) mod degree;
 pub(in crate::model) mod inertia;
 pub(in crate::model) mod misplaced;
 pub(crate) mod moments;
 pub(in crate::model) mod rank;
-pub mod requirement;
-pub mod sample;
+pub(crate) mod requirement;
+pub(crate) mod sample;
 pub(in crate::model) mod sign;
 pub(in crate::model) mod singular;
 #[cfg(test)]

@@ -184,7 +184,7 @@ pub struct Choice {
 }
 
 /// Auxiliary coordinates of a joint that is let go: shifts along the axes of its pose, then turns about them.
-pub const AUXILIARY: usize = 6;
+pub(crate) const AUXILIARY: usize = 6;
 
 /// A mechanism as declared: `L = T − V + Σ lagrangian terms`, with `D`, `Q` and outputs.
 #[derive(Clone, Debug)]

@@ -10,7 +10,7 @@ pub(in crate::model) mod body;
 pub(in crate::model) mod constraint;
 pub(in crate::model) mod declare;
 pub(in crate::model) mod energy;
-pub mod given;
+pub(crate) mod given;
 pub(in crate::model) mod gravity;
 pub(in crate::model) mod output;
 pub(in crate::model) mod point_force;

@@ -12,7 +12,7 @@ pub(in crate::model) mod builtin;
 pub(in crate::model) mod condition;
 pub(in crate::model) mod constant;
 pub(in crate::model) mod difference;
-pub mod dimension;
+pub(super) mod dimension;
 pub(in crate::model) mod evaluate;
 pub(in crate::model) mod interpolation;
 pub(in crate::model) mod operator;

@@ -9,6 +9,15 @@ use super::program::{Instruction, Program};
 use super::{ResultPart, Shape};
 
 /// What a program costs. Negations are free, a subtraction is an addition, a sine and a cosine of one angle are one.
+///
+/// ```
+/// use mbs_derive::{Analysis, expr::Graph, source::Sources};
+/// let text = "mechanism Spring { param k: N/m = 4; coord x: m; kinetic += 1 kg*dt(x)^2/2; potential += k*x^2/2; }";
+/// let graph = Graph::verbatim();
+/// let analysis = Analysis::of(&Sources::new("spring.mbs", text), &graph).unwrap();
+/// let mass_matrix = analysis.programs().named("mass_matrix").unwrap();
+/// assert_eq!(mass_matrix.operations.flops(), 0); // a constant
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Operations {
@@ -54,7 +63,7 @@ impl Add for Operations {
 }
 
 /// Counts the instructions of a program.
-pub fn operations(program: &Program) -> Operations {
+pub(crate) fn operations(program: &Program) -> Operations {
     let mut count = Operations::default();
     let mut angles = BTreeSet::new();
     for instruction in &program.instructions {
@@ -94,42 +103,44 @@ fn columns(results: &[ResultPart]) -> usize {
     })
 }
 
-/// What the runtime's `constrained_solve` costs for these right sides, of `n` coordinates and `k` rows that are
-/// independent, where no entry is zero. With `s = n − k` independent coordinates, pairs of a product and a sum:
-///
-/// | step                                  | pairs                                            | products          | quotients |
-/// |---------------------------------------|--------------------------------------------------|-------------------|-----------|
-/// | scales of M and A                     |                                                  | n(n+1)/2 + k n    |           |
-/// | `A = L (U₁ U₂)`                       | Σ (k−1−p)(n−1−p), p < k                          | k(k−1)/2 + k      | k         |
-/// | `W = U₁⁻¹ U₂`                         | s k(k−1)/2                                       | s k               |           |
-/// | `V`, `S`                              | s k² + s(s+1) k                                  |                   |           |
-/// | what pivots of S are compared with    | s k                                              | s k + s           | s         |
-/// | `S = L D Lᵀ`                          | Σ p(p+1)/2, p < s                                | s(s−1)/2 + s²     | s         |
-/// | each right side                       | 2k(k−1) + 2n k + 2s k + s(s−1)                   | 2n + 2k + 2k + s  |           |
-///
-/// (`s²` and one of the `k` compare pivots.) Where rows depend on others, or more of them than coordinates, it costs
-/// otherwise.
-pub fn solve_constrained([n, k]: [usize; 2], results: &[ResultPart]) -> Operations {
-    let (k, columns) = (k.min(n), columns(results));
-    let s = n - k;
-    let triangle = |x: usize| x * x.saturating_sub(1) / 2;
-    let elimination: usize = (0..k).map(|p| (k - 1 - p) * (n - 1 - p)).sum();
-    let factorization: usize = (0..s).map(|p| p * (p + 1) / 2).sum();
-    let reduction = s * triangle(k) + s * k * k + s * (s + 1) * k + s * k;
-    let pairs = elimination + reduction + factorization;
-    let products = n * (n + 1) / 2 + k * n + triangle(k) + k + 2 * s * k + s + triangle(s) + s * s;
-    let column_pairs = 4 * triangle(k) + 2 * n * k + 2 * s * k + 2 * triangle(s);
-    let column_products = 2 * (n + k) + 2 * k + s;
-    Operations {
-        add: pairs + columns * column_pairs,
-        mul: pairs + products + columns * (column_pairs + column_products),
-        div: k + 2 * s,
-        ..Operations::default()
+impl Operations {
+    /// What the runtime's `constrained_solve` costs for these right sides, of `n` coordinates and `k` rows that are
+    /// independent, where no entry is zero. With `s = n − k` independent coordinates, pairs of a product and a sum:
+    ///
+    /// | step                                  | pairs                                            | products          | quotients |
+    /// |---------------------------------------|--------------------------------------------------|-------------------|-----------|
+    /// | scales of M and A                     |                                                  | n(n+1)/2 + k n    |           |
+    /// | `A = L (U₁ U₂)`                       | Σ (k−1−p)(n−1−p), p < k                          | k(k−1)/2 + k      | k         |
+    /// | `W = U₁⁻¹ U₂`                         | s k(k−1)/2                                       | s k               |           |
+    /// | `V`, `S`                              | s k² + s(s+1) k                                  |                   |           |
+    /// | what pivots of S are compared with    | s k                                              | s k + s           | s         |
+    /// | `S = L D Lᵀ`                          | Σ p(p+1)/2, p < s                                | s(s−1)/2 + s²     | s         |
+    /// | each right side                       | 2k(k−1) + 2n k + 2s k + s(s−1)                   | 2n + 2k + 2k + s  |           |
+    ///
+    /// (`s²` and one of the `k` compare pivots.) Where rows depend on others, or more of them than coordinates, it
+    /// costs otherwise.
+    pub fn of_constrained_solve([n, k]: [usize; 2], results: &[ResultPart]) -> Operations {
+        let (k, columns) = (k.min(n), columns(results));
+        let s = n - k;
+        let triangle = |x: usize| x * x.saturating_sub(1) / 2;
+        let elimination: usize = (0..k).map(|p| (k - 1 - p) * (n - 1 - p)).sum();
+        let factorization: usize = (0..s).map(|p| p * (p + 1) / 2).sum();
+        let reduction = s * triangle(k) + s * k * k + s * (s + 1) * k + s * k;
+        let pairs = elimination + reduction + factorization;
+        let products = n * (n + 1) / 2 + k * n + triangle(k) + k + 2 * s * k + s + triangle(s) + s * s;
+        let column_pairs = 4 * triangle(k) + 2 * n * k + 2 * s * k + 2 * triangle(s);
+        let column_products = 2 * (n + k) + 2 * k + s;
+        Operations {
+            add: pairs + columns * column_pairs,
+            mul: pairs + products + columns * (column_pairs + column_products),
+            div: k + 2 * s,
+            ..Operations::default()
+        }
     }
 }
 
 /// What the runtime's LDLᵀ of a system of `n` rows and its substitutions cost for these right sides.
-pub fn solve(n: usize, results: &[ResultPart]) -> Operations {
+pub(crate) fn solve(n: usize, results: &[ResultPart]) -> Operations {
     let columns = columns(results);
     // Row i: j products and differences for each j < i, i scalings, i products and differences, one division.
     let pairs = (0..n).map(|i| i * i.saturating_sub(1) / 2 + i).sum::<usize>();

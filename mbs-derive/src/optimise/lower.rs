@@ -10,7 +10,7 @@ use super::program::{Instruction, Program, Value};
 use super::schedule::Hoisting;
 
 /// The program that computes `roots`.
-pub fn program(roots: &[Expr<'_>], hoisting: &Hoisting) -> Program {
+pub(crate) fn program(roots: &[Expr<'_>], hoisting: &Hoisting) -> Program {
     let Some(first) = roots.first() else { return Program::default() };
     let mut lowering = Lowering::new(first.graph(), roots, hoisting);
     let results = roots.iter().map(|root| lowering.value(root.id())).collect();

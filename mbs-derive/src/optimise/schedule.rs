@@ -11,7 +11,7 @@ use super::program::Program;
 const MOST_TERMS: usize = 40;
 
 /// The nodes that depend on parameters alone and are computed by the constructor.
-pub struct Hoisting {
+pub(crate) struct Hoisting {
     numbers: IdMap<u32>,
     /// From parameters to the hoisted values, in the order of their numbers.
     pub constructor: Program,
@@ -19,12 +19,12 @@ pub struct Hoisting {
 
 impl Hoisting {
     /// No hoisting: the constructor itself is scheduled so.
-    pub fn none() -> Self {
+    pub(crate) fn none() -> Self {
         Hoisting { numbers: IdMap::default(), constructor: Program::default() }
     }
 
     /// Finds the largest subexpressions of parameters alone that the functions use.
-    pub fn of<'g, 'r>(functions: impl Iterator<Item = &'r [Expr<'g>]>, forms: &mut Forms) -> Self
+    pub(crate) fn of<'g, 'r>(functions: impl Iterator<Item = &'r [Expr<'g>]>, forms: &mut Forms) -> Self
     where
         'g: 'r,
     {
@@ -49,7 +49,7 @@ impl Hoisting {
     }
 
     /// The number of a hoisted node.
-    pub fn number(&self, id: Id) -> Option<u32> {
+    pub(crate) fn number(&self, id: Id) -> Option<u32> {
         self.numbers.get(&id).copied()
     }
 }
@@ -57,7 +57,7 @@ impl Hoisting {
 /// One expression for all ways to multiply and add the same parameters, so that `(m g) l` and `m (g l)` are one value.
 /// Each is found once.
 #[derive(Default)]
-pub struct Forms(IdMap<Id>);
+pub(crate) struct Forms(IdMap<Id>);
 
 impl Forms {
     fn form(&mut self, expr: Expr<'_>) -> Id {

@@ -2,7 +2,7 @@
 
 use std::mem;
 
-pub use crate::span::Span;
+pub(crate) use crate::span::Span;
 
 /// A name with its place.
 #[derive(Clone, Debug, PartialEq)]

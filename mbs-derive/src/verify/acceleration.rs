@@ -13,7 +13,7 @@ use super::group::Group;
 use super::inertia;
 use super::linear::{add, times};
 use super::motion::Motion;
-use super::witness::{lift, lift_all};
+use super::witness::lift_all;
 
 impl<'a> Trial<'a> {
     /// What elimination shows of M, and of `M + Aᵀ A`, which is singular where a motion that the constraints allow has
@@ -162,7 +162,7 @@ impl<'a> Trial<'a> {
         let mut start = 0;
         for (width, symbol) in [n, n, inputs].into_iter().zip(kinds) {
             for group in Group::of(width) {
-                let varied = lift(self.state, |other| group.weight_of(other, symbol));
+                let varied = self.state.along(|other| group.weight_of(other, symbol));
                 let expected = self.acceleration_slope(&self.dual, &varied);
                 let found = group.combined(&found[start..start + n * width], n);
                 self.equal("linearization", &found, &expected)?;
@@ -174,7 +174,7 @@ impl<'a> Trial<'a> {
 
     pub(super) fn linearization_in_parameters(&self) -> Result<(), Failure> {
         let found = self.call(Kind::LinearizeParameters);
-        let state = lift(self.state, |_| Rounded::default());
+        let state = self.state.along(|_| Rounded::default());
         for group in Group::of(self.parameters.len()) {
             let mut parameters = lift_all(self.parameters);
             group.columns().for_each(|j| parameters[j].derivative = group.weight(j));

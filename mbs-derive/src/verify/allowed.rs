@@ -8,7 +8,7 @@ use crate::numeric::elimination::{ROUNDING, scales};
 use super::Failure;
 use super::claim::{CLOSED, Trial, called, doubles, doubles_of};
 use super::linear::times;
-use super::witness::{exact, explicit_path, lift, lift_all, path};
+use super::witness::{exact, explicit_path, lift_all, path};
 
 impl Trial<'_> {
     /// First integrals keep their values along the motion with `u = 0`, `D = 0`; and with everything on, the energy
@@ -26,7 +26,7 @@ impl Trial<'_> {
         let (qdd, multipliers) = self.accelerations(&unforced, &free);
         let free = State { qdd, ..free };
         if self.is_allowed(&free) {
-            let along = lift(&free, |symbol| path(&free, symbol));
+            let along = free.along(|symbol| path(&free, symbol));
             let rates = called(&self.dual, Kind::Conserved, &along);
             let rates: Vec<Rounded> = rates.iter().map(|v| v.derivative).collect();
             // What is left of the rates of constraints is no motion that they allow: there the forces do work.
@@ -36,11 +36,11 @@ impl Trial<'_> {
         }
 
         let real = State { qdd: self.call(Kind::ForwardDynamics), ..self.state.clone() };
-        let along = lift(&real, |symbol| path(&real, symbol));
+        let along = real.along(|symbol| path(&real, symbol));
         let momentum = called(&self.dual, Kind::Momentum, &along);
         let parameters = lift_all(self.parameters);
         let [l, ..] = self.witness.energies(&along, &parameters);
-        let by_time = lift(&real, |symbol| explicit_path(&real, symbol));
+        let by_time = real.along(|symbol| explicit_path(&real, symbol));
         let [l_t, ..] = self.witness.energies(&by_time, &parameters);
         let momentum_dot_velocity_rate: Rounded =
             (0..n).map(|i| real.qdd[i] * momentum[i].value + real.qd[i] * momentum[i].derivative).sum();
@@ -76,7 +76,7 @@ impl Trial<'_> {
 
     /// The state moved onto the constraints: Newton's method on φ, each step the least in the scales of M and A, then
     /// the allowed velocities. `None` where it does not get there.
-    pub fn consistent_state(&self) -> Option<State<Rounded>> {
+    pub(crate) fn consistent_state(&self) -> Option<State<Rounded>> {
         let (n, weights) = (self.n(), doubles_of(&self.weights()));
         let mut state = self.state.clone();
         for _ in 0..50 {

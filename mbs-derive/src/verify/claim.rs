@@ -12,11 +12,11 @@ use crate::optimise::Derivation;
 use super::group::Group;
 use super::linear::{add, quadratic_form, times};
 use super::motion::Motion;
-use super::witness::{LagrangeTerms, Witness, explicit_path, lift, lift_all, path, with_resting};
-use super::{Disagreement, Failure, TOLERANCE};
+use super::witness::{LagrangeTerms, Witness, explicit_path, lift_all, path, with_resting};
+use super::{Failure, TOLERANCE};
 
 /// One state at which a derivation is tried.
-pub struct Trial<'a> {
+pub(crate) struct Trial<'a> {
     pub(super) witness: &'a Witness<'a, 'a>,
     pub(super) derivation: &'a Derivation,
     pub(super) state: &'a State<Rounded>,
@@ -34,7 +34,7 @@ pub(super) const CLOSED: f64 = 1e-13;
 
 impl<'a> Trial<'a> {
     /// At a state, with parameters.
-    pub fn new(
+    pub(crate) fn new(
         witness: &'a Witness<'a, 'a>,
         derivation: &'a Derivation,
         state: &'a State<Rounded>,
@@ -54,7 +54,7 @@ impl<'a> Trial<'a> {
     }
 
     /// Compares everything: each function of the mechanism, by what is claimed of it.
-    pub fn prove(&self) -> Result<(), Failure> {
+    pub(crate) fn prove(&self) -> Result<(), Failure> {
         let claims: BTreeSet<Claim> = self.derivation.functions.iter().map(|f| f.kind.entry().claim).collect();
         let mut are_determined = None;
         for claim in claims {
@@ -102,17 +102,17 @@ impl<'a> Trial<'a> {
     }
 
     /// Whether there are constraints.
-    pub fn is_constrained(&self) -> bool {
+    pub(crate) fn is_constrained(&self) -> bool {
         !self.derivation.constraints.is_empty()
     }
 
     /// Whether the energies are finite at another state.
-    pub fn is_finite_at(&self, state: &State<Rounded>) -> bool {
+    pub(crate) fn is_finite_at(&self, state: &State<Rounded>) -> bool {
         self.witness.is_finite(state, self.parameters)
     }
 
     /// The same trial at another state.
-    pub fn at<'b>(&'b self, state: &'b State<Rounded>) -> Trial<'b> {
+    pub(crate) fn at<'b>(&'b self, state: &'b State<Rounded>) -> Trial<'b> {
         Trial::new(self.witness, self.derivation, state, self.parameters)
     }
 
@@ -137,7 +137,7 @@ impl<'a> Trial<'a> {
 
     /// The derivative of a Program's results in a direction of the state.
     pub(super) fn slope(&self, kind: FunctionKind, direction: impl Fn(Symbol) -> Rounded) -> Vec<Rounded> {
-        called(&self.dual, kind, &lift(self.state, direction)).iter().map(|v| v.derivative).collect()
+        called(&self.dual, kind, &self.state.along(direction)).iter().map(|v| v.derivative).collect()
     }
 
     /// Compares component by component: to [`TOLERANCE`], or to what rounding may have done to either side.
@@ -152,14 +152,14 @@ impl<'a> Trial<'a> {
                 || found.value.is_finite() && !found.error.is_finite();
             let agrees = (found.value - expected.value).abs() <= allowed;
             if !agrees && !silent {
-                return Err(Failure::Disagreement(Box::new(Disagreement {
+                return Err(Failure::Disagreement {
                     claim,
                     component,
                     found: found.value,
                     expected: expected.value,
-                    state: doubles(self.state),
+                    state: Box::new(doubles(self.state)),
                     parameters: doubles_of(self.parameters),
-                })));
+                });
             }
         }
         Ok(())
@@ -262,7 +262,7 @@ impl<'a> Trial<'a> {
     fn momentum_gradient(&self, state: &State<Rounded>) -> Vec<Rounded> {
         let n = self.n();
         let column = |j: usize| {
-            let varied = lift(state, |symbol| one_if(symbol == Symbol::Coordinate(j as u32)));
+            let varied = state.along(|symbol| one_if(symbol == Symbol::Coordinate(j as u32)));
             called(&self.dual, Kind::Momentum, &varied)
         };
         let columns: Vec<Vec<Dual<Rounded>>> = (0..n).map(column).collect();

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use super::{Failure, Proof, against_energies};
+use super::{Failure, Proof};
 use crate::catalogue::{FunctionKind as Kind, names, names_of_output};
 use crate::expr::{Function, Graph, Number, Symbol};
 use crate::model::Lagrangian;
@@ -13,7 +13,7 @@ fn proof(text: &str, change: impl FnOnce(&mut Derivation)) -> Result<Proof, Fail
     with_mechanism(text, |lagrangian| {
         let mut derivation = crate::derived(lagrangian);
         change(&mut derivation);
-        against_energies(lagrangian, &derivation)
+        Proof::of(lagrangian, &derivation)
     })
 }
 
@@ -25,7 +25,7 @@ fn with_mechanism<T>(text: &str, look: impl FnOnce(&Lagrangian<'_>) -> T) -> T {
 
 fn refused(text: &str, claim: &str, change: impl FnOnce(&mut Derivation)) {
     match proof(text, change) {
-        Err(Failure::Disagreement(found)) => assert!(found.claim.starts_with(claim), "{}", found.claim),
+        Err(Failure::Disagreement { claim: found, .. }) => assert!(found.starts_with(claim), "{found}"),
         other => panic!("{claim}: {other:?}"),
     }
 }
@@ -70,7 +70,7 @@ fn what_is_not_a_number_proves_nothing() {
         let functions = with_mechanism(text, |lagrangian| crate::derived(lagrangian).functions);
         for kind in functions.iter().filter(|f| !f.program.results.is_empty()).map(|f| f.kind) {
             let found = proof(text, |derivation| program(derivation, kind).become_undefined());
-            assert!(matches!(found, Err(Failure::Disagreement(_))), "{kind:?}: {found:?}");
+            assert!(matches!(found, Err(Failure::Disagreement { .. })), "{kind:?}: {found:?}");
             tried.insert(kind.name().to_string());
         }
     }
@@ -136,7 +136,7 @@ fn what_closed_loops_leave_open_hides_nothing() {
         let zeros = with_mechanism(LOOP, |l| zeros_of(&crate::derived(l), kind));
         for result in results.into_iter().filter(|result| !zeros.contains(result)) {
             let found = proof(LOOP, |derivation| program(derivation, kind).stretch(result));
-            assert!(matches!(found, Err(Failure::Disagreement(_))), "{kind:?} {result}: {found:?}");
+            assert!(matches!(found, Err(Failure::Disagreement { .. })), "{kind:?} {result}: {found:?}");
         }
     }
     // Energy and a millionth of an angle, which changes along the motion. Twice the energy is conserved as well.
@@ -211,7 +211,7 @@ fn refused_beyond(declared: &str, other: &str) {
         }
         derivation.constructor = wrong.constructor.clone();
     });
-    assert!(matches!(found, Err(Failure::Disagreement(_))), "{declared}: {found:?}");
+    assert!(matches!(found, Err(Failure::Disagreement { .. })), "{declared}: {found:?}");
     assert_eq!(proof(&text(declared), |_| ()).map(|proof| proof.unproved), Ok(Vec::new()), "{declared}");
 }
 
@@ -242,7 +242,7 @@ fn sides_that_nothing_takes_are_named() {
         format!("{}: {}", &text[m.span.clone()], m.message)
     });
     with_mechanism(text, |lagrangian| {
-        let proof = against_energies(lagrangian, &crate::derived(lagrangian)).expect("it is right");
+        let proof = Proof::of(lagrangian, &crate::derived(lagrangian)).expect("it is right");
         proof.warn(lagrangian, &mut warnings);
     });
     let nowhere = "no state was found at which";
@@ -312,6 +312,6 @@ fn edges_of_branches_are_met() {
         };
         assert!(proof(&text, |_| ()).is_ok(), "{condition}");
         let found = proof(&text, swap);
-        assert!(matches!(found, Err(Failure::Disagreement(_))), "{condition}: {found:?}");
+        assert!(matches!(found, Err(Failure::Disagreement { .. })), "{condition}: {found:?}");
     }
 }

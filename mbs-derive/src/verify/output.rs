@@ -8,7 +8,7 @@ use crate::shape::Shape;
 use super::Failure;
 use super::claim::{Trial, called, is_rotation, one_if};
 use super::linear::{add, times};
-use super::witness::{lift, path};
+use super::witness::path;
 
 /// A position and the rows of a rotation.
 const POSE: usize = 12;
@@ -83,7 +83,7 @@ impl Trial<'_> {
     ) -> Result<(), Failure> {
         for j in 0..width {
             let chosen = symbol(j as u32);
-            let state = lift(self.state, |symbol| one_if(symbol == chosen));
+            let state = self.state.along(|symbol| one_if(symbol == chosen));
             let expected: Vec<Rounded> = self.dual.evaluate(function, &state).iter().map(|v| v.derivative).collect();
             let column: Vec<Rounded> = (0..expected.len()).map(|i| found[i * width + j]).collect();
             self.equal(claim, &column, &expected)?;

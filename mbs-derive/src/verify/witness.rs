@@ -27,7 +27,7 @@ struct Steps {
 
 /// `∂L/∂q̇`, its time derivative, `∂L/∂q` and `∂D/∂q̇` for one coordinate.
 #[derive(Clone, Copy, Debug)]
-pub struct LagrangeTerms {
+pub(crate) struct LagrangeTerms {
     /// `∂L/∂q̇`
     pub momentum: Rounded,
     /// `d/dt ∂L/∂q̇`
@@ -71,8 +71,8 @@ impl<'l, 'g> Witness<'l, 'g> {
     }
 
     /// Whether the energies, the forces, the rows of the constraints and their slopes along the motion are finite.
-    pub fn is_finite(&self, state: &State<Rounded>, parameters: &[Rounded]) -> bool {
-        let along_path = lift(state, |symbol| path(state, symbol));
+    pub(crate) fn is_finite(&self, state: &State<Rounded>, parameters: &[Rounded]) -> bool {
+        let along_path = state.along(|symbol| path(state, symbol));
         let energies = self.energies(&along_path, &lift_all(parameters));
         let forces = self.forces(state, parameters);
         self.constraints_are_finite(state, parameters)
@@ -108,7 +108,7 @@ impl<'l, 'g> Witness<'l, 'g> {
     }
 
     /// Q
-    pub fn forces(&self, state: &State<Rounded>, parameters: &[Rounded]) -> Vec<Rounded> {
+    pub(crate) fn forces(&self, state: &State<Rounded>, parameters: &[Rounded]) -> Vec<Rounded> {
         let direct = self.forces.run(moving(state, parameters));
         let by_work = (0..direct.len()).map(|i| self.virtual_work(unit(i), state, parameters));
         direct.iter().zip(by_work).map(|(q, work)| q.value + work).collect()
@@ -121,7 +121,7 @@ impl<'l, 'g> Witness<'l, 'g> {
         state: &State<Rounded>,
         parameters: &[Rounded],
     ) -> Rounded {
-        let varied = lift(state, |symbol| in_velocities(&direction, symbol));
+        let varied = state.along(|symbol| in_velocities(&direction, symbol));
         let values = self.point_forces.run(moving(&varied, &lift_all(parameters)));
         let work = |pair: &[Dual<Dual<Rounded>>]| -> Rounded {
             (0..3).map(|k| pair[k].value.derivative * pair[3 + k].value.value).sum()
@@ -130,31 +130,31 @@ impl<'l, 'g> Witness<'l, 'g> {
     }
 
     /// For each row of the constraints its value and its rate along the motion, both with their own rates.
-    pub fn constraints(&self, state: &State<Rounded>, parameters: &[Rounded]) -> Vec<[Dual<Rounded>; 2]> {
-        let along_path = lift(state, |symbol| path(state, symbol));
+    pub(crate) fn constraints(&self, state: &State<Rounded>, parameters: &[Rounded]) -> Vec<[Dual<Rounded>; 2]> {
+        let along_path = state.along(|symbol| path(state, symbol));
         let values = self.constraints.run(moving(&along_path, &lift_all(parameters)));
         values.iter().map(|row| [row.value, row.derivative]).collect()
     }
 
     /// The outputs' components with their time derivatives, in the order of declaration.
-    pub fn outputs(&self, state: &State<Rounded>, parameters: &[Rounded]) -> Vec<Dual<Rounded>> {
+    pub(crate) fn outputs(&self, state: &State<Rounded>, parameters: &[Rounded]) -> Vec<Dual<Rounded>> {
         self.outputs.run(moving(state, parameters))
     }
 
     /// For each frame rotation (9), position (3), angular velocity (3) and velocity (3), with their time derivatives.
-    pub fn frames(&self, state: &State<Rounded>, parameters: &[Rounded]) -> Vec<Dual<Rounded>> {
+    pub(crate) fn frames(&self, state: &State<Rounded>, parameters: &[Rounded]) -> Vec<Dual<Rounded>> {
         self.frames.run(moving(state, parameters))
     }
 
     /// The terms of Lagrange's equation of each coordinate.
-    pub fn lagrange(&self, state: &State<Rounded>, parameters: &[Rounded]) -> Vec<LagrangeTerms> {
+    pub(crate) fn lagrange(&self, state: &State<Rounded>, parameters: &[Rounded]) -> Vec<LagrangeTerms> {
         let steps = self.steps(state, parameters);
         (0..state.q.len()).map(|i| self.lagrange_along(unit(i), &steps, state, parameters)).collect()
     }
 
     /// All that the energies are computed of, at a state and along the motion.
     fn steps(&self, state: &State<Rounded>, parameters: &[Rounded]) -> Steps {
-        let along_path = lift(state, |symbol| path(state, symbol));
+        let along_path = state.along(|symbol| path(state, symbol));
         Steps {
             here: self.energies.all(moving(state, parameters)),
             along_path: self.energies.all(moving(&along_path, &lift_all(parameters))),
@@ -163,7 +163,7 @@ impl<'l, 'g> Witness<'l, 'g> {
 
     /// What holds the coordinates on their way, along a direction of them, beside the declared forces:
     /// `d/dt ∂L/∂q̇ − ∂L/∂q + ∂D/∂q̇ − (∂v/∂q̇)ᵀ F − Aᵀ λ`.
-    pub fn holding_force(
+    pub(crate) fn holding_force(
         &self,
         direction: impl Fn(usize) -> Rounded,
         state: &State<Rounded>,
@@ -176,8 +176,8 @@ impl<'l, 'g> Witness<'l, 'g> {
         let parameters = lift_all(parameters);
         let slopes =
             |varied| self.constraints.run(moving(&varied, &parameters)).into_iter().map(|row| row.value.derivative);
-        let by_position = slopes(lift(state, |symbol| in_coordinates(&direction, symbol)));
-        let by_velocity = slopes(lift(state, |symbol| in_velocities(&direction, symbol)));
+        let by_position = slopes(state.along(|symbol| in_coordinates(&direction, symbol)));
+        let by_velocity = slopes(state.along(|symbol| in_velocities(&direction, symbol)));
         let rows = self.lagrangian.holonomic_rows().into_iter().zip(by_position.zip(by_velocity));
         let rows = rows.map(|(holonomic, (position, velocity))| if holonomic { position } else { velocity });
         let constraint: Rounded = rows.zip(multipliers).map(|(a, &lambda)| a * lambda).sum();
@@ -194,8 +194,8 @@ impl<'l, 'g> Witness<'l, 'g> {
     ) -> LagrangeTerms {
         let once = lift_all(parameters);
         // ε along the motion, then δ along the direction of q̇: the coefficient of εδ is d/dt ∂L/∂q̇.
-        let along_path = lift(state, |symbol| path(state, symbol));
-        let twice = lift(&along_path, |symbol| Dual::fixed(in_velocities(&direction, symbol)));
+        let along_path = state.along(|symbol| path(state, symbol));
+        let twice = along_path.along(|symbol| Dual::fixed(in_velocities(&direction, symbol)));
         let twice_fixed = lift_all(&once);
         let varies = |i: u32| !direction(i as usize).is_exactly_zero();
         // A velocity is the rate of its coordinate, too.
@@ -203,7 +203,7 @@ impl<'l, 'g> Witness<'l, 'g> {
         let point = moving(&twice, &twice_fixed);
         let point = |symbol| in_direction(symbol).then(|| point(symbol));
         let [l, _, _, d] = self.varied_energies(&steps.along_path, point);
-        let varied = lift(state, |symbol| in_coordinates(&direction, symbol));
+        let varied = state.along(|symbol| in_coordinates(&direction, symbol));
         let point = moving(&varied, &once);
         let point = |symbol| matches!(symbol, Symbol::Coordinate(i) if varies(i)).then(|| point(symbol));
         let [l_varied, ..] = self.varied_energies(&steps.here, point);
@@ -232,7 +232,7 @@ fn in_velocities(direction: impl Fn(usize) -> Rounded, symbol: Symbol) -> Rounde
 }
 
 /// How the symbols change along the motion.
-pub fn path(state: &State<Rounded>, symbol: Symbol) -> Rounded {
+pub(crate) fn path(state: &State<Rounded>, symbol: Symbol) -> Rounded {
     match symbol {
         Symbol::Time => Rounded::exact(1.0),
         Symbol::Coordinate(i) => state.qd[i as usize],
@@ -244,7 +244,7 @@ pub fn path(state: &State<Rounded>, symbol: Symbol) -> Rounded {
 }
 
 /// How the symbols change with time alone, coordinates and velocities held.
-pub fn explicit_path(state: &State<Rounded>, symbol: Symbol) -> Rounded {
+pub(crate) fn explicit_path(state: &State<Rounded>, symbol: Symbol) -> Rounded {
     match symbol {
         Symbol::Coordinate(_) | Symbol::Velocity(_) => Rounded::default(),
         other => path(state, other),
@@ -252,7 +252,7 @@ pub fn explicit_path(state: &State<Rounded>, symbol: Symbol) -> Rounded {
 }
 
 /// A state whose numbers are exact.
-pub fn exact(state: &State) -> State<Rounded> {
+pub(crate) fn exact(state: &State) -> State<Rounded> {
     let all = |values: &[f64]| values.iter().copied().map(Rounded::exact).collect();
     State {
         t: Rounded::exact(state.t),
@@ -264,36 +264,14 @@ pub fn exact(state: &State) -> State<Rounded> {
     }
 }
 
-/// The state with a derivative in some direction.
-pub fn lift<V: Value>(state: &State<V>, direction: impl Fn(Symbol) -> V) -> State<Dual<V>> {
-    let all = |values: &[V], symbol: fn(u32) -> Symbol| {
-        values.iter().enumerate().map(|(i, &v)| Dual::new(v, direction(symbol(i as u32)))).collect()
-    };
-    State {
-        t: Dual::new(state.t, direction(Symbol::Time)),
-        q: all(&state.q, Symbol::Coordinate),
-        qd: all(&state.qd, Symbol::Velocity),
-        qdd: all(&state.qdd, Symbol::Acceleration),
-        u: all(&state.u, Symbol::Input),
-        prescribed: state
-            .prescribed
-            .iter()
-            .enumerate()
-            .map(|(i, signal)| {
-                [0, 1, 2].map(|order| Dual::new(signal[order], direction(Symbol::Prescribed(i as u32, order as u8))))
-            })
-            .collect(),
-    }
-}
-
 /// The state with `more` further coordinates, which rest at zero.
-pub fn with_resting(state: &State<Rounded>, more: usize) -> State<Rounded> {
+pub(crate) fn with_resting(state: &State<Rounded>, more: usize) -> State<Rounded> {
     let all = |values: &[Rounded]| [values, vec![Rounded::default(); more].as_slice()].concat();
     State { q: all(&state.q), qd: all(&state.qd), qdd: all(&state.qdd), ..state.clone() }
 }
 
 /// Values that do not change.
-pub fn lift_all<V: Value>(values: &[V]) -> Vec<Dual<V>> {
+pub(crate) fn lift_all<V: Value>(values: &[V]) -> Vec<Dual<V>> {
     values.iter().map(|&v| Dual::fixed(v)).collect()
 }
 

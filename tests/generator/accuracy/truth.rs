@@ -3,7 +3,7 @@
 
 use mbs_derive::expr::{Dual, Symbol, Value};
 use mbs_derive::interpret::State;
-use mbs_derive::verify::witness::{Witness, lift, lift_all};
+use mbs_derive::verify::Witness;
 
 use super::exact::Exact;
 
@@ -17,15 +17,16 @@ pub(crate) struct Truth {
 impl Truth {
     pub(crate) fn at(witness: &Witness<'_, '_>, state: &State<Exact>, parameters: &[Exact]) -> Self {
         let [_, kinetic_energy, potential_energy, _] = witness.energies(state, parameters);
-        let (once, twice) = (lift_all(parameters), lift_all(&lift_all(parameters)));
+        let once: Vec<_> = parameters.iter().map(|&p| Dual::fixed(p)).collect();
+        let twice: Vec<_> = once.iter().map(|&p| Dual::fixed(p)).collect();
         // ε along the motion, δ along a coordinate or its velocity.
-        let along_path = lift(state, |symbol| path(state, symbol));
+        let along_path = state.along(|symbol| path(state, symbol));
         let one_if = |holds: bool| Exact::constant(f64::from(u8::from(holds)));
         let equation = |i: u32| {
             let in_velocity = |symbol| Dual::fixed(one_if(symbol == Symbol::Velocity(i)));
-            let [l, _, _, d] = witness.energies(&lift(&along_path, in_velocity), &twice);
+            let [l, _, _, d] = witness.energies(&along_path.along(in_velocity), &twice);
             let in_coordinate = |symbol| one_if(symbol == Symbol::Coordinate(i));
-            let [varied, ..] = witness.energies(&lift(state, in_coordinate), &once);
+            let [varied, ..] = witness.energies(&state.along(in_coordinate), &once);
             l.derivative.derivative.sub(varied.derivative).add(d.derivative.value)
         };
         let inverse_dynamics = (0..state.q.len() as u32).map(equation).collect();

@@ -2,7 +2,7 @@
 
 use mbs_derive::expr::Dual;
 use mbs_derive::interpret::{Interpreter, State};
-use mbs_derive::numeric::elimination::eliminate;
+use mbs_derive::numeric::eliminate;
 use mbs_derive::optimise::{Derivation, FunctionKind};
 use mbs_tests::compare::error;
 use mbs_tests::random::{Posture, Random, onto_the_sphere};

@@ -9,11 +9,11 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use std::fmt;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
+use mbs_derive::Analysis;
 use mbs_derive::expr::Graph;
 use mbs_derive::interpret::{self, Interpreter};
 use mbs_derive::optimise::{Derivation, Function, FunctionKind};
 use mbs_derive::source::{Sources, Unreadable};
-use mbs_derive::{declared_from, derived, verify};
 
 use super::conserved::unchanged;
 use super::evaluate::State;
@@ -120,10 +120,9 @@ fn said(payload: &(dyn std::any::Any + Send)) -> String {
 
 fn derivation(sources: &Sources) -> Result<Derivation, String> {
     let graph = Graph::verbatim();
-    let (lagrangian, _) = declared_from(sources, &graph, &[]).map_err(|errors| errors.render_in(sources))?;
-    let derivation = derived(&lagrangian);
-    verify::against_energies(&lagrangian, &derivation).map_err(|failure| failure.to_string())?;
-    Ok(derivation)
+    let analysis = Analysis::of(sources, &graph).map_err(|error| error.render_in(sources))?;
+    analysis.prove().map_err(|error| error.to_string())?;
+    Ok(analysis.into_programs())
 }
 
 struct Court<'a> {

@@ -6,15 +6,13 @@ use mbs_derive::diagnostic::Diagnostics;
 use mbs_derive::emit::{self, Options};
 use mbs_derive::expr::Graph;
 use mbs_derive::interpret::{Interpreter, State};
-use mbs_derive::latex;
 use mbs_derive::model::Lagrangian;
 use mbs_derive::numeric::Random;
 use mbs_derive::optimise::{Derivation, Shape};
-use mbs_derive::parse::syntax::Declaration;
 use mbs_derive::source::Sources;
-use mbs_derive::variable::count;
+use mbs_derive::variable::component_names;
 use mbs_derive::verify::Failure;
-use mbs_derive::{Error, declared_from, derive, generate_from, optimise, parse};
+use mbs_derive::{Analysis, Error, parse};
 
 /// How far a text came.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -41,30 +39,35 @@ pub fn examine(sources: &Sources) -> Result<Outcome, String> {
         Ok(declaration) => declaration,
         Err(errors) => return reported(&errors, sources).map(|()| Outcome::Unread),
     };
-    reads_back(&declaration, sources)?;
-    let graph = Graph::verbatim();
-    let (lagrangian, warnings) = match declared_from(sources, &graph, &[]) {
-        Ok(accepted) => accepted,
-        Err(errors) => return reported(&errors, sources).map(|()| Outcome::Refused),
+    let read_back = |sources: &Sources| match parse::declaration_of(sources) {
+        Ok(again) => same("the declaration", &without_places(&declaration), &without_places(&again)),
+        Err(errors) => Err(format!("what was printed is refused:\n{}", errors.render_in(sources))),
     };
+    read_back(&printed(&declaration.to_string(), sources))?;
+    let graph = Graph::verbatim();
+    let analysis = match Analysis::of(sources, &graph) {
+        Ok(analysis) => analysis,
+        Err(Error::Declaration(errors)) => return reported(&errors, sources).map(|()| Outcome::Refused),
+        Err(error) => return Err(format!("{error}")),
+    };
+    let warnings = analysis.warnings(None);
     if warnings.iter().next().is_some() {
         reported(&warnings, sources)?;
     }
-    let graph = Graph::new();
-    let routes = derive::routes(&lagrangian, &graph);
-    let derivation = optimise::straight_line(&lagrangian, &routes);
-    evaluated(&lagrangian, &derivation)?;
-    if lagrangian.dof() <= TEXTBOOK && latex::page(&lagrangian, &routes[0]).is_empty() {
+    evaluated(analysis.lagrangian(), analysis.programs())?;
+    if analysis.lagrangian().dof() <= TEXTBOOK && analysis.latex().is_empty() {
         return Err("the page of the textbook is empty".to_string());
     }
-    generated(sources, &derivation)
+    generated(&analysis, sources)
 }
 
 /// The same code comes out a second time; a proof never fails by the generator's fault.
-fn generated(sources: &Sources, derivation: &Derivation) -> Result<Outcome, String> {
-    match generate_from(sources, &Options::default()) {
+fn generated(analysis: &Analysis<'_>, sources: &Sources) -> Result<Outcome, String> {
+    match analysis.rust(&Options::default()) {
         Ok(generated) => {
-            let again = emit::rust(derivation, &sources.main().name, &Options::default());
+            let graph = Graph::verbatim();
+            let again = Analysis::of(sources, &graph).map_err(|error| format!("the second time: {error}"))?;
+            let again = emit::rust(again.programs(), &sources.main().name, &Options::default());
             same("generated code", &generated.code, &again).map(|()| Outcome::Generated)
         }
         Err(Error::Proof(
@@ -123,20 +126,15 @@ fn is_within(place: &str, sources: &Sources) -> bool {
     column >= 1 && length.is_some_and(|length| column <= length + 1)
 }
 
-/// A declaration that is printed and read again is the same but for its places.
-fn reads_back(declaration: &Declaration, sources: &Sources) -> Result<(), String> {
-    let printed = declaration.to_string();
+/// The text that a declaration was printed as, which is to be read again, in place of the mechanism's own.
+fn printed(text: &str, sources: &Sources) -> Sources {
     // What is imported stands in the text again, and was read already.
     let again = (0..sources.count()).skip(1).map(|i| sources.file(i)).collect::<Vec<_>>();
     let read = |name: &str| match again.iter().find(|file| file.name == name).map(|file| file.text.clone()) {
         Some(text) => text.map(String::into_bytes),
         None => Err(mbs_derive::source::Unreadable::new("there is no such file", "")),
     };
-    let sources = Sources::gather(&sources.main().name, &printed, read);
-    match parse::declaration_of(&sources) {
-        Ok(again) => same("the declaration", &without_places(declaration), &without_places(&again)),
-        Err(errors) => Err(format!("what was printed is refused:\n{printed}\n{}", errors.render_in(&sources))),
-    }
+    Sources::gather(&sources.main().name, text, read)
 }
 
 /// As `Debug` writes it, without byte ranges; `1.` is printed as `1.0`.
@@ -180,7 +178,7 @@ fn zero(lagrangian: &Lagrangian<'_>) -> State {
         q: vec![0.0; n],
         qd: vec![0.0; n],
         qdd: vec![0.0; n],
-        u: vec![0.0; count(&lagrangian.inputs)],
-        prescribed: vec![[0.0; 3]; count(&lagrangian.prescribed)],
+        u: vec![0.0; component_names(&lagrangian.inputs).len()],
+        prescribed: vec![[0.0; 3]; component_names(&lagrangian.prescribed).len()],
     }
 }

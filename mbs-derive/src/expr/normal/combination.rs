@@ -13,13 +13,13 @@ const MOST_FACTORS: usize = 100;
 
 /// Terms with their coefficients, none of them zero.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Combination<K>(pub BTreeMap<K, Number>);
+pub(crate) struct Combination<K>(pub BTreeMap<K, Number>);
 
 /// Powers, in halves, of indivisible expressions; none of them zero.
-pub type Powers = BTreeMap<Id, i32>;
+pub(crate) type Powers = BTreeMap<Id, i32>;
 
 /// A sum of products of powers.
-pub type Polynomial = Combination<Powers>;
+pub(crate) type Polynomial = Combination<Powers>;
 
 impl<K> Default for Combination<K> {
     fn default() -> Self {
@@ -29,14 +29,14 @@ impl<K> Default for Combination<K> {
 
 impl<K: Ord + Clone> Combination<K> {
     /// One term.
-    pub fn term(key: K, coefficient: Number) -> Self {
+    pub(crate) fn term(key: K, coefficient: Number) -> Self {
         let mut sum = Self::default();
         sum.add(key, coefficient);
         sum
     }
 
     /// Adds a term.
-    pub fn add(&mut self, key: K, coefficient: Number) {
+    pub(crate) fn add(&mut self, key: K, coefficient: Number) {
         let sum = self.coefficient(&key) + coefficient;
         if sum.is_zero() {
             self.0.remove(&key);
@@ -46,24 +46,24 @@ impl<K: Ord + Clone> Combination<K> {
     }
 
     /// The coefficient of a term, 0 where there is none.
-    pub fn coefficient(&self, key: &K) -> Number {
+    pub(crate) fn coefficient(&self, key: &K) -> Number {
         self.0.get(key).copied().unwrap_or(Number::ZERO)
     }
 
     /// `self + factor · other`
-    pub fn plus(&self, other: &Self, factor: Number) -> Self {
+    pub(crate) fn plus(&self, other: &Self, factor: Number) -> Self {
         let mut sum = self.clone();
         other.0.iter().for_each(|(key, &coefficient)| sum.add(key.clone(), coefficient * factor));
         sum
     }
 
     /// `−self`
-    pub fn negative(&self) -> Self {
+    pub(crate) fn negative(&self) -> Self {
         Self::default().plus(self, -Number::ONE)
     }
 
     /// The only term, where there is one.
-    pub fn as_term(&self) -> Option<(&K, Number)> {
+    pub(crate) fn as_term(&self) -> Option<(&K, Number)> {
         match self.0.first_key_value() {
             Some((key, &coefficient)) if self.0.len() == 1 => Some((key, coefficient)),
             _ => None,
@@ -71,7 +71,7 @@ impl<K: Ord + Clone> Combination<K> {
     }
 
     /// The product, given that of two terms; `None` beyond `limit` terms, or where two terms have no product.
-    pub fn product(
+    pub(crate) fn product(
         &self,
         other: &Self,
         limit: usize,
@@ -92,24 +92,24 @@ impl<K: Ord + Clone> Combination<K> {
 
 impl Polynomial {
     /// A power, in halves, of one indivisible expression.
-    pub fn atom(id: Id, halves: i32) -> Self {
+    pub(crate) fn atom(id: Id, halves: i32) -> Self {
         Combination::term([(id, halves)].into(), Number::ONE)
     }
 
     /// `self · other`; `None` beyond `limit` terms, or where a power is too high.
-    pub fn times(&self, other: &Self, limit: usize) -> Option<Self> {
+    pub(crate) fn times(&self, other: &Self, limit: usize) -> Option<Self> {
         self.product(other, limit, |a, b| Some(vec![(product_of_powers(a, b)?, Number::ONE)]))
     }
 
     /// A whole power of the only term, where there is one.
-    pub fn monomial_power(&self, n: i32) -> Option<Self> {
+    pub(crate) fn monomial_power(&self, n: i32) -> Option<Self> {
         let (powers, coefficient) = self.as_term()?;
         Some(Combination::term(power_of_powers(powers, n)?, coefficient.power(n.checked_mul(2)?)?))
     }
 }
 
 /// The product of two products of powers; `None` where a power is too high, or factors are too many.
-pub fn product_of_powers(a: &Powers, b: &Powers) -> Option<Powers> {
+pub(crate) fn product_of_powers(a: &Powers, b: &Powers) -> Option<Powers> {
     let mut product = a.clone();
     for (&id, &halves) in b {
         let power = product.entry(id).or_insert(0);
@@ -125,7 +125,7 @@ pub fn product_of_powers(a: &Powers, b: &Powers) -> Option<Powers> {
 }
 
 /// A whole power of a product of powers; `None` where a power is too high.
-pub fn power_of_powers(powers: &Powers, n: i32) -> Option<Powers> {
+pub(crate) fn power_of_powers(powers: &Powers, n: i32) -> Option<Powers> {
     let power = |(&id, &halves): (&Id, &i32)| match halves.checked_mul(n) {
         Some(product) if product.abs() <= HIGHEST => Some((id, product)),
         _ => None,

@@ -13,7 +13,7 @@ use crate::expr::{Function, Symbol};
 
 /// A product of powers times a wave.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub struct Term {
+pub(crate) struct Term {
     powers: Powers,
     wave: Wave,
 }
@@ -27,7 +27,7 @@ impl Term {
 }
 
 /// A sum of products of powers and waves.
-pub type Sum = Combination<Term>;
+pub(crate) type Sum = Combination<Term>;
 
 impl Sum {
     fn constant(value: Number) -> Self {

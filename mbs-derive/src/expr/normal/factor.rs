@@ -15,12 +15,12 @@ use super::combination::{Combination, Polynomial, Powers, power_of_powers};
 const MOST_SHARED: usize = 150;
 
 /// The polynomials as expressions, with common factors taken out, the most common first.
-pub fn factored<'g>(graph: &'g Graph, polynomials: &[Polynomial]) -> Vec<Expr<'g>> {
+pub(crate) fn factored<'g>(graph: &'g Graph, polynomials: &[Polynomial]) -> Vec<Expr<'g>> {
     Sheet::of(graph, polynomials, Brackets::First).expressions()
 }
 
 /// The polynomials as expressions that share what they have in common.
-pub fn shared<'g>(graph: &'g Graph, polynomials: &[Polynomial]) -> Vec<Expr<'g>> {
+pub(crate) fn shared<'g>(graph: &'g Graph, polynomials: &[Polynomial]) -> Vec<Expr<'g>> {
     if polynomials.iter().map(|p| p.0.len()).sum::<usize>() > MOST_SHARED {
         return factored(graph, polynomials);
     }
@@ -35,7 +35,7 @@ pub fn shared<'g>(graph: &'g Graph, polynomials: &[Polynomial]) -> Vec<Expr<'g>>
 
 /// What the expressions cost together, in units of an addition, as `optimise` counts it; what depends on parameters
 /// alone is free, because it is computed once.
-pub fn weight(roots: &[Expr<'_>]) -> usize {
+pub(crate) fn weight(roots: &[Expr<'_>]) -> usize {
     let Some(first) = roots.first() else { return 0 };
     let graph = first.graph();
     let mut angles: BTreeSet<Id> = BTreeSet::new();
@@ -253,7 +253,7 @@ impl<'g> Sheet<'g> {
 }
 
 /// `1/a`; where all terms of a depend on the state in the same way, that dependence can be cancelled.
-pub fn reciprocal(graph: &Graph, a: &Polynomial) -> Polynomial {
+pub(crate) fn reciprocal(graph: &Graph, a: &Polynomial) -> Polynomial {
     let gathered = gathered(graph, a);
     let of_state = match gathered.first_key_value() {
         Some((state, parts)) if gathered.len() == 1 => {

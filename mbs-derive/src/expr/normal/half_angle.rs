@@ -14,7 +14,7 @@ use super::combination::{Polynomial, product_of_powers};
 /// Where all that it is multiplied with stands beside it, `k + k cos 2x = 2 k cos²x` and `k − k cos 2x = 2 k sin²x`
 /// whatever the way: near their zeros the sums have lost the digits that the squares have.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Doubled {
+pub(crate) enum Doubled {
     /// `1 + cos 2x = 2 cos²x` and `1 − cos 2x = 2 sin²x`, where the 1 is there.
     Matched,
     /// `1 − 2 sin²x`
@@ -28,12 +28,12 @@ pub enum Doubled {
 impl Doubled {
     /// All ways; first that of most texts, last that which needs another sine and cosine where the single angle's are
     /// there.
-    pub const ALL: [Doubled; 4] = [Doubled::Matched, Doubled::Sine, Doubled::Cosine, Doubled::Kept];
+    pub(crate) const ALL: [Doubled; 4] = [Doubled::Matched, Doubled::Sine, Doubled::Cosine, Doubled::Kept];
 }
 
 /// The sine or cosine of a doubled angle.
 #[derive(Clone, Debug)]
-pub struct Double {
+pub(crate) struct Double {
     /// Which of them.
     pub function: Function,
     /// The sine of the angle that is doubled.
@@ -46,7 +46,7 @@ pub struct Double {
 
 /// The polynomial with doubled angles halved, given which indivisible expressions have one; `None` beyond `limit`
 /// terms.
-pub fn halved(
+pub(crate) fn halved(
     polynomial: &Polynomial,
     doubled: Doubled,
     limit: usize,

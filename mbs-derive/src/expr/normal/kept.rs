@@ -18,7 +18,7 @@ use crate::expr::{Expr, Function, Graph, Id, Node};
 
 /// The nodes that stay factors.
 #[derive(Clone, Debug, Default)]
-pub struct Kept {
+pub(crate) struct Kept {
     /// Those that are written anew join them.
     sums: RefCell<BTreeMap<Id, Terms>>,
     /// Whether sums with sines and cosines in their terms are multiplied out even where that costs more by itself.
@@ -56,7 +56,7 @@ pub(super) enum Beside {
 
 impl Kept {
     /// The sums that these energies are not linear in, and that these forces are made of.
-    pub fn of(energies: &[Expr<'_>], forces: &[Expr<'_>]) -> Self {
+    pub(crate) fn of(energies: &[Expr<'_>], forces: &[Expr<'_>]) -> Self {
         let kept = Kept::default();
         for (roots, is_force) in [(energies, false), (forces, true)] {
             let Some(graph) = roots.first().map(|root| root.graph()) else { continue };
@@ -74,7 +74,7 @@ impl Kept {
     }
 
     /// And the differences of parameters that these expressions multiply, as of lengths: `(a − b) x`.
-    pub fn and_constants_of(self, expressions: &[Expr<'_>]) -> Self {
+    pub(crate) fn and_constants_of(self, expressions: &[Expr<'_>]) -> Self {
         let Some(graph) = expressions.first().map(|e| e.graph()) else { return self };
         for id in graph.reachable(expressions.iter().map(|e| e.id())) {
             let node = graph.node(id);
@@ -104,7 +104,7 @@ impl Kept {
 
     /// The same, with those of which sines and cosines may cancel multiplied out, if there are any: what costs more by
     /// itself may cost less in what is derived from it.
-    pub fn turned_sums_multiplied_out(&self) -> Option<Self> {
+    pub(crate) fn turned_sums_multiplied_out(&self) -> Option<Self> {
         (self.ways().len() > 1).then(|| Kept { expands_turned: true, ..self.clone() })
     }
 

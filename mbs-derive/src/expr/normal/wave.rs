@@ -5,11 +5,11 @@ use std::collections::BTreeMap;
 use crate::expr::{Expr, Graph, Id, Number};
 
 /// An angle: integer multiples of indivisible expressions, the first of them positive.
-pub type Angle = BTreeMap<Id, i32>;
+pub(crate) type Angle = BTreeMap<Id, i32>;
 
 /// What a product of powers is multiplied with.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Wave {
+pub(crate) enum Wave {
     /// 1
     One,
     /// Its cosine.
@@ -20,7 +20,7 @@ pub enum Wave {
 
 impl Wave {
     /// `cos a cos b = ½ (cos(a − b) + cos(a + b))` and its like.
-    pub fn times(&self, other: &Wave) -> Vec<(Number, Wave)> {
+    pub(crate) fn times(&self, other: &Wave) -> Vec<(Number, Wave)> {
         let half = Number::rational(1, 2).unwrap_or(Number::ONE);
         let (plus, minus) = (Number::ONE, -Number::ONE);
         let [(x, cos_x), (y, cos_y)] = match [self, other].map(|wave| match wave {
@@ -44,7 +44,7 @@ impl Wave {
     }
 
     /// As an expression; its sign may be that of the reversed angle.
-    pub fn expression<'g>(&self, graph: &'g Graph) -> Expr<'g> {
+    pub(crate) fn expression<'g>(&self, graph: &'g Graph) -> Expr<'g> {
         match self {
             Wave::One => graph.integer(1),
             Wave::Cos(angle) => expression(angle, graph).cos(),
@@ -54,12 +54,12 @@ impl Wave {
 }
 
 /// An angle as an expression.
-pub fn expression<'g>(angle: &Angle, graph: &'g Graph) -> Expr<'g> {
+pub(crate) fn expression<'g>(angle: &Angle, graph: &'g Graph) -> Expr<'g> {
     angle.iter().fold(graph.integer(0), |sum, (&id, &n)| sum + i64::from(n) * graph.expr(id))
 }
 
 /// Half of an angle that is twice a sum of whole multiples.
-pub fn half(angle: &Angle) -> Option<Angle> {
+pub(crate) fn half(angle: &Angle) -> Option<Angle> {
     angle.iter().map(|(&id, &n)| (n % 2 == 0).then_some((id, n / 2))).collect()
 }
 
@@ -76,7 +76,7 @@ fn combine(a: &Angle, b: &Angle, sign: i32) -> Angle {
 }
 
 /// `cos` of an angle: even, and 1 at 0.
-pub fn cosine(angle: Angle) -> (Number, Wave) {
+pub(crate) fn cosine(angle: Angle) -> (Number, Wave) {
     match leading(&angle) {
         0 => (Number::ONE, Wave::One),
         n if n < 0 => (Number::ONE, Wave::Cos(negative(angle))),
@@ -85,7 +85,7 @@ pub fn cosine(angle: Angle) -> (Number, Wave) {
 }
 
 /// `sin` of an angle: odd, and 0 at 0.
-pub fn sine(angle: Angle) -> (Number, Wave) {
+pub(crate) fn sine(angle: Angle) -> (Number, Wave) {
     match leading(&angle) {
         0 => (Number::ZERO, Wave::One),
         n if n < 0 => (-Number::ONE, Wave::Sin(negative(angle))),

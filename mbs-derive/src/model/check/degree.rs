@@ -22,7 +22,7 @@ use crate::model::lagrangian::{Constraint, Lagrangian};
 
 /// A mistake in the energies.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Problem {
+pub(crate) enum Problem {
     /// The kinetic term with this number is not a polynomial of degree two in the velocities.
     KineticNotQuadratic(usize),
     /// The lagrangian term with this number is not a polynomial of degree two in the velocities.
@@ -49,7 +49,7 @@ pub enum Problem {
 
 impl Problem {
     /// In words, with the coordinates' names; lower case, no full stop.
-    pub fn message(&self, lagrangian: &Lagrangian<'_>) -> String {
+    pub(crate) fn message(&self, lagrangian: &Lagrangian<'_>) -> String {
         let names = component_names(&lagrangian.coordinates);
         match self {
             Problem::KineticNotQuadratic(_) => "kinetic energy must be quadratic in the velocities".to_string(),
@@ -78,7 +78,7 @@ impl Problem {
     }
 
     /// What to write instead.
-    pub fn help(&self, lagrangian: &Lagrangian<'_>) -> String {
+    pub(crate) fn help(&self, lagrangian: &Lagrangian<'_>) -> String {
         let names = component_names(&lagrangian.coordinates);
         match self {
             Problem::KineticNotQuadratic(_) => {
@@ -165,7 +165,7 @@ impl Lagrangian<'_> {
 }
 
 /// All problems, found at up to eight states where the energies are finite.
-pub fn problems(lagrangian: &Lagrangian<'_>) -> Vec<Problem> {
+pub(crate) fn problems(lagrangian: &Lagrangian<'_>) -> Vec<Problem> {
     let energies = Energies::new(lagrangian);
     let mut random = Random::new(0x6465_6772_6565);
     let states: Vec<Line> = (0..400)

@@ -87,7 +87,7 @@ pub struct Requirement {
 }
 
 /// The requirements in the order of the documentation, and for each its numbers, one behind the other, in `graph`.
-pub fn requirements<'g>(lagrangian: &Lagrangian<'_>, graph: &'g Graph) -> (Vec<Requirement>, Vec<Expr<'g>>) {
+pub(crate) fn requirements<'g>(lagrangian: &Lagrangian<'_>, graph: &'g Graph) -> (Vec<Requirement>, Vec<Expr<'g>>) {
     let (bodies, others) = lagrangian.bodies();
     let mut found: Vec<(Condition, Vec<Expr<'_>>)> = positive(lagrangian);
     found.extend(bodies.iter().flat_map(of_body));

@@ -23,6 +23,6 @@ impl Random {
 }
 
 /// The declared defaults of all parameters, flattened.
-pub fn default_parameters(lagrangian: &Lagrangian<'_>) -> Vec<f64> {
+pub(crate) fn default_parameters(lagrangian: &Lagrangian<'_>) -> Vec<f64> {
     lagrangian.parameters.iter().flat_map(|p| &p.defaults).copied().map(Number::to_f64).collect()
 }

@@ -9,7 +9,7 @@ use crate::source::Sources;
 /// The value in SI units of a number with a unit, `20 deg`, whose dimension is that of `unit`.
 ///
 /// ```
-/// use mbs_derive::model::given::in_si;
+/// use mbs_derive::model::in_si;
 /// assert_eq!(in_si("90 km/h", "m/s"), Ok(25.0));
 /// assert!(in_si("20 deg", "m").is_err());
 /// ```
@@ -33,6 +33,11 @@ pub fn in_si(text: &str, unit: &str) -> Result<f64, String> {
 }
 
 /// Whether a unit as documentation writes it, `kg·m²/s²`, is one of those that `unit` stands for.
+///
+/// ```
+/// use mbs_derive::model::is_of;
+/// assert!(is_of("kg·m²/s²", "N*m") && !is_of("kg·m²/s²", "N"));
+/// ```
 pub fn is_of(shown: &str, unit: &str) -> bool {
     let mut plain = String::new();
     let mut raised = false;

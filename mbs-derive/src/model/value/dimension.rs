@@ -14,7 +14,7 @@ const LARGEST_EXPONENT: i64 = 1000;
 
 /// Exponents of the SI base units; angles are plain numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Dimension([Exponent; 7]);
+pub(crate) struct Dimension([Exponent; 7]);
 
 /// A rational in lowest terms with a positive denominator.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -25,25 +25,25 @@ struct Exponent {
 
 impl Dimension {
     /// That of plain numbers and angles.
-    pub const ONE: Dimension = Dimension::integers([0; 7]);
+    pub(crate) const ONE: Dimension = Dimension::integers([0; 7]);
     /// kg
-    pub const MASS: Dimension = Dimension::integers([1, 0, 0, 0, 0, 0, 0]);
+    pub(crate) const MASS: Dimension = Dimension::integers([1, 0, 0, 0, 0, 0, 0]);
     /// m
-    pub const LENGTH: Dimension = Dimension::integers([0, 1, 0, 0, 0, 0, 0]);
+    pub(crate) const LENGTH: Dimension = Dimension::integers([0, 1, 0, 0, 0, 0, 0]);
     /// s
-    pub const TIME: Dimension = Dimension::integers([0, 0, 1, 0, 0, 0, 0]);
+    pub(crate) const TIME: Dimension = Dimension::integers([0, 0, 1, 0, 0, 0, 0]);
     /// 1/s
-    pub const ANGULAR_VELOCITY: Dimension = Dimension::integers([0, 0, -1, 0, 0, 0, 0]);
+    pub(crate) const ANGULAR_VELOCITY: Dimension = Dimension::integers([0, 0, -1, 0, 0, 0, 0]);
     /// m/s
-    pub const VELOCITY: Dimension = Dimension::integers([0, 1, -1, 0, 0, 0, 0]);
+    pub(crate) const VELOCITY: Dimension = Dimension::integers([0, 1, -1, 0, 0, 0, 0]);
     /// m/s²
-    pub const ACCELERATION: Dimension = Dimension::integers([0, 1, -2, 0, 0, 0, 0]);
+    pub(crate) const ACCELERATION: Dimension = Dimension::integers([0, 1, -2, 0, 0, 0, 0]);
     /// kg·m²
-    pub const INERTIA: Dimension = Dimension::integers([1, 2, 0, 0, 0, 0, 0]);
+    pub(crate) const INERTIA: Dimension = Dimension::integers([1, 2, 0, 0, 0, 0, 0]);
     /// kg·m²/s²
-    pub const ENERGY: Dimension = Dimension::integers([1, 2, -2, 0, 0, 0, 0]);
+    pub(crate) const ENERGY: Dimension = Dimension::integers([1, 2, -2, 0, 0, 0, 0]);
     /// kg·m²/s³
-    pub const POWER: Dimension = Dimension::integers([1, 2, -3, 0, 0, 0, 0]);
+    pub(crate) const POWER: Dimension = Dimension::integers([1, 2, -3, 0, 0, 0, 0]);
 
     const fn integers(exponents: [i8; 7]) -> Dimension {
         let mut dimension = [Exponent { numerator: 0, denominator: 1 }; 7];
@@ -56,12 +56,12 @@ impl Dimension {
     }
 
     /// That of a product; `None` where an exponent runs away.
-    pub fn times(self, other: Dimension) -> Option<Dimension> {
+    pub(crate) fn times(self, other: Dimension) -> Option<Dimension> {
         self.combine(other, 1)
     }
 
     /// That of a quotient; `None` where an exponent runs away.
-    pub fn over(self, other: Dimension) -> Option<Dimension> {
+    pub(crate) fn over(self, other: Dimension) -> Option<Dimension> {
         self.combine(other, -1)
     }
 
@@ -75,7 +75,7 @@ impl Dimension {
     }
 
     /// That of a power with the exponent `numerator / denominator`; `None` where an exponent runs away.
-    pub fn power(self, numerator: i32, denominator: i32) -> Option<Dimension> {
+    pub(crate) fn power(self, numerator: i32, denominator: i32) -> Option<Dimension> {
         let mut result = self;
         for exponent in &mut result.0 {
             let n = i64::from(exponent.numerator).checked_mul(i64::from(numerator))?;
