@@ -6,11 +6,12 @@
 //! - [`syntax`]: the declaration as it was written, what the next pass is given;
 //! - `import`: the files that are imported, and all files together; `csv`: tables among them; `shift`: their places;
 //! - `encoding`: bytes → text;
-//! - `guard`: comments, brackets and characters, before the text is cut into tokens;
-//! - `grammar`: the file and its statements, one function a construct;
+//! - `lexer`: text → tokens, with comments, brackets and characters checked; `lookalike`: characters that were meant as
+//!   others;
+//! - `grammar`: the file, and where statements begin and end; `statement`: what each says;
 //! - `contextual`: statements that begin with a word that may be a name, too;
 //! - `quantity`: what a declaration declares: names, units, values;
-//! - `expression`: operators, calls, arrays, numbers; `in_place`: numbers with units; `condition`: `if … else`,
+//! - `expression`: operators, calls, arrays; `number`: numbers; `in_place`: numbers with units; `condition`: `if … else`,
 //!   comparisons;
 //! - `reader`: tokens and refusals, what the three are written with;
 //! - `keyword`: the words that cannot be names;
@@ -24,13 +25,16 @@ mod encoding;
 mod expression;
 mod freeze;
 mod grammar;
-mod guard;
 mod import;
 mod in_place;
 mod keyword;
+mod lexer;
+mod lookalike;
+mod number;
 mod quantity;
 mod reader;
 mod shift;
+mod statement;
 pub(crate) mod syntax;
 
 use crate::diagnostic::Diagnostics;

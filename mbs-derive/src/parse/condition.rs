@@ -1,44 +1,41 @@
 //! Conditions: `if … { … } else { … }` as a value and as a statement, and what is no comparison.
 
-use proc_macro2::Delimiter;
-use syn::parse::ParseStream;
-
-use super::reader::{Parsed, Reader, Refused, opens, word};
+use super::reader::{Parsed, Reader, Refused};
 use super::syntax::{Expression, ExpressionKind, Statement, StatementKind};
 
 const FORM: &str = "write `if x < 0 { a } else { b }`";
 
 impl Reader<'_> {
     /// `conditional := "if" expression "{" expression "}" "else" (conditional | "{" expression "}")`
-    pub(super) fn conditional(&mut self, input: ParseStream<'_>) -> Parsed<Box<Expression>> {
-        let here = self.next(input);
+    pub(super) fn conditional(&mut self) -> Parsed<Box<Expression>> {
+        let here = self.next();
         self.enter(&here)?;
-        self.eat_word(input, "if");
-        let condition = self.operators(input)?;
-        let yes = self.branch(input)?;
-        if !self.eat_word(input, "else") {
-            return Err(self.no_else(input));
+        self.eat_word("if");
+        let condition = self.operators()?;
+        let yes = self.branch()?;
+        if !self.eat_word("else") {
+            return Err(self.no_else());
         }
-        let no = match word(input.cursor()) {
-            Some((text, _)) if text == "if" => self.conditional(input)?,
-            _ => self.branch(input)?,
+        let no = match self.word() {
+            Some("if") => self.conditional()?,
+            _ => self.branch()?,
         };
         self.depth -= 1;
         Ok(Box::new(Expression { kind: ExpressionKind::If(condition, yes, no), span: here.start..self.last }))
     }
 
     /// `choice := "if" expression block ("else" "if" expression block)* ("else" block)?`
-    pub(super) fn choice(&mut self, input: ParseStream<'_>) -> Parsed<Statement> {
-        let first = self.next(input).start;
+    pub(super) fn choice(&mut self) -> Parsed<Statement> {
+        let first = self.next().start;
         let (mut branches, mut otherwise) = (Vec::new(), Vec::new());
-        while self.eat_word(input, "if") {
-            let condition = self.expression(input)?;
-            branches.push((condition, self.block(input, "write `if n == 1 { … } else { … }`")?));
-            if !self.eat_word(input, "else") {
+        while self.eat_word("if") {
+            let condition = self.expression()?;
+            branches.push((condition, self.block("write `if n == 1 { … } else { … }`")?));
+            if !self.eat_word("else") {
                 break;
             }
-            if word(input.cursor()).is_none_or(|(text, _)| text != "if") {
-                otherwise = self.block(input, "write `if n == 1 { … } else { … }`")?;
+            if self.word().is_none_or(|text| text != "if") {
+                otherwise = self.block("write `if n == 1 { … } else { … }`")?;
                 break;
             }
         }
@@ -46,59 +43,59 @@ impl Reader<'_> {
     }
 
     /// `block := "{" statement* "}"`
-    fn block(&mut self, input: ParseStream<'_>, form: &str) -> Parsed<Vec<Statement>> {
-        if !opens(input, Delimiter::Brace) {
-            return Err(match super::reader::sign(input.cursor()) {
-                Some(("&" | "|" | "=" | "=>", _)) => self.stray_in_condition(input),
-                _ => self.unexpected(input, "a `{`", form),
+    fn block(&mut self, form: &str) -> Parsed<Vec<Statement>> {
+        if !self.opens('{') {
+            return Err(match self.sign() {
+                Some("&" | "|" | "=" | "=>") => self.stray_in_condition(),
+                _ => self.unexpected("a `{`", form),
             });
         }
-        let group = self.group(input)?;
-        let statements = self.statements(&group.content);
-        self.close(group);
+        self.open()?;
+        let statements = self.statements();
+        self.close();
         Ok(statements)
     }
 
     /// `"{" expression "}"`
-    fn branch(&mut self, input: ParseStream<'_>) -> Parsed<Box<Expression>> {
-        if !opens(input, Delimiter::Brace) {
-            return Err(self.no_branch(input));
+    fn branch(&mut self) -> Parsed<Box<Expression>> {
+        if !self.opens('{') {
+            return Err(self.no_branch());
         }
-        let group = self.group(input)?;
-        let value = self.operators(&group.content)?;
-        if !group.content.is_empty() {
-            return Err(self.stray_in_branch(&group.content));
+        self.open()?;
+        let value = self.operators()?;
+        if !self.is_at_end() {
+            return Err(self.stray_in_branch());
         }
-        self.close(group);
+        self.close();
         Ok(value)
     }
 
-    fn no_else(&mut self, input: ParseStream<'_>) -> Refused {
-        self.unexpected(input, "`else`", "a value is needed on both sides: `if x < 0 { a } else { b }`")
+    fn no_else(&mut self) -> Refused {
+        self.unexpected("`else`", "a value is needed on both sides: `if x < 0 { a } else { b }`")
     }
 
     /// Between a condition and the braces that it needs.
-    fn no_branch(&mut self, input: ParseStream<'_>) -> Refused {
-        match super::reader::sign(input.cursor()) {
-            Some(("&" | "|" | "=" | "=>", _)) => self.stray_in_condition(input),
-            _ => self.unexpected(input, "a `{`", FORM),
+    fn no_branch(&mut self) -> Refused {
+        match self.sign() {
+            Some("&" | "|" | "=" | "=>") => self.stray_in_condition(),
+            _ => self.unexpected("a `{`", FORM),
         }
     }
 
-    fn stray_in_condition(&mut self, input: ParseStream<'_>) -> Refused {
-        if self.peek(input, "=") {
-            let here = self.next(input);
+    fn stray_in_condition(&mut self) -> Refused {
+        if self.peek("=") {
+            let here = self.next();
             return self.refuse(here, "`=` is not a comparison", "write `==`, of constants, `<`, `<=`, `>` or `>=`");
         }
-        self.stray(input)
+        self.stray()
     }
 
-    fn stray_in_branch(&mut self, input: ParseStream<'_>) -> Refused {
-        if self.peek(input, ";") {
-            let here = self.next(input);
+    fn stray_in_branch(&mut self) -> Refused {
+        if self.peek(";") {
+            let here = self.next();
             return self.refuse(here, "a branch is one value", "leave the `;` out: `if x < 0 { a } else { b }`");
         }
-        self.stray(input)
+        self.stray()
     }
 
     pub(super) fn chained_comparison(&mut self) -> Refused {

@@ -1,83 +1,83 @@
 //! Statements that begin with a word that may be a name, too: `gravity = …;` gives a `let mut` a new value.
 
-use proc_macro2::Delimiter;
-use syn::buffer::Cursor;
-use syn::parse::ParseStream;
-
 use super::keyword::CONTEXTUAL;
-use super::reader::{Parsed, Reader, opens, sign, word};
+use super::reader::{Parsed, Reader};
 use super::syntax::{Statement, StatementKind};
 
 impl Reader<'_> {
     /// `gravity := "gravity" expression`
-    pub(super) fn gravity(&mut self, input: ParseStream<'_>) -> Parsed<StatementKind> {
-        self.eat_word(input, "gravity");
-        if self.peek(input, "+=") {
+    pub(super) fn gravity(&mut self) -> Parsed<StatementKind> {
+        self.eat_word("gravity");
+        if self.peek("+=") {
             let help = "write `gravity [0, 0, -g];`: it acts on all bodies, so there is one";
-            return Err(self.refuse(self.next(input), "gravity is declared once, not added to", help));
+            return Err(self.refuse(self.next(), "gravity is declared once, not added to", help));
         }
-        Ok(StatementKind::Gravity { acceleration: self.expression(input)? })
+        Ok(StatementKind::Gravity { acceleration: self.expression()? })
     }
 }
 
 impl Reader<'_> {
     /// `part := "part" name "(" names ")" "{" statement* "}"`
-    pub(super) fn part(&mut self, input: ParseStream<'_>) -> Parsed<Statement> {
-        let first = self.next(input).start;
-        self.eat_word(input, "part");
-        let name = self.declared_name(input, "part")?;
+    pub(super) fn part(&mut self) -> Parsed<Statement> {
+        let first = self.next().start;
+        self.eat_word("part");
+        let name = self.declared_name("part")?;
         if CONTEXTUAL.contains(&name.text.as_str()) {
             let message = format!("`{}` cannot name a part: it begins a statement of its own", name.text);
             return Err(self.refuse(name.span, message, "choose another name"));
         }
         let form = format!("write `part {}(x, y) {{ … }}`", name.text);
-        let parameters = self.names_in_brackets(input, "part", &form)?;
-        if !opens(input, Delimiter::Brace) {
-            return Err(self.unexpected(input, "a `{`", &form));
+        let parameters = self.names_in_brackets("part", &form)?;
+        if !self.opens('{') {
+            return Err(self.unexpected("a `{`", &form));
         }
-        let group = self.group(input)?;
-        let body = self.statements(&group.content);
-        self.close(group);
+        self.open()?;
+        let body = self.statements();
+        self.close();
         Ok(Statement { kind: StatementKind::Part { name, parameters, body }, span: first..self.last })
     }
 
     /// `instance := name name ("[" expression "]")? "(" arguments ")"`
-    pub(super) fn instance(&mut self, input: ParseStream<'_>) -> Parsed<StatementKind> {
-        let part = self.name(input, "this")?;
-        let name = self.declared_name(input, &part.text)?;
-        let index = self.index(input)?;
-        let arguments = self.arguments(input)?;
+    pub(super) fn instance(&mut self) -> Parsed<StatementKind> {
+        let part = self.name("this")?;
+        let name = self.declared_name(&part.text)?;
+        let index = self.index()?;
+        let arguments = self.arguments()?;
         Ok(StatementKind::Instance { part, name, index, arguments })
     }
 }
 
-/// Whether a word, a name and arguments in brackets come next, as in `part link(m)`.
-pub(super) fn begins_call(input: ParseStream<'_>) -> bool {
-    let name = word(input.cursor()).and_then(|(_, behind)| word(behind));
-    name.is_some_and(|(_, behind)| behind.group(Delimiter::Parenthesis).is_some())
-}
+// ---- what stands behind such a word
 
-/// Whether a part is used next, as in `link arm[i](m)`.
-pub(super) fn begins_instance(input: ParseStream<'_>) -> bool {
-    let Some((_, mut behind)) = word(input.cursor()).and_then(|(_, behind)| word(behind)) else { return false };
-    if let Some(rest) = behind_brackets(behind) {
-        behind = rest;
+impl Reader<'_> {
+    /// Whether a word, a name and arguments in brackets come next, as in `part link(m)`.
+    pub(super) fn begins_call(&self) -> bool {
+        self.word_at(self.at + 1).is_some() && self.opens_at(self.at + 2, '(')
     }
-    let Some((_, _, end)) = behind.group(Delimiter::Parenthesis) else { return false };
-    end.group(Delimiter::Brace).is_none() && sign(end).is_none_or(|(sign, _)| sign == ";")
-}
 
-/// Whether the name that comes next, or an element of it, is given a value.
-pub(super) fn is_assignment(input: ParseStream<'_>) -> bool {
-    let Some((_, mut behind)) = word(input.cursor()) else { return false };
-    while let Some(rest) = behind_brackets(behind) {
-        behind = rest;
+    /// Whether a part is used next, as in `link arm[i](m)`.
+    pub(super) fn begins_instance(&self) -> bool {
+        if self.word_at(self.at + 1).is_none() {
+            return false;
+        }
+        let name = self.at + 2;
+        let arguments = self.behind_group(name, '[').unwrap_or(name);
+        let Some(end) = self.behind_group(arguments, '(') else { return false };
+        !self.opens_at(end, '{') && self.sign_at(end).is_none_or(|sign| sign == ";")
     }
-    sign(behind).is_some_and(|(sign, _)| sign == "=")
-}
 
-fn behind_brackets(cursor: Cursor<'_>) -> Option<Cursor<'_>> {
-    cursor.group(Delimiter::Bracket).map(|(_, _, rest)| rest)
+    /// Whether the name that comes next, or an element of it, is given a value.
+    pub(super) fn is_assignment(&self) -> bool {
+        self.sign_at(self.behind_indices(self.at + 1)) == Some("=")
+    }
+
+    /// What stands behind `[i][j]`, which may begin at token `at`.
+    pub(super) fn behind_indices(&self, mut at: usize) -> usize {
+        while let Some(behind) = self.behind_group(at, '[') {
+            at = behind;
+        }
+        at
+    }
 }
 
 #[cfg(test)]

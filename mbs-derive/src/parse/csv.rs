@@ -8,9 +8,9 @@
 //!
 //! `stretch [mm]` above `-40` and `15` is `const stretch[2]: mm = [-40, 15];`, every part with its place in the table.
 
-use super::expression::no_number;
 use super::grammar::{self, File};
 use super::import::Shared;
+use super::number::no_number;
 use super::syntax::{Expression, ExpressionKind, Quantity, Span, Statement, StatementKind};
 use crate::diagnostic::Diagnostics;
 

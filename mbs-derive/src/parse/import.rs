@@ -10,13 +10,10 @@
 
 use std::vec;
 
-use syn::buffer::Cursor;
-use syn::parse::ParseStream;
-
 use super::grammar::{self, File};
-use super::reader::{Parsed, Reader, Refused, word};
+use super::reader::{Parsed, Reader, Refused};
 use super::syntax::{Declaration, Import, Span, Statement, StatementKind};
-use super::{MAX_TOKENS, csv, guard};
+use super::{MAX_TOKENS, csv, lexer};
 use crate::diagnostic::Diagnostics;
 use crate::source::{Sources, is_table};
 
@@ -48,16 +45,16 @@ pub(crate) fn paths(text: &str) -> Vec<String> {
 
 /// The text behind comments and white space.
 fn behind_comments(text: &str) -> &str {
-    let mut rest = text.trim_start_matches(guard::is_space);
+    let mut rest = text.trim_start_matches(lexer::is_space);
     loop {
         let length = if rest.starts_with("//") {
             rest.find('\n').unwrap_or(rest.len())
         } else if rest.starts_with("/*") {
-            guard::block_comment_length(rest.as_bytes()).unwrap_or(rest.len())
+            lexer::block_comment_length(rest.as_bytes()).unwrap_or(rest.len())
         } else {
             return rest;
         };
-        rest = rest[length..].trim_start_matches(guard::is_space);
+        rest = rest[length..].trim_start_matches(lexer::is_space);
     }
 }
 
@@ -77,31 +74,28 @@ const FORM: &str = "write `import \"file.mbs\";`";
 
 impl Reader<'_> {
     /// `import := "import" "\"" path "\"" ";"`, noted in `imports`.
-    pub(super) fn import(&mut self, input: ParseStream<'_>) -> Parsed<()> {
-        let start = self.next(input).start;
-        self.eat_word(input, "import");
-        let here = self.next(input);
-        let quoted = input.cursor().literal().is_some() && self.source[here.clone()].starts_with('"');
-        if !quoted {
-            return Err(self.unexpected(input, "a path in quotation marks", FORM));
+    pub(super) fn import(&mut self) -> Parsed<()> {
+        let start = self.next().start;
+        self.eat_word("import");
+        let here = self.next();
+        let Some(path) = self.path() else {
+            return Err(self.unexpected("a path in quotation marks", FORM));
+        };
+        match problem(path) {
+            Some((message, help)) => {
+                self.errors.error(here, message).help(help);
+            }
+            None => self.imports.push(Import { path: path.to_string(), span: start..self.last }),
         }
-        let literal = self.literal(input).unwrap_or_default();
-        let path = literal.strip_prefix('"').and_then(|path| path.strip_suffix('"'));
-        let wrong = path.map_or(Some(("a path ends with its quotation mark", FORM)), problem);
-        if let Some((message, help)) = wrong {
-            self.errors.error(here, message).help(help);
-        } else if let Some(path) = path {
-            self.imports.push(Import { path: path.to_string(), span: start..self.last });
-        }
-        if self.eat(input, ";").is_none() {
+        if self.eat(";").is_none() {
             self.errors.error(self.last..self.last, "a `;` is missing").help("end the import with `;`");
         }
         Ok(())
     }
 
     /// Goes to the next line, or behind the `;`.
-    pub(super) fn behind_import(&mut self, input: ParseStream<'_>) {
-        while !input.is_empty() && !self.begins_line(input) && !self.skip(input) {}
+    pub(super) fn behind_import(&mut self) {
+        while !self.is_at_end() && !self.begins_line() && !self.skip() {}
     }
 
     pub(super) fn late_import(&mut self, here: Span) -> Refused {
@@ -121,19 +115,19 @@ pub(super) enum Shared {
 
 impl Reader<'_> {
     /// `shared := ("//!" doc | import)* (doc* ((const | fn) ";" | part))*`
-    pub(super) fn shared(&mut self, input: ParseStream<'_>) -> Parsed<Shared> {
-        if top_level(input.cursor()).any(|word| word == "mechanism") {
-            while !input.is_empty() {
-                self.skip(input);
+    pub(super) fn shared(&mut self) -> Parsed<Shared> {
+        if self.top_level().any(|word| word == "mechanism") {
+            while !self.is_at_end() {
+                self.skip();
             }
             return Ok(Shared::Mechanism);
         }
-        let head = self.head(input);
+        let head = self.head();
         if let Some(attribute) = head.dimensionless {
             let error = self.errors.error(attribute, "this attribute belongs to a mechanism");
             error.help("leave it out: the mechanism that imports this file decides");
         }
-        let statements = self.statements(input);
+        let statements = self.statements();
         for statement in &statements {
             if !matches!(
                 statement.kind,
@@ -150,26 +144,29 @@ impl Reader<'_> {
     }
 }
 
-/// The words that stand within no bracket.
-fn top_level(mut cursor: Cursor<'_>) -> impl Iterator<Item = String> {
-    std::iter::from_fn(move || {
-        while !cursor.eof() {
-            let found = word(cursor);
-            cursor = cursor.token_tree()?.1;
-            if let Some((text, _)) = found {
-                return Some(text);
+impl<'s> Reader<'s> {
+    /// The words that stand within no bracket.
+    fn top_level(&self) -> impl Iterator<Item = &'s str> {
+        let mut at = 0;
+        std::iter::from_fn(move || {
+            while at < self.tokens.len() {
+                let word = self.word_at(at);
+                at = self.behind(at);
+                if word.is_some() {
+                    return word;
+                }
             }
-        }
-        None
-    })
-}
+            None
+        })
+    }
 
-/// Whether a file declares no mechanism, but something to be shared by them: its first word, imports aside, is `const`,
-/// `fn` or `part`, or it imports and no more.
-pub(super) fn begins_as_shared(input: ParseStream<'_>) -> bool {
-    let mut words = top_level(input.cursor()).peekable();
-    let begins = words.peek().is_some_and(|first| ["import", "const", "fn", "part"].contains(&first.as_str()));
-    begins && !words.any(|word| word == "mechanism")
+    /// Whether a file declares no mechanism, but something to be shared by them: its first word, imports aside, is
+    /// `const`, `fn` or `part`, or it imports and no more.
+    fn begins_as_shared(&self) -> bool {
+        let mut words = self.top_level().peekable();
+        let begins = words.peek().is_some_and(|first| ["import", "const", "fn", "part"].contains(first));
+        begins && !words.any(|word| word == "mechanism")
+    }
 }
 
 // ---- all files together
@@ -191,7 +188,7 @@ pub(super) fn declaration(sources: &Sources) -> Result<Declaration, Diagnostics>
 /// The shared declarations of a file that is no mechanism, and of what it imports; `None` if it was not meant as one.
 pub(super) fn shared(sources: &Sources) -> Option<Result<Vec<Statement>, Diagnostics>> {
     let text = sources.main().text.as_deref().unwrap_or_default();
-    if !grammar::asked(text, begins_as_shared)? {
+    if !grammar::asked(text, Reader::begins_as_shared)? {
         return None;
     }
     let File { imports, content, tokens, errors } = grammar::shared(text);
@@ -500,7 +497,9 @@ mod tests {
         check("import a; mechanism M { }", &format!("m: a: expected a path in quotation marks, found `a`; {form}"));
         check("import; mechanism M { }", &format!("m: ;: expected a path in quotation marks, found `;`; {form}"));
         check("import \"\"; mechanism M { }", &format!("m: \"\": this path is empty; {form}"));
-        check("import \"a\"kg; mechanism M { }", &format!("m: \"a\"kg: a path ends with its quotation mark; {form}"));
+        let kg = "m: kg: expected `mechanism`, found `kg`; write `mechanism Name { … }`";
+        let end = "m: : a `;` is missing; end the import with `;`";
+        refused(&[("m", "import \"a\"kg; mechanism M { }"), ("a", "")], &[end, kg]);
         check("import \"a\" mechanism M { }", "m: : a `;` is missing; end the import with `;`");
         check("import \"a\"\nmechanism M { }", "m: : a `;` is missing; end the import with `;`");
         check(

@@ -10,11 +10,7 @@
 //! a name of the mechanism might have been meant in place of a unit is for the next pass to say, which knows these
 //! names.
 
-use proc_macro2::Delimiter;
-use syn::buffer::Cursor;
-use syn::parse::ParseStream;
-
-use super::reader::{Parsed, Reader, Refused, sign, word};
+use super::reader::{Parsed, Reader, Refused};
 use super::syntax::{BinaryOperator, Expression, ExpressionKind, Name, Span, Unit, UnitFactor};
 
 /// The names of all units, those of one quantity together.
@@ -54,56 +50,49 @@ impl Reader<'_> {
     /// The number `decimal`, which begins at `start`, or a quantity where `suffix` or what stands behind it is a unit.
     pub(super) fn number_or_quantity(
         &mut self,
-        input: ParseStream<'_>,
         start: usize,
         decimal: String,
         suffix: &str,
     ) -> Parsed<Box<Expression>> {
-        let Some(first) = self.first_unit(input, suffix) else {
+        let Some(first) = self.first_unit(suffix) else {
             return Ok(Box::new(Expression { kind: ExpressionKind::Number(decimal), span: start..self.last }));
         };
-        let unit = self.unit_in_place(input, first)?;
+        let unit = self.unit_in_place(first)?;
         Ok(Box::new(Expression { kind: ExpressionKind::Quantity(decimal, unit), span: start..self.last }))
     }
 
     /// `2m`, or `2 m`.
-    fn first_unit(&mut self, input: ParseStream<'_>, suffix: &str) -> Option<Name> {
+    fn first_unit(&mut self, suffix: &str) -> Option<Name> {
         if !suffix.is_empty() {
             let span = self.last - suffix.len()..self.last;
             return quantity(suffix).map(|_| Name { text: suffix.to_string(), span });
         }
-        let (text, behind) = word(input.cursor())?;
-        if quantity(&text).is_none() || self.begins_line(input) || is_applied(behind) {
+        let text = self.word()?;
+        if quantity(text).is_none() || self.begins_line() || self.is_applied(self.at + 1) {
             return None;
         }
-        self.skip(input);
-        Some(Name { span: self.last - text.len()..self.last, text })
+        self.skip();
+        Some(Name { span: self.last - text.len()..self.last, text: text.to_string() })
     }
 
-    fn unit_in_place(&mut self, input: ParseStream<'_>, first: Name) -> Parsed<Unit> {
+    fn unit_in_place(&mut self, first: Name) -> Parsed<Unit> {
         let start = first.span.start;
         let mut factors = Vec::new();
-        self.factor_in_place(input, first, 1, &mut factors)?;
-        while let Some((sign, text)) = self.next_factor(input, &factors) {
-            self.skip(input);
-            self.skip(input);
+        self.factor_in_place(first, 1, &mut factors)?;
+        while let Some((sign, text)) = self.next_factor(&factors) {
+            self.skip();
+            self.skip();
             let name = Name { span: self.last - text.len()..self.last, text };
-            self.factor_in_place(input, name, sign, &mut factors)?;
+            self.factor_in_place(name, sign, &mut factors)?;
         }
         Ok(Unit { factors, span: start..self.last })
     }
 
-    fn factor_in_place(
-        &mut self,
-        input: ParseStream<'_>,
-        name: Name,
-        sign: i32,
-        factors: &mut Vec<UnitFactor>,
-    ) -> Parsed<()> {
-        let (numerator, denominator) = match self.peek(input, "^") && self.next(input).start == self.last {
+    fn factor_in_place(&mut self, name: Name, sign: i32, factors: &mut Vec<UnitFactor>) -> Parsed<()> {
+        let (numerator, denominator) = match self.peek("^") && self.next().start == self.last {
             true => {
-                self.eat(input, "^");
-                self.unit_exponent(input)?
+                self.eat("^");
+                self.unit_exponent()?
             }
             false => (1, 1),
         };
@@ -112,24 +101,24 @@ impl Reader<'_> {
     }
 
     /// The sign of its exponent and the name, if the unit goes on.
-    fn next_factor(&self, input: ParseStream<'_>, before: &[UnitFactor]) -> Option<(i32, String)> {
-        let (operator, behind) = sign(input.cursor()).filter(|(sign, _)| ["*", "/"].contains(sign))?;
-        let (text, rest) = word(behind)?;
-        let is_joined =
-            self.next(input).start == self.last && behind.span().byte_range().start == self.last + operator.len();
-        let kind = quantity(&text)?;
+    fn next_factor(&self, before: &[UnitFactor]) -> Option<(i32, String)> {
+        let operator = self.sign().filter(|sign| ["*", "/"].contains(sign))?;
+        let text = self.word_at(self.at + 1)?;
+        let name = self.tokens[self.at + 1].span();
+        let is_joined = self.next().start == self.last && name.start == self.last + operator.len();
+        let kind = quantity(text)?;
         let of_the_same = |factor: &&UnitFactor| quantity(&factor.name.text) == Some(kind);
         let divides_again = |factor: &UnitFactor| operator == "/" && factor.name.text == text && factor.exponent.0 < 0;
         let is_new = before.iter().find(of_the_same).is_none_or(divides_again);
-        let goes_on = is_joined && is_new && text != "t" && !is_applied(rest);
-        goes_on.then(|| (if operator == "/" { -1 } else { 1 }, text))
+        let goes_on = is_joined && is_new && text != "t" && !self.is_applied(self.at + 2);
+        goes_on.then(|| (if operator == "/" { -1 } else { 1 }, text.to_string()))
     }
-}
 
-/// Whether a name before it is called, indexed, or has a component or method.
-fn is_applied(behind: Cursor<'_>) -> bool {
-    let point = sign(behind).is_some_and(|(sign, rest)| sign == "." && rest.ident().is_some());
-    point || behind.group(Delimiter::Parenthesis).is_some() || behind.group(Delimiter::Bracket).is_some()
+    /// Whether what stands at token `behind` calls the name before it, indexes it, or is a component or method of it.
+    fn is_applied(&self, behind: usize) -> bool {
+        let component = self.sign_at(behind) == Some(".") && self.word_at(behind + 1).is_some();
+        component || self.opens_at(behind, '(') || self.opens_at(behind, '[')
+    }
 }
 
 // ---- what may be read in two ways

@@ -1,10 +1,7 @@
 //! What `param`, `coord`, `input` and `const` declare: names, units, values.
 
-use proc_macro2::Delimiter;
-use syn::parse::ParseStream;
-
 use super::keyword::taken;
-use super::reader::{Parsed, Reader, opens, word};
+use super::reader::{Parsed, Reader};
 use super::syntax::{Expression, Name, Quantity, Span, Unit, UnitFactor};
 
 /// What one kind of [`Quantity`] must have.
@@ -40,42 +37,42 @@ pub(super) const PRESCRIBED: Form = Form { keyword: "prescribed", needs_unit: So
 impl Reader<'_> {
     /// `quantity := keyword name ("[" expression "]" ("[" expression "]")?)? (":" unit)? ("=" expression)? (","
     /// "positive")?`, two lengths and the last of a `param` alone
-    pub(super) fn quantity(&mut self, input: ParseStream<'_>, docs: Vec<String>, form: &Form) -> Parsed<Quantity> {
-        let start = self.next(input).start;
-        self.eat_word(input, form.keyword);
-        let name = self.declared_name(input, form.keyword)?;
-        let length = self.index(input)?;
-        let here = self.next(input);
-        let columns = self.index(input)?;
+    pub(super) fn quantity(&mut self, docs: Vec<String>, form: &Form) -> Parsed<Quantity> {
+        let start = self.next().start;
+        self.eat_word(form.keyword);
+        let name = self.declared_name(form.keyword)?;
+        let length = self.index()?;
+        let here = self.next();
+        let columns = self.index()?;
         if columns.is_some() && form.keyword != "param" {
             let help = "what else has rows is an array of arrays: `const a[2]: m = [[1, 2], [3, 4]];`";
             return Err(self.refuse(here, "only a `param` has two indices", help));
         }
         let declared = start..self.last;
-        let unit = self.quantity_unit(input, form, &declared)?;
-        let value = self.quantity_value(input, form, &declared)?;
-        let positive = if form.keyword == PARAM.keyword { self.positive(input)? } else { None };
+        let unit = self.quantity_unit(form, &declared)?;
+        let value = self.quantity_value(form, &declared)?;
+        let positive = if form.keyword == PARAM.keyword { self.positive()? } else { None };
         Ok(Quantity { docs, name, length, columns, unit, value, positive })
     }
 
     /// `"," "positive"`, if a comma comes next.
-    fn positive(&mut self, input: ParseStream<'_>) -> Parsed<Option<Span>> {
-        if self.eat(input, ",").is_none() {
+    fn positive(&mut self) -> Parsed<Option<Span>> {
+        if self.eat(",").is_none() {
             return Ok(None);
         }
-        let here = self.next(input);
-        if self.eat_word(input, "positive") {
+        let here = self.next();
+        if self.eat_word("positive") {
             return Ok(Some(here));
         }
         let help = "several values are written as `[1, 2, 3]`; `positive` says that the parameter must be";
-        Err(self.unexpected(input, "`positive`", help))
+        Err(self.unexpected("`positive`", help))
     }
 
-    fn quantity_unit(&mut self, input: ParseStream<'_>, form: &Form, declared: &Span) -> Parsed<Option<Unit>> {
+    fn quantity_unit(&mut self, form: &Form, declared: &Span) -> Parsed<Option<Unit>> {
         let text = &self.source[declared.clone()];
-        let colon = self.eat(input, ":").is_some();
-        let breaks = !colon && self.begins_line(input);
-        let ends = input.is_empty() || breaks || ["=", ";"].iter().any(|sign| self.peek(input, sign));
+        let colon = self.eat(":").is_some();
+        let breaks = !colon && self.begins_line();
+        let ends = self.is_at_end() || breaks || ["=", ";"].iter().any(|sign| self.peek(sign));
         match form.needs_unit {
             Some(example) if ends => {
                 let help = format!("write `{text}: {example};`, `1` for a pure number");
@@ -86,50 +83,50 @@ impl Reader<'_> {
                 Err(self.refuse(declared.clone(), format!("`{text}` has a `:` but no unit"), help))
             }
             None if ends => Ok(None),
-            _ if colon => self.unit(input).map(Some),
-            _ => Err(self.unexpected(input, "`:` and a unit", &format!("write `{text}: m`, `1` for a pure number"))),
+            _ if colon => self.unit().map(Some),
+            _ => Err(self.unexpected("`:` and a unit", &format!("write `{text}: m`, `1` for a pure number"))),
         }
     }
 
-    fn quantity_value(&mut self, input: ParseStream<'_>, form: &Form, declared: &Span) -> Parsed<Option<Expression>> {
+    fn quantity_value(&mut self, form: &Form, declared: &Span) -> Parsed<Option<Expression>> {
         let (text, keyword) = (&self.source[declared.clone()], form.keyword);
-        let here = self.next(input);
-        match (&form.value, self.eat(input, "=").is_some()) {
+        let here = self.next();
+        match (&form.value, self.eat("=").is_some()) {
             (FormValue::Absent(why), true) => {
                 Err(self.refuse(here, format!("`{text}` cannot have a value"), format!("leave it out: {why}")))
             }
-            (FormValue::Needed, false) if input.is_empty() || self.peek(input, ";") => {
+            (FormValue::Needed, false) if self.is_at_end() || self.peek(";") => {
                 let help = format!("write `{text} = …;`, or make it a `param`");
                 Err(self.refuse(declared.clone(), format!("this `{keyword}` needs a value"), help))
             }
-            (_, true) => self.expression(input).map(Some),
+            (_, true) => self.expression().map(Some),
             (_, false) => Ok(None),
         }
     }
 
     /// `unit := unit_factor (("*" | "/") unit_factor)*`
-    fn unit(&mut self, input: ParseStream<'_>) -> Parsed<Unit> {
-        let (start, mut factors) = (self.next(input).start, Vec::new());
-        self.unit_product(input, 1, &mut factors)?;
-        if !self.begins_line(input) && word(input.cursor()).is_some() {
-            let (span, found) = (self.next(input), self.found(input));
+    fn unit(&mut self) -> Parsed<Unit> {
+        let (start, mut factors) = (self.next().start, Vec::new());
+        self.unit_product(1, &mut factors)?;
+        if !self.begins_line() && self.word().is_some() {
+            let (span, found) = (self.next(), self.found());
             return Err(self.refuse(span, format!("a `*` is missing before the unit {found}"), "write it as in `N*m`"));
         }
-        if input.cursor().literal().is_some() {
-            return Err(self.unexpected(input, "`=` or `;`", "write a value behind `=`"));
+        if self.number_at(self.at) {
+            return Err(self.unexpected("`=` or `;`", "write a value behind `=`"));
         }
         Ok(Unit { factors, span: start..self.last })
     }
 
-    fn unit_product(&mut self, input: ParseStream<'_>, sign: i32, factors: &mut Vec<UnitFactor>) -> Parsed<()> {
-        self.unit_factor(input, sign, factors)?;
+    fn unit_product(&mut self, sign: i32, factors: &mut Vec<UnitFactor>) -> Parsed<()> {
+        self.unit_factor(sign, factors)?;
         loop {
-            if self.eat(input, "*").is_some() {
-                self.unit_factor(input, sign, factors)?;
-            } else if self.eat(input, "/").is_some() {
-                self.unit_factor(input, -sign, factors)?;
-            } else if self.peek(input, "**") {
-                return Err(self.double_star(input));
+            if self.eat("*").is_some() {
+                self.unit_factor(sign, factors)?;
+            } else if self.eat("/").is_some() {
+                self.unit_factor(-sign, factors)?;
+            } else if self.peek("**") {
+                return Err(self.double_star());
             } else {
                 return Ok(());
             }
@@ -137,35 +134,35 @@ impl Reader<'_> {
     }
 
     /// `unit_factor := "1" | name ("^" unit_exponent)? | "(" unit ")"`
-    fn unit_factor(&mut self, input: ParseStream<'_>, sign: i32, factors: &mut Vec<UnitFactor>) -> Parsed<()> {
-        let (span, help) = (self.next(input), "write a unit such as `kg*m^2/s^2`, `1` for a pure number");
-        if let Some(number) = self.literal(input) {
+    fn unit_factor(&mut self, sign: i32, factors: &mut Vec<UnitFactor>) -> Parsed<()> {
+        let (span, help) = (self.next(), "write a unit such as `kg*m^2/s^2`, `1` for a pure number");
+        if let Some(number) = self.literal() {
             let help = "numbers belong to the value; write a root as `m^(1/2)`";
-            return match number.as_str() {
+            return match number {
                 "1" => Ok(()),
                 _ => Err(self.refuse(span, format!("`{number}` is not a unit"), help)),
             };
         }
-        if opens(input, Delimiter::Parenthesis) {
-            let group = self.group(input)?;
-            self.unit_product(&group.content, sign, factors)?;
-            if !group.content.is_empty() {
-                return Err(self.unexpected(&group.content, "`*`, `/` or `)`", help));
+        if self.opens('(') {
+            self.open()?;
+            self.unit_product(sign, factors)?;
+            if !self.is_at_end() {
+                return Err(self.unexpected("`*`, `/` or `)`", help));
             }
-            self.close(group);
-            return match self.eat(input, "^") {
+            self.close();
+            return match self.eat("^") {
                 Some(span) => {
                     Err(self.refuse(span, "a unit in parentheses has no power", "write the power of each unit"))
                 }
                 None => Ok(()),
             };
         }
-        if word(input.cursor()).is_none() {
-            return Err(self.unexpected(input, "a unit", help));
+        if self.word().is_none() {
+            return Err(self.unexpected("a unit", help));
         }
-        let name = self.name(input, "`:`")?;
-        let (numerator, denominator) = match self.eat(input, "^") {
-            Some(_) => self.unit_exponent(input)?,
+        let name = self.name("`:`")?;
+        let (numerator, denominator) = match self.eat("^") {
+            Some(_) => self.unit_exponent()?,
             None => (1, 1),
         };
         factors.push(UnitFactor { name, exponent: (sign * numerator, denominator) });
@@ -173,45 +170,45 @@ impl Reader<'_> {
     }
 
     /// `unit_exponent := "-"? whole | "(" "-"? whole ("/" whole)? ")"`
-    pub(super) fn unit_exponent(&mut self, input: ParseStream<'_>) -> Parsed<(i32, i32)> {
-        if !opens(input, Delimiter::Parenthesis) {
-            return Ok((self.signed_whole(input)?, 1));
+    pub(super) fn unit_exponent(&mut self) -> Parsed<(i32, i32)> {
+        if !self.opens('(') {
+            return Ok((self.signed_whole()?, 1));
         }
-        let group = self.group(input)?;
-        let numerator = self.signed_whole(&group.content)?;
-        let slash = self.eat(&group.content, "/").is_some();
-        let (span, denominator) = (self.next(&group.content), if slash { self.whole(&group.content)? } else { 1 });
+        self.open()?;
+        let numerator = self.signed_whole()?;
+        let slash = self.eat("/").is_some();
+        let (span, denominator) = (self.next(), if slash { self.whole()? } else { 1 });
         if denominator == 0 {
             return Err(self.refuse(span, "this exponent divides by zero", "write a fraction such as `m^(1/2)`"));
         }
-        if !group.content.is_empty() {
-            return Err(self.unexpected(&group.content, "`)`", "write a fraction such as `m^(1/2)`"));
+        if !self.is_at_end() {
+            return Err(self.unexpected("`)`", "write a fraction such as `m^(1/2)`"));
         }
-        self.close(group);
+        self.close();
         Ok((numerator, denominator))
     }
 
-    fn signed_whole(&mut self, input: ParseStream<'_>) -> Parsed<i32> {
-        let sign = if self.eat(input, "-").is_some() { -1 } else { 1 };
-        Ok(sign * self.whole(input)?)
+    fn signed_whole(&mut self) -> Parsed<i32> {
+        let sign = if self.eat("-").is_some() { -1 } else { 1 };
+        Ok(sign * self.whole()?)
     }
 
     /// A whole number up to 100, so that no arithmetic with exponents overflows.
-    fn whole(&mut self, input: ParseStream<'_>) -> Parsed<i32> {
-        let span = self.next(input);
+    fn whole(&mut self) -> Parsed<i32> {
+        let span = self.next();
         let help = "write a whole number as in `m^2`, or a fraction as in `m^(1/2)`, up to 100";
-        match self.literal(input) {
+        match self.literal() {
             Some(text) => match text.parse() {
                 Ok(number @ 0..=100) => Ok(number),
                 _ => Err(self.refuse(span, format!("`{text}` cannot be the exponent of a unit"), help)),
             },
-            None => Err(self.unexpected(input, "the exponent of a unit", help)),
+            None => Err(self.unexpected("the exponent of a unit", help)),
         }
     }
 
     /// A name that is being declared behind the word `after`.
-    pub(super) fn declared_name(&mut self, input: ParseStream<'_>, after: &str) -> Parsed<Name> {
-        let name = self.name(input, &format!("`{after}`"))?;
+    pub(super) fn declared_name(&mut self, after: &str) -> Parsed<Name> {
+        let name = self.name(&format!("`{after}`"))?;
         match taken(&name.text) {
             Some(what) => {
                 let help = format!("choose another name, such as `{}_`", name.text);
@@ -222,11 +219,11 @@ impl Reader<'_> {
     }
 
     /// A name of letters, digits and `_`, with at least one letter.
-    pub(super) fn name(&mut self, input: ParseStream<'_>, after: &str) -> Parsed<Name> {
-        let Some((text, _)) = word(input.cursor()) else {
-            return Err(self.unexpected(input, &format!("a name after {after}"), "a name begins with a letter"));
+    pub(super) fn name(&mut self, after: &str) -> Parsed<Name> {
+        let Some(text) = self.word() else {
+            return Err(self.unexpected(&format!("a name after {after}"), "a name begins with a letter"));
         };
-        self.skip(input);
+        self.skip();
         let span = self.last - text.len()..self.last;
         if let Some(plain) = text.strip_prefix("r#") {
             let help = format!("write `{plain}{}`", if taken(plain).is_some() { "_" } else { "" });
@@ -235,7 +232,7 @@ impl Reader<'_> {
         if !text.contains(|c: char| c.is_ascii_alphabetic()) {
             return Err(self.refuse(span, format!("`{text}` is not a name"), "a name has at least one letter"));
         }
-        Ok(Name { text, span })
+        Ok(Name { text: text.to_string(), span })
     }
 }
 

@@ -1,11 +1,7 @@
 //! Tokens one by one, with where they stand; refusals; documentation.
 
-use proc_macro2::{Delimiter, Spacing, TokenTree};
-use syn::buffer::Cursor;
-use syn::parse::discouraged::AnyDelimiter;
-use syn::parse::{ParseBuffer, ParseStream};
-
 use super::MAX_DEPTH;
+use super::lexer::{Kind, Token};
 use super::syntax::{Import, Span};
 use crate::diagnostic::Diagnostics;
 
@@ -16,6 +12,11 @@ pub(super) type Parsed<T> = Result<T, Refused>;
 
 pub(super) struct Reader<'s> {
     pub(super) source: &'s str,
+    pub(super) tokens: Vec<Token>,
+    /// The token that stands next.
+    pub(super) at: usize,
+    /// The closing brackets of the groups that are being read, the innermost last.
+    pub(super) groups: Vec<usize>,
     /// Where the last token taken ends.
     pub(super) last: usize,
     /// How deep the construct at hand is nested.
@@ -25,84 +26,166 @@ pub(super) struct Reader<'s> {
     pub(super) errors: Diagnostics,
 }
 
-/// What stands between two brackets.
-pub(super) struct Group<'t> {
-    pub(super) content: ParseBuffer<'t>,
-    /// Where its closing bracket ends.
-    end: usize,
+impl<'s> Reader<'s> {
+    pub(super) fn new(source: &'s str, tokens: Vec<Token>) -> Self {
+        let (groups, imports, errors) = (Vec::new(), Vec::new(), Diagnostics::default());
+        Reader { source, tokens, at: 0, groups, last: 0, depth: 0, imports, errors }
+    }
+
+    fn text(&self, token: Token) -> &'s str {
+        &self.source[token.span()]
+    }
 }
 
-impl Reader<'_> {
-    /// Where the next token stands: of a group its opening bracket, at a group's end its closing bracket.
-    pub(super) fn next(&self, input: ParseStream<'_>) -> Span {
-        let span = input.span().byte_range();
-        match sign(input.cursor()) {
-            Some((sign, _)) if sign.len() > 1 => span.start..span.start + sign.len(),
-            _ if input.is_empty() && span == (0..0) => self.last..self.last,
-            _ => span,
+// ---- what comes, none of it behind the group that is being read
+
+impl<'s> Reader<'s> {
+    fn end(&self) -> usize {
+        self.groups.last().copied().unwrap_or(self.tokens.len())
+    }
+
+    pub(super) fn is_at_end(&self) -> bool {
+        self.at >= self.end()
+    }
+
+    fn token_at(&self, at: usize) -> Option<Token> {
+        self.tokens[..self.end()].get(at).copied()
+    }
+
+    pub(super) fn word_at(&self, at: usize) -> Option<&'s str> {
+        self.token_at(at).filter(|token| token.kind == Kind::Word).map(|token| self.text(token))
+    }
+
+    pub(super) fn sign_at(&self, at: usize) -> Option<&'static str> {
+        match self.token_at(at)?.kind {
+            Kind::Sign(sign) => Some(sign),
+            Kind::Doc => Some("#"),
+            _ => None,
         }
+    }
+
+    pub(super) fn number_at(&self, at: usize) -> bool {
+        self.token_at(at).is_some_and(|token| token.kind == Kind::Number)
+    }
+
+    pub(super) fn opens_at(&self, at: usize, bracket: char) -> bool {
+        self.behind_group(at, bracket).is_some()
+    }
+
+    /// The token behind the group that begins at `at` with `bracket`, if one does.
+    pub(super) fn behind_group(&self, at: usize, bracket: char) -> Option<usize> {
+        match self.token_at(at)?.kind {
+            Kind::Open(open, close) if open == bracket => Some(close + 1),
+            _ => None,
+        }
+    }
+
+    /// The token behind the token or the group at `at`.
+    pub(super) fn behind(&self, at: usize) -> usize {
+        match self.tokens[at].kind {
+            Kind::Open(_, close) => close + 1,
+            _ => at + 1,
+        }
+    }
+
+    pub(super) fn word(&self) -> Option<&'s str> {
+        self.word_at(self.at)
+    }
+
+    pub(super) fn sign(&self) -> Option<&'static str> {
+        self.sign_at(self.at)
+    }
+
+    pub(super) fn opens(&self, bracket: char) -> bool {
+        self.opens_at(self.at, bracket)
+    }
+
+    pub(super) fn peek(&self, text: &str) -> bool {
+        self.sign() == Some(text)
+    }
+
+    /// Where the next token stands: of a group its opening bracket, at a group's end its closing bracket.
+    pub(super) fn next(&self) -> Span {
+        self.tokens.get(self.at).map_or(self.last..self.last, |token| token.span())
     }
 
     /// Whether a line break stands between the last token and the next one.
-    pub(super) fn begins_line(&self, input: ParseStream<'_>) -> bool {
-        self.source.get(self.last..self.next(input).start).is_some_and(|between| between.contains('\n'))
+    pub(super) fn begins_line(&self) -> bool {
+        self.source.get(self.last..self.next().start).is_some_and(|between| between.contains('\n'))
     }
+}
 
-    pub(super) fn peek(&self, input: ParseStream<'_>, text: &str) -> bool {
-        sign(input.cursor()).is_some_and(|(found, _)| found == text)
-    }
+// ---- taking it
 
-    pub(super) fn eat(&mut self, input: ParseStream<'_>, text: &str) -> Option<Span> {
-        if !self.peek(input, text) {
+impl<'s> Reader<'s> {
+    pub(super) fn eat(&mut self, text: &str) -> Option<Span> {
+        if !self.peek(text) {
             return None;
         }
-        for _ in text.chars() {
-            self.skip(input);
-        }
+        self.skip();
         Some(self.last - text.len()..self.last)
     }
 
-    pub(super) fn eat_word(&mut self, input: ParseStream<'_>, text: &str) -> bool {
-        let found = word(input.cursor()).is_some_and(|(found, _)| found == text);
+    pub(super) fn eat_word(&mut self, text: &str) -> bool {
+        let found = self.word() == Some(text);
         if found {
-            self.skip(input);
+            self.skip();
         }
         found
     }
 
-    pub(super) fn literal(&mut self, input: ParseStream<'_>) -> Option<String> {
-        let (literal, _) = input.cursor().literal()?;
-        self.skip(input);
-        Some(literal.to_string())
+    /// A number with what is written against it.
+    pub(super) fn literal(&mut self) -> Option<&'s str> {
+        let token = self.token_at(self.at).filter(|token| token.kind == Kind::Number)?;
+        self.skip();
+        Some(self.text(token))
+    }
+
+    /// A path, without its quotation marks.
+    pub(super) fn path(&mut self) -> Option<&'s str> {
+        let token = self.token_at(self.at).filter(|token| token.kind == Kind::Path)?;
+        self.skip();
+        Some(self.text(token).trim_matches('"'))
     }
 
     /// Takes one token or one group; answers whether a statement may end with it.
-    pub(super) fn skip(&mut self, input: ParseStream<'_>) -> bool {
-        let Ok(token) = input.parse::<TokenTree>() else { return true };
-        self.last = token.span().byte_range().end;
-        match token {
-            TokenTree::Punct(punct) => punct.as_char() == ';',
-            TokenTree::Group(group) => group.delimiter() == Delimiter::Brace,
-            TokenTree::Ident(_) | TokenTree::Literal(_) => false,
-        }
+    pub(super) fn skip(&mut self) -> bool {
+        let Some(token) = self.token_at(self.at) else { return true };
+        self.at = self.behind(self.at);
+        self.last = self.tokens[self.at - 1].span().end;
+        matches!(token.kind, Kind::Sign(";") | Kind::Open('{', _))
     }
 
     /// Enters the group that comes next; [`Reader::close`] leaves it.
-    pub(super) fn group<'t>(&mut self, input: &'t ParseBuffer<'_>) -> Parsed<Group<'t>> {
-        let here = self.next(input);
+    pub(super) fn open(&mut self) -> Parsed<()> {
+        let here = self.next();
         self.enter(&here)?;
-        match input.parse_any_delimiter() {
-            Ok((_, brackets, content)) => {
+        match self.token_at(self.at).map(|token| token.kind) {
+            Some(Kind::Open(_, close)) => {
+                self.groups.push(close);
+                self.at += 1;
                 self.last = here.end;
-                Ok(Group { content, end: brackets.close().byte_range().end })
+                Ok(())
             }
-            Err(_) => Err(self.unexpected(input, "a bracket", "write `(`, `[` or `{`")),
+            _ => Err(self.unexpected("a bracket", "write `(`, `[` or `{`")),
         }
     }
 
-    pub(super) fn close(&mut self, group: Group<'_>) {
+    /// Goes behind the group that was entered last.
+    pub(super) fn close(&mut self) {
         self.depth -= 1;
-        self.last = group.end;
+        if let Some(close) = self.groups.pop() {
+            self.at = close + 1;
+            self.last = self.tokens[close].span().end;
+        }
+    }
+
+    /// Goes behind all groups but the outer `kept`, which something wrong was found in.
+    pub(super) fn leave(&mut self, kept: usize) {
+        if let Some(&close) = self.groups.get(kept) {
+            self.at = close + 1;
+            self.groups.truncate(kept);
+        }
     }
 
     /// One level deeper; the caller comes back up by itself.
@@ -116,59 +199,22 @@ impl Reader<'_> {
     }
 }
 
-pub(super) fn opens(input: ParseStream<'_>, delimiter: Delimiter) -> bool {
-    input.cursor().group(delimiter).is_some()
-}
-
-pub(super) fn word(cursor: Cursor<'_>) -> Option<(String, Cursor<'_>)> {
-    let (ident, rest) = cursor.ident()?;
-    Some((ident.to_string(), rest))
-}
-
-/// Signs of several characters; of two that begin alike the longer one comes first.
-const LONG_SIGNS: [&str; 16] =
-    ["..=", "..", "**", "+=", "-=", "*=", "/=", "==", "!=", "<=", ">=", "->", "=>", "&&", "||", "::"];
-
-/// Signs of one character.
-const SIGNS: &str = "+-*/^=.,;:#!<>%&|@$~?";
-
-/// The sign that stands next, the longest that can be read, and what is behind it.
-pub(super) fn sign(cursor: Cursor<'_>) -> Option<(&'static str, Cursor<'_>)> {
-    let (first, rest) = cursor.punct()?;
-    let long = || LONG_SIGNS.into_iter().find_map(|text| Some((text, behind(cursor, text)?)));
-    let at = SIGNS.find(first.as_char())?;
-    let short = (&SIGNS[at..at + 1], rest);
-    if first.spacing() == Spacing::Joint { long().or(Some(short)) } else { Some(short) }
-}
-
-fn behind<'t>(mut cursor: Cursor<'t>, text: &str) -> Option<Cursor<'t>> {
-    for (i, c) in text.chars().enumerate() {
-        let (punct, rest) = cursor.punct()?;
-        let joined = i + 1 == text.len() || punct.spacing() == Spacing::Joint;
-        if punct.as_char() != c || !joined {
-            return None;
-        }
-        cursor = rest;
-    }
-    Some(cursor)
-}
-
 impl Reader<'_> {
     pub(super) fn refuse(&mut self, span: Span, message: impl Into<String>, help: impl Into<String>) -> Refused {
         self.errors.error(span, message).help(help);
         Refused
     }
 
-    pub(super) fn unexpected(&mut self, input: ParseStream<'_>, expected: &str, help: &str) -> Refused {
-        let (span, found) = (self.next(input), self.found(input));
+    pub(super) fn unexpected(&mut self, expected: &str, help: &str) -> Refused {
+        let (span, found) = (self.next(), self.found());
         self.refuse(span, format!("expected {expected}, found {found}"), help)
     }
 
     /// What stands next, for a message.
-    pub(super) fn found(&self, input: ParseStream<'_>) -> String {
-        let span = self.next(input);
-        match (sign(input.cursor()), self.source.get(span)) {
-            (Some((sign, _)), _) => format!("`{sign}`"),
+    pub(super) fn found(&self) -> String {
+        let span = self.next();
+        match (self.sign(), self.source.get(span)) {
+            (Some(sign), _) => format!("`{sign}`"),
             (None, Some(text)) if !text.is_empty() => {
                 let shown: String = text.chars().take(40).collect();
                 format!("`{shown}{}`", if shown.len() < text.len() { "…" } else { "" })
@@ -180,11 +226,11 @@ impl Reader<'_> {
 
 impl Reader<'_> {
     /// The documentation before a statement, and complaints about what else begins with `#`.
-    pub(super) fn docs(&mut self, input: ParseStream<'_>) -> Parsed<Vec<String>> {
+    pub(super) fn docs(&mut self) -> Parsed<Vec<String>> {
         let mut docs = Vec::new();
-        while self.peek(input, "#") {
-            let (trails, start) = (!self.begins_line(input), self.next(input).start);
-            match self.doc(input) {
+        while self.peek("#") {
+            let (trails, start) = (!self.begins_line(), self.next().start);
+            match self.doc() {
                 Some((span, lines)) => {
                     let text = &self.source[span.clone()];
                     if text.starts_with("//!") || text.starts_with("/*!") {
@@ -199,7 +245,7 @@ impl Reader<'_> {
                     }
                 }
                 None => {
-                    self.inner_attribute(input)?;
+                    self.inner_attribute()?;
                     let message = "an attribute of the file stands within the mechanism";
                     return Err(self.refuse(start..self.last, message, "move it to the top of the file"));
                 }
@@ -209,12 +255,12 @@ impl Reader<'_> {
     }
 
     /// `inner := "#![dimensionless]"`
-    pub(super) fn inner_attribute(&mut self, input: ParseStream<'_>) -> Parsed<()> {
-        let start = self.next(input).start;
-        self.eat(input, "#");
-        self.eat(input, "!");
-        if opens(input, Delimiter::Bracket) {
-            self.skip(input);
+    pub(super) fn inner_attribute(&mut self) -> Parsed<()> {
+        let start = self.next().start;
+        self.eat("#");
+        self.eat("!");
+        if self.opens('[') {
+            self.skip();
         }
         let span = start..self.last;
         let text: String = self.source[span.clone()].split_whitespace().collect();
@@ -226,21 +272,16 @@ impl Reader<'_> {
         Err(self.refuse(span, message, help))
     }
 
-    /// One comment of documentation, which the tokenizer has made an attribute of.
-    pub(super) fn doc(&mut self, input: ParseStream<'_>) -> Option<(Span, Vec<String>)> {
-        let span = self.next(input);
-        let text = self.source.get(span.clone())?;
-        let lines = match text.get(..3)? {
-            "///" | "//!" => vec![doc_line(&text[3..])],
-            "/**" | "/*!" => doc_block(text[3..].strip_suffix("*/")?),
-            _ => return None,
+    /// One comment of documentation.
+    pub(super) fn doc(&mut self) -> Option<(Span, Vec<String>)> {
+        let token = self.token_at(self.at).filter(|token| token.kind == Kind::Doc)?;
+        self.skip();
+        let (comment, text) = self.text(token).split_at(3);
+        let lines = match comment {
+            "///" | "//!" => vec![doc_line(text)],
+            _ => doc_block(text.strip_suffix("*/").unwrap_or(text)),
         };
-        self.skip(input);
-        if self.peek(input, "!") {
-            self.skip(input);
-        }
-        self.skip(input);
-        Some((span, lines))
+        Some((token.span(), lines))
     }
 }
 
