@@ -1,4 +1,4 @@
-//! Pass 3: [`Lagrangian`] → [`Equations`]: mechanics, still symbolic.
+//! Pass 3: [`Lagrangian`] → `Equations`: mechanics, still symbolic.
 //!
 //! With `L = T − V + Σ lagrangian terms = ½ q̇ᵀ M q̇ + aᵀ q̇ + L₀`, an overdot the total time derivative, and D
 //! Rayleigh's dissipation function, Lagrange's equations are
@@ -7,16 +7,16 @@
 //! M q̈ + C q̇ + G + ∂D/∂q̇ = Q + Aᵀ λ        A q̈ + γ = 0
 //! ```
 //!
-//! - [`lagrange`]: momenta, mass matrix, Christoffel form, gravity, bias, inverse dynamics;
-//! - [`textbook`]: the same in multiple-angle normal form, for small mechanisms;
+//! - `lagrange`: momenta, mass matrix, Christoffel form, gravity, bias, inverse dynamics;
+//! - `textbook`: the same in multiple-angle normal form, for small mechanisms;
 //! - `lift` and `gravity`: bodies and the field they are in, found again among the energies; `tree`: the same equations
 //!   by sweeps over their tree (`docs/structured.md`);
-//! - [`solve`]: forward dynamics: LDLᵀ of M, unrolled or left to the runtime, or the constrained system at run time;
-//! - [`linearize`]: Jacobians of the equations of motion;
-//! - [`constraint`]: what must vanish, its Jacobian and its bias;
-//! - [`conserved`]: cyclic coordinates and the energy integral;
-//! - [`output`]: outputs, their velocities and Jacobians;
-//! - [`reaction`]: forces and moments that joints transmit.
+//! - `solve`: forward dynamics: LDLᵀ of M, unrolled or left to the runtime, or the constrained system at run time;
+//! - `linearize`: Jacobians of the equations of motion;
+//! - `constraint`: what must vanish, its Jacobian and its bias;
+//! - `conserved`: cyclic coordinates and the energy integral;
+//! - `output`: outputs, their velocities and Jacobians;
+//! - `reaction`: forces and moments that joints transmit.
 
 pub(crate) mod conserved;
 pub(crate) mod constraint;

@@ -4,26 +4,26 @@
 //! and operands come before what is made of them, so that a pass over the graph is a loop over node numbers. Nothing
 //! recurses on the depth of an expression.
 //!
-//! - [`number`]: exact constants;
-//! - [`graph`]: the arena and [`Node`]; `arithmetic`, `power`, `condition`: the constructors with their local rules;
-//! - [`function`]: sin, cos, … with derivative and value side by side;
-//! - [`spline`]: piecewise polynomials, which tables of samples are;
-//! - [`tangent`]: directional derivatives by a forward sweep;
-//! - [`adjoint`]: gradients by a reverse sweep;
-//! - [`hessian`](mod@hessian): second derivatives by edge pushing;
-//! - [`substitute`](mod@substitute): copies with symbols replaced or time derivatives carried out;
-//! - [`evaluate`](mod@evaluate): numerical values, over doubles or dual numbers;
-//! - [`dual`]: dual numbers, the witness of the symbolic sweeps;
-//! - [`rounded`]: numbers with a bound on their rounding errors;
+//! - `number`: exact constants;
+//! - `graph`: the arena and [`Node`]; `arithmetic`, `power`, `condition`: the constructors with their local rules;
+//! - `function`: sin, cos, … with derivative and value side by side;
+//! - `spline`: piecewise polynomials, which tables of samples are;
+//! - `tangent`: directional derivatives by a forward sweep;
+//! - `adjoint`: gradients by a reverse sweep;
+//! - `hessian`: second derivatives by edge pushing;
+//! - `substitute`: copies with symbols replaced or time derivatives carried out;
+//! - `evaluate`: numerical values, over doubles or dual numbers;
+//! - `dual`: dual numbers, the witness of the symbolic sweeps;
+//! - `rounded`: numbers with a bound on their rounding errors;
 //! - `factors`, `constrained`: symmetric systems and systems with constraints, solved as the runtime solves them;
 //! - `range`: between which values expressions stay;
-//! - [`residue`]: numbers of a finite field, `ratio`: rational ones; [`identity`]: what holds for all values of the
+//! - `residue`: numbers of a finite field, `ratio`: rational ones; `identity`: what holds for all values of the
 //!   symbols, decided there;
-//! - [`branch`]: the sides of conditions, and what leads to them;
+//! - `branch`: the sides of conditions, and what leads to them;
 //! - `vanishing`: sums that are zero, left out;
 //! - `table`: tables over nodes, where a hash map would be slow;
-//! - [`vector`]: vectors and matrices over expressions;
-//! - [`display`]: infix printing.
+//! - `vector`: vectors and matrices over expressions;
+//! - `display`: infix printing.
 
 pub(crate) mod adjoint;
 mod arithmetic;

@@ -24,12 +24,12 @@
 //! - [`derive`](mod@derive): mechanics: Lagrange's equations, still symbolic;
 //! - `catalogue`: every generated function, declared once ([`optimise::FunctionKind`]);
 //! - [`optimise`]: straight-line programs and their operation counts;
-//! - [`verify`]: the proof; [`interpret`]: Programs run in process; [`emit`]: Rust; [`latex`]: equations on paper;
-//! - [`span`], [`state`], [`variable`], [`numeric`]: what several passes need, and no mechanics;
+//! - [`verify`]: the proof; [`interpret`]: Programs run in process; [`emit`]: Rust; `latex`: equations on paper;
+//! - `span`, `state`, [`variable`], [`numeric`]: what several passes need, and no mechanics;
 //! - [`diagnostic`]: what is wrong with a declaration, where, and what to write instead;
 //! - [`source`]: the files of a mechanism: its own, and those that it imports;
-//! - [`review`](mod@review): a mechanism as people review it;
-//! - [`cargo`]: build scripts, the only input and output.
+//! - `review`: a mechanism as people review it;
+//! - `cargo`: build scripts, the only input and output.
 
 mod analysis;
 pub mod builder;

@@ -1,11 +1,11 @@
-//! Pass 2: [`Declaration`] → [`Lagrangian`]; a user's mistakes end here.
+//! Pass 2: `Declaration` → [`Lagrangian`]; a user's mistakes end here.
 //!
-//! [`resolve`] goes through the statements in order and builds the expressions of the mechanism as they were written.
+//! `resolve` goes through the statements in order and builds the expressions of the mechanism as they were written.
 //! In reading order:
 //!
-//! - [`frame`]: the tree of frames, each with its pose and its twist;
-//! - [`lagrangian`]: the result, and the calls that it is written by;
-//! - [`landmark`]: what some of its expressions stand for in space;
+//! - `frame`: the tree of frames, each with its pose and its twist;
+//! - `lagrangian`: the result, and the calls that it is written by;
+//! - `landmark`: what some of its expressions stand for in space;
 //! - `names`: what names stand for: variables, functions, parts, arrays, what is imported;
 //! - `value`: what expressions stand for: numbers with dimensions, vectors, points and poses with frames;
 //! - `statement`: what statements do: declare, add energies and forces, constrain, put out;

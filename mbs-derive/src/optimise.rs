@@ -1,10 +1,10 @@
-//! Pass 4: [`Equations`] → [`Derivation`]: one straight-line [`Program`] per function, scheduled from its own roots.
+//! Pass 4: `Equations` → [`Derivation`]: one straight-line [`Program`] per function, scheduled from its own roots.
 //!
-//! - [`program`]: what a Program is;
-//! - [`region`]: what is computed on one side of a branch only;
-//! - [`lower`]: graph nodes → instructions; powers become products, quotients and square roots;
-//! - [`schedule`]: order, and hoisting of what depends on parameters alone;
-//! - [`cost`]: operation counts, the figures quoted in docs, snapshots and commits.
+//! - `program`: what a Program is;
+//! - `region`: what is computed on one side of a branch only;
+//! - `lower`: graph nodes → instructions; powers become products, quotients and square roots;
+//! - `schedule`: order, and hoisting of what depends on parameters alone;
+//! - `cost`: operation counts, the figures quoted in docs, snapshots and commits.
 //!
 //! Mechanics ends here: this pass only preserves values.
 
@@ -78,7 +78,7 @@ pub struct Derivation {
     pub constructor: Program,
     /// What parameters must satisfy.
     pub requirements: Vec<Requirement>,
-    /// From parameters to the numbers that the requirements are about, [this many](Condition::count) for each in turn.
+    /// From parameters to the numbers that the requirements are about, `Condition::count` for each in turn.
     pub required: Program,
     /// The generated functions, in the order of the documentation.
     pub functions: Vec<Function>,

@@ -1,9 +1,9 @@
-//! Pass 1: text → [`Declaration`].
+//! Pass 1: text → `Declaration`.
 //!
-//! [`declaration`] is the entry point. It reads every statement even after a mistake, so that one run reports all of
+//! `declaration` is the entry point. It reads every statement even after a mistake, so that one run reports all of
 //! them. In reading order:
 //!
-//! - [`syntax`]: the declaration as it was written, what the next pass is given;
+//! - `syntax`: the declaration as it was written, what the next pass is given;
 //! - `import`: the files that are imported, and all files together; `csv`: tables among them; `shift`: their places;
 //! - `encoding`: bytes → text;
 //! - `lexer`: text → tokens, with comments, brackets and characters checked; `lookalike`: characters that were meant as

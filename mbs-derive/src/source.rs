@@ -1,6 +1,6 @@
 //! The files that a mechanism is declared by: its own, and those that it imports.
 //!
-//! A [`Span`] counts the bytes of all of them, the mechanism's own file first: a place needs no file beside it, and
+//! A `Span` counts the bytes of all of them, the mechanism's own file first: a place needs no file beside it, and
 //! where nothing is imported spans are those of the one text. Files are known by their names, which are paths as text:
 //! an import is looked for beside the file that it stands in, and `..` takes a folder away from the path, links or not.
 //!

@@ -8,8 +8,8 @@
 //! Every side of every branch is to be taken: where the random states do not, others are sought (`coverage`), and what
 //! was taken nowhere is said. Where a branch compares what doubles hold exactly, its edge is a state, too.
 //!
-//! - [`witness`]: Lagrange's equations from the verbatim energies, by dual numbers;
-//! - [`claim`]: what is compared, one function per claim of the catalogue: those about forces here, those about motions
+//! - `witness`: Lagrange's equations from the verbatim energies, by dual numbers;
+//! - `claim`: what is compared, one function per claim of the catalogue: those about forces here, those about motions
 //!   in `acceleration`, those about outputs in `output`; `group`: many columns at once; `allowed`: states that hold
 //!   constraints; `motion`: the motion with constraints, and its derivatives.
 

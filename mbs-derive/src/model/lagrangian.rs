@@ -221,7 +221,7 @@ pub struct Lagrangian<'g> {
     pub outputs: Vec<Output<'g>>,
     /// Joints whose wrenches are asked for, in declaration order.
     pub reactions: Vec<Reaction>,
-    /// The mechanism with these joints let go, where there are any: behind its own coordinates it has [six](AUXILIARY)
+    /// The mechanism with these joints let go, where there are any: behind its own coordinates it has six
     /// more for each joint, in the order of `reactions`, and is the same mechanism where they are zero. Its constraints
     /// have the same rows.
     pub released: Option<Box<Lagrangian<'g>>>,
@@ -324,7 +324,7 @@ impl<'g> Lagrangian<'g> {
         self.kinetic.push(energy);
     }
 
-    /// `½ m |v_c|² + ½ ωᵀ I ω`, ω in the axes of the body's frame, `v·v` as of [`Frames::speed_squared`]; it is known
+    /// `½ m |v_c|² + ½ ωᵀ I ω`, ω in the axes of the body's frame, `v·v` as of `Frames::speed_squared`; it is known
     /// from then on as the energy of this body.
     ///
     /// Of a rigid body it is written with the mass moments about the frame's origin, which are constant: `½ m v·v +

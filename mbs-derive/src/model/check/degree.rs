@@ -156,7 +156,7 @@ impl Lagrangian<'_> {
     /// Checks what `derive` relies on; the language does so by itself.
     ///
     /// # Errors
-    /// [`Malformed`] lists what is wrong.
+    /// `Malformed` lists what is wrong.
     pub fn check(&self) -> Result<(), Malformed> {
         let problems = problems(self);
         let messages: Vec<String> = problems.iter().map(|p| p.message(self)).collect();
