@@ -169,21 +169,10 @@ fn written_by_hand() -> Vec<PathBuf> {
         .collect()
 }
 
-/// Files that are longer than the rest may be: none is added to them.
-const LONG: &[&str] = &["tests/src/referee/evaluate.rs", "tests/src/referee/syntax.rs", "tests/src/reference/tree.rs"];
-
 #[test]
 fn no_source_is_longer_than_600_lines() {
-    let lines = |file: &PathBuf| read(file).lines().count();
-    let is_known = |file: &Path| LONG.iter().any(|known| file.ends_with(known));
-    let (known, others): (Vec<_>, Vec<_>) = written_by_hand().into_iter().partition(|file| is_known(file));
-    let long: Vec<_> = others.iter().filter(|file| lines(file) > 600).collect();
+    let long: Vec<_> = written_by_hand().into_iter().filter(|file| read(file).lines().count() > 600).collect();
     assert!(long.is_empty(), "split {long:?}");
-    let short: Vec<_> = known.iter().filter(|file| lines(file) <= 600).collect();
-    assert!(
-        short.is_empty() && known.len() == LONG.len(),
-        "take {short:?} off the list, and what is not there any more"
-    );
 }
 
 /// The language has a lexer and a parser of its own.

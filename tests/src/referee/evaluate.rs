@@ -9,6 +9,11 @@ use super::unit;
 use super::value::{Mixing, Moving, Pose, Shared, Triple, Value, dot, moving, number};
 use super::wide::{degree, pi};
 
+mod arithmetic;
+mod element;
+
+use element::{entry, holds_body, path, spread};
+
 /// Everything that a mechanism's functions may take.
 #[derive(Clone, Debug)]
 pub(super) struct State<S> {
@@ -547,48 +552,6 @@ impl<'m, S: Real> Evaluator<'m, S> {
         expressions.iter().map(|expression| self.value(expression)).collect()
     }
 
-    fn binary(&mut self, operator: &str, left: &Expression, right: &Expression) -> Result<Value<S>, String> {
-        if operator == "^" {
-            return Ok(Value::Number(self.power(left, right)?));
-        }
-        let (a, b) = (self.value(left)?, self.value(right)?);
-        match operator {
-            "+" => a.plus(&b, 1.0),
-            "-" => a.plus(&b, -1.0),
-            "*" => a.times(&b),
-            "/" => {
-                let divisor = b.number()?;
-                a.each(&|x| x / divisor)
-            }
-            "&&" => Ok(Value::Truth(a.truth()? & b.truth()?)),
-            "||" => Ok(Value::Truth(a.truth()? | b.truth()?)),
-            _ => {
-                let (a, b) = (a.number()?, b.number()?);
-                Ok(Value::Truth(match operator {
-                    "<" => a.less(b),
-                    "<=" => a.less_equal(b),
-                    ">" => b.less(a),
-                    ">=" => b.less_equal(a),
-                    "==" => a.value() == b.value(),
-                    "!=" => a.value() != b.value(),
-                    _ => return Err(format!("no operator {operator}")),
-                }))
-            }
-        }
-    }
-
-    /// Integers and halves multiply and take roots, which every base bears; other exponents want a positive one.
-    fn power(&mut self, base: &Expression, exponent: &Expression) -> Result<Moving<S>, String> {
-        let (base, exponent) = (self.number(base)?, self.number(exponent)?);
-        let halves = 2.0 * exponent.value();
-        let moves = !(exponent - number(exponent.value())).is_zero();
-        if moves || (halves - halves.round()).abs() > 1e-12 || halves.abs() > 200.0 {
-            return Ok(base.powf(exponent));
-        }
-        let halves = halves.round() as i64;
-        Ok(if halves % 2 == 0 { base.powi(halves / 2) } else { base.sqrt().powi(halves) })
-    }
-
     /// Functions of the text, then those of the language.
     fn call(&mut self, name: &Rc<str>, arguments: Vec<Shared<S>>) -> Result<Shared<S>, String> {
         let Some((names, body)) = self.mechanism.functions.get(name) else {
@@ -602,41 +565,5 @@ impl<'m, S: Real> Evaluator<'m, S> {
         let value = self.value(&body.clone());
         self.locals = outside;
         value
-    }
-}
-
-/// The name and the indices of an element of an array.
-fn path(place: &Expression) -> Result<(Rc<str>, Vec<Expression>), String> {
-    match &place.kind {
-        Kind::Name(name) => Ok((name.clone(), Vec::new())),
-        Kind::Index(base, index) => {
-            let (name, mut indices) = path(base)?;
-            indices.push(index.as_ref().clone());
-            Ok((name, indices))
-        }
-        _ => Err("this is no name of a pose".to_string()),
-    }
-}
-
-/// Whether a body is declared in an expression.
-fn holds_body(expression: &Expression) -> bool {
-    let is_body = matches!(&expression.kind, Kind::Call(name, _) if matches!(name.as_ref(), "particle" | "rigid_body"));
-    is_body || expression.parts().into_iter().any(holds_body)
-}
-
-/// One value for every element of an array or matrix.
-fn spread<S: Real>(value: Shared<S>, lengths: &[usize]) -> Shared<S> {
-    if !matches!(value.as_ref(), Value::Number(_)) {
-        return value;
-    }
-    lengths.iter().rev().fold(value, |entry, &n| Rc::new(Value::Array(vec![entry; n])))
-}
-
-fn entry<S: Real>(base: &Shared<S>, index: i64) -> Result<Shared<S>, String> {
-    let index = usize::try_from(index).map_err(|_| "a negative index")?;
-    match base.as_ref() {
-        Value::Array(entries) => entries.get(index).cloned().ok_or_else(|| format!("no element {index}")),
-        Value::Point(place) => place.get(index).map(|&x| Rc::new(Value::Number(x))).ok_or_else(|| "no axis".into()),
-        _ => Err("this has no elements".to_string()),
     }
 }
