@@ -11,9 +11,9 @@
 //! - `grammar`: the file, and where statements begin and end; `statement`: what each says;
 //! - `contextual`: statements that begin with a word that may be a name, too;
 //! - `quantity`: what a declaration declares: names, units, values;
-//! - `expression`: operators, calls, arrays; `number`: numbers; `in_place`: numbers with units; `condition`: `if … else`,
-//!   comparisons;
-//! - `reader`: tokens and refusals, what the three are written with;
+//! - `expression`: operators, calls, arrays; `number`: numbers; `in_place`: numbers with units; `condition`: `if` and
+//!   `else`, comparisons;
+//! - `reader`: tokens and refusals, what all of these are written with;
 //! - `keyword`: the words that cannot be names;
 //! - `display`: the declaration as text again.
 

@@ -1,7 +1,7 @@
 //! Text → tokens, and what is wrong with characters, comments, quotation marks and brackets.
 //!
-//! Outside comments and the paths of imports only ASCII without quotes becomes tokens. Brackets know the one that closes
-//! them, so that no pass needs to search for it.
+//! Outside comments and the paths of imports only ASCII without quotes becomes tokens. Brackets know the one that
+//! closes them, so that nothing needs to search for it.
 
 use super::lookalike::{is_lookalike, meant, transliterated};
 use super::syntax::Span;
