@@ -2,7 +2,7 @@
 //!
 //! Error of the final state against evaluations of the right-hand side, on a Kepler orbit, the Arenstorf orbit and a
 //! generated double pendulum: every method of `mbs_runtime`, and DOP853 as other crates have it, at the same
-//! tolerances. Look at the slopes (a method of order p gains p digits for ten times the work), and in the second table
+//! tolerances (`russell_ode` with `--features russell`: it is a minute of compilation). Look at the slopes (a method of order p gains p digits for ten times the work), and in the second table
 //! at the last two columns: below 1 the other crate needs fewer evaluations, or less time.
 
 #[path = "work_precision/problems.rs"]
@@ -83,12 +83,14 @@ fn report<F: Force>(problem: &Problem<F>) -> Result<Report, Failure> {
 }
 
 fn contenders<F: Force>(problem: &Problem<F>) -> Vec<(&'static str, Contender<'_>)> {
-    vec![
+    let contenders: Vec<(_, Contender<'_>)> = vec![
         ("mbs_runtime", Box::new(|tolerance| run(problem, &Dop853::new(tolerance, tolerance), tolerance))),
         ("ode_solvers", Box::new(|tolerance| rivals::ode_solvers(problem, tolerance))),
         ("differential-equations", Box::new(|tolerance| rivals::differential_equations(problem, tolerance))),
+        #[cfg(feature = "russell")]
         ("russell_ode", Box::new(|tolerance| rivals::russell_ode(problem, tolerance))),
-    ]
+    ];
+    contenders
 }
 
 fn tolerances(exponents: std::ops::RangeInclusive<i32>) -> impl Iterator<Item = f64> {

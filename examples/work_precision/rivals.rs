@@ -3,8 +3,6 @@
 use differential_equations::prelude::{ExplicitRungeKutta, IVP, ODE};
 use ode_solvers::Vector4;
 use ode_solvers::dop_shared::OutputType;
-use russell_lab::Vector;
-use russell_ode::{Method, NoArgs, OdeSolver, Params};
 
 use crate::problems::{Force, Problem};
 use crate::{Failure, Point};
@@ -51,7 +49,10 @@ pub(crate) fn differential_equations<F: Force>(problem: &Problem<F>, tolerance: 
 }
 
 /// `russell_ode`.
+#[cfg(feature = "russell")]
 pub(crate) fn russell_ode<F: Force>(problem: &Problem<F>, tolerance: f64) -> Result<Point, Failure> {
+    use russell_lab::Vector;
+    use russell_ode::{Method, NoArgs, OdeSolver, Params};
     let force = problem.force;
     let system = russell_ode::System::new(4, move |dy: &mut Vector, _, y: &Vector, _: &mut NoArgs| {
         let [ax, ay] = force(&[y[0], y[1]], &[y[2], y[3]]);

@@ -22,6 +22,10 @@ pub struct State<V = f64> {
 impl<V: Value> State<V> {
     /// The state with a derivative in some direction: that of each variable is `direction(symbol)`.
     pub fn along(&self, direction: impl Fn(Symbol) -> V) -> State<Dual<V>> {
+        self.along_any(&direction)
+    }
+
+    fn along_any(&self, direction: &dyn Fn(Symbol) -> V) -> State<Dual<V>> {
         let all = |values: &[V], symbol: fn(u32) -> Symbol| {
             values.iter().enumerate().map(|(i, &v)| Dual::new(v, direction(symbol(i as u32)))).collect()
         };

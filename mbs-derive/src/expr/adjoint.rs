@@ -120,18 +120,12 @@ impl<'g> Partial<'g> {
 /// that may be NaN. So the derivatives in the symbols are selected instead.
 pub(super) struct Branches<'g> {
     graph: &'g Graph,
-    sweeps: Vec<(Symbol, Sweep<'g>)>,
+    sweeps: Vec<(Symbol, Tangent<'g, 'g>)>,
 }
-
-type Sweep<'g> = Tangent<'g, Box<dyn Fn(Symbol) -> Option<Expr<'g>> + 'g>>;
 
 impl<'g> Branches<'g> {
     pub(super) fn new(graph: &'g Graph, symbols: &[Symbol]) -> Self {
-        let along = |chosen: Symbol| {
-            let direction: Box<dyn Fn(Symbol) -> Option<Expr<'g>> + 'g> =
-                Box::new(move |symbol| (symbol == chosen).then(|| graph.integer(1)));
-            (chosen, Tangent::new(direction))
-        };
+        let along = |chosen: Symbol| (chosen, Tangent::new(move |symbol| (symbol == chosen).then(|| graph.integer(1))));
         Branches { graph, sweeps: symbols.iter().map(|&symbol| along(symbol)).collect() }
     }
 

@@ -244,13 +244,13 @@ impl Tape {
         point: impl Fn(Symbol) -> V,
         decide: impl Fn(usize, bool) -> bool,
     ) -> Vec<V> {
-        let values = self.all_deciding(point, decide);
+        let values = self.all_deciding(&point, &decide);
         self.roots.iter().map(|&root| values[root]).collect()
     }
 
     /// The values of all steps.
     pub(crate) fn all<V: Value>(&self, point: impl Fn(Symbol) -> V) -> Vec<V> {
-        self.all_deciding(point, |_, holds| holds)
+        self.all_deciding(&point, &|_, holds| holds)
     }
 
     /// The values of the roots where some symbols vary from a point at which the values of all steps are `known`: what
@@ -287,10 +287,11 @@ impl Tape {
         self.roots.iter().map(root).collect()
     }
 
-    fn all_deciding<V: Value>(&self, point: impl Fn(Symbol) -> V, decide: impl Fn(usize, bool) -> bool) -> Vec<V> {
+    /// Compiled once a kind of number, not once a closure.
+    fn all_deciding<V: Value>(&self, point: &dyn Fn(Symbol) -> V, decide: &dyn Fn(usize, bool) -> bool) -> Vec<V> {
         let mut values: Vec<V> = Vec::with_capacity(self.steps.len());
         for at in 0..self.steps.len() {
-            let value = self.step(at, |operand| values[operand.index()], &point, &decide);
+            let value = self.step(at, |operand| values[operand.index()], point, decide);
             values.push(value);
         }
         values

@@ -230,8 +230,11 @@ impl Graph {
 
     /// The nodes that the roots are made of, operands first.
     pub fn reachable(&self, roots: impl IntoIterator<Item = Id>) -> Vec<Id> {
+        self.reachable_from(roots.into_iter().collect())
+    }
+
+    fn reachable_from(&self, roots: Vec<Id>) -> Vec<Id> {
         let arena = self.arena.borrow();
-        let roots: Vec<Id> = roots.into_iter().collect();
         // One bit per node. Operands have smaller numbers, so that one pass from above finds all.
         let mut marked = vec![0u64; roots.iter().max().map_or(0, |last| last.index() / 64 + 1)];
         let mark = |marked: &mut [u64], id: Id| marked[id.index() / 64] |= 1 << (id.index() % 64);

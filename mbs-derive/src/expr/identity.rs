@@ -31,13 +31,13 @@ pub(crate) enum Verdict {
 
 /// Whether an expression of a verbatim graph is zero for all values of its symbols.
 pub(crate) fn vanishes(expr: Expr<'_>) -> Verdict {
-    Test::new(expr, |_| false).decide(0)
+    Test::new(expr, &|_| false).decide(0)
 }
 
 /// Whether an expression is a polynomial of at most this degree in the symbols that vary, the same one on all sides of
 /// a condition that depends on them. Of degree 0 is what does not depend on them.
 pub(crate) fn degree_is_at_most(degree: usize, expr: Expr<'_>, varies: impl Fn(Symbol) -> bool) -> Verdict {
-    Test::new(expr, varies).decide(degree + 1)
+    Test::new(expr, &varies).decide(degree + 1)
 }
 
 /// This many points decide where nothing but the degree can be a chance.
@@ -59,9 +59,9 @@ const TRIED_WITHOUT_ROOTS: usize = 64;
 /// This many steps of evaluation are spent on what does not get to an end.
 const BUDGET: usize = 20_000_000;
 
-struct Test<Varies> {
+struct Test<'a> {
     tape: Tape,
-    varies: Varies,
+    varies: &'a dyn Fn(Symbol) -> bool,
     /// Whether the value of each step varies.
     varying: Vec<bool>,
     has_choices: bool,
@@ -69,10 +69,10 @@ struct Test<Varies> {
     tried: usize,
 }
 
-impl<Varies: Fn(Symbol) -> bool> Test<Varies> {
-    fn new(expr: Expr<'_>, varies: Varies) -> Self {
+impl<'a> Test<'a> {
+    fn new(expr: Expr<'_>, varies: &'a dyn Fn(Symbol) -> bool) -> Self {
         let tape = Tape::strict(&[expr]);
-        let varying = varying(&tape, &varies);
+        let varying = varying(&tape, varies);
         let all = !tape.steps().iter().any(|step| matches!(step, Node::Symbol(s) if varies(*s)));
         let moving = self::varying(&tape, &|_| true);
         let any = |is_meant: &dyn Fn(usize, Chance) -> bool| {
@@ -248,7 +248,7 @@ pub(super) fn chance(step: &Node) -> Option<Chance> {
 }
 
 /// Whether each step depends on a symbol that varies.
-fn varying(tape: &Tape, varies: &impl Fn(Symbol) -> bool) -> Vec<bool> {
+fn varying(tape: &Tape, varies: &dyn Fn(Symbol) -> bool) -> Vec<bool> {
     // Of each step, whether it varies, and whether its rate does.
     let mut found: Vec<(bool, bool)> = Vec::new();
     for step in tape.steps() {

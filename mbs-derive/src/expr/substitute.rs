@@ -25,7 +25,7 @@ pub(crate) fn substitute_into<'g>(
     for id in order {
         let copy = match source.node(id) {
             Node::Symbol(symbol) => replacement(symbol).unwrap_or_else(|| graph.symbol(symbol)),
-            node => rebuild((source, graph), node, |operand| copies[operand]),
+            node => rebuild((source, graph), node, &|operand| copies[operand]),
         };
         copy.note_of(id, source);
         copies[id] = copy;
@@ -59,7 +59,7 @@ pub(crate) fn cut<'g>(
     // Operands have smaller numbers.
     let order: Vec<Id> = copies.iter().filter(|(_, copy)| copy.is_none()).map(|(id, _)| *id).collect();
     for id in order {
-        let copy = rebuild((verbatim, graph), verbatim.node(id), |operand| copies[&operand].expect("it comes before"));
+        let copy = rebuild((verbatim, graph), verbatim.node(id), &|operand| copies[&operand].expect("it comes before"));
         copies.insert(id, Some(copy));
     }
     copies[&root.id()]
@@ -80,7 +80,7 @@ pub(crate) fn carry_out<'v, 'g>(
         let copy = match verbatim.node(id) {
             Node::Symbol(symbol) => graph.symbol(symbol),
             Node::Rate(a) => dt.of(copies[a]),
-            node => rebuild((verbatim, graph), node, |operand| copies[operand]),
+            node => rebuild((verbatim, graph), node, &|operand| copies[operand]),
         };
         copies[id] = copy;
     }
@@ -88,7 +88,7 @@ pub(crate) fn carry_out<'v, 'g>(
 }
 
 /// The same operation on new operands, in another graph.
-pub(super) fn rebuild<'g>((source, graph): (&Graph, &'g Graph), node: Node, new: impl Fn(Id) -> Expr<'g>) -> Expr<'g> {
+pub(super) fn rebuild<'g>((source, graph): (&Graph, &'g Graph), node: Node, new: &dyn Fn(Id) -> Expr<'g>) -> Expr<'g> {
     match node {
         Node::Constant(value) => graph.constant(value),
         Node::Symbol(symbol) => graph.symbol(symbol),

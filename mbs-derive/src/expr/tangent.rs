@@ -6,15 +6,15 @@ use super::graph::{Expr, Id, IdMap, Node, Symbol};
 /// The derivative along one direction, given by the derivatives of the symbols.
 ///
 /// It remembers what it has differentiated, so that many expressions that share nodes cost one sweep.
-pub(crate) struct Tangent<'g, Direction> {
-    direction: Direction,
+pub(crate) struct Tangent<'g, 'd> {
+    direction: Box<dyn Fn(Symbol) -> Option<Expr<'g>> + 'd>,
     derivatives: IdMap<Expr<'g>>,
 }
 
-impl<'g, Direction: Fn(Symbol) -> Option<Expr<'g>>> Tangent<'g, Direction> {
+impl<'g, 'd> Tangent<'g, 'd> {
     /// `direction` tells how each symbol changes; `None` is not at all.
-    pub(crate) fn new(direction: Direction) -> Self {
-        Tangent { direction, derivatives: IdMap::default() }
+    pub(crate) fn new(direction: impl Fn(Symbol) -> Option<Expr<'g>> + 'd) -> Self {
+        Tangent { direction: Box::new(direction), derivatives: IdMap::default() }
     }
 
     /// The derivative of `root` along the direction.

@@ -36,7 +36,7 @@ pub(crate) fn without_vanishing_sums<'g>(roots: &[Expr<'g>]) -> Vec<Expr<'g>> {
             Some(graph.integer(0))
         } else {
             let is_touched = node.operands().any(|operand| copies[operand].is_some());
-            let copy = || rebuild((graph, graph), node, |a| copies[a].unwrap_or_else(|| graph.expr(a)));
+            let copy = || rebuild((graph, graph), node, &|a| copies[a].unwrap_or_else(|| graph.expr(a)));
             is_touched.then(copy).inspect(|copy| copy.note_of(id, graph))
         };
     }
