@@ -5,7 +5,7 @@ use std::cell::RefCell;
 use std::f64::consts::PI;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-use astro_float::{BigFloat, Consts, RoundingMode, Sign};
+use astro_float_num::{BigFloat, Consts, RoundingMode, Sign};
 use mbs_orbit::anomaly::{self, AnomalyError};
 use mbs_tests::random::Random;
 
