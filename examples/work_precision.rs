@@ -2,8 +2,9 @@
 //!
 //! Error of the final state against evaluations of the right-hand side, on a Kepler orbit, the Arenstorf orbit and a
 //! generated double pendulum: every method of `mbs_runtime`, and DOP853 as other crates have it, at the same
-//! tolerances (`russell_ode` with `--features russell`: it is a minute of compilation). Look at the slopes (a method of order p gains p digits for ten times the work), and in the second table
-//! at the last two columns: below 1 the other crate needs fewer evaluations, or less time.
+//! tolerances (`russell_ode`, a minute of compilation, with `--features russell`). Look at the slopes (a method of
+//! order p gains p digits for ten times the work), and in the second table at the last two columns: below 1 the other
+//! crate needs fewer evaluations, or less time.
 
 #[path = "work_precision/problems.rs"]
 mod problems;
