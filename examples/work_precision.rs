@@ -84,14 +84,13 @@ fn report<F: Force>(problem: &Problem<F>) -> Result<Report, Failure> {
 }
 
 fn contenders<F: Force>(problem: &Problem<F>) -> Vec<(&'static str, Contender<'_>)> {
-    let contenders: Vec<(_, Contender<'_>)> = vec![
+    vec![
         ("mbs_runtime", Box::new(|tolerance| run(problem, &Dop853::new(tolerance, tolerance), tolerance))),
         ("ode_solvers", Box::new(|tolerance| rivals::ode_solvers(problem, tolerance))),
         ("differential-equations", Box::new(|tolerance| rivals::differential_equations(problem, tolerance))),
         #[cfg(feature = "russell")]
         ("russell_ode", Box::new(|tolerance| rivals::russell_ode(problem, tolerance))),
-    ];
-    contenders
+    ]
 }
 
 fn tolerances(exponents: std::ops::RangeInclusive<i32>) -> impl Iterator<Item = f64> {
