@@ -1,5 +1,6 @@
 //! `mbs linearize`: the linear system about a state, what it does by itself, and what its inputs reach.
 
+mod exponential;
 mod observation;
 mod reduction;
 mod system;
@@ -132,7 +133,7 @@ impl<'a> Report<'a> {
 
     /// The pole of the continuous system.
     fn continuous(&self, pole: Complex<f64>) -> Complex<f64> {
-        self.sample_time.map_or(pole, |time| pole.ln() / time)
+        self.sample_time.map_or(pole, |time| Complex::new(magnitude(pole).ln(), pole.im.atan2(pole.re)) / time)
     }
 
     fn json(&self) -> Value {
@@ -166,7 +167,7 @@ impl<'a> Report<'a> {
         json!({
             "re": pole.re,
             "im": pole.im,
-            "natural_frequency": continuous.norm(),
+            "natural_frequency": magnitude(continuous),
             "damping_ratio": damping(continuous),
         })
     }
@@ -206,14 +207,19 @@ impl<'a> Report<'a> {
         for &pole in &self.poles {
             let continuous = self.continuous(pole);
             let value = format!("{:.6} {} {:.6}i", pole.re, if pole.im < 0.0 { '-' } else { '+' }, pole.im.abs());
-            let _ = writeln!(text, "  {value:<34}  {:>16.6}  {:>7.4}", continuous.norm(), damping(continuous));
+            let _ = writeln!(text, "  {value:<34}  {:>16.6}  {:>7.4}", magnitude(continuous), damping(continuous));
         }
     }
 }
 
+/// `|p|`.
+fn magnitude(pole: Complex<f64>) -> f64 {
+    pole.re.hypot(pole.im)
+}
+
 /// `−Re p/|p|`; 1 at zero.
 fn damping(pole: Complex<f64>) -> f64 {
-    let frequency = pole.norm();
+    let frequency = magnitude(pole);
     if frequency == 0.0 { 1.0 } else { -pole.re / frequency }
 }
 

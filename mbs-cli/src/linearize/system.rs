@@ -8,6 +8,7 @@ use nalgebra::{Complex, DMatrix, Schur, linalg::balancing};
 use crate::failure::Failure;
 use crate::state::Point;
 
+use super::exponential::exponential;
 use super::observation;
 use super::reduction::{self, Fault, Solution};
 
@@ -125,10 +126,9 @@ impl System {
         let mut block = DMatrix::zeros(states + inputs, states + inputs);
         block.view_mut((0, 0), (states, states)).copy_from(&(&self.a * time));
         block.view_mut((0, states), (states, inputs)).copy_from(&(&self.b * time));
-        let whole = block.exp();
-        if !whole.iter().all(|x| x.is_finite()) {
-            return Err(Failure::new("the sampled system leaves the range of numbers: the sample time is too long"));
-        }
+        let whole = exponential(&block).ok_or_else(|| {
+            Failure::new("the sampled system leaves the range of numbers: the sample time is too long")
+        })?;
         let a = whole.view((0, 0), (states, states)).into_owned();
         let b = whole.view((0, states), (states, inputs)).into_owned();
         Ok(System { a, b, ..self })
@@ -142,8 +142,9 @@ impl System {
         let mut balanced = self.a.clone();
         balancing::balance_parlett_reinsch(&mut balanced);
         let schur = Schur::try_new(balanced, f64::EPSILON, 10_000)?;
+        let size = |pole: &Complex<f64>| pole.re.hypot(pole.im);
         let mut poles: Vec<Complex<f64>> = schur.complex_eigenvalues().iter().copied().collect();
-        poles.sort_by(|x, y| x.norm().total_cmp(&y.norm()).then(x.re.total_cmp(&y.re)).then(y.im.total_cmp(&x.im)));
+        poles.sort_by(|x, y| size(x).total_cmp(&size(y)).then(x.re.total_cmp(&y.re)).then(y.im.total_cmp(&x.im)));
         Some(poles)
     }
 

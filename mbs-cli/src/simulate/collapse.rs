@@ -64,7 +64,7 @@ fn fastest_rate(equations: &Equations<'_>, state: &State) -> Option<f64> {
         return None;
     }
     let schur = Schur::try_new(DMatrix::from_fn(2 * n, 2 * n, entry), f64::EPSILON, 10_000)?;
-    Some(schur.complex_eigenvalues().iter().map(|value| value.norm()).fold(0.0, f64::max))
+    Some(schur.complex_eigenvalues().iter().map(|value| value.re.hypot(value.im)).fold(0.0, f64::max))
 }
 
 /// The second difference of the accelerations along the motion, and their size.
