@@ -1,21 +1,19 @@
 //! The errata of the thesis, E1 to E50, a test a number: the printed form and the right one are evaluated, and the
 //! right one is that of the generated code, or of the model that computes it.
 //!
-//! `docs/thesis/errata.md` tells them; [`documentation`] holds the pages of `docs/thesis/` against these tests and
+//! `docs/thesis/errata.md` tells them; `systems/thesis_map.rs` holds the pages of `docs/thesis/` against these tests and
 //! against the repository, [`assumed`] its table of assumed values against the code.
 
 #[path = "errata/assumed.rs"]
 mod assumed;
 #[path = "errata/chapter_3.rs"]
-mod chapter_3;
+pub(crate) mod chapter_3;
 #[path = "errata/chapter_4.rs"]
-mod chapter_4;
+pub(crate) mod chapter_4;
 #[path = "errata/chapter_5.rs"]
 mod chapter_5;
 #[path = "errata/chapter_7.rs"]
 mod chapter_7;
-#[path = "errata/documentation.rs"]
-mod documentation;
 
 /// The largest difference of two rows of numbers; NaN where one is.
 fn apart(a: &[f64], b: &[f64]) -> f64 {
@@ -31,6 +29,6 @@ fn refuted(what: &str, printed: &[f64], right: &[f64], by: f64) {
 }
 
 /// Matrix times vector.
-fn times<const N: usize, const M: usize>(matrix: &[[f64; M]; N], vector: &[f64; M]) -> [f64; N] {
+pub(crate) fn times<const N: usize, const M: usize>(matrix: &[[f64; M]; N], vector: &[f64; M]) -> [f64; N] {
     matrix.map(|row| row.iter().zip(vector).map(|(a, b)| a * b).sum())
 }

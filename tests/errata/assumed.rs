@@ -18,7 +18,7 @@ use mbs_orbit::mission::{Axis, Mission};
 use mbs_platform::{ActuatorLimits, HOME, Motion, Superposition};
 use nalgebra::Vector3;
 
-use super::documentation::page;
+use crate::thesis_map::page;
 
 /// A row of the page.
 struct Row {

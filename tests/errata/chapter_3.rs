@@ -26,7 +26,7 @@ fn postures(seed: u64, count: usize) -> impl Iterator<Item = JointVector> {
 }
 
 /// (3.3) as multiplied out, and (3.4) as printed.
-fn flange(q: &JointVector) -> (Rotation, [f64; 3]) {
+pub(crate) fn flange(q: &JointVector) -> (Rotation, [f64; 3]) {
     let [(s1, c1), (s2, c2), (s4, c4), (s5, c5), (s6, c6)] = [q[0], q[1], q[3], q[4], q[5]].map(f64::sin_cos);
     let (s23, c23) = (q[1] + q[2]).sin_cos();
     let [a, b] = [c4 * c5 * c6 - s4 * s6, s4 * c5 * c6 + c4 * s6];
@@ -291,7 +291,7 @@ fn e09_six_conditions_on_five_coefficients() {
 /// What "Figure 33", "(6.11)" and "Figure 6.4" mean has its place in the documentation; what they say has none.
 #[test]
 fn e10_references_to_other_numbers() {
-    let pages = super::documentation::chapters();
+    let pages = crate::thesis_map::chapters();
     let has = |text: &str| pages.iter().any(|(_, page)| page.contains(text));
     assert!(has("| Figure 3.3 |") && has("**(7.11)**") && has("| Figure 7.4 |"));
     assert!(!has("| Figure 33 |") && !has("**(6.") && !has("| Figure 6."));

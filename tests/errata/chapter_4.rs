@@ -232,7 +232,7 @@ fn e20_coordinates_are_minimal() {
 }
 
 /// C of (4.18) with `U_M` made by this product, from the derivatives of M stacked.
-fn equation_4_18(slopes: &[[[f64; 6]; 6]; 6], qd: &[f64; 6], identity_first: bool) -> Matrix6<f64> {
+pub(crate) fn equation_4_18(slopes: &[[[f64; 6]; 6]; 6], qd: &[f64; 6], identity_first: bool) -> Matrix6<f64> {
     let stacked = SMatrix::<f64, 36, 6>::from_fn(|row, column| slopes[row / 6][row % 6][column]);
     let rate = Vector6::from(*qd).transpose();
     let u_m = if identity_first {
@@ -244,8 +244,20 @@ fn equation_4_18(slopes: &[[[f64; 6]; 6]; 6], qd: &[f64; 6], identity_first: boo
     0.5 * (m_dot + u_m.transpose() - u_m)
 }
 
+/// The platform with 300 kg on legs without mass, over dual numbers.
+pub(crate) fn without_legs() -> StewartPlatform<Dual<f64>> {
+    let zero = Dual::constant(0.0);
+    StewartPlatform::new(Params {
+        cylinder_mass: zero,
+        cylinder_inertia: zero,
+        piston_mass: zero,
+        piston_inertia: zero,
+        ..Params::default()
+    })
+}
+
 /// `∂M/∂q_k` of a mass matrix over dual numbers.
-fn slopes(q: &[f64; 6], mass_matrix: impl Fn(&[Dual<f64>; 6]) -> [[Dual<f64>; 6]; 6]) -> [[[f64; 6]; 6]; 6] {
+pub(crate) fn slopes(q: &[f64; 6], mass_matrix: impl Fn(&[Dual<f64>; 6]) -> [[Dual<f64>; 6]; 6]) -> [[[f64; 6]; 6]; 6] {
     std::array::from_fn(|k| {
         let along: Coordinates = std::array::from_fn(|i| if i == k { 1.0 } else { 0.0 });
         mass_matrix(&moving(q, &along)).map(|row| row.map(|entry| entry.derivative))
@@ -256,17 +268,9 @@ fn slopes(q: &[f64; 6], mass_matrix: impl Fn(&[Dual<f64>; 6]) -> [[Dual<f64>; 6]
 /// forces that are wrong by 4.0 N·m.
 #[test]
 fn e21_kronecker_product_and_its_order() {
-    let zero = Dual::constant(0.0);
-    let bare = Params {
-        cylinder_mass: zero,
-        cylinder_inertia: zero,
-        piston_mass: zero,
-        piston_inertia: zero,
-        ..Params::default()
-    };
     let [q, qd, _] = Motion::COMBINED.at(0.3);
     for (model, own, wrong_by) in [
-        (StewartPlatform::new(bare), platform(300.0, false), 3.996_688_099_41),
+        (without_legs(), platform(300.0, false), 3.996_688_099_41),
         (StewartPlatform::default(), platform(300.0, true), 4.598_389_669_64),
     ] {
         let slopes = slopes(&q, |q| model.mass_matrix(q));

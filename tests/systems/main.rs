@@ -18,3 +18,5 @@ mod platform;
 mod quadrotor;
 mod quadrotor_decks;
 mod quadrotor_refused;
+mod thesis_equations;
+mod thesis_map;

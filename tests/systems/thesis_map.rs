@@ -1,5 +1,5 @@
-//! The pages of `docs/thesis/`: every number of the thesis has its entry, every erratum its test, every file that they
-//! name is there.
+//! The pages of `docs/thesis/`: every number of the thesis has its entry on its chapter's page and its row in the table
+//! of equations, every erratum its test; files, functions and tests that the pages name are there.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -18,13 +18,13 @@ fn folder() -> PathBuf {
     Path::new(ROOT).join("docs/thesis")
 }
 
-pub(super) fn page(name: &str) -> String {
+pub(crate) fn page(name: &str) -> String {
     let path = folder().join(name);
     fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
 }
 
 /// The pages of chapters 1 to 8, with their numbers.
-pub(super) fn chapters() -> Vec<(u32, String)> {
+pub(crate) fn chapters() -> Vec<(u32, String)> {
     (1..=8).map(|chapter| (chapter, page(&format!("chapter_{chapter}.md")))).collect()
 }
 
@@ -60,17 +60,112 @@ fn every_equation_table_and_figure_has_an_entry() {
     (1..=8).for_each(|chapter| assert!(index.contains(&format!("(chapter_{chapter}.md)")), "chapter {chapter}"));
 }
 
-/// Names of the tests of errata in the sources beside this one.
-fn tests() -> BTreeSet<String> {
-    let folder = Path::new(ROOT).join("tests/errata");
-    let sources = fs::read_dir(folder).expect("the folder").map(|entry| entry.expect("an entry").path());
-    let texts = sources.map(|path| fs::read_to_string(path).expect("a source"));
-    let named = |text: String| -> Vec<String> {
-        let behind =
-            text.split("\n#[test]\nfn ").skip(1).map(|rest| rest[..rest.find('(').expect("a function")].to_string());
-        behind.filter(|name| name.starts_with('e') && name[1..3].parse::<u32>().is_ok()).collect()
+/// Names of the tests in the sources of a folder and of those in it.
+fn tests(folder: &Path) -> BTreeSet<String> {
+    let mut named = BTreeSet::new();
+    for path in fs::read_dir(folder).expect("the folder").map(|entry| entry.expect("an entry").path()) {
+        if path.is_dir() {
+            named.append(&mut tests(&path));
+        } else if path.extension().is_some_and(|extension| extension == "rs") {
+            let text = fs::read_to_string(&path).expect("a source");
+            let functions = text.split("\n#[test]\nfn ").skip(1).filter_map(|rest| rest.split('(').next());
+            named.extend(functions.map(String::from));
+        }
+    }
+    named
+}
+
+/// A row of `equations.md`.
+struct Row {
+    number: String,
+    print: String,
+    generated: String,
+    tests: String,
+}
+
+fn rows() -> Vec<Row> {
+    let page = page("equations.md");
+    let row = |line: &str| {
+        let cells: Vec<String> = line.trim_matches('|').split('|').map(|cell| cell.trim().to_string()).collect();
+        let [number, what, print, here, generated, tests] = &cells[..] else { panic!("six cells: {line}") };
+        assert!(!what.is_empty() && here.contains('`'), "{line}");
+        let [number, print, generated, tests] = [number, print, generated, tests].map(String::clone);
+        Row { number, print, generated, tests }
     };
-    texts.flat_map(named).collect()
+    page.lines().filter(|line| line.starts_with("| (") || line.starts_with("| Table")).map(row).collect()
+}
+
+#[test]
+fn every_number_has_its_row() {
+    let mut wanted = Vec::new();
+    for (chapter, last) in EQUATIONS {
+        wanted.extend((1..=last).map(|number| format!("({chapter}.{number})")));
+        let tables = (1..).zip(TABLES).filter(|(_, of)| *of == chapter);
+        wanted.extend(tables.map(|(table, _)| format!("Table {table}")));
+    }
+    assert_eq!(rows().into_iter().map(|row| row.number).collect::<Vec<_>>(), wanted);
+}
+
+/// Numbers that the title of an erratum names, `(3.7)–(3.10)` all four of them, `Tables 1, 2` both.
+fn titled(title: &str) -> BTreeSet<String> {
+    let parts = title.split(['(', ')']).collect::<Vec<_>>();
+    let number = |text: &str| text.split_once('.').and_then(|(c, n)| Some((c.parse().ok()?, n.parse().ok()?)));
+    let mut found: BTreeSet<String> = BTreeSet::new();
+    let mut before: Option<(u32, u32)> = None;
+    for (between, inner) in parts.chunks(2).filter_map(|pair| Some((pair[0], pair.get(1)?))) {
+        let Some((chapter, last)) = number(inner) else { continue };
+        let first = before.filter(|_| between == "–").map_or(last, |(_, first)| first);
+        found.extend((first..=last).map(|number| format!("({chapter}.{number})")));
+        before = Some((chapter, last));
+    }
+    if let Some(rest) = title.strip_prefix("Table") {
+        let numbers = rest.trim_start_matches('s').split(',').map_while(|word| word.trim().parse::<u32>().ok());
+        found.extend(numbers.map(|table| format!("Table {table}")));
+    }
+    found
+}
+
+/// What a row cites are the errata whose titles name its number; without any it is as printed.
+#[test]
+fn rows_cite_the_errata_of_their_number() {
+    assert_eq!(titled("(3.7)–(3.10), (7.4), arctg"), titled("(7.4), (3.7), (3.8), (3.9), (3.10)"));
+    let errata = page("errata.md");
+    let title = |section: &str| Some(section.split("**").nth(1)?.to_string());
+    let titles: Vec<String> = errata.split("\n### E").skip(1).filter_map(title).collect();
+    assert_eq!(titles.len(), ERRATA);
+    for Row { number, print, .. } in rows() {
+        let wanted: Vec<usize> =
+            (1..).zip(&titles).filter(|(_, title)| titled(title).contains(&number)).map(|(n, _)| n).collect();
+        let found: Vec<usize> = print.split("[E").skip(1).flat_map(|rest| cited(&format!("E{rest}")).next()).collect();
+        assert_eq!(found, wanted, "{number}: {print}");
+        assert!(print.starts_with("as printed") || !found.is_empty(), "{number}: {print}");
+    }
+}
+
+/// Words between backticks.
+fn quoted(text: &str) -> impl Iterator<Item = &str> {
+    text.split('`').skip(1).step_by(2)
+}
+
+/// Generated functions are in the snapshots of their mechanisms, tests in the sources.
+#[test]
+fn rows_name_functions_and_tests_that_there_are() {
+    let tests = tests(&Path::new(ROOT).join("tests"));
+    for Row { number, generated, tests: named, .. } in rows() {
+        assert!(generated == "–" || generated.contains("::"), "{number}: {generated}");
+        for function in quoted(&generated) {
+            let (mechanism, name) = function.split_once("::").unwrap_or_else(|| panic!("{number}: {function}"));
+            let snapshot = |end: &str| {
+                fs::read_to_string(Path::new(ROOT).join(format!("tests/snapshots/{mechanism}{end}")))
+                    .unwrap_or_default()
+            };
+            let is_there = snapshot(".snap").contains(&format!("pub fn {name}("))
+                || snapshot(".operations.snap").lines().any(|line| line.split(' ').next() == Some(name));
+            assert!(is_there, "{number}: {function}");
+        }
+        assert!(named.contains('`'), "{number} has no test");
+        quoted(&named).for_each(|test| assert!(tests.contains(test), "{number}: no test {test}"));
+    }
 }
 
 #[test]
@@ -89,7 +184,9 @@ fn every_erratum_has_its_test() {
         assert!(test.starts_with(&format!("e{number:02}_")), "E{number}: {test}");
         named.insert(test.to_string());
     }
-    assert_eq!(named, tests(), "what the page names and what there is");
+    let numbered = |name: &String| name.starts_with('e') && name.get(1..3).is_some_and(|n| n.parse::<u32>().is_ok());
+    let there: BTreeSet<String> = tests(&Path::new(ROOT).join("tests/errata")).into_iter().filter(numbered).collect();
+    assert_eq!(named, there, "what the page names and what there is");
 }
 
 /// Numbers of errata behind an E, as pages and messages cite them.
