@@ -13,7 +13,7 @@ use mbs_landing::quadrotor::backstepping::Backstepping;
 use mbs_landing::quadrotor::ground_effect::LEAST_HEIGHT;
 use mbs_landing::quadrotor::landing::Landing;
 use mbs_landing::quadrotor::lqr::Weights;
-use mbs_models::{irb7600, irb7600_rail, quadrotor_euler, relative_lvlh, stewart_platform};
+use mbs_models::{irb7600, irb7600_rail, quadrotor_euler, quadrotor_quaternion, relative_lvlh, stewart_platform};
 use mbs_orbit::mission::{Axis, Mission};
 use mbs_platform::{ActuatorLimits, HOME, Motion, Superposition};
 use nalgebra::Vector3;
@@ -174,6 +174,103 @@ fn assumed_values_are_those_of_the_code() {
         }
     }
     assert_eq!(checked, known.len(), "every value of the code has its row");
+}
+
+/// Parameters of the thesis' mechanisms: the thesis gives their values, they are public constants, or they are rows of
+/// the page.
+const SOURCES: [(&str, &[(&str, &str)]); 10] = [
+    ("irb7600", &ARM),
+    ("irb7600_rail", &RAIL_ARM),
+    ("stewart_platform", &PLATFORM),
+    ("quadrotor_euler", &QUADROTOR),
+    ("quadrotor_quaternion", &QUADROTOR),
+    ("relative_cylindrical", &[("m", "orbit.body"), ("mu", PUBLIC), ("station_mass", "orbit.station_mass")]),
+    ("relative_lvlh", &[("m", "orbit.body"), ("mu", PUBLIC), ("station_mass", "orbit.station_mass")]),
+    ("relative_isotropic", &[("m", "orbit.body"), ("omega", "orbit.altitude"), ("station_mass", "orbit.station_mass")]),
+    ("two_body", &[("G", PUBLIC), ("mass", PUBLIC)]),
+    ("cr3bp", &[("mu", PUBLIC)]),
+];
+const THESIS: &str = "the thesis";
+const PUBLIC: &str = "a public constant";
+
+const ARM: [(&str, &str); 8] = [
+    ("mass", "arm.masses"),
+    ("com_x", "arm.mass_centres"),
+    ("com_y", "arm.mass_centres"),
+    ("com_z", "arm.mass_centres"),
+    ("i_xx", "arm.inertias"),
+    ("i_yy", "arm.inertias"),
+    ("i_zz", "arm.inertias"),
+    ("g", "gravity"),
+];
+
+const RAIL_ARM: [(&str, &str); 12] = [
+    ("carriage_mass", "experiment.carriage"),
+    ARM[0],
+    ARM[1],
+    ARM[2],
+    ARM[3],
+    ARM[4],
+    ARM[5],
+    ARM[6],
+    ("module_mass", "experiment.module"),
+    ("module_center", "experiment.module"),
+    ("module_inertia", "experiment.module"),
+    ARM[7],
+];
+
+const PLATFORM: [(&str, &str); 15] = [
+    ("base_radius", "platform.radii"),
+    ("platform_radius", "platform.radii"),
+    ("base_half_angle", "platform.half_angles"),
+    ("platform_half_angle", "platform.half_angles"),
+    ("platform_mass", "platform.plate"),
+    ("platform_inertia", "platform.plate"),
+    ("payload_mass", THESIS),
+    ("payload_size", "platform.payload"),
+    ("cylinder_mass", "platform.cylinders"),
+    ("cylinder_centre", "platform.cylinders"),
+    ("cylinder_inertia", "platform.cylinders"),
+    ("piston_mass", "platform.pistons"),
+    ("piston_centre", "platform.pistons"),
+    ("piston_inertia", "platform.pistons"),
+    ("g", "gravity"),
+];
+
+const QUADROTOR: [(&str, &str); 10] = [
+    ("m", THESIS),
+    ("inertias", "quadrotor.inertias"),
+    ("arm", "quadrotor.rotors"),
+    ("thrust_factor", "quadrotor.rotors"),
+    ("drag_factor", "quadrotor.rotors"),
+    ("rotor_inertia", "quadrotor.rotors"),
+    ("drag_coefficient", "quadrotor.drag"),
+    ("area", "quadrotor.drag"),
+    ("air_density", "quadrotor.drag"),
+    ("g", "gravity"),
+];
+
+#[test]
+fn every_parameter_has_its_source() {
+    let keys: Vec<String> = rows().into_iter().map(|row| row.key).collect();
+    for (mechanism, sources) in SOURCES {
+        let path = format!("{}/../models/mechanisms/{mechanism}.mbs", env!("CARGO_MANIFEST_DIR"));
+        let text = fs::read_to_string(path).expect("a mechanism of the thesis");
+        let declared: Vec<&str> = text
+            .lines()
+            .filter_map(|line| line.trim_start().strip_prefix("param "))
+            .map(|rest| rest.split(['[', ':']).next().expect("a name"))
+            .collect();
+        assert_eq!(declared, sources.iter().map(|(name, _)| *name).collect::<Vec<_>>(), "{mechanism}");
+        for (name, source) in sources {
+            let is_known = [THESIS, PUBLIC].contains(source) || keys.iter().any(|key| key == source);
+            assert!(is_known, "{mechanism}: {name} is of {source}, which the page does not have");
+        }
+    }
+    // The same vehicle twice.
+    let (angles, quaternion) =
+        (quadrotor_euler::Params::<f64>::default(), quadrotor_quaternion::Params::<f64>::default());
+    assert_eq!(format!("{angles:?}"), format!("{quaternion:?}"));
 }
 
 /// Keys are told apart, and no cell is empty.

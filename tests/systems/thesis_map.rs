@@ -13,6 +13,14 @@ const FIGURES: [(u32, u32); 4] = [(3, 11), (4, 12), (5, 9), (7, 4)];
 /// Tables 1 to 4: their chapters.
 const TABLES: [u32; 4] = [3, 3, 4, 4];
 const ERRATA: usize = 50;
+/// Sections of the table of contents, by chapters that have any.
+const SECTIONS: [(u32, &[&str]); 5] = [
+    (3, &["3.1", "3.2", "3.3", "3.4", "3.5", "3.6", "3.7"]),
+    (4, &["4.1", "4.2.1", "4.2.2", "4.3", "4.4"]),
+    (5, &["5.1", "5.2", "5.3"]),
+    (7, &["7.1", "7.2", "7.3", "7.4", "7.5", "7.6"]),
+    (8, &["8.1", "8.2", "8.3"]),
+];
 
 fn folder() -> PathBuf {
     Path::new(ROOT).join("docs/thesis")
@@ -58,6 +66,16 @@ fn every_equation_table_and_figure_has_an_entry() {
     }
     let index = page("README.md");
     (1..=8).for_each(|chapter| assert!(index.contains(&format!("(chapter_{chapter}.md)")), "chapter {chapter}"));
+}
+
+#[test]
+fn every_section_has_its_heading() {
+    for (chapter, sections) in SECTIONS {
+        let page = page(&format!("chapter_{chapter}.md"));
+        let headings = page.lines().filter(|line| line.starts_with("## "));
+        let words: Vec<&str> = headings.flat_map(|line| line.split(' ')).collect();
+        sections.iter().for_each(|section| assert!(words.contains(section), "section {section}"));
+    }
 }
 
 /// Names of the tests in the sources of a folder and of those in it.
@@ -125,6 +143,12 @@ fn titled(title: &str) -> BTreeSet<String> {
     found
 }
 
+/// `e07_…`
+fn is_of_an_erratum(test: &str) -> bool {
+    let digits = test.strip_prefix('e').and_then(|rest| rest.split_once('_')).map(|(digits, _)| digits);
+    digits.is_some_and(|digits| digits.len() == 2 && digits.parse::<u32>().is_ok())
+}
+
 /// What a row cites are the errata whose titles name its number; without any it is as printed.
 #[test]
 fn rows_cite_the_errata_of_their_number() {
@@ -184,8 +208,8 @@ fn every_erratum_has_its_test() {
         assert!(test.starts_with(&format!("e{number:02}_")), "E{number}: {test}");
         named.insert(test.to_string());
     }
-    let numbered = |name: &String| name.starts_with('e') && name.get(1..3).is_some_and(|n| n.parse::<u32>().is_ok());
-    let there: BTreeSet<String> = tests(&Path::new(ROOT).join("tests/errata")).into_iter().filter(numbered).collect();
+    let mut there = tests(&Path::new(ROOT).join("tests/errata"));
+    there.retain(|name| is_of_an_erratum(name));
     assert_eq!(named, there, "what the page names and what there is");
 }
 
@@ -224,19 +248,23 @@ fn citations_are_of_errata_that_there_are() {
 
 /// Paths between backticks or as targets of links, from the repository's root.
 fn paths(text: &str) -> Vec<String> {
-    let quoted = text.split('`').skip(1).step_by(2).filter(|word| word.contains('/') && !word.contains([' ', '(']));
-    let in_repository =
-        |path: &&str| ["mbs-", "models/", "tests/", "examples/", "docs/"].iter().any(|top| path.starts_with(top));
+    let paths = quoted(text).filter(|word| word.contains('/') && !word.contains([' ', '(']));
+    let folders = ["mbs-", "models/", "tests/", "examples/", "docs/", ".ci/"];
+    let in_repository = |path: &&str| folders.iter().any(|top| path.starts_with(top));
     let linked = text.split("](").skip(1).filter_map(|rest| rest.split([')', '#']).next());
     let beside = linked.filter(|target| !target.is_empty()).map(|target| format!("docs/thesis/{target}"));
-    quoted.filter(in_repository).map(String::from).chain(beside).collect()
+    paths.filter(in_repository).map(String::from).chain(beside).collect()
 }
 
 #[test]
 fn files_that_the_pages_name_are_there() {
     let examples = fs::read_to_string(Path::new(ROOT).join("examples/Cargo.toml")).expect("the manifest");
-    let mut count = 0;
+    let (tests, mut count) = (tests(&Path::new(ROOT).join("tests")), 0);
+    let is_numbered = |word: &&str| word.starts_with("equation") && word.contains('_') || is_of_an_erratum(word);
     for (name, page) in pages() {
+        for test in quoted(&page).filter(is_numbered) {
+            assert!(tests.contains(test), "{name} names the test {test}");
+        }
         for path in paths(&page) {
             count += 1;
             assert!(Path::new(ROOT).join(&path).exists(), "{name} names {path}");
