@@ -1,10 +1,12 @@
-//! Lines over one horizontal axis, with a legend to the right.
+//! Lines over one horizontal axis, with a legend above.
 
 use std::ops::Range;
 
-use plotters::prelude::*;
-
-use crate::{Axis, Canvas, Drawn, color, draw_axes, draw_legend};
+use crate::axis::{self, BELOW_LABEL, BELOW_TICKS, LABEL_SIZE, Scale};
+use crate::font::Typeface;
+use crate::legend::{Legend, ROW};
+use crate::scene::{Anchor, Rect, Scene, Text};
+use crate::style::stroke;
 
 /// A line has at most this many points; beyond that a bucket of points is drawn by its extremes.
 const POINTS: usize = 4000;
@@ -16,7 +18,7 @@ pub struct Curves {
     pub x_label: String,
     /// What the vertical axis says, with its unit.
     pub y_label: String,
-    /// From where to where; the vertical axis goes as far as the lines do.
+    /// From where to where; lines are cut there, and the vertical axis goes as far as what is left of them.
     pub x_range: Range<f64>,
     /// At least one.
     pub lines: Vec<Line>,
@@ -27,6 +29,7 @@ pub struct Curves {
 pub struct Line {
     name: String,
     points: Vec<(f64, f64)>,
+    marks: Vec<((f64, f64), String)>,
 }
 
 impl Line {
@@ -39,7 +42,14 @@ impl Line {
         } else {
             points.chunks(points.len().div_ceil(POINTS / 2)).flat_map(extremes).collect()
         };
-        Line { name: name.into(), points }
+        Line { name: name.into(), points, marks: Vec::new() }
+    }
+
+    /// With a dot and a word at a point.
+    #[must_use]
+    pub fn marked(mut self, at: (f64, f64), word: impl Into<String>) -> Self {
+        self.marks.push((at, word.into()));
+        self
     }
 }
 
@@ -51,39 +61,128 @@ fn extremes(bucket: &[(f64, f64)]) -> [(f64, f64); 2] {
     if lowest.0 <= highest.0 { [lowest, highest] } else { [highest, lowest] }
 }
 
+/// What of a line is within a range, with a gap where it is not.
+fn cut(points: &[(f64, f64)], range: &Range<f64>) -> Vec<[f64; 2]> {
+    let is_inside = |x: f64| (range.start..=range.end).contains(&x);
+    let mut kept = Vec::new();
+    for (i, &(x, y)) in points.iter().enumerate() {
+        if i > 0 && x != points[i - 1].0 {
+            let (x0, y0) = points[i - 1];
+            let mut edges = [range.start, range.end];
+            if x < x0 {
+                edges.reverse();
+            }
+            for edge in edges.into_iter().filter(|edge| x0.min(x) < *edge && *edge < x0.max(x)) {
+                kept.push([edge, y0 + (y - y0) * (edge - x0) / (x - x0)]);
+                // Out of the range, or into it behind a gap.
+                if !is_inside(x) {
+                    kept.push([f64::NAN; 2]);
+                }
+            }
+        }
+        if is_inside(x) {
+            kept.push([x, y]);
+        }
+    }
+    kept
+}
+
 /// From the lowest to the highest value with a margin; what varies by rounding alone stays a flat line.
-fn value_range(lines: &[Line]) -> Range<f64> {
-    let values = || lines.iter().flat_map(|line| &line.points).map(|point| point.1).filter(|y| y.is_finite());
-    let (lowest, highest) = values().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), y| (a.min(y), b.max(y)));
+fn value_range<'a>(lines: impl Iterator<Item = &'a Vec<[f64; 2]>>) -> Range<f64> {
+    let values = lines.flatten().map(|point| point[1]).filter(|y| y.is_finite());
+    let (lowest, highest) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), y| (a.min(y), b.max(y)));
     if lowest > highest {
         return -1.0..1.0;
     }
     let magnitude = lowest.abs().max(highest.abs());
     let least = if magnitude > 0.0 { 1e-3 * magnitude } else { 1.0 };
-    let (middle, half) = (0.5 * (lowest + highest), 0.53 * (highest - lowest).max(least));
+    let (middle, half) = (0.5 * (lowest + highest), 0.54 * (highest - lowest).max(least));
     middle - half..middle + half
 }
 
-pub(super) fn draw<D: DrawingBackend>(curves: &Curves, canvas: &Canvas<D>) -> Drawn<D> {
-    let (width, _) = canvas.area.dim_in_pixel();
-    let (chart_area, legend_area) = canvas.area.split_horizontally(width.saturating_sub(canvas.length(170)));
-    let (abscissas, values) = (curves.x_range.clone(), value_range(&curves.lines));
-    let mut chart = ChartBuilder::on(&chart_area)
-        .margin(canvas.length(10))
-        .x_label_area_size(canvas.length(44))
-        .y_label_area_size(canvas.length(76))
-        .build_cartesian_2d(abscissas.clone(), values.clone())?;
-    let axes = [
-        Axis { label: &curves.x_label, range: abscissas, ticks: 11 },
-        Axis { label: &curves.y_label, range: values, ticks: 7 },
-    ];
-    draw_axes(&mut chart, &axes, canvas)?;
-    for (i, line) in curves.lines.iter().enumerate() {
-        let finite = line.points.iter().copied().filter(|point| point.1.is_finite());
-        chart.draw_series(LineSeries::new(finite, canvas.stroke(color(i, curves.lines.len()), 2)))?;
+/// A panel of curves, ready to be drawn into any area.
+pub(crate) struct Prepared<'a> {
+    curves: &'a Curves,
+    /// Within the range.
+    lines: Vec<Vec<[f64; 2]>>,
+    values: Range<f64>,
+    /// Whether the panel above says what the lines are called, and whether the one below has the same axis.
+    pub(crate) is_named_above: bool,
+    pub(crate) is_continued: bool,
+}
+
+impl<'a> Prepared<'a> {
+    pub(crate) fn new(curves: &'a Curves) -> Self {
+        let lines: Vec<_> = curves.lines.iter().map(|line| cut(&line.points, &curves.x_range)).collect();
+        let values = value_range(lines.iter());
+        Prepared { curves, lines, values, is_named_above: false, is_continued: false }
     }
-    let names: Vec<&str> = curves.lines.iter().map(|line| line.name.as_str()).collect();
-    draw_legend(&names, &canvas.with(legend_area))
+
+    fn legend(&self, face: &'a Typeface, width: f64) -> Legend<'a> {
+        let is_shown = |line: &&'a Line| !self.is_named_above && !line.name.is_empty();
+        let names = self.curves.lines.iter().map(|line| if is_shown(&line) { line.name.as_str() } else { "" });
+        Legend::new(names.collect(), face, width)
+    }
+
+    fn vertical(&self, height: f64) -> Scale {
+        Scale::new(self.values.clone(), (height / 34.0).clamp(2.0, 8.0))
+    }
+
+    /// Left of the axis: its numbers \[px\].
+    pub(crate) fn left(&self, height: f64, face: &Typeface) -> f64 {
+        self.vertical(height).number_width(face) + 24.0
+    }
+
+    /// Whether the legend stands beside what the vertical axis says.
+    fn is_beside(&self, legend: &Legend<'_>, face: &Typeface, width: f64) -> bool {
+        let label = face.width(&self.curves.y_label, LABEL_SIZE);
+        legend.single_row().is_some_and(|row| row + label + 40.0 < width)
+    }
+
+    /// Above and below the chart \[px\].
+    pub(crate) fn margins(&self, face: &'a Typeface, width: f64) -> [f64; 2] {
+        let legend = self.legend(face, width);
+        let rows = if self.is_beside(&legend, face, width) { 0.0 } else { legend.height() };
+        let below = if self.is_continued { BELOW_TICKS } else { BELOW_TICKS + BELOW_LABEL };
+        [8.0 + rows + ROW, below]
+    }
+
+    /// Into the area of the chart alone.
+    pub(crate) fn draw(&self, scene: &mut Scene<'a>, area: Rect) {
+        let curves = self.curves;
+        let legend = self.legend(scene.face, area.width);
+        let rows = if self.is_beside(&legend, scene.face, area.width) { 0.0 } else { legend.height() };
+        legend.draw(scene, area.right(), area.y - ROW - 3.0 - rows);
+        let label = [area.x - 14.0, area.y - 0.5 * ROW - 3.0];
+        scene.text(Text::new(label, &curves.y_label, LABEL_SIZE, Anchor::Start));
+
+        let x = Scale::new(curves.x_range.clone(), (area.width / 65.0).clamp(2.0, 12.0));
+        let y = self.vertical(area.height);
+        axis::draw(scene, area, [&x, &y], (!self.is_continued).then_some(curves.x_label.as_str()));
+        let pixel = |[a, b]: [f64; 2]| [x.pixel(a, area.x, area.right()), y.pixel(b, area.bottom(), area.y)];
+        for (i, line) in self.lines.iter().enumerate() {
+            let own = stroke(i, self.lines.len());
+            scene.line(line.iter().map(|point| pixel(*point)), own);
+            for ((a, b), word) in &curves.lines[i].marks {
+                let at = pixel([*a, *b]);
+                scene.dot(at, 3.5, own.color);
+                let is_right = at[0] < area.x + 0.6 * area.width;
+                let (side, anchor) = if is_right { (8.0, Anchor::Start) } else { (-8.0, Anchor::End) };
+                let up = if at[1] > area.y + 20.0 { -11.0 } else { 12.0 };
+                scene.text(Text::new([at[0] + side, at[1] + up], word, 12.5, anchor));
+            }
+        }
+    }
+}
+
+/// Whether one legend does for both.
+pub(crate) fn have_same_names(a: &Curves, b: &Curves) -> bool {
+    a.lines.len() == b.lines.len() && a.lines.iter().zip(&b.lines).all(|(a, b)| a.name == b.name)
+}
+
+/// Whether one horizontal axis does for both.
+pub(crate) fn have_same_axis(a: &Curves, b: &Curves) -> bool {
+    a.x_label == b.x_label && a.x_range == b.x_range
 }
 
 #[cfg(test)]
@@ -96,5 +195,15 @@ mod tests {
         let drawn = Line::new("quiet", (0..100_000).map(quiet).collect()).points;
         assert_eq!((drawn.len(), drawn.contains(&(70_000.0, 5.0))), (4000, true));
         assert!(drawn.is_sorted_by(|a, b| a.0 <= b.0));
+    }
+
+    #[test]
+    fn lines_are_cut_at_both_ends_of_the_range() {
+        let line: Vec<(f64, f64)> = (0..5).map(|i| (f64::from(i), 10.0 * f64::from(i))).collect();
+        let kept: Vec<[f64; 2]> = cut(&line, &(0.5..2.5)).into_iter().filter(|point| point[0].is_finite()).collect();
+        assert_eq!(kept, [[0.5, 5.0], [1.0, 10.0], [2.0, 20.0], [2.5, 25.0]]);
+        // A long step over the whole range.
+        let kept = cut(&[(0.0, 0.0), (10.0, 10.0)], &(4.0..5.0));
+        assert_eq!(kept.iter().filter(|point| point[0].is_finite()).count(), 2);
     }
 }

@@ -1,28 +1,42 @@
-//! Figures: panels of curves with axes, units and legends, one below the other, as SVG or PNG.
+//! Figures: panels of curves with axes, units and legends, and drawings, one below the other, as SVG or PNG.
 //!
 //! Figures need nothing from the machine: the font that texts are measured with, and drawn with in a PNG, is part of
 //! the program. The same figure is the same bytes everywhere.
 //!
+//! Lines differ by colour and by their gaps. One legend stands above the first of panels whose lines have the same
+//! names; panels one below the other with one horizontal axis say once what it is.
+//!
 //! - [`curves`]: lines over one horizontal axis;
 //! - [`plane`]: paths in a plane, both axes to one scale;
-//! - [`space`]: lines in three dimensions, seen from the side.
+//! - [`space`]: lines in three dimensions, seen from the side;
+//! - [`sketch`]: drawings without axes;
+//! - [`camera`]: from space to a plane, for drawings;
+//! - [`style`]: colours and strokes of drawings.
 
+pub mod camera;
 pub mod curves;
 pub mod plane;
+pub mod sketch;
 pub mod space;
+pub mod style;
+
+mod axis;
+mod font;
+mod legend;
+mod raster;
+mod scene;
+mod svg;
 
 use std::fmt;
-use std::ops::Range;
 
-use plotters::coord::Shift;
-use plotters::coord::types::RangedCoordf64;
-use plotters::drawing::DrawingAreaErrorKind;
-use plotters::prelude::*;
-use plotters::style::{FontStyle, register_font};
-
+pub use camera::Camera;
 pub use curves::{Curves, Line};
 pub use plane::{Plane, PlaneLine};
+pub use sketch::Sketch;
 pub use space::{Space, SpaceLine};
+
+use font::Typeface;
+use scene::{Anchor, Rect, Scene, Text};
 
 /// Vector or raster graphics.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -36,11 +50,11 @@ pub enum Format {
 /// A title and panels below it.
 #[derive(Clone, Debug)]
 pub struct Figure {
-    /// Stands on top.
+    /// Stands on top; an empty one takes no room.
     pub title: String,
     /// Width and height in pixels.
     pub size: (u32, u32),
-    /// From top to bottom, of equal height.
+    /// From top to bottom; their charts are of equal height.
     pub panels: Vec<Panel>,
 }
 
@@ -53,6 +67,10 @@ pub enum Panel {
     Plane(Plane),
     /// Lines in space.
     Space(Space),
+    /// A drawing without axes.
+    Sketch(Sketch),
+    /// Panels side by side, of equal width.
+    Row(Vec<Panel>),
 }
 
 /// Why a figure was not drawn.
@@ -75,202 +93,157 @@ impl fmt::Display for CannotDraw {
 
 impl std::error::Error for CannotDraw {}
 
-/// A PNG is drawn larger by this factor, and averaged: lines come out smooth.
-const OVERSAMPLING: u32 = 3;
-/// Okabe and Ito, *Color universal design*, 2008: told apart by everybody; yellow is left out.
-const COLORS: [RGBColor; 7] = [
-    RGBColor(0, 114, 178),
-    RGBColor(213, 94, 0),
-    RGBColor(0, 158, 115),
-    RGBColor(204, 121, 167),
-    RGBColor(230, 159, 0),
-    RGBColor(86, 180, 233),
-    RGBColor(0, 0, 0),
-];
-/// Of lines that help to read others.
-const GRID: RGBColor = RGBColor(220, 220, 220);
-
 /// The bytes of the figure.
 ///
 /// # Errors
 /// [`CannotDraw`] if a panel is too small for its axes.
 pub fn draw(figure: &Figure, format: Format) -> Result<Vec<u8>, CannotDraw> {
-    let font = include_bytes!("../fonts/DejaVuSans-subset.ttf");
-    if register_font("sans-serif", FontStyle::Normal, font).is_err() {
-        return Err(CannotDraw::new("the font is unreadable"));
+    let face = Typeface::new()?;
+    let mut scene = Scene { face: &face, shapes: Vec::new() };
+    let (width, height) = figure.size;
+    let mut area = Rect { x: 0.0, y: 0.0, width: f64::from(width), height: f64::from(height) };
+    if !figure.title.is_empty() {
+        scene.text(Text::new([24.0, 24.0], &figure.title, 18.0, Anchor::Start));
+        area = area.inset([0.0, 38.0, 0.0, 0.0]);
     }
+    stack(&figure.panels, &mut scene, area.inset([12.0, 4.0, 18.0, 8.0]), [0.0; 2])?;
     match format {
-        Format::Svg => svg(figure),
-        Format::Png => png(figure),
+        Format::Svg => Ok(svg::write(&scene, figure.size).into_bytes()),
+        Format::Png => png(&scene, figure.size),
     }
 }
 
-fn svg(figure: &Figure) -> Result<Vec<u8>, CannotDraw> {
-    let mut text = String::new();
-    {
-        let area = SVGBackend::with_string(&mut text, figure.size).into_drawing_area();
-        draw_panels(&Canvas { area, scale: 1 }, figure).map_err(CannotDraw::new)?;
-    }
-    Ok(text.into_bytes())
-}
-
-fn png(figure: &Figure) -> Result<Vec<u8>, CannotDraw> {
-    let (width, height) = (figure.size.0 * OVERSAMPLING, figure.size.1 * OVERSAMPLING);
-    let mut pixels = vec![0; 3 * (width * height) as usize];
-    {
-        let area = BitMapBackend::with_buffer(&mut pixels, (width, height)).into_drawing_area();
-        draw_panels(&Canvas { area, scale: OVERSAMPLING }, figure).map_err(CannotDraw::new)?;
-    }
+fn png(scene: &Scene<'_>, size: (u32, u32)) -> Result<Vec<u8>, CannotDraw> {
     let mut bytes = Vec::new();
-    let mut encoder = png::Encoder::new(&mut bytes, figure.size.0, figure.size.1);
+    let mut encoder = png::Encoder::new(&mut bytes, size.0, size.1);
     encoder.set_color(png::ColorType::Rgb);
-    let pixels = averaged(&pixels, figure.size);
+    let pixels = raster::pixels(scene, size);
     let encoded = encoder.write_header().and_then(|mut writer| writer.write_image_data(&pixels));
     encoded.map_err(CannotDraw::new)?;
     Ok(bytes)
 }
 
-/// Means over squares of `OVERSAMPLING` pixels; rows of red, green and blue.
-fn averaged(pixels: &[u8], size: (u32, u32)) -> Vec<u8> {
-    let n = OVERSAMPLING as usize;
-    let (width, height) = (size.0 as usize, size.1 as usize);
-    let mean = |x: usize, y: usize, channel: usize| {
-        let at = |i: usize| 3 * ((n * y + i / n) * n * width + n * x + i % n) + channel;
-        let sum: usize = (0..n * n).map(|i| usize::from(pixels[at(i)])).sum();
-        (sum / (n * n)) as u8
+/// A chart is at least this high and this wide \[px\].
+const LEAST: f64 = 20.0;
+/// Between panels side by side \[px\].
+const GAP: f64 = 16.0;
+
+/// Panels from top to bottom, each with at least so much above and below its chart \[px\].
+fn stack<'a>(panels: &'a [Panel], scene: &mut Scene<'a>, area: Rect, least: [f64; 2]) -> Result<(), CannotDraw> {
+    let face = scene.face;
+    let prepared = prepared(panels);
+    let rough = area.height / panels.len().max(1) as f64;
+    // Charts of curves begin at the same place.
+    let left = prepared.iter().flatten().map(|curves| curves.left(rough, face)).fold(50.0, f64::max);
+    let sides = |panel: &Panel| match panel {
+        Panel::Curves(_) => left,
+        Panel::Plane(_) => plane::LEFT,
+        Panel::Space(_) | Panel::Sketch(_) | Panel::Row(_) => 0.0,
     };
-    (0..3 * width * height).map(|i| mean(i / 3 % width, i / 3 / width, i % 3)).collect()
-}
-
-/// Part of a figure; its pixels are `scale` times smaller than those that lengths here are given in.
-struct Canvas<D: DrawingBackend> {
-    area: DrawingArea<D, Shift>,
-    scale: u32,
-}
-
-impl<D: DrawingBackend> Canvas<D> {
-    fn length(&self, pixels: u32) -> u32 {
-        self.scale * pixels
+    let margins: Vec<[f64; 2]> = panels
+        .iter()
+        .zip(&prepared)
+        .map(|(panel, curves)| margins(panel, curves.as_ref(), face, area.width - sides(panel)))
+        .map(|[above, below]| [above.max(least[0]), below.max(least[1])])
+        .collect();
+    let around: f64 = margins.iter().flatten().sum();
+    let height = (area.height - around) / panels.len().max(1) as f64;
+    if height < LEAST || area.width - left < LEAST {
+        return Err(CannotDraw::new("it is too small for its panels"));
     }
-
-    fn place(&self, x: i32, y: i32) -> (i32, i32) {
-        (x * self.scale as i32, y * self.scale as i32)
-    }
-
-    fn font(&self, size: u32) -> FontDesc<'static> {
-        ("sans-serif", self.length(size)).into_font()
-    }
-
-    fn stroke(&self, color: RGBColor, width: u32) -> ShapeStyle {
-        color.stroke_width(self.length(width))
-    }
-
-    fn with(&self, area: DrawingArea<D, Shift>) -> Self {
-        Canvas { area, scale: self.scale }
-    }
-}
-
-type Drawn<D> = Result<(), DrawingAreaErrorKind<<D as DrawingBackend>::ErrorType>>;
-
-fn draw_panels<D: DrawingBackend>(canvas: &Canvas<D>, figure: &Figure) -> Drawn<D> {
-    canvas.area.fill(&WHITE)?;
-    let (title, rest) = canvas.area.split_vertically(canvas.length(44));
-    title.draw(&Text::new(figure.title.clone(), canvas.place(86, 14), canvas.font(22)))?;
-    for (panel, area) in figure.panels.iter().zip(rest.split_evenly((figure.panels.len(), 1))) {
-        match panel {
-            Panel::Curves(curves) => curves::draw(curves, &canvas.with(area))?,
-            Panel::Plane(plane) => plane::draw(plane, &canvas.with(area))?,
-            Panel::Space(space) => space::draw(space, &canvas.with(area))?,
+    let mut top = area.y;
+    for ((panel, curves), [above, below]) in panels.iter().zip(&prepared).zip(margins) {
+        let side = sides(panel);
+        let chart = Rect { x: area.x + side, y: top + above, width: area.width - side, height };
+        match (panel, curves) {
+            (Panel::Curves(_), Some(curves)) => curves.draw(scene, chart),
+            (Panel::Curves(_), None) => {}
+            (Panel::Plane(plane), _) => plane.draw(scene, chart),
+            (Panel::Space(space), _) => space.draw(scene, chart),
+            (Panel::Sketch(sketch), _) => sketch.draw(scene, chart),
+            (Panel::Row(row), _) => {
+                let width = width_in_row(row.len(), chart.width);
+                let least = margins_of_row(row, face, chart.width);
+                for (i, panel) in row.iter().enumerate() {
+                    let x = chart.x + i as f64 * (width + GAP);
+                    stack(std::slice::from_ref(panel), scene, Rect { x, width, ..chart }, least)?;
+                }
+            }
         }
-    }
-    canvas.area.present()
-}
-
-/// One axis of a chart in a plane.
-struct Axis<'a> {
-    /// What it says, with its unit.
-    label: &'a str,
-    range: Range<f64>,
-    /// How many, about.
-    ticks: usize,
-}
-
-type PlaneChart<'a, D> = ChartContext<'a, D, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
-
-/// The horizontal and the vertical axis, with a grid.
-fn draw_axes<D: DrawingBackend>(chart: &mut PlaneChart<'_, D>, [x, y]: &[Axis<'_>; 2], canvas: &Canvas<D>) -> Drawn<D> {
-    chart
-        .configure_mesh()
-        .light_line_style(TRANSPARENT)
-        .bold_line_style(canvas.stroke(GRID, 1))
-        .axis_style(canvas.stroke(BLACK, 1))
-        .set_all_tick_mark_size(canvas.length(5))
-        .x_labels(x.ticks)
-        .y_labels(y.ticks)
-        .x_label_formatter(&|value| tick(*value, &x.range))
-        .y_label_formatter(&|value| tick(*value, &y.range))
-        .label_style(canvas.font(14))
-        .axis_desc_style(canvas.font(16))
-        .x_desc(x.label)
-        .y_desc(y.label)
-        .draw()
-}
-
-/// Names beside strokes of their colours, from the top; the last of more than fit is a count.
-fn draw_legend<D: DrawingBackend>(names: &[&str], canvas: &Canvas<D>) -> Drawn<D> {
-    let (_, height) = canvas.area.dim_in_pixel();
-    let room = (height / canvas.length(20)).saturating_sub(3).max(1) as usize;
-    let shown = if names.len() <= room { names.len() } else { room - 1 };
-    let entry = |i: usize, text: String| Text::new(text, canvas.place(32, 13 + 20 * i as i32), canvas.font(14));
-    for (i, name) in names.iter().take(shown).enumerate() {
-        let y = 20 + 20 * i as i32;
-        let stroke = canvas.stroke(color(i, names.len()), 2);
-        canvas.area.draw(&PathElement::new(vec![canvas.place(4, y), canvas.place(26, y)], stroke))?;
-        canvas.area.draw(&entry(i, (*name).to_string()))?;
-    }
-    if shown < names.len() {
-        canvas.area.draw(&entry(shown, format!("… and {} more", names.len() - shown)))?;
+        top += above + height + below;
     }
     Ok(())
 }
 
-/// Of few lines each has a colour that everybody can tell; of many, hues around the circle.
-fn color(i: usize, count: usize) -> RGBColor {
-    if count <= COLORS.len() {
-        return COLORS[i];
+/// What a panel needs above and below its chart, which is this wide \[px\]; a row has it within itself.
+fn margins<'a>(panel: &Panel, curves: Option<&curves::Prepared<'a>>, face: &'a Typeface, width: f64) -> [f64; 2] {
+    match (panel, curves) {
+        (Panel::Curves(_), Some(curves)) => curves.margins(face, width),
+        (Panel::Plane(plane), _) => plane.margins(face, width),
+        (Panel::Space(space), _) => space.margins(face, width),
+        (Panel::Curves(_) | Panel::Sketch(_) | Panel::Row(_), _) => [0.0, 0.0],
     }
-    let (red, green, blue) = HSLColor(i as f64 / count as f64, 0.75, 0.42).rgb();
-    RGBColor(red, green, blue)
 }
 
-/// A number at an axis, with the digits that tell it from its neighbours.
-fn tick(value: f64, range: &Range<f64>) -> String {
-    let span = range.end - range.start;
-    let magnitude = range.start.abs().max(range.end.abs());
-    let value = if value.abs() < 1e-9 * span { 0.0 } else { value };
-    if !(1e-3..1e6).contains(&magnitude) {
-        let digits = (magnitude / span).log10().max(0.0) as usize + 2;
-        return format!("{value:.digits$e}");
-    }
-    let decimals = (2.0 - span.log10()).ceil().clamp(0.0, 12.0) as usize;
-    let text = format!("{value:.decimals$}");
-    match text.contains('.') {
-        true => text.trim_end_matches('0').trim_end_matches('.').to_string(),
-        false => text,
-    }
+fn width_in_row(count: usize, width: f64) -> f64 {
+    (width + GAP) / count.max(1) as f64 - GAP
+}
+
+/// The most that a panel of a row needs: charts side by side are of one height.
+fn margins_of_row(row: &[Panel], face: &Typeface, width: f64) -> [f64; 2] {
+    let width = width_in_row(row.len(), width) - plane::LEFT;
+    row.iter().fold([0.0, 0.0], |[above, below], panel| {
+        let own = prepared(std::slice::from_ref(panel));
+        let [a, b] = margins(panel, own[0].as_ref(), face, width);
+        [f64::max(above, a), f64::max(below, b)]
+    })
+}
+
+/// Those that are curves, with what their neighbours say for them.
+fn prepared(panels: &[Panel]) -> Vec<Option<curves::Prepared<'_>>> {
+    let curves = |i: usize| match panels.get(i) {
+        Some(Panel::Curves(curves)) => Some(curves),
+        _ => None,
+    };
+    let prepare = |i: usize| {
+        let own = curves(i)?;
+        let mut prepared = curves::Prepared::new(own);
+        prepared.is_named_above =
+            i.checked_sub(1).and_then(curves).is_some_and(|above| curves::have_same_names(above, own));
+        prepared.is_continued = curves(i + 1).is_some_and(|below| curves::have_same_axis(below, own));
+        Some(prepared)
+    };
+    (0..panels.len()).map(prepare).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    fn figure() -> Figure {
+        let panel = |label: &str| {
+            Panel::Curves(Curves {
+                x_label: "t [s]".to_string(),
+                y_label: label.to_string(),
+                x_range: 0.0..1.0,
+                lines: vec![Line::new("one & only", vec![(0.0, -1.0), (1.0, 1.0)])],
+            })
+        };
+        Figure { title: "A title".to_string(), size: (600, 400), panels: vec![panel("a [m]"), panel("b [m]")] }
+    }
+
     #[test]
-    fn ticks_have_the_digits_that_tell_them_apart() {
-        assert_eq!(tick(0.30000000000000004, &(0.0..1.0)), "0.3");
-        assert_eq!(tick(-1e-17, &(-1.0..1.0)), "0");
-        assert_eq!(tick(2000.0, &(0.0..8000.0)), "2000");
-        assert_eq!(tick(1000.0002, &(1000.0..1000.001)), "1000.0002");
-        assert_eq!(tick(2.5e-7, &(0.0..1e-6)), "2.50e-7");
-        assert_eq!(tick(3e8, &(0.0..1e9)), "3.00e8");
+    fn panels_say_once_what_they_share() {
+        let svg = String::from_utf8(draw(&figure(), Format::Svg).unwrap()).unwrap();
+        let count = |text: &str| svg.matches(text).count();
+        assert_eq!((count("one &amp; only"), count("t [s]"), count("a [m]"), count("b [m]")), (1, 1, 1, 1));
+        assert!(svg.contains("viewBox=\"0 0 600 400\"") && svg.contains("−1") && !svg.contains(">-"), "{svg}");
+    }
+
+    #[test]
+    fn both_formats_are_drawn_and_what_is_too_small_is_not() {
+        assert!(draw(&figure(), Format::Png).unwrap().starts_with(b"\x89PNG"));
+        let small = Figure { size: (60, 60), ..figure() };
+        assert!(draw(&small, Format::Svg).unwrap_err().to_string().contains("too small"));
     }
 }

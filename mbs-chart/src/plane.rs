@@ -1,13 +1,17 @@
-//! Paths in a plane, both axes to the same scale, with a legend to the right.
+//! Paths in a plane, both axes to the same scale, with a legend above.
 
 use std::ops::Range;
 
-use plotters::prelude::*;
+use crate::axis::{self, BELOW_LABEL, BELOW_TICKS, LABEL_SIZE, Scale};
+use crate::font::Typeface;
+use crate::legend::{Legend, ROW};
+use crate::scene::{Anchor, Rect, Scene, Text};
+use crate::style::{BLACK, stroke};
 
-use crate::{Axis, Canvas, Drawn, color, draw_axes, draw_legend};
-
-/// Points that are drawn as one line: where a line in a PNG crosses itself it is not filled.
-const PIECE: usize = 32;
+/// Left of the axis: its numbers \[px\].
+pub(crate) const LEFT: f64 = 76.0;
+/// Of words at points \[px\].
+const MARK_SIZE: f64 = 12.5;
 
 /// Some paths on common axes of one scale.
 #[derive(Clone, Debug)]
@@ -56,40 +60,65 @@ fn ranges(extents: [[f64; 2]; 2], pixels: [f64; 2]) -> [Range<f64>; 2] {
     })
 }
 
-pub(super) fn draw<D: DrawingBackend>(plane: &Plane, canvas: &Canvas<D>) -> Drawn<D> {
-    let (width, height) = canvas.area.dim_in_pixel();
-    let (chart_area, legend_area) = canvas.area.split_horizontally(width.saturating_sub(canvas.length(170)));
-    let [margin, below, left] = [10, 44, 86].map(|length| canvas.length(length));
-    let inner =
-        [width.saturating_sub(canvas.length(170) + 2 * margin + left), height.saturating_sub(2 * margin + below)];
-    let coordinates = |axis: usize| {
-        let points = plane.lines.iter().flat_map(|line| &line.points);
-        points.chain(plane.marks.iter().map(|(point, _)| point)).map(move |point| point[axis])
-    };
-    let [x, y] = ranges([extent(coordinates(0)), extent(coordinates(1))], inner.map(|pixels| f64::from(pixels.max(1))));
-    let mut chart = ChartBuilder::on(&chart_area)
-        .margin(margin)
-        .x_label_area_size(below)
-        .y_label_area_size(left)
-        .build_cartesian_2d(x.clone(), y.clone())?;
-    let [right, up] = &plane.labels;
-    let axes = [Axis { label: right, range: x, ticks: 8 }, Axis { label: up, range: y, ticks: 8 }];
-    draw_axes(&mut chart, &axes, canvas)?;
-    for (i, line) in plane.lines.iter().enumerate() {
-        let is_finite = |point: &&[f64; 2]| point.iter().all(|x| x.is_finite());
-        let finite: Vec<(f64, f64)> = line.points.iter().filter(is_finite).map(|&[x, y]| (x, y)).collect();
-        for start in (0..finite.len()).step_by(PIECE) {
-            let piece = finite[start..finite.len().min(start + PIECE + 1)].iter().copied();
-            chart.draw_series(LineSeries::new(piece, canvas.stroke(color(i, plane.lines.len()), 2)))?;
+impl Plane {
+    fn legend<'a>(&'a self, face: &'a Typeface, width: f64) -> Legend<'a> {
+        Legend::new(self.lines.iter().map(|line| line.name.as_str()).collect(), face, width)
+    }
+
+    fn is_beside(&self, legend: &Legend<'_>, face: &Typeface, width: f64) -> bool {
+        let label = face.width(&self.labels[1], LABEL_SIZE);
+        legend.single_row().is_some_and(|row| row + label + 40.0 < width)
+    }
+
+    /// Above and below the chart \[px\].
+    pub(crate) fn margins(&self, face: &Typeface, width: f64) -> [f64; 2] {
+        let legend = self.legend(face, width);
+        let rows = if self.is_beside(&legend, face, width) { 0.0 } else { legend.height() };
+        [8.0 + rows + ROW, BELOW_TICKS + BELOW_LABEL]
+    }
+
+    /// Into the area of the chart alone.
+    pub(crate) fn draw(&self, scene: &mut Scene<'_>, area: Rect) {
+        let coordinates = |axis: usize| {
+            let points = self.lines.iter().flat_map(|line| &line.points);
+            points.chain(self.marks.iter().map(|(point, _)| point)).map(move |point| point[axis])
+        };
+        let [x, y] = ranges([extent(coordinates(0)), extent(coordinates(1))], [area.width, area.height]);
+        let (x, y) = (Scale::new(x, (area.width / 70.0).clamp(2.0, 9.0)), Scale::new(y, (area.height / 40.0).max(2.0)));
+        axis::draw(scene, area, [&x, &y], Some(&self.labels[0]));
+        let face = scene.face;
+        let legend = self.legend(face, area.width);
+        let rows = if self.is_beside(&legend, face, area.width) { 0.0 } else { legend.height() };
+        legend.draw(scene, area.right(), area.y - ROW - 3.0 - rows);
+        let label = [area.x - 14.0, area.y - 0.5 * ROW - 3.0];
+        scene.text(Text::new(label, &self.labels[1], LABEL_SIZE, Anchor::Start));
+        let pixel = |[a, b]: [f64; 2]| [x.pixel(a, area.x, area.right()), y.pixel(b, area.bottom(), area.y)];
+        for (i, line) in self.lines.iter().enumerate() {
+            scene.line(line.points.iter().map(|point| pixel(*point)), stroke(i, self.lines.len()));
+        }
+        let dot = |[x, y]: [f64; 2]| Rect { x: x - 4.0, y: y - 4.0, width: 8.0, height: 8.0 };
+        let mut taken: Vec<Rect> = self.marks.iter().map(|(point, _)| dot(pixel(*point))).collect();
+        for (point, word) in &self.marks {
+            let at = pixel(*point);
+            scene.dot(at, 3.0, BLACK);
+            let width = face.width(word, MARK_SIZE);
+            // To the right if there is room, else to the left; above, else below.
+            let sides = [(7.0, Anchor::Start), (-7.0, Anchor::End)];
+            let places = [-11.0, 13.0].into_iter().flat_map(|down| sides.map(|(right, anchor)| (right, down, anchor)));
+            let free = places.map(|(right, down, anchor)| {
+                let left = if anchor == Anchor::End { at[0] + right - width } else { at[0] + right };
+                (right, down, anchor, Rect { x: left, y: at[1] + down - 8.0, width, height: 16.0 })
+            });
+            let is_free = |rect: &Rect| {
+                rect.x > area.x && rect.right() < area.right() + 4.0 && !taken.iter().any(|other| other.overlaps(rect))
+            };
+            let all: Vec<_> = free.collect();
+            let (right, down, anchor, rect) =
+                all.iter().find(|(_, _, _, rect)| is_free(rect)).copied().unwrap_or(all[0]);
+            scene.text(Text::new([at[0] + right, at[1] + down], word, MARK_SIZE, anchor));
+            taken.push(rect);
         }
     }
-    for ([x, y], word) in &plane.marks {
-        let dot = || Circle::new((0, 0), canvas.length(3), BLACK.filled());
-        let text = Text::new(word.clone(), canvas.place(6, -16), canvas.font(14));
-        chart.plotting_area().draw(&(EmptyElement::at((*x, *y)) + dot() + text))?;
-    }
-    let names: Vec<&str> = plane.lines.iter().map(|line| line.name.as_str()).collect();
-    draw_legend(&names, &canvas.with(legend_area))
 }
 
 #[cfg(test)]

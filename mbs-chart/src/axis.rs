@@ -1,0 +1,130 @@
+//! Axes of a chart in a plane: round ticks, their numbers, grid and frame.
+
+use std::ops::Range;
+
+use crate::font::Typeface;
+use crate::scene::{Anchor, Rect, Scene, Text};
+use crate::style::{BLACK, GRID, Stroke, ZERO};
+
+/// Of an em \[px\]: numbers at ticks, what axes say.
+pub(crate) const TICK_SIZE: f64 = 12.5;
+pub(crate) const LABEL_SIZE: f64 = 14.0;
+/// Under a chart: its ticks' numbers, and what the axis says \[px\].
+pub(crate) const BELOW_TICKS: f64 = 24.0;
+pub(crate) const BELOW_LABEL: f64 = 22.0;
+
+/// A range with ticks at multiples of 1, 2 or 5 times a power of ten.
+#[derive(Clone, Debug)]
+pub(crate) struct Scale {
+    pub(crate) range: Range<f64>,
+    pub(crate) step: f64,
+}
+
+/// The least of 1, 2 and 5 times a power of ten that is not less.
+pub(crate) fn round_step(rough: f64) -> f64 {
+    let power = 10_f64.powf(rough.log10().floor());
+    [1.0, 2.0, 5.0].map(|factor| factor * power).into_iter().find(|step| *step >= rough).unwrap_or(10.0 * power)
+}
+
+impl Scale {
+    /// With at most this many intervals.
+    pub(crate) fn new(range: Range<f64>, count: f64) -> Self {
+        let range = if range.start < range.end { range } else { range.start - 0.5..range.start + 0.5 };
+        let step = round_step((range.end - range.start) / count.max(1.0));
+        Scale { range, step }
+    }
+
+    pub(crate) fn ticks(&self) -> Vec<f64> {
+        let slack = 1e-9 * (self.range.end - self.range.start);
+        let first = ((self.range.start - slack) / self.step).ceil();
+        let count = ((self.range.end + slack) / self.step - first).floor().max(0.0) as usize;
+        (0..=count).map(|k| (first + k as f64) * self.step).collect()
+    }
+
+    /// From `low` pixels at the start of the range to `high` at its end.
+    pub(crate) fn pixel(&self, value: f64, low: f64, high: f64) -> f64 {
+        low + (high - low) * (value - self.range.start) / (self.range.end - self.range.start)
+    }
+
+    /// A number at the axis, with the digits that tell it from its neighbours.
+    pub(crate) fn number(&self, value: f64) -> String {
+        let value = if value.abs() < 1e-9 * self.step { 0.0 } else { value };
+        let greatest = self.range.start.abs().max(self.range.end.abs());
+        let text = if value == 0.0 {
+            "0".to_string()
+        } else if (1e-3..1e5).contains(&greatest) {
+            decimal(value, self.step)
+        } else {
+            let exponent = greatest.log10().floor();
+            let power = 10_f64.powi(exponent as i32);
+            format!("{}·10{}", decimal(value / power, self.step / power), superscript(exponent as i32))
+        };
+        text.replace('-', "−")
+    }
+
+    /// Of the widest number \[px\].
+    pub(crate) fn number_width(&self, face: &Typeface) -> f64 {
+        self.ticks().into_iter().map(|value| face.width(&self.number(value), TICK_SIZE)).fold(0.0, f64::max)
+    }
+}
+
+/// With as many decimals as the step has.
+fn decimal(value: f64, step: f64) -> String {
+    let decimals = (-(step * 1.0001).log10().floor()).clamp(0.0, 12.0) as usize;
+    format!("{value:.decimals$}")
+}
+
+fn superscript(exponent: i32) -> String {
+    let digit = |c: char| match c {
+        '-' => '⁻',
+        '1' => '¹',
+        '2' => '²',
+        '3' => '³',
+        _ => char::from_u32(0x2070 + c.to_digit(10).unwrap_or(0)).unwrap_or(c),
+    };
+    exponent.to_string().chars().map(digit).collect()
+}
+
+/// Grid, frame, numbers, and what the horizontal axis says where that is not said further down.
+pub(crate) fn draw(scene: &mut Scene<'_>, area: Rect, [x, y]: [&Scale; 2], x_label: Option<&str>) {
+    let grid = |value: f64| Stroke::new(if value == 0.0 { ZERO } else { GRID }, 1.0);
+    for value in x.ticks() {
+        let at = x.pixel(value, area.x, area.right());
+        scene.line([[at, area.y], [at, area.bottom()]], grid(value));
+        scene.text(Text::new([at, area.bottom() + 13.0], &x.number(value), TICK_SIZE, Anchor::Middle));
+    }
+    for value in y.ticks() {
+        let at = y.pixel(value, area.bottom(), area.y);
+        scene.line([[area.x, at], [area.right(), at]], grid(value));
+        scene.text(Text::new([area.x - 7.0, at], &y.number(value), TICK_SIZE, Anchor::End));
+    }
+    scene.line([[area.x, area.y], [area.x, area.bottom()], [area.right(), area.bottom()]], Stroke::new(BLACK, 1.2));
+    if let Some(label) = x_label {
+        let at = [area.x + 0.5 * area.width, area.bottom() + 34.0];
+        scene.text(Text::new(at, label, LABEL_SIZE, Anchor::Middle));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_have_the_digits_that_tell_them_apart() {
+        let number = |value: f64, range: Range<f64>| Scale::new(range, 7.0).number(value);
+        assert_eq!(number(0.30000000000000004, 0.0..1.0), "0.3".to_string());
+        assert_eq!(number(-1e-17, -1.0..1.0), "0");
+        assert_eq!(number(-0.5, -1.0..1.0), "−0.5");
+        assert_eq!(number(2000.0, 0.0..8000.0), "2000");
+        assert_eq!(number(1000.0002, 1000.0..1000.001), "1000.0002");
+        assert_eq!(number(-2e-7, -3e-7..3e-7), "−2·10⁻⁷");
+        assert_eq!(number(3e8, 0.0..9e8), "3·10⁸");
+    }
+
+    #[test]
+    fn ticks_are_round_and_within() {
+        assert_eq!(Scale::new(-0.63..1.04, 5.0).ticks(), [-0.5, 0.0, 0.5, 1.0]);
+        assert_eq!(Scale::new(0.0..50.0, 10.0).ticks().len(), 11);
+        assert_eq!(Scale::new(2.0..2.0, 4.0).range, 1.5..2.5);
+    }
+}
