@@ -6,10 +6,12 @@ use mbs_arm::Arm;
 use mbs_chart::{Curves, Figure, Line, Panel, Space, SpaceLine};
 use mbs_examples::{Failure, output::write_figure};
 
-use crate::cases::{Case, DURATION, Run, Sample};
+use super::cases::{Case, DURATION, Run, Sample};
 
 /// Names, titles, axes and values of what is drawn over time; the number of the figure for each case.
-type Curve = (&'static str, [usize; 2], &'static str, fn(&Sample) -> [f64; 6]);
+type Curve = (&'static str, [usize; 2], &'static str, Value);
+type Value = fn(&Sample) -> [f64; 6];
+const JOINTS: [usize; 6] = [0, 1, 2, 3, 4, 5];
 const CURVES: [Curve; 3] = [
     ("joint angles", [6, 7], "q [°]", |sample| sample.state.q.map(f64::to_degrees)),
     ("joint velocities", [8, 9], "dq/dt [°/s]", |sample| sample.state.qd.map(f64::to_degrees)),
@@ -17,38 +19,65 @@ const CURVES: [Curve; 3] = [
 ];
 
 pub(crate) fn write(folder: &Path, arm: &Arm, case: &Case) -> Result<(), Failure> {
-    let number = 3 + case.number;
-    let title = format!("Figure 3.{number}: path of the flange, case {}", case.number);
-    let figure = Figure { title, size: (1100, 800), panels: vec![path(arm, case)?] };
-    write_figure(folder, &format!("figure_3_{number}"), &figure)?;
-    for (what, numbers, label, value) in CURVES {
-        let number = numbers[case.number - 1];
-        let title = format!("Figure 3.{number}: {what}, case {}", case.number);
-        write_figure(folder, &format!("figure_3_{number}"), &over_time(title, case, label, value))?;
+    for (name, figure) in drawn(arm, case)? {
+        write_figure(folder, &name, &figure)?;
     }
     write_figure(folder, &format!("torques_{}", case.name), &torques(case))
 }
 
+/// The figures of the thesis with the names of their files.
+pub(crate) fn drawn(arm: &Arm, case: &Case) -> Result<Vec<(String, Figure)>, Failure> {
+    let number = 3 + case.number;
+    let title = format!("Figure 3.{number}: path of the flange, case {}", case.number);
+    let mut figures =
+        vec![(format!("figure_3_{number}"), Figure { title, size: (900, 720), panels: vec![path(arm, case)?] })];
+    for (what, numbers, label, value) in CURVES {
+        let number = numbers[case.number - 1];
+        let title = format!("Figure 3.{number}: {what}, case {}", case.number);
+        let panels = if what == "joint angles" { angles(case, label, value) } else { over_time(case, label, value) };
+        figures.push((format!("figure_3_{number}"), Figure { title, size: (900, 860), panels }));
+    }
+    Ok(figures)
+}
+
 /// One panel for each method.
-fn over_time(title: String, case: &Case, label: &str, value: fn(&Sample) -> [f64; 6]) -> Figure {
-    let panels = case.runs.iter().map(|run| panel(run, label, value, &[0, 1, 2, 3, 4, 5])).collect();
-    Figure { title, size: (1100, 1000), panels }
+fn over_time(case: &Case, label: &str, value: Value) -> Vec<Panel> {
+    case.runs.iter().map(|run| panel(run, label, value, &JOINTS)).collect()
+}
+
+/// Those of the quartic, and by how much the other methods' are more: angles of all three look alike.
+fn angles(case: &Case, label: &str, value: Value) -> Vec<Panel> {
+    let [first, others @ ..] = &case.runs[..] else { return Vec::new() };
+    let difference = |run: &Run| {
+        let at = |i: usize| {
+            let pairs = run.samples.iter().zip(&first.samples);
+            pairs.map(|(a, b)| (a.t, value(a)[i] - value(b)[i])).collect()
+        };
+        let label = format!("{} less {}: {label}", method_name(run), method_name(first));
+        curves(label, &JOINTS, at)
+    };
+    std::iter::once(panel(first, label, value, &JOINTS)).chain(others.iter().map(difference)).collect()
 }
 
 /// Two panels for each method: axes 2 and 3 carry the arm, the torques of the others are small beside theirs.
 fn torques(case: &Case) -> Figure {
     let groups = |run| [&[1, 2][..], &[0, 3, 4, 5]].map(|joints| panel(run, "τ [N·m]", |sample| sample.torque, joints));
     let panels = case.runs.iter().flat_map(groups).collect();
-    Figure { title: format!("Joint torques, case {}", case.number), size: (1100, 1800), panels }
+    Figure { title: format!("Joint torques, case {}", case.number), size: (900, 1700), panels }
 }
 
-fn panel(run: &Run, label: &str, value: fn(&Sample) -> [f64; 6], joints: &[usize]) -> Panel {
-    let curve = |i: usize| run.samples.iter().map(|sample| (sample.t, value(sample)[i])).collect();
+fn panel(run: &Run, label: &str, value: Value, joints: &[usize]) -> Panel {
+    let at = |i: usize| run.samples.iter().map(|sample| (sample.t, value(sample)[i])).collect();
+    curves(format!("{}: {label}", method_name(run)), joints, at)
+}
+
+/// A line for each joint.
+fn curves(y_label: String, joints: &[usize], points: impl Fn(usize) -> Vec<(f64, f64)>) -> Panel {
     Panel::Curves(Curves {
         x_label: "t [s]".to_string(),
-        y_label: format!("{}: {label}", method_name(run)),
+        y_label,
         x_range: 0.0..DURATION,
-        lines: joints.iter().map(|&i| Line::new(format!("joint {}", i + 1), curve(i))).collect(),
+        lines: joints.iter().map(|&i| Line::new(format!("joint {}", i + 1), points(i))).collect(),
     })
 }
 

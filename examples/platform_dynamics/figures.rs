@@ -7,37 +7,63 @@ use mbs_examples::Failure;
 use mbs_examples::output::{write_figure, write_table};
 use mbs_platform::{Coordinates, HOME, LegVector, Motion, Platform};
 
-use crate::tables::{DURATION, Run, Samples, TABLE_4, table_3, table_4};
+use super::tables::{DURATION, Run, Samples, TABLE_4, table_3, table_4};
 
 /// Lines of one panel: names and values at all samples.
 type Lines = Vec<(String, Vec<f64>)>;
 
 pub(crate) fn write(folder: &Path, platform: &Platform) -> Result<(), Failure> {
     let samples = Samples::fine();
-    let runs = table_3(platform, &samples)?;
+    for drawing in along_table_3(platform, &samples)?.into_iter().chain(along_table_4(platform, &samples)?) {
+        write_values(folder, &samples, &drawing)?;
+        write_figure(folder, &drawing.name.clone(), &figure(&samples, drawing))?;
+    }
+    poses(folder, platform)
+}
+
+/// A figure of the thesis, before it is drawn.
+pub(crate) struct Drawing {
+    /// Of its files.
+    pub(crate) name: String,
+    pub(crate) title: String,
+    /// What the vertical axis says, and the lines.
+    panels: Vec<(String, Lines)>,
+}
+
+/// Figures 4.5 to 4.8.
+pub(crate) fn along_table_3(platform: &Platform, samples: &Samples) -> Result<Vec<Drawing>, Failure> {
+    let runs = table_3(platform, samples)?;
     let lengths = vec![("l [m]".to_string(), legs(&runs[0].lengths))];
-    curves(folder, &samples, "figure_4_5", "Figure 4.5: lengths of the legs, table 3", &lengths)?;
+    let title = "Figure 4.5: lengths of the legs, table 3".to_string();
+    let mut drawings = vec![Drawing { name: "figure_4_5".to_string(), title, panels: lengths }];
     for (number, run) in [6, 8, 7].into_iter().zip(&runs) {
         let title = format!("Figure 4.{number}: forces of the legs, table 3, {}", payload(run));
-        curves(folder, &samples, &format!("figure_4_{number}"), &title, &forces(run))?;
+        drawings.push(Drawing { name: format!("figure_4_{number}"), title, panels: forces(run) });
     }
-    let runs = TABLE_4.map(|(_, angles)| table_4(platform, angles, &samples).map(|run| (angles, run)));
+    Ok(drawings)
+}
+
+/// Figures 4.9 to 4.12.
+pub(crate) fn along_table_4(platform: &Platform, samples: &Samples) -> Result<Vec<Drawing>, Failure> {
+    let runs = TABLE_4.map(|(_, angles)| table_4(platform, angles, samples).map(|run| (angles, run)));
     let runs = runs.into_iter().collect::<Result<Vec<_>, _>>()?;
-    for leg in 0..4 {
+    let drawing = |leg: usize| {
         let title = format!("Figure 4.{}: sensitivity of the force of leg {}, table 4", 9 + leg, leg + 1);
-        let of = |values: fn(&Run) -> &Vec<LegVector>| -> Lines {
+        let of = |value: &dyn Fn(&Run, usize) -> f64| -> Lines {
             let line = |(angles, run): &([f64; 3], Run)| {
-                (attitude_name(angles), values(run).iter().map(|row| row[leg]).collect::<Vec<_>>())
+                (attitude_name(angles), (0..samples.0.len()).map(|k| value(run, k)).collect::<Vec<_>>())
             };
             runs.iter().map(line).collect()
         };
+        let force = |run: &Run, k: usize| run.forces[k][leg];
         let panels = vec![
-            (format!("F{} [N]", leg + 1), of(|run| &run.forces)),
-            (format!("F{} [N], legs without mass", leg + 1), of(|run| &run.forces_without_actuators)),
+            (format!("F{} [N]", leg + 1), of(&force)),
+            (format!("F{} less that at φ 0°, θ 0° [N]", leg + 1), of(&|run, k| force(run, k) - force(&runs[0].1, k))),
+            (format!("of F{} by the legs' own mass [N]", leg + 1), of(&|run, k| by_own_mass(run)[k][leg])),
         ];
-        curves(folder, &samples, &format!("figure_4_{}", 9 + leg), &title, &panels)?;
-    }
-    poses(folder, platform)
+        Drawing { name: format!("figure_4_{}", 9 + leg), title, panels }
+    };
+    Ok((0..4).map(drawing).collect())
 }
 
 fn payload(run: &Run) -> String {
@@ -51,8 +77,14 @@ fn attitude_name([phi, theta, psi]: &[f64; 3]) -> String {
 fn forces(run: &Run) -> Vec<(String, Lines)> {
     vec![
         ("F [N]".to_string(), legs(&run.forces)),
-        ("F [N], legs without mass".to_string(), legs(&run.forces_without_actuators)),
+        ("of it by the legs' own mass [N]".to_string(), legs(&by_own_mass(run))),
     ]
+}
+
+/// What the forces are more than those of legs without mass.
+fn by_own_mass(run: &Run) -> Vec<LegVector> {
+    let pairs = run.forces.iter().zip(&run.forces_without_actuators);
+    pairs.map(|(with, without)| std::array::from_fn(|leg| with[leg] - without[leg])).collect()
 }
 
 /// One line a leg.
@@ -60,14 +92,8 @@ fn legs(rows: &[LegVector]) -> Lines {
     (0..6).map(|leg| (format!("leg {}", leg + 1), rows.iter().map(|row| row[leg]).collect())).collect()
 }
 
-/// A figure with one panel for each set of lines, and a table with all of them.
-fn curves(
-    folder: &Path,
-    samples: &Samples,
-    name: &str,
-    title: &str,
-    panels: &[(String, Lines)],
-) -> Result<(), Failure> {
+/// One panel for each set of lines.
+pub(crate) fn figure(samples: &Samples, drawing: Drawing) -> Figure {
     let panel = |(label, lines): &(String, Lines)| {
         let line = |(name, values): &(String, Vec<f64>)| {
             Line::new(name.clone(), samples.0.iter().copied().zip(values.iter().copied()).collect())
@@ -79,9 +105,12 @@ fn curves(
             lines: lines.iter().map(line).collect(),
         })
     };
-    let size = (1100, if panels.len() == 1 { 560 } else { 1000 });
-    let figure = Figure { title: title.to_string(), size, panels: panels.iter().map(panel).collect() };
-    write_figure(folder, name, &figure)?;
+    let height = [480, 680, 860][drawing.panels.len().min(3) - 1];
+    Figure { title: drawing.title, size: (900, height), panels: drawing.panels.iter().map(panel).collect() }
+}
+
+/// A table with all lines.
+fn write_values(folder: &Path, samples: &Samples, Drawing { name, panels, .. }: &Drawing) -> Result<(), Failure> {
     let columns = || panels.iter().flat_map(|(label, lines)| lines.iter().map(move |line| (label, line)));
     let header: Vec<String> = std::iter::once("t [s]".to_string())
         .chain(columns().map(|(label, (name, _))| format!("{name}: {label}")))
@@ -96,7 +125,7 @@ fn poses(folder: &Path, platform: &Platform) -> Result<(), Failure> {
         [("home", HOME), ("table 3, 0 s", Motion::TABLE_3.at(0.0)[0]), ("table 4, 1 s", Motion::TABLE_4.at(1.0)[0])];
     let panels = poses.into_iter().map(|(name, q)| drawing(platform, name, &q)).collect::<Result<_, _>>()?;
     let title = "The platform at home, on the motion of table 3 and on that of table 4".to_string();
-    write_figure(folder, "platform_poses", &Figure { title, size: (1000, 1800), panels })
+    write_figure(folder, "platform_poses", &Figure { title, size: (900, 1700), panels })
 }
 
 fn drawing(platform: &Platform, name: &str, q: &Coordinates) -> Result<Panel, Failure> {

@@ -2,42 +2,25 @@
 
 use std::path::Path;
 
-use mbs_chart::{Figure, Panel, Plane, PlaneLine};
+use mbs_chart::{Curves, Figure, Line, Panel, Plane, PlaneLine};
 use mbs_examples::{Failure, output};
 
-use crate::flight::{Flight, ORBITS};
+use super::flight::{Flight, ORBITS};
 
-/// File, title, the unit of length in metres with its name, the kind of station, and the motions drawn in each panel.
-type Drawing = (&'static str, &'static str, (f64, &'static str), &'static str, &'static [&'static [&'static str]]);
+/// File, title, the unit of length in metres with its name, the kind of station, and the motions drawn.
+type Drawing = (&'static str, &'static str, (f64, &'static str), &'static str, &'static [&'static str]);
 
-const DRAWINGS: [Drawing; 5] = [
-    (
-        "figure_7_3",
-        "Figure 7.3: 1000 km from a station on a circle",
-        (1e3, "km"),
-        "circular",
-        &[&["far_radial"], &["far_tangent", "far_same_orbit"]],
-    ),
-    (
-        "figure_7_4",
-        "Figure 7.4: 3 m from a station on a circle",
-        (1.0, "m"),
-        "circular",
-        &[&["near_radial"], &["near_tangent", "near_2to1_ellipse"]],
-    ),
+const DRAWINGS: [Drawing; 3] = [
     (
         "near_with_station_mass",
         "3 m from a station that attracts as a point of 420 t",
         (1.0, "m"),
         "station_mass",
-        &[&["near_radial", "near_tangent", "near_2to1_ellipse"]],
+        &["near_radial", "near_tangent", "near_2to1_ellipse"],
     ),
-    ("elliptic_near", "3.7 m from a station on an ellipse", (1.0, "m"), "elliptic", &[&["near"]]),
-    ("elliptic_far", "1000 km from a station on an ellipse", (1e3, "km"), "elliptic", &[&["far"]]),
+    ("elliptic_near", "3.7 m from a station on an ellipse", (1.0, "m"), "elliptic", &["near"]),
+    ("elliptic_far", "1000 km from a station on an ellipse", (1e3, "km"), "elliptic", &["far"]),
 ];
-
-/// Height of a panel in pixels.
-const HEIGHT: u32 = 480;
 
 /// Whether the motion stays within a hundredth of its first distance.
 fn stands(flight: &Flight) -> bool {
@@ -46,15 +29,26 @@ fn stands(flight: &Flight) -> bool {
     flight.path.iter().all(|(_, state)| (state.q[0] - x).hypot(state.q[1] - y).hypot(state.q[2] - z) < 0.01 * distance)
 }
 
+/// What a motion begins with.
+fn words(name: &str) -> &str {
+    match name {
+        "far_radial" | "near_radial" => "outwards, at rest",
+        "far_tangent" | "near_tangent" => "along the track, at rest",
+        "far_same_orbit" => "on the same circle",
+        "near_2to1_ellipse" => "outwards, on the closed ellipse",
+        other => other,
+    }
+}
+
 fn plane<'a>((unit, name): (f64, &str), flights: impl Iterator<Item = &'a Flight> + Clone) -> Panel {
     // A path too short to be seen is a point with its name.
     let standing = flights.clone().filter(|flight| stands(flight)).map(|flight| {
         let [x, y, _] = flight.case.start.q;
-        ([y / unit, x / unit], flight.case.name.to_string())
+        ([y / unit, x / unit], words(flight.case.name).to_string())
     });
     let line = |flight: &Flight| {
         let points = flight.path.iter().map(|(_, state)| [state.q[1] / unit, state.q[0] / unit]).collect();
-        PlaneLine::new(flight.case.name, points)
+        PlaneLine::new(words(flight.case.name), points)
     };
     Panel::Plane(Plane {
         labels: [format!("along the track [{name}]"), format!("away from the Earth [{name}]")],
@@ -63,15 +57,55 @@ fn plane<'a>((unit, name): (f64, &str), flights: impl Iterator<Item = &'a Flight
     })
 }
 
+/// A component or the distance over the orbits of the station.
+fn over_orbits(label: String, unit: f64, flights: &[&Flight], value: fn([f64; 3]) -> f64) -> Panel {
+    let line = |flight: &&Flight| {
+        let period = flight.case.station.period();
+        let points = flight.path.iter().map(|(t, state)| (t / period, value(state.q) / unit)).collect();
+        Line::new(words(flight.case.name), points)
+    };
+    let lines = flights.iter().map(line).collect();
+    Panel::Curves(Curves { x_label: "orbits of the station".to_string(), y_label: label, x_range: 0.0..ORBITS, lines })
+}
+
+fn distance([x, y, z]: [f64; 3]) -> f64 {
+    x.hypot(y).hypot(z)
+}
+
+/// Figures 7.3 and 7.4, of those motions about a station on a circle that are there.
+pub(crate) fn drawn(flights: &[Flight]) -> Vec<(String, Figure)> {
+    let named = |names: &[&str]| -> Vec<&Flight> {
+        let is_drawn = |flight: &&Flight| flight.case.group == "circular" && names.contains(&flight.case.name);
+        flights.iter().filter(is_drawn).collect()
+    };
+    let (radial, others) = (named(&["far_radial"]), named(&["far_tangent", "far_same_orbit"]));
+    let km = (1e3, "km");
+    let panels = vec![
+        Panel::Row(vec![plane(km, radial.iter().copied()), plane(km, others.iter().copied())]),
+        over_orbits("distance [km]".to_string(), 1e3, &[radial, others].concat(), distance),
+    ];
+    let title = format!("Figure 7.3: 1000 km from a station on a circle, {ORBITS} orbits");
+    let mut figures = vec![("figure_7_3".to_string(), Figure { title, size: (1000, 760), panels })];
+
+    let (radial, others) = (named(&["near_radial"]), named(&["near_tangent", "near_2to1_ellipse"]));
+    let panels = vec![
+        Panel::Row(vec![plane((1.0, "m"), radial.iter().copied()), plane((1.0, "m"), others.iter().copied())]),
+        over_orbits("along the track [m]".to_string(), 1.0, &[&radial[..], &others].concat(), |q| q[1]),
+    ];
+    let title = format!("Figure 7.4: 3 m from a station on a circle, {ORBITS} orbits");
+    figures.push(("figure_7_4".to_string(), Figure { title, size: (1000, 760), panels }));
+    figures
+}
+
 pub(crate) fn write(folder: &Path, flights: &[Flight]) -> Result<(), Failure> {
-    for (file, title, unit, group, panels) in DRAWINGS {
-        let panel = |names: &&[&str]| {
-            let is_drawn = |flight: &&Flight| flight.case.group == group && names.contains(&flight.case.name);
-            plane(unit, flights.iter().filter(is_drawn))
-        };
-        let size = (1100, 40 + HEIGHT * panels.len() as u32);
+    for (name, figure) in drawn(flights) {
+        output::write_figure(folder, &name, &figure)?;
+    }
+    for (file, title, unit, group, names) in DRAWINGS {
+        let is_drawn = |flight: &&Flight| flight.case.group == group && names.contains(&flight.case.name);
+        let panels = vec![plane(unit, flights.iter().filter(is_drawn))];
         let title = format!("{title}, {ORBITS} orbits");
-        output::write_figure(folder, file, &Figure { title, size, panels: panels.iter().map(panel).collect() })?;
+        output::write_figure(folder, file, &Figure { title, size: (1000, 520), panels })?;
     }
     let header = ["t_s", "x_m", "y_m", "z_m", "vx_m_s", "vy_m_s", "vz_m_s"].map(String::from);
     for flight in flights {

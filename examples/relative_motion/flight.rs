@@ -10,7 +10,7 @@ use mbs_orbit::station::{from_cylindrical, to_cylindrical};
 use mbs_orbit::vector::StateVector;
 use mbs_runtime::{Dop853, State};
 
-use crate::cases::Case;
+use super::cases::Case;
 
 /// Rows of a table.
 const ROWS: usize = 500;

@@ -184,7 +184,7 @@ fn figures_tables_and_modules_are_written() {
         assert!(svg.starts_with("<svg") && svg.contains(&format!("Figure 3.{k}: ")), "{k}");
         let words = match k {
             4 | 5 => ["x [m]", "y [m]", "z [m]", "start", "quartic"],
-            6 | 7 => ["t [s]", "quartic: q [°]", "joint 1", "joint 6", "quintic: q [°]"],
+            6 | 7 => ["t [s]", "quartic: q [°]", "joint 1", "joint 6", "quintic less quartic: q [°]"],
             8 | 9 => ["t [s]", "quartic: dq/dt [°/s]", "joint 1", "joint 6", "two quartics: dq/dt [°/s]"],
             _ => ["t [s]", "quartic: d²q/dt² [°/s²]", "joint 1", "joint 6", "quintic: d²q/dt² [°/s²]"],
         };

@@ -3,6 +3,7 @@
 mod arm;
 mod docking;
 mod experiment;
+mod gallery;
 mod orbits;
 mod platform;
 mod quadrotor;

@@ -1,0 +1,122 @@
+//! Figures 5.2 to 5.9: landings as `quadrotor_landing` flies them, drawn for the thesis.
+
+use mbs_chart::{Curves, Figure, Line, Panel, Plane, PlaneLine};
+use mbs_examples::Failure;
+use mbs_landing::quadrotor::heave::Heave;
+use mbs_platform::HOME;
+use mbs_platform::limits::LegState;
+
+use crate::flight::{Flight, Kind, Moment, heaving};
+use crate::platform::{OnPlatform, legs};
+
+/// How long a start is that is shown enlarged: the attitude's, the rotors' \[s\].
+const STARTS: [f64; 2] = [6.0, 1.5];
+/// How long the end is \[s\].
+const END: f64 = 2.0;
+/// Where the middle of the platform is \[m\].
+const PLACE: [f64; 2] = [12.0, 7.0];
+
+/// Figures 5.2 to 5.5 for case I, 5.6 to 5.9 for case II.
+pub(crate) fn case(case: &'static str, heave: Heave<4>, first: usize) -> Result<Vec<Figure>, Failure> {
+    let flight = Flight::of(case, Kind::Exact, heaving(heave))?;
+    let on_platform = OnPlatform::of(case, &heave.about(HOME[2]), [0.0; 3])?;
+    let legs = legs(&on_platform.full.motion, flight.touchdown.time)?;
+    let figure = |i: usize, what: &str, height: u32, panels: Vec<Panel>| {
+        let title = format!("Figure 5.{}: {what}, case {case}", first + i);
+        Figure { title, size: (900, height), panels }
+    };
+    Ok(vec![
+        figure(0, "path of the quadrotor", 800, path(&flight)),
+        figure(1, "elevation of the platform", 860, elevation(&flight)),
+        figure(2, "attitude angles of the quadrotor", 680, attitude(&flight)),
+        figure(3, "forces of the rotors and of the platform's legs", 1000, forces(&flight, &legs)),
+    ])
+}
+
+/// From two sides and from above, sideways enlarged since the path is that narrow; then over time.
+fn path(flight: &Flight) -> Vec<Panel> {
+    let time = flight.touchdown.time;
+    let [x, y, z, ..] = flight.touchdown.state.q;
+    let positions: Vec<[f64; 3]> =
+        flight.moments.iter().map(|m| [m.state.q[0], m.state.q[1], m.state.q[2]]).chain([[x, y, z]]).collect();
+    let from_a_side = |axis: usize, name: &str| {
+        let points: Vec<(f64, f64)> = positions.iter().map(|place| (place[axis], place[2])).collect();
+        let (low, high) = points.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), p| (a.min(p.0), b.max(p.0)));
+        let room = 0.15 * (high - low);
+        let (start, end) = (points[0], points[points.len() - 1]);
+        let line = Line::new("", points).marked(start, "start").marked(end, format!("{time:.2} s"));
+        Panel::Curves(Curves {
+            x_label: format!("{name} [m]"),
+            y_label: "z [m], scales differ".to_string(),
+            x_range: low - room..high + room,
+            lines: vec![line],
+        })
+    };
+    let offset = |[x, y, _]: [f64; 3]| [x - PLACE[0], y - PLACE[1]];
+    let above = Plane {
+        labels: ["x − 12 m [m]", "y − 7 m [m], from above"].map(String::from),
+        lines: vec![PlaneLine::new("", positions.iter().map(|place| offset(*place)).collect())],
+        marks: vec![(offset(positions[0]), "start".to_string())],
+    };
+    let offsets: [Series; 2] = [("x − 12 m", |m| m.state.q[0] - PLACE[0]), ("y − 7 m", |m| m.state.q[1] - PLACE[1])];
+    vec![
+        Panel::Row(vec![from_a_side(0, "x"), from_a_side(1, "y"), Panel::Plane(above)]),
+        over(flight, "beside the middle of the platform [m]", 0.0..time, &offsets),
+    ]
+}
+
+/// The platform, then with the vehicle, then what is between them at the end.
+fn elevation(flight: &Flight) -> Vec<Panel> {
+    let time = flight.touchdown.time;
+    let platform: [Series; 1] = [("platform", |m| m.platform)];
+    let both: [Series; 2] = [("platform", |m| m.platform), ("quadrotor", |m| m.state.q[2])];
+    let height: [Series; 1] = [("", |m| m.state.q[2] - m.platform)];
+    vec![
+        over(flight, "elevation of the platform [m]", 0.0..time, &platform),
+        over(flight, "z [m]", 0.0..time, &both),
+        over(flight, "height over the platform, the end enlarged [m]", time - END..time, &height),
+    ]
+}
+
+fn attitude(flight: &Flight) -> Vec<Panel> {
+    let angles: [Series; 3] = [
+        ("roll φ", |m| m.state.q[3].to_degrees()),
+        ("pitch θ", |m| m.state.q[4].to_degrees()),
+        ("yaw ψ", |m| m.state.q[5].to_degrees()),
+    ];
+    vec![
+        over(flight, "angle [°]", 0.0..flight.touchdown.time, &angles),
+        over(flight, "angle, the start enlarged [°]", 0.0..STARTS[0], &angles),
+    ]
+}
+
+/// "Actuators" may be the rotors or the legs of the platform: both.
+fn forces(flight: &Flight, legs: &[(f64, LegState)]) -> Vec<Panel> {
+    let time = flight.touchdown.time;
+    let rotors: [Series; 4] = [
+        ("rotor 1", |m| m.rotor_thrust[0]),
+        ("rotor 2", |m| m.rotor_thrust[1]),
+        ("rotor 3", |m| m.rotor_thrust[2]),
+        ("rotor 4", |m| m.rotor_thrust[3]),
+    ];
+    let total: [Series; 1] = [("", |m| m.rotor_thrust.iter().sum())];
+    let leg = legs.iter().map(|(t, legs)| (*t, legs.force[0])).collect();
+    vec![
+        over(flight, "thrust of a rotor [N]", 0.0..time, &rotors),
+        over(flight, "thrust of a rotor, the start enlarged [N]", 0.0..STARTS[1], &rotors),
+        over(flight, "thrust of all rotors [N]", 0.0..time, &total),
+        panel("force of each leg of the platform [N]", 0.0..time, vec![Line::new("", leg)]),
+    ]
+}
+
+type Series = (&'static str, fn(&Moment) -> f64);
+
+fn over(flight: &Flight, label: &str, range: std::ops::Range<f64>, series: &[Series]) -> Panel {
+    let line = |&(name, value): &Series| Line::new(name, flight.moments.iter().map(|m| (m.t, value(m))).collect());
+    panel(label, range, series.iter().map(line).collect())
+}
+
+fn panel(label: &str, x_range: std::ops::Range<f64>, lines: Vec<Line>) -> Panel {
+    let (x_label, y_label) = ("t [s]".to_string(), label.to_string());
+    Panel::Curves(Curves { x_label, y_label, x_range, lines })
+}
