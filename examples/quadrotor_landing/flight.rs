@@ -1,6 +1,7 @@
 //! One landing on a deck that moves exactly as it is to, with what is drawn of it.
 
 use mbs_examples::Failure;
+use mbs_landing::quadrotor::approach::Approach;
 use mbs_landing::quadrotor::deck::{Deck, HeavingDeck, MovingDeck, Relative};
 use mbs_landing::quadrotor::ground_effect::GroundEffect;
 use mbs_landing::quadrotor::heave::Heave;
@@ -49,9 +50,12 @@ pub(crate) enum Kind {
     Lqr,
     /// Exact, with rotors that push harder near the deck.
     GroundEffect,
+    /// Exact, without guidance: the deck's elevation is followed, down to [`TOLERANCE`] over it.
+    Unguided,
 }
 
 impl Kind {
+    /// Those of every deck; the unguided one is of the cases of the thesis.
     pub(crate) const ALL: [Self; 4] = [Self::Exact, Self::SmallAngle, Self::Lqr, Self::GroundEffect];
 
     /// In the JSON.
@@ -61,9 +65,13 @@ impl Kind {
             Self::SmallAngle => "small_angle",
             Self::Lqr => "lqr",
             Self::GroundEffect => "ground_effect",
+            Self::Unguided => "unguided",
         }
     }
 }
+
+/// Height over the deck at which an unguided descent has landed, assumed \[m\].
+pub(crate) const TOLERANCE: f64 = 0.01;
 
 /// Of the rotors, assumed \[m\]: a thrust coefficient of 0.011 at hover.
 pub(crate) const ROTOR_RADIUS: f64 = 0.4;
@@ -103,6 +111,7 @@ impl Flight {
                 landing.controller = Controller::Lqr(Lqr::new(*landing.vehicle.params(), &Weights::default())?);
             }
             Kind::GroundEffect => landing.ground_effect = Some(GroundEffect::new(ROTOR_RADIUS)?),
+            Kind::Unguided => (landing.approach, landing.touchdown_height) = (Approach::UNGUIDED, TOLERANCE),
         }
         let (mut moments, mut seen) = (Vec::new(), 0);
         let touchdown = landing.simulate(Landing::initial_state(), |t, state, command| {

@@ -6,13 +6,13 @@ use mbs_models::quadrotor_euler::QuadrotorEuler;
 use serde_json::{Map, Value, json};
 
 use crate::Landings;
-use crate::flight::{CASES, Flight, MARINE, ROTOR_RADIUS};
+use crate::flight::{CASES, Flight, Kind, MARINE, ROTOR_RADIUS, TOLERANCE};
 use crate::platform::{OnPlatform, force_range};
 
 pub(crate) fn to_json(landings: &Landings) -> Result<Value, Failure> {
     let mut all = Map::new();
     for case in CASES.map(|(case, _)| case).into_iter().chain([MARINE]) {
-        let flights = landings.flights.iter().filter(|flight| flight.case == case);
+        let flights = landings.flights.iter().filter(|flight| flight.case == case && flight.kind != Kind::Unguided);
         let mut of_case: Map<String, Value> =
             flights.clone().map(|flight| (flight.kind.name().to_string(), results(flight))).collect();
         let end = flights.map(|flight| flight.touchdown.time).next().unwrap_or_default();
@@ -26,6 +26,8 @@ pub(crate) fn to_json(landings: &Landings) -> Result<Value, Failure> {
         of_case.insert("platform".to_string(), on_platform.into());
         all.insert(case.to_string(), of_case.into());
     }
+    let unguided = landings.flights.iter().filter(|flight| flight.kind == Kind::Unguided);
+    all.insert("unguided".to_string(), unguided.map(|flight| (flight.case.to_string(), results(flight))).collect());
     Ok(all.into())
 }
 
@@ -87,12 +89,16 @@ pub(crate) fn text(landings: &Landings) -> Result<String, Failure> {
     let vehicle = QuadrotorEuler::<f64>::default();
     for (case, heave) in CASES {
         let bound = heave.acceleration_bound();
-        if bound > vehicle.params().g {
+        let fall =
+            landings.flights.iter().filter(|flight| flight.case == case).map(|flight| flight.touchdown.deck_fall);
+        let fall = fall.fold(0.0, f64::max);
+        if fall > vehicle.params().g {
             text += &format!(
-                "case {case}: the platform may fall with {bound:.2} m/s², faster than freely; nothing that only pushes upwards follows\n",
+                "case {case}: the platform falls with up to {fall:.3} m/s² (bound Σ A ω²: {bound:.2}), faster than freely; nothing that only pushes upwards follows\n",
             );
         }
     }
+    text += &format!("unguided: the platform's elevation is followed, down to {TOLERANCE} m over it\n");
     text +=
         &format!("ground_effect: rotors of {ROTOR_RADIUS} m near the deck, of which the controller does not know\n");
 

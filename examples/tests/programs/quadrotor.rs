@@ -19,11 +19,18 @@ const LANDINGS: [(&str, &str, [f64; 3]); 4] = [
     ("II", "small_angle", [13.253_187_511_549_939, -0.198_488_290_675_218_9, 3.673_239_971_465_485e-5]),
 ];
 
+/// The same of descents that follow the platform's elevation itself, down to 1 cm:
+/// `I_direct_zd_eq_zp_tol_1cm_exact` and its twin.
+const UNGUIDED: [(&str, [f64; 3]); 2] = [
+    ("I", [3.118_381_781_435_118, -0.053_729_426_163_125_37, 0.032_867_561_905_870_04]),
+    ("II", [3.190_676_895_328_071, -0.060_882_583_368_030_54, 0.099_941_829_697_004_71]),
+];
+
 #[test]
 fn landings_are_those_of_the_reference() {
     let folder = tempfile::tempdir().unwrap();
     let found = json(&good(LANDING, &["--json", "--out", folder.path().to_str().unwrap()]));
-    assert_eq!(keys(&found), ["I", "II", "marine", "assumed"]);
+    assert_eq!(keys(&found), ["I", "II", "marine", "unguided", "assumed"]);
     for (case, plant, expected) in LANDINGS {
         let end = &found[case][plant];
         let names = ["touchdown_time", "relative_velocity", "horizontal_offset"];
@@ -33,6 +40,13 @@ fn landings_are_those_of_the_reference() {
         }
         for name in ["max_phi_deg", "max_theta_deg", "settling_time", "thrust_min", "thrust_max"] {
             assert!(numbers(&end[name])[0] > 0.0, "{case} {plant} {name}");
+        }
+    }
+    for (case, expected) in UNGUIDED {
+        let names = ["touchdown_time", "relative_velocity", "horizontal_offset"];
+        for (name, expected) in names.iter().zip(expected) {
+            let found = number(&found["unguided"][case][name]);
+            assert!((found - expected).abs() <= 1e-6, "{case} unguided {name}: {found}, not {expected}");
         }
     }
     let figures = (2..=9).map(|number| format!("figure_5_{number}"));

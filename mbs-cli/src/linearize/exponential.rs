@@ -36,25 +36,29 @@ pub(super) fn exponential(a: &DMatrix<f64>) -> Option<DMatrix<f64>> {
 #[cfg(test)]
 mod tests {
     use super::exponential;
-    use nalgebra::{DMatrix, dmatrix};
+    use nalgebra::DMatrix;
+
+    fn square<const N: usize>(rows: [[f64; N]; N]) -> DMatrix<f64> {
+        DMatrix::from_fn(N, N, |i, j| rows[i][j])
+    }
 
     #[test]
     fn closed_forms_are_met() {
         // A rotation by φ, its growth by e^σ, and a chain of integrators.
         for (sigma, phi) in [(0.0, 0.3_f64), (-2.0, 7.0), (3.0, -40.0), (0.0, 0.0)] {
-            let found = exponential(&dmatrix![sigma, -phi; phi, sigma]).unwrap();
-            let expected = dmatrix![phi.cos(), -phi.sin(); phi.sin(), phi.cos()] * f64::exp(sigma);
+            let found = exponential(&square([[sigma, -phi], [phi, sigma]])).unwrap();
+            let expected = square([[phi.cos(), -phi.sin()], [phi.sin(), phi.cos()]]) * f64::exp(sigma);
             assert!((found - &expected).amax() < 3e-14 * expected.amax(), "{sigma}, {phi}");
         }
-        let chain = exponential(&dmatrix![0.0, 4.0, 0.0; 0.0, 0.0, 4.0; 0.0, 0.0, 0.0]).unwrap();
-        assert!((chain - dmatrix![1.0, 4.0, 8.0; 0.0, 1.0, 4.0; 0.0, 0.0, 1.0]).amax() < 1e-14);
+        let chain = exponential(&square([[0.0, 4.0, 0.0], [0.0, 0.0, 4.0], [0.0; 3]])).unwrap();
+        assert!((chain - square([[1.0, 4.0, 8.0], [0.0, 1.0, 4.0], [0.0, 0.0, 1.0]])).amax() < 1e-14);
         assert_eq!(exponential(&DMatrix::zeros(0, 0)), Some(DMatrix::zeros(0, 0)));
     }
 
     #[test]
     fn what_leaves_the_range_of_numbers_is_none() {
         for entry in [1e4, f64::INFINITY, f64::NAN] {
-            assert_eq!(exponential(&dmatrix![entry, 0.0; 0.0, 1.0]), None, "{entry}");
+            assert_eq!(exponential(&square([[entry, 0.0], [0.0, 1.0]])), None, "{entry}");
         }
     }
 }

@@ -10,7 +10,7 @@ pub struct Approach {
     pub height: f64,
     /// Height at which the quintic ends \[m\].
     pub last_height: f64,
-    /// Sink rate from then on, positive \[m/s\].
+    /// Sink rate from then on, not negative \[m/s\].
     pub sink_rate: f64,
     /// How long the quintic takes, positive \[s\].
     pub duration: f64,
@@ -23,6 +23,10 @@ impl Default for Approach {
 }
 
 impl Approach {
+    /// No guidance: the deck's elevation itself is followed, z_r = z_p. The vehicle nears it without reaching it, so a
+    /// landing needs a `touchdown_height` above zero.
+    pub const UNGUIDED: Self = Approach { height: 0.0, last_height: 0.0, sink_rate: 0.0, duration: 1.0 };
+
     /// Height over the platform at t, the first one before t = 0.
     #[must_use]
     pub fn at(&self, t: f64) -> Reference {

@@ -65,6 +65,8 @@ pub struct Landing<D = HeavingDeck<4>> {
     pub controller: Controller,
     /// Height over the platform that it is to keep.
     pub approach: Approach,
+    /// Height over the deck at which it has landed \[m\].
+    pub touchdown_height: f64,
     /// What it lands on.
     pub deck: D,
     /// Velocity of the air \[m/s\].
@@ -108,6 +110,7 @@ impl<D> Landing<D> {
             vehicle,
             plant,
             approach: Approach::default(),
+            touchdown_height: 0.0,
             deck,
             wind: [0.0; 3],
             ground_effect: None,
@@ -212,7 +215,7 @@ impl<D: Deck> Landing<D> {
             deck
         };
         let place = |q: &[f64; 6]| [q[0], q[1], q[2]];
-        let height = |t: f64, state: &State<[f64; 6]>| deck_at(t).height(&place(&state.q));
+        let height = |t: f64, state: &State<[f64; 6]>| deck_at(t).height(&place(&state.q)) - self.touchdown_height;
         let mut way = Way::new();
         let mut events = [Event::new(&height).falling().terminal()];
         let mut sample = state;

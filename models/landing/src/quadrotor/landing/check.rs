@@ -26,7 +26,6 @@ impl<D: Deck> Landing<D> {
                 ("thrust_factor", params.thrust_factor),
                 ("drag_factor", params.drag_factor),
                 ("approach.duration", self.approach.duration),
-                ("approach.sink_rate", self.approach.sink_rate),
                 ("t_end", self.t_end),
                 ("period", period),
             ],
@@ -40,8 +39,10 @@ impl<D: Deck> Landing<D> {
                 ("air_density", params.air_density),
                 ("approach.height", self.approach.height),
                 ("approach.last_height", self.approach.last_height),
+                ("touchdown_height", self.touchdown_height),
             ],
         )?;
+        within("approach.sink_rate", self.approach.sink_rate, [0.0, f64::MAX])?;
         finite("wind", self.wind)?;
         finite("q", state.q)?;
         finite("qd", state.qd)?;
@@ -53,7 +54,11 @@ impl<D: Deck> Landing<D> {
         let deck = upright(finite_deck(self.deck.at(0.0), 0.0)?, 0.0)?;
         let height = deck.height(&[state.q[0], state.q[1], state.q[2]]);
         // Of finite numbers, but it may overflow.
-        if height > 0.0 && height.is_finite() { Ok(()) } else { Err(LandingError::NotAbove { height }) }
+        if height > self.touchdown_height && height.is_finite() {
+            Ok(())
+        } else {
+            Err(LandingError::NotAbove { height })
+        }
     }
 }
 
