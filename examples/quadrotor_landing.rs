@@ -4,7 +4,7 @@
 //! under backstepping control in continuous time; for comparison by a linear quadratic regulator, and with rotors that
 //! push harder near the deck. In case II the platform falls faster than a quadrotor can follow: look at the thrust,
 //! which is at its limits for a part of the time, and at the attitude, which takes longer to settle. Without guidance
-//! the vehicle follows the elevation of the platform itself and is down in three seconds: look at its speed then.
+//! the vehicle follows the elevation of the platform itself and is down in three seconds: look at its offset then.
 //!
 //! Then a deck at sea, which heaves, rolls, pitches and yaws: look at the offset and the attitude in the axes of the
 //! deck.

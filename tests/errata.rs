@@ -1,7 +1,8 @@
 //! The errata of the thesis, E1 to E50, a test a number: the printed form and the right one are evaluated, and the
 //! right one is that of the generated code, or of the model that computes it.
 //!
-//! `docs/thesis/errata.md` tells them; `systems/thesis_map.rs` holds the pages of `docs/thesis/` against these tests and
+//! `docs/thesis/errata.md` tells them; `systems/thesis_map.rs` holds the pages of `docs/thesis/` against these tests
+//! and
 //! against the repository, [`assumed`] its table of assumed values against the code.
 
 #[path = "errata/assumed.rs"]
