@@ -65,7 +65,7 @@ pub struct Landing<D = HeavingDeck<4>> {
     pub controller: Controller,
     /// Height over the platform that it is to keep.
     pub approach: Approach,
-    /// Height over the deck at which it has landed \[m\].
+    /// Height over the deck at which it has landed, not negative \[m\].
     pub touchdown_height: f64,
     /// What it lands on.
     pub deck: D,

@@ -39,10 +39,10 @@ impl<D: Deck> Landing<D> {
                 ("air_density", params.air_density),
                 ("approach.height", self.approach.height),
                 ("approach.last_height", self.approach.last_height),
-                ("touchdown_height", self.touchdown_height),
             ],
         )?;
         within("approach.sink_rate", self.approach.sink_rate, [0.0, f64::MAX])?;
+        within("touchdown_height", self.touchdown_height, [0.0, f64::MAX])?;
         finite("wind", self.wind)?;
         finite("q", state.q)?;
         finite("qd", state.qd)?;

@@ -13,8 +13,8 @@ pub enum LandingError {
     /// A number that this does not work with.
     #[error(transparent)]
     Invalid(#[from] Invalid),
-    /// The vehicle does not stand over the platform at the beginning.
-    #[error("the vehicle begins {height} m over the platform")]
+    /// The vehicle begins at or below the height at which it has landed.
+    #[error("the vehicle begins {height} m over the platform, where it has landed already")]
     NotAbove {
         /// Over the deck \[m\].
         height: f64,
