@@ -8,10 +8,6 @@
 //! `--out DIR` writes figures 3.4 to 3.11 and the torques as SVG and PNG, every curve as CSV, and the joint angles as
 //! RAPID modules for the robot's controller or its simulator.
 
-#[path = "arm_trajectory/cases.rs"]
-mod cases;
-#[path = "arm_trajectory/figures.rs"]
-mod figures;
 #[path = "arm_trajectory/rapid.rs"]
 mod rapid;
 #[path = "arm_trajectory/summary.rs"]
@@ -20,10 +16,10 @@ mod summary;
 mod tables;
 
 use mbs_arm::Arm;
+use mbs_examples::arm_trajectory::cases::{self, Case, Run};
+use mbs_examples::arm_trajectory::figures;
 use mbs_examples::{Failure, arguments::Arguments, assumed, output};
 use serde_json::{Value, json};
-
-use cases::{Case, Run};
 
 /// What torques, work and limits rest on.
 const ASSUMED: [&str; 2] = ["gravity", "arm."];

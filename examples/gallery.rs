@@ -5,26 +5,14 @@
 //! and actuators are where the generated kinematics says. Captions tell what each of them rests on that the thesis does
 //! not give. Open `index.html` in the folder.
 
-#[path = "gallery/chapter_3.rs"]
-mod chapter_3;
-#[path = "gallery/chapter_4.rs"]
-mod chapter_4;
-#[path = "gallery/chapter_5.rs"]
-mod chapter_5;
-#[path = "gallery/chapter_7.rs"]
-mod chapter_7;
 #[path = "gallery/chapters.rs"]
 mod chapters;
-#[path = "quadrotor_landing/flight.rs"]
-#[allow(dead_code, reason = "quadrotor_landing has more landings than the thesis")]
-mod flight;
+#[path = "gallery/data.rs"]
+mod data;
 #[path = "gallery/index.rs"]
 mod index;
 #[path = "gallery/list.rs"]
 mod list;
-#[path = "quadrotor_landing/platform.rs"]
-#[allow(dead_code, reason = "quadrotor_landing compares landings, here the legs alone are drawn")]
-mod platform;
 #[path = "gallery/scheme_arm.rs"]
 mod scheme_arm;
 #[path = "gallery/scheme_frames.rs"]
@@ -40,7 +28,6 @@ use clap::Parser;
 use indicatif::{ProgressBar, ProgressStyle};
 use mbs_chart::{Figure, Format};
 use mbs_examples::{Failure, output};
-use mbs_landing::quadrotor::heave::Heave;
 use rayon::prelude::*;
 
 use list::{FIGURES, file_name};
@@ -76,13 +63,13 @@ struct Job {
 
 /// Those that take longest first.
 const JOBS: [Job; 16] = [
-    Job { numbers: &["5.2", "5.3", "5.4", "5.5"], draw: || chapter_5::case("I", Heave::CASE_I, 2) },
-    Job { numbers: &["5.6", "5.7", "5.8", "5.9"], draw: || chapter_5::case("II", Heave::CASE_II, 6) },
-    Job { numbers: &["7.3", "7.4"], draw: chapter_7::about_a_station },
-    Job { numbers: &["3.4", "3.6", "3.8", "3.10"], draw: || chapter_3::case(0) },
-    Job { numbers: &["3.5", "3.7", "3.9", "3.11"], draw: || chapter_3::case(1) },
-    Job { numbers: &["4.9", "4.10", "4.11", "4.12"], draw: chapter_4::table_4 },
-    Job { numbers: &["4.5", "4.6", "4.8", "4.7"], draw: chapter_4::table_3 },
+    Job { numbers: &["5.2", "5.3", "5.4", "5.5"], draw: || data::landing(0) },
+    Job { numbers: &["5.6", "5.7", "5.8", "5.9"], draw: || data::landing(1) },
+    Job { numbers: &["7.3", "7.4"], draw: data::about_a_station },
+    Job { numbers: &["3.4", "3.6", "3.8", "3.10"], draw: || data::arm(0) },
+    Job { numbers: &["3.5", "3.7", "3.9", "3.11"], draw: || data::arm(1) },
+    Job { numbers: &["4.9", "4.10", "4.11", "4.12"], draw: data::table_4 },
+    Job { numbers: &["4.5", "4.6", "4.8", "4.7"], draw: data::table_3 },
     Job { numbers: &["3.1"], draw: scheme_arm::both_ways },
     Job { numbers: &["3.2"], draw: scheme_arm::side_view },
     Job { numbers: &["3.3"], draw: scheme_arm::second_angle },

@@ -6,20 +6,16 @@
 
 #[path = "platform_dynamics/control.rs"]
 mod control;
-#[path = "platform_dynamics/figures.rs"]
-mod figures;
 #[path = "platform_dynamics/sensitivity.rs"]
 mod sensitivity;
 #[path = "platform_dynamics/summary.rs"]
 mod summary;
-#[path = "platform_dynamics/tables.rs"]
-mod tables;
 
+use mbs_examples::platform_dynamics::figures;
+use mbs_examples::platform_dynamics::tables::{Samples, TABLE_4, table_3, table_4};
 use mbs_examples::{Failure, arguments::Arguments, assumed, output};
 use mbs_platform::{Coordinates, DirectKinematics, HOME, Motion, Platform};
 use serde_json::{Value, json};
-
-use tables::{Samples, TABLE_4, table_3, table_4};
 
 /// The lengths of this pose are given to the direct kinematics, which starts at home.
 const POSE: Coordinates = [0.05, -0.04, 1.15, 0.1, -0.08, 0.2];

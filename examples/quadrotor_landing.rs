@@ -16,19 +16,14 @@
 
 #[path = "quadrotor_landing/figures.rs"]
 mod figures;
-#[path = "quadrotor_landing/flight.rs"]
-mod flight;
-#[path = "quadrotor_landing/platform.rs"]
-mod platform;
 #[path = "quadrotor_landing/summary.rs"]
 mod summary;
 
+use mbs_examples::quadrotor_landing::flight::{self, CASES, Flight, Kind, MARINE};
+use mbs_examples::quadrotor_landing::platform::{self, OnPlatform};
 use mbs_examples::{Failure, arguments::Arguments, assumed, output};
 use mbs_platform::limits::LegState;
 use mbs_platform::{HOME, Superposition};
-
-use flight::{CASES, Flight, Kind, MARINE};
-use platform::OnPlatform;
 
 /// All landings.
 struct Landings {

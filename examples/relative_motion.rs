@@ -7,21 +7,15 @@
 //!
 //! `--out DIR` writes figures 7.3 and 7.4 and their like as SVG and PNG, and every motion as CSV.
 
-#[path = "relative_motion/cases.rs"]
-mod cases;
-#[path = "relative_motion/figures.rs"]
-mod figures;
-#[path = "relative_motion/flight.rs"]
-mod flight;
 #[path = "relative_motion/sensitivity.rs"]
 mod sensitivity;
 
+use mbs_examples::relative_motion::cases::{self, Case};
+use mbs_examples::relative_motion::figures;
+use mbs_examples::relative_motion::flight::Flight;
 use mbs_examples::{Failure, arguments::Arguments, assumed, output};
 use mbs_orbit::EARTH_RADIUS;
 use serde_json::{Map, Value, json};
-
-use cases::Case;
-use flight::Flight;
 
 /// What the motions rest on.
 const ASSUMED: [&str; 1] = ["orbit."];

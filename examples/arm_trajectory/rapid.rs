@@ -8,7 +8,7 @@ use std::fmt::Write;
 use mbs_arm::Arm;
 use mbs_examples::Failure;
 
-use crate::cases::{self, Case, DURATION};
+use mbs_examples::arm_trajectory::cases::{self, Case, DURATION};
 
 /// Seconds between targets.
 const STEP: usize = 1;

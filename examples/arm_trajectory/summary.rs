@@ -7,8 +7,8 @@ use mbs_arm::trajectory::Motion;
 use mbs_arm::trajectory::cartesian::{CartesianError, CartesianPath, FlangeLine, branch_of};
 use mbs_examples::Failure;
 
-use crate::cases::{self, Case};
 use crate::rapid;
+use mbs_examples::arm_trajectory::cases::{self, Case};
 
 pub(crate) fn of(arm: &Arm, cases: &[Case]) -> Result<String, Failure> {
     let mut text = String::from(

@@ -5,7 +5,7 @@ use std::path::Path;
 use mbs_arm::Arm;
 use mbs_examples::{Failure, output::write_table};
 
-use crate::cases::{self, Case, Sample};
+use mbs_examples::arm_trajectory::cases::{self, Case, Sample};
 
 pub(crate) fn write(folder: &Path, arm: &Arm, case: &Case) -> Result<(), Failure> {
     for run in &case.runs {

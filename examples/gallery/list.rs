@@ -11,7 +11,7 @@ pub(crate) struct Entry {
     /// What is shown here.
     pub(crate) shows: &'static str,
     /// Rows of `docs/thesis/assumed.md`.
-    assumed: &'static [&'static str],
+    assumed: Keys,
 }
 
 /// Of its file in the folder.
@@ -23,80 +23,35 @@ pub(crate) fn file_name(number: &str) -> String {
 pub(crate) fn assumptions(entry: &Entry) -> String {
     match entry.assumed {
         [] => "assumed: nothing".to_string(),
-        keys => assumed::caption(keys),
+        groups => assumed::caption(&groups.concat()),
     }
 }
 
-const fn entry(
-    number: &'static str,
-    title: &'static str,
-    shows: &'static str,
-    assumed: &'static [&'static str],
-) -> Entry {
+const fn entry(number: &'static str, title: &'static str, shows: &'static str, assumed: Keys) -> Entry {
     Entry { number, title, shows, assumed }
 }
 
-const PATH_1: &[&str] = &["arm.quartic"];
-const PATH_2: &[&str] = &["arm.quartic", "arm.case_2"];
-const GEOMETRY: &[&str] = &["platform.radii", "platform.half_angles", "platform.home"];
-const FRAMES: &[&str] = &["platform.radii", "platform.half_angles", "platform.home", "platform.attitude"];
-const ACTUATOR: &[&str] =
-    &["platform.radii", "platform.half_angles", "platform.home", "platform.cylinders", "platform.pistons"];
-const LENGTHS: &[&str] =
-    &["platform.radii", "platform.half_angles", "platform.home", "platform.frequency", "platform.height"];
-const FORCES: &[&str] = &[
-    "gravity",
-    "platform.radii",
-    "platform.half_angles",
-    "platform.home",
-    "platform.plate",
-    "platform.payload",
-    "platform.cylinders",
-    "platform.pistons",
-    "platform.frequency",
-    "platform.height",
-];
-const SENSITIVITY: &[&str] = &[
-    "gravity",
-    "platform.radii",
-    "platform.half_angles",
-    "platform.home",
-    "platform.attitude",
-    "platform.plate",
-    "platform.payload",
-    "platform.cylinders",
-    "platform.pistons",
-    "platform.frequency",
-    "platform.height",
-    "platform.angles",
-];
-const LANDING: &[&str] = &[
-    "gravity",
-    "quadrotor.inertias",
-    "quadrotor.rotors",
-    "quadrotor.drag",
-    "quadrotor.gains",
-    "quadrotor.limits",
-    "quadrotor.guidance",
-    "quadrotor.start",
-];
-const LANDING_ON_LEGS: &[&str] = &[
-    "gravity",
-    "quadrotor.inertias",
-    "quadrotor.rotors",
-    "quadrotor.drag",
-    "quadrotor.gains",
-    "quadrotor.limits",
-    "quadrotor.guidance",
-    "quadrotor.start",
-    "platform.radii",
-    "platform.half_angles",
-    "platform.plate",
-    "platform.cylinders",
-    "platform.pistons",
-    "platform.limits",
-];
-const ORBIT: &[&str] = &["orbit.altitude", "orbit.initial"];
+/// Groups of rows.
+type Keys = &'static [&'static [&'static str]];
+
+const PATH_1: Keys = &[&["arm.quartic"]];
+const PATH_2: Keys = &[&["arm.quartic", "arm.case_2"]];
+const JOINTS: &[&str] = &["platform.radii", "platform.half_angles"];
+const HOME: &[&str] = &["platform.home"];
+const ATTITUDE: &[&str] = &["platform.attitude"];
+const LEGS: &[&str] = &["platform.cylinders", "platform.pistons"];
+const MOTION: &[&str] = &["platform.frequency", "platform.height"];
+const MASSES: &[&str] = &["gravity", "platform.plate", "platform.payload"];
+const GEOMETRY: Keys = &[JOINTS, HOME];
+const FRAMES: Keys = &[JOINTS, HOME, ATTITUDE];
+const ACTUATOR: Keys = &[JOINTS, HOME, LEGS];
+const LENGTHS: Keys = &[JOINTS, HOME, MOTION];
+const FORCES: Keys = &[JOINTS, HOME, LEGS, MOTION, MASSES];
+const SENSITIVITY: Keys = &[JOINTS, HOME, LEGS, MOTION, MASSES, ATTITUDE, &["platform.angles"]];
+const ROTORS: Keys = &[&["quadrotor.rotors"]];
+const LANDING: Keys = &[assumed::LANDING];
+const LANDING_ON_LEGS: Keys = &[assumed::LANDING, JOINTS, LEGS, &["platform.plate", "platform.limits"]];
+const ORBIT: Keys = &[&["orbit.altitude", "orbit.initial"]];
 
 /// In the order of the thesis.
 pub(crate) const FIGURES: [Entry; 36] = [
@@ -204,7 +159,7 @@ pub(crate) const FIGURES: [Entry; 36] = [
         "5.1",
         "Coordinate system of the spacecraft",
         "The inertial frame and the frame of the vehicle, with its rotors, their senses and thrusts.",
-        &["quadrotor.rotors"],
+        ROTORS,
     ),
     entry(
         "5.2",

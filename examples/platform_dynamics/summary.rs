@@ -8,8 +8,8 @@ use mbs_platform::{HOME, LegVector, Motion, Platform};
 
 use crate::control::{self, follow};
 use crate::sensitivity;
-use crate::tables::{PAYLOADS, Samples, TABLE_4, table_3, table_4};
 use crate::{MOMENT, POSE, direct};
+use mbs_examples::platform_dynamics::tables::{PAYLOADS, Samples, TABLE_4, table_3, table_4};
 
 /// Between samples of a motion \[s\].
 const STEP: f64 = 0.01;

@@ -1,42 +1,25 @@
-//! Figures 5.2 to 5.9 of the thesis, their like for the other decks and for the driven platform, and the curves as
+//! Files of figures: 5.2 to 5.9 of the thesis, their like for the deck at sea, the driven platform, and the curves as
 //! numbers.
 
 use std::path::Path;
 
 use mbs_chart::{Curves, Figure, Line, Panel, Space, SpaceLine};
+use mbs_examples::quadrotor_landing::figures as thesis;
+use mbs_examples::quadrotor_landing::flight::{Flight, MARINE, Moment};
+use mbs_examples::quadrotor_landing::platform::{Comparison, OnPlatform};
 use mbs_examples::{Failure, output};
 use mbs_landing::quadrotor::driven::{DrivenMoment, TrackingError};
 use mbs_platform::limits::LegState;
 use mbs_platform::{LegVector, PlatformMotion};
 
-use crate::flight::{Flight, MARINE, Moment};
-use crate::platform::{Comparison, OnPlatform};
-
-/// The first figure of the thesis for case I; case II has the next four.
-const FIRST: usize = 2;
-
+/// Figures 5.2 to 5.9 for the cases of the thesis, and their like for the deck at sea.
 pub(crate) fn write(folder: &Path, flight: &Flight, legs: &[(f64, LegState)]) -> Result<(), Failure> {
-    let names: [String; 4] = match flight.case {
-        MARINE => ["path", "elevation", "attitude", "forces"].map(|what| format!("{MARINE}_{what}")),
-        case => {
-            let first = FIRST + if case == "I" { 0 } else { 4 };
-            std::array::from_fn(|i| format!("figure_5_{}", first + i))
-        }
-    };
-    let write = |name: &str, what: &str, panels: Vec<Panel>| {
-        let title = match flight.case {
-            MARINE => format!("Deck at sea: {what}"),
-            case => format!("Figure {}: {what}, case {case}", name.trim_start_matches("figure_").replace('_', ".")),
-        };
-        output::write_figure(
-            folder,
-            name,
-            &Figure { title, size: (1100, if panels.len() > 2 { 1000 } else { 800 }), panels },
-        )
-    };
-    write(&names[0], "path of the quadrotor", vec![path(flight)])?;
+    let drawn = if flight.case == MARINE { at_sea(flight, legs) } else { thesis::drawn(flight, legs) };
+    drawn.iter().try_for_each(|(name, figure)| output::write_figure(folder, name, figure))
+}
+
+fn at_sea(flight: &Flight, legs: &[(f64, LegState)]) -> Vec<(String, Figure)> {
     let elevation: [Series; 2] = [("quadrotor", |m| m.state.q[2]), ("platform", |m| m.platform)];
-    write(&names[1], "elevation", vec![curves(flight, "z [m]", &elevation)])?;
     let angles: [Series; 3] = [
         ("φ", |m| m.state.q[3].to_degrees()),
         ("θ", |m| m.state.q[4].to_degrees()),
@@ -47,11 +30,6 @@ pub(crate) fn write(folder: &Path, flight: &Flight, legs: &[(f64, LegState)]) ->
         ("θ", |m| m.relative.attitude[1].to_degrees()),
         ("ψ", |m| m.relative.attitude[2].to_degrees()),
     ];
-    let mut panels = vec![curves(flight, "angle [°]", &angles)];
-    if flight.case == MARINE {
-        panels.push(curves(flight, "against the deck [°]", &against_deck));
-    }
-    write(&names[2], "attitude", panels)?;
     let rotors: [Series; 4] = [
         ("rotor 1", |m| m.rotor_thrust[0]),
         ("rotor 2", |m| m.rotor_thrust[1]),
@@ -59,12 +37,30 @@ pub(crate) fn write(folder: &Path, flight: &Flight, legs: &[(f64, LegState)]) ->
         ("rotor 4", |m| m.rotor_thrust[3]),
     ];
     let total: [Series; 1] = [("U", |m| m.thrust)];
-    let panels = vec![
-        curves(flight, "thrust [N]", &rotors),
-        curves(flight, "thrust asked for [N]", &total),
-        panel("force of a leg [N]", flight.touchdown.time, leg_lines(legs.iter().map(|(t, legs)| (*t, legs.force)))),
-    ];
-    write(&names[3], "forces of the rotors and of the platform's legs", panels)
+    let leg_forces = leg_lines(legs.iter().map(|(t, legs)| (*t, legs.force)));
+    let figure = |name: &str, what: &str, height: u32, panels: Vec<Panel>| {
+        (format!("{MARINE}_{name}"), Figure { title: format!("Deck at sea: {what}"), size: (1100, height), panels })
+    };
+    vec![
+        figure("path", "path of the quadrotor", 800, vec![path(flight)]),
+        figure("elevation", "elevation", 800, vec![curves(flight, "z [m]", &elevation)]),
+        figure(
+            "attitude",
+            "attitude",
+            800,
+            vec![curves(flight, "angle [°]", &angles), curves(flight, "against the deck [°]", &against_deck)],
+        ),
+        figure(
+            "forces",
+            "forces of the rotors and of the platform's legs",
+            1000,
+            vec![
+                curves(flight, "thrust [N]", &rotors),
+                curves(flight, "thrust asked for [N]", &total),
+                panel("force of a leg [N]", flight.touchdown.time, leg_forces),
+            ],
+        ),
+    ]
 }
 
 /// One line for each leg, or one for all where they do the same.

@@ -6,8 +6,8 @@ use mbs_models::quadrotor_euler::QuadrotorEuler;
 use serde_json::{Map, Value, json};
 
 use crate::Landings;
-use crate::flight::{CASES, Flight, Kind, MARINE, ROTOR_RADIUS, TOLERANCE};
-use crate::platform::{OnPlatform, force_range};
+use mbs_examples::quadrotor_landing::flight::{CASES, Flight, Kind, MARINE, ROTOR_RADIUS, TOLERANCE};
+use mbs_examples::quadrotor_landing::platform::{OnPlatform, force_range};
 
 pub(crate) fn to_json(landings: &Landings) -> Result<Value, Failure> {
     let mut all = Map::new();

@@ -2,8 +2,8 @@
 
 use mbs_examples::Failure;
 
-use super::cases::{Case, circular, with_mass};
-use super::flight::carried;
+use mbs_examples::relative_motion::cases::{Case, circular, with_mass};
+use mbs_examples::relative_motion::flight::carried;
 
 /// By which the beginning is displaced along x \[m\].
 pub(crate) const OFFSET: f64 = 1e-6;

@@ -6,6 +6,18 @@ use serde_json::{Map, Value, json};
 
 const PAGE: &str = include_str!("../../docs/thesis/assumed.md");
 
+/// What every guided landing rests on.
+pub const LANDING: &[&str] = &[
+    "gravity",
+    "quadrotor.inertias",
+    "quadrotor.rotors",
+    "quadrotor.drag",
+    "quadrotor.gains",
+    "quadrotor.limits",
+    "quadrotor.guidance",
+    "quadrotor.start",
+];
+
 /// A row of the page.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Assumed {

@@ -1,8 +1,13 @@
-//! What the examples share: their arguments, what they assume, the files they write, and how they fail.
+//! What the examples share: their arguments, what they assume, the files they write, how they fail; and the
+//! calculations and figures of the thesis that the programs of a chapter and `gallery` both draw.
 
 pub mod arguments;
+pub mod arm_trajectory;
 pub mod assumed;
 pub mod output;
+pub mod platform_dynamics;
+pub mod quadrotor_landing;
+pub mod relative_motion;
 
 use std::error::Error;
 use std::fmt;

@@ -1,18 +1,18 @@
 //! Both cases of Table 2, by three methods each.
 
+use crate::Failure;
 use mbs_arm::trajectory::cartesian::{Singularity, nearest_singularity};
 use mbs_arm::trajectory::sign_change::sign_changes;
 use mbs_arm::trajectory::time_optimal::{MotorLimits, TimeOptimal, retime};
 use mbs_arm::trajectory::work::{self, Integral};
 use mbs_arm::trajectory::{JointState, Motion, Piecewise, StraightPath, quartic, quintic, two_piece_quartic};
 use mbs_arm::{Arm, JointVector, jacobian};
-use mbs_examples::Failure;
 
 /// Table 2 of the thesis \[°\].
 const START: JointVector = [20.0, 10.0, 10.0, 10.0, 20.0, 10.0];
 const STOP: JointVector = [50.0, 90.0, 120.0, 80.0, 60.0, 100.0];
 /// \[s\]
-pub(crate) const DURATION: f64 = 50.0;
+pub const DURATION: f64 = 50.0;
 /// In tables and figures, every tenth of a second.
 const SAMPLES: usize = 500;
 /// In which a change of sign of the determinant is looked for.
@@ -21,58 +21,63 @@ const INTERVALS: usize = 2000;
 const GRID: usize = 1000;
 
 /// One case of the thesis.
-pub(crate) struct Case {
+pub struct Case {
     /// `case1` or `case2`.
-    pub(crate) name: &'static str,
+    pub name: &'static str,
     /// 1 or 2.
-    pub(crate) number: usize,
+    pub number: usize,
     /// The default first: `quartic`, `two_piece_quartic`, `quintic`.
-    pub(crate) runs: Vec<Run>,
+    pub runs: Vec<Run>,
 }
 
 /// One motion, and what it does to the arm.
-pub(crate) struct Run {
-    pub(crate) method: &'static str,
-    pub(crate) motion: Box<dyn Motion<6>>,
+pub struct Run {
+    /// Its name, as JSON has it.
+    pub method: &'static str,
+    /// Joint angles over time.
+    pub motion: Box<dyn Motion<6>>,
     /// At equal intervals, both ends included.
-    pub(crate) samples: Vec<Sample>,
+    pub samples: Vec<Sample>,
     /// The largest speed of each joint, either way \[rad/s\].
-    pub(crate) peak_speed: JointVector,
+    pub peak_speed: JointVector,
     /// The largest acceleration of each joint, either way \[rad/s²\].
-    pub(crate) peak_acceleration: JointVector,
+    pub peak_acceleration: JointVector,
     /// `∫ Σ |τᵢ q̇ᵢ| dt` \[J\].
-    pub(crate) energy: Integral,
+    pub energy: Integral,
     /// `∫ Σ τᵢ² dt` \[N²·m²·s\].
-    pub(crate) effort: Integral,
+    pub effort: Integral,
     /// When the determinant of the Jacobian changes sign, and what is singular then.
-    pub(crate) singularities: Vec<(f64, Singularity)>,
+    pub singularities: Vec<(f64, Singularity)>,
 }
 
 /// One instant.
-pub(crate) struct Sample {
-    pub(crate) t: f64,
-    pub(crate) state: JointState<6>,
-    pub(crate) torque: JointVector,
+pub struct Sample {
+    /// When \[s\].
+    pub t: f64,
+    /// Angles and velocities of the joints \[rad, rad/s\].
+    pub state: JointState<6>,
+    /// Of the joints \[N·m\].
+    pub torque: JointVector,
     /// Of the flange \[m\].
-    pub(crate) position: [f64; 3],
+    pub position: [f64; 3],
     /// Of the Jacobian \[m³\].
-    pub(crate) determinant: f64,
+    pub determinant: f64,
 }
 
 impl Sample {
     /// `Σ |τᵢ q̇ᵢ|` \[W\].
-    pub(crate) fn power(&self) -> f64 {
+    pub fn power(&self) -> f64 {
         self.torque.iter().zip(&self.state.qd).map(|(torque, qd)| (torque * qd).abs()).sum()
     }
 }
 
 /// Start and stop \[rad\].
-pub(crate) fn ends() -> [JointVector; 2] {
+pub fn ends() -> [JointVector; 2] {
     [START, STOP].map(|q| q.map(f64::to_radians))
 }
 
 /// Case 1 from rest, case 2 with 1.5 °/s in every joint.
-pub(crate) fn both(arm: &Arm) -> Result<[Case; 2], Failure> {
+pub fn both(arm: &Arm) -> Result<[Case; 2], Failure> {
     let case = |name, number, speed: f64| -> Result<Case, Failure> {
         let ([start, stop], velocity) = (ends(), [speed.to_radians(); 6]);
         let runs = vec![
@@ -102,7 +107,7 @@ fn run<const P: usize>(arm: &Arm, method: &'static str, motion: Piecewise<6, P>)
 }
 
 /// Equal intervals of the whole motion.
-pub(crate) fn samples(arm: &Arm, motion: &impl Motion<6>) -> Result<Vec<Sample>, Failure> {
+pub fn samples(arm: &Arm, motion: &impl Motion<6>) -> Result<Vec<Sample>, Failure> {
     let sample = |k: usize| -> Result<Sample, Failure> {
         let t = motion.duration() * (k as f64 / SAMPLES as f64);
         let state = motion.at(t)?;
@@ -114,13 +119,13 @@ pub(crate) fn samples(arm: &Arm, motion: &impl Motion<6>) -> Result<Vec<Sample>,
 }
 
 /// The same way from rest to rest as fast as the drives can.
-pub(crate) fn fastest(arm: &Arm) -> Result<TimeOptimal<6, StraightPath<6>>, Failure> {
+pub fn fastest(arm: &Arm) -> Result<TimeOptimal<6, StraightPath<6>>, Failure> {
     let [start, stop] = ends();
     Ok(retime(StraightPath::new(start, stop)?, &arm.model, &MotorLimits::from(&arm.limits), GRID)?)
 }
 
 /// When a joint is out of its range: from, to \[s\].
-pub(crate) fn out_of_range(arm: &Arm, motion: &dyn Motion<6>, joint: usize) -> Result<Vec<[f64; 2]>, Failure> {
+pub fn out_of_range(arm: &Arm, motion: &dyn Motion<6>, joint: usize) -> Result<Vec<[f64; 2]>, Failure> {
     let mut times = vec![0.0, motion.duration()];
     for limit in [arm.limits.lower[joint], arm.limits.upper[joint]] {
         for time in sign_changes(motion, |q| q[joint] - limit, INTERVALS)? {

@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
+use crate::{Failure, output::write_figure};
 use mbs_arm::Arm;
 use mbs_chart::{Curves, Figure, Line, Panel, Space, SpaceLine};
-use mbs_examples::{Failure, output::write_figure};
 
 use super::cases::{Case, DURATION, Run, Sample};
 
@@ -18,7 +18,8 @@ const CURVES: [Curve; 3] = [
     ("joint accelerations", [10, 11], "d²q/dt² [°/s²]", |sample| sample.state.qdd.map(f64::to_degrees)),
 ];
 
-pub(crate) fn write(folder: &Path, arm: &Arm, case: &Case) -> Result<(), Failure> {
+/// Writes the figures of the thesis, and the torques.
+pub fn write(folder: &Path, arm: &Arm, case: &Case) -> Result<(), Failure> {
     for (name, figure) in drawn(arm, case)? {
         write_figure(folder, &name, &figure)?;
     }
@@ -26,7 +27,7 @@ pub(crate) fn write(folder: &Path, arm: &Arm, case: &Case) -> Result<(), Failure
 }
 
 /// The figures of the thesis with the names of their files.
-pub(crate) fn drawn(arm: &Arm, case: &Case) -> Result<Vec<(String, Figure)>, Failure> {
+pub fn drawn(arm: &Arm, case: &Case) -> Result<Vec<(String, Figure)>, Failure> {
     let number = 3 + case.number;
     let title = format!("Figure 3.{number}: path of the flange, case {}", case.number);
     let mut figures =

@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
+use crate::Failure;
+use crate::output::{write_figure, write_table};
 use mbs_chart::{Curves, Figure, Line, Panel, Space, SpaceLine};
-use mbs_examples::Failure;
-use mbs_examples::output::{write_figure, write_table};
 use mbs_platform::{Coordinates, HOME, LegVector, Motion, Platform};
 
 use super::tables::{DURATION, Run, Samples, TABLE_4, table_3, table_4};
@@ -12,26 +12,28 @@ use super::tables::{DURATION, Run, Samples, TABLE_4, table_3, table_4};
 /// Lines of one panel: names and values at all samples.
 type Lines = Vec<(String, Vec<f64>)>;
 
-pub(crate) fn write(folder: &Path, platform: &Platform) -> Result<(), Failure> {
+/// Writes the figures of the thesis, each with its numbers, and the poses.
+pub fn write(folder: &Path, platform: &Platform) -> Result<(), Failure> {
     let samples = Samples::fine();
     for drawing in along_table_3(platform, &samples)?.into_iter().chain(along_table_4(platform, &samples)?) {
         write_values(folder, &samples, &drawing)?;
-        write_figure(folder, &drawing.name.clone(), &figure(&samples, drawing))?;
+        write_figure(folder, &drawing.name, &drawing.figure(&samples))?;
     }
     poses(folder, platform)
 }
 
 /// A figure of the thesis, before it is drawn.
-pub(crate) struct Drawing {
+pub struct Drawing {
     /// Of its files.
-    pub(crate) name: String,
-    pub(crate) title: String,
+    pub name: String,
+    /// Above its panels.
+    pub title: String,
     /// What the vertical axis says, and the lines.
     panels: Vec<(String, Lines)>,
 }
 
 /// Figures 4.5 to 4.8.
-pub(crate) fn along_table_3(platform: &Platform, samples: &Samples) -> Result<Vec<Drawing>, Failure> {
+pub fn along_table_3(platform: &Platform, samples: &Samples) -> Result<Vec<Drawing>, Failure> {
     let runs = table_3(platform, samples)?;
     let lengths = vec![("l [m]".to_string(), legs(&runs[0].lengths))];
     let title = "Figure 4.5: lengths of the legs, table 3".to_string();
@@ -44,7 +46,7 @@ pub(crate) fn along_table_3(platform: &Platform, samples: &Samples) -> Result<Ve
 }
 
 /// Figures 4.9 to 4.12.
-pub(crate) fn along_table_4(platform: &Platform, samples: &Samples) -> Result<Vec<Drawing>, Failure> {
+pub fn along_table_4(platform: &Platform, samples: &Samples) -> Result<Vec<Drawing>, Failure> {
     let runs = TABLE_4.map(|(_, angles)| table_4(platform, angles, samples).map(|run| (angles, run)));
     let runs = runs.into_iter().collect::<Result<Vec<_>, _>>()?;
     let drawing = |leg: usize| {
@@ -92,21 +94,24 @@ fn legs(rows: &[LegVector]) -> Lines {
     (0..6).map(|leg| (format!("leg {}", leg + 1), rows.iter().map(|row| row[leg]).collect())).collect()
 }
 
-/// One panel for each set of lines.
-pub(crate) fn figure(samples: &Samples, drawing: Drawing) -> Figure {
-    let panel = |(label, lines): &(String, Lines)| {
-        let line = |(name, values): &(String, Vec<f64>)| {
-            Line::new(name.clone(), samples.0.iter().copied().zip(values.iter().copied()).collect())
+impl Drawing {
+    /// One panel for each set of lines.
+    #[must_use]
+    pub fn figure(&self, samples: &Samples) -> Figure {
+        let panel = |(label, lines): &(String, Lines)| {
+            let line = |(name, values): &(String, Vec<f64>)| {
+                Line::new(name.clone(), samples.0.iter().copied().zip(values.iter().copied()).collect())
+            };
+            Panel::Curves(Curves {
+                x_label: "t [s]".to_string(),
+                y_label: label.clone(),
+                x_range: 0.0..DURATION,
+                lines: lines.iter().map(line).collect(),
+            })
         };
-        Panel::Curves(Curves {
-            x_label: "t [s]".to_string(),
-            y_label: label.clone(),
-            x_range: 0.0..DURATION,
-            lines: lines.iter().map(line).collect(),
-        })
-    };
-    let height = [480, 680, 860][drawing.panels.len().min(3) - 1];
-    Figure { title: drawing.title, size: (900, height), panels: drawing.panels.iter().map(panel).collect() }
+        let height = [480, 680, 860][self.panels.len().min(3) - 1];
+        Figure { title: self.title.clone(), size: (900, height), panels: self.panels.iter().map(panel).collect() }
+    }
 }
 
 /// A table with all lines.

@@ -1,46 +1,47 @@
 //! Lengths and forces of the legs along the motions of tables 3 and 4.
 
-use mbs_examples::Failure;
+use crate::Failure;
 use mbs_platform::{LegVector, Motion, Platform};
 
 /// \[kg\]
-pub(crate) const PAYLOADS: [u32; 3] = [0, 300, 1250];
+pub const PAYLOADS: [u32; 3] = [0, 300, 1250];
 /// Of the motion of table 4 \[kg\].
-pub(crate) const PAYLOAD_OF_TABLE_4: u32 = 300;
+pub const PAYLOAD_OF_TABLE_4: u32 = 300;
 /// The runs of the sensitivity analysis: names, and the angles φ, θ, ψ \[°\].
-pub(crate) const TABLE_4: [(&str, [f64; 3]); 3] =
+pub const TABLE_4: [(&str, [f64; 3]); 3] =
     [("base_psi20", [0.0, 0.0, 20.0]), ("theta10_psi20", [0.0, 10.0, 20.0]), ("phi10_psi20", [10.0, 0.0, 20.0])];
 /// One period of both motions \[s\].
-pub(crate) const DURATION: f64 = 4.0;
+pub const DURATION: f64 = 4.0;
 
 /// Moments of a motion \[s\].
-pub(crate) struct Samples(pub(crate) Vec<f64>);
+pub struct Samples(pub(crate) Vec<f64>);
 
 impl Samples {
     /// 0, 0.5, …, 4 s.
-    pub(crate) fn coarse() -> Self {
+    pub fn coarse() -> Self {
         Self((0..=8).map(|i| 0.5 * f64::from(i)).collect())
     }
 
     /// Every hundredth of a second, for curves.
-    pub(crate) fn fine() -> Self {
+    pub fn fine() -> Self {
         Self((0..=400).map(|i| f64::from(i) / 100.0).collect())
     }
 }
 
 /// What the legs do along a motion, one row a sample.
-pub(crate) struct Run {
+pub struct Run {
     /// \[kg\]
-    pub(crate) payload: u32,
+    pub payload: u32,
     /// \[m\]
-    pub(crate) lengths: Vec<LegVector>,
+    pub lengths: Vec<LegVector>,
     /// \[N\]
-    pub(crate) forces: Vec<LegVector>,
+    pub forces: Vec<LegVector>,
     /// \[N\]
-    pub(crate) forces_without_actuators: Vec<LegVector>,
+    pub forces_without_actuators: Vec<LegVector>,
 }
 
-pub(crate) fn run(platform: &Platform, payload: u32, motion: &Motion, samples: &Samples) -> Result<Run, Failure> {
+/// Lengths and forces along a motion with a payload \[kg\].
+pub fn run(platform: &Platform, payload: u32, motion: &Motion, samples: &Samples) -> Result<Run, Failure> {
     let loaded = platform.with_payload(f64::from(payload))?;
     let bare = loaded.without_actuator_inertia();
     let mut run = Run { payload, lengths: Vec::new(), forces: Vec::new(), forces_without_actuators: Vec::new() };
@@ -54,11 +55,12 @@ pub(crate) fn run(platform: &Platform, payload: u32, motion: &Motion, samples: &
 }
 
 /// One run for each payload.
-pub(crate) fn table_3(platform: &Platform, samples: &Samples) -> Result<Vec<Run>, Failure> {
+pub fn table_3(platform: &Platform, samples: &Samples) -> Result<Vec<Run>, Failure> {
     PAYLOADS.iter().map(|&payload| run(platform, payload, &Motion::TABLE_3, samples)).collect()
 }
 
-pub(crate) fn table_4(platform: &Platform, angles: [f64; 3], samples: &Samples) -> Result<Run, Failure> {
+/// Along the motion of Table 4 with an attitude in degrees.
+pub fn table_4(platform: &Platform, angles: [f64; 3], samples: &Samples) -> Result<Run, Failure> {
     let motion = Motion::table_4_turned(angles.map(f64::to_radians));
     run(platform, PAYLOAD_OF_TABLE_4, &motion, samples)
 }

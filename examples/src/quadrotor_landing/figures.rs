@@ -1,36 +1,34 @@
-//! Figures 5.2 to 5.9: landings as `quadrotor_landing` flies them, drawn for the thesis.
+//! Figures 5.2 to 5.9: the guided landings of the thesis.
 
 use mbs_chart::{Curves, Figure, Line, Panel, Plane, PlaneLine};
-use mbs_examples::Failure;
-use mbs_landing::quadrotor::heave::Heave;
-use mbs_platform::HOME;
 use mbs_platform::limits::LegState;
 
-use crate::flight::{Flight, Kind, Moment, heaving};
-use crate::platform::{OnPlatform, legs};
+use super::flight::{Flight, Moment, PLACE};
 
 /// How long a start is that is shown enlarged: the attitude's, the rotors' \[s\].
 const STARTS: [f64; 2] = [6.0, 1.5];
 /// How long the end is \[s\].
 const END: f64 = 2.0;
-/// Where the middle of the platform is \[m\].
-const PLACE: [f64; 2] = [12.0, 7.0];
+/// The first figure of the thesis for case I; case II has the next four.
+const FIRST: usize = 2;
 
-/// Figures 5.2 to 5.5 for case I, 5.6 to 5.9 for case II.
-pub(crate) fn case(case: &'static str, heave: Heave<4>, first: usize) -> Result<Vec<Figure>, Failure> {
-    let flight = Flight::of(case, Kind::Exact, heaving(heave))?;
-    let on_platform = OnPlatform::of(case, &heave.about(HOME[2]), [0.0; 3])?;
-    let legs = legs(&on_platform.full.motion, flight.touchdown.time)?;
+/// Figures 5.2 to 5.5 of a landing of case I, 5.6 to 5.9 of case II, with the names of their files and what the legs
+/// of the platform do meanwhile.
+#[must_use]
+pub fn drawn(flight: &Flight, legs: &[(f64, LegState)]) -> Vec<(String, Figure)> {
+    let case = flight.case;
+    let first = FIRST + if case == "I" { 0 } else { 4 };
     let figure = |i: usize, what: &str, height: u32, panels: Vec<Panel>| {
-        let title = format!("Figure 5.{}: {what}, case {case}", first + i);
-        Figure { title, size: (900, height), panels }
+        let number = first + i;
+        let title = format!("Figure 5.{number}: {what}, case {case}");
+        (format!("figure_5_{number}"), Figure { title, size: (900, height), panels })
     };
-    Ok(vec![
-        figure(0, "path of the quadrotor", 800, path(&flight)),
-        figure(1, "elevation of the platform", 860, elevation(&flight)),
-        figure(2, "attitude angles of the quadrotor", 680, attitude(&flight)),
-        figure(3, "forces of the rotors and of the platform's legs", 1000, forces(&flight, &legs)),
-    ])
+    vec![
+        figure(0, "path of the quadrotor", 800, path(flight)),
+        figure(1, "elevation of the platform", 860, elevation(flight)),
+        figure(2, "attitude angles of the quadrotor", 680, attitude(flight)),
+        figure(3, "forces of the rotors and of the platform's legs", 1000, forces(flight, legs)),
+    ]
 }
 
 /// From two sides and from above, sideways enlarged since the path is that narrow; then over time.

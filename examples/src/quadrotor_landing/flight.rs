@@ -1,6 +1,6 @@
 //! One landing on a deck that moves exactly as it is to, with what is drawn of it.
 
-use mbs_examples::Failure;
+use crate::Failure;
 use mbs_landing::quadrotor::approach::Approach;
 use mbs_landing::quadrotor::deck::{Deck, HeavingDeck, MovingDeck, Relative};
 use mbs_landing::quadrotor::ground_effect::GroundEffect;
@@ -12,36 +12,36 @@ use mbs_platform::Superposition;
 use mbs_runtime::State;
 
 /// Cases of the thesis.
-pub(crate) const CASES: [(&str, Heave<4>); 2] = [("I", Heave::CASE_I), ("II", Heave::CASE_II)];
+pub const CASES: [(&str, Heave<4>); 2] = [("I", Heave::CASE_I), ("II", Heave::CASE_II)];
 
 /// Where the middle of the platform is \[m\].
-const PLACE: [f64; 2] = [12.0, 7.0];
+pub const PLACE: [f64; 2] = [12.0, 7.0];
 
 /// The deck of a case.
-pub(crate) fn heaving(heave: Heave<4>) -> HeavingDeck<4> {
+pub fn heaving(heave: Heave<4>) -> HeavingDeck<4> {
     HeavingDeck { heave, place: PLACE }
 }
 
 /// The name of the landing on a deck at sea.
-pub(crate) const MARINE: &str = "marine";
+pub const MARINE: &str = "marine";
 
 /// The middle of the landing field in the axes of the platform \[m\]: beside its middle, and above it.
-pub(crate) const FIELD: [f64; 3] = [0.4, -0.3, 0.3];
+pub const FIELD: [f64; 3] = [0.4, -0.3, 0.3];
 
 /// The deck at sea; with its base so far down that its mean height is zero.
-pub(crate) fn marine(motion: Superposition<2>) -> MovingDeck<Superposition<2>> {
+pub fn marine(motion: Superposition<2>) -> MovingDeck<Superposition<2>> {
     over_base(motion, FIELD)
 }
 
 /// A platform at the place of the landing, with its base so far down that its mean height is zero.
-pub(crate) fn over_base<const K: usize>(motion: Superposition<K>, point: [f64; 3]) -> MovingDeck<Superposition<K>> {
+pub fn over_base<const K: usize>(motion: Superposition<K>, point: [f64; 3]) -> MovingDeck<Superposition<K>> {
     let [x, y] = PLACE;
     MovingDeck { motion, base: [x, y, -motion.mean()[2]], point }
 }
 
 /// How it is flown.
 #[derive(Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Kind {
+pub enum Kind {
     /// By the exact equations under backstepping control.
     Exact,
     /// By those for small angles.
@@ -56,10 +56,10 @@ pub(crate) enum Kind {
 
 impl Kind {
     /// Those of every deck; the unguided one is of the cases of the thesis.
-    pub(crate) const ALL: [Self; 4] = [Self::Exact, Self::SmallAngle, Self::Lqr, Self::GroundEffect];
+    pub const ALL: [Self; 4] = [Self::Exact, Self::SmallAngle, Self::Lqr, Self::GroundEffect];
 
     /// In the JSON.
-    pub(crate) fn name(self) -> &'static str {
+    pub fn name(self) -> &'static str {
         match self {
             Self::Exact => "exact",
             Self::SmallAngle => "small_angle",
@@ -71,39 +71,45 @@ impl Kind {
 }
 
 /// Height over the deck at which an unguided descent has landed, assumed \[m\].
-pub(crate) const TOLERANCE: f64 = 0.01;
+pub const TOLERANCE: f64 = 0.01;
 
 /// Of the rotors, assumed \[m\]: a thrust coefficient of 0.011 at hover.
-pub(crate) const ROTOR_RADIUS: f64 = 0.4;
+pub const ROTOR_RADIUS: f64 = 0.4;
 
 /// What happens at one moment.
-pub(crate) struct Moment {
-    pub(crate) t: f64,
-    pub(crate) state: State<[f64; 6]>,
+pub struct Moment {
+    /// When \[s\].
+    pub t: f64,
+    /// Of the vehicle.
+    pub state: State<[f64; 6]>,
     /// Elevation of the deck \[m\].
-    pub(crate) platform: f64,
+    pub platform: f64,
     /// The vehicle as the deck sees it.
-    pub(crate) relative: Relative,
+    pub relative: Relative,
     /// The thrust that is asked for \[N\].
-    pub(crate) thrust: f64,
+    pub thrust: f64,
     /// Of each rotor, far from the ground \[N\].
-    pub(crate) rotor_thrust: [f64; 4],
+    pub rotor_thrust: [f64; 4],
 }
 
-pub(crate) struct Flight {
+/// A landing, and the way to it.
+pub struct Flight {
     /// Of the thesis, or [`MARINE`].
-    pub(crate) case: &'static str,
-    pub(crate) kind: Kind,
+    pub case: &'static str,
+    /// How it is flown.
+    pub kind: Kind,
     /// Every 10 ms.
-    pub(crate) moments: Vec<Moment>,
-    pub(crate) touchdown: Touchdown,
+    pub moments: Vec<Moment>,
+    /// Its end.
+    pub touchdown: Touchdown,
 }
 
 /// One in this many moments that the simulation shows is kept.
-pub(crate) const KEPT: usize = 5;
+pub const KEPT: usize = 5;
 
 impl Flight {
-    pub(crate) fn of<D: Deck>(case: &'static str, kind: Kind, deck: D) -> Result<Self, Failure> {
+    /// Flies from the initial state of the thesis to the touchdown.
+    pub fn of<D: Deck>(case: &'static str, kind: Kind, deck: D) -> Result<Self, Failure> {
         let mut landing = Landing::on(if kind == Kind::SmallAngle { Plant::SmallAngle } else { Plant::Exact }, deck);
         match kind {
             Kind::Exact | Kind::SmallAngle => (),

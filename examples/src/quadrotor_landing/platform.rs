@@ -6,7 +6,7 @@
 //! full, on a platform that is raised until no leg is too short, where the legs are as long as it takes; and about home
 //! with the motion scaled to what stroke, speed and force of the legs allow.
 
-use mbs_examples::Failure;
+use crate::Failure;
 use mbs_landing::quadrotor::deck::MovingDeck;
 use mbs_landing::quadrotor::driven::{Drive, DrivenMoment, DrivenTouchdown};
 use mbs_landing::quadrotor::landing::{Landing, Plant};
@@ -16,7 +16,7 @@ use mbs_platform::{HOME, Platform, PlatformMotion, Superposition};
 use mbs_runtime::control::ComputedTorque;
 use serde_json::{Value, json};
 
-use crate::flight::{KEPT, over_base};
+use super::flight::{KEPT, over_base};
 
 /// Of both controllers \[s\].
 const PERIOD: f64 = 0.002;
@@ -29,39 +29,41 @@ const STEP: f64 = 0.02;
 const RESOLUTION: f64 = 1e-3;
 
 /// The platform with nothing on it yet.
-pub(crate) fn platform() -> Result<Platform, Failure> {
+pub fn platform() -> Result<Platform, Failure> {
     Ok(Platform::default().with_payload(0.0)?)
 }
 
 /// A landing on the driven platform and the same one on an exact deck.
-pub(crate) struct Comparison<const K: usize> {
+pub struct Comparison<const K: usize> {
     /// Of the motion.
-    pub(crate) scale: f64,
+    pub scale: f64,
     /// The motion, over the base.
-    pub(crate) motion: Superposition<K>,
+    pub motion: Superposition<K>,
     /// The deck moves exactly, the controller acts in continuous time.
-    pub(crate) exact: Touchdown,
+    pub exact: Touchdown,
     /// The deck moves exactly, the controller is sampled.
-    pub(crate) sampled: Touchdown,
-    pub(crate) driven: DrivenTouchdown,
+    pub sampled: Touchdown,
+    /// The legs drive the deck, both controllers are sampled.
+    pub driven: DrivenTouchdown,
     /// Every 10 ms.
-    pub(crate) moments: Vec<DrivenMoment>,
+    pub moments: Vec<DrivenMoment>,
 }
 
 /// What the Stewart platform makes of a motion.
-pub(crate) struct OnPlatform<const K: usize> {
-    pub(crate) case: &'static str,
+pub struct OnPlatform<const K: usize> {
+    /// Of the thesis, or that of the deck at sea.
+    pub case: &'static str,
     /// How low the motion in full would come about home \[m\]: the base is at zero.
-    pub(crate) lowest: f64,
+    pub lowest: f64,
     /// The motion in full, on a platform that is raised.
-    pub(crate) full: Comparison<K>,
+    pub full: Comparison<K>,
     /// About home, scaled.
-    pub(crate) scaled: Comparison<K>,
+    pub scaled: Comparison<K>,
 }
 
 impl<const K: usize> OnPlatform<K> {
     /// Of a motion about home, with the point of the platform that is landed on.
-    pub(crate) fn of(case: &'static str, motion: &Superposition<K>, point: [f64; 3]) -> Result<Self, Failure> {
+    pub fn of(case: &'static str, motion: &Superposition<K>, point: [f64; 3]) -> Result<Self, Failure> {
         let platform = platform()?;
         let raised = raised(&platform, motion)?;
         let scale = platform.admissible_scale(motion, DURATION, STEP)?;
@@ -73,7 +75,8 @@ impl<const K: usize> OnPlatform<K> {
         })
     }
 
-    pub(crate) fn comparisons(&self) -> [(&'static str, &Comparison<K>); 2] {
+    /// Both, with their names in JSON.
+    pub fn comparisons(&self) -> [(&'static str, &Comparison<K>); 2] {
         [("full", &self.full), ("scaled", &self.scaled)]
     }
 }
@@ -127,7 +130,8 @@ impl<const K: usize> Comparison<K> {
         std::array::from_fn(|i| changed[i] - exact[i])
     }
 
-    pub(crate) fn to_json(&self) -> Value {
+    /// As JSON has it: SI units, and degrees where the name says so.
+    pub fn to_json(&self) -> Value {
         let difference = |end: &Touchdown| {
             let [time, velocity, offset] = self.difference(end);
             json!({ "touchdown_time": time, "relative_velocity": velocity, "horizontal_offset": offset })
@@ -155,7 +159,8 @@ impl<const K: usize> Comparison<K> {
         })
     }
 
-    pub(crate) fn summary(&self, case: &str, name: &str) -> String {
+    /// What became of the motion, in words.
+    pub fn summary(&self, case: &str, name: &str) -> String {
         let DrivenTouchdown { touchdown: end, greatest_error, last_error, survey, .. } = &self.driven;
         let difference = |end: &Touchdown| {
             let [time, velocity, offset] = self.difference(end);
@@ -206,7 +211,7 @@ fn worst(survey: &Survey, quantities: &[Quantity]) -> f64 {
 
 /// Lengths, rates and forces of the legs along the motion in full, exactly as it is to be, every 10 ms up to a time
 /// \[s\].
-pub(crate) fn legs<const K: usize>(motion: &Superposition<K>, end: f64) -> Result<Vec<(f64, LegState)>, Failure> {
+pub fn legs<const K: usize>(motion: &Superposition<K>, end: f64) -> Result<Vec<(f64, LegState)>, Failure> {
     let platform = platform()?;
     let moments = (0..).map(|i| 0.01 * f64::from(i)).take_while(|&t| t <= end);
     let state = |t: f64| {
@@ -217,7 +222,7 @@ pub(crate) fn legs<const K: usize>(motion: &Superposition<K>, end: f64) -> Resul
 }
 
 /// The least and the greatest force \[N\].
-pub(crate) fn force_range(legs: &[(f64, LegState)]) -> [f64; 2] {
+pub fn force_range(legs: &[(f64, LegState)]) -> [f64; 2] {
     let forces = legs.iter().flat_map(|(_, legs)| legs.force);
     forces.fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], force| [a.min(force), b.max(force)])
 }

@@ -1,29 +1,32 @@
 //! The motions about a station, in its axes: x away from the Earth, y along the track, z along the normal of the orbit.
 
-use mbs_examples::Failure;
+use crate::Failure;
 use mbs_orbit::EARTH_MU;
 use mbs_orbit::station::Station;
 use mbs_runtime::State;
 
 /// Distance of the station from the centre of the Earth on its circle \[m\]: 400 km above the equator.
-pub(crate) const CIRCLE: f64 = 6_778_137.0;
+pub const CIRCLE: f64 = 6_778_137.0;
 /// Mass of the station \[kg\], assumed.
-pub(crate) const STATION_MASS: f64 = 420e3;
+pub const STATION_MASS: f64 = 420e3;
 
 /// One motion.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Case {
+pub struct Case {
     /// Kind of station, as JSON has it.
-    pub(crate) group: &'static str,
-    pub(crate) name: &'static str,
-    pub(crate) station: Station,
-    pub(crate) mass: f64,
+    pub group: &'static str,
+    /// Of the motion, as JSON has it.
+    pub name: &'static str,
+    /// The orbit about which it moves.
+    pub station: Station,
+    /// Of the station \[kg\]; zero where it attracts nothing.
+    pub mass: f64,
     /// Metres and metres per second.
-    pub(crate) start: State<[f64; 3]>,
+    pub start: State<[f64; 3]>,
 }
 
 /// On a circle; the astronaut at rest in the station's axes, on the same circle, or on a closed ellipse.
-pub(crate) fn circular() -> Result<Vec<Case>, Failure> {
+pub fn circular() -> Result<Vec<Case>, Failure> {
     let station = Station::on_a_circle(EARTH_MU, CIRCLE)?;
     // A chord of 1000 km to a point of the same circle.
     let chord = 1e6;
@@ -56,7 +59,7 @@ fn elliptic() -> Result<Vec<Case>, Failure> {
 }
 
 /// The near motions in the plane, about a station that attracts as a point.
-pub(crate) fn with_mass() -> Result<Vec<Case>, Failure> {
+pub fn with_mass() -> Result<Vec<Case>, Failure> {
     let names = ["near_radial", "near_tangent", "near_2to1_ellipse"];
     let heavy = |case: Case| {
         let station = case.station.with_mass(STATION_MASS)?;
@@ -65,6 +68,7 @@ pub(crate) fn with_mass() -> Result<Vec<Case>, Failure> {
     circular()?.into_iter().filter(|case| names.contains(&case.name)).map(heavy).collect()
 }
 
-pub(crate) fn all() -> Result<Vec<Case>, Failure> {
+/// All motions, group by group.
+pub fn all() -> Result<Vec<Case>, Failure> {
     Ok([circular()?, elliptic()?, with_mass()?].concat())
 }

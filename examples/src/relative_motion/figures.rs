@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
+use crate::{Failure, output};
 use mbs_chart::{Curves, Figure, Line, Panel, Plane, PlaneLine};
-use mbs_examples::{Failure, output};
 
 use super::flight::{Flight, ORBITS};
 
@@ -73,7 +73,7 @@ fn distance([x, y, z]: [f64; 3]) -> f64 {
 }
 
 /// Figures 7.3 and 7.4, of those motions about a station on a circle that are there.
-pub(crate) fn drawn(flights: &[Flight]) -> Vec<(String, Figure)> {
+pub fn drawn(flights: &[Flight]) -> Vec<(String, Figure)> {
     let named = |names: &[&str]| -> Vec<&Flight> {
         let is_drawn = |flight: &&Flight| flight.case.group == "circular" && names.contains(&flight.case.name);
         flights.iter().filter(is_drawn).collect()
@@ -97,7 +97,8 @@ pub(crate) fn drawn(flights: &[Flight]) -> Vec<(String, Figure)> {
     figures
 }
 
-pub(crate) fn write(folder: &Path, flights: &[Flight]) -> Result<(), Failure> {
+/// Writes the figures, and each motion as a table.
+pub fn write(folder: &Path, flights: &[Flight]) -> Result<(), Failure> {
     for (name, figure) in drawn(flights) {
         output::write_figure(folder, &name, &figure)?;
     }

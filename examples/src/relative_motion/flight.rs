@@ -1,6 +1,6 @@
 //! A motion over one orbit of the station, found in several ways.
 
-use mbs_examples::Failure;
+use crate::Failure;
 use mbs_models::relative_cylindrical::{Params, RelativeCylindrical};
 use mbs_orbit::EARTH_MU;
 use mbs_orbit::clohessy_wiltshire;
@@ -15,24 +15,26 @@ use super::cases::Case;
 /// Rows of a table.
 const ROWS: usize = 500;
 /// Orbits of the station in figures and tables.
-pub(crate) const ORBITS: f64 = 2.0;
+pub const ORBITS: f64 = 2.0;
 
 /// A motion and what it is compared with; differences are those of the component that differs most.
-pub(crate) struct Flight {
-    pub(crate) case: Case,
+pub struct Flight {
+    /// What it begins with.
+    pub case: Case,
     /// After one orbit.
-    pub(crate) end: State<[f64; 3]>,
+    pub end: State<[f64; 3]>,
     /// From the difference of two Kepler motions \[m\], where the station has no mass.
-    pub(crate) kepler_difference: Option<f64>,
+    pub kepler_difference: Option<f64>,
     /// From the linear motion of Hill, Clohessy and Wiltshire \[m\], near a station on a circle without a mass.
-    pub(crate) hcw_difference: Option<f64>,
+    pub hcw_difference: Option<f64>,
     /// From the same in cylindrical coordinates \[m\], where the station has no mass.
-    pub(crate) cylindrical_difference: Option<f64>,
+    pub cylindrical_difference: Option<f64>,
     /// Times and states over [`ORBITS`].
-    pub(crate) path: Vec<(f64, State<[f64; 3]>)>,
+    pub path: Vec<(f64, State<[f64; 3]>)>,
 }
 
-pub(crate) fn integrator() -> Dop853 {
+/// The one of all motions.
+pub fn integrator() -> Dop853 {
     Dop853::new(2.3e-14, 1e-13)
 }
 
@@ -48,7 +50,7 @@ fn distance(_: f64, state: &State<[f64; 3]>) -> f64 {
 }
 
 /// The state of a case at a time, integrated from the beginning.
-pub(crate) fn carried(case: &Case, start: State<[f64; 3]>, [from, to]: [f64; 2]) -> Result<State<[f64; 3]>, Failure> {
+pub fn carried(case: &Case, start: State<[f64; 3]>, [from, to]: [f64; 2]) -> Result<State<[f64; 3]>, Failure> {
     let mut state = start;
     fly(&integrator(), case.station.accelerations_about(), [from, to], &mut state, distance, 0.0, |_| ())?;
     Ok(state)
@@ -68,7 +70,8 @@ fn by_cylindrical(case: &Case, time: f64) -> Result<State<[f64; 3]>, Failure> {
 }
 
 impl Flight {
-    pub(crate) fn of(case: Case) -> Result<Self, Failure> {
+    /// Integrates a motion and compares it.
+    pub fn of(case: Case) -> Result<Self, Failure> {
         let period = case.station.period();
         let end = carried(&case, case.start, [0.0, period])?;
         let mut path = vec![(0.0, case.start)];
