@@ -13,7 +13,7 @@ use std::error::Error;
 use std::fmt;
 
 /// What ends an example early, in words: `main` prints it after `Error: `.
-pub struct Failure(Box<dyn Error>);
+pub struct Failure(Box<dyn Error + Send + Sync>);
 
 impl Failure {
     /// With a text of its own.
@@ -23,7 +23,7 @@ impl Failure {
     }
 }
 
-impl<E: Error + 'static> From<E> for Failure {
+impl<E: Error + Send + Sync + 'static> From<E> for Failure {
     fn from(error: E) -> Self {
         Self(Box::new(error))
     }

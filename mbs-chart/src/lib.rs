@@ -50,7 +50,7 @@ pub enum Format {
 /// A title and panels below it.
 #[derive(Clone, Debug)]
 pub struct Figure {
-    /// Stands on top; an empty one takes no room.
+    /// Stands on top; an empty one takes no room. Lines after the first are notes: small, wrapped to the width.
     pub title: String,
     /// Width and height in pixels.
     pub size: (u32, u32),
@@ -103,14 +103,46 @@ pub fn draw(figure: &Figure, format: Format) -> Result<Vec<u8>, CannotDraw> {
     let (width, height) = figure.size;
     let mut area = Rect { x: 0.0, y: 0.0, width: f64::from(width), height: f64::from(height) };
     if !figure.title.is_empty() {
-        scene.text(Text::new([24.0, 24.0], &figure.title, 18.0, Anchor::Start));
-        area = area.inset([0.0, 38.0, 0.0, 0.0]);
+        let height = heading(&figure.title, area.width, &mut scene);
+        area = area.inset([0.0, height, 0.0, 0.0]);
     }
     stack(&figure.panels, &mut scene, area.inset([12.0, 4.0, 18.0, 8.0]), [0.0; 2])?;
     match format {
         Format::Svg => Ok(svg::write(&scene, figure.size).into_bytes()),
         Format::Png => png(&scene, figure.size),
     }
+}
+
+/// Writes the title and, below it, what follows its first line, small; the height that both take \[px\].
+fn heading(title: &str, width: f64, scene: &mut Scene<'_>) -> f64 {
+    let (title, notes) = title.split_once('\n').unwrap_or((title, ""));
+    scene.text(Text::new([SIDE, 24.0], title, 18.0, Anchor::Start));
+    let mut height = 38.0;
+    for line in notes.lines().flat_map(|note| wrapped(note, width - 2.0 * SIDE, scene.face)) {
+        scene.text(Text::new([SIDE, height + 4.0], &line, NOTE, Anchor::Start).colored(style::GRAY));
+        height += 1.4 * NOTE;
+    }
+    height
+}
+
+/// Left and right of a title \[px\].
+const SIDE: f64 = 24.0;
+/// An em of what stands below a title \[px\].
+const NOTE: f64 = 12.0;
+
+/// Lines no wider than this \[px\], broken between words.
+fn wrapped(text: &str, width: f64, face: &Typeface) -> Vec<String> {
+    let mut lines: Vec<String> = Vec::new();
+    for word in text.split_whitespace() {
+        match lines.last_mut() {
+            Some(line) if face.width(&format!("{line} {word}"), NOTE) <= width => {
+                line.push(' ');
+                line.push_str(word);
+            }
+            _ => lines.push(word.to_string()),
+        }
+    }
+    lines
 }
 
 fn png(scene: &Scene<'_>, size: (u32, u32)) -> Result<Vec<u8>, CannotDraw> {
@@ -238,6 +270,19 @@ mod tests {
         let count = |text: &str| svg.matches(text).count();
         assert_eq!((count("one &amp; only"), count("t [s]"), count("a [m]"), count("b [m]")), (1, 1, 1, 1));
         assert!(svg.contains("viewBox=\"0 0 600 400\"") && svg.contains("−1") && !svg.contains(">-"), "{svg}");
+    }
+
+    /// Every word of a long note is there, in lines that end before the figure does.
+    #[test]
+    fn notes_are_wrapped_below_the_title() {
+        let words: Vec<String> = (0..60).map(|i| format!("word{i}")).collect();
+        let noted = Figure { title: format!("A title\n{}", words.join(" ")), ..figure() };
+        let svg = String::from_utf8(draw(&noted, Format::Svg).unwrap()).unwrap();
+        let texts = svg.split("<text").filter_map(|part| part.split_once('>')?.1.split_once('<'));
+        let lines: Vec<&str> = texts.map(|(text, _)| text).filter(|text| text.starts_with("word")).collect();
+        assert_eq!(lines.join(" "), words.join(" "));
+        let face = Typeface::new().unwrap();
+        assert!(lines.len() > 3 && lines.iter().all(|line| face.width(line, NOTE) <= 552.0), "{lines:?}");
     }
 
     #[test]

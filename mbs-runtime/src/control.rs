@@ -12,6 +12,8 @@
 //! | the sampled system                                 | [`StateSpace::sampled`]                                               |
 //! | feedback that is the best for a quadratic cost     | [`lqr`], [`discrete_lqr`]                                             |
 //! | forces that make errors die as designed            | [`ComputedTorque`]                                                    |
+//! | forces that learn the masses they are to move      | [`AdaptiveControl`], [`regressor`], [`BodyParameters`]                |
+//! | which of the masses a motion shows                 | [`RegressorStack`], [`BaseParameters`]                                |
 //! | a controller that computes for a while, in the loop | [`SampledLoop`]                                                      |
 //!
 //! A and B of a mechanism are the first derivatives of its motion, [`Linearization`]: with `x = (δq, δq̇)`
@@ -34,6 +36,9 @@
 //!
 //! [`Linearization`]: crate::Linearization
 
+mod adaptive;
+mod base_parameters;
+mod body_parameters;
 mod computed_torque;
 mod dense;
 mod discretization;
@@ -45,6 +50,9 @@ mod sampled_loop;
 use core::error::Error;
 use core::fmt;
 
+pub use adaptive::{AdaptiveControl, InvalidAdaptiveGain, Sliding, regressor};
+pub use base_parameters::{BaseParameters, NotFiniteRegressor, RegressorStack};
+pub use body_parameters::BodyParameters;
 pub use computed_torque::{ComputedTorque, InvalidGain};
 pub use regulator::{Regulator, discrete_lqr, lqr};
 pub use sampled_loop::SampledLoop;

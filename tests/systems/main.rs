@@ -1,5 +1,6 @@
 //! The systems of `mbs_models`: arm, platform, quadrotor, orbits, and the experiment that joins them.
 
+mod adaptive_control;
 mod arm_dynamics;
 mod arm_kinematics;
 mod arm_trajectory;

@@ -1,5 +1,6 @@
 //! The examples as outside programs call them: what they print and what they write.
 
+mod adaptive;
 mod arm;
 mod docking;
 mod experiment;

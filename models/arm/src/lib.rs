@@ -8,6 +8,7 @@
 //! | (3.13)–(3.16)     | [`jacobian`]: of the flange and of the mass centres; singularities, velocities, forces        |
 //! | (3.17)–(3.19)     | [`irb7600`](mbs_models::irb7600), generated; [`control`] by it; [`limits`] of the drives           |
 //! | 3.5, 3.6, table 2 | [`trajectory`]: motions from one posture to another, and along paths                              |
+//! | 8.3               | [`inertial`]: the numbers that forces are linear in, for adaptive control                     |
 //!
 //! Angles are those of Denavit and Hartenberg \[rad\], as in the thesis' tables: the second is the robot's own angle
 //! minus 90°. Positions are in m, axes those of the base, z up.
@@ -34,6 +35,7 @@
 extern crate std;
 
 pub mod control;
+pub mod inertial;
 pub mod inverse;
 pub mod jacobian;
 pub mod limits;

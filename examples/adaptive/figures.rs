@@ -1,0 +1,102 @@
+//! Errors, estimates and V over time, as figures and as tables.
+
+use std::path::Path;
+
+use mbs_chart::{Curves, Figure, Line, Panel};
+use mbs_examples::{Failure, assumed, output};
+use mbs_runtime::control::BodyParameters;
+
+use crate::arm::{self, Comparison};
+use crate::quadrotor;
+use crate::run::{Run, Sample};
+use crate::summary::VEHICLE;
+
+/// What captions say.
+const ARM: [&str; 3] = ["adaptive.payload", "adaptive.arm", "adaptive.arm_adaptation"];
+const QUADROTOR: [&str; 2] = ["adaptive.vehicle", "adaptive.quadrotor"];
+
+pub(crate) fn write(folder: &Path, arm: &arm::Study, quadrotor: &quadrotor::Study) -> Result<(), Failure> {
+    for of in &arm.payload {
+        arm_figure(folder, &format!("arm_{}", of.motion), "Arm with an unknown payload", of)?;
+    }
+    arm_figure(folder, "arm_all_links", "Arm of which no link is known", &arm.links)?;
+    for of in &quadrotor.flights {
+        let name = format!("quadrotor_{}", of.reference);
+        let runs = [
+            ("backstepping, wrong model", &of.wrong.run),
+            ("backstepping, right model", &of.right.run),
+            ("adaptive", &of.adaptive.run),
+        ];
+        let estimates = (0..4).map(|k| relative(VEHICLE[k], &of.adaptive.run, k, quadrotor.truth[k])).collect();
+        figure(folder, &name, "Quadrotor of unknown mass and inertia", &QUADROTOR, runs, estimates, of.duration)?;
+        table(folder, &name, &of.adaptive.run, &["thrust_N", "tau_x_Nm", "tau_y_Nm", "tau_z_Nm"], &VEHICLE)?;
+    }
+    Ok(())
+}
+
+fn arm_figure<const P: usize>(folder: &Path, name: &str, title: &str, of: &Comparison<P>) -> Result<(), Failure> {
+    let runs = [
+        ("computed torque, wrong model", &of.wrong),
+        ("computed torque, right model", &of.right),
+        ("adaptive", &of.adaptive),
+    ];
+    // Of sixty the last link's ten; of these the large ones, since small ones are hardly told.
+    let ten = || (0..10).map(|k| (k, P - 10 + k));
+    let estimates = ten()
+        .filter(|&(_, k)| of.truth[k].abs() > 20.0)
+        .map(|(name, k)| relative(BodyParameters::NAMES[name], &of.adaptive, k, of.truth[k]))
+        .collect();
+    figure(folder, name, title, &ARM, runs, estimates, of.duration)?;
+    let torques = ["tau1_Nm", "tau2_Nm", "tau3_Nm", "tau4_Nm", "tau5_Nm", "tau6_Nm"];
+    let names: Vec<String> =
+        (0..P).map(|k| format!("{}{}", BodyParameters::NAMES[k % 10], 7 - P / 10 + k / 10)).collect();
+    let names: Vec<&str> = names.iter().map(String::as_str).collect();
+    table(folder, name, &of.adaptive, &torques, &names)
+}
+
+fn figure(
+    folder: &Path,
+    name: &str,
+    title: &str,
+    keys: &[&str],
+    runs: [(&str, &Run); 3],
+    estimates: Vec<Line>,
+    duration: f64,
+) -> Result<(), Failure> {
+    // Errors spread over powers of ten; what is below a micrometre is drawn there.
+    let logarithm = |s: &Sample| (1e3 * s.seen.error).max(1e-3).log10();
+    let errors = runs.map(|(name, run)| line(name, run, logarithm)).into();
+    let [.., (_, adaptive)] = runs;
+    let v = vec![line("V", adaptive, |s| s.seen.lyapunov)];
+    let panels = vec![
+        panel("log₁₀ of the error in mm", duration, errors),
+        panel("estimate / truth", duration, estimates),
+        panel("V [J]", duration, v),
+    ];
+    let title = assumed::title(title, keys);
+    output::write_figure(folder, name, &Figure { title, size: (1100, 1100), panels })
+}
+
+fn relative(name: &str, run: &Run, k: usize, truth: f64) -> Line {
+    line(name, run, |s| s.seen.estimate[k] / truth)
+}
+
+fn line(name: &str, run: &Run, value: impl Fn(&Sample) -> f64) -> Line {
+    Line::new(name, run.samples.iter().step_by(5).map(|s| (s.t, value(s))).collect())
+}
+
+fn panel(label: &str, duration: f64, lines: Vec<Line>) -> Panel {
+    let (x_label, y_label) = ("t [s]".to_string(), label.to_string());
+    Panel::Curves(Curves { x_label, y_label, x_range: 0.0..duration, lines })
+}
+
+fn table(folder: &Path, name: &str, run: &Run, forces: &[&str], estimates: &[&str]) -> Result<(), Failure> {
+    let mut header: Vec<String> = ["t_s", "error_m", "V_J"].map(String::from).into();
+    header.extend((1..=6).map(|i| format!("q{i}")));
+    header.extend(forces.iter().map(|name| (*name).to_string()));
+    header.extend(estimates.iter().map(|name| format!("estimate_{name}")));
+    let row = |s: &Sample| {
+        [&[s.t, s.seen.error, s.seen.lyapunov][..], &s.motion[0], &s.seen.forces, &s.seen.estimate].concat()
+    };
+    output::write_table(folder, name, &header, run.samples.iter().step_by(5).map(row))
+}
