@@ -62,15 +62,18 @@ fn main() -> Result<(), Failure> {
     };
     let experiment = run::experiment(&case, attitude)?;
     let mut run = Run::of(&experiment, case, scale)?;
+    let from_afar = run::inbound(&case, attitude)?;
+    let inbound = Run::of(&from_afar, case, scale)?;
     if let Some(folder) = &arguments.out {
         run = run.compared()?;
         std::fs::create_dir_all(folder)?;
-        figures::write(folder, &run)?;
+        figures::write(folder, "case", &run)?;
+        figures::write(folder, "inbound", &inbound)?;
     }
     if arguments.json {
-        println!("{}", summary::to_json(&run));
+        println!("{}", summary::to_json(&run, &inbound));
     } else {
-        print!("{}", summary::text(&run));
+        print!("{}", summary::text(&run, &inbound));
     }
     Ok(())
 }

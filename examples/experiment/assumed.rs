@@ -28,7 +28,7 @@ const ASSUMED: [&str; 21] = [
     "quadrotor.guidance",
     "experiment.",
 ];
-const NOT_CHECKED: [&str; 1] = ["collisions of arm, vehicle, rail and platform"];
+const NOT_CHECKED: [&str; 1] = ["collisions with anything but arm, vehicle and platform: rail, floor, walls, cables"];
 
 pub(crate) fn to_json() -> Value {
     let told = |recalled: bool| {
@@ -43,6 +43,11 @@ pub(crate) fn to_json() -> Value {
         "link_excess": LINK_EXCESS,
         "module_excess": MODULE_EXCESS,
     })
+}
+
+/// The title of a figure, and below it what that rests on.
+pub(crate) fn title(title: &str) -> String {
+    assumed::title(title, &ASSUMED)
 }
 
 pub(crate) fn text() -> String {

@@ -4,18 +4,24 @@ use std::path::Path;
 
 use mbs_chart::{Curves, Figure, Line, Panel, Space, SpaceLine};
 use mbs_examples::{Failure, output};
+use mbs_landing::experiment::landed::Meeting;
 
-use crate::run::{Other, Outcome, Run, Sample, Simulated};
+use crate::assumed;
+use crate::run::{Other, Outcome, Run, Sample, Simulated, Touched};
 
-pub(crate) fn write(folder: &Path, run: &Run<'_>) -> Result<(), Failure> {
-    scales(folder, run)?;
+/// Files whose names begin with a word and the case.
+pub(crate) fn write(folder: &Path, word: &str, run: &Run<'_>) -> Result<(), Failure> {
+    let stem = format!("{word}_{}", run.case.name);
+    if !run.others.is_empty() {
+        scales(folder, &stem, run)?;
+    }
     let Some(outcome) = &run.outcome else { return Ok(()) };
     let Ok(simulated) = &outcome.simulated else { return Ok(()) };
     let Simulated { tracked, samples } = simulated;
     let write = |name: &str, what: &str, panels: Vec<Panel>| {
-        let title = format!("{what}, case {} at {:.5}", run.case.name, run.scale);
-        let name = format!("case_{}_{name}", run.case.name);
-        output::write_figure(folder, &name, &Figure { title, size: (1100, 900), panels })
+        let title = assumed::title(&format!("{what}, case {} at {:.5}", run.case.name, run.scale));
+        let name = format!("{stem}_{name}");
+        output::write_figure(folder, &name, &Figure { title, size: (1100, 1000), panels })
     };
     let end = tracked.contact.time;
     let over_time = |label: &str, lines: Vec<Line>| curves(label, 0.0..end, lines);
@@ -62,7 +68,32 @@ pub(crate) fn write(folder: &Path, run: &Run<'_>) -> Result<(), Failure> {
         leg(0).into_iter().chain([flat("shortest", limits.shortest, end), flat("longest", limits.longest, end)]);
     let panels = vec![over_time("length [m]", lengths.collect()), over_time("force [N]", leg(1))];
     write("platform", "Legs of the platform", panels)?;
-    table(folder, run, samples)
+    if let Ok(touched) = &outcome.landed {
+        let (end, panels) = contact(touched);
+        let from = (end - LAST_CONTACT).max(0.0);
+        let panels = panels.into_iter().map(|(label, lines)| curves(label, from..end, lines)).collect();
+        write("contact", "Contact of the vehicle with the deck that legs drive", panels)?;
+    }
+    table(folder, &stem, samples)
+}
+
+/// What is drawn of the contact, up to when \[s\].
+const LAST_CONTACT: f64 = 5.0;
+
+/// The end, and what is drawn up to it.
+fn contact(touched: &Touched) -> (f64, Vec<(&'static str, Vec<Line>)>) {
+    let meetings = &touched.meetings;
+    let line = |name: &str, value: &dyn Fn(&Meeting) -> f64| {
+        Line::new(name, meetings.iter().map(|meeting| (meeting.time, value(meeting))).collect())
+    };
+    let legs = (0..6).map(|leg| line(&format!("leg {}", leg + 1), &|meeting| meeting.legs[leg])).collect();
+    let panels = vec![
+        ("force on the deck [N]", vec![line("load", &|meeting| meeting.load)]),
+        ("lowest foot over the deck [mm]", vec![line("height", &|meeting| (1e3 * meeting.height).min(50.0))]),
+        ("platform off its plan [mm]", vec![line("distance", &|meeting| 1e3 * meeting.platform_error)]),
+        ("force of the legs [N]", legs),
+    ];
+    (meetings.last().map_or(0.0, |meeting| meeting.time), panels)
 }
 
 /// How long before the contact elevations are drawn once more \[s\].
@@ -101,17 +132,18 @@ fn path(run: &Run<'_>, outcome: &Outcome<'_>, simulated: &Simulated) -> Panel {
 
 /// What every scale asks for: the name of a column, that of a curve where one is drawn, and the value.
 type Column = (&'static str, Option<&'static str>, fn(&Other) -> f64);
-const COLUMNS: [Column; 6] = [
+const COLUMNS: [Column; 7] = [
     ("scale", None, |o| o.scale),
     ("standoff_m", None, |o| o.standoff),
     ("clearance", Some("clearance"), |o| o.clearance),
     ("speed_ratio", Some("speed"), |o| o.survey.speed_ratio.value),
     ("force_ratio", Some("force"), |o| o.survey.force_ratio.value),
     ("singularity_margin", Some("singularity"), |o| o.survey.singularity_margin.value),
+    ("distance_m", None, |o| o.survey.distance.value),
 ];
 
-fn scales(folder: &Path, run: &Run<'_>) -> Result<(), Failure> {
-    let name = format!("case_{}_scales", run.case.name);
+fn scales(folder: &Path, stem: &str, run: &Run<'_>) -> Result<(), Failure> {
+    let name = format!("{stem}_scales");
     let header = COLUMNS.map(|(name, ..)| name.to_string());
     output::write_table(
         folder,
@@ -129,12 +161,12 @@ fn scales(folder: &Path, run: &Run<'_>) -> Result<(), Failure> {
         x_range: first.scale..last.scale,
         lines: lines.collect(),
     };
-    let title =
-        format!("Clearance of the ranges, speed, force and distance from singularities, case {}", run.case.name);
-    output::write_figure(folder, &name, &Figure { title, size: (1100, 700), panels: vec![Panel::Curves(panel)] })
+    let title = format!("Clearance, speed, force and distance from singularities, case {}", run.case.name);
+    let title = assumed::title(&title);
+    output::write_figure(folder, &name, &Figure { title, size: (1100, 800), panels: vec![Panel::Curves(panel)] })
 }
 
-fn table(folder: &Path, run: &Run<'_>, samples: &[Sample]) -> Result<(), Failure> {
+fn table(folder: &Path, stem: &str, samples: &[Sample]) -> Result<(), Failure> {
     let mut header = vec!["t_s".to_string()];
     for (what, units) in
         [("q", ["m", "rad"]), ("qd", ["m_s", "rad_s"]), ("wanted_q", ["m", "rad"]), ("force", ["N", "Nm"])]
@@ -150,5 +182,5 @@ fn table(folder: &Path, run: &Run<'_>, samples: &[Sample]) -> Result<(), Failure
         let axes = [look.state.q, look.state.qd, look.wanted.q, look.forces].concat();
         [&[look.time][..], &axes, &flange.position, &[*deck, look.error, look.turn], lengths, forces].concat()
     };
-    output::write_table(folder, &format!("case_{}", run.case.name), &header, samples.iter().map(row))
+    output::write_table(folder, stem, &header, samples.iter().map(row))
 }

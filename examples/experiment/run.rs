@@ -3,8 +3,10 @@
 use mbs_examples::Failure;
 use mbs_landing::experiment::error::{Infeasible, PlanError};
 use mbs_landing::experiment::flight::Flight;
+use mbs_landing::experiment::inbound::Inbound;
+use mbs_landing::experiment::landed::{Landed, Meeting, Standing};
 use mbs_landing::experiment::plan::{Attitude, Experiment, Plan};
-use mbs_landing::experiment::search::Search;
+use mbs_landing::experiment::search::{Search, SearchError};
 use mbs_landing::experiment::survey::Survey;
 use mbs_landing::experiment::tracking::{Look, Tracked, Tracking, TrackingError};
 use mbs_landing::quadrotor::heave::Heave;
@@ -45,7 +47,18 @@ pub(crate) struct Outcome<'a> {
     pub(crate) survey: Survey,
     /// The arm under its controller, which may not come to a contact.
     pub(crate) simulated: Result<Simulated, TrackingError>,
+    /// Arm and platform through the contact.
+    pub(crate) landed: Result<Touched, TrackingError>,
 }
+
+pub(crate) struct Touched {
+    pub(crate) standing: Standing,
+    /// What both controllers see, from [`BEFORE`] the planned touchdown on.
+    pub(crate) meetings: Vec<Meeting>,
+}
+
+/// How long before the planned touchdown arm and platform are simulated together \[s\].
+pub(crate) const BEFORE: f64 = 3.0;
 
 pub(crate) struct Simulated {
     pub(crate) tracked: Tracked,
@@ -79,19 +92,29 @@ pub(crate) fn experiment(case: &Case, attitude: Attitude) -> Result<Experiment, 
     Ok(Experiment { attitude, ..Experiment::new(flight) })
 }
 
+/// The vehicle comes from afar along the rail, and accelerations of the joints count.
+pub(crate) fn inbound(case: &Case, attitude: Attitude) -> Result<Experiment, Failure> {
+    let landing = Landing::on(Plant::Exact, Inbound { heave: case.heave, ..Inbound::LABORATORY });
+    let flight = Flight::inbound(&landing)?;
+    Ok(Experiment { attitude, joint_accelerations: true, ..Experiment::new(flight) })
+}
+
 impl<'a> Run<'a> {
     /// At a scale, or at the greatest feasible one; without others.
     pub(crate) fn of(experiment: &'a Experiment, case: Case, scale: Option<f64>) -> Result<Self, Failure> {
         let attitude = experiment.attitude;
         let (scale, planned, next) = match scale {
-            None => {
-                let found = experiment.greatest_scale(&Search::default())?;
-                (found.plan.scale(), Ok((found.plan, found.survey)), found.next)
-            }
+            None => match experiment.greatest_scale(&Search::default()) {
+                Ok(found) => (found.plan.scale(), Ok((found.plan, found.survey)), found.next),
+                Err(SearchError::NoneFeasible { scale, reason }) => (scale, Err(reason), None),
+                Err(error) => return Err(error.into()),
+            },
             Some(scale) => (scale, surveyed(experiment, scale)?, None),
         };
         let (broken, outcome) = match planned {
-            Ok((plan, survey)) => (survey.broken, Some(Outcome { simulated: simulated(&plan), plan, survey })),
+            Ok((plan, survey)) => {
+                (survey.broken, Some(Outcome { simulated: simulated(&plan), landed: landed(&plan), plan, survey }))
+            }
             Err(reason) => (Some(reason), None),
         };
         Ok(Run { case, attitude, experiment, scale, broken, next, outcome, others: Vec::new() })
@@ -116,6 +139,14 @@ fn simulated(plan: &Plan<'_>) -> Result<Simulated, TrackingError> {
     };
     let samples = looks.into_iter().step_by(KEPT).map(sample).collect::<Result<_, TrackingError>>()?;
     Ok(Simulated { tracked, samples })
+}
+
+fn landed(plan: &Plan<'_>) -> Result<Touched, TrackingError> {
+    let landed = Landed::new(Tracking::new(&plan.experiment().robot));
+    let from = (plan.experiment().flight.touchdown() - BEFORE).max(0.0);
+    let mut meetings = Vec::new();
+    let standing = plan.land(&landed, from, |meeting| meetings.push(*meeting))?;
+    Ok(Touched { standing, meetings })
 }
 
 type Surveyed<'a> = Result<(Plan<'a>, Survey), Infeasible>;

@@ -2,6 +2,7 @@
 
 use std::fmt::Write;
 
+use mbs_landing::experiment::landed::Standing;
 use mbs_landing::experiment::plan::Attitude;
 use mbs_landing::experiment::tracking::{LINK_EXCESS, MODULE_EXCESS, Tracked};
 use serde_json::{Value, json};
@@ -9,8 +10,16 @@ use serde_json::{Value, json};
 use crate::assumed;
 use crate::run::{Outcome, Run};
 
-/// One object; what is not known where the arm cannot follow is null.
-pub(crate) fn to_json(run: &Run<'_>) -> Value {
+/// One object: the landing from above, and within it that from afar.
+pub(crate) fn to_json(above: &Run<'_>, inbound: &Run<'_>) -> Value {
+    let mut all = results(above);
+    all["inbound"] = results(inbound);
+    all["assumed"] = assumed::to_json();
+    all
+}
+
+/// What is not known where the arm cannot follow is null.
+fn results(run: &Run<'_>) -> Value {
     let of = |value: fn(&Outcome<'_>) -> Value| run.outcome.as_ref().map_or(Value::Null, value);
     let simulated = run.outcome.as_ref().and_then(|outcome| outcome.simulated.as_ref().ok());
     let tracked = |value: fn(&Tracked) -> Value| simulated.map_or(Value::Null, |simulated| value(&simulated.tracked));
@@ -53,7 +62,26 @@ pub(crate) fn to_json(run: &Run<'_>) -> Value {
         "relative_velocity": tracked(|t| json!(t.contact.velocity)),
         "relative_attitude_deg": tracked(|t| json!(t.contact.attitude.map(f64::to_degrees))),
         "relative_angular_velocity_deg_s": tracked(|t| json!(t.contact.angular_velocity.map(f64::to_degrees))),
-        "assumed": assumed::to_json(),
+        "contact": of(|o| o.landed.as_ref().map_or(Value::Null, |touched| standing(&touched.standing))),
+        "contact_error": of(|o| o.landed.as_ref().err().map(ToString::to_string).into()),
+        "nearest": of(|o| json!({
+            "distance": o.survey.distance.value,
+            "time": o.survey.distance.time,
+            "between": o.survey.nearest.map(|body| body.to_string()),
+        })),
+    })
+}
+
+fn standing(of: &Standing) -> Value {
+    json!({
+        "time": of.time,
+        "force_max": of.force.value,
+        "force_max_time": of.force.time,
+        "force_at_rest": of.resting,
+        "rebounds": of.rebounds,
+        "slid": of.slid,
+        "platform_error": { "before": of.platform_error[0], "after": of.platform_error[1] },
+        "leg_force": { "before": of.leg_force[0], "after": of.leg_force[1] },
     })
 }
 
@@ -64,10 +92,12 @@ fn attitude(run: &Run<'_>) -> &'static str {
     }
 }
 
-pub(crate) fn text(run: &Run<'_>) -> String {
+pub(crate) fn text(above: &Run<'_>, inbound: &Run<'_>) -> String {
     let mut text = String::new();
     // Writing to a string does not fail.
-    let _ = write(&mut text, run);
+    let _ = write(&mut text, above);
+    text += "\nfrom afar along the rail, accelerations of the joints count:\n";
+    let _ = write(&mut text, inbound);
     text + &assumed::text()
 }
 
@@ -80,7 +110,7 @@ fn write(text: &mut String, run: &Run<'_>) -> std::fmt::Result {
     if let Some((scale, reason)) = run.next {
         writeln!(text, "  at {scale:.5} it is not: {reason}")?;
     }
-    let Some(Outcome { plan, survey, simulated }) = &run.outcome else { return Ok(()) };
+    let Some(Outcome { plan, survey, simulated, landed }) = &run.outcome else { return Ok(()) };
     writeln!(text, "the carriage stays {:.3} m behind the flange", plan.standoff())?;
     writeln!(text, "axis         from        to          speed      force          of its limit")?;
     let robot = &run.experiment.robot;
@@ -100,11 +130,17 @@ fn write(text: &mut String, run: &Run<'_>) -> std::fmt::Result {
             )?,
         }
     }
+    let counts = if run.experiment.joint_accelerations { "count" } else { "do not count" };
     writeln!(
         text,
-        "accelerations are up to {:.2} of those assumed for the joints, which do not count; of the distances from singularities of \
+        "accelerations are up to {:.2} of those assumed for the joints, which {counts}; of the distances from singularities of \
          shoulder, elbow and wrist the smallest is {:.3} of the largest possible",
         survey.acceleration_ratio.value, survey.singularity_margin.value
+    )?;
+    writeln!(
+        text,
+        "{} and {} come nearest to each other, {:.3} m (t = {:.2} s)",
+        survey.nearest[0], survey.nearest[1], survey.distance.value, survey.distance.time
     )?;
     writeln!(
         text,
@@ -140,6 +176,23 @@ fn write(text: &mut String, run: &Run<'_>) -> std::fmt::Result {
         "contact at {:.4} s (the vehicle's: {:.4} s), {x:.3} and {y:.3} mm from the middle, with {vx:.3}, {vy:.3}, {vz:.3} mm/s",
         contact.time,
         run.experiment.flight.touchdown()
+    )?;
+    let standing = match landed {
+        Ok(touched) => &touched.standing,
+        Err(error) => return writeln!(text, "no contact with the platform's own dynamics: {error}"),
+    };
+    let [before, after] = standing.platform_error.map(|metres| 1e3 * metres);
+    writeln!(
+        text,
+        "on the platform that its legs drive: a foot touches at {:.3} s, up to {:.0} N on the deck, {:.0} N at rest, {} rebounds, \
+         slides {:.2} mm; the platform is off by up to {before:.3} mm before and {after:.3} mm after, a leg gives up to {:.0} and {:.0} N",
+        standing.time,
+        standing.force.value,
+        standing.resting,
+        standing.rebounds,
+        1e3 * standing.slid,
+        standing.leg_force[0],
+        standing.leg_force[1]
     )
 }
 
@@ -161,10 +214,10 @@ mod tests {
         let experiment = Experiment::new(Flight::guided(&landing).expect("a flight"));
         let case = Case { name: "I", heave: Heave::CASE_I };
         let run = Run::of(&experiment, case, Some(0.1)).expect("a plan");
-        let found = to_json(&run);
+        let found = results(&run);
         let reason = found["simulation_error"].as_str().expect("a reason");
         assert!(reason.starts_with("the flange begins -0.09") && reason.ends_with("over the deck"), "{reason}");
         assert!(found["max_torque_ratio"].is_number() && found["drive_ratio_max"].is_null());
-        assert!(text(&run).contains(&format!("heavier than the controller knows: {reason}")));
+        assert!(text(&run, &run).contains(&format!("heavier than the controller knows: {reason}")));
     }
 }

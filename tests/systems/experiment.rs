@@ -2,11 +2,13 @@
 //! values and against geometry typed by hand, the simulated arm against what its mass error predicts, and bad input.
 
 mod bad_input;
+mod landed;
 mod plans;
 mod rail;
 mod tracks;
 
 use mbs_landing::experiment::Experiment;
+use mbs_landing::experiment::collision::Shapes;
 use mbs_landing::experiment::flight::Flight;
 use mbs_landing::quadrotor::heave::Heave;
 use mbs_landing::quadrotor::landing::{Landing, Plant};
@@ -20,4 +22,9 @@ fn flown(heave: Heave<4>) -> Experiment {
 /// Case I as its guidance asks for it.
 fn guided() -> Experiment {
     Experiment::new(Flight::guided(&Landing::new(Plant::Exact, Heave::CASE_I)).expect("a landing"))
+}
+
+/// Case I as its guidance asks for it, where bodies may overlap: what is left are the limits of the drives.
+fn limits_alone() -> Experiment {
+    Experiment { shapes: Shapes::AXES, ..guided() }
 }

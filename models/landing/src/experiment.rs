@@ -5,12 +5,15 @@
 //! |---------------|--------------------------------------------------------------------------------------------------|
 //! | [`rail_arm`]  | the arm on its rail, [`irb7600_rail`](mbs_models::irb7600_rail): seven axes, redundancy, rates, forces   |
 //! | [`flight`]    | the landing of chapter 5 as a function of time                                                     |
+//! | [`inbound`]   | a landing that comes from afar along the rail                                                      |
 //! | [`plan`]      | what all machines do at one scale                                                                  |
 //! | [`limits`]    | limits of carriage and joints, and what exceeds them                                               |
+//! | [`collision`] | arm, vehicle and platform as capsules, and how far they are apart                                  |
 //! | [`survey`]    | the extremes of a plan, and which limit breaks first                                               |
 //! | [`error`]     | why there is no plan, or none that can be followed                                                 |
 //! | [`search`]    | the greatest scale at which none breaks                                                            |
 //! | [`tracking`]  | the arm simulated under its controller, up to the contact with the platform                        |
+//! | [`landed`]    | arm and platform simulated through the contact, with the force between them                        |
 //!
 //! The flange plays the vehicle. Its origin is the vehicle's mass centre, its z axis points down where the vehicle's
 //! points up:
@@ -45,9 +48,15 @@
 //! laboratory is assumed: the thesis' summary prints none of it.
 
 #[cfg(feature = "std")]
+pub mod collision;
+#[cfg(feature = "std")]
 pub mod error;
 #[cfg(feature = "std")]
 pub mod flight;
+#[cfg(feature = "std")]
+pub mod inbound;
+#[cfg(feature = "std")]
+pub mod landed;
 #[cfg(feature = "std")]
 pub mod limits;
 #[cfg(feature = "std")]

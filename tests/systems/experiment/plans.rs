@@ -12,7 +12,7 @@ use mbs_runtime::{Dop853, Integrator, to_matrix, to_rows};
 use mbs_tests::compare::assert_close;
 use serde_json::Value;
 
-use crate::experiment::{flown, guided};
+use crate::experiment::{flown, guided, limits_alone};
 
 fn reference() -> Value {
     serde_json::from_str(include_str!("../../data/experiment.json")).expect("the data file is JSON")
@@ -33,7 +33,7 @@ fn a_tenth_has_the_reference_values() {
     let plan = experiment.plan_at(0.1, number(&expected["flange_xy_m"][0])).expect("a plan");
     for (t, name) in [(0.0, "start_dh_deg"), (number(&expected["t_end_s"]), "end_dh_deg")] {
         let q = plan.axes(t).expect("reachable").q;
-        assert_eq!(q[0], 12.0 - 1.6);
+        assert_eq!(q[0], 23.3 - 1.6);
         let degrees: [f64; 6] = std::array::from_fn(|i| q[1 + i].to_degrees());
         assert_close(name, &degrees, &six(&expected[name]), 1e-9);
     }
@@ -60,7 +60,7 @@ fn a_tenth_has_the_reference_values() {
 
 #[test]
 fn scales_are_as_feasible_as_the_reference_says() {
-    let experiment = guided();
+    let experiment = limits_alone();
     for row in reference()["combined_scaled_scan"].as_array().expect("rows") {
         let (scale, standoff) = (number(&row["scale"]), number(&row["flange_x_m"]));
         let survey = experiment.plan_at(scale, standoff).expect("a plan").survey();
@@ -93,7 +93,7 @@ fn greatest_wrist_angle(scale: f64, standoff: f64, height: impl Fn(f64) -> f64) 
 
 #[test]
 fn the_greatest_scale_is_where_the_wrist_ends() {
-    let experiment = guided();
+    let experiment = limits_alone();
     let found = experiment.greatest_scale(&Search::default()).expect("a scale");
     let (next, broken) = found.next.expect("not all of it");
     assert!(found.survey.is_feasible() && next - found.plan.scale() <= 1e-4);
@@ -156,9 +156,9 @@ fn the_chosen_standoff_is_the_clearest() {
 /// No stand-off that is left by a short rail allows more than is found.
 #[test]
 fn a_short_rail_leaves_the_greatest_scale() {
-    let mut experiment = guided();
+    let mut experiment = limits_alone();
     experiment.sampling = 0.05;
-    experiment.robot.rail.range = [0.0, 10.3];
+    experiment.robot.rail.range = [0.0, 21.6];
     let feasible = |scale: f64, standoff: f64| {
         experiment.plan_at(scale, standoff).expect("a plan").survey().is_ok_and(|survey| survey.is_feasible())
     };
@@ -173,13 +173,13 @@ fn a_short_rail_leaves_the_greatest_scale() {
     }
 
     // The carriage is bolted down where it stands at 0.1.
-    experiment.robot.rail.range = [10.536; 2];
+    experiment.robot.rail.range = [21.836; 2];
     let plan = experiment.plan(0.1).expect("a plan");
     assert!(plan.survey().expect("reachable").is_feasible() && (plan.standoff() - 1.464).abs() < 1e-12);
     assert!(experiment.greatest_scale(&Search::default()).expect("a scale").plan.scale() >= 0.1);
     // Where it moves along the rail it is not: the carriage leaves its place.
     let mut moving = flown(Heave::CASE_II);
-    moving.robot.rail.range = [10.536; 2];
+    moving.robot.rail.range = [21.836; 2];
     let broken = moving.plan(0.1).expect("a plan").survey().expect("reachable").broken.expect("it breaks");
     assert!(matches!(broken, Infeasible::Axis(axis) if axis.axis == 0 && axis.quantity == AxisQuantity::Position));
 }
@@ -213,7 +213,7 @@ fn the_plan_moves_as_the_flight_does() {
 
         let [vehicle, ..] = experiment.flight.at(t).expect("in flight");
         let flange = experiment.robot.pose(&at.q);
-        let place = [12.0 + 0.1 * (vehicle[0] - 12.0), 0.15 + 0.1 * (vehicle[1] - 7.0), 0.6 + 0.1 * vehicle[2]];
+        let place = [23.3 + 0.1 * (vehicle[0] - 12.0), 0.15 + 0.1 * (vehicle[1] - 7.0), 0.6 + 0.1 * vehicle[2]];
         assert_close("place", &flange.position, &place, 1e-12);
         let turn = |axis: usize, angle: f64| {
             let mut vector = nalgebra::Vector3::zeros();

@@ -1,5 +1,6 @@
 //! Why an experiment is not planned, or cannot be followed.
 
+use super::collision::Nearest;
 use super::flight::OutsideFlight;
 use super::limits::AxisViolation;
 use super::plan::COARSEST;
@@ -76,6 +77,14 @@ pub enum Infeasible {
     /// A leg of the platform exceeds a limit.
     #[error("platform: {0}")]
     Leg(Violation),
+    /// Two bodies touch that are to stay apart.
+    #[error("t = {time:.3} s: {nearest}")]
+    Collision {
+        /// When.
+        time: f64,
+        /// Which.
+        nearest: Nearest,
+    },
 }
 
 impl Infeasible {
@@ -83,7 +92,10 @@ impl Infeasible {
     #[must_use]
     pub fn time(&self) -> f64 {
         match self {
-            Self::Flight(OutsideFlight { time, .. }) | Self::Arm { time, .. } | Self::Pose { time, .. } => *time,
+            Self::Flight(OutsideFlight { time, .. })
+            | Self::Arm { time, .. }
+            | Self::Pose { time, .. }
+            | Self::Collision { time, .. } => *time,
             Self::Axis(violation) => violation.time,
             Self::Leg(violation) => violation.time,
         }

@@ -18,7 +18,9 @@ use std::vec::Vec;
 use mbs_models::check;
 use mbs_runtime::{Integrator, State};
 
+use super::inbound::Inbound;
 use crate::quadrotor::backstepping::Reference;
+use crate::quadrotor::deck::{Deck, HeavingDeck};
 use crate::quadrotor::heave::Heave;
 use crate::quadrotor::landing::{Landing, LandingError, MOST_MOMENTS};
 use mbs_platform::Coordinates;
@@ -69,6 +71,26 @@ impl Flight {
     /// # Errors
     /// [`LandingError`], as of [`Landing::simulate`].
     pub fn simulated(landing: &Landing, state: State<[f64; 6]>) -> Result<Self, LandingError> {
+        let HeavingDeck { heave, place } = landing.deck;
+        Self::flown(landing, state, heave, place)
+    }
+
+    /// The simulated landing of a vehicle that comes from afar, level and moving as guidance asks for at the beginning.
+    ///
+    /// # Errors
+    /// [`LandingError`], as of [`Landing::simulate`]; `Invalid` too where the way is not finite or takes no time.
+    pub fn inbound(landing: &Landing<Inbound>) -> Result<Self, LandingError> {
+        landing.deck.check()?;
+        let Inbound { heave, place, .. } = landing.deck;
+        Self::flown(landing, landing.deck.over_start(landing.approach.height), heave, place)
+    }
+
+    fn flown<D: Deck>(
+        landing: &Landing<D>,
+        state: State<[f64; 6]>,
+        heave: Heave<4>,
+        platform: [f64; 2],
+    ) -> Result<Self, LandingError> {
         let motion = |t: f64, q: &[f64; 6], qd: &[f64; 6]| {
             landing.accelerations(t, q, qd, &landing.command(t, q, qd).rotors.speed)
         };
@@ -93,7 +115,7 @@ impl Flight {
             &mut state,
             |t, state| moments.push([state.q, state.qd, motion(t, &state.q, &state.qd)]),
         )?;
-        Self::of(landing, moments, step, end.time)
+        Self::of(moments, step, end.time, heave, platform)
     }
 
     /// The landing that the guidance asks for: level, over the middle of the platform, without any error.
@@ -124,12 +146,19 @@ impl Flight {
             [part(|r| r.value), part(|r| r.rate), part(|r| r.acceleration)]
         };
         let times = (0_u32..).map(|k| f64::from(k) * STEP).take_while(|&t| t < touchdown + OVERRUN + STEP);
-        Self::of(landing, times.map(moment).collect(), STEP, touchdown)
+        let HeavingDeck { heave, place } = landing.deck;
+        Self::of(times.map(moment).collect(), STEP, touchdown, heave, place)
     }
 
-    fn of(landing: &Landing, moments: Vec<[Coordinates; 3]>, step: f64, touchdown: f64) -> Result<Self, LandingError> {
+    fn of(
+        moments: Vec<[Coordinates; 3]>,
+        step: f64,
+        touchdown: f64,
+        heave: Heave<4>,
+        platform: [f64; 2],
+    ) -> Result<Self, LandingError> {
         moments.as_flattened().iter().try_for_each(|&values| check::finite("a coordinate of the vehicle", values))?;
-        Ok(Self { moments, step, touchdown, heave: landing.deck.heave, platform: landing.deck.place })
+        Ok(Self { moments, step, touchdown, heave, platform })
     }
 
     /// When the vehicle touches down \[s\].

@@ -3,11 +3,12 @@
 use mbs_models::check;
 use mbs_runtime::{Dual, Pose};
 
+use super::collision::Shapes;
 use super::error::{Infeasible, PlanError};
 use super::flight::{Flight, OutsideFlight};
 use super::limits::axis_violations;
 use super::masses;
-use super::rail_arm::{FlangeMotion, NotFollowed, RailArm, angles};
+use super::rail_arm::{FlangeMotion, NotFollowed, RailArm, angles, joined};
 use super::survey::{Moment, Survey};
 use mbs_arm::inverse::{Branch, Elbow, Shoulder, Wrist};
 use mbs_arm::jacobian::determinant_factors;
@@ -27,10 +28,10 @@ pub struct Cell {
 }
 
 impl Cell {
-    /// The platform beside the middle of the rail, its deck 0.6 m over the arm's base: assumed.
+    /// The platform 1.3 m beyond the end of the rail, its deck 0.6 m over the arm's base: assumed.
     ///
     /// At rest the deck is 1.1 m over the platform's own base, which is then 0.5 m below the arm's.
-    pub const LABORATORY: Self = Self { platform: [12.0, 0.15], deck: 0.6 };
+    pub const LABORATORY: Self = Self { platform: [23.3, 0.15], deck: 0.6 };
 }
 
 /// What the flange does with the vehicle's attitude.
@@ -51,6 +52,8 @@ pub struct Experiment {
     pub platform: Platform,
     /// Where it stands.
     pub cell: Cell,
+    /// How thick everything is, which is to stay apart.
+    pub shapes: Shapes,
     /// The landing at full size.
     pub flight: Flight,
     /// What becomes of its attitude.
@@ -84,6 +87,8 @@ pub struct Plan<'a> {
 pub const PERIOD: f64 = 40.0;
 /// Stand-offs are compared at one in this many moments of a survey.
 const COMPARED: usize = 4;
+/// Bodies that are so far apart are as far from each other as an axis in the middle of its range from its ends \[m\].
+pub const WIDE: f64 = 0.5;
 /// A survey has no more moments than this.
 const MOST_MOMENTS: f64 = 1e7;
 /// The moments of a survey are no farther apart \[s\]: it would miss what happens between them.
@@ -98,6 +103,7 @@ impl Experiment {
             robot: RailArm::default(),
             platform: Platform::default(),
             cell: Cell::LABORATORY,
+            shapes: Shapes::LABORATORY,
             flight,
             attitude: Attitude::Flown,
             standoffs: [1.0, 2.0],
@@ -122,6 +128,7 @@ impl Experiment {
         check::finite("cell.platform", self.cell.platform)?;
         check::finite("cell.deck", self.cell.deck)?;
         check::finite("standoffs", self.standoffs)?;
+        self.shapes.check()?;
         check::finite("heaving", self.heaving)?;
         let [least, greatest] = self.standoffs;
         if greatest < least {
@@ -228,24 +235,30 @@ impl<'a> Plan<'a> {
         let (flange, axes) = self.followed(time)?;
         let forces = self.experiment.robot.forces(&axes);
         let margin = determinant_factors(&angles(&axes.q)).margin();
-        Ok(Moment { time, flange, axes, forces, margin, deck: self.deck(time), legs: self.legs(time)? })
+        let deck = self.deck(time);
+        let nearest = self.nearest(&axes.q, &deck[0]).map_err(|reason| Infeasible::Pose { time, reason })?;
+        Ok(Moment { time, flange, axes, forces, margin, deck, legs: self.legs(time)?, nearest })
     }
 
-    /// How far the arm keeps from the ends of its ranges, each as a part of half the range, and from singularities: the
-    /// least on the way, at every fourth moment of a survey; negative where a range is left.
+    /// How far the arm keeps from the ends of its ranges, each as a part of half the range, from singularities, and from
+    /// other bodies as a part of [`WIDE`]: the least on the way, at every fourth moment of a survey; negative where a
+    /// range is left or bodies overlap.
     ///
     /// # Errors
-    /// [`Infeasible::Arm`], where the flange cannot go all the way.
+    /// [`Infeasible::Arm`], where the flange cannot go all the way; [`Infeasible::Pose`].
     pub fn clearance(&self) -> Result<f64, Infeasible> {
         let joints = &self.experiment.robot.joints;
         let mut least = f64::INFINITY;
         for time in self.times().step_by(COMPARED) {
             let failed = |reason| Infeasible::Arm { time, reason };
             let pose = self.flange(time)?.pose;
-            let solutions = self.experiment.robot.inverse(&pose, pose.position[0] - self.standoff);
+            let rail = pose.position[0] - self.standoff;
+            let solutions = self.experiment.robot.inverse(&pose, rail);
             let solution = solutions.map_err(|reason| failed(reason.into()))?.of_branch(BRANCH);
             let q = solution.ok_or(failed(NotFollowed::BranchEnds { branch: BRANCH }))?.q;
-            least = least.min(determinant_factors(&q).margin());
+            let nearest = self.nearest(&joined(rail, q), &self.deck(time)[0]);
+            let nearest = nearest.map_err(|reason| Infeasible::Pose { time, reason })?;
+            least = least.min(determinant_factors(&q).margin()).min(nearest.distance / WIDE);
             for joint in 0..6 {
                 let (lower, upper) = (joints.lower[joint], joints.upper[joint]);
                 // A range without an end is kept.
@@ -301,12 +314,14 @@ impl<'a> Plan<'a> {
         self.experiment.platform.leg_state(&q, &qd, &qdd).map_err(|reason| Infeasible::Pose { time, reason })
     }
 
-    /// The first limit that is broken at a moment: axis by axis, then leg by leg.
+    /// The first limit that is broken at a moment: axis by axis, then leg by leg, then what overlaps.
     #[must_use]
     pub fn broken(&self, moment: &Moment) -> Option<Infeasible> {
         let Experiment { robot, joint_accelerations, .. } = self.experiment;
         let axis = axis_violations(robot, *joint_accelerations, moment).next().map(Infeasible::Axis);
-        axis.or_else(|| self.broken_leg(moment.time, moment.legs))
+        let Moment { time, legs, nearest, .. } = *moment;
+        let collision = || Infeasible::Collision { time, nearest };
+        axis.or_else(|| self.broken_leg(time, legs)).or_else(|| nearest.overlaps().then(collision))
     }
 
     fn broken_leg(&self, time: f64, legs: LegState) -> Option<Infeasible> {

@@ -221,7 +221,8 @@ impl RailArm {
     }
 }
 
-fn joined(carriage: f64, joints: JointVector) -> RailVector {
+/// The carriage, then the joints.
+pub(super) fn joined(carriage: f64, joints: JointVector) -> RailVector {
     let [a, b, c, d, e, f] = joints;
     [carriage, a, b, c, d, e, f]
 }

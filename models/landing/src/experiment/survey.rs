@@ -1,5 +1,6 @@
 //! What a plan asks of the machines, gathered over its moments.
 
+use super::collision::{Body, Nearest};
 use super::error::Infeasible;
 use super::rail_arm::{FlangeMotion, RailArm, RailVector};
 use mbs_arm::trajectory::JointState;
@@ -23,6 +24,8 @@ pub struct Moment {
     pub deck: [Coordinates; 3],
     /// Its legs.
     pub legs: LegState,
+    /// What is nearest to each other of arm, vehicle and platform.
+    pub nearest: Nearest,
 }
 
 /// A value, and when it was seen \[s\].
@@ -57,6 +60,10 @@ pub struct Survey {
     pub force_ratio: Seen,
     /// The arm's smallest [margin](mbs_arm::jacobian::Factors::margin) from singularities.
     pub singularity_margin: Seen,
+    /// The smallest distance of two bodies that are to stay apart \[m\], negative where they overlap.
+    pub distance: Seen,
+    /// Which.
+    pub nearest: [Body; 2],
     /// Shortest and longest length of any leg of the platform \[m\].
     pub leg_length: [f64; 2],
     /// The largest speed of any leg \[m/s\].
@@ -92,6 +99,8 @@ impl Survey {
             acceleration_ratio: none,
             force_ratio: none,
             singularity_margin: Seen { value: f64::INFINITY, time: 0.0 },
+            distance: Seen { value: f64::INFINITY, time: 0.0 },
+            nearest: [Body::Base, Body::Forearm],
             leg_length: [f64::INFINITY, f64::NEG_INFINITY],
             leg_speed: 0.0,
             leg_force: 0.0,
@@ -99,7 +108,7 @@ impl Survey {
     }
 
     pub(super) fn add(&mut self, moment: &Moment, robot: &RailArm) {
-        let Moment { time, axes: JointState { q, qd, qdd }, forces, margin, legs, .. } = moment;
+        let Moment { time, axes: JointState { q, qd, qdd }, forces, margin, legs, nearest, .. } = moment;
         let time = *time;
         for axis in 0..7 {
             let [least, greatest] = self.positions[axis];
@@ -112,6 +121,10 @@ impl Survey {
         self.acceleration_ratio.raise(greatest_part(qdd, &robot.acceleration_limits()), time);
         self.force_ratio.raise(greatest_part(forces, &robot.force_limits()), time);
         self.singularity_margin.lower(*margin, time);
+        self.distance.lower(nearest.distance, time);
+        if self.distance.time == time {
+            self.nearest = nearest.bodies;
+        }
         self.add_legs(legs);
     }
 

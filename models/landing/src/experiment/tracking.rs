@@ -78,7 +78,7 @@ impl Tracking {
         Self { plant: model.model, natural_frequency: 20.0, period: 0.004, integrator: Dop853::new(1e-10, 1e-11) }
     }
 
-    fn check(&self, end: f64) -> Result<(), TrackingError> {
+    pub(super) fn check(&self, end: f64) -> Result<(), TrackingError> {
         masses::check(self.plant.params())?;
         let Self { period, .. } = *self;
         let sound = period > 0.0 && end / period < MOST_LOOKS;
