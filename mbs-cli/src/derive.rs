@@ -39,6 +39,8 @@ pub(crate) struct Arguments {
 enum Emit {
     /// A module of Rust, as build scripts generate it.
     Rust,
+    /// A header of C99, which is C++ as well.
+    C,
     /// Textbook equations.
     Latex,
     /// The expression graph, and the programs, one instruction a line, with names, shapes and operation counts.
@@ -50,6 +52,7 @@ impl Emit {
     fn name(self) -> &'static str {
         match self {
             Emit::Rust => "rust",
+            Emit::C => "c",
             Emit::Latex => "latex",
             Emit::Json => "json",
         }
@@ -68,6 +71,7 @@ pub(crate) fn run(arguments: &Arguments, cache: &Cache) -> Result<(), Failure> {
     let text = match arguments.emit {
         _ if arguments.review => mechanism::code(what, &sources, cache, |derivation| reviewed(derivation, &sources))?,
         Emit::Rust => mechanism::code(what, &sources, cache, |derivation| rust(derivation, &sources))?,
+        Emit::C => mechanism::code(what, &sources, cache, |derivation| c(derivation, &sources))?,
         Emit::Latex => mechanism::latex(what, &sources, cache)?,
         Emit::Json => mechanism::code(what, &sources, cache, json::programs)?,
     };
@@ -79,6 +83,10 @@ pub(crate) fn run(arguments: &Arguments, cache: &Cache) -> Result<(), Failure> {
 
 fn rust(derivation: &Derivation, sources: &Sources) -> String {
     emit::rust(derivation, sources.portable_name(), &emit::Options::default())
+}
+
+fn c(derivation: &Derivation, sources: &Sources) -> String {
+    emit::c(derivation, sources.portable_name(), &emit::Options::default())
 }
 
 fn reviewed(derivation: &Derivation, sources: &Sources) -> String {

@@ -10,12 +10,14 @@
 //! - `expression`: how values are written: order of operands, parentheses, fused multiply–add;
 //! - `segment`: long bodies in blocks;
 //! - `name`: identifiers, from the declaration where they can be;
-//! - `outline`: a long module without its function bodies, for review.
+//! - `outline`: a long module without its function bodies, for review;
+//! - `c`: the same in C99.
 //!
 //! The code links mbs-runtime by absolute path and nothing else. It computes what [`interpret`](crate::interpret)
 //! computes, to the bit, except where the target has a fused multiply–add. Its text depends on the derivation alone.
 
 mod body;
+mod c;
 mod doc;
 mod expression;
 mod item;
@@ -29,6 +31,7 @@ mod text;
 mod traits;
 
 use crate::optimise::Derivation;
+pub use c::c;
 
 /// What is generated.
 ///

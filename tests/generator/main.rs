@@ -2,6 +2,7 @@
 
 mod accuracy;
 mod architecture;
+mod c_header;
 mod determinism;
 mod downstream;
 mod emitted;

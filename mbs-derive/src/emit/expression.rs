@@ -297,7 +297,7 @@ fn within(tree: &Tree, leaves: &impl Leaves, least: Precedence) -> TokenStream {
 }
 
 /// `a · b + c` as a sum, or as a difference where a sign allows it.
-fn unfused(a: &Tree, rest: &[Tree]) -> Tree {
+pub(super) fn unfused(a: &Tree, rest: &[Tree]) -> Tree {
     let [b, c] = rest else { unreachable!("`mul_add` has two arguments") };
     let product = Tree::Mul(Box::new(a.clone()), Box::new(b.clone()));
     match (a, b, c) {

@@ -57,9 +57,20 @@ pub(super) fn selected<'d>(derivation: &'d Derivation, asked_for: Option<&[Strin
 }
 
 /// Whether a function evaluates its program at the accelerations of forward dynamics.
-fn calls_forward_dynamics(function: &Function) -> bool {
+pub(super) fn calls_forward_dynamics(function: &Function) -> bool {
     function.completion == Completion::Solve
         && function.program.uses(|symbol| matches!(symbol, Symbol::Acceleration(_)))
+}
+
+/// The hoisted values that some functions read.
+pub(super) fn hoisted<'d>(derivation: &Derivation, functions: impl Iterator<Item = &'d Function>) -> Vec<usize> {
+    let mut read = vec![false; derivation.constructor.results.len()];
+    for instruction in functions.flat_map(|function| &function.program.instructions) {
+        if let crate::optimise::Instruction::Hoisted(k) = instruction {
+            read[*k as usize] = true;
+        }
+    }
+    (0..read.len()).filter(|&k| read[k]).collect()
 }
 
 pub(super) struct Emitter<'d> {
@@ -113,16 +124,8 @@ impl<'d> Emitter<'d> {
 
     /// The hoisted values that the generated functions read.
     fn hoisted(&self) -> Vec<usize> {
-        let mut read = vec![false; self.derivation.constructor.results.len()];
         let called = self.constrained_forward_dynamics();
-        for function in self.functions.iter().map(|(_, function)| *function).chain(called) {
-            for instruction in &function.program.instructions {
-                if let crate::optimise::Instruction::Hoisted(k) = instruction {
-                    read[*k as usize] = true;
-                }
-            }
-        }
-        (0..read.len()).filter(|&k| read[k]).collect()
+        hoisted(self.derivation, self.functions.iter().map(|(_, function)| *function).chain(called))
     }
 
     /// `new`, `params` and the functions.
