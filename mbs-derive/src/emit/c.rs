@@ -42,8 +42,8 @@ pub fn c(derivation: &Derivation, source: &str, options: &Options) -> String {
     let names = Names::of(derivation, true);
     let prefix = identifier(&snake_case(&derivation.name));
     let chosen = item::selected(derivation, options.functions.as_deref());
-    let (here, left_out): (Vec<_>, Vec<_>) = chosen.into_iter().partition(|(_, f)| !f.completion.is_constrained());
-    let functions: Vec<(usize, &Function)> = here;
+    let (functions, left_out): (Vec<_>, Vec<_>) =
+        chosen.into_iter().partition(|(_, function)| !function.completion.is_constrained());
     Header { derivation, names: &names, prefix, functions, left_out }.written(source)
 }
 
@@ -83,7 +83,7 @@ impl Header<'_> {
         for (number, function) in &self.functions {
             text += &self.function(*number, function);
         }
-        let _ = write!(text, "#endif /* {guard} */\n");
+        let _ = writeln!(text, "#endif /* {guard} */");
         text
     }
 
