@@ -18,5 +18,6 @@ mod platform;
 mod quadrotor;
 mod quadrotor_decks;
 mod quadrotor_refused;
+mod quadrotor_wind;
 mod thesis_equations;
 mod thesis_map;

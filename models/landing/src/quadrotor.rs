@@ -12,6 +12,7 @@
 //! | control law           | [`backstepping`]; for comparison [`lqr`]                                            |
 //! | cases I and II        | [`approach`]: guidance; [`landing`]: simulation up to the [`touchdown`]; [`sampled`]: by a sampled controller; [`driven`]: on the Stewart platform under control |
 //! | ground effect         | [`ground_effect`], an option of the landing                                         |
+//! | "various disturbances" | [`wind`]: shear and Dryden's turbulence                                            |
 //!
 //! Coordinates are those of the mechanism, `q = (x, y, z, φ, θ, ψ)`, attitude by `R = Rz(ψ) Ry(θ) Rx(φ)`, z up.
 //!
@@ -31,4 +32,5 @@ pub mod mixer;
 pub mod sampled;
 pub mod small_angle;
 pub mod touchdown;
+pub mod wind;
 mod zero_order_hold;

@@ -165,7 +165,7 @@ impl<M: PlatformMotion> Landing<MovingDeck<M>> {
                 let (vehicle, stands) = parted(&State::new(*q, *qd));
                 let flown = || height(&vehicle, &stands);
                 joined(
-                    &self.accelerations_at(flown, &vehicle.q, &vehicle.qd, &held.rotors.speed),
+                    &self.accelerations_at(&self.wind, flown, &vehicle.q, &vehicle.qd, &held.rotors.speed),
                     &platform.model().forward_dynamics(&stands.q, &stands.qd, &held.forces),
                 )
             },

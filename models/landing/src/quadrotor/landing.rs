@@ -139,32 +139,35 @@ impl<D> Landing<D> {
         [x, y, vertical]
     }
 
-    /// `q̈` at these rotor speeds \[rad/s\] and this height over the deck \[m\], which is asked for where it counts.
+    /// `q̈` in this wind \[m/s\] at these rotor speeds \[rad/s\] and this height over the deck \[m\], which is asked
+    /// for where it counts.
     pub(super) fn accelerations_at(
         &self,
+        wind: &[f64; 3],
         height: impl FnOnce() -> f64,
         q: &[f64; 6],
         qd: &[f64; 6],
         speeds: &[f64; 4],
     ) -> [f64; 6] {
         let Some(effect) = &self.ground_effect else {
-            return self.accelerations_of(&self.vehicle, q, qd, speeds);
+            return self.accelerations_of(wind, &self.vehicle, q, qd, speeds);
         };
         let params = *self.vehicle.params();
         let thrust_factor = effect.factor(height()) * params.thrust_factor;
-        self.accelerations_of(&QuadrotorEuler::new(Params { thrust_factor, ..params }), q, qd, speeds)
+        self.accelerations_of(wind, &QuadrotorEuler::new(Params { thrust_factor, ..params }), q, qd, speeds)
     }
 
     fn accelerations_of(
         &self,
+        wind: &[f64; 3],
         vehicle: &QuadrotorEuler<f64>,
         q: &[f64; 6],
         qd: &[f64; 6],
         speeds: &[f64; 4],
     ) -> [f64; 6] {
         match self.plant {
-            Plant::Exact => vehicle.forward_dynamics(&self.wind.map(|v| [v, 0.0, 0.0]), q, qd, speeds),
-            Plant::SmallAngle => small_angle::accelerations(vehicle.params(), &self.wind, q, qd, speeds),
+            Plant::Exact => vehicle.forward_dynamics(&wind.map(|v| [v, 0.0, 0.0]), q, qd, speeds),
+            Plant::SmallAngle => small_angle::accelerations(vehicle.params(), wind, q, qd, speeds),
         }
     }
 }
@@ -185,7 +188,7 @@ impl<D: Deck> Landing<D> {
     /// `q̈` at these rotor speeds \[rad/s\].
     #[must_use]
     pub fn accelerations(&self, t: f64, q: &[f64; 6], qd: &[f64; 6], speeds: &[f64; 4]) -> [f64; 6] {
-        self.accelerations_at(|| self.height(t, q), q, qd, speeds)
+        self.accelerations_at(&self.wind, || self.height(t, q), q, qd, speeds)
     }
 
     /// Over the deck \[m\].
@@ -242,7 +245,7 @@ impl<D: Deck> Landing<D> {
             let deck = deck_at(t);
             let speeds = self.command_over(&deck, t, q, qd).rotors.speed;
             *qdd = if deck.is_finite() {
-                self.accelerations_at(|| deck.height(&place(q)), q, qd, &speeds)
+                self.accelerations_at(&self.wind, || deck.height(&place(q)), q, qd, &speeds)
             } else {
                 [f64::NAN; 6]
             };
