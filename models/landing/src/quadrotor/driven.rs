@@ -171,7 +171,8 @@ impl<M: PlatformMotion> Landing<MovingDeck<M>> {
             },
             height: |_: f64, both: &State<[f64; 12]>| {
                 let (vehicle, stands) = parted(both);
-                height(&vehicle, &stands) - self.touchdown_height
+                let deck = self.deck.over_base(&[stands.q, stands.qd, [0.0; 6]]);
+                self.clearance(&deck, &vehicle.q) - self.touchdown_height
             },
         };
         let both = State::new(joined(&vehicle.q, &start.q), joined(&vehicle.qd, &start.qd));

@@ -1,7 +1,7 @@
 //! Landing on a deck that moves: guidance, and simulation up to the touchdown.
 //!
 //! The vehicle is led down straight over the point of the deck that is to be landed on, with the deck's yaw; it touches
-//! down where its mass centre comes to the plane of the deck.
+//! down where its mass centre comes to the plane of the deck, or the first foot of its [`gear`](Landing::gear).
 
 mod check;
 mod error;
@@ -9,11 +9,14 @@ mod error;
 use core::cell::Cell;
 use core::ops::ControlFlow;
 
-use mbs_runtime::{Dop853, Event, IntegrationError, Integrator, State, Step};
+use mbs_platform::geometry::attitude;
+use mbs_runtime::{Dop853, Event, IntegrationError, Integrator, State, Step, to_matrix};
+use nalgebra::Vector3;
 
 use super::approach::Approach;
 use super::backstepping::{Backstepping, Command, Reference};
 use super::deck::{Deck, DeckState, HeavingDeck};
+use super::gear::Gear;
 use super::ground_effect::GroundEffect;
 use super::heave::Heave;
 use super::lqr::Lqr;
@@ -67,6 +70,8 @@ pub struct Landing<D = HeavingDeck<4>> {
     pub approach: Approach,
     /// Height over the deck at which it has landed, not negative \[m\].
     pub touchdown_height: f64,
+    /// The legs whose feet are to come to that height, if it has legs; its mass centre without.
+    pub gear: Option<Gear>,
     /// What it lands on.
     pub deck: D,
     /// Velocity of the air \[m/s\].
@@ -111,6 +116,7 @@ impl<D> Landing<D> {
             plant,
             approach: Approach::default(),
             touchdown_height: 0.0,
+            gear: None,
             deck,
             wind: [0.0; 3],
             ground_effect: None,
@@ -119,8 +125,19 @@ impl<D> Landing<D> {
         }
     }
 
+    /// What is over the deck when a vehicle with these coordinates touches: its mass centre, or its lowest foot \[m\].
+    pub(super) fn clearance(&self, deck: &DeckState, q: &[f64; 6]) -> f64 {
+        let centre = deck.height(&[q[0], q[1], q[2]]);
+        let Some(gear) = &self.gear else { return centre };
+        let own = to_matrix(&attitude(q));
+        let normal = own.tr_mul(&to_matrix(&deck.rotation).column(2));
+        let lowest = gear.feet().into_iter().map(|foot| normal.dot(&Vector3::from(foot))).fold(f64::INFINITY, f64::min);
+        centre + lowest
+    }
+
     /// What the controller does over a deck.
-    pub(super) fn command_over(&self, deck: &DeckState, t: f64, q: &[f64; 6], qd: &[f64; 6]) -> Command {
+    #[must_use]
+    pub fn command_over(&self, deck: &DeckState, t: f64, q: &[f64; 6], qd: &[f64; 6]) -> Command {
         self.controller.command(&self.reference_over(deck, t), deck.heading, q, qd)
     }
 
@@ -196,6 +213,11 @@ impl<D: Deck> Landing<D> {
         self.deck.at(t).height(&[q[0], q[1], q[2]])
     }
 
+    /// Of what touches, over the height at which it has landed \[m\].
+    pub(super) fn above(&self, t: f64, q: &[f64; 6]) -> f64 {
+        self.clearance(&self.deck.at(t), q) - self.touchdown_height
+    }
+
     /// Simulates from a state at t = 0 up to the touchdown, found on the dense output.
     ///
     /// The controller acts in continuous time. `observer` sees times, states and commands every 2 ms.
@@ -218,7 +240,7 @@ impl<D: Deck> Landing<D> {
             deck
         };
         let place = |q: &[f64; 6]| [q[0], q[1], q[2]];
-        let height = |t: f64, state: &State<[f64; 6]>| deck_at(t).height(&place(&state.q)) - self.touchdown_height;
+        let height = |t: f64, state: &State<[f64; 6]>| self.clearance(&deck_at(t), &state.q) - self.touchdown_height;
         let mut way = Way::new();
         let mut events = [Event::new(&height).falling().terminal()];
         let mut sample = state;

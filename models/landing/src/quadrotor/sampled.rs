@@ -61,7 +61,7 @@ impl<D: Deck> Landing<D> {
             accelerations: |(speeds, wind): &([f64; 4], [f64; 3]), t: f64, q: &[f64; 6], qd: &[f64; 6]| {
                 self.accelerations_at(wind, || self.height(t, q), q, qd, speeds)
             },
-            height: |t: f64, state: &State<[f64; 6]>| self.height(t, &state.q) - self.touchdown_height,
+            height: |t: f64, state: &State<[f64; 6]>| self.above(t, &state.q),
         };
         let (time, state) = run.until_touchdown(state)?;
         way.touchdown(self.vehicle.params().drag_factor, time, state, self.deck.at(time))
