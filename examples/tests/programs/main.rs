@@ -8,3 +8,4 @@ mod orbits;
 mod platform;
 mod quadrotor;
 mod support;
+mod touchdown;
