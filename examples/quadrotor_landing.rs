@@ -9,6 +9,9 @@
 //! Then a deck at sea, which heaves, rolls, pitches and yaws: look at the offset and the attitude in the axes of the
 //! deck.
 //!
+//! Then cases I and II in wind that grows with height and brings gusts, two hundred each: look at how far from the
+//! middle they come down.
+//!
 //! Then the same decks on the Stewart platform of chapter 4 under its own control, with sampled controllers: look at
 //! what that changes, and at how far beyond its limits the platform would have to go.
 //!
@@ -20,6 +23,7 @@ mod figures;
 mod summary;
 
 use mbs_examples::quadrotor_landing::flight::{self, CASES, Flight, Kind, MARINE};
+use mbs_examples::quadrotor_landing::gusts::{self, InGusts};
 use mbs_examples::quadrotor_landing::platform::{self, OnPlatform};
 use mbs_examples::{Failure, arguments::Arguments, assumed, output};
 use mbs_platform::limits::LegState;
@@ -31,6 +35,8 @@ struct Landings {
     /// The cases of the thesis on the Stewart platform.
     heaving: Vec<OnPlatform<4>>,
     marine: OnPlatform<2>,
+    /// The cases of the thesis in gusts.
+    gusts: Vec<InGusts>,
 }
 
 impl Landings {
@@ -45,7 +51,9 @@ impl Landings {
         for kind in Kind::ALL {
             flights.push(Flight::of(MARINE, kind, flight::marine(Superposition::MARINE))?);
         }
-        Ok(Landings { flights, heaving, marine: OnPlatform::of(MARINE, &Superposition::MARINE, flight::FIELD)? })
+        let marine = OnPlatform::of(MARINE, &Superposition::MARINE, flight::FIELD)?;
+        let gusts = CASES.map(|(case, heave)| InGusts::of(case, heave)).into_iter().collect::<Result<_, _>>()?;
+        Ok(Landings { flights, heaving, marine, gusts })
     }
 
     /// Of a case of the thesis.
@@ -63,7 +71,7 @@ impl Landings {
 }
 
 /// What the landings rest on.
-const ASSUMED: [&str; 14] = [
+const ASSUMED: [&str; 16] = [
     "gravity",
     "platform.radii",
     "platform.half_angles",
@@ -78,6 +86,8 @@ const ASSUMED: [&str; 14] = [
     "landing.platform_control",
     "landing.marine",
     "landing.marine_frequencies",
+    gusts::ASSUMED[0],
+    gusts::ASSUMED[1],
 ];
 
 fn main() -> Result<(), Failure> {
@@ -97,6 +107,10 @@ fn main() -> Result<(), Failure> {
             figures::write_platform(folder, on_platform)?;
         }
         figures::write_platform(folder, &landings.marine)?;
+        for in_gusts in &landings.gusts {
+            let (name, figure) = in_gusts.drawn();
+            output::write_figure(folder, &name, &figure)?;
+        }
     }
     if arguments.json {
         println!("{}", assumed::with(summary::to_json(&landings)?, &ASSUMED));

@@ -7,6 +7,7 @@ use serde_json::{Map, Value, json};
 
 use crate::Landings;
 use mbs_examples::quadrotor_landing::flight::{CASES, Flight, Kind, MARINE, ROTOR_RADIUS, TOLERANCE};
+use mbs_examples::quadrotor_landing::gusts;
 use mbs_examples::quadrotor_landing::platform::{OnPlatform, force_range};
 
 pub(crate) fn to_json(landings: &Landings) -> Result<Value, Failure> {
@@ -28,6 +29,8 @@ pub(crate) fn to_json(landings: &Landings) -> Result<Value, Failure> {
     }
     let unguided = landings.flights.iter().filter(|flight| flight.kind == Kind::Unguided);
     all.insert("unguided".to_string(), unguided.map(|flight| (flight.case.to_string(), results(flight))).collect());
+    let gusts = landings.gusts.iter().map(|in_gusts| (in_gusts.case.to_string(), in_gusts.to_json()));
+    all.insert("gusts".to_string(), gusts.collect());
     Ok(all.into())
 }
 
@@ -111,6 +114,9 @@ pub(crate) fn text(landings: &Landings) -> Result<String, Failure> {
             flight.kind.name()
         );
     }
+
+    text += "\nIn sheared wind and gusts, mean and standard deviation; controllers sampled at 500 Hz\n";
+    text += &landings.gusts.iter().map(gusts::InGusts::summary).collect::<String>();
 
     text += "\nForces of the legs along the motions in full, by inverse dynamics, nothing on the platform\n";
     for flight in landings.flights.iter().filter(|flight| flight.kind == crate::Kind::Exact) {

@@ -8,12 +8,14 @@
 //!
 //! - [`curves`]: lines over one horizontal axis;
 //! - [`plane`]: paths in a plane, both axes to one scale;
+//! - [`cells`]: values over a grid, by colour;
 //! - [`space`]: lines in three dimensions, seen from the side;
 //! - [`sketch`]: drawings without axes;
 //! - [`camera`]: from space to a plane, for drawings;
 //! - [`style`]: colours and strokes of drawings.
 
 pub mod camera;
+pub mod cells;
 pub mod curves;
 pub mod plane;
 pub mod sketch;
@@ -30,6 +32,7 @@ mod svg;
 use std::fmt;
 
 pub use camera::Camera;
+pub use cells::{Cell, Cells};
 pub use curves::{Curves, Line};
 pub use plane::{Plane, PlaneLine};
 pub use sketch::Sketch;
@@ -65,6 +68,8 @@ pub enum Panel {
     Curves(Curves),
     /// Paths in a plane.
     Plane(Plane),
+    /// Values over a grid.
+    Cells(Cells),
     /// Lines in space.
     Space(Space),
     /// A drawing without axes.
@@ -170,6 +175,7 @@ fn stack<'a>(panels: &'a [Panel], scene: &mut Scene<'a>, area: Rect, least: [f64
     let sides = |panel: &Panel| match panel {
         Panel::Curves(_) => left,
         Panel::Plane(_) => plane::LEFT,
+        Panel::Cells(_) => cells::LEFT,
         Panel::Space(_) | Panel::Sketch(_) | Panel::Row(_) => 0.0,
     };
     let margins: Vec<[f64; 2]> = panels
@@ -191,6 +197,7 @@ fn stack<'a>(panels: &'a [Panel], scene: &mut Scene<'a>, area: Rect, least: [f64
             (Panel::Curves(_), Some(curves)) => curves.draw(scene, chart),
             (Panel::Curves(_), None) => {}
             (Panel::Plane(plane), _) => plane.draw(scene, chart),
+            (Panel::Cells(cells), _) => cells.draw(scene, chart),
             (Panel::Space(space), _) => space.draw(scene, chart),
             (Panel::Sketch(sketch), _) => sketch.draw(scene, chart),
             (Panel::Row(row), _) => {
@@ -212,6 +219,7 @@ fn margins<'a>(panel: &Panel, curves: Option<&curves::Prepared<'a>>, face: &'a T
     match (panel, curves) {
         (Panel::Curves(_), Some(curves)) => curves.margins(face, width),
         (Panel::Plane(plane), _) => plane.margins(face, width),
+        (Panel::Cells(cells), _) => cells.margins(face, width),
         (Panel::Space(space), _) => space.margins(face, width),
         (Panel::Curves(_) | Panel::Sketch(_) | Panel::Row(_), _) => [0.0, 0.0],
     }

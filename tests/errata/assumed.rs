@@ -10,9 +10,11 @@ use mbs_landing::experiment::rail_arm::{RailArm, RailLimits};
 use mbs_landing::experiment::tracking::{LINK_EXCESS, MODULE_EXCESS, Tracking};
 use mbs_landing::quadrotor::approach::Approach;
 use mbs_landing::quadrotor::backstepping::Backstepping;
+use mbs_landing::quadrotor::gear::{Damping, Gear};
 use mbs_landing::quadrotor::ground_effect::LEAST_HEIGHT;
 use mbs_landing::quadrotor::landing::Landing;
 use mbs_landing::quadrotor::lqr::Weights;
+use mbs_landing::quadrotor::standing::Standing;
 use mbs_models::{irb7600, irb7600_rail, quadrotor_euler, quadrotor_quaternion, relative_lvlh, stewart_platform};
 use mbs_orbit::mission::{Axis, Mission};
 use mbs_platform::{ActuatorLimits, HOME, Motion, Superposition};
@@ -102,6 +104,10 @@ fn quadrotor() -> Vec<(&'static str, Vec<f64>)> {
     let channels = [control.horizontal, control.vertical, control.tilt, control.yaw];
     assert!(channels.iter().all(|channel| channel.k1 == channel.k2), "the page says that they are equal");
     let [least, greatest] = control.thrust_range;
+    let standing = Standing::new(Gear::default());
+    let Damping::HuntCrossley(damping) = standing.gear.damping else { panic!("the page has Hunt and Crossley's") };
+    let (gear, rest) = (&standing.gear, &standing.still);
+    let legs = [gear.half_track, gear.height, gear.stiffness, gear.exponent, damping, gear.friction, gear.creep_speed];
     let still = Landing::initial_state().qd.iter().fold(0.0_f64, |most, rate| most.max(rate.abs()));
     vec![
         ("quadrotor.inertias", p.inertias.into()),
@@ -116,6 +122,10 @@ fn quadrotor() -> Vec<(&'static str, Vec<f64>)> {
             vec![weights.position, weights.angle.to_degrees(), weights.velocity, weights.rate, weights.rotor_speed],
         ),
         ("quadrotor.least_height", vec![LEAST_HEIGHT]),
+        ("landing.gear", legs.into()),
+        ("landing.run_down", vec![standing.run_down]),
+        ("landing.still", vec![rest.speed, rest.rate, rest.duration]),
+        ("landing.tipped", vec![standing.tipped.to_degrees()]),
     ]
 }
 

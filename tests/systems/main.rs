@@ -19,5 +19,7 @@ mod platform;
 mod quadrotor;
 mod quadrotor_decks;
 mod quadrotor_refused;
+mod quadrotor_standing;
+mod quadrotor_wind;
 mod thesis_equations;
 mod thesis_map;

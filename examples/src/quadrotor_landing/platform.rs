@@ -33,6 +33,11 @@ pub fn platform() -> Result<Platform, Failure> {
     Ok(Platform::default().with_payload(0.0)?)
 }
 
+/// The factor by which a motion about home keeps the limits of the legs.
+pub fn admissible<const K: usize>(platform: &Platform, motion: &Superposition<K>) -> Result<f64, Failure> {
+    Ok(platform.admissible_scale(motion, DURATION, STEP)?)
+}
+
 /// A landing on the driven platform and the same one on an exact deck.
 pub struct Comparison<const K: usize> {
     /// Of the motion.
@@ -66,7 +71,7 @@ impl<const K: usize> OnPlatform<K> {
     pub fn of(case: &'static str, motion: &Superposition<K>, point: [f64; 3]) -> Result<Self, Failure> {
         let platform = platform()?;
         let raised = raised(&platform, motion)?;
-        let scale = platform.admissible_scale(motion, DURATION, STEP)?;
+        let scale = admissible(&platform, motion)?;
         Ok(OnPlatform {
             case,
             lowest: samples().map(|t| motion.at(t)[0][2]).fold(f64::INFINITY, f64::min),

@@ -30,7 +30,7 @@ const UNGUIDED: [(&str, [f64; 3]); 2] = [
 fn landings_are_those_of_the_reference() {
     let folder = tempfile::tempdir().unwrap();
     let found = json(&good(LANDING, &["--json", "--out", folder.path().to_str().unwrap()]));
-    assert_eq!(keys(&found), ["I", "II", "marine", "unguided", "assumed"]);
+    assert_eq!(keys(&found), ["I", "II", "marine", "unguided", "gusts", "assumed"]);
     for (case, plant, expected) in LANDINGS {
         let end = &found[case][plant];
         let names = ["touchdown_time", "relative_velocity", "horizontal_offset"];
@@ -49,9 +49,11 @@ fn landings_are_those_of_the_reference() {
             assert!((found - expected).abs() <= 1e-6, "{case} unguided {name}: {found}, not {expected}");
         }
     }
+    gusts_scatter_landings_about_those_in_steady_wind(&found["gusts"]);
     let figures = (2..=9).map(|number| format!("figure_5_{number}"));
     let marine = ["path", "elevation", "attitude", "forces"].map(|what| format!("marine_{what}"));
-    for name in figures.chain(marine).chain(PLATFORM_RUNS.map(|run| run.to_string())) {
+    let gusts = ["case_I_gusts", "case_II_gusts"].map(String::from);
+    for name in figures.chain(marine).chain(gusts).chain(PLATFORM_RUNS.map(|run| run.to_string())) {
         for extension in ["svg", "png"] {
             let figure = folder.path().join(format!("{name}.{extension}"));
             assert!(figure.metadata().unwrap().len() > 1000, "{}", figure.display());
@@ -166,6 +168,28 @@ fn the_deck_at_sea_is_met(marine: &Value) {
     }
     assert_eq!(marine["platform"]["full"]["within_limits"], false);
     assert_eq!(marine["platform"]["scaled"]["within_limits"], true);
+}
+
+/// A steady wind W pushes by `½ C ρ A W²/m` along each axis, which the horizontal channel with `1 + k₁ k₂ = 2` yields to
+/// by half of that \[m\]; the platform is at most 1.45 m off its mean height of 3 m, and W with it.
+fn gusts_scatter_landings_about_those_in_steady_wind(gusts: &Value) {
+    assert_eq!(keys(gusts), ["I", "II"]);
+    let wind = |height: f64| 6.0 * (height / 0.3048 / 0.15_f64).ln() / (20.0 / 0.15_f64).ln();
+    let offset = |height: f64| {
+        let [x, y] = [0.75_f64.sqrt(), 0.5].map(|part| 0.5 * 1.225 * 0.5 * (part * wind(height)).powi(2) / 40.0 / 2.0);
+        x.hypot(y)
+    };
+    for case in ["I", "II"] {
+        let case = &gusts[case];
+        assert_eq!((number(&case["members"]), number(&case["failed"])), (200.0, 0.0));
+        let steady = number(&case["steady_wind"]["horizontal_offset"]);
+        assert!(steady > 0.9 * offset(1.55) && steady < 1.1 * offset(4.45), "{steady}");
+        let [mean, deviation] = numbers(&case["horizontal_offset"])[..] else { panic!("a spread") };
+        assert!((mean - steady).abs() < deviation && deviation > 0.01, "{mean} ± {deviation} m about {steady} m");
+        assert!(number(&case["horizontal_offset_max"]) > mean + deviation);
+        let [time, spread] = numbers(&case["touchdown_time"])[..] else { panic!("a spread") };
+        assert!((time - number(&case["steady_wind"]["touchdown_time"])).abs() < 3.0 * spread, "{time} ± {spread} s");
+    }
 }
 
 #[test]

@@ -12,6 +12,8 @@
 //! | control law           | [`backstepping`]; for comparison [`lqr`]                                            |
 //! | cases I and II        | [`approach`]: guidance; [`landing`]: simulation up to the [`touchdown`]; [`sampled`]: by a sampled controller; [`driven`]: on the Stewart platform under control |
 //! | ground effect         | [`ground_effect`], an option of the landing                                         |
+//! | after the touchdown   | [`gear`]: four legs with friction; [`standing`]: rebound, sliding, tip-over, rest    |
+//! | "various disturbances" | [`wind`]: shear and Dryden's turbulence                                            |
 //!
 //! Coordinates are those of the mechanism, `q = (x, y, z, φ, θ, ψ)`, attitude by `R = Rz(ψ) Ry(θ) Rx(φ)`, z up.
 //!
@@ -23,6 +25,7 @@ pub mod backstepping;
 pub mod deck;
 pub mod driven;
 pub mod flatness;
+pub mod gear;
 pub mod ground_effect;
 pub mod heave;
 pub mod landing;
@@ -30,5 +33,7 @@ pub mod lqr;
 pub mod mixer;
 pub mod sampled;
 pub mod small_angle;
+pub mod standing;
 pub mod touchdown;
+pub mod wind;
 mod zero_order_hold;

@@ -75,6 +75,14 @@ impl Platform {
         solved_transposed(&self.coordinate_jacobian(q)?, &force)
     }
 
+    /// The forces of the legs that do what a generalized force τ does: `J_q⁻ᵀ τ` \[N\].
+    ///
+    /// # Errors
+    /// [`PoseError`]; [`PoseError::Singular`] where the legs cannot hold the platform.
+    pub fn legs_against(&self, q: &Coordinates, force: &Coordinates) -> Result<LegVector, PoseError> {
+        solved_transposed(&self.coordinate_jacobian(q)?, force)
+    }
+
     /// Accelerations under these forces of the legs \[N\].
     ///
     /// A pose that the legs cannot hold has accelerations too. One near θ = ±90° has none: M is singular there. Its

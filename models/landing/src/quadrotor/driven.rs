@@ -165,13 +165,14 @@ impl<M: PlatformMotion> Landing<MovingDeck<M>> {
                 let (vehicle, stands) = parted(&State::new(*q, *qd));
                 let flown = || height(&vehicle, &stands);
                 joined(
-                    &self.accelerations_at(flown, &vehicle.q, &vehicle.qd, &held.rotors.speed),
+                    &self.accelerations_at(&self.wind, flown, &vehicle.q, &vehicle.qd, &held.rotors.speed),
                     &platform.model().forward_dynamics(&stands.q, &stands.qd, &held.forces),
                 )
             },
             height: |_: f64, both: &State<[f64; 12]>| {
                 let (vehicle, stands) = parted(both);
-                height(&vehicle, &stands) - self.touchdown_height
+                let deck = self.deck.over_base(&[stands.q, stands.qd, [0.0; 6]]);
+                self.clearance(&deck, &vehicle.q) - self.touchdown_height
             },
         };
         let both = State::new(joined(&vehicle.q, &start.q), joined(&vehicle.qd, &start.qd));

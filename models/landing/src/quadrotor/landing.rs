@@ -1,7 +1,7 @@
 //! Landing on a deck that moves: guidance, and simulation up to the touchdown.
 //!
 //! The vehicle is led down straight over the point of the deck that is to be landed on, with the deck's yaw; it touches
-//! down where its mass centre comes to the plane of the deck.
+//! down where its mass centre comes to the plane of the deck, or the first foot of its [`gear`](Landing::gear).
 
 mod check;
 mod error;
@@ -9,11 +9,14 @@ mod error;
 use core::cell::Cell;
 use core::ops::ControlFlow;
 
-use mbs_runtime::{Dop853, Event, IntegrationError, Integrator, State, Step};
+use mbs_platform::geometry::attitude;
+use mbs_runtime::{Dop853, Event, IntegrationError, Integrator, State, Step, to_matrix};
+use nalgebra::Vector3;
 
 use super::approach::Approach;
 use super::backstepping::{Backstepping, Command, Reference};
 use super::deck::{Deck, DeckState, HeavingDeck};
+use super::gear::Gear;
 use super::ground_effect::GroundEffect;
 use super::heave::Heave;
 use super::lqr::Lqr;
@@ -67,6 +70,8 @@ pub struct Landing<D = HeavingDeck<4>> {
     pub approach: Approach,
     /// Height over the deck at which it has landed, not negative \[m\].
     pub touchdown_height: f64,
+    /// The legs whose feet are to come to that height, if it has legs; its mass centre without.
+    pub gear: Option<Gear>,
     /// What it lands on.
     pub deck: D,
     /// Velocity of the air \[m/s\].
@@ -111,6 +116,7 @@ impl<D> Landing<D> {
             plant,
             approach: Approach::default(),
             touchdown_height: 0.0,
+            gear: None,
             deck,
             wind: [0.0; 3],
             ground_effect: None,
@@ -119,8 +125,19 @@ impl<D> Landing<D> {
         }
     }
 
+    /// What is over the deck when a vehicle with these coordinates touches: its mass centre, or its lowest foot \[m\].
+    pub(super) fn clearance(&self, deck: &DeckState, q: &[f64; 6]) -> f64 {
+        let centre = deck.height(&[q[0], q[1], q[2]]);
+        let Some(gear) = &self.gear else { return centre };
+        let own = to_matrix(&attitude(q));
+        let normal = own.tr_mul(&to_matrix(&deck.rotation).column(2));
+        let lowest = gear.feet().into_iter().map(|foot| normal.dot(&Vector3::from(foot))).fold(f64::INFINITY, f64::min);
+        centre + lowest
+    }
+
     /// What the controller does over a deck.
-    pub(super) fn command_over(&self, deck: &DeckState, t: f64, q: &[f64; 6], qd: &[f64; 6]) -> Command {
+    #[must_use]
+    pub fn command_over(&self, deck: &DeckState, t: f64, q: &[f64; 6], qd: &[f64; 6]) -> Command {
         self.controller.command(&self.reference_over(deck, t), deck.heading, q, qd)
     }
 
@@ -139,32 +156,35 @@ impl<D> Landing<D> {
         [x, y, vertical]
     }
 
-    /// `q̈` at these rotor speeds \[rad/s\] and this height over the deck \[m\], which is asked for where it counts.
+    /// `q̈` in this wind \[m/s\] at these rotor speeds \[rad/s\] and this height over the deck \[m\], which is asked
+    /// for where it counts.
     pub(super) fn accelerations_at(
         &self,
+        wind: &[f64; 3],
         height: impl FnOnce() -> f64,
         q: &[f64; 6],
         qd: &[f64; 6],
         speeds: &[f64; 4],
     ) -> [f64; 6] {
         let Some(effect) = &self.ground_effect else {
-            return self.accelerations_of(&self.vehicle, q, qd, speeds);
+            return self.accelerations_of(wind, &self.vehicle, q, qd, speeds);
         };
         let params = *self.vehicle.params();
         let thrust_factor = effect.factor(height()) * params.thrust_factor;
-        self.accelerations_of(&QuadrotorEuler::new(Params { thrust_factor, ..params }), q, qd, speeds)
+        self.accelerations_of(wind, &QuadrotorEuler::new(Params { thrust_factor, ..params }), q, qd, speeds)
     }
 
     fn accelerations_of(
         &self,
+        wind: &[f64; 3],
         vehicle: &QuadrotorEuler<f64>,
         q: &[f64; 6],
         qd: &[f64; 6],
         speeds: &[f64; 4],
     ) -> [f64; 6] {
         match self.plant {
-            Plant::Exact => vehicle.forward_dynamics(&self.wind.map(|v| [v, 0.0, 0.0]), q, qd, speeds),
-            Plant::SmallAngle => small_angle::accelerations(vehicle.params(), &self.wind, q, qd, speeds),
+            Plant::Exact => vehicle.forward_dynamics(&wind.map(|v| [v, 0.0, 0.0]), q, qd, speeds),
+            Plant::SmallAngle => small_angle::accelerations(vehicle.params(), wind, q, qd, speeds),
         }
     }
 }
@@ -185,12 +205,17 @@ impl<D: Deck> Landing<D> {
     /// `q̈` at these rotor speeds \[rad/s\].
     #[must_use]
     pub fn accelerations(&self, t: f64, q: &[f64; 6], qd: &[f64; 6], speeds: &[f64; 4]) -> [f64; 6] {
-        self.accelerations_at(|| self.height(t, q), q, qd, speeds)
+        self.accelerations_at(&self.wind, || self.height(t, q), q, qd, speeds)
     }
 
     /// Over the deck \[m\].
     pub(super) fn height(&self, t: f64, q: &[f64; 6]) -> f64 {
         self.deck.at(t).height(&[q[0], q[1], q[2]])
+    }
+
+    /// Of what touches, over the height at which it has landed \[m\].
+    pub(super) fn above(&self, t: f64, q: &[f64; 6]) -> f64 {
+        self.clearance(&self.deck.at(t), q) - self.touchdown_height
     }
 
     /// Simulates from a state at t = 0 up to the touchdown, found on the dense output.
@@ -215,7 +240,7 @@ impl<D: Deck> Landing<D> {
             deck
         };
         let place = |q: &[f64; 6]| [q[0], q[1], q[2]];
-        let height = |t: f64, state: &State<[f64; 6]>| deck_at(t).height(&place(&state.q)) - self.touchdown_height;
+        let height = |t: f64, state: &State<[f64; 6]>| self.clearance(&deck_at(t), &state.q) - self.touchdown_height;
         let mut way = Way::new();
         let mut events = [Event::new(&height).falling().terminal()];
         let mut sample = state;
@@ -242,7 +267,7 @@ impl<D: Deck> Landing<D> {
             let deck = deck_at(t);
             let speeds = self.command_over(&deck, t, q, qd).rotors.speed;
             *qdd = if deck.is_finite() {
-                self.accelerations_at(|| deck.height(&place(q)), q, qd, &speeds)
+                self.accelerations_at(&self.wind, || deck.height(&place(q)), q, qd, &speeds)
             } else {
                 [f64::NAN; 6]
             };

@@ -2,7 +2,6 @@
 
 use mbs_runtime::State;
 
-use super::backstepping::Command;
 use super::deck::Deck;
 use super::landing::{Landing, LandingError, attitude_told, finite_deck};
 use super::touchdown::{Touchdown, Way};
@@ -21,7 +20,22 @@ impl<D: Deck> Landing<D> {
         &self,
         state: State<[f64; 6]>,
         period: f64,
+        sensor: impl FnMut(f64, &State<[f64; 6]>) -> State<[f64; 6]>,
+    ) -> Result<Touchdown, LandingError> {
+        self.simulate_in_wind(state, period, sensor, |_, _| self.wind)
+    }
+
+    /// The sampled landing in a wind that changes: its velocity \[m/s\] is asked for at the beginning of each period and
+    /// held, as the rotor speeds are.
+    ///
+    /// # Errors
+    /// As [`simulate_sampled`](Self::simulate_sampled), and `Wind` where the wind is NaN or infinite.
+    pub fn simulate_in_wind(
+        &self,
+        state: State<[f64; 6]>,
+        period: f64,
         mut sensor: impl FnMut(f64, &State<[f64; 6]>) -> State<[f64; 6]>,
+        mut wind: impl FnMut(f64, &State<[f64; 6]>) -> [f64; 3],
     ) -> Result<Touchdown, LandingError> {
         self.check(&state, period)?;
         let mut way = Way::new();
@@ -34,16 +48,20 @@ impl<D: Deck> Landing<D> {
             let deck = finite_deck(self.deck.at(t), t)?;
             let command = self.command_over(&deck, t, &seen.q, &seen.qd);
             way.hold(t, state, &command, &deck);
-            Ok(command)
+            let wind = wind(t, state);
+            if wind.iter().any(|speed| !speed.is_finite()) {
+                return Err(LandingError::Wind { time: t });
+            }
+            Ok((command.rotors.speed, wind))
         };
         let run = ZeroOrderHold {
             period,
             t_end: self.t_end,
             hold,
-            accelerations: |held: &Command, t: f64, q: &[f64; 6], qd: &[f64; 6]| {
-                self.accelerations(t, q, qd, &held.rotors.speed)
+            accelerations: |(speeds, wind): &([f64; 4], [f64; 3]), t: f64, q: &[f64; 6], qd: &[f64; 6]| {
+                self.accelerations_at(wind, || self.height(t, q), q, qd, speeds)
             },
-            height: |t: f64, state: &State<[f64; 6]>| self.height(t, &state.q) - self.touchdown_height,
+            height: |t: f64, state: &State<[f64; 6]>| self.above(t, &state.q),
         };
         let (time, state) = run.until_touchdown(state)?;
         way.touchdown(self.vehicle.params().drag_factor, time, state, self.deck.at(time))

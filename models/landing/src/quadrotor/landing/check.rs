@@ -43,6 +43,9 @@ impl<D: Deck> Landing<D> {
         )?;
         within("approach.sink_rate", self.approach.sink_rate, [0.0, f64::MAX])?;
         within("touchdown_height", self.touchdown_height, [0.0, f64::MAX])?;
+        if let Some(gear) = &self.gear {
+            gear.check()?;
+        }
         finite("wind", self.wind)?;
         finite("q", state.q)?;
         finite("qd", state.qd)?;
@@ -52,7 +55,7 @@ impl<D: Deck> Landing<D> {
             return Err(LandingError::TooManyMoments { t_end: self.t_end, period });
         }
         let deck = upright(finite_deck(self.deck.at(0.0), 0.0)?, 0.0)?;
-        let height = deck.height(&[state.q[0], state.q[1], state.q[2]]);
+        let height = self.clearance(&deck, &state.q);
         // Of finite numbers, but it may overflow.
         if height > self.touchdown_height && height.is_finite() {
             Ok(())

@@ -72,6 +72,12 @@ pub enum LandingError {
         /// When \[s\].
         time: f64,
     },
+    /// The wind is NaN or infinite.
+    #[error("the wind is NaN or infinite at t = {time} s")]
+    Wind {
+        /// When \[s\].
+        time: f64,
+    },
     /// The integration failed.
     #[error(transparent)]
     Integration(#[from] IntegrationError),

@@ -1,0 +1,61 @@
+//! Figures of feet on the deck and of legs under it.
+
+use std::path::Path;
+
+use mbs_chart::{Curves, Figure, Line, Panel};
+use mbs_examples::{Failure, output};
+use mbs_landing::quadrotor::standing::Moment;
+
+use crate::run::{BEFORE, Legs, OnDeck, OnPlatform};
+
+/// What is shown after the first touch \[s\].
+const AFTER: f64 = 1.5;
+
+fn panel(label: &str, range: std::ops::Range<f64>, lines: Vec<Line>) -> Panel {
+    let (x_label, y_label) = ("t [s]".to_string(), label.to_string());
+    Panel::Curves(Curves { x_label, y_label, x_range: range, lines })
+}
+
+/// `touchdown_NAME`: heights of the feet, forces, way along the deck.
+pub(crate) fn write(folder: &Path, on_deck: &OnDeck) -> Result<(), Failure> {
+    let OnDeck { name, moments, .. } = on_deck;
+    let (Some(first), Some(last)) = (moments.first(), moments.last()) else { return Ok(()) };
+    let range = first.time..last.time;
+    let feet = |of: &dyn Fn(&Moment, usize) -> f64| -> Vec<Line> {
+        let line = |i: usize| Line::new(format!("leg {}", i + 1), moments.iter().map(|m| (m.time, of(m, i))).collect());
+        (0..4).map(line).collect()
+    };
+    let panels = vec![
+        panel("foot over the deck [mm]", range.clone(), feet(&|m, i| -1e3 * m.contact.depth[i])),
+        panel("force along the normal [N]", range.clone(), feet(&|m, i| m.contact.normal[i])),
+        panel("way along the deck [mm]", range, feet(&|m, i| 1e3 * m.slid[i])),
+    ];
+    let title = format!("After the touchdown: {}", name.replace('_', " "));
+    output::write_figure(folder, &format!("touchdown_{name}"), &Figure { title, size: (900, 900), panels })?;
+    let header = ["t_s", "z_m"].map(String::from).into_iter();
+    let header: Vec<String> = header.chain((1..=4).map(|leg| format!("leg{leg}_N"))).collect();
+    let row = |m: &Moment| [&[m.time, m.vehicle.q[2]][..], &m.contact.normal].concat();
+    output::write_table(folder, &format!("touchdown_{name}"), &header, moments.iter().map(row))
+}
+
+/// `touchdown_NAME_platform`: what the feet do to the deck, and the platform's legs before, at and after the impact.
+pub(crate) fn write_platform(folder: &Path, on_platform: &OnPlatform) -> Result<(), Failure> {
+    let OnPlatform { name, legs, landing, .. } = on_platform;
+    let range = landing.time - BEFORE..landing.time + AFTER;
+    let shown: Vec<&Legs> = legs.iter().filter(|legs| range.contains(&legs.time)).collect();
+    let line = |name: String, of: &dyn Fn(&Legs) -> f64| {
+        Line::new(name, shown.iter().map(|legs| (legs.time, of(legs))).collect())
+    };
+    let forces = (0..6).map(|i| line(format!("leg {}", i + 1), &move |legs| legs.forces[i])).collect();
+    let panels = vec![
+        panel("four feet on the deck [N]", range.clone(), vec![line(String::new(), &|legs| legs.contact)]),
+        panel("force of a leg of the platform [N]", range.clone(), forces),
+        panel("platform over its plan [mm]", range, vec![line(String::new(), &|legs| 1e3 * legs.off)]),
+    ];
+    let title = format!("The platform feels the touchdown: {}", name.replace('_', " "));
+    output::write_figure(folder, &format!("touchdown_{name}_platform"), &Figure { title, size: (900, 900), panels })?;
+    let header = ["t_s", "contact_N", "off_m"].map(String::from).into_iter();
+    let header: Vec<String> = header.chain((1..=6).map(|leg| format!("leg{leg}_N"))).collect();
+    let row = |legs: &Legs| [&[legs.time, legs.contact, legs.off][..], &legs.forces].concat();
+    output::write_table(folder, &format!("touchdown_{name}_platform"), &header, legs.iter().map(row))
+}
