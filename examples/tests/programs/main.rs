@@ -4,6 +4,7 @@ mod arm;
 mod docking;
 mod experiment;
 mod gallery;
+mod minimum_effort;
 mod orbits;
 mod platform;
 mod quadrotor;

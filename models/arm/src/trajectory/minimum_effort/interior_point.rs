@@ -41,7 +41,7 @@ impl Residual {
 }
 
 /// Iterations after which there is no hope.
-const ITERATIONS: usize = 500;
+const ITERATIONS: usize = 300;
 /// Of the residual, at the end.
 pub(super) const TOLERANCE: f64 = 1e-9;
 /// Part of the way to a bound that a step may take, at least.
