@@ -2,6 +2,7 @@
 
 mod arm;
 mod docking;
+mod elastic_arm;
 mod experiment;
 mod gallery;
 mod minimum_effort;
