@@ -2,6 +2,7 @@
 //! work, the fastest motion along a path, and what is refused.
 
 mod cartesian;
+mod minimum_effort;
 mod polynomials;
 mod refused;
 mod table2;

@@ -3,9 +3,11 @@
 mod adaptive;
 mod arm;
 mod docking;
+mod elastic_arm;
 mod experiment;
 mod gallery;
 mod landing_maps;
+mod minimum_effort;
 mod orbits;
 mod platform;
 mod quadrotor;

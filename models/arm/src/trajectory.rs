@@ -8,6 +8,7 @@
 //! | [`trapezoidal`], [`trapezoidal_within`] | constant acceleration, constant speed, constant deceleration | rest at both ends; with limits: the fastest such motion |
 //! | [`through`] | degrees 4, 3 … 3, 4 | points with times, C² |
 //! | [`time_optimal::retime`] | the fastest motion along a path | limits of speed, acceleration and torque |
+//! | `minimum_effort` (feature `std`) | least `∫ Σ (τ/τ_max)² dt` between two states, by direct collocation | limits of angle, speed and torque |
 //! | [`cartesian`] | the flange along a straight line | one branch of the inverse kinematics |
 //! | [`AlongPath`] | along a path by a law of time | |
 //!
@@ -40,6 +41,8 @@ mod trapezoidal;
 mod via;
 
 pub mod cartesian;
+#[cfg(feature = "std")]
+pub mod minimum_effort;
 pub mod sign_change;
 #[cfg(feature = "std")]
 pub mod time_optimal;

@@ -9,6 +9,10 @@ pub mod check;
 
 include!(concat!(env!("OUT_DIR"), "/mechanisms.rs"));
 
+// What `mechanisms/elastic/` declares: variants of mechanisms above, held against these by tests of their own.
+include!(concat!(env!("OUT_DIR"), "/irb7600_elastic.rs"));
+include!(concat!(env!("OUT_DIR"), "/stewart_platform_elastic.rs"));
+
 /// The Rust on the page about frames that move is tested with that of this crate.
 #[cfg(doctest)]
 #[doc = include_str!("../../../docs/moving_frames.md")]

@@ -1,0 +1,69 @@
+//! Both motions one above the other, and the front.
+
+use std::path::Path;
+
+use mbs_chart::{Curves, Figure, Line, Panel};
+use mbs_examples::{Failure, output};
+
+use crate::front::{Choice, Front};
+use crate::motion::{Comparison, DURATION, Sample, effort};
+
+pub(crate) fn write(folder: &Path, comparison: &Comparison, front: &Front) -> Result<(), Failure> {
+    let joints = |what: &str, value: fn(&Sample) -> [f64; 6]| {
+        [("quintic", &comparison.by_quintic), ("least effort", &comparison.by_optimum)].map(|(name, samples)| {
+            let line = |i: usize| {
+                let points = samples.iter().map(|sample| (sample.t, value(sample)[i])).collect();
+                Line::new(format!("joint {}", i + 1), points)
+            };
+            Panel::Curves(Curves {
+                x_label: "t [s]".to_string(),
+                y_label: format!("{name}: {what}"),
+                x_range: 0.0..DURATION,
+                lines: (0..6).map(line).collect(),
+            })
+        })
+    };
+    let panels = [
+        joints("q [°]", |sample| sample.state.q.map(f64::to_degrees)),
+        joints("dq/dt [°/s]", |sample| sample.state.qd.map(f64::to_degrees)),
+        joints("τ/τ_max", |sample| sample.torque),
+    ];
+    let title = "From posture to posture: a quintic, and the least effort".to_string();
+    let figure = Figure { title, size: (900, 1500), panels: panels.into_iter().flatten().collect() };
+    output::write_figure(folder, "minimum_effort", &figure)?;
+    let title = "Time against effort of the arm's motion".to_string();
+    output::write_figure(folder, "pareto", &Figure { title, size: (900, 640), panels: vec![pareto(comparison, front)] })
+}
+
+fn pareto(comparison: &Comparison, front: &Front) -> Panel {
+    let (choices, dominated) = (front.choices(), front.dominated());
+    let point = |choice: &Choice| (choice.duration, choice.effort);
+    let [first, last] = [&choices[0], &choices[choices.len() - 1]].map(point);
+    let ends = format!("fastest in {:.3} s, with the least effort in {:.3} s", first.0, last.0);
+    let beyond: Vec<_> = std::iter::once(last).chain(dominated.iter().map(point)).collect();
+    let end = beyond[beyond.len() - 1].0;
+    let line = Line::new("Pareto front", choices.iter().map(point).collect());
+    let quintic = format!("the quintic in {DURATION} s: J = {:.3} s", effort(&comparison.by_quintic));
+    Panel::Curves(Curves {
+        x_label: format!("time T [s]   ({ends}; {quintic})"),
+        y_label: "least effort J [s]".to_string(),
+        x_range: first.0 - 0.02..end,
+        lines: vec![line, Line::new("dominated: slower and more effort", beyond)],
+    })
+}
+
+pub(crate) fn write_tables(folder: &Path, comparison: &Comparison, front: &Front) -> Result<(), Failure> {
+    let joints = |name: &str, unit: &str| (1..=6).map(|i| format!("{name}{i}{unit}")).collect::<Vec<_>>();
+    let header =
+        [vec!["t_s".to_string()], joints("q", "_deg"), joints("qd", "_deg_s"), joints("torque", "_of_limit")].concat();
+    let row = |sample: &Sample| {
+        let [q, qd] = [sample.state.q, sample.state.qd].map(|values| values.map(f64::to_degrees));
+        [&[sample.t][..], &q, &qd, &sample.torque].concat()
+    };
+    for (name, samples) in [("quintic", &comparison.by_quintic), ("minimum_effort", &comparison.by_optimum)] {
+        output::write_table(folder, name, &header, samples.iter().map(row))?;
+    }
+    let header = ["time_s", "effort_s", "slope"].map(String::from);
+    let rows = front.choices().into_iter().map(|choice| vec![choice.duration, choice.effort, choice.slope]);
+    output::write_table(folder, "pareto", &header, rows)
+}
