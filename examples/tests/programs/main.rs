@@ -8,6 +8,7 @@ mod experiment;
 mod gallery;
 mod landing_maps;
 mod minimum_effort;
+mod nonholonomic;
 mod orbits;
 mod platform;
 mod quadrotor;
