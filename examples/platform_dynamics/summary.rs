@@ -7,30 +7,23 @@ use mbs_platform::limits::{Excess, Survey};
 use mbs_platform::{HOME, LegVector, Motion, Platform};
 
 use crate::control::{self, follow};
-use crate::sensitivity;
-use crate::{MOMENT, POSE, direct};
-use mbs_examples::platform_dynamics::tables::{PAYLOADS, Samples, TABLE_4, table_3, table_4};
-
-/// Between samples of a motion \[s\].
-const STEP: f64 = 0.01;
-/// All motions but the combined one have this period \[s\].
-const PERIOD: f64 = 4.0;
-/// Long enough for the combined motion to come near all its extremes \[s\].
-const LONG: f64 = 20.0;
+use crate::histories::{History, POWER, STEP, duration};
+use crate::{MOMENT, POSE, Results, along, direct, sensitivity};
+use mbs_examples::platform_dynamics::tables::{PAYLOAD_OF_TABLE_4, PAYLOADS, Samples, TABLE_4, table_3, table_4};
 
 /// A motion, and what it asks of the legs under one payload.
-struct Study {
+pub(crate) struct Study {
     number: usize,
     name: &'static str,
     payload: u32,
-    with_actuators: Survey,
+    pub(crate) with_actuators: Survey,
     without_actuators: Survey,
 }
 
-fn studies(platform: &Platform) -> Result<Vec<Study>, Failure> {
+pub(crate) fn studies(platform: &Platform) -> Result<Vec<Study>, Failure> {
     let mut studies = Vec::new();
     for (i, (name, motion)) in Motion::CASES.iter().enumerate() {
-        let end = if *motion == Motion::COMBINED { LONG } else { PERIOD };
+        let end = duration(motion);
         for payload in PAYLOADS {
             let loaded = platform.with_payload(f64::from(payload))?;
             studies.push(Study {
@@ -49,7 +42,7 @@ fn excesses(survey: &Survey) -> impl Iterator<Item = &Excess> {
     survey.excesses.as_flattened().iter().flatten()
 }
 
-pub(crate) fn print(platform: &Platform) -> Result<(), Failure> {
+pub(crate) fn print(platform: &Platform, results: &Results) -> Result<(), Failure> {
     println!("The Stewart platform PS-6TL-1500, geometry and masses assumed\n");
     let regularity = platform.regularity(&HOME)?;
     println!(
@@ -80,15 +73,19 @@ pub(crate) fn print(platform: &Platform) -> Result<(), Failure> {
         println!("  {} {name}", row(&run.forces[0], 2));
         println!("  {} {name}, legs without mass", row(&run.forces_without_actuators[0], 2));
     }
-    print_studies(platform)?;
+    print_studies(platform, &results.studies);
+    print_power(&results.histories);
     print_sensitivity(platform)?;
+    along::print(&results.tables, platform)?;
+    if let Some((pair, courses)) = &results.pair {
+        along::print_pair(courses, *pair);
+    }
     print_diagonal(platform)?;
     print_control(platform)
 }
 
-fn print_studies(platform: &Platform) -> Result<(), Failure> {
+fn print_studies(platform: &Platform, studies: &[Study]) {
     let limits = platform.limits;
-    let studies = studies(platform)?;
     println!(
         "\nEight motions: lengths [m], speed [m/s], condition; largest force [N], in brackets on legs without mass"
     );
@@ -108,7 +105,7 @@ fn print_studies(platform: &Platform) -> Result<(), Failure> {
         "\nBeyond the limits {} to {} m, {} m/s, {} N, legs with mass:",
         limits.shortest, limits.longest, limits.speed, limits.force
     );
-    for study in &studies {
+    for study in studies {
         // Lengths and speeds are those of all payloads.
         let told =
             excesses(&study.with_actuators).filter(|excess| study.payload == 0 || excess.first.quantity.unit() == "N");
@@ -129,7 +126,19 @@ fn print_studies(platform: &Platform) -> Result<(), Failure> {
     }
     let clear = studies.iter().filter(|study| study.with_actuators.is_clear()).count();
     println!("  {clear} of {} combinations of motion and payload keep all limits", studies.len());
-    Ok(())
+}
+
+fn print_power(histories: &[History]) {
+    println!("\nPower [W]: of one leg, and of all six together, least to greatest, payload {PAYLOAD_OF_TABLE_4} kg");
+    for history in histories.iter().filter(|history| history.payload == PAYLOAD_OF_TABLE_4) {
+        let [least, greatest] = history.extremes(POWER.1).map(|extreme| extreme.value);
+        let [lowest, highest] =
+            history.total_power().fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], x| [a.min(x), b.max(x)]);
+        println!(
+            "  {} {:9} {least:8.0} to {greatest:6.0}; {lowest:8.0} to {highest:6.0}",
+            history.number, history.name
+        );
+    }
 }
 
 fn print_sensitivity(platform: &Platform) -> Result<(), Failure> {
@@ -194,8 +203,7 @@ fn print_control(platform: &Platform) -> Result<(), Failure> {
 /// and leg.
 ///
 /// Forces in `limits.csv` are those on legs with mass; `cases.csv` has the largest ones on legs without mass too.
-pub(crate) fn write(folder: &Path, platform: &Platform) -> Result<(), Failure> {
-    let studies = studies(platform)?;
+pub(crate) fn write(folder: &Path, studies: &[Study]) -> Result<(), Failure> {
     let header = [
         "motion",
         "payload [kg]",
@@ -227,7 +235,7 @@ pub(crate) fn write(folder: &Path, platform: &Platform) -> Result<(), Failure> {
         "worst value",
         "legs",
     ])?;
-    for study in &studies {
+    for study in studies {
         for Excess { first, worst } in excesses(&study.with_actuators) {
             let record = [
                 study.number.to_string(),

@@ -1,8 +1,10 @@
 //! The Stewart platform and what surrounds it, against `data/stewart.json`, the thesis' values computed by other laws;
 //! bad input; direct kinematics from a hundred thousand starts.
 
+mod histories;
 mod limits;
 mod loops;
+mod sensitivity;
 
 use std::f64::consts::FRAC_PI_2;
 use std::time::Instant;

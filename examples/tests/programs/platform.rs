@@ -25,7 +25,8 @@ fn assert_rows(found: &Value, expected: &Value) {
 fn prints_the_reference_values() {
     let found = json(&good(PROGRAM, &["--json"]));
     let expected = json(include_str!("../../../tests/data/stewart.json"));
-    let names = ["table3", "table4", "direct_kinematics", "mass_matrix", "coriolis_matrix", "gravity", "assumed"];
+    let names = ["table3", "table4", "direct_kinematics", "mass_matrix", "coriolis_matrix", "gravity", "cases", "sensitivity",
+        "assumed"];
     assert_eq!(keys(&found), names);
     assert_eq!(keys(&found["table3"]), ["lengths", "forces"]);
     let forces = &found["table3"]["forces"];
@@ -95,6 +96,82 @@ fn writes_figures_and_tables() {
     assert_eq!(sensitivity.lines().count(), 10);
     derivatives_are_those_of_a_moving_platform(&sensitivity);
     assert_eq!(std::fs::read_to_string(folder.path().join("stiffness.csv")).unwrap().lines().count(), 7);
+    for case in 1..=8 {
+        let read = |name: String| std::fs::read_to_string(folder.path().join(name)).unwrap();
+        let svg = read(format!("case_{case}.svg"));
+        for word in ["l [m]", "dl/dt [m/s]", "F [N]", "F dl/dt [W]", "leg 6", "payload 300 kg"] {
+            assert!(svg.contains(word), "{word} is not in case {case}");
+        }
+        let table = read(format!("sensitivity_case_{case}.csv"));
+        assert_eq!(table.lines().count(), 1 + 44);
+        assert!(table.lines().all(|line| line.split(',').count() == 2 + 25), "{table}");
+        histories_are_those_of_the_legs(case, &read(format!("case_{case}.csv")));
+    }
+}
+
+/// Speeds are slopes of lengths, powers forces times speeds, forces those of the model at the row's time.
+fn histories_are_those_of_the_legs(case: usize, table: &str) {
+    let rows: Vec<Vec<f64>> =
+        table.lines().skip(1).map(|line| line.split(',').map(|x| x.parse().unwrap()).collect()).collect();
+    assert_eq!((rows.len(), rows[0].len()), (if case == 8 { 2001 } else { 401 }, 1 + 12 + 36));
+    let [q, qd, qdd] = Motion::CASES[case - 1].1.at(rows[123][0]);
+    for (k, payload) in [0.0, 300.0, 1250.0].into_iter().enumerate() {
+        let forces = Platform::default().with_payload(payload).unwrap().leg_forces(&q, &qd, &qdd).unwrap();
+        assert_eq!(rows[123][13 + 12 * k..][..6], forces);
+        for row in &rows {
+            assert!((0..6).all(|leg| row[19 + 12 * k + leg] == row[13 + 12 * k + leg] * row[7 + leg]), "{row:?}");
+        }
+    }
+    for five in rows.windows(5) {
+        for leg in 1..=6 {
+            let slope = (8.0 * (five[3][leg] - five[1][leg]) - five[4][leg] + five[0][leg]) / 0.12;
+            assert!((slope - five[2][leg + 6]).abs() < 1e-8, "case {case}, {} s: {slope}", five[2][0]);
+        }
+    }
+}
+
+/// Extremes of the cases, limits that are passed, and sensitivities of a pair, against the model.
+#[test]
+fn reports_the_eight_cases() {
+    let found = json(&good(PROGRAM, &["--json", "--sensitivity", "force_3:payload_mass"]));
+    let cases = found["cases"].as_array().unwrap();
+    assert_eq!(cases.len(), 8);
+    for (case, (name, motion)) in cases.iter().zip(&Motion::CASES) {
+        assert_eq!(case["name"], *name);
+        assert_eq!(keys(&case["payloads"]), ["0", "300", "1250"]);
+        for payload in keys(&case["payloads"]) {
+            let (entry, platform) =
+                (&case["payloads"][payload], Platform::default().with_payload(payload.parse().unwrap()).unwrap());
+            for (kind, which) in [("length", 0), ("speed", 1), ("force", 2), ("power", 3)] {
+                for end in ["least", "greatest"] {
+                    let extreme = &entry[kind][end];
+                    let [q, qd, qdd] = motion.at(extreme["time"].as_f64().unwrap());
+                    let legs = platform.leg_state(&q, &qd, &qdd).unwrap();
+                    let values = [legs.length, legs.rate, legs.force, legs.power()][which];
+                    assert_eq!(values[extreme["leg"].as_u64().unwrap() as usize - 1], extreme["value"].as_f64().unwrap());
+                }
+            }
+            let passed = entry["limits_passed"].as_array().unwrap();
+            let is_long = entry["length"]["greatest"]["value"].as_f64().unwrap() > 1.7;
+            assert_eq!(passed.iter().any(|limit| limit["limit"] == "longest"), is_long, "{name}");
+        }
+    }
+    let courses = &found["sensitivity_of"];
+    assert_eq!((&courses["unit"], keys(&courses["cases"]).len()), (&Value::from("N/(kg)"), 8));
+    let platform = |mass: f64| Platform::default().with_payload(mass).unwrap();
+    for (number, (name, motion)) in Motion::CASES.iter().enumerate() {
+        let course = &courses["cases"][format!("case_{}", number + 1)];
+        let (times, values) = (numbers(&course["t"]), numbers(&course["values"]));
+        for k in (0..times.len()).step_by(37) {
+            let [q, qd, qdd] = motion.at(times[k]);
+            let [more, less] = [301.0, 299.0].map(|mass| platform(mass).leg_forces(&q, &qd, &qdd).unwrap()[2]);
+            // Forces are straight in the mass.
+            assert!((0.5 * (more - less) - values[k]).abs() < 1e-9, "{name} at {} s", times[k]);
+        }
+        let largest = values.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+        assert_eq!(course["largest"]["value"].as_f64().unwrap().abs(), largest);
+        assert_eq!(keys(&found["sensitivity"][format!("case_{}", number + 1)]).len(), 44);
+    }
 }
 
 /// The first force of each row, on legs with mass, at the moment the row names.
@@ -142,4 +219,13 @@ fn refuses_what_it_does_not_know() {
     let output = run(PROGRAM, &["--fast"]);
     assert_eq!(output.status.code(), Some(2));
     assert!(String::from_utf8_lossy(&output.stderr).contains("unexpected argument '--fast'"));
+    for (pair, complaint) in [
+        ("force_7:g", "there is no output 'force_7'; outputs are length_1, "),
+        ("force_1:mass", "there is no parameter 'mass'; parameters are base_radius, "),
+        ("force_1", "it is to be OUTPUT:PARAMETER"),
+    ] {
+        let output = run(PROGRAM, &["--sensitivity", pair]);
+        assert_eq!(output.status.code(), Some(2));
+        assert!(String::from_utf8_lossy(&output.stderr).contains(complaint), "{output:?}");
+    }
 }

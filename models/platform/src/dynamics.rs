@@ -7,10 +7,11 @@
 //! `M`, `C` and `G` are those of [`StewartPlatform`], with the cylinders and pistons of
 //! the legs.
 
-use mbs_runtime::{Dual, to_matrix, to_vector};
+use mbs_runtime::{Dual, Scalar, to_matrix, to_vector};
 
 use super::geometry::Geometry;
 use super::jacobian::{SINGULAR, by_coordinates, extreme_angular_rates, solved_transposed};
+use super::limits::LegState;
 use super::{Coordinates, LegVector, Platform, PoseError, all_finite};
 use mbs_models::stewart_platform::{Params, StewartPlatform};
 
@@ -205,23 +206,35 @@ impl Platform {
     }
 }
 
-/// Derivatives of the forces: `J_qᵀ F = τ` gives `J_qᵀ δF = δτ − δJ_qᵀ F`.
+/// Derivatives of the forces where the rates and accelerations stay.
 fn dual_forces(
     params: &Params<Dual<f64>>,
     q: &Coordinates<Dual<f64>>,
     qd: &Coordinates,
     qdd: &Coordinates,
 ) -> Result<LegVector, PoseError> {
-    let force = StewartPlatform::new(*params).inverse_dynamics(q, &qd.map(Dual::constant), &qdd.map(Dual::constant));
-    let jacobian = by_coordinates(&Geometry::unchecked(params).legs(q), q);
+    Ok(dual_legs(params, &[*q, qd.map(Dual::constant), qdd.map(Dual::constant)])?.force.map(|force| force.derivative))
+}
+
+/// Lengths, rates and forces of the legs, and their derivatives: `J_qᵀ F = τ` gives `J_qᵀ δF = δτ − δJ_qᵀ F`.
+pub(crate) fn dual_legs(
+    params: &Params<Dual<f64>>,
+    [q, qd, qdd]: &[Coordinates<Dual<f64>>; 3],
+) -> Result<LegState<Dual<f64>>, PoseError> {
+    let legs = Geometry::unchecked(params).legs(q);
+    let jacobian = by_coordinates(&legs, q);
+    let rate = jacobian.map(|row| row.iter().zip(qd).fold(Dual::zero(), |sum, (&entry, &qd)| sum + entry * qd));
+    let wrench = StewartPlatform::new(*params).inverse_dynamics(q, qd, qdd);
     let (value, slope) = (jacobian.map(|row| row.map(|x| x.value)), jacobian.map(|row| row.map(|x| x.derivative)));
-    let legs = solved_transposed(&value, &force.map(|x| x.value))?;
-    let by_slope = to_matrix(&slope).tr_mul(&to_vector(&legs));
-    solved_transposed(&value, &core::array::from_fn(|i| force[i].derivative - by_slope[i]))
+    let forces = solved_transposed(&value, &wrench.map(|x| x.value))?;
+    let by_slope = to_matrix(&slope).tr_mul(&to_vector(&forces));
+    let slopes = solved_transposed(&value, &core::array::from_fn(|i| wrench[i].derivative - by_slope[i]))?;
+    let force = core::array::from_fn(|i| Dual { value: forces[i], derivative: slopes[i] });
+    Ok(LegState { length: legs.length, rate, force })
 }
 
 /// The parameters, which grow in the direction.
-fn lifted(of: &Params, along: &Direction) -> Params<Dual<f64>> {
+pub(crate) fn lifted(of: &Params, along: &Direction) -> Params<Dual<f64>> {
     let lift = |value: f64, derivative: f64| Dual { value, derivative };
     let lift_three = |value: [f64; 3], derivative: [f64; 3]| [0, 1, 2].map(|i| lift(value[i], derivative[i]));
     Params {

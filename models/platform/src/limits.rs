@@ -2,6 +2,8 @@
 
 use core::fmt;
 
+use mbs_runtime::Scalar;
+
 use super::{Coordinates, LegVector, Platform, PlatformMotion, PoseError, Superposition};
 
 /// Bounds of every leg.
@@ -176,13 +178,23 @@ impl fmt::Display for Violation {
 
 /// What the legs do at a moment.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct LegState {
+pub struct LegState<T = f64> {
     /// Lengths \[m\].
-    pub length: LegVector,
+    pub length: LegVector<T>,
     /// Their rates \[m/s\].
-    pub rate: LegVector,
+    pub rate: LegVector<T>,
     /// Forces \[N\].
-    pub force: LegVector,
+    pub force: LegVector<T>,
+}
+
+impl<T: Scalar> LegState<T> {
+    /// What the actuators do \[W\]: `P_i = F_i l̇_i`, negative where a leg is pushed in against its force.
+    ///
+    /// The six together are the rate at which the energy of platform, payload and legs grows.
+    #[must_use]
+    pub fn power(&self) -> LegVector<T> {
+        core::array::from_fn(|i| self.force[i] * self.rate[i])
+    }
 }
 
 /// Where a motion exceeds one limit of one leg.

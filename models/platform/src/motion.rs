@@ -2,7 +2,7 @@
 //! motions.
 //!
 //! The thesis says that there are eight and prints two, tables 3 and 4, without their frequency; the others are
-//! proposals, and the frequency π/2 rad/s is assumed. A [`Superposition`] has as many sines in each coordinate as it
+//! proposals (which, and why so: `docs/thesis/chapter_4.md`), and the frequency π/2 rad/s is assumed. A [`Superposition`] has as many sines in each coordinate as it
 //! has motions: a deck at sea.
 
 use core::f64::consts::FRAC_PI_2;
@@ -19,15 +19,15 @@ pub trait PlatformMotion {
 
 /// `q_i(t) = mean_i + sine_i sin(ω_i t) + cosine_i cos(ω_i t)`.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Motion {
+pub struct Motion<T = f64> {
     /// \[m, rad\]
-    pub mean: Coordinates,
+    pub mean: Coordinates<T>,
     /// \[m, rad\]
-    pub sine: Coordinates,
+    pub sine: Coordinates<T>,
     /// \[m, rad\]
-    pub cosine: Coordinates,
+    pub cosine: Coordinates<T>,
     /// `ω_i` \[rad/s\]
-    pub frequency: Coordinates,
+    pub frequency: Coordinates<T>,
 }
 
 const DEGREE: f64 = core::f64::consts::PI / 180.0;
@@ -76,7 +76,9 @@ impl Motion {
         let [x, y, z, ..] = Self::TABLE_4.mean;
         Self { mean: [x, y, z, angles[0], angles[1], angles[2]], ..Self::TABLE_4 }
     }
+}
 
+impl<T: Scalar> Motion<T> {
     /// Coordinates, rates and accelerations at a time \[s\].
     ///
     /// ```
@@ -87,13 +89,13 @@ impl Motion {
     /// assert!((qdd[2] - 0.08 * (core::f64::consts::FRAC_PI_2).powi(2)).abs() < 1e-15);
     /// ```
     #[must_use]
-    pub fn at(&self, t: f64) -> [Coordinates; 3] {
-        let mut motion = [self.mean, [0.0; 6], [0.0; 6]];
+    pub fn at(&self, t: f64) -> [Coordinates<T>; 3] {
+        let mut motion = [self.mean, [T::zero(); 6], [T::zero(); 6]];
         for i in 0..6 {
             let w = self.frequency[i];
-            let (sin, cos) = Scalar::sin_cos(w * t);
+            let (sin, cos) = (w * T::from_f64(t)).sin_cos();
             let swing = self.sine[i] * sin + self.cosine[i] * cos;
-            motion[0][i] += swing;
+            motion[0][i] = motion[0][i] + swing;
             motion[1][i] = w * (self.sine[i] * cos - self.cosine[i] * sin);
             motion[2][i] = -(w * w) * swing;
         }
