@@ -8,6 +8,7 @@
 //! | (4.6)–(4.11)  | [`leg`]: a leg in spherical coordinates, corrected                                                |
 //! | (4.12)–(4.18) | the generated mechanism; [`dynamics`]: forces of the legs for an imposed motion; [`control`] by it |
 //! | table 3, 4    | [`motion`]: the imposed motions, and sums of them                                                 |
+//! | chapter 6     | [`marine`]: a platform at sea, which heaves, rolls, pitches and yaws by dynamics of its own         |
 //!
 //! Coordinates are `q = (x, y, z, φ, θ, ψ)`: the place of the platform's frame \[m\] and the angles of `R = Rz(ψ) Ry(θ)
 //! Rx(φ)` \[rad\]. The frame lies in the plane of the platform's joints, the base's joints lie in the plane z = 0, z is
@@ -40,6 +41,7 @@ pub mod geometry;
 pub mod jacobian;
 pub mod leg;
 pub mod limits;
+pub mod marine;
 pub mod motion;
 
 pub use direct::{DirectKinematics, NotFound};
