@@ -6,6 +6,7 @@ mod arm_trajectory;
 #[path = "../errata.rs"]
 mod errata;
 mod experiment;
+mod marine;
 mod orbit_anomaly;
 mod orbit_elements;
 mod orbit_extremes;
