@@ -1,13 +1,14 @@
-//! Every `.mbs` file of this folder becomes a module of this crate; those of `elastic/` too, with the functions that
-//! motions, vibrations and their derivatives need.
+//! Every `.mbs` file of this folder becomes a module of this crate. Those in folders do too, with the functions that are
+//! called: `elastic/` for motions, vibrations and their derivatives, `marine/` whole.
 fn main() {
     mbs_derive::Config::new().compile_folder(".");
-    let functions = ["kinetic_energy", "potential_energy", "mass_matrix", "gravity", "forward_dynamics", "linearize"];
-    for (file, outputs) in [("irb7600_elastic", &["flange", "flange_jacobian"][..]), ("stewart_platform_elastic", &[])]
-    {
-        mbs_derive::Config::new()
-            .functions(functions)
-            .functions(outputs.iter().copied())
-            .compile(format!("elastic/{file}.mbs"));
-    }
+    let dynamics = ["kinetic_energy", "potential_energy", "mass_matrix", "gravity", "forward_dynamics", "linearize"];
+    only("elastic/irb7600_elastic.mbs", &[&dynamics[..], &["flange", "flange_jacobian"]].concat());
+    only("elastic/stewart_platform_elastic.mbs", &dynamics);
+    mbs_derive::compile("marine/marine_platform.mbs");
+}
+
+/// These functions of a mechanism.
+fn only(file: &str, functions: &[&str]) {
+    mbs_derive::Config::new().functions(functions.iter().copied()).compile(file);
 }

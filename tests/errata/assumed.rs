@@ -15,8 +15,10 @@ use mbs_landing::quadrotor::ground_effect::LEAST_HEIGHT;
 use mbs_landing::quadrotor::landing::Landing;
 use mbs_landing::quadrotor::lqr::Weights;
 use mbs_landing::quadrotor::standing::Standing;
+use mbs_models::marine_platform;
 use mbs_models::{irb7600, irb7600_rail, quadrotor_euler, quadrotor_quaternion, relative_lvlh, stewart_platform};
 use mbs_orbit::mission::{Axis, Mission};
+use mbs_platform::marine::{control, simulation, spectrum, thrusters::Thrusters, wind};
 use mbs_platform::{ActuatorLimits, HOME, Motion, Superposition};
 use nalgebra::Vector3;
 
@@ -142,6 +144,33 @@ fn experiment() -> Vec<(&'static str, Vec<f64>)> {
     ]
 }
 
+fn marine() -> Vec<(&'static str, Vec<f64>)> {
+    let p = marine_platform::Params::<f64>::default();
+    let (thrusters, weights, over) =
+        (Thrusters::default(), control::Weights::default(), wind::Superstructure::default());
+    let full = thrusters.thrust[0] / thrusters.rate[0];
+    assert!((0..6).all(|i| thrusters.thrust[i] == full * thrusters.rate[i]) && weights.thrust == thrusters.thrust);
+    let in_degrees = |[z, a, b, c]: [f64; 4]| [&[z][..], &degrees([a, b, c])].concat();
+    let hull = [&[p.column_radius][..], &p.column_place, &p.pontoon, &[p.mass_centre]].concat();
+    let limits = [thrusters.thrust[0] / 1e3, thrusters.thrust[4] / 1e3, full];
+    vec![
+        ("marine.freedoms", vec![]),
+        ("marine.masses", [&[p.m / 1e3][..], &p.inertias].concat()),
+        ("marine.hull", hull),
+        ("marine.added", [&[p.added_mass / 1e3][..], &p.added_inertias].concat()),
+        ("marine.damping", [&[p.heave_damping][..], &p.turn_damping, &[p.heave_drag], &p.turn_drag].concat()),
+        ("marine.mooring", vec![p.mooring]),
+        ("marine.water", vec![p.density]),
+        ("marine.thrusters", [&p.lift_place[..], &p.lateral_place, &limits].concat()),
+        ("marine.loads", vec![]),
+        ("marine.peakedness", vec![spectrum::PEAKEDNESS]),
+        ("marine.gusts", vec![wind::SURFACE_DRAG, wind::FASTEST]),
+        ("marine.superstructure", [&over.areas[..], &[over.drag_coefficient, over.air_density], &over.place].concat()),
+        ("marine.freeboard", vec![simulation::FREEBOARD]),
+        ("marine.control", [in_degrees(weights.position), in_degrees(weights.rate)].concat()),
+    ]
+}
+
 fn orbits() -> Vec<(&'static str, Vec<f64>)> {
     let (p, mission) = (relative_lvlh::Params::<f64>::default(), Mission::to_the_station(Axis::VBar));
     let [station, vehicle] = [mission.station, mission.vehicle].map(|state| Vector3::from(state.position));
@@ -165,7 +194,7 @@ fn orbits() -> Vec<(&'static str, Vec<f64>)> {
 #[test]
 fn assumed_values_are_those_of_the_code() {
     let known: BTreeMap<_, _> =
-        [arm(), platform(), quadrotor(), experiment(), orbits()].into_iter().flatten().collect();
+        [arm(), platform(), quadrotor(), experiment(), marine(), orbits()].into_iter().flatten().collect();
     let mut checked = 0;
     for Row { key, value, status, place } in rows() {
         assert!(["assumed", "recalled", "reading"].contains(&status.as_str()), "{key}: {status}");
@@ -188,10 +217,11 @@ fn assumed_values_are_those_of_the_code() {
 
 /// Parameters of the thesis' mechanisms: the thesis gives their values, they are public constants, or they are rows of
 /// the page.
-const SOURCES: [(&str, &[(&str, &str)]); 10] = [
+const SOURCES: [(&str, &[(&str, &str)]); 11] = [
     ("irb7600", &ARM),
     ("irb7600_rail", &RAIL_ARM),
     ("stewart_platform", &PLATFORM),
+    ("marine/marine_platform", &MARINE),
     ("quadrotor_euler", &QUADROTOR),
     ("quadrotor_quaternion", &QUADROTOR),
     ("relative_cylindrical", &[("m", "orbit.body"), ("mu", PUBLIC), ("station_mass", "orbit.station_mass")]),
@@ -244,6 +274,26 @@ const PLATFORM: [(&str, &str); 15] = [
     ("piston_mass", "platform.pistons"),
     ("piston_centre", "platform.pistons"),
     ("piston_inertia", "platform.pistons"),
+    ("g", "gravity"),
+];
+
+const MARINE: [(&str, &str); 17] = [
+    ("m", "marine.masses"),
+    ("inertias", "marine.masses"),
+    ("added_mass", "marine.added"),
+    ("added_inertias", "marine.added"),
+    ("column_radius", "marine.hull"),
+    ("column_place", "marine.hull"),
+    ("pontoon", "marine.hull"),
+    ("mass_centre", "marine.hull"),
+    ("heave_damping", "marine.damping"),
+    ("turn_damping", "marine.damping"),
+    ("heave_drag", "marine.damping"),
+    ("turn_drag", "marine.damping"),
+    ("mooring", "marine.mooring"),
+    ("lift_place", "marine.thrusters"),
+    ("lateral_place", "marine.thrusters"),
+    ("density", "marine.water"),
     ("g", "gravity"),
 ];
 

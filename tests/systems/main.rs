@@ -8,6 +8,7 @@ mod elastic;
 #[path = "../errata.rs"]
 mod errata;
 mod experiment;
+mod marine;
 mod orbit_anomaly;
 mod orbit_elements;
 mod orbit_extremes;

@@ -7,6 +7,7 @@ mod elastic_arm;
 mod experiment;
 mod gallery;
 mod landing_maps;
+mod marine;
 mod minimum_effort;
 mod nonholonomic;
 mod orbits;

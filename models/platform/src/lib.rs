@@ -9,6 +9,7 @@
 //! | (4.12)–(4.18) | the generated mechanism; [`dynamics`]: forces of the legs for an imposed motion; [`control`] by it |
 //! | table 3, 4    | [`motion`]: the imposed motions, and sums of them                                                 |
 //! | 4.3           | [`sensitivity`]: of what the legs do to every parameter of platform and motion                    |
+//! | chapter 6     | [`marine`]: a platform at sea, which heaves, rolls, pitches and yaws by dynamics of its own         |
 //!
 //! Coordinates are `q = (x, y, z, φ, θ, ψ)`: the place of the platform's frame \[m\] and the angles of `R = Rz(ψ) Ry(θ)
 //! Rx(φ)` \[rad\]. The frame lies in the plane of the platform's joints, the base's joints lie in the plane z = 0, z is
@@ -41,6 +42,7 @@ pub mod geometry;
 pub mod jacobian;
 pub mod leg;
 pub mod limits;
+pub mod marine;
 pub mod motion;
 pub mod sensitivity;
 
