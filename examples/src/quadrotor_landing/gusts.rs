@@ -88,6 +88,8 @@ fn landed(
     )
 }
 
+type Series = (&'static str, fn(&Gust) -> f64);
+
 impl InGusts {
     /// Flies all landings of a case.
     ///
@@ -165,10 +167,9 @@ impl InGusts {
     #[must_use]
     pub fn drawn(&self) -> (String, Figure) {
         let end = self.moments.last().map_or(1.0, |last| last.t);
-        let panel = |label: &str, series: &[(&str, fn(&Gust) -> f64)]| {
-            let line = |&(name, of): &(&str, fn(&Gust) -> f64)| {
-                Line::new(name, self.moments.iter().map(|gust| (gust.t, of(gust))).collect())
-            };
+        let panel = |label: &str, series: &[Series]| {
+            let line =
+                |&(name, of): &Series| Line::new(name, self.moments.iter().map(|gust| (gust.t, of(gust))).collect());
             let (x_label, y_label) = ("t [s]".to_string(), label.to_string());
             Panel::Curves(Curves { x_label, y_label, x_range: 0.0..end, lines: series.iter().map(line).collect() })
         };
