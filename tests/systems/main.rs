@@ -3,6 +3,7 @@
 mod arm_dynamics;
 mod arm_kinematics;
 mod arm_trajectory;
+mod assistive;
 mod elastic;
 #[path = "../errata.rs"]
 mod errata;

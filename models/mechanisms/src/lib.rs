@@ -9,7 +9,8 @@ pub mod check;
 
 include!(concat!(env!("OUT_DIR"), "/mechanisms.rs"));
 
-// What `mechanisms/elastic/` declares: variants of mechanisms above, held against these by tests of their own.
+// What `elastic/` declares: mechanisms with springs, which have tests of their own and no snapshots.
+include!(concat!(env!("OUT_DIR"), "/assistive_arm.rs"));
 include!(concat!(env!("OUT_DIR"), "/irb7600_elastic.rs"));
 include!(concat!(env!("OUT_DIR"), "/stewart_platform_elastic.rs"));
 
