@@ -19,7 +19,7 @@ use serde_json::{Value, json};
 /// What torques and motions rest on.
 const ASSUMED: [&str; 2] = ["gravity", "assistive."];
 /// Yaw of shoulder and elbow, elevation of both links at the start \[°\].
-const START: [f64; 4] = [20.0, 40.0, 30.0, -20.0];
+const START: [f64; 4] = [20.0, 90.0, 0.0, -40.0];
 /// \[s\]
 const DURATION: f64 = 4.0;
 const SAMPLES: usize = 400;
