@@ -1,8 +1,8 @@
 //! How light is a forearm that an assistive arm carries, and how much do its springs take off the motors?
 //!
-//! A person pushes the arm's end up, then to the side and forwards, and lets go. The motors make it feel like a small mass
-//! in a viscous medium; springs of zero free length carry the weight in every posture. Look at the torques that lift:
-//! without springs they are those of the weight. A second arm has springs for a lighter forearm than it carries.
+//! A person pushes the arm's end up, then to the side and forwards, and lets go. The motors make it feel like a small
+//! mass in a viscous medium; springs of zero free length carry the weight in every posture. Look at the torques that
+//! lift: without springs they are those of the weight. A second arm has springs for a lighter forearm than it carries.
 //!
 //! `--out DIR` writes the figure (SVG and PNG) and the curves (CSV).
 

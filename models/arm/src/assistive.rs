@@ -1,11 +1,11 @@
 //! An arm that carries a person's forearm: springs that take its weight, and motors that make it easy to move.
 //!
-//! Springs of zero free length balance both links in every posture; what is left for the motors is inertia and friction.
-//! They turn the arm into a small mass in a viscous medium, in the person's hand: admittance control.
+//! Springs of zero free length balance both links in every posture; what is left for the motors is inertia and
+//! friction. They turn the arm into a small mass in a viscous medium, in the person's hand: admittance control.
 //!
 //! # Source
-//! Springs: J. L. Herder, *Energy-Free Systems*, 2001, section 4.2; control: N. Hogan, *Impedance control: an approach to
-//! manipulation*, Journal of Dynamic Systems, Measurement, and Control 107:1, 1985, part II.
+//! Springs: J. L. Herder, *Energy-Free Systems*, 2001, section 4.2; control: N. Hogan, *Impedance control: an approach
+//! to manipulation*, Journal of Dynamic Systems, Measurement, and Control 107:1, 1985, part II.
 
 use mbs_models::assistive_arm::{AssistiveArm, Params};
 use mbs_models::check::{Invalid, positive};
@@ -46,8 +46,9 @@ impl Admittance {
 
     /// Torques of the four motors \[N·m\], two that turn and two that lift, by `model`, under the person's force \[N\].
     ///
-    /// The hand's acceleration `a = (F − d v)/m` is met by `q̈ = J⁺ (a − J̇ q̇) − σ (q̇ − J⁺ J q̇)` with `J⁺ = Jᵀ (J Jᵀ)⁻¹`,
-    /// and `τ = M q̈ + h + ∂D/∂q̇ − Jᵀ F`. `None` where J loses rank: with both links upright, or one above the other.
+    /// The hand's acceleration `a = (F − d v)/m` is met by `q̈ = J⁺ (a − J̇ q̇) − σ (q̇ − J⁺ J q̇)` with `J⁺ = Jᵀ (J
+    /// Jᵀ)⁻¹`, and `τ = M q̈ + h + ∂D/∂q̇ − Jᵀ F`. `None` where J loses rank: with both links upright, or one above the
+    /// other.
     #[must_use]
     pub fn torques(
         &self,
