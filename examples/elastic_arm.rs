@@ -1,9 +1,9 @@
 //! How does the IRB 7600 ring when it stops, if joints and gears give way?
 //!
 //! Its motors follow case 1 of the thesis, the way of Table 2 in 50 s, by motor encoders and a model that knows the
-//! weight; the joints hang on springs behind them. The quartic of the thesis stops with a jump of the acceleration (E9):
-//! look at the flange after the stop, beside the quintic, which has none. The natural frequencies and what the flange
-//! gives way under its payload stand above it.
+//! weight; the joints hang on springs behind them. The quartic of the thesis stops with a jump of the acceleration
+//! (E9): look at the flange after the stop, beside the quintic, which has none. The natural frequencies and what the
+//! flange gives way under its payload stand above it.
 //!
 //! `--out DIR` writes the figure (SVG and PNG) and the curves (CSV).
 
@@ -83,8 +83,8 @@ fn swing(ringing: &Ringing) -> f64 {
     after().fold(f64::NEG_INFINITY, f64::max) - after().fold(f64::INFINITY, f64::min)
 }
 
-/// Motors under control of their own angles: feed-forward of weight, inertia and springs, and feedback that is critically
-/// damped.
+/// Motors under control of their own angles: feed-forward of weight, inertia and springs, and feedback that is
+/// critically damped.
 fn ringing(arm: &Arm, elastic: &ElasticArm, motion: &impl Motion<6>) -> Result<Ringing, Failure> {
     let (inertia, stiffness) = (elastic.rotor_inertia(), elastic.model.params().stiffness);
     // Joint torques wanted, and the motors' angles that give them.

@@ -64,7 +64,7 @@ pub(crate) struct Comparison {
     /// The finest last.
     motions: Vec<MinimumEffort<6, 6>>,
     pub(crate) by_optimum: Vec<Sample>,
-    /// The angles' largest deviation under the torques alone, until then \[rad\]: half the way, and all of it.
+    /// The angles' largest deviation under the torques alone \[rad\]: half the way, and all of it.
     astray: [f64; 2],
 }
 

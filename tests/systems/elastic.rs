@@ -94,7 +94,7 @@ fn of_linearization<const U: usize>(linear: &Linearization<f64, 12, U>) -> Vec<f
     let plant = StateSpace::<24, 1, 1> { a, b: [[0.0]; 24], c: [[0.0; 24]], d: [[0.0]] };
     // Unstable motions, of an arm whose motors are free to fall, are no frequencies.
     let mut found: Vec<f64> =
-        plant.poles().unwrap().into_iter().filter(|pole| pole.im > 1.0).map(|pole| natural_frequency(pole)).collect();
+        plant.poles().unwrap().into_iter().filter(|pole| pole.im > 1.0).map(natural_frequency).collect();
     found.sort_unstable_by(f64::total_cmp);
     found
 }

@@ -2,6 +2,7 @@
 
 mod adaptive;
 mod arm;
+mod assistive_arm;
 mod docking;
 mod elastic_arm;
 mod experiment;

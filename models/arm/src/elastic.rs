@@ -1,7 +1,7 @@
 //! The arm with elastic joints and gears: how far it gives way, and how fast it swings.
 //!
-//! Of each motor the rotor turns about its own axis only, behind a gear and a spring: with angles θ of the motors seen at
-//! the joints,
+//! Of each motor the rotor turns about its own axis only, behind a gear and a spring: with angles θ of the motors seen
+//! at the joints,
 //!
 //! ```text
 //! M(q) q̈ + C q̇ + G + D (q̇ − θ̇) + K (q − θ) = 0,   J θ̈ + D (θ̇ − q̇) + K (θ − q) = τ,   J = n² J_rotor

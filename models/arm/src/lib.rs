@@ -7,7 +7,7 @@
 //! | (3.5)–(3.12)      | [`inverse`]: all configurations of a pose, in closed form; [`printed`]: the formulas as printed |
 //! | (3.13)–(3.16)     | [`jacobian`]: of the flange and of the mass centres; singularities, velocities, forces        |
 //! | (3.17)–(3.19)     | [`irb7600`](mbs_models::irb7600), generated; [`control`] by it; [`limits`] of the drives           |
-//! | 8.3               | [`elastic`]: joints and gears that give way                                                   |
+//! | 8.3               | [`elastic`]: joints and gears that give way; [`assistive`]: an arm that carries a person's     |
 //! | 3.5, 3.6, table 2 | [`trajectory`]: motions from one posture to another, and along paths                              |
 //! | 8.3               | [`inertial`]: the numbers that forces are linear in, for adaptive control                     |
 //!
@@ -35,6 +35,7 @@
 #[cfg(feature = "std")]
 extern crate std;
 
+pub mod assistive;
 pub mod control;
 pub mod elastic;
 pub mod inertial;

@@ -14,7 +14,8 @@ include!(concat!(env!("OUT_DIR"), "/marine_platform.rs"));
 /// The declaration of [`marine_platform`], which is not among [`SOURCES`].
 pub const MARINE_PLATFORM: &str = include_str!("../marine/marine_platform.mbs");
 
-// What `mechanisms/elastic/` declares: variants of mechanisms above, held against these by tests of their own.
+// What `elastic/` declares: mechanisms with springs, which have tests of their own and no snapshots.
+include!(concat!(env!("OUT_DIR"), "/assistive_arm.rs"));
 include!(concat!(env!("OUT_DIR"), "/irb7600_elastic.rs"));
 include!(concat!(env!("OUT_DIR"), "/stewart_platform_elastic.rs"));
 

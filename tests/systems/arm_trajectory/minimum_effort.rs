@@ -54,7 +54,8 @@ fn a_torque_limit_saturates_the_straight_line() {
     assert!((motion.effort() - 8.0 / 3.0).abs() < 1e-6, "{}", motion.effort());
     for point in motion.points() {
         let want = (2.0 - point.t).clamp(-1.0, 1.0);
-        // In the corners neither the limit nor its multiplier holds the torque: there it is the root of the tolerance off.
+        // In the corners neither the limit nor its multiplier holds the torque: there it is the root of the tolerance
+        // off.
         assert!((point.input[0] - want).abs() < 2e-4, "{}: {}", point.t, point.input[0]);
     }
     // Without the limit less effort does it, with more torque than that.

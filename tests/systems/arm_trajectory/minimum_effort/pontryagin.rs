@@ -1,8 +1,8 @@
 //! Swing-ups, found a second time by solving the boundary value problem of Pontryagin's principle.
 //!
 //! With `H = u² + pᵀ f(x, u)` and f linear in u: `u = −½ pᵀ ∂f/∂u`, `ẋ = f`, `ṗ = −(∂f/∂x)ᵀ p`. The equations of motion
-//! are typed here; dual numbers differentiate them, Runge and Kutta's method of order four integrates them, and Newton's
-//! method finds the costates at the start from which the motion arrives.
+//! are typed here; dual numbers differentiate them, Runge and Kutta's method of order four integrates them, and
+//! Newton's method finds the costates at the start from which the motion arrives.
 
 use nalgebra::{DMatrix, DVector};
 

@@ -54,8 +54,8 @@ const ARMIJO: f64 = 1e-4;
 const CURVATURE: f64 = 1e-10;
 
 /// One barrier after the other is minimized by Newton's method on the primal–dual conditions, with exact second
-/// derivatives; where the Lagrangian is not convex along the step, the Hessian is shifted. Steps are shortened until the
-/// ℓ₁ merit function decreases enough, with a correction of second order.
+/// derivatives; where the Lagrangian is not convex along the step, the Hessian is shifted. Steps are shortened until
+/// the ℓ₁ merit function decreases enough, with a correction of second order.
 ///
 /// # Errors
 /// The last residual, with the number of iterations.
@@ -63,8 +63,8 @@ const CURVATURE: f64 = 1e-10;
 /// # Source
 /// A. Wächter, L. T. Biegler, *On the implementation of an interior-point filter line-search algorithm for large-scale
 /// nonlinear programming*, Mathematical Programming 106, 2006, sections 2.1–2.4 and 3.1; merit function: J. Nocedal,
-/// S. J. Wright, *Numerical Optimization*, 2nd ed. 2006, section 18.3; curvature instead of inertia: N.-Y. Chiang, V. M.
-/// Zavala, *An inertia-free filter line-search algorithm for large-scale nonlinear programming*, 2016, section 3.
+/// S. J. Wright, *Numerical Optimization*, 2nd ed. 2006, section 18.3; curvature instead of inertia: N.-Y. Chiang, V.
+/// M. Zavala, *An inertia-free filter line-search algorithm for large-scale nonlinear programming*, 2016, section 3.
 pub(super) fn solve<M, const N: usize, const U: usize>(
     problem: &Transcription<'_, M, N, U>,
     bounds: &Bounds,

@@ -1,0 +1,32 @@
+//! The assistive arm as outside programs see it.
+
+use crate::support::{good, json, numbers, run};
+
+const ASSISTIVE_ARM: &str = env!("CARGO_BIN_EXE_assistive_arm");
+
+#[test]
+fn springs_carry_the_forearm_and_the_hand_moves_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let found = json(&good(ASSISTIVE_ARM, &["--json", "--out", folder.path().to_str().unwrap()]));
+    let of = |name: &str, key: &str| numbers(&found["runs"][name][key]);
+    let [bare, balanced, heavy] =
+        ["without springs", "balanced", "0.3 kg too heavy"].map(|name| of(name, "peak_torque")[2]);
+    assert!(balanced < 0.2 * bare && balanced < heavy && heavy < bare, "{bare} {balanced} {heavy}");
+    // What a push moves in a viscous medium is its impulse over the damping: sin² of 1 s has half of its peak.
+    for name in ["without springs", "balanced", "0.3 kg too heavy"] {
+        for (found, force) in of(name, "way").into_iter().zip([3.0, -4.0, 6.0]) {
+            let want = 0.5 * force / 10.0;
+            assert!((found / want - 1.0).abs() < 5e-3, "{name}: {found} {want}");
+        }
+    }
+    for extension in ["svg", "png"] {
+        let figure = folder.path().join(format!("assistive_arm.{extension}"));
+        assert!(figure.metadata().unwrap().len() > 1000, "{}", figure.display());
+    }
+    assert!(found["assumed"]["assistive.feel"]["value"].is_string());
+}
+
+#[test]
+fn wrong_usage_ends_with_2() {
+    assert_eq!(run(ASSISTIVE_ARM, &["--fast"]).status.code(), Some(2));
+}
