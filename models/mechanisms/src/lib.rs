@@ -1,8 +1,8 @@
 //! The mechanisms of mbs, each described once by its energies in `models/mechanisms/*.mbs` and generated at build time.
 //!
 //! A new mechanism is one new file there. [`SOURCES`] lists the declarations; [`for_each_mechanism!`] hands every
-//! mechanism to a macro, which is how the property tests reach all of them; [`marine_platform`] is apart. What systems need around their
-//! dynamics is in crates of their own: `mbs-arm`, `mbs-platform`, `mbs-landing`, `mbs-orbit`.
+//! mechanism to a macro, which is how the property tests reach all of them; [`marine_platform`] is apart. What systems
+//! need around their dynamics is in crates of their own: `mbs-arm`, `mbs-platform`, `mbs-landing`, `mbs-orbit`.
 #![no_std]
 
 pub mod check;
