@@ -41,6 +41,7 @@ macro_rules! check_written {
 }
 mbs_models::for_each_mechanism!(check_models);
 mbs_tests::for_each_mechanism!(check_written);
+check!(mbs_models, marine_platform MarinePlatform 4 10;);
 
 /// States at which the potential is finite, which of those of a mechanism are nearly all: bodies that attract each
 /// other do not meet.
@@ -280,7 +281,8 @@ fn compiled_is_interpreted<const N: usize, const U: usize>(
 }
 
 fn derivation_of(module: &str) -> Derivation {
-    let mut sources = mbs_models::SOURCES.iter().chain(mbs_tests::mechanisms::SOURCES);
+    let apart = [("marine_platform", mbs_models::MARINE_PLATFORM)];
+    let mut sources = mbs_models::SOURCES.iter().chain(mbs_tests::mechanisms::SOURCES).chain(&apart);
     let (_, source) = sources.find(|(name, _)| *name == module).expect("a file of this name");
     let graph = Graph::verbatim();
     let (lagrangian, _) = declared(source, &graph, &[]).expect("a mechanism of the repository");

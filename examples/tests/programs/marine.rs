@@ -75,13 +75,12 @@ fn figures_and_tables_are_written() {
             assert!(figure.metadata().unwrap().len() > 1000, "{}", figure.display());
         }
     }
-    // The motion in the table has the root mean square of the report, but for the samples between.
+    // The motion in the table has the root mean square of the summary.
     let table = std::fs::read_to_string(folder.path().join("marine_motion.csv")).unwrap();
     let heave: Vec<f64> = table.lines().skip(1).map(|line| line.split(',').nth(2).unwrap().parse().unwrap()).collect();
     let mean = heave.iter().sum::<f64>() / heave.len() as f64;
     let rms = (heave.iter().map(|z| (z - mean).powi(2)).sum::<f64>() / heave.len() as f64).sqrt();
-    let found = json(&good(MARINE, &["--json"]));
-    assert!((rms / number(&found["uncontrolled"]["heave"]["rms"]) - 1.0).abs() < 1e-3, "{rms}");
+    assert!(summary.contains(&format!(" {rms:.3} ")), "{rms}: {summary}");
 }
 
 #[test]
@@ -93,7 +92,7 @@ fn weathers_that_there_are_not_are_refused() {
         (["--period", "4"], 1, "too steep"),
         (["--wind", "-1"], 1, "mean wind must not be negative, it is -1"),
         (["--height", "high"], 2, "--height"),
-        (["--seed", "-1"], 2, "--seed"),
+        (["--seed", "first"], 2, "--seed"),
     ] {
         let output = run(MARINE, &arguments);
         let complaint = String::from_utf8_lossy(&output.stderr);

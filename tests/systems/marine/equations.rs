@@ -14,8 +14,8 @@ fn position(random: &mut Random) -> [f64; 4] {
     [random.uniform(-1.0..1.0), random.uniform(-0.2..0.2), random.uniform(-0.2..0.2), random.uniform(-3.0..3.0)]
 }
 
-/// Force and moment about the mass centre of the water at rest on columns and pontoons, in the platform's axes: weights of
-/// what is displaced at their centres, summed up over small pieces of the columns.
+/// Force and moment about the mass centre of the water at rest on columns and pontoons, in the platform's axes: weights
+/// of what is displaced at their centres, summed up over small pieces of the columns.
 fn archimedes(p: &Params, z: f64, up: Vector3<f64>) -> [Vector3<f64>; 2] {
     let volume = 2.0 * p.pontoon[0] * p.pontoon[1] * p.pontoon[2];
     let draught = (p.m / p.density - volume) / (4.0 * PI * p.column_radius.powi(2));

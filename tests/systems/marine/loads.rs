@@ -21,7 +21,8 @@ fn gauss() -> [(f64, f64); 5] {
     [(-outer, far), (-inner, near), (0.0, 128.0 / 225.0), (inner, near), (outer, far)]
 }
 
-/// Pressure over `ρ g`, and its gradient, at a place over which the mean surface is at 0, for `τ = phase` at the origin.
+/// Pressure over `ρ g`, and its gradient, at a place over which the mean surface is at 0, for `τ = phase` at the
+/// origin.
 fn pressure(wave: &Wave, place: Vector3<f64>, phase: f64) -> (f64, Vector3<f64>) {
     let k = wave.frequency.powi(2) / 9.80665;
     let (s, c) = wave.direction.sin_cos();
@@ -30,8 +31,8 @@ fn pressure(wave: &Wave, place: Vector3<f64>, phase: f64) -> (f64, Vector3<f64>)
     (decay * cos, Vector3::new(k * c * decay * sin, k * s * decay * sin, k * decay * cos))
 }
 
-/// Force and moments about the mass centre of the pressure in the undisturbed wave: over the volume of the pontoons, and
-/// of the columns sideways, upwards over their feet.
+/// Force and moments about the mass centre of the pressure in the undisturbed wave: over the volume of the pontoons,
+/// and of the columns sideways, upwards over their feet.
 fn froude_krylov(hull: &Hull, wave: &Wave, phase: f64) -> [f64; 4] {
     let p = hull.params;
     let weight = p.density * p.g;
@@ -124,7 +125,12 @@ fn very_long_waves_are_slopes() {
     assert!((response.sine[1] / (stiffness[1] * k * s) - 1.0).abs() < 5e-3);
     // ∂ζ/∂x = k c at τ = 90°, and a surface that rises ahead lifts the bow.
     assert!((response.sine[2] / (-stiffness[2] * k * c) - 1.0).abs() < 5e-3);
+    // Damping acts on the motion against the water's: none where it goes with the surface.
     let p = hull.params;
+    let (w, damping) = (wave.frequency, p.turn_damping);
+    assert!((response.sine[0] / (-p.heave_damping * w) - 1.0).abs() < 5e-3);
+    assert!((response.cosine[1] / (damping[0] * w * k * s) - 1.0).abs() < 5e-3);
+    assert!((response.cosine[2] / (-damping[1] * w * k * c) - 1.0).abs() < 5e-3);
     let columns = hull.waterplane * hull.draught * (p.column_place[0].powi(2) - p.column_place[1].powi(2));
     let pontoons = hull.submerged * ((p.pontoon[0].powi(2) - p.pontoon[1].powi(2)) / 12.0 - p.column_place[1].powi(2));
     let yaw = p.density * p.g * (columns + pontoons) * k * k * s * c;

@@ -1,9 +1,9 @@
 //! A linear quadratic regulator of all thrusters, from the generated linearization at rest.
 //!
-//! Six thrusters move four coordinates. `u = −K x`, x = (q, q̇), makes `∫ xᵀ Q x + uᵀ R u dt` least, so of all thrusts with
-//! the same effect it asks for the least in the sense of R: that is how they share the work. In heave, roll and pitch
-//! the sea is stronger than the thrusters, and what they can do is damp: there Q weighs rates before all, in yaw the
-//! angle, too. Greater gains make it worse: thrusters at their limits come late.
+//! Six thrusters move four coordinates. `u = −K x`, x = (q, q̇), makes `∫ xᵀ Q x + uᵀ R u dt` least, so of all thrusts
+//! with the same effect it asks for the least in the sense of R: that is how they share the work. In heave, roll and
+//! pitch the sea is stronger than the thrusters, and what they can do is damp: there Q weighs rates before all, in yaw
+//! the angle, too. Greater gains make it worse: thrusters at their limits come late.
 
 use mbs_models::marine_platform::{MarinePlatform, Params};
 use mbs_runtime::control::{self, StateSpace};

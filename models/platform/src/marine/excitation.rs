@@ -1,9 +1,9 @@
-//! What waves do to the platform: pressure on columns and pontoons as it is in the undisturbed wave (Froude and Krylov),
-//! and the added mass and damping of the pontoons against water that moves up and down (relative motion).
+//! What waves do to the platform: pressure on columns and pontoons as it is in the undisturbed wave (Froude and
+//! Krylov), and the added mass and damping of the pontoons against water that moves up and down (relative motion).
 //!
-//! A wave `ζ = A cos τ` at the origin, `τ = ω t + ε`, goes by `c = cos χ` along and `s = sin χ` across the platform. The
-//! columns stand at (±X, ±Y) with feet at the depth d, the pontoons lie at ±Y over the length l, at the depth p, their
-//! volume is V:
+//! A wave `ζ = A cos τ` at the origin, `τ = ω t + ε`, goes by `c = cos χ` along and `s = sin χ` across the platform.
+//! The columns stand at (±X, ±Y) with feet at the depth d, the pontoons lie at ±Y over the length l, at the depth p,
+//! their volume is V:
 //!
 //! ```text
 //! heave  (ρ g A_w e^(−kd) C_c − ω² (ρV + a) e^(−kp) C_p) A cos τ − b_z ω e^(−kp) C_p A sin τ
@@ -17,9 +17,9 @@
 //! Left out: diffraction of the horizontal motion, drift, the platform's motion and speed in the wave.
 //!
 //! # Source
-//! O. M. Faltinsen, *Sea Loads on Ships and Offshore Structures*, 1990, chapters 3 and 5 (long waves, semi-submersibles);
-//! J. M. J. Journée and W. W. Massie, *Offshore Hydromechanics*, 2001, chapter 6 (relative motion; the factor e^(−kd) is
-//! Smith's).
+//! O. M. Faltinsen, *Sea Loads on Ships and Offshore Structures*, 1990, chapter 3 (long waves, heave of a
+//! semi-submersible); J. M. J. Journée and W. W. Massie, *Offshore Hydromechanics*, 2001, chapter 6 (relative motion;
+//! the factor e^(−kd) is Smith's).
 
 use mbs_models::marine_platform::Params;
 use mbs_runtime::Scalar;
@@ -27,7 +27,6 @@ use mbs_runtime::Scalar;
 use super::Four;
 use super::hull::Hull;
 use super::sea::{Sea, Wave};
-use super::spectrum::GRAVITY;
 
 /// A force of one wave: `cosine cos τ + sine sin τ`, of heave \[N\], roll, pitch and yaw \[N·m\].
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -168,10 +167,4 @@ pub fn amplitude_operator(hull: &Hull, wave: &Wave) -> Four {
 #[must_use]
 pub fn unit_wave(frequency: f64, direction: f64) -> Wave {
     Wave { amplitude: 1.0, frequency, direction, phase: 0.0 }
-}
-
-/// Length of a wave in deep water, `2π g/ω²` \[m\].
-#[must_use]
-pub fn wave_length(frequency: f64) -> f64 {
-    2.0 * core::f64::consts::PI * GRAVITY / (frequency * frequency)
 }

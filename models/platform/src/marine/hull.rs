@@ -38,8 +38,8 @@ impl Hull {
     /// Of a platform with these parameters.
     ///
     /// # Errors
-    /// [`MarineError::Invalid`] where a mass, an inertia, a length or a stiffness is not positive or a damping negative;
-    /// [`MarineError::Unstable`] where it does not float upright with its columns in the water.
+    /// [`MarineError::Invalid`] where a mass, an inertia, a length or a stiffness is not positive or a damping
+    /// negative; [`MarineError::Unstable`] where it does not float upright with its columns in the water.
     pub fn new(params: &Params) -> Result<Self, MarineError> {
         let p = *params;
         positive("m", p.m)?;
@@ -98,8 +98,8 @@ impl Hull {
         core::array::from_fn(|i| 2.0 * PI * Scalar::sqrt(inertia[i] / stiffness[i]))
     }
 
-    /// How deep the lower ends of the columns are in still water \[m\]: ahead on the left and on the right, behind on the
-    /// left and on the right.
+    /// How deep the lower ends of the columns are in still water \[m\]: ahead on the left and on the right, behind on
+    /// the left and on the right.
     #[must_use]
     pub fn depths(&self, q: &Four) -> Four {
         let Params { column_place: [x, y], mass_centre, .. } = self.params;

@@ -1,7 +1,7 @@
 //! A motion that was computed and is played back.
 //!
-//! Between two samples each coordinate is the quintic polynomial with the values, rates and accelerations of both: rates
-//! and accelerations are the derivatives of the coordinates exactly, and continuous.
+//! Between two samples each coordinate is the quintic polynomial with the values, rates and accelerations of both:
+//! rates and accelerations are the derivatives of the coordinates exactly, and continuous.
 
 use crate::{Coordinates, PlatformMotion};
 

@@ -54,8 +54,8 @@ pub struct Moment {
 }
 
 impl Moment {
-    /// Coordinates, rates and accelerations of the mass centre's frame as a platform that moves in six degrees of freedom
-    /// has them.
+    /// Coordinates, rates and accelerations of the mass centre's frame as a platform that moves in six degrees of
+    /// freedom has them.
     #[must_use]
     pub fn in_six(&self) -> [Coordinates; 3] {
         [self.q, self.qd, self.qdd].map(|[z, phi, theta, psi]| [0.0, 0.0, z, phi, theta, psi])
@@ -85,8 +85,8 @@ impl<const N: usize, const G: usize> AtSea<N, G> {
         &self.hull
     }
 
-    /// Simulates from a state at t = 0, with thrusters at rest, by one step of RK4 a period \[s\]; thrusts change at its
-    /// beginning and are held until the next.
+    /// Simulates from a state at t = 0, with thrusters at rest, by one step of RK4 a period \[s\]; thrusts change at
+    /// its beginning and are held until the next.
     ///
     /// `observer` sees every moment, the last one at or just after `end` \[s\].
     ///

@@ -42,8 +42,8 @@ pub struct Jonswap {
 }
 
 impl Jonswap {
-    /// By the significant wave height Hs \[m\], the peak period Tp \[s\] and the peakedness γ, from 1 (a fully developed
-    /// sea, Pierson and Moskowitz) to 7.
+    /// By the significant wave height Hs \[m\], the peak period Tp \[s\] and the peakedness γ, from 1 (a fully
+    /// developed sea, Pierson and Moskowitz) to 7.
     ///
     /// ```
     /// use mbs_platform::marine::MarineError;
@@ -113,7 +113,8 @@ impl Jonswap {
         self.variance() / (self.area * self.peak()) * 2.0 * v * v * Scalar::sqrt(v) * shape(v, self.peakedness)
     }
 
-    /// `Tz = 2π √(m₀/m₂)`, the mean time between two upward crossings of the mean level, of waves of every length \[s\].
+    /// `Tz = 2π √(m₀/m₂)`, the mean time between two upward crossings of the mean level \[s\]; waves of every length
+    /// count.
     #[must_use]
     pub fn zero_crossing_period(&self) -> f64 {
         let second = simpson(|v| shape(v, self.peakedness));

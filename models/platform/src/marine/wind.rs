@@ -17,8 +17,8 @@
 //! β is where it blows to against the platform at rest; that the platform turns and moves is left out.
 //!
 //! # Source
-//! A. G. Davenport, *The spectrum of horizontal gustiness near the ground in high winds*, Quarterly Journal of the Royal
-//! Meteorological Society 87, 1961; κ over the sea, and forces: O. M. Faltinsen, *Sea Loads on Ships and Offshore
+//! A. G. Davenport, *The spectrum of horizontal gustiness near the ground in high winds*, Quarterly Journal of the
+//! Royal Meteorological Society 87, 1961; κ over the sea, and forces: O. M. Faltinsen, *Sea Loads on Ships and Offshore
 //! Structures*, 1990, chapters 2 and 6.
 
 use core::f64::consts::PI;
@@ -73,8 +73,8 @@ impl<const N: usize> Wind<N> {
     /// gust. Without a mean it is calm.
     ///
     /// # Errors
-    /// [`MarineError::Invalid`] where the mean is negative, something is not finite, a random number is out of its range,
-    /// or N is zero.
+    /// [`MarineError::Invalid`] where the mean is negative, something is not finite, a random number is out of its
+    /// range, or N is zero.
     pub fn new(mean: f64, direction: f64, mut uniform: impl FnMut() -> f64) -> Result<Self, MarineError> {
         not_negative("mean wind", mean)?;
         finite("direction of the wind", direction)?;
