@@ -7,6 +7,7 @@ mod arm_trajectory;
 mod errata;
 mod experiment;
 mod orbit_anomaly;
+mod orbit_docking;
 mod orbit_elements;
 mod orbit_extremes;
 mod orbit_kepler;

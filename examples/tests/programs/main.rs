@@ -8,4 +8,5 @@ mod nonholonomic;
 mod orbits;
 mod platform;
 mod quadrotor;
+mod soft_docking;
 mod support;

@@ -19,7 +19,7 @@ use mbs_models::kepler::{Kepler, Params};
 use mbs_runtime::{Dop853, IntegrationError, Integrator, Scalar, State};
 
 use crate::kepler::{KeplerError, propagate};
-use crate::vector::{StateVector, Vector, cross, dot, norm, scaled};
+use crate::vector::{StateVector, Vector, cross, dot, minus, norm, scaled};
 
 /// What a main engine does.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -128,9 +128,11 @@ impl Engine {
         let half = PI * axis * Scalar::sqrt(axis / mu);
         let state = propagate(mu, &vehicle.state, half - 0.5 * (first + second))?.state;
         let (end, second) = self.burn(mu, &Vehicle { state, mass: vehicle.mass }, &[0.0, -delta_v[1], 0.0])?;
-        let momentum = cross(&end.state.position, &end.state.velocity);
-        let (axis, parameter) = (-0.5 * mu / energy(&end.state), dot(&momentum, &momentum) / mu);
-        let eccentricity = Scalar::sqrt((1.0 - parameter / axis).max(0.0));
+        let StateVector { position, velocity } = &end.state;
+        let axis = -0.5 * mu / energy(&end.state);
+        // Laplace's vector: no square root of a difference on a circle.
+        let laplace = scaled(1.0 / mu, &cross(velocity, &cross(position, velocity)));
+        let eccentricity = norm(&minus(&laplace, &scaled(1.0 / norm(position), position)));
         Ok(Raise {
             delta_v,
             durations: [first, second],
