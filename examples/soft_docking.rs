@@ -2,9 +2,9 @@
 //!
 //! A chaser comes along the V-bar from 30 m, aside and turned by some degrees, by the frames of the ports: quaternion
 //! feedback, 24 jets that fire pulses, their plumes on the station, which nobody controls, and a compliant ring with
-//! latches. Look at the ports when they touch, at what the plumes have done to the station up to then, and at the energy,
-//! which only falls. Then contacts that are not captured, and the far burns of `docking` flown by engines that need their
-//! time: what they lack falls with the square of the duration.
+//! latches. Look at the ports when they touch, at what the plumes have done to the station up to then, and at the
+//! energy, which only falls. Then contacts that are not captured, and the far burns of `docking` flown by engines
+//! that need their time: what they lack falls with the square of the duration.
 //!
 //! `--out DIR` writes figures as SVG and PNG, and the way and the burns as CSV.
 

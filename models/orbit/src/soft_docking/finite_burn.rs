@@ -4,9 +4,9 @@
 //! m r̈ = −μ m r/r³ + F d,   ṁ = −F/c,   Δv = c ln(m₀/m₁)
 //! ```
 //!
-//! The vehicle is the generated mechanism of [`mbs_models::kepler`] with the mass that is left. A burn is begun half of
-//! its duration before the impulse that it stands for, and holds its direction in inertial space; what it then lacks, the
-//! gravity loss, falls with the square of the duration.
+//! The vehicle is the generated mechanism of [`mbs_models::kepler`] with the mass that is left. A burn is begun half
+//! of its duration before the impulse that it stands for, and holds its direction in inertial space; what it then
+//! lacks, the gravity loss, falls with the square of the duration.
 //!
 //! # Source
 //! Robbins, *An Analytical Study of the Impulsive Approximation*, AIAA Journal 4(8), 1966; Tsiolkovsky's equation.
@@ -96,8 +96,8 @@ pub struct Raise {
     pub delta_v: [f64; 2],
     /// Of the two burns \[s\].
     pub durations: [f64; 2],
-    /// What the first burn lacks of its change of velocity: less the impulse at the same place that leads to the same energy
-    /// \[m/s\].
+    /// What the first burn lacks of its change of velocity: less the impulse at the same place that leads to the same
+    /// energy \[m/s\].
     pub gravity_loss: f64,
     /// By how much the orbit in the end is lower than the circle: at its periapsis, at its apoapsis \[m\].
     pub too_low: [f64; 2],
@@ -106,8 +106,8 @@ pub struct Raise {
 }
 
 impl Engine {
-    /// Raises a vehicle of this mass from a circle to another by Hohmann's impulses, each flown about its time and along its
-    /// direction.
+    /// Raises a vehicle of this mass from a circle to another by Hohmann's impulses, each flown about its time and
+    /// along its direction.
     ///
     /// # Errors
     /// [`BurnError`].

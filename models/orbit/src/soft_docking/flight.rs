@@ -1,14 +1,14 @@
 //! The final approach: from some tens of metres to the ring.
 //!
-//! Every period a reference along the approach, a [`Glideslope`] that goes on at its last speed, asks for a place of the
-//! chaser's port before that of the station; control asks for a force and a torque,
+//! Every period a reference along the approach, a [`Glideslope`] that goes on at its last speed, asks for a place of
+//! the chaser's port before that of the station; control asks for a force and a torque,
 //!
 //! ```text
 //! F = m [a_d − 2 ζ ω_n (ḋ − ḋ_d) − ω_n² (d − d_d) − a_CW]
 //! ```
 //!
-//! with d from port to port in the axes of the station's and a_CW the accelerations of Clohessy and Wiltshire; jets make
-//! pulses of them, and their plumes push the station. Jets are quiet from touch on.
+//! with d from port to port in the axes of the station's and a_CW the accelerations of Clohessy and Wiltshire; jets
+//! make pulses of them, and their plumes push the station. Jets are quiet from touch on.
 //!
 //! # Source
 //! Fehse, *Automated Rendezvous and Docking of Spacecraft*, 2003, sections 5.4 and 6.2.

@@ -11,8 +11,8 @@
 //! waits until enough has come together.
 //!
 //! # Source
-//! Lawson, Hanson, *Solving Least Squares Problems*, 1974, chapter 23; Wie, *Space Vehicle Dynamics and Control*, 2008, on
-//! pulse-width modulation.
+//! Lawson, Hanson, *Solving Least Squares Problems*, 1974, chapter 23; Wie, *Space Vehicle Dynamics and Control*,
+//! 2008, on pulse-width modulation.
 
 use mbs_models::check::{self, Invalid};
 use mbs_runtime::Scalar;

@@ -1,7 +1,7 @@
 //! What the exhaust of a jet does to a surface.
 //!
-//! Far from the nozzle the exhaust is a source flow: gas on straight lines, its momentum flux falling with the square of
-//! the distance and with the angle from the axis,
+//! Far from the nozzle the exhaust is a source flow: gas on straight lines, its momentum flux falling with the square
+//! of the distance and with the angle from the axis,
 //!
 //! ```text
 //! p = (k + 2) F/(2 π r²) cosᵏ θ,   θ < π/2
@@ -12,8 +12,9 @@
 //! something else does not shade it.
 //!
 //! # Source
-//! Simons, *Effect of Nozzle Boundary Layers on Rocket Exhaust Plumes*, AIAA Journal 10(11), 1972, where the cosine is one
-//! of a widened angle and k = 2/(γ − 1); Fehse, *Automated Rendezvous and Docking of Spacecraft*, 2003, section 5.4.
+//! Simons, *Effect of Nozzle Boundary Layers on Rocket Exhaust Plumes*, AIAA Journal 10(11), 1972, where the cosine
+//! is one of a widened angle and k = 2/(γ − 1); Fehse, *Automated Rendezvous and Docking of Spacecraft*, 2003,
+//! section 5.4.
 
 use core::f64::consts::PI;
 
@@ -27,7 +28,8 @@ use crate::vector::{Vector, combined, cross, dot, minus, norm, plus, scaled};
 pub struct Panel {
     /// Its middle \[m\].
     pub middle: Vector,
-    /// From the middle to the middles of two edges, at right angles; their cross product points to the side that is met \[m\].
+    /// From the middle to the middles of two edges, at right angles; their cross product points to the side that is
+    /// met \[m\].
     pub halves: [Vector; 2],
 }
 

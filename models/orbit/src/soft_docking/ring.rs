@@ -1,12 +1,12 @@
 //! Touch, trip of the latches, capture or rebound.
 //!
-//! The ring of [`docking_bodies`](super::docking_bodies) is pressed from touch on; where its depth reaches that of the
-//! trip, latches close if the ports are within their limits, and hold what they have. Where they do not, the ring pushes
-//! back.
+//! The ring of [`docking_bodies`](super::docking_bodies) is pressed from touch on; where its depth reaches that of
+//! the trip, latches close if the ports are within their limits, and hold what they have. Where they do not, the ring
+//! pushes back.
 //!
 //! # Source
-//! Fehse, *Automated Rendezvous and Docking of Spacecraft*, 2003, section 8.3; the limits are those of the initial contact in
-//! the *International Docking System Standard*, recalled.
+//! Fehse, *Automated Rendezvous and Docking of Spacecraft*, 2003, section 8.3; the limits are those of the initial
+//! contact in the *International Docking System Standard*, recalled.
 
 use core::f64::consts::PI;
 use core::ops::ControlFlow;
