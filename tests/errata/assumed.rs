@@ -18,6 +18,8 @@ use mbs_landing::quadrotor::standing::Standing;
 use mbs_models::marine_platform;
 use mbs_models::{irb7600, irb7600_rail, quadrotor_euler, quadrotor_quaternion, relative_lvlh, stewart_platform};
 use mbs_orbit::mission::{Axis, Mission};
+use mbs_orbit::soft_docking::flight::SoftDocking;
+use mbs_orbit::soft_docking::plume::Panel;
 use mbs_platform::marine::{control, simulation, spectrum, thrusters::Thrusters, wind};
 use mbs_platform::{ActuatorLimits, HOME, Motion, Superposition};
 use nalgebra::Vector3;
@@ -190,11 +192,50 @@ fn orbits() -> Vec<(&'static str, Vec<f64>)> {
     ]
 }
 
+fn soft_docking() -> Vec<(&'static str, Vec<f64>)> {
+    let docking = SoftDocking::to_the_station();
+    let (p, start, jets, latches) = (docking.params, docking.start, docking.jets, docking.latches);
+    let length = |v: [f64; 3]| Vector3::from(v).norm();
+    let [face, array, other] = docking.panels;
+    assert_eq!((array.halves, array.middle[1]), (other.halves, -other.middle[1]), "both arrays are alike");
+    let halves = |panel: Panel| [length(panel.halves[1]), length(panel.halves[0])];
+    let brake = jets.jets[0];
+    let cant = (-brake.push[0]).acos().to_degrees();
+    let ring = [p.axial_stiffness, p.lateral_stiffness, p.angular_stiffness];
+    let damping = [p.axial_damping, p.lateral_damping, p.angular_damping];
+    let angles = degrees([latches.tilt, latches.roll]);
+    let speeds = [latches.closing[0], latches.closing[1], latches.sliding, latches.turning.to_degrees()];
+    vec![
+        ("soft_docking.chaser", [&[p.chaser_mass][..], &p.chaser_inertia, &[length(p.chaser_port)]].concat()),
+        ("soft_docking.station", [&[p.station_mass][..], &p.station_inertia, &[length(p.station_port)]].concat()),
+        ("soft_docking.ring", [&ring[..], &damping, &[p.trip_depth]].concat()),
+        (
+            "soft_docking.start",
+            [&[start.distance][..], &start.aside, &degrees(start.angles), &degrees(start.spin)].concat(),
+        ),
+        ("soft_docking.speeds", docking.speeds.into()),
+        (
+            "soft_docking.control",
+            vec![docking.attitude.frequency, docking.attitude.damping, docking.place[0], docking.place[1]],
+        ),
+        ("soft_docking.jets", vec![brake.place[0], brake.place[1], jets.thrust, jets.shortest, jets.period, cant]),
+        ("soft_docking.specific_impulse", vec![jets.exhaust_velocity / 9.80665]),
+        (
+            "soft_docking.plume",
+            [&[docking.plume.exponent][..], &halves(face), &halves(array), &array.middle[..2]].concat(),
+        ),
+        ("soft_docking.latches", [&[latches.lateral][..], &angles, &speeds].concat()),
+        ("soft_docking.ring_radius", vec![latches.ring]),
+    ]
+}
+
 /// A number of the page is that of the code; where a program keeps it to itself, its source has the same digits.
 #[test]
 fn assumed_values_are_those_of_the_code() {
-    let known: BTreeMap<_, _> =
-        [arm(), platform(), quadrotor(), experiment(), marine(), orbits()].into_iter().flatten().collect();
+    let known: BTreeMap<_, _> = [arm(), platform(), quadrotor(), experiment(), marine(), orbits(), soft_docking()]
+        .into_iter()
+        .flatten()
+        .collect();
     let mut checked = 0;
     for Row { key, value, status, place } in rows() {
         assert!(["assumed", "recalled", "reading"].contains(&status.as_str()), "{key}: {status}");

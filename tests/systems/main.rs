@@ -11,6 +11,7 @@ mod errata;
 mod experiment;
 mod marine;
 mod orbit_anomaly;
+mod orbit_docking;
 mod orbit_elements;
 mod orbit_extremes;
 mod orbit_kepler;

@@ -14,5 +14,6 @@ mod nonholonomic;
 mod orbits;
 mod platform;
 mod quadrotor;
+mod soft_docking;
 mod support;
 mod touchdown;

@@ -9,6 +9,7 @@
 //! | (7.11), study cases           | [`station`]: about a station, by the generated mechanisms; [`collision`]: until bodies meet |
 //! | 7.5, near a station           | [`clohessy_wiltshire`], [`yamanaka_ankersen`]: linear, on a circle and on an ellipse        |
 //! | rendezvous                    | [`lambert`]: from one place to another in a time; [`mission`]: up to the port of a station     |
+//! | docking of bodies             | [`soft_docking`]: ports, attitude, jets, plumes, contact; burns that last                    |
 //!
 //! # Start here
 //! A station goes round, and something is let go beside it. [`station::Station`] is on its orbit, [`lvlh::Frame`] turns
@@ -51,6 +52,7 @@ pub mod lambert;
 pub mod libration;
 pub mod lvlh;
 pub mod mission;
+pub mod soft_docking;
 pub mod station;
 pub mod transition;
 mod universal;
