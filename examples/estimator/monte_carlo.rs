@@ -2,7 +2,7 @@
 
 use indicatif::{ProgressBar, ProgressStyle};
 use mbs_examples::Failure;
-use mbs_examples::quadrotor_landing::flight::heaving;
+use mbs_examples::quadrotor_landing::flight::{PLACE, heaving};
 use mbs_landing::estimator::filter::{Filter, Innovation, Uncertainty};
 use mbs_landing::estimator::nominal::{ERRORS, Nominal};
 use mbs_landing::quadrotor::estimated::{EstimatedMoment, inertial_state, vehicle_state};
@@ -19,6 +19,9 @@ use rayon::prelude::*;
 
 /// Consistency is looked at twice a second: so many intervals of the IMU, and images, are between two looks.
 pub(crate) const LOOK: f64 = 0.5;
+
+/// The middle of the deck at its mean height, which errors of the attitude turn the vehicle about.
+pub(crate) const ORIGIN: Vector3<f64> = Vector3::new(PLACE[0], PLACE[1], 0.0);
 
 /// What a landing shows of its estimator, at every look until its touchdown.
 pub(crate) struct Run {
@@ -49,7 +52,7 @@ pub(crate) fn deviates(seed: u64) -> impl FnMut() -> f64 {
 pub(crate) fn first_filter(sensors: &Sensors) -> (Filter, SVector<f64, ERRORS>) {
     let said = inertial_state(&Landing::initial_state(), sensors, Biases::default());
     let deviations = Uncertainty::START.deviations(&sensors.imu);
-    (Filter::new(&sensors.imu, said, &deviations), deviations)
+    (Filter::new(&sensors.imu, said, ORIGIN, &deviations), deviations)
 }
 
 /// A landing on the estimate, seen by an observer; before it the same start on the true state.
@@ -63,7 +66,7 @@ pub(crate) fn flown(
     let mut normal = deviates(seed);
     let (filter, deviations) = first_filter(&sensors);
     let errors = deviations.map(|deviation| deviation * normal());
-    let truth: Nominal = filter.estimate.nominal.with(&errors);
+    let truth: Nominal = filter.estimate.nominal.with(&errors, &ORIGIN);
     // The vehicle begins without turning: its gyroscopes say their biases.
     let still = ImuSample { rate: truth.biases.gyro, specific_force: Vector3::zeros() };
     let start = vehicle_state(&truth, &still, &sensors);
@@ -91,7 +94,7 @@ fn run(heave: Heave<4>, seed: u64) -> Result<Run, LandingError> {
             return;
         }
         looks += 1.0;
-        let errors = moment.filter.estimate.nominal.errors(moment.truth);
+        let errors = moment.filter.estimate.nominal.errors(moment.truth, &ORIGIN);
         state.push(moment.filter.normalized_error(moment.truth));
         squares += errors.component_mul(&errors).component_div(&moment.filter.state_covariance().diagonal());
         range.push(moment.range);

@@ -1,6 +1,6 @@
 //! The filter: a nominal state with the covariance of its errors, and of those of the clone.
 
-use nalgebra::{SMatrix, SVector, Vector3};
+use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
 use super::chi_square;
 use super::nominal::{ACCELEROMETER, ATTITUDE, ERRORS, GYRO, Nominal, PLACE, VELOCITY, moved, right_jacobian};
@@ -31,6 +31,8 @@ pub struct Estimate {
     pub nominal: Nominal,
     /// The pose at the last image.
     pub clone: Pose,
+    /// What errors of the attitude turn everything about \[m\].
+    pub origin: Vector3<f64>,
 }
 
 /// The filter.
@@ -104,9 +106,9 @@ pub struct Innovation {
 }
 
 impl Filter {
-    /// Of a first state with independent errors.
+    /// Of a first state with independent errors, which turn it about an origin: the place that sensors look at.
     #[must_use]
-    pub fn new(imu: &Imu, nominal: Nominal, deviations: &SVector<f64, ERRORS>) -> Self {
+    pub fn new(imu: &Imu, nominal: Nominal, origin: Vector3<f64>, deviations: &SVector<f64, ERRORS>) -> Self {
         let Imu { interval, gyro, accelerometer, gravity, .. } = *imu;
         let of_both = |gyro: f64, accelerometer: f64| {
             SVector::<f64, 6>::from_fn(|i, _| if i < 3 { gyro * gyro } else { accelerometer * accelerometer })
@@ -114,7 +116,7 @@ impl Filter {
         let mut covariance = SMatrix::<f64, ALL, ALL>::zeros();
         covariance.fixed_view_mut::<ERRORS, ERRORS>(0, 0).set_diagonal(&deviations.component_mul(deviations));
         let mut filter = Filter {
-            estimate: Estimate { nominal, clone: nominal.pose },
+            estimate: Estimate { nominal, clone: nominal.pose, origin },
             covariance,
             model: Strapdown::new(Params { interval, g: gravity }),
             white: of_both(gyro.density, accelerometer.density) / interval,
@@ -124,22 +126,20 @@ impl Filter {
         filter
     }
 
-    /// An interval on: `P⁺ = F P Fᵀ + G W Gᵀ + W_b`. The clone stays.
+    /// An interval on: `P⁺ = F P Fᵀ + G W Gᵀ + W_b`. Biases and clone stay, so that only the first rows of F count.
     pub fn propagate(&mut self, sample: &ImuSample) {
-        let step = self.estimate.nominal.step(&self.model, sample);
+        let step = self.estimate.nominal.step(&self.model, sample, &self.estimate.origin);
         self.estimate.nominal = step.next;
-        let (f, p) = (&step.transition, &self.covariance);
-        let own = p.fixed_view::<ERRORS, ERRORS>(0, 0);
-        let crossed = f * p.fixed_view::<ERRORS, 6>(0, CLONE);
-        let scaled = step.input * SMatrix::<f64, 6, 6>::from_diagonal(&self.white);
-        let mut own = f * own * f.transpose() + scaled * step.input.transpose();
+        let (f, g) = (step.transition.fixed_rows::<GYRO>(0), step.input.fixed_rows::<GYRO>(0));
+        let rows = f * self.covariance.fixed_rows::<ERRORS>(0);
+        let scaled = g * SMatrix::<f64, 6, 6>::from_diagonal(&self.white);
+        let moving = rows.fixed_columns::<ERRORS>(0) * f.transpose() + scaled * g.transpose();
+        self.covariance.fixed_rows_mut::<GYRO>(0).copy_from(&rows);
+        self.covariance.fixed_columns_mut::<GYRO>(0).copy_from(&rows.transpose());
+        self.covariance.fixed_view_mut::<GYRO, GYRO>(0, 0).copy_from(&(0.5 * (moving + moving.transpose())));
         for i in 0..6 {
-            own[(GYRO + i, GYRO + i)] += self.walk[i];
+            self.covariance[(GYRO + i, GYRO + i)] += self.walk[i];
         }
-        self.covariance.fixed_view_mut::<ERRORS, ERRORS>(0, 0).copy_from(&own);
-        self.covariance.fixed_view_mut::<ERRORS, 6>(0, CLONE).copy_from(&crossed);
-        self.covariance.fixed_view_mut::<6, ERRORS>(CLONE, 0).copy_from(&crossed.transpose());
-        self.symmetrize();
     }
 
     /// Keeps the pose of this moment as the clone.
@@ -165,9 +165,9 @@ impl Filter {
         let mut innovation = None;
         let mut last = None;
         for _ in 0..ITERATIONS {
-            let mut about = measured(&prior.with(&errors));
-            carry_columns(&mut about.jacobian, &errors);
-            let h = about.jacobian;
+            let at = prior.with(&errors);
+            let about = measured(&at);
+            let h = carried(about.jacobian, &at.transport(&errors));
             let expected = about.residual + h * errors;
             let ph = p * h.transpose();
             let s = h * ph + SMatrix::<f64, M, M>::from_diagonal(&about.variance);
@@ -193,29 +193,27 @@ impl Filter {
         }
         self.estimate = prior.with(&errors);
         if let Some((gain, h, variance)) = last {
-            let left = SMatrix::<f64, ALL, ALL>::identity() - gain * h;
-            let noise = gain * SMatrix::<f64, M, M>::from_diagonal(&variance) * gain.transpose();
-            self.covariance = left * p * left.transpose() + noise;
+            let left = p - gain * (h * p);
+            let noise = gain * SMatrix::<f64, M, M>::from_diagonal(&variance);
+            self.covariance = left + (noise - left * h.transpose()) * gain.transpose();
         }
-        self.reset(&errors);
-        self.symmetrize();
+        self.reset(&self.estimate.transport(&errors));
+        self.covariance = 0.5 * (self.covariance + self.covariance.transpose());
         innovation.unwrap_or(Innovation { squared: 0.0, freedom: 0, accepted: true })
     }
 
-    /// What is left of the errors after a correction by δ, in the axes of the corrected attitude: `J(δθ) (δθ_true − δθ)`
-    /// with the right Jacobian J, `I − ½ [δθ]×` to first order. Solà 2017, (287).
-    fn reset(&mut self, errors: &SVector<f64, ALL>) {
-        for first in [ATTITUDE, CLONE + 3] {
-            let turn = right_jacobian(&turn_at(errors, first));
-            let rows = turn * self.covariance.fixed_rows::<3>(first);
-            self.covariance.fixed_rows_mut::<3>(first).copy_from(&rows);
-            let columns = self.covariance.fixed_columns::<3>(first) * turn.transpose();
-            self.covariance.fixed_columns_mut::<3>(first).copy_from(&columns);
+    /// Γ P Γᵀ, in the axes of the corrected attitudes.
+    fn reset(&mut self, transport: &Transport) {
+        for &(row, column, block) in transport.iter().rev() {
+            let source = block * self.covariance.fixed_rows::<3>(column);
+            let sum = if row == column { source } else { self.covariance.fixed_rows::<3>(row) + source };
+            self.covariance.fixed_rows_mut::<3>(row).copy_from(&sum);
         }
-    }
-
-    fn symmetrize(&mut self) {
-        self.covariance = 0.5 * (self.covariance + self.covariance.transpose());
+        for &(row, column, block) in transport.iter().rev() {
+            let source = self.covariance.fixed_columns::<3>(column) * block.transpose();
+            let sum = if row == column { source } else { self.covariance.fixed_columns::<3>(row) + source };
+            self.covariance.fixed_columns_mut::<3>(row).copy_from(&sum);
+        }
     }
 
     /// Covariance of the state alone.
@@ -228,7 +226,7 @@ impl Filter {
     /// positive definite.
     #[must_use]
     pub fn normalized_error(&self, truth: &Nominal) -> f64 {
-        let errors = self.estimate.nominal.errors(truth);
+        let errors = self.estimate.nominal.errors(truth, &self.estimate.origin);
         self.state_covariance().cholesky().map_or(f64::NAN, |p| errors.dot(&p.solve(&errors)))
     }
 }
@@ -238,20 +236,51 @@ impl Estimate {
     #[must_use]
     pub fn with(&self, errors: &SVector<f64, ALL>) -> Self {
         Estimate {
-            nominal: self.nominal.with(&errors.fixed_rows::<ERRORS>(0).into_owned()),
-            clone: moved(&self.clone, &turn_at(errors, CLONE), &turn_at(errors, CLONE + 3)),
+            nominal: self.nominal.with(&errors.fixed_rows::<ERRORS>(0).into_owned(), &self.origin),
+            clone: moved(&self.clone, &self.origin, &three(errors, CLONE), &three(errors, CLONE + 3)),
+            origin: self.origin,
         }
     }
-}
 
-fn turn_at(errors: &SVector<f64, ALL>, first: usize) -> Vector3<f64> {
-    errors.fixed_rows::<3>(first).into_owned()
-}
-
-/// From errors about the corrected estimate to those about the first one: `ε = J(δθ) (δ − δθ)`.
-fn carry_columns<const M: usize>(jacobian: &mut SMatrix<f64, M, ALL>, errors: &SVector<f64, ALL>) {
-    for first in [ATTITUDE, CLONE + 3] {
-        let carried = jacobian.fixed_columns::<3>(first) * right_jacobian(&turn_at(errors, first));
-        jacobian.fixed_columns_mut::<3>(first).copy_from(&carried);
+    /// Γ, by which errors δ about a first estimate become those about this one, which is the first one with the errors
+    /// d: `Γ (δ − d)` to first order in δ − d.
+    ///
+    /// ```text
+    /// J(dθ) (δθ − dθ)        δx − dx + [dx]× R J(dθ) (δθ − dθ)        the same for v
+    /// ```
+    ///
+    /// with the right Jacobian J: `I − ½ [dθ]×` to first order, Solà 2017, (287).
+    fn transport(&self, errors: &SVector<f64, ALL>) -> Transport {
+        let of = |pose: &Pose, attitude: usize| {
+            let turn = right_jacobian(&three(errors, attitude));
+            (turn, pose.attitude.to_rotation_matrix().matrix() * turn)
+        };
+        let across = |first: usize, turned: &Matrix3<f64>| three(errors, first).cross_matrix() * turned;
+        let (own, turned) = of(&self.nominal.pose, ATTITUDE);
+        let (cloned, turned_clone) = of(&self.clone, CLONE + 3);
+        [
+            (ATTITUDE, ATTITUDE, own),
+            (PLACE, ATTITUDE, across(PLACE, &turned)),
+            (VELOCITY, ATTITUDE, across(VELOCITY, &turned)),
+            (CLONE + 3, CLONE + 3, cloned),
+            (CLONE, CLONE + 3, across(CLONE, &turned_clone)),
+        ]
     }
+}
+
+/// Blocks of Γ by row and column; elsewhere it is the identity. Of each attitude that of itself comes first.
+type Transport = [(usize, usize, Matrix3<f64>); 5];
+
+/// H Γ
+fn carried<const M: usize>(mut h: SMatrix<f64, M, ALL>, transport: &Transport) -> SMatrix<f64, M, ALL> {
+    for &(row, column, block) in transport {
+        let part = h.fixed_columns::<3>(row) * block;
+        let sum = if row == column { part } else { h.fixed_columns::<3>(column) + part };
+        h.fixed_columns_mut::<3>(column).copy_from(&sum);
+    }
+    h
+}
+
+fn three(errors: &SVector<f64, ALL>, first: usize) -> Vector3<f64> {
+    errors.fixed_rows::<3>(first).into_owned()
 }

@@ -6,7 +6,7 @@ use super::filter::{ALL, CLONE, Estimate, Linearized};
 use super::nominal::{ATTITUDE, PLACE, errors_to_coordinates};
 use crate::quadrotor::deck::DeckState;
 use crate::sensors::camera::{Image, MARKERS, in_world};
-use crate::sensors::{Pose, Sensors, deck_inputs};
+use crate::sensors::{Sensors, deck_inputs};
 use mbs_models::sensors::sensor_head::SensorHead;
 use mbs_runtime::to_matrix;
 use nalgebra::Vector3;
@@ -27,7 +27,7 @@ pub fn range(
     let (q, u) = (pose.coordinates(), deck_inputs(deck, &Vector3::zeros()));
     let mut jacobian = SMatrix::zeros();
     let by_q = to_matrix(&head.range_jacobian(&q, &u));
-    place_rows(&mut jacobian, 0, [PLACE, ATTITUDE], &by_q, pose);
+    place_rows(&mut jacobian, 0, [PLACE, ATTITUDE], &by_q, &errors_to_coordinates(pose, &estimate.origin));
     Linearized {
         residual: SVector::<f64, 1>::new(range - head.range(&q, &u)),
         jacobian,
@@ -61,21 +61,21 @@ pub fn image(
             all.residual[2 * i + k] = seen[k] - expected[k];
         }
         let by_q = to_matrix(&head.pixel_jacobian(&q, &u));
-        place_rows(&mut all.jacobian, 2 * i, [CLONE, CLONE + 3], &by_q, pose);
+        place_rows(&mut all.jacobian, 2 * i, [CLONE, CLONE + 3], &by_q, &errors_to_coordinates(pose, &estimate.origin));
         all.freedom += 2;
     }
     all
 }
 
-/// Rows by place and attitude of a pose, from those by its coordinates.
+/// Rows by errors of place and attitude of a pose, from those by its coordinates.
 fn place_rows<const ROWS: usize, const M: usize>(
     jacobian: &mut SMatrix<f64, M, ALL>,
     row: usize,
     [place, attitude]: [usize; 2],
     by_coordinates: &SMatrix<f64, ROWS, 7>,
-    pose: &Pose,
+    by_errors: &SMatrix<f64, 7, 6>,
 ) {
-    let by_errors = by_coordinates * errors_to_coordinates(pose);
+    let by_errors = by_coordinates * by_errors;
     jacobian.fixed_view_mut::<ROWS, 3>(row, place).copy_from(&by_errors.fixed_columns::<3>(0));
     jacobian.fixed_view_mut::<ROWS, 3>(row, attitude).copy_from(&by_errors.fixed_columns::<3>(3));
 }

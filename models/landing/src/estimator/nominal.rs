@@ -46,11 +46,11 @@ pub struct Step {
 impl Nominal {
     /// With these errors: the state of which they are the errors.
     #[must_use]
-    pub fn with(&self, errors: &SVector<f64, ERRORS>) -> Self {
+    pub fn with(&self, errors: &SVector<f64, ERRORS>, origin: &Vector3<f64>) -> Self {
         let part = |first: usize| errors.fixed_rows::<3>(first).into_owned();
         Nominal {
-            pose: moved(&self.pose, &part(PLACE), &part(ATTITUDE)),
-            velocity: self.velocity + part(VELOCITY),
+            pose: moved(&self.pose, origin, &part(PLACE), &part(ATTITUDE)),
+            velocity: turned(&self.pose, &part(ATTITUDE)) * self.velocity + part(VELOCITY),
             biases: Biases {
                 gyro: self.biases.gyro + part(GYRO),
                 accelerometer: self.biases.accelerometer + part(ACCELEROMETER),
@@ -60,12 +60,14 @@ impl Nominal {
 
     /// The errors of this estimate where that is the truth.
     #[must_use]
-    pub fn errors(&self, truth: &Nominal) -> SVector<f64, ERRORS> {
+    pub fn errors(&self, truth: &Nominal, origin: &Vector3<f64>) -> SVector<f64, ERRORS> {
         let mut errors = SVector::<f64, ERRORS>::zeros();
+        let turn = (self.pose.attitude.inverse() * truth.pose.attitude).scaled_axis();
+        let turned = turned(&self.pose, &turn);
         for (first, error) in [
-            (PLACE, truth.pose.place - self.pose.place),
-            (VELOCITY, truth.velocity - self.velocity),
-            (ATTITUDE, (self.pose.attitude.inverse() * truth.pose.attitude).scaled_axis()),
+            (PLACE, truth.pose.place - origin - turned * (self.pose.place - origin)),
+            (VELOCITY, truth.velocity - turned * self.velocity),
+            (ATTITUDE, turn),
             (GYRO, truth.biases.gyro - self.biases.gyro),
             (ACCELEROMETER, truth.biases.accelerometer - self.biases.accelerometer),
         ] {
@@ -76,7 +78,7 @@ impl Nominal {
 
     /// An interval later, by what the IMU said in it.
     #[must_use]
-    pub fn step(&self, model: &Strapdown<f64>, sample: &ImuSample) -> Step {
+    pub fn step(&self, model: &Strapdown<f64>, sample: &ImuSample, origin: &Vector3<f64>) -> Step {
         let (q, v, u) = (self.pose.coordinates(), self.velocity, self.corrected(sample));
         let qd = [v.x, v.y, v.z, 0.0, 0.0, 0.0, 0.0];
         let [w, x, y, z] = model.next_attitude(&q, &u);
@@ -88,7 +90,8 @@ impl Nominal {
             biases: self.biases,
         };
 
-        let errors = errors_to_coordinates(&self.pose);
+        let errors = errors_to_coordinates(&self.pose, origin);
+        let velocity_by_turn = -turning(&self.velocity, &self.pose);
         let mut transition = SMatrix::<f64, ERRORS, ERRORS>::identity();
         let mut input = SMatrix::<f64, ERRORS, 6>::zeros();
         let mut rows = |first: usize, by_q: SMatrix<f64, 3, 7>, by_v: Matrix3<f64>, by_u: SMatrix<f64, 3, 6>| {
@@ -98,7 +101,7 @@ impl Nominal {
             };
             set(PLACE, by_errors.fixed_columns::<3>(0).into_owned());
             set(VELOCITY, by_v);
-            set(ATTITUDE, by_errors.fixed_columns::<3>(3).into_owned());
+            set(ATTITUDE, by_errors.fixed_columns::<3>(3) + by_v * velocity_by_turn);
             // What is felt is what was said less bias and noise.
             set(GYRO, -by_u.fixed_columns::<3>(0).into_owned());
             set(ACCELEROMETER, -by_u.fixed_columns::<3>(3).into_owned());
@@ -124,6 +127,16 @@ impl Nominal {
             Matrix3::zeros(),
             turn * to_matrix(&model.next_attitude_jacobian_u(&q, &u)),
         );
+        // From changes of place and velocity to errors: less what the error of the attitude turns.
+        for (first, arm) in [(PLACE, next.pose.place - origin), (VELOCITY, next.velocity)] {
+            let arm = turning(&arm, &next.pose);
+            let rows = arm * transition.fixed_rows::<3>(ATTITUDE);
+            let mut of_vector = transition.fixed_rows_mut::<3>(first);
+            of_vector += rows;
+            let rows = arm * input.fixed_rows::<3>(ATTITUDE);
+            let mut of_vector = input.fixed_rows_mut::<3>(first);
+            of_vector += rows;
+        }
         Step { next, transition, input }
     }
 
@@ -140,15 +153,29 @@ impl Nominal {
 
 /// A pose with these errors of place and attitude.
 #[must_use]
-pub fn moved(pose: &Pose, place: &Vector3<f64>, turn: &Vector3<f64>) -> Pose {
-    Pose { place: pose.place + place, attitude: pose.attitude * UnitQuaternion::from_scaled_axis(*turn) }
+pub fn moved(pose: &Pose, origin: &Vector3<f64>, place: &Vector3<f64>, turn: &Vector3<f64>) -> Pose {
+    Pose {
+        place: origin + turned(pose, turn) * (pose.place - origin) + place,
+        attitude: pose.attitude * UnitQuaternion::from_scaled_axis(*turn),
+    }
 }
 
-/// ∂(x, e)/∂(δx, δθ): place as it is, `∂e/∂δθ` of `e ⊗ (1, ½ δθ)`. Solà 2017, (281).
+/// `R̂ exp[δθ]× R̂ᵀ`: an error of the attitude as a turn of the world.
+fn turned(pose: &Pose, turn: &Vector3<f64>) -> UnitQuaternion<f64> {
+    UnitQuaternion::from_scaled_axis(pose.attitude * turn)
+}
+
+/// `[r]× R̂`: what an error of the attitude takes from an arm r, `−[r]× R̂ δθ = (R̂ δθ) × r`, with its sign turned.
+fn turning(arm: &Vector3<f64>, pose: &Pose) -> Matrix3<f64> {
+    arm.cross_matrix() * pose.attitude.to_rotation_matrix().matrix()
+}
+
+/// ∂(x, e)/∂(δx, δθ): the place turns about the origin, `∂e/∂δθ` is that of `e ⊗ (1, ½ δθ)`. Solà 2017, (281).
 #[must_use]
-pub fn errors_to_coordinates(pose: &Pose) -> SMatrix<f64, 7, 6> {
+pub fn errors_to_coordinates(pose: &Pose, origin: &Vector3<f64>) -> SMatrix<f64, 7, 6> {
     let mut matrix = SMatrix::<f64, 7, 6>::zeros();
     matrix.fixed_view_mut::<3, 3>(0, 0).fill_with_identity();
+    matrix.fixed_view_mut::<3, 3>(0, 3).copy_from(&-turning(&(pose.place - origin), pose));
     matrix.fixed_view_mut::<4, 3>(3, 3).copy_from(&(0.5 * of_error(&pose.attitude)));
     matrix
 }
