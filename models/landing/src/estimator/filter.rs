@@ -222,6 +222,13 @@ impl Filter {
         self.covariance.fixed_view::<ERRORS, ERRORS>(0, 0).into_owned()
     }
 
+    /// Standard deviations of the [differences](Nominal::differences) from the truth, to first order.
+    #[must_use]
+    pub fn deviations(&self) -> SVector<f64, ERRORS> {
+        let by_errors = self.estimate.nominal.differences_by_errors(&self.estimate.origin);
+        (by_errors * self.state_covariance() * by_errors.transpose()).diagonal().map(Scalar::sqrt)
+    }
+
     /// Normalized estimation error squared, `δᵀ P⁻¹ δ` of the state's errors where that is the truth; NaN where P is not
     /// positive definite.
     #[must_use]

@@ -76,6 +76,25 @@ impl Nominal {
         errors
     }
 
+    /// What is missing from this estimate to the truth: place, velocity, attitude as a rotation vector in axes of the
+    /// body, biases.
+    #[must_use]
+    pub fn differences(&self, truth: &Nominal) -> SVector<f64, ERRORS> {
+        let mut differences = self.errors(truth, &Vector3::zeros());
+        differences.fixed_rows_mut::<3>(PLACE).copy_from(&(truth.pose.place - self.pose.place));
+        differences.fixed_rows_mut::<3>(VELOCITY).copy_from(&(truth.velocity - self.velocity));
+        differences
+    }
+
+    /// Differences by errors: place and velocity are turned by the error of the attitude.
+    pub(super) fn differences_by_errors(&self, origin: &Vector3<f64>) -> SMatrix<f64, ERRORS, ERRORS> {
+        let mut matrix = SMatrix::<f64, ERRORS, ERRORS>::identity();
+        for (first, arm) in [(PLACE, self.pose.place - origin), (VELOCITY, self.velocity)] {
+            matrix.fixed_view_mut::<3, 3>(first, ATTITUDE).copy_from(&-turning(&arm, &self.pose));
+        }
+        matrix
+    }
+
     /// An interval later, by what the IMU said in it.
     #[must_use]
     pub fn step(&self, model: &Strapdown<f64>, sample: &ImuSample, origin: &Vector3<f64>) -> Step {
