@@ -5,6 +5,7 @@ mod arm_kinematics;
 mod arm_trajectory;
 #[path = "../errata.rs"]
 mod errata;
+mod estimator;
 mod experiment;
 mod orbit_anomaly;
 mod orbit_elements;
@@ -18,5 +19,6 @@ mod platform;
 mod quadrotor;
 mod quadrotor_decks;
 mod quadrotor_refused;
+mod sensors;
 mod thesis_equations;
 mod thesis_map;

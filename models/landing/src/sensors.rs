@@ -83,7 +83,7 @@ impl Sensors {
         imu: Imu {
             place: [0.05, -0.03, 0.04],
             interval: 0.005,
-            gyro: Noise { density: 2.4e-4, walk: 1e-5, bias: 3.5e-3 },
+            gyro: Noise { density: 2.4e-4, walk: 1e-5, bias: 1e-3 },
             accelerometer: Noise { density: 1.7e-3, walk: 1e-4, bias: 0.05 },
             gravity: 9.80665,
         },
