@@ -2,6 +2,7 @@
 
 mod arm;
 mod docking;
+mod estimator;
 mod experiment;
 mod gallery;
 mod orbits;
