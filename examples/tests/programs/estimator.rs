@@ -61,7 +61,10 @@ fn results_are_the_same_for_any_number_of_threads() {
 fn figures_and_errors_are_written() {
     let folder = tempfile::tempdir().unwrap();
     let text = good(ESTIMATOR, &["--members", "3", "--out", folder.path().to_str().unwrap()]);
-    assert!(text.contains("case II, 3 landings") && text.contains("assumed (reasons: docs/thesis/assumed.md)"), "{text}");
+    assert!(
+        text.contains("case II, 3 landings") && text.contains("assumed (reasons: docs/thesis/assumed.md)"),
+        "{text}"
+    );
     for case in ["I", "II"] {
         for figure in ["errors", "consistency", "markers", "touchdown"] {
             let svg = std::fs::read_to_string(folder.path().join(format!("estimator_{figure}_{case}.svg"))).unwrap();

@@ -291,3 +291,60 @@ fn carried<const M: usize>(mut h: SMatrix<f64, M, ALL>, transport: &Transport) -
 fn three(errors: &SVector<f64, ALL>, first: usize) -> Vector3<f64> {
     errors.fixed_rows::<3>(first).into_owned()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sensors::imu::Biases;
+    use nalgebra::UnitQuaternion;
+
+    fn pose(a: f64) -> Pose {
+        let attitude = UnitQuaternion::from_scaled_axis(Vector3::new(0.1 * a, -0.2, 0.3));
+        Pose { place: Vector3::new(1.0, a, 6.0), attitude }
+    }
+
+    /// Γ against differences: errors about the corrected estimate of states with errors near those of the correction.
+    #[test]
+    fn errors_are_carried_to_the_corrected_estimate() {
+        let nominal = Nominal { pose: pose(1.0), velocity: Vector3::new(0.5, 1.0, -2.0), biases: Biases::default() };
+        let estimate = Estimate { nominal, clone: pose(2.0), origin: Vector3::new(0.3, 0.2, 0.1) };
+        let correction = SVector::<f64, ALL>::from_fn(|i, _| 0.1 * Scalar::sin(i as f64 + 1.0));
+        let corrected = estimate.with(&correction);
+        // A pose's errors are those of a state that has it.
+        let as_state = |pose: Pose| Nominal { pose, ..nominal };
+        let errors = |at: Estimate| {
+            let (own, origin) = (corrected.nominal.errors(&at.nominal, &estimate.origin), estimate.origin);
+            let cloned = as_state(corrected.clone).errors(&as_state(at.clone), &origin);
+            SVector::<f64, ALL>::from_fn(|i, _| match i {
+                _ if i < CLONE => own[i],
+                _ if i < CLONE + 3 => cloned[PLACE + i - CLONE],
+                _ => cloned[ATTITUDE + i - CLONE - 3],
+            })
+        };
+        let transport = carried(SMatrix::<f64, ALL, ALL>::identity(), &corrected.transport(&correction));
+        let h = 1e-6;
+        for i in 0..ALL {
+            let moved = |side: f64| {
+                let mut near = correction;
+                near[i] += side * h;
+                errors(estimate.with(&near))
+            };
+            let difference = (moved(1.0) - moved(-1.0)) / (2.0 * h);
+            assert!((difference - transport.column(i)).norm() < 1e-8, "error {i}");
+        }
+    }
+
+    /// Γ P Γᵀ in place is that of the matrices.
+    #[test]
+    fn a_covariance_is_carried_as_the_errors_are() {
+        let nominal = Nominal { pose: pose(1.0), velocity: Vector3::new(0.5, 1.0, -2.0), biases: Biases::default() };
+        let imu = crate::sensors::Sensors::TYPICAL.imu;
+        let mut filter = Filter::new(&imu, nominal, Vector3::zeros(), &Uncertainty::START.deviations(&imu));
+        let correction = SVector::<f64, ALL>::from_fn(|i, _| 0.1 * Scalar::cos(i as f64));
+        let blocks = filter.estimate.transport(&correction);
+        let transport = carried(SMatrix::<f64, ALL, ALL>::identity(), &blocks);
+        let expected = transport * filter.covariance * transport.transpose();
+        filter.reset(&blocks);
+        assert!((filter.covariance - expected).norm() < 1e-14);
+    }
+}
