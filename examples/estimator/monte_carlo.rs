@@ -27,7 +27,7 @@ pub(crate) const ORIGIN: Vector3<f64> = Vector3::new(PLACE[0], PLACE[1], 0.0);
 pub(crate) struct Run {
     /// Normalized estimation error squared.
     pub(crate) state: Vec<f64>,
-    /// Normalized innovations squared of ranges and of images, with their degrees of freedom; none where there was none.
+    /// Normalized innovations squared of ranges and of images; none where there was none.
     pub(crate) range: Vec<Option<Innovation>>,
     pub(crate) image: Vec<Option<Innovation>>,
     /// Squares of the errors over the variances that the filter states, summed over all looks, for each error.

@@ -156,9 +156,9 @@ impl Filter {
 
     /// Corrects state and clone by a measurement, which is linearized about every estimate it is asked for.
     ///
-    /// The estimate is the minimum of `‖δ‖²` in the metric of P⁻¹ and of the residual in that of its own variance, found
-    /// by Gauss and Newton's iterations, of which the first is the extended Kalman filter's. The covariance is Joseph's,
-    /// `(I − K H) P (I − K H)ᵀ + K V Kᵀ`, and is then carried to the axes of the corrected attitudes.
+    /// The estimate is the minimum of `‖δ‖²` in the metric of P⁻¹ and of the residual in that of its own variance,
+    /// found by Gauss and Newton's iterations, of which the first is the extended Kalman filter's. The covariance is
+    /// Joseph's, `(I − K H) P (I − K H)ᵀ + K V Kᵀ`, and is then carried to the axes of the corrected attitudes.
     pub fn correct<const M: usize>(&mut self, measured: impl Fn(&Estimate) -> Linearized<M>) -> Innovation {
         let (p, prior) = (self.covariance, self.estimate);
         let mut errors = SVector::<f64, ALL>::zeros();
@@ -229,8 +229,8 @@ impl Filter {
         (by_errors * self.state_covariance() * by_errors.transpose()).diagonal().map(Scalar::sqrt)
     }
 
-    /// Normalized estimation error squared, `δᵀ P⁻¹ δ` of the state's errors where that is the truth; NaN where P is not
-    /// positive definite.
+    /// Normalized estimation error squared, `δᵀ P⁻¹ δ` of the state's errors where that is the truth; NaN where P is
+    /// not positive definite.
     #[must_use]
     pub fn normalized_error(&self, truth: &Nominal) -> f64 {
         let errors = self.estimate.nominal.errors(truth, &self.estimate.origin);

@@ -1,7 +1,7 @@
 //! Landing on what the vehicle's sensors say: the controller sees an estimate in place of the truth.
 //!
-//! IMU, estimator and controller run at one rate. An interval of the IMU is what passed since the controller acted last;
-//! its sample is of the middle of it, with the rotor speeds that were held.
+//! IMU, estimator and controller run at one rate. An interval of the IMU is what passed since the controller acted
+//! last; its sample is of the middle of it, with the rotor speeds that were held.
 
 use mbs_runtime::{IntegrationError, Rk4Stepper, State, to_matrix, to_rows};
 use nalgebra::{Rotation3, UnitQuaternion, Vector3};

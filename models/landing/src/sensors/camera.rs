@@ -1,7 +1,8 @@
-//! A camera that looks along −z of the body and tells where known markers of the deck are in its image, some time after.
+//! A camera that looks along −z of the body and tells where known markers of the deck are in its image, some time
+//! after.
 //!
-//! The image is that of a pinhole, lens errors are taken as calibrated. A marker is told where it is in the image with a
-//! margin for its size; whether it is does not depend on the noise.
+//! The image is that of a pinhole, lens errors are taken as calibrated. A marker is told where it is in the image with
+//! a margin for its size; whether it is does not depend on the noise.
 
 use nalgebra::Vector3;
 

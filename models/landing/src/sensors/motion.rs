@@ -22,8 +22,8 @@ pub struct Motion {
 }
 
 impl Motion {
-    /// Of the quadrotor's frame, at the mass centre: the output `pose` and its generated velocity `ẏ = J q̇`, whose rate
-    /// `ÿ = J q̈ + J̇ q̇` is had from the same generated code in dual numbers along (q̇, q̈).
+    /// Of the quadrotor's frame, at the mass centre: the output `pose` and its generated velocity `ẏ = J q̇`, whose
+    /// rate `ÿ = J q̈ + J̇ q̇` is had from the same generated code in dual numbers along (q̇, q̈).
     #[must_use]
     pub fn of_quadrotor(q: &[f64; 6], qd: &[f64; 6], qdd: &[f64; 6]) -> Self {
         let vehicle = QuadrotorEuler::<Dual<f64>>::default();
