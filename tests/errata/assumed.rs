@@ -5,6 +5,7 @@ use std::fs;
 use std::path::Path;
 
 use mbs_arm::JointLimits;
+use mbs_landing::estimator::filter::{GATE, Uncertainty};
 use mbs_landing::experiment::plan::Cell;
 use mbs_landing::experiment::rail_arm::{RailArm, RailLimits};
 use mbs_landing::experiment::tracking::{LINK_EXCESS, MODULE_EXCESS, Tracking};
@@ -15,6 +16,8 @@ use mbs_landing::quadrotor::ground_effect::LEAST_HEIGHT;
 use mbs_landing::quadrotor::landing::Landing;
 use mbs_landing::quadrotor::lqr::Weights;
 use mbs_landing::quadrotor::standing::Standing;
+use mbs_landing::sensors::Sensors;
+use mbs_landing::sensors::imu::Noise;
 use mbs_models::marine_platform;
 use mbs_models::{irb7600, irb7600_rail, quadrotor_euler, quadrotor_quaternion, relative_lvlh, stewart_platform};
 use mbs_orbit::mission::{Axis, Mission};
@@ -173,6 +176,33 @@ fn marine() -> Vec<(&'static str, Vec<f64>)> {
     ]
 }
 
+fn sensors() -> Vec<(&'static str, Vec<f64>)> {
+    let Sensors { imu, altimeter, camera, markers } = Sensors::TYPICAL;
+    let noise = |noise: Noise| vec![noise.density, noise.walk, noise.bias];
+    let of_camera = [camera.focal, camera.size[0], camera.size[1], camera.noise, camera.margin];
+    let times = [camera.least_depth, camera.period, camera.delay];
+    let start = Uncertainty::START;
+    vec![
+        ("sensors.imu", [&imu.place[..], &[imu.interval]].concat()),
+        ("sensors.gyro", noise(imu.gyro)),
+        ("sensors.accelerometer", noise(imu.accelerometer)),
+        (
+            "sensors.altimeter",
+            [
+                &altimeter.place[..],
+                &[altimeter.noise, altimeter.period],
+                &altimeter.ranges,
+                &[altimeter.greatest_incidence],
+            ]
+            .concat(),
+        ),
+        ("sensors.camera", [&camera.place[..], &of_camera, &times].concat()),
+        ("sensors.markers", [&markers[0][..2], &markers[4][..2]].concat()),
+        ("estimator.start", vec![start.place, start.velocity, start.attitude]),
+        ("estimator.gate", vec![GATE]),
+    ]
+}
+
 fn orbits() -> Vec<(&'static str, Vec<f64>)> {
     let (p, mission) = (relative_lvlh::Params::<f64>::default(), Mission::to_the_station(Axis::VBar));
     let [station, vehicle] = [mission.station, mission.vehicle].map(|state| Vector3::from(state.position));
@@ -232,7 +262,7 @@ fn soft_docking() -> Vec<(&'static str, Vec<f64>)> {
 /// A number of the page is that of the code; where a program keeps it to itself, its source has the same digits.
 #[test]
 fn assumed_values_are_those_of_the_code() {
-    let known: BTreeMap<_, _> = [arm(), platform(), quadrotor(), experiment(), marine(), orbits(), soft_docking()]
+    [arm(), platform(), quadrotor(), experiment(), marine(), sensors(), orbits(), soft_docking()]
         .into_iter()
         .flatten()
         .collect();

@@ -8,6 +8,7 @@ mod assistive;
 mod elastic;
 #[path = "../errata.rs"]
 mod errata;
+mod estimator;
 mod experiment;
 mod marine;
 mod orbit_anomaly;
@@ -25,5 +26,6 @@ mod quadrotor_decks;
 mod quadrotor_refused;
 mod quadrotor_standing;
 mod quadrotor_wind;
+mod sensors;
 mod thesis_equations;
 mod thesis_map;

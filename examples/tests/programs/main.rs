@@ -5,6 +5,7 @@ mod arm;
 mod assistive_arm;
 mod docking;
 mod elastic_arm;
+mod estimator;
 mod experiment;
 mod gallery;
 mod landing_maps;

@@ -10,7 +10,7 @@
 //! | (5.9)                 | [`heave`]: the platform's elevation; [`deck`]: it, and decks that move in six degrees of freedom |
 //! | (5.10), (5.11)        | [`flatness`]: the attitude that an acceleration asks for                            |
 //! | control law           | [`backstepping`]; for comparison [`lqr`]                                            |
-//! | cases I and II        | [`approach`]: guidance; [`landing`]: simulation up to the [`touchdown`]; [`sampled`]: by a sampled controller; [`driven`]: on the Stewart platform under control |
+//! | cases I and II        | [`approach`]: guidance; [`landing`]: simulation up to the [`touchdown`]; [`sampled`]: by a sampled controller; [`estimated`]: on what sensors say; [`driven`]: on the Stewart platform under control |
 //! | ground effect         | [`ground_effect`], an option of the landing                                         |
 //! | after the touchdown   | [`gear`]: four legs with friction; [`standing`]: rebound, sliding, tip-over, rest    |
 //! | "various disturbances" | [`wind`]: shear and Dryden's turbulence                                            |
@@ -24,6 +24,7 @@ pub mod approach;
 pub mod backstepping;
 pub mod deck;
 pub mod driven;
+pub mod estimated;
 pub mod flatness;
 pub mod gear;
 pub mod ground_effect;

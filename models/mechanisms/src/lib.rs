@@ -19,6 +19,13 @@ include!(concat!(env!("OUT_DIR"), "/assistive_arm.rs"));
 include!(concat!(env!("OUT_DIR"), "/irb7600_elastic.rs"));
 include!(concat!(env!("OUT_DIR"), "/stewart_platform_elastic.rs"));
 
+/// What sensors on a body see, and where it is after a step of their time: declared for its outputs alone, of which
+/// values and Jacobians are generated and nothing else.
+pub mod sensors {
+    include!(concat!(env!("OUT_DIR"), "/strapdown.rs"));
+    include!(concat!(env!("OUT_DIR"), "/sensor_head.rs"));
+}
+
 /// The Rust on the page about frames that move is tested with that of this crate.
 #[cfg(doctest)]
 #[doc = include_str!("../../../docs/moving_frames.md")]

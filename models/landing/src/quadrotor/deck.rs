@@ -105,15 +105,10 @@ impl DeckState {
         let offset = Vector3::new(q[0], q[1], q[2]) - Vector3::from(self.position);
         let velocity = Vector3::new(qd[0], qd[1], qd[2]) - Vector3::from(self.velocity);
         let velocity = velocity - Vector3::from(self.angular_velocity).cross(&offset);
-        let [[xx, _, _], [xy, _, _], [xz, yz, zz]] = to_rows(&rotation.tr_mul(&to_matrix(&attitude(q))));
         Relative {
             offset: rotation.tr_mul(&offset).into(),
             velocity: rotation.tr_mul(&velocity).into(),
-            attitude: [
-                Scalar::atan2(yz, zz),
-                Scalar::atan2(-xz, Scalar::sqrt(xx * xx + xy * xy)),
-                Scalar::atan2(xy, xx),
-            ],
+            attitude: angles_of(&to_rows(&rotation.tr_mul(&to_matrix(&attitude(q))))),
         }
     }
 
@@ -126,6 +121,12 @@ impl DeckState {
             .chain(&self.rotation)
             .all(|numbers| numbers.iter().all(|x| x.is_finite()))
     }
+}
+
+/// Roll, pitch and yaw of a rotation `Rz(ψ) Ry(θ) Rx(φ)`, between −π and π, the pitch between −π/2 and π/2 \[rad\].
+pub(super) fn angles_of([[xx, _, _], [xy, _, _], [xz, yz, zz]]: &[[f64; 3]; 3]) -> [f64; 3] {
+    let across = Scalar::sqrt(*xx * *xx + *xy * *xy);
+    [Scalar::atan2(*yz, *zz), Scalar::atan2(-*xz, across), Scalar::atan2(*xy, *xx)]
 }
 
 /// A level deck that heaves and does nothing else, as in the thesis: up to rounding [`MovingDeck`] with
