@@ -34,7 +34,7 @@ impl<D: Deck> Landing<D> {
             let deck = finite_deck(self.deck.at(t), t)?;
             let command = self.command_over(&deck, t, &seen.q, &seen.qd);
             way.hold(t, state, &command, &deck);
-            Ok(command)
+            Ok::<_, LandingError>(command)
         };
         let run = ZeroOrderHold {
             period,
