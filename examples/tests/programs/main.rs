@@ -4,6 +4,7 @@ mod arm;
 mod docking;
 mod experiment;
 mod gallery;
+mod mpc;
 mod orbits;
 mod platform;
 mod quadrotor;

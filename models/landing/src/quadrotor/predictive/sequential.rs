@@ -36,10 +36,10 @@ impl Default for Options {
             broken: 100.0,
             damping: 1e-3,
             accuracy: 1e-9,
-            tolerance: 1e-6,
+            tolerance: 1e-5,
             feasibility: 1e-6,
             infeasibility: 1e-3,
-            most_programs: 200,
+            most_programs: 150,
         }
     }
 }

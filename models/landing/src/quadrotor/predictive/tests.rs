@@ -201,7 +201,7 @@ fn the_shortest_fall_switches_once() {
         let nodes = 0..=intervals;
         let states = nodes.map(|node| Vector2::new(10.0 * (1.0 - node as f64 / intervals as f64), -3.0)).collect();
         let guess = Plan { start: 0.0, duration: 3.0, states, inputs: std::vec![Vector1::zeros(); intervals] };
-        let found = Sequential::new(Options::default()).solve(&falling, guess).unwrap();
+        let found = Sequential::new(Options { tolerance: 1e-6, ..Options::default() }).solve(&falling, guess).unwrap();
         let late = found.plan.duration - shortest;
         // An input that is held over the switch costs (a + b) l²/8 of height at most, passed at the greatest speed; of
         // grids that are parts of each other the finer one is not worse.
