@@ -152,10 +152,13 @@ fn predictive(world: &Landing, horizon: Horizon) -> Result<Flown, PredictiveErro
     Ok(Flown { touchdown, moments, plans, ends: Vec::new() })
 }
 
+/// The name of a limit that is looser, and what makes it so.
+type Change = (&'static str, fn(&mut Limits));
+
 /// Time of the shortest landing in case I with a limit that is looser than the others: name, time \[s\]; the first one has
 /// none.
 pub(crate) fn looser() -> Result<Vec<(&'static str, f64)>, Failure> {
-    let change: [(&str, fn(&mut Limits)); 6] = [
+    let change: [Change; 6] = [
         ("none", |_| ()),
         ("greatest thrust 2.5 m g", |limits| limits.thrust[1] = 2.5),
         ("least thrust 0", |limits| limits.thrust[0] = 0.0),
@@ -164,7 +167,7 @@ pub(crate) fn looser() -> Result<Vec<(&'static str, f64)>, Failure> {
         ("half angle of the cone 45°", |limits| limits.view.half_angle = 45.0_f64.to_radians()),
     ];
     let (_, heave) = mbs_examples::quadrotor_landing::flight::CASES[0];
-    let time = |(name, change): (&'static str, fn(&mut Limits))| {
+    let time = |(name, change): Change| {
         let mut limits = Limits::default();
         change(&mut limits);
         let shortest = ShortestLanding { intervals: INTERVALS, ..landing(heave, limits) };

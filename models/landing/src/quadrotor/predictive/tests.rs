@@ -392,7 +392,6 @@ fn no_state_is_no_command() {
     assert!(matches!(found, Err(PredictiveError::Invalid(_))), "{found:?}");
     assert!(new(Horizon { intervals: 0, ..horizon }, descent).is_err());
     assert!(new(horizon, Descent { limit: 0.1, ..descent }).is_err());
-    let mut heavy = Params::<f64>::default();
-    heavy.m = f64::INFINITY;
+    let heavy = Params { m: f64::INFINITY, ..Params::default() };
     assert!(PredictiveController::new(heavy, Limits::default(), deck(), horizon, descent).is_err());
 }
