@@ -37,7 +37,7 @@ impl Default for Options {
             damping: 1e-3,
             accuracy: 1e-9,
             tolerance: 1e-5,
-            feasibility: 1e-6,
+            feasibility: 1e-4,
             infeasibility: 1e-3,
             most_programs: 150,
         }
