@@ -11,6 +11,7 @@ mod gallery;
 mod landing_maps;
 mod marine;
 mod minimum_effort;
+mod mpc;
 mod nonholonomic;
 mod orbits;
 mod platform;

@@ -11,6 +11,7 @@
 //! | (5.10), (5.11)        | [`flatness`]: the attitude that an acceleration asks for                            |
 //! | control law           | [`backstepping`]; for comparison [`lqr`]                                            |
 //! | cases I and II        | [`approach`]: guidance; [`landing`]: simulation up to the [`touchdown`]; [`sampled`]: by a sampled controller; [`estimated`]: on what sensors say; [`driven`]: on the Stewart platform under control |
+//! | 8.3, predictive control | `predictive`, with the feature of that name: landings that are planned anew while flying |
 //! | ground effect         | [`ground_effect`], an option of the landing                                         |
 //! | after the touchdown   | [`gear`]: four legs with friction; [`standing`]: rebound, sliding, tip-over, rest    |
 //! | "various disturbances" | [`wind`]: shear and Dryden's turbulence                                            |
@@ -32,6 +33,8 @@ pub mod heave;
 pub mod landing;
 pub mod lqr;
 pub mod mixer;
+#[cfg(feature = "predictive")]
+pub mod predictive;
 pub mod sampled;
 pub mod small_angle;
 pub mod standing;

@@ -151,7 +151,7 @@ impl<M: PlatformMotion> Landing<MovingDeck<M>> {
             let command = self.command_over(&deck, t, &vehicle.q, &vehicle.qd);
             way.hold(t, &vehicle, &command, &deck);
             observer(&DrivenMoment { time: t, vehicle, platform: stands, deck, command, legs });
-            Ok(Held { rotors: command.rotors, forces: platform.limits.saturated(&force) })
+            Ok::<_, LandingError>(Held { rotors: command.rotors, forces: platform.limits.saturated(&force) })
         };
         let height = |vehicle: &State<[f64; 6]>, stands: &State<[f64; 6]>| {
             let [x, y, z, ..] = vehicle.q;

@@ -52,7 +52,7 @@ impl<D: Deck> Landing<D> {
             if wind.iter().any(|speed| !speed.is_finite()) {
                 return Err(LandingError::Wind { time: t });
             }
-            Ok((command.rotors.speed, wind))
+            Ok::<_, LandingError>((command.rotors.speed, wind))
         };
         let run = ZeroOrderHold {
             period,

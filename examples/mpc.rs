@@ -1,0 +1,77 @@
+//! How fast can a quadrotor land on a platform that moves, and can a plan of it be made while it flies?
+//!
+//! Cases I and II of the thesis, three times each: the shortest landing in time, planned anew twenty times a second
+//! while it is flown; predictive control, which follows a descent and solves one quadratic program a sample, a hundred
+//! times a second; and for comparison the guided landing by backstepping. All but the last keep thrust of each rotor,
+//! tilt, a cone in which the camera sees the deck, and the velocity of the touchdown. Each is flown in calm air, and
+//! once more in wind with a vehicle that is heavier than planned. Derivatives of all plans are exact.
+//!
+//! Look at the time that plans take, against the time that there is; at the touchdown in wind; and at what a looser
+//! limit saves. The platform of case II falls faster than freely for a part of the time: a vehicle comes down on it
+//! because it needs to be as fast as the platform at one moment only.
+//!
+//! `--case I` flies one of them. `--horizon` and `--intervals` change that of predictive control. `--out DIR` writes figures as SVG and PNG, and
+//! curves as CSV.
+
+#[path = "mpc/figures.rs"]
+mod figures;
+#[path = "mpc/flights.rs"]
+mod flights;
+#[path = "mpc/summary.rs"]
+mod summary;
+
+use mbs_examples::quadrotor_landing::flight::CASES;
+use mbs_examples::{Failure, arguments::Arguments, assumed, output};
+use mbs_landing::quadrotor::predictive::controller::Horizon;
+
+use flights::{Case, looser};
+
+#[derive(Clone, Debug, clap::Args)]
+struct Options {
+    /// How far predictive control looks ahead, in seconds.
+    #[arg(long, default_value_t = Horizon::default().duration)]
+    horizon: f64,
+    /// Only this case of the thesis.
+    #[arg(long, value_parser = ["I", "II"])]
+    case: Option<String>,
+    /// How many intervals that has.
+    #[arg(long, default_value_t = Horizon::default().intervals)]
+    intervals: usize,
+}
+
+/// What the landings rest on.
+const ASSUMED: [&str; 9] = [
+    "gravity",
+    "quadrotor.inertias",
+    "quadrotor.rotors",
+    "quadrotor.drag",
+    "quadrotor.gains",
+    "quadrotor.limits",
+    "quadrotor.guidance",
+    "quadrotor.start",
+    "predictive.",
+];
+
+fn main() -> Result<(), Failure> {
+    let arguments = Arguments::<Options>::with_options(include_str!("mpc.rs"));
+    let Options { horizon: duration, intervals, case } = &arguments.options;
+    let horizon = Horizon { duration: *duration, intervals: *intervals, ..Horizon::default() };
+    horizon.check()?;
+    let mut cases = Vec::new();
+    for (name, heave) in CASES.into_iter().filter(|(name, _)| case.as_ref().is_none_or(|only| only == name)) {
+        cases.push(Case::flown(name, heave, horizon)?);
+    }
+    let saved = looser()?;
+    if let Some(folder) = &arguments.out {
+        output::create_folder(folder)?;
+        for case in &cases {
+            figures::write(folder, case)?;
+        }
+    }
+    if arguments.json {
+        println!("{}", assumed::with(summary::to_json(&cases, &saved, &horizon), &ASSUMED));
+    } else {
+        print!("{}{}", summary::text(&cases, &saved, &horizon), assumed::text(&ASSUMED));
+    }
+    Ok(())
+}

@@ -1,0 +1,85 @@
+//! How the landings of a case go, and how long their plans take.
+
+use std::path::Path;
+
+use mbs_chart::{Curves, Figure, Line, Panel};
+use mbs_examples::{Failure, output};
+use mbs_landing::quadrotor::predictive::flight::Moment;
+use mbs_landing::quadrotor::predictive::limits::Limits;
+use mbs_models::quadrotor_euler::Params;
+
+use crate::flights::{Case, Flown, kept};
+
+/// `mpc_landing_CASE`, `mpc_planning_CASE`, and the curves as numbers.
+pub(crate) fn write(folder: &Path, case: &Case) -> Result<(), Failure> {
+    let name = case.name;
+    let title = format!("Landings of case {name}: the shortest, planned anew, and predictive control");
+    output::write_figure(
+        folder,
+        &format!("mpc_landing_{name}"),
+        &Figure { title, size: (1100, 1250), panels: landing(case) },
+    )?;
+    let title = format!("Case {name}: what plans say, and how long they take");
+    output::write_figure(
+        folder,
+        &format!("mpc_planning_{name}"),
+        &Figure { title, size: (1100, 850), panels: planning(case) },
+    )?;
+    let header = ["t_s", "x_m", "y_m", "z_m", "phi_rad", "theta_rad", "psi_rad", "deck_m", "visibility_m", "tilt_rad"];
+    let header: Vec<String> =
+        header.into_iter().map(String::from).chain((1..=4).map(|i| format!("rotor{i}_rad_s"))).collect();
+    for (kind, flights) in [("shortest", &case.replanned), ("predictive", &case.predictive)] {
+        for (air, flown) in ["calm", "windy"].into_iter().zip(flights) {
+            let row = |m: &Moment| {
+                [&[m.time][..], &m.state.q, &[m.deck.position[2], m.visibility, m.tilt], &m.speeds].concat()
+            };
+            output::write_table(folder, &format!("mpc_{kind}_{name}_{air}"), &header, kept(flown).map(row))?;
+        }
+    }
+    Ok(())
+}
+
+/// The four flights of a case, by their names in legends.
+fn flights(case: &Case) -> [(&'static str, &Flown); 4] {
+    let ([calm, windy], [quiet, rough]) = (&case.replanned, &case.predictive);
+    [("shortest", calm), ("shortest, windy", windy), ("predictive", quiet), ("predictive, windy", rough)]
+}
+
+fn landing(case: &Case) -> Vec<Panel> {
+    let end = flights(case).iter().fold(0.0_f64, |end, (_, flown)| end.max(flown.touchdown.time));
+    let factor = Params::<f64>::default().thrust_factor;
+    let limits = Limits::default();
+    let lines = |value: &dyn Fn(&Moment) -> f64| -> Vec<Line> {
+        let line = |(name, flown): (&str, &Flown)| Line::new(name, kept(flown).map(|m| (m.time, value(m))).collect());
+        flights(case).map(line).into()
+    };
+    let greatest = |m: &Moment| m.speeds.iter().fold(0.0_f64, |most, speed| most.max(factor * speed * speed));
+    let tilt = limits.tilt.to_degrees();
+    let panel = |label: &str, lines: Vec<Line>| curves(label, end, lines);
+    vec![
+        panel("height over the deck [m]", lines(&|m| m.state.q[2] - m.deck.position[2])),
+        panel("velocity against the deck [m/s]", lines(&|m| m.state.qd[2] - m.deck.velocity[2])),
+        panel("greatest thrust of a rotor [N]", lines(&greatest)),
+        panel(&format!("tilt [°], at most {tilt:.0}"), lines(&|m| m.tilt.to_degrees())),
+        panel("mark within the cone by [m]", lines(&|m| m.visibility)),
+    ]
+}
+
+fn planning(case: &Case) -> Vec<Panel> {
+    let [calm, windy] = &case.replanned;
+    let end = windy.touchdown.time.max(calm.touchdown.time);
+    let times = |flown: &Flown| flown.plans.iter().skip(1).map(|(t, took)| (*t, 1e3 * took)).collect();
+    let of = |flights: &[Flown; 2], value: &dyn Fn(&Flown) -> Vec<(f64, f64)>| {
+        ["calm", "windy"].iter().zip(flights).map(|(air, flown)| Line::new(*air, value(flown))).collect::<Vec<_>>()
+    };
+    let last = case.predictive.iter().fold(0.0_f64, |end, flown| end.max(flown.touchdown.time));
+    vec![
+        curves("touchdown by the plan [s]", end, of(&case.replanned, &|flown| flown.ends.clone())),
+        curves("shortest: time of a plan [ms]", end, of(&case.replanned, &times)),
+        curves("predictive: time of a plan [ms]", last, of(&case.predictive, &times)),
+    ]
+}
+
+fn curves(label: &str, end: f64, lines: Vec<Line>) -> Panel {
+    Panel::Curves(Curves { x_label: "t [s]".to_string(), y_label: label.to_string(), x_range: 0.0..end, lines })
+}
