@@ -41,7 +41,7 @@ enum Emit {
     Rust,
     /// A header of C99, which is C++ as well.
     C,
-    /// Textbook equations.
+    /// A document of LaTeX: symbols, outputs, energies, matrices, equations; what is long by its recursion.
     Latex,
     /// The expression graph, and the programs, one instruction a line, with names, shapes and operation counts.
     Json,

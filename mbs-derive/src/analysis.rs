@@ -135,10 +135,10 @@ impl<'g> Analysis<'g> {
         })
     }
 
-    /// Energies, matrices and equations of motion, a page of LaTeX.
+    /// Symbols, outputs, energies, matrices and equations of motion, a document of LaTeX.
     pub fn latex(&self) -> String {
         let graph = Graph::new();
-        latex::page(&self.lagrangian, &derive::routes(&self.lagrangian, &graph)[0])
+        latex::page(&self.lagrangian, &derive::routes(&self.lagrangian, &graph))
     }
 }
 

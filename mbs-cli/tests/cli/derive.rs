@@ -8,7 +8,7 @@ use crate::{Workshop, keys};
 fn two_runs_give_the_same_bytes() {
     let workshop = Workshop::new();
     for model in ["pendulum.mbs", "chain.mbs"] {
-        for emit in ["rust", "json"] {
+        for emit in ["rust", "latex", "json"] {
             let first = workshop.good(&["derive", model, "--emit", emit]);
             let second = workshop.good(&["derive", model, "--emit", emit, "--out", "out.txt"]);
             assert_eq!(second, "");
@@ -65,6 +65,7 @@ fn latex_is_a_page_of_a_textbook() {
     let workshop = Workshop::new();
     let page = workshop.good(&["derive", "pendulum.mbs", "--emit", "latex"]);
     assert!(page.contains("\\ddot{\\theta}"), "{page}");
+    assert!(page.starts_with("\\documentclass{article}") && page.ends_with("\\end{document}\n"), "{page}");
     assert_eq!(page.matches('{').count(), page.matches('}').count());
 }
 
@@ -77,4 +78,25 @@ fn what_cannot_be_written_is_not_begun() {
     assert!(report.contains("; make the folder first, or name another"), "{report}");
     let report = workshop.bad(&["derive", "pendulum.mbs", "--out", "folder"]);
     assert!(report.starts_with("error: cannot write folder: "), "{report}");
+}
+
+/// Six coordinates: with abbreviations, outputs and defaults, and nothing left out.
+#[test]
+fn latex_of_a_large_mechanism_is_written_out() {
+    let workshop = Workshop::new();
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../models/mechanisms/quadrotor_euler.mbs");
+    workshop.write("quadrotor.mbs", &std::fs::read_to_string(path).unwrap());
+    let page = workshop.good(&["derive", "quadrotor.mbs", "--emit", "latex"]);
+    for expected in [
+        r"$m$ & parameter & $\mathrm{kg}$ & $40$ & Mass. \\",
+        r"c_{\theta} = \cos\theta",
+        r"\mathbf{R}_{\mathrm{pose}} &= \begin{bmatrix}",
+        r"-s_{\theta} & s_{\phi} c_{\theta} & c_{\phi} c_{\theta}",
+        r"\mathbf{J}_{\mathrm{pose}} &= \begin{bmatrix}",
+        r"M_{46} &= -\mathrm{inertias}_1 \, s_{\theta}",
+        r"C_{55} &= -(\mathrm{inertias}_2 - \mathrm{inertias}_3) \dot{\phi} c_{\phi} s_{\phi}",
+    ] {
+        assert!(page.contains(expected), "{expected} is not in\n{page}");
+    }
+    assert!(!page.contains("Too long") && !page.contains("see below"), "{page}");
 }

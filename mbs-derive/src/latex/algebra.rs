@@ -12,6 +12,7 @@ use super::atom::{Atom, Kind, Place, Shape, parity, shape};
 use super::condition::Condition;
 use super::layout::{Entry, bracketed, sum_text, width};
 use super::notation::Notation;
+use super::recursion::Recursion;
 use super::square::without_unit_circles;
 
 /// Entries with more terms are left out.
@@ -28,11 +29,43 @@ pub(super) struct Algebra<'g> {
     pub(super) sums: BTreeMap<Id, Option<Polynomial>>,
     pub(super) atoms: BTreeMap<Id, Atom>,
     pub(super) conditions: BTreeMap<Id, Condition>,
+    /// Whether sines and cosines are abbreviated: `s_{23}`.
+    pub(super) abbreviates: bool,
+    /// Whether sums stay as they are derived, now.
+    pub(super) is_recursive: bool,
+    /// The same of what is written the other way: multiplied out or by recursion.
+    others: Caches,
+    pub(super) recursion: Recursion,
+}
+
+#[derive(Default)]
+struct Caches {
+    sums: BTreeMap<Id, Option<Polynomial>>,
+    atoms: BTreeMap<Id, Atom>,
+    conditions: BTreeMap<Id, Condition>,
 }
 
 impl<'g> Algebra<'g> {
     pub(super) fn new(graph: &'g Graph, notation: Notation) -> Self {
-        Algebra { graph, notation, sums: BTreeMap::new(), atoms: BTreeMap::new(), conditions: BTreeMap::new() }
+        Algebra {
+            graph,
+            notation,
+            sums: BTreeMap::new(),
+            atoms: BTreeMap::new(),
+            conditions: BTreeMap::new(),
+            abbreviates: false,
+            is_recursive: false,
+            others: Caches::default(),
+            recursion: Recursion::default(),
+        }
+    }
+
+    /// From multiplying out to recursion, and back.
+    pub(super) fn switch(&mut self) {
+        self.is_recursive = !self.is_recursive;
+        std::mem::swap(&mut self.sums, &mut self.others.sums);
+        std::mem::swap(&mut self.atoms, &mut self.others.atoms);
+        std::mem::swap(&mut self.conditions, &mut self.others.conditions);
     }
 
     /// An expression in its shortest form: multiple angles, half angles, as derived.
@@ -40,16 +73,27 @@ impl<'g> Algebra<'g> {
         let textbook = normal_form(&[value], &Kept::default(), MOST_TERMS).and_then(|forms| self.expand(forms[0]));
         let plain = self.expand(value);
         let mut forms = Vec::new();
+        // Where sums of angles have names, products of sines are shorter than those that multiple angles make of them.
+        let textbook = textbook.filter(|_| !self.abbreviates || plain.is_none());
         for sum in [textbook, plain].into_iter().flatten() {
             let sum = without_unit_circles(self.graph, sum);
             forms.extend(halved(&sum, Doubled::Matched, MOST_TERMS, |id| self.double(id)));
-            forms.push(sum);
+            let sum = self.with_sums_of_angles(sum);
+            forms.push(without_unit_circles(self.graph, sum));
         }
         self.shortest_of(forms)
     }
 
     /// Of equally short ones the first. A group with a doubled angle counts twice: people write `sin²θ`.
-    pub(super) fn shortest_of(&mut self, forms: Vec<Polynomial>) -> Option<Polynomial> {
+    pub(super) fn shortest_of(&mut self, mut forms: Vec<Polynomial>) -> Option<Polynomial> {
+        if self.abbreviates {
+            // Better longer than by angles that have no abbreviation.
+            let is_wave = |id: &Id| matches!(self.atoms[id].shape, Shape::Named("\\sin" | "\\cos", _));
+            let has_wave = |sum: &Polynomial| sum.0.keys().flat_map(BTreeMap::keys).any(is_wave);
+            if forms.iter().any(|sum| !has_wave(sum)) {
+                forms.retain(|sum| !has_wave(sum));
+            }
+        }
         let mut length = |sum: &Polynomial| {
             let groups = self.groups(sum);
             let doubled = groups.iter().filter(|(_, group)| group.state.keys().any(|&id| self.double(id).is_some()));
@@ -75,13 +119,13 @@ impl<'g> Algebra<'g> {
 
     /// As written, unless it is too long.
     pub(super) fn entry(&self, sum: Option<Polynomial>) -> Entry {
-        let Some(sum) = sum else { return Entry::TooLong(0) };
+        let Some(sum) = sum else { return Entry::TooLong };
         let count = self.groups(&sum).len();
         if count > LONGEST_SUM {
-            return Entry::TooLong(count);
+            return Entry::TooLong;
         }
         let terms = self.terms(&sum);
-        if sum_text(&terms).len() > LONGEST_TEXT { Entry::TooLong(count) } else { Entry::Written(terms) }
+        if sum_text(&terms).len() > LONGEST_TEXT { Entry::TooLong } else { Entry::Written(terms) }
     }
 
     /// An expression as a sum of products; `None` where there are too many.
@@ -95,7 +139,7 @@ impl<'g> Algebra<'g> {
         self.sums[&root.id()].clone()
     }
 
-    fn node(&mut self, id: Id) -> Option<Polynomial> {
+    pub(super) fn node(&mut self, id: Id) -> Option<Polynomial> {
         let sum = |algebra: &Self, id: Id| algebra.sums[&id].clone();
         match self.graph.node(id) {
             Node::Constant(value) => Some(Polynomial::term(Powers::new(), value)),
@@ -196,7 +240,11 @@ impl<'g> Algebra<'g> {
         let (sum, flipped) = if parity == 0 { (sum, false) } else { self.leading_positive(sum) };
         let text = self.text(&sum)?;
         let argument = if self.is_one_symbol(&sum) { text.clone() } else { bracketed(&text) };
-        self.function(id, shape(function, argument, &text), &[&sum]);
+        let shape = match self.wave(function, &sum, &argument) {
+            Some(name) => Shape::Symbol(name),
+            None => shape(function, argument, &text),
+        };
+        self.function(id, shape, &[&sum]);
         let atom = Polynomial::atom(id, 2);
         Some(if flipped && parity < 0 { atom.negative() } else { atom })
     }
@@ -212,6 +260,7 @@ impl<'g> Algebra<'g> {
                 let name = if *name == "\\sin" { "" } else { name };
                 (Kind::Trigonometric, format!("{length:4} {argument} {name}"))
             }
+            Shape::Symbol(name) if name.starts_with(['s', 'c']) => (Kind::Trigonometric, format!("{:4} {name}", "")),
             _ if parametric => (Kind::ParametricFunction, shape.inside()),
             _ => (Kind::Function, shape.inside()),
         };
@@ -258,7 +307,7 @@ impl<'g> Algebra<'g> {
 }
 
 /// The atom that the sum consists of.
-fn single_atom(sum: &Polynomial) -> Option<Id> {
+pub(super) fn single_atom(sum: &Polynomial) -> Option<Id> {
     let (powers, coefficient) = sum.as_term()?;
     let (&id, &halves) = powers.first_key_value()?;
     (powers.len() == 1 && halves == 2 && coefficient.is_one()).then_some(id)

@@ -3,14 +3,17 @@
 /// What fits on a line, in symbols as seen on paper.
 pub(super) const LINE: usize = 64;
 
+/// What fits on a line of abbreviations, most of whose symbols are subscripts.
+pub(super) const LONG_LINE: usize = 84;
+
 /// Blocks of more lines may be broken across pages.
 pub(super) const LINES: usize = 30;
 
 /// An expression as it is written.
+#[derive(Clone)]
 pub(super) enum Entry {
     Written(Vec<Signed>),
-    /// The number of terms; 0 where they were not counted.
-    TooLong(usize),
+    TooLong,
 }
 
 impl Entry {
@@ -18,7 +21,7 @@ impl Entry {
     pub(super) fn lines(&self) -> Vec<String> {
         match self {
             Entry::Written(terms) => lines(terms),
-            Entry::TooLong(_) => vec!["\\text{(see below)}".to_string()],
+            Entry::TooLong => vec!["\\text{(see below)}".to_string()],
         }
     }
 

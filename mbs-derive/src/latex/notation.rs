@@ -5,9 +5,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use crate::expr::Symbol;
 use crate::model::Lagrangian;
 use crate::variable::Variable;
-use crate::variable::component_names;
 
-/// How the symbols of a mechanism are written.
+/// How the symbols of a mechanism are written. Components of arrays are counted from 1, as rows of matrices are.
 pub(super) struct Notation {
     pub(super) coordinates: Vec<Name>,
     pub(super) parameters: Vec<Name>,
@@ -15,21 +14,56 @@ pub(super) struct Notation {
     pub(super) prescribed: Vec<Name>,
     /// Where each parameter stands in a product.
     pub(super) ranks: Vec<u32>,
+    /// All names on the page.
+    taken: BTreeSet<String>,
+    /// Sines and cosines that are abbreviated, and what they are.
+    pub(super) waves: BTreeMap<String, String>,
 }
 
 impl Notation {
     pub(super) fn of(lagrangian: &Lagrangian<'_>) -> Self {
         let mut taken: BTreeSet<String> = ["t".to_string()].into();
         let mut names = |variables: &[Variable]| -> Vec<Name> {
-            let names = component_names(variables);
-            names.iter().map(|declared| Name::unlike(&mut taken, declared)).collect()
+            let pairs = variables.iter().flat_map(|v| v.component_names().into_iter().zip(counted_from_1(v)));
+            pairs.map(|(declared, counted)| Name { declared, ..Name::unlike(&mut taken, &counted) }).collect()
         };
         let coordinates = names(&lagrangian.coordinates);
         let parameters = names(&lagrangian.parameters);
         let inputs = names(&lagrangian.inputs);
         let prescribed = names(&lagrangian.prescribed);
         let ranks = ranks(&lagrangian.parameters, &parameters);
-        Notation { coordinates, parameters, inputs, prescribed, ranks }
+        Notation { coordinates, parameters, inputs, prescribed, ranks, taken, waves: BTreeMap::new() }
+    }
+
+    /// A name for an abbreviation that nothing else on the page has: `b_1`, else `b_{1,a}`, `b_{1,b}`, ….
+    pub(super) fn unique(&mut self, stem: &str, subscript: &str) -> String {
+        let comma = if subscript.is_empty() { "" } else { "," };
+        let others = (0..).map(|n| subscripted(stem, &format!("{subscript}{comma}{}", letters(n))));
+        let name = std::iter::once(subscripted(stem, subscript)).chain(others).find(|name| !self.taken.contains(name));
+        let name = name.expect("there are more names than abbreviations");
+        self.taken.insert(name.clone());
+        name
+    }
+
+    /// Whether a sine or cosine may have this name: it has this meaning alone.
+    pub(super) fn wave(&mut self, name: &str, meaning: &str) -> bool {
+        match self.waves.get(name) {
+            Some(known) => known == meaning,
+            None => {
+                let is_free = self.taken.insert(name.to_string());
+                if is_free {
+                    self.waves.insert(name.to_string(), meaning.to_string());
+                }
+                is_free
+            }
+        }
+    }
+
+    /// The first of some letters that no declared name begins with.
+    pub(super) fn free_letter(&self, letters: &[&'static str]) -> &'static str {
+        let declared = || [&self.coordinates, &self.parameters, &self.inputs, &self.prescribed].into_iter().flatten();
+        let is_free = |letter: &&&str| declared().all(|name| name.stem != ***letter);
+        letters.iter().find(is_free).or(letters.last()).copied().unwrap_or("b")
     }
 
     /// The components of a coordinate as they stand in q: `x`, `q_0, \dots, q_5`.
@@ -58,6 +92,24 @@ impl Notation {
     }
 }
 
+/// `x`, or `q_1`, `q_2`, …; of a matrix `a_1_1`, `a_1_2`, …, row by row.
+fn counted_from_1(variable: &Variable) -> Vec<String> {
+    let Variable { name, length, columns, .. } = variable;
+    match (length, columns) {
+        (None, _) => vec![name.clone()],
+        (Some(n), None) => (1..=*n).map(|i| format!("{name}_{i}")).collect(),
+        (Some(n), Some(columns)) => {
+            (0..*n).map(|i| format!("{name}_{}_{}", i / columns + 1, i % columns + 1)).collect()
+        }
+    }
+}
+
+/// `a`, `b`, …, `z`, `aa`, `ab`, …
+fn letters(n: usize) -> String {
+    let last = char::from(b'a' + (n % 26) as u8);
+    if n < 26 { last.to_string() } else { format!("{}{last}", letters(n / 26 - 1)) }
+}
+
 /// `m g l`: coefficients before gravity before lengths, one letter's symbols together, else as declared.
 fn ranks(parameters: &[Variable], names: &[Name]) -> Vec<u32> {
     let units = parameters.iter().flat_map(|variable| std::iter::repeat_n(variable.unit.as_str(), variable.count()));
@@ -75,10 +127,6 @@ fn ranks(parameters: &[Variable], names: &[Name]) -> Vec<u32> {
         ranks[i] = rank as u32;
     }
     ranks
-}
-
-pub(super) fn by_declared_name(coordinates: &[Name]) -> BTreeMap<String, String> {
-    coordinates.iter().map(|name| (name.declared.clone(), name.text())).collect()
 }
 
 /// A letter with its subscripts.
@@ -118,12 +166,11 @@ impl Name {
     }
 
     pub(super) fn text(&self) -> String {
-        if self.subscript.is_empty() { self.stem.clone() } else { subscripted(&self.stem, &self.subscript) }
+        subscripted(&self.stem, &self.subscript)
     }
 
     pub(super) fn accented(&self, accent: &str) -> String {
-        let stem = format!("{accent}{{{}}}", self.stem);
-        if self.subscript.is_empty() { stem } else { subscripted(&stem, &self.subscript) }
+        subscripted(&format!("{accent}{{{}}}", self.stem), &self.subscript)
     }
 }
 
@@ -191,6 +238,9 @@ fn greek(word: &str) -> Option<String> {
 }
 
 pub(super) fn subscripted(stem: &str, subscript: &str) -> String {
+    if subscript.is_empty() {
+        return stem.to_string();
+    }
     format!("{stem}{}", script('_', subscript))
 }
 
@@ -199,11 +249,11 @@ pub(super) fn script(mark: char, text: &str) -> String {
     if text.chars().count() == 1 { format!("{mark}{text}") } else { format!("{mark}{{{text}}}") }
 }
 
-/// `$q_0, q_1$`, `$q_0, \dots, q_9$`
+/// `$q_1$, $q_2$`, `$q_1, \dots, q_9$`
 pub(super) fn listed(names: &[String]) -> String {
     match names {
-        [first, _, _, .., last] => format!("${first}, \\dots, {last}$"),
-        few => format!("${}$", few.join(", ")),
+        [first, _, _, .., last] => format!("${first}$, \\dots, ${last}$"),
+        few => few.iter().map(|name| format!("${name}$")).collect::<Vec<_>>().join(", "),
     }
 }
 

@@ -48,7 +48,7 @@ fn script_power(base: &str, exponent: u8) -> String {
 }
 
 /// The shortest decimal, `6.67 \cdot 10^{-11}` for very large and very small ones.
-fn decimal(value: Number) -> String {
+pub(super) fn decimal(value: Number) -> String {
     let text = format!("{:?}", value.to_f64());
     let text = text.strip_suffix(".0").unwrap_or(&text);
     match text.split_once('e') {

@@ -2,8 +2,33 @@
 
 /// The text of a doc comment, whose empty lines begin paragraphs.
 pub(super) fn paragraphs(docs: &[String]) -> String {
-    let lines: Vec<String> = docs.iter().flat_map(|doc| doc.lines()).map(|line| escaped(line.trim())).collect();
+    let lines: Vec<String> = docs.iter().flat_map(|doc| doc.lines()).map(|line| marked(line.trim())).collect();
     lines.join("\n").trim().to_string()
+}
+
+/// A line with its `*emphasis*` and `` `code` ``, where that ends on the line on which it begins.
+fn marked(line: &str) -> String {
+    let mut marked = String::new();
+    let mut rest = line;
+    while let Some(start) = rest.find(['*', '`']) {
+        let (before, from) = rest.split_at(start);
+        let (mark, inside) = from.split_at(1);
+        let begins = before.is_empty() || before.ends_with([' ', '(']);
+        let end = inside.find(mark).filter(|&end| begins && end > 0 && !inside[..end].contains("  "));
+        marked.push_str(&escaped(before));
+        rest = match end {
+            Some(end) => {
+                let command = if mark == "*" { "emph" } else { "texttt" };
+                marked.push_str(&format!("\\{command}{{{}}}", escaped(&inside[..end])));
+                &inside[end + 1..]
+            }
+            None => {
+                marked.push_str(mark);
+                inside
+            }
+        };
+    }
+    marked + &escaped(rest)
 }
 
 /// A text whose characters mean themselves. Letters that pdflatex does not know become commands; what it has no command
@@ -80,5 +105,6 @@ mod tests {
                     \\ensuremath{\\ddot{q}} m/s\\ensuremath{^2} -- Störmer"
         );
         assert_eq!(escaped("漢"), "(U+6F22)");
+        assert_eq!(marked("(*A book*, `R_z`) 2*3 and *4"), r"(\emph{A book}, \texttt{R\_z}) 2*3 and *4");
     }
 }

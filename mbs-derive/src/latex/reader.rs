@@ -1,6 +1,64 @@
 //! A reader of what is written: tests know by it that the page has the values that were derived.
+//!
+//! [`Reader`] reads an expression; [`Read`] is a whole page, of whose text nothing else is known than the values of the
+//! declared symbols.
 
 use std::collections::BTreeMap;
+
+/// What a page says.
+#[derive(Debug, Default)]
+pub(super) struct Read {
+    /// Declared symbols, abbreviations and entries.
+    pub(super) values: BTreeMap<String, f64>,
+    /// Matrices and columns, row by row.
+    pub(super) matrices: BTreeMap<String, Vec<f64>>,
+}
+
+impl Read {
+    /// Reads all definitions of a page in their order, each by those before it; equations of motion define nothing.
+    pub(super) fn page(text: &str, symbols: &BTreeMap<String, f64>) -> Read {
+        let mut read = Read { values: symbols.clone(), ..Read::default() };
+        let mut matrices = Vec::new();
+        let blocks = text.split("\\paragraph{").filter(|block| !block.starts_with("Equations of motion"));
+        for align in blocks.flat_map(|block| block.split("\\begin{align*}\n").skip(1)) {
+            let align = align.split("\n\\end{align*}").next().unwrap_or_default();
+            // Lines that go on, then rows of matrices, then rows.
+            let joined = ["\\\\\n  &\\quad {}", "\\\\\n  & \\quad {}"];
+            let align = joined.iter().fold(align.to_string(), |text, mark| text.replace(mark, " "));
+            let align = align.replace("\\\\\n    ", ";").replace("\n    ", "").replace("\n  \\end", "\\end");
+            for row in align.split(" \\\\\n") {
+                for definition in row.trim().trim_start_matches("& ").split(", \\quad ") {
+                    let (name, text) = definition.split_once('=').unwrap_or_else(|| panic!("{definition}"));
+                    let name = name.trim().trim_end_matches(['&', ' ']);
+                    match text.trim().strip_prefix("\\begin{bmatrix}") {
+                        Some(matrix) => matrices.push((name.to_string(), matrix.replace("\\end{bmatrix}", ""))),
+                        None if text.trim() == "\\mathbf{0}" => {}
+                        None => read.define(name, text.trim().trim_end_matches("= 0")),
+                    }
+                }
+            }
+        }
+        for (name, matrix) in matrices {
+            let entries = matrix.split(';').flat_map(|row| row.split(" & "));
+            let entries = entries.map(|entry| read.value(entry)).collect();
+            assert!(read.matrices.insert(name.clone(), entries).is_none(), "{name} stands twice on the page");
+        }
+        read
+    }
+
+    fn define(&mut self, name: &str, text: &str) {
+        let value = self.value(text);
+        let before = self.values.insert(name.to_string(), value);
+        assert!(before.is_none(), "{name} is defined twice");
+    }
+
+    fn value(&self, text: &str) -> f64 {
+        let mut reader = Reader { rest: text.trim(), values: &self.values };
+        let value = reader.sum();
+        assert!(reader.rest.trim().is_empty(), "{text}: {}", reader.rest);
+        value
+    }
+}
 
 /// Reads what is written, for its value.
 pub(super) struct Reader<'a> {

@@ -60,7 +60,18 @@ impl<'g> Algebra<'g> {
 }
 
 /// The polynomial with `c p sin²x + c p cos²x` written as `c p`.
-pub(super) fn without_unit_circles(graph: &Graph, sum: Polynomial) -> Polynomial {
+pub(super) fn without_unit_circles(graph: &Graph, mut sum: Polynomial) -> Polynomial {
+    // Each turn leaves fewer terms.
+    loop {
+        let terms = sum.0.len();
+        sum = with_fewer_circles(graph, sum);
+        if sum.0.len() == terms {
+            return sum;
+        }
+    }
+}
+
+fn with_fewer_circles(graph: &Graph, sum: Polynomial) -> Polynomial {
     let mut result = sum.clone();
     for powers in sum.0.keys() {
         for (&id, _) in powers.iter().filter(|(_, halves)| **halves == 4) {

@@ -76,6 +76,11 @@ impl Algebra<'_> {
             }
         }
         negative_constant_last(&mut written_alone);
+        if self.is_recursive {
+            // Coefficients are short, and lines break between terms.
+            terms.extend(written_alone.iter().flatten().flat_map(|group| self.group_terms(group)));
+            return terms;
+        }
         match self.linear_form(&written_alone) {
             Some(form) if terms.is_empty() => terms.push(form),
             _ => terms.extend(with_like_coefficients(written_alone).iter().flat_map(|groups| self.like_terms(groups))),

@@ -15,6 +15,8 @@ pub(in crate::model) struct Effort {
     pub(in crate::model) depth_of_blocks: usize,
     /// Loops that are open.
     pub(in crate::model) loops: usize,
+    /// The numbers of their turns, outermost first.
+    pub(in crate::model) numbers: Vec<i64>,
     /// Whether a limit has been reported.
     pub(in crate::model) exhausted: bool,
 }

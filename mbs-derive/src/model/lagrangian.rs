@@ -11,6 +11,7 @@ use crate::variable::Variable;
 
 use crate::model::frame::{Edge, FrameId, Frames};
 use crate::model::landmark::{Landmarks, Motion};
+use crate::model::names::local::Local;
 
 /// A rigid body, or a particle (a body without rotational inertia), whose kinetic energy is part of T.
 #[derive(Clone, Copy, Debug)]
@@ -231,6 +232,8 @@ pub struct Lagrangian<'g> {
     pub landmarks: Landmarks<'g>,
     /// Where in the text choices stand, `if` and functions with a corner, by their numbers in the graph.
     pub choices: BTreeMap<Id, Choice>,
+    /// What local names and functions stand for.
+    pub(crate) locals: Vec<Local<'g>>,
 }
 
 impl<'g> Lagrangian<'g> {
@@ -257,6 +260,7 @@ impl<'g> Lagrangian<'g> {
             frames: Frames::new(graph),
             landmarks: Landmarks::default(),
             choices: BTreeMap::new(),
+            locals: Vec::new(),
         }
     }
 

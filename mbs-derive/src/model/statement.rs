@@ -95,6 +95,9 @@ impl<'d, 'g> Resolver<'d, 'g> {
             StatementKind::Let { mutable, name, value } => {
                 let origin = if *mutable { Origin::Mutable } else { Origin::Local };
                 let value = self.definition(name, value).ok();
+                if let Some(value) = value.as_ref().filter(|_| !mutable) {
+                    self.remember(&name.text, self.effort.numbers.clone(), value);
+                }
                 self.declare(name, origin, value)
             }
             StatementKind::Elements { mutable, name, lengths } => self.declare_elements(name, *mutable, lengths),
@@ -317,8 +320,10 @@ impl<'d, 'g> Resolver<'d, 'g> {
         let value = Value::Scalar(Scalar::plain(self.graph.integer(number)));
         let declared = self.declare(variable, Origin::Loop, Some(value)).is_ok();
         self.effort.loops += 1;
+        self.effort.numbers.push(number);
         let complete = declared && self.block(body, &variable.span);
         self.effort.loops -= 1;
+        self.effort.numbers.pop();
         self.names.scope.leave();
         complete && self.report.errors.error_count() == errors
     }

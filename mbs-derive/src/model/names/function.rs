@@ -213,6 +213,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
             Home::Mechanism => self.names.scope.enter_function(),
             Home::Import | Home::Library => self.names.scope.enter_shared_function(),
         }
+        let numbers = self.whole_numbers(&arguments).filter(|_| function.home != Home::Library);
         for (parameter, argument) in function.parameters.iter().zip(arguments) {
             let binding = Binding::new(Origin::Argument, Some(argument.value), parameter.span.clone());
             // Two of one name have been reported.
@@ -227,7 +228,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
         let value = self.expression(function.body);
         self.report.calls.pop();
         self.names.scope.leave();
-        value
+        value.inspect(|value| self.remember_call(&function.name.text, numbers, value))
     }
 }
 
