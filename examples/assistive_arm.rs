@@ -49,7 +49,12 @@ fn main() -> Result<(), Failure> {
         write(folder, &runs)?;
     }
     if arguments.json {
-        let row = |run: &Run| (run.name.to_string(), json!({ "peak_torque": peak(run), "way": way(run) }));
+        let row = |run: &Run| {
+            (
+                run.name.to_string(),
+                json!({ "holding_torque": run.samples[0].2, "peak_torque": peak(run), "way": way(run) }),
+            )
+        };
         let all = json!({ "rates": balanced.rate, "runs": runs.iter().map(row).collect::<Value>() });
         println!("{}", assumed::with(all, &ASSUMED));
         return Ok(());

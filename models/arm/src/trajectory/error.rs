@@ -163,7 +163,8 @@ pub enum TrajectoryError {
         /// The time around which it did not \[s\].
         time: f64,
     },
-    /// The search for a motion of least effort did not come to its tolerance: limits leave no motion, or it was not found.
+    /// The search for a motion of least effort did not come to its tolerance: limits leave no motion, or it was not
+    /// found.
     #[error(
         "no motion of least effort was found: after {iterations} iterations the largest defect is {defect:e}, \
          the largest derivative {stationarity:e}"
