@@ -72,7 +72,7 @@ fn momenta(params: &Params<f64>, pair: &Pair) -> (Vector3<f64>, Vector3<f64>) {
 #[test]
 fn a_symmetric_top_goes_round_as_euler_says() {
     let params = Params { chaser_inertia: [8000.0, 15_000.0, 15_000.0], ..free() };
-    let chaser = Body { spin: [0.3, 0.1, 0.0], ..still([-500.0, 0.0, 0.0]) };
+    let chaser = Body { spin: [0.3, 0.1, 0.0], ..still([0.0, -500.0, 0.0]) };
     let pair = Pair { chaser, station: still([0.0; 3]) };
     let end = fly(&params, &pair, 60.0, |_| [0.0; 3]);
     let angle = (8000.0 - 15_000.0) / 15_000.0 * 0.3 * 60.0;
@@ -88,7 +88,7 @@ fn an_asymmetric_top_has_the_period_of_jacobi() {
     let (a, b, c) = (8000.0, 12_000.0, 16_000.0);
     let params = Params { chaser_inertia: [a, b, c], ..free() };
     let spin = [0.05, 0.0, 0.2];
-    let pair = Pair { chaser: Body { spin, ..still([-500.0, 0.0, 0.0]) }, station: still([0.0; 3]) };
+    let pair = Pair { chaser: Body { spin, ..still([0.0, -500.0, 0.0]) }, station: still([0.0; 3]) };
     let energy = a * spin[0] * spin[0] + c * spin[2] * spin[2];
     let momentum = (a * spin[0]).powi(2) + (c * spin[2]).powi(2);
     // Landau, Lifshitz, Mechanics, 1976, (37.8) to (37.12), for L² > 2 E B.
@@ -299,7 +299,7 @@ fn quaternion_feedback_brings_a_small_angle_back() {
     let params = free();
     let control = AttitudeControl { frequency: 0.2, damping: 0.7 };
     let angle = 1e-4_f64;
-    let chaser = Body { attitude: [(0.5 * angle).cos(), (0.5 * angle).sin(), 0.0, 0.0], ..still([-500.0, 0.0, 0.0]) };
+    let chaser = Body { attitude: [(0.5 * angle).cos(), (0.5 * angle).sin(), 0.0, 0.0], ..still([0.0, -500.0, 0.0]) };
     let pair = Pair { chaser, station: still([0.0; 3]) };
     let torque =
         |pair: &Pair| control.torque(&params.chaser_inertia, &pair.chaser.attitude, &pair.chaser.spin, &[0.0; 3]);
