@@ -25,8 +25,17 @@ fn assert_rows(found: &Value, expected: &Value) {
 fn prints_the_reference_values() {
     let found = json(&good(PROGRAM, &["--json"]));
     let expected = json(include_str!("../../../tests/data/stewart.json"));
-    let names = ["table3", "table4", "direct_kinematics", "mass_matrix", "coriolis_matrix", "gravity", "cases", "sensitivity",
-        "assumed"];
+    let names = [
+        "table3",
+        "table4",
+        "direct_kinematics",
+        "mass_matrix",
+        "coriolis_matrix",
+        "gravity",
+        "cases",
+        "sensitivity",
+        "assumed",
+    ];
     assert_eq!(keys(&found), names);
     assert_eq!(keys(&found["table3"]), ["lengths", "forces"]);
     let forces = &found["table3"]["forces"];
@@ -148,7 +157,10 @@ fn reports_the_eight_cases() {
                     let [q, qd, qdd] = motion.at(extreme["time"].as_f64().unwrap());
                     let legs = platform.leg_state(&q, &qd, &qdd).unwrap();
                     let values = [legs.length, legs.rate, legs.force, legs.power()][which];
-                    assert_eq!(values[extreme["leg"].as_u64().unwrap() as usize - 1], extreme["value"].as_f64().unwrap());
+                    assert_eq!(
+                        values[extreme["leg"].as_u64().unwrap() as usize - 1],
+                        extreme["value"].as_f64().unwrap()
+                    );
                 }
             }
             let passed = entry["limits_passed"].as_array().unwrap();
