@@ -7,4 +7,6 @@ mod gallery;
 mod orbits;
 mod platform;
 mod quadrotor;
+mod rapid;
+mod rapid_reader;
 mod support;
