@@ -6,7 +6,8 @@
 //! and at the energies: the thesis says that case 2 needs more.
 //!
 //! `--out DIR` writes figures 3.4 to 3.11 and the torques as SVG and PNG, every curve as CSV, and the joint angles as
-//! RAPID modules for the robot's controller or its simulator.
+//! RAPID modules for the robot's controller or its simulator: `case1.mod` and `case2.mod` as printed, which leave the
+//! ranges of axes 2 and 3, and `case1_in_range.mod` and `case2_in_range.mod`, a variant that keeps them.
 
 #[path = "arm_trajectory/rapid.rs"]
 mod rapid;
@@ -33,8 +34,9 @@ fn main() -> Result<(), Failure> {
         for case in &cases {
             figures::write(folder, &arm, case)?;
             tables::write(folder, &arm, case)?;
-            let text = rapid::module(&arm, case)?;
-            std::fs::write(folder.join(format!("{}.mod", case.name)), text)?;
+            for (name, text) in rapid::modules(&arm, case)? {
+                std::fs::write(folder.join(name), text)?;
+            }
         }
     }
     if arguments.json {

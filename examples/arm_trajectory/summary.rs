@@ -22,9 +22,12 @@ pub(crate) fn of(arm: &Arm, cases: &[Case]) -> Result<String, Failure> {
         "\nThe same way from rest to rest as fast as the assumed drives can: {:.3} s.",
         cases::fastest(arm)?.duration()
     )?;
-    writeln!(text, "\nOut of the ranges of the real axes (both RAPID modules say so, too):")?;
+    writeln!(
+        text,
+        "\nOut of the ranges of the real axes (their RAPID modules say so, too; those named in_range keep them):"
+    )?;
     for case in cases {
-        for warning in rapid::warnings(arm, case)? {
+        for warning in rapid::warnings(arm, &*case.runs[0].motion)? {
             writeln!(text, "  {}: {warning}", case.name)?;
         }
     }

@@ -5,7 +5,7 @@ mod carried;
 use mbs_landing::quadrotor::backstepping::Reference;
 use mbs_landing::quadrotor::deck::{Deck, DeckState, MovingDeck};
 use mbs_landing::quadrotor::gear::{Damping, Gear};
-use mbs_landing::quadrotor::landing::LandingError;
+use mbs_landing::quadrotor::landing::{Landing, LandingError, Plant};
 use mbs_landing::quadrotor::standing::{Ending, Moment, Planned, Settled, Standing, Start, twist, with_quaternion};
 use mbs_models::quadrotor_euler::QuadrotorEuler;
 use mbs_models::quadrotor_quaternion::{Params, QuadrotorQuaternion};
@@ -256,6 +256,26 @@ fn the_balance_of_energy_holds_on_a_deck_at_sea() {
     // The unit quaternion stays one.
     let [.., a, b, c, d] = end.last.vehicle.q;
     close(a * a + b * b + c * c + d * d, 1.0, 1e-8);
+}
+
+/// A landing with legs ends where the first foot meets the deck, whether its controller is sampled or not.
+#[test]
+fn a_vehicle_with_legs_touches_with_its_first_foot() {
+    let deck = MovingDeck { motion: Superposition::MARINE, base: [12.0, 7.0, -1.1], point: [0.4, -0.3, 0.3] };
+    let gear = Gear::default();
+    let landing = Landing { gear: Some(gear), ..Landing::on(Plant::Exact, deck) };
+    let start = Landing::initial_state();
+    let vehicle = QuadrotorQuaternion::default();
+    let ends = [landing.simulate(start, |_, _, _| ()), landing.simulate_sampled(start, 0.002, |_, state| *state)];
+    for end in ends.map(Result::unwrap) {
+        let contact = gear.contact(&twist(&vehicle, &with_quaternion(&end.state)), &end.deck);
+        close(contact.deepest(), 0.0, 1e-9);
+        assert!(contact.depth.iter().filter(|depth| **depth < -1e-3).count() == 3, "{contact:?}");
+        assert!(end.relative.offset[2] > 0.35 && end.time < 13.0, "{end:?}");
+    }
+    let none = Landing { gear: Some(Gear { stiffness: f64::NAN, ..gear }), ..landing };
+    let error = none.simulate(start, |_, _, _| ()).unwrap_err();
+    assert!(matches!(error, LandingError::Invalid(invalid) if invalid.parameter == "gear.stiffness"), "{error}");
 }
 
 #[test]

@@ -172,7 +172,7 @@ fn figures_tables_and_modules_are_written() {
         .collect();
     for case in ["case1", "case2"] {
         expected.extend(["quartic", "two_piece_quartic", "quintic"].map(|method| format!("{case}_{method}.csv")));
-        expected.push(format!("{case}.mod"));
+        expected.extend([format!("{case}.mod"), format!("{case}_in_range.mod")]);
     }
     expected.push("fastest.csv".to_string());
     expected.sort();

@@ -16,6 +16,8 @@ mod nonholonomic;
 mod orbits;
 mod platform;
 mod quadrotor;
+mod rapid;
+mod rapid_reader;
 mod soft_docking;
 mod support;
 mod touchdown;

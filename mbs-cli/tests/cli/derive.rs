@@ -85,7 +85,7 @@ fn what_cannot_be_written_is_not_begun() {
 fn latex_of_a_large_mechanism_is_written_out() {
     let workshop = Workshop::new();
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../models/mechanisms/quadrotor_euler.mbs");
-    workshop.write("quadrotor.mbs", &std::fs::read_to_string(path).unwrap());
+    workshop.write("quadrotor.mbs", std::fs::read_to_string(path).unwrap());
     let page = workshop.good(&["derive", "quadrotor.mbs", "--emit", "latex"]);
     for expected in [
         r"$m$ & parameter & $\mathrm{kg}$ & $40$ & Mass. \\",
