@@ -104,7 +104,7 @@ impl<D: Deck> Landing<D> {
                 filter.propagate(&last);
             }
             let truth = inertial_state(state, sensors, biases);
-            let range = if count % ranges == 0 {
+            let range = if count.is_multiple_of(ranges) {
                 let range = sensors.altimeter.measure(&head, &truth.pose, &deck, &mut normal);
                 range.map(|range| filter.correct(|about| measurement::range(sensors, &head, &deck, range, about)))
             } else {
@@ -119,7 +119,7 @@ impl<D: Deck> Landing<D> {
                 }
             };
             hear(&mut look, &mut filter);
-            if count % images == 0 {
+            if count.is_multiple_of(images) {
                 filter.clone_pose();
                 let image = sensors.camera.look(&head, &truth.pose, &deck, &sensors.markers, &mut normal);
                 look = Some(Look { due: count + delay, deck, image });
