@@ -153,7 +153,7 @@ fn write(folder: &Path, runs: &[Run; 3]) -> Result<(), Failure> {
         panel("torque that lifts the upper arm [N·m]", lift.collect()),
     ];
     let title = "An assistive arm in a person's hand".to_string();
-    output::write_figure(folder, "assistive_arm", &Figure { title, size: (900, 860), panels })?;
+    output::write_figure(folder, "assistive_arm", &Figure { title, size: (900, 860), panels }, &ASSUMED)?;
     let mut header = ["t_s", "x_m", "y_m", "z_m"].map(String::from).to_vec();
     header.extend(runs.iter().map(|run| format!("lift_{}_Nm", run.name.replace(' ', "_"))));
     let row = |k: usize| {

@@ -136,7 +136,7 @@ fn write(folder: &Path, curves: &[(&str, Ringing); 2]) -> Result<(), Failure> {
         lines: curves.iter().map(line).collect(),
     });
     let title = "The flange of an arm with elastic joints, case 1".to_string();
-    output::write_figure(folder, "elastic_arm", &Figure { title, size: (900, 560), panels: vec![panel] })?;
+    output::write_figure(folder, "elastic_arm", &Figure { title, size: (900, 560), panels: vec![panel] }, &ASSUMED)?;
     let header = ["t_s", "quartic_m", "quintic_m"].map(String::from);
     let rows = curves[0].1.iter().zip(&curves[1].1).map(|((t, first), (_, second))| vec![*t, *first, *second]);
     output::write_table(folder, "elastic_arm", &header, rows)

@@ -43,6 +43,11 @@ struct Case {
 /// What the landings rest on, beside what every landing does.
 const ASSUMED: [&str; 2] = ["sensors.", "estimator."];
 
+/// What every number rests on.
+fn assumed_keys() -> Vec<&'static str> {
+    [assumed::LANDING, &ASSUMED].concat()
+}
+
 fn main() -> Result<(), Failure> {
     let arguments = Arguments::<Options>::with_options(include_str!("estimator.rs"));
     let Options { members, threads } = arguments.options;
@@ -59,7 +64,7 @@ fn main() -> Result<(), Failure> {
             figures::write(folder, case, heave)?;
         }
     }
-    let rows = [assumed::LANDING, &ASSUMED].concat();
+    let rows = assumed_keys();
     if arguments.json {
         println!("{}", assumed::with(summary::to_json(&cases), &rows));
     } else {

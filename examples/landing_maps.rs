@@ -1,9 +1,9 @@
 //! How does the landing time depend on the motion of the deck, and on who flies by which equations?
 //!
-//! The deck heaves by `A sin(ωt + φ)`. The vehicle of the thesis follows its elevation from 10 m above, without guidance,
-//! until it is 1 cm over it: under guidance the landing time would be the guidance's. Four maps over amplitude and
-//! frequency, each for four phases: the exact plant and that for small angles, each under backstepping and under a
-//! linear quadratic regulator.
+//! The deck heaves by `A sin(ωt + φ)`. The vehicle of the thesis follows its elevation from 10 m above, without
+//! guidance, until it is 1 cm over it: under guidance the landing time would be the guidance's. Four maps over
+//! amplitude and frequency, each for four phases: the exact plant and that for small angles, each under backstepping
+//! and under a linear quadratic regulator.
 //!
 //! Where nothing lands a map says why instead of a time. Above `A ω² = g` the deck falls faster than freely: whatever
 //! touches it does not stay. Look at how the time follows the phase: what counts is where the deck is when the vehicle

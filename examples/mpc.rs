@@ -10,8 +10,8 @@
 //! limit saves. The platform of case II falls faster than freely for a part of the time: a vehicle comes down on it
 //! because it needs to be as fast as the platform at one moment only.
 //!
-//! `--case I` flies one of them. `--horizon` and `--intervals` change that of predictive control. `--out DIR` writes figures as SVG and PNG, and
-//! curves as CSV.
+//! `--case I` flies one of them. `--horizon` and `--intervals` change that of predictive control. `--out DIR` writes
+//! figures as SVG and PNG, and curves as CSV.
 
 #[path = "mpc/figures.rs"]
 mod figures;

@@ -109,7 +109,7 @@ fn main() -> Result<(), Failure> {
         figures::write_platform(folder, &landings.marine)?;
         for in_gusts in &landings.gusts {
             let (name, figure) = in_gusts.drawn();
-            output::write_figure(folder, &name, &figure)?;
+            output::write_figure(folder, &name, &figure, &ASSUMED)?;
         }
     }
     if arguments.json {

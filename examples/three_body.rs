@@ -89,7 +89,7 @@ fn write(folder: &Path, name: &str, title: &str, flight: &Flight) -> Result<(), 
         marks,
     };
     let figure = Figure { title: title.to_string(), size: (1000, 900), panels: vec![Panel::Plane(plane)] };
-    output::write_figure(folder, name, &figure)?;
+    output::write_figure(folder, name, &figure, &[])?;
     let header = ["t", "x", "y", "x_dot", "y_dot", "jacobi"].map(String::from);
     output::write_table(folder, name, &header, flight.path.iter().map(|row| row.to_vec()))
 }

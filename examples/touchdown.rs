@@ -43,6 +43,11 @@ const ASSUMED: [&str; 14] = [
     "landing.tipped",
 ];
 
+/// What every touchdown rests on.
+fn assumed_keys() -> Vec<&'static str> {
+    [assumed::LANDING, &ASSUMED].concat()
+}
+
 fn main() -> Result<(), Failure> {
     let arguments = Arguments::of(include_str!("touchdown.rs"));
     let touchdowns =
@@ -56,7 +61,7 @@ fn main() -> Result<(), Failure> {
             figures::write_platform(folder, on_platform)?;
         }
     }
-    let keys = [assumed::LANDING, &ASSUMED].concat();
+    let keys = assumed_keys();
     if arguments.json {
         println!("{}", assumed::with(summary::to_json(&touchdowns), &keys));
     } else {

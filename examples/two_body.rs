@@ -84,13 +84,13 @@ fn write(folder: &std::path::Path, flight: &earth_moon::Flight) -> Result<(), Fa
         size: (1000, 900),
         panels: vec![plane(vec![PlaneLine::new("Earth", km(0)), PlaneLine::new("Moon", km(1))], "barycentre")],
     };
-    output::write_figure(folder, "two_body_barycentre", &about_the_barycentre)?;
+    output::write_figure(folder, "two_body_barycentre", &about_the_barycentre, &[])?;
     let relative = Figure {
         title: title("the Moon seen from the Earth"),
         size: (1000, 900),
         panels: vec![plane(vec![PlaneLine::new("Moon", seen)], "Earth")],
     };
-    output::write_figure(folder, "two_body_relative", &relative)?;
+    output::write_figure(folder, "two_body_relative", &relative, &[])?;
     let header = ["t_s", "earth_x_m", "earth_y_m", "earth_z_m", "moon_x_m", "moon_y_m", "moon_z_m"].map(String::from);
     let row = |row: &earth_moon::Moment| [&[row.t][..], &row.bodies[0], &row.bodies[1]].concat();
     output::write_table(folder, "two_body", &header, flight.path.iter().map(row))

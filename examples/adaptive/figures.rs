@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use mbs_chart::{Curves, Figure, Line, Panel};
-use mbs_examples::{Failure, assumed, output};
+use mbs_examples::{Failure, output};
 use mbs_runtime::control::BodyParameters;
 
 use crate::arm::{self, Comparison};
@@ -73,8 +73,8 @@ fn figure(
         panel("estimate / truth", duration, estimates),
         panel("V [J]", duration, v),
     ];
-    let title = assumed::title(title, keys);
-    output::write_figure(folder, name, &Figure { title, size: (1100, 1100), panels })
+    let title = title.to_string();
+    output::write_figure(folder, name, &Figure { title, size: (1100, 1100), panels }, keys)
 }
 
 fn relative(name: &str, run: &Run, k: usize, truth: f64) -> Line {

@@ -15,7 +15,7 @@ pub(crate) fn write(folder: &Path, flight: &Flight) -> Result<(), Failure> {
     };
     let write = |name: &str, what: &str, panels: Vec<Panel>| {
         let title = format!("{what}, {axis}");
-        output::write_figure(folder, name, &Figure { title, size: (1100, 850), panels })
+        output::write_figure(folder, name, &Figure { title, size: (1100, 850), panels }, &crate::ASSUMED)
     };
     let far = way(flight, &[Phase::Phasing, Phase::Homing]);
     let near = way(flight, &[Phase::Homing, Phase::Closing, Phase::Approach, Phase::Docking]);

@@ -42,8 +42,13 @@ pub(crate) fn write(folder: &Path, case: &Case, heave: Heave<4>) -> Result<(), F
     let flight = Flight::of(heave, 0)?;
     let name = case.name;
     let figure = |key: &str, what: &str, size: (u32, u32), panels: Vec<Panel>| {
-        let title = format!("{what}, case {name}; sensors and start assumed");
-        output::write_figure(folder, &format!("estimator_{key}_{name}"), &Figure { title, size, panels })
+        let title = format!("{what}, case {name}");
+        output::write_figure(
+            folder,
+            &format!("estimator_{key}_{name}"),
+            &Figure { title, size, panels },
+            &crate::assumed_keys(),
+        )
     };
     figure("errors", "Errors of one estimate and ±3σ as the filter states them", (1100, 1150), errors(&flight))?;
     figure("consistency", "Averages over landings of normalized squares", (900, 900), consistency(&case.runs))?;

@@ -5,7 +5,7 @@ use mbs_landing::experiment::tracking::{LINK_EXCESS, MODULE_EXCESS};
 use serde_json::{Value, json};
 
 /// The thesis' summary has no number of its experiment but the length of the rail.
-const ASSUMED: [&str; 21] = [
+pub(crate) const ASSUMED: [&str; 21] = [
     "gravity",
     "arm.masses",
     "arm.mass_centres",
@@ -43,11 +43,6 @@ pub(crate) fn to_json() -> Value {
         "link_excess": LINK_EXCESS,
         "module_excess": MODULE_EXCESS,
     })
-}
-
-/// The title of a figure, and below it what that rests on.
-pub(crate) fn title(title: &str) -> String {
-    assumed::title(title, &ASSUMED)
 }
 
 pub(crate) fn text() -> String {

@@ -6,7 +6,7 @@ use mbs_chart::{Curves, Figure, Line, Panel, Space, SpaceLine};
 use mbs_examples::{Failure, output};
 use mbs_landing::experiment::landed::Meeting;
 
-use crate::assumed;
+use crate::assumed::ASSUMED;
 use crate::run::{Other, Outcome, Run, Sample, Simulated, Touched};
 
 /// Files whose names begin with a word and the case.
@@ -19,9 +19,9 @@ pub(crate) fn write(folder: &Path, word: &str, run: &Run<'_>) -> Result<(), Fail
     let Ok(simulated) = &outcome.simulated else { return Ok(()) };
     let Simulated { tracked, samples } = simulated;
     let write = |name: &str, what: &str, panels: Vec<Panel>| {
-        let title = assumed::title(&format!("{what}, case {} at {:.5}", run.case.name, run.scale));
+        let title = format!("{what}, case {} at {:.5}", run.case.name, run.scale);
         let name = format!("{stem}_{name}");
-        output::write_figure(folder, &name, &Figure { title, size: (1100, 1000), panels })
+        output::write_figure(folder, &name, &Figure { title, size: (1100, 900), panels }, &ASSUMED)
     };
     let end = tracked.contact.time;
     let over_time = |label: &str, lines: Vec<Line>| curves(label, 0.0..end, lines);
@@ -162,8 +162,12 @@ fn scales(folder: &Path, stem: &str, run: &Run<'_>) -> Result<(), Failure> {
         lines: lines.collect(),
     };
     let title = format!("Clearance, speed, force and distance from singularities, case {}", run.case.name);
-    let title = assumed::title(&title);
-    output::write_figure(folder, &name, &Figure { title, size: (1100, 800), panels: vec![Panel::Curves(panel)] })
+    output::write_figure(
+        folder,
+        &name,
+        &Figure { title, size: (1100, 700), panels: vec![Panel::Curves(panel)] },
+        &ASSUMED,
+    )
 }
 
 fn table(folder: &Path, stem: &str, samples: &[Sample]) -> Result<(), Failure> {

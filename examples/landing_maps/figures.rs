@@ -29,7 +29,7 @@ pub(crate) fn write(folder: &Path, grid: &Grid, map: &Map) -> Result<(), Failure
     let panels = vec![Panel::Row(vec![panel(0), panel(1)]), Panel::Row(vec![panel(2), panel(3)])];
     let title = format!("Landing time on a deck that heaves by A sin(ωt + φ): {}", map.law.name());
     let name = format!("landing_time_{}", map.law.key());
-    output::write_figure(folder, &name, &Figure { title, size: (1000, 900), panels })?;
+    output::write_figure(folder, &name, &Figure { title, size: (1000, 900), panels }, &crate::ASSUMED)?;
     // Rows of what lands.
     let header = ["phase_deg", "frequency_rad_s", "amplitude_m", "time_s"].map(String::from);
     let rows = PHASES.iter().zip(&map.phases).flat_map(|(phase, rows)| {

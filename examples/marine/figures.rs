@@ -15,8 +15,8 @@ const SHOWN: f64 = 300.0;
 
 pub(crate) fn write(folder: &Path, study: &Study) -> Result<(), Failure> {
     let write = |name: &str, what: &str, height: u32, panels: Vec<Panel>| {
-        let title = format!("{what} (assumed: sea, wind, platform and control)");
-        output::write_figure(folder, name, &Figure { title, size: (1100, height), panels })
+        let title = what.to_string();
+        output::write_figure(folder, name, &Figure { title, size: (1100, height), panels }, &[crate::ASSUMED])
     };
     write("marine_sea", "The sea", 750, vec![spectrum(study), elevation(study)])?;
     write("marine_response", "Linear response to regular waves, uncontrolled", 900, response(study))?;

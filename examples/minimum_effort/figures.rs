@@ -30,9 +30,14 @@ pub(crate) fn write(folder: &Path, comparison: &Comparison, front: &Front) -> Re
     ];
     let title = "From posture to posture: a quintic, and the least effort".to_string();
     let figure = Figure { title, size: (900, 1500), panels: panels.into_iter().flatten().collect() };
-    output::write_figure(folder, "minimum_effort", &figure)?;
+    output::write_figure(folder, "minimum_effort", &figure, &crate::ASSUMED)?;
     let title = "Time against effort of the arm's motion".to_string();
-    output::write_figure(folder, "pareto", &Figure { title, size: (900, 640), panels: vec![pareto(comparison, front)] })
+    output::write_figure(
+        folder,
+        "pareto",
+        &Figure { title, size: (900, 640), panels: vec![pareto(comparison, front)] },
+        &crate::ASSUMED,
+    )
 }
 
 fn pareto(comparison: &Comparison, front: &Front) -> Panel {

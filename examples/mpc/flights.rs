@@ -56,8 +56,8 @@ impl Flown {
         [times.get(times.len() / 2).copied().unwrap_or(0.0), times.last().copied().unwrap_or(0.0)]
     }
 
-    /// The greatest tilt \[rad\], the least visibility and height \[m\], and the least and the greatest thrust of a rotor
-    /// \[N\], every 2 ms.
+    /// The greatest tilt \[rad\], the least visibility and height \[m\], and the least and the greatest thrust of a
+    /// rotor \[N\], every 2 ms.
     pub(crate) fn extremes(&self) -> [f64; 5] {
         let factor = Params::<f64>::default().thrust_factor;
         let mut found = [0.0, f64::INFINITY, f64::INFINITY, f64::INFINITY, 0.0_f64];
@@ -155,8 +155,8 @@ fn predictive(world: &Landing, horizon: Horizon) -> Result<Flown, PredictiveErro
 /// The name of a limit that is looser, and what makes it so.
 type Change = (&'static str, fn(&mut Limits));
 
-/// Time of the shortest landing in case I with a limit that is looser than the others: name, time \[s\]; the first one has
-/// none.
+/// Time of the shortest landing in case I with a limit that is looser than the others: name, time \[s\]; the first one
+/// has none.
 pub(crate) fn looser() -> Result<Vec<(&'static str, f64)>, Failure> {
     let change: [Change; 6] = [
         ("none", |_| ()),

@@ -33,7 +33,8 @@ use crate::rolling_coin::{Params, RollingCoin};
 const LEAN: f64 = -0.4;
 const TURN: f64 = 6.0;
 const TURNS: f64 = 2.0;
-/// Of the straight roll: rate about the axis \[rad/s\], and the first rate of the lean in terms of its frequency \[rad\].
+/// Of the straight roll: rate about the axis \[rad/s\], and the first rate of the lean in terms of its frequency
+/// \[rad\].
 const SPIN: f64 = 40.0;
 const NOD: f64 = 1e-4;
 

@@ -14,7 +14,7 @@ use crate::sleigh::Sleigh;
 
 pub(crate) fn write(folder: &Path, edge: &Edge, sleigh: &Sleigh, coin: &Coin) -> Result<(), Failure> {
     let figure = |name: &str, title: &str, size, panels| {
-        output::write_figure(folder, name, &Figure { title: title.to_string(), size, panels })
+        output::write_figure(folder, name, &Figure { title: title.to_string(), size, panels }, &crate::ASSUMED)
     };
     let path = |flown: &Flown<3>| -> Vec<[f64; 2]> { flown.samples.iter().map(|(_, s)| [s.q[0], s.q[1]]).collect() };
     let turned = |points: Vec<[f64; 2]>| points.into_iter().map(|[x, y]| [y, -x]).collect::<Vec<_>>();

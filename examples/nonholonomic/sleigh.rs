@@ -10,8 +10,8 @@
 //! It turns by π k/a in all. The path is the integral of v along the blade, found by Gauss' formula.
 //!
 //! # Source
-//! Neimark, Fufaev, *Dynamics of Nonholonomic Systems*, 1972; Bloch, *Nonholonomic Mechanics and Control*, 2003, section
-//! 1.7.
+//! Neimark, Fufaev, *Dynamics of Nonholonomic Systems*, 1972; Bloch, *Nonholonomic Mechanics and Control*, 2003,
+//! section 1.7.
 
 use mbs_examples::Failure;
 use mbs_runtime::State;

@@ -241,6 +241,7 @@ pub(crate) fn write_pair(folder: &Path, courses: &[Course], Pair { output, param
         folder,
         &name,
         &Figure { title, size: (900, 760), panels: vec![panel(periodic), panel(combined)] },
+        &crate::ASSUMED,
     )?;
     let rows = courses
         .iter()

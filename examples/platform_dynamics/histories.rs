@@ -158,7 +158,7 @@ pub(crate) fn to_json<'a>(histories: &[History], surveys: impl Iterator<Item = &
 pub(crate) fn write(folder: &Path, histories: &[History]) -> Result<(), Failure> {
     for of_one in histories.chunks(PAYLOADS.len()) {
         for history in of_one.iter().filter(|history| history.payload == PAYLOAD_OF_TABLE_4) {
-            output::write_figure(folder, &history.file(), &figure(history))?;
+            output::write_figure(folder, &history.file(), &figure(history), &crate::ASSUMED)?;
         }
         write_values(folder, of_one)?;
     }

@@ -15,7 +15,7 @@ use mbs_platform::{LegVector, PlatformMotion};
 /// Figures 5.2 to 5.9 for the cases of the thesis, and their like for the deck at sea.
 pub(crate) fn write(folder: &Path, flight: &Flight, legs: &[(f64, LegState)]) -> Result<(), Failure> {
     let drawn = if flight.case == MARINE { at_sea(flight, legs) } else { thesis::drawn(flight, legs) };
-    drawn.iter().try_for_each(|(name, figure)| output::write_figure(folder, name, figure))
+    drawn.iter().try_for_each(|(name, figure)| output::write_figure(folder, name, figure, &crate::ASSUMED))
 }
 
 fn at_sea(flight: &Flight, legs: &[(f64, LegState)]) -> Vec<(String, Figure)> {
@@ -101,7 +101,7 @@ pub(crate) fn write_platform<const K: usize>(folder: &Path, on_platform: &OnPlat
         let how = if name == "full" { "motion in full, raised".to_string() } else { format!("motion × {scale:.3}") };
         let title = format!("The platform under control, {}, {how}", case.replace('_', " "));
         let name = format!("{case}_platform_{name}");
-        output::write_figure(folder, &name, &Figure { title, size: (1100, 1100), panels })?;
+        output::write_figure(folder, &name, &Figure { title, size: (1100, 1100), panels }, &crate::ASSUMED)?;
         let mut header: Vec<String> = ["t_s", "z_m", "height_m"].map(String::from).into();
         for coordinates in ["platform", "planned"] {
             header

@@ -12,7 +12,12 @@ type Points = Vec<(f64, f64)>;
 
 pub(crate) fn write(folder: &Path, flight: &Flight, contacts: &[Case], burns: &[Burn]) -> Result<(), Failure> {
     let write = |name: &str, title: &str, panels: Vec<Panel>| {
-        output::write_figure(folder, name, &Figure { title: title.to_string(), size: (1100, 850), panels })
+        output::write_figure(
+            folder,
+            name,
+            &Figure { title: title.to_string(), size: (1100, 850), panels },
+            &crate::ASSUMED,
+        )
     };
     let touch = flight.report.contact.time;
     let before: Vec<&Moment> = flight.moments.iter().filter(|moment| moment.time < touch).collect();

@@ -75,12 +75,6 @@ pub fn caption(keys: &[&str]) -> String {
     format!("assumed: {}", of(keys).iter().map(|row| row.what).collect::<Vec<_>>().join("; "))
 }
 
-/// The title of a figure that rests on these rows, and below it what they are.
-#[must_use]
-pub fn title(title: &str, keys: &[&str]) -> String {
-    format!("{title}\n{}", caption(keys))
-}
-
 /// The rows by their keys.
 #[must_use]
 pub fn to_json(keys: &[&str]) -> Value {

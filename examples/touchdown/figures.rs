@@ -31,7 +31,12 @@ pub(crate) fn write(folder: &Path, on_deck: &OnDeck) -> Result<(), Failure> {
         panel("way along the deck [mm]", range, feet(&|m, i| 1e3 * m.slid[i])),
     ];
     let title = format!("After the touchdown: {}", name.replace('_', " "));
-    output::write_figure(folder, &format!("touchdown_{name}"), &Figure { title, size: (900, 900), panels })?;
+    output::write_figure(
+        folder,
+        &format!("touchdown_{name}"),
+        &Figure { title, size: (900, 900), panels },
+        &crate::assumed_keys(),
+    )?;
     let header = ["t_s", "z_m"].map(String::from).into_iter();
     let header: Vec<String> = header.chain((1..=4).map(|leg| format!("leg{leg}_N"))).collect();
     let row = |m: &Moment| [&[m.time, m.vehicle.q[2]][..], &m.contact.normal].concat();
@@ -53,7 +58,12 @@ pub(crate) fn write_platform(folder: &Path, on_platform: &OnPlatform) -> Result<
         panel("platform over its plan [mm]", range, vec![line(String::new(), &|legs| 1e3 * legs.off)]),
     ];
     let title = format!("The platform feels the touchdown: {}", name.replace('_', " "));
-    output::write_figure(folder, &format!("touchdown_{name}_platform"), &Figure { title, size: (900, 900), panels })?;
+    output::write_figure(
+        folder,
+        &format!("touchdown_{name}_platform"),
+        &Figure { title, size: (900, 900), panels },
+        &crate::assumed_keys(),
+    )?;
     let header = ["t_s", "contact_N", "off_m"].map(String::from).into_iter();
     let header: Vec<String> = header.chain((1..=6).map(|leg| format!("leg{leg}_N"))).collect();
     let row = |legs: &Legs| [&[legs.time, legs.contact, legs.off][..], &legs.forces].concat();

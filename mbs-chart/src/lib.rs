@@ -130,6 +130,15 @@ fn heading(title: &str, width: f64, scene: &mut Scene<'_>) -> f64 {
     height
 }
 
+/// How much higher a figure of this width has to be for a note below its title \[px\].
+///
+/// # Errors
+/// [`CannotDraw`] if the font cannot be read.
+pub fn note_height(note: &str, width: u32) -> Result<u32, CannotDraw> {
+    let lines = wrapped(note, f64::from(width) - 2.0 * SIDE, &Typeface::new()?).len();
+    Ok((lines as f64 * 1.4 * NOTE).ceil() as u32)
+}
+
 /// Left and right of a title \[px\].
 const SIDE: f64 = 24.0;
 /// An em of what stands below a title \[px\].

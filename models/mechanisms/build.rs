@@ -1,6 +1,6 @@
-//! Every `.mbs` file of this folder becomes a module of this crate. Those in folders do too: the large ones of `elastic/`
-//! with the functions that motions, vibrations and their derivatives need; those of `sensors/`, which are declared for
-//! their outputs, with these alone.
+//! Every `.mbs` file of this folder becomes a module of this crate. Those in folders do too: the large ones of
+//! `elastic/` with the functions that motions, vibrations and their derivatives need; those of `sensors/`, which are
+//! declared for their outputs, with these alone.
 fn main() {
     mbs_derive::Config::new().compile_folder(".");
     let dynamics = ["kinetic_energy", "potential_energy", "mass_matrix", "gravity", "forward_dynamics", "linearize"];

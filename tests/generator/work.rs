@@ -42,8 +42,10 @@ fn files() -> Vec<PathBuf> {
     found
 }
 
-/// A tenth more than the largest of today: half a second of a laptop's time.
+/// A tenth more than the largest of today but one: half a second of a laptop's time.
 const LIMIT: Work = Work { nodes: 83_000, proof: 2_070_000 };
+/// Two bodies of thirteen coordinates each that push on each other through a ring: three times as much to prove.
+const LARGEST: (&str, Work) = ("docking_bodies.mbs", Work { nodes: 83_000, proof: 6_200_000 });
 
 /// Wrong mechanisms too are answered in time.
 #[test]
@@ -52,6 +54,7 @@ fn no_mechanism_is_more_work_than_it_was() {
     assert!(files.len() > 150, "{} mechanisms", files.len());
     for file in files {
         let work = Work::of(&file);
-        assert!(work.nodes <= LIMIT.nodes && work.proof <= LIMIT.proof, "{}: {work:?}", file.display());
+        let limit = if file.ends_with(LARGEST.0) { LARGEST.1 } else { LIMIT };
+        assert!(work.nodes <= limit.nodes && work.proof <= limit.proof, "{}: {work:?}", file.display());
     }
 }

@@ -35,7 +35,8 @@ fn the_regressor_of_a_double_pendulum_is_that_by_hand() {
     }
 }
 
-/// `Y(q, q̇, q̈) π` is the inverse dynamics of the thesis' arm, which is another mechanism, without products of inertia.
+/// `Y(q, q̇, q̈) π` is the inverse dynamics of the thesis' arm, which is another mechanism, without products of
+/// inertia.
 #[test]
 fn sixty_numbers_give_the_torques_of_the_arm() {
     let arm = irb7600::Irb7600::default();
@@ -53,9 +54,9 @@ fn sixty_numbers_give_the_torques_of_the_arm() {
     }
 }
 
-/// 36, what Mayeda, Yoshida and Osuka (*Base parameters of manipulator dynamic models*, IEEE Transactions on Robotics and
-/// Automation 6:3, 1990) count for six revolute joints of which the first is vertical, the second and third parallel and
-/// the others at right angles: 7 n − 4 − 2. Numbers that differ where no torque does have the same 36.
+/// 36, what Mayeda, Yoshida and Osuka (*Base parameters of manipulator dynamic models*, IEEE Transactions on Robotics
+/// and Automation 6:3, 1990) count for six revolute joints of which the first is vertical, the second and third
+/// parallel and the others at right angles: 7 n − 4 − 2. Numbers that differ where no torque does have the same 36.
 #[test]
 fn an_arm_has_thirty_six_base_parameters() {
     let mut random = Random::new(19);
@@ -122,8 +123,8 @@ fn the_rate_of_the_mass_matrix_less_twice_c_is_skew() {
     }
 }
 
-/// Another motion of the same arm: with the true numbers the forces are those of the inverse dynamics, nothing is learnt,
-/// and V is zero.
+/// Another motion of the same arm: with the true numbers the forces are those of the inverse dynamics, nothing is
+/// learnt, and V is zero.
 #[test]
 fn who_knows_the_truth_learns_nothing() {
     let control = AdaptiveControl::new([5.0; 6], [100.0; 6], [10.0; 60]).expect("gains");

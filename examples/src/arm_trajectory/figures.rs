@@ -18,12 +18,17 @@ const CURVES: [Curve; 3] = [
     ("joint accelerations", [10, 11], "d²q/dt² [°/s²]", |sample| sample.state.qdd.map(f64::to_degrees)),
 ];
 
+/// What paths and motions of the joints rest on.
+const PATH: [&str; 2] = ["arm.quartic", "arm.case_2"];
+/// What torques rest on.
+const TORQUES: [&str; 6] = ["gravity", "arm.masses", "arm.mass_centres", "arm.inertias", "arm.quartic", "arm.case_2"];
+
 /// Writes the figures of the thesis, and the torques.
 pub fn write(folder: &Path, arm: &Arm, case: &Case) -> Result<(), Failure> {
     for (name, figure) in drawn(arm, case)? {
-        write_figure(folder, &name, &figure)?;
+        write_figure(folder, &name, &figure, &PATH)?;
     }
-    write_figure(folder, &format!("torques_{}", case.name), &torques(case))
+    write_figure(folder, &format!("torques_{}", case.name), &torques(case), &TORQUES)
 }
 
 /// The figures of the thesis with the names of their files.

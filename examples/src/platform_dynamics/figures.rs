@@ -9,6 +9,9 @@ use mbs_platform::{Coordinates, HOME, LegVector, Motion, Platform};
 
 use super::tables::{DURATION, Run, Samples, TABLE_4, table_3, table_4};
 
+/// What they rest on.
+const ASSUMED: [&str; 2] = ["gravity", "platform."];
+
 /// Lines of one panel: names and values at all samples.
 type Lines = Vec<(String, Vec<f64>)>;
 
@@ -17,7 +20,7 @@ pub fn write(folder: &Path, platform: &Platform) -> Result<(), Failure> {
     let samples = Samples::fine();
     for drawing in along_table_3(platform, &samples)?.into_iter().chain(along_table_4(platform, &samples)?) {
         write_values(folder, &samples, &drawing)?;
-        write_figure(folder, &drawing.name, &drawing.figure(&samples))?;
+        write_figure(folder, &drawing.name, &drawing.figure(&samples), &ASSUMED)?;
     }
     poses(folder, platform)
 }
@@ -130,7 +133,7 @@ fn poses(folder: &Path, platform: &Platform) -> Result<(), Failure> {
         [("home", HOME), ("table 3, 0 s", Motion::TABLE_3.at(0.0)[0]), ("table 4, 1 s", Motion::TABLE_4.at(1.0)[0])];
     let panels = poses.into_iter().map(|(name, q)| drawing(platform, name, &q)).collect::<Result<_, _>>()?;
     let title = "The platform at home, on the motion of table 3 and on that of table 4".to_string();
-    write_figure(folder, "platform_poses", &Figure { title, size: (900, 1700), panels })
+    write_figure(folder, "platform_poses", &Figure { title, size: (900, 1700), panels }, &ASSUMED)
 }
 
 fn drawing(platform: &Platform, name: &str, q: &Coordinates) -> Result<Panel, Failure> {

@@ -7,6 +7,9 @@ use mbs_chart::{Curves, Figure, Line, Panel, Plane, PlaneLine};
 
 use super::flight::{Flight, ORBITS};
 
+/// What they rest on.
+const ASSUMED: [&str; 1] = ["orbit."];
+
 /// File, title, the unit of length in metres with its name, the kind of station, and the motions drawn.
 type Drawing = (&'static str, &'static str, (f64, &'static str), &'static str, &'static [&'static str]);
 
@@ -100,13 +103,13 @@ pub fn drawn(flights: &[Flight]) -> Vec<(String, Figure)> {
 /// Writes the figures, and each motion as a table.
 pub fn write(folder: &Path, flights: &[Flight]) -> Result<(), Failure> {
     for (name, figure) in drawn(flights) {
-        output::write_figure(folder, &name, &figure)?;
+        output::write_figure(folder, &name, &figure, &ASSUMED)?;
     }
     for (file, title, unit, group, names) in DRAWINGS {
         let is_drawn = |flight: &&Flight| flight.case.group == group && names.contains(&flight.case.name);
         let panels = vec![plane(unit, flights.iter().filter(is_drawn))];
         let title = format!("{title}, {ORBITS} orbits");
-        output::write_figure(folder, file, &Figure { title, size: (1000, 520), panels })?;
+        output::write_figure(folder, file, &Figure { title, size: (1000, 520), panels }, &ASSUMED)?;
     }
     let header = ["t_s", "x_m", "y_m", "z_m", "vx_m_s", "vy_m_s", "vz_m_s"].map(String::from);
     for flight in flights {

@@ -10,8 +10,8 @@ use mbs_platform::Motion;
 
 const MAPS: &str = env!("CARGO_BIN_EXE_landing_maps");
 
-/// Cells against landings on a platform that moves so, by tighter tolerances; and where the deck falls too fast there is
-/// no time.
+/// Cells against landings on a platform that moves so, by tighter tolerances; and where the deck falls too fast there
+/// is no time.
 #[test]
 fn cells_are_landings_or_say_why_not() {
     let folder = tempfile::tempdir().unwrap();

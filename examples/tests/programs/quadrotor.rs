@@ -170,8 +170,8 @@ fn the_deck_at_sea_is_met(marine: &Value) {
     assert_eq!(marine["platform"]["scaled"]["within_limits"], true);
 }
 
-/// A steady wind W pushes by `½ C ρ A W²/m` along each axis, which the horizontal channel with `1 + k₁ k₂ = 2` yields to
-/// by half of that \[m\]; the platform is at most 1.45 m off its mean height of 3 m, and W with it.
+/// A steady wind W pushes by `½ C ρ A W²/m` along each axis, which the horizontal channel with `1 + k₁ k₂ = 2` yields
+/// to by half of that \[m\]; the platform is at most 1.45 m off its mean height of 3 m, and W with it.
 fn gusts_scatter_landings_about_those_in_steady_wind(gusts: &Value) {
     assert_eq!(keys(gusts), ["I", "II"]);
     let wind = |height: f64| 6.0 * (height / 0.3048 / 0.15_f64).ln() / (20.0 / 0.15_f64).ln();

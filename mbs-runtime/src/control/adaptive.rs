@@ -68,8 +68,8 @@ impl<const N: usize> Sliding<N> {
         core::array::from_fn(|i| dot(&mass_matrix[i], &self.qdd) + dot(&coriolis_matrix[i], &self.qd) + remainder[i])
     }
 
-    /// `M(q) q̈_r + C(q, q̇) q̇_r + G(q) + ∂D/∂q̇` \[N, N·m\] of a mechanism; with `q̇_r = q̇` and `q̈_r = q̈` its inverse
-    /// dynamics.
+    /// `M(q) q̈_r + C(q, q̇) q̇_r + G(q) + ∂D/∂q̇` \[N, N·m\] of a mechanism; with `q̇_r = q̇` and `q̈_r = q̈` its
+    /// inverse dynamics.
     #[must_use]
     pub fn forces_of<M: Mechanism<N, U, Scalar = f64>, const U: usize>(
         &self,
@@ -91,9 +91,9 @@ impl<const N: usize> Sliding<N> {
 /// π̂' = −Γ Yᵀ s                             s = q̇ − q̇_r,  q̇_r = q̇_d − Λ (q − q_d)
 /// ```
 ///
-/// With C in Christoffel's form `Ṁ − 2C` is skew, and `V = ½ sᵀ M s + ½ (π̂ − π)ᵀ Γ⁻¹ (π̂ − π)` falls as `V̇ = −sᵀ K_D s`
-/// whatever the true π, as long as it is constant, M does not depend on the time, and the drives give the forces. So `s`
-/// vanishes, and with it the error; `π̂` reaches π only where the motion shows it.
+/// With C in Christoffel's form `Ṁ − 2C` is skew, and `V = ½ sᵀ M s + ½ (π̂ − π)ᵀ Γ⁻¹ (π̂ − π)` falls as
+/// `V̇ = −sᵀ K_D s` whatever the true π, as long as it is constant, M does not depend on the time, and the drives give
+/// the forces. So `s` vanishes, and with it the error; `π̂` reaches π only where the motion shows it.
 ///
 /// ```
 /// use mbs_runtime::control::{AdaptiveControl, regressor};
@@ -262,8 +262,9 @@ mod tests {
     }
 
     /// A pendulum with friction in its hinge that knows neither its inertia, nor its weight, nor the friction:
-    /// `J q̈ + d q̇ + w sin q = Q`. V falls by what `sᵀ K_D s` adds up to, and the motion shows all three: the combination
-    /// that it shows least dies out by a factor of eight in 20 s, so that 160 s leave 1e-7 of an error of one.
+    /// `J q̈ + d q̇ + w sin q = Q`. V falls by what `sᵀ K_D s` adds up to, and the motion shows all three: the
+    /// combination that it shows least dies out by a factor of eight in 20 s, so that 160 s leave 1e-7 of an error of
+    /// one.
     #[test]
     fn a_pendulum_learns_what_it_is() {
         let truth = [0.8, 0.3, 5.0];

@@ -8,7 +8,8 @@ use crate::parameter::{ParameterCondition, ParameterError, require, require_iner
 /// h = m c,   L = I + m (c·c 1 − c cᵀ)
 /// ```
 ///
-/// with the mass centre c and the inertia I about it. Energies and forces are linear in `(m, h, L)`, not in `(m, c, I)`.
+/// with the mass centre c and the inertia I about it. Energies and forces are linear in `(m, h, L)`, not in
+/// `(m, c, I)`.
 ///
 /// ```
 /// use mbs_runtime::control::BodyParameters;

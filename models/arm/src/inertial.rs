@@ -1,7 +1,7 @@
 //! The arm's forces as a linear function of sixty numbers: mass, first moment and inertia of each link.
 //!
-//! [`model`] is the arm of the thesis with these numbers, products of inertia included, which [`irb7600`] leaves out: it
-//! is [`arm6_params`](mbs_models::arm6_params), whose geometry is the same.
+//! [`model`] is the arm of the thesis with these numbers, products of inertia included, which [`irb7600`] leaves out:
+//! it is [`arm6_params`](mbs_models::arm6_params), whose geometry is the same.
 //! [`regressor`](mbs_runtime::control::regressor) makes Y of it.
 //!
 //! ```

@@ -2,8 +2,8 @@
 //! motions.
 //!
 //! The thesis says that there are eight and prints two, tables 3 and 4, without their frequency; the others are
-//! proposals (which, and why so: `docs/thesis/chapter_4.md`), and the frequency π/2 rad/s is assumed. A [`Superposition`] has as many sines in each coordinate as it
-//! has motions: a deck at sea.
+//! proposals (which, and why so: `docs/thesis/chapter_4.md`), and the frequency π/2 rad/s is assumed. A
+//! [`Superposition`] has as many sines in each coordinate as it has motions: a deck at sea.
 
 use core::f64::consts::FRAC_PI_2;
 

@@ -46,8 +46,8 @@ fn a_vehicle_at_rest_weighs_on_the_legs() {
     assert!((carried / last.load - 1.0).abs() < 2e-3, "{carried} N, {} N", last.load);
 }
 
-/// With a platform that follows exactly the flange comes down when the plan without a platform's dynamics says: feet and
-/// mass centre are in one plane, and the tool points down.
+/// With a platform that follows exactly the flange comes down when the plan without a platform's dynamics says: feet
+/// and mass centre are in one plane, and the tool points down.
 #[test]
 fn the_contact_is_that_of_the_plan() {
     let experiment = guided();

@@ -271,8 +271,8 @@ mod tests {
         assert_eq!(thick.distance(&thick), -0.8);
     }
 
-    /// The wrist, from its centre to the flange, is as long as in Table 1 and along the last axis; the upper arm as long as
-    /// there; legs as long as the platform says.
+    /// The wrist, from its centre to the flange, is as long as in Table 1 and along the last axis; the upper arm as
+    /// long as there; legs as long as the platform says.
     #[test]
     fn parts_of_the_machines_are_where_they_should_be() {
         let flight = Flight::guided(&Landing::new(Plant::Exact, Heave::CASE_I)).expect("a landing");

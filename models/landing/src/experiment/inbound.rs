@@ -16,8 +16,8 @@ use mbs_runtime::State;
 use crate::quadrotor::deck::{Deck, DeckState, HeavingDeck};
 use crate::quadrotor::heave::Heave;
 
-/// What guidance leads over: a level point that comes along x from a distance to the platform, at rest at both ends, and
-/// goes up and down with the platform on the way.
+/// What guidance leads over: a level point that comes along x from a distance to the platform, at rest at both ends,
+/// and goes up and down with the platform on the way.
 ///
 /// ```text
 /// x(t) = x_p − D (1 − 10 s³ + 15 s⁴ − 6 s⁵),   s = t/T

@@ -10,11 +10,12 @@
 //! M_a q̈_a = u − C q̇_a − G + J_fᵀ W,           M_p q̈_p = J_qᵀ f − C q̇_p − G − J_dᵀ W
 //! ```
 //!
-//! with the penetration δ of a foot into the plane of the deck, its velocity v_t along it, and the wrench W of all feet.
+//! with the penetration δ of a foot into the plane of the deck, its velocity v_t along it, and the wrench W of all
+//! feet.
 //!
 //! # Source
-//! K. H. Hunt, F. R. E. Crossley, *Coefficient of restitution interpreted as damping in vibroimpact*, Journal of Applied
-//! Mechanics 42:2, 1975, for the normal force.
+//! K. H. Hunt, F. R. E. Crossley, *Coefficient of restitution interpreted as damping in vibroimpact*, Journal of
+//! Applied Mechanics 42:2, 1975, for the normal force.
 
 use core::ops::ControlFlow;
 

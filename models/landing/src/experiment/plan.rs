@@ -240,9 +240,9 @@ impl<'a> Plan<'a> {
         Ok(Moment { time, flange, axes, forces, margin, deck, legs: self.legs(time)?, nearest })
     }
 
-    /// How far the arm keeps from the ends of its ranges, each as a part of half the range, from singularities, and from
-    /// other bodies as a part of [`WIDE`]: the least on the way, at every fourth moment of a survey; negative where a
-    /// range is left or bodies overlap.
+    /// How far the arm keeps from the ends of its ranges, each as a part of half the range, from singularities, and
+    /// from other bodies as a part of [`WIDE`]: the least on the way, at every fourth moment of a survey; negative
+    /// where a range is left or bodies overlap.
     ///
     /// # Errors
     /// [`Infeasible::Arm`], where the flange cannot go all the way; [`Infeasible::Pose`].

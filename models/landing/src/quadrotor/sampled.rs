@@ -25,8 +25,8 @@ impl<D: Deck> Landing<D> {
         self.simulate_in_wind(state, period, sensor, |_, _| self.wind)
     }
 
-    /// The sampled landing in a wind that changes: its velocity \[m/s\] is asked for at the beginning of each period and
-    /// held, as the rotor speeds are.
+    /// The sampled landing in a wind that changes: its velocity \[m/s\] is asked for at the beginning of each period
+    /// and held, as the rotor speeds are.
     ///
     /// # Errors
     /// As [`simulate_sampled`](Self::simulate_sampled), and `Wind` where the wind is NaN or infinite.

@@ -1,7 +1,7 @@
 //! From the touchdown on: rebound, sliding, tip-over or rest on a deck that moves.
 //!
-//! The vehicle is that of [`quadrotor_quaternion`](mbs_models::quadrotor_quaternion), whose attitude has no singularity;
-//! the forces of its [`Gear`] join its equations by the generated Jacobian of its pose,
+//! The vehicle is that of [`quadrotor_quaternion`](mbs_models::quadrotor_quaternion), whose attitude has no
+//! singularity; the forces of its [`Gear`] join its equations by the generated Jacobian of its pose,
 //!
 //! ```text
 //! M q̈ + C q̇ + G = Q + Jᵀ (F; M_F) + Aᵀ λ,   A q̈ + γ = 0

@@ -15,8 +15,8 @@
 //! ```
 //!
 //! In the time `s = t/τ` the second one is `ẍ + 2ẋ + x = n`, `v = σ (x + √3 ẋ)`, where x and ẋ have the variance ¼ and
-//! no covariance. [`Gusts`] keeps x and ẋ, whose stationary distribution depends neither on σ nor on τ, so that both may
-//! change on the way down. A step is exact for constant τ: [`Gusts::advance`].
+//! no covariance. [`Gusts`] keeps x and ẋ, whose stationary distribution depends neither on σ nor on τ, so that both
+//! may change on the way down. A step is exact for constant τ: [`Gusts::advance`].
 //!
 //! Below 1000 ft, with h in feet and the wind W₂₀ at 20 ft,
 //!
@@ -29,8 +29,8 @@
 //! these L_v and L_w as its lengths.
 //!
 //! # Source
-//! MIL-F-8785C, *Flying Qualities of Piloted Airplanes*, 1980, sections 3.7.1 to 3.7.3; MIL-HDBK-1797, *Flying Qualities
-//! of Piloted Aircraft*, 1997, appendix A, 4.9.
+//! MIL-F-8785C, *Flying Qualities of Piloted Airplanes*, 1980, sections 3.7.1 to 3.7.3; MIL-HDBK-1797, *Flying
+//! Qualities of Piloted Aircraft*, 1997, appendix A, 4.9.
 
 use mbs_models::check::{Invalid, finite, not_negative, positive, within};
 use mbs_runtime::Scalar;

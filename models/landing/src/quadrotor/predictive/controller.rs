@@ -16,9 +16,9 @@
 //! specific force, and learnt from how far velocities are from what was predicted a sample ago.
 //!
 //! # Source
-//! M. Diehl, H. G. Bock and J. P. Schlöder, *A real-time iteration scheme for nonlinear optimization in optimal feedback
-//! control*, SIAM Journal on Control and Optimization 43:5, 2005; G. Pannocchia and J. B. Rawlings, *Disturbance models
-//! for offset-free model-predictive control*, AIChE Journal 49:2, 2003.
+//! M. Diehl, H. G. Bock and J. P. Schlöder, *A real-time iteration scheme for nonlinear optimization in optimal
+//! feedback control*, SIAM Journal on Control and Optimization 43:5, 2005; G. Pannocchia and J. B. Rawlings,
+//! *Disturbance models for offset-free model-predictive control*, AIChE Journal 49:2, 2003.
 
 use std::vec::Vec;
 

@@ -1,5 +1,5 @@
-//! Landings by a plan as they are flown: a vehicle that need not be the one planned for, and a pilot who is asked once a
-//! period and whose rotor speeds are held.
+//! Landings by a plan as they are flown: a vehicle that need not be the one planned for, and a pilot who is asked once
+//! a period and whose rotor speeds are held.
 
 use std::vec::Vec;
 
