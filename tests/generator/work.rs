@@ -44,7 +44,7 @@ fn files() -> Vec<PathBuf> {
 
 /// A tenth more than the largest of today but one: half a second of a laptop's time.
 const LIMIT: Work = Work { nodes: 83_000, proof: 2_070_000 };
-/// Two bodies of thirteen coordinates each that push on each other through a ring: three times as much to prove.
+/// Two bodies of seven coordinates each that push on each other through a ring: three times as much to prove.
 const LARGEST: (&str, Work) = ("docking_bodies.mbs", Work { nodes: 83_000, proof: 6_200_000 });
 
 /// Wrong mechanisms too are answered in time.
