@@ -27,9 +27,10 @@ mod run;
 mod summary;
 
 use mbs_examples::{Failure, arguments::Arguments, assumed, output};
+use mbs_examples::{print, println};
 
 /// What the numbers rest on.
-const ASSUMED: [&str; 10] = [
+const ASSUMED: [&str; 12] = [
     "gravity",
     "arm.masses",
     "arm.mass_centres",
@@ -40,6 +41,8 @@ const ASSUMED: [&str; 10] = [
     "quadrotor.drag",
     "quadrotor.guidance",
     "adaptive.",
+    "quadrotor.gains",
+    "quadrotor.limits",
 ];
 
 fn main() -> Result<(), Failure> {

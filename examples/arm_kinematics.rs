@@ -9,6 +9,7 @@ use mbs_arm::inverse::Solution;
 use mbs_arm::jacobian::{self, Jacobian};
 use mbs_arm::{Arm, JointLimits, JointVector, printed};
 use mbs_examples::{Failure, arguments::Arguments, assumed, output};
+use mbs_examples::{print, println};
 use mbs_runtime::Pose;
 use serde_json::{Value, json};
 

@@ -5,6 +5,7 @@
 //! timed; times are medians of rounds in which everyone has a turn, in one process. Look at the column `sin_cos`: 60
 //! and 15 are the bounds that the two are held to.
 
+use mbs_examples::{print, println};
 use std::hint::black_box;
 use std::time::Instant;
 

@@ -20,6 +20,7 @@ use mbs_arm::Arm;
 use mbs_examples::arm_trajectory::cases::{self, Case, Run};
 use mbs_examples::arm_trajectory::figures;
 use mbs_examples::{Failure, arguments::Arguments, assumed, output};
+use mbs_examples::{print, println};
 use serde_json::{Value, json};
 
 /// What torques, work and limits rest on.

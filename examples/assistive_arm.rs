@@ -6,6 +6,7 @@
 //!
 //! `--out DIR` writes the figure (SVG and PNG) and the curves (CSV).
 
+use mbs_examples::{print, println};
 use std::ops::ControlFlow;
 use std::path::Path;
 

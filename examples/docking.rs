@@ -15,6 +15,7 @@ mod figures;
 mod flight;
 
 use mbs_examples::{Failure, arguments::Arguments, assumed, output};
+use mbs_examples::{print, println};
 use mbs_orbit::mission::coast::Attraction;
 use mbs_orbit::mission::phasing::Method;
 use mbs_orbit::mission::{Axis, Mission, Phase, Report, STATION_ATTRACTION};

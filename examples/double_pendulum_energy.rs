@@ -3,6 +3,7 @@
 //! Released at rest at (2.0, 2.5) rad, 100 s. Look at the drift: it falls with the tolerance until rounding remains,
 //! while the evaluations grow by about a third per decade.
 
+use mbs_examples::println;
 use std::ops::ControlFlow;
 
 use mbs_examples::arguments::Arguments;

@@ -7,6 +7,7 @@
 //!
 //! `--out DIR` writes the figure (SVG and PNG) and the curves (CSV).
 
+use mbs_examples::{print, println};
 use std::ops::ControlFlow;
 use std::path::Path;
 
@@ -20,7 +21,7 @@ use mbs_runtime::{Dop853, Integrator, State};
 use serde_json::json;
 
 /// What frequencies and deflections rest on.
-const ASSUMED: [&str; 5] = ["gravity", "arm.masses", "arm.mass_centres", "arm.inertias", "elastic."];
+const ASSUMED: [&str; 6] = ["gravity", "arm.masses", "arm.mass_centres", "arm.inertias", "elastic.", "arm.quartic"];
 /// Recorded from this long before the stop to this long behind it \[s\].
 const BEFORE: f64 = 0.5;
 const BEHIND: f64 = 2.0;

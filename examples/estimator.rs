@@ -21,6 +21,7 @@ mod summary;
 
 use mbs_examples::quadrotor_landing::flight::CASES;
 use mbs_examples::{Failure, arguments::Arguments, assumed, output};
+use mbs_examples::{print, println};
 
 use monte_carlo::Run;
 
@@ -30,7 +31,7 @@ struct Options {
     #[arg(long, value_name = "N", default_value_t = 500, value_parser = clap::value_parser!(u32).range(2..=1_000_000))]
     members: u32,
     /// By how many threads; as many as there are cores without.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
     threads: Option<u32>,
 }
 

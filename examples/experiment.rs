@@ -17,6 +17,7 @@ mod run;
 mod summary;
 
 use mbs_examples::{Failure, arguments::Arguments};
+use mbs_examples::{print, println};
 use mbs_landing::experiment::plan::Attitude;
 use mbs_landing::quadrotor::heave::Heave;
 

@@ -4,6 +4,7 @@
 //! the two periods: that of the swing, found by events, and that of the linearization reduced to the crank; they differ
 //! by the square of the amplitude.
 
+use mbs_examples::println;
 use std::error::Error;
 use std::ops::ControlFlow;
 

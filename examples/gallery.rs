@@ -22,6 +22,7 @@ mod scheme_platform;
 #[path = "gallery/solid.rs"]
 mod solid;
 
+use mbs_examples::println;
 use std::path::{Path, PathBuf};
 
 use clap::Parser;

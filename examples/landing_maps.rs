@@ -17,6 +17,7 @@ mod figures;
 mod map;
 
 use mbs_examples::{Failure, arguments::Arguments, assumed, output};
+use mbs_examples::{print, println};
 use serde_json::{Map as Object, Value, json};
 
 use map::{Grid, LIMIT, Law, Map, Outcome, PHASES};

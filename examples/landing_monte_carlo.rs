@@ -8,6 +8,7 @@
 //! same for any number of threads. `--members N` says how many there are, `--threads N` by how many threads. `--out
 //! DIR` writes all results as CSV.
 
+use mbs_examples::{print, println};
 use std::time::Instant;
 
 use indicatif::{ProgressBar, ProgressStyle};

@@ -17,6 +17,7 @@ mod run;
 mod summary;
 
 use mbs_examples::{Failure, arguments::Arguments, assumed, output};
+use mbs_examples::{print, println};
 
 use run::{Study, Weather};
 
@@ -32,6 +33,7 @@ fn main() -> Result<(), Failure> {
         figures::write_tables(folder, &study)?;
     }
     let keys = [&[ASSUMED][..], assumed::LANDING].concat();
+    let keys = assumed::without(&keys, if arguments.options.is_assumed() { "" } else { "marine.weather" });
     if arguments.json {
         println!("{}", assumed::with(summary::to_json(&study)?, &keys));
     } else {

@@ -15,6 +15,7 @@ mod front;
 #[path = "minimum_effort/motion.rs"]
 mod motion;
 
+use mbs_examples::{print, println};
 use std::fmt::Write;
 
 use mbs_examples::{Failure, arguments::Arguments, assumed, output};

@@ -22,6 +22,7 @@ mod summary;
 
 use mbs_examples::quadrotor_landing::flight::CASES;
 use mbs_examples::{Failure, arguments::Arguments, assumed, output};
+use mbs_examples::{print, println};
 use mbs_landing::quadrotor::predictive::controller::Horizon;
 
 use flights::{Case, looser};
@@ -29,14 +30,14 @@ use flights::{Case, looser};
 #[derive(Clone, Debug, clap::Args)]
 struct Options {
     /// How far predictive control looks ahead, in seconds.
-    #[arg(long, default_value_t = Horizon::default().duration)]
+    #[arg(long, default_value_t = Horizon::default().duration, allow_negative_numbers = true)]
     horizon: f64,
+    /// Into how many intervals that time is divided.
+    #[arg(long, default_value_t = Horizon::default().intervals as u32, value_parser = clap::value_parser!(u32).range(2..=200))]
+    intervals: u32,
     /// Only this case of the thesis.
     #[arg(long, value_parser = ["I", "II"])]
     case: Option<String>,
-    /// How many intervals that has.
-    #[arg(long, default_value_t = Horizon::default().intervals)]
-    intervals: usize,
 }
 
 /// What the landings rest on.
@@ -55,12 +56,16 @@ const ASSUMED: [&str; 9] = [
 fn main() -> Result<(), Failure> {
     let arguments = Arguments::<Options>::with_options(include_str!("mpc.rs"));
     let Options { horizon: duration, intervals, case } = &arguments.options;
-    let horizon = Horizon { duration: *duration, intervals: *intervals, ..Horizon::default() };
+    let horizon = Horizon { duration: *duration, intervals: *intervals as usize, ..Horizon::default() };
     horizon.check()?;
     let mut cases = Vec::new();
     for (name, heave) in CASES.into_iter().filter(|(name, _)| case.as_ref().is_none_or(|only| only == name)) {
         cases.push(Case::flown(name, heave, horizon)?);
     }
+    let is_assumed =
+        (horizon.duration, horizon.intervals) == (Horizon::default().duration, Horizon::default().intervals);
+    let told = if is_assumed { "" } else { "predictive.horizon" };
+    let keys = assumed::without(&ASSUMED, told);
     let saved = looser()?;
     if let Some(folder) = &arguments.out {
         output::create_folder(folder)?;
@@ -69,9 +74,9 @@ fn main() -> Result<(), Failure> {
         }
     }
     if arguments.json {
-        println!("{}", assumed::with(summary::to_json(&cases, &saved, &horizon), &ASSUMED));
+        println!("{}", assumed::with(summary::to_json(&cases, &saved, &horizon), &keys));
     } else {
-        print!("{}{}", summary::text(&cases, &saved, &horizon), assumed::text(&ASSUMED));
+        print!("{}{}", summary::text(&cases, &saved, &horizon), assumed::text(&keys));
     }
     Ok(())
 }

@@ -20,6 +20,7 @@ mod flown;
 mod sleigh;
 
 use mbs_examples::{Failure, arguments::Arguments, assumed, output};
+use mbs_examples::{print, println};
 use serde_json::json;
 
 mbs_runtime::include_mechanism!("knife_edge");
@@ -27,7 +28,7 @@ mbs_runtime::include_mechanism!("chaplygin_sleigh");
 mbs_runtime::include_mechanism!("rolling_coin");
 
 /// What the motions rest on.
-const ASSUMED: [&str; 1] = ["nonholonomic."];
+const ASSUMED: [&str; 2] = ["gravity", "nonholonomic."];
 
 fn main() -> Result<(), Failure> {
     let arguments = Arguments::of(include_str!("nonholonomic.rs"));

@@ -25,6 +25,7 @@ use histories::History;
 use mbs_examples::platform_dynamics::figures;
 use mbs_examples::platform_dynamics::tables::{Samples, TABLE_4, table_3, table_4};
 use mbs_examples::{Failure, arguments::Arguments, assumed, output};
+use mbs_examples::{print, println};
 use mbs_platform::{Coordinates, DirectKinematics, HOME, Motion, Platform};
 use serde_json::{Value, json};
 use summary::Study;

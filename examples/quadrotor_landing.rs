@@ -26,6 +26,7 @@ use mbs_examples::quadrotor_landing::flight::{self, CASES, Flight, Kind, MARINE}
 use mbs_examples::quadrotor_landing::gusts::{self, InGusts};
 use mbs_examples::quadrotor_landing::platform::{self, OnPlatform};
 use mbs_examples::{Failure, arguments::Arguments, assumed, output};
+use mbs_examples::{print, println};
 use mbs_platform::limits::LegState;
 use mbs_platform::{HOME, Superposition};
 

@@ -14,6 +14,7 @@ use mbs_examples::relative_motion::cases::{self, Case};
 use mbs_examples::relative_motion::figures;
 use mbs_examples::relative_motion::flight::Flight;
 use mbs_examples::{Failure, arguments::Arguments, assumed, output};
+use mbs_examples::{print, println};
 use mbs_orbit::EARTH_RADIUS;
 use serde_json::{Map, Value, json};
 

@@ -16,6 +16,7 @@ mod figures;
 mod report;
 
 use mbs_examples::{Failure, arguments::Arguments, assumed, output};
+use mbs_examples::{print, println};
 
 /// What all of it rests on.
 const ASSUMED: [&str; 2] = ["orbit.altitude", "soft_docking."];

@@ -9,6 +9,7 @@ mod custom_arm6;
 #[path = "speed/featherstone.rs"]
 mod featherstone;
 
+use mbs_examples::{print, println};
 use std::hint::black_box;
 use std::time::Instant;
 

@@ -10,6 +10,7 @@
 #[path = "three_body/orbits.rs"]
 mod orbits;
 
+use mbs_examples::println;
 use std::path::Path;
 
 use mbs_chart::{Figure, Panel, Plane, PlaneLine};

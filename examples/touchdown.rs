@@ -16,6 +16,7 @@ mod run;
 mod summary;
 
 use mbs_examples::{Failure, arguments::Arguments, assumed, output};
+use mbs_examples::{print, println};
 use run::{OnDeck, OnPlatform};
 
 /// All that come down.
@@ -26,7 +27,7 @@ struct Touchdowns {
 }
 
 /// What they rest on, beside what every landing does.
-const ASSUMED: [&str; 14] = [
+const ASSUMED: [&str; 15] = [
     "platform.radii",
     "platform.half_angles",
     "platform.home",
@@ -41,6 +42,7 @@ const ASSUMED: [&str; 14] = [
     "landing.run_down",
     "landing.still",
     "landing.tipped",
+    "landing.marine_frequencies",
 ];
 
 /// What every touchdown rests on.

@@ -12,6 +12,7 @@ mod earth_moon;
 mod ellipse;
 
 use mbs_chart::{Figure, Panel, Plane, PlaneLine};
+use mbs_examples::println;
 use mbs_examples::{Failure, arguments::Arguments, output};
 use serde_json::json;
 

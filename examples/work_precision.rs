@@ -11,6 +11,7 @@ mod problems;
 #[path = "work_precision/rivals.rs"]
 mod rivals;
 
+use mbs_examples::{print, println};
 use std::ops::ControlFlow;
 use std::time::Instant;
 

@@ -12,8 +12,27 @@ use crate::run::{Run, Sample};
 use crate::summary::VEHICLE;
 
 /// What captions say.
-const ARM: [&str; 3] = ["adaptive.payload", "adaptive.arm", "adaptive.arm_adaptation"];
-const QUADROTOR: [&str; 2] = ["adaptive.vehicle", "adaptive.quadrotor"];
+const ARM: [&str; 8] = [
+    "gravity",
+    "arm.masses",
+    "arm.mass_centres",
+    "arm.inertias",
+    "adaptive.payload",
+    "adaptive.arm",
+    "adaptive.arm_adaptation",
+    "adaptive.sines",
+];
+const QUADROTOR: [&str; 9] = [
+    "gravity",
+    "quadrotor.inertias",
+    "quadrotor.rotors",
+    "quadrotor.drag",
+    "quadrotor.gains",
+    "quadrotor.limits",
+    "quadrotor.guidance",
+    "adaptive.vehicle",
+    "adaptive.quadrotor",
+];
 
 pub(crate) fn write(folder: &Path, arm: &arm::Study, quadrotor: &quadrotor::Study) -> Result<(), Failure> {
     for of in &arm.payload {
@@ -69,7 +88,7 @@ fn figure(
     let [.., (_, adaptive)] = runs;
     let v = vec![line("V", adaptive, |s| s.seen.lyapunov)];
     let panels = vec![
-        panel("log₁₀ of the error in mm", duration, errors),
+        panel("log₁₀ of the error in mm, at least −3", duration, errors),
         panel("estimate / truth", duration, estimates),
         panel("V [J]", duration, v),
     ];

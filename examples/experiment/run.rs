@@ -102,6 +102,9 @@ pub(crate) fn inbound(case: &Case, attitude: Attitude) -> Result<Experiment, Fai
 impl<'a> Run<'a> {
     /// At a scale, or at the greatest feasible one; without others.
     pub(crate) fn of(experiment: &'a Experiment, case: Case, scale: Option<f64>) -> Result<Self, Failure> {
+        if let Some(scale) = scale.filter(|scale| *scale > 0.0 && !(1e-3..=10.0).contains(scale) && scale.is_finite()) {
+            return Err(Failure::new(format!("a scale is from 0.001 to 10, it is {scale:e}")));
+        }
         let attitude = experiment.attitude;
         let (scale, planned, next) = match scale {
             None => match experiment.greatest_scale(&Search::default()) {

@@ -33,6 +33,9 @@ const FIELD: [f64; 3] = [4.0, -3.0, 9.4];
 /// From the start of one landing to that of the next \[s\].
 const EVERY: f64 = 180.0;
 
+/// The longest peak period: a record has sixty of them \[s\].
+const LONGEST: f64 = 30.0;
+
 /// The weather that is asked for.
 #[derive(Clone, Debug, clap::Args)]
 pub(crate) struct Weather {
@@ -48,6 +51,13 @@ pub(crate) struct Weather {
     /// Of the random numbers.
     #[arg(long, value_name = "N", default_value_t = 1973)]
     seed: u64,
+}
+
+impl Weather {
+    /// Whether it is that of the page of assumed values.
+    pub(crate) fn is_assumed(&self) -> bool {
+        (self.height, self.period, self.wind) == (2.5, 10.0, 12.0)
+    }
 }
 
 pub(crate) struct Study {
@@ -74,6 +84,12 @@ pub(crate) struct Run {
 
 impl Study {
     pub(crate) fn of(weather: &Weather) -> Result<Self, Failure> {
+        if weather.period > LONGEST {
+            let period = weather.period;
+            return Err(Failure::new(format!(
+                "the peak period is at most {LONGEST} s for a record of this length, it is {period} s"
+            )));
+        }
         let mut random = Pcg64Mcg::seed_from_u64(weather.seed);
         let spectrum = Jonswap::new(weather.height, weather.period, PEAKEDNESS)?;
         let sea = Sea::new(&spectrum, DIRECTION, Spreading::CosineSquared, || random.random())?;

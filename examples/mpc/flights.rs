@@ -72,6 +72,21 @@ impl Flown {
         }
         found
     }
+
+    /// Which of the limits that hold until the touchdown, and at it, were not kept.
+    pub(crate) fn broken(&self) -> Vec<&'static str> {
+        let (limits, end) = (Limits::default(), &self.touchdown);
+        let [tilt, visibility, height, ..] = self.extremes();
+        let kept = [
+            ("tilt", tilt <= limits.tilt),
+            ("visibility", visibility >= 0.0),
+            ("height", height >= -1e-6),
+            ("sink rate", -end.relative_velocity <= limits.touchdown.sink_rate),
+            ("horizontal speed", end.horizontal_speed <= limits.touchdown.horizontal_speed),
+            ("offset", end.horizontal_offset <= limits.touchdown.offset),
+        ];
+        kept.into_iter().filter(|(_, kept)| !kept).map(|(name, _)| name).collect()
+    }
 }
 
 /// All landings of a case.

@@ -66,6 +66,7 @@ fn of_flight(flown: &Flown) -> Value {
     results["least_visibility"] = json!(visibility);
     results["least_height"] = json!(height);
     results["rotor_thrust"] = json!([least, greatest]);
+    results["limits_broken"] = json!(flown.broken());
     results["plans"] = json!(flown.plans.len());
     results["computing_time"] = json!({ "first": flown.plans[0].1, "median": median, "worst": worst });
     results
@@ -90,7 +91,7 @@ pub(crate) fn text(cases: &[Case], saved: &[(&str, f64)], horizon: &Horizon) -> 
     }
     text += &format!(
         "\npredictive control looks {} s ahead in {} intervals, every {} ms; times of planning are those of one core of this machine\n\n\
-         case  landing      air      touchdown  rel. velocity  offset    tilt     visible by  plans  median      worst       there is\n",
+         case  landing      air      touchdown  rel. velocity  offset    most tilt visible by  plans  median      worst       there is\n",
         horizon.duration,
         horizon.intervals,
         1e3 * horizon.period,
@@ -113,6 +114,10 @@ pub(crate) fn text(cases: &[Case], saved: &[(&str, f64)], horizon: &Horizon) -> 
                     1e3 * worst,
                     1e3 * there_is,
                 );
+                let broken = flown.broken();
+                if !broken.is_empty() {
+                    text += &format!("      its limits are not kept: {}\n", broken.join(", "));
+                }
             }
         }
         let end = &case.guided.touchdown;

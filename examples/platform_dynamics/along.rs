@@ -1,6 +1,7 @@
 //! Sensitivity along the eight cases: of every output to every parameter the largest derivative of a case, and of one
 //! pair all of it over time. Derivatives are exact, the payload is that of Table 4.
 
+use mbs_examples::println;
 use std::path::Path;
 use std::str::FromStr;
 

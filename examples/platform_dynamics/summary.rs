@@ -1,5 +1,6 @@
 //! The summary: what each motion asks of the legs, and where it asks too much.
 
+use mbs_examples::{print, println};
 use std::path::Path;
 
 use mbs_examples::{Failure, output::write_table};

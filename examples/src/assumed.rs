@@ -55,6 +55,12 @@ pub fn of(keys: &[&str]) -> Vec<Assumed> {
     all().filter(|row| keys.iter().any(|key| means(key, row))).collect()
 }
 
+/// The keys of these rows but one, for a run that was told another value.
+#[must_use]
+pub fn without(keys: &[&str], told: &str) -> Vec<&'static str> {
+    of(keys).into_iter().map(|row| row.key).filter(|key| *key != told).collect()
+}
+
 /// Lines under a summary: each with its value, and whether it is recalled or a reading.
 #[must_use]
 pub fn text(keys: &[&str]) -> String {

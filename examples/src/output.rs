@@ -1,5 +1,6 @@
 //! Figures and tables in a folder.
 
+use std::io::Write;
 use std::path::Path;
 
 use mbs_chart::{Figure, Format};
@@ -29,7 +30,7 @@ pub fn write_figure(folder: &Path, name: &str, figure: &Figure, keys: &[&str]) -
     }
     let figure = &figure;
     for (format, extension) in [(Format::Svg, "svg"), (Format::Png, "png")] {
-        std::fs::write(folder.join(format!("{name}.{extension}")), mbs_chart::draw(figure, format)?)?;
+        write_file(&folder.join(format!("{name}.{extension}")), &mbs_chart::draw(figure, format)?)?;
     }
     Ok(())
 }
@@ -44,11 +45,47 @@ pub fn write_table(
     header: &[String],
     rows: impl IntoIterator<Item = Vec<f64>>,
 ) -> Result<(), Failure> {
-    let mut writer = csv::Writer::from_path(folder.join(format!("{name}.csv")))?;
+    let mut writer = csv::Writer::from_writer(Vec::new());
     writer.write_record(header)?;
     for row in rows {
         writer.write_record(row.iter().map(f64::to_string))?;
     }
-    writer.flush()?;
-    Ok(())
+    let bytes = writer.into_inner().map_err(|error| Failure::new(error.to_string()))?;
+    write_file(&folder.join(format!("{name}.csv")), &bytes)
+}
+
+/// Writes a file whole or not at all: beside its place first, then there.
+fn write_file(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
+    let beside = path.with_extension("part");
+    let written = std::fs::write(&beside, bytes).and_then(|()| std::fs::rename(&beside, path));
+    written.map_err(|error| {
+        // Where nothing was written there is nothing to take away.
+        let _ = std::fs::remove_file(&beside);
+        Failure::new(format!("{}: {error}", path.display()))
+    })
+}
+
+/// Prints a text; a reader that has gone away ends the program quietly, anything else with a message and exit code 1.
+pub fn print(text: std::fmt::Arguments<'_>) {
+    let mut out = std::io::stdout().lock();
+    if let Err(error) = out.write_fmt(text).and_then(|()| out.flush()) {
+        if error.kind() == std::io::ErrorKind::BrokenPipe {
+            std::process::exit(0);
+        }
+        eprintln!("Error: standard output: {error}");
+        std::process::exit(1);
+    }
+}
+
+/// `std::print!` by [`output::print`](crate::output::print).
+#[macro_export]
+macro_rules! print {
+    ($($argument:tt)*) => { $crate::output::print(format_args!($($argument)*)) };
+}
+
+/// `std::println!` by [`output::print`](crate::output::print).
+#[macro_export]
+macro_rules! println {
+    () => { $crate::output::print(format_args!("\n")) };
+    ($($argument:tt)*) => { $crate::output::print(format_args!("{}\n", format_args!($($argument)*))) };
 }

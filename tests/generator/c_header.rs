@@ -233,6 +233,26 @@ fn headers_are_cpp_and_single_precision_too() {
     }
 }
 
+/// A mechanism, a coordinate, parameters and outputs that are called like what C has already.
+#[test]
+fn names_of_the_library_are_no_trouble() {
+    if !has("cc") {
+        return;
+    }
+    let text = "mechanism Round { param exp: kg = 2; param q: kg = 2; param NAN: kg = 1; param reciprocals: N/m = 3; coord double: m; coord DOUBLE: m; coord y0: m; kinetic += exp*dt(DOUBLE)^2; \
+                kinetic += exp/2*(dt(double)^2 + dt(y0)^2) + exp/4*sin(double/(1 m))*dt(double)*dt(y0) + (q + NAN)*dt(y0)^2; \
+                potential += reciprocals*(double^2 + y0^2)/2; output result = double; output NULL = y0; output parameters = y0*double; }";
+    let graph = Graph::verbatim();
+    let analysis = Analysis::of(&Sources::new("round.mbs", text), &graph).expect("a mechanism");
+    let folder = tempfile::tempdir().expect("a folder");
+    std::fs::write(folder.path().join("round.h"), emit::c(analysis.programs(), "round.mbs", &Options::default()))
+        .expect("written");
+    std::fs::write(folder.path().join("main.c"), "#include \"round.h\"\nint main(void) { return 0; }\n")
+        .expect("written");
+    compiled("cc", &["-std=c99", "-fsyntax-only", "main.c"], folder.path());
+    compiled("cc", &["-x", "c++", "-std=c++17", "-fsyntax-only", "main.c"], folder.path());
+}
+
 /// The program of docs/c.md, and what it prints.
 #[test]
 fn the_manual_has_a_program_that_runs() {

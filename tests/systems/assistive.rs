@@ -92,5 +92,5 @@ fn what_cannot_be_is_named() {
     // Stretched upwards the hand cannot go sideways.
     let up = [0.0, 0.0, std::f64::consts::FRAC_PI_2, std::f64::consts::FRAC_PI_2];
     let found = good.torques(&AssistiveArm::new(balanced()), &up, &[0.0; 4], &[1.0, 0.0, 0.0]);
-    assert!(found.is_none_or(|torque| torque.iter().any(|torque| torque.abs() > 1e3)), "{found:?}");
+    assert_eq!(found, None);
 }

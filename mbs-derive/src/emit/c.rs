@@ -23,7 +23,7 @@ use super::expression::Tree;
 use super::name::{Names, snake_case};
 use super::text::each_leaf;
 use super::{Options, doc, item, shape};
-use expression::{Printer, constant, identifier};
+use expression::{Printer, constant, identifier, prefix};
 
 /// The header of a mechanism; `source` is what its first line calls the declaration.
 ///
@@ -40,7 +40,7 @@ use expression::{Printer, constant, identifier};
 /// ```
 pub fn c(derivation: &Derivation, source: &str, options: &Options) -> String {
     let names = Names::of(derivation, true);
-    let prefix = identifier(&snake_case(&derivation.name));
+    let prefix = prefix(&snake_case(&derivation.name));
     let chosen = item::selected(derivation, options.functions.as_deref());
     let (functions, left_out): (Vec<_>, Vec<_>) =
         chosen.into_iter().partition(|(_, function)| !function.completion.is_constrained());
@@ -95,8 +95,7 @@ impl Header<'_> {
         for (count, kind, variables) in kinds {
             let _ = writeln!(text, "#define {upper}_{count} {}", variable::count(variables));
             for variable in variables {
-                let name = variable.name.to_uppercase();
-                let _ = writeln!(text, "#define {upper}_{kind}_{name} {}", variable.first);
+                let _ = writeln!(text, "#define {upper}_{kind}_{} {}", variable.name, variable.first);
             }
         }
         text + "\n"
@@ -402,7 +401,7 @@ fn block(block: &Block, printer: &Printer<'_, '_>, depth: usize) -> String {
 
 /// A comment that documentation generators read.
 fn comment(lines: &[String], indent: &str) -> String {
-    let lines: Vec<String> = lines.iter().map(|line| line.replace("*/", "* /")).collect();
+    let lines: Vec<String> = lines.iter().map(|line| line.replace("*/", "* /").replace("/*", "/ *")).collect();
     match lines.as_slice() {
         [line] => format!("{indent}/** {line} */\n"),
         lines => {
@@ -413,7 +412,9 @@ fn comment(lines: &[String], indent: &str) -> String {
     }
 }
 
-/// A name that follows the prefix and needs no escape.
-fn plain(name: &str) -> &str {
-    name.strip_prefix("r#").unwrap_or(name)
+/// The name of a function after the prefix, where nothing has to be escaped and the header's own names are taken.
+fn plain(name: &str) -> String {
+    let plain = name.strip_prefix("r#").unwrap_or(name);
+    let is_taken = ["parameters", "default_parameters"].contains(&plain);
+    if is_taken { format!("{plain}_2") } else { plain.to_string() }
 }

@@ -33,6 +33,9 @@ pub struct Admittance {
     pub settling: f64,
 }
 
+/// A pivot of J Jᵀ that is a smaller part of the largest counts as none.
+const SINGULAR: f64 = 1e-8;
+
 impl Admittance {
     /// All three positive and finite.
     ///
@@ -47,8 +50,8 @@ impl Admittance {
     /// Torques of the four motors \[N·m\], two that turn and two that lift, by `model`, under the person's force \[N\].
     ///
     /// The hand's acceleration `a = (F − d v)/m` is met by `q̈ = J⁺ (a − J̇ q̇) − σ (q̇ − J⁺ J q̇)` with `J⁺ = Jᵀ (J
-    /// Jᵀ)⁻¹`, and `τ = M q̈ + h + ∂D/∂q̇ − Jᵀ F`. `None` where J loses rank: with both links upright, or one above the
-    /// other.
+    /// Jᵀ)⁻¹`, and `τ = M q̈ + h + ∂D/∂q̇ − Jᵀ F`. `None` where J loses rank, or nearly: with both links upright, or one above
+    /// the other.
     #[must_use]
     pub fn torques(
         &self,
@@ -64,6 +67,11 @@ impl Admittance {
         let wanted = (force - velocity * self.damping) / self.mass - drift;
         let square: Matrix3<f64> = jacobian * jacobian.transpose();
         let factor = square.cholesky()?;
+        let pivots = factor.l_dirty().diagonal();
+        // Of squares: directions in which the hand moves less than by 1e-4 of the others.
+        if pivots.min() <= SINGULAR * pivots.max() {
+            return None;
+        }
         let least = |x: Vector3<f64>| jacobian.transpose() * factor.solve(&x);
         let idle = rates - least(velocity);
         let acceleration: [f64; 4] = (least(wanted) - idle * self.settling).into();

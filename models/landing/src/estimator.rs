@@ -4,10 +4,12 @@
 //! accelerometers ([`nominal`]), is led by the IMU; the filter estimates its 15 errors ([`filter`]),
 //!
 //! ```text
-//! x = x̂ + δx    v = v̂ + δv    R = R̂ exp[δθ]×    b_g = b̂_g + δb_g    b_a = b̂_a + δb_a
+//! x = c + E (x̂ − c) + δx    v = E v̂ + δv    R = E R̂ = R̂ exp[δθ]×    b_g = b̂_g + δb_g    b_a = b̂_a + δb_a
 //! ```
 //!
-//! and with them the 6 errors of a clone, the pose at the last image: an image is told of when the vehicle is elsewhere
+//! with the rotation `E = R̂ exp[δθ]× R̂ᵀ` about a point c of the deck,
+//!
+//! and the 6 errors of a clone, the pose at the last image: an image is told of when the vehicle is elsewhere
 //! already, and corrects the clone, by whose covariance with the present state that one is corrected, too.
 //!
 //! Transition and measurement matrices are Jacobians of outputs, generated from the mechanisms
@@ -19,7 +21,9 @@
 //! laser tell is where the vehicle is against the deck; with its motion known that is where it is in the world.
 //!
 //! # Sources
-//! J. Solà, *Quaternion kinematics for the error-state Kalman filter*, 2017: errors, their reset. F. L. Markley,
+//! J. Solà, *Quaternion kinematics for the error-state Kalman filter*, 2017: the errors' reset. A. Barrau and S.
+//! Bonnabel, *The invariant extended Kalman filter as a stable observer*, IEEE Transactions on Automatic Control 62:4,
+//! 2017: errors that turn place and velocity, too. F. L. Markley,
 //! *Attitude error representations for Kalman filtering*, 2003. S. I. Roumeliotis and J. W. Burdick, *Stochastic
 //! cloning: a generalized framework for processing relative state measurements*, 2002: the clone. B. M. Bell and F. W.
 //! Cathey, *The iterated Kalman filter update as a Gauss–Newton method*, 1993.

@@ -8,8 +8,8 @@
 //! ```
 //!
 //! Right sides come from the equations of motion evaluated in dual numbers; no step is chosen, nothing is cut off. The
-//! thesis compares whole runs with a changed angle instead (4.3): differences of size 10°, which are more than the
-//! derivative where the force is not straight.
+//! thesis compares whole runs with a changed angle instead (4.3): differences of size 10°, in which curvature counts
+//! besides the derivative.
 
 use core::fmt;
 use core::str::FromStr;

@@ -4,8 +4,9 @@ use mbs_landing::experiment::Experiment;
 use mbs_landing::experiment::collision::{Body, Shapes};
 use mbs_landing::experiment::flight::Flight;
 use mbs_landing::experiment::inbound::Inbound;
-use mbs_landing::experiment::landed::{Feet, Landed, Meeting};
+use mbs_landing::experiment::landed::{Landed, Meeting};
 use mbs_landing::experiment::tracking::{Tracking, TrackingError};
+use mbs_landing::quadrotor::gear::Gear;
 use mbs_landing::quadrotor::heave::Heave;
 use mbs_landing::quadrotor::landing::{Landing, Plant};
 use mbs_runtime::to_matrix;
@@ -75,10 +76,10 @@ fn feet_make_the_difference() {
     let experiment = guided();
     let plan = experiment.plan_at(0.1, 1.5).expect("a plan");
     let landed = Landed { after: 1.0, ..Landed::new(Tracking::new(&experiment.robot)) };
-    let with = |feet: Feet| plan.land(&Landed { feet, ..landed.clone() }, 12.5, |_| ()).expect("a contact");
-    let (soft, stiff) = (with(landed.feet), with(Feet { stiffness: 1e6, ..landed.feet }));
+    let with = |gear: Gear| plan.land(&Landed { gear, ..landed.clone() }, 12.5, |_| ()).expect("a contact");
+    let (soft, stiff) = (with(landed.gear), with(Gear { stiffness: 1e6, ..landed.gear }));
     assert!(stiff.force.value > soft.force.value, "{stiff:?} {soft:?}");
-    let (held, free) = (soft, with(Feet { friction: 0.0, ..landed.feet }));
+    let (held, free) = (soft, with(Gear { friction: 0.0, ..landed.gear }));
     assert!(free.slid > held.slid, "{free:?} {held:?}");
 }
 
@@ -88,11 +89,11 @@ fn numbers_that_are_none_are_refused() {
     let plan = experiment.plan_at(0.1, 1.5).expect("a plan");
     let good = Landed { after: 0.1, ..Landed::new(Tracking::new(&experiment.robot)) };
     for value in [0.0, -1.0, f64::NAN, f64::INFINITY] {
-        let feet = good.feet;
+        let gear = good.gear;
         let bad = [
-            Landed { feet: Feet { stiffness: value, ..feet }, ..good.clone() },
-            Landed { feet: Feet { distance: value, ..feet }, ..good.clone() },
-            Landed { feet: Feet { slip: value, ..feet }, ..good.clone() },
+            Landed { gear: Gear { stiffness: value, ..gear }, ..good.clone() },
+            Landed { gear: Gear { half_track: value, ..gear }, ..good.clone() },
+            Landed { gear: Gear { creep_speed: value, ..gear }, ..good.clone() },
             Landed { threshold: value, ..good.clone() },
             Landed { after: value, ..good.clone() },
             Landed { soft_frequency: value, ..good.clone() },

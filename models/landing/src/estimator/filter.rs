@@ -15,7 +15,8 @@ pub const ALL: usize = ERRORS + 6;
 /// Where the errors of the clone begin.
 pub const CLONE: usize = ERRORS;
 
-/// Normal deviate beyond which a measurement is not believed: one in 100 000 of good ones.
+/// Normal deviate beyond which a measurement is not believed: at most one in 100 000 of good
+/// ones.
 pub const GATE: f64 = 4.264_890_793_922_825;
 
 /// How often the equations of a measurement are linearized anew, at most.

@@ -148,7 +148,7 @@ impl fmt::Display for Nearest {
 type Part = (Body, Capsule);
 
 /// Pairs that are looked at.
-const PAIRS: [[Body; 2]; 11] = [
+const PAIRS: [[Body; 2]; 14] = [
     [Body::Base, Body::Forearm],
     [Body::Base, Body::Wrist],
     [Body::Base, Body::Vehicle],
@@ -157,8 +157,11 @@ const PAIRS: [[Body; 2]; 11] = [
     [Body::UpperArm, Body::Wrist],
     [Body::UpperArm, Body::Vehicle],
     [Body::UpperArm, Body::Deck],
+    [Body::UpperArm, Body::Leg],
     [Body::Forearm, Body::Vehicle],
     [Body::Forearm, Body::Deck],
+    [Body::Forearm, Body::Leg],
+    [Body::Wrist, Body::Leg],
     [Body::Vehicle, Body::Leg],
 ];
 

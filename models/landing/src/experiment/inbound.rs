@@ -41,8 +41,7 @@ impl Inbound {
 
     pub(super) fn check(&self) -> Result<(), Invalid> {
         check::finite("distance", self.distance)?;
-        check::positive("duration", self.duration)?;
-        check::finite("duration", self.duration)
+        check::positive("duration", self.duration)
     }
 
     /// A vehicle that is level and moves with the point, this high over it \[m\].

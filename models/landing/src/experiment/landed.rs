@@ -6,16 +6,10 @@
 //! weight to the deck.
 //!
 //! ```text
-//! F_n = k δ (1 + λ δ̇), not negative          F_t = −μ F_n v_t/√(v_t² + v_s²)
 //! M_a q̈_a = u − C q̇_a − G + J_fᵀ W,           M_p q̈_p = J_qᵀ f − C q̇_p − G − J_dᵀ W
 //! ```
 //!
-//! with the penetration δ of a foot into the plane of the deck, its velocity v_t along it, and the wrench W of all
-//! feet.
-//!
-//! # Source
-//! K. H. Hunt, F. R. E. Crossley, *Coefficient of restitution interpreted as damping in vibroimpact*, Journal of
-//! Applied Mechanics 42:2, 1975, for the normal force.
+//! with the wrench W of all feet, by [`Gear`].
 
 use core::ops::ControlFlow;
 
@@ -28,26 +22,12 @@ use mbs_runtime::{Dop853, Integrator, Pose, Scalar, State, to_matrix};
 use nalgebra::{Vector3, Vector6};
 
 use super::error::Infeasible;
-use super::plan::{BRANCH, Plan};
+use super::plan::{BRANCH, Plan, turned_over};
 use super::rail_arm::{FlangeMotion, RailVector};
 use super::survey::Seen;
 use super::tracking::{Tracking, TrackingError};
 use crate::quadrotor::deck::DeckState;
-
-/// The feet of the vehicle, and how they push.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Feet {
-    /// From the vehicle's mass centre along both of its axes, `(±a, ±a, 0)`, positive \[m\].
-    pub distance: f64,
-    /// k of one foot, positive \[N/m\].
-    pub stiffness: f64,
-    /// λ, not negative \[s/m\].
-    pub damping: f64,
-    /// μ, not negative.
-    pub friction: f64,
-    /// v_s, at which friction is 71 % of what it becomes, positive \[m/s\].
-    pub slip: f64,
-}
+use crate::quadrotor::gear::{Contact, Damping, Gear, RigidMotion};
 
 /// How arm and platform are controlled when they meet.
 #[derive(Clone, Debug)]
@@ -56,8 +36,8 @@ pub struct Landed {
     pub tracking: Tracking,
     /// `ω` of the platform's controller, critically damped, positive \[rad/s\].
     pub platform_frequency: f64,
-    /// What touches.
-    pub feet: Feet,
+    /// What touches: feet in the plane of the vehicle's mass centre.
+    pub gear: Gear,
     /// From this force on the arm knows that it stands, positive \[N\].
     pub threshold: f64,
     /// `ω` of every axis of the arm from then on, critically damped, positive \[rad/s\].
@@ -74,7 +54,15 @@ impl Landed {
         Self {
             tracking,
             platform_frequency: 8.0,
-            feet: Feet { distance: 0.25, stiffness: 5e4, damping: 2.0, friction: 0.6, slip: 1e-3 },
+            gear: Gear {
+                half_track: 0.25,
+                height: 0.0,
+                stiffness: 5e4,
+                exponent: 1.0,
+                damping: Damping::HuntCrossley(2.0),
+                friction: 0.6,
+                creep_speed: 1e-3,
+            },
             threshold: 20.0,
             soft_frequency: 2.0,
             after: 4.0,
@@ -82,22 +70,9 @@ impl Landed {
     }
 
     fn check(&self) -> Result<(), Invalid> {
-        let Feet { distance, stiffness, damping, friction, slip } = self.feet;
-        let positive = [
-            ("feet.distance", distance),
-            ("feet.stiffness", stiffness),
-            ("feet.slip", slip),
-            ("threshold", self.threshold),
-            ("after", self.after),
-        ];
-        for (parameter, value) in positive {
-            check::positive(parameter, value)?;
-            check::finite(parameter, value)?;
-        }
-        check::not_negative("feet.damping", damping)?;
-        check::finite("feet.damping", damping)?;
-        check::not_negative("feet.friction", friction)?;
-        check::finite("feet.friction", friction)
+        self.gear.check()?;
+        check::positive("threshold", self.threshold)?;
+        check::positive("after", self.after)
     }
 }
 
@@ -164,10 +139,10 @@ impl Plan<'_> {
         let (start, [p, pd, _]) = (self.axes(from)?, self.deck(from));
         let mut state = State::new(both(&start.q, &p), both(&start.qd, &pd));
         let mut way = Way::new();
-        let mut contact = None;
+        let mut felt = None;
         for k in 0_u32.. {
             let t = from + f64::from(k) * period;
-            let meeting = pair.meeting(t, &state, &mut contact)?;
+            let meeting = pair.meeting(t, &state, &mut felt)?;
             way.add(&meeting, landed.after);
             observer(&meeting);
             match way.touched {
@@ -186,19 +161,9 @@ impl Plan<'_> {
 }
 
 /// Where the flange stood when the arm felt it, and how high the deck was to be then.
-struct Contact {
+struct Felt {
     pose: Pose<f64>,
     deck: f64,
-}
-
-/// What the feet push with.
-struct Push {
-    /// Force and moment on the flange about its origin, in the axes of the world \[N, N·m\].
-    flange: [f64; 6],
-    /// Force and moment on the platform about its frame's origin \[N, N·m\].
-    platform: [f64; 6],
-    load: f64,
-    height: f64,
 }
 
 /// Arm and platform with their controllers.
@@ -236,55 +201,28 @@ impl<'a> Pair<'a> {
         DeckState::of_platform(&[over_rail, platform.qd, [0.0; 6]], &[0.0; 3])
     }
 
-    fn push(&self, arm: &State<RailVector>, deck: &DeckState) -> Push {
-        let Feet { distance, stiffness, damping, friction, slip } = self.landed.feet;
+    fn contact(&self, arm: &State<RailVector>, deck: &DeckState) -> Contact {
         let plant = &self.landed.tracking.plant;
         let Pose { position, rotation } = plant.flange(&arm.q);
-        let twist = plant.flange_velocity(&arm.q, &arm.qd);
-        let [velocity, turning] = [0, 3].map(|i| Vector3::new(twist[i], twist[i + 1], twist[i + 2]));
-        let (flange, axes, normal) =
-            (Vector3::from(position), to_matrix(&rotation), to_matrix(&deck.rotation).column(2).into_owned());
-        let origin = Vector3::from(deck.position);
-        let mut push = Push { flange: [0.0; 6], platform: [0.0; 6], load: 0.0, height: f64::INFINITY };
-        for [x, y] in [[1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0], [1.0, -1.0]] {
-            let lever = axes * Vector3::new(x * distance, y * distance, 0.0);
-            let beside = flange + lever - origin;
-            let height = normal.dot(&beside);
-            push.height = if height < push.height || height.is_nan() { height } else { push.height };
-            if height >= 0.0 {
-                continue;
-            }
-            let of_deck = Vector3::from(deck.velocity) + Vector3::from(deck.angular_velocity).cross(&beside);
-            let against = velocity + turning.cross(&lever) - of_deck;
-            let rate = normal.dot(&against);
-            let pressed = (-stiffness * height * (1.0 - damping * rate)).max(0.0);
-            let along = against - rate * normal;
-            let force = pressed * normal - friction * pressed / Scalar::sqrt(along.dot(&along) + slip * slip) * along;
-            push.load += pressed;
-            for (wrench, sign, lever) in [(&mut push.flange, 1.0, lever), (&mut push.platform, -1.0, beside)] {
-                let moment = lever.cross(&force);
-                (0..3).for_each(|i| {
-                    wrench[i] += sign * force[i];
-                    wrench[3 + i] += sign * moment[i];
-                });
-            }
-        }
-        push
+        let [vx, vy, vz, wx, wy, wz] = plant.flange_velocity(&arm.q, &arm.qd);
+        let vehicle = RigidMotion {
+            position: position.into(),
+            rotation: to_matrix(&turned_over(rotation)),
+            velocity: [vx, vy, vz].into(),
+            angular_velocity: [wx, wy, wz].into(),
+        };
+        self.landed.gear.contact(&vehicle, deck)
     }
 
     /// What both controllers see and do.
-    fn meeting(
-        &self,
-        time: f64,
-        state: &State<[f64; 13]>,
-        contact: &mut Option<Contact>,
-    ) -> Result<Meeting, TrackingError> {
+    fn meeting(&self, time: f64, state: &State<[f64; 13]>, felt: &mut Option<Felt>) -> Result<Meeting, TrackingError> {
         let (arm, platform) = parted(state);
         let deck = self.deck(&platform);
-        let push = self.push(&arm, &deck);
+        let contact = self.contact(&arm, &deck);
+        let load = contact.normal.iter().sum();
         let pose = self.landed.tracking.plant.flange(&arm.q);
-        if contact.is_none() && push.load > self.landed.threshold {
-            *contact = Some(Contact { pose, deck: self.plan.deck_height(time)[0] });
+        if felt.is_none() && load > self.landed.threshold {
+            *felt = Some(Felt { pose, deck: self.plan.deck_height(time)[0] });
         }
         let wanted = self.plan.deck(time);
         let control = &self.plan.experiment().platform;
@@ -297,26 +235,26 @@ impl<'a> Pair<'a> {
             time,
             arm,
             platform,
-            drives: self.drives(time, &arm, contact.as_ref())?,
+            drives: self.drives(time, &arm, felt.as_ref())?,
             legs: control.limits.saturated(&legs),
-            height: push.height,
-            load: push.load,
+            height: -contact.deepest(),
+            load,
             offset: [offset.x, offset.y],
             platform_error: Scalar::sqrt(apart),
-            stands: contact.is_some(),
+            stands: felt.is_some(),
         })
     }
 
     /// Along the plan, or with the deck as it is planned, soft and without the vehicle's weight.
-    fn drives(&self, t: f64, arm: &State<RailVector>, contact: Option<&Contact>) -> Result<RailVector, TrackingError> {
+    fn drives(&self, t: f64, arm: &State<RailVector>, felt: Option<&Felt>) -> Result<RailVector, TrackingError> {
         let robot = &self.plan.experiment().robot;
-        let asked = match contact {
+        let asked = match felt {
             None => {
                 let wanted = self.plan.axes(t)?;
                 let acceleration = self.flying.acceleration(&[wanted.q, wanted.qd, wanted.qdd], &arm.q, &arm.qd);
                 robot.model.inverse_dynamics(&arm.q, &arm.qd, &acceleration)
             }
-            Some(Contact { pose, deck }) => {
+            Some(Felt { pose, deck }) => {
                 let [_, rate, acceleration] = self.plan.deck(t).map(|of| of[2]);
                 let mut flange = FlangeMotion::at_rest(pose.position, pose.rotation);
                 flange.pose.position[2] += self.plan.deck_height(t)[0] - deck;
@@ -334,12 +272,14 @@ impl<'a> Pair<'a> {
     /// Of all thirteen; NaN where the platform has none, which the integrator refuses.
     fn accelerations(&self, state: &State<[f64; 13]>, drives: &RailVector, legs: &LegVector) -> [f64; 13] {
         let (arm, platform) = parted(state);
-        let push = self.push(&arm, &self.deck(&platform));
+        let contact = self.contact(&arm, &self.deck(&platform));
+        let wrench = both_of(contact.force, contact.moment);
         let plant = &self.landed.tracking.plant;
         let jacobian = plant.flange_jacobian(&arm.q);
-        let pushed = core::array::from_fn(|j| drives[j] + (0..6).map(|i| jacobian[i][j] * push.flange[i]).sum::<f64>());
+        let pushed = core::array::from_fn(|j| drives[j] + (0..6).map(|i| jacobian[i][j] * wrench[i]).sum::<f64>());
         let of_arm = plant.forward_dynamics(&arm.q, &arm.qd, &pushed);
-        let of_platform = self.of_platform(&platform, legs, &push.platform).unwrap_or([f64::NAN; 6]);
+        let of_platform =
+            self.of_platform(&platform, legs, &both_of(-contact.force, contact.deck_moment)).unwrap_or([f64::NAN; 6]);
         both(&of_arm, &of_platform)
     }
 
@@ -358,6 +298,11 @@ impl<'a> Pair<'a> {
         let pushed: Vector6<f64> = masses.solve(&Vector6::new(x, y, z, a, b, c));
         Ok(core::array::from_fn(|i| free[i] + pushed[i]))
     }
+}
+
+/// A force and a moment.
+fn both_of(force: Vector3<f64>, moment: Vector3<f64>) -> [f64; 6] {
+    core::array::from_fn(|i| if i < 3 { force[i] } else { moment[i - 3] })
 }
 
 fn both(arm: &RailVector, platform: &Coordinates) -> [f64; 13] {

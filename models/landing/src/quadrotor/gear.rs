@@ -19,8 +19,6 @@
 //! K. H. Hunt and F. R. E. Crossley, *Coefficient of restitution interpreted as damping in vibroimpact*, Journal of
 //! Applied Mechanics 42, 1975, 440–445.
 
-use core::f64::consts::FRAC_PI_2;
-
 use mbs_models::check::{Invalid, not_negative, positive, within};
 use mbs_runtime::{Scalar, to_matrix};
 use nalgebra::{Matrix3, Vector3};
@@ -75,7 +73,7 @@ const CORNERS: [[f64; 2]; 4] = [[1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0], [1.0, -1.
 
 /// Where a vehicle is, how it is turned, how it moves: in world axes, of its mass centre.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Twist {
+pub struct RigidMotion {
     /// \[m\]
     pub position: Vector3<f64>,
     /// From body axes to those of the world.
@@ -122,7 +120,7 @@ impl Gear {
     /// [`Invalid`], the first number that is not.
     pub fn check(&self) -> Result<(), Invalid> {
         positive("gear.half_track", self.half_track)?;
-        positive("gear.height", self.height)?;
+        not_negative("gear.height", self.height)?;
         positive("gear.stiffness", self.stiffness)?;
         within("gear.exponent", self.exponent, [1.0, 10.0])?;
         match self.damping {
@@ -141,8 +139,7 @@ impl Gear {
     /// The tilt beyond which a vehicle on a level deck falls over two of its feet: `atan(half track/height)` \[rad\].
     #[must_use]
     pub fn tipping_angle(&self) -> f64 {
-        let angle = Scalar::atan(self.half_track / self.height);
-        if angle < FRAC_PI_2 { angle } else { FRAC_PI_2 }
+        Scalar::atan(self.half_track / self.height)
     }
 
     /// How far each leg gives way under a quarter of this weight \[N\], at rest on a level deck \[m\].
@@ -153,7 +150,7 @@ impl Gear {
 
     /// Forces between the legs of a vehicle and a deck.
     #[must_use]
-    pub fn contact(&self, vehicle: &Twist, deck: &DeckState) -> Contact {
+    pub fn contact(&self, vehicle: &RigidMotion, deck: &DeckState) -> Contact {
         let normal = to_matrix(&deck.rotation).column(2).into_owned();
         let (origin, deck_velocity) = (Vector3::from(deck.position), Vector3::from(deck.velocity));
         let deck_turning = Vector3::from(deck.angular_velocity);

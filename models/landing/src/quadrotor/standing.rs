@@ -25,7 +25,7 @@ use mbs_runtime::{Dopri5, Event, IntegrationError, Integrator, Scalar, State, St
 use nalgebra::Vector3;
 
 use super::deck::DeckState;
-use super::gear::{Contact, Gear, Twist};
+use super::gear::{Contact, Gear, RigidMotion};
 use super::landing::{LandingError, finite_deck, upright};
 pub use carrier::{Carried, Carrier, Load, Planned};
 use ending::Watch;
@@ -347,11 +347,11 @@ impl Standing {
 
 /// Of a vehicle, in world axes.
 #[must_use]
-pub fn twist(vehicle: &QuadrotorQuaternion<f64>, state: &State<[f64; 7]>) -> Twist {
+pub fn twist(vehicle: &QuadrotorQuaternion<f64>, state: &State<[f64; 7]>) -> RigidMotion {
     let still = [[0.0; 3]; 3];
     let rotation = to_matrix(&vehicle.pose(&still, &state.q).rotation);
     let [.., x, y, z] = vehicle.pose_velocity(&still, &state.q, &state.qd);
-    Twist {
+    RigidMotion {
         position: Vector3::new(state.q[0], state.q[1], state.q[2]),
         rotation,
         velocity: Vector3::new(state.qd[0], state.qd[1], state.qd[2]),

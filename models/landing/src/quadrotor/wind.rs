@@ -25,8 +25,8 @@
 //! σ_w = 0.1 W₂₀, σ_u = σ_v = σ_w/(0.177 + 0.000823 h)^0.4
 //! ```
 //!
-//! Heights below 10 ft count as 10 ft, those above 1000 ft as 1000 ft. MIL-HDBK-1797 has the same spectra with twice
-//! these L_v and L_w as its lengths.
+//! Heights below 10 ft count as 10 ft, those above 1000 ft as 1000 ft. MIL-HDBK-1797 has the same spectra and calls
+//! half of these L_v and L_w its lengths.
 //!
 //! # Source
 //! MIL-F-8785C, *Flying Qualities of Piloted Airplanes*, 1980, sections 3.7.1 to 3.7.3; MIL-HDBK-1797, *Flying

@@ -44,7 +44,9 @@ impl Altimeter {
         finite("altimeter.place", self.place)?;
         positive("altimeter.noise", self.noise)?;
         positive("altimeter.period", self.period)?;
-        positive("altimeter.ranges", self.ranges)?;
+        let [least, greatest] = self.ranges;
+        positive("altimeter.ranges", least)?;
+        within("altimeter.ranges", greatest, [least, f64::MAX])?;
         within("altimeter.greatest_incidence", self.greatest_incidence, [0.0, core::f64::consts::FRAC_PI_2])
     }
 }

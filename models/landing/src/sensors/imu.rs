@@ -54,7 +54,7 @@ pub struct ImuSample {
     pub specific_force: Vector3<f64>,
 }
 
-/// What an IMU says too much.
+/// What an IMU adds to the true values, slowly changing.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Biases {
     /// \[rad/s\]

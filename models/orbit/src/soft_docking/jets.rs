@@ -27,7 +27,7 @@ pub type PerJet = [f64; JETS];
 /// Force, then torque about the mass centre, in the chaser's axes \[N, N·m\].
 pub type Wrench = [f64; 6];
 
-/// Of ε, against the columns of A.
+/// ε as a part of the largest column of A.
 const REGULAR: f64 = 1e-4;
 /// No active set is longer on its way.
 const CHANGES: usize = 20 * JETS;

@@ -60,7 +60,7 @@ impl Plume {
         let mut sum = [[0.0; 3]; 2];
         for Panel { middle, halves: [a, b] } in panels {
             let normal = cross(a, b);
-            // A quarter of the area; the normal has its length.
+            // The normal is as long as a quarter of the panel's area.
             let element = 4.0 / f64::from(self.parts * self.parts);
             let along = |k: u32| (2.0 * f64::from(k) + 1.0) / f64::from(self.parts) - 1.0;
             for (i, j) in (0..self.parts).flat_map(|i| (0..self.parts).map(move |j| (i, j))) {

@@ -46,7 +46,8 @@ pub struct Latches {
 }
 
 impl Latches {
-    /// Those of the standard.
+    /// The initial contact conditions of the International Docking System Standard, recalled; here angles and what is
+    /// beside the axis are asked for at the trip. The radius of the ring is assumed.
     pub const STANDARD: Self = Self {
         lateral: 0.10,
         tilt: 4.0 * PI / 180.0,
@@ -127,7 +128,7 @@ pub struct Contact {
     pub outcome: Outcome,
     /// When ports touched \[s\].
     pub time: f64,
-    /// Then.
+    /// How ports were to each other when they touched.
     pub touch: Misalignment,
     /// When the depth was that of the trip.
     pub trip: Option<Misalignment>,
@@ -268,7 +269,8 @@ pub(super) fn advance(
     method.integrate_with_events(motion, t, end, state, events, |_| ControlFlow::Continue(()))
 }
 
-/// Frequency and damping ratio of the ring along the approach, of both masses against each other \[rad/s\].
+/// Frequency and damping ratio of the ring along the approach, of both masses against each other \[rad/s,
+/// dimensionless\].
 #[must_use]
 pub fn axial_oscillator(params: &Params<f64>) -> [f64; 2] {
     let mass = params.chaser_mass * params.station_mass / (params.chaser_mass + params.station_mass);

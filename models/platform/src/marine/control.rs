@@ -54,7 +54,7 @@ pub fn linearized(params: &Params) -> StateSpace<STATES, 6, STATES> {
     StateSpace { a, b, c: diagonal(|_| 1.0), d: [[0.0; 6]; STATES] }
 }
 
-/// K.
+/// A feedback of all coordinates and rates, `u = −K x`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Regulator {
     /// Thrusts against coordinates and rates.

@@ -69,9 +69,9 @@ impl Response {
         let heave = lift * cos_x * cos_y - inertia * mean * cos_y;
         // Beside the middle of the platform and, less, beside that of a pontoon.
         let beside = y * sin_y + k * s * breadth * breadth / 12.0 * cos_y;
-        let sides = lift * (y * sin_y * cos_x + k * s * own) - inertia * beside * mean;
+        let sides = lift * (y * sin_y * cos_x + k * s * own * cos_x * cos_y) - inertia * beside * mean;
         let roll = sides - weight * k * s * (lever * cos_x * cos_y + pontoon_lever * mean * cos_y);
-        let ends = lift * (x * sin_x * cos_y + k * c * own) - inertia * half * first * cos_y;
+        let ends = lift * (x * sin_x * cos_y + k * c * own * cos_x * cos_y) - inertia * half * first * cos_y;
         let pitch = weight * k * c * (lever * cos_x * cos_y + pontoon_lever * mean * cos_y) - ends;
         let yaw_of_columns = columns * (s * x * sin_x * cos_y - c * y * sin_y * cos_x);
         let yaw_of_pontoons = pontoons * (s * half * first * cos_y - c * beside * mean);

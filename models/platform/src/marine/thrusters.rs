@@ -25,6 +25,8 @@ impl Default for Thrusters {
 }
 
 impl Thrusters {
+    /// Whether there are such thrusters.
+    ///
     /// # Errors
     /// [`MarineError::Invalid`] where a limit is not positive and finite.
     pub fn check(&self) -> Result<(), MarineError> {

@@ -58,7 +58,7 @@ impl Default for Superstructure {
 /// A wind with N gusts.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Wind<const N: usize> {
-    /// U \[m/s\].
+    /// U, at a height of 10 m \[m/s\].
     pub mean: f64,
     /// β, where it blows to, from the x axis towards y \[rad\].
     pub direction: f64,

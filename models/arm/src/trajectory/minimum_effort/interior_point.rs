@@ -42,7 +42,7 @@ impl Residual {
 
 /// Iterations after which there is no hope.
 const ITERATIONS: usize = 300;
-/// Of the residual, at the end.
+/// The residual below which the conditions count as satisfied.
 pub(super) const TOLERANCE: f64 = 1e-9;
 /// Part of the way to a bound that a step may take, at least.
 const FRACTION: f64 = 0.99;

@@ -6,7 +6,7 @@
 //! ```text
 //! δ z_b = ω × z_b,   δ c = Rᵀ (δp_d − δp − ω × d)
 //! tilt         z_b·e_z ≥ cos β
-//! visibility   √(c_x² + c_y² + ε²) ≤ −c_z tan α + r      within the cone, at least its edge a mark of radius r
+//! visibility   √(c_x² + c_y² + ε²) ≤ −c_z tan α + r      a mark of radius r is in the cone, at least its edge
 //! height       z ≥ z_d                                   before the touchdown, and z ≤ z_d at it
 //! ```
 

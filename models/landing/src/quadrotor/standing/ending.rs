@@ -94,6 +94,8 @@ pub(super) struct Watch {
     start: f64,
     /// The mass centre as the deck saw it.
     place: Option<[f64; 2]>,
+    /// At the beginning \[J\].
+    energy: Option<f64>,
     balance: Option<f64>,
     error: f64,
     turnover: f64,
@@ -110,6 +112,7 @@ impl Watch {
             rest: None,
             start,
             place: None,
+            energy: None,
             balance: None,
             error: 0.0,
             turnover: 0.0,
@@ -152,7 +155,9 @@ impl Watch {
         self.tilt = self.tilt.max(tilt(moment, vehicle));
         let balance = *self.balance.get_or_insert(moment.balance());
         self.error = self.error.max((moment.balance() - balance).abs());
-        for turned in [moment.energy, contact.stored, moment.dissipated, moment.work] {
+        for turned in
+            [moment.energy - *self.energy.get_or_insert(moment.energy), contact.stored, moment.dissipated, moment.work]
+        {
             self.turnover = self.turnover.max(turned.abs());
         }
     }
