@@ -223,8 +223,7 @@ impl Cell {
             energy += 0.5 * stiffness[kind] * stretch * stretch;
             lost += damping[kind] * speed * speed;
         }
-        let moment =
-            lever * (force[0] * n[0] + force[2] * n[1]) - stiffness[2] * q[7] - damping[2] * v[7];
+        let moment = lever * (force[0] * n[0] + force[2] * n[1]) - stiffness[2] * q[7] - damping[2] * v[7];
         (Support { force, moment, energy }, lost)
     }
 }

@@ -54,7 +54,6 @@ pub fn can_wedge(depth: f64, radius: f64, friction: f64) -> bool {
 #[must_use]
 pub fn jams([lateral, moment]: [f64; 2], depth: f64, radius: f64, friction: f64) -> bool {
     let lambda = depth / (2.0 * radius * friction);
-    let inside =
-        lateral.abs() * friction < 1.0 && (moment + friction * (1.0 + lambda) * lateral).abs() < lambda;
+    let inside = lateral.abs() * friction < 1.0 && (moment + friction * (1.0 + lambda) * lateral).abs() < lambda;
     !inside
 }
