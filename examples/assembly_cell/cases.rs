@@ -10,7 +10,7 @@ use rayon::prelude::*;
 
 use crate::cycle::{Cycle, DEPTH, LENGTH, MOUTH, REST};
 
-const PEG: Peg = Peg { radius: 0.010, mass: 0.5, inertia: 5e-4, centre: 0.04 };
+pub(crate) const PEG: Peg = Peg { radius: 0.010, mass: 0.5, inertia: 5e-4, centre: 0.04 };
 /// R − r \[m\], width and height of the chamfer \[m\].
 pub(crate) const CLEARANCE: f64 = 5e-5;
 const CHAMFER: [f64; 2] = [2e-3, 2e-3];
@@ -31,8 +31,8 @@ const FRICTIONS: [f64; 2] = [0.1, 0.3];
 pub(crate) const GREATEST_PUSH: f64 = 400.0;
 /// Between samples \[s\].
 const PERIOD: f64 = 1e-3;
-/// Reached is what comes so close to the depth wanted.
-const REACHED: f64 = 0.98;
+/// Inserted is what comes so close to the depth wanted \[m\].
+const SHORT: f64 = 2e-4;
 
 /// What is seen of a state.
 pub(crate) struct Sample {
@@ -70,6 +70,9 @@ pub(crate) struct Run {
     pub(crate) push: f64,
     pub(crate) side_force: f64,
     pub(crate) depth: f64,
+    /// Where both sides began to touch and did so to the end: depth \[m\], and how much the hole leaned against the peg
+    /// \[rad\].
+    pub(crate) two_points: Option<[f64; 2]>,
     /// `F_x/F_z` and `M/(r F_z)` at the end.
     pub(crate) ratios: [f64; 2],
     /// By which the peg was behind or beside where it had to be, on its way to the hole \[m\].
@@ -122,6 +125,7 @@ fn run(cycle: &Cycle, way: (&'static str, Wrist, Impedance), error: [f64; 2], fr
         push: 0.0,
         side_force: 0.0,
         depth: 0.0,
+        two_points: None,
         ratios: [0.0; 2],
         carried_error: 0.0,
         imbalance: 0.0,
@@ -153,6 +157,8 @@ fn run(cycle: &Cycle, way: (&'static str, Wrist, Impedance), error: [f64; 2], fr
                 run.contact_force = touch.normal.into_iter().fold(run.contact_force, f64::max);
                 run.push = run.push.max(-push[2]);
                 run.side_force = run.side_force.max(push[0].abs());
+                let first = || [touch.depth, run.error[1] - q[7]];
+                run.two_points = two_points(&touch.normal).then(|| run.two_points.unwrap_or_else(first));
             }
             let stop = -push[2] > GREATEST_PUSH;
             if t >= next || stop {
@@ -172,14 +178,19 @@ fn run(cycle: &Cycle, way: (&'static str, Wrist, Impedance), error: [f64; 2], fr
     // The support's force acts at its centre; its moment at the tip counts from x to z.
     let moment = -cell.wrist.centre * push[0] + cell.wrist.stiffness[2] * state.q[7];
     run.ratios = [push[0] / -push[2], moment / (PEG.radius * -push[2])];
-    run.outcome = outcome(&run, touch.normal);
+    run.outcome = outcome(&run, &touch.normal);
     run.cycle = (run.outcome == Outcome::Inserted).then(|| cycle.time());
     Ok(run)
 }
 
-fn outcome(run: &Run, [left, right, left_edge, right_edge]: [f64; 4]) -> Outcome {
-    let two_points = (left > 0.0 && right_edge > 0.0) || (right > 0.0 && left_edge > 0.0);
-    if run.depth >= REACHED * DEPTH {
+/// A corner on one side and the edge on the other.
+fn two_points(&[left, right, left_edge, right_edge]: &[f64; 4]) -> bool {
+    (left > 0.0 && right_edge > 0.0) || (right > 0.0 && left_edge > 0.0)
+}
+
+fn outcome(run: &Run, normal: &[f64; 4]) -> Outcome {
+    let two_points = two_points(normal);
+    if run.depth >= DEPTH - SHORT {
         Outcome::Inserted
     } else if two_points && whitney::can_wedge(run.depth, PEG.radius, run.friction) {
         Outcome::Wedged

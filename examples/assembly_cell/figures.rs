@@ -5,10 +5,9 @@ use std::path::Path;
 use mbs_chart::{Curves, Figure, Line, Panel};
 use mbs_examples::{Failure, assumed, output};
 
+use crate::ASSUMED;
 use crate::cases::{Run, Sample};
 
-/// What captions say.
-const KEYS: [&str; 5] = ["assembly.peg", "assembly.contact", "assembly.wrists", "assembly.control", "assembly.motion"];
 /// The friction that is drawn.
 const FRICTION: f64 = 0.3;
 
@@ -26,7 +25,7 @@ pub(crate) fn write(folder: &Path, runs: &[Run]) -> Result<(), Failure> {
             panel("depth of the tip [mm]", &of_hole, &|s| 1e3 * s.depth),
             panel("peg leans by [mrad]", &of_hole, &|s| 1e3 * s.tilt),
         ];
-        let figure = Figure { title: assumed::title(&title, &KEYS), size: (1000, 1100), panels };
+        let figure = Figure { title: assumed::title(&title, &ASSUMED), size: (1000, 1100), panels };
         output::write_figure(folder, &name, &figure)?;
         for run in of_hole {
             table(folder, &format!("{name}_{}", run.way.replace(' ', "_")), run)?;

@@ -5,7 +5,7 @@ use std::fmt::Write;
 use mbs_arm::assembly::whitney;
 use serde_json::{Value, json};
 
-use crate::cases::{CLEARANCE, GREATEST_PUSH, Outcome, Run};
+use crate::cases::{CLEARANCE, GREATEST_PUSH, Outcome, PEG, Run};
 
 pub(crate) fn word(outcome: Outcome) -> &'static str {
     match outcome {
@@ -16,9 +16,16 @@ pub(crate) fn word(outcome: Outcome) -> &'static str {
     }
 }
 
-/// Where both sides touch at first if nothing gives way \[m\]; none where the hole is straight.
-fn two_points(run: &Run) -> Option<f64> {
-    (run.error[1] != 0.0).then(|| whitney::two_point_depth(CLEARANCE, run.error[1]))
+/// Where both sides began to touch, where they do by geometry with the same lean, and whether they can wedge there.
+fn two_points(run: &Run) -> Option<Value> {
+    run.two_points.map(|[depth, lean]| {
+        json!({
+            "depth": depth,
+            "lean": lean,
+            "depth_by_geometry": whitney::two_point_depth(CLEARANCE, lean),
+            "can_wedge": whitney::can_wedge(depth, PEG.radius, run.friction),
+        })
+    })
 }
 
 pub(crate) fn to_json(runs: &[Run]) -> Value {
@@ -33,7 +40,7 @@ pub(crate) fn to_json(runs: &[Run]) -> Value {
             "contact_force_max": run.contact_force,
             "push_max": run.push,
             "side_force_max": run.side_force,
-            "two_point_depth": two_points(run),
+            "two_points": two_points(run),
             "force_ratio_end": run.ratios[0],
             "moment_ratio_end": run.ratios[1],
             "carried_error_max": run.carried_error,
@@ -49,15 +56,16 @@ pub(crate) fn to_json(runs: &[Run]) -> Value {
 pub(crate) fn text(runs: &[Run]) -> String {
     let mut text = String::from(
         "A SCARA puts a peg into a hole that is aside and leans.\n\n\
-         way                aside  leans    μ   outcome     depth   contact     push     side    cycle\n\
-         \u{20}                   [mm] [mrad]                    [mm]       [N]      [N]      [N]      [s]\n",
+         way                aside  leans    μ   outcome     depth   contact     push     side  both at    cycle\n\
+         \u{20}                   [mm] [mrad]                    [mm]       [N]      [N]      [N]     [mm]      [s]\n",
     );
     for run in runs {
         let cycle = run.cycle.map_or_else(|| "–".to_string(), |time| format!("{time:.2}"));
+        let both = run.two_points.map_or_else(|| "–".to_string(), |[depth, _]| format!("{:.2}", 1e3 * depth));
         // Writing to a string does not fail.
         let _ = writeln!(
             text,
-            "{:<18} {:>5.1} {:>6.0} {:>5.1}  {:<10} {:>6.2} {:>9.1} {:>8.1} {:>8.1} {cycle:>8}",
+            "{:<18} {:>5.1} {:>6.0} {:>5.1}  {:<10} {:>6.2} {:>9.1} {:>8.1} {:>8.1} {both:>8} {cycle:>8}",
             run.way,
             1e3 * run.error[0],
             1e3 * run.error[1],
@@ -69,5 +77,5 @@ pub(crate) fn text(runs: &[Run]) -> String {
             run.side_force,
         );
     }
-    text + "\nA cycle has the way back in it, which is planned and not computed.\n"
+    text + "\nBoth at: the depth from which on both sides of the peg touch, to the end. A cycle has the way back in it, which is planned and not computed.\n"
 }

@@ -12,7 +12,7 @@
 /// | argument                    | meaning                                                            | unit        |
 /// |-----------------------------|--------------------------------------------------------------------|-------------|
 /// | `stiffness`                 | K_x, K_θ                                                           | N/m, N·m/rad |
-/// | `centre`, `depth`, `radius` | L_g, ℓ, r                                                          | m           |
+/// | `centre`, `depth`, `radius` | L_g, ℓ (0 where the corner touches the bore), r                    | m           |
 /// | `friction`                  | μ                                                                  | –           |
 /// | `error`                     | e, by which the undeflected peg's side would be beyond the edge, at the centre | m |
 /// | `tilt`                      | α, by which the undeflected peg leans away from that edge          | rad         |
