@@ -29,11 +29,12 @@ fn compliance_inserts_what_stiffness_does_not() {
             assert!((number(&run["cycle_time"]) - want).abs() < 1e-9, "{run}");
             assert!((number(&run["depth"]) - 0.03).abs() < 2e-4 + 1e-9, "{run}");
         }
-        // A wrist that leads lets the peg lie: its lateral force is the error over springs in series, at least there.
+        // A straight hole presses the peg aside by springs in series: at its tip, or all along, which holds it upright.
         if run["way"] == "position control" && run["hole_tilt"] == 0.0 {
-            let springs = 1.0 / (1.0 / 2e5 + 1.0 / 2e6 + 0.05 * 0.05 / 2000.0);
-            let want = (number(&run["hole_aside"]) - 5e-5) * springs;
-            assert!(number(&run["side_force_max"]) > want, "{run}: {want}");
+            let (springs, aside) = (1.0 / 2e5 + 1.0 / 2e6, number(&run["hole_aside"]) - 5e-5);
+            let side = number(&run["side_force_max"]);
+            let (least, most) = (aside / (springs + 0.05 * 0.05 / 2000.0), aside / springs);
+            assert!(least < side && side < 1.01 * most, "{run}: {least} {most}");
         }
         // Where both sides touch is geometry, but for what contacts give way.
         if run["way"] == "remote centre" && run["hole_tilt"] == 0.02 {
@@ -54,7 +55,7 @@ fn compliance_inserts_what_stiffness_does_not() {
                 ["position control", "impedance control", "remote centre"].map(|way| of(way, aside, tilt, friction));
             assert_eq!(remote["outcome"], "inserted", "{remote}");
             let side = |run: &Value| number(&run["side_force_max"]);
-            assert!(side(remote) < 0.2 * side(stiff) && side(soft) < 0.31 * side(stiff), "{stiff} {soft} {remote}");
+            assert!(side(remote) < 0.2 * side(stiff) && side(soft) < 0.35 * side(stiff), "{stiff} {soft} {remote}");
             let push = |run: &Value| number(&run["push_max"]);
             assert!(push(remote) < 0.25 * push(stiff), "{stiff} {remote}");
             // A hole that leans much: only the wrist can follow, neither position nor impedance control can.
