@@ -4,6 +4,7 @@ mod adaptive_control;
 mod arm_dynamics;
 mod arm_kinematics;
 mod arm_trajectory;
+mod assembly;
 mod assistive;
 mod elastic;
 #[path = "../errata.rs"]

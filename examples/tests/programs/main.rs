@@ -2,6 +2,7 @@
 
 mod adaptive;
 mod arm;
+mod assembly_cell;
 mod assistive_arm;
 mod docking;
 mod elastic_arm;
