@@ -20,6 +20,7 @@ mod figures;
 mod summary;
 
 use mbs_examples::{Failure, arguments::Arguments, assumed, output};
+use mbs_examples::{print, println};
 
 /// What forces and times rest on.
 const ASSUMED: [&str; 2] = ["gravity", "assembly."];

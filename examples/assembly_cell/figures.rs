@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use mbs_chart::{Curves, Figure, Line, Panel};
-use mbs_examples::{Failure, assumed, output};
+use mbs_examples::{Failure, output};
 
 use crate::ASSUMED;
 use crate::cases::{Run, Sample};
@@ -25,8 +25,8 @@ pub(crate) fn write(folder: &Path, runs: &[Run]) -> Result<(), Failure> {
             panel("depth of the tip [mm]", &of_hole, &|s| 1e3 * s.depth),
             panel("peg leans by [mrad]", &of_hole, &|s| 1e3 * s.tilt),
         ];
-        let figure = Figure { title: assumed::title(&title, &ASSUMED), size: (1000, 1100), panels };
-        output::write_figure(folder, &name, &figure)?;
+        let figure = Figure { title, size: (1000, 950), panels };
+        output::write_figure(folder, &name, &figure, &ASSUMED)?;
         for run in of_hole {
             table(folder, &format!("{name}_{}", run.way.replace(' ', "_")), run)?;
         }
