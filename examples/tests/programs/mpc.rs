@@ -60,7 +60,7 @@ fn planned_landings_keep_their_limits_and_are_shorter_than_the_guided_one() {
 fn what_is_no_horizon_is_told() {
     for (arguments, code, complaint) in [
         (["--horizon", "nan"], 1, "horizon.duration must be positive and finite, it is NaN"),
-        (["--intervals", "0"], 1, "horizon.intervals must be positive"),
+        (["--intervals", "0"], 2, "0 is not in 2..=200"),
         (["--case", "III"], 2, "invalid value 'III'"),
     ] {
         let output = run(MPC, &arguments);

@@ -8,9 +8,9 @@
 //! to the right.
 //!
 //! # Source
-//! D. E. Whitney, *Quasi-static assembly of compliantly supported rigid parts*, Journal of Dynamic Systems, Measurement,
-//! and Control 104:1, 1982; control: N. Hogan, *Impedance control: an approach to manipulation*, the same journal,
-//! 107:1, 1985, part I.
+//! D. E. Whitney, *Quasi-static assembly of compliantly supported rigid parts*, Journal of Dynamic Systems,
+//! Measurement, and Control 104:1, 1982; control: N. Hogan, *Impedance control: an approach to manipulation*, the same
+//! journal, 107:1, 1985, part I.
 
 pub mod cell;
 pub mod contact;

@@ -50,8 +50,8 @@ impl Admittance {
     /// Torques of the four motors \[N·m\], two that turn and two that lift, by `model`, under the person's force \[N\].
     ///
     /// The hand's acceleration `a = (F − d v)/m` is met by `q̈ = J⁺ (a − J̇ q̇) − σ (q̇ − J⁺ J q̇)` with `J⁺ = Jᵀ (J
-    /// Jᵀ)⁻¹`, and `τ = M q̈ + h + ∂D/∂q̇ − Jᵀ F`. `None` where J loses rank, or nearly: with both links upright, or one above
-    /// the other.
+    /// Jᵀ)⁻¹`, and `τ = M q̈ + h + ∂D/∂q̇ − Jᵀ F`. `None` where J loses rank, or nearly: with both links upright, or
+    /// one above the other.
     #[must_use]
     pub fn torques(
         &self,

@@ -1,7 +1,7 @@
 //! The SCARA, the wrist below its flange with the peg, and the control.
 //!
-//! Coordinates are the four of [`Scara`], then x, y, z of the peg's mass centre \[m\] and its tilt in the plane of x and z
-//! \[rad\]; the last one is no coordinate: its velocity is the work done on all of it less what was lost \[J\].
+//! Coordinates are the four of [`Scara`], then x, y, z of the peg's mass centre \[m\] and its tilt in the plane of x
+//! and z \[rad\]; the last one is no coordinate: its velocity is the work done on all of it less what was lost \[J\].
 
 use mbs_models::check::{Invalid, finite, not_negative, positive};
 use mbs_models::scara::{Params, Scara};

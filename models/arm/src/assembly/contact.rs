@@ -1,7 +1,7 @@
 //! A peg and a hole with a chamfer, in the plane: where they touch, and with which forces.
 //!
-//! On each side two things can touch: the lower corner of the peg the solid around the hole, and the edge between chamfer
-//! and bore the side of the peg. Peg and solid are convex there, so the depth is that below the nearest face:
+//! On each side two things can touch: the lower corner of the peg the solid around the hole, and the edge between
+//! chamfer and bore the side of the peg. Peg and solid are convex there, so the depth is that below the nearest face:
 //!
 //! ```text
 //! corner in the solid:  δ = min(X − R, ((X − R) h − z w)/√(w² + h²), h − z)     bore, chamfer, top

@@ -1,7 +1,7 @@
 //! Quasi-static insertion in closed form: forces of one-point contact, jamming, wedging.
 //!
-//! Whitney's letters: r radius of the peg, R of the hole, `c = (R − r)/R`, μ friction, ℓ depth, `λ = ℓ/(2 r μ)`; K_x and
-//! K_θ stiffnesses of the support at its centre, which is L_g above the tip.
+//! Whitney's letters: r radius of the peg, R of the hole, `c = (R − r)/R`, μ friction, ℓ depth, `λ = ℓ/(2 r μ)`; K_x
+//! and K_θ stiffnesses of the support at its centre, which is L_g above the tip.
 
 /// The normal force of an edge on the side of the peg, one-point contact at the depth ℓ \[N\], while the peg goes down:
 ///

@@ -11,9 +11,9 @@ pub const NORMAL_95: f64 = 1.959_963_984_540_054;
 /// The same for 99 %.
 pub const NORMAL_99: f64 = 2.575_829_303_548_901;
 
-/// The χ² of n degrees of freedom that is exceeded as often as a normal deviate exceeds `normal`; off by less than 1e-4
-/// of itself from 100 degrees on, by some parts in 1000 from 10 on. Of fewer degrees the far tail is overestimated: beyond the
-/// quantile of one in 100 000 are three in a million for one degree.
+/// The χ² of n degrees of freedom that is exceeded as often as a normal deviate exceeds `normal`; off by less than 4e-4
+/// of itself from 100 degrees on, by less than 8 in 1000 from 10 on. Of fewer degrees the far tail is overestimated:
+/// beyond the quantile of one in 100 000 are three in a million for one degree.
 #[must_use]
 pub fn quantile(normal: f64, freedom: f64) -> f64 {
     let variance = 2.0 / (9.0 * freedom);
@@ -35,12 +35,12 @@ mod tests {
     #[test]
     fn bounds_are_those_of_tables() {
         for (normal, freedom, table, tolerance) in [
-            (-NORMAL_95, 10.0, 3.246_97, 3e-3),
+            (-NORMAL_95, 10.0, 3.246_97, 8e-3),
             (NORMAL_95, 10.0, 20.483_2, 1e-3),
-            (NORMAL_99, 30.0, 53.672_0, 5e-4),
+            (NORMAL_99, 30.0, 53.672_0, 8e-4),
             (-NORMAL_95, 100.0, 74.221_9, 1e-4),
             (NORMAL_95, 100.0, 129.561, 1e-4),
-            (-NORMAL_99, 100.0, 67.327_6, 2e-4),
+            (-NORMAL_99, 100.0, 67.327_6, 4e-4),
         ] {
             let bound = quantile(normal, freedom);
             assert!((bound / table - 1.0).abs() < tolerance, "χ²({freedom}) at {normal}: {bound}, {table}");

@@ -2,7 +2,8 @@
 //!
 //! Each program has the cost itself as its quadratic form (Gauss–Newton), which the steps and conditions are linear in.
 //! To the optimum, corrections are halved until they lessen the cost with a price on what is broken, ten times at most,
-//! and then taken; in real time they are taken whole, and the state that was measured enters the next program as it is (initial value embedding).
+//! and then taken; in real time they are taken whole, and the state that was measured enters the next program as it is
+//! (initial value embedding).
 
 use std::vec::Vec;
 
