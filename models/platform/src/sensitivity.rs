@@ -292,8 +292,9 @@ impl Platform {
     /// use mbs_platform::sensitivity::Parameter;
     /// use mbs_platform::{HOME, Motion, Platform};
     ///
-    /// // In the middle of a surge the legs move and the platform is at home: l² = r_B² + r_P² − 2 r_B r_P cos 36° +
-    /// h². let radius: Parameter = "base_radius".parse().unwrap();
+    /// // In the middle of a surge the legs move and the platform is at home:
+    /// // l² = r_B² + r_P² − 2 r_B r_P cos 36° + h².
+    /// let radius: Parameter = "base_radius".parse().unwrap();
     /// let legs = Platform::default().leg_state_by(radius, &Motion::CASES[1].1, 0.0).unwrap();
     /// let by_radius = (1.2 - 0.9 * 36.0_f64.to_radians().cos()) / legs.length[0].value;
     /// assert!(legs.length.iter().all(|length| (length.derivative - by_radius).abs() < 1e-15));
