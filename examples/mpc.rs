@@ -40,18 +40,13 @@ struct Options {
     case: Option<String>,
 }
 
-/// What the landings rest on.
-const ASSUMED: [&str; 9] = [
-    "gravity",
-    "quadrotor.inertias",
-    "quadrotor.rotors",
-    "quadrotor.drag",
-    "quadrotor.gains",
-    "quadrotor.limits",
-    "quadrotor.guidance",
-    "quadrotor.start",
-    "predictive.",
-];
+/// What the landings rest on, beside what every landing does.
+const ASSUMED: [&str; 1] = ["predictive."];
+
+/// What every number rests on.
+fn assumed_keys() -> Vec<&'static str> {
+    [assumed::LANDING, &ASSUMED].concat()
+}
 
 fn main() -> Result<(), Failure> {
     let arguments = Arguments::<Options>::with_options(include_str!("mpc.rs"));
@@ -65,7 +60,7 @@ fn main() -> Result<(), Failure> {
     let is_assumed =
         (horizon.duration, horizon.intervals) == (Horizon::default().duration, Horizon::default().intervals);
     let told = if is_assumed { "" } else { "predictive.horizon" };
-    let keys = assumed::without(&ASSUMED, told);
+    let keys = assumed::without(&assumed_keys(), told);
     let saved = looser()?;
     if let Some(folder) = &arguments.out {
         output::create_folder(folder)?;

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use mbs_chart::{Curves, Figure, Line, Panel};
-use mbs_examples::{Failure, output};
+use mbs_examples::{Failure, assumed, output};
 use mbs_runtime::control::BodyParameters;
 
 use crate::arm::{self, Comparison};
@@ -11,7 +11,7 @@ use crate::quadrotor;
 use crate::run::{Run, Sample};
 use crate::summary::VEHICLE;
 
-/// What captions say.
+/// What captions say; of the quadrotor beside what every landing rests on.
 const ARM: [&str; 8] = [
     "gravity",
     "arm.masses",
@@ -22,17 +22,7 @@ const ARM: [&str; 8] = [
     "adaptive.arm_adaptation",
     "adaptive.sines",
 ];
-const QUADROTOR: [&str; 9] = [
-    "gravity",
-    "quadrotor.inertias",
-    "quadrotor.rotors",
-    "quadrotor.drag",
-    "quadrotor.gains",
-    "quadrotor.limits",
-    "quadrotor.guidance",
-    "adaptive.vehicle",
-    "adaptive.quadrotor",
-];
+const QUADROTOR: [&str; 2] = ["adaptive.vehicle", "adaptive.quadrotor"];
 
 pub(crate) fn write(folder: &Path, arm: &arm::Study, quadrotor: &quadrotor::Study) -> Result<(), Failure> {
     for of in &arm.payload {
@@ -47,7 +37,15 @@ pub(crate) fn write(folder: &Path, arm: &arm::Study, quadrotor: &quadrotor::Stud
             ("adaptive", &of.adaptive.run),
         ];
         let estimates = (0..4).map(|k| relative(VEHICLE[k], &of.adaptive.run, k, quadrotor.truth[k])).collect();
-        figure(folder, &name, "Quadrotor of unknown mass and inertia", &QUADROTOR, runs, estimates, of.duration)?;
+        figure(
+            folder,
+            &name,
+            "Quadrotor of unknown mass and inertia",
+            &[assumed::LANDING, &QUADROTOR].concat(),
+            runs,
+            estimates,
+            of.duration,
+        )?;
         table(folder, &name, &of.adaptive.run, &["thrust_N", "tau_x_Nm", "tau_y_Nm", "tau_z_Nm"], &VEHICLE)?;
     }
     Ok(())

@@ -28,7 +28,7 @@ impl Rotors {
     /// Speeds with which the forces \[N\] and torques \[N·m\] of z, φ, θ, ψ are these: the mixer's for what is left of
     /// them without drag of the air and gyroscopic moments, which the generated forces have besides.
     ///
-    /// Where there are none, a rotor stands still.
+    /// Where no speeds give them, a rotor stands still.
     pub(crate) fn speeds(&self, wanted: &[f64; 4], q: &[f64; 6], qd: &[f64; 6]) -> Speeds {
         let mut rotors = self.mixer.speeds(&effort(wanted, q));
         for _ in 0..ITERATIONS {

@@ -17,7 +17,7 @@ use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64Mcg;
 use rayon::prelude::*;
 
-/// Consistency is looked at twice a second: so many intervals of the IMU, and images, are between two looks.
+/// Consistency is looked at twice a second: these are the intervals of the IMU and the images between two looks.
 pub(crate) const LOOK: f64 = 0.5;
 
 /// The middle of the deck at its mean height, which errors of the attitude turn the vehicle about.

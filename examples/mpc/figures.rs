@@ -18,14 +18,14 @@ pub(crate) fn write(folder: &Path, case: &Case) -> Result<(), Failure> {
         folder,
         &format!("mpc_landing_{name}"),
         &Figure { title, size: (1100, 1250), panels: landing(case) },
-        &crate::ASSUMED,
+        &crate::assumed_keys(),
     )?;
     let title = format!("Case {name}: what plans say, and how long they take");
     output::write_figure(
         folder,
         &format!("mpc_planning_{name}"),
         &Figure { title, size: (1100, 850), panels: planning(case) },
-        &crate::ASSUMED,
+        &crate::assumed_keys(),
     )?;
     let header = ["t_s", "x_m", "y_m", "z_m", "phi_rad", "theta_rad", "psi_rad", "deck_m", "visibility_m", "tilt_rad"];
     let header: Vec<String> =

@@ -117,7 +117,7 @@ fn what_is_no_module_is_refused_with_its_place() {
     for (from, to, line, column, reason) in [
         ("[1,-2,3,4,5,6]", "[1,-2,3,4,5]", 2, 37, "expected ,, found ']'"),
         ("[1,-2,3,4,5,6]", "[1,-2,3,4,5,6,7]", 2, 39, "expected ], found ','"),
-        ("[1,-2", "[1,x", 2, 29, "'x' is no number"),
+        ("[1,-2", "[1,x", 2, 29, "'x' is not a number"),
         ("100,30,100,30", "100,30,100", 3, 36, "expected ,, found ']'"),
         ("speeddata slow", "speeddata J0", 3, 19, "the name 'J0' is taken"),
         ("speeddata", "robtarget", 3, 9, "the type 'robtarget' is not read"),

@@ -200,7 +200,7 @@ impl Reader {
         self.numbers()
     }
 
-    /// So many, and the bracket that ends them.
+    /// This many numbers, and the bracket that ends them.
     fn numbers<const N: usize>(&mut self) -> Result<[f64; N], Refused> {
         let mut numbers = [0.0; N];
         for (i, number) in numbers.iter_mut().enumerate() {
@@ -223,7 +223,7 @@ impl Reader {
             Ok(number) if number.is_finite() && token.text.starts_with(|c: char| c.is_ascii_digit()) => {
                 Ok(sign * number)
             }
-            _ => self.refuse(&token, format!("'{}' is no number", token.text)),
+            _ => self.refuse(&token, format!("'{}' is not a number", token.text)),
         }
     }
 

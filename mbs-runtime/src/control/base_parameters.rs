@@ -191,7 +191,7 @@ impl<const P: usize> BaseParameters<P> {
     /// `Xₖⱼ`: by how much base parameter k grows with dependent parameter j, both as the slices count them.
     ///
     /// # Panics
-    /// If there are not so many of them.
+    /// If there is no base parameter, or no dependent one, of this number.
     #[must_use]
     pub fn coefficient(&self, base: usize, dependent: usize) -> f64 {
         assert!(base < self.rank, "base parameter {base} of {}", self.rank);

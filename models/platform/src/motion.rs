@@ -204,6 +204,27 @@ impl<const K: usize> PlatformMotion for Superposition<K> {
     }
 }
 
+/// Value, rate and acceleration at the part `s` of an interval of the length `h`, from those at its ends.
+///
+/// With `p(s) = p₀ + v₀ s + ½ a₀ s² + s³ (c₃ + c₄ s + c₅ s²)`, velocities times h and accelerations times h², and what
+/// is missing at the end, `D = p₁ − p₀ − v₀ − ½ a₀`, `E = v₁ − v₀ − a₀`, `F = a₁ − a₀`: `c₃ = 10 D − 4 E + ½ F`, `c₄ =
+/// −15 D + 7 E − F`, `c₅ = 6 D − 3 E + ½ F`.
+///
+/// # Source
+/// E. Hairer, S. P. Nørsett, G. Wanner, *Solving Ordinary Differential Equations I*, section II.6, for Hermite's
+/// interpolation.
+#[must_use]
+pub fn hermite([p0, v0, a0]: [f64; 3], [p1, v1, a1]: [f64; 3], h: f64, s: f64) -> [f64; 3] {
+    let (v0, v1, a0, a1) = (v0 * h, v1 * h, a0 * h * h, a1 * h * h);
+    let (d, e, f) = (p1 - p0 - v0 - 0.5 * a0, v1 - v0 - a0, a1 - a0);
+    let (c3, c4, c5) = (10.0 * d - 4.0 * e + 0.5 * f, -15.0 * d + 7.0 * e - f, 6.0 * d - 3.0 * e + 0.5 * f);
+    [
+        p0 + s * (v0 + s * (0.5 * a0 + s * (c3 + s * (c4 + s * c5)))),
+        (v0 + s * (a0 + s * (3.0 * c3 + s * (4.0 * c4 + s * 5.0 * c5)))) / h,
+        (a0 + s * (6.0 * c3 + s * (12.0 * c4 + s * 20.0 * c5))) / (h * h),
+    ]
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -236,6 +257,22 @@ mod tests {
                 let moves = here[1][i] != 0.0;
                 assert_eq!(moves, i >= 2, "{i}");
             }
+        }
+    }
+
+    #[test]
+    fn polynomials_of_degree_5_are_kept() {
+        // 1 − t + 2t² − 3t³ + t⁴/2 − t⁵, from 0.3 to 0.8.
+        let at = |t: f64| {
+            [
+                1.0 - t + 2.0 * t * t - 3.0 * t.powi(3) + 0.5 * t.powi(4) - t.powi(5),
+                -1.0 + 4.0 * t - 9.0 * t * t + 2.0 * t.powi(3) - 5.0 * t.powi(4),
+                4.0 - 18.0 * t + 6.0 * t * t - 20.0 * t.powi(3),
+            ]
+        };
+        for s in [0.0, 0.2, 0.7, 1.0] {
+            let (found, expected) = (hermite(at(0.3), at(0.8), 0.5, s), at(0.3 + 0.5 * s));
+            assert!((0..3).all(|i| (found[i] - expected[i]).abs() < 1e-13), "{s}: {found:?}, not {expected:?}");
         }
     }
 }

@@ -136,7 +136,7 @@ impl Parameter {
     /// The mechanism's own name of it, `mean_x` … `frequency_psi`, or `omega`.
     ///
     /// # Panics
-    /// If there are not so many.
+    /// If there is none of this number.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -152,7 +152,7 @@ impl Parameter {
     /// Its SI unit.
     ///
     /// # Panics
-    /// If there are not so many.
+    /// If there is none of this number.
     #[must_use]
     pub fn unit(self) -> &'static str {
         match self {
@@ -171,7 +171,7 @@ impl Parameter {
     /// Its value; of [`Omega`](Self::Omega) that of the first coordinate.
     ///
     /// # Panics
-    /// If there are not so many.
+    /// If there is none of this number.
     #[must_use]
     pub fn value<T: Scalar>(self, params: &Params<T>, motion: &Motion<T>) -> T {
         match self {
@@ -187,7 +187,7 @@ impl Parameter {
     /// Adds so much to it, in these parameters or this motion.
     ///
     /// # Panics
-    /// If there are not so many.
+    /// If there is none of this number.
     pub fn add<T: Scalar>(self, amount: T, params: &mut Params<T>, motion: &mut Motion<T>) {
         let grow = |entry: &mut T| *entry = *entry + amount;
         match self {

@@ -53,7 +53,7 @@ static inline void mbs_ldlt(size_t n, mbs_real *m, mbs_real *reciprocals)
     }
 }
 
-/* X of M X = B in place of B, rows of so many columns. */
+/* X of M X = B in place of B, rows of this many columns. */
 static inline void mbs_ldlt_solve(size_t n, size_t columns, const mbs_real *m, const mbs_real *reciprocals, mbs_real *b)
 {
     for (size_t c = 0; c < columns; c++) {

@@ -177,7 +177,7 @@ impl Filter {
             };
             let seen = innovation.get_or_insert_with(|| {
                 let squared = expected.dot(&s.solve(&expected));
-                let accepted = squared <= chi_square::quantile(GATE, about.freedom as f64);
+                let accepted = squared <= chi_square::gate(GATE, about.freedom as f64);
                 Innovation { squared, freedom: about.freedom, accepted }
             });
             if !seen.accepted {

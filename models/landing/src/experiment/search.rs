@@ -13,7 +13,7 @@
 //! assert!((found.plan.scale() - 0.111).abs() < 1e-3);
 //! // A little above, two bodies touch.
 //! let (_, broken) = found.next.expect("full size is too large");
-//! assert!(broken.to_string().contains("the upper arm and the deck are"), "{broken}");
+//! assert!(broken.to_string().ends_with("m apart"), "{broken}");
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 

@@ -38,7 +38,7 @@ pub struct Panel {
 pub struct Plume {
     /// `k`: the larger, the narrower.
     pub exponent: f64,
-    /// A panel is so many parts each way.
+    /// A panel is divided into this many parts each way.
     pub parts: u32,
 }
 

@@ -27,6 +27,10 @@ use mbs_runtime::Scalar;
 use super::Four;
 use super::hull::Hull;
 use super::sea::{Sea, Wave};
+use super::spectrum::simpson;
+
+/// Of Simpson's rule over what decays a few times at most.
+const PANELS: usize = 32;
 
 /// A force of one wave: `cosine cos τ + sine sin τ`, of heave \[N\], roll, pitch and yaw \[N·m\].
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -54,12 +58,12 @@ impl Response {
         let (mean, first) = along_pontoon(k * half * c);
         // Of the water that is displaced, with its wave's decay: volumes, and moments of depths below the mass centre.
         let to_centre = mass_centre - hull.draught;
-        let columns = hull.waterplane * simpson(hull.draught, decay);
-        let lever = hull.waterplane * simpson(hull.draught, |depth| (depth + to_centre) * decay(depth));
+        let columns = hull.waterplane * simpson(hull.draught, PANELS, decay);
+        let lever = hull.waterplane * simpson(hull.draught, PANELS, |depth| (depth + to_centre) * decay(depth));
         let pontoons = hull.submerged * at_pontoons;
         let under_columns = |height: f64| hull.draught + height;
-        let pontoon_lever =
-            hull.submerged / height * simpson(height, |h| (under_columns(h) + to_centre) * decay(under_columns(h)));
+        let pontoon_lever = hull.submerged / height
+            * simpson(height, PANELS, |h| (under_columns(h) + to_centre) * decay(under_columns(h)));
         // Over the unit of elevation \[N/m\].
         let lift = density * g * hull.waterplane * at_feet;
         let inertia = w * w * (density * hull.submerged + added_mass) * at_pontoons;
@@ -96,17 +100,6 @@ fn along_pontoon(q: f64) -> (f64, f64) {
     }
     let (sin, cos) = Scalar::sin_cos(q);
     (sin / q, (sin - q * cos) / (q * q))
-}
-
-/// `∫₀^end f`, of what decays a few times at most.
-fn simpson(end: f64, f: impl Fn(f64) -> f64) -> f64 {
-    const PANELS: usize = 32;
-    let step = 0.5 * end / PANELS as f64;
-    let panel = |i: usize| {
-        let a = 2.0 * step * i as f64;
-        f(a) + 4.0 * f(a + step) + f(a + 2.0 * step)
-    };
-    step / 3.0 * (0..PANELS).map(panel).sum::<f64>()
 }
 
 /// What a sea of N waves does to the platform.

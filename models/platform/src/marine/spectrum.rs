@@ -25,8 +25,9 @@ pub const GRAVITY: f64 = 9.80665;
 pub const PEAKEDNESS: f64 = 3.3;
 /// v beyond which nothing is left: frequencies below 0.4 ω_p.
 const LONGEST: f64 = 6.0;
-/// Steps of Simpson's rule, twice this number to the unit of v.
+/// Cells to the unit of v; a panel of Simpson's rule ends at the kink v = 1.
 const STEPS: usize = 1000;
+const PANELS: usize = LONGEST as usize * STEPS;
 
 /// A spectrum of waves; made by [`Jonswap::new`], which refuses seas that there are not.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -67,7 +68,7 @@ impl Jonswap {
         if steepness > limit {
             return Err(MarineError::TooSteep { height, period, steepness, limit });
         }
-        let area = simpson(|v| v * shape(v, peakedness));
+        let area = simpson(LONGEST, PANELS, |v| v * shape(v, peakedness));
         Ok(Self { height, period, peakedness, area })
     }
 
@@ -117,7 +118,7 @@ impl Jonswap {
     /// count.
     #[must_use]
     pub fn zero_crossing_period(&self) -> f64 {
-        let second = simpson(|v| shape(v, self.peakedness));
+        let second = simpson(LONGEST, PANELS, |v| shape(v, self.peakedness));
         self.period * Scalar::sqrt(self.area / second)
     }
 
@@ -162,13 +163,12 @@ fn shape(v: f64, peakedness: f64) -> f64 {
     0.5 * Scalar::exp(r * Scalar::ln(peakedness) - 1.25 * v * v)
 }
 
-/// `∫₀^LONGEST f dv`; a step ends at the kink v = 1.
-fn simpson(f: impl Fn(f64) -> f64) -> f64 {
-    let step = 0.5 / STEPS as f64;
-    let panels = LONGEST as usize * STEPS;
+/// `∫₀^end f`, by Simpson's rule over this many equal panels.
+pub(super) fn simpson(end: f64, panels: usize, f: impl Fn(f64) -> f64) -> f64 {
+    let step = 0.5 * end / panels as f64;
     let panel = |k: usize| {
-        let v = 2.0 * step * k as f64;
-        f(v) + 4.0 * f(v + step) + f(v + 2.0 * step)
+        let a = 2.0 * step * k as f64;
+        f(a) + 4.0 * f(a + step) + f(a + 2.0 * step)
     };
     step / 3.0 * (0..panels).map(panel).sum::<f64>()
 }
