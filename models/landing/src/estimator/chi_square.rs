@@ -11,8 +11,8 @@ pub const NORMAL_95: f64 = 1.959_963_984_540_054;
 /// The same for 99 %.
 pub const NORMAL_99: f64 = 2.575_829_303_548_901;
 
-/// The χ² of n degrees of freedom, 10 at least, that is exceeded as often as a normal deviate z exceeds `normal`; off by
-/// less than 1e-5 of itself for deviates up to 3.
+/// The χ² of n degrees of freedom, 10 at least, that is exceeded as often as a normal deviate z exceeds `normal`; off
+/// by less than 1e-5 of itself for deviates up to 3.
 ///
 /// # Source
 /// H. Goldberg and H. Levine, *Approximate formulas for the percentage points and normalization of t and χ²*, Annals of
@@ -32,8 +32,8 @@ pub fn quantile(normal: f64, freedom: f64) -> f64 {
     terms.iter().sum()
 }
 
-/// A χ² of any number of degrees of freedom that is exceeded at most as often as a normal deviate exceeds `normal`, which
-/// is 3 at least.
+/// A χ² of any number of degrees of freedom that is exceeded at most as often as a normal deviate exceeds `normal`,
+/// which is 3 at least.
 ///
 /// # Source
 /// E. B. Wilson and M. M. Hilferty, *The distribution of chi-square*, Proceedings of the National Academy of Sciences
