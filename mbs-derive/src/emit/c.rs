@@ -36,7 +36,7 @@ use expression::{Printer, constant, identifier, prefix};
 /// let graph = Graph::verbatim();
 /// let analysis = Analysis::of(&Sources::new("spring.mbs", text), &graph).unwrap();
 /// let header = mbs_derive::emit::c(analysis.programs(), "spring.mbs", &Default::default());
-/// assert!(header.contains("static inline void spring_forward_dynamics(const spring *self, const mbs_real q[1],"));
+/// assert!(header.contains("static inline mbs_real spring_potential_energy(const spring *self, const mbs_real q[1])"));
 /// ```
 pub fn c(derivation: &Derivation, source: &str, options: &Options) -> String {
     let names = Names::of(derivation, true);
