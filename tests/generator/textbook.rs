@@ -49,6 +49,24 @@ fn pages() {
     }
 }
 
+/// Six coordinates: with abbreviations, outputs and defaults, and nothing left out.
+#[test]
+fn a_large_mechanism_is_written_out() {
+    let page = page("quadrotor", include_str!("../../models/mechanisms/quadrotor_euler.mbs"));
+    for expected in [
+        r"$m$ & parameter & $\mathrm{kg}$ & $40$ & Mass. \\",
+        r"c_{\theta} = \cos\theta",
+        r"\mathbf{R}_{\mathrm{pose}} &= \begin{bmatrix}",
+        r"-s_{\theta} & s_{\phi} c_{\theta} & c_{\phi} c_{\theta}",
+        r"\mathbf{J}_{\mathrm{pose}} &= \begin{bmatrix}",
+        r"M_{46} &= -\mathrm{inertias}_1 \, s_{\theta}",
+        r"C_{55} &= -(\mathrm{inertias}_2 - \mathrm{inertias}_3) \dot{\phi} c_{\phi} s_{\phi}",
+    ] {
+        assert!(page.contains(expected), "{expected} is not in\n{page}");
+    }
+    assert!(!page.contains("Too long") && !page.contains("see below"), "{page}");
+}
+
 /// Longer pages are kept by their outline; `mbs-derive/src/latex/proof.rs` reads all of the largest again.
 const LONGEST: usize = 4_500;
 
