@@ -6,6 +6,7 @@
 //! - `parameter`: its parameters and what they must satisfy;
 //! - `doc`: what its documentation says;
 //! - `body`: one function body: bindings, then the result;
+//! - `angles`: which sines and cosines one call computes;
 //! - `text`: its text;
 //! - `expression`: how values are written: order of operands, parentheses, fused multiply–add;
 //! - `segment`: long bodies in blocks;
@@ -16,6 +17,7 @@
 //! The code links mbs-runtime by absolute path and nothing else. It computes what [`interpret`](crate::interpret)
 //! computes, to the bit, except where the target has a fused multiply–add. Its text depends on the derivation alone.
 
+mod angles;
 mod body;
 mod c;
 mod doc;
@@ -30,6 +32,7 @@ mod solution;
 mod text;
 mod traits;
 
+pub use crate::expr::Trigonometry;
 use crate::optimise::Derivation;
 pub use c::c;
 
@@ -52,6 +55,8 @@ pub struct Options {
     /// Write `a * b + c` instead of `a.mul_add(b, c)`: for people who review the code. It computes the same bits where
     /// the target has no fused multiply–add.
     pub infix: bool,
+    /// Which sines and cosines are computed.
+    pub trigonometry: Trigonometry,
 }
 
 /// The module of a mechanism, formatted, to be included where items may stand.

@@ -37,14 +37,17 @@
 //! for the relative error, computed by Remez's exchange in 200 bits, each rounded before the next is fitted: the
 //! errors are 2⁻⁵⁷·⁹ and 2⁻⁶³·⁹ for `f64`, 2⁻²⁷·⁹ and 2⁻³³·⁰ for `f32`.
 
-/// How many angles are computed in lockstep: what fills the registers of every target and spills on none.
+/// How many angles are computed in lockstep: compilers turn 2, 4 and 8 into vector instructions, no more.
 const BLOCK: usize = 8;
+
+/// Whether the target has vector instructions. Without them each angle is a call: the same bits from less code.
+const LOCKSTEP: bool = cfg!(any(target_feature = "sse2", target_feature = "neon", target_feature = "simd128"));
 
 macro_rules! polynomials {
     ($name:ident: $float:ty, $bits:ty; reach $reach:literal, turns $turns:literal, magic $magic:literal,
      parts $parts:expr, sine $sine:expr, cosine $cosine:expr) => {
         pub(super) mod $name {
-            use super::BLOCK;
+            use super::{BLOCK, LOCKSTEP};
             use crate::Scalar;
 
             /// The largest angle that the polynomials are used for.
@@ -120,6 +123,13 @@ macro_rules! polynomials {
                 }
             }
 
+            /// One angle.
+            #[inline(never)]
+            fn one(angle: $float) -> ($float, $float) {
+                let ([sin], [cos]) = block([angle]);
+                (sin, cos)
+            }
+
             /// Those from `start` on that fit into a block of `M`.
             #[inline(always)]
             fn put<const N: usize, const M: usize>(angles: &[$float; N], start: usize, results: &mut [[$float; N]; 2]) {
@@ -135,6 +145,13 @@ macro_rules! polynomials {
             #[inline(always)]
             pub(in crate::scalar) fn all<const N: usize>(angles: [$float; N]) -> ([$float; N], [$float; N]) {
                 let mut results = [[0.0; N]; 2];
+                if !LOCKSTEP {
+                    for (i, &angle) in angles.iter().enumerate() {
+                        (results[0][i], results[1][i]) = one(angle);
+                    }
+                    let [sines, cosines] = results;
+                    return (sines, cosines);
+                }
                 let whole = N - N % BLOCK;
                 for start in (0..whole).step_by(BLOCK) {
                     put::<N, BLOCK>(&angles, start, &mut results);
