@@ -431,7 +431,8 @@ mod tests {
     fn execute<V: Value>(program: &Program, x: V, y: V) -> V {
         let none = Vec::new;
         let state = State { t: x, q: vec![x, y], qd: none(), qdd: none(), u: none(), prescribed: Vec::new() };
-        Run { state: &state, multipliers: &[], parameters: &[], hoisted: &[] }.results(program)[0]
+        Run { state: &state, multipliers: &[], parameters: &[], hoisted: &[], trigonometry: Trigonometry::default() }
+            .results(program)[0]
     }
 
     #[track_caller]

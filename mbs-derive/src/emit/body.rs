@@ -81,7 +81,9 @@ impl Statement {
     pub(super) fn binds(&self) -> Vec<usize> {
         match self {
             Statement::Let(local, _) | Statement::OnDemand(local, _) => vec![*local],
-            Statement::SinCos(angles) => angles.iter().flat_map(|angle| angle.sin.into_iter().chain(angle.cos)).collect(),
+            Statement::SinCos(angles) => {
+                angles.iter().flat_map(|angle| angle.sin.into_iter().chain(angle.cos)).collect()
+            }
             Statement::Branch(locals, ..) | Statement::Spline { locals, .. } => locals.clone(),
         }
     }
