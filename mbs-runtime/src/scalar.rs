@@ -92,7 +92,7 @@ pub trait Scalar:
     /// keeps the code small; `f32` needs no arithmetic of doubles there, which the library's functions do.
     ///
     /// The steps, for other languages to take: `src/scalar/sin_cos.rs`.
-    #[inline]
+    #[inline(always)]
     fn sin_cos_all<const N: usize>(angles: [Self; N]) -> ([Self; N], [Self; N]) {
         let both = angles.map(Self::sin_cos);
         (both.map(|(sin, _)| sin), both.map(|(_, cos)| cos))

@@ -42,7 +42,7 @@ macro_rules! scalar {
                 (Scalar::sin(self), Scalar::cos(self))
             }
 
-            #[inline]
+            #[inline(always)]
             fn sin_cos_all<const N: usize>(angles: [Self; N]) -> ([Self; N], [Self; N]) {
                 sin_cos::$polynomials::all(angles)
             }
