@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 
 use crate::builder::Mechanism;
 use crate::diagnostic::nearest;
-use crate::emit::Options;
+use crate::emit::{Options, Trigonometry};
 use crate::expr::Graph;
 use crate::source::{MAX_BYTES, Sources, Unreadable};
 use crate::{Analysis, Generated, parse};
@@ -125,6 +125,13 @@ impl Config {
     /// needs is among them.
     pub fn functions<S: Into<String>>(mut self, names: impl IntoIterator<Item = S>) -> Self {
         self.options.functions.get_or_insert_default().extend(names.into_iter().map(Into::into));
+        self
+    }
+
+    /// Chooses between sines and cosines by polynomials, all at once, which is the default, and those of the standard
+    /// library.
+    pub fn trigonometry(mut self, trigonometry: Trigonometry) -> Self {
+        self.options.trigonometry = trigonometry;
         self
     }
 

@@ -9,7 +9,7 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 
 use mbs_derive::Analysis;
-use mbs_derive::emit::{self, Options};
+use mbs_derive::emit::{self, Options, Trigonometry};
 use mbs_derive::expr::Graph;
 use mbs_derive::interpret::{Interpreter, State};
 use mbs_derive::optimise::{Argument, Derivation, Function, Shape};
@@ -189,7 +189,7 @@ fn every_function_gives_the_bits_of_its_program() {
         assert!(output.status.success(), "{name}");
         let printed = String::from_utf8(output.stdout).expect("text");
         let mut lines = printed.lines();
-        let interpreter = Interpreter::new(of);
+        let interpreter = Interpreter::with_trigonometry(of, Trigonometry::Library);
         for (state, multipliers) in &states {
             for function in written(of) {
                 let line = lines.next().expect("a line");

@@ -18,7 +18,7 @@ use crate::optimise::{Argument, Completion, Derivation, Function, FunctionKind};
 use crate::shape::Shape;
 use crate::variable::{self, Variable};
 
-use super::body::{Block, Body, Component, Statement};
+use super::body::{Angle, Block, Body, Component, Statement};
 use super::expression::Tree;
 use super::name::{Names, snake_case};
 use super::text::each_leaf;
@@ -39,7 +39,7 @@ use expression::{Printer, constant, identifier, prefix};
 /// assert!(header.contains("static inline mbs_real spring_potential_energy(const spring *self, const mbs_real q[1])"));
 /// ```
 pub fn c(derivation: &Derivation, source: &str, options: &Options) -> String {
-    let names = Names::of(derivation, true);
+    let names = Names::of(derivation, true, options.trigonometry);
     let prefix = prefix(&snake_case(&derivation.name));
     let chosen = item::selected(derivation, options.functions.as_deref());
     let (functions, left_out): (Vec<_>, Vec<_>) =
@@ -365,10 +365,15 @@ fn block(block: &Block, printer: &Printer<'_, '_>, depth: usize) -> String {
             Statement::Let(local, tree) => {
                 let _ = writeln!(text, "{indent}const mbs_real {} = {};", name(local), printer.tree(tree));
             }
-            Statement::SinCos([sin, cos], angle) => {
-                let angle = printer.tree(angle);
-                let _ = writeln!(text, "{indent}const mbs_real {} = mbs_sin({angle});", name(sin));
-                let _ = writeln!(text, "{indent}const mbs_real {} = mbs_cos({angle});", name(cos));
+            Statement::SinCos(angles) => {
+                for Angle { tree, sin, cos } in angles {
+                    let angle = printer.tree(tree);
+                    for (function, local) in [("mbs_sin", sin), ("mbs_cos", cos)] {
+                        if let Some(local) = local {
+                            let _ = writeln!(text, "{indent}const mbs_real {} = {function}({angle});", name(local));
+                        }
+                    }
+                }
             }
             Statement::Spline { table, orders, locals, x } => {
                 let (table, x) = ((printer.table)(*table), printer.tree(x));
