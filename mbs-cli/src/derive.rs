@@ -59,6 +59,9 @@ impl Emit {
             Emit::Code(Language::Cpp) => "The header as C++17",
             Emit::Code(Language::Cuda) => "The header for CUDA and HIP",
             Emit::Code(Language::Opencl) => "The header as OpenCL C",
+            Emit::Code(Language::Python) => "A module of Python for NumPy",
+            Emit::Code(Language::Js) => "An ES module of JavaScript",
+            Emit::Code(Language::Matlab) => "A function of MATLAB and Octave",
             Emit::Latex => {
                 "A document of LaTeX: symbols, outputs, energies, matrices, equations; what is long by its recursion"
             }

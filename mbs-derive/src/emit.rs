@@ -12,6 +12,7 @@
 //! - `name`: identifiers, from the declaration where they can be;
 //! - `outline`: a long module without its function bodies, for review;
 //! - `c`: the same in C99;
+//! - `script`: the same in languages that are not compiled;
 //! - `language`: the list of languages.
 //!
 //! The code links mbs-runtime by absolute path and nothing else. It computes what [`interpret`](crate::interpret)
@@ -26,6 +27,7 @@ mod language;
 mod name;
 mod outline;
 mod parameter;
+mod script;
 mod segment;
 mod shape;
 mod solution;

@@ -3,13 +3,13 @@
 use crate::optimise::Derivation;
 
 use super::name::snake_case;
-use super::{Options, c, rust};
+use super::{Options, c, rust, script};
 
 /// A language that a mechanism is written in.
 ///
 /// ```
 /// use mbs_derive::emit::Language;
-/// assert_eq!(Language::ALL.map(Language::name), ["rust", "c", "cpp", "cuda", "opencl"]);
+/// assert_eq!(Language::ALL.map(Language::name), ["rust", "c", "cpp", "cuda", "opencl", "python", "js", "matlab"]);
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Language {
@@ -23,11 +23,26 @@ pub enum Language {
     Cuda,
     /// The header as OpenCL C.
     Opencl,
+    /// A module for NumPy.
+    Python,
+    /// An ES module.
+    Js,
+    /// A function of MATLAB and Octave.
+    Matlab,
 }
 
 impl Language {
     /// All of them.
-    pub const ALL: [Language; 5] = [Language::Rust, Language::C, Language::Cpp, Language::Cuda, Language::Opencl];
+    pub const ALL: [Language; 8] = [
+        Language::Rust,
+        Language::C,
+        Language::Cpp,
+        Language::Cuda,
+        Language::Opencl,
+        Language::Python,
+        Language::Js,
+        Language::Matlab,
+    ];
 
     /// What `mbs derive --emit` calls it.
     #[must_use]
@@ -38,6 +53,9 @@ impl Language {
             Language::Cpp => "cpp",
             Language::Cuda => "cuda",
             Language::Opencl => "opencl",
+            Language::Python => "python",
+            Language::Js => "js",
+            Language::Matlab => "matlab",
         }
     }
 
@@ -50,6 +68,9 @@ impl Language {
             Language::Cpp => "hpp",
             Language::Cuda => "cuh",
             Language::Opencl => "cl",
+            Language::Python => "py",
+            Language::Js => "mjs",
+            Language::Matlab => "m",
         };
         format!("{}.{ending}", snake_case(&derivation.name))
     }
@@ -60,6 +81,9 @@ impl Language {
         match self {
             Language::Rust => rust(derivation, source, options),
             Language::C | Language::Cpp | Language::Cuda | Language::Opencl => c(derivation, source, options),
+            Language::Python => script::python::python(derivation, source, options),
+            Language::Js => script::js::js(derivation, source, options),
+            Language::Matlab => script::matlab::matlab(derivation, source, options),
         }
     }
 }
