@@ -139,6 +139,13 @@ impl Config {
         self
     }
 
+    /// In JavaScript, Python and MATLAB, calls the language's own sine and cosine instead of those that give the same
+    /// bits everywhere.
+    pub fn library_sines(mut self, library_sines: bool) -> Self {
+        self.options.library_sines = library_sines;
+        self
+    }
+
     /// Writes to this folder instead of `OUT_DIR`: for code that is checked in.
     pub fn out_dir(mut self, folder: impl Into<PathBuf>) -> Self {
         self.out_dir = Some(folder.into());

@@ -57,6 +57,9 @@ pub struct Options {
     /// Write `a * b + c` instead of `a.mul_add(b, c)`: for people who review the code. It computes the same bits where
     /// the target has no fused multiply–add.
     pub infix: bool,
+    /// In JavaScript, Python and MATLAB, call the language's own sine and cosine instead of those that give the same bits
+    /// everywhere, `mbs_runtime::Scalar::sin_cos_all`.
+    pub library_sines: bool,
     /// Languages that the mechanism is written in besides Rust; carried out where files are made.
     pub languages: Vec<Language>,
 }

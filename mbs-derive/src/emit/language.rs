@@ -59,7 +59,8 @@ impl Language {
         }
     }
 
-    /// The file of a mechanism: its name in snake case, and the ending of the language.
+    /// The file of a mechanism: its name in snake case, which Python and MATLAB must be able to import, and the ending of
+    /// the language.
     #[must_use]
     pub fn file_name(self, derivation: &Derivation) -> String {
         let ending = match self {
@@ -72,7 +73,13 @@ impl Language {
             Language::Js => "mjs",
             Language::Matlab => "m",
         };
-        format!("{}.{ending}", snake_case(&derivation.name))
+        let stem = snake_case(&derivation.name);
+        let stem = match self {
+            Language::Python => script::python::identifier(&stem),
+            Language::Matlab => script::matlab::identifier(&stem),
+            _ => stem,
+        };
+        format!("{stem}.{ending}")
     }
 
     /// The text of that file; `source` is what its first line calls the declaration.

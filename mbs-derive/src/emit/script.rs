@@ -39,12 +39,12 @@ trait Syntax {
     fn not(&self) -> &'static str;
     /// One of two values that are known.
     fn select(&self, condition: &str, then: &str, otherwise: &str) -> String;
-    /// A function of the language, by its name on `Scalar`.
+    /// A function of the language, by its name on `Scalar`; `own_sin`, `own_cos` give the same bits everywhere.
     fn call(&self, name: &str, arguments: &[String]) -> String;
     /// Gives a value a name.
     fn bind(&self, name: &str, value: &str) -> String;
-    /// Sine and cosine of an angle.
-    fn sin_cos(&self, names: [&str; 2], angle: &str) -> Vec<String>;
+    /// Sine and cosine of an angle, by the function that gives the same bits everywhere.
+    fn sin_cos(&self, names: [&str; 2], angle: &str) -> String;
     /// Derivatives of these orders of the spline with a number.
     fn spline(&self, names: &[String], table: usize, orders: &[usize], x: &str) -> Vec<String>;
     /// Gives values names, of one side or the other.
@@ -127,12 +127,21 @@ struct Walk<'d> {
     names: Names,
     functions: Vec<(usize, &'d Function)>,
     source: &'d str,
+    /// Whether the language's own sine and cosine are called.
+    library_sines: bool,
+}
+
+/// What a body is written with.
+struct Writer<'w, 'n> {
+    body: &'w Body<'n>,
+    syntax: &'w dyn Syntax,
+    library_sines: bool,
 }
 
 impl<'d> Walk<'d> {
     fn new(derivation: &'d Derivation, source: &'d str, options: &Options) -> Self {
         let functions = item::selected(derivation, options.functions.as_deref());
-        Walk { derivation, names: Names::of(derivation, true), functions, source }
+        Walk { derivation, names: Names::of(derivation, true), functions, source, library_sines: options.library_sines }
     }
 
     /// The mechanism's name in snake case.
@@ -165,15 +174,20 @@ impl<'d> Walk<'d> {
         item::hoisted(self.derivation, functions.chain(self.constrained().map(|(_, function)| function)))
     }
 
+    fn writer<'w>(&self, body: &'w Body<'d>, syntax: &'w dyn Syntax) -> Writer<'w, 'd> {
+        Writer { body, syntax, library_sines: self.library_sines }
+    }
+
     /// The lines of the constructor, then names and values of what depends on parameters alone.
     fn constructor(&self, syntax: &dyn Syntax) -> (Vec<String>, Vec<(String, String)>) {
         let hoisted = self.hoisted();
         let components: Vec<Component> =
             hoisted.iter().map(|&k| Component::Result(k, self.names.hoisted[k].clone())).collect();
         let body = Body::new(&self.derivation.constructor, &components, &self.names, self.names.constructor_scope());
-        let values = body.block.results.iter().map(|tree| expression::print(tree, &body, syntax));
+        let writer = self.writer(&body, syntax);
+        let values = body.block.results.iter().map(|tree| writer.print(tree));
         let names = hoisted.iter().map(|&k| self.names.hoisted[k].clone());
-        (self.lines(&body, syntax), names.zip(values).collect())
+        (self.lines(&writer), names.zip(values).collect())
     }
 
     /// All functions; before those with constraints what they have in common.
@@ -209,8 +223,8 @@ impl<'d> Walk<'d> {
             Ending::Values | Ending::Solve | Ending::Motion | Ending::Slopes(_) => {
                 let components = shape::components(self.derivation, function);
                 let body = Body::new(&function.program, &components, &self.names, self.names.function_scope());
-                let values = body.block.results.iter().map(|tree| expression::print(tree, &body, syntax)).collect();
-                (self.lines(&body, syntax), values)
+                let writer = self.writer(&body, syntax);
+                (self.lines(&writer), body.block.results.iter().map(|tree| writer.print(tree)).collect())
             }
         };
         Routine {
@@ -262,7 +276,8 @@ impl<'d> Walk<'d> {
     }
 
     /// Names for what a body reads, then its statements.
-    fn lines(&self, body: &Body<'_>, syntax: &dyn Syntax) -> Vec<String> {
+    fn lines(&self, writer: &Writer<'_, '_>) -> Vec<String> {
+        let Writer { body, syntax, .. } = writer;
         let mut symbols = BTreeSet::new();
         each_leaf(body.block.trees().into_iter(), &mut |leaf| {
             if let Tree::Symbol(symbol) = leaf {
@@ -283,7 +298,7 @@ impl<'d> Walk<'d> {
             };
             lines.push(syntax.bind(&syntax.identifier(self.names.symbol(symbol)), &syntax.read(&place)));
         }
-        lines.extend(block(&body.block, body, syntax));
+        lines.extend(writer.block(&body.block));
         lines
     }
 
@@ -302,35 +317,43 @@ impl<'d> Walk<'d> {
     }
 }
 
-fn block(block: &Block, body: &Body<'_>, syntax: &dyn Syntax) -> Vec<String> {
-    let print = |tree: &Tree| expression::print(tree, body, syntax);
-    let name = |local: &usize| syntax.identifier(&body.locals[*local]);
-    let mut lines = Vec::new();
-    for statement in &block.statements {
-        match statement {
-            Statement::Let(local, tree) => lines.push(syntax.bind(&name(local), &print(tree))),
-            Statement::SinCos([sin, cos], angle) => {
-                lines.extend(syntax.sin_cos([&name(sin), &name(cos)], &print(angle)));
-            }
-            Statement::Spline { table, orders, locals, x } => {
-                let names: Vec<String> = locals.iter().map(name).collect();
-                lines.extend(syntax.spline(&names, *table, orders, &print(x)));
-            }
-            Statement::Branch(locals, condition, sides) => {
-                let names: Vec<String> = locals.iter().map(name).collect();
-                let sides = sides.each_ref().map(|side| Side {
-                    lines: self::block(side, body, syntax),
-                    values: side.results.iter().map(print).collect(),
-                });
-                lines.extend(syntax.branch(&names, &print(condition), sides));
-            }
-            Statement::OnDemand(local, wanted) => {
-                lines.extend(self::block(wanted, body, syntax));
-                lines.push(syntax.bind(&name(local), &print(&wanted.results[0])));
+impl Writer<'_, '_> {
+    /// Statements, one or more lines each.
+    fn block(&self, block: &Block) -> Vec<String> {
+        let syntax = self.syntax;
+        let name = |local: &usize| syntax.identifier(&self.body.locals[*local]);
+        let mut lines = Vec::new();
+        for statement in &block.statements {
+            match statement {
+                Statement::Let(local, tree) => lines.push(syntax.bind(&name(local), &self.print(tree))),
+                Statement::SinCos([sin, cos], angle) if self.library_sines => {
+                    for (local, function) in [(sin, "sin"), (cos, "cos")] {
+                        lines.push(syntax.bind(&name(local), &syntax.call(function, &[self.print(angle)])));
+                    }
+                }
+                Statement::SinCos([sin, cos], angle) => {
+                    lines.push(syntax.sin_cos([&name(sin), &name(cos)], &self.print(angle)));
+                }
+                Statement::Spline { table, orders, locals, x } => {
+                    let names: Vec<String> = locals.iter().map(name).collect();
+                    lines.extend(syntax.spline(&names, *table, orders, &self.print(x)));
+                }
+                Statement::Branch(locals, condition, sides) => {
+                    let names: Vec<String> = locals.iter().map(name).collect();
+                    let sides = sides.each_ref().map(|side| Side {
+                        lines: self.block(side),
+                        values: side.results.iter().map(|tree| self.print(tree)).collect(),
+                    });
+                    lines.extend(syntax.branch(&names, &self.print(condition), sides));
+                }
+                Statement::OnDemand(local, wanted) => {
+                    lines.extend(self.block(wanted));
+                    lines.push(syntax.bind(&name(local), &self.print(&wanted.results[0])));
+                }
             }
         }
+        lines
     }
-    lines
 }
 
 /// Without the escape of a keyword of Rust.

@@ -63,7 +63,7 @@ impl Syntax for Js {
             "ln" => format!("Math.log({arguments})"),
             "powf" => format!("Math.pow({arguments})"),
             "sech" => format!("(1.0 / Math.cosh({arguments}))"),
-            "signum" => format!("mbs_signum({arguments})"),
+            "signum" | "own_sin" | "own_cos" => format!("mbs_{name}({arguments})"),
             name => format!("Math.{name}({arguments})"),
         }
     }
@@ -72,8 +72,8 @@ impl Syntax for Js {
         format!("const {name} = {value};")
     }
 
-    fn sin_cos(&self, [sin, cos]: [&str; 2], angle: &str) -> Vec<String> {
-        vec![self.bind(sin, &format!("Math.sin({angle})")), self.bind(cos, &format!("Math.cos({angle})"))]
+    fn sin_cos(&self, [sin, cos]: [&str; 2], angle: &str) -> String {
+        format!("const [{sin}, {cos}] = mbs_sin_cos({angle});")
     }
 
     fn spline(&self, names: &[String], table: usize, orders: &[usize], x: &str) -> Vec<String> {

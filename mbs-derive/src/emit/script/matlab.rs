@@ -26,15 +26,42 @@ pub(in crate::emit) fn matlab(derivation: &Derivation, source: &str, options: &O
     (text + &shared).trim_end().to_string() + "\n"
 }
 
-/// Keywords, what functions have names for, and what they call.
-const TAKEN: &str = "break case catch classdef continue do else elseif end end_try_catch endfor endfunction endif endwhile \
-    for function global if otherwise parfor persistent return spmd switch try until unwind_protect while enumeration \
-    events methods properties sin cos tan atan atan2 sinh cosh tanh exp abs zeros struct repmat pi e i j Inf NaN eps \
-    error reshape ans c given params q qd qdd u prescribed multipliers mass_matrix factors reciprocals right_side \
-    system motion sizes parts result jacobian";
+/// Keywords of MATLAB and Octave.
+const KEYWORDS: &str = "break case catch classdef continue do else elseif end end_try_catch end_unwind_protect endfor \
+    endfunction endif endparfor endswitch endwhile for function global if otherwise parfor persistent return spmd switch \
+    try until unwind_protect unwind_protect_cleanup while __FILE__ __LINE__";
+
+/// What functions have names for, and what they call.
+const TAKEN: &str = "sin cos tan atan atan2 sinh cosh tanh exp abs zeros struct repmat pi e i j Inf NaN eps error reshape ans \
+    c given params q qd qdd u prescribed multipliers mass_matrix factors reciprocals right_side system motion sizes parts \
+    result jacobian";
+
+fn is_keyword(name: &str) -> bool {
+    KEYWORDS.split(' ').any(|word| word == name)
+}
+
+/// The name of a field.
+fn member(name: &str) -> String {
+    let is_taken = name.starts_with('_') || is_keyword(name);
+    shortened(if is_taken { format!("m_{name}") } else { name.to_string() })
+}
 
 /// MATLAB's names have no more letters.
 const LONGEST: usize = 63;
+
+fn shortened(name: String) -> String {
+    if name.len() <= LONGEST {
+        return name;
+    }
+    // FNV-1a, which keeps long names apart.
+    let hash = name.bytes().fold(0x811c_9dc5_u32, |hash, byte| (hash ^ u32::from(byte)).wrapping_mul(0x0100_0193));
+    format!("{}_{hash:08x}", &name[..LONGEST - 9])
+}
+
+/// The identifier for a name, of a file as well.
+pub(in crate::emit) fn identifier(name: &str) -> String {
+    Matlab.identifier(name)
+}
 
 struct Matlab;
 
@@ -42,14 +69,8 @@ impl Syntax for Matlab {
     fn identifier(&self, name: &str) -> String {
         let plain = plain(name);
         let begins = |starts: &[&str]| starts.iter().any(|start| plain.starts_with(start));
-        let is_taken = begins(&["mbs_", "by_q", "_"]) || plain == "by_u" || TAKEN.split(' ').any(|word| word == plain);
-        let name = if is_taken { format!("m_{plain}") } else { plain };
-        if name.len() <= LONGEST {
-            return name;
-        }
-        // FNV-1a, which keeps long names apart.
-        let hash = name.bytes().fold(0x811c_9dc5_u32, |hash, byte| (hash ^ u32::from(byte)).wrapping_mul(0x0100_0193));
-        format!("{}_{hash:08x}", &name[..LONGEST - 9])
+        let is_taken = begins(&["mbs_", "by_q"]) || plain == "by_u" || TAKEN.split(' ').any(|word| word == plain);
+        if is_taken { shortened(format!("m_{plain}")) } else { member(&plain) }
     }
 
     fn constant(&self, value: f64) -> String {
@@ -76,7 +97,9 @@ impl Syntax for Matlab {
         let arguments = arguments.join(", ");
         match name {
             "sech" => format!("(1.0 / cosh({arguments}))"),
-            "sqrt" | "ln" | "asin" | "acos" | "powf" | "signum" => format!("mbs_{name}({arguments})"),
+            "sqrt" | "ln" | "asin" | "acos" | "powf" | "signum" | "own_sin" | "own_cos" => {
+                format!("mbs_{name}({arguments})")
+            }
             name => format!("{name}({arguments})"),
         }
     }
@@ -85,8 +108,8 @@ impl Syntax for Matlab {
         format!("{name} = {value};")
     }
 
-    fn sin_cos(&self, [sin, cos]: [&str; 2], angle: &str) -> Vec<String> {
-        vec![self.bind(sin, &format!("sin({angle})")), self.bind(cos, &format!("cos({angle})"))]
+    fn sin_cos(&self, [sin, cos]: [&str; 2], angle: &str) -> String {
+        format!("[{sin}, {cos}] = mbs_sin_cos({angle});")
     }
 
     fn spline(&self, names: &[String], table: usize, orders: &[usize], x: &str) -> Vec<String> {
@@ -112,7 +135,7 @@ impl Syntax for Matlab {
             Place::Prescribed(i, order) => format!("prescribed({}, {})", i + 1, order + 1),
             Place::Parameter(name, indices) => {
                 let (name, indices): (_, Vec<String>) =
-                    (self.identifier(name), indices.iter().map(|i| (i + 1).to_string()).collect());
+                    (member(name), indices.iter().map(|i| (i + 1).to_string()).collect());
                 if indices.is_empty() {
                     format!("c.params.{name}")
                 } else {
@@ -154,7 +177,7 @@ fn main(walk: &Walk<'_>, routines: &[Routine]) -> String {
     docs.extend(walk.docs());
     docs.extend([String::new(), "Parameters:".to_string()]);
     for (parameter, field) in walk.parameters() {
-        docs.push(format!("- {}: {}", Matlab.identifier(&field), doc::parameter(parameter).join(" ")));
+        docs.push(format!("- {}: {}", member(&field), doc::parameter(parameter).join(" ")));
     }
     let mut text = format!("function m = {name}(given)\n{}", comment(&docs));
     text += "if nargin < 1\n  given = struct();\nend\nparams = struct();\n";
@@ -165,7 +188,7 @@ fn main(walk: &Walk<'_>, routines: &[Routine]) -> String {
             format!("[{}]", values.join(if is_matrix { "; " } else { ", " }))
         };
         let value = defaults(parameter, &|x| Matlab.constant(x), &list);
-        let _ = writeln!(text, "params.{} = {value};", Matlab.identifier(&field));
+        let _ = writeln!(text, "params.{} = {value};", member(&field));
     }
     text += "c.params = mbs_parameters(params, given);\n";
     for number in 0..walk.names.splines.len() {
@@ -189,7 +212,7 @@ fn main(walk: &Walk<'_>, routines: &[Routine]) -> String {
 
 /// What the function is in the struct.
 fn field(routine: &Routine) -> String {
-    let name = Matlab.identifier(&routine.name);
+    let name = member(&routine.name);
     if ["coordinates", "inputs"].contains(&name.as_str()) { format!("{name}_2") } else { name }
 }
 
@@ -250,7 +273,7 @@ fn function(walk: &Walk<'_>, routine: &Routine) -> String {
 fn assigned(name: &str, shape: Shape, values: &[String]) -> Vec<String> {
     let matrix = |start: String, rows: usize, columns: usize| {
         let entry =
-            |(i, value): (usize, &String)| format!("{name}({}, {}) = {value};", i / columns + 1, i % columns + 1);
+            move |(i, value): (usize, &String)| format!("{name}({}, {}) = {value};", i / columns + 1, i % columns + 1);
         std::iter::once(format!("{name} = {start};"))
             .chain(values.iter().enumerate().map(entry))
             .take(1 + rows * columns)

@@ -1,16 +1,24 @@
 //! Of what all files of a language share, the part that one file needs.
 
 /// The pieces of `shared` that `text` needs, in their order. Pieces are parted by two empty lines; each is known by the
-/// first word in it that begins with `mbs_`, after its comment, and uses none but pieces before it.
+/// first word in it that begins with `mbs_`, after its comment.
 pub(super) fn needed(shared: &str, comment: &str, text: &str) -> String {
-    let mut chosen: Vec<&str> = Vec::new();
-    for piece in shared.trim().split("\n\n\n").collect::<Vec<_>>().into_iter().rev() {
-        let name = name(piece, comment);
-        if uses(text, name) || chosen.iter().any(|later| uses(later, name)) {
-            chosen.push(piece);
+    let pieces: Vec<(&str, &str)> =
+        shared.trim().split("\n\n\n").map(|piece| (name(piece, comment), piece.trim())).collect();
+    let mut chosen = vec![false; pieces.len()];
+    loop {
+        let is_used = |name: &str| {
+            let others = pieces.iter().zip(&chosen).filter(|((other, _), chosen)| **chosen && *other != name);
+            uses(text, name) || others.into_iter().any(|((_, piece), _)| uses(piece, name))
+        };
+        let found: Vec<bool> = pieces.iter().map(|(name, _)| is_used(name)).collect();
+        if found == chosen {
+            break;
         }
+        chosen = found;
     }
-    chosen.iter().rev().map(|piece| format!("{}\n\n", piece.trim())).collect()
+    let chosen = pieces.iter().zip(chosen).filter(|(_, chosen)| *chosen);
+    chosen.map(|((_, piece), _)| format!("{piece}\n\n")).collect()
 }
 
 fn name<'p>(piece: &'p str, comment: &str) -> &'p str {
@@ -22,9 +30,25 @@ fn name<'p>(piece: &'p str, comment: &str) -> &'p str {
 
 /// Whether a word is in the text.
 pub(super) fn uses(text: &str, word: &str) -> bool {
-    text.match_indices(word).any(|(at, _)| !text[at + word.len()..].starts_with(is_word))
+    text.match_indices(word).any(|(at, _)| {
+        let is_within = |c: Option<char>| c.is_some_and(is_word);
+        !is_within(text[..at].chars().next_back()) && !is_within(text[at + word.len()..].chars().next())
+    })
 }
 
 fn is_word(c: char) -> bool {
     c.is_alphanumeric() || c == '_'
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_used_by_what_is_used_is_needed() {
+        let shared = "// one\nfunction mbs_a() {}\n\n\nfunction mbs_ab() { mbs_c(); }\n\n\nconst mbs_c = 1;";
+        assert_eq!(needed(shared, "//", "mbs_ab()"), "function mbs_ab() { mbs_c(); }\n\nconst mbs_c = 1;\n\n");
+        assert_eq!(needed(shared, "//", "mbs_a(1)"), "// one\nfunction mbs_a() {}\n\n");
+        assert_eq!(needed(shared, "//", "mbs_abc"), "");
+    }
 }

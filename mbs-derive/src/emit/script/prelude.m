@@ -23,6 +23,59 @@ end
 end
 
 
+function [sine, cosine] = mbs_sin_cos(x)
+% From +, - and * alone, the same bits as mbs-runtime's sin_cos_all, which says where they are from.
+if ~(abs(x) <= 1e5)
+  sine = sin(x);
+  cosine = cos(x);
+  return
+end
+% x = k pi/2 + y - e
+k = x * 0.6366197723675814 + 6755399441055744.0 - 6755399441055744.0;
+r = x - k * 1.5707963267341256;
+w = k * 6.077100506303966e-11;
+h = r - w;
+t = k * 2.0222662487959506e-21 - (r - h - w);
+y = h - t;
+e = t - (h - y);
+z = y * y;
+z2 = z * z;
+z4 = z2 * z2;
+p = -0.1666666666666663 + z * 0.00833333333332184 + z2 * (-0.00019841269829358541 + z * 2.7557313538526334e-6);
+p = p + z4 * (-2.5050734392422683e-8 + z * 1.5895433544930663e-10);
+q = 0.041666666666666595 + z * -0.001388888888887334 + z2 * (2.4801587288999616e-5 + z * -2.755731421606095e-7);
+q = q + z4 * (2.087570523233725e-9 + z * -1.1358739381498488e-11);
+half = 0.5 * z;
+one = 1.0 - half;
+s = y - (e * one - z * y * p);
+c = one + (1.0 - one - half + (z2 * q + y * e));
+switch mod(k, 4)
+  case 0
+    sine = s;
+    cosine = c;
+  case 1
+    sine = c;
+    cosine = -s;
+  case 2
+    sine = -s;
+    cosine = -c;
+  otherwise
+    sine = -c;
+    cosine = s;
+end
+end
+
+
+function y = mbs_own_sin(x)
+[y, ~] = mbs_sin_cos(x);
+end
+
+
+function y = mbs_own_cos(x)
+[~, y] = mbs_sin_cos(x);
+end
+
+
 function y = mbs_choose(condition, a, b)
 if condition
   y = a;

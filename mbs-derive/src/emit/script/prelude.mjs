@@ -4,6 +4,55 @@ function mbs_signum(x) {
 }
 
 
+/** Sine and cosine from +, - and * alone, the same bits as mbs-runtime's `sin_cos_all`, which says where they are from. */
+function mbs_sin_cos(x) {
+  if (!(Math.abs(x) <= 1e5)) {
+    return [Math.sin(x), Math.cos(x)];
+  }
+  // x = k pi/2 + y - e
+  const k = x * 0.6366197723675814 + 6755399441055744.0 - 6755399441055744.0;
+  const r = x - k * 1.5707963267341256;
+  const w = k * 6.077100506303966e-11;
+  const h = r - w;
+  const t = k * 2.0222662487959506e-21 - (r - h - w);
+  const y = h - t;
+  const e = t - (h - y);
+  const z = y * y;
+  const z2 = z * z;
+  const z4 = z2 * z2;
+  const p =
+    -0.1666666666666663 + z * 0.00833333333332184 + z2 * (-0.00019841269829358541 + z * 2.7557313538526334e-6) +
+    z4 * (-2.5050734392422683e-8 + z * 1.5895433544930663e-10);
+  const q =
+    0.041666666666666595 + z * -0.001388888888887334 + z2 * (2.4801587288999616e-5 + z * -2.755731421606095e-7) +
+    z4 * (2.087570523233725e-9 + z * -1.1358739381498488e-11);
+  const half = 0.5 * z;
+  const one = 1.0 - half;
+  const sin = y - (e * one - z * y * p);
+  const cos = one + (1.0 - one - half + (z2 * q + y * e));
+  switch (k & 3) {
+    case 0:
+      return [sin, cos];
+    case 1:
+      return [cos, -sin];
+    case 2:
+      return [-sin, -cos];
+    default:
+      return [-cos, sin];
+  }
+}
+
+
+function mbs_own_sin(x) {
+  return mbs_sin_cos(x)[0];
+}
+
+
+function mbs_own_cos(x) {
+  return mbs_sin_cos(x)[1];
+}
+
+
 /** As many numbers as a mechanism has. */
 function mbs_sized(name, values, count) {
   if (values === undefined || values === null || values.length !== count) {

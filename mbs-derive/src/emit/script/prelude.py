@@ -34,6 +34,47 @@ def mbs_wrench(batch, shape, values):
     return Wrench(flat[..., :3], flat[..., 3:])
 
 
+def mbs_sin_cos(x):
+    """Sine and cosine from +, - and * alone, the bits of mbs-runtime's `sin_cos_all`, which says where they are from."""
+    # x = k pi/2 + y - e
+    k = x * 0.6366197723675814 + 6755399441055744.0 - 6755399441055744.0
+    r = x - k * 1.5707963267341256
+    w = k * 6.077100506303966e-11
+    h = r - w
+    t = k * 2.0222662487959506e-21 - (r - h - w)
+    y = h - t
+    e = t - (h - y)
+    z = y * y
+    z2 = z * z
+    z4 = z2 * z2
+    p = -0.1666666666666663 + z * 0.00833333333332184 + z2 * (-0.00019841269829358541 + z * 2.7557313538526334e-6)
+    p = p + z4 * (-2.5050734392422683e-8 + z * 1.5895433544930663e-10)
+    q = 0.041666666666666595 + z * -0.001388888888887334 + z2 * (2.4801587288999616e-5 + z * -2.755731421606095e-7)
+    q = q + z4 * (2.087570523233725e-9 + z * -1.1358739381498488e-11)
+    half = 0.5 * z
+    one = 1.0 - half
+    sin = y - (e * one - z * y * p)
+    cos = one + (1.0 - one - half + (z2 * q + y * e))
+    is_odd = np.mod(k, 2.0) == 1.0
+    sin, cos = np.where(is_odd, cos, sin), np.where(is_odd, sin, cos)
+    sin = np.where(np.mod(k, 4.0) >= 2.0, -sin, sin)
+    cos = np.where(np.mod(k + 1.0, 4.0) >= 2.0, -cos, cos)
+    is_within = np.abs(x) <= 1e5
+    if np.all(is_within):
+        return sin, cos
+    return np.where(is_within, sin, np.sin(x)), np.where(is_within, cos, np.cos(x))
+
+
+def mbs_own_sin(x):
+    """The sine alone."""
+    return mbs_sin_cos(x)[0]
+
+
+def mbs_own_cos(x):
+    """The cosine alone."""
+    return mbs_sin_cos(x)[1]
+
+
 def mbs_signum(x):
     """-1, 0 or 1; NaN of NaN."""
     return np.where(x > 0.0, 1.0, np.where(x < 0.0, -1.0, x * 0.0))
@@ -100,7 +141,7 @@ def mbs_largest(values):
     """The greatest magnitude."""
     largest = 0.0
     for x in values:
-        largest = abs(x) if largest < abs(x) else largest
+        largest = max(largest, abs(x))
     return largest
 
 
@@ -438,10 +479,10 @@ class mbs_NullSpace:
         for (force, target), size in zip(columns, sizes):
             scale = abs(size)
             most = mbs_largest(self.motion(force, target)) * scale
-            fastest = most if fastest < most else fastest
+            fastest = max(fastest, most)
             for row, x in enumerate(target):
                 most = abs(x) * scale
-                greatest[row] = most if greatest[row] < most else greatest[row]
+                greatest[row] = max(greatest[row], most)
         for row, slopes in enumerate(self.slopes):
             if 0.0 < mbs_largest(slopes) and greatest[row] < fastest:
                 greatest[row] = fastest

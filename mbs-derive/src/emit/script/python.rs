@@ -35,20 +35,35 @@ pub(in crate::emit) fn python(derivation: &Derivation, source: &str, options: &O
     text + "\nimport numpy as np\n\n\n" + &body
 }
 
-/// Keywords, what functions have names for, and what they call.
-const TAKEN: &str = "False None True and as assert async await break class continue def del elif else except finally for \
-    from global if import in is lambda nonlocal not or pass raise return try while with yield np math Params Pose \
-    Wrench NamedTuple SimpleNamespace dataclass batch solved sizes values self params q qd qdd u prescribed multipliers \
-    mass_matrix reciprocals";
+/// Keywords.
+const KEYWORDS: &str = "False None True and as assert async await break class continue def del elif else except finally for \
+    from global if import in is lambda nonlocal not or pass raise return try while with yield";
+
+/// What functions have names for, and what they call.
+const TAKEN: &str = "np math Params Pose Wrench NamedTuple SimpleNamespace dataclass batch solved sizes values self params q \
+    qd qdd u t prescribed multipliers mass_matrix reciprocals";
+
+fn is_keyword(name: &str) -> bool {
+    KEYWORDS.split(' ').any(|word| word == name)
+}
+
+/// The name of a method or of a parameter.
+fn member(name: &str) -> String {
+    if name.starts_with('_') || is_keyword(name) { format!("py_{name}") } else { name.to_string() }
+}
+
+/// The identifier for a name, of a file as well.
+pub(in crate::emit) fn identifier(name: &str) -> String {
+    Python.identifier(name)
+}
 
 struct Python;
 
 impl Syntax for Python {
     fn identifier(&self, name: &str) -> String {
         let plain = plain(name);
-        let is_taken =
-            plain.starts_with("mbs_") || plain.starts_with('_') || TAKEN.split(' ').any(|word| word == plain);
-        if is_taken { format!("py_{plain}") } else { plain }
+        let is_taken = plain.starts_with("mbs_") || TAKEN.split(' ').any(|word| word == plain);
+        if is_taken && plain != "t" { format!("py_{plain}") } else { member(&plain) }
     }
 
     fn constant(&self, value: f64) -> String {
@@ -77,7 +92,7 @@ impl Syntax for Python {
             "ln" => format!("np.log({arguments})"),
             "powf" => format!("np.power({arguments})"),
             "sech" => format!("(1.0 / np.cosh({arguments}))"),
-            "signum" => format!("mbs_signum({arguments})"),
+            "signum" | "own_sin" | "own_cos" => format!("mbs_{name}({arguments})"),
             "asin" | "acos" | "atan" | "atan2" => format!("np.arc{}({arguments})", &name[1..]),
             name => format!("np.{name}({arguments})"),
         }
@@ -87,8 +102,8 @@ impl Syntax for Python {
         format!("{name} = {value}")
     }
 
-    fn sin_cos(&self, [sin, cos]: [&str; 2], angle: &str) -> Vec<String> {
-        vec![self.bind(sin, &format!("np.sin({angle})")), self.bind(cos, &format!("np.cos({angle})"))]
+    fn sin_cos(&self, [sin, cos]: [&str; 2], angle: &str) -> String {
+        format!("{sin}, {cos} = mbs_sin_cos({angle})")
     }
 
     fn spline(&self, names: &[String], table: usize, orders: &[usize], x: &str) -> Vec<String> {
@@ -111,7 +126,7 @@ impl Syntax for Python {
             Place::Argument(name, i) => format!("{name}[..., {i}]"),
             Place::Prescribed(i, order) => format!("prescribed[..., {i}, {order}]"),
             Place::Parameter(name, indices) => {
-                let name = self.identifier(name);
+                let name = member(name);
                 let indices: Vec<String> = indices.iter().map(ToString::to_string).collect();
                 if indices.is_empty() {
                     format!("self._params.{name}")
@@ -185,11 +200,7 @@ fn parameters(walk: &Walk<'_>) -> String {
         let kind = if parameter.length.is_some() { "tuple" } else { "float" };
         let tuple = |values: &[String]| format!("({},)", values.join(", "));
         let value = defaults(parameter, &|x| Python.constant(x), &tuple);
-        text += &format!(
-            "\n    {}: {kind} = {value}\n{}",
-            Python.identifier(&name),
-            docstring(&doc::parameter(parameter), 4)
-        );
+        text += &format!("\n    {}: {kind} = {value}\n{}", member(&name), docstring(&doc::parameter(parameter), 4));
     }
     text + "\n\n"
 }
@@ -217,7 +228,7 @@ fn constructor(walk: &Walk<'_>) -> String {
     text += "        \"\"\"With these parameters, else the declared ones; what depends on them alone is computed here.\"\"\"\n";
     text += "        self.params = params = Params() if params is None else params\n        self._params = SimpleNamespace(\n";
     for (parameter, name) in walk.parameters() {
-        let name = Python.identifier(&name);
+        let name = member(&name);
         let lengths: String = parameter.lengths().iter().map(|n| format!(", {n}")).collect();
         text += &format!("            {name}=mbs_parameter(\"{name}\", params.{name}{lengths}),\n");
     }
@@ -233,7 +244,7 @@ fn method(walk: &Walk<'_>, routine: &Routine) -> String {
     let name = match (&routine.ending, routine.name.as_str()) {
         (Ending::Motion, name) => format!("_{name}"),
         (_, name @ ("coordinates" | "inputs")) => format!("{name}_2"),
-        (_, name) => Python.identifier(name),
+        (_, name) => member(name),
     };
     let names: Vec<&str> = routine.arguments.iter().map(|(name, _)| *name).collect();
     let arguments = names.join(", ");
@@ -262,7 +273,7 @@ fn method(walk: &Walk<'_>, routine: &Routine) -> String {
         }
         (Motion::Given, _) => lines.push(batch),
         (Motion::Accelerations, _) => {
-            lines.extend([batch, format!("qdd = self.{}({arguments})", Python.identifier(&walk.forward_dynamics()))]);
+            lines.extend([batch, format!("qdd = self.{}({arguments})", member(&walk.forward_dynamics()))]);
         }
         (Motion::Constrained, _) => {
             let all = [&routine.lines[..], &routine.values[..]].concat().join("\n");
