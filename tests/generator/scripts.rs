@@ -139,6 +139,18 @@ fn takes(of: &Derivation, function: &Function, name: &str) -> bool {
     function.arguments.contains(&argument)
 }
 
+/// Those that take a state, as the language calls them.
+fn functions(language: Language, text: &str) -> Vec<String> {
+    let (class, begin, end) = match language {
+        Language::Js => ("\nexport class ", "  ", "("),
+        Language::Python => ("\nclass ", "    def ", "(self"),
+        _ => ("function m = ", "m.", " = @("),
+    };
+    let heads = text[text.rfind(class).expect("the mechanism")..].lines().filter_map(|line| line.strip_prefix(begin)?.split_once(end)).map(|(name, _)| name);
+    let is_word = |name: &&str| name.chars().all(|c| c.is_alphanumeric() || c == '_');
+    heads.filter(is_word).filter(|name| !name.starts_with("_") && *name != "constructor").map(String::from).collect()
+}
+
 /// A mechanism, where it is run.
 struct Case {
     name: String,
@@ -162,11 +174,14 @@ impl Case {
     /// Writes its code, and its states; the list's entry.
     fn written(&self, folder: &Path) -> String {
         let of = &self.of;
-        for language in [Language::Js, Language::Python, Language::Matlab] {
+        let called = RUNS.map(|(language, ..)| {
             let text = language.write(of, &self.name, &Options::default());
             assert_eq!(text, language.write(of, &self.name, &Options::default()));
-            std::fs::write(folder.join(language.file_name(of)), text).expect("written");
-        }
+            std::fs::write(folder.join(language.file_name(of)), &text).expect("written");
+            let names = functions(language, &text);
+            assert_eq!(names.len(), of.functions.len(), "{}: {names:?}", self.name);
+            names
+        });
         let numbers = self.states.iter().flat_map(|(state, multipliers)| {
             let prescribed = state.prescribed.as_flattened();
             [&[state.t], prescribed, &state.q, &state.qd, &state.qdd, &state.u, multipliers].concat()
@@ -175,15 +190,19 @@ impl Case {
         std::fs::write(folder.join(format!("{}.states", self.name)), bytes).expect("written");
         let all = arguments(of);
         let quoted = |names: Vec<String>| names.join(", ");
-        let functions = of.functions.iter().map(|function| {
+        let functions = of.functions.iter().enumerate().map(|(i, function)| {
             let taken = all.iter().filter(|(name, n)| *n > 0 && takes(of, function, name));
             let taken = quoted(taken.map(|(name, _)| format!("\"{name}\"")).collect());
             let parts = function.results.len();
-            format!("{{\"name\": \"{}\", \"takes\": [{taken}], \"parts\": {parts}}}", function.name)
+            let [js, python, matlab] = called.each_ref().map(|names| &names[i]);
+            format!(
+                "{{\"js\": \"{js}\", \"python\": \"{python}\", \"matlab\": \"{matlab}\", \"takes\": [{taken}], \
+                 \"parts\": {parts}}}"
+            )
         });
         format!(
             "{{\"name\": \"{}\", \"file\": \"{}\", \"class\": \"{}\", \"states\": {}, \"octave_states\": {}, \
-             \"arguments\": [{}], \"functions\": [{}]}}",
+             \"layout\": [{}], \"functions\": [{}]}}",
             self.name,
             self.file(),
             of.name,
@@ -212,7 +231,9 @@ impl Case {
         for function in &self.of.functions {
             for state in &self.states[..states] {
                 let own = exact.evaluate_with(function, &state.0, &state.1);
-                let mut spread = vec![0.0; own.len()];
+                // The results' own rounding, where it may fall to the other side.
+                let rounding = |x: &Own| if any_calls { ULPS * f64::EPSILON * x.0.abs() } else { 0.0 };
+                let mut spread: Vec<f64> = own.iter().map(rounding).collect();
                 for seed in (1..=4).filter(|_| any_calls) {
                     for (spread, (a, b)) in spread.iter_mut().zip(results(seed, function, state).iter().zip(&own)) {
                         *spread = f64::max(*spread, 4.0 * (a.0 - b.0).abs());

@@ -26,24 +26,24 @@ for k = 1:numel(mechanisms)
   file = fopen([mechanism.name, '.states']);
   numbers = reshape(fread(file, Inf, 'double'), [], mechanism.states);
   fclose(file);
-  counts = cellfun(@(entry) entry{2}, mechanism.arguments);
-  names = cellfun(@(entry) entry{1}, mechanism.arguments, 'UniformOutput', false);
+  counts = cellfun(@(entry) entry{2}, mechanism.layout);
+  names = cellfun(@(entry) entry{1}, mechanism.layout, 'UniformOutput', false);
   first = cumsum([1; counts(:)]);
   file = fopen([mechanism.name, '.matlab.results'], 'w');
   for f = 1:numel(mechanism.functions)
     called = mechanism.functions(f);
     for state = 1:min(mechanism.octave_states, mechanism.states)
-      arguments = {};
+      values = {};
       for a = 1:numel(called.takes)
         number = find(strcmp(names, called.takes{a}));
         given = numbers(first(number):first(number + 1) - 1, state);
         if strcmp(called.takes{a}, 'prescribed')
           given = reshape(given, 3, []).';
         end
-        arguments{a} = given;
+        values{a} = given;
       end
       results = cell(1, called.parts);
-      [results{:}] = machine.(called.name)(arguments{:});
+      [results{:}] = machine.(called.matlab)(values{:});
       for r = 1:called.parts
         fwrite(file, flat(results{r}), 'double');
       end

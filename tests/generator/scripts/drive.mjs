@@ -9,13 +9,13 @@ for (const mechanism of JSON.parse(readFileSync("list.json", "utf8"))) {
   const machine = new (Object.values(module)[0])();
   const bytes = readFileSync(`${mechanism.name}.states`);
   const numbers = new Float64Array(bytes.buffer, bytes.byteOffset, bytes.length / 8);
-  const size = mechanism.arguments.reduce((sum, [, count]) => sum + count, 0);
+  const size = mechanism.layout.reduce((sum, [, count]) => sum + count, 0);
   const results = [];
-  for (const { name, takes } of mechanism.functions) {
+  for (const { js: name, takes } of mechanism.functions) {
     for (let state = 0; state < mechanism.states; state++) {
       let place = state * size;
       const given = {};
-      for (const [argument, count] of mechanism.arguments) {
+      for (const [argument, count] of mechanism.layout) {
         given[argument] = numbers.subarray(place, place + count);
         place += count;
       }

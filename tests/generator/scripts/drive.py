@@ -27,17 +27,17 @@ for mechanism in mechanisms:
     machine = getattr(module, mechanism["class"])()
     numbers = np.fromfile(mechanism["name"] + ".states").reshape((states, -1))
     given, place = {}, 0
-    for argument, count in mechanism["arguments"]:
+    for argument, count in mechanism["layout"]:
         given[argument] = numbers[:, place : place + count]
         place += count
     given["t"] = given["t"][:, 0]
     given["prescribed"] = given["prescribed"].reshape((states, -1, 3))
     with open(mechanism["name"] + ".python.results", "wb") as file:
         for function in mechanism["functions"]:
-            call = getattr(machine, function["name"])
+            call = getattr(machine, function["python"])
             batch = call(*[given[argument] for argument in function["takes"]])
             results = flat(batch, states) if function["takes"] else np.tile(flat(batch, 1), (states, 1))
             results.tofile(file)
             # A state by itself gives the same numbers as within the batch.
             last = flat(call(*[given[argument][-1] for argument in function["takes"]]), 1)
-            assert np.array_equal(last[0], results[-1], equal_nan=True), function["name"]
+            assert np.array_equal(last[0], results[-1], equal_nan=True), function["python"]

@@ -29,7 +29,8 @@ pub(in crate::emit) fn matlab(derivation: &Derivation, source: &str, options: &O
 /// Keywords of MATLAB and Octave.
 const KEYWORDS: &str = "break case catch classdef continue do else elseif end end_try_catch end_unwind_protect endfor \
     endfunction endif endparfor endswitch endwhile for function global if otherwise parfor persistent return spmd switch \
-    try until unwind_protect unwind_protect_cleanup while __FILE__ __LINE__";
+    try until unwind_protect unwind_protect_cleanup while __FILE__ __LINE__ arguments enumeration events \
+    methods properties";
 
 /// What functions have names for, and what they call.
 const TAKEN: &str = "sin cos tan atan atan2 sinh cosh tanh exp abs zeros struct repmat pi e i j Inf NaN eps error reshape ans \
