@@ -148,7 +148,7 @@ fn functions(language: Language, text: &str) -> Vec<String> {
     };
     let heads = text[text.rfind(class).expect("the mechanism")..].lines().filter_map(|line| line.strip_prefix(begin)?.split_once(end)).map(|(name, _)| name);
     let is_word = |name: &&str| name.chars().all(|c| c.is_alphanumeric() || c == '_');
-    heads.filter(is_word).filter(|name| !name.starts_with("_") && *name != "constructor").map(String::from).collect()
+    heads.filter(is_word).filter(|name| !name.starts_with('_') && *name != "constructor").map(String::from).collect()
 }
 
 /// A mechanism, where it is run.

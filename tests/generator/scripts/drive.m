@@ -19,7 +19,7 @@ function numbers = flat(value)
 end
 
 addpath(pwd);
-mechanisms = jsondecode(fileread('list.json'), 'makeValid', false);
+mechanisms = jsondecode(fileread('list.json'));
 for k = 1:numel(mechanisms)
   mechanism = mechanisms(k);
   machine = feval(mechanism.file);

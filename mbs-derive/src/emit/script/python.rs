@@ -21,8 +21,7 @@ pub(in crate::emit) fn python(derivation: &Derivation, source: &str, options: &O
     let shared = needed(SHARED, "#", &body);
     let body = format!("{}{tables}{}{body}", results(&routines, &body), spaced(&shared));
     let is_imported = |module: &str| uses(&body, module);
-    let mut text = String::from("# ruff: noqa: E741 - names are those of the declaration\n");
-    text += &docstring(&walk.docs(), 0);
+    let mut text = docstring(&walk.docs(), 0);
     text += "\n";
     for (module, line) in [
         ("math", "import math\n"),
