@@ -464,4 +464,23 @@ mod tests {
         fs::remove_dir_all(&folder).unwrap();
         assert_eq!(left, text);
     }
+
+    #[test]
+    fn other_languages_are_written_beside_the_module() {
+        let folder = std::env::temp_dir().join(format!("mbs_derive_languages_{}", std::process::id()));
+        fs::create_dir_all(&folder).unwrap();
+        let text = "mechanism Swing { param m: kg = 1; param l: m = 1; param g: m/s^2 = 9.81; coord a: rad; \
+                    kinetic += m*l^2*dt(a)^2/2; potential += m*g*l*cos(a); }";
+        let file = folder.join("swing.mbs");
+        fs::write(&file, text).unwrap();
+        let config = Config::new().out_dir(&folder).languages([Language::Js, Language::C]);
+        config.write(&file).unwrap();
+        let own = fs::read_to_string(folder.join("swing.mjs")).unwrap();
+        let header = fs::read_to_string(folder.join("swing.h")).unwrap();
+        config.library_sines(true).write(&file).unwrap();
+        let library = fs::read_to_string(folder.join("swing.mjs")).unwrap();
+        fs::remove_dir_all(&folder).unwrap();
+        assert!(header.contains("swing_gravity") && own.contains("mbs_own_sin(a)"));
+        assert!(library.contains("Math.sin(a)") && !library.contains("mbs_own_sin"));
+    }
 }
