@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 
 use crate::builder::Mechanism;
 use crate::diagnostic::nearest;
-use crate::emit::{Options, Trigonometry};
+use crate::emit::{Language, Options, Trigonometry};
 use crate::expr::Graph;
 use crate::source::{MAX_BYTES, Sources, Unreadable};
 use crate::{Analysis, Generated, parse};
@@ -128,6 +128,17 @@ impl Config {
         self
     }
 
+    /// Writes the mechanism in these languages as well, `cart_pole.h` beside `cart_pole.rs`.
+    ///
+    /// ```no_run
+    /// use mbs_derive::{Config, emit::Language};
+    /// Config::new().languages([Language::C]).out_dir("generated").compile("mechanisms/cart_pole.mbs");
+    /// ```
+    pub fn languages(mut self, languages: impl IntoIterator<Item = Language>) -> Self {
+        self.options.languages.extend(languages);
+        self
+    }
+
     /// Chooses between sines and cosines by polynomials, all at once, which is the default, and those of the standard
     /// library.
     pub fn trigonometry(mut self, trigonometry: Trigonometry) -> Self {
@@ -181,7 +192,7 @@ impl Config {
     fn write_mechanism(&self, mechanism: &Mechanism) -> Result<(), String> {
         let generated = mechanism.generate(&self.options).map_err(|e| e.render_in(&mechanism.sources()))?;
         tell(&generated.warnings);
-        self.write_file(&format!("{}.rs", generated.module), &generated.code, &[])
+        self.write_files(&generated, &[])
     }
 
     fn make(&self, sources: Sources) -> Result<Made, String> {
@@ -214,9 +225,15 @@ impl Config {
 
     /// The record last: it is of the module that is there.
     fn write_module(&self, made: &Made, read: &[&Sources]) -> Result<(), String> {
-        self.write_file(&format!("{}.rs", made.generated.module), &made.generated.code, read)?;
+        self.write_files(&made.generated, read)?;
         let Some((file, text)) = made.kept.as_ref().map(|kept| kept.record(&made.generated)) else { return Ok(()) };
         self.write_file(file, &text, read)
+    }
+
+    /// The module, and the files of other languages.
+    fn write_files(&self, generated: &Generated, read: &[&Sources]) -> Result<(), String> {
+        self.write_file(&format!("{}.rs", generated.module), &generated.code, read)?;
+        generated.others.iter().try_for_each(|(file, text)| self.write_file(file, text, read))
     }
 
     fn folder(&self) -> Result<PathBuf, String> {
@@ -446,5 +463,24 @@ mod tests {
         let left = fs::read_to_string(&file).unwrap();
         fs::remove_dir_all(&folder).unwrap();
         assert_eq!(left, text);
+    }
+
+    #[test]
+    fn other_languages_are_written_beside_the_module() {
+        let folder = std::env::temp_dir().join(format!("mbs_derive_languages_{}", std::process::id()));
+        fs::create_dir_all(&folder).unwrap();
+        let text = "mechanism Swing { param m: kg = 1; param l: m = 1; param g: m/s^2 = 9.81; coord a: rad; \
+                    kinetic += m*l^2*dt(a)^2/2; potential += m*g*l*cos(a); }";
+        let file = folder.join("swing.mbs");
+        fs::write(&file, text).unwrap();
+        let config = Config::new().out_dir(&folder).languages([Language::Js, Language::C]);
+        config.write(&file).unwrap();
+        let own = fs::read_to_string(folder.join("swing.mjs")).unwrap();
+        let header = fs::read_to_string(folder.join("swing.h")).unwrap();
+        config.trigonometry(Trigonometry::Library).write(&file).unwrap();
+        let library = fs::read_to_string(folder.join("swing.mjs")).unwrap();
+        fs::remove_dir_all(&folder).unwrap();
+        assert!(header.contains("swing_gravity") && own.contains("mbs_own_sin(a)"));
+        assert!(library.contains("Math.sin(a)") && !library.contains("mbs_own_sin"));
     }
 }

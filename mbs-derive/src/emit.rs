@@ -12,7 +12,9 @@
 //! - `segment`: long bodies in blocks;
 //! - `name`: identifiers, from the declaration where they can be;
 //! - `outline`: a long module without its function bodies, for review;
-//! - `c`: the same in C99.
+//! - `c`: the same in C99;
+//! - `script`: the same in languages that are not compiled;
+//! - `language`: the list of languages.
 //!
 //! The code links mbs-runtime by absolute path and nothing else. It computes what [`interpret`](crate::interpret)
 //! computes, to the bit, except where the target has a fused multiply–add. Its text depends on the derivation alone.
@@ -23,9 +25,11 @@ mod c;
 mod doc;
 mod expression;
 mod item;
+mod language;
 mod name;
 mod outline;
 mod parameter;
+mod script;
 mod segment;
 mod shape;
 mod solution;
@@ -35,6 +39,7 @@ mod traits;
 pub use crate::expr::Trigonometry;
 use crate::optimise::Derivation;
 pub use c::c;
+pub use language::Language;
 
 /// What is generated.
 ///
@@ -57,6 +62,8 @@ pub struct Options {
     pub infix: bool,
     /// Which sines and cosines are computed.
     pub trigonometry: Trigonometry,
+    /// Languages that the mechanism is written in besides Rust; carried out where files are made.
+    pub languages: Vec<Language>,
 }
 
 /// The module of a mechanism, formatted, to be included where items may stand.

@@ -14,7 +14,7 @@ pub enum Trigonometry {
 /// Larger angles are left to the library.
 const REACH: f64 = 1e5;
 /// 2/π
-const TURNS: f64 = 0.6366197723675814;
+const TURNS: f64 = std::f64::consts::FRAC_2_PI;
 /// 1.5 · 2⁵²: adding it leaves no digits behind the point.
 const MAGIC: f64 = 6755399441055744.0;
 /// π/2 in three parts.

@@ -1,0 +1,367 @@
+//! `Derivation` → JavaScript: one ES module without dependencies.
+
+use crate::optimise::Derivation;
+use crate::shape::Shape;
+use crate::variable::component_names;
+
+use super::super::{Options, doc};
+use super::pieces::{needed, uses};
+use super::{
+    Argued, Ending, Motion, Place, Routine, Side, Sizes, Syntax, Walk, defaults, entries, indented, list, plain,
+};
+
+/// What the modules share.
+const SHARED: &str = include_str!("prelude.mjs");
+
+/// The module of a mechanism; `source` is what its first line calls the declaration.
+pub(in crate::emit) fn js(derivation: &Derivation, source: &str, options: &Options) -> String {
+    let walk = Walk::new(derivation, source, options);
+    let class = Js.identifier(&plain(&walk.names.mechanism));
+    let text = format!("{}{}", tables(&walk), class_of(&walk, &class));
+    format!("{}\n{}{text}", comment(&walk.docs(), 0), needed(SHARED, "//", &text))
+}
+
+/// Reserved words, what functions of a class have names for, and what they call.
+const TAKEN: &str = "arguments await break case catch class const constructor continue debugger default delete do else enum eval \
+    export extends false finally for function if implements import in instanceof interface let new null package \
+    private protected public return static super switch this throw true try typeof var void while with yield \
+    undefined NaN Infinity Math Number Array Object params q qd qdd u t prescribed multipliers mass_matrix \
+    reciprocals right_side system motion sizes parts";
+
+struct Js;
+
+impl Syntax for Js {
+    fn identifier(&self, name: &str) -> String {
+        let plain = plain(name);
+        let is_taken = plain.starts_with("mbs_") || plain.contains("__") || TAKEN.split(' ').any(|word| word == plain);
+        if is_taken && plain != "t" { format!("js_{plain}") } else { plain }
+    }
+
+    fn constant(&self, value: f64) -> String {
+        if value == std::f64::consts::PI { "Math.PI".to_string() } else { format!("{value:?}") }
+    }
+
+    fn hoisted(&self, name: &str) -> String {
+        format!("this.#{}", self.identifier(name))
+    }
+
+    fn and(&self) -> &'static str {
+        "&&"
+    }
+
+    fn not(&self) -> &'static str {
+        "!"
+    }
+
+    fn select(&self, condition: &str, then: &str, otherwise: &str) -> String {
+        format!("{condition} ? {then} : {otherwise}")
+    }
+
+    fn call(&self, name: &str, arguments: &[String]) -> String {
+        let arguments = arguments.join(", ");
+        match name {
+            "ln" => format!("Math.log({arguments})"),
+            "powf" => format!("Math.pow({arguments})"),
+            "sech" => format!("(1.0 / Math.cosh({arguments}))"),
+            "signum" | "own_sin" | "own_cos" => format!("mbs_{name}({arguments})"),
+            name => format!("Math.{name}({arguments})"),
+        }
+    }
+
+    fn bind(&self, name: &str, value: &str) -> String {
+        format!("const {name} = {value};")
+    }
+
+    fn sin_cos(&self, [sin, cos]: [&str; 2], angle: &str) -> String {
+        format!("const [{sin}, {cos}] = mbs_sin_cos({angle});")
+    }
+
+    fn spline(&self, names: &[String], table: usize, orders: &[usize], x: &str) -> Vec<String> {
+        let line = |(name, order): (&String, &usize)| {
+            self.bind(name, &format!("mbs_spline(TABLE_{table}_PLACES, TABLE_{table}_ROWS, {order}, {x})"))
+        };
+        names.iter().zip(orders).map(line).collect()
+    }
+
+    fn branch(&self, names: &[String], condition: &str, sides: [Side; 2]) -> Vec<String> {
+        let mut lines = vec![format!("let {};", names.join(", ")), format!("if ({condition}) {{")];
+        for (side, end) in sides.iter().zip(["} else {", "}"]) {
+            lines.extend(indented(&side.lines, 2));
+            lines.extend(names.iter().zip(&side.values).map(|(name, value)| format!("  {name} = {value};")));
+            lines.push(end.to_string());
+        }
+        lines
+    }
+
+    fn read(&self, place: &Place<'_>) -> String {
+        match place {
+            Place::Argument(name, i) => format!("{name}[{i}]"),
+            Place::Prescribed(i, order) => format!("prescribed[{i}][{order}]"),
+            Place::Parameter(name, indices) => {
+                let indices: String = indices.iter().map(|i| format!("[{i}]")).collect();
+                format!("this.params.{}{indices}", field(name))
+            }
+        }
+    }
+}
+
+/// Any name is a property's, but one.
+fn field(name: &str) -> String {
+    if name == "__proto__" { format!("js_{name}") } else { name.to_string() }
+}
+
+fn tables(walk: &Walk<'_>) -> String {
+    let numbers = |values: &[f64]| list(&values.iter().map(|&x| Js.constant(x)).collect::<Vec<_>>(), ["[", "]"]);
+    let table = |(number, spline): (usize, &crate::expr::Spline)| {
+        let rows: Vec<String> = spline.rows().iter().map(|row| numbers(row)).collect();
+        let (places, rows) = (numbers(spline.places()), list(&rows, ["[", "]"]));
+        format!("const TABLE_{number}_PLACES = {places};\n\nconst TABLE_{number}_ROWS = {rows};\n\n")
+    };
+    walk.names.splines.iter().enumerate().map(table).collect()
+}
+
+fn class_of(walk: &Walk<'_>, class: &str) -> String {
+    let names =
+        |names: Vec<String>| list(&names.iter().map(|name| format!("{name:?}")).collect::<Vec<_>>(), ["[", "]"]);
+    let derivation = walk.derivation;
+    let summary = format!("The mechanism `{}`: its equations of motion.", derivation.name);
+    let mut text = format!("{}export class {class} {{\n", comment(&[summary], 0));
+    for (docs, name, variables) in [
+        ("Names of the coordinates, in the order of `q`, `qd`, `qdd`.", "coordinates", &derivation.coordinates),
+        ("Names of the inputs, in the order of `u`.", "inputs", &derivation.inputs),
+    ] {
+        text += &comment(&[docs.to_string()], 2);
+        text += &format!("  static {name} = {};\n\n", names(component_names(variables)));
+    }
+    text += &constructor(walk, class);
+    for routine in walk.routines(&Js) {
+        text += &method(walk, &routine);
+    }
+    text.trim_end().to_string() + "\n}\n"
+}
+
+fn constructor(walk: &Walk<'_>, class: &str) -> String {
+    let (lines, hoisted) = walk.constructor(&Js);
+    let mut text: String = hoisted.iter().map(|(name, _)| format!("  #{};\n", Js.identifier(name))).collect();
+    if !hoisted.is_empty() {
+        text += "\n";
+    }
+    text += &comment(&["The declared parameters.".to_string()], 2);
+    text += "  static defaults() {\n    return {\n";
+    for (parameter, name) in walk.parameters() {
+        text += &comment(&doc::parameter(parameter), 6);
+        let value = defaults(parameter, &|x| Js.constant(x), &|values| format!("[{}]", values.join(", ")));
+        text += &format!("      {}: {value},\n", field(&name));
+    }
+    text += "    };\n  }\n\n";
+    text += &comment(
+        &[
+            "With these parameters, of which those that are left out are as declared.".to_string(),
+            String::new(),
+            format!("@param {{Partial<ReturnType<typeof {class}.defaults>>}} params"),
+            "@throws {RangeError} a parameter is unknown, of another shape or not finite".to_string(),
+        ],
+        2,
+    );
+    text +=
+        &format!("  constructor(params = {{}}) {{\n    this.params = mbs_parameters({class}.defaults(), params);\n");
+    indented(&lines, 4).for_each(|line| text += &(line + "\n"));
+    for (name, value) in &hoisted {
+        text += &format!("    {} = {value};\n", Js.hoisted(name));
+    }
+    text + "  }\n\n"
+}
+
+fn method(walk: &Walk<'_>, routine: &Routine) -> String {
+    let names: Vec<&str> = routine.arguments.iter().map(|(name, _)| *name).collect();
+    let name = match (&routine.ending, routine.name.as_str()) {
+        (Ending::Motion, name) => format!("#{name}"),
+        (_, "constructor") => "constructor_2".to_string(),
+        (_, name) => name.to_string(),
+    };
+    let mut docs = routine.docs.clone();
+    docs.push(String::new());
+    docs.extend(routine.arguments.iter().map(|argument| documented(*argument)));
+    docs.push(format!("@returns {{{}}}", returned_type(routine)));
+    let mut lines: Vec<String> = routine
+        .arguments
+        .iter()
+        .map(|(name, count)| match count {
+            Some(count) => format!("mbs_sized(\"{name}\", {name}, {count});"),
+            None => format!("void {name};"),
+        })
+        .collect();
+    let (arguments, forward_dynamics) = (names.join(", "), || walk.forward_dynamics());
+    match (routine.motion, &routine.ending) {
+        (Motion::Given, _) => {}
+        (Motion::Accelerations, _) => lines.push(format!("const qdd = this.{}({arguments});", forward_dynamics())),
+        (Motion::Constrained, Ending::OfMotion(part)) => {
+            lines.push(format!("return this.#{}({arguments}).{part};", plain(&walk.names.constrained_motion)));
+        }
+        (Motion::Constrained, _) => {
+            let all = [&routine.lines[..], &routine.values[..]].concat().join("\n");
+            let multipliers = if uses(&all, "multipliers") { ", multipliers" } else { "" };
+            let motion = plain(&walk.names.constrained_motion);
+            lines.push(format!("const {{ qdd{multipliers} }} = this.#{motion}({arguments});"));
+        }
+    }
+    lines.extend(routine.lines.iter().cloned());
+    lines.extend(ending(walk, routine));
+    let body: String = indented(&lines, 4).map(|line| line + "\n").collect();
+    format!("{}  {name}({arguments}) {{\n{}  }}\n\n", comment(&docs, 2), body)
+}
+
+fn ending(walk: &Walk<'_>, routine: &Routine) -> Vec<String> {
+    let (n, k) = (walk.derivation.dof(), walk.derivation.constraints.len());
+    let flat = |values: &[String]| list(values, ["[", "]"]);
+    let returned = |parts: Vec<String>| {
+        let all = match parts.as_slice() {
+            [part] => part.clone(),
+            parts => {
+                let named = routine.parts.iter().zip(parts).map(|((name, _), part)| format!("{name}: {part}"));
+                list(&named.collect::<Vec<_>>(), ["{ ", " }"])
+            }
+        };
+        format!("return {all};").lines().map(String::from).collect::<Vec<_>>()
+    };
+    let statement = |text: String| text.lines().map(String::from).collect::<Vec<_>>();
+    let width = |shape: Shape| match shape {
+        Shape::Matrix(_, columns) => columns,
+        _ => 1,
+    };
+    // `part` flat.
+    let in_shape = |part: String, shape: Shape| match shape {
+        Shape::Matrix(rows, 0) => format!("[{}]", vec!["[]"; rows].join(", ")),
+        Shape::Matrix(_, columns) => format!("mbs_rows({part}, {columns})"),
+        _ => part,
+    };
+    match &routine.ending {
+        Ending::OfMotion(_) => Vec::new(),
+        Ending::Values => {
+            let mut values = routine.values.iter().cloned();
+            returned(routine.parts.iter().map(|(_, shape)| shaped(*shape, &mut values)).collect())
+        }
+        Ending::Solve => {
+            let (masses, mut rest) = routine.values.split_at(n * n);
+            let mut lines = statement(format!("const mass_matrix = {};", flat(masses)));
+            lines.push(format!("const reciprocals = mbs_ldlt({n}, mass_matrix);"));
+            let parts = routine.parts.iter().map(|(_, shape)| {
+                let (right_side, after) = rest.split_at(entries(*shape));
+                rest = after;
+                let solve =
+                    format!("mbs_ldlt_solve({n}, {}, mass_matrix, reciprocals, {})", width(*shape), flat(right_side));
+                in_shape(solve, *shape)
+            });
+            let parts: Vec<String> = parts.collect();
+            lines.extend(returned(parts));
+            lines
+        }
+        Ending::Motion | Ending::Slopes(_) => {
+            let (masses, rest) = routine.values.split_at(n * n);
+            let (jacobian, right_sides) = rest.split_at(k * n);
+            let mut lines = statement(format!(
+                "const system = new mbs_NullSpace({n}, [{}], {}, {});",
+                walk.vectors().join(", "),
+                flat(masses),
+                flat(jacobian)
+            ));
+            lines.extend(statement(format!("const right_side = {};", flat(right_sides))));
+            if let Ending::Slopes(sizes) = &routine.ending {
+                let widths: Vec<String> = routine.parts.iter().map(|(_, shape)| width(*shape).to_string()).collect();
+                let sizes = match sizes {
+                    Sizes::Parameters(all) => flat(all),
+                    Sizes::State(kinds, inputs) => {
+                        let kinds: Vec<String> = kinds.iter().map(ToString::to_string).collect();
+                        format!("mbs_state_sizes(q, qd, [{}], {inputs})", kinds.join(", "))
+                    }
+                };
+                lines.extend(statement(format!("const sizes = {sizes};")));
+                lines.push(format!(
+                    "const parts = mbs_slopes(system, right_side, [{}], Array.from(qdd), sizes);",
+                    widths.join(", ")
+                ));
+                let parts =
+                    routine.parts.iter().enumerate().map(|(i, (_, shape))| in_shape(format!("parts[{i}]"), *shape));
+                lines.extend(returned(parts.collect()));
+            } else {
+                lines.push("const [motion] = system.solve([right_side], [], []);".to_string());
+                lines.push(format!("return {{ qdd: motion.slice(0, {n}), multipliers: motion.slice({n}) }};"));
+            }
+            lines
+        }
+    }
+}
+
+/// The next values in this shape.
+fn shaped(shape: Shape, values: &mut dyn Iterator<Item = String>) -> String {
+    let several = |count: usize, shape: Shape, values: &mut dyn Iterator<Item = String>| {
+        list(&(0..count).map(|_| shaped(shape, values)).collect::<Vec<_>>(), ["[", "]"])
+    };
+    match shape {
+        Shape::Scalar => values.next().expect("a value for each component"),
+        Shape::Vector(n) => several(n, Shape::Scalar, values),
+        Shape::Matrix(rows, columns) => several(rows, Shape::Vector(columns), values),
+        Shape::Symmetric(n) => several(n, Shape::Vector(n), values),
+        Shape::Pose => {
+            let position = shaped(Shape::Vector(3), values);
+            let rotation = shaped(Shape::Matrix(3, 3), values);
+            list(&[format!("position: {position}"), format!("rotation: {rotation}")], ["{ ", " }"])
+        }
+        Shape::Wrench => {
+            let [force, moment] = [0, 1].map(|_| shaped(Shape::Vector(3), values));
+            list(&[format!("force: {force}"), format!("moment: {moment}")], ["{ ", " }"])
+        }
+        Shape::Wrenches(n) => several(n, Shape::Wrench, values),
+        Shape::Matrices(n, rows, columns) => several(n, Shape::Matrix(rows, columns), values),
+        Shape::Poses(n) => several(n, Shape::Pose, values),
+    }
+}
+
+fn documented((name, count): Argued) -> String {
+    match (name, count) {
+        (_, None) => format!("@param {{number}} {name} time, s"),
+        ("prescribed", Some(count)) => {
+            format!(
+                "@param {{ArrayLike<ArrayLike<number>>}} {name} value, rate and second derivative of {count} motions"
+            )
+        }
+        (_, Some(1)) => format!("@param {{ArrayLike<number>}} {name} 1 number"),
+        (_, Some(count)) => format!("@param {{ArrayLike<number>}} {name} {count} numbers"),
+    }
+}
+
+fn returned_type(routine: &Routine) -> String {
+    fn of(shape: Shape) -> &'static str {
+        match shape {
+            Shape::Scalar => "number",
+            Shape::Vector(_) => "number[]",
+            Shape::Matrix(..) | Shape::Symmetric(_) => "number[][]",
+            Shape::Pose => "{ position: number[], rotation: number[][] }",
+            Shape::Wrench => "{ force: number[], moment: number[] }",
+            Shape::Wrenches(_) => "{ force: number[], moment: number[] }[]",
+            Shape::Matrices(..) => "number[][][]",
+            Shape::Poses(_) => "{ position: number[], rotation: number[][] }[]",
+        }
+    }
+    match routine.parts.as_slice() {
+        [(_, shape)] => of(*shape).to_string(),
+        parts => {
+            let parts: Vec<String> = parts.iter().map(|(name, shape)| format!("{name}: {}", of(*shape))).collect();
+            format!("{{ {} }}", parts.join(", "))
+        }
+    }
+}
+
+/// A comment that documentation generators read.
+fn comment(lines: &[String], by: usize) -> String {
+    let indent = " ".repeat(by);
+    let lines: Vec<String> = lines.iter().map(|line| line.replace("*/", "* /")).collect();
+    match lines.as_slice() {
+        [line] => format!("{indent}/** {line} */\n"),
+        lines => {
+            let lines: String =
+                lines.iter().map(|line| format!("{indent} * {line}").trim_end().to_string() + "\n").collect();
+            format!("{indent}/**\n{lines}{indent} */\n")
+        }
+    }
+}

@@ -1,0 +1,386 @@
+//! `Derivation` → MATLAB and Octave: one function file, which gives a struct of functions.
+
+use std::fmt::Write;
+
+use crate::optimise::Derivation;
+use crate::shape::Shape;
+use crate::variable::component_names;
+
+use super::super::{Options, doc};
+use super::pieces::{needed, uses};
+use super::{Ending, Motion, Place, Routine, Side, Sizes, Syntax, Walk, defaults, entries, indented, plain};
+
+/// What the files share.
+const SHARED: &str = concat!(include_str!("prelude.m"), "\n\n", include_str!("constrained.m"));
+
+/// The file of a mechanism; `source` is what its first line calls the declaration.
+pub(in crate::emit) fn matlab(derivation: &Derivation, source: &str, options: &Options) -> String {
+    let walk = Walk::new(derivation, source, options);
+    let routines = walk.routines(&Matlab);
+    let mut text = main(&walk, &routines);
+    for routine in &routines {
+        text += &function(&walk, routine);
+    }
+    text += &tables(&walk);
+    let shared = needed(SHARED, "%", &text);
+    (text + &shared).trim_end().to_string() + "\n"
+}
+
+/// Keywords of MATLAB and Octave.
+const KEYWORDS: &str = "break case catch classdef continue do else elseif end end_try_catch end_unwind_protect endfor \
+    endfunction endif endparfor endswitch endwhile for function global if otherwise parfor persistent return spmd switch \
+    try until unwind_protect unwind_protect_cleanup while __FILE__ __LINE__ arguments enumeration events \
+    methods properties";
+
+/// What functions have names for, and what they call.
+const TAKEN: &str = "sin cos tan atan atan2 sinh cosh tanh exp abs zeros struct repmat pi e i j Inf NaN eps error reshape ans \
+    c given params q qd qdd u prescribed multipliers mass_matrix factors reciprocals right_side system motion sizes parts \
+    result jacobian";
+
+fn is_keyword(name: &str) -> bool {
+    KEYWORDS.split(' ').any(|word| word == name)
+}
+
+/// The name of a field.
+fn member(name: &str) -> String {
+    let is_taken = name.starts_with('_') || is_keyword(name);
+    shortened(if is_taken { format!("m_{name}") } else { name.to_string() })
+}
+
+/// MATLAB's names have no more letters.
+const LONGEST: usize = 63;
+
+fn shortened(name: String) -> String {
+    if name.len() <= LONGEST {
+        return name;
+    }
+    // FNV-1a, which keeps long names apart.
+    let hash = name.bytes().fold(0x811c_9dc5_u32, |hash, byte| (hash ^ u32::from(byte)).wrapping_mul(0x0100_0193));
+    format!("{}_{hash:08x}", &name[..LONGEST - 9])
+}
+
+/// The identifier for a name, of a file as well.
+pub(in crate::emit) fn identifier(name: &str) -> String {
+    Matlab.identifier(name)
+}
+
+struct Matlab;
+
+impl Syntax for Matlab {
+    fn identifier(&self, name: &str) -> String {
+        let plain = plain(name);
+        let begins = |starts: &[&str]| starts.iter().any(|start| plain.starts_with(start));
+        let is_taken = begins(&["mbs_", "by_q"]) || plain == "by_u" || TAKEN.split(' ').any(|word| word == plain);
+        if is_taken { shortened(format!("m_{plain}")) } else { member(&plain) }
+    }
+
+    fn constant(&self, value: f64) -> String {
+        if value == std::f64::consts::PI { "pi".to_string() } else { format!("{value:?}") }
+    }
+
+    fn hoisted(&self, name: &str) -> String {
+        format!("c.{}", self.identifier(name))
+    }
+
+    fn and(&self) -> &'static str {
+        "&&"
+    }
+
+    fn not(&self) -> &'static str {
+        "~"
+    }
+
+    fn select(&self, condition: &str, then: &str, otherwise: &str) -> String {
+        format!("mbs_choose({condition}, {then}, {otherwise})")
+    }
+
+    fn call(&self, name: &str, arguments: &[String]) -> String {
+        let arguments = arguments.join(", ");
+        match name {
+            "sech" => format!("(1.0 / cosh({arguments}))"),
+            "sqrt" | "ln" | "asin" | "acos" | "powf" | "signum" | "own_sin" | "own_cos" => {
+                format!("mbs_{name}({arguments})")
+            }
+            name => format!("{name}({arguments})"),
+        }
+    }
+
+    fn bind(&self, name: &str, value: &str) -> String {
+        format!("{name} = {value};")
+    }
+
+    fn sin_cos(&self, [sin, cos]: [&str; 2], angle: &str) -> String {
+        format!("[{sin}, {cos}] = mbs_sin_cos({angle});")
+    }
+
+    fn spline(&self, names: &[String], table: usize, orders: &[usize], x: &str) -> Vec<String> {
+        let line = |(name, order): (&String, &usize)| {
+            self.bind(name, &format!("mbs_spline(c.table_{table}_places, c.table_{table}_rows, {order}, {x})"))
+        };
+        names.iter().zip(orders).map(line).collect()
+    }
+
+    fn branch(&self, names: &[String], condition: &str, sides: [Side; 2]) -> Vec<String> {
+        let mut lines = vec![format!("if {condition}")];
+        for (side, end) in sides.iter().zip(["else", "end"]) {
+            lines.extend(indented(&side.lines, 2));
+            lines.extend(names.iter().zip(&side.values).map(|(name, value)| format!("  {name} = {value};")));
+            lines.push(end.to_string());
+        }
+        lines
+    }
+
+    fn read(&self, place: &Place<'_>) -> String {
+        match place {
+            Place::Argument(name, i) => format!("{name}({})", i + 1),
+            Place::Prescribed(i, order) => format!("prescribed({}, {})", i + 1, order + 1),
+            Place::Parameter(name, indices) => {
+                let (name, indices): (_, Vec<String>) =
+                    (member(name), indices.iter().map(|i| (i + 1).to_string()).collect());
+                if indices.is_empty() {
+                    format!("c.params.{name}")
+                } else {
+                    format!("c.params.{name}({})", indices.join(", "))
+                }
+            }
+        }
+    }
+}
+
+fn tables(walk: &Walk<'_>) -> String {
+    let mut text = String::new();
+    let row = |values: &[f64]| values.iter().map(|&x| Matlab.constant(x)).collect::<Vec<_>>().join(", ");
+    for (number, spline) in walk.names.splines.iter().enumerate() {
+        let _ = writeln!(
+            text,
+            "function [places, rows] = table_{number}()\nplaces = [{}];\nrows = [",
+            row(spline.places())
+        );
+        for values in spline.rows() {
+            let _ = writeln!(text, "  {}", row(values));
+        }
+        text += "];\nend\n\n";
+    }
+    text
+}
+
+fn main(walk: &Walk<'_>, routines: &[Routine]) -> String {
+    let derivation = walk.derivation;
+    let name = Matlab.identifier(&walk.snake_case());
+    let cells =
+        |names: Vec<String>| format!("{{{}}}", names.iter().map(|n| format!("'{n}'")).collect::<Vec<_>>().join(", "));
+    let mut docs = vec![
+        format!("{}  Equations of motion of the mechanism {}.", name.to_uppercase(), derivation.name),
+        format!("  m = {name}() has the functions with the declared parameters, m = {name}(params) with those"),
+        "  of a struct; what it leaves out is as declared. m.params are the parameters.".to_string(),
+        String::new(),
+    ];
+    docs.extend(walk.docs());
+    docs.extend([String::new(), "Parameters:".to_string()]);
+    for (parameter, field) in walk.parameters() {
+        docs.push(format!("- {}: {}", member(&field), doc::parameter(parameter).join(" ")));
+    }
+    let mut text = format!("function m = {name}(given)\n{}", comment(&docs));
+    text += "if nargin < 1\n  given = struct();\nend\nparams = struct();\n";
+    for (parameter, field) in walk.parameters() {
+        let list = |values: &[String]| {
+            let is_matrix = values.iter().any(|value| value.starts_with('['));
+            let values: Vec<&str> = values.iter().map(|value| value.trim_matches(['[', ']'])).collect();
+            format!("[{}]", values.join(if is_matrix { "; " } else { ", " }))
+        };
+        let value = defaults(parameter, &|x| Matlab.constant(x), &list);
+        let _ = writeln!(text, "params.{} = {value};", member(&field));
+    }
+    text += "c.params = mbs_parameters(params, given);\n";
+    for number in 0..walk.names.splines.len() {
+        let _ = writeln!(text, "[c.table_{number}_places, c.table_{number}_rows] = table_{number}();");
+    }
+    let (lines, hoisted) = walk.constructor(&Matlab);
+    lines.iter().for_each(|line| text += &format!("{line}\n"));
+    for (name, value) in &hoisted {
+        let _ = writeln!(text, "{} = {value};", Matlab.hoisted(name));
+    }
+    text += "m = struct();\nm.params = c.params;\n";
+    let _ = writeln!(text, "m.coordinates = {};", cells(component_names(&derivation.coordinates)));
+    let _ = writeln!(text, "m.inputs = {};", cells(component_names(&derivation.inputs)));
+    for routine in routines.iter().filter(|routine| !matches!(routine.ending, Ending::Motion)) {
+        let names: Vec<&str> = routine.arguments.iter().map(|(name, _)| *name).collect();
+        let given = std::iter::once("c").chain(names.iter().copied()).collect::<Vec<_>>().join(", ");
+        let _ = writeln!(text, "m.{} = @({}) {}({given});", field(routine), names.join(", "), local_function(routine));
+    }
+    text + "end\n\n"
+}
+
+/// What the function is in the struct.
+fn field(routine: &Routine) -> String {
+    let name = member(&routine.name);
+    if ["coordinates", "inputs"].contains(&name.as_str()) { format!("{name}_2") } else { name }
+}
+
+/// What the function is called in the file, where it must not hide one of the library.
+fn local_function(routine: &Routine) -> String {
+    Matlab.identifier(&format!("f_{}", routine.name))
+}
+
+/// Names of what is returned.
+fn results(routine: &Routine) -> Vec<String> {
+    routine
+        .parts
+        .iter()
+        .map(|(name, _)| if name.is_empty() { "result".to_string() } else { format!("by_{name}") })
+        .collect()
+}
+
+fn function(walk: &Walk<'_>, routine: &Routine) -> String {
+    let results = match routine.ending {
+        Ending::Motion => vec!["qdd".to_string(), "multipliers".to_string()],
+        _ => results(routine),
+    };
+    let names: Vec<&str> = routine.arguments.iter().map(|(name, _)| *name).collect();
+    let given = std::iter::once("c").chain(names.iter().copied()).collect::<Vec<_>>().join(", ");
+    let returned = if let [result] = results.as_slice() { result.clone() } else { format!("[{}]", results.join(", ")) };
+    let mut lines = Vec::new();
+    if !matches!(routine.ending, Ending::OfMotion(_)) {
+        for (name, count) in &routine.arguments {
+            let count = match (*name, count) {
+                (_, None) => 1,
+                ("prescribed", Some(count)) => 3 * count,
+                (_, Some(count)) => *count,
+            };
+            lines.push(format!("mbs_sized('{name}', {name}, {count});"));
+        }
+    }
+    let motion = || Matlab.identifier(&format!("f_{}", plain(&walk.names.constrained_motion)));
+    match (routine.motion, &routine.ending) {
+        (Motion::Given, _) => {}
+        (Motion::Accelerations, _) => {
+            lines.push(format!("qdd = {}({given});", Matlab.identifier(&format!("f_{}", walk.forward_dynamics()))));
+        }
+        (Motion::Constrained, Ending::OfMotion("qdd")) => lines.push(format!("result = {}({given});", motion())),
+        (Motion::Constrained, Ending::OfMotion(_)) => lines.push(format!("[~, result] = {}({given});", motion())),
+        (Motion::Constrained, _) => {
+            let all = [&routine.lines[..], &routine.values[..]].concat().join("\n");
+            let taken = if uses(&all, "multipliers") { "[qdd, multipliers]" } else { "qdd" };
+            lines.push(format!("{taken} = {}({given});", motion()));
+        }
+    }
+    lines.extend(routine.lines.iter().cloned());
+    lines.extend(ending(walk, routine, &results));
+    let body: String = lines.iter().map(|line| format!("{line}\n")).collect();
+    format!("function {returned} = {}({given})\n{}{body}end\n\n", local_function(routine), comment(&routine.docs))
+}
+
+/// Assigns numbers to a variable of this shape.
+fn assigned(name: &str, shape: Shape, values: &[String]) -> Vec<String> {
+    let matrix = |start: String, rows: usize, columns: usize| {
+        let entry =
+            move |(i, value): (usize, &String)| format!("{name}({}, {}) = {value};", i / columns + 1, i % columns + 1);
+        std::iter::once(format!("{name} = {start};"))
+            .chain(values.iter().enumerate().map(entry))
+            .take(1 + rows * columns)
+    };
+    let structs = |(first, rest): (&str, &str), count: Option<usize>, size: usize| {
+        let zero = if size == 12 { "zeros(3)" } else { "zeros(3, 1)" };
+        let start = format!("struct('{first}', zeros(3, 1), '{rest}', {zero})");
+        let start = count.map_or(start.clone(), |n| format!("repmat({start}, {n}, 1)"));
+        let entry = |(i, value): (usize, &String)| {
+            let element = if count.is_some() { format!("({})", i / size + 1) } else { String::new() };
+            let place = match i % size {
+                j @ 0..3 => format!("{first}({})", j + 1),
+                j if size == 12 => format!("{rest}({}, {})", j / 3, j % 3 + 1),
+                j => format!("{rest}({})", j - 2),
+            };
+            format!("{name}{element}.{place} = {value};")
+        };
+        std::iter::once(format!("{name} = {start};")).chain(values.iter().enumerate().map(entry)).collect::<Vec<_>>()
+    };
+    match shape {
+        Shape::Scalar => vec![format!("{name} = {};", values[0])],
+        Shape::Vector(n) => matrix(format!("zeros({n}, 1)"), n, 1).collect(),
+        Shape::Matrix(rows, columns) => matrix(format!("zeros({rows}, {columns})"), rows, columns).collect(),
+        Shape::Symmetric(n) => matrix(format!("zeros({n}, {n})"), n, n).collect(),
+        Shape::Pose => structs(("position", "rotation"), None, 12),
+        Shape::Poses(n) => structs(("position", "rotation"), Some(n), 12),
+        Shape::Wrench => structs(("force", "moment"), None, 6),
+        Shape::Wrenches(n) => structs(("force", "moment"), Some(n), 6),
+        Shape::Matrices(n, rows, columns) => {
+            let entry = |(i, value): (usize, &String)| {
+                let (of, within) = (i / (rows * columns), i % (rows * columns));
+                format!("{name}({}, {}, {}) = {value};", of + 1, within / columns + 1, within % columns + 1)
+            };
+            let start = format!("{name} = zeros({n}, {rows}, {columns});");
+            std::iter::once(start).chain(values.iter().enumerate().map(entry)).collect()
+        }
+    }
+}
+
+fn ending(walk: &Walk<'_>, routine: &Routine, results: &[String]) -> Vec<String> {
+    let (n, k) = (walk.derivation.dof(), walk.derivation.constraints.len());
+    let width = |shape: Shape| match shape {
+        Shape::Matrix(_, columns) => columns,
+        _ => 1,
+    };
+    let parts = || routine.parts.iter().map(|(_, shape)| *shape).zip(results);
+    let mut lines = Vec::new();
+    match &routine.ending {
+        Ending::OfMotion(_) => {}
+        Ending::Values => {
+            let mut values = routine.values.as_slice();
+            for (shape, name) in parts() {
+                let (own, rest) = values.split_at(entries(shape));
+                values = rest;
+                lines.extend(assigned(name, shape, own));
+            }
+        }
+        Ending::Solve => {
+            let (masses, mut rest) = routine.values.split_at(n * n);
+            lines.extend(assigned("mass_matrix", Shape::Matrix(n, n), masses));
+            lines.push("[factors, reciprocals] = mbs_ldlt(mass_matrix);".to_string());
+            for (shape, name) in parts() {
+                let (own, after) = rest.split_at(entries(shape));
+                rest = after;
+                lines.extend(assigned(name, shape, own));
+                lines.push(format!("{name} = mbs_ldlt_solve(factors, reciprocals, {name});"));
+            }
+        }
+        Ending::Motion | Ending::Slopes(_) => {
+            let (masses, rest) = routine.values.split_at(n * n);
+            let (jacobian, mut rest) = rest.split_at(k * n);
+            lines.extend(assigned("mass_matrix", Shape::Matrix(n, n), masses));
+            lines.extend(assigned("jacobian", Shape::Matrix(k, n), jacobian));
+            let vectors = walk.vectors().join(", ");
+            lines.push(format!("system = mbs_null_space([{vectors}], mass_matrix, jacobian);"));
+            let Ending::Slopes(sizes) = &routine.ending else {
+                lines.extend(assigned("right_side", Shape::Vector(n + k), rest));
+                lines.push("motion = mbs_solve(system, right_side, [], []);".to_string());
+                lines.push(format!("qdd = motion(1:{n});\nmultipliers = motion({}:{});", n + 1, n + k));
+                return lines;
+            };
+            let mut names = Vec::new();
+            for (shape, name) in parts() {
+                let (own, after) = rest.split_at((n + k) * width(shape));
+                rest = after;
+                lines.extend(assigned(name, Shape::Matrix(n + k, width(shape)), own));
+                names.push(name.clone());
+            }
+            match sizes {
+                Sizes::Parameters(all) => lines.extend(assigned("sizes", Shape::Vector(all.len()), all)),
+                Sizes::State(kinds, inputs) => {
+                    let kinds: Vec<String> = kinds.iter().map(ToString::to_string).collect();
+                    lines.push(format!("sizes = mbs_state_sizes(q, qd, [{}], {inputs});", kinds.join(", ")));
+                }
+            }
+            lines.push(format!("parts = mbs_solve(system, [{}], qdd, sizes);", names.join(", ")));
+            let mut first = 1;
+            for (shape, name) in parts() {
+                lines.push(format!("{name} = parts(1:{n}, {first}:{});", first + width(shape) - 1));
+                first += width(shape);
+            }
+        }
+    }
+    lines
+}
+
+fn comment(lines: &[String]) -> String {
+    lines.iter().map(|line| format!("% {line}").trim_end().to_string() + "\n").collect()
+}
