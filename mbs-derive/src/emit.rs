@@ -11,7 +11,7 @@
 //! - `segment`: long bodies in blocks;
 //! - `name`: identifiers, from the declaration where they can be;
 //! - `outline`: a long module without its function bodies, for review;
-//! - `c`: the same in C99.
+//! - `c`: the same in C99, C++, CUDA and OpenCL C.
 //!
 //! The code links mbs-runtime by absolute path and nothing else. It computes what [`interpret`](crate::interpret)
 //! computes, to the bit, except where the target has a fused multiply–add. Its text depends on the derivation alone.
@@ -31,7 +31,7 @@ mod text;
 mod traits;
 
 use crate::optimise::Derivation;
-pub use c::c;
+pub use c::{Dialect, c, c_in};
 
 /// What is generated.
 ///

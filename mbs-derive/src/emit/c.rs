@@ -1,34 +1,45 @@
-//! Pass 6, once more: [`Derivation`] → C99, one header a mechanism.
+//! Pass 6, once more: [`Derivation`] → C99, one header a mechanism, and what C++, CUDA and OpenCL have besides.
 //!
+//! - `parameter`: parameters, what they must satisfy, and the struct of the mechanism;
+//! - `function`: its functions; `solution`: systems that are solved for them;
+//! - `kernel`: the same for many states at once, in CUDA and OpenCL;
 //! - `expression`: how values are written in C;
-//! - `prelude`: what all headers share: the number type, elementary functions, the solver.
+//! - `prelude`: what all headers share: the number type, elementary functions, solvers.
 //!
 //! The header needs `math.h` alone, allocates nothing, and is C++ as well. It computes what the Rust computes, in the
 //! same order: where only `+ − × ÷ √` occur the bits are the same, unless the compiler contracts products and sums (GCC
 //! and Clang do not with `-ffp-contract=off`).
 
 mod expression;
+mod function;
+mod kernel;
+mod parameter;
 mod prelude;
+mod solution;
 
-use std::collections::BTreeSet;
 use std::fmt::Write;
 
-use crate::expr::Symbol;
-use crate::optimise::{Argument, Completion, Derivation, Function, FunctionKind};
-use crate::shape::Shape;
-use crate::variable::{self, Variable};
+use crate::optimise::{Derivation, Function};
+use crate::variable;
 
-use super::body::{Block, Body, Component, Statement};
-use super::expression::Tree;
+use super::body::{Block, Statement};
 use super::name::{Names, snake_case};
-use super::text::each_leaf;
-use super::{Options, doc, item, shape};
-use expression::{Printer, constant, identifier, prefix};
+use super::{Options, doc, item};
+use expression::{Printer, constant, prefix};
 
-/// The header of a mechanism; `source` is what its first line calls the declaration.
-///
-/// Functions of a mechanism with constraints that solve for accelerations or multipliers are left out, which a comment
-/// says: they need the runtime's choice of independent constraints.
+/// What a header is written in.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Dialect {
+    /// C99, which is C++ and, in functions of host and device, CUDA and HIP as well.
+    #[default]
+    C,
+    /// The same with kernels over many states, for CUDA and HIP.
+    Cuda,
+    /// OpenCL C with kernels over many states.
+    OpenCl,
+}
+
+/// The header of a mechanism in C99; `source` is what its first line calls the declaration.
 ///
 /// ```
 /// use mbs_derive::{Analysis, expr::Graph, source::Sources};
@@ -36,15 +47,28 @@ use expression::{Printer, constant, identifier, prefix};
 /// let graph = Graph::verbatim();
 /// let analysis = Analysis::of(&Sources::new("spring.mbs", text), &graph).unwrap();
 /// let header = mbs_derive::emit::c(analysis.programs(), "spring.mbs", &Default::default());
-/// assert!(header.contains("static inline mbs_real spring_potential_energy(const spring *self, const mbs_real q[1])"));
+/// assert!(header.contains("MBS_FN mbs_real spring_potential_energy(const spring *self, const mbs_real q[1])"));
 /// ```
 pub fn c(derivation: &Derivation, source: &str, options: &Options) -> String {
+    c_in(derivation, source, options, Dialect::C)
+}
+
+/// The header of a mechanism in a dialect of C.
+///
+/// ```
+/// use mbs_derive::emit::{Dialect, c_in};
+/// use mbs_derive::{Analysis, expr::Graph, source::Sources};
+/// let text = "mechanism Spring { param k: N/m = 4; coord x: m; kinetic += 1 kg*dt(x)^2/2; potential += k*x^2/2; }";
+/// let graph = Graph::verbatim();
+/// let analysis = Analysis::of(&Sources::new("spring.mbs", text), &graph).unwrap();
+/// let header = c_in(analysis.programs(), "spring.mbs", &Default::default(), Dialect::OpenCl);
+/// assert!(header.contains("MBS_KERNEL spring_potential_energy_kernel("));
+/// ```
+pub fn c_in(derivation: &Derivation, source: &str, options: &Options, dialect: Dialect) -> String {
     let names = Names::of(derivation, true);
     let prefix = prefix(&snake_case(&derivation.name));
-    let chosen = item::selected(derivation, options.functions.as_deref());
-    let (functions, left_out): (Vec<_>, Vec<_>) =
-        chosen.into_iter().partition(|(_, function)| !function.completion.is_constrained());
-    Header { derivation, names: &names, prefix, functions, left_out }.written(source)
+    let functions = item::selected(derivation, options.functions.as_deref());
+    Header { derivation, names: &names, prefix, functions, dialect }.written(source)
 }
 
 /// A longer head of a function has a line for each argument.
@@ -57,7 +81,7 @@ struct Header<'d> {
     prefix: String,
     /// The functions that are written, with their numbers.
     functions: Vec<(usize, &'d Function)>,
-    left_out: Vec<(usize, &'d Function)>,
+    dialect: Dialect,
 }
 
 impl Header<'_> {
@@ -67,27 +91,25 @@ impl Header<'_> {
         let functions: Vec<&Function> = self.functions.iter().map(|(_, f)| *f).collect();
         let mut docs = vec![format!("Generated by mbs {version} from {source}. Do not edit."), String::new()];
         docs.extend(doc::mechanism(self.derivation, &functions));
-        if !self.left_out.is_empty() {
-            let names: Vec<&str> = self.left_out.iter().map(|(_, f)| f.name.as_str()).collect();
-            docs.extend([
-                String::new(),
-                format!("Not in C: {}; they solve for forces of constraints.", names.join(", ")),
-            ]);
-        }
         let mut text = comment(&docs, "");
-        let _ = write!(text, "#ifndef {guard}\n#define {guard}\n\n{}\n", prelude::TEXT);
+        let _ = write!(text, "#ifndef {guard}\n#define {guard}\n\n{}", prelude::text(self));
         text += &self.sizes();
         text += &self.parameters();
         text += &self.tables();
+        text += &self.check();
         text += &self.constructor();
+        text += &self.constrained_motion();
         for (number, function) in &self.functions {
             text += &self.function(*number, function);
+        }
+        if self.dialect != Dialect::C {
+            text += &self.kernels();
         }
         let _ = writeln!(text, "#endif /* {guard} */");
         text
     }
 
-    /// Numbers of coordinates and inputs, and the place of each.
+    /// Numbers of coordinates and inputs, and the place of each; of a header with kernels also those of the structs.
     fn sizes(&self) -> String {
         let upper = self.prefix.to_uppercase();
         let mut text = String::new();
@@ -98,260 +120,46 @@ impl Header<'_> {
                 let _ = writeln!(text, "#define {upper}_{kind}_{} {}", variable.name, variable.first);
             }
         }
+        if self.dialect != Dialect::C {
+            let parameters = variable::count(&self.derivation.parameters).max(1);
+            text += &comment(&["How many numbers the structs are, one after the other.".to_string()], "");
+            let _ = writeln!(text, "#define {upper}_PARAMETERS {parameters}");
+            let _ = writeln!(text, "#define {upper}_NUMBERS {}", parameters + self.hoisted().len());
+        }
         text + "\n"
     }
 
-    /// The struct of parameters, their defaults, and the struct of the mechanism.
-    fn parameters(&self) -> String {
-        let (prefix, parameters) = (&self.prefix, &self.derivation.parameters);
-        let mut text = comment(&[format!("Parameters of {}.", self.derivation.name)], "");
-        let _ = writeln!(text, "typedef struct {prefix}_parameters {{");
-        for (parameter, field) in parameters.iter().zip(&self.names.fields) {
-            text += &comment(&doc::parameter(parameter), "    ");
-            let lengths: String = parameter.lengths().iter().map(|n| format!("[{n}]")).collect();
-            let _ = writeln!(text, "    mbs_real {}{lengths};", identifier(field));
-        }
-        if parameters.is_empty() {
-            text += "    /** There are none. */\n    char none;\n";
-        }
-        let _ = writeln!(text, "}} {prefix}_parameters;\n");
-
-        text += &comment(&["The declared parameters.".to_string()], "");
-        let _ = writeln!(text, "static inline {prefix}_parameters {prefix}_default_parameters(void)\n{{");
-        let _ = writeln!(text, "    const {prefix}_parameters params = {{");
-        for parameter in parameters {
-            let _ = writeln!(text, "        {},", defaults(parameter));
-        }
-        if parameters.is_empty() {
-            text += "        0,\n";
-        }
-        text += "    };\n    return params;\n}\n\n";
-
-        text += &comment(&["Parameters, and what depends on them alone.".to_string()], "");
-        let _ = writeln!(text, "typedef struct {prefix} {{\n    {prefix}_parameters params;");
-        for k in self.hoisted() {
-            let _ = writeln!(text, "    mbs_real {};", identifier(&self.names.hoisted[k]));
-        }
-        let _ = writeln!(text, "}} {prefix};\n");
-        text
-    }
-
     fn hoisted(&self) -> Vec<usize> {
-        item::hoisted(self.derivation, self.functions.iter().map(|(_, function)| *function))
+        let functions = self.functions.iter().map(|(_, function)| *function);
+        item::hoisted(self.derivation, functions.chain(self.constrained_forward_dynamics()))
     }
 
-    /// The splines that tables of the model are.
+    /// The splines that tables of the model are. OpenCL has constants outside of functions alone, CUDA inside.
     fn tables(&self) -> String {
         let list = |values: &[f64]| values.iter().map(|&x| constant(x)).collect::<Vec<_>>().join(", ");
         let mut text = String::new();
         for (number, spline) in self.names.splines.iter().enumerate() {
             let (name, rows) = (self.table(number), spline.rows());
             let (places, columns) = (spline.places(), spline.degree() + 2);
-            let _ = writeln!(text, "static const mbs_real {name}_places[{}] = {{{}}};", places.len(), list(places));
-            let _ = writeln!(text, "static const mbs_real {name}_rows[{}] = {{", rows.len() * columns);
-            rows.iter().for_each(|row| text += &format!("    {},\n", list(row)));
-            text += "};\n\n";
+            let is_inside = self.dialect != Dialect::OpenCl;
+            let (kind, indent) = if is_inside { ("static const", "    ") } else { ("__constant const", "") };
+            let mut constants = String::new();
+            let _ = writeln!(constants, "{indent}{kind} mbs_real {name}_places[{}] = {{{}}};", places.len(), list(places));
+            let _ = writeln!(constants, "{indent}{kind} mbs_real {name}_rows[{}] = {{", rows.len() * columns);
+            rows.iter().for_each(|row| {
+                let _ = writeln!(constants, "{indent}    {},", list(row));
+            });
+            let _ = writeln!(constants, "{indent}}};");
+            let head = format!("MBS_FN mbs_real {name}(int order, mbs_real x)\n{{\n");
+            let count = places.len();
+            let call = format!("    return mbs_spline({count}, {name}_places, {columns}, {name}_rows, order, x);\n}}\n\n");
+            text += &if is_inside { head + &constants + &call } else { constants + &head + &call };
         }
         text
     }
 
     fn table(&self, number: usize) -> String {
         format!("{}_table_{number}", self.prefix)
-    }
-
-    fn constructor(&self) -> String {
-        let (prefix, hoisted) = (&self.prefix, self.hoisted());
-        let components: Vec<Component> =
-            hoisted.iter().map(|&k| Component::Result(k, self.names.hoisted[k].clone())).collect();
-        let body = Body::new(&self.derivation.constructor, &components, self.names, self.names.constructor_scope());
-        let mut text = comment(&["The mechanism with these parameters, which are not looked at.".to_string()], "");
-        let _ = writeln!(text, "static inline {prefix} {prefix}_new(const {prefix}_parameters *params)\n{{");
-        let _ = writeln!(text, "    {prefix} self;");
-        let printer = Printer { body: &body, table: &|number| self.table(number), own: "self." };
-        text += &self.symbols(&body, "params->");
-        text += &block(&body.block, &printer, 1);
-        text += "    self.params = *params;\n";
-        for (&k, tree) in hoisted.iter().zip(&body.block.results) {
-            let _ = writeln!(text, "    self.{} = {};", identifier(&self.names.hoisted[k]), printer.tree(tree));
-        }
-        text += "    return self;\n}\n\n";
-        text
-    }
-
-    fn function(&self, number: usize, function: &Function) -> String {
-        let name = format!("{}_{}", self.prefix, plain(&self.names.functions[number]));
-        let scalar = matches!(function.results.as_slice(), [part] if part.shape == Shape::Scalar);
-        let arguments = self.arguments(function);
-        let outputs: Vec<(String, usize)> = match scalar {
-            true => Vec::new(),
-            false => {
-                let parts = function.results.iter().map(|part| {
-                    let name = if part.name.is_empty() { "result".to_string() } else { format!("by_{}", part.name) };
-                    (name, entries(part.shape))
-                });
-                parts.filter(|(_, count)| *count > 0).collect()
-            }
-        };
-        let mut text = comment(&doc::function(self.derivation, function), "");
-        let declared = std::iter::once(format!("const {} *self", self.prefix));
-        let inputs = arguments.iter().map(|(name, count)| match count {
-            None => format!("mbs_real {name}"),
-            Some(count) => format!("const mbs_real {name}[{count}]"),
-        });
-        let results = outputs.iter().map(|(name, count)| format!("mbs_real {name}[{count}]"));
-        let declared: Vec<String> = declared.chain(inputs).chain(results).collect();
-        let kind = if scalar { "mbs_real" } else { "void" };
-        let head = format!("static inline {kind} {name}");
-        let one_line = format!("{head}({})", declared.join(", "));
-        let _ = match one_line.len() {
-            0..=WIDEST => writeln!(text, "{one_line}\n{{"),
-            _ => writeln!(text, "{head}(\n    {})\n{{", declared.join(",\n    ")),
-        };
-        text += &self.body(function, &arguments, &outputs, scalar);
-        text + "}\n\n"
-    }
-
-    /// Names of a function's arguments, and how many numbers each is; a number has none.
-    fn arguments(&self, function: &Function) -> Vec<(&'static str, Option<usize>)> {
-        let signals = variable::count(&self.derivation.prescribed);
-        let time = self.derivation.depends_on_time.then_some(("t", None));
-        let prescribed = (signals > 0).then_some(("prescribed", Some(3 * signals)));
-        let state = function.arguments.iter().filter_map(|&argument| {
-            let count = match argument {
-                Argument::Q | Argument::Qd | Argument::Qdd => self.derivation.dof(),
-                Argument::U => variable::count(&self.derivation.inputs),
-                Argument::Multipliers => self.derivation.constraints.len(),
-            };
-            (count > 0).then_some((doc::argument(argument), Some(count)))
-        });
-        time.into_iter().chain(prescribed).chain(state).collect()
-    }
-
-    fn body(
-        &self,
-        function: &Function,
-        arguments: &[(&'static str, Option<usize>)],
-        outputs: &[(String, usize)],
-        scalar: bool,
-    ) -> String {
-        let components = shape::components(self.derivation, function);
-        let body = Body::new(&function.program, &components, self.names, self.names.function_scope());
-        let printer = Printer { body: &body, table: &|number| self.table(number), own: "self->" };
-        let mut text = String::from("    (void)self;\n");
-        for (name, _) in arguments {
-            let _ = writeln!(text, "    (void){name};");
-        }
-        if item::calls_forward_dynamics(function) {
-            text += &self.accelerations(arguments);
-        }
-        text += &self.symbols(&body, "self->params.");
-        text += &block(&body.block, &printer, 1);
-        let values: Vec<String> = body.block.results.iter().map(|tree| printer.tree(tree)).collect();
-        match function.completion {
-            Completion::None if scalar => {
-                let _ = writeln!(text, "    return {};", values[0]);
-            }
-            Completion::None => {
-                let mut values = values.iter();
-                for (name, count) in outputs {
-                    text += &assigned(name, values.by_ref().take(*count));
-                }
-            }
-            Completion::Solve | Completion::SolveConstrained | Completion::SolveMultipliers => {
-                text += &self.solved(&values, outputs);
-            }
-        }
-        text
-    }
-
-    /// The accelerations at which a linearization is evaluated.
-    fn accelerations(&self, arguments: &[(&'static str, Option<usize>)]) -> String {
-        let is_called = |(_, f): &&(usize, &Function)| f.kind == FunctionKind::ForwardDynamics;
-        let (number, _) = self.functions.iter().find(is_called).expect("it was selected");
-        let given: Vec<&str> = std::iter::once("self").chain(arguments.iter().map(|(name, _)| *name)).collect();
-        let name = format!("{}_{}", self.prefix, plain(&self.names.functions[*number]));
-        format!("    mbs_real qdd[{}];\n    {name}({}, qdd);\n", self.derivation.dof(), given.join(", "))
-    }
-
-    /// `M⁻¹` of the right sides.
-    fn solved(&self, values: &[String], outputs: &[(String, usize)]) -> String {
-        let n = self.derivation.dof();
-        let (masses, mut rest) = values.split_at(n * n);
-        let mut text = format!("    mbs_real mass_matrix[{}], reciprocals[{n}];\n", n * n);
-        text += &assigned("mass_matrix", masses.iter());
-        let _ = writeln!(text, "    mbs_ldlt({n}, mass_matrix, reciprocals);");
-        for (name, count) in outputs {
-            let (right_side, after) = rest.split_at(*count);
-            rest = after;
-            text += &assigned(name, right_side.iter());
-            let columns = count / n;
-            let _ = writeln!(text, "    mbs_ldlt_solve({n}, {columns}, mass_matrix, reciprocals, {name});");
-        }
-        text
-    }
-
-    /// Locals for the components of arguments and parameters that a body reads.
-    fn symbols(&self, body: &Body<'_>, params: &str) -> String {
-        let mut symbols = BTreeSet::new();
-        each_leaf(body.block.trees().into_iter(), &mut |leaf| {
-            if let Tree::Symbol(symbol) = leaf {
-                symbols.insert(*symbol);
-            }
-        });
-        let mut text = String::new();
-        for symbol in symbols {
-            let from = match symbol {
-                Symbol::Time => continue,
-                Symbol::Coordinate(i) => format!("q[{i}]"),
-                Symbol::Velocity(i) => format!("qd[{i}]"),
-                Symbol::Acceleration(i) => format!("qdd[{i}]"),
-                Symbol::Input(i) => format!("u[{i}]"),
-                Symbol::Prescribed(i, order) => format!("prescribed[{}]", 3 * i + u32::from(order)),
-                Symbol::Multiplier(i) => format!("multipliers[{i}]"),
-                Symbol::Parameter(i) => format!("{params}{}", self.field(i as usize)),
-            };
-            let _ = writeln!(text, "    const mbs_real {} = {from};", identifier(self.names.symbol(symbol)));
-        }
-        text
-    }
-
-    /// Where a parameter's component is within the struct.
-    fn field(&self, i: usize) -> String {
-        let parameters = self.derivation.parameters.iter().zip(&self.names.fields);
-        let (parameter, field) =
-            parameters.into_iter().find(|(parameter, _)| parameter.contains(i)).expect("a parameter of this number");
-        let (field, i) = (identifier(field), i - parameter.first);
-        match (parameter.length, parameter.columns) {
-            (None, _) => field,
-            (Some(_), None) => format!("{field}[{i}]"),
-            (Some(_), Some(columns)) => format!("{field}[{}][{}]", i / columns, i % columns),
-        }
-    }
-}
-
-/// How many numbers a function returns in this shape.
-fn entries(shape: Shape) -> usize {
-    match shape {
-        Shape::Symmetric(n) => n * n,
-        other => other.count(),
-    }
-}
-
-/// `name[0] = …;`, one a line.
-fn assigned<'a>(name: &str, values: impl Iterator<Item = &'a String>) -> String {
-    values.enumerate().map(|(i, value)| format!("    {name}[{i}] = {value};\n")).collect()
-}
-
-/// A parameter's declared value, as an initializer.
-fn defaults(parameter: &Variable) -> String {
-    let values: Vec<String> = parameter.defaults.iter().map(|value| constant(value.to_f64())).collect();
-    match (parameter.length, parameter.columns) {
-        (None, _) => values[0].clone(),
-        (Some(_), None) => format!("{{{}}}", values.join(", ")),
-        (Some(_), Some(columns)) => {
-            let rows: Vec<String> = values.chunks(columns).map(|row| format!("{{{}}}", row.join(", "))).collect();
-            format!("{{{}}}", rows.join(", "))
-        }
     }
 }
 
@@ -366,15 +174,13 @@ fn block(block: &Block, printer: &Printer<'_, '_>, depth: usize) -> String {
                 let _ = writeln!(text, "{indent}const mbs_real {} = {};", name(local), printer.tree(tree));
             }
             Statement::SinCos([sin, cos], angle) => {
-                let angle = printer.tree(angle);
-                let _ = writeln!(text, "{indent}const mbs_real {} = mbs_sin({angle});", name(sin));
-                let _ = writeln!(text, "{indent}const mbs_real {} = mbs_cos({angle});", name(cos));
+                let (sin, cos, angle) = (name(sin), name(cos), printer.tree(angle));
+                let _ = writeln!(text, "{indent}mbs_real {sin}, {cos};\n{indent}mbs_sin_cos({angle}, &{sin}, &{cos});");
             }
             Statement::Spline { table, orders, locals, x } => {
                 let (table, x) = ((printer.table)(*table), printer.tree(x));
-                let spline = printer.spline(&table);
                 for (order, local) in orders.iter().zip(locals) {
-                    let _ = writeln!(text, "{indent}const mbs_real {} = {spline}, {order}, {x});", name(local));
+                    let _ = writeln!(text, "{indent}const mbs_real {} = {table}({order}, {x});", name(local));
                 }
             }
             Statement::Branch(locals, condition, sides) => {
@@ -412,9 +218,16 @@ fn comment(lines: &[String], indent: &str) -> String {
     }
 }
 
-/// The name of a function after the prefix, where nothing has to be escaped and the header's own names are taken.
-fn plain(name: &str) -> String {
-    let plain = name.strip_prefix("r#").unwrap_or(name);
-    let is_taken = ["parameters", "default_parameters"].contains(&plain);
-    if is_taken { format!("{plain}_2") } else { plain.to_string() }
+/// `head(arguments)`, on one line where it is short enough.
+fn head(head: &str, arguments: &[String]) -> String {
+    let one_line = format!("{head}({})", arguments.join(", "));
+    match one_line.len() {
+        0..=WIDEST => format!("{one_line}\n{{\n"),
+        _ => format!("{head}(\n    {})\n{{\n", arguments.join(",\n    ")),
+    }
+}
+
+/// `name[0] = …;`, one a line.
+fn assigned<'a>(name: &str, values: impl Iterator<Item = &'a String>) -> String {
+    values.enumerate().map(|(i, value)| format!("    {name}[{i}] = {value};\n")).collect()
 }

@@ -299,13 +299,6 @@ impl Printer<'_, '_> {
         identifier(&self.body.locals[local])
     }
 
-    /// `mbs_spline(count, places, columns, rows`, a derivative's order and the argument to follow.
-    pub(super) fn spline(&self, table: &str) -> String {
-        format!(
-            "mbs_spline(sizeof({table}_places)/sizeof(mbs_real), {table}_places, sizeof({table}_rows)/sizeof(mbs_real), {table}_rows"
-        )
-    }
-
     pub(super) fn tree(&self, tree: &Tree) -> String {
         self.within(tree, Precedence::Choice)
     }
