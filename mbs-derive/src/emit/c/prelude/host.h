@@ -5,7 +5,7 @@
 #define MBS_PRELUDE
 
 #if defined(__CUDACC__) || defined(__HIPCC__)
-#define MBS_FN static inline __host__ __device__
+#define MBS_FN [[maybe_unused]] static inline __host__ __device__
 #else
 #define MBS_FN static inline
 #endif

@@ -13,7 +13,7 @@ typedef MBS_REAL mbs_real;
 #if MBS_JOIN(MBS_IS_, MBS_REAL)
 #define MBS_LIBRARY_TRIGONOMETRY
 #endif
-#if MBS_JOIN(MBS_IS_, MBS_REAL) && !defined(__OPENCL_VERSION__)
+#if MBS_JOIN(MBS_IS_, MBS_REAL) && !defined(MBS_OPENCL)
 #define MBS_CALL(name) name##f
 #else
 #define MBS_CALL(name) name

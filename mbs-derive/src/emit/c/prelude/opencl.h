@@ -8,6 +8,7 @@
 #ifndef MBS_CONTRACT
 #pragma OPENCL FP_CONTRACT OFF
 #endif
+#define MBS_OPENCL
 #define MBS_FN static inline
 #define MBS_TEXT __constant
 typedef long mbs_long;

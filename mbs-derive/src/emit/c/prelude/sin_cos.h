@@ -32,10 +32,10 @@ MBS_FN void mbs_sin_cos(mbs_real x, mbs_real *sine, mbs_real *cosine)
     const mbs_real q = ((0.041666666666666595 + z * -0.001388888888887334) +
                         z2 * (2.4801587288999616e-5 + z * -2.755731421606095e-7)) +
                        (z2 * z2) * (2.087570523233725e-9 + z * -1.1358739381498488e-11);
-    const mbs_real half = 0.5 * z;
-    const mbs_real one = 1.0 - half;
+    const mbs_real halved = 0.5 * z;
+    const mbs_real one = 1.0 - halved;
     const mbs_real s = y - (e * one - (z * y) * p);
-    const mbs_real c = one + (((1.0 - one) - half) + ((z * z) * q + y * e));
+    const mbs_real c = one + (((1.0 - one) - halved) + ((z * z) * q + y * e));
     const int quadrant = (int)k;
     const mbs_real first = quadrant & 1 ? c : s;
     const mbs_real second = quadrant & 1 ? s : c;
