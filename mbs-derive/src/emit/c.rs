@@ -2,6 +2,7 @@
 //!
 //! - `parameter`: parameters, what they must satisfy, and the struct of the mechanism;
 //! - `function`: its functions; `solution`: systems that are solved for them;
+//! - `class`: those of C++;
 //! - `kernel`: the same for many states at once, in CUDA and OpenCL;
 //! - `expression`: how values are written in C;
 //! - `prelude`: what all headers share: the number type, elementary functions, solvers.
@@ -10,6 +11,7 @@
 //! same order: where only `+ − × ÷ √` occur the bits are the same, unless the compiler contracts products and sums (GCC
 //! and Clang do not with `-ffp-contract=off`).
 
+mod class;
 mod expression;
 mod function;
 mod kernel;
@@ -28,11 +30,12 @@ use super::{Options, doc, item};
 use expression::{Printer, constant, prefix};
 
 /// What a header is written in.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Dialect {
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Dialect {
     /// C99, which is C++ and, in functions of host and device, CUDA and HIP as well.
-    #[default]
     C,
+    /// The same with a class of C++17.
+    Cpp,
     /// The same with kernels over many states, for CUDA and HIP.
     Cuda,
     /// OpenCL C with kernels over many states.
@@ -50,21 +53,11 @@ pub enum Dialect {
 /// assert!(header.contains("MBS_FN mbs_real spring_potential_energy(const spring *self, const mbs_real q[1])"));
 /// ```
 pub fn c(derivation: &Derivation, source: &str, options: &Options) -> String {
-    c_in(derivation, source, options, Dialect::C)
+    written(derivation, source, options, Dialect::C)
 }
 
 /// The header of a mechanism in a dialect of C.
-///
-/// ```
-/// use mbs_derive::emit::{Dialect, c_in};
-/// use mbs_derive::{Analysis, expr::Graph, source::Sources};
-/// let text = "mechanism Spring { param k: N/m = 4; coord x: m; kinetic += 1 kg*dt(x)^2/2; potential += k*x^2/2; }";
-/// let graph = Graph::verbatim();
-/// let analysis = Analysis::of(&Sources::new("spring.mbs", text), &graph).unwrap();
-/// let header = c_in(analysis.programs(), "spring.mbs", &Default::default(), Dialect::OpenCl);
-/// assert!(header.contains("MBS_KERNEL spring_potential_energy_kernel("));
-/// ```
-pub fn c_in(derivation: &Derivation, source: &str, options: &Options, dialect: Dialect) -> String {
+pub(super) fn written(derivation: &Derivation, source: &str, options: &Options, dialect: Dialect) -> String {
     let names = Names::of(derivation, true);
     let prefix = prefix(&snake_case(&derivation.name));
     let functions = item::selected(derivation, options.functions.as_deref());
@@ -102,8 +95,10 @@ impl Header<'_> {
         for (number, function) in &self.functions {
             text += &self.function(*number, function);
         }
-        if self.dialect != Dialect::C {
-            text += &self.kernels();
+        match self.dialect {
+            Dialect::C => {}
+            Dialect::Cpp => text += &self.class(),
+            Dialect::Cuda | Dialect::OpenCl => text += &self.kernels(),
         }
         let _ = writeln!(text, "#endif /* {guard} */");
         text
@@ -120,13 +115,17 @@ impl Header<'_> {
                 let _ = writeln!(text, "#define {upper}_{kind}_{} {}", variable.name, variable.first);
             }
         }
-        if self.dialect != Dialect::C {
+        if self.has_kernels() {
             let parameters = variable::count(&self.derivation.parameters).max(1);
             text += &comment(&["How many numbers the structs are, one after the other.".to_string()], "");
             let _ = writeln!(text, "#define {upper}_PARAMETERS {parameters}");
             let _ = writeln!(text, "#define {upper}_NUMBERS {}", parameters + self.hoisted().len());
         }
         text + "\n"
+    }
+
+    fn has_kernels(&self) -> bool {
+        matches!(self.dialect, Dialect::Cuda | Dialect::OpenCl)
     }
 
     fn hoisted(&self) -> Vec<usize> {
@@ -144,7 +143,8 @@ impl Header<'_> {
             let is_inside = self.dialect != Dialect::OpenCl;
             let (kind, indent) = if is_inside { ("static const", "    ") } else { ("__constant const", "") };
             let mut constants = String::new();
-            let _ = writeln!(constants, "{indent}{kind} mbs_real {name}_places[{}] = {{{}}};", places.len(), list(places));
+            let _ =
+                writeln!(constants, "{indent}{kind} mbs_real {name}_places[{}] = {{{}}};", places.len(), list(places));
             let _ = writeln!(constants, "{indent}{kind} mbs_real {name}_rows[{}] = {{", rows.len() * columns);
             rows.iter().for_each(|row| {
                 let _ = writeln!(constants, "{indent}    {},", list(row));
@@ -152,7 +152,8 @@ impl Header<'_> {
             let _ = writeln!(constants, "{indent}}};");
             let head = format!("MBS_FN mbs_real {name}(int order, mbs_real x)\n{{\n");
             let count = places.len();
-            let call = format!("    return mbs_spline({count}, {name}_places, {columns}, {name}_rows, order, x);\n}}\n\n");
+            let call =
+                format!("    return mbs_spline({count}, {name}_places, {columns}, {name}_rows, order, x);\n}}\n\n");
             text += &if is_inside { head + &constants + &call } else { constants + &head + &call };
         }
         text

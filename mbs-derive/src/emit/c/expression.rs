@@ -337,8 +337,13 @@ pub(super) fn identifier(name: &str) -> String {
     let plain = name.strip_prefix("r#").unwrap_or(name);
     let begins = |starts: &[&str]| starts.iter().any(|start| plain.starts_with(start));
     let is_macro = begins(&["MBS_", "M_", "FP_", "MATH_", "CL_", "CLK_", "_"]) || plain.contains("__");
-    let is_vector = |length: &&str| plain.strip_suffix(**length).is_some_and(|element| ELEMENTS.contains(&element));
-    if is_macro || LENGTHS.iter().any(|length| is_vector(&length)) || TAKEN.contains(&plain) || begins(&["mbs_", "by_q"]) || plain == "by_u" {
+    let is_vector = |length: &&str| plain.strip_suffix(*length).is_some_and(|element| ELEMENTS.contains(&element));
+    if is_macro
+        || LENGTHS.iter().any(is_vector)
+        || TAKEN.contains(&plain)
+        || begins(&["mbs_", "by_q"])
+        || plain == "by_u"
+    {
         format!("c_{plain}")
     } else {
         plain.to_string()

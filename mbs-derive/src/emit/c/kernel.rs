@@ -15,8 +15,7 @@ impl Header<'_> {
     fn constructor_kernel(&self) -> String {
         let prefix = &self.prefix;
         let docs = format!("{prefix}_new, for one work item.");
-        let arguments =
-            [format!("MBS_GLOBAL const {prefix}_parameters *params"), format!("MBS_GLOBAL {prefix} *self")];
+        let arguments = [format!("MBS_GLOBAL const {prefix}_parameters *params"), format!("MBS_GLOBAL {prefix} *self")];
         let mut text = comment(&[docs], "");
         text += &head(&format!("MBS_KERNEL {prefix}_new_kernel"), &arguments);
         let _ = writeln!(text, "    const {prefix}_parameters mbs_params = *params;");

@@ -65,7 +65,10 @@ impl Header<'_> {
         let mut docs = doc::requirements(self.derivation);
         let errors = docs.iter().position(|line| line == "# Errors").unwrap_or(docs.len());
         docs.truncate(errors);
-        docs.push("0, or what does not hold first, one of MBS_FINITE and so on; `quantity` and `value` receive of what.".to_string());
+        docs.push(
+            "0, or what does not hold first, one of MBS_FINITE and so on; `quantity` and `value` receive of what."
+                .to_string(),
+        );
         let mut text = comment(&docs, "");
         let arguments = [
             format!("const {prefix}_parameters *params"),

@@ -13,6 +13,7 @@ pub(super) fn text(header: &Header<'_>) -> String {
     let is_constrained = header.constrained_forward_dynamics().is_some();
     let checks_inertia = header.derivation.requirements.iter().any(|requirement| requirement.condition.count() > 1);
     let pieces = [
+        (header.dialect == Dialect::Cpp, "#include <array>\n#include <stdexcept>\n#include <string>\n"),
         (header.dialect != Dialect::OpenCl, include_str!("prelude/host.h")),
         (header.dialect == Dialect::OpenCl, include_str!("prelude/opencl.h")),
         (true, include_str!("prelude/numbers.h")),
@@ -24,7 +25,7 @@ pub(super) fn text(header: &Header<'_>) -> String {
         (is_constrained, include_str!("prelude/scaling.h")),
         (is_constrained, include_str!("prelude/constrained.h")),
         (is_constrained, include_str!("prelude/solution.h")),
-        (header.dialect != Dialect::C, include_str!("prelude/kernel.h")),
+        (header.has_kernels(), include_str!("prelude/kernel.h")),
     ];
     pieces.iter().filter(|(is_needed, _)| *is_needed).map(|(_, text)| *text).collect()
 }

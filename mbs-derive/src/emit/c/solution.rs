@@ -97,8 +97,12 @@ impl<'d> Header<'d> {
             rest = behind;
         }
         let (force, target) = rows.split_at(n);
-        let arrays =
-            [("mbs_m", masses.to_vec()), ("mbs_a", jacobian.to_vec()), ("mbs_force", force.concat()), ("mbs_target", target.concat())];
+        let arrays = [
+            ("mbs_m", masses.to_vec()),
+            ("mbs_a", jacobian.to_vec()),
+            ("mbs_force", force.concat()),
+            ("mbs_target", target.concat()),
+        ];
         for (name, values) in arrays {
             let _ = writeln!(text, "    mbs_real {name}[{}];", values.len());
             text += &assigned(name, values.iter());
