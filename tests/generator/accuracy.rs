@@ -19,7 +19,7 @@ mod bordered;
 mod close;
 mod exact;
 mod scale;
-mod states;
+pub(crate) mod states;
 mod truth;
 mod vanishing;
 

@@ -9,7 +9,7 @@
 #pragma OPENCL FP_CONTRACT OFF
 #endif
 #define MBS_OPENCL
-#define MBS_FN static inline
+#define MBS_FN __attribute__((unused)) static inline
 #define MBS_TEXT __constant
 typedef long mbs_long;
 
