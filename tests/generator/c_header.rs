@@ -40,6 +40,24 @@ fn compilers() -> Vec<[&'static str; 2]> {
     [["gcc", "g++"], ["clang", "clang++"]].into_iter().filter(|[c, _]| has(c)).collect()
 }
 
+const SANITIZERS: [&str; 2] = ["-fsanitize=address,undefined", "-fno-sanitize-recover=all"];
+
+/// Those whose sanitizers are there, too: packages of their own.
+fn sanitized<'c>(folder: &Path, compilers: &[&'c str]) -> Vec<&'c str> {
+    std::fs::write(folder.join("probe.c"), "int main(void) { return 0; }\n").expect("written");
+    let mut have = compilers.to_vec();
+    have.retain(|compiler| {
+        let arguments = [&SANITIZERS[..], &["-x", "c", "probe.c", "-o", "probe"]].concat();
+        let has =
+            Command::new(compiler).args(arguments).current_dir(folder).output().expect("it runs").status.success();
+        if !has {
+            println!("skipped: sanitizers of {compiler}, which are not there");
+        }
+        has
+    });
+    have
+}
+
 /// What the generator makes of a mechanism of the repository.
 fn analysed<R>(name: &str, text: &str, make: impl FnOnce(&Derivation) -> R) -> R {
     let graph = Graph::verbatim();
@@ -258,6 +276,7 @@ fn every_function_gives_the_bits_of_its_program() {
         return;
     }
     let folder = tempfile::tempdir().expect("a folder");
+    let sanitized = sanitized(folder.path(), compilers.as_flattened());
     let mut random = Random::new(18);
     let mut compared = 0;
     for (number, (name, text)) in mechanisms().enumerate() {
@@ -269,9 +288,10 @@ fn every_function_gives_the_bits_of_its_program() {
             std::fs::write(folder.path().join(file("c")), main_of(of, name, &header)).expect("written");
             let pair = compilers[number / 2 % compilers.len()];
             let language: &[&str] = if number % 2 == 0 { &["-std=c99"] } else { &["-x", "c++", "-std=c++17"] };
-            let (checks, source) = (["-fsanitize=address,undefined", "-fno-sanitize-recover=all"], file("c"));
-            let all = [language, &["-O0", "-ffp-contract=off"], &checks, &[source.as_str(), "-o", name, "-lm"]];
-            compiled(pair[number % 2], &all.concat(), folder.path());
+            let (compiler, source) = (pair[number % 2], file("c"));
+            let checks: &[&str] = if sanitized.contains(&compiler) { &SANITIZERS } else { &[] };
+            let all = [language, &["-O0", "-ffp-contract=off"], checks, &[source.as_str(), "-o", name, "-lm"]];
+            compiled(compiler, &all.concat(), folder.path());
             let program = folder.path().join(name);
             compared += compare(of, name, &program, &mut random);
             refuse(of, &program);

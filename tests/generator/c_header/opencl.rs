@@ -12,23 +12,15 @@ use mbs_derive::interpret::{Interpreter, State};
 use mbs_derive::optimise::{Derivation, Function, Instruction, Program};
 use mbs_tests::random::Random;
 
-use super::{analysed, arguments, bits, entries, has, interpreted, mechanisms, numbers, printed, same, states, takes, want};
+use super::{
+    analysed, arguments, bits, entries, has, interpreted, mechanisms, numbers, printed, same, states, takes, want,
+};
 
 const STATES: usize = 24;
 
-/// Every kind of construct: branches, tables, motions that are given, constraints, of which some depend on others,
-/// reactions, outputs, attitudes.
-const MECHANISMS: [&str; 9] = [
-    "double_pendulum",
-    "branches",
-    "shaken_pendulum",
-    "four_bar_with_reactions",
-    "rolling_coin",
-    "measured_slider",
-    "quadrotor_quaternion",
-    "knife_edge",
-    "switched_spring",
-];
+/// Branches and tables, motions that are given, constraints, of which some depend on others, reactions, attitudes. They are
+/// few because a device takes seconds to compile a mechanism.
+const MECHANISMS: [&str; 4] = ["branches", "shaken_pendulum", "four_bar_with_reactions", "quadrotor_quaternion"];
 
 /// The program that runs kernels, where there is a device for it.
 fn host(folder: &Path) -> bool {
@@ -90,7 +82,7 @@ fn kernels_give_the_bits_of_their_programs() {
             close += counts[1];
         });
     }
-    assert!(exact > 20_000 && close > 100, "{exact} {close}");
+    assert!(exact > 10_000 && close > 100, "{exact} {close}");
 }
 
 fn compare(of: &Derivation, name: &str, header: &str, folder: &Path, random: &mut Random) -> [usize; 2] {
@@ -111,15 +103,18 @@ fn compare(of: &Derivation, name: &str, header: &str, folder: &Path, random: &mu
         let outputs: Vec<usize> = function.results.iter().map(|part| entries(part.shape)).filter(|n| *n > 0).collect();
         let _ = write!(given, "\nrun {STATES} {} {} {kernel} ", inputs.len(), outputs.len());
         for (argument, count) in inputs {
-            let all: Vec<Vec<f64>> = states.iter().map(|(state, multipliers)| match argument {
-                "t" => vec![state.t],
-                "prescribed" => state.prescribed.as_flattened().to_vec(),
-                "q" => state.q.clone(),
-                "qd" => state.qd.clone(),
-                "qdd" => state.qdd.clone(),
-                "u" => state.u.clone(),
-                _ => multipliers.clone(),
-            }).collect();
+            let all: Vec<Vec<f64>> = states
+                .iter()
+                .map(|(state, multipliers)| match argument {
+                    "t" => vec![state.t],
+                    "prescribed" => state.prescribed.as_flattened().to_vec(),
+                    "q" => state.q.clone(),
+                    "qd" => state.qd.clone(),
+                    "qdd" => state.qdd.clone(),
+                    "u" => state.u.clone(),
+                    _ => multipliers.clone(),
+                })
+                .collect();
             let _ = write!(given, "{count} {}", bits(&columns(&all)));
         }
         outputs.iter().for_each(|count| {
@@ -159,12 +154,7 @@ fn agree(
 }
 
 /// How far rounding may carry each result; twice, because both have been carried.
-fn bounds(
-    of: &Derivation,
-    function: &Function,
-    state: &State,
-    multipliers: &[f64],
-) -> Vec<f64> {
+fn bounds(of: &Derivation, function: &Function, state: &State, multipliers: &[f64]) -> Vec<f64> {
     let exact = |values: &[f64]| values.iter().copied().map(Rounded::exact).collect::<Vec<_>>();
     let parameters = of.parameters.iter().flat_map(|p| &p.defaults).map(|value| Rounded::exact(value.to_f64()));
     let state = State {

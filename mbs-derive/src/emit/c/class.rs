@@ -12,7 +12,7 @@ impl Header<'_> {
         let (prefix, name) = (&self.prefix, identifier(&self.derivation.name));
         let mut text = String::from("namespace mbs {\n\n");
         text += &comment(&["The mechanism: functions take and return `std::array`.".to_string()], "");
-        let _ = writeln!(text, "class {name} {{\npublic:\n    using Parameters = {prefix}_parameters;\n");
+        let _ = writeln!(text, "class {name} {{\npublic:\n    using Parameters = ::{prefix}_parameters;\n");
         let docs = format!("Throws `std::invalid_argument` with what {prefix}_check refuses.");
         text += &comment(&[docs], "    ");
         let _ = writeln!(text, "    explicit {name}(const Parameters &params = {prefix}_default_parameters())");
@@ -26,7 +26,7 @@ impl Header<'_> {
             let name = identifier(plain(&self.names.functions[*number]).as_str());
             text += &self.method(&name, &self.signature(*number, function));
         }
-        let _ = writeln!(text, "private:\n    {prefix} mbs_self;\n}};\n\n}} // namespace mbs\n");
+        let _ = writeln!(text, "private:\n    ::{prefix} mbs_self;\n}};\n\n}} // namespace mbs\n");
         text
     }
 

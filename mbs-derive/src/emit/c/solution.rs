@@ -61,8 +61,7 @@ impl<'d> Header<'d> {
         let lengths = [("mbs_m", n * n), ("mbs_a", k * n), ("mbs_force", n), ("mbs_target", k)];
         let mut values = values.iter();
         for (name, count) in lengths {
-            let _ = writeln!(text, "    mbs_real {name}[{count}];");
-            text += &assigned(name, values.by_ref().take(count));
+            text += &initialized(name, values.by_ref().take(count));
         }
         let call = "mbs_m, mbs_a, 1, mbs_force, mbs_target, 0, 0, accelerations, forces";
         let _ = writeln!(text, "    {prefix}_constrained_solution({call});\n}}\n");
@@ -104,8 +103,7 @@ impl<'d> Header<'d> {
             ("mbs_target", target.concat()),
         ];
         for (name, values) in arrays {
-            let _ = writeln!(text, "    mbs_real {name}[{}];", values.len());
-            text += &assigned(name, values.iter());
+            text += &initialized(name, values.iter());
         }
         text += &self.slope_sizes(function, count);
         let _ = writeln!(text, "    mbs_real mbs_slopes[{}];", n * count);
@@ -139,4 +137,11 @@ impl<'d> Header<'d> {
         }
         text
     }
+}
+
+/// `const mbs_real name[2] = {…};`, a value a line.
+fn initialized<'a>(name: &str, values: impl Iterator<Item = &'a String>) -> String {
+    let values: Vec<&String> = values.collect();
+    let lines: String = values.iter().map(|value| format!("        {value},\n")).collect();
+    format!("    const mbs_real {name}[{}] = {{\n{lines}    }};\n", values.len())
 }
