@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 
 use crate::builder::Mechanism;
 use crate::diagnostic::nearest;
-use crate::emit::{Language, Options};
+use crate::emit::{Language, Options, Trigonometry};
 use crate::expr::Graph;
 use crate::source::{MAX_BYTES, Sources, Unreadable};
 use crate::{Analysis, Generated, parse};
@@ -136,6 +136,13 @@ impl Config {
     /// ```
     pub fn languages(mut self, languages: impl IntoIterator<Item = Language>) -> Self {
         self.options.languages.extend(languages);
+        self
+    }
+
+    /// Chooses between sines and cosines by polynomials, all at once, which is the default, and those of the standard
+    /// library.
+    pub fn trigonometry(mut self, trigonometry: Trigonometry) -> Self {
+        self.options.trigonometry = trigonometry;
         self
     }
 

@@ -6,6 +6,7 @@
 //! - `parameter`: its parameters and what they must satisfy;
 //! - `doc`: what its documentation says;
 //! - `body`: one function body: bindings, then the result;
+//! - `angles`: which sines and cosines one call computes;
 //! - `text`: its text;
 //! - `expression`: how values are written: order of operands, parentheses, fused multiply–add;
 //! - `segment`: long bodies in blocks;
@@ -17,6 +18,7 @@
 //! The code links mbs-runtime by absolute path and nothing else. It computes what [`interpret`](crate::interpret)
 //! computes, to the bit, except where the target has a fused multiply–add. Its text depends on the derivation alone.
 
+mod angles;
 mod body;
 mod c;
 mod doc;
@@ -32,6 +34,7 @@ mod solution;
 mod text;
 mod traits;
 
+pub use crate::expr::Trigonometry;
 use crate::optimise::Derivation;
 pub use c::c;
 pub use language::Language;
@@ -57,6 +60,8 @@ pub struct Options {
     pub infix: bool,
     /// Languages that the mechanism is written in besides Rust; carried out where files are made.
     pub languages: Vec<Language>,
+    /// Which sines and cosines are computed.
+    pub trigonometry: Trigonometry,
 }
 
 /// The module of a mechanism, formatted, to be included where items may stand.
@@ -306,13 +311,36 @@ mod tests {
             ],
         );
         let text = pushed(|x, zero| x.graph().select(zero.less(x), x.sin() * x.sqrt() + x.sqrt(), x));
-        let side = ["|| {", "let sqrt_x = x.sqrt();", "sqrt_x.mul_add(x.sin(), sqrt_x)", "},", "|| x,"];
+        let sine = "let ([sin_x], _) = T::sin_cos_all([x]);";
+        let side = ["|| {", "let sqrt_x = x.sqrt();", sine, "sqrt_x.mul_add(sin_x, sqrt_x)", "},", "|| x,"];
         check(&text, &side);
         // Both sides are known.
         check(
             &pushed(|x, zero| x.graph().select(zero.less(x), x, zero)),
             &["let generalized_force_0 = T::blend(zero.less(x), x, zero);", "[generalized_force_0]"],
         );
+    }
+
+    #[test]
+    fn sines_of_angles_that_are_known_together_are_one_call() {
+        // The first needs nothing, the second a sum, the third a sine.
+        let text = pushed(|x, _| {
+            let sum = x + x.sqrt();
+            x.sin() * sum.cos() + sum.sin() * x.sin().cos()
+        });
+        let together = "let ([sin_x, sin_x_plus_sqrt_x], [_, cos_x_plus_sqrt_x]) = T::sin_cos_all([x, x + x.sqrt()]);";
+        check(&text, &[together, "let (_, [cos_sin_x]) = T::sin_cos_all([sin_x]);"]);
+        // Of different sides none is computed for the other, and what is certain does not wait for them.
+        let text = pushed(|x, zero| x.graph().select(zero.less(x), x.sin(), (x + x).sin()) + (3 * x).cos());
+        check(&text, &["let (_, [cos_three_x]) = T::sin_cos_all([three * x]);"]);
+        assert_eq!(text.matches("sin_cos_all").count(), 3, "{text}");
+    }
+
+    #[test]
+    fn sines_of_the_library_come_one_by_one() {
+        let options = Options { trigonometry: Trigonometry::Library, ..Options::default() };
+        let text = rust(&chain(2), "x.mbs", &options);
+        assert!(text.contains(".sin_cos();") && text.contains(".sin()") && !text.contains("sin_cos_all"), "{text}");
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! Runs Programs in process: the command line, the proofs and the tests evaluate the very code that is emitted.
 
 use crate::expr::evaluate::{holds, truth};
-use crate::expr::{Number, Symbol, Terms, Value, largest};
+use crate::expr::{Number, Symbol, Terms, Trigonometry, Value, largest};
 use crate::optimise::{
     Argument, Completion, Derivation, Function, FunctionKind, Instruction, Program, ResultPart, Shape, Value as Step,
 };
@@ -25,13 +25,19 @@ pub struct Interpreter<'d, V = f64> {
     derivation: &'d Derivation,
     parameters: Vec<V>,
     hoisted: Vec<V>,
+    trigonometry: Trigonometry,
 }
 
 impl<'d> Interpreter<'d> {
     /// With the declared defaults.
     pub fn new(derivation: &'d Derivation) -> Self {
+        Self::with_trigonometry(derivation, Trigonometry::default())
+    }
+
+    /// With the declared defaults, and sines and cosines as code generated with this option has them.
+    pub fn with_trigonometry(derivation: &'d Derivation, trigonometry: Trigonometry) -> Self {
         let defaults = derivation.parameters.iter().flat_map(|p| &p.defaults);
-        Self::with_parameters(derivation, defaults.copied().map(Number::to_f64).collect())
+        Self::made(derivation, defaults.copied().map(Number::to_f64).collect(), trigonometry)
     }
 }
 
@@ -68,7 +74,9 @@ impl Violation {
             return broken;
         }
         let state = State::default();
-        let values = Run { state: &state, multipliers: &[], parameters, hoisted: &[] }.results(&derivation.required);
+        let trigonometry = Trigonometry::default();
+        let values = Run { state: &state, multipliers: &[], parameters, hoisted: &[], trigonometry }
+            .results(&derivation.required);
         let broken = derivation.conditions(&values).filter_map(|(requirement, values)| {
             let (value, must) = requirement.condition.violation(values)?;
             Some(Violation { quantity: requirement.quantity.clone(), value, must })
@@ -80,11 +88,15 @@ impl Violation {
 impl<'d, V: Value> Interpreter<'d, V> {
     /// With these parameters, flattened in declaration order.
     pub fn with_parameters(derivation: &'d Derivation, parameters: Vec<V>) -> Self {
+        Self::made(derivation, parameters, Trigonometry::default())
+    }
+
+    fn made(derivation: &'d Derivation, parameters: Vec<V>, trigonometry: Trigonometry) -> Self {
         let t = V::constant(0.0);
         let state = State { t, q: Vec::new(), qd: Vec::new(), qdd: Vec::new(), u: Vec::new(), prescribed: Vec::new() };
-        let hoisted = Run { state: &state, multipliers: &[], parameters: &parameters, hoisted: &[] }
+        let hoisted = Run { state: &state, multipliers: &[], parameters: &parameters, hoisted: &[], trigonometry }
             .results(&derivation.constructor);
-        Interpreter { derivation, parameters, hoisted }
+        Interpreter { derivation, parameters, hoisted, trigonometry }
     }
 
     /// The mechanism.
@@ -137,7 +149,8 @@ impl<'d, V: Value> Interpreter<'d, V> {
     }
 
     fn run(&self, program: &Program, state: &State<V>, multipliers: &[V]) -> Vec<V> {
-        Run { state, multipliers, parameters: &self.parameters, hoisted: &self.hoisted }.results(program)
+        let Interpreter { parameters, hoisted, trigonometry, .. } = self;
+        Run { state, multipliers, parameters, hoisted, trigonometry: *trigonometry }.results(program)
     }
 
     /// The solution of the system that the program sets up, for each right side, as the runtime finds it.
@@ -262,6 +275,7 @@ struct Run<'a, V> {
     multipliers: &'a [V],
     parameters: &'a [V],
     hoisted: &'a [V],
+    trigonometry: Trigonometry,
 }
 
 impl<V: Value> Run<'_, V> {
@@ -319,7 +333,10 @@ impl<V: Value> Run<'_, V> {
             Instruction::Mul(a, b) => v(a).mul(v(b)),
             Instruction::Div(a, b) => v(a).div(v(b)),
             Instruction::Sqrt(a) => v(a).power(1),
-            Instruction::Call(function, a) => v(a).call(function),
+            Instruction::Call(function, a) => match self.trigonometry {
+                Trigonometry::Polynomials => v(a).call(function),
+                Trigonometry::Library => v(a).call_library(function),
+            },
             Instruction::Call2(function, a, b) => v(a).call2(function, v(b)),
             Instruction::Spline(d, a) => v(a).spline(&program.splines[d.spline as usize], d.order as usize),
             Instruction::Less(a, b) => truth(v(a).less(v(b))),
@@ -414,7 +431,8 @@ mod tests {
     fn execute<V: Value>(program: &Program, x: V, y: V) -> V {
         let none = Vec::new;
         let state = State { t: x, q: vec![x, y], qd: none(), qdd: none(), u: none(), prescribed: Vec::new() };
-        Run { state: &state, multipliers: &[], parameters: &[], hoisted: &[] }.results(program)[0]
+        Run { state: &state, multipliers: &[], parameters: &[], hoisted: &[], trigonometry: Trigonometry::default() }
+            .results(program)[0]
     }
 
     #[track_caller]

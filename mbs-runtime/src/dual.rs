@@ -172,6 +172,13 @@ impl<T: Scalar> Scalar for Dual<T> {
     }
 
     #[inline]
+    fn sin_cos_all<const N: usize>(angles: [Self; N]) -> ([Self; N], [Self; N]) {
+        let (sin, cos) = T::sin_cos_all(angles.map(|angle| angle.value));
+        let sines = core::array::from_fn(|i| angles[i].chain(sin[i], cos[i]));
+        (sines, core::array::from_fn(|i| angles[i].chain(cos[i], -sin[i])))
+    }
+
+    #[inline]
     fn tan(self) -> Self {
         let tan = self.value.tan();
         self.chain(tan, T::one() + tan * tan)

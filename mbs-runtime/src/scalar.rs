@@ -5,7 +5,8 @@
 //! [`Real`], a scalar with an order and a value as `f64`.
 //!
 //! The elementary functions of `f32` and `f64` come from the standard library with the feature `std`, from the libm
-//! crate with the feature `libm` alone, and with neither of them `f32` and `f64` are not scalars.
+//! crate with the feature `libm` alone, and with neither of them `f32` and `f64` are not scalars. Generated code has its
+//! sines and cosines from [`Scalar::sin_cos_all`], which needs the library for large angles only.
 
 use core::fmt::Debug;
 use core::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
@@ -77,8 +78,20 @@ pub trait Scalar:
     /// Sines and cosines of several angles at once, in less time than one by one.
     ///
     /// Of `f64` up to 1e5 and of `f32` up to 400 they come from polynomials that are evaluated in lockstep with `+`,
-    /// `−` and `×` alone, within 1 ulp: the same bits on every target, whatever the other angles are. They differ from
-    /// those of [`sin`](Scalar::sin) and [`cos`](Scalar::cos) in the last bit at times; beyond, the two agree.
+    /// `−` and `×` alone, within 1 ulp (the largest error found is 0.84); of larger ones they are those of
+    /// [`sin_cos`](Scalar::sin_cos). Lanes and dual numbers have the same values, number by number.
+    ///
+    /// | | does a bit of a sine depend on it? |
+    /// |---|---|
+    /// | the other angles, their number, lanes | no |
+    /// | target, its vector instructions, fused multiply–add, optimization | no; beyond 1e5 the library is the platform's |
+    /// | features `std`, `libm` | beyond 1e5 only |
+    /// | `sin_cos_all` or [`sin`](Scalar::sin) | yes: about one in twenty differs in the last bit |
+    ///
+    /// On a target without vector instructions, such as a microcontroller, each angle is a call of one function, which
+    /// keeps the code small; `f32` needs no arithmetic of doubles there, which the library's functions do.
+    ///
+    /// The steps, for other languages to take: `src/scalar/sin_cos.rs`.
     #[inline]
     fn sin_cos_all<const N: usize>(angles: [Self; N]) -> ([Self; N], [Self; N]) {
         let both = angles.map(Self::sin_cos);

@@ -19,6 +19,7 @@ mod bordered;
 mod close;
 mod exact;
 mod scale;
+mod sines;
 pub(crate) mod states;
 mod truth;
 mod vanishing;

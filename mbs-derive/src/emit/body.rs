@@ -5,10 +5,11 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use crate::expr::Function;
+use crate::expr::{Function, Trigonometry};
 use crate::optimise::region::{Branch, Place, Region};
 use crate::optimise::{Instruction, Program, Value};
 
+use super::angles::{Angles, Wanted};
 use super::expression::Tree;
 use super::name::{Names, Scope};
 
@@ -47,8 +48,8 @@ pub(super) enum Component {
 pub(super) enum Statement {
     /// `let local = tree;`
     Let(usize, Tree),
-    /// `let (sin, cos) = angle.sin_cos();`
-    SinCos([usize; 2], Tree),
+    /// `let ([sin_a, sin_b], [cos_a, cos_b]) = T::sin_cos_all([a, b]);`, of the library `let (sin, cos) = a.sin_cos();`
+    SinCos(Vec<Angle>),
     /// `let [value, _, second] = TABLE_0.derivatives(x);`, of the orders that are read.
     Spline {
         /// Its number in [`Names`].
@@ -67,7 +68,8 @@ impl Statement {
     /// The expressions in it.
     pub(super) fn trees(&self) -> Vec<&Tree> {
         match self {
-            Statement::Let(_, tree) | Statement::SinCos(_, tree) | Statement::Spline { x: tree, .. } => vec![tree],
+            Statement::Let(_, tree) | Statement::Spline { x: tree, .. } => vec![tree],
+            Statement::SinCos(angles) => angles.iter().map(|angle| &angle.tree).collect(),
             Statement::Branch(_, condition, [then, otherwise]) => {
                 std::iter::once(condition).chain(then.trees()).chain(otherwise.trees()).collect()
             }
@@ -76,13 +78,23 @@ impl Statement {
     }
 
     /// The locals that it binds.
-    pub(super) fn binds(&self) -> &[usize] {
+    pub(super) fn binds(&self) -> Vec<usize> {
         match self {
-            Statement::Let(local, _) | Statement::OnDemand(local, _) => std::slice::from_ref(local),
-            Statement::SinCos(locals, _) => locals,
-            Statement::Branch(locals, ..) | Statement::Spline { locals, .. } => locals,
+            Statement::Let(local, _) | Statement::OnDemand(local, _) => vec![*local],
+            Statement::SinCos(angles) => {
+                angles.iter().flat_map(|angle| angle.sin.into_iter().chain(angle.cos)).collect()
+            }
+            Statement::Branch(locals, ..) | Statement::Spline { locals, .. } => locals.clone(),
         }
     }
+}
+
+/// An angle, and the locals that its sine and cosine are bound to, as far as they are read.
+#[derive(Clone, Debug)]
+pub(super) struct Angle {
+    pub(super) tree: Tree,
+    pub(super) sin: Option<usize>,
+    pub(super) cos: Option<usize>,
 }
 
 /// Statements, and what comes of them.
@@ -254,8 +266,8 @@ struct Writer<'p, 'n> {
     program: &'p Program,
     /// How often each value is used by what the components need; a sine and a cosine of one angle use it once.
     uses: Vec<usize>,
-    /// The sine and the cosine of an angle, where both are needed.
-    pairs: BTreeMap<Value, (Value, Value)>,
+    /// Those whose sines and cosines are computed by statements.
+    angles: Angles,
     /// Several derivatives of one spline at one argument, by their orders.
     splines: BTreeMap<(u32, Value), Vec<(usize, Value)>>,
     /// Names that values have as results, or where they were derived.
@@ -264,6 +276,8 @@ struct Writer<'p, 'n> {
     goals: Vec<Option<Value>>,
     /// The values that are known and not used up.
     trees: Vec<Option<Tree>>,
+    /// The values that are or were known.
+    known: Vec<bool>,
     /// The statements of each region, those of finished ones taken.
     statements: Vec<Vec<Statement>>,
     /// The region that is written to.
@@ -288,7 +302,6 @@ impl<'p, 'n> Writer<'p, 'n> {
             wishes.entry(*value).or_insert_with(|| name.clone());
         }
         let mut goals = vec![None; program.instructions.len()];
-        let mut angles: BTreeMap<Value, [Option<Value>; 2]> = BTreeMap::new();
         for (i, instruction) in program.instructions.iter().enumerate().rev() {
             if uses[i] == 0 {
                 continue;
@@ -300,22 +313,13 @@ impl<'p, 'n> Writer<'p, 'n> {
                 uses[operand.index()] += 1;
                 goals[operand.index()] = goals[i].or(goals[operand.index()]);
             }
-            match *instruction {
-                Instruction::Call(Function::Sin, angle) => angles.entry(angle).or_default()[0] = Some(value(i)),
-                Instruction::Call(Function::Cos, angle) => angles.entry(angle).or_default()[1] = Some(value(i)),
-                _ => {}
-            }
         }
-        let both = |(angle, [sin, cos]): (Value, [Option<Value>; 2])| Some((angle, (sin?, cos?)));
-        let together = |&(_, (sin, cos)): &(Value, (Value, Value))| {
-            let [sin, cos] = [sin, cos].map(|value| program.regions.place(value));
-            sin == cos && sin.on_demand.is_none()
-        };
-        let pairs: BTreeMap<_, _> = angles.into_iter().filter_map(both).filter(together).collect();
-        pairs.keys().for_each(|angle| uses[angle.index()] -= 1);
+        let angles = Angles::new(program, |value| uses[value.index()] > 0);
+        angles.iter().filter(|wanted| wanted.is_pair()).for_each(|wanted| uses[wanted.angle.index()] -= 1);
         let splines = Self::splines(program, &mut uses);
         let (trees, statements) = (vec![None; uses.len()], vec![Vec::new(); program.regions.count()]);
-        Writer { program, uses, pairs, splines, wishes, goals, trees, statements, region: Region::BODY, body }
+        let (known, region) = (vec![false; uses.len()], Region::BODY);
+        Writer { program, uses, angles, splines, wishes, goals, trees, known, statements, region, body }
     }
 
     /// The derivatives of a spline at one argument that are computed at one place, which use the argument once.
@@ -336,38 +340,51 @@ impl<'p, 'n> Writer<'p, 'n> {
     }
 
     fn write(&mut self) {
-        for (i, &instruction) in self.program.instructions.iter().enumerate() {
-            if self.uses[i] == 0 || self.trees[i].is_some() {
-                continue;
-            }
-            let place = self.program.regions.place(value(i));
-            self.region = place.on_demand.unwrap_or(place.region);
-            if let Instruction::Call(Function::Sin | Function::Cos, angle) = instruction
-                && let Some(&(sin, cos)) = self.pairs.get(&angle)
-            {
-                self.sin_cos(angle, sin, cos);
-                continue;
-            }
-            if let Instruction::Spline(derivative, argument) = instruction
-                && let Some(derivatives) = self.splines.get(&(derivative.spline, argument)).cloned()
-            {
-                self.spline(derivative.spline, argument, &derivatives);
-                continue;
-            }
-            if let Some(branch) = self.program.regions.branch(value(i)) {
-                self.branch(branch);
-            }
-            let tree = match self.trees[i].take() {
-                Some(selected) => selected,
-                None => self.tree(value(i), instruction),
-            };
-            if place.on_demand.is_some() {
-                self.trees[i] = Some(self.on_demand(value(i), tree, place));
-                continue;
-            }
-            let shared = (self.uses[i] > 1 && !tree.is_free()) || matches!(tree, Tree::Select(..));
-            self.trees[i] = Some(if shared { self.bind(value(i), tree) } else { tree });
+        for i in 0..self.program.instructions.len() {
+            self.write_value(i);
         }
+    }
+
+    /// The value of one instruction, after what it needs; once.
+    fn write_value(&mut self, i: usize) {
+        if self.uses[i] == 0 || self.known[i] {
+            return;
+        }
+        self.known[i] = true;
+        let instruction = self.program.instructions[i];
+        let place = self.program.regions.place(value(i));
+        self.region = place.on_demand.unwrap_or(place.region);
+        if self.is_computed_at_once(value(i)) {
+            self.sin_cos(value(i));
+            if place.on_demand.is_none() {
+                return;
+            }
+        }
+        if let Instruction::Spline(derivative, argument) = instruction
+            && let Some(derivatives) = self.splines.get(&(derivative.spline, argument)).cloned()
+        {
+            self.spline(derivative.spline, argument, &derivatives);
+            return;
+        }
+        if let Some(branch) = self.program.regions.branch(value(i)) {
+            self.branch(branch);
+        }
+        let tree = match self.trees[i].take() {
+            Some(known) => known,
+            None => self.tree(value(i), instruction),
+        };
+        if place.on_demand.is_some() {
+            self.trees[i] = Some(self.on_demand(value(i), tree, place));
+            return;
+        }
+        let shared = (self.uses[i] > 1 && !tree.is_free()) || matches!(tree, Tree::Select(..));
+        self.trees[i] = Some(if shared { self.bind(value(i), tree) } else { tree });
+    }
+
+    /// Whether it is a sine or cosine that a statement binds: of the library those that are needed both.
+    fn is_computed_at_once(&self, value: Value) -> bool {
+        let is_library = self.body.names.trigonometry == Trigonometry::Library;
+        self.angles.of(value).is_some_and(|wanted| !is_library || wanted.is_pair())
     }
 
     /// Selections on one condition.
@@ -386,7 +403,7 @@ impl<'p, 'n> Writer<'p, 'n> {
         let wishes: Vec<Wish> = selections.iter().map(wish).collect();
         let locals: Vec<usize> = wishes.into_iter().map(|wish| self.body.local(wish)).collect();
         for (selection, &local) in selections.iter().zip(&locals) {
-            self.trees[selection.index()] = Some(Tree::Local(local));
+            self.know(*selection, local);
         }
         self.push(Statement::Branch(locals, condition, sides));
     }
@@ -409,18 +426,38 @@ impl<'p, 'n> Writer<'p, 'n> {
         self.statements[self.region.index()].push(statement);
     }
 
-    /// One call for both.
-    fn sin_cos(&mut self, angle: Value, sin: Value, cos: Value) {
-        let angle = self.take(angle);
-        let words = self.body.describe(&angle);
-        let [first, second] = [(Function::Sin, sin), (Function::Cos, cos)].map(|(function, value)| {
-            let wish = words.as_ref().map(|words| Wish::Name(format!("{}_{words}", function.name())));
-            let wish = wish.unwrap_or_else(|| self.wish(value, &Tree::Constant(0.0)));
-            self.body.local(wish)
+    /// A value is known by a local.
+    fn know(&mut self, value: Value, local: usize) {
+        self.known[value.index()] = true;
+        self.trees[value.index()] = Some(Tree::Local(local));
+    }
+
+    /// One call for a sine or cosine, and all that can be computed with it.
+    fn sin_cos(&mut self, value: Value) {
+        let (region, known) = (self.region, &self.known);
+        let (group, before) = match self.body.names.trigonometry {
+            Trigonometry::Library => (self.angles.of(value).into_iter().collect(), BTreeSet::new()),
+            Trigonometry::Polynomials => self.angles.together(self.program, value, |value| known[value.index()]),
+        };
+        before.into_iter().for_each(|value| self.write_value(value.index()));
+        self.region = region;
+        let angles = group.into_iter().map(|wanted| self.angle(wanted)).collect();
+        self.push(Statement::SinCos(angles));
+    }
+
+    fn angle(&mut self, wanted: Wanted) -> Angle {
+        let tree = self.take(wanted.angle);
+        let words = self.body.describe(&tree);
+        let [sin, cos] = [(Function::Sin, wanted.sin), (Function::Cos, wanted.cos)].map(|(function, value)| {
+            value.map(|value| {
+                let wish = words.as_ref().map(|words| Wish::Name(format!("{}_{words}", function.name())));
+                let wish = wish.unwrap_or_else(|| self.wish(value, &Tree::Constant(0.0)));
+                let local = self.body.local(wish);
+                self.know(value, local);
+                local
+            })
         });
-        self.push(Statement::SinCos([first, second], angle));
-        self.trees[sin.index()] = Some(Tree::Local(first));
-        self.trees[cos.index()] = Some(Tree::Local(second));
+        Angle { tree, sin, cos }
     }
 
     /// One call for all derivatives.
@@ -428,7 +465,7 @@ impl<'p, 'n> Writer<'p, 'n> {
         let argument = self.take(argument);
         let (orders, values): (Vec<usize>, Vec<Value>) = derivatives.iter().copied().unzip();
         let locals = self.spline_derivatives(spline, orders, &values, argument);
-        values.iter().zip(locals).for_each(|(value, local)| self.trees[value.index()] = Some(Tree::Local(local)));
+        values.iter().zip(locals).for_each(|(&value, local)| self.know(value, local));
     }
 
     /// The locals that hold derivatives of these orders.

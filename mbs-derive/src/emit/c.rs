@@ -24,9 +24,9 @@ use std::fmt::Write;
 use crate::optimise::{Derivation, Function};
 use crate::variable;
 
-use super::body::{Block, Statement};
+use super::body::{Angle, Block, Statement};
 use super::name::{Names, snake_case};
-use super::{Options, doc, item};
+use super::{Options, Trigonometry, doc, item};
 use expression::{Printer, constant, prefix};
 
 /// What a header is written in.
@@ -58,10 +58,11 @@ pub fn c(derivation: &Derivation, source: &str, options: &Options) -> String {
 
 /// The header of a mechanism in a dialect of C.
 pub(super) fn written(derivation: &Derivation, source: &str, options: &Options, dialect: Dialect) -> String {
-    let names = Names::of(derivation, true);
+    let names = Names::of(derivation, true, options.trigonometry);
     let prefix = prefix(&snake_case(&derivation.name));
     let functions = item::selected(derivation, options.functions.as_deref());
-    Header { derivation, names: &names, prefix, functions, dialect }.written(source)
+    let uses_library = options.trigonometry == Trigonometry::Library;
+    Header { derivation, names: &names, prefix, functions, dialect, uses_library }.written(source)
 }
 
 /// A longer head of a function has a line for each argument.
@@ -75,6 +76,8 @@ struct Header<'d> {
     /// The functions that are written, with their numbers.
     functions: Vec<(usize, &'d Function)>,
     dialect: Dialect,
+    /// Sines and cosines are the library's.
+    uses_library: bool,
 }
 
 impl Header<'_> {
@@ -174,9 +177,22 @@ fn block(block: &Block, printer: &Printer<'_, '_>, depth: usize) -> String {
             Statement::Let(local, tree) => {
                 let _ = writeln!(text, "{indent}const mbs_real {} = {};", name(local), printer.tree(tree));
             }
-            Statement::SinCos([sin, cos], angle) => {
-                let (sin, cos, angle) = (name(sin), name(cos), printer.tree(angle));
-                let _ = writeln!(text, "{indent}mbs_real {sin}, {cos};\n{indent}mbs_sin_cos({angle}, &{sin}, &{cos});");
+            Statement::SinCos(angles) => {
+                for Angle { tree, sin, cos } in angles {
+                    let angle = printer.tree(tree);
+                    match [sin, cos].map(|local| local.as_ref().map(name)) {
+                        [Some(sin), Some(cos)] => {
+                            let _ = writeln!(text, "{indent}mbs_real {sin}, {cos};");
+                            let _ = writeln!(text, "{indent}mbs_sin_cos({angle}, &{sin}, &{cos});");
+                        }
+                        [sin, cos] => {
+                            for (function, local) in [("mbs_sin", sin), ("mbs_cos", cos)] {
+                                let line = |local| format!("{indent}const mbs_real {local} = {function}({angle});\n");
+                                text += &local.map(line).unwrap_or_default();
+                            }
+                        }
+                    }
+                }
             }
             Statement::Spline { table, orders, locals, x } => {
                 let (table, x) = ((printer.table)(*table), printer.tree(x));

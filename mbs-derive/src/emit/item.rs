@@ -17,7 +17,7 @@ use super::{Options, doc, module_name, parameter, segment};
 
 /// The whole module.
 pub(super) fn module(derivation: &Derivation, options: &Options) -> TokenStream {
-    let names = Names::of(derivation, options.infix);
+    let names = Names::of(derivation, options.infix, options.trigonometry);
     let functions = selected(derivation, options.functions.as_deref());
     let emitter = Emitter { derivation, names: &names, functions };
     let module = module_name(derivation);

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use proc_macro2::{Ident, Span};
 
-use crate::expr::{Number, Spline, Symbol};
+use crate::expr::{Number, Spline, Symbol, Trigonometry};
 use crate::optimise::{Derivation, Instruction, Program, Value};
 use crate::variable::Variable;
 use crate::variable::component_names;
@@ -158,6 +158,8 @@ impl Scope {
 pub(super) struct Names {
     /// Whether sums of products are written as such.
     pub(super) infix: bool,
+    /// Which sines and cosines are computed.
+    pub(super) trigonometry: Trigonometry,
     /// The mechanism's struct.
     pub(super) mechanism: String,
     /// The fields of `Params`, one per declared parameter.
@@ -186,7 +188,7 @@ pub(super) struct Names {
 }
 
 impl Names {
-    pub(super) fn of(derivation: &Derivation, infix: bool) -> Self {
+    pub(super) fn of(derivation: &Derivation, infix: bool, trigonometry: Trigonometry) -> Self {
         let mut scope = Scope::with(&RESERVED);
         let splines: Vec<Spline> = derivation.splines().into_iter().cloned().collect();
         scope.taken.extend((0..splines.len()).map(table));
@@ -226,6 +228,7 @@ impl Names {
         let mut methods = Scope::with(&METHODS);
         Names {
             infix,
+            trigonometry,
             mechanism: type_name(&derivation.name),
             fields: fields.unique_escaped(derivation.parameters.iter().map(|p| p.name.as_str())),
             functions: methods.unique_escaped(derivation.functions.iter().map(|f| f.name.as_str())),

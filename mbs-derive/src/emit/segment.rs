@@ -52,7 +52,7 @@ fn leaving(pieces: &[&[Statement]], results: &[Tree]) -> BTreeSet<usize> {
     let numbered = || pieces.iter().enumerate().flat_map(|(i, piece)| piece.iter().map(move |s| (i, s)));
     let in_blocks = numbered().filter(|(_, statement)| !is_on_demand(statement));
     let blocks: BTreeMap<usize, usize> =
-        in_blocks.flat_map(|(i, statement)| statement.binds().iter().map(move |&local| (local, i))).collect();
+        in_blocks.flat_map(|(i, statement)| statement.binds().into_iter().map(move |local| (local, i))).collect();
     let mut read_outside = BTreeSet::new();
     for (i, statement) in numbered() {
         let outside = |local: &usize| blocks.get(local).is_some_and(|&block| block != i);
@@ -60,7 +60,7 @@ fn leaving(pieces: &[&[Statement]], results: &[Tree]) -> BTreeSet<usize> {
     }
     read_outside.extend(locals(results.iter().collect()).into_iter().filter(|local| blocks.contains_key(local)));
     let leaves = |statement: &&Statement| statement.binds().iter().any(|local| read_outside.contains(local));
-    numbered().map(|(_, statement)| statement).filter(leaves).flat_map(Statement::binds).copied().collect()
+    numbered().map(|(_, statement)| statement).filter(leaves).flat_map(Statement::binds).collect()
 }
 
 /// The locals in these expressions.

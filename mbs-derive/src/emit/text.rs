@@ -5,11 +5,11 @@ use std::collections::BTreeSet;
 use proc_macro2::TokenStream;
 use quote::{ToTokens, quote};
 
-use crate::expr::Symbol;
+use crate::expr::{Symbol, Trigonometry};
 use crate::optimise::Derivation;
 use crate::variable::Variable;
 
-use super::body::{Block, Body, FAMILIAR, Statement, familiar};
+use super::body::{Angle, Block, Body, FAMILIAR, Statement, familiar};
 use super::expression::{self, Leaves, Tree, literal};
 use super::name::{Names, ident, table};
 use super::segment;
@@ -108,10 +108,23 @@ impl<'b, 'n> Text<'b, 'n> {
     /// A statement; locals that are `declared` before are assigned to.
     pub(super) fn statement(&self, statement: &Statement, declared: &BTreeSet<usize>) -> TokenStream {
         let binding = statement.binds().iter().all(|local| !declared.contains(local)).then(|| quote!(let));
-        let locals: Vec<_> = statement.binds().iter().map(|&i| ident(&self.body.locals[i])).collect();
+        let locals: Vec<_> = statement.binds().into_iter().map(|i| ident(&self.body.locals[i])).collect();
         let value = self.bound(statement);
         match statement {
-            Statement::SinCos(..) => quote!(#binding (#(#locals),*) = #value;),
+            Statement::SinCos(angles) => {
+                let bound = |local: fn(&Angle) -> Option<usize>| {
+                    let locals = angles.iter().map(|angle| local(angle).map(|i| ident(&self.body.locals[i])));
+                    let locals = locals.map(|local| local.map_or_else(|| quote!(_), |local| quote!(#local)));
+                    let is_read = angles.iter().any(|angle| local(angle).is_some());
+                    match self.body.names.trigonometry {
+                        Trigonometry::Library => quote!(#(#locals)*),
+                        Trigonometry::Polynomials if is_read => quote!([#(#locals),*]),
+                        Trigonometry::Polynomials => quote!(_),
+                    }
+                };
+                let (sines, cosines) = (bound(|angle| angle.sin), bound(|angle| angle.cos));
+                quote!(#binding (#sines, #cosines) = #value;)
+            }
             Statement::Spline { orders, .. } => {
                 let bound = (0..=orders[orders.len() - 1]).map(|order| match orders.binary_search(&order) {
                     Ok(i) => locals[i].to_token_stream(),
@@ -133,7 +146,15 @@ impl<'b, 'n> Text<'b, 'n> {
     fn bound(&self, statement: &Statement) -> TokenStream {
         match statement {
             Statement::Let(_, tree) => self.tree(tree),
-            Statement::SinCos(_, angle) => self.tree(&Tree::Method("sin_cos", Box::new(angle.clone()), Vec::new())),
+            Statement::SinCos(angles) => match self.body.names.trigonometry {
+                Trigonometry::Library => {
+                    self.tree(&Tree::Method("sin_cos", Box::new(angles[0].tree.clone()), Vec::new()))
+                }
+                Trigonometry::Polynomials => {
+                    let angles = angles.iter().map(|angle| self.tree(&angle.tree));
+                    quote!(T::sin_cos_all([#(#angles),*]))
+                }
+            },
             Statement::Spline { table: number, x, .. } => {
                 let (table, x) = (ident(&table(*number)), self.tree(x));
                 quote!(#table.derivatives(#x))
@@ -156,7 +177,7 @@ impl<'b, 'n> Text<'b, 'n> {
         let results: Vec<Tree> = block.results.clone();
         let (statements, value) = match block.statements.split_last() {
             Some((last @ (Statement::Let(..) | Statement::Branch(..)), before))
-                if last.binds().iter().map(|&local| Tree::Local(local)).eq(results.iter().cloned()) =>
+                if last.binds().into_iter().map(Tree::Local).eq(results.iter().cloned()) =>
             {
                 (before, self.bound(last))
             }

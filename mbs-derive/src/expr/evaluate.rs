@@ -49,6 +49,10 @@ pub trait Value: Copy {
     fn power(self, halves: i32) -> Self;
     /// `f(a)`
     fn call(self, function: Function) -> Self;
+    /// `f(a)` by the standard library, where that differs from [`call`](Self::call).
+    fn call_library(self, function: Function) -> Self {
+        self.call(function)
+    }
     /// `f(a, b)`
     fn call2(self, function: Binary, other: Self) -> Self;
     /// A derivative of a spline at a.
@@ -135,6 +139,9 @@ impl Value for f64 {
     }
     fn call(self, function: Function) -> f64 {
         function.value(self)
+    }
+    fn call_library(self, function: Function) -> f64 {
+        function.library_value(self)
     }
     fn call2(self, function: Binary, other: f64) -> f64 {
         function.value(self, other)

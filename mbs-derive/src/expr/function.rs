@@ -1,6 +1,7 @@
 //! Functions of one and two arguments: name, derivative, value and Rust spelling side by side.
 
 use super::graph::{Expr, HalfInteger};
+use super::sin_cos::sin_cos;
 
 /// A function of one argument.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -123,8 +124,18 @@ impl Function {
         }
     }
 
-    /// `f(x)` with the host's mathematics: what compiled code gives on this machine.
+    /// `f(x)` as compiled code computes it on this machine.
     pub fn value(self, x: f64) -> f64 {
+        match self {
+            Function::Sin => sin_cos(x).0,
+            Function::Cos => sin_cos(x).1,
+            other => other.library_value(x),
+        }
+    }
+
+    /// `f(x)` with the host's mathematics: what code compiled with [`Trigonometry::Library`](super::Trigonometry)
+    /// computes on this machine.
+    pub fn library_value(self, x: f64) -> f64 {
         match self {
             Function::Sin => x.sin(),
             Function::Cos => x.cos(),

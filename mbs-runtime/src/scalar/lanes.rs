@@ -1,7 +1,8 @@
 //! SIMD lanes: four `f64` or eight `f32` that go through the same equations together.
 //!
-//! The elementary functions are those of the crate `wide`: vectorised, and up to a few units in the last place away
-//! from those of the standard library; sin and cos are meant for arguments below 10⁶ or so.
+//! Sine and cosine are those of [`Scalar::sin_cos_all`], lane by lane the bits of one number; without `std` and `libm`,
+//! and all other elementary functions, are those of the crate `wide`: vectorised, and up to a few units in the last
+//! place away from those of the standard library, its sines and cosines much further at multiples of π/4.
 
 use wide::{f32x8, f64x4};
 
@@ -14,7 +15,7 @@ fn of_lane<L: Copy, F, const R: usize, const C: usize>(matrix: &[[L; C]; R], lan
 }
 
 macro_rules! lanes {
-    ($lanes:ty, $float:ty) => {
+    ($lanes:ty, $float:ty, $polynomials:ident) => {
         impl Mask for $lanes {
             #[inline]
             fn all(self) -> bool {
@@ -63,8 +64,26 @@ macro_rules! lanes {
                 <$lanes>::splat(value as $float)
             }
 
-            lanes!(@unary $lanes: sin cos tan asin acos atan sinh cosh tanh exp ln sqrt abs);
+            lanes!(@unary $lanes: tan asin acos atan sinh cosh tanh exp ln sqrt abs);
 
+            #[inline]
+            fn sin(self) -> Self {
+                Scalar::sin_cos(self).0
+            }
+
+            #[inline]
+            fn cos(self) -> Self {
+                Scalar::sin_cos(self).1
+            }
+
+            #[cfg(any(feature = "std", feature = "libm"))]
+            #[inline]
+            fn sin_cos(self) -> (Self, Self) {
+                let (sines, cosines) = super::sin_cos::$polynomials::all(self.to_array());
+                (sines.into(), cosines.into())
+            }
+
+            #[cfg(not(any(feature = "std", feature = "libm")))]
             #[inline]
             fn sin_cos(self) -> (Self, Self) {
                 <$lanes>::sin_cos(self)
@@ -131,8 +150,8 @@ macro_rules! lanes {
     };
 }
 
-lanes!(f64x4, f64);
-lanes!(f32x8, f32);
+lanes!(f64x4, f64, double);
+lanes!(f32x8, f32, single);
 
 #[cfg(all(test, any(feature = "std", feature = "libm")))]
 mod tests {

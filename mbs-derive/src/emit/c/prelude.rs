@@ -16,6 +16,7 @@ pub(super) fn text(header: &Header<'_>) -> String {
         (header.dialect == Dialect::Cpp, "#include <array>\n#include <stdexcept>\n#include <string>\n"),
         (header.dialect != Dialect::OpenCl, include_str!("prelude/host.h")),
         (header.dialect == Dialect::OpenCl, include_str!("prelude/opencl.h")),
+        (header.uses_library, "#ifndef MBS_LIBRARY_TRIGONOMETRY\n#define MBS_LIBRARY_TRIGONOMETRY\n#endif\n"),
         (true, include_str!("prelude/numbers.h")),
         (true, include_str!("prelude/sin_cos.h")),
         (true, include_str!("prelude/check.h")),

@@ -10,7 +10,7 @@ typedef MBS_REAL mbs_real;
 #define MBS_IS_double 0
 #define MBS_JOIN_2(a, b) a##b
 #define MBS_JOIN(a, b) MBS_JOIN_2(a, b)
-#if MBS_JOIN(MBS_IS_, MBS_REAL)
+#if MBS_JOIN(MBS_IS_, MBS_REAL) && !defined(MBS_LIBRARY_TRIGONOMETRY)
 #define MBS_LIBRARY_TRIGONOMETRY
 #endif
 #if MBS_JOIN(MBS_IS_, MBS_REAL) && !defined(MBS_OPENCL)
