@@ -25,7 +25,11 @@ pub(crate) fn report(arm: &Arm6) {
         let both = states.par_iter().zip(&mut accelerations);
         both.for_each(|(s, qdd)| *qdd = arm.forward_dynamics(&s.q, &s.qd, &s.w));
     });
-    println!("forward_dynamics by rayon, {} threads: {:.2e} states/s", rayon::current_num_threads(), MANY as f64 / rayon);
+    println!(
+        "forward_dynamics by rayon, {} threads: {:.2e} states/s",
+        rayon::current_num_threads(),
+        MANY as f64 / rayon
+    );
     let device = match get_all_devices(CL_DEVICE_TYPE_ALL) {
         Ok(devices) if !devices.is_empty() => Device::new(devices[0]),
         _ => return println!("skipped: OpenCL, no device"),
