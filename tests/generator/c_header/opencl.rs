@@ -18,8 +18,8 @@ use super::{
 
 const STATES: usize = 24;
 
-/// Branches and tables, motions that are given, constraints, of which some depend on others, reactions, attitudes. They are
-/// few because a device takes seconds to compile a mechanism.
+/// Branches and tables, motions that are given, constraints with reactions, attitudes. They are few because a device
+/// takes seconds to compile a mechanism.
 const MECHANISMS: [&str; 4] = ["branches", "shaken_pendulum", "four_bar_with_reactions", "quadrotor_quaternion"];
 
 /// The program that runs kernels, where there is a device for it.
