@@ -12,7 +12,7 @@
 //! - `segment`: long bodies in blocks;
 //! - `name`: identifiers, from the declaration where they can be;
 //! - `outline`: a long module without its function bodies, for review;
-//! - `c`: the same in C99;
+//! - `c`: the same in C99, C++, CUDA and OpenCL C;
 //! - `script`: the same in languages that are not compiled;
 //! - `language`: the list of languages.
 //!

@@ -20,7 +20,7 @@ mod close;
 mod exact;
 mod scale;
 mod sines;
-mod states;
+pub(crate) mod states;
 mod truth;
 mod vanishing;
 

@@ -2,8 +2,9 @@
 
 use crate::optimise::Derivation;
 
+use super::c::{Dialect, c, written};
 use super::name::snake_case;
-use super::{Options, c, rust, script};
+use super::{Options, rust, script};
 
 /// A language that a mechanism is written in.
 ///
@@ -87,7 +88,10 @@ impl Language {
     pub fn write(self, derivation: &Derivation, source: &str, options: &Options) -> String {
         match self {
             Language::Rust => rust(derivation, source, options),
-            Language::C | Language::Cpp | Language::Cuda | Language::Opencl => c(derivation, source, options),
+            Language::C => c(derivation, source, options),
+            Language::Cpp => written(derivation, source, options, Dialect::Cpp),
+            Language::Cuda => written(derivation, source, options, Dialect::Cuda),
+            Language::Opencl => written(derivation, source, options, Dialect::OpenCl),
             Language::Python => script::python::python(derivation, source, options),
             Language::Js => script::js::js(derivation, source, options),
             Language::Matlab => script::matlab::matlab(derivation, source, options),
