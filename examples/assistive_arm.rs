@@ -11,7 +11,7 @@ use std::ops::ControlFlow;
 use std::path::Path;
 
 use mbs_arm::assistive::{Admittance, balancing_rates};
-use mbs_chart::{Curves, Figure, Line, Panel};
+use mbs_chart::{Figure, Line, Panel};
 use mbs_examples::{Failure, arguments::Arguments, assumed, output};
 use mbs_models::assistive_arm::{AssistiveArm, Params};
 use mbs_runtime::{Dop853, Integrator, State};
@@ -129,14 +129,7 @@ fn way(run: &Run) -> [f64; 3] {
 }
 
 fn write(folder: &Path, runs: &[Run; 3]) -> Result<(), Failure> {
-    let panel = |label: &str, lines: Vec<Line>| {
-        Panel::Curves(Curves {
-            x_label: "t [s]".to_string(),
-            y_label: label.to_string(),
-            x_range: 0.0..DURATION,
-            lines,
-        })
-    };
+    let panel = |label: &str, lines: Vec<Line>| Panel::over_time(label, 0.0..DURATION, lines);
     let axes = ["x", "y", "z"];
     let force = (0..3).map(|i| {
         let points = runs[0].samples.iter().map(|sample| (sample.0, push(sample.0)[i])).collect();

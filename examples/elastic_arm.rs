@@ -14,7 +14,7 @@ use std::path::Path;
 use mbs_arm::elastic::ElasticArm;
 use mbs_arm::trajectory::{Motion, quartic, quintic};
 use mbs_arm::{Arm, JointVector};
-use mbs_chart::{Curves, Figure, Line, Panel};
+use mbs_chart::{Figure, Line, Panel};
 use mbs_examples::arm_trajectory::cases;
 use mbs_examples::{Failure, arguments::Arguments, assumed, output};
 use mbs_runtime::{Dop853, Integrator, State};
@@ -130,12 +130,8 @@ fn write(folder: &Path, curves: &[(&str, Ringing); 2]) -> Result<(), Failure> {
     let line = |(name, ringing): &(&str, Ringing)| {
         Line::new(*name, ringing.iter().map(|(t, height)| (*t, 1e6 * height)).collect())
     };
-    let panel = Panel::Curves(Curves {
-        x_label: "time after the stop [s]".to_string(),
-        y_label: "flange above where it should be [µm]".to_string(),
-        x_range: -BEFORE..BEHIND,
-        lines: curves.iter().map(line).collect(),
-    });
+    let labels = ["time after the stop [s]", "flange above where it should be [µm]"];
+    let panel = Panel::curves(labels, -BEFORE..BEHIND, curves.iter().map(line).collect());
     let title = "The flange of an arm with elastic joints, case 1".to_string();
     output::write_figure(folder, "elastic_arm", &Figure { title, size: (900, 560), panels: vec![panel] }, &ASSUMED)?;
     let header = ["t_s", "quartic_m", "quintic_m"].map(String::from);

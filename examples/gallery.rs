@@ -11,8 +11,6 @@ mod chapters;
 mod data;
 #[path = "gallery/index.rs"]
 mod index;
-#[path = "gallery/list.rs"]
-mod list;
 #[path = "gallery/scheme_arm.rs"]
 mod scheme_arm;
 #[path = "gallery/scheme_frames.rs"]
@@ -28,10 +26,9 @@ use std::path::{Path, PathBuf};
 use clap::Parser;
 use indicatif::{ProgressBar, ProgressStyle};
 use mbs_chart::{Figure, Format};
+use mbs_examples::figures::{FIGURES, file_name};
 use mbs_examples::{Failure, output};
 use rayon::prelude::*;
-
-use list::{FIGURES, file_name};
 
 /// Draws the 36 figures of the thesis as SVG, with a page that shows them.
 ///

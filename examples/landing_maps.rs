@@ -30,13 +30,15 @@ struct Options {
 }
 
 /// What the maps rest on; the guidance is not among them.
-const ASSUMED: [&str; 8] = [
+const ASSUMED: [&str; 10] = [
     "gravity",
     "quadrotor.inertias",
     "quadrotor.rotors",
     "quadrotor.drag",
     "quadrotor.gains",
     "quadrotor.limits",
+    "quadrotor.least_lift",
+    "quadrotor.start",
     "quadrotor.regulator",
     "landing.tolerance",
 ];

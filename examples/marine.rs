@@ -22,18 +22,19 @@ use mbs_examples::{print, println};
 use run::{Study, Weather};
 
 /// What everything here rests on, beside what every landing does.
-const ASSUMED: &str = "marine.";
+const ASSUMED: [&str; 2] = ["gravity", "marine."];
 
 fn main() -> Result<(), Failure> {
     let arguments = Arguments::<Weather>::with_options(include_str!("marine.rs"));
     let study = Study::of(&arguments.options)?;
+    let told = if arguments.options.is_assumed() { "" } else { "marine.weather" };
+    let keys = |keys: &[&str]| assumed::without(keys, told);
     if let Some(folder) = &arguments.out {
         output::create_folder(folder)?;
-        figures::write(folder, &study)?;
+        figures::write(folder, &study, &keys(&ASSUMED))?;
         figures::write_tables(folder, &study)?;
     }
-    let keys = [&[ASSUMED][..], assumed::LANDING].concat();
-    let keys = assumed::without(&keys, if arguments.options.is_assumed() { "" } else { "marine.weather" });
+    let keys = keys(&[&ASSUMED, assumed::LANDING].concat());
     if arguments.json {
         println!("{}", assumed::with(summary::to_json(&study)?, &keys));
     } else {

@@ -38,6 +38,24 @@ const MOMENT: f64 = 0.3;
 /// What every length and force rests on.
 const ASSUMED: [&str; 2] = ["gravity", "platform."];
 
+/// What the histories of the eight cases rest on.
+const CASES: [&str; 14] = [
+    "gravity",
+    "platform.radii",
+    "platform.half_angles",
+    "platform.home",
+    "platform.attitude",
+    "platform.plate",
+    "platform.payload",
+    "platform.cylinders",
+    "platform.pistons",
+    "platform.frequency",
+    "platform.height",
+    "platform.cases",
+    "platform.combined",
+    "platform.combined_frequencies",
+];
+
 /// Besides `--json` and `--out`.
 #[derive(Clone, Debug, clap::Args)]
 struct Options {

@@ -15,7 +15,8 @@
 //! Then the same decks on the Stewart platform of chapter 4 under its own control, with sampled controllers: look at
 //! what that changes, and at how far beyond its limits the platform would have to go.
 //!
-//! `--out DIR` writes figures 5.2 to 5.9 and those of the other decks as SVG and PNG, and every curve as CSV.
+//! `--out DIR` writes figures 5.2 to 5.9, the unguided descents beside the guided ones and those of the other decks as
+//! SVG and PNG, and every curve as CSV.
 
 #[path = "quadrotor_landing/figures.rs"]
 mod figures;
@@ -72,11 +73,12 @@ impl Landings {
 }
 
 /// What the landings rest on.
-const ASSUMED: [&str; 16] = [
+const ASSUMED: [&str; 17] = [
     "gravity",
     "platform.radii",
     "platform.half_angles",
     "platform.home",
+    "platform.attitude",
     "platform.plate",
     "platform.cylinders",
     "platform.pistons",
@@ -103,6 +105,10 @@ fn main() -> Result<(), Failure> {
                 figures::write_legs(folder, flight.case, &legs)?;
                 figures::write(folder, flight, &legs)?;
             }
+        }
+        let of_kind = |kind: Kind| landings.flights.iter().filter(move |flight| flight.kind == kind);
+        for (guided, unguided) in of_kind(Kind::Exact).zip(of_kind(Kind::Unguided)) {
+            figures::write_unguided(folder, guided, unguided)?;
         }
         for on_platform in &landings.heaving {
             figures::write_platform(folder, on_platform)?;

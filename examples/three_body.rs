@@ -10,11 +10,11 @@
 #[path = "three_body/orbits.rs"]
 mod orbits;
 
-use mbs_examples::println;
+use mbs_examples::{print, println};
 use std::path::Path;
 
 use mbs_chart::{Figure, Panel, Plane, PlaneLine};
-use mbs_examples::{Failure, arguments::Arguments, output};
+use mbs_examples::{Failure, arguments::Arguments, assumed, output};
 use mbs_orbit::libration::{Modes, Point, points};
 use serde_json::{Value, json};
 
@@ -23,15 +23,18 @@ use orbits::{Flight, arenstorf, asteroids};
 /// The mass ratios whose points are printed.
 const PAIRS: [(&str, f64); 2] = [("earth_moon", 0.012_150_585_6), ("arenstorf", orbits::ARENSTORF_MU)];
 
+/// What the motions of the asteroids rest on.
+const ASSUMED: [&str; 1] = ["three_body.asteroids"];
+
 fn main() -> Result<(), Failure> {
     let arguments = Arguments::of(include_str!("three_body.rs"));
     let closed = arenstorf()?;
     let asteroids = asteroids()?;
     if let Some(folder) = &arguments.out {
         output::create_folder(folder)?;
-        write(folder, "arenstorf", "Arenstorf's orbit", &closed)?;
+        write(folder, "arenstorf", "Arenstorf's orbit", &closed, &[])?;
         for asteroid in &asteroids {
-            write(folder, asteroid.name, &format!("An asteroid: {}", asteroid.name), &asteroid.flight)?;
+            write(folder, asteroid.name, &format!("An asteroid: {}", asteroid.name), &asteroid.flight, &ASSUMED)?;
         }
     }
     if arguments.json {
@@ -52,7 +55,7 @@ fn main() -> Result<(), Failure> {
             "jacobi_drift": closed.jacobi_drift,
             "asteroids": asteroids,
         });
-        println!("{value}");
+        println!("{}", assumed::with(value, &ASSUMED));
         return Ok(());
     }
     println!("Units: the distance of the primaries, their mass together, the inverse of their rate of turn");
@@ -73,6 +76,7 @@ fn main() -> Result<(), Failure> {
             asteroid.flight.jacobi_drift
         );
     }
+    print!("{}", assumed::text(&ASSUMED));
     Ok(())
 }
 
@@ -81,7 +85,7 @@ fn growths(mu: f64) -> Result<Vec<f64>, Failure> {
     Point::ALL.into_iter().map(|point| Ok(Modes::about(mu, point)?.growth())).collect()
 }
 
-fn write(folder: &Path, name: &str, title: &str, flight: &Flight) -> Result<(), Failure> {
+fn write(folder: &Path, name: &str, title: &str, flight: &Flight, keys: &[&str]) -> Result<(), Failure> {
     let mut marks = vec![([-flight.mu, 0.0], "m₁".to_string()), ([1.0 - flight.mu, 0.0], "m₂".to_string())];
     marks.extend(points(flight.mu)?.iter().enumerate().map(|(i, &point)| (point, format!("L{}", i + 1))));
     let plane = Plane {
@@ -90,7 +94,7 @@ fn write(folder: &Path, name: &str, title: &str, flight: &Flight) -> Result<(), 
         marks,
     };
     let figure = Figure { title: title.to_string(), size: (1000, 900), panels: vec![Panel::Plane(plane)] };
-    output::write_figure(folder, name, &figure, &[])?;
+    output::write_figure(folder, name, &figure, keys)?;
     let header = ["t", "x", "y", "x_dot", "y_dot", "jacobi"].map(String::from);
     output::write_table(folder, name, &header, flight.path.iter().map(|row| row.to_vec()))
 }

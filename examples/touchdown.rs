@@ -27,10 +27,11 @@ struct Touchdowns {
 }
 
 /// What they rest on, beside what every landing does.
-const ASSUMED: [&str; 15] = [
+const ASSUMED: [&str; 16] = [
     "platform.radii",
     "platform.half_angles",
     "platform.home",
+    "platform.attitude",
     "platform.plate",
     "platform.cylinders",
     "platform.pistons",

@@ -12,9 +12,12 @@ mod earth_moon;
 mod ellipse;
 
 use mbs_chart::{Figure, Panel, Plane, PlaneLine};
-use mbs_examples::println;
-use mbs_examples::{Failure, arguments::Arguments, output};
+use mbs_examples::{Failure, arguments::Arguments, assumed, output};
+use mbs_examples::{print, println};
 use serde_json::json;
+
+/// What the motion of the Earth and the Moon rests on.
+const ASSUMED: [&str; 1] = ["two_body.start"];
 
 fn main() -> Result<(), Failure> {
     let arguments = Arguments::of(include_str!("two_body.rs"));
@@ -41,7 +44,7 @@ fn main() -> Result<(), Failure> {
                 "barycentre_m": earth_moon.barycentre_drift,
             },
         });
-        println!("{value}");
+        println!("{}", assumed::with(value, &ASSUMED));
         return Ok(());
     }
     println!("An ellipse of eccentricity 0.6, a = 1, mu = 1, from its pericentre, by Kepler's equation and by DOP853");
@@ -65,6 +68,7 @@ fn main() -> Result<(), Failure> {
         "  greatest drift: energy {:.1e}, angular momentum {:.1e} of their values, barycentre {:.1e} m",
         earth_moon.energy_drift, earth_moon.momentum_drift, earth_moon.barycentre_drift
     );
+    print!("{}", assumed::text(&ASSUMED));
     Ok(())
 }
 
@@ -85,13 +89,13 @@ fn write(folder: &std::path::Path, flight: &earth_moon::Flight) -> Result<(), Fa
         size: (1000, 900),
         panels: vec![plane(vec![PlaneLine::new("Earth", km(0)), PlaneLine::new("Moon", km(1))], "barycentre")],
     };
-    output::write_figure(folder, "two_body_barycentre", &about_the_barycentre, &[])?;
+    output::write_figure(folder, "two_body_barycentre", &about_the_barycentre, &ASSUMED)?;
     let relative = Figure {
         title: title("the Moon seen from the Earth"),
         size: (1000, 900),
         panels: vec![plane(vec![PlaneLine::new("Moon", seen)], "Earth")],
     };
-    output::write_figure(folder, "two_body_relative", &relative, &[])?;
+    output::write_figure(folder, "two_body_relative", &relative, &ASSUMED)?;
     let header = ["t_s", "earth_x_m", "earth_y_m", "earth_z_m", "moon_x_m", "moon_y_m", "moon_z_m"].map(String::from);
     let row = |row: &earth_moon::Moment| [&[row.t][..], &row.bodies[0], &row.bodies[1]].concat();
     output::write_table(folder, "two_body", &header, flight.path.iter().map(row))

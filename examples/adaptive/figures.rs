@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use mbs_chart::{Curves, Figure, Line, Panel};
+use mbs_chart::{Figure, Line, Panel};
 use mbs_examples::{Failure, assumed, output};
 use mbs_runtime::control::BodyParameters;
 
@@ -84,11 +84,11 @@ fn figure(
     let logarithm = |s: &Sample| (1e3 * s.seen.error).max(1e-3).log10();
     let errors = runs.map(|(name, run)| line(name, run, logarithm)).into();
     let [.., (_, adaptive)] = runs;
-    let v = vec![line("V", adaptive, |s| s.seen.lyapunov)];
+    let v = vec![line("", adaptive, |s| s.seen.lyapunov)];
     let panels = vec![
-        panel("log₁₀ of the error in mm, at least −3", duration, errors),
-        panel("estimate / truth", duration, estimates),
-        panel("V [J]", duration, v),
+        Panel::over_time("log₁₀ of the error in mm, at least −3", 0.0..duration, errors),
+        Panel::over_time("estimate / truth", 0.0..duration, estimates),
+        Panel::over_time("V [J]", 0.0..duration, v),
     ];
     let title = title.to_string();
     output::write_figure(folder, name, &Figure { title, size: (1100, 1100), panels }, keys)
@@ -100,11 +100,6 @@ fn relative(name: &str, run: &Run, k: usize, truth: f64) -> Line {
 
 fn line(name: &str, run: &Run, value: impl Fn(&Sample) -> f64) -> Line {
     Line::new(name, run.samples.iter().step_by(5).map(|s| (s.t, value(s))).collect())
-}
-
-fn panel(label: &str, duration: f64, lines: Vec<Line>) -> Panel {
-    let (x_label, y_label) = ("t [s]".to_string(), label.to_string());
-    Panel::Curves(Curves { x_label, y_label, x_range: 0.0..duration, lines })
 }
 
 fn table(folder: &Path, name: &str, run: &Run, forces: &[&str], estimates: &[&str]) -> Result<(), Failure> {

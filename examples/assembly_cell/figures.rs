@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use mbs_chart::{Curves, Figure, Line, Panel};
+use mbs_chart::{Figure, Line, Panel};
 use mbs_examples::{Failure, output};
 
 use crate::ASSUMED;
@@ -42,12 +42,7 @@ fn panel(label: &str, runs: &[&Run], value: &dyn Fn(&Sample) -> f64) -> Panel {
         let seen = run.samples.iter().filter(|sample| sample.t >= from);
         Line::new(run.way, seen.map(|sample| (sample.t, value(sample))).collect())
     };
-    Panel::Curves(Curves {
-        x_label: "t [s]".to_string(),
-        y_label: label.to_string(),
-        x_range: from..end,
-        lines: runs.iter().map(line).collect(),
-    })
+    Panel::over_time(label, from..end, runs.iter().map(line).collect())
 }
 
 fn table(folder: &Path, name: &str, run: &Run) -> Result<(), Failure> {

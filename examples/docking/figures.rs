@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use mbs_chart::{Curves, Figure, Line, Panel, Plane, PlaneLine};
+use mbs_chart::{Figure, Line, Panel, Plane, PlaneLine};
 use mbs_examples::{Failure, output};
 use mbs_orbit::mission::{Axis, Moment, Phase};
 
@@ -34,12 +34,8 @@ fn curves(x_label: &str, y_label: &str, lines: Vec<(String, Points)>) -> Panel {
     let abscissas = || lines.iter().flat_map(|line| &line.1).map(|point| point.0);
     let (low, high) = abscissas().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)));
     let margin = 0.02 * (high - low);
-    Panel::Curves(Curves {
-        x_label: x_label.to_string(),
-        y_label: y_label.to_string(),
-        x_range: low - margin..high + margin,
-        lines: lines.into_iter().map(|(name, points)| Line::new(name, points)).collect(),
-    })
+    let lines = lines.into_iter().map(|(name, points)| Line::new(name, points)).collect();
+    Panel::curves([x_label, y_label], low - margin..high + margin, lines)
 }
 
 /// Metres in the orbital plane, both axes to one scale.

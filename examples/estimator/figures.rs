@@ -3,7 +3,7 @@
 
 use std::path::Path;
 
-use mbs_chart::{Curves, Figure, Line, Panel, Plane, PlaneLine};
+use mbs_chart::{Figure, Line, Panel, Plane, PlaneLine};
 use mbs_examples::{Failure, output};
 use mbs_landing::estimator::nominal::ERRORS;
 use mbs_landing::quadrotor::heave::Heave;
@@ -76,11 +76,6 @@ fn write_table(folder: &Path, case: &str, flight: &Flight) -> Result<(), Failure
     output::write_table(folder, &format!("estimator_{case}"), &header, rows)
 }
 
-fn over_time(label: &str, end: f64, lines: Vec<Line>) -> Panel {
-    let (x_label, y_label) = ("t [s]".to_string(), label.to_string());
-    Panel::Curves(Curves { x_label, y_label, x_range: 0.0..end, lines })
-}
-
 /// There and back, with a gap in between.
 fn band(above: impl Iterator<Item = (f64, f64)>, below: impl Iterator<Item = (f64, f64)>) -> Vec<(f64, f64)> {
     let mut points: Vec<(f64, f64)> = above.collect();
@@ -112,8 +107,7 @@ fn errors(flight: &Flight) -> Vec<Panel> {
         let side = |side: f64| moments().map(move |(t, _, deviations)| (*t, side * 3.0 * scale * deviations[i]));
         let error = moments().map(|(t, errors, _)| (*t, scale * errors[i])).collect();
         let lines = vec![Line::new("error", error), Line::new("±3σ", band(side(1.0), side(-1.0)))];
-        let (x_label, y_label) = ("t [s], from the first second on".to_string(), label.to_string());
-        Panel::Curves(Curves { x_label, y_label, x_range: SETTLED..flight.end, lines })
+        Panel::curves(["t [s], from the first second on", label], SETTLED..flight.end, lines)
     };
     SHOWN.iter().map(|row| Panel::Row(row.iter().map(panel).collect())).collect()
 }
@@ -127,7 +121,7 @@ fn consistency(runs: &[Run]) -> Vec<Panel> {
             band(side(1), side(0))
         };
         let lines = vec![Line::new("average", mean), Line::new("95 %", bounds(0)), Line::new("99 %", bounds(1))];
-        over_time(label, end, lines)
+        Panel::over_time(label, 0.0..end, lines)
     };
     let mut panels = vec![panel("error of the estimate, 15 degrees of freedom", ERRORS as f64, &Looks::of_state(runs))];
     for ((_, looks), label) in sensors(runs).iter().zip(["innovation of ranges", "innovation of images, a coordinate"])
@@ -172,12 +166,8 @@ fn touchdown(runs: &[Run]) -> Vec<Panel> {
         let high = values().fold(f64::NEG_INFINITY, f64::max);
         let margin = 0.05 * (high - low);
         let [estimated, exact] = both;
-        Panel::Curves(Curves {
-            x_label: label.to_string(),
-            y_label: "landings with less [%]".to_string(),
-            x_range: low - margin..high + margin,
-            lines: vec![Line::new("on the estimate", estimated), Line::new("on the true state", exact)],
-        })
+        let lines = vec![Line::new("on the estimate", estimated), Line::new("on the true state", exact)];
+        Panel::curves([label, "landings with less [%]"], low - margin..high + margin, lines)
     };
     vec![
         panel("horizontal offset [mm]", |end| 1e3 * end.horizontal_offset),

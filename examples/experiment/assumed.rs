@@ -5,7 +5,7 @@ use mbs_landing::experiment::tracking::{LINK_EXCESS, MODULE_EXCESS};
 use serde_json::{Value, json};
 
 /// The thesis' summary has no number of its experiment but the length of the rail.
-pub(crate) const ASSUMED: [&str; 24] = [
+pub(crate) const ASSUMED: [&str; 25] = [
     "gravity",
     "arm.masses",
     "arm.mass_centres",
@@ -29,6 +29,7 @@ pub(crate) const ASSUMED: [&str; 24] = [
     "experiment.",
     "quadrotor.drag",
     "quadrotor.limits",
+    "quadrotor.least_lift",
     "quadrotor.start",
 ];
 const NOT_CHECKED: [&str; 1] = ["collisions with anything but arm, vehicle and platform: rail, floor, walls, cables"];

@@ -2,7 +2,8 @@
 
 use std::path::Path;
 
-use mbs_chart::{Curves, Figure, Line, Panel, Space, SpaceLine};
+use mbs_chart::curves::numbered;
+use mbs_chart::{Figure, Line, Panel, Space, SpaceLine};
 use mbs_examples::{Failure, output};
 use mbs_landing::experiment::landed::Meeting;
 
@@ -24,7 +25,7 @@ pub(crate) fn write(folder: &Path, word: &str, run: &Run<'_>) -> Result<(), Fail
         output::write_figure(folder, &name, &Figure { title, size: (1100, 900), panels }, &ASSUMED)
     };
     let end = tracked.contact.time;
-    let over_time = |label: &str, lines: Vec<Line>| curves(label, 0.0..end, lines);
+    let over_time = |label: &str, lines: Vec<Line>| Panel::over_time(label, 0.0..end, lines);
 
     let [x, y] = run.experiment.cell.platform;
     let aside = vec![
@@ -36,11 +37,11 @@ pub(crate) fn write(folder: &Path, word: &str, run: &Run<'_>) -> Result<(), Fail
     let heights =
         |samples: &[Sample]| vec![line("flange", samples, |s| s.flange.position[2]), line("deck", samples, |s| s.deck)];
     let last = &samples[samples.partition_point(|s| s.look.time < end - LAST)..];
-    let near = curves("height [m]", (end - LAST).max(0.0)..end, heights(last));
+    let near = Panel::over_time("height, the end enlarged [m]", (end - LAST).max(0.0)..end, heights(last));
     write("elevation", "Elevation of flange and deck", vec![over_time("height [m]", heights(samples)), near])?;
 
     let angles = (1..7).map(|axis| line(axis_name(axis), samples, move |s| s.look.state.q[axis].to_degrees()));
-    let carriage = vec![line("carriage", samples, |s| s.look.state.q[0])];
+    let carriage = vec![line("", samples, |s| s.look.state.q[0])];
     let panels = vec![over_time("q [°]", angles.collect()), over_time("carriage [m]", carriage)];
     write("axes", "Axes", panels)?;
 
@@ -56,8 +57,8 @@ pub(crate) fn write(folder: &Path, word: &str, run: &Run<'_>) -> Result<(), Fail
     write("limits", "Speeds and forces of the axes", panels)?;
 
     let panels = vec![
-        over_time("position [mm]", vec![line("error", samples, |s| 1e3 * s.look.error)]),
-        over_time("attitude [°]", vec![line("error", samples, |s| s.look.turn.to_degrees())]),
+        over_time("position [mm]", vec![line("", samples, |s| 1e3 * s.look.error)]),
+        over_time("attitude [°]", vec![line("", samples, |s| s.look.turn.to_degrees())]),
     ];
     write("tracking", "Tracking error of the flange", panels)?;
 
@@ -71,7 +72,7 @@ pub(crate) fn write(folder: &Path, word: &str, run: &Run<'_>) -> Result<(), Fail
     if let Ok(touched) = &outcome.landed {
         let (end, panels) = contact(touched);
         let from = (end - LAST_CONTACT).max(0.0);
-        let panels = panels.into_iter().map(|(label, lines)| curves(label, from..end, lines)).collect();
+        let panels = panels.into_iter().map(|(label, lines)| Panel::over_time(label, from..end, lines)).collect();
         write("contact", "Contact of the vehicle with the deck that legs drive", panels)?;
     }
     table(folder, &stem, samples)
@@ -83,15 +84,16 @@ const LAST_CONTACT: f64 = 5.0;
 /// The end, and what is drawn up to it.
 fn contact(touched: &Touched) -> (f64, Vec<(&'static str, Vec<Line>)>) {
     let meetings = &touched.meetings;
-    let line = |name: &str, value: &dyn Fn(&Meeting) -> f64| {
-        Line::new(name, meetings.iter().map(|meeting| (meeting.time, value(meeting))).collect())
+    let of = |value: &dyn Fn(&Meeting) -> f64| -> Vec<_> {
+        meetings.iter().map(|meeting| (meeting.time, value(meeting))).collect()
     };
-    let legs = (0..6).map(|leg| line(&format!("leg {}", leg + 1), &|meeting| meeting.legs[leg])).collect();
+    let line = |value: &dyn Fn(&Meeting) -> f64| vec![Line::new("", of(value))];
+    let legs = [0, 1, 2, 3, 4, 5].map(|leg| of(&|meeting| meeting.legs[leg]));
     let panels = vec![
-        ("force on the deck [N]", vec![line("load", &|meeting| meeting.load)]),
-        ("lowest foot over the deck [mm]", vec![line("height", &|meeting| (1e3 * meeting.height).min(50.0))]),
-        ("platform off its plan [mm]", vec![line("distance", &|meeting| 1e3 * meeting.platform_error)]),
-        ("force of the legs [N]", legs),
+        ("force on the deck [N]", line(&|meeting| meeting.load)),
+        ("lowest foot over the deck [mm]", line(&|meeting| (1e3 * meeting.height).min(50.0))),
+        ("platform off its plan [mm]", line(&|meeting| 1e3 * meeting.platform_error)),
+        ("force of the legs [N]", numbered(["leg", "legs"], &legs)),
     ];
     (meetings.last().map_or(0.0, |meeting| meeting.time), panels)
 }
@@ -111,10 +113,6 @@ fn flat(name: &str, value: f64, end: f64) -> Line {
     Line::new(name, vec![(0.0, value), (end, value)])
 }
 
-fn curves(label: &str, x_range: std::ops::Range<f64>, lines: Vec<Line>) -> Panel {
-    Panel::Curves(Curves { x_label: "t [s]".to_string(), y_label: label.to_string(), x_range, lines })
-}
-
 fn path(run: &Run<'_>, outcome: &Outcome<'_>, simulated: &Simulated) -> Panel {
     let Simulated { tracked, samples } = simulated;
     let points: Vec<[f64; 3]> = samples.iter().map(|s| s.flange.position).collect();
@@ -130,15 +128,15 @@ fn path(run: &Run<'_>, outcome: &Outcome<'_>, simulated: &Simulated) -> Panel {
     Panel::Space(Space { labels: ["x [m]", "y [m]", "z [m]"].map(String::from), lines })
 }
 
-/// What every scale asks for: the name of a column, that of a curve where one is drawn, and the value.
-type Column = (&'static str, Option<&'static str>, fn(&Other) -> f64);
+/// What every scale asks for: the name of a column, panel and name of a curve where one is drawn, and the value.
+type Column = (&'static str, Option<(usize, &'static str)>, fn(&Other) -> f64);
 const COLUMNS: [Column; 7] = [
     ("scale", None, |o| o.scale),
     ("standoff_m", None, |o| o.standoff),
-    ("clearance", Some("clearance"), |o| o.clearance),
-    ("speed_ratio", Some("speed"), |o| o.survey.speed_ratio.value),
-    ("force_ratio", Some("force"), |o| o.survey.force_ratio.value),
-    ("singularity_margin", Some("singularity"), |o| o.survey.singularity_margin.value),
+    ("clearance", Some((1, "ranges, singularities, bodies")), |o| o.clearance),
+    ("speed_ratio", Some((0, "speed")), |o| o.survey.speed_ratio.value),
+    ("force_ratio", Some((0, "force")), |o| o.survey.force_ratio.value),
+    ("singularity_margin", Some((1, "singularities alone")), |o| o.survey.singularity_margin.value),
     ("distance_m", None, |o| o.survey.distance.value),
 ];
 
@@ -152,22 +150,19 @@ fn scales(folder: &Path, stem: &str, run: &Run<'_>) -> Result<(), Failure> {
         run.others.iter().map(|other| COLUMNS.map(|(.., of)| of(other)).into()),
     )?;
     let (Some(first), Some(last)) = (run.others.first(), run.others.last()) else { return Ok(()) };
-    let drawn = COLUMNS.iter().filter_map(|(_, name, of)| name.map(|name| (name, of)));
-    let lines =
-        drawn.map(|(name, of)| Line::new(name, run.others.iter().map(|other| (other.scale, of(other))).collect()));
-    let panel = Curves {
-        x_label: "scale".to_string(),
-        y_label: "part of the limit, or of the range".to_string(),
-        x_range: first.scale..last.scale,
-        lines: lines.collect(),
+    let panel = |which: usize, label: &str| {
+        let drawn =
+            COLUMNS.iter().filter_map(|(_, name, of)| name.filter(|name| name.0 == which).map(|name| (name.1, of)));
+        let points = |of: &fn(&Other) -> f64| run.others.iter().map(|other| (other.scale, of(other))).collect();
+        let lines = drawn.map(|(name, of)| Line::new(name, points(of))).collect();
+        Panel::curves(["scale of the landing", label], first.scale..last.scale, lines)
     };
-    let title = format!("Clearance, speed, force and distance from singularities, case {}", run.case.name);
-    output::write_figure(
-        folder,
-        &name,
-        &Figure { title, size: (1100, 700), panels: vec![Panel::Curves(panel)] },
-        &ASSUMED,
-    )
+    let panels = vec![
+        panel(0, "greatest of an axis, part of its limit"),
+        panel(1, "least distance, part of half a range; below 0 bodies overlap"),
+    ];
+    let title = format!("What a scale asks of the arm, case {}; {:.5} is feasible", run.case.name, run.scale);
+    output::write_figure(folder, &name, &Figure { title, size: (1100, 800), panels }, &ASSUMED)
 }
 
 fn table(folder: &Path, stem: &str, samples: &[Sample]) -> Result<(), Failure> {

@@ -1,6 +1,6 @@
 //! The page that shows the figures.
 
-use crate::list::{Entry, FIGURES, assumptions, file_name};
+use mbs_examples::figures::{Entry, FIGURES, assumptions, file_name};
 
 const STYLE: &str = "\
 body { font-family: 'DejaVu Sans', Verdana, sans-serif; max-width: 62rem; margin: 2rem auto; padding: 0 1rem; \

@@ -189,7 +189,7 @@ pub(crate) fn spherical() -> Result<Vec<Figure>, Failure> {
     solid.tinted(azimuth[24], &format!("α = {:.1}°", alpha.to_degrees()).replace('-', "−"), [-8.0, 34.0], BLUE);
     let polar = arc(base, [unit(2), across], 0.66, [0.0, beta]);
     solid.arrow(&polar, Stroke::new(GREEN, 1.8));
-    solid.tinted(polar[24], &format!("β = {:.1}°", beta.to_degrees()), [0.0, 18.0], GREEN);
+    solid.tinted(polar[24], &format!("β = {:.1}°", beta.to_degrees()), [0.0, 30.0], GREEN);
     solid.dot(base, 5.0, GRAY);
     solid.dot(joint, 5.0, GRAY);
     solid.word(base, &format!("B_{}", leg + 1), [-12.0, 12.0]);

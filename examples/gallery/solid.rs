@@ -105,10 +105,10 @@ pub(crate) fn arc(centre: Point, [u, v]: [Point; 2], radius: f64, [from, to]: [f
 /// Part of a circle in a plane.
 pub(crate) fn plane_arc([x, y]: [f64; 2], radius: f64, [from, to]: [f64; 2]) -> Vec<[f64; 2]> {
     let at = |k: usize| {
-        let (sin, cos) = (from + (to - from) * k as f64 / 48.0).sin_cos();
+        let (sin, cos) = (from + (to - from) * k as f64 / 144.0).sin_cos();
         [x + radius * cos, y + radius * sin]
     };
-    (0..=48).map(at).collect()
+    (0..=144).map(at).collect()
 }
 
 /// Of auxiliary lines.

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use mbs_chart::{Curves, Figure, Line, Panel};
+use mbs_chart::{Figure, Line, Panel};
 use mbs_examples::{Failure, output};
 use mbs_platform::marine::excitation::{amplitude_operator, unit_wave};
 use mbs_platform::marine::simulation::Moment;
@@ -13,10 +13,10 @@ use crate::summary::COORDINATES;
 /// How much of the motion is drawn \[s\].
 const SHOWN: f64 = 300.0;
 
-pub(crate) fn write(folder: &Path, study: &Study) -> Result<(), Failure> {
+pub(crate) fn write(folder: &Path, study: &Study, keys: &[&str]) -> Result<(), Failure> {
     let write = |name: &str, what: &str, height: u32, panels: Vec<Panel>| {
         let title = what.to_string();
-        output::write_figure(folder, name, &Figure { title, size: (1100, height), panels }, &[crate::ASSUMED])
+        output::write_figure(folder, name, &Figure { title, size: (1100, height), panels }, keys)
     };
     write("marine_sea", "The sea", 750, vec![spectrum(study), elevation(study)])?;
     write("marine_response", "Linear response to regular waves, uncontrolled", 900, response(study))?;
@@ -29,12 +29,7 @@ pub(crate) fn write(folder: &Path, study: &Study) -> Result<(), Failure> {
 type Points = Vec<(f64, f64)>;
 
 fn curves(labels: [&str; 2], x_range: std::ops::Range<f64>, lines: Vec<(&str, Points)>) -> Panel {
-    Panel::Curves(Curves {
-        x_label: labels[0].to_string(),
-        y_label: labels[1].to_string(),
-        x_range,
-        lines: lines.into_iter().map(|(name, points)| Line::new(name, points)).collect(),
-    })
+    Panel::curves(labels, x_range, lines.into_iter().map(|(name, points)| Line::new(name, points)).collect())
 }
 
 /// The density that was asked for, and that of the record.

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use mbs_chart::{Curves, Figure, Line, Panel};
+use mbs_chart::{Figure, Line, Panel};
 use mbs_examples::{Failure, output};
 
 use crate::front::{Choice, Front};
@@ -15,18 +15,13 @@ pub(crate) fn write(folder: &Path, comparison: &Comparison, front: &Front) -> Re
                 let points = samples.iter().map(|sample| (sample.t, value(sample)[i])).collect();
                 Line::new(format!("joint {}", i + 1), points)
             };
-            Panel::Curves(Curves {
-                x_label: "t [s]".to_string(),
-                y_label: format!("{name}: {what}"),
-                x_range: 0.0..DURATION,
-                lines: (0..6).map(line).collect(),
-            })
+            Panel::over_time(&format!("{name}: {what}"), 0.0..DURATION, (0..6).map(line).collect())
         })
     };
     let panels = [
         joints("q [°]", |sample| sample.state.q.map(f64::to_degrees)),
         joints("dq/dt [°/s]", |sample| sample.state.qd.map(f64::to_degrees)),
-        joints("τ/τ_max", |sample| sample.torque),
+        joints("τ, part of the limit", |sample| sample.torque),
     ];
     let title = "From posture to posture: a quintic, and the least effort".to_string();
     let figure = Figure { title, size: (900, 1500), panels: panels.into_iter().flatten().collect() };
@@ -49,12 +44,9 @@ fn pareto(comparison: &Comparison, front: &Front) -> Panel {
     let end = beyond[beyond.len() - 1].0;
     let line = Line::new("Pareto front", choices.iter().map(point).collect());
     let quintic = format!("the quintic in {DURATION} s: J = {:.3} s", effort(&comparison.by_quintic));
-    Panel::Curves(Curves {
-        x_label: format!("time T [s]   ({ends}; {quintic})"),
-        y_label: "least effort J [s]".to_string(),
-        x_range: first.0 - 0.02..end,
-        lines: vec![line, Line::new("dominated: slower and more effort", beyond)],
-    })
+    let lines = vec![line, Line::new("dominated: slower and more effort", beyond)];
+    let labels = [&format!("time T [s]   ({ends}; {quintic})"), "least effort J [s]"];
+    Panel::curves(labels, first.0 - 0.02..end, lines)
 }
 
 pub(crate) fn write_tables(folder: &Path, comparison: &Comparison, front: &Front) -> Result<(), Failure> {

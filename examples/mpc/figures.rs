@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use mbs_chart::{Curves, Figure, Line, Panel};
+use mbs_chart::{Figure, Line, Panel};
 use mbs_examples::{Failure, output};
 use mbs_landing::quadrotor::predictive::flight::Moment;
 use mbs_landing::quadrotor::predictive::limits::Limits;
@@ -57,7 +57,7 @@ fn landing(case: &Case) -> Vec<Panel> {
     };
     let greatest = |m: &Moment| m.speeds.iter().fold(0.0_f64, |most, speed| most.max(factor * speed * speed));
     let tilt = limits.tilt.to_degrees();
-    let panel = |label: &str, lines: Vec<Line>| curves(label, end, lines);
+    let panel = |label: &str, lines: Vec<Line>| Panel::over_time(label, 0.0..end, lines);
     vec![
         panel("height over the deck [m]", lines(&|m| m.state.q[2] - m.deck.position[2])),
         panel("velocity against the deck [m/s]", lines(&|m| m.state.qd[2] - m.deck.velocity[2])),
@@ -76,12 +76,8 @@ fn planning(case: &Case) -> Vec<Panel> {
     };
     let last = case.predictive.iter().fold(0.0_f64, |end, flown| end.max(flown.touchdown.time));
     vec![
-        curves("touchdown by the plan [s]", end, of(&case.replanned, &|flown| flown.ends.clone())),
-        curves("shortest: time of a plan [ms]", end, of(&case.replanned, &times)),
-        curves("predictive: time of a plan [ms]", last, of(&case.predictive, &times)),
+        Panel::over_time("touchdown by the plan [s]", 0.0..end, of(&case.replanned, &|flown| flown.ends.clone())),
+        Panel::over_time("shortest: time of a plan [ms]", 0.0..end, of(&case.replanned, &times)),
+        Panel::over_time("predictive: time of a plan [ms]", 0.0..last, of(&case.predictive, &times)),
     ]
-}
-
-fn curves(label: &str, end: f64, lines: Vec<Line>) -> Panel {
-    Panel::Curves(Curves { x_label: "t [s]".to_string(), y_label: label.to_string(), x_range: 0.0..end, lines })
 }

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use mbs_chart::{Curves, Figure, Line, Panel, Plane, PlaneLine};
+use mbs_chart::{Figure, Line, Panel, Plane, PlaneLine};
 use mbs_examples::{Failure, output};
 use mbs_runtime::State;
 
@@ -57,12 +57,7 @@ pub(crate) fn write(folder: &Path, edge: &Edge, sleigh: &Sleigh, coin: &Coin) ->
 
 fn curves(label: &str, lines: Vec<(&str, Vec<(f64, f64)>)>) -> Panel {
     let end = lines.iter().flat_map(|line| &line.1).fold(0.0_f64, |most, point| most.max(point.0));
-    Panel::Curves(Curves {
-        x_label: "t [s]".to_string(),
-        y_label: label.to_string(),
-        x_range: 0.0..end,
-        lines: lines.into_iter().map(|(name, points)| Line::new(name, points)).collect(),
-    })
+    Panel::over_time(label, 0.0..end, lines.into_iter().map(|(name, points)| Line::new(name, points)).collect())
 }
 
 /// From the closed form, in units of 10⁻¹⁵.

@@ -5,7 +5,7 @@ use mbs_examples::println;
 use std::path::Path;
 use std::str::FromStr;
 
-use mbs_chart::{Curves, Figure, Line, Panel};
+use mbs_chart::{Figure, Line, Panel};
 use mbs_examples::platform_dynamics::tables::PAYLOAD_OF_TABLE_4;
 use mbs_examples::{Failure, output};
 use mbs_platform::sensitivity::{Output, Parameter};
@@ -233,7 +233,7 @@ pub(crate) fn write_pair(folder: &Path, courses: &[Course], Pair { output, param
     let panel = |courses: &[Course]| {
         let end = courses[0].points[courses[0].points.len() - 1].0;
         let lines = courses.iter().map(Course::line).collect();
-        Panel::Curves(Curves { x_label: "t [s]".to_string(), y_label: label.clone(), x_range: 0.0..end, lines })
+        Panel::over_time(&label, 0.0..end, lines)
     };
     // The combined case is five times as long as the others.
     let (periodic, combined) = courses.split_at(courses.len() - 1);
@@ -242,7 +242,7 @@ pub(crate) fn write_pair(folder: &Path, courses: &[Course], Pair { output, param
         folder,
         &name,
         &Figure { title, size: (900, 760), panels: vec![panel(periodic), panel(combined)] },
-        &crate::ASSUMED,
+        &crate::CASES,
     )?;
     let rows = courses
         .iter()

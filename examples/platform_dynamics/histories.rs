@@ -3,7 +3,8 @@
 
 use std::path::Path;
 
-use mbs_chart::{Curves, Figure, Line, Panel};
+use mbs_chart::curves::numbered;
+use mbs_chart::{Figure, Panel};
 use mbs_examples::platform_dynamics::tables::{PAYLOAD_OF_TABLE_4, PAYLOADS};
 use mbs_examples::{Failure, output};
 use mbs_platform::limits::{Excess, LegState, Quantity, Survey};
@@ -158,7 +159,7 @@ pub(crate) fn to_json<'a>(histories: &[History], surveys: impl Iterator<Item = &
 pub(crate) fn write(folder: &Path, histories: &[History]) -> Result<(), Failure> {
     for of_one in histories.chunks(PAYLOADS.len()) {
         for history in of_one.iter().filter(|history| history.payload == PAYLOAD_OF_TABLE_4) {
-            output::write_figure(folder, &history.file(), &figure(history), &crate::ASSUMED)?;
+            output::write_figure(folder, &history.file(), &figure(history), &crate::CASES)?;
         }
         write_values(folder, of_one)?;
     }
@@ -167,16 +168,9 @@ pub(crate) fn write(folder: &Path, histories: &[History]) -> Result<(), Failure>
 
 fn figure(history: &History) -> Figure {
     let panel = |(label, of): (&str, fn(&LegState) -> LegVector)| {
-        let line = |leg: usize| {
-            let points = history.times.iter().zip(&history.legs).map(|(&t, legs)| (t, of(legs)[leg])).collect();
-            Line::new(format!("leg {}", leg + 1), points)
-        };
-        Panel::Curves(Curves {
-            x_label: "t [s]".to_string(),
-            y_label: label.to_string(),
-            x_range: 0.0..history.times[history.times.len() - 1],
-            lines: (0..6).map(line).collect(),
-        })
+        let leg = |i: usize| history.times.iter().zip(&history.legs).map(move |(&t, legs)| (t, of(legs)[i])).collect();
+        let lines = numbered(["leg", "legs"], &[0, 1, 2, 3, 4, 5].map(leg));
+        Panel::over_time(label, 0.0..history.times[history.times.len() - 1], lines)
     };
     let History { number, name, payload, .. } = history;
     let title = format!("Case {number}, {name}: lengths, speeds, forces and powers, payload {payload} kg");

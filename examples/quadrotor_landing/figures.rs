@@ -3,77 +3,94 @@
 
 use std::path::Path;
 
-use mbs_chart::{Curves, Figure, Line, Panel, Space, SpaceLine};
-use mbs_examples::quadrotor_landing::figures as thesis;
+use mbs_chart::curves::numbered;
+use mbs_chart::{Figure, Line, Panel};
+use mbs_examples::quadrotor_landing::figures::{self as thesis, ANGLES, ROTORS, Series, over, path};
 use mbs_examples::quadrotor_landing::flight::{Flight, MARINE, Moment};
 use mbs_examples::quadrotor_landing::platform::{Comparison, OnPlatform};
-use mbs_examples::{Failure, output};
+use mbs_examples::{Failure, assumed, output};
 use mbs_landing::quadrotor::driven::{DrivenMoment, TrackingError};
 use mbs_platform::limits::LegState;
 use mbs_platform::{LegVector, PlatformMotion};
 
 /// Figures 5.2 to 5.9 for the cases of the thesis, and their like for the deck at sea.
 pub(crate) fn write(folder: &Path, flight: &Flight, legs: &[(f64, LegState)]) -> Result<(), Failure> {
-    let drawn = if flight.case == MARINE { at_sea(flight, legs) } else { thesis::drawn(flight, legs) };
+    if flight.case != MARINE {
+        return output::write_figures(folder, &thesis::drawn(flight, legs));
+    }
+    let drawn = at_sea(flight, legs);
     drawn.iter().try_for_each(|(name, figure)| output::write_figure(folder, name, figure, &crate::ASSUMED))
 }
 
 fn at_sea(flight: &Flight, legs: &[(f64, LegState)]) -> Vec<(String, Figure)> {
+    let time = 0.0..flight.touchdown.time;
     let elevation: [Series; 2] = [("quadrotor", |m| m.state.q[2]), ("platform", |m| m.platform)];
-    let angles: [Series; 3] = [
-        ("φ", |m| m.state.q[3].to_degrees()),
-        ("θ", |m| m.state.q[4].to_degrees()),
-        ("ψ", |m| m.state.q[5].to_degrees()),
-    ];
+    let height: [Series; 1] = [("", |m| m.relative.offset[2])];
     let against_deck: [Series; 3] = [
-        ("φ", |m| m.relative.attitude[0].to_degrees()),
-        ("θ", |m| m.relative.attitude[1].to_degrees()),
-        ("ψ", |m| m.relative.attitude[2].to_degrees()),
+        ("roll φ", |m| m.relative.attitude[0].to_degrees()),
+        ("pitch θ", |m| m.relative.attitude[1].to_degrees()),
+        ("yaw ψ", |m| m.relative.attitude[2].to_degrees()),
     ];
-    let rotors: [Series; 4] = [
-        ("rotor 1", |m| m.rotor_thrust[0]),
-        ("rotor 2", |m| m.rotor_thrust[1]),
-        ("rotor 3", |m| m.rotor_thrust[2]),
-        ("rotor 4", |m| m.rotor_thrust[3]),
-    ];
-    let total: [Series; 1] = [("U", |m| m.thrust)];
+    let total: [Series; 1] = [("", |m| m.thrust)];
     let leg_forces = leg_lines(legs.iter().map(|(t, legs)| (*t, legs.force)));
+    let over = |label: &str, series: &[Series]| over(flight, label, time.clone(), series);
     let figure = |name: &str, what: &str, height: u32, panels: Vec<Panel>| {
         (format!("{MARINE}_{name}"), Figure { title: format!("Deck at sea: {what}"), size: (1100, height), panels })
     };
     vec![
-        figure("path", "path of the quadrotor", 800, vec![path(flight)]),
-        figure("elevation", "elevation", 800, vec![curves(flight, "z [m]", &elevation)]),
+        figure("path", "path of the quadrotor", 800, path(flight)),
+        figure(
+            "elevation",
+            "elevation",
+            800,
+            vec![over("z [m]", &elevation), over("height over the deck [m]", &height)],
+        ),
         figure(
             "attitude",
             "attitude",
             800,
-            vec![curves(flight, "angle [°]", &angles), curves(flight, "against the deck [°]", &against_deck)],
+            vec![over("angle [°]", &ANGLES), over("against the deck [°]", &against_deck)],
         ),
         figure(
             "forces",
             "forces of the rotors and of the platform's legs",
             1000,
             vec![
-                curves(flight, "thrust [N]", &rotors),
-                curves(flight, "thrust asked for [N]", &total),
-                panel("force of a leg [N]", flight.touchdown.time, leg_forces),
+                over("thrust of a rotor [N]", &ROTORS),
+                over("thrust asked for [N]", &total),
+                Panel::over_time("force of a leg [N]", time.clone(), leg_forces),
             ],
         ),
     ]
 }
 
-/// One line for each leg, or one for all where they do the same.
+/// `unguided_CASE`: a guided landing, and one that follows the platform's elevation itself.
+pub(crate) fn write_unguided(folder: &Path, guided: &Flight, unguided: &Flight) -> Result<(), Failure> {
+    let both = |value: fn(&Moment) -> f64| -> Vec<Line> {
+        let line =
+            |(name, flight): (&str, &Flight)| Line::new(name, flight.moments.iter().map(|m| (m.t, value(m))).collect());
+        [("guided", guided), ("unguided", unguided)].map(line).into()
+    };
+    let platform = guided.moments.iter().map(|m| (m.t, m.platform)).collect();
+    let elevations = [both(|m| m.state.q[2]), vec![Line::new("platform", platform)]].concat();
+    let (whole, start) = (0.0..guided.touchdown.time, 0.0..1.3 * unguided.touchdown.time);
+    let panels = vec![
+        Panel::over_time("z [m]", whole, elevations),
+        Panel::over_time("height over the platform [m]", start.clone(), both(|m| m.relative.offset[2])),
+        Panel::over_time("velocity against it [m/s]", start.clone(), both(|m| m.relative.velocity[2])),
+        Panel::over_time("thrust of all rotors [N]", start, both(|m| m.rotor_thrust.iter().sum())),
+    ];
+    let times = [unguided, guided].map(|flight| flight.touchdown.time);
+    let title = format!("Case {}: down in {:.3} s unguided, in {:.3} s guided", guided.case, times[0], times[1]);
+    let figure = Figure { title, size: (900, 1000), panels };
+    let keys = [assumed::LANDING, &["landing.tolerance"]].concat();
+    output::write_figure(folder, &format!("unguided_{}", guided.case), &figure, &keys)
+}
+
+/// One line for each leg, or for those that do the same.
 fn leg_lines(values: impl Iterator<Item = (f64, LegVector)>) -> Vec<Line> {
     let values: Vec<(f64, LegVector)> = values.collect();
-    let largest = values.iter().flat_map(|(_, legs)| legs).fold(0.0_f64, |largest, x| largest.max(x.abs()));
-    let alike = values.iter().all(|(_, legs)| legs.iter().all(|x| (x - legs[0]).abs() <= 1e-6 * largest));
-    let line = |name: String, leg: usize| Line::new(name, values.iter().map(|(t, legs)| (*t, legs[leg])).collect());
-    if alike {
-        vec![line("each leg".to_string(), 0)]
-    } else {
-        (0..6).map(|leg| line(format!("leg {}", leg + 1), leg)).collect()
-    }
+    numbered(["leg", "legs"], &[0, 1, 2, 3, 4, 5].map(|leg| values.iter().map(|(t, legs)| (*t, legs[leg])).collect()))
 }
 
 /// `NAME_platform`: the deck as it is to be and as it is, how far it is off, and what the legs are asked for.
@@ -93,13 +110,22 @@ pub(crate) fn write_platform<const K: usize>(folder: &Path, on_platform: &OnPlat
             errors.push(Line::new("angle [mrad]", of(&|m| 1e3 * error(m).angle)));
         }
         let panels = vec![
-            panel("elevation [m]", end, elevations),
-            panel("off by", end, errors),
-            panel("length of a leg [m]", end, leg_lines(moments.iter().map(|m| (m.time, m.legs.length)))),
-            panel("force asked for [N]", end, leg_lines(moments.iter().map(|m| (m.time, m.legs.force)))),
+            Panel::over_time("elevation [m]", 0.0..end, elevations),
+            Panel::over_time("off by", 0.0..end, errors),
+            Panel::over_time(
+                "length of a leg [m]",
+                0.0..end,
+                leg_lines(moments.iter().map(|m| (m.time, m.legs.length))),
+            ),
+            Panel::over_time(
+                "force asked for [N]",
+                0.0..end,
+                leg_lines(moments.iter().map(|m| (m.time, m.legs.force))),
+            ),
         ];
         let how = if name == "full" { "motion in full, raised".to_string() } else { format!("motion × {scale:.3}") };
-        let title = format!("The platform under control, {}, {how}", case.replace('_', " "));
+        let deck = if on_platform.case == MARINE { "deck at sea".to_string() } else { case.replace('_', " ") };
+        let title = format!("The platform under control, {deck}, {how}");
         let name = format!("{case}_platform_{name}");
         output::write_figure(folder, &name, &Figure { title, size: (1100, 1100), panels }, &crate::ASSUMED)?;
         let mut header: Vec<String> = ["t_s", "z_m", "height_m"].map(String::from).into();
@@ -131,27 +157,6 @@ pub(crate) fn write_legs(folder: &Path, case: &str, legs: &[(f64, LegState)]) ->
 
 fn table_name(case: &str) -> String {
     if case == MARINE { case.to_string() } else { format!("case_{case}") }
-}
-
-type Series = (&'static str, fn(&Moment) -> f64);
-
-fn curves(flight: &Flight, label: &str, series: &[Series]) -> Panel {
-    let line = |&(name, value): &Series| Line::new(name, flight.moments.iter().map(|m| (m.t, value(m))).collect());
-    panel(label, flight.touchdown.time, series.iter().map(line).collect())
-}
-
-fn panel(label: &str, end: f64, lines: Vec<Line>) -> Panel {
-    let (x_label, y_label) = ("t [s]".to_string(), label.to_string());
-    Panel::Curves(Curves { x_label, y_label, x_range: 0.0..end, lines })
-}
-
-fn path(flight: &Flight) -> Panel {
-    let points: Vec<[f64; 3]> = flight.moments.iter().map(|m| [m.state.q[0], m.state.q[1], m.state.q[2]]).collect();
-    let [x, y, z, ..] = flight.touchdown.state.q;
-    let marks =
-        vec![(points[0], "start".to_string()), ([x, y, z], format!("touchdown at {:.2} s", flight.touchdown.time))];
-    let lines = vec![SpaceLine { name: "quadrotor".to_string(), points, marks }];
-    Panel::Space(Space { labels: ["x [m]", "y [m]", "z [m]"].map(String::from), lines })
 }
 
 pub(crate) fn write_table(folder: &Path, flight: &Flight) -> Result<(), Failure> {

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use mbs_chart::{Curves, Figure, Line, Panel};
+use mbs_chart::{Figure, Line, Panel};
 use mbs_examples::{Failure, output};
 use mbs_orbit::soft_docking::flight::Moment;
 
@@ -23,8 +23,9 @@ pub(crate) fn write(folder: &Path, flight: &Flight, contacts: &[Case], burns: &[
     let before: Vec<&Moment> = flight.moments.iter().filter(|moment| moment.time < touch).collect();
     let of = |value: &dyn Fn(&Moment) -> f64| -> Points { before.iter().map(|m| (m.time, value(m))).collect() };
     let panels = vec![
-        curves("t [s]", "to go [m]", vec![("ports", of(&|m| -m.ports.place[0])), ("reference", of(&|m| -m.wanted))]),
-        curves("t [s]", "closing speed [m/s]", vec![("along the approach", of(&|m| m.ports.closing()))]),
+        curves("t [s]", "to go [m]", vec![("", of(&|m| -m.ports.place[0]))]),
+        curves("t [s]", "behind the reference [mm]", vec![("", of(&|m| 1e3 * (m.wanted - m.ports.place[0])))]),
+        curves("t [s]", "closing speed [m/s]", vec![("", of(&|m| m.ports.closing()))]),
         curves(
             "t [s]",
             "beside the axis [m]",
@@ -38,8 +39,8 @@ pub(crate) fn write(folder: &Path, flight: &Flight, contacts: &[Case], burns: &[
     ];
     write("soft_docking_approach", "Final approach by the frames of the ports", panels)?;
     let panels = vec![
-        curves("t [s]", "all jets, a period [N·s]", vec![("impulse", of(&|m| m.impulse))]),
-        curves("t [s]", "on the station, a period [N·s]", vec![("plumes", of(&|m| m.plume))]),
+        curves("t [s]", "all jets, a period [N·s]", vec![("", of(&|m| m.impulse))]),
+        curves("t [s]", "on the station, a period [N·s]", vec![("", of(&|m| m.plume))]),
         curves("t [s]", "station moved [mm]", {
             let [x, y, z] = [0, 1, 2].map(|i| of(&|m| 1e3 * m.pair.station.position[i]));
             vec![("away from the Earth", x), ("along the motion", y), ("normal", z)]
@@ -65,15 +66,11 @@ pub(crate) fn write(folder: &Path, flight: &Flight, contacts: &[Case], burns: &[
     let loss: Points =
         burns.iter().rev().map(|burn| (burn.raise.durations[0], 1e3 * burn.raise.gravity_loss)).collect();
     let factor = loss.first().map_or(0.0, |(duration, loss)| loss / (duration * duration));
-    let most = loss.last().map_or(1.0, |point| point.0);
-    let square = (0..=100).map(|k| most * f64::from(k) / 100.0).map(|t| (t, factor * t * t)).collect();
+    let beyond = loss.iter().map(|(t, loss)| (*t, loss - factor * t * t)).collect();
     let low = |i: usize| -> Points { burns.iter().rev().map(|b| (b.raise.durations[0], b.raise.too_low[i])).collect() };
     let panels = vec![
-        curves(
-            "duration of the first burn [s]",
-            "gravity loss [mm/s]",
-            vec![("flown", loss), ("square of the duration", square)],
-        ),
+        curves("duration of the first burn [s]", "gravity loss [mm/s]", vec![("", loss)]),
+        curves("duration of the first burn [s]", "more than by the square of the duration [mm/s]", vec![("", beyond)]),
         curves(
             "duration of the first burn [s]",
             "orbit too low [m]",
@@ -86,12 +83,8 @@ pub(crate) fn write(folder: &Path, flight: &Flight, contacts: &[Case], burns: &[
 
 fn curves(x_label: &str, y_label: &str, lines: Vec<(&str, Points)>) -> Panel {
     let end = lines.iter().flat_map(|line| &line.1).fold(0.0_f64, |most, point| most.max(point.0));
-    Panel::Curves(Curves {
-        x_label: x_label.to_string(),
-        y_label: y_label.to_string(),
-        x_range: 0.0..end,
-        lines: lines.into_iter().map(|(name, points)| Line::new(name, points)).collect(),
-    })
+    let lines = lines.into_iter().map(|(name, points)| Line::new(name, points)).collect();
+    Panel::curves([x_label, y_label], 0.0..end, lines)
 }
 
 fn tables(folder: &Path, flight: &Flight, burns: &[Burn]) -> Result<(), Failure> {

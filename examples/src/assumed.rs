@@ -14,6 +14,7 @@ pub const LANDING: &[&str] = &[
     "quadrotor.drag",
     "quadrotor.gains",
     "quadrotor.limits",
+    "quadrotor.least_lift",
     "quadrotor.guidance",
     "quadrotor.start",
 ];

@@ -4,6 +4,7 @@
 pub mod arguments;
 pub mod arm_trajectory;
 pub mod assumed;
+pub mod figures;
 pub mod output;
 pub mod platform_dynamics;
 pub mod quadrotor_landing;

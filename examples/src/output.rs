@@ -5,7 +5,7 @@ use std::path::Path;
 
 use mbs_chart::{Figure, Format};
 
-use crate::{Failure, assumed};
+use crate::{Failure, assumed, figures};
 
 /// Makes a folder, with those that it lies in.
 ///
@@ -33,6 +33,15 @@ pub fn write_figure(folder: &Path, name: &str, figure: &Figure, keys: &[&str]) -
         write_file(&folder.join(format!("{name}.{extension}")), &mbs_chart::draw(figure, format)?)?;
     }
     Ok(())
+}
+
+/// Writes figures of the thesis, named `figure_5_2`, by [`write_figure`] with what each rests on.
+///
+/// # Errors
+/// Those of [`write_figure`].
+pub fn write_figures(folder: &Path, drawn: &[(String, Figure)]) -> Result<(), Failure> {
+    let number = |name: &str| name.trim_start_matches("figure_").replace('_', ".");
+    drawn.iter().try_for_each(|(name, figure)| write_figure(folder, name, figure, &figures::keys(&number(name))))
 }
 
 /// Writes `name.csv`: a header, then rows of numbers that read back as the same.

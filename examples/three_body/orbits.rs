@@ -17,11 +17,13 @@ const ARENSTORF: ([f64; 2], [f64; 2], f64) =
 /// Mass ratio of a planet in whose orbit asteroids keep: Jupiter, of which the Sun has 1047.3486 masses (International
 /// Astronomical Union, *Current Best Estimates*, 2009).
 const JUPITER_MU: f64 = 1.0 / 1_048.348_6;
+/// How much farther out than the points of rest the asteroids start.
+const STRETCHES: [f64; 2] = [1.004, 1.003];
 /// In units of the distance of the primaries: nearer is a collision.
 const CONTACT: f64 = 1e-5;
 
 /// Of a step that are drawn.
-const POINTS: usize = 8;
+const POINTS: usize = 24;
 
 /// Rows t, x, y, ẋ, ẏ, C.
 type Row = [f64; 6];
@@ -92,7 +94,7 @@ pub(crate) fn asteroids() -> Result<[Asteroid; 2], Failure> {
         Flight::of(JUPITER_MU, start, revolutions * std::f64::consts::TAU, &dop853)
     };
     Ok([
-        Asteroid { name: "tadpole", flight: fly(l4, 1.004, 40.0)? },
-        Asteroid { name: "horseshoe", flight: fly(l3, 1.003, 120.0)? },
+        Asteroid { name: "tadpole", flight: fly(l4, STRETCHES[0], 40.0)? },
+        Asteroid { name: "horseshoe", flight: fly(l3, STRETCHES[1], 120.0)? },
     ])
 }

@@ -2,7 +2,8 @@
 
 use std::path::Path;
 
-use mbs_chart::{Curves, Figure, Line, Panel};
+use mbs_chart::curves::numbered;
+use mbs_chart::{Figure, Line, Panel};
 use mbs_examples::{Failure, output};
 use mbs_landing::quadrotor::standing::Moment;
 
@@ -11,9 +12,13 @@ use crate::run::{BEFORE, Legs, OnDeck, OnPlatform};
 /// What is shown after the first touch \[s\].
 const AFTER: f64 = 1.5;
 
-fn panel(label: &str, range: std::ops::Range<f64>, lines: Vec<Line>) -> Panel {
-    let (x_label, y_label) = ("t [s]".to_string(), label.to_string());
-    Panel::Curves(Curves { x_label, y_label, x_range: range, lines })
+/// What a run shows.
+fn words(name: &str) -> String {
+    match name {
+        "I" | "II" => format!("case {name}"),
+        "marine" => "deck at sea".to_string(),
+        other => other.replace('_', " "),
+    }
 }
 
 /// `touchdown_NAME`: heights of the feet, forces, way along the deck.
@@ -22,15 +27,15 @@ pub(crate) fn write(folder: &Path, on_deck: &OnDeck) -> Result<(), Failure> {
     let (Some(first), Some(last)) = (moments.first(), moments.last()) else { return Ok(()) };
     let range = first.time..last.time;
     let feet = |of: &dyn Fn(&Moment, usize) -> f64| -> Vec<Line> {
-        let line = |i: usize| Line::new(format!("leg {}", i + 1), moments.iter().map(|m| (m.time, of(m, i))).collect());
-        (0..4).map(line).collect()
+        let foot = |i: usize| moments.iter().map(|m| (m.time, of(m, i))).collect();
+        numbered(["foot", "feet"], &[0, 1, 2, 3].map(foot))
     };
     let panels = vec![
-        panel("foot over the deck [mm]", range.clone(), feet(&|m, i| -1e3 * m.contact.depth[i])),
-        panel("force along the normal [N]", range.clone(), feet(&|m, i| m.contact.normal[i])),
-        panel("way along the deck [mm]", range, feet(&|m, i| 1e3 * m.slid[i])),
+        Panel::over_time("foot over the deck [mm]", range.clone(), feet(&|m, i| -1e3 * m.contact.depth[i])),
+        Panel::over_time("force along the normal [N]", range.clone(), feet(&|m, i| m.contact.normal[i])),
+        Panel::over_time("way along the deck [mm]", range, feet(&|m, i| 1e3 * m.slid[i])),
     ];
-    let title = format!("After the touchdown: {}", name.replace('_', " "));
+    let title = format!("After the touchdown: {}", words(name));
     output::write_figure(
         folder,
         &format!("touchdown_{name}"),
@@ -48,16 +53,15 @@ pub(crate) fn write_platform(folder: &Path, on_platform: &OnPlatform) -> Result<
     let OnPlatform { name, legs, landing, .. } = on_platform;
     let range = landing.time - BEFORE..landing.time + AFTER;
     let shown: Vec<&Legs> = legs.iter().filter(|legs| range.contains(&legs.time)).collect();
-    let line = |name: String, of: &dyn Fn(&Legs) -> f64| {
-        Line::new(name, shown.iter().map(|legs| (legs.time, of(legs))).collect())
-    };
-    let forces = (0..6).map(|i| line(format!("leg {}", i + 1), &move |legs| legs.forces[i])).collect();
+    let of = |value: &dyn Fn(&Legs) -> f64| -> Vec<_> { shown.iter().map(|legs| (legs.time, value(legs))).collect() };
+    let line = |value: &dyn Fn(&Legs) -> f64| vec![Line::new("", of(value))];
+    let forces = numbered(["leg", "legs"], &[0, 1, 2, 3, 4, 5].map(|i| of(&move |legs| legs.forces[i])));
     let panels = vec![
-        panel("four feet on the deck [N]", range.clone(), vec![line(String::new(), &|legs| legs.contact)]),
-        panel("force of a leg of the platform [N]", range.clone(), forces),
-        panel("platform over its plan [mm]", range, vec![line(String::new(), &|legs| 1e3 * legs.off)]),
+        Panel::over_time("four feet on the deck [N]", range.clone(), line(&|legs| legs.contact)),
+        Panel::over_time("force of a leg of the platform [N]", range.clone(), forces),
+        Panel::over_time("platform over its plan [mm]", range, line(&|legs| 1e3 * legs.off)),
     ];
-    let title = format!("The platform feels the touchdown: {}", name.replace('_', " "));
+    let title = format!("The platform feels the touchdown: {}", words(name));
     output::write_figure(
         folder,
         &format!("touchdown_{name}_platform"),

@@ -27,11 +27,14 @@ pub(crate) fn round_step(rough: f64) -> f64 {
 }
 
 impl Scale {
-    /// With at most this many intervals.
+    /// With at most this many intervals, and so many more that there are two ticks.
     pub(crate) fn new(range: Range<f64>, count: f64) -> Self {
         let range = if range.start < range.end { range } else { range.start - 0.5..range.start + 0.5 };
-        let step = round_step((range.end - range.start) / count.max(1.0));
-        Scale { range, step }
+        let mut scale = Scale { step: round_step((range.end - range.start) / count.max(1.0)), range };
+        while scale.ticks().len() < 2 {
+            scale.step = round_step(0.4 * scale.step);
+        }
+        scale
     }
 
     pub(crate) fn ticks(&self) -> Vec<f64> {
@@ -126,5 +129,6 @@ mod tests {
         assert_eq!(Scale::new(-0.63..1.04, 5.0).ticks(), [-0.5, 0.0, 0.5, 1.0]);
         assert_eq!(Scale::new(0.0..50.0, 10.0).ticks().len(), 11);
         assert_eq!(Scale::new(2.0..2.0, 4.0).range, 1.5..2.5);
+        assert_eq!(Scale::new(-0.36..0.45, 2.5).ticks(), [-0.2, 0.0, 0.2, 0.4]);
     }
 }

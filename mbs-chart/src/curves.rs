@@ -8,6 +8,8 @@ use crate::legend::{Legend, ROW};
 use crate::scene::{Anchor, Rect, Scene, Text};
 use crate::style::stroke;
 
+/// Of words at points \[px\].
+const MARK_SIZE: f64 = 12.5;
 /// A line has at most this many points; beyond that a bucket of points is drawn by its extremes.
 const POINTS: usize = 4000;
 
@@ -51,6 +53,28 @@ impl Line {
         self.marks.push((at, word.into()));
         self
     }
+}
+
+/// Lines named `one` with its number, from 1, or `many` with their numbers where they are alike to a millionth of the
+/// greatest value: what lies on each other is not told apart by gaps.
+#[must_use]
+pub fn numbered([one, many]: [&str; 2], lines: &[Vec<(f64, f64)>]) -> Vec<Line> {
+    let greatest = lines.iter().flatten().fold(0.0_f64, |most, point| most.max(point.1.abs()));
+    let are_alike = |a: &[(f64, f64)], b: &[(f64, f64)]| {
+        a.len() == b.len() && a.iter().zip(b).all(|(a, b)| (a.1 - b.1).abs() <= 1e-6 * greatest)
+    };
+    let mut groups: Vec<Vec<usize>> = Vec::new();
+    for (i, line) in lines.iter().enumerate() {
+        match groups.iter_mut().find(|group| are_alike(&lines[group[0]], line)) {
+            Some(group) => group.push(i),
+            None => groups.push(vec![i]),
+        }
+    }
+    let name = |group: &[usize]| match group {
+        [i] => format!("{one} {}", i + 1),
+        _ => format!("{many} {}", group.iter().map(|i| (i + 1).to_string()).collect::<Vec<_>>().join(", ")),
+    };
+    groups.iter().map(|group| Line::new(name(group), lines[group[0]].clone())).collect()
 }
 
 /// The lowest and the highest point, in order of `x`.
@@ -166,10 +190,22 @@ impl<'a> Prepared<'a> {
             for ((a, b), word) in &curves.lines[i].marks {
                 let at = pixel([*a, *b]);
                 scene.dot(at, 3.5, own.color);
-                let is_right = at[0] < area.x + 0.6 * area.width;
-                let (side, anchor) = if is_right { (8.0, Anchor::Start) } else { (-8.0, Anchor::End) };
-                let up = if at[1] > area.y + 20.0 { -11.0 } else { 12.0 };
-                scene.text(Text::new([at[0] + side, at[1] + up], word, 12.5, anchor));
+                let width = scene.face.width(word, MARK_SIZE);
+                // Above, then below, first on the side with more room: where no line goes through it.
+                let side = if at[0] < area.x + 0.6 * area.width { 1.0 } else { -1.0 };
+                let mut places = [(side, -11.0), (-side, -11.0), (side, 12.0), (-side, 12.0)].map(|(side, down)| {
+                    let left = at[0] + if side > 0.0 { 8.0 } else { -8.0 - width };
+                    Rect { x: left, y: at[1] + down - 8.0, width, height: 16.0 }
+                });
+                if at[1] < area.y + 20.0 {
+                    places.rotate_left(2);
+                }
+                let is_free = |place: &&Rect| {
+                    let is_over = |[x, y]: [f64; 2]| place.overlaps(&Rect { x, y, width: 0.0, height: 0.0 });
+                    place.x > area.x && !self.lines.iter().flatten().any(|point| is_over(pixel(*point)))
+                };
+                let place = places.iter().find(is_free).unwrap_or(&places[0]);
+                scene.text(Text::new([place.x, place.y + 8.0], word, MARK_SIZE, Anchor::Start));
             }
         }
     }
@@ -195,6 +231,14 @@ mod tests {
         let drawn = Line::new("quiet", (0..100_000).map(quiet).collect()).points;
         assert_eq!((drawn.len(), drawn.contains(&(70_000.0, 5.0))), (4000, true));
         assert!(drawn.is_sorted_by(|a, b| a.0 <= b.0));
+    }
+
+    #[test]
+    fn lines_that_lie_on_each_other_are_one() {
+        let line = |slope: f64| vec![(0.0, 0.0), (1.0, slope)];
+        let lines = numbered(["leg", "legs"], &[line(1.0), line(2.0), line(1.0 + 1e-7), line(-1.0)]);
+        let names: Vec<&str> = lines.iter().map(|line| line.name.as_str()).collect();
+        assert_eq!(names, ["legs 1, 3", "leg 2", "leg 4"]);
     }
 
     #[test]

@@ -30,6 +30,7 @@ mod scene;
 mod svg;
 
 use std::fmt;
+use std::ops::Range;
 
 pub use camera::Camera;
 pub use cells::{Cell, Cells};
@@ -76,6 +77,21 @@ pub enum Panel {
     Sketch(Sketch),
     /// Panels side by side, of equal width.
     Row(Vec<Panel>),
+}
+
+impl Panel {
+    /// Lines over one horizontal axis: what it and the vertical axis say, and from where to where it goes.
+    #[must_use]
+    pub fn curves(labels: [&str; 2], x_range: Range<f64>, lines: Vec<Line>) -> Self {
+        let [x_label, y_label] = labels.map(String::from);
+        Self::Curves(Curves { x_label, y_label, x_range, lines })
+    }
+
+    /// Lines over a time in seconds.
+    #[must_use]
+    pub fn over_time(label: &str, range: Range<f64>, lines: Vec<Line>) -> Self {
+        Self::curves(["t [s]", label], range, lines)
+    }
 }
 
 /// Why a figure was not drawn.
@@ -270,14 +286,8 @@ mod tests {
     use super::*;
 
     fn figure() -> Figure {
-        let panel = |label: &str| {
-            Panel::Curves(Curves {
-                x_label: "t [s]".to_string(),
-                y_label: label.to_string(),
-                x_range: 0.0..1.0,
-                lines: vec![Line::new("one & only", vec![(0.0, -1.0), (1.0, 1.0)])],
-            })
-        };
+        let line = || Line::new("one & only", vec![(0.0, -1.0), (1.0, 1.0)]);
+        let panel = |label: &str| Panel::over_time(label, 0.0..1.0, vec![line()]);
         Figure { title: "A title".to_string(), size: (600, 400), panels: vec![panel("a [m]"), panel("b [m]")] }
     }
 

@@ -84,7 +84,12 @@ impl Plane {
             points.chain(self.marks.iter().map(|(point, _)| point)).map(move |point| point[axis])
         };
         let [x, y] = ranges([extent(coordinates(0)), extent(coordinates(1))], [area.width, area.height]);
-        let (x, y) = (Scale::new(x, (area.width / 70.0).clamp(2.0, 9.0)), Scale::new(y, (area.height / 40.0).max(2.0)));
+        let (x, mut y) =
+            (Scale::new(x, (area.width / 70.0).clamp(2.0, 12.0)), Scale::new(y, (area.height / 40.0).max(2.0)));
+        // One step for both, where that leaves ticks enough.
+        if x.step > y.step && y.range.end - y.range.start > 3.0 * x.step {
+            y.step = x.step;
+        }
         axis::draw(scene, area, [&x, &y], Some(&self.labels[0]));
         let face = scene.face;
         let legend = self.legend(face, area.width);

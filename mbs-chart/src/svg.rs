@@ -11,7 +11,8 @@ const FONTS: &str = "'DejaVu Sans', Verdana, Arial, sans-serif";
 pub(crate) fn write(scene: &Scene<'_>, (width, height): (u32, u32)) -> String {
     let mut svg = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" \
-         viewBox=\"0 0 {width} {height}\" font-family=\"{FONTS}\" fill=\"none\" stroke-linejoin=\"round\">\n\
+         viewBox=\"0 0 {width} {height}\" font-family=\"{FONTS}\" fill=\"none\" stroke-linejoin=\"round\" \
+         xml:space=\"preserve\">\n\
          <rect width=\"{width}\" height=\"{height}\" fill=\"{}\"/>\n",
         hex(WHITE)
     );

@@ -6,6 +6,9 @@ use std::path::Path;
 
 use mbs_arm::JointLimits;
 use mbs_landing::estimator::filter::{GATE, Uncertainty};
+use mbs_landing::experiment::collision::Shapes;
+use mbs_landing::experiment::inbound::Inbound;
+use mbs_landing::experiment::landed::Landed;
 use mbs_landing::experiment::plan::Cell;
 use mbs_landing::experiment::rail_arm::{RailArm, RailLimits};
 use mbs_landing::experiment::tracking::{LINK_EXCESS, MODULE_EXCESS, Tracking};
@@ -18,7 +21,7 @@ use mbs_landing::quadrotor::lqr::Weights;
 use mbs_landing::quadrotor::standing::Standing;
 use mbs_landing::sensors::Sensors;
 use mbs_landing::sensors::imu::Noise;
-use mbs_models::marine_platform;
+use mbs_models::{assistive_arm, irb7600_elastic, marine_platform, scara, stewart_platform_elastic};
 use mbs_models::{irb7600, irb7600_rail, quadrotor_euler, quadrotor_quaternion, relative_lvlh, stewart_platform};
 use mbs_orbit::mission::{Axis, Mission};
 use mbs_orbit::soft_docking::flight::SoftDocking;
@@ -48,9 +51,15 @@ fn rows() -> Vec<Row> {
 }
 
 /// Its words that are numbers.
-fn words(value: &str) -> impl Iterator<Item = String> + '_ {
-    let words = value.split([' ', ',', ';']).map(|word| word.replace('−', "-"));
-    words.filter(|word| word.parse::<f64>().is_ok())
+fn words(value: &str) -> Vec<f64> {
+    value.split([' ', ',', ';']).filter_map(|word| word.replace('−', "-").parse().ok()).collect()
+}
+
+/// The numbers of a source, in its order.
+fn numbers_of(source: &str) -> Vec<f64> {
+    let plain = source.replace("_f64", " ").replace("..", " ");
+    let words = plain.split(|c: char| !(c.is_alphanumeric() || ".-_".contains(c)));
+    words.filter_map(|word| word.replace('_', "").parse::<f64>().ok()).filter(|number| number.is_finite()).collect()
 }
 
 fn degrees<const N: usize>(angles: [f64; N]) -> Vec<f64> {
@@ -139,11 +148,19 @@ fn quadrotor() -> Vec<(&'static str, Vec<f64>)> {
 fn experiment() -> Vec<(&'static str, Vec<f64>)> {
     let (p, rail, cell) = (irb7600_rail::Params::<f64>::default(), RailLimits::LABORATORY, Cell::LABORATORY);
     let tracking = Tracking::new(&RailArm::default());
+    let landed = Landed::new(Tracking::new(&RailArm::default()));
+    let Damping::HuntCrossley(damping) = landed.gear.damping else { panic!("the page has Hunt and Crossley's") };
+    let feet = &landed.gear;
+    let Shapes { base, upper_arm, forearm, wrist, vehicle: [arms, around], deck, leg } = Shapes::LABORATORY;
     vec![
         ("experiment.rail", vec![rail.speed, rail.acceleration, rail.force / 1e3]),
         ("experiment.carriage", vec![p.carriage_mass]),
         ("experiment.module", [&[p.module_mass, p.module_center][..], &p.module_inertia].concat()),
         ("experiment.places", vec![cell.platform[0], cell.platform[1], cell.deck]),
+        ("experiment.inbound", vec![Inbound::LABORATORY.distance, Inbound::LABORATORY.duration]),
+        ("experiment.shapes", vec![base, upper_arm, forearm, wrist, arms, around, deck, leg]),
+        ("experiment.feet", vec![feet.half_track, feet.stiffness, damping, feet.friction, feet.creep_speed]),
+        ("experiment.contact", vec![landed.platform_frequency, landed.soft_frequency, landed.threshold]),
         ("experiment.excess", vec![LINK_EXCESS, MODULE_EXCESS]),
         ("experiment.control", vec![tracking.natural_frequency, tracking.period]),
     ]
@@ -153,6 +170,7 @@ fn marine() -> Vec<(&'static str, Vec<f64>)> {
     let p = marine_platform::Params::<f64>::default();
     let (thrusters, weights, over) =
         (Thrusters::default(), control::Weights::default(), wind::Superstructure::default());
+    assert_eq!(spectrum::GRAVITY, p.g, "waves and platform");
     let full = thrusters.thrust[0] / thrusters.rate[0];
     assert!((0..6).all(|i| thrusters.thrust[i] == full * thrusters.rate[i]) && weights.thrust == thrusters.thrust);
     let in_degrees = |[z, a, b, c]: [f64; 4]| [&[z][..], &degrees([a, b, c])].concat();
@@ -200,6 +218,36 @@ fn sensors() -> Vec<(&'static str, Vec<f64>)> {
         ("sensors.markers", [&markers[0][..2], &markers[4][..2]].concat()),
         ("estimator.start", vec![start.place, start.velocity, start.attitude]),
         ("estimator.gate", vec![GATE]),
+    ]
+}
+
+/// Elasticity and what assists a person.
+fn elastic() -> Vec<(&'static str, Vec<f64>)> {
+    let arm = irb7600_elastic::Params::<f64>::default();
+    let rigid = irb7600::Params::<f64>::default();
+    let of_links = |mass: [f64; 6], rest: [[f64; 6]; 6]| (mass, rest);
+    assert_eq!(
+        of_links(arm.mass, [arm.com_x, arm.com_y, arm.com_z, arm.i_xx, arm.i_yy, arm.i_zz]),
+        of_links(rigid.mass, [rigid.com_x, rigid.com_y, rigid.com_z, rigid.i_xx, rigid.i_yy, rigid.i_zz]),
+        "the same links"
+    );
+    let legs = stewart_platform_elastic::Params::<f64>::default();
+    let p = assistive_arm::Params::<f64>::default();
+    let alike = |values: &[f64]| {
+        assert!(values.iter().all(|value| *value == values[0]), "{values:?}");
+        values[0]
+    };
+    let links = [p.length, p.mass, p.centre, p.moment].concat();
+    vec![
+        ("elastic.rotors", [arm.rotor, arm.ratio].concat()),
+        ("elastic.stiffness", arm.stiffness.into()),
+        ("elastic.damping", arm.damping.into()),
+        ("legs.drives", vec![alike(&legs.rotor), legs.lead]),
+        ("legs.stiffness", vec![alike(&legs.stiffness), alike(&legs.damping)]),
+        ("assistive.arm", [&links[..], &[alike(&p.friction)]].concat()),
+        ("assistive.springs", [p.post, p.arm].concat()),
+        ("assistive.forearm", vec![p.payload]),
+        ("assembly.scara", scara::Params::<f64>::default().mass.into()),
     ]
 }
 
@@ -259,26 +307,30 @@ fn soft_docking() -> Vec<(&'static str, Vec<f64>)> {
     ]
 }
 
-/// A number of the page is that of the code; where a program keeps it to itself, its source has the same digits.
+/// Numbers of the page are those of the code; where a program keeps them to itself, its source has them in this order.
 #[test]
 fn assumed_values_are_those_of_the_code() {
-    let all = [arm(), platform(), quadrotor(), experiment(), marine(), sensors(), orbits(), soft_docking()];
+    let all = [arm(), platform(), quadrotor(), experiment(), marine(), sensors(), elastic(), orbits(), soft_docking()];
     let known: BTreeMap<_, _> = all.into_iter().flatten().collect();
     let mut checked = 0;
     for Row { key, value, status, place } in rows() {
         assert!(["assumed", "recalled", "reading"].contains(&status.as_str()), "{key}: {status}");
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("..").join(&place);
         let source = fs::read_to_string(&path).unwrap_or_else(|error| panic!("{key}: {place}: {error}"));
-        let words: Vec<String> = words(&value).collect();
+        let numbers = words(&value);
         match known.get(key.as_str()) {
             Some(want) => {
                 checked += 1;
-                let numbers: Vec<f64> = words.iter().map(|word| word.parse().expect("a number")).collect();
                 let close = |(found, want): (&f64, &f64)| (found - want).abs() <= 1e-9 * (1.0 + want.abs());
                 let same = numbers.len() == want.len() && numbers.iter().zip(want).all(close);
                 assert!(same, "{key}: the page has {numbers:?}, the code {want:?}");
             }
-            None => words.iter().for_each(|word| assert!(source.contains(word), "{key}: {place} has no {word}")),
+            None => {
+                let mut rest = numbers_of(&source).into_iter();
+                for number in numbers {
+                    assert!(rest.any(|other| other == number), "{key}: {place} has no {number} behind those before it");
+                }
+            }
         }
     }
     assert_eq!(checked, known.len(), "every value of the code has its row");

@@ -2,9 +2,10 @@
 
 use std::path::Path;
 
-use crate::{Failure, output::write_figure};
+use crate::Failure;
+use crate::output::{write_figure, write_figures};
 use mbs_arm::Arm;
-use mbs_chart::{Curves, Figure, Line, Panel, Space, SpaceLine};
+use mbs_chart::{Figure, Line, Panel, Space, SpaceLine};
 
 use super::cases::{Case, DURATION, Run, Sample};
 
@@ -18,16 +19,12 @@ const CURVES: [Curve; 3] = [
     ("joint accelerations", [10, 11], "d²q/dt² [°/s²]", |sample| sample.state.qdd.map(f64::to_degrees)),
 ];
 
-/// What paths and motions of the joints rest on.
-const PATH: [&str; 2] = ["arm.quartic", "arm.case_2"];
 /// What torques rest on.
 const TORQUES: [&str; 6] = ["gravity", "arm.masses", "arm.mass_centres", "arm.inertias", "arm.quartic", "arm.case_2"];
 
 /// Writes the figures of the thesis, and the torques.
 pub fn write(folder: &Path, arm: &Arm, case: &Case) -> Result<(), Failure> {
-    for (name, figure) in drawn(arm, case)? {
-        write_figure(folder, &name, &figure, &PATH)?;
-    }
+    write_figures(folder, &drawn(arm, case)?)?;
     write_figure(folder, &format!("torques_{}", case.name), &torques(case), &TORQUES)
 }
 
@@ -60,7 +57,7 @@ fn angles(case: &Case, label: &str, value: Value) -> Vec<Panel> {
             pairs.map(|(a, b)| (a.t, value(a)[i] - value(b)[i])).collect()
         };
         let label = format!("{} less {}: {label}", method_name(run), method_name(first));
-        curves(label, &JOINTS, at)
+        curves(&label, &JOINTS, at)
     };
     std::iter::once(panel(first, label, value, &JOINTS)).chain(others.iter().map(difference)).collect()
 }
@@ -74,17 +71,13 @@ fn torques(case: &Case) -> Figure {
 
 fn panel(run: &Run, label: &str, value: Value, joints: &[usize]) -> Panel {
     let at = |i: usize| run.samples.iter().map(|sample| (sample.t, value(sample)[i])).collect();
-    curves(format!("{}: {label}", method_name(run)), joints, at)
+    curves(&format!("{}: {label}", method_name(run)), joints, at)
 }
 
 /// A line for each joint.
-fn curves(y_label: String, joints: &[usize], points: impl Fn(usize) -> Vec<(f64, f64)>) -> Panel {
-    Panel::Curves(Curves {
-        x_label: "t [s]".to_string(),
-        y_label,
-        x_range: 0.0..DURATION,
-        lines: joints.iter().map(|&i| Line::new(format!("joint {}", i + 1), points(i))).collect(),
-    })
+fn curves(label: &str, joints: &[usize], points: impl Fn(usize) -> Vec<(f64, f64)>) -> Panel {
+    let lines = joints.iter().map(|&i| Line::new(format!("joint {}", i + 1), points(i))).collect();
+    Panel::over_time(label, 0.0..DURATION, lines)
 }
 
 fn method_name(run: &Run) -> &'static str {

@@ -3,14 +3,21 @@
 use std::path::Path;
 
 use crate::Failure;
-use crate::output::{write_figure, write_table};
-use mbs_chart::{Curves, Figure, Line, Panel, Space, SpaceLine};
+use crate::output::{write_figure, write_figures, write_table};
+use mbs_chart::{Figure, Line, Panel, Space, SpaceLine};
 use mbs_platform::{Coordinates, HOME, LegVector, Motion, Platform};
 
 use super::tables::{DURATION, Run, Samples, TABLE_4, table_3, table_4};
 
-/// What they rest on.
-const ASSUMED: [&str; 2] = ["gravity", "platform."];
+/// What the poses rest on.
+const POSES: [&str; 6] = [
+    "platform.radii",
+    "platform.half_angles",
+    "platform.home",
+    "platform.attitude",
+    "platform.frequency",
+    "platform.height",
+];
 
 /// Lines of one panel: names and values at all samples.
 type Lines = Vec<(String, Vec<f64>)>;
@@ -20,7 +27,7 @@ pub fn write(folder: &Path, platform: &Platform) -> Result<(), Failure> {
     let samples = Samples::fine();
     for drawing in along_table_3(platform, &samples)?.into_iter().chain(along_table_4(platform, &samples)?) {
         write_values(folder, &samples, &drawing)?;
-        write_figure(folder, &drawing.name, &drawing.figure(&samples), &ASSUMED)?;
+        write_figures(folder, &[(drawing.name.clone(), drawing.figure(&samples))])?;
     }
     poses(folder, platform)
 }
@@ -105,12 +112,7 @@ impl Drawing {
             let line = |(name, values): &(String, Vec<f64>)| {
                 Line::new(name.clone(), samples.0.iter().copied().zip(values.iter().copied()).collect())
             };
-            Panel::Curves(Curves {
-                x_label: "t [s]".to_string(),
-                y_label: label.clone(),
-                x_range: 0.0..DURATION,
-                lines: lines.iter().map(line).collect(),
-            })
+            Panel::over_time(label, 0.0..DURATION, lines.iter().map(line).collect())
         };
         let height = [480, 680, 860][self.panels.len().min(3) - 1];
         Figure { title: self.title.clone(), size: (900, height), panels: self.panels.iter().map(panel).collect() }
@@ -133,7 +135,7 @@ fn poses(folder: &Path, platform: &Platform) -> Result<(), Failure> {
         [("home", HOME), ("table 3, 0 s", Motion::TABLE_3.at(0.0)[0]), ("table 4, 1 s", Motion::TABLE_4.at(1.0)[0])];
     let panels = poses.into_iter().map(|(name, q)| drawing(platform, name, &q)).collect::<Result<_, _>>()?;
     let title = "The platform at home, on the motion of table 3 and on that of table 4".to_string();
-    write_figure(folder, "platform_poses", &Figure { title, size: (900, 1700), panels }, &ASSUMED)
+    write_figure(folder, "platform_poses", &Figure { title, size: (900, 1700), panels }, &POSES)
 }
 
 fn drawing(platform: &Platform, name: &str, q: &Coordinates) -> Result<Panel, Failure> {

@@ -1,6 +1,6 @@
 //! Figures 5.2 to 5.9: the guided landings of the thesis.
 
-use mbs_chart::{Curves, Figure, Line, Panel, Plane, PlaneLine};
+use mbs_chart::{Figure, Line, Panel, Plane, PlaneLine};
 use mbs_platform::limits::LegState;
 
 use super::flight::{Flight, Moment, PLACE};
@@ -32,7 +32,7 @@ pub fn drawn(flight: &Flight, legs: &[(f64, LegState)]) -> Vec<(String, Figure)>
 }
 
 /// From two sides and from above, sideways enlarged since the path is that narrow; then over time.
-fn path(flight: &Flight) -> Vec<Panel> {
+pub fn path(flight: &Flight) -> Vec<Panel> {
     let time = flight.touchdown.time;
     let [x, y, z, ..] = flight.touchdown.state.q;
     let positions: Vec<[f64; 3]> =
@@ -43,12 +43,7 @@ fn path(flight: &Flight) -> Vec<Panel> {
         let room = 0.15 * (high - low);
         let (start, end) = (points[0], points[points.len() - 1]);
         let line = Line::new("", points).marked(start, "start").marked(end, format!("{time:.2} s"));
-        Panel::Curves(Curves {
-            x_label: format!("{name} [m]"),
-            y_label: "z [m], scales differ".to_string(),
-            x_range: low - room..high + room,
-            lines: vec![line],
-        })
+        Panel::curves([&format!("{name} [m]"), "z [m], scales differ"], low - room..high + room, vec![line])
     };
     let offset = |[x, y, _]: [f64; 3]| [x - PLACE[0], y - PLACE[1]];
     let above = Plane {
@@ -77,44 +72,44 @@ fn elevation(flight: &Flight) -> Vec<Panel> {
 }
 
 fn attitude(flight: &Flight) -> Vec<Panel> {
-    let angles: [Series; 3] = [
-        ("roll φ", |m| m.state.q[3].to_degrees()),
-        ("pitch θ", |m| m.state.q[4].to_degrees()),
-        ("yaw ψ", |m| m.state.q[5].to_degrees()),
-    ];
     vec![
-        over(flight, "angle [°]", 0.0..flight.touchdown.time, &angles),
-        over(flight, "angle, the start enlarged [°]", 0.0..STARTS[0], &angles),
+        over(flight, "angle [°]", 0.0..flight.touchdown.time, &ANGLES),
+        over(flight, "angle, the start enlarged [°]", 0.0..STARTS[0], &ANGLES),
     ]
 }
 
 /// "Actuators" may be the rotors or the legs of the platform: both.
 fn forces(flight: &Flight, legs: &[(f64, LegState)]) -> Vec<Panel> {
     let time = flight.touchdown.time;
-    let rotors: [Series; 4] = [
-        ("rotor 1", |m| m.rotor_thrust[0]),
-        ("rotor 2", |m| m.rotor_thrust[1]),
-        ("rotor 3", |m| m.rotor_thrust[2]),
-        ("rotor 4", |m| m.rotor_thrust[3]),
-    ];
     let total: [Series; 1] = [("", |m| m.rotor_thrust.iter().sum())];
     let leg = legs.iter().map(|(t, legs)| (*t, legs.force[0])).collect();
     vec![
-        over(flight, "thrust of a rotor [N]", 0.0..time, &rotors),
-        over(flight, "thrust of a rotor, the start enlarged [N]", 0.0..STARTS[1], &rotors),
+        over(flight, "thrust of a rotor [N]", 0.0..time, &ROTORS),
+        over(flight, "thrust of a rotor, the start enlarged [N]", 0.0..STARTS[1], &ROTORS),
         over(flight, "thrust of all rotors [N]", 0.0..time, &total),
-        panel("force of each leg of the platform [N]", 0.0..time, vec![Line::new("", leg)]),
+        Panel::over_time("force of each leg of the platform [N]", 0.0..time, vec![Line::new("", leg)]),
     ]
 }
 
-type Series = (&'static str, fn(&Moment) -> f64);
+/// The name of a line, and its value at a moment.
+pub type Series = (&'static str, fn(&Moment) -> f64);
 
-fn over(flight: &Flight, label: &str, range: std::ops::Range<f64>, series: &[Series]) -> Panel {
+/// Of the vehicle \[°\].
+pub const ANGLES: [Series; 3] = [
+    ("roll φ", |m| m.state.q[3].to_degrees()),
+    ("pitch θ", |m| m.state.q[4].to_degrees()),
+    ("yaw ψ", |m| m.state.q[5].to_degrees()),
+];
+/// Thrusts \[N\].
+pub const ROTORS: [Series; 4] = [
+    ("rotor 1", |m| m.rotor_thrust[0]),
+    ("rotor 2", |m| m.rotor_thrust[1]),
+    ("rotor 3", |m| m.rotor_thrust[2]),
+    ("rotor 4", |m| m.rotor_thrust[3]),
+];
+
+/// Lines over a part of the flight.
+pub fn over(flight: &Flight, label: &str, range: std::ops::Range<f64>, series: &[Series]) -> Panel {
     let line = |&(name, value): &Series| Line::new(name, flight.moments.iter().map(|m| (m.t, value(m))).collect());
-    panel(label, range, series.iter().map(line).collect())
-}
-
-fn panel(label: &str, x_range: std::ops::Range<f64>, lines: Vec<Line>) -> Panel {
-    let (x_label, y_label) = ("t [s]".to_string(), label.to_string());
-    Panel::Curves(Curves { x_label, y_label, x_range, lines })
+    Panel::over_time(label, range, series.iter().map(line).collect())
 }

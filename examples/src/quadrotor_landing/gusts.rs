@@ -2,7 +2,7 @@
 
 use std::cell::RefCell;
 
-use mbs_chart::{Curves, Figure, Line, Panel};
+use mbs_chart::{Figure, Line, Panel};
 use mbs_landing::quadrotor::deck::HeavingDeck;
 use mbs_landing::quadrotor::heave::Heave;
 use mbs_landing::quadrotor::landing::{Landing, LandingError, Plant};
@@ -170,8 +170,7 @@ impl InGusts {
         let panel = |label: &str, series: &[Series]| {
             let line =
                 |&(name, of): &Series| Line::new(name, self.moments.iter().map(|gust| (gust.t, of(gust))).collect());
-            let (x_label, y_label) = ("t [s]".to_string(), label.to_string());
-            Panel::Curves(Curves { x_label, y_label, x_range: 0.0..end, lines: series.iter().map(line).collect() })
+            Panel::over_time(label, 0.0..end, series.iter().map(line).collect())
         };
         let panels = vec![
             panel("wind [m/s]", &[("x", |g| g.wind[0]), ("y", |g| g.wind[1]), ("z", |g| g.wind[2])]),

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use crate::{Failure, output};
-use mbs_chart::{Curves, Figure, Line, Panel, Plane, PlaneLine};
+use mbs_chart::{Figure, Line, Panel, Plane, PlaneLine};
 
 use super::flight::{Flight, ORBITS};
 
@@ -43,32 +43,35 @@ fn words(name: &str) -> &str {
     }
 }
 
-fn plane<'a>((unit, name): (f64, &str), flights: impl Iterator<Item = &'a Flight> + Clone) -> Panel {
+/// Of all flights of a figure those `shown`; the others are lines without points, so that each has one style.
+fn plane((unit, name): (f64, &str), flights: &[&Flight], shown: std::ops::Range<usize>) -> Panel {
     // A path too short to be seen is a point with its name.
-    let standing = flights.clone().filter(|flight| stands(flight)).map(|flight| {
+    let standing = flights[shown.clone()].iter().filter(|flight| stands(flight)).map(|flight| {
         let [x, y, _] = flight.case.start.q;
         ([y / unit, x / unit], words(flight.case.name).to_string())
     });
-    let line = |flight: &Flight| {
+    let line = |(i, flight): (usize, &&Flight)| {
+        if !shown.contains(&i) {
+            return PlaneLine::new("", Vec::new());
+        }
         let points = flight.path.iter().map(|(_, state)| [state.q[1] / unit, state.q[0] / unit]).collect();
         PlaneLine::new(words(flight.case.name), points)
     };
     Panel::Plane(Plane {
         labels: [format!("along the track [{name}]"), format!("away from the Earth [{name}]")],
         marks: standing.chain([([0.0, 0.0], "station".to_string())]).collect(),
-        lines: flights.map(line).collect(),
+        lines: flights.iter().enumerate().map(line).collect(),
     })
 }
 
 /// A component or the distance over the orbits of the station.
-fn over_orbits(label: String, unit: f64, flights: &[&Flight], value: fn([f64; 3]) -> f64) -> Panel {
+fn over_orbits(label: &str, unit: f64, flights: &[&Flight], value: fn([f64; 3]) -> f64) -> Panel {
     let line = |flight: &&Flight| {
         let period = flight.case.station.period();
         let points = flight.path.iter().map(|(t, state)| (t / period, value(state.q) / unit)).collect();
         Line::new(words(flight.case.name), points)
     };
-    let lines = flights.iter().map(line).collect();
-    Panel::Curves(Curves { x_label: "orbits of the station".to_string(), y_label: label, x_range: 0.0..ORBITS, lines })
+    Panel::curves(["orbits of the station", label], 0.0..ORBITS, flights.iter().map(line).collect())
 }
 
 fn distance([x, y, z]: [f64; 3]) -> f64 {
@@ -81,19 +84,20 @@ pub fn drawn(flights: &[Flight]) -> Vec<(String, Figure)> {
         let is_drawn = |flight: &&Flight| flight.case.group == "circular" && names.contains(&flight.case.name);
         flights.iter().filter(is_drawn).collect()
     };
-    let (radial, others) = (named(&["far_radial"]), named(&["far_tangent", "far_same_orbit"]));
+    let far = named(&["far_radial", "far_tangent", "far_same_orbit"]);
     let km = (1e3, "km");
     let panels = vec![
-        Panel::Row(vec![plane(km, radial.iter().copied()), plane(km, others.iter().copied())]),
-        over_orbits("distance [km]".to_string(), 1e3, &[radial, others].concat(), distance),
+        Panel::Row(vec![plane(km, &far, 0..1), plane(km, &far, 1..far.len())]),
+        over_orbits("distance [km]", 1e3, &far, distance),
     ];
     let title = format!("Figure 7.3: 1000 km from a station on a circle, {ORBITS} orbits");
     let mut figures = vec![("figure_7_3".to_string(), Figure { title, size: (1000, 760), panels })];
 
-    let (radial, others) = (named(&["near_radial"]), named(&["near_tangent", "near_2to1_ellipse"]));
+    let near = named(&["near_radial", "near_tangent", "near_2to1_ellipse"]);
+    let m = (1.0, "m");
     let panels = vec![
-        Panel::Row(vec![plane((1.0, "m"), radial.iter().copied()), plane((1.0, "m"), others.iter().copied())]),
-        over_orbits("along the track [m]".to_string(), 1.0, &[&radial[..], &others].concat(), |q| q[1]),
+        Panel::Row(vec![plane(m, &near, 0..1), plane(m, &near, 1..near.len())]),
+        over_orbits("along the track [m]", 1.0, &near, |q| q[1]),
     ];
     let title = format!("Figure 7.4: 3 m from a station on a circle, {ORBITS} orbits");
     figures.push(("figure_7_4".to_string(), Figure { title, size: (1000, 760), panels }));
@@ -102,12 +106,11 @@ pub fn drawn(flights: &[Flight]) -> Vec<(String, Figure)> {
 
 /// Writes the figures, and each motion as a table.
 pub fn write(folder: &Path, flights: &[Flight]) -> Result<(), Failure> {
-    for (name, figure) in drawn(flights) {
-        output::write_figure(folder, &name, &figure, &ASSUMED)?;
-    }
+    output::write_figures(folder, &drawn(flights))?;
     for (file, title, unit, group, names) in DRAWINGS {
         let is_drawn = |flight: &&Flight| flight.case.group == group && names.contains(&flight.case.name);
-        let panels = vec![plane(unit, flights.iter().filter(is_drawn))];
+        let drawn: Vec<&Flight> = flights.iter().filter(is_drawn).collect();
+        let panels = vec![plane(unit, &drawn, 0..drawn.len())];
         let title = format!("{title}, {ORBITS} orbits");
         output::write_figure(folder, file, &Figure { title, size: (1000, 520), panels }, &ASSUMED)?;
     }

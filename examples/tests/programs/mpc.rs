@@ -1,6 +1,9 @@
 //! The planned landings as outside programs call them: limits in flight, times, what is written.
 
 use crate::support::{good, json, numbers, run};
+use mbs_examples::assumed;
+use mbs_landing::quadrotor::predictive::controller::{Descent, Horizon};
+use mbs_landing::quadrotor::predictive::limits::Limits;
 use serde_json::Value;
 
 const MPC: &str = env!("CARGO_BIN_EXE_mpc");
@@ -67,5 +70,28 @@ fn what_is_no_horizon_is_told() {
         assert_eq!(output.status.code(), Some(code), "{arguments:?}");
         let error = String::from_utf8(output.stderr).unwrap();
         assert!(error.contains(complaint) && output.stdout.is_empty(), "{error}");
+    }
+}
+
+/// Rows of the page of assumed values are what the controller is made with.
+#[test]
+fn assumed_values_are_those_of_the_controller() {
+    let (Limits { thrust, tilt, view, touchdown }, horizon, descent) =
+        (Limits::default(), Horizon::default(), Descent::default());
+    let end = [touchdown.sink_rate, touchdown.horizontal_speed, touchdown.offset, touchdown.tilt.to_degrees()];
+    let wanted: [(&str, Vec<f64>); 7] = [
+        ("quadrotor.limits", vec![thrust[0], thrust[1], tilt.to_degrees()]),
+        ("predictive.view", vec![view.half_angle.to_degrees(), view.mark]),
+        ("predictive.touchdown", [&end[..], &[touchdown.rate]].concat()),
+        ("predictive.horizon", vec![horizon.period, horizon.duration, horizon.intervals as f64]),
+        ("predictive.deviations", horizon.deviations.into()),
+        ("predictive.learning", vec![horizon.learning]),
+        ("predictive.descent", vec![descent.speed, descent.touchdown, descent.slowing, descent.limit]),
+    ];
+    for (key, want) in wanted {
+        let [row] = assumed::of(&[key])[..] else { panic!("{key} is one row") };
+        let found: Vec<f64> = row.value.split([' ', ',', ';']).filter_map(|word| word.parse().ok()).collect();
+        let is_close = |(a, b): (&f64, &f64)| (a - b).abs() < 1e-12 * (1.0 + b.abs());
+        assert!(found.len() == want.len() && found.iter().zip(&want).all(is_close), "{key}: {found:?}, {want:?}");
     }
 }

@@ -52,8 +52,8 @@ fn landings_are_those_of_the_reference() {
     gusts_scatter_landings_about_those_in_steady_wind(&found["gusts"]);
     let figures = (2..=9).map(|number| format!("figure_5_{number}"));
     let marine = ["path", "elevation", "attitude", "forces"].map(|what| format!("marine_{what}"));
-    let gusts = ["case_I_gusts", "case_II_gusts"].map(String::from);
-    for name in figures.chain(marine).chain(gusts).chain(PLATFORM_RUNS.map(|run| run.to_string())) {
+    let others = ["case_I_gusts", "case_II_gusts", "unguided_I", "unguided_II"].map(String::from);
+    for name in figures.chain(marine).chain(others).chain(PLATFORM_RUNS.map(|run| run.to_string())) {
         for extension in ["svg", "png"] {
             let figure = folder.path().join(format!("{name}.{extension}"));
             assert!(figure.metadata().unwrap().len() > 1000, "{}", figure.display());

@@ -37,7 +37,7 @@ pub struct Wave {
 }
 
 impl Wave {
-    /// `k = ω²/g` in deep water, under the standard acceleration of gravity \[rad/m\].
+    /// `k = ω²/g` in deep water, under the standard acceleration of gravity, [`GRAVITY`] \[rad/m\].
     #[must_use]
     pub fn number(&self) -> f64 {
         self.frequency * self.frequency / GRAVITY

@@ -1,12 +1,13 @@
 //! The platform in a sea and a wind, with and without control.
 
-use mbs_models::check::{Must, finite, not_negative, positive};
+use mbs_models::check::{Must, finite, not_negative, positive, within};
 use mbs_models::marine_platform::{MarinePlatform, Params};
 use mbs_runtime::{IntegrationError, Rk4Stepper, State};
 
 use super::control::Regulator;
 use super::excitation::Excitation;
 use super::hull::Hull;
+use super::spectrum::GRAVITY;
 use super::thrusters::{Thrust, Thrusters};
 use super::wind::{Superstructure, Wind};
 use super::{Four, MarineError};
@@ -66,8 +67,9 @@ impl<const N: usize, const G: usize> AtSea<N, G> {
     /// Without control, with the thrusters and the superstructure that are assumed.
     ///
     /// # Errors
-    /// Those of [`Hull::new`].
+    /// Those of [`Hull::new`]; [`MarineError::Invalid`] where g is not that of the waves, [`GRAVITY`].
     pub fn new(params: &Params, excitation: Excitation<N>, wind: Wind<G>) -> Result<Self, MarineError> {
+        within("g", params.g, [GRAVITY, GRAVITY])?;
         Ok(Self {
             model: MarinePlatform::new(*params),
             hull: Hull::new(params)?,

@@ -19,7 +19,7 @@ use mbs_runtime::Scalar;
 
 use super::MarineError;
 
-/// Acceleration of gravity \[m/s²\].
+/// Acceleration of gravity that seas are reckoned with, assumed: the standard one \[m/s²\].
 pub const GRAVITY: f64 = 9.80665;
 /// γ, the mean of what was measured in the project.
 pub const PEAKEDNESS: f64 = 3.3;

@@ -1,29 +1,37 @@
 //! The 36 figures of the thesis: their captions, what is shown here, and what that rests on.
 
-use mbs_examples::assumed;
+use crate::assumed;
 
 /// A figure of the thesis.
-pub(crate) struct Entry {
+pub struct Entry {
     /// As printed.
-    pub(crate) number: &'static str,
+    pub number: &'static str,
     /// The thesis' caption.
-    pub(crate) title: &'static str,
+    pub title: &'static str,
     /// What is shown here.
-    pub(crate) shows: &'static str,
+    pub shows: &'static str,
     /// Rows of `docs/thesis/assumed.md`.
     assumed: Keys,
 }
 
 /// Of its file in the folder.
-pub(crate) fn file_name(number: &str) -> String {
+#[must_use]
+pub fn file_name(number: &str) -> String {
     format!("figure_{}.svg", number.replace('.', "_"))
 }
 
+/// What a figure with this number rests on: rows of `docs/thesis/assumed.md`; nothing of one that the thesis has not.
+#[must_use]
+pub fn keys(number: &str) -> Vec<&'static str> {
+    FIGURES.iter().find(|entry| entry.number == number).map_or_else(Vec::new, |entry| entry.assumed.concat())
+}
+
 /// "assumed: …", or that nothing is.
-pub(crate) fn assumptions(entry: &Entry) -> String {
-    match entry.assumed {
+#[must_use]
+pub fn assumptions(entry: &Entry) -> String {
+    match &entry.assumed.concat()[..] {
         [] => "assumed: nothing".to_string(),
-        groups => assumed::caption(&groups.concat()),
+        keys => assumed::caption(keys),
     }
 }
 
@@ -54,7 +62,7 @@ const LANDING_ON_LEGS: Keys = &[assumed::LANDING, JOINTS, LEGS, &["platform.plat
 const ORBIT: Keys = &[&["orbit.altitude", "orbit.initial"]];
 
 /// In the order of the thesis.
-pub(crate) const FIGURES: [Entry; 36] = [
+pub const FIGURES: [Entry; 36] = [
     entry(
         "3.1",
         "The relationship between direct and inverse kinematics",
@@ -164,7 +172,7 @@ pub(crate) const FIGURES: [Entry; 36] = [
     entry(
         "5.2",
         "Quadcopter trajectory case I",
-        "The guided landing in space and from above, and how far beside the platform it is.",
+        "The guided landing from two sides and from above, and how far beside the platform it is.",
         LANDING,
     ),
     entry(
@@ -184,7 +192,7 @@ pub(crate) const FIGURES: [Entry; 36] = [
     entry(
         "5.6",
         "Quadcopter trajectory case II",
-        "The guided landing in space and from above, and how far beside the platform it is.",
+        "The guided landing from two sides and from above, and how far beside the platform it is.",
         LANDING,
     ),
     entry(
