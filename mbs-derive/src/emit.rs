@@ -31,7 +31,7 @@ mod text;
 mod traits;
 
 use crate::optimise::Derivation;
-pub use c::c;
+pub use c::{Interface, c, interface as c_interface};
 
 /// What is generated.
 ///

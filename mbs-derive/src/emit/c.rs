@@ -1,6 +1,7 @@
 //! Pass 6, once more: [`Derivation`] → C99, one header a mechanism.
 //!
 //! - `expression`: how values are written in C;
+//! - `interface`: how a header calls things, for who wraps it;
 //! - `prelude`: what all headers share: the number type, elementary functions, the solver.
 //!
 //! The header needs `math.h` alone, allocates nothing, and is C++ as well. It computes what the Rust computes, in the
@@ -8,6 +9,7 @@
 //! and Clang do not with `-ffp-contract=off`).
 
 mod expression;
+mod interface;
 mod prelude;
 
 use std::collections::BTreeSet;
@@ -24,6 +26,7 @@ use super::name::{Names, snake_case};
 use super::text::each_leaf;
 use super::{Options, doc, item, shape};
 use expression::{Printer, constant, identifier, prefix};
+pub use interface::{Interface, interface};
 
 /// The header of a mechanism; `source` is what its first line calls the declaration.
 ///
