@@ -8,7 +8,7 @@ mod json;
 
 use std::path::PathBuf;
 
-use mbs_derive::emit;
+use mbs_derive::emit::{Language, Options};
 use mbs_derive::optimise::Derivation;
 use mbs_derive::source::Sources;
 
@@ -24,7 +24,7 @@ pub(crate) struct Arguments {
     #[arg(value_name = "FILE.mbs")]
     file: PathBuf,
     /// What to print.
-    #[arg(long, value_enum, default_value_t = Emit::Rust)]
+    #[arg(long, value_enum, default_value_t = Emit::Code(Language::Rust))]
     emit: Emit,
     /// Print it as it is reviewed: `a * b + c` for `a.mul_add(b, c)`; of a long module signatures, documentation,
     /// operation counts and digests, and what every function gives at three states.
@@ -35,27 +35,58 @@ pub(crate) struct Arguments {
     out: Option<PathBuf>,
 }
 
-#[derive(Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+#[derive(Clone, Copy, PartialEq, Eq)]
 enum Emit {
-    /// A module of Rust, as build scripts generate it.
-    Rust,
-    /// A header of C99, which is C++ as well.
-    C,
-    /// A document of LaTeX: symbols, outputs, energies, matrices, equations; what is long by its recursion.
+    Code(Language),
     Latex,
-    /// The expression graph, and the programs, one instruction a line, with names, shapes and operation counts.
     Json,
 }
 
 impl Emit {
-    /// What it is kept as.
+    /// What it is called, and kept as.
     fn name(self) -> &'static str {
         match self {
-            Emit::Rust => "rust",
-            Emit::C => "c",
+            Emit::Code(language) => language.name(),
             Emit::Latex => "latex",
             Emit::Json => "json",
         }
+    }
+
+    fn help(self) -> &'static str {
+        match self {
+            Emit::Code(Language::Rust) => "A module of Rust, as build scripts generate it",
+            Emit::Code(Language::C) => "A header of C99, which is C++ as well",
+            Emit::Code(Language::Cpp) => "The header as C++17",
+            Emit::Code(Language::Cuda) => "The header for CUDA and HIP",
+            Emit::Code(Language::Opencl) => "The header as OpenCL C",
+            Emit::Latex => {
+                "A document of LaTeX: symbols, outputs, energies, matrices, equations; what is long by its recursion"
+            }
+            Emit::Json => {
+                "The expression graph, and the programs, one instruction a line, with names, shapes and operation counts"
+            }
+        }
+    }
+}
+
+/// The languages of the generator, and what is read by other programs.
+impl clap::ValueEnum for Emit {
+    fn value_variants<'a>() -> &'a [Self] {
+        const ALL: [Emit; Language::ALL.len() + 2] = {
+            let mut all = [Emit::Latex; Language::ALL.len() + 2];
+            let mut i = 0;
+            while i < Language::ALL.len() {
+                all[i] = Emit::Code(Language::ALL[i]);
+                i += 1;
+            }
+            all[i + 1] = Emit::Json;
+            all
+        };
+        &ALL
+    }
+
+    fn to_possible_value(&self) -> Option<clap::builder::PossibleValue> {
+        Some(clap::builder::PossibleValue::new(self.name()).help(self.help()))
     }
 }
 
@@ -70,8 +101,9 @@ pub(crate) fn run(arguments: &Arguments, cache: &Cache) -> Result<(), Failure> {
     }
     let text = match arguments.emit {
         _ if arguments.review => mechanism::code(what, &sources, cache, |derivation| reviewed(derivation, &sources))?,
-        Emit::Rust => mechanism::code(what, &sources, cache, |derivation| rust(derivation, &sources))?,
-        Emit::C => mechanism::code(what, &sources, cache, |derivation| c(derivation, &sources))?,
+        Emit::Code(language) => {
+            mechanism::code(what, &sources, cache, |derivation| written(language, derivation, &sources))?
+        }
         Emit::Latex => mechanism::latex(what, &sources, cache)?,
         Emit::Json => mechanism::code(what, &sources, cache, json::programs)?,
     };
@@ -81,12 +113,8 @@ pub(crate) fn run(arguments: &Arguments, cache: &Cache) -> Result<(), Failure> {
     }
 }
 
-fn rust(derivation: &Derivation, sources: &Sources) -> String {
-    emit::rust(derivation, sources.portable_name(), &emit::Options::default())
-}
-
-fn c(derivation: &Derivation, sources: &Sources) -> String {
-    emit::c(derivation, sources.portable_name(), &emit::Options::default())
+fn written(language: Language, derivation: &Derivation, sources: &Sources) -> String {
+    language.write(derivation, sources.portable_name(), &Options::default())
 }
 
 fn reviewed(derivation: &Derivation, sources: &Sources) -> String {

@@ -21,7 +21,7 @@ use std::path::PathBuf;
 
 use mbs_derive::Digest;
 use mbs_derive::emit::{self, Options};
-use mbs_derive::optimise::{Derivation, FunctionKind};
+use mbs_derive::optimise::Derivation;
 use mbs_derive::source::Sources;
 use mbs_derive::variable::component_names;
 use mbs_runtime::RedundantRows;
@@ -123,16 +123,6 @@ fn packed(
     point: &Point,
 ) -> Result<Vec<u8>, Failure> {
     let interface = emit::c_interface(derivation);
-    let is_missing = |kind| {
-        let mut functions = derivation.functions.iter().zip(&interface.functions);
-        functions.any(|(function, name)| function.kind == kind && name.is_none())
-    };
-    if is_missing(FunctionKind::ForwardDynamics) {
-        return Err(Failure::new(format_args!(
-            "{} has constraints: their forces are not among the functions of the C header, which an FMU is made of",
-            derivation.name
-        )));
-    }
     let header = emit::c(derivation, sources.portable_name(), &Options::default());
     let model = Model { derivation, interface: &interface, point, tolerance: arguments.tolerance };
     let variables = variable::variables(derivation, point, interface.switches);

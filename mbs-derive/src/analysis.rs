@@ -3,7 +3,7 @@
 use crate::builder::Mechanism;
 use crate::derive::{self, Route};
 use crate::diagnostic::Diagnostics;
-use crate::emit::{self, Options};
+use crate::emit::{self, Language, Options};
 use crate::expr::Graph;
 use crate::latex;
 use crate::model::Lagrangian;
@@ -131,8 +131,19 @@ impl<'g> Analysis<'g> {
             inputs: variable::count(&derivation.inputs),
             implements_mechanism: emit::implements_mechanism(derivation, options),
             code: emit::rust(derivation, self.sources.portable_name(), options),
+            others: self.others(options),
             warnings: warnings.render_in(&self.sources),
         })
+    }
+
+    /// The files of other languages than Rust, in the order of the list.
+    fn others(&self, options: &Options) -> Vec<(String, String)> {
+        let derivation = &self.programs;
+        let asked_for = |language: &Language| *language != Language::Rust && options.languages.contains(language);
+        let file = |language: Language| {
+            (language.file_name(derivation), language.write(derivation, self.sources.portable_name(), options))
+        };
+        Language::ALL.into_iter().filter(asked_for).map(file).collect()
     }
 
     /// Symbols, outputs, energies, matrices and equations of motion, a document of LaTeX.

@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 
 use crate::builder::Mechanism;
 use crate::diagnostic::nearest;
-use crate::emit::Options;
+use crate::emit::{Language, Options};
 use crate::expr::Graph;
 use crate::source::{MAX_BYTES, Sources, Unreadable};
 use crate::{Analysis, Generated, parse};
@@ -128,6 +128,17 @@ impl Config {
         self
     }
 
+    /// Writes the mechanism in these languages as well, `cart_pole.h` beside `cart_pole.rs`.
+    ///
+    /// ```no_run
+    /// use mbs_derive::{Config, emit::Language};
+    /// Config::new().languages([Language::C]).out_dir("generated").compile("mechanisms/cart_pole.mbs");
+    /// ```
+    pub fn languages(mut self, languages: impl IntoIterator<Item = Language>) -> Self {
+        self.options.languages.extend(languages);
+        self
+    }
+
     /// Writes to this folder instead of `OUT_DIR`: for code that is checked in.
     pub fn out_dir(mut self, folder: impl Into<PathBuf>) -> Self {
         self.out_dir = Some(folder.into());
@@ -174,7 +185,7 @@ impl Config {
     fn write_mechanism(&self, mechanism: &Mechanism) -> Result<(), String> {
         let generated = mechanism.generate(&self.options).map_err(|e| e.render_in(&mechanism.sources()))?;
         tell(&generated.warnings);
-        self.write_file(&format!("{}.rs", generated.module), &generated.code, &[])
+        self.write_files(&generated, &[])
     }
 
     fn make(&self, sources: Sources) -> Result<Made, String> {
@@ -207,9 +218,15 @@ impl Config {
 
     /// The record last: it is of the module that is there.
     fn write_module(&self, made: &Made, read: &[&Sources]) -> Result<(), String> {
-        self.write_file(&format!("{}.rs", made.generated.module), &made.generated.code, read)?;
+        self.write_files(&made.generated, read)?;
         let Some((file, text)) = made.kept.as_ref().map(|kept| kept.record(&made.generated)) else { return Ok(()) };
         self.write_file(file, &text, read)
+    }
+
+    /// The module, and the files of other languages.
+    fn write_files(&self, generated: &Generated, read: &[&Sources]) -> Result<(), String> {
+        self.write_file(&format!("{}.rs", generated.module), &generated.code, read)?;
+        generated.others.iter().try_for_each(|(file, text)| self.write_file(file, text, read))
     }
 
     fn folder(&self) -> Result<PathBuf, String> {

@@ -11,7 +11,8 @@
 //! - `segment`: long bodies in blocks;
 //! - `name`: identifiers, from the declaration where they can be;
 //! - `outline`: a long module without its function bodies, for review;
-//! - `c`: the same in C99.
+//! - `c`: the same in C99, C++, CUDA and OpenCL C;
+//! - `language`: the list of languages.
 //!
 //! The code links mbs-runtime by absolute path and nothing else. It computes what [`interpret`](crate::interpret)
 //! computes, to the bit, except where the target has a fused multiply–add. Its text depends on the derivation alone.
@@ -21,6 +22,7 @@ mod c;
 mod doc;
 mod expression;
 mod item;
+mod language;
 mod name;
 mod outline;
 mod parameter;
@@ -32,6 +34,7 @@ mod traits;
 
 use crate::optimise::Derivation;
 pub use c::{Interface, c, interface as c_interface};
+pub use language::Language;
 
 /// What is generated.
 ///
@@ -52,6 +55,8 @@ pub struct Options {
     /// Write `a * b + c` instead of `a.mul_add(b, c)`: for people who review the code. It computes the same bits where
     /// the target has no fused multiply–add.
     pub infix: bool,
+    /// Languages that the mechanism is written in besides Rust; carried out where files are made.
+    pub languages: Vec<Language>,
 }
 
 /// The module of a mechanism, formatted, to be included where items may stand.

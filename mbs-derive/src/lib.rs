@@ -79,6 +79,8 @@ pub struct Generated {
     pub implements_mechanism: bool,
     /// The module's text.
     pub code: String,
+    /// The same in the other languages that were asked for: the name of a file, and its text.
+    pub others: Vec<(String, String)>,
     /// Warnings, rendered with the source underlined; empty where there are none.
     pub warnings: String,
 }

@@ -31,7 +31,6 @@ use statement::reaction::Hold;
 use value::evaluate::Resolver;
 
 pub(crate) use check::moments;
-pub use check::requirement::Condition;
 pub(crate) use check::{requirement, sample};
 pub(crate) use frame::{Edge, FrameId};
 pub(crate) use lagrangian::{Body, Constraint, PointForce, Reaction};

@@ -16,6 +16,8 @@ use crate::dynamics::Terms;
 mod float;
 #[cfg(feature = "wide")]
 mod lanes;
+#[cfg(any(feature = "std", feature = "libm"))]
+mod sin_cos;
 
 /// A number, or several numbers in lockstep, that mechanics can be computed with.
 ///
@@ -72,6 +74,16 @@ pub trait Scalar:
     fn cos(self) -> Self;
     /// Sine and cosine, the same bits as [`sin`](Scalar::sin) and [`cos`](Scalar::cos) give.
     fn sin_cos(self) -> (Self, Self);
+    /// Sines and cosines of several angles at once, in less time than one by one.
+    ///
+    /// Of `f64` up to 1e5 and of `f32` up to 400 they come from polynomials that are evaluated in lockstep with `+`,
+    /// `−` and `×` alone, within 1 ulp: the same bits on every target, whatever the other angles are. They differ from
+    /// those of [`sin`](Scalar::sin) and [`cos`](Scalar::cos) in the last bit at times; beyond, the two agree.
+    #[inline]
+    fn sin_cos_all<const N: usize>(angles: [Self; N]) -> ([Self; N], [Self; N]) {
+        let both = angles.map(Self::sin_cos);
+        (both.map(|(sin, _)| sin), both.map(|(_, cos)| cos))
+    }
     /// Tangent.
     fn tan(self) -> Self;
     /// Arc sine, in `[−π/2, π/2]`.

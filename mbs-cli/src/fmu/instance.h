@@ -207,10 +207,14 @@ static void moved(instance *a)
 static int parameters_checked(instance *a, const char *function)
 {
     if (!a->v.parameters_are_new) return GOOD;
-    char what[256];
+    static const char *const must[] = {
+        "", "must be finite", "must not be zero", "must not be negative", "must be positive", "must have no negative principal moment",
+        "must have no principal moment greater than the sum of the other two",
+    };
+    const char *quantity = "";
     double value = 0.0;
-    const char *must = mbs_violation(a->v.p, what, sizeof what, &value);
-    if (must != NULL) return refuse(a, FAILED, "%s: `%s` %s, it is %.17g", function, what, must, value);
+    const int violation = mbs_violation(a->v.p, &quantity, &value);
+    if (violation != 0) return refuse(a, FAILED, "%s: `%s` %s, it is %.17g", function, quantity, must[violation], value);
     a->v.parameters_are_new = 0;
     return GOOD;
 }
@@ -430,6 +434,22 @@ static int jacobian_product(
 /* --- Constraints --------------------------------------------------------------------------------------------------- */
 #if MBS_ROWS > 0
 
+/* W = L D L^T in place of the lower triangle, and 1/D. */
+static void factorized(double *w, double *reciprocal)
+{
+    for (int k = 0; k < N; k++) {
+        for (int i = k; i < N; i++) {
+            double sum = w[i * N + k];
+            for (int j = 0; j < k; j++) sum -= w[i * N + j] * w[k * N + j] / reciprocal[j];
+            if (i == k) {
+                reciprocal[k] = 1.0 / sum;
+            } else {
+                w[i * N + k] = sum * reciprocal[k];
+            }
+        }
+    }
+}
+
 /*
  * The least change d in the metric W = M + A^T A of scaled coordinates with A d = -r, by rows made orthogonal one after
  * the other, the longest first; rows that follow from others, or do not take part, are left out. Zero where it cannot be
@@ -466,7 +486,7 @@ static int least_change(const double *mass, const double *jacobian, const double
         }
         e[i] = 0.0;
     }
-    mbs_ldlt(N, w, reciprocal);
+    factorized(w, reciprocal);
     for (int k = 0; k < K; k++) {
         double *row = rows + k * N; /* D^(-1/2) L^-1 of the row */
         length[k] = 0.0;

@@ -3,9 +3,8 @@
 use std::fmt::Write;
 
 use mbs_derive::emit::Interface;
-use mbs_derive::model::Condition;
 use mbs_derive::optimise::{Argument, Derivation, Function, FunctionKind, Shape};
-use mbs_derive::variable::{Variable, component_names};
+use mbs_derive::variable::Variable;
 
 use crate::state::Point;
 
@@ -71,7 +70,7 @@ impl Model<'_> {
     /// The function of a kind and what the header calls it, if it has it.
     fn called(&self, kind: FunctionKind) -> Option<(&Function, &str)> {
         let number = self.derivation.functions.iter().position(|function| function.kind == kind)?;
-        Some((&self.derivation.functions[number], self.interface.functions[number].as_deref()?))
+        Some((&self.derivation.functions[number], &self.interface.functions[number]))
     }
 
     /// A call of a function, with these results; none where the header has not this one.
@@ -107,34 +106,25 @@ impl Model<'_> {
         })
     }
 
-    /// The mechanism with parameters, and whether there is such a mechanism.
+    /// The mechanism with parameters, and what is wrong with them.
     fn parameters(&self) -> String {
-        let (prefix, derivation) = (&self.interface.prefix, self.derivation);
-        let mut text = format!("typedef {prefix}_parameters mbs_struct;\n\nstatic mbs_struct mbs_struct_of(const double *p)\n{{\n    mbs_struct params = {prefix}_default_parameters();\n    (void)p;\n");
+        let prefix = &self.interface.prefix;
+        let mut text = format!("static {prefix}_parameters mbs_struct_of(const double *p)\n{{\n    {prefix}_parameters params = {prefix}_default_parameters();\n    (void)p;\n");
         for (i, place) in self.interface.parameters.iter().enumerate() {
             let _ = writeln!(text, "    params.{place} = p[{i}];");
         }
         let _ = write!(
             text,
             "    return params;\n}}\n\nstatic mbs_model mbs_model_of(const double *p)\n{{\n    \
-             const mbs_struct params = mbs_struct_of(p);\n    return {prefix}_new(&params);\n}}\n\n"
+             const {prefix}_parameters params = mbs_struct_of(p);\n    return {prefix}_new(&params);\n}}\n\n"
         );
-        text += VIOLATION;
-        let mut first = 0;
-        let names = component_names(&derivation.parameters);
-        let rows = derivation.requirements.iter().map(|requirement| {
-            let place = first;
-            first += requirement.condition.count();
-            format!("{{{}, {}, {place}}}", string(&requirement.quantity), condition(requirement.condition))
-        });
-        let rows: Vec<String> = rows.collect();
-        text += &format!(
-            "enum {{ MBS_REQUIREMENTS = {}, MBS_REQUIRED = {first} }};\n{}{}\n",
-            rows.len(),
-            array("char *const", "mbs_parameter_names", names.iter().map(|name| string(name))),
-            array("mbs_requirement", "mbs_requirements", rows.into_iter()),
+        let _ = write!(
+            text,
+            "/* What does not hold first of the parameters, and of which quantity with which value; 0 where all holds. */\n\
+             static int mbs_violation(const double *p, const char **quantity, double *value)\n{{\n    \
+             const {prefix}_parameters params = mbs_struct_of(p);\n    return {prefix}_check(&params, quantity, value);\n}}\n\n"
         );
-        text + VIOLATION_OF
+        text
     }
 
     fn motion(&self) -> String {
@@ -250,111 +240,8 @@ fn unused(names: &[&str]) -> String {
 fn array(of: &str, name: &str, values: impl Iterator<Item = String>) -> String {
     let values: Vec<String> = values.collect();
     let list = if values.is_empty() { "0".to_string() } else { values.join(", ") };
-    let list = if values.is_empty() && of == "mbs_requirement" { "{NULL, MBS_FINITE, 0}".to_string() } else { list };
     format!("static const {of} {name}[] = {{{list}}};\n")
 }
-
-/// A string of C.
-fn string(text: &str) -> String {
-    let mut quoted = String::from("\"");
-    for c in text.chars() {
-        match c {
-            '"' | '\\' | '?' => quoted.extend(['\\', c]),
-            c if c.is_control() => quoted.push(' '),
-            c => quoted.push(c),
-        }
-    }
-    quoted + "\""
-}
-
-/// What a condition is called in C.
-fn condition(condition: Condition) -> &'static str {
-    match condition {
-        Condition::NotZero => "MBS_NOT_ZERO",
-        Condition::NotNegative => "MBS_NOT_NEGATIVE",
-        Condition::Positive => "MBS_POSITIVE",
-        Condition::SemiDefinite => "MBS_SEMI_DEFINITE",
-        Condition::InertiaOfABody => "MBS_INERTIA",
-        _ => "MBS_FINITE",
-    }
-}
-
-/// What conditions ask for, as `Condition::violation` of mbs-derive does.
-const VIOLATION: &str = r#"typedef enum { MBS_FINITE, MBS_NOT_ZERO, MBS_NOT_NEGATIVE, MBS_POSITIVE, MBS_SEMI_DEFINITE, MBS_INERTIA } mbs_condition;
-typedef struct {
-    const char *quantity;
-    mbs_condition condition;
-    int first; /* of the numbers that it is about */
-} mbs_requirement;
-
-/* Eigenvalues of a symmetric matrix xx, yy, zz, xy, xz, yz, ascending. O. K. Smith, Eigenvalues of a symmetric 3 x 3
-   matrix, Communications of the ACM 4:4, 1961. */
-static void mbs_principal_moments(const double *m, double *moments)
-{
-    const double mean = (m[0] + m[1] + m[2]) / 3.0;
-    const double x = m[0] - mean, y = m[1] - mean, z = m[2] - mean;
-    const double spread = sqrt((x * x + y * y + z * z + 2.0 * (m[3] * m[3] + m[4] * m[4] + m[5] * m[5])) / 6.0);
-    moments[0] = moments[1] = moments[2] = mean;
-    if (spread <= 1e-300) return;
-    const double a = x / spread, b = y / spread, c = z / spread, d = m[3] / spread, e = m[4] / spread, f = m[5] / spread;
-    const double half = (a * (b * c - f * f) - d * (d * c - f * e) + e * (d * f - b * e)) / 2.0;
-    const double angle = acos(half < -1.0 ? -1.0 : half > 1.0 ? 1.0 : half) / 3.0;
-    moments[2] = mean + 2.0 * spread * cos(angle);
-    moments[0] = mean + 2.0 * spread * cos(angle + 2.0943951023931957);
-    moments[1] = 3.0 * mean - moments[0] - moments[2];
-}
-
-/* Null where numbers satisfy a condition; else what they must, and the number that does not. */
-static const char *mbs_must(mbs_condition condition, const double *x, double *value)
-{
-    double moments[3];
-    const int count = condition == MBS_SEMI_DEFINITE || condition == MBS_INERTIA ? 6 : 1;
-    for (int i = 0; i < count; i++) {
-        *value = x[i];
-        if (!isfinite(x[i])) return "must be finite";
-    }
-    *value = x[0];
-    switch (condition) {
-    case MBS_FINITE: return NULL;
-    case MBS_NOT_ZERO: return x[0] < 0.0 || x[0] > 0.0 ? NULL : "must not be zero";
-    case MBS_NOT_NEGATIVE: return x[0] >= 0.0 ? NULL : "must not be negative";
-    case MBS_POSITIVE: return x[0] > 0.0 ? NULL : "must be positive";
-    case MBS_SEMI_DEFINITE:
-    case MBS_INERTIA: break;
-    }
-    mbs_principal_moments(x, moments);
-    *value = moments[0];
-    const double largest = fmax(fabs(moments[0]), fmax(fabs(moments[1]), fabs(moments[2])));
-    if (moments[0] < -1e-3 * largest) return "must have no negative principal moment";
-    *value = moments[2] - moments[0] - moments[1];
-    if (condition == MBS_INERTIA && moments[0] + moments[1] < moments[2] * (1.0 - 1e-3)) {
-        return "must have no principal moment greater than the sum of the other two";
-    }
-    return NULL;
-}
-
-"#;
-
-const VIOLATION_OF: &str = r#"/* Null where the mechanism can have these parameters; else what must hold of which quantity, and its value. */
-static const char *mbs_violation(const double *p, char *what, size_t size, double *value)
-{
-    for (int i = 0; i < MBS_PARAMETERS; i++) {
-        *value = p[i];
-        snprintf(what, size, "%s", mbs_parameter_names[i]);
-        if (!isfinite(p[i])) return "must be finite";
-    }
-    double required[MBS_REQUIRED + 1];
-    const mbs_struct params = mbs_struct_of(p);
-    mbs_required(&params, required);
-    for (int i = 0; i < MBS_REQUIREMENTS; i++) {
-        const char *must = mbs_must(mbs_requirements[i].condition, required + mbs_requirements[i].first, value);
-        snprintf(what, size, "%s", mbs_requirements[i].quantity);
-        if (must != NULL) return must;
-    }
-    return NULL;
-}
-
-"#;
 
 const POSE_SLOPES: &str = r"/* Derivatives of positions and rotations of poses, from rows for velocity and angular velocity: a column r of a rotation
    changes by omega x r. */

@@ -8,7 +8,7 @@ use crate::{Workshop, keys};
 fn two_runs_give_the_same_bytes() {
     let workshop = Workshop::new();
     for model in ["pendulum.mbs", "chain.mbs"] {
-        for emit in ["rust", "latex", "json"] {
+        for emit in ["rust", "c", "cpp", "cuda", "opencl", "latex", "json"] {
             let first = workshop.good(&["derive", model, "--emit", emit]);
             let second = workshop.good(&["derive", model, "--emit", emit, "--out", "out.txt"]);
             assert_eq!(second, "");

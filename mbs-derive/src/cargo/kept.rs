@@ -1,9 +1,9 @@
 //! What an earlier run of the same build script made of a mechanism, known by a file beside the module.
 //!
 //! ```text
-//! digest of all that follows and of the module
+//! digest of all that follows, of the module and of the files of other languages
 //! digest of the request
-//! module, name, coordinates, inputs, whether it implements `Mechanism`
+//! module, name, coordinates, inputs, whether it implements `Mechanism`, files of other languages
 //! warnings
 //! ```
 
@@ -42,11 +42,12 @@ impl Kept {
         if request != self.request.to_string() {
             return None;
         }
-        let &[module, name, dof, inputs, implements] = line.split(' ').collect::<Vec<_>>().as_slice() else {
-            return None;
-        };
+        let words: Vec<&str> = line.split(' ').collect();
+        let (&[module, name, dof, inputs, implements], files) = words.split_first_chunk()?;
         let code = fs::read_to_string(self.folder.join(format!("{module}.rs"))).ok()?;
-        (sum == sum_of(content, &code)).then_some(())?;
+        let other = |file: &&str| Some((file.to_string(), fs::read_to_string(self.folder.join(file)).ok()?));
+        let others = files.iter().map(other).collect::<Option<Vec<_>>>()?;
+        (sum == sum_of(content, &code, &others)).then_some(())?;
         Some(Generated {
             module: module.into(),
             name: name.into(),
@@ -54,20 +55,24 @@ impl Kept {
             inputs: inputs.parse().ok()?,
             implements_mechanism: implements.parse().ok()?,
             code,
+            others,
             warnings: warnings.into(),
         })
     }
 
     /// The name of the record's file, and its text.
     pub(super) fn record(&self, made: &Generated) -> (&str, String) {
-        let Generated { module, name, dof, inputs, implements_mechanism, code, warnings } = made;
-        let content = format!("{}\n{module} {name} {dof} {inputs} {implements_mechanism}\n{warnings}", self.request);
-        (&self.file, format!("{}\n{content}", sum_of(&content, code)))
+        let Generated { module, name, dof, inputs, implements_mechanism, code, others, warnings } = made;
+        let files: String = others.iter().map(|(file, _)| format!(" {file}")).collect();
+        let line = format!("{module} {name} {dof} {inputs} {implements_mechanism}{files}");
+        let content = format!("{}\n{line}\n{warnings}", self.request);
+        (&self.file, format!("{}\n{content}", sum_of(&content, code, others)))
     }
 }
 
-fn sum_of(content: &str, code: &str) -> String {
-    Digest::of([content.as_bytes(), code.as_bytes()]).to_string()
+fn sum_of(content: &str, code: &str, others: &[(String, String)]) -> String {
+    let others = others.iter().map(|(_, text)| text.as_bytes());
+    Digest::of([content.as_bytes(), code.as_bytes()].into_iter().chain(others)).to_string()
 }
 
 #[cfg(test)]
@@ -83,19 +88,22 @@ mod tests {
         let ours = kept("one", &options);
         let [module, name, code] = ["m", "M", "pub struct M;\n"].map(String::from);
         let warnings = "warning: a\n --> b\n".to_string();
-        let made = Generated { module, name, dof: 2, inputs: 1, implements_mechanism: true, code, warnings };
+        let others = vec![("m.h".to_string(), "struct m;\n".to_string())];
+        let made = Generated { module, name, dof: 2, inputs: 1, implements_mechanism: true, code, others, warnings };
         let (file, record) = ours.record(&made);
-        let files = [folder.join(file), folder.join("m.rs")];
-        let texts = [record.as_bytes(), made.code.as_bytes()];
+        let files = [folder.join(file), folder.join("m.rs"), folder.join("m.h")];
+        let texts = [record.as_bytes(), made.code.as_bytes(), made.others[0].1.as_bytes()];
         assert_eq!(ours.read(), None);
         let write = |n: usize, bytes: &[u8]| fs::write(&files[n], bytes).unwrap();
         write(0, texts[0]);
         assert_eq!(ours.read(), None, "no module");
         write(1, texts[1]);
+        assert_eq!(ours.read(), None, "no header");
+        write(2, texts[2]);
         assert_eq!(ours.read().as_ref(), Some(&made));
         assert_eq!(kept("two", &options).read(), None);
         assert_eq!(kept("one", &frozen).read(), None);
-        for n in [0, 1] {
+        for n in [0, 1, 2] {
             for at in 0..texts[n].len() {
                 let mut bytes = texts[n].to_vec();
                 bytes[at] ^= 1;

@@ -1,6 +1,6 @@
 //! `f32` and `f64`, with the mathematics of the standard library or of libm.
 
-use super::{Real, Scalar};
+use super::{Real, Scalar, sin_cos};
 
 /// One elementary function of both types: `inherent name, libm's name for f64, libm's name for f32`.
 macro_rules! call {
@@ -13,7 +13,7 @@ macro_rules! call {
 }
 
 macro_rules! scalar {
-    ($float:ty; $($name:ident = $libm:path),+; atan2 = $atan2:path; powf = $powf:path; fma = $fma:path) => {
+    ($float:ty, $polynomials:ident; $($name:ident = $libm:path),+; atan2 = $atan2:path; powf = $powf:path; fma = $fma:path) => {
         impl Scalar for $float {
             type Mask = bool;
 
@@ -40,6 +40,11 @@ macro_rules! scalar {
             #[inline]
             fn sin_cos(self) -> (Self, Self) {
                 (Scalar::sin(self), Scalar::cos(self))
+            }
+
+            #[inline]
+            fn sin_cos_all<const N: usize>(angles: [Self; N]) -> ([Self; N], [Self; N]) {
+                sin_cos::$polynomials::all(angles)
             }
 
             #[inline]
@@ -109,12 +114,12 @@ macro_rules! scalar {
     };
 }
 
-scalar!(f64;
+scalar!(f64, double;
     sin = libm::sin, cos = libm::cos, tan = libm::tan, asin = libm::asin, acos = libm::acos, atan = libm::atan,
     sinh = libm::sinh, cosh = libm::cosh, tanh = libm::tanh, exp = libm::exp, ln = libm::log, sqrt = libm::sqrt;
     atan2 = libm::atan2; powf = libm::pow; fma = libm::fma);
 
-scalar!(f32;
+scalar!(f32, single;
     sin = libm::sinf, cos = libm::cosf, tan = libm::tanf, asin = libm::asinf, acos = libm::acosf, atan = libm::atanf,
     sinh = libm::sinhf, cosh = libm::coshf, tanh = libm::tanhf, exp = libm::expf, ln = libm::logf, sqrt = libm::sqrtf;
     atan2 = libm::atan2f; powf = libm::powf; fma = libm::fmaf);

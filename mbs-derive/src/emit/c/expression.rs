@@ -5,7 +5,7 @@ use super::super::expression::{Tree, unfused};
 
 /// Keywords of C and C++, and what functions of a header have names for: a local or a field of such a name gets
 /// another.
-const TAKEN: [&str; 115] = [
+const TAKEN: &[&str] = &[
     "asm",
     "auto",
     "bool",
@@ -121,10 +121,53 @@ const TAKEN: [&str; 115] = [
     "unix",
     "float_t",
     "double_t",
+    "accelerations",
+    "forces",
+    "states",
+    "params",
+    "quantity",
+    "value",
+    "error",
+    "order",
+    // OpenCL C
+    "half",
+    "uchar",
+    "ushort",
+    "uint",
+    "ulong",
+    "global",
+    "local",
+    "constant",
+    "kernel",
+    "generic",
+    "pipe",
+    "read_only",
+    "write_only",
+    "read_write",
+    "image1d_t",
+    "image2d_t",
+    "image3d_t",
+    "event_t",
+    "sampler_t",
+    "vec_step",
+    "uniform",
+    // CUDA
+    "threadIdx",
+    "blockIdx",
+    "blockDim",
+    "gridDim",
+    "warpSize",
 ];
 
+/// Types of OpenCL C and CUDA, and how many numbers vectors of them have.
+const ELEMENTS: [&str; 14] = [
+    "bool", "char", "uchar", "short", "ushort", "int", "uint", "long", "ulong", "float", "double", "half", "longlong",
+    "dim",
+];
+const LENGTHS: [&str; 6] = ["1", "2", "3", "4", "8", "16"];
+
 /// What the headers of C declare besides: a mechanism of such a name gets another, for its struct stands beside them.
-const LIBRARY: [&str; 120] = [
+const LIBRARY: &[&str] = &[
     "acos",
     "acosh",
     "asin",
@@ -245,14 +288,62 @@ const LIBRARY: [&str; 120] = [
     "linux",
     "unix",
     "typeof",
+    // OpenCL C and CUDA
+    "cross",
+    "dot",
+    "distance",
+    "length",
+    "normalize",
+    "clamp",
+    "degrees",
+    "radians",
+    "mix",
+    "step",
+    "smoothstep",
+    "sign",
+    "select",
+    "bitselect",
+    "rotate",
+    "clz",
+    "popcount",
+    "mad",
+    "rsqrt",
+    "rcbrt",
+    "sincos",
+    "sincospi",
+    "sinpi",
+    "cospi",
+    "tanpi",
+    "asinpi",
+    "acospi",
+    "atanpi",
+    "exp10",
+    "pown",
+    "powr",
+    "rootn",
+    "fract",
+    "min",
+    "max",
+    "norm",
+    "barrier",
+    "prefetch",
+    "any",
+    "all",
+    "shuffle",
 ];
 
 /// The identifier for a name of Rust.
 pub(super) fn identifier(name: &str) -> String {
     let plain = name.strip_prefix("r#").unwrap_or(name);
     let begins = |starts: &[&str]| starts.iter().any(|start| plain.starts_with(start));
-    let is_macro = begins(&["MBS_", "M_", "FP_", "MATH_", "_"]) || plain.contains("__");
-    if is_macro || TAKEN.contains(&plain) || begins(&["mbs_", "by_q"]) || plain == "by_u" {
+    let is_macro = begins(&["MBS_", "M_", "FP_", "MATH_", "CL_", "CLK_", "_"]) || plain.contains("__");
+    let is_vector = |length: &&str| plain.strip_suffix(*length).is_some_and(|element| ELEMENTS.contains(&element));
+    if is_macro
+        || LENGTHS.iter().any(is_vector)
+        || TAKEN.contains(&plain)
+        || begins(&["mbs_", "by_q"])
+        || plain == "by_u"
+    {
         format!("c_{plain}")
     } else {
         plain.to_string()
@@ -297,13 +388,6 @@ enum Precedence {
 impl Printer<'_, '_> {
     pub(super) fn local(&self, local: usize) -> String {
         identifier(&self.body.locals[local])
-    }
-
-    /// `mbs_spline(count, places, columns, rows`, a derivative's order and the argument to follow.
-    pub(super) fn spline(&self, table: &str) -> String {
-        format!(
-            "mbs_spline(sizeof({table}_places)/sizeof(mbs_real), {table}_places, sizeof({table}_rows)/sizeof(mbs_real), {table}_rows"
-        )
     }
 
     pub(super) fn tree(&self, tree: &Tree) -> String {

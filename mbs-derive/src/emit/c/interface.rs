@@ -1,4 +1,4 @@
-//! What a wrapper of the header needs to know: how it calls things, and two functions besides.
+//! What a wrapper of the header needs to know: how it calls things, and the comparisons that forward dynamics makes.
 
 use std::fmt::Write;
 
@@ -7,12 +7,12 @@ use crate::optimise::{Derivation, FunctionKind, Instruction, Program};
 use crate::variable;
 
 use super::super::body::{Body, Component};
-use super::super::name::Scope;
 use super::super::{Options, item};
 use super::expression::Printer;
-use super::{Header, Names, block, plain, snake_case};
+use super::function::plain;
+use super::{Dialect, Header, Names, block, snake_case};
 
-/// How the header of [`c`](super::c) calls what a mechanism has, and C that is to follow it.
+/// How the header of [`c`](super::c) calls what a mechanism has, and a function that is to follow it.
 ///
 /// ```
 /// use mbs_derive::{Analysis, expr::Graph, source::Sources};
@@ -21,22 +21,21 @@ use super::{Header, Names, block, plain, snake_case};
 /// let analysis = Analysis::of(&Sources::new("spring.mbs", text), &graph).unwrap();
 /// let interface = mbs_derive::emit::c_interface(analysis.programs());
 /// assert_eq!((interface.prefix.as_str(), interface.parameters.as_slice()), ("spring", ["k".to_string()].as_slice()));
-/// assert_eq!(interface.functions[0].as_deref(), Some("spring_kinetic_energy"));
+/// assert_eq!(interface.functions[0], "spring_kinetic_energy");
 /// ```
 #[derive(Clone, Debug)]
 pub struct Interface {
     /// What all names begin with; the struct of the mechanism is called so.
     pub prefix: String,
-    /// The derivation's functions; `None` of one that the header has not.
-    pub functions: Vec<Option<String>>,
+    /// The derivation's functions.
+    pub functions: Vec<String>,
     /// Where each component of the parameters is within the struct of parameters: `length[0]`.
     pub parameters: Vec<String>,
     /// How many sides of comparisons `mbs_switches` gives.
     pub switches: usize,
     /// `mbs_switches(self, t, prescribed, q, qd, u, result)`: of every comparison that forward dynamics makes the left
     /// side less the right one, and the argument of every sign; where a difference is zero, the least number with the
-    /// sign of the side that is taken there. `mbs_required(params, result)`: what the parameters' requirements are
-    /// about.
+    /// sign of the side that is taken there.
     pub definitions: String,
 }
 
@@ -45,14 +44,11 @@ pub fn interface(derivation: &Derivation) -> Interface {
     let names = Names::of(derivation, true);
     let prefix = super::prefix(&snake_case(&derivation.name));
     let functions = item::selected(derivation, Options::default().functions.as_deref());
-    let is_written = |number: usize| !derivation.functions[number].completion.is_constrained();
     let name = |number: usize| format!("{prefix}_{}", plain(&names.functions[number]));
-    let called = (0..derivation.functions.len()).map(|number| is_written(number).then(|| name(number))).collect();
-    let header = Header { derivation, names: &names, prefix: prefix.clone(), functions, left_out: Vec::new() };
-    let (switches, mut definitions) = header.switches();
-    definitions += &header.required();
+    let header = Header { derivation, names: &names, prefix: prefix.clone(), functions, dialect: Dialect::C };
+    let (switches, definitions) = header.switches();
     Interface {
-        functions: called,
+        functions: (0..derivation.functions.len()).map(name).collect(),
         parameters: (0..variable::count(&derivation.parameters)).map(|i| header.field(i)).collect(),
         switches,
         definitions,
@@ -94,43 +90,22 @@ impl Header<'_> {
         for name in ["prescribed", "q", "qd", "u", "result"] {
             let _ = writeln!(text, "    (void){name};");
         }
-        let (body_text, values) = self.computed(&of, self.names.function_scope(), "self->", "self->params.");
-        text += &body_text;
-        let mut values = values.iter();
+        let all: Vec<Component> = (0..of.results.len()).map(|i| Component::Result(i, String::new())).collect();
+        let body = Body::new(&of, &all, self.names, self.names.function_scope());
+        let printer = Printer { body: &body, table: &|number| self.table(number), own: "self->" };
+        text += &self.symbols(&body, "self->params.");
+        text += &block(&body.block, &printer, 1);
+        let mut values = body.block.results.iter().map(|tree| printer.tree(tree));
         for (k, (_, other, at_zero)) in sides.iter().enumerate() {
             let mut next = || values.next().expect("an operand");
             let difference = match other {
                 Some(_) => format!("({}) - ({})", next(), next()),
-                None => next().clone(),
+                None => next(),
             };
             let _ = writeln!(text, "    result[{k}] = {difference};");
             let _ = writeln!(text, "    if (!(result[{k}] < 0.0 || result[{k}] > 0.0)) result[{k}] = {at_zero};");
         }
         (sides.len(), text + "}\n\n")
-    }
-
-    /// The function of what the requirements are about.
-    fn required(&self) -> String {
-        let mut text = format!(
-            "/* What the requirements on parameters are about. */\n\
-             static void mbs_required(const {}_parameters *params, mbs_real *result)\n{{\n    (void)params;\n    (void)result;\n",
-            self.prefix
-        );
-        let (body, values) = self.computed(&self.derivation.required, self.names.constructor_scope(), "", "params->");
-        text += &body;
-        for (k, value) in values.iter().enumerate() {
-            let _ = writeln!(text, "    result[{k}] = {value};");
-        }
-        text + "}\n\n"
-    }
-
-    /// A program's statements, and its results.
-    fn computed(&self, program: &Program, scope: Scope, own: &'static str, params: &str) -> (String, Vec<String>) {
-        let all = (0..program.results.len()).map(|i| Component::Result(i, String::new()));
-        let body = Body::new(program, &all.collect::<Vec<_>>(), self.names, scope);
-        let printer = Printer { body: &body, table: &|number| self.table(number), own };
-        let text = self.symbols(&body, params) + &block(&body.block, &printer, 1);
-        (text, body.block.results.iter().map(|tree| printer.tree(tree)).collect())
     }
 }
 
