@@ -20,7 +20,7 @@ use std::io::{Cursor, Write};
 use std::path::PathBuf;
 
 use mbs_derive::Digest;
-use mbs_derive::emit::{self, Options};
+use mbs_derive::emit;
 use mbs_derive::optimise::Derivation;
 use mbs_derive::source::Sources;
 use mbs_derive::variable::component_names;
@@ -122,8 +122,8 @@ fn packed(
     derivation: &Derivation,
     point: &Point,
 ) -> Result<Vec<u8>, Failure> {
-    let interface = emit::c_interface(derivation);
-    let header = emit::c(derivation, sources.portable_name(), &Options::default());
+    let mut interface = emit::c_interface(derivation, sources.portable_name());
+    let header = std::mem::take(&mut interface.header);
     let model = Model { derivation, interface: &interface, point, tolerance: arguments.tolerance };
     let variables = variable::variables(derivation, point, interface.switches);
     let description = Description {

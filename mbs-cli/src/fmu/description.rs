@@ -27,12 +27,15 @@ impl Description<'_> {
     /// modelDescription.xml.
     pub(super) fn written(&self, token: &str) -> String {
         let mut units = Units::default();
-        let variables: String = self.variables.iter().enumerate().map(|(i, v)| self.variable(i, v, &mut units)).collect();
+        let variables: String =
+            self.variables.iter().enumerate().map(|(i, v)| self.variable(i, v, &mut units)).collect();
         let head = match self.fmi {
             Fmi::Two => [attribute("fmiVersion", "2.0"), attribute("modelName", self.name), attribute("guid", token)],
-            Fmi::Three => {
-                [attribute("fmiVersion", "3.0"), attribute("modelName", self.name), attribute("instantiationToken", token)]
-            }
+            Fmi::Three => [
+                attribute("fmiVersion", "3.0"),
+                attribute("modelName", self.name),
+                attribute("instantiationToken", token),
+            ],
         };
         let mut text = format!(
             "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<fmiModelDescription{}{}{}{}",
@@ -48,7 +51,11 @@ impl Description<'_> {
         text += &self.interfaces();
         text += &units.definitions();
         text += "  <LogCategories>\n";
-        for (name, what) in [("Error", "Calls that are refused."), ("Discard", "What has no value at a state."), ("Warning", "Changes of the first state.")] {
+        for (name, what) in [
+            ("Error", "Calls that are refused."),
+            ("Discard", "What has no value at a state."),
+            ("Warning", "Changes of the first state."),
+        ] {
             let name = attribute("name", &format!("logStatus{name}"));
             let _ = writeln!(text, "    <Category{name}{}/>", attribute("description", what));
         }
@@ -82,7 +89,8 @@ impl Description<'_> {
                     common += &truth("providesDirectionalDerivative");
                 }
                 let files = "<SourceFiles><File name=\"fmi2.c\"/></SourceFiles>";
-                let co_simulation = [truth("canHandleVariableCommunicationStepSize"), truth("canInterpolateInputs")].concat();
+                let co_simulation =
+                    [truth("canHandleVariableCommunicationStepSize"), truth("canInterpolateInputs")].concat();
                 format!(
                     "  <ModelExchange{common}>{files}</ModelExchange>\n  <CoSimulation{common}{co_simulation}>{files}</CoSimulation>\n"
                 )

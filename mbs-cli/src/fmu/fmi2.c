@@ -55,10 +55,10 @@ typedef struct {
 #define EXPORT(type, name) type FMI(name)
 #endif
 
-typedef fmi2CallbackLogger mbs_logger;
+typedef fmi2CallbackLogger mbs_fmu_logger;
 #include "instance.h"
 
-static void deliver(const instance *a, int status, const char *category, const char *message)
+static void fmu_deliver(const fmu_instance *a, int status, const char *category, const char *message)
 {
     if (a->log != NULL) a->log(a->environment, a->name, (fmi2Status)status, category, "%s", message);
 }
@@ -67,7 +67,7 @@ static void deliver(const instance *a, int status, const char *category, const c
 #define MOVING (EVENT | CONTINUOUS | STEP)
 /* The instance behind a component, if the function may be called now. */
 #define CALLED(name, modes)                           \
-    instance *a = (instance *)c;                      \
+    fmu_instance *a = (fmu_instance *)c;                      \
     static const char function[] = name;              \
     if (is_out_of_place(a, function, modes)) return fmi2Error
 
@@ -91,16 +91,16 @@ EXPORT(fmi2Component, fmi2Instantiate)(
     (void)resources;
     (void)visible;
     if (callbacks == NULL || (type != fmi2ModelExchange && type != fmi2CoSimulation)) return NULL;
-    return created(name, token, callbacks->logger, callbacks->componentEnvironment, talks, type == fmi2CoSimulation);
+    return fmu_created(name, token, callbacks->logger, callbacks->componentEnvironment, talks, type == fmi2CoSimulation);
 }
 
-EXPORT(void, fmi2FreeInstance)(fmi2Component c) { destroyed((instance *)c); }
+EXPORT(void, fmi2FreeInstance)(fmi2Component c) { fmu_destroyed((fmu_instance *)c); }
 
 EXPORT(fmi2Status, fmi2SetupExperiment)(
     fmi2Component c, fmi2Boolean has_tolerance, fmi2Real tolerance, fmi2Real start_time, fmi2Boolean has_stop, fmi2Real stop_time)
 {
     CALLED("fmi2SetupExperiment", INSTANTIATED);
-    if (has_stop && !(stop_time >= start_time)) return (fmi2Status)refuse(a, FAILED, "%s: the stop time lies before the start time", function);
+    if (has_stop && !(stop_time >= start_time)) return (fmi2Status)fmu_refuse(a, FAILED, "%s: the stop time lies before the start time", function);
     int status = time_set(a, function, start_time);
     if (status == GOOD && has_tolerance) status = tolerance_set(a, function, tolerance);
     return (fmi2Status)status;
@@ -117,7 +117,7 @@ EXPORT(fmi2Status, fmi2EnterInitializationMode)(fmi2Component c)
 EXPORT(fmi2Status, fmi2ExitInitializationMode)(fmi2Component c)
 {
     CALLED("fmi2ExitInitializationMode", INITIALIZATION);
-    return (fmi2Status)initialized(a, function, a->v.is_co_simulation ? STEP : EVENT);
+    return (fmi2Status)fmu_initialized(a, function, a->v.is_co_simulation ? STEP : EVENT);
 }
 
 EXPORT(fmi2Status, fmi2Terminate)(fmi2Component c)
@@ -132,7 +132,7 @@ EXPORT(fmi2Status, fmi2Reset)(fmi2Component c)
 {
     CALLED("fmi2Reset", ANY);
     (void)function;
-    start(a, a->v.is_co_simulation);
+    fmu_start(a, a->v.is_co_simulation);
     return fmi2OK;
 }
 
@@ -156,7 +156,7 @@ EXPORT(fmi2Status, fmi2SetReal)(fmi2Component c, const fmi2ValueReference vr[], 
         (void)vr;                                                                                  \
         (void)value;                                                                               \
         if (n == 0) return fmi2OK;                                                                 \
-        return (fmi2Status)refuse(a, FAILED, "%s: all variables are Real", function);              \
+        return (fmi2Status)fmu_refuse(a, FAILED, "%s: all variables are Real", function);              \
     }
 NONE(fmi2GetInteger, fmi2Integer *)
 NONE(fmi2GetBoolean, fmi2Boolean *)
@@ -191,7 +191,7 @@ EXPORT(fmi2Status, fmi2FreeFMUstate)(fmi2Component c, fmi2FMUstate *state)
 EXPORT(fmi2Status, fmi2SerializedFMUstateSize)(fmi2Component c, fmi2FMUstate state, size_t *size)
 {
     CALLED("fmi2SerializedFMUstateSize", ANY);
-    if (state == NULL || size == NULL) return (fmi2Status)refuse(a, FAILED, "%s: a null pointer", function);
+    if (state == NULL || size == NULL) return (fmi2Status)fmu_refuse(a, FAILED, "%s: a null pointer", function);
     *size = SERIALIZED;
     return fmi2OK;
 }
@@ -222,14 +222,13 @@ EXPORT(fmi2Status, fmi2EnterEventMode)(fmi2Component c)
 {
     CALLED("fmi2EnterEventMode", EVENT | CONTINUOUS);
     (void)function;
-    a->v.mode = EVENT;
-    return fmi2OK;
+    return (fmi2Status)fmu_interrupted(a);
 }
 
 EXPORT(fmi2Status, fmi2NewDiscreteStates)(fmi2Component c, fmi2EventInfo *info)
 {
     CALLED("fmi2NewDiscreteStates", EVENT);
-    if (info == NULL) return (fmi2Status)refuse(a, FAILED, "%s: a null pointer", function);
+    if (info == NULL) return (fmi2Status)fmu_refuse(a, FAILED, "%s: a null pointer", function);
     int status = parameters_checked(a, function);
     int changed = 0;
     if (status == GOOD) status = brought_back(a, function, &changed);
@@ -241,16 +240,14 @@ EXPORT(fmi2Status, fmi2NewDiscreteStates)(fmi2Component c, fmi2EventInfo *info)
 EXPORT(fmi2Status, fmi2EnterContinuousTimeMode)(fmi2Component c)
 {
     CALLED("fmi2EnterContinuousTimeMode", EVENT);
-    const int status = parameters_checked(a, function);
-    if (status == GOOD) a->v.mode = CONTINUOUS;
-    return (fmi2Status)status;
+    return (fmi2Status)fmu_continued(a, function);
 }
 
 EXPORT(fmi2Status, fmi2CompletedIntegratorStep)(fmi2Component c, fmi2Boolean no_return, fmi2Boolean *enter_event_mode, fmi2Boolean *terminate)
 {
     CALLED("fmi2CompletedIntegratorStep", CONTINUOUS);
     (void)no_return;
-    if (enter_event_mode == NULL || terminate == NULL) return (fmi2Status)refuse(a, FAILED, "%s: a null pointer", function);
+    if (enter_event_mode == NULL || terminate == NULL) return (fmi2Status)fmu_refuse(a, FAILED, "%s: a null pointer", function);
     *enter_event_mode = has_drifted(a);
     *terminate = fmi2False;
     return fmi2OK;
@@ -300,13 +297,13 @@ EXPORT(fmi2Status, fmi2SetRealInputDerivatives)(
     fmi2Component c, const fmi2ValueReference vr[], size_t n, const fmi2Integer order[], const fmi2Real value[])
 {
     CALLED("fmi2SetRealInputDerivatives", INSTANTIATED | INITIALIZATION | STEP);
-    if (n > 0 && (vr == NULL || order == NULL || value == NULL)) return (fmi2Status)refuse(a, FAILED, "%s: a null pointer", function);
+    if (n > 0 && (vr == NULL || order == NULL || value == NULL)) return (fmi2Status)fmu_refuse(a, FAILED, "%s: a null pointer", function);
     for (size_t i = 0; i < n; i++) {
-        if (vr[i] < VR_U || vr[i] >= VR_P) return (fmi2Status)refuse(a, FAILED, "%s: variable %u is no input", function, vr[i]);
+        if (vr[i] < VR_U || vr[i] >= VR_P) return (fmi2Status)fmu_refuse(a, FAILED, "%s: variable %u is no input", function, vr[i]);
         if (order[i] < 1 || order[i] > ORDERS) {
-            return (fmi2Status)refuse(a, FAILED, "%s: derivatives of orders 1 to %d are taken, not %d", function, ORDERS, order[i]);
+            return (fmi2Status)fmu_refuse(a, FAILED, "%s: derivatives of orders 1 to %d are taken, not %d", function, ORDERS, order[i]);
         }
-        if (!isfinite(value[i])) return (fmi2Status)refuse(a, FAILED, "%s: a derivative of variable %u is not finite", function, vr[i]);
+        if (!isfinite(value[i])) return (fmi2Status)fmu_refuse(a, FAILED, "%s: a derivative of variable %u is not finite", function, vr[i]);
     }
     for (size_t i = 0; i < n; i++) a->v.slopes[order[i] - 1][vr[i] - VR_U] = value[i];
     a->v.has_slopes |= n > 0;
@@ -321,7 +318,7 @@ EXPORT(fmi2Status, fmi2GetRealOutputDerivatives)(
     (void)order;
     (void)value;
     if (n == 0) return fmi2OK;
-    return (fmi2Status)refuse(a, FAILED, "%s: derivatives of outputs are not given", function);
+    return (fmi2Status)fmu_refuse(a, FAILED, "%s: derivatives of outputs are not given", function);
 }
 
 EXPORT(fmi2Status, fmi2DoStep)(fmi2Component c, fmi2Real t, fmi2Real h, fmi2Boolean no_return)
@@ -334,13 +331,13 @@ EXPORT(fmi2Status, fmi2DoStep)(fmi2Component c, fmi2Real t, fmi2Real h, fmi2Bool
 EXPORT(fmi2Status, fmi2CancelStep)(fmi2Component c)
 {
     CALLED("fmi2CancelStep", STEP);
-    return (fmi2Status)refuse(a, FAILED, "%s: steps are not asynchronous", function);
+    return (fmi2Status)fmu_refuse(a, FAILED, "%s: steps are not asynchronous", function);
 }
 
 EXPORT(fmi2Status, fmi2GetRealStatus)(fmi2Component c, const fmi2StatusKind what, fmi2Real *value)
 {
     CALLED("fmi2GetRealStatus", STEP | TERMINATED);
-    if (what != fmi2LastSuccessfulTime || value == NULL) return (fmi2Status)refuse(a, DISCARDED, "%s: there is no such status", function);
+    if (what != fmi2LastSuccessfulTime || value == NULL) return (fmi2Status)fmu_refuse(a, DISCARDED, "%s: there is no such status", function);
     *value = a->v.t;
     return fmi2OK;
 }
@@ -348,7 +345,7 @@ EXPORT(fmi2Status, fmi2GetRealStatus)(fmi2Component c, const fmi2StatusKind what
 EXPORT(fmi2Status, fmi2GetBooleanStatus)(fmi2Component c, const fmi2StatusKind what, fmi2Boolean *value)
 {
     CALLED("fmi2GetBooleanStatus", STEP | TERMINATED);
-    if (what != fmi2Terminated || value == NULL) return (fmi2Status)refuse(a, DISCARDED, "%s: there is no such status", function);
+    if (what != fmi2Terminated || value == NULL) return (fmi2Status)fmu_refuse(a, DISCARDED, "%s: there is no such status", function);
     *value = fmi2False;
     return fmi2OK;
 }
@@ -359,7 +356,7 @@ EXPORT(fmi2Status, fmi2GetBooleanStatus)(fmi2Component c, const fmi2StatusKind w
         CALLED(#name, STEP | TERMINATED);                                                        \
         (void)what;                                                                              \
         (void)value;                                                                             \
-        return (fmi2Status)refuse(a, DISCARDED, "%s: steps are not asynchronous", function);     \
+        return (fmi2Status)fmu_refuse(a, DISCARDED, "%s: steps are not asynchronous", function);     \
     }
 NO_STATUS(fmi2GetStatus, fmi2Status)
 NO_STATUS(fmi2GetIntegerStatus, fmi2Integer)

@@ -53,10 +53,10 @@ typedef void (*fmi3UnlockPreemptionCallback)(void);
 #define EXPORT(type, name) type FMI(name)
 #endif
 
-typedef fmi3LogMessageCallback mbs_logger;
+typedef fmi3LogMessageCallback mbs_fmu_logger;
 #include "instance.h"
 
-static void deliver(const instance *a, int status, const char *category, const char *message)
+static void fmu_deliver(const fmu_instance *a, int status, const char *category, const char *message)
 {
     if (a->log != NULL) a->log(a->environment, (fmi3Status)status, category, message);
 }
@@ -65,7 +65,7 @@ static void deliver(const instance *a, int status, const char *category, const c
 #define MOVING (EVENT | CONTINUOUS | STEP)
 /* The instance behind a pointer, if the function may be called now. */
 #define CALLED(name, modes)                           \
-    instance *a = (instance *)c;                      \
+    fmu_instance *a = (fmu_instance *)c;                      \
     static const char function[] = name;              \
     if (is_out_of_place(a, function, modes)) return fmi3Error
 
@@ -87,7 +87,7 @@ EXPORT(fmi3Instance, fmi3InstantiateModelExchange)(
 {
     (void)resources;
     (void)visible;
-    return created(name, token, log, environment, talks, 0);
+    return fmu_created(name, token, log, environment, talks, 0);
 }
 
 EXPORT(fmi3Instance, fmi3InstantiateCoSimulation)(
@@ -102,7 +102,7 @@ EXPORT(fmi3Instance, fmi3InstantiateCoSimulation)(
     (void)intermediate;
     (void)n;
     (void)update;
-    return created(name, token, log, environment, talks, 1);
+    return fmu_created(name, token, log, environment, talks, 1);
 }
 
 EXPORT(fmi3Instance, fmi3InstantiateScheduledExecution)(
@@ -121,13 +121,13 @@ EXPORT(fmi3Instance, fmi3InstantiateScheduledExecution)(
     return NULL;
 }
 
-EXPORT(void, fmi3FreeInstance)(fmi3Instance c) { destroyed((instance *)c); }
+EXPORT(void, fmi3FreeInstance)(fmi3Instance c) { fmu_destroyed((fmu_instance *)c); }
 
 EXPORT(fmi3Status, fmi3EnterInitializationMode)(
     fmi3Instance c, fmi3Boolean has_tolerance, fmi3Float64 tolerance, fmi3Float64 start_time, fmi3Boolean has_stop, fmi3Float64 stop_time)
 {
     CALLED("fmi3EnterInitializationMode", INSTANTIATED);
-    if (has_stop && !(stop_time >= start_time)) return (fmi3Status)refuse(a, FAILED, "%s: the stop time lies before the start time", function);
+    if (has_stop && !(stop_time >= start_time)) return (fmi3Status)fmu_refuse(a, FAILED, "%s: the stop time lies before the start time", function);
     int status = parameters_checked(a, function);
     if (status == GOOD && has_tolerance) status = tolerance_set(a, function, tolerance);
     if (status == GOOD) status = time_set(a, function, start_time);
@@ -138,15 +138,14 @@ EXPORT(fmi3Status, fmi3EnterInitializationMode)(
 EXPORT(fmi3Status, fmi3ExitInitializationMode)(fmi3Instance c)
 {
     CALLED("fmi3ExitInitializationMode", INITIALIZATION);
-    return (fmi3Status)initialized(a, function, a->v.is_co_simulation ? STEP : EVENT);
+    return (fmi3Status)fmu_initialized(a, function, a->v.is_co_simulation ? STEP : EVENT);
 }
 
 EXPORT(fmi3Status, fmi3EnterEventMode)(fmi3Instance c)
 {
     CALLED("fmi3EnterEventMode", EVENT | CONTINUOUS);
     (void)function;
-    a->v.mode = EVENT;
-    return fmi3OK;
+    return (fmi3Status)fmu_interrupted(a);
 }
 
 EXPORT(fmi3Status, fmi3Terminate)(fmi3Instance c)
@@ -161,21 +160,21 @@ EXPORT(fmi3Status, fmi3Reset)(fmi3Instance c)
 {
     CALLED("fmi3Reset", ANY);
     (void)function;
-    start(a, a->v.is_co_simulation);
+    fmu_start(a, a->v.is_co_simulation);
     return fmi3OK;
 }
 
 EXPORT(fmi3Status, fmi3GetFloat64)(fmi3Instance c, const fmi3ValueReference vr[], size_t n, fmi3Float64 value[], size_t count)
 {
     CALLED("fmi3GetFloat64", ANY);
-    if (n != count) return (fmi3Status)refuse(a, FAILED, "%s: %u variables have not %u values", function, (unsigned)n, (unsigned)count);
+    if (n != count) return (fmi3Status)fmu_refuse(a, FAILED, "%s: %u variables have not %u values", function, (unsigned)n, (unsigned)count);
     return (fmi3Status)read_values(a, function, vr, n, value);
 }
 
 EXPORT(fmi3Status, fmi3SetFloat64)(fmi3Instance c, const fmi3ValueReference vr[], size_t n, const fmi3Float64 value[], size_t count)
 {
     CALLED("fmi3SetFloat64", ANY & ~TERMINATED);
-    if (n != count) return (fmi3Status)refuse(a, FAILED, "%s: %u variables have not %u values", function, (unsigned)n, (unsigned)count);
+    if (n != count) return (fmi3Status)fmu_refuse(a, FAILED, "%s: %u variables have not %u values", function, (unsigned)n, (unsigned)count);
     return (fmi3Status)write_values(a, function, vr, n, value);
 }
 
@@ -188,7 +187,7 @@ EXPORT(fmi3Status, fmi3SetFloat64)(fmi3Instance c, const fmi3ValueReference vr[]
         (void)value;                                                                                             \
         (void)count;                                                                                             \
         if (n == 0) return fmi3OK;                                                                               \
-        return (fmi3Status)refuse(a, FAILED, "%s: all variables are Float64", function);                         \
+        return (fmi3Status)fmu_refuse(a, FAILED, "%s: all variables are Float64", function);                         \
     }
 NONE(fmi3GetFloat32, fmi3Float32 *)
 NONE(fmi3GetInt8, fmi3Int8 *)
@@ -222,7 +221,7 @@ NONE(fmi3SetString, const fmi3String *)
         (void)value;                                                                                                                \
         (void)count;                                                                                                                \
         if (n == 0) return fmi3OK;                                                                                                  \
-        return (fmi3Status)refuse(a, FAILED, "%s: all variables are Float64", function);                                            \
+        return (fmi3Status)fmu_refuse(a, FAILED, "%s: all variables are Float64", function);                                            \
     }
 NO_BINARY(fmi3GetBinary, size_t *, fmi3Binary *)
 NO_BINARY(fmi3SetBinary, const size_t *, const fmi3Binary *)
@@ -235,7 +234,7 @@ NO_BINARY(fmi3SetBinary, const size_t *, const fmi3Binary *)
         (void)vr;                                                                     \
         (void)x;                                                                      \
         if (n == 0) return fmi3OK;                                                    \
-        return (fmi3Status)refuse(a, FAILED, "%s: there are no clocks", function);    \
+        return (fmi3Status)fmu_refuse(a, FAILED, "%s: there are no clocks", function);    \
     }
 #define NO_INTERVAL(name, ...)                                                        \
     EXPORT(fmi3Status, name)(fmi3Instance c, __VA_ARGS__)                             \
@@ -245,7 +244,7 @@ NO_BINARY(fmi3SetBinary, const size_t *, const fmi3Binary *)
         (void)x;                                                                      \
         (void)y;                                                                      \
         if (n == 0) return fmi3OK;                                                    \
-        return (fmi3Status)refuse(a, FAILED, "%s: there are no clocks", function);    \
+        return (fmi3Status)fmu_refuse(a, FAILED, "%s: there are no clocks", function);    \
     }
 #define NO_FRACTION(name, ...)                                                        \
     EXPORT(fmi3Status, name)(fmi3Instance c, __VA_ARGS__)                             \
@@ -256,7 +255,7 @@ NO_BINARY(fmi3SetBinary, const size_t *, const fmi3Binary *)
         (void)y;                                                                      \
         (void)z;                                                                      \
         if (n == 0) return fmi3OK;                                                    \
-        return (fmi3Status)refuse(a, FAILED, "%s: there are no clocks", function);    \
+        return (fmi3Status)fmu_refuse(a, FAILED, "%s: there are no clocks", function);    \
     }
 NO_CLOCK(fmi3GetClock, const fmi3ValueReference vr[], size_t n, fmi3Clock x[])
 NO_CLOCK(fmi3SetClock, const fmi3ValueReference vr[], size_t n, const fmi3Clock x[])
@@ -274,7 +273,7 @@ EXPORT(fmi3Status, fmi3ActivateModelPartition)(fmi3Instance c, fmi3ValueReferenc
     CALLED("fmi3ActivateModelPartition", ANY);
     (void)clock;
     (void)time;
-    return (fmi3Status)refuse(a, FAILED, "%s: there are no clocks", function);
+    return (fmi3Status)fmu_refuse(a, FAILED, "%s: there are no clocks", function);
 }
 
 /* Every variable that depends on others may depend on all that modelDescription.xml does not exclude. */
@@ -283,7 +282,7 @@ EXPORT(fmi3Status, fmi3GetNumberOfVariableDependencies)(fmi3Instance c, fmi3Valu
     CALLED("fmi3GetNumberOfVariableDependencies", ANY);
     (void)vr;
     (void)n;
-    return (fmi3Status)refuse(a, FAILED, "%s: providesPerElementDependencies is false", function);
+    return (fmi3Status)fmu_refuse(a, FAILED, "%s: providesPerElementDependencies is false", function);
 }
 
 EXPORT(fmi3Status, fmi3GetVariableDependencies)(
@@ -297,7 +296,7 @@ EXPORT(fmi3Status, fmi3GetVariableDependencies)(
     (void)element_of;
     (void)kinds;
     (void)n;
-    return (fmi3Status)refuse(a, FAILED, "%s: providesPerElementDependencies is false", function);
+    return (fmi3Status)fmu_refuse(a, FAILED, "%s: providesPerElementDependencies is false", function);
 }
 
 EXPORT(fmi3Status, fmi3GetFMUState)(fmi3Instance c, fmi3FMUState *state)
@@ -326,7 +325,7 @@ EXPORT(fmi3Status, fmi3FreeFMUState)(fmi3Instance c, fmi3FMUState *state)
 EXPORT(fmi3Status, fmi3SerializedFMUStateSize)(fmi3Instance c, fmi3FMUState state, size_t *size)
 {
     CALLED("fmi3SerializedFMUStateSize", ANY);
-    if (state == NULL || size == NULL) return (fmi3Status)refuse(a, FAILED, "%s: a null pointer", function);
+    if (state == NULL || size == NULL) return (fmi3Status)fmu_refuse(a, FAILED, "%s: a null pointer", function);
     *size = SERIALIZED;
     return fmi3OK;
 }
@@ -348,7 +347,7 @@ EXPORT(fmi3Status, fmi3GetDirectionalDerivative)(
     const fmi3Float64 seed[], size_t seeds, fmi3Float64 result[], size_t results)
 {
     CALLED("fmi3GetDirectionalDerivative", INITIALIZATION | MOVING);
-    if (seeds != columns || results != rows) return (fmi3Status)refuse(a, FAILED, "%s: the numbers of values do not fit", function);
+    if (seeds != columns || results != rows) return (fmi3Status)fmu_refuse(a, FAILED, "%s: the numbers of values do not fit", function);
     return (fmi3Status)jacobian_product(a, function, 0, unknowns, rows, knowns, columns, seed, result);
 }
 
@@ -357,7 +356,7 @@ EXPORT(fmi3Status, fmi3GetAdjointDerivative)(
     const fmi3Float64 seed[], size_t seeds, fmi3Float64 result[], size_t results)
 {
     CALLED("fmi3GetAdjointDerivative", INITIALIZATION | MOVING);
-    if (seeds != rows || results != columns) return (fmi3Status)refuse(a, FAILED, "%s: the numbers of values do not fit", function);
+    if (seeds != rows || results != columns) return (fmi3Status)fmu_refuse(a, FAILED, "%s: the numbers of values do not fit", function);
     return (fmi3Status)jacobian_product(a, function, 1, unknowns, rows, knowns, columns, seed, result);
 }
 
@@ -365,13 +364,13 @@ EXPORT(fmi3Status, fmi3GetAdjointDerivative)(
 EXPORT(fmi3Status, fmi3EnterConfigurationMode)(fmi3Instance c)
 {
     CALLED("fmi3EnterConfigurationMode", ANY);
-    return (fmi3Status)refuse(a, FAILED, "%s: there are no structural parameters", function);
+    return (fmi3Status)fmu_refuse(a, FAILED, "%s: there are no structural parameters", function);
 }
 
 EXPORT(fmi3Status, fmi3ExitConfigurationMode)(fmi3Instance c)
 {
     CALLED("fmi3ExitConfigurationMode", ANY);
-    return (fmi3Status)refuse(a, FAILED, "%s: there are no structural parameters", function);
+    return (fmi3Status)fmu_refuse(a, FAILED, "%s: there are no structural parameters", function);
 }
 
 EXPORT(fmi3Status, fmi3EvaluateDiscreteStates)(fmi3Instance c)
@@ -387,7 +386,7 @@ EXPORT(fmi3Status, fmi3UpdateDiscreteStates)(
 {
     CALLED("fmi3UpdateDiscreteStates", EVENT);
     if (again == NULL || terminate == NULL || nominals_changed == NULL || values_changed == NULL || has_next == NULL || next == NULL) {
-        return (fmi3Status)refuse(a, FAILED, "%s: a null pointer", function);
+        return (fmi3Status)fmu_refuse(a, FAILED, "%s: a null pointer", function);
     }
     int status = parameters_checked(a, function);
     int changed = 0;
@@ -403,16 +402,14 @@ EXPORT(fmi3Status, fmi3UpdateDiscreteStates)(
 EXPORT(fmi3Status, fmi3EnterContinuousTimeMode)(fmi3Instance c)
 {
     CALLED("fmi3EnterContinuousTimeMode", EVENT);
-    const int status = parameters_checked(a, function);
-    if (status == GOOD) a->v.mode = CONTINUOUS;
-    return (fmi3Status)status;
+    return (fmi3Status)fmu_continued(a, function);
 }
 
 EXPORT(fmi3Status, fmi3CompletedIntegratorStep)(fmi3Instance c, fmi3Boolean no_return, fmi3Boolean *enter_event_mode, fmi3Boolean *terminate)
 {
     CALLED("fmi3CompletedIntegratorStep", CONTINUOUS);
     (void)no_return;
-    if (enter_event_mode == NULL || terminate == NULL) return (fmi3Status)refuse(a, FAILED, "%s: a null pointer", function);
+    if (enter_event_mode == NULL || terminate == NULL) return (fmi3Status)fmu_refuse(a, FAILED, "%s: a null pointer", function);
     *enter_event_mode = has_drifted(a) != 0;
     *terminate = false;
     return fmi3OK;
@@ -459,7 +456,7 @@ EXPORT(fmi3Status, fmi3GetNominalsOfContinuousStates)(fmi3Instance c, fmi3Float6
 EXPORT(fmi3Status, fmi3GetNumberOfEventIndicators)(fmi3Instance c, size_t *n)
 {
     CALLED("fmi3GetNumberOfEventIndicators", ANY);
-    if (n == NULL) return (fmi3Status)refuse(a, FAILED, "%s: a null pointer", function);
+    if (n == NULL) return (fmi3Status)fmu_refuse(a, FAILED, "%s: a null pointer", function);
     *n = Z;
     return fmi3OK;
 }
@@ -467,7 +464,7 @@ EXPORT(fmi3Status, fmi3GetNumberOfEventIndicators)(fmi3Instance c, size_t *n)
 EXPORT(fmi3Status, fmi3GetNumberOfContinuousStates)(fmi3Instance c, size_t *n)
 {
     CALLED("fmi3GetNumberOfContinuousStates", ANY);
-    if (n == NULL) return (fmi3Status)refuse(a, FAILED, "%s: a null pointer", function);
+    if (n == NULL) return (fmi3Status)fmu_refuse(a, FAILED, "%s: a null pointer", function);
     *n = 2 * N;
     return fmi3OK;
 }
@@ -477,7 +474,7 @@ EXPORT(fmi3Status, fmi3GetNumberOfContinuousStates)(fmi3Instance c, size_t *n)
 EXPORT(fmi3Status, fmi3EnterStepMode)(fmi3Instance c)
 {
     CALLED("fmi3EnterStepMode", ANY);
-    return (fmi3Status)refuse(a, FAILED, "%s: co-simulation has no event mode", function);
+    return (fmi3Status)fmu_refuse(a, FAILED, "%s: co-simulation has no event mode", function);
 }
 
 EXPORT(fmi3Status, fmi3GetOutputDerivatives)(
@@ -489,7 +486,7 @@ EXPORT(fmi3Status, fmi3GetOutputDerivatives)(
     (void)value;
     (void)count;
     if (n == 0) return fmi3OK;
-    return (fmi3Status)refuse(a, FAILED, "%s: derivatives of outputs are not given", function);
+    return (fmi3Status)fmu_refuse(a, FAILED, "%s: derivatives of outputs are not given", function);
 }
 
 EXPORT(fmi3Status, fmi3DoStep)(
@@ -498,7 +495,7 @@ EXPORT(fmi3Status, fmi3DoStep)(
 {
     CALLED("fmi3DoStep", STEP);
     (void)no_return;
-    if (event == NULL || terminate == NULL || early == NULL || last == NULL) return (fmi3Status)refuse(a, FAILED, "%s: a null pointer", function);
+    if (event == NULL || terminate == NULL || early == NULL || last == NULL) return (fmi3Status)fmu_refuse(a, FAILED, "%s: a null pointer", function);
     const int status = communication_step(a, function, t, h);
     *event = *terminate = *early = false;
     *last = a->v.t;

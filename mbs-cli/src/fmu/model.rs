@@ -39,12 +39,13 @@ impl Model<'_> {
             ("PARAMETERS", count(&derivation.parameters)),
             ("OUTPUTS", self.outputs().map(|(_, _, size)| size).sum()),
             ("ROWS", derivation.constraints.len()),
+            ("COMPARISONS", interface.comparisons),
             ("SWITCHES", interface.switches),
         ];
         for (name, size) in sizes {
             let _ = writeln!(text, "#define MBS_{name} {size}");
         }
-        let _ = writeln!(text, "\ntypedef {prefix} mbs_model;\n");
+        let _ = writeln!(text, "\ntypedef {prefix} mbs_fmu_model;\n");
         let point = self.point;
         let signals: Vec<f64> = point.state.prescribed.iter().flatten().copied().collect();
         for (name, values) in [
@@ -54,7 +55,7 @@ impl Model<'_> {
             ("s", &signals),
             ("p", &point.parameters),
         ] {
-            text += &array("double", &format!("mbs_start_{name}"), values.iter().map(|value| format!("{value:?}")));
+            text += &array("double", &format!("mbs_fmu_start_{name}"), values.iter().map(|value| format!("{value:?}")));
         }
         text += "\n";
         text += &interface.definitions;
@@ -83,7 +84,7 @@ impl Model<'_> {
             Argument::Q => Some("q"),
             Argument::Qd => Some("qd"),
             Argument::Qdd => Some("qdd"),
-            Argument::U => (!self.derivation.inputs.is_empty()).then_some("u"),
+            Argument::U => (!self.derivation.inputs.is_empty() || self.interface.comparisons > 0).then_some("u"),
             Argument::Multipliers => (!self.derivation.constraints.is_empty()).then_some("lambda"),
         }));
         given.extend_from_slice(results);
@@ -109,20 +110,22 @@ impl Model<'_> {
     /// The mechanism with parameters, and what is wrong with them.
     fn parameters(&self) -> String {
         let prefix = &self.interface.prefix;
-        let mut text = format!("static {prefix}_parameters mbs_struct_of(const double *p)\n{{\n    {prefix}_parameters params = {prefix}_default_parameters();\n    (void)p;\n");
+        let mut text = format!(
+            "static {prefix}_parameters mbs_fmu_struct_of(const double *p)\n{{\n    {prefix}_parameters params = {prefix}_default_parameters();\n    (void)p;\n"
+        );
         for (i, place) in self.interface.parameters.iter().enumerate() {
             let _ = writeln!(text, "    params.{place} = p[{i}];");
         }
         let _ = write!(
             text,
-            "    return params;\n}}\n\nstatic mbs_model mbs_model_of(const double *p)\n{{\n    \
-             const {prefix}_parameters params = mbs_struct_of(p);\n    return {prefix}_new(&params);\n}}\n\n"
+            "    return params;\n}}\n\nstatic mbs_fmu_model mbs_fmu_model_of(const double *p)\n{{\n    \
+             const {prefix}_parameters params = mbs_fmu_struct_of(p);\n    return {prefix}_new(&params);\n}}\n\n"
         );
         let _ = write!(
             text,
             "/* What does not hold first of the parameters, and of which quantity with which value; 0 where all holds. */\n\
-             static int mbs_violation(const double *p, const char **quantity, double *value)\n{{\n    \
-             const {prefix}_parameters params = mbs_struct_of(p);\n    return {prefix}_check(&params, quantity, value);\n}}\n\n"
+             static int mbs_fmu_violation(const double *p, const char **quantity, double *value)\n{{\n    \
+             const {prefix}_parameters params = mbs_fmu_struct_of(p);\n    return {prefix}_check(&params, quantity, value);\n}}\n\n"
         );
         text
     }
@@ -130,8 +133,8 @@ impl Model<'_> {
     fn motion(&self) -> String {
         format!(
             "/* Accelerations, and multipliers of constraints. */\n\
-             static void mbs_motion(const mbs_model *self, {STATE}, double *qdd, double *lambda)\n{{\n{}    (void)lambda;\n{}{}}}\n\n\
-             static void mbs_energies(const mbs_model *self, double t, const double *s, const double *q, const double *qd, double *result)\n{{\n\
+             static void mbs_fmu_motion(const mbs_fmu_model *self, {STATE}, double *qdd, double *lambda)\n{{\n{}    (void)lambda;\n{}{}}}\n\n\
+             static void mbs_fmu_energies(const mbs_fmu_model *self, double t, const double *s, const double *q, const double *qd, double *result)\n{{\n\
              {}    result[0] = {};\n    result[1] = {};\n}}\n\n",
             unused(&["t", "s", "q", "qd", "u"]),
             self.statement(FunctionKind::ForwardDynamics, &["qdd"]),
@@ -147,7 +150,7 @@ impl Model<'_> {
         let parts = [&["by_q", "by_qd"], inputs].concat();
         format!(
             "/* Derivatives of accelerations by coordinates, velocities, inputs and parameters, row by row. */\n\
-             static void mbs_slopes(\n    const mbs_model *self, {STATE}, double *by_q, double *by_qd, double *by_u, double *by_p)\n{{\n\
+             static void mbs_fmu_slopes(\n    const mbs_fmu_model *self, {STATE}, double *by_q, double *by_qd, double *by_u, double *by_p)\n{{\n\
              {}{}{}}}\n\n",
             unused(&["t", "s", "q", "qd", "u", "by_u", "by_p"]),
             self.statement(FunctionKind::Linearize, &parts),
@@ -157,7 +160,7 @@ impl Model<'_> {
 
     fn output_values(&self) -> String {
         let mut text = format!(
-            "static void mbs_outputs(const mbs_model *self, {STATE}, double *y)\n{{\n    (void)self;\n{}",
+            "static void mbs_fmu_outputs(const mbs_fmu_model *self, {STATE}, double *y)\n{{\n    (void)self;\n{}",
             unused(&["t", "s", "q", "qd", "u", "y"])
         );
         for (function, first, _) in self.outputs() {
@@ -173,7 +176,7 @@ impl Model<'_> {
         let (n, m) = (self.derivation.dof(), count(&self.derivation.inputs));
         let mut text = format!(
             "{POSE_SLOPES}/* Derivatives of outputs by coordinates, velocities and inputs, row by row. */\n\
-             static void mbs_output_slopes(\n    const mbs_model *self, {STATE}, double *by_q, double *by_qd, double *by_u)\n{{\n    (void)self;\n{}",
+             static void mbs_fmu_output_slopes(\n    const mbs_fmu_model *self, {STATE}, double *by_q, double *by_qd, double *by_u)\n{{\n    (void)self;\n{}",
             unused(&["t", "s", "q", "qd", "u", "by_q", "by_qd", "by_u"])
         );
         for (function, first, size) in self.outputs() {
@@ -186,7 +189,7 @@ impl Model<'_> {
                 let _ = write!(
                     text,
                     "    {{\n        double pose[{size}], rows[{}];\n    {value}    {rows}        \
-                     mbs_pose_slopes({n}, {}, pose, rows, by_q + {});\n    }}\n",
+                     mbs_fmu_pose_slopes({n}, {}, pose, rows, by_q + {});\n    }}\n",
                     size / 2 * n,
                     size / 12,
                     first * n
@@ -205,7 +208,7 @@ impl Model<'_> {
     fn constraints(&self) -> String {
         let state = "double t, const double *s, const double *q, const double *qd";
         let mut text = format!(
-            "static void mbs_residuals(const mbs_model *self, {state}, double *residual)\n{{\n    (void)self;\n{}{}}}\n\n",
+            "static void mbs_fmu_residuals(const mbs_fmu_model *self, {state}, double *residual)\n{{\n    (void)self;\n{}{}}}\n\n",
             unused(&["t", "s", "q", "qd", "residual"]),
             self.statement(FunctionKind::Constraint, &["residual"]),
         );
@@ -213,10 +216,10 @@ impl Model<'_> {
             return text;
         }
         let holonomic = self.derivation.holonomic.iter().map(|&is| u8::from(is).to_string());
-        text += &array("int", "mbs_is_holonomic", holonomic);
+        text += &array("int", "mbs_fmu_is_holonomic", holonomic);
         text += &format!(
             "\n/* What a projection needs; null is what is not asked for. */\n\
-             static void mbs_constraints(\n    const mbs_model *self, {state}, double *mass, double *jacobian, double *phi, double *rate)\n{{\n\
+             static void mbs_fmu_constraints(\n    const mbs_fmu_model *self, {state}, double *mass, double *jacobian, double *phi, double *rate)\n{{\n\
              {}{}{}    if (phi != NULL) {{\n    {}    }}\n    if (rate != NULL) {{\n    {}    }}\n}}\n\n",
             unused(&["t", "s", "q", "qd"]),
             self.statement(FunctionKind::MassMatrix, &["mass"]),
@@ -245,7 +248,7 @@ fn array(of: &str, name: &str, values: impl Iterator<Item = String>) -> String {
 
 const POSE_SLOPES: &str = r"/* Derivatives of positions and rotations of poses, from rows for velocity and angular velocity: a column r of a rotation
    changes by omega x r. */
-static inline void mbs_pose_slopes(int n, int poses, const double *pose, const double *rows, double *by_q)
+static inline void mbs_fmu_pose_slopes(int n, int poses, const double *pose, const double *rows, double *by_q)
 {
     for (int k = 0; k < poses; k++, pose += 12, rows += 6 * n, by_q += 12 * n) {
         for (int j = 0; j < n; j++) {

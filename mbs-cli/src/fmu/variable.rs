@@ -56,10 +56,18 @@ pub(super) fn variables(derivation: &Derivation, point: &Point, switches: usize)
     };
     let first = list.all.len();
     list = list.with(Role::Derivative, &of(&of_variables("", coordinates, "", ""), "/s"), &says("Derivative: "), &[]);
-    let accelerations: Vec<Column> =
-        of(&rates, "").into_iter().zip(of_variables("", coordinates, "", "/s^2")).map(|(c, unit)| Column { unit: unit.unit, ..c }).collect();
+    let accelerations: Vec<Column> = of(&rates, "")
+        .into_iter()
+        .zip(of_variables("", coordinates, "", "/s^2"))
+        .map(|(c, unit)| Column { unit: unit.unit, ..c })
+        .collect();
     list = list.with(Role::Derivative, &accelerations, &says("Acceleration: "), &[]);
-    list = list.with(Role::Input, &of_variables("", &derivation.inputs, "", ""), &documented(&derivation.inputs), &point.state.u);
+    list = list.with(
+        Role::Input,
+        &of_variables("", &derivation.inputs, "", ""),
+        &documented(&derivation.inputs),
+        &point.state.u,
+    );
     let (signals, signal_docs) = signals(&derivation.prescribed);
     let signal_starts: Vec<f64> = point.state.prescribed.iter().flatten().copied().collect();
     list = list.with(Role::Input, &signals, &signal_docs, &signal_starts);
@@ -78,8 +86,10 @@ pub(super) fn variables(derivation: &Derivation, point: &Point, switches: usize)
     list = list.with(Role::Local, &names, &energies.map(|(_, what)| format!("{what}.")), &[]);
     for (prefix, which, what) in [("lambda_", 1, "Multiplier of"), ("residual_", 0, "What is left of")] {
         let rows = derivation.constraints.iter().zip(&derivation.constraint_units);
-        let columns: Vec<Column> = rows.map(|(row, units)| Column::new("", &format!("{prefix}{row}"), &units[which])).collect();
-        let docs: Vec<String> = derivation.constraints.iter().map(|row| format!("{what} the constraint {row}.")).collect();
+        let columns: Vec<Column> =
+            rows.map(|(row, units)| Column::new("", &format!("{prefix}{row}"), &units[which])).collect();
+        let docs: Vec<String> =
+            derivation.constraints.iter().map(|row| format!("{what} the constraint {row}.")).collect();
         list = list.with(Role::Local, &columns, &docs, &[]);
     }
     let columns: Vec<Column> = (0..switches).map(|k| Column::new("", &format!("condition_{k}"), "1")).collect();
@@ -176,10 +186,11 @@ fn documented(variables: &[Declared]) -> Vec<String> {
 
 /// Value, rate and acceleration of each signal.
 fn signals(prescribed: &[Declared]) -> (Vec<Column>, Vec<String>) {
-    let orders = [("", ""), ("_dot", "/s"), ("_ddot", "/s^2")].map(|(suffix, per)| of_variables("", prescribed, suffix, per));
+    let orders =
+        [("", ""), ("_dot", "/s"), ("_ddot", "/s^2")].map(|(suffix, per)| of_variables("", prescribed, suffix, per));
     let columns = (0..orders[0].len()).flat_map(|i| orders.iter().map(move |columns| columns[i].clone())).collect();
-    let docs = documented(prescribed).into_iter().flat_map(|doc| {
-        ["", "Rate: ", "Acceleration: "].map(|what| format!("{what}{doc}"))
-    });
+    let docs = documented(prescribed)
+        .into_iter()
+        .flat_map(|doc| ["", "Rate: ", "Acceleration: "].map(|what| format!("{what}{doc}")));
     (columns, docs.collect())
 }
