@@ -222,7 +222,7 @@ fn motions_are_those_of_the_program() {
         let numbers = |line: &str| line.split(',').map(|x| x.parse().unwrap()).collect::<Vec<f64>>();
         let rows: Vec<Vec<f64>> = table.lines().skip(1).map(numbers).collect();
         for kind in if exchanges { &["0", "1"][..] } else { &["0"] } {
-            let Outcome { code, stdout, .. } = run(&folder, &[kind, "1.5", "0.25", "250"]);
+            let Outcome { code, stdout, .. } = run(&folder, &[kind, "1.5", "0.25", "1000"]);
             assert_eq!(code, 0, "{name}: {stdout}");
             let (motion, rest): (Vec<&str>, Vec<&str>) =
                 stdout.lines().partition(|line| line.starts_with(|c: char| c.is_ascii_digit()));
@@ -299,7 +299,7 @@ fn fmpy_validates_and_simulates() {
     workshop.write(
         "cases.json",
         "[{\"model\": \"pendulum.mbs\", \"state\": {\"theta\": 1}, \"t_end\": 1, \"dt\": 0.1},
-          {\"model\": \"gate.mbs\", \"state\": {\"q\": [0, 0.1], \"qd\": [1.5, 0], \"u\": [0.1]}, \"t_end\": 1.5, \"dt\": 0.1, \"events\": 5}]",
+          {\"model\": \"gate.mbs\", \"state\": {\"q\": [0, 0.1], \"qd\": [1.5, 0], \"u\": [0.1]}, \"t_end\": 1.5, \"dt\": 0.1, \"events\": 5, \"substeps\": 400}]",
     );
     let output = Command::new(python)
         .args(["validate.py", env!("CARGO_BIN_EXE_mbs"), ".", "cases.json"])
