@@ -3,7 +3,7 @@
 //! - [`variable`]: its variables, their units ([`unit`]) and dependencies;
 //! - [`description`]: modelDescription.xml, and [`xml`];
 //! - [`model`]: model.h, by which the sources know the mechanism;
-//! - `instance.h`, `fmi2.c`, `fmi3.c`: the functions of the standards, the same for all mechanisms;
+//! - `fmi2.c`, `fmi3.c` and the headers beside them: the functions of the standards, the same for all mechanisms;
 //! - [`binary`]: the shared library.
 //!
 //! Standards: *Functional Mock-up Interface for Model Exchange and Co-Simulation*, 2.0.4, and *Functional Mock-up
@@ -77,7 +77,14 @@ pub(crate) enum Fmi {
     Three,
 }
 
-const INSTANCE: &str = include_str!("fmu/instance.h");
+/// What both versions share, in the order in which it is included.
+const SHARED: [(&str, &str); 5] = [
+    ("instance.h", include_str!("fmu/instance.h")),
+    ("jacobian.h", include_str!("fmu/jacobian.h")),
+    ("constraints.h", include_str!("fmu/constraints.h")),
+    ("integration.h", include_str!("fmu/integration.h")),
+    ("states.h", include_str!("fmu/states.h")),
+];
 
 /// Derives, compiles, packs.
 pub(crate) fn run(arguments: &Arguments, cache: &Cache) -> Result<(), Failure> {
@@ -141,14 +148,13 @@ fn packed(
         Fmi::Three => ("fmi3.c", include_str!("fmu/fmi3.c")),
     };
     // An FMU is another one as soon as anything in it is.
-    let all = [header.as_str(), &model.written(""), &description.written(""), wrapper, INSTANCE];
+    let (model_alone, description_alone) = (model.written(""), description.written(""));
+    let own = [header.as_str(), &model_alone, &description_alone, wrapper];
+    let all = own.into_iter().chain(SHARED.map(|(_, text)| text));
     let token = token(Digest::of(all.map(str::as_bytes)));
-    let mut texts = vec![
-        (format!("{}.h", interface.prefix), header),
-        ("model.h".to_string(), model.written(&token)),
-        ("instance.h".to_string(), INSTANCE.to_string()),
-        (main.to_string(), wrapper.to_string()),
-    ];
+    let mut texts = vec![(format!("{}.h", interface.prefix), header), ("model.h".to_string(), model.written(&token))];
+    texts.extend(SHARED.map(|(name, text)| (name.to_string(), text.to_string())));
+    texts.push((main.to_string(), wrapper.to_string()));
     if arguments.fmi == Fmi::Three {
         texts.push(("buildDescription.xml".to_string(), description::build(&interface.prefix)));
     }

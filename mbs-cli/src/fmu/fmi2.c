@@ -57,6 +57,10 @@ typedef struct {
 
 typedef fmi2CallbackLogger mbs_fmu_logger;
 #include "instance.h"
+#include "jacobian.h"
+#include "constraints.h"
+#include "integration.h"
+#include "states.h"
 
 static void fmu_deliver(const fmu_instance *a, int status, const char *category, const char *message)
 {

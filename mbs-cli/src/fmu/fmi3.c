@@ -55,6 +55,10 @@ typedef void (*fmi3UnlockPreemptionCallback)(void);
 
 typedef fmi3LogMessageCallback mbs_fmu_logger;
 #include "instance.h"
+#include "jacobian.h"
+#include "constraints.h"
+#include "integration.h"
+#include "states.h"
 
 static void fmu_deliver(const fmu_instance *a, int status, const char *category, const char *message)
 {

@@ -87,7 +87,7 @@ fn an_fmu_has_what_the_standards_ask_for() {
         let names: Vec<String> = entries(&workshop, "a.fmu").into_iter().map(|(name, _)| name).collect();
         let files = ["modelDescription.xml", "sources/pendulum.h", "sources/model.h", "sources/instance.h"];
         assert_eq!(names[..4], files);
-        assert_eq!(names[4], format!("sources/{main}"));
+        assert_eq!(names[8], format!("sources/{main}"));
         let text = description(&workshop, "a.fmu");
         let (_, variables) = text.split_once("<ModelVariables>").unwrap();
         let (variables, structure) = variables.split_once("</ModelVariables>").unwrap();
