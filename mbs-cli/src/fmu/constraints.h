@@ -19,9 +19,9 @@ static void fmu_factorized(double *w, double *reciprocal)
 }
 
 /*
- * The least change d in the metric W = M + A^T A of scaled coordinates with A d = -r, by rows made orthogonal one after
- * the other, the longest first; rows that follow from others, or do not take part, are left out. Zero where it cannot be
- * found.
+ * The least change d in the metric W = M + A^T A of scaled coordinates with A d = -r, by rows made orthogonal one
+ * after the other, the longest first; rows that follow from others, or do not take part, are left out. Zero where it
+ * cannot be found.
  */
 static int least_change(const double *mass, const double *jacobian, const double *r, const int *takes_part, double *d)
 {
@@ -145,7 +145,8 @@ static int fmu_closed(fmu_instance *a, const char *function)
     double q[N + 1], qd[N + 1];
     memcpy(q, a->v.q, sizeof q);
     memcpy(qd, a->v.qd, sizeof qd);
-    if (!fmu_projected(&a->self, a->v.t, a->v.s, q, qd)) return fmu_refuse(a, FAILED, "%s: no state near this one satisfies the constraints", function);
+    if (!fmu_projected(&a->self, a->v.t, a->v.s, q, qd))
+        return fmu_refuse(a, FAILED, "%s: no state near this one satisfies the constraints", function);
     memcpy(a->v.q, q, sizeof q);
     memcpy(a->v.qd, qd, sizeof qd);
     fmu_moved(a);

@@ -70,9 +70,9 @@ static void fmu_deliver(const fmu_instance *a, int status, const char *category,
 #define ANY (INSTANTIATED | INITIALIZATION | EVENT | CONTINUOUS | STEP | TERMINATED)
 #define MOVING (EVENT | CONTINUOUS | STEP)
 /* The instance behind a component, if the function may be called now. */
-#define CALLED(name, modes)                           \
-    fmu_instance *a = (fmu_instance *)c;                      \
-    static const char function[] = name;              \
+#define CALLED(name, modes) \
+    fmu_instance *a = (fmu_instance *)c; \
+    static const char function[] = name; \
     if (is_out_of_place(a, function, modes)) return fmi2Error
 
 EXPORT(const char *, fmi2GetTypesPlatform)(void) { return "default"; }
@@ -89,22 +89,25 @@ EXPORT(fmi2Status, fmi2SetDebugLogging)(fmi2Component c, fmi2Boolean on, size_t 
 }
 
 EXPORT(fmi2Component, fmi2Instantiate)(
-    fmi2String name, fmi2Type type, fmi2String token, fmi2String resources, const fmi2CallbackFunctions *callbacks, fmi2Boolean visible,
-    fmi2Boolean talks)
+    fmi2String name, fmi2Type type, fmi2String token, fmi2String resources, const fmi2CallbackFunctions *callbacks,
+    fmi2Boolean visible, fmi2Boolean talks)
 {
     (void)resources;
     (void)visible;
     if (callbacks == NULL || (type != fmi2ModelExchange && type != fmi2CoSimulation)) return NULL;
-    return fmu_created(name, token, callbacks->logger, callbacks->componentEnvironment, talks, type == fmi2CoSimulation);
+    return fmu_created(
+        name, token, callbacks->logger, callbacks->componentEnvironment, talks, type == fmi2CoSimulation);
 }
 
 EXPORT(void, fmi2FreeInstance)(fmi2Component c) { fmu_destroyed((fmu_instance *)c); }
 
 EXPORT(fmi2Status, fmi2SetupExperiment)(
-    fmi2Component c, fmi2Boolean has_tolerance, fmi2Real tolerance, fmi2Real start_time, fmi2Boolean has_stop, fmi2Real stop_time)
+    fmi2Component c, fmi2Boolean has_tolerance, fmi2Real tolerance, fmi2Real start_time, fmi2Boolean has_stop,
+    fmi2Real stop_time)
 {
     CALLED("fmi2SetupExperiment", INSTANTIATED);
-    if (has_stop && !(stop_time >= start_time)) return (fmi2Status)fmu_refuse(a, FAILED, "%s: the stop time lies before the start time", function);
+    if (has_stop && !(stop_time >= start_time))
+        return (fmi2Status)fmu_refuse(a, FAILED, "%s: the stop time lies before the start time", function);
     int status = time_set(a, function, start_time);
     if (status == GOOD && has_tolerance) status = tolerance_set(a, function, tolerance);
     return (fmi2Status)status;
@@ -153,14 +156,14 @@ EXPORT(fmi2Status, fmi2SetReal)(fmi2Component c, const fmi2ValueReference vr[], 
 }
 
 /* Variables of other types: there are none. */
-#define NONE(name, type)                                                                           \
+#define NONE(name, type) \
     EXPORT(fmi2Status, name)(fmi2Component c, const fmi2ValueReference vr[], size_t n, type value) \
-    {                                                                                              \
-        CALLED(#name, ANY);                                                                        \
-        (void)vr;                                                                                  \
-        (void)value;                                                                               \
-        if (n == 0) return fmi2OK;                                                                 \
-        return (fmi2Status)fmu_refuse(a, FAILED, "%s: all variables are Real", function);              \
+    { \
+        CALLED(#name, ANY); \
+        (void)vr; \
+        (void)value; \
+        if (n == 0) return fmi2OK; \
+        return (fmi2Status)fmu_refuse(a, FAILED, "%s: all variables are Real", function); \
     }
 NONE(fmi2GetInteger, fmi2Integer *)
 NONE(fmi2GetBoolean, fmi2Boolean *)
@@ -213,8 +216,8 @@ EXPORT(fmi2Status, fmi2DeSerializeFMUstate)(fmi2Component c, const fmi2Byte byte
 }
 
 EXPORT(fmi2Status, fmi2GetDirectionalDerivative)(
-    fmi2Component c, const fmi2ValueReference unknowns[], size_t rows, const fmi2ValueReference knowns[], size_t columns,
-    const fmi2Real seed[], fmi2Real result[])
+    fmi2Component c, const fmi2ValueReference unknowns[], size_t rows, const fmi2ValueReference knowns[],
+    size_t columns, const fmi2Real seed[], fmi2Real result[])
 {
     CALLED("fmi2GetDirectionalDerivative", INITIALIZATION | MOVING);
     return (fmi2Status)jacobian_product(a, function, 0, unknowns, rows, knowns, columns, seed, result);
@@ -247,11 +250,13 @@ EXPORT(fmi2Status, fmi2EnterContinuousTimeMode)(fmi2Component c)
     return (fmi2Status)fmu_continued(a, function);
 }
 
-EXPORT(fmi2Status, fmi2CompletedIntegratorStep)(fmi2Component c, fmi2Boolean no_return, fmi2Boolean *enter_event_mode, fmi2Boolean *terminate)
+EXPORT(fmi2Status, fmi2CompletedIntegratorStep)(
+    fmi2Component c, fmi2Boolean no_return, fmi2Boolean *enter_event_mode, fmi2Boolean *terminate)
 {
     CALLED("fmi2CompletedIntegratorStep", CONTINUOUS);
     (void)no_return;
-    if (enter_event_mode == NULL || terminate == NULL) return (fmi2Status)fmu_refuse(a, FAILED, "%s: a null pointer", function);
+    if (enter_event_mode == NULL || terminate == NULL)
+        return (fmi2Status)fmu_refuse(a, FAILED, "%s: a null pointer", function);
     *enter_event_mode = has_drifted(a);
     *terminate = fmi2False;
     return fmi2OK;
@@ -301,13 +306,17 @@ EXPORT(fmi2Status, fmi2SetRealInputDerivatives)(
     fmi2Component c, const fmi2ValueReference vr[], size_t n, const fmi2Integer order[], const fmi2Real value[])
 {
     CALLED("fmi2SetRealInputDerivatives", INSTANTIATED | INITIALIZATION | STEP);
-    if (n > 0 && (vr == NULL || order == NULL || value == NULL)) return (fmi2Status)fmu_refuse(a, FAILED, "%s: a null pointer", function);
+    if (n > 0 && (vr == NULL || order == NULL || value == NULL))
+        return (fmi2Status)fmu_refuse(a, FAILED, "%s: a null pointer", function);
     for (size_t i = 0; i < n; i++) {
-        if (vr[i] < VR_U || vr[i] >= VR_P) return (fmi2Status)fmu_refuse(a, FAILED, "%s: variable %u is no input", function, vr[i]);
+        if (vr[i] < VR_U || vr[i] >= VR_P)
+            return (fmi2Status)fmu_refuse(a, FAILED, "%s: variable %u is no input", function, vr[i]);
         if (order[i] < 1 || order[i] > ORDERS) {
-            return (fmi2Status)fmu_refuse(a, FAILED, "%s: derivatives of orders 1 to %d are taken, not %d", function, ORDERS, order[i]);
+            return (fmi2Status)fmu_refuse(
+                a, FAILED, "%s: derivatives of orders 1 to %d are taken, not %d", function, ORDERS, order[i]);
         }
-        if (!isfinite(value[i])) return (fmi2Status)fmu_refuse(a, FAILED, "%s: a derivative of variable %u is not finite", function, vr[i]);
+        if (!isfinite(value[i]))
+            return (fmi2Status)fmu_refuse(a, FAILED, "%s: a derivative of variable %u is not finite", function, vr[i]);
     }
     for (size_t i = 0; i < n; i++) a->v.slopes[order[i] - 1][vr[i] - VR_U] = value[i];
     a->v.has_slopes |= n > 0;
@@ -341,7 +350,8 @@ EXPORT(fmi2Status, fmi2CancelStep)(fmi2Component c)
 EXPORT(fmi2Status, fmi2GetRealStatus)(fmi2Component c, const fmi2StatusKind what, fmi2Real *value)
 {
     CALLED("fmi2GetRealStatus", STEP | TERMINATED);
-    if (what != fmi2LastSuccessfulTime || value == NULL) return (fmi2Status)fmu_refuse(a, DISCARDED, "%s: there is no such status", function);
+    if (what != fmi2LastSuccessfulTime || value == NULL)
+        return (fmi2Status)fmu_refuse(a, DISCARDED, "%s: there is no such status", function);
     *value = a->v.t;
     return fmi2OK;
 }
@@ -349,18 +359,19 @@ EXPORT(fmi2Status, fmi2GetRealStatus)(fmi2Component c, const fmi2StatusKind what
 EXPORT(fmi2Status, fmi2GetBooleanStatus)(fmi2Component c, const fmi2StatusKind what, fmi2Boolean *value)
 {
     CALLED("fmi2GetBooleanStatus", STEP | TERMINATED);
-    if (what != fmi2Terminated || value == NULL) return (fmi2Status)fmu_refuse(a, DISCARDED, "%s: there is no such status", function);
+    if (what != fmi2Terminated || value == NULL)
+        return (fmi2Status)fmu_refuse(a, DISCARDED, "%s: there is no such status", function);
     *value = fmi2False;
     return fmi2OK;
 }
 
-#define NO_STATUS(name, type)                                                                    \
-    EXPORT(fmi2Status, name)(fmi2Component c, const fmi2StatusKind what, type *value)            \
-    {                                                                                            \
-        CALLED(#name, STEP | TERMINATED);                                                        \
-        (void)what;                                                                              \
-        (void)value;                                                                             \
-        return (fmi2Status)fmu_refuse(a, DISCARDED, "%s: steps are not asynchronous", function);     \
+#define NO_STATUS(name, type) \
+    EXPORT(fmi2Status, name)(fmi2Component c, const fmi2StatusKind what, type *value) \
+    { \
+        CALLED(#name, STEP | TERMINATED); \
+        (void)what; \
+        (void)value; \
+        return (fmi2Status)fmu_refuse(a, DISCARDED, "%s: steps are not asynchronous", function); \
     }
 NO_STATUS(fmi2GetStatus, fmi2Status)
 NO_STATUS(fmi2GetIntegerStatus, fmi2Integer)

@@ -33,7 +33,8 @@ typedef enum { fmi3IntervalNotYetKnown, fmi3IntervalUnchanged, fmi3IntervalChang
 
 typedef void (*fmi3LogMessageCallback)(fmi3InstanceEnvironment, fmi3Status, fmi3String, fmi3String);
 typedef void (*fmi3IntermediateUpdateCallback)(
-    fmi3InstanceEnvironment, fmi3Float64, fmi3Boolean, fmi3Boolean, fmi3Boolean, fmi3Boolean, fmi3Boolean *, fmi3Float64 *);
+    fmi3InstanceEnvironment, fmi3Float64, fmi3Boolean, fmi3Boolean, fmi3Boolean, fmi3Boolean, fmi3Boolean *,
+    fmi3Float64 *);
 typedef void (*fmi3ClockUpdateCallback)(fmi3InstanceEnvironment);
 typedef void (*fmi3LockPreemptionCallback)(void);
 typedef void (*fmi3UnlockPreemptionCallback)(void);
@@ -68,9 +69,9 @@ static void fmu_deliver(const fmu_instance *a, int status, const char *category,
 #define ANY (INSTANTIATED | INITIALIZATION | EVENT | CONTINUOUS | STEP | TERMINATED)
 #define MOVING (EVENT | CONTINUOUS | STEP)
 /* The instance behind a pointer, if the function may be called now. */
-#define CALLED(name, modes)                           \
-    fmu_instance *a = (fmu_instance *)c;                      \
-    static const char function[] = name;              \
+#define CALLED(name, modes) \
+    fmu_instance *a = (fmu_instance *)c; \
+    static const char function[] = name; \
     if (is_out_of_place(a, function, modes)) return fmi3Error
 
 EXPORT(const char *, fmi3GetVersion)(void) { return "3.0"; }
@@ -86,8 +87,8 @@ EXPORT(fmi3Status, fmi3SetDebugLogging)(fmi3Instance c, fmi3Boolean on, size_t n
 }
 
 EXPORT(fmi3Instance, fmi3InstantiateModelExchange)(
-    fmi3String name, fmi3String token, fmi3String resources, fmi3Boolean visible, fmi3Boolean talks, fmi3InstanceEnvironment environment,
-    fmi3LogMessageCallback log)
+    fmi3String name, fmi3String token, fmi3String resources, fmi3Boolean visible, fmi3Boolean talks,
+    fmi3InstanceEnvironment environment, fmi3LogMessageCallback log)
 {
     (void)resources;
     (void)visible;
@@ -95,9 +96,9 @@ EXPORT(fmi3Instance, fmi3InstantiateModelExchange)(
 }
 
 EXPORT(fmi3Instance, fmi3InstantiateCoSimulation)(
-    fmi3String name, fmi3String token, fmi3String resources, fmi3Boolean visible, fmi3Boolean talks, fmi3Boolean event_mode, fmi3Boolean early,
-    const fmi3ValueReference intermediate[], size_t n, fmi3InstanceEnvironment environment, fmi3LogMessageCallback log,
-    fmi3IntermediateUpdateCallback update)
+    fmi3String name, fmi3String token, fmi3String resources, fmi3Boolean visible, fmi3Boolean talks,
+    fmi3Boolean event_mode, fmi3Boolean early, const fmi3ValueReference intermediate[], size_t n,
+    fmi3InstanceEnvironment environment, fmi3LogMessageCallback log, fmi3IntermediateUpdateCallback update)
 {
     (void)resources;
     (void)visible;
@@ -110,8 +111,9 @@ EXPORT(fmi3Instance, fmi3InstantiateCoSimulation)(
 }
 
 EXPORT(fmi3Instance, fmi3InstantiateScheduledExecution)(
-    fmi3String name, fmi3String token, fmi3String resources, fmi3Boolean visible, fmi3Boolean talks, fmi3InstanceEnvironment environment,
-    fmi3LogMessageCallback log, fmi3ClockUpdateCallback update, fmi3LockPreemptionCallback lock, fmi3UnlockPreemptionCallback unlock)
+    fmi3String name, fmi3String token, fmi3String resources, fmi3Boolean visible, fmi3Boolean talks,
+    fmi3InstanceEnvironment environment, fmi3LogMessageCallback log, fmi3ClockUpdateCallback update,
+    fmi3LockPreemptionCallback lock, fmi3UnlockPreemptionCallback unlock)
 {
     (void)name;
     (void)token;
@@ -128,10 +130,12 @@ EXPORT(fmi3Instance, fmi3InstantiateScheduledExecution)(
 EXPORT(void, fmi3FreeInstance)(fmi3Instance c) { fmu_destroyed((fmu_instance *)c); }
 
 EXPORT(fmi3Status, fmi3EnterInitializationMode)(
-    fmi3Instance c, fmi3Boolean has_tolerance, fmi3Float64 tolerance, fmi3Float64 start_time, fmi3Boolean has_stop, fmi3Float64 stop_time)
+    fmi3Instance c, fmi3Boolean has_tolerance, fmi3Float64 tolerance, fmi3Float64 start_time, fmi3Boolean has_stop,
+    fmi3Float64 stop_time)
 {
     CALLED("fmi3EnterInitializationMode", INSTANTIATED);
-    if (has_stop && !(stop_time >= start_time)) return (fmi3Status)fmu_refuse(a, FAILED, "%s: the stop time lies before the start time", function);
+    if (has_stop && !(stop_time >= start_time))
+        return (fmi3Status)fmu_refuse(a, FAILED, "%s: the stop time lies before the start time", function);
     int status = parameters_checked(a, function);
     if (status == GOOD && has_tolerance) status = tolerance_set(a, function, tolerance);
     if (status == GOOD) status = time_set(a, function, start_time);
@@ -168,30 +172,36 @@ EXPORT(fmi3Status, fmi3Reset)(fmi3Instance c)
     return fmi3OK;
 }
 
-EXPORT(fmi3Status, fmi3GetFloat64)(fmi3Instance c, const fmi3ValueReference vr[], size_t n, fmi3Float64 value[], size_t count)
+EXPORT(fmi3Status, fmi3GetFloat64)(
+    fmi3Instance c, const fmi3ValueReference vr[], size_t n, fmi3Float64 value[], size_t count)
 {
     CALLED("fmi3GetFloat64", ANY);
-    if (n != count) return (fmi3Status)fmu_refuse(a, FAILED, "%s: %u variables have not %u values", function, (unsigned)n, (unsigned)count);
+    if (n != count)
+        return (fmi3Status)fmu_refuse(
+            a, FAILED, "%s: %u variables have not %u values", function, (unsigned)n, (unsigned)count);
     return (fmi3Status)read_values(a, function, vr, n, value);
 }
 
-EXPORT(fmi3Status, fmi3SetFloat64)(fmi3Instance c, const fmi3ValueReference vr[], size_t n, const fmi3Float64 value[], size_t count)
+EXPORT(fmi3Status, fmi3SetFloat64)(
+    fmi3Instance c, const fmi3ValueReference vr[], size_t n, const fmi3Float64 value[], size_t count)
 {
     CALLED("fmi3SetFloat64", ANY & ~TERMINATED);
-    if (n != count) return (fmi3Status)fmu_refuse(a, FAILED, "%s: %u variables have not %u values", function, (unsigned)n, (unsigned)count);
+    if (n != count)
+        return (fmi3Status)fmu_refuse(
+            a, FAILED, "%s: %u variables have not %u values", function, (unsigned)n, (unsigned)count);
     return (fmi3Status)write_values(a, function, vr, n, value);
 }
 
 /* Variables of other types: there are none. */
-#define NONE(name, type)                                                                                         \
-    EXPORT(fmi3Status, name)(fmi3Instance c, const fmi3ValueReference vr[], size_t n, type value, size_t count)  \
-    {                                                                                                            \
-        CALLED(#name, ANY);                                                                                      \
-        (void)vr;                                                                                                \
-        (void)value;                                                                                             \
-        (void)count;                                                                                             \
-        if (n == 0) return fmi3OK;                                                                               \
-        return (fmi3Status)fmu_refuse(a, FAILED, "%s: all variables are Float64", function);                         \
+#define NONE(name, type) \
+    EXPORT(fmi3Status, name)(fmi3Instance c, const fmi3ValueReference vr[], size_t n, type value, size_t count) \
+    { \
+        CALLED(#name, ANY); \
+        (void)vr; \
+        (void)value; \
+        (void)count; \
+        if (n == 0) return fmi3OK; \
+        return (fmi3Status)fmu_refuse(a, FAILED, "%s: all variables are Float64", function); \
     }
 NONE(fmi3GetFloat32, fmi3Float32 *)
 NONE(fmi3GetInt8, fmi3Int8 *)
@@ -216,59 +226,63 @@ NONE(fmi3SetUInt64, const fmi3UInt64 *)
 NONE(fmi3SetBoolean, const fmi3Boolean *)
 NONE(fmi3SetString, const fmi3String *)
 
-#define NO_BINARY(name, sizes_type, type)                                                                                           \
-    EXPORT(fmi3Status, name)(fmi3Instance c, const fmi3ValueReference vr[], size_t n, sizes_type sizes, type value, size_t count)   \
-    {                                                                                                                               \
-        CALLED(#name, ANY);                                                                                                         \
-        (void)vr;                                                                                                                   \
-        (void)sizes;                                                                                                                \
-        (void)value;                                                                                                                \
-        (void)count;                                                                                                                \
-        if (n == 0) return fmi3OK;                                                                                                  \
-        return (fmi3Status)fmu_refuse(a, FAILED, "%s: all variables are Float64", function);                                            \
+#define NO_BINARY(name, sizes_type, type) \
+    EXPORT(fmi3Status, name)( \
+        fmi3Instance c, const fmi3ValueReference vr[], size_t n, sizes_type sizes, type value, size_t count) \
+    { \
+        CALLED(#name, ANY); \
+        (void)vr; \
+        (void)sizes; \
+        (void)value; \
+        (void)count; \
+        if (n == 0) return fmi3OK; \
+        return (fmi3Status)fmu_refuse(a, FAILED, "%s: all variables are Float64", function); \
     }
 NO_BINARY(fmi3GetBinary, size_t *, fmi3Binary *)
 NO_BINARY(fmi3SetBinary, const size_t *, const fmi3Binary *)
 
 /* Clocks: there are none, so that none can be meant. */
-#define NO_CLOCK(name, ...)                                                           \
-    EXPORT(fmi3Status, name)(fmi3Instance c, __VA_ARGS__)                             \
-    {                                                                                 \
-        CALLED(#name, ANY);                                                           \
-        (void)vr;                                                                     \
-        (void)x;                                                                      \
-        if (n == 0) return fmi3OK;                                                    \
-        return (fmi3Status)fmu_refuse(a, FAILED, "%s: there are no clocks", function);    \
+#define NO_CLOCK(name, ...) \
+    EXPORT(fmi3Status, name)(fmi3Instance c, __VA_ARGS__) \
+    { \
+        CALLED(#name, ANY); \
+        (void)vr; \
+        (void)x; \
+        if (n == 0) return fmi3OK; \
+        return (fmi3Status)fmu_refuse(a, FAILED, "%s: there are no clocks", function); \
     }
-#define NO_INTERVAL(name, ...)                                                        \
-    EXPORT(fmi3Status, name)(fmi3Instance c, __VA_ARGS__)                             \
-    {                                                                                 \
-        CALLED(#name, ANY);                                                           \
-        (void)vr;                                                                     \
-        (void)x;                                                                      \
-        (void)y;                                                                      \
-        if (n == 0) return fmi3OK;                                                    \
-        return (fmi3Status)fmu_refuse(a, FAILED, "%s: there are no clocks", function);    \
+#define NO_INTERVAL(name, ...) \
+    EXPORT(fmi3Status, name)(fmi3Instance c, __VA_ARGS__) \
+    { \
+        CALLED(#name, ANY); \
+        (void)vr; \
+        (void)x; \
+        (void)y; \
+        if (n == 0) return fmi3OK; \
+        return (fmi3Status)fmu_refuse(a, FAILED, "%s: there are no clocks", function); \
     }
-#define NO_FRACTION(name, ...)                                                        \
-    EXPORT(fmi3Status, name)(fmi3Instance c, __VA_ARGS__)                             \
-    {                                                                                 \
-        CALLED(#name, ANY);                                                           \
-        (void)vr;                                                                     \
-        (void)x;                                                                      \
-        (void)y;                                                                      \
-        (void)z;                                                                      \
-        if (n == 0) return fmi3OK;                                                    \
-        return (fmi3Status)fmu_refuse(a, FAILED, "%s: there are no clocks", function);    \
+#define NO_FRACTION(name, ...) \
+    EXPORT(fmi3Status, name)(fmi3Instance c, __VA_ARGS__) \
+    { \
+        CALLED(#name, ANY); \
+        (void)vr; \
+        (void)x; \
+        (void)y; \
+        (void)z; \
+        if (n == 0) return fmi3OK; \
+        return (fmi3Status)fmu_refuse(a, FAILED, "%s: there are no clocks", function); \
     }
 NO_CLOCK(fmi3GetClock, const fmi3ValueReference vr[], size_t n, fmi3Clock x[])
 NO_CLOCK(fmi3SetClock, const fmi3ValueReference vr[], size_t n, const fmi3Clock x[])
 NO_INTERVAL(fmi3GetIntervalDecimal, const fmi3ValueReference vr[], size_t n, fmi3Float64 x[], fmi3IntervalQualifier y[])
-NO_FRACTION(fmi3GetIntervalFraction, const fmi3ValueReference vr[], size_t n, fmi3UInt64 x[], fmi3UInt64 y[], fmi3IntervalQualifier z[])
+NO_FRACTION(
+    fmi3GetIntervalFraction, const fmi3ValueReference vr[], size_t n, fmi3UInt64 x[], fmi3UInt64 y[],
+    fmi3IntervalQualifier z[])
 NO_CLOCK(fmi3GetShiftDecimal, const fmi3ValueReference vr[], size_t n, fmi3Float64 x[])
 NO_INTERVAL(fmi3GetShiftFraction, const fmi3ValueReference vr[], size_t n, fmi3UInt64 x[], fmi3UInt64 y[])
 NO_CLOCK(fmi3SetIntervalDecimal, const fmi3ValueReference vr[], size_t n, const fmi3Float64 x[])
-NO_INTERVAL(fmi3SetIntervalFraction, const fmi3ValueReference vr[], size_t n, const fmi3UInt64 x[], const fmi3UInt64 y[])
+NO_INTERVAL(
+    fmi3SetIntervalFraction, const fmi3ValueReference vr[], size_t n, const fmi3UInt64 x[], const fmi3UInt64 y[])
 NO_CLOCK(fmi3SetShiftDecimal, const fmi3ValueReference vr[], size_t n, const fmi3Float64 x[])
 NO_INTERVAL(fmi3SetShiftFraction, const fmi3ValueReference vr[], size_t n, const fmi3UInt64 x[], const fmi3UInt64 y[])
 
@@ -290,8 +304,8 @@ EXPORT(fmi3Status, fmi3GetNumberOfVariableDependencies)(fmi3Instance c, fmi3Valu
 }
 
 EXPORT(fmi3Status, fmi3GetVariableDependencies)(
-    fmi3Instance c, fmi3ValueReference dependent, size_t elements[], fmi3ValueReference independents[], size_t element_of[],
-    fmi3DependencyKind kinds[], size_t n)
+    fmi3Instance c, fmi3ValueReference dependent, size_t elements[], fmi3ValueReference independents[],
+    size_t element_of[], fmi3DependencyKind kinds[], size_t n)
 {
     CALLED("fmi3GetVariableDependencies", ANY);
     (void)dependent;
@@ -351,7 +365,8 @@ EXPORT(fmi3Status, fmi3GetDirectionalDerivative)(
     const fmi3Float64 seed[], size_t seeds, fmi3Float64 result[], size_t results)
 {
     CALLED("fmi3GetDirectionalDerivative", INITIALIZATION | MOVING);
-    if (seeds != columns || results != rows) return (fmi3Status)fmu_refuse(a, FAILED, "%s: the numbers of values do not fit", function);
+    if (seeds != columns || results != rows)
+        return (fmi3Status)fmu_refuse(a, FAILED, "%s: the numbers of values do not fit", function);
     return (fmi3Status)jacobian_product(a, function, 0, unknowns, rows, knowns, columns, seed, result);
 }
 
@@ -360,7 +375,8 @@ EXPORT(fmi3Status, fmi3GetAdjointDerivative)(
     const fmi3Float64 seed[], size_t seeds, fmi3Float64 result[], size_t results)
 {
     CALLED("fmi3GetAdjointDerivative", INITIALIZATION | MOVING);
-    if (seeds != rows || results != columns) return (fmi3Status)fmu_refuse(a, FAILED, "%s: the numbers of values do not fit", function);
+    if (seeds != rows || results != columns)
+        return (fmi3Status)fmu_refuse(a, FAILED, "%s: the numbers of values do not fit", function);
     return (fmi3Status)jacobian_product(a, function, 1, unknowns, rows, knowns, columns, seed, result);
 }
 
@@ -385,11 +401,12 @@ EXPORT(fmi3Status, fmi3EvaluateDiscreteStates)(fmi3Instance c)
 }
 
 EXPORT(fmi3Status, fmi3UpdateDiscreteStates)(
-    fmi3Instance c, fmi3Boolean *again, fmi3Boolean *terminate, fmi3Boolean *nominals_changed, fmi3Boolean *values_changed,
-    fmi3Boolean *has_next, fmi3Float64 *next)
+    fmi3Instance c, fmi3Boolean *again, fmi3Boolean *terminate, fmi3Boolean *nominals_changed,
+    fmi3Boolean *values_changed, fmi3Boolean *has_next, fmi3Float64 *next)
 {
     CALLED("fmi3UpdateDiscreteStates", EVENT);
-    if (again == NULL || terminate == NULL || nominals_changed == NULL || values_changed == NULL || has_next == NULL || next == NULL) {
+    if (again == NULL || terminate == NULL || nominals_changed == NULL || values_changed == NULL || has_next == NULL ||
+        next == NULL) {
         return (fmi3Status)fmu_refuse(a, FAILED, "%s: a null pointer", function);
     }
     int status = parameters_checked(a, function);
@@ -409,11 +426,13 @@ EXPORT(fmi3Status, fmi3EnterContinuousTimeMode)(fmi3Instance c)
     return (fmi3Status)fmu_continued(a, function);
 }
 
-EXPORT(fmi3Status, fmi3CompletedIntegratorStep)(fmi3Instance c, fmi3Boolean no_return, fmi3Boolean *enter_event_mode, fmi3Boolean *terminate)
+EXPORT(fmi3Status, fmi3CompletedIntegratorStep)(
+    fmi3Instance c, fmi3Boolean no_return, fmi3Boolean *enter_event_mode, fmi3Boolean *terminate)
 {
     CALLED("fmi3CompletedIntegratorStep", CONTINUOUS);
     (void)no_return;
-    if (enter_event_mode == NULL || terminate == NULL) return (fmi3Status)fmu_refuse(a, FAILED, "%s: a null pointer", function);
+    if (enter_event_mode == NULL || terminate == NULL)
+        return (fmi3Status)fmu_refuse(a, FAILED, "%s: a null pointer", function);
     *enter_event_mode = has_drifted(a) != 0;
     *terminate = false;
     return fmi3OK;
@@ -482,7 +501,8 @@ EXPORT(fmi3Status, fmi3EnterStepMode)(fmi3Instance c)
 }
 
 EXPORT(fmi3Status, fmi3GetOutputDerivatives)(
-    fmi3Instance c, const fmi3ValueReference vr[], size_t n, const fmi3Int32 orders[], fmi3Float64 value[], size_t count)
+    fmi3Instance c, const fmi3ValueReference vr[], size_t n, const fmi3Int32 orders[], fmi3Float64 value[],
+    size_t count)
 {
     CALLED("fmi3GetOutputDerivatives", STEP | TERMINATED);
     (void)vr;
@@ -494,12 +514,13 @@ EXPORT(fmi3Status, fmi3GetOutputDerivatives)(
 }
 
 EXPORT(fmi3Status, fmi3DoStep)(
-    fmi3Instance c, fmi3Float64 t, fmi3Float64 h, fmi3Boolean no_return, fmi3Boolean *event, fmi3Boolean *terminate, fmi3Boolean *early,
-    fmi3Float64 *last)
+    fmi3Instance c, fmi3Float64 t, fmi3Float64 h, fmi3Boolean no_return, fmi3Boolean *event, fmi3Boolean *terminate,
+    fmi3Boolean *early, fmi3Float64 *last)
 {
     CALLED("fmi3DoStep", STEP);
     (void)no_return;
-    if (event == NULL || terminate == NULL || early == NULL || last == NULL) return (fmi3Status)fmu_refuse(a, FAILED, "%s: a null pointer", function);
+    if (event == NULL || terminate == NULL || early == NULL || last == NULL)
+        return (fmi3Status)fmu_refuse(a, FAILED, "%s: a null pointer", function);
     const int status = communication_step(a, function, t, h);
     *event = *terminate = *early = false;
     *last = a->v.t;

@@ -66,7 +66,16 @@ typedef struct {
     int parameters_are_new; /* and have to be looked at before the mechanism moves */
 } fmu_values;
 
-enum { HAS_MODEL = 1, HAS_MOTION = 2, HAS_OUTPUTS = 4, HAS_ENERGIES = 8, HAS_RESIDUALS = 16, HAS_SWITCHES = 32, HAS_SLOPES = 64, HAS_SIDES = 128 };
+enum {
+    HAS_MODEL = 1,
+    HAS_MOTION = 2,
+    HAS_OUTPUTS = 4,
+    HAS_ENERGIES = 8,
+    HAS_RESIDUALS = 16,
+    HAS_SWITCHES = 32,
+    HAS_SLOPES = 64,
+    HAS_SIDES = 128
+};
 
 typedef struct {
     fmu_values v;
@@ -92,7 +101,9 @@ static int fmu_refuse(const fmu_instance *a, int status, const char *format, ...
     va_start(arguments, format);
     vsnprintf(message, sizeof message, format, arguments);
     va_end(arguments);
-    const char *category = status == FAILED ? "logStatusError" : status == DISCARDED ? "logStatusDiscard" : "logStatusWarning";
+    const char *category = status == FAILED      ? "logStatusError"
+                           : status == DISCARDED ? "logStatusDiscard"
+                                                 : "logStatusWarning";
     fmu_deliver(a, status, category, message);
     return status;
 }
@@ -160,7 +171,9 @@ static fmu_instance *fmu_created(
     memcpy(a->name, called, strlen(called));
     fmu_start(a, is_co_simulation);
     if (token == NULL || strcmp(token, MBS_TOKEN) != 0) {
-        fmu_refuse(a, FAILED, "instantiate: the token is `%s`, that of this FMU is `%s`", token == NULL ? "" : token, MBS_TOKEN);
+        fmu_refuse(
+            a, FAILED, "instantiate: the token is `%s`, that of this FMU is `%s`", token == NULL ? "" : token,
+            MBS_TOKEN);
         free(a->name);
         free(a);
         return NULL;
@@ -207,51 +220,54 @@ static void fmu_complete(fmu_instance *a, unsigned what)
 }
 
 /* Values have changed, but for parameters. */
-static void fmu_moved(fmu_instance *a)
-{
-    a->has &= HAS_MODEL;
-}
+static void fmu_moved(fmu_instance *a) { a->has &= HAS_MODEL; }
 
 /* Whether the mechanism can have its parameters, which is looked at after they have changed. */
 static int parameters_checked(fmu_instance *a, const char *function)
 {
     if (!a->v.parameters_are_new) return GOOD;
     static const char *const must[] = {
-        "", "must be finite", "must not be zero", "must not be negative", "must be positive", "must have no negative principal moment",
+        "",
+        "must be finite",
+        "must not be zero",
+        "must not be negative",
+        "must be positive",
+        "must have no negative principal moment",
         "must have no principal moment greater than the sum of the other two",
     };
     const char *quantity = "";
     double value = 0.0;
     const int violation = mbs_fmu_violation(a->v.p, &quantity, &value);
-    if (violation != 0) return fmu_refuse(a, FAILED, "%s: `%s` %s, it is %.17g", function, quantity, must[violation], value);
+    if (violation != 0)
+        return fmu_refuse(a, FAILED, "%s: `%s` %s, it is %.17g", function, quantity, must[violation], value);
     a->v.parameters_are_new = 0;
     return GOOD;
 }
 
 static const char *fmu_kind(unsigned vr)
 {
-    return vr == VR_TIME        ? "the time"
-           : vr < VR_DER_Q      ? "a state"
-           : vr < VR_U          ? "a derivative of a state"
-           : vr < VR_P          ? "an input"
-           : vr < VR_Y          ? "a parameter"
-           : vr < VR_ENERGY     ? "an output"
-           : vr < VR_LAMBDA     ? "an energy"
-           : vr < VR_RESIDUAL   ? "a multiplier"
-           : vr < VR_SWITCH     ? "a residual"
-                                : "an event indicator";
+    return vr == VR_TIME      ? "the time"
+           : vr < VR_DER_Q    ? "a state"
+           : vr < VR_U        ? "a derivative of a state"
+           : vr < VR_P        ? "an input"
+           : vr < VR_Y        ? "a parameter"
+           : vr < VR_ENERGY   ? "an output"
+           : vr < VR_LAMBDA   ? "an energy"
+           : vr < VR_RESIDUAL ? "a multiplier"
+           : vr < VR_SWITCH   ? "a residual"
+                              : "an event indicator";
 }
 
 static unsigned fmu_needed(unsigned vr)
 {
-    return vr < VR_DER_QD       ? 0u
-           : vr < VR_U          ? HAS_MOTION
-           : vr < VR_Y          ? 0u
-           : vr < VR_ENERGY     ? HAS_OUTPUTS
-           : vr < VR_LAMBDA     ? HAS_ENERGIES
-           : vr < VR_RESIDUAL   ? HAS_MOTION
-           : vr < VR_SWITCH     ? HAS_RESIDUALS
-                                : HAS_SWITCHES;
+    return vr < VR_DER_QD     ? 0u
+           : vr < VR_U        ? HAS_MOTION
+           : vr < VR_Y        ? 0u
+           : vr < VR_ENERGY   ? HAS_OUTPUTS
+           : vr < VR_LAMBDA   ? HAS_ENERGIES
+           : vr < VR_RESIDUAL ? HAS_MOTION
+           : vr < VR_SWITCH   ? HAS_RESIDUALS
+                              : HAS_SWITCHES;
 }
 
 /* Where a variable is. */
@@ -294,7 +310,8 @@ static int read_values(fmu_instance *a, const char *function, const unsigned *vr
     for (size_t i = 0; i < n; i++) {
         value[i] = *fmu_place(a, vr[i]);
         if (status == GOOD && !isfinite(value[i])) {
-            status = fmu_refuse(a, DISCARDED, "%s: variable %u, %s, is not finite at this state", function, vr[i], fmu_kind(vr[i]));
+            status = fmu_refuse(
+                a, DISCARDED, "%s: variable %u, %s, is not finite at this state", function, vr[i], fmu_kind(vr[i]));
         }
     }
     return status;
@@ -316,10 +333,13 @@ static int write_values(fmu_instance *a, const char *function, const unsigned *v
     if (unknown_reference(a, function, vr, n)) return FAILED;
     for (size_t i = 0; i < n; i++) {
         if (!(fmu_settable(vr[i]) & a->v.mode)) {
-            return fmu_refuse(a, FAILED, "%s: variable %u, %s, cannot be set in this state: %s", function, vr[i], fmu_kind(vr[i]), mode_name(a->v.mode));
+            return fmu_refuse(
+                a, FAILED, "%s: variable %u, %s, cannot be set in this state: %s", function, vr[i], fmu_kind(vr[i]),
+                mode_name(a->v.mode));
         }
         if (!isfinite(value[i])) {
-            return fmu_refuse(a, FAILED, "%s: variable %u, %s, must be finite, not %g", function, vr[i], fmu_kind(vr[i]), value[i]);
+            return fmu_refuse(
+                a, FAILED, "%s: variable %u, %s, must be finite, not %g", function, vr[i], fmu_kind(vr[i]), value[i]);
         }
     }
     for (size_t i = 0; i < n; i++) {
@@ -333,10 +353,10 @@ static int write_values(fmu_instance *a, const char *function, const unsigned *v
     return GOOD;
 }
 
-
 static int states_set(fmu_instance *a, const char *function, const double *x, size_t n)
 {
-    if (n != 2 * N || x == NULL) return fmu_refuse(a, FAILED, "%s: there are %d continuous states, not %u", function, 2 * N, (unsigned)n);
+    if (n != 2 * N || x == NULL)
+        return fmu_refuse(a, FAILED, "%s: there are %d continuous states, not %u", function, 2 * N, (unsigned)n);
     if (!all_finite(x, 2 * N)) return fmu_refuse(a, DISCARDED, "%s: a state is not finite", function);
     memcpy(a->v.q, x, N * sizeof(double));
     memcpy(a->v.qd, x + N, N * sizeof(double));
@@ -346,7 +366,8 @@ static int states_set(fmu_instance *a, const char *function, const double *x, si
 
 static int states_read(const fmu_instance *a, const char *function, double *x, size_t n)
 {
-    if (n != 2 * N || x == NULL) return fmu_refuse(a, FAILED, "%s: there are %d continuous states, not %u", function, 2 * N, (unsigned)n);
+    if (n != 2 * N || x == NULL)
+        return fmu_refuse(a, FAILED, "%s: there are %d continuous states, not %u", function, 2 * N, (unsigned)n);
     memcpy(x, a->v.q, N * sizeof(double));
     memcpy(x + N, a->v.qd, N * sizeof(double));
     return GOOD;
@@ -354,17 +375,20 @@ static int states_read(const fmu_instance *a, const char *function, double *x, s
 
 static int derivatives_read(fmu_instance *a, const char *function, double *x, size_t n)
 {
-    if (n != 2 * N || x == NULL) return fmu_refuse(a, FAILED, "%s: there are %d continuous states, not %u", function, 2 * N, (unsigned)n);
+    if (n != 2 * N || x == NULL)
+        return fmu_refuse(a, FAILED, "%s: there are %d continuous states, not %u", function, 2 * N, (unsigned)n);
     fmu_complete(a, HAS_MOTION);
     memcpy(x, a->v.qd, N * sizeof(double));
     memcpy(x + N, a->qdd, N * sizeof(double));
-    if (!all_finite(a->qdd, N)) return fmu_refuse(a, DISCARDED, "%s: accelerations are not finite at this state", function);
+    if (!all_finite(a->qdd, N))
+        return fmu_refuse(a, DISCARDED, "%s: accelerations are not finite at this state", function);
     return GOOD;
 }
 
 static int switches_read(fmu_instance *a, const char *function, double *z, size_t n)
 {
-    if (n != Z || (Z > 0 && z == NULL)) return fmu_refuse(a, FAILED, "%s: there are %d event indicators, not %u", function, Z, (unsigned)n);
+    if (n != Z || (Z > 0 && z == NULL))
+        return fmu_refuse(a, FAILED, "%s: there are %d event indicators, not %u", function, Z, (unsigned)n);
     fmu_complete(a, HAS_SWITCHES);
     for (int i = 0; i < Z; i++) z[i] = a->z[i];
     return GOOD;

@@ -19,7 +19,8 @@ static void inputs_after(const fmu_values *v, double time, double *u, double *s)
     for (int i = 0; i < S; i += 3) {
         int is_given = 0;
         for (int order = 0; v->has_slopes && order < ORDERS; order++) {
-            for (int k = 0; k < 3; k++) is_given |= v->slopes[order][M + i + k] < 0.0 || v->slopes[order][M + i + k] > 0.0;
+            for (int k = 0; k < 3; k++)
+                is_given |= v->slopes[order][M + i + k] < 0.0 || v->slopes[order][M + i + k] > 0.0;
         }
         if (!is_given) {
             s[i] += (v->s[i + 1] + v->s[i + 2] * time / 2.0) * time;
@@ -49,7 +50,8 @@ static void fmu_sides(const mbs_fmu_model *self, const fmu_values *v, double t, 
  * tolerance. J. R. Dormand, P. J. Prince, A family of embedded Runge-Kutta formulae, 1980, table 2 (RK5(4)7M).
  */
 static double fmu_stepped(
-    const mbs_fmu_model *self, const fmu_values *v, double t, double h, const double *x, double k[7][2 * N + 1], double *end)
+    const mbs_fmu_model *self, const fmu_values *v, double t, double h, const double *x, double k[7][2 * N + 1],
+    double *end)
 {
     static const double nodes[7] = {0.0, 1.0 / 5.0, 3.0 / 10.0, 4.0 / 5.0, 8.0 / 9.0, 1.0, 1.0};
     static const double weights[7][6] = {
@@ -94,7 +96,8 @@ static int same_sides(const double *before, const double *after)
  * A short straight step over a change of conditions that steps do not reach, because the equations have no value behind
  * it: sqrt(x) of a branch that is taken for x > 0. Zero where no condition changes there.
  */
-static int stepped_over(const mbs_fmu_model *self, fmu_values *v, double *t, double h, double *x, double *slopes, double *z)
+static int stepped_over(
+    const mbs_fmu_model *self, fmu_values *v, double *t, double h, double *x, double *slopes, double *z)
 {
     double end[2 * N + 1], z_end[Z + 1];
     for (int i = 0; i < 2 * N; i++) end[i] = x[i] + h * slopes[i];
@@ -124,10 +127,12 @@ static int fmu_integrated(fmu_instance *a, const char *function, double t_end)
     double h = v->step > 0.0 ? v->step : whole / 100.0;
     double least = 16.0 * DBL_EPSILON * fmax(fabs(t), fabs(t_end));
     fmu_flow(self, v, t, x, k[0]);
-    if (!all_finite(k[0], 2 * N)) return fmu_refuse(a, DISCARDED, "%s: accelerations are not finite at t = %.17g", function, t);
+    if (!all_finite(k[0], 2 * N))
+        return fmu_refuse(a, DISCARDED, "%s: accelerations are not finite at t = %.17g", function, t);
     fmu_sides(self, v, t, x, z);
     for (long step = 0; t < t_end; step++) {
-        if (step == 1000000L) return fmu_refuse(a, DISCARDED, "%s: a million steps do not reach the end time", function);
+        if (step == 1000000L)
+            return fmu_refuse(a, DISCARDED, "%s: a million steps do not reach the end time", function);
         /* The last step is no crumb. */
         const double left = t_end - t;
         const int is_last = h >= left * (1.0 - 1e-9);
@@ -141,7 +146,9 @@ static int fmu_integrated(fmu_instance *a, const char *function, double t_end)
                 h = whole / 100.0;
                 continue;
             }
-            return fmu_refuse(a, DISCARDED, "%s: the step is too small at t = %.17g: the motion has no derivative there", function, t);
+            return fmu_refuse(
+                a, DISCARDED, "%s: the step is too small at t = %.17g: the motion has no derivative there", function,
+                t);
         }
         if (try_h >= h || factor < 1.0) h = try_h * fmin(5.0, factor);
         double t_new = is_last ? t_end : t + try_h;
@@ -169,13 +176,16 @@ static int fmu_integrated(fmu_instance *a, const char *function, double t_end)
 #if MBS_ROWS > 0
         double u[M + C + 1], s[S + 1];
         inputs_after(v, t - v->t, u, s);
-        if (!fmu_projected(self, t, s, end, end + N)) return fmu_refuse(a, DISCARDED, "%s: no state near the motion's satisfies the constraints at t = %.17g", function, t);
+        if (!fmu_projected(self, t, s, end, end + N))
+            return fmu_refuse(
+                a, DISCARDED, "%s: no state near the motion's satisfies the constraints at t = %.17g", function, t);
         fmu_sides(self, v, t, end, z_end);
 #endif
         if (is_event || K > 0) {
             for (int i = 0; i < C; i++) v->u[M + i] = z_end[i] < 0.0 ? -1.0 : 1.0;
             fmu_flow(self, v, t, end, k[6]);
-            if (!all_finite(k[6], 2 * N)) return fmu_refuse(a, DISCARDED, "%s: accelerations are not finite at t = %.17g", function, t);
+            if (!all_finite(k[6], 2 * N))
+                return fmu_refuse(a, DISCARDED, "%s: accelerations are not finite at t = %.17g", function, t);
         }
         memcpy(x, end, 2 * N * sizeof(double));
         memcpy(k[0], k[6], 2 * N * sizeof(double));
@@ -200,11 +210,13 @@ static int fmu_integrated(fmu_instance *a, const char *function, double t_end)
 static int communication_step(fmu_instance *a, const char *function, double t, double h)
 {
     if (!isfinite(t) || !isfinite(h) || !(h > 0.0)) {
-        return fmu_refuse(a, FAILED, "%s: a step needs a finite time and a positive length, not %g and %g", function, t, h);
+        return fmu_refuse(
+            a, FAILED, "%s: a step needs a finite time and a positive length, not %g and %g", function, t, h);
     }
     const double rounding = 1e-9 * (h + fabs(t));
     if (!(fabs(t - a->v.t) <= rounding)) {
-        return fmu_refuse(a, FAILED, "%s: the communication point is t = %.17g, the FMU is at t = %.17g", function, t, a->v.t);
+        return fmu_refuse(
+            a, FAILED, "%s: the communication point is t = %.17g, the FMU is at t = %.17g", function, t, a->v.t);
     }
     const int status = parameters_checked(a, function);
     return status == GOOD ? fmu_integrated(a, function, t + h) : status;
@@ -219,7 +231,11 @@ static int fmu_initialized(fmu_instance *a, const char *function, int next)
         int changed = 0;
         status = brought_back(a, function, &changed);
         if (status != GOOD) return status;
-        if (changed) status = fmu_refuse(a, WARNED, "%s: the first state does not satisfy the constraints; the motion starts from the nearest that does", function);
+        if (changed)
+            status = fmu_refuse(
+                a, WARNED,
+                "%s: the first state does not satisfy the constraints; the motion starts from the nearest that does",
+                function);
     }
     a->v.mode = next;
     return status;
@@ -245,7 +261,8 @@ static int fmu_interrupted(fmu_instance *a)
 
 static int tolerance_set(fmu_instance *a, const char *function, double tolerance)
 {
-    if (!isfinite(tolerance) || !(tolerance > 0.0)) return fmu_refuse(a, FAILED, "%s: the tolerance must be positive, not %g", function, tolerance);
+    if (!isfinite(tolerance) || !(tolerance > 0.0))
+        return fmu_refuse(a, FAILED, "%s: the tolerance must be positive, not %g", function, tolerance);
     a->v.tolerance = fmax(tolerance, 1e-14);
     return GOOD;
 }

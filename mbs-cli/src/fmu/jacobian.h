@@ -1,9 +1,6 @@
 /* Derivatives by direction. */
 
-static int is_unknown(unsigned vr)
-{
-    return (vr >= VR_Q && vr < VR_U) || (vr >= VR_Y && vr < VR_ENERGY);
-}
+static int is_unknown(unsigned vr) { return (vr >= VR_Q && vr < VR_U) || (vr >= VR_Y && vr < VR_ENERGY); }
 
 /* Outputs are not differentiated by parameters, nothing by signals: the header has no functions that do. */
 static int is_differentiable(unsigned unknown, unsigned known)
@@ -27,19 +24,25 @@ static double fmu_slope(const fmu_instance *a, unsigned unknown, unsigned known)
 
 /* The product of the Jacobian, or of its transpose, with a seed. */
 static int jacobian_product(
-    fmu_instance *a, const char *function, int transposed, const unsigned *unknowns, size_t rows, const unsigned *knowns, size_t columns,
-    const double *seed, double *result)
+    fmu_instance *a, const char *function, int transposed, const unsigned *unknowns, size_t rows,
+    const unsigned *knowns, size_t columns, const double *seed, double *result)
 {
     if ((rows > 0 && unknowns == NULL) || (columns > 0 && knowns == NULL) || seed == NULL || result == NULL) {
         return fmu_refuse(a, FAILED, "%s: a null pointer", function);
     }
-    if (unknown_reference(a, function, unknowns, rows) || unknown_reference(a, function, knowns, columns)) return FAILED;
-    if (!all_finite(seed, (int)(transposed ? rows : columns))) return fmu_refuse(a, FAILED, "%s: a seed is not finite", function);
+    if (unknown_reference(a, function, unknowns, rows) || unknown_reference(a, function, knowns, columns))
+        return FAILED;
+    if (!all_finite(seed, (int)(transposed ? rows : columns)))
+        return fmu_refuse(a, FAILED, "%s: a seed is not finite", function);
     for (size_t i = 0; i < rows; i++) {
-        if (!is_unknown(unknowns[i])) return fmu_refuse(a, FAILED, "%s: variable %u, %s, is no unknown", function, unknowns[i], fmu_kind(unknowns[i]));
+        if (!is_unknown(unknowns[i]))
+            return fmu_refuse(
+                a, FAILED, "%s: variable %u, %s, is no unknown", function, unknowns[i], fmu_kind(unknowns[i]));
         for (size_t j = 0; j < columns; j++) {
             if (!is_differentiable(unknowns[i], knowns[j])) {
-                return fmu_refuse(a, FAILED, "%s: there is no derivative of %s by %s (variables %u, %u)", function, fmu_kind(unknowns[i]), fmu_kind(knowns[j]), unknowns[i], knowns[j]);
+                return fmu_refuse(
+                    a, FAILED, "%s: there is no derivative of %s by %s (variables %u, %u)", function,
+                    fmu_kind(unknowns[i]), fmu_kind(knowns[j]), unknowns[i], knowns[j]);
             }
         }
     }
@@ -55,6 +58,7 @@ static int jacobian_product(
             }
         }
     }
-    if (!all_finite(result, (int)(transposed ? columns : rows))) return fmu_refuse(a, DISCARDED, "%s: a derivative is not finite at this state", function);
+    if (!all_finite(result, (int)(transposed ? columns : rows)))
+        return fmu_refuse(a, DISCARDED, "%s: a derivative is not finite at this state", function);
     return GOOD;
 }

@@ -38,9 +38,11 @@ static int state_deserialized(const fmu_instance *a, const char *function, const
     }
     fmu_values v;
     memcpy(&v, (const char *)bytes + sizeof(MBS_TOKEN), sizeof(fmu_values));
-    const int finite = isfinite(v.t) && all_finite(v.q, N) && all_finite(v.qd, N) && all_finite(v.u, M) && all_finite(v.s, S)
-                       && all_finite(v.p, P) && all_finite(v.slopes[0], ORDERS * (M + S + 1)) && isfinite(v.step) && isfinite(v.tolerance);
-    const int is_mode = v.mode == INSTANTIATED || v.mode == INITIALIZATION || v.mode == EVENT || v.mode == CONTINUOUS || v.mode == STEP || v.mode == TERMINATED;
+    const int finite = isfinite(v.t) && all_finite(v.q, N) && all_finite(v.qd, N) && all_finite(v.u, M) &&
+                       all_finite(v.s, S) && all_finite(v.p, P) && all_finite(v.slopes[0], ORDERS * (M + S + 1)) &&
+                       isfinite(v.step) && isfinite(v.tolerance);
+    const int is_mode = v.mode == INSTANTIATED || v.mode == INITIALIZATION || v.mode == EVENT || v.mode == CONTINUOUS ||
+                        v.mode == STEP || v.mode == TERMINATED;
     if (!finite || !is_mode || v.is_co_simulation != a->v.is_co_simulation) {
         return fmu_refuse(a, FAILED, "%s: these bytes are no state of this FMU", function);
     }

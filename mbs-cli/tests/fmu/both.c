@@ -4,12 +4,12 @@
  */
 #include "fmi3.c"
 
-#define CHECK(condition)                                             \
-    do {                                                             \
-        if (!(condition)) {                                          \
-            printf("%s:%d: %s\n", __FILE__, __LINE__, #condition);   \
-            exit(1);                                                 \
-        }                                                            \
+#define CHECK(condition) \
+    do { \
+        if (!(condition)) { \
+            printf("%s:%d: %s\n", __FILE__, __LINE__, #condition); \
+            exit(1); \
+        } \
     } while (0)
 
 static void logged(fmi3InstanceEnvironment environment, fmi3Status status, fmi3String category, fmi3String message)
@@ -61,7 +61,9 @@ static void update(fmi3Instance a)
 {
     bool again, terminate, nominals, changed, next;
     double time;
-    CHECK(fmi3UpdateDiscreteStates(a, &again, &terminate, &nominals, &changed, &next, &time) == fmi3OK && !again && !terminate);
+    CHECK(
+        fmi3UpdateDiscreteStates(a, &again, &terminate, &nominals, &changed, &next, &time) == fmi3OK && !again &&
+        !terminate);
     CHECK(fmi3EnterContinuousTimeMode(a) == fmi3OK);
 }
 
@@ -113,7 +115,8 @@ static void exchange(double t_end, double dt, int substeps)
 
 static void simulate(double t_end, double dt)
 {
-    fmi3Instance a = fmi3InstantiateCoSimulation("a", MBS_TOKEN, NULL, false, false, false, false, NULL, 0, NULL, logged, NULL);
+    fmi3Instance a =
+        fmi3InstantiateCoSimulation("a", MBS_TOKEN, NULL, false, false, false, false, NULL, 0, NULL, logged, NULL);
     CHECK(a != NULL && fmi3EnterInitializationMode(a, true, 1e-13, 0.0, false, 0.0) == fmi3OK);
     CHECK(fmi3ExitInitializationMode(a) == fmi3OK);
     put_outputs(a, 0.0);

@@ -1,10 +1,10 @@
 /* What both masters share: checks that end the program, and what the pendulum of the tests does by the textbook. */
-#define CHECK(condition)                                                             \
-    do {                                                                             \
-        if (!(condition)) {                                                          \
+#define CHECK(condition) \
+    do { \
+        if (!(condition)) { \
             printf("%s:%d: %s\nlast message: %s\n", __FILE__, __LINE__, #condition, last_message); \
-            exit(1);                                                                 \
-        }                                                                            \
+            exit(1); \
+        } \
     } while (0)
 
 static char last_message[600];
@@ -25,7 +25,23 @@ static double acceleration(double theta, double rate, double tau)
 }
 
 /* Value references, in the order of modelDescription.xml. */
-enum { TIME, THETA, RATE, DER_THETA, DER_RATE, TAU, MASS, LENGTH, GRAVITY, FRICTION, HEIGHT, KINETIC, POTENTIAL, ENERGY, END };
+enum {
+    TIME,
+    THETA,
+    RATE,
+    DER_THETA,
+    DER_RATE,
+    TAU,
+    MASS,
+    LENGTH,
+    GRAVITY,
+    FRICTION,
+    HEIGHT,
+    KINETIC,
+    POTENTIAL,
+    ENERGY,
+    END
+};
 
 /* Angle and rate after a time from one radian at rest, by a classical Runge-Kutta method with small steps. */
 static double reference(double seconds, double tau, double *rate)

@@ -2,7 +2,9 @@
 #include "fmi2.c"
 #include "master.h"
 
-static void logged(fmi2ComponentEnvironment environment, fmi2String name, fmi2Status status, fmi2String category, fmi2String message, ...)
+static void logged(
+    fmi2ComponentEnvironment environment, fmi2String name, fmi2Status status, fmi2String category, fmi2String message,
+    ...)
 {
     (void)environment;
     (void)status;
@@ -95,13 +97,17 @@ static void refused(void)
 {
     messages = 0;
     CHECK(made(fmi2CoSimulation, "{another}") == NULL && messages == 1 && made((fmi2Type)7, MBS_TOKEN) == NULL);
-    CHECK(fmi2Instantiate("a", fmi2CoSimulation, MBS_TOKEN, NULL, NULL, 0, 0) == NULL && fmi2DoStep(NULL, 0, 1, 1) == fmi2Error);
+    CHECK(
+        fmi2Instantiate("a", fmi2CoSimulation, MBS_TOKEN, NULL, NULL, 0, 0) == NULL &&
+        fmi2DoStep(NULL, 0, 1, 1) == fmi2Error);
     fmi2Component a = made(fmi2CoSimulation, MBS_TOKEN);
     CHECK(fmi2DoStep(a, 0.0, 0.1, fmi2True) == fmi2Error && fmi2ExitInitializationMode(a) == fmi2Error);
     CHECK(fmi2SetupExperiment(a, fmi2True, -1.0, 0.0, fmi2False, 0.0) == fmi2Error);
     CHECK(fmi2SetupExperiment(a, fmi2False, 0.0, NAN, fmi2False, 0.0) == fmi2Error);
     CHECK(set(a, END, 1.0) == fmi2Error && set(a, TAU, INFINITY) == fmi2Error && set(a, DER_RATE, 1.0) == fmi2Error);
-    CHECK(set(a, MASS, -1.0) == fmi2OK && fmi2EnterInitializationMode(a) == fmi2Error && strstr(last_message, "`m`") != NULL);
+    CHECK(
+        set(a, MASS, -1.0) == fmi2OK && fmi2EnterInitializationMode(a) == fmi2Error &&
+        strstr(last_message, "`m`") != NULL);
     CHECK(fmi2Reset(a) == fmi2OK && get(a, MASS) == 3.0);
     const fmi2ValueReference tau = TAU;
     fmi2Integer integer = 0;

@@ -27,7 +27,10 @@ static double get(fmi3Instance a, fmi3ValueReference vr)
     return value;
 }
 
-static fmi3Status set(fmi3Instance a, fmi3ValueReference vr, double value) { return fmi3SetFloat64(a, &vr, 1, &value, 1); }
+static fmi3Status set(fmi3Instance a, fmi3ValueReference vr, double value)
+{
+    return fmi3SetFloat64(a, &vr, 1, &value, 1);
+}
 
 static fmi3Status step(fmi3Instance a, double t, double h)
 {
@@ -70,7 +73,9 @@ static void model_exchange(void)
     bool again, terminate, nominals, changed, next;
     double time, x[2], dx[2], k[4][2];
     size_t n = 0;
-    CHECK(fmi3UpdateDiscreteStates(a, &again, &terminate, &nominals, &changed, &next, &time) == fmi3OK && !again && !changed);
+    CHECK(
+        fmi3UpdateDiscreteStates(a, &again, &terminate, &nominals, &changed, &next, &time) == fmi3OK && !again &&
+        !changed);
     CHECK(fmi3EnterContinuousTimeMode(a) == fmi3OK);
     CHECK(fmi3GetNumberOfContinuousStates(a, &n) == fmi3OK && n == 2);
     CHECK(fmi3GetNumberOfEventIndicators(a, &n) == fmi3OK && n == 0);
@@ -94,7 +99,8 @@ static void model_exchange(void)
     const double seed[3] = {0.3, -0.7, 1.1}, dual[3] = {0.5, 2.0, -1.0};
     double found[3], adjoint[3];
     CHECK(fmi3GetDirectionalDerivative(a, unknowns, 3, knowns, 3, seed, 3, found, 3) == fmi3OK);
-    CHECK(near(found[0], -0.7, 1e-15) && near(found[1], -5.0 * cos(x[0]) * 0.3 + 0.25 / 12.0 * 0.7 + 1.1 / 12.0, 1e-14));
+    CHECK(
+        near(found[0], -0.7, 1e-15) && near(found[1], -5.0 * cos(x[0]) * 0.3 + 0.25 / 12.0 * 0.7 + 1.1 / 12.0, 1e-14));
     CHECK(near(found[2], 2.0 * sin(x[0]) * 0.3, 1e-14));
     CHECK(fmi3GetAdjointDerivative(a, unknowns, 3, knowns, 3, dual, 3, adjoint, 3) == fmi3OK);
     CHECK(near(adjoint[0], -10.0 * cos(x[0]) - 2.0 * sin(x[0]), 1e-14) && near(adjoint[1], 0.5 - 0.5 / 12.0, 1e-14));
@@ -103,7 +109,9 @@ static void model_exchange(void)
     CHECK(fmi3GetDirectionalDerivative(a, unknowns + 1, 1, &mass, 1, seed, 1, found, 1) == fmi3OK);
     CHECK(near(found[0], 0.3 * 0.25 * x[1] / 36.0, 1e-13));
     CHECK(fmi3GetDirectionalDerivative(a, unknowns + 2, 1, &mass, 1, seed, 1, found, 1) == fmi3Error);
-    CHECK(fmi3GetContinuousStateDerivatives(a, dx, 1) == fmi3Error && strstr(last_message, "2 continuous states") != NULL);
+    CHECK(
+        fmi3GetContinuousStateDerivatives(a, dx, 1) == fmi3Error &&
+        strstr(last_message, "2 continuous states") != NULL);
     x[1] = NAN;
     CHECK(fmi3SetContinuousStates(a, x, 2) == fmi3Discard && isfinite(get(a, RATE)));
     CHECK(fmi3SetTime(a, INFINITY) == fmi3Error && set(a, MASS, 2.0) == fmi3Error && step(a, 0.0, 1.0) == fmi3Error);
@@ -115,7 +123,9 @@ static void refused(void)
 {
     messages = 0;
     CHECK(fmi3InstantiateModelExchange("a", "{another}", NULL, false, false, NULL, logged) == NULL && messages == 1);
-    CHECK(strstr(last_message, "{another}") != NULL && fmi3InstantiateModelExchange("a", NULL, NULL, false, false, NULL, NULL) == NULL);
+    CHECK(
+        strstr(last_message, "{another}") != NULL &&
+        fmi3InstantiateModelExchange("a", NULL, NULL, false, false, NULL, NULL) == NULL);
     CHECK(step(NULL, 0.0, 1.0) == fmi3Error && fmi3Terminate(NULL) == fmi3Error);
     fmi3FreeInstance(NULL);
 
@@ -140,7 +150,8 @@ static void refused(void)
     begin(a);
     CHECK(set(a, THETA, 0.0) == fmi3Error && step(a, 0.5, 0.1) == fmi3Error && step(a, 0.0, 0.0) == fmi3Error);
     CHECK(step(a, 0.0, NAN) == fmi3Error && step(a, 0.0, -1.0) == fmi3Error && get(a, THETA) == 1.0);
-    CHECK(fmi3EnterEventMode(a) == fmi3Error && fmi3EnterInitializationMode(a, false, 0.0, 0.0, false, 0.0) == fmi3Error);
+    CHECK(
+        fmi3EnterEventMode(a) == fmi3Error && fmi3EnterInitializationMode(a, false, 0.0, 0.0, false, 0.0) == fmi3Error);
     fmi3FreeInstance(a);
 }
 
@@ -154,7 +165,9 @@ static void states(void)
     size_t size = 0;
     CHECK(fmi3GetFMUState(a, &state) == fmi3OK && step(a, 0.4, 0.7) == fmi3OK);
     const double theta = get(a, THETA);
-    CHECK(fmi3SetFMUState(a, state) == fmi3OK && get(a, TIME) == 0.4 && step(a, 0.4, 0.7) == fmi3OK && get(a, THETA) == theta);
+    CHECK(
+        fmi3SetFMUState(a, state) == fmi3OK && get(a, TIME) == 0.4 && step(a, 0.4, 0.7) == fmi3OK &&
+        get(a, THETA) == theta);
     CHECK(fmi3SerializedFMUStateSize(a, state, &size) == fmi3OK);
     fmi3Byte *bytes = (fmi3Byte *)malloc(size);
     CHECK(bytes != NULL && fmi3SerializeFMUState(a, state, bytes, size) == fmi3OK);

@@ -2,11 +2,11 @@
 
     python validate.py MBS FOLDER CASES.json
 
-CASES.json is a list of objects: "model" (a file), "state" (as `mbs simulate --state` takes it, all of it given), "t_end",
-"dt", and on request "inputs" ({name: [slope, offset, …]}: polynomials in t, highest power first) with "drive" (the same
-as arguments of `mbs simulate`), "events" (how many there are at least) and "substeps" (of model exchange in "dt"). Both versions of the standard,
-model exchange (a classical Runge-Kutta method here, and FMPy's CVode) and co-simulation, must agree with the program to
-1e-9 relative to the largest value of each variable or 1.
+CASES.json is a list of objects: "model" (a file), "state" (as `mbs simulate --state` takes it, all of it given),
+"t_end", "dt", and on request "inputs" ({name: [slope, offset, …]}: polynomials in t, highest power first) with "drive"
+(the same as arguments of `mbs simulate`), "events" (how many there are at least) and "substeps" (of model exchange in
+"dt"). Both versions of the standard, model exchange (a classical Runge-Kutta method here, and FMPy's CVode) and
+co-simulation, must agree with the program to 1e-9 relative to the largest value of each variable or 1.
 """
 
 import csv
@@ -199,7 +199,8 @@ def check_directions(a, case):
         found = np.array(a.fmu.getDirectionalDerivative(unknowns, [known], [1.0]))
         h = 1e-3
         # Of order 6.
-        expected = sum(c * (evaluated(column, k * h) - evaluated(column, -k * h)) for k, c in ((1, 45), (2, -9), (3, 1))) / (60 * h)
+        steps = ((1, 45), (2, -9), (3, 1))
+        expected = sum(c * (evaluated(column, k * h) - evaluated(column, -k * h)) for k, c in steps) / (60 * h)
         error_here = np.abs(found - expected) / (1 + np.max(np.abs(expected)))
         assert np.max(error_here) < case.get("directions_bound", 1e-8), (known, unknowns, found, expected)
         worst = max(worst, np.max(error_here))
@@ -262,15 +263,16 @@ def main(mbs, folder, cases):
             expected = rows[:, [header.index(name) for name in names]]
             found, events = model_exchange(path, case, times, names)
             errors = {"ME": error(found, expected)}
-            constant = all(len(np.trim_zeros(p, "f")) <= 1 for n, p in case.get("inputs", {}).items() if n not in signal_names(case))
+            of_inputs = [p for name, p in case.get("inputs", {}).items() if name not in signal_names(case)]
+            constant = all(len(np.trim_zeros(p, "f")) <= 1 for p in of_inputs)
             if version == "2" or constant:
                 errors["CS"] = error(co_simulation(path, case, times, names), expected)
             worst = max(errors.values())
             assert worst < case.get("bound", BOUND), f"{stem}, FMI {version}: {errors}"
             if "inputs" not in case:
                 # FMPy's own master; CVode is as good as multistep methods with these tolerances are.
-                result = simulate_fmu(path, fmi_type="ModelExchange", stop_time=times[-1], output_interval=case["dt"] / 20,
-                                      relative_tolerance=1e-10, output=names)
+                result = simulate_fmu(path, fmi_type="ModelExchange", stop_time=times[-1],
+                                      output_interval=case["dt"] / 20, relative_tolerance=1e-10, output=names)
                 every = np.array([[row[name] for name in names] for row in result])
                 closest = [int(np.argmin(np.abs(result["time"] - t))) for t in times]
                 errors["CVode"] = error(every[closest], expected)
