@@ -14,13 +14,14 @@ const SANITIZERS: [&str; 3] = ["-g", "-fsanitize=address,undefined", "-fno-sanit
 fn entries(workshop: &Workshop, name: &str) -> Vec<(String, Vec<u8>)> {
     let bytes = std::fs::read(workshop.path(name)).unwrap();
     let mut archive = zip::ZipArchive::new(Cursor::new(bytes)).unwrap();
+    let count = archive.len();
     let entry = |i| {
         let mut file = archive.by_index(i).unwrap();
         let mut content = Vec::new();
         file.read_to_end(&mut content).unwrap();
         (file.name().to_string(), content)
     };
-    (0..archive.len()).map(entry).collect()
+    (0..count).map(entry).collect()
 }
 
 fn description(workshop: &Workshop, name: &str) -> String {
@@ -66,7 +67,7 @@ fn compiled(folder: &Path, master: &str) {
     };
     std::fs::write(folder.join("nothing.c"), "int main(void) { return 0; }\n").unwrap();
     let can = Command::new("cc").args(SANITIZERS).args(["nothing.c", "-o", "nothing"]).current_dir(folder).output();
-    let options = if can.is_ok_and(|output| output.status.success()) { &SANITIZERS[..] } else { &[] };
+    let options = if can.is_ok_and(|output| output.status.success()) { &SANITIZERS[..] } else { &[][..] };
     let output = compile(options);
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
 }
@@ -221,8 +222,8 @@ fn motions_are_those_of_the_program() {
         let table = workshop.mbs(&[&arguments[..], drive].concat()).stdout;
         let numbers = |line: &str| line.split(',').map(|x| x.parse().unwrap()).collect::<Vec<f64>>();
         let rows: Vec<Vec<f64>> = table.lines().skip(1).map(numbers).collect();
-        for kind in if exchanges { &["0", "1"][..] } else { &["0"] } {
-            let Outcome { code, stdout, .. } = run(&folder, &[kind, "1.5", "0.25", "1000"]);
+        for kind in if exchanges { &["0", "1"][..] } else { &["0"][..] } {
+            let Outcome { code, stdout, .. } = run(&folder, &[*kind, "1.5", "0.25", "1000"]);
             assert_eq!(code, 0, "{name}: {stdout}");
             let (motion, rest): (Vec<&str>, Vec<&str>) =
                 stdout.lines().partition(|line| line.starts_with(|c: char| c.is_ascii_digit()));
