@@ -147,7 +147,8 @@ fn names_are_told_apart() {
     let workshop = Workshop::new();
     workshop.write(
         "names.mbs",
-        "mechanism Names { /// A mass < 5 & \"small\".\n param energy: kg = 1; param x_dot: m = 2; param time: m = 1; coord x: m;
+        "mechanism Names {
+         /// A mass < 5 & \"small\".\n param energy: kg = 1; param x_dot: m = 2; param time: m = 1; coord x: m;
          kinetic += energy*dt(x)^2/2; potential += (1 N/m)*(x - x_dot - time)^2; output lambda = x; }",
     );
     workshop.good(&["fmu", "names.mbs", "--sources-only", "--out", "names.fmu"]);
