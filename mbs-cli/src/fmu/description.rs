@@ -148,7 +148,7 @@ impl Description<'_> {
         let unknown = |number: usize, depends: bool| {
             let list: Vec<String> =
                 self.variables[number].dependencies.iter().map(|&other| self.index(other).to_string()).collect();
-            let dependencies = depends.then(|| attribute("dependencies", &list.join(" "))).unwrap_or_default();
+            let dependencies = if depends { attribute("dependencies", &list.join(" ")) } else { String::new() };
             let reference = if self.fmi == Fmi::Two { "index" } else { "valueReference" };
             format!("{}{dependencies}", attribute(reference, &self.index(number).to_string()))
         };
