@@ -301,7 +301,7 @@ fn fmpy_validates_and_simulates() {
     workshop.write(
         "cases.json",
         "[{\"model\": \"pendulum.mbs\", \"state\": {\"theta\": 1}, \"t_end\": 1, \"dt\": 0.1},
-          {\"model\": \"gate.mbs\", \"state\": {\"q\": [0, 0.1], \"qd\": [1.5, 0], \"u\": [0.1]}, \"t_end\": 1.5, \"dt\": 0.1, \"events\": 5, \"substeps\": 400}]",
+          {\"model\": \"gate.mbs\", \"state\": {\"q\": [0, 0.1], \"qd\": [1.5, 0], \"u\": [0.1]}, \"t_end\": 1, \"dt\": 0.1, \"events\": 3, \"substeps\": 400}]",
     );
     let output = Command::new(python)
         .args(["validate.py", env!("CARGO_BIN_EXE_mbs"), ".", "cases.json"])
