@@ -7,7 +7,8 @@
 //! - [`ops`]: operation counts;
 //! - [`eval`]: every function's value at given states;
 //! - [`linearize`]: the linear system about a state, its poles, what inputs reach;
-//! - [`simulate`]: a motion as a table and as a figure.
+//! - [`simulate`]: a motion as a table and as a figure;
+//! - [`fmu`]: the mechanism for tools that speak FMI.
 //!
 //! What they share: [`mechanism`] runs the generator's passes on a file, [`cache`] keeps what they gave, [`state`]
 //! reads states, [`mod@equations`] evaluates them along a motion, [`output`] writes, [`files`] sees that nothing that
@@ -23,6 +24,7 @@ mod equations;
 mod eval;
 mod failure;
 mod files;
+mod fmu;
 mod linearize;
 mod mechanism;
 mod ops;
@@ -59,6 +61,7 @@ enum Command {
     Eval(eval::Arguments),
     Linearize(linearize::Arguments),
     Simulate(simulate::Arguments),
+    Fmu(fmu::Arguments),
 }
 
 fn main() -> ExitCode {
@@ -81,6 +84,7 @@ fn run(command: Command, cache: &Cache) -> Result<(), Failure> {
         Command::Eval(arguments) => eval::run(&arguments, cache),
         Command::Linearize(arguments) => linearize::run(&arguments, cache),
         Command::Simulate(arguments) => simulate::run(&arguments, cache),
+        Command::Fmu(arguments) => fmu::run(&arguments, cache),
     }
 }
 

@@ -38,7 +38,7 @@ mod traits;
 
 pub use crate::expr::Trigonometry;
 use crate::optimise::Derivation;
-pub use c::c;
+pub use c::{Interface, c, interface as c_interface};
 pub use language::Language;
 
 /// What is generated.

@@ -11,6 +11,7 @@ mod elastic;
 mod errata;
 mod estimator;
 mod experiment;
+mod fmu_manual;
 mod marine;
 mod orbit_anomaly;
 mod orbit_docking;

@@ -6,6 +6,7 @@ mod constrained;
 mod derive;
 mod eval;
 mod files;
+mod fmu;
 mod graph;
 mod import;
 mod linearize;

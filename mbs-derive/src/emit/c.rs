@@ -5,6 +5,7 @@
 //! - `class`: those of C++;
 //! - `kernel`: the same for many states at once, in CUDA and OpenCL;
 //! - `expression`: how values are written in C;
+//! - `interface`: how a header calls things, for who wraps it;
 //! - `prelude`: what all headers share: the number type, elementary functions, solvers.
 //!
 //! The header needs `math.h` alone, allocates nothing, and is C++ as well. It computes what the Rust computes, in the
@@ -14,6 +15,7 @@
 mod class;
 mod expression;
 mod function;
+mod interface;
 mod kernel;
 mod parameter;
 mod prelude;
@@ -28,6 +30,7 @@ use super::body::{Angle, Block, Statement};
 use super::name::{Names, snake_case};
 use super::{Options, Trigonometry, doc, item};
 use expression::{Printer, constant, prefix};
+pub use interface::{Interface, interface};
 
 /// What a header is written in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -85,7 +85,7 @@ impl Instruction {
 
 impl Instruction {
     /// The same operation on other operands.
-    fn with_operands(self, new: impl Fn(Value) -> Value) -> Instruction {
+    pub(crate) fn with_operands(self, new: impl Fn(Value) -> Value) -> Instruction {
         match self {
             Instruction::Constant(_) | Instruction::Symbol(_) | Instruction::Hoisted(_) => self,
             Instruction::Neg(a) => Instruction::Neg(new(a)),

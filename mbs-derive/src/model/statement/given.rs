@@ -53,6 +53,16 @@ pub fn is_of(shown: &str, unit: &str) -> bool {
     of_unit(&plain).is_ok_and(|found| of_unit(unit).is_ok_and(|wanted| wanted.dimension == found.dimension))
 }
 
+/// The exponents of kg, m, s, A, K, mol and cd in a unit; `None` where it is none, or they are not whole.
+///
+/// ```
+/// use mbs_derive::model::base_exponents;
+/// assert_eq!(base_exponents("N*m*s/rad"), Some([1, 2, -1, 0, 0, 0, 0]));
+/// ```
+pub fn base_exponents(unit: &str) -> Option<[i16; 7]> {
+    of_unit(unit).ok()?.dimension.whole()
+}
+
 fn in_words(dimension: Dimension) -> String {
     if dimension == Dimension::ONE { "a plain number".to_string() } else { dimension.to_string() }
 }

@@ -65,6 +65,11 @@ impl Dimension {
         self.combine(other, -1)
     }
 
+    /// The exponents of kg, m, s, A, K, mol and cd, if they are whole.
+    pub(in crate::model) fn whole(self) -> Option<[i16; 7]> {
+        self.0.iter().all(|exponent| exponent.denominator == 1).then(|| self.0.map(|exponent| exponent.numerator))
+    }
+
     fn combine(self, other: Dimension, sign: i64) -> Option<Dimension> {
         let mut result = self;
         for (a, b) in result.0.iter_mut().zip(other.0) {

@@ -1,0 +1,60 @@
+//! The shared library of an FMU, by the system's C compiler.
+
+use std::process::Command;
+
+use super::Fmi;
+use crate::failure::Failure;
+use crate::output;
+
+/// How the sources are compiled: the bits of the Rust code, nothing visible but the functions of FMI.
+const OPTIONS: [&str; 6] = ["-std=c99", "-O2", "-ffp-contract=off", "-fPIC", "-shared", "-fvisibility=hidden"];
+
+/// The folder for libraries of this machine, as the standard calls it, and how they end; none where the program has not
+/// been tried.
+fn platform(fmi: Fmi) -> Option<&'static str> {
+    match (std::env::consts::OS, std::env::consts::ARCH, fmi) {
+        ("linux", "x86_64", Fmi::Two) => Some("linux64"),
+        ("linux", "x86_64", Fmi::Three) => Some("x86_64-linux"),
+        ("linux", "aarch64", Fmi::Three) => Some("aarch64-linux"),
+        _ => None,
+    }
+}
+
+/// The library and its name in the archive; none where there is no compiler, or no name for this machine, which
+/// standard error says.
+///
+/// # Errors
+/// The compiler is there and fails.
+pub(super) fn compiled(
+    compiler: &str,
+    fmi: Fmi,
+    sources: &[(String, String)],
+    main: &str,
+    identifier: &str,
+) -> Result<Option<(String, Vec<u8>)>, Failure> {
+    let without = |why: &str| {
+        output::report(&format!("warning: {why}; the FMU has sources only\n"));
+        Ok(None)
+    };
+    let Some(platform) = platform(fmi) else {
+        return without("libraries are compiled on Linux alone");
+    };
+    let cannot = |error: &dyn std::fmt::Display| Failure::new(format_args!("cannot compile the FMU: {error}"));
+    let folder = tempfile::tempdir().map_err(|error| cannot(&error))?;
+    for (name, text) in sources {
+        std::fs::write(folder.path().join(name), text).map_err(|error| cannot(&error))?;
+    }
+    let library = format!("{identifier}.so");
+    let mut command = Command::new(compiler);
+    command.args(OPTIONS).args(["-o", &library, main, "-lm"]).current_dir(folder.path());
+    let output = match command.output() {
+        Ok(output) => output,
+        Err(_) => return without(&format!("there is no C compiler `{compiler}`")),
+    };
+    if !output.status.success() {
+        let report = String::from_utf8_lossy(&output.stderr);
+        return Err(cannot(&format_args!("`{compiler}` fails: {}", report.lines().next().unwrap_or_default())));
+    }
+    let bytes = std::fs::read(folder.path().join(&library)).map_err(|error| cannot(&error))?;
+    Ok(Some((format!("binaries/{platform}/{library}"), bytes)))
+}

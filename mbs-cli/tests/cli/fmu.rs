@@ -1,0 +1,340 @@
+//! `mbs fmu`: what is in an FMU, and what it does in masters: one in C, linked with its sources, and FMPy's.
+
+use std::collections::BTreeSet;
+use std::io::{Cursor, Read};
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use crate::{Outcome, Workshop};
+
+const WARNINGS: [&str; 7] = ["-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wshadow", "-Werror"];
+const SANITIZERS: [&str; 3] = ["-g", "-fsanitize=address,undefined", "-fno-sanitize-recover=all"];
+
+/// The entries of an archive.
+fn entries(workshop: &Workshop, name: &str) -> Vec<(String, Vec<u8>)> {
+    let bytes = std::fs::read(workshop.path(name)).unwrap();
+    let mut archive = zip::ZipArchive::new(Cursor::new(bytes)).unwrap();
+    let count = archive.len();
+    let entry = |i| {
+        let mut file = archive.by_index(i).unwrap();
+        let mut content = Vec::new();
+        file.read_to_end(&mut content).unwrap();
+        (file.name().unwrap().to_string(), content)
+    };
+    (0..count).map(entry).collect()
+}
+
+fn description(workshop: &Workshop, name: &str) -> String {
+    let (first, content) = entries(workshop, name).remove(0);
+    assert_eq!(first, "modelDescription.xml");
+    String::from_utf8(content).unwrap()
+}
+
+/// The values of an attribute, in order.
+fn values<'t>(text: &'t str, attribute: &str) -> Vec<&'t str> {
+    let begin = format!(" {attribute}=\"");
+    text.split(&begin).skip(1).map(|rest| &rest[..rest.find('"').unwrap()]).collect()
+}
+
+/// The sources of an FMU with the masters beside them; none where there is no C compiler.
+fn sources(workshop: &Workshop, name: &str) -> Option<PathBuf> {
+    if Command::new("cc").arg("--version").output().is_err() {
+        println!("skipped: cc, which is not there");
+        return None;
+    }
+    let folder = workshop.path(&format!("{name}.sources"));
+    std::fs::create_dir(&folder).unwrap();
+    for (name, content) in entries(workshop, name) {
+        if let Some(name) = name.strip_prefix("sources/") {
+            std::fs::write(folder.join(name), content).unwrap();
+        }
+    }
+    let masters = [
+        ("master.h", include_str!("../fmu/master.h")),
+        ("master2.c", include_str!("../fmu/master2.c")),
+        ("master3.c", include_str!("../fmu/master3.c")),
+        ("both.c", include_str!("../fmu/both.c")),
+    ];
+    masters.iter().for_each(|(name, text)| std::fs::write(folder.join(name), text).unwrap());
+    Some(folder)
+}
+
+/// Compiles a master with all warnings, and with sanitizers where the compiler has them.
+fn compiled(folder: &Path, master: &str) {
+    let compile = |options: &[&str]| {
+        let arguments = [&WARNINGS[..], options, &[master, "-o", "master", "-lm"]].concat();
+        Command::new("cc").args(arguments).current_dir(folder).output().unwrap()
+    };
+    std::fs::write(folder.join("nothing.c"), "int main(void) { return 0; }\n").unwrap();
+    let can = Command::new("cc").args(SANITIZERS).args(["nothing.c", "-o", "nothing"]).current_dir(folder).output();
+    let options = if can.is_ok_and(|output| output.status.success()) { &SANITIZERS[..] } else { &[][..] };
+    let output = compile(options);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+}
+
+fn run(folder: &Path, arguments: &[&str]) -> Outcome {
+    Outcome::of(Command::new(folder.join("master")).args(arguments).current_dir(folder).output().unwrap())
+}
+
+#[test]
+fn an_fmu_has_what_the_standards_ask_for() {
+    let workshop = Workshop::new();
+    for (version, main, token) in [("2", "fmi2.c", "guid"), ("3", "fmi3.c", "instantiationToken")] {
+        let made = |out: &str| {
+            workshop.good(&["fmu", "pendulum.mbs", "--fmi", version, "--sources-only", "--out", out]);
+            std::fs::read(workshop.path(out)).unwrap()
+        };
+        assert_eq!(made("a.fmu"), made("b.fmu"), "the same bytes");
+        let names: Vec<String> = entries(&workshop, "a.fmu").into_iter().map(|(name, _)| name).collect();
+        let files = ["modelDescription.xml", "sources/pendulum.h", "sources/model.h", "sources/instance.h"];
+        assert_eq!(names[..4], files);
+        assert_eq!(names[8], format!("sources/{main}"));
+        let text = description(&workshop, "a.fmu");
+        let (_, variables) = text.split_once("<ModelVariables>").unwrap();
+        let (variables, structure) = variables.split_once("</ModelVariables>").unwrap();
+        let expected = [
+            "time",
+            "theta",
+            "theta_dot",
+            "der(theta)",
+            "der(theta_dot)",
+            "tau",
+            "m",
+            "l",
+            "g",
+            "b",
+            "height",
+            "kinetic_energy",
+            "potential_energy",
+            "energy",
+        ];
+        assert_eq!(values(variables, "name"), expected);
+        let references: Vec<String> = (0..expected.len()).map(|i| i.to_string()).collect();
+        assert_eq!(values(variables, "valueReference"), references);
+        assert_eq!(values(variables, "start"), ["0.0", "0.0", "0.0", "3.0", "2.0", "10.0", "0.25"]);
+        let first = if version == "2" { 1 } else { 0 };
+        assert_eq!(values(variables, "derivative"), [format!("{}", 1 + first), format!("{}", 2 + first)]);
+        // θ̈ depends on θ, θ̇ and the torque.
+        let all = format!("{} {} {}", 1 + first, 2 + first, 5 + first);
+        assert!(values(structure, "dependencies").contains(&all.as_str()), "{structure}");
+        assert!(
+            text.contains("<Unit name=\"N*m*s/rad\"><BaseUnit kg=\"1\" m=\"2\" s=\"-1\" rad=\"-1\"/></Unit>"),
+            "{text}"
+        );
+        let token = values(&text, token)[0];
+        assert_eq!(token.len(), 38);
+        // Another start is another FMU.
+        workshop.good(&[
+            "fmu",
+            "pendulum.mbs",
+            "--fmi",
+            version,
+            "--sources-only",
+            "--state",
+            "{\"theta\": 1}",
+            "--out",
+            "a.fmu",
+        ]);
+        assert_ne!(
+            values(&description(&workshop, "a.fmu"), if version == "2" { "guid" } else { "instantiationToken" })[0],
+            token
+        );
+    }
+}
+
+#[test]
+fn names_are_told_apart() {
+    let workshop = Workshop::new();
+    workshop.write(
+        "names.mbs",
+        "mechanism Names {
+         /// A mass < 5 & \"small\".\n param energy: kg = 1; param x_dot: m = 2; param time: m = 1; coord x: m;
+         kinetic += energy*dt(x)^2/2; potential += (1 N/m)*(x - x_dot - time)^2; output lambda = x; }",
+    );
+    workshop.good(&["fmu", "names.mbs", "--sources-only", "--out", "names.fmu"]);
+    let text = description(&workshop, "names.fmu");
+    let (_, variables) = text.split_once("<ModelVariables>").unwrap();
+    let names = values(variables.split_once("</ModelVariables>").unwrap().0, "name");
+    assert_eq!(names.iter().collect::<BTreeSet<_>>().len(), names.len(), "{names:?}");
+    assert!(names.contains(&"energy_2") && names.contains(&"time_2"), "{names:?}");
+    assert!(text.contains("A mass &lt; 5 &amp; &quot;small&quot;."), "{text}");
+}
+
+#[test]
+fn masters_in_c_find_a_pendulum_and_are_refused_what_is_wrong() {
+    let workshop = Workshop::new();
+    for version in ["2", "3"] {
+        let out = format!("{version}.fmu");
+        workshop.good(&[
+            "fmu",
+            "pendulum.mbs",
+            "--fmi",
+            version,
+            "--sources-only",
+            "--state",
+            "{\"theta\": 1}",
+            "--out",
+            &out,
+        ]);
+        let Some(folder) = sources(&workshop, &out) else { return };
+        compiled(&folder, &format!("master{version}.c"));
+        assert_eq!(run(&folder, &[]), Outcome { code: 0, stdout: "good\n".to_string(), stderr: String::new() });
+    }
+}
+
+/// Events, signals and constraints: both ways of integration against `mbs simulate`.
+#[test]
+fn motions_are_those_of_the_program() {
+    let signals =
+        "{\"q\": [0.4, 0.9], \"u\": [0.3], \"prescribed\": {\"slide\": [0, 0.1, 0.6], \"spin\": [1.5, 0, 0]}}";
+    let slides = ["--signal", "slide=0.1*t + 0.3*t^2", "--signal", "spin=1.5"];
+    // Of a signal that model exchange is told nothing of it stays as it is: co-simulation alone.
+    let cases: [(&str, &str, &str, &str, &[&str], bool); 3] = [
+        (
+            "gate",
+            include_str!("../fmu/gate.mbs"),
+            "{\"q\": [0, 0.1], \"qd\": [1.5, 0], \"u\": [0.1]}",
+            "{\"q\": [0, 0.1], \"qd\": [1.5, 0], \"u\": [0.1]}",
+            &[],
+            true,
+        ),
+        ("turning", include_str!("../fmu/turning.mbs"), signals, "{\"q\": [0.4, 0.9], \"u\": [0.3]}", &slides, false),
+        (
+            "cartesian_pendulum",
+            include_str!("../mechanisms/cartesian_pendulum.mbs"),
+            "{\"q\": [0.6, -0.8]}",
+            "{\"q\": [0.6, -0.8]}",
+            &[],
+            true,
+        ),
+    ];
+    for (name, text, state, simulated, drive, exchanges) in cases {
+        let workshop = Workshop::new();
+        let file = format!("{name}.mbs");
+        workshop.write(&file, text);
+        let fmu = workshop.mbs(&["fmu", &file, "--sources-only", "--state", state, "--out", "a.fmu"]);
+        assert_eq!(fmu.code, 0, "{}", fmu.stderr);
+        let Some(folder) = sources(&workshop, "a.fmu") else { return };
+        compiled(&folder, "both.c");
+        let arguments = [
+            "simulate", &file, "--state", simulated, "--t-end", "1.5", "--dt", "0.25", "--rtol", "1e-13", "--atol",
+            "1e-15",
+        ];
+        let table = workshop.mbs(&[&arguments[..], drive].concat()).stdout;
+        let numbers = |line: &str| line.split(',').map(|x| x.parse().unwrap()).collect::<Vec<f64>>();
+        let rows: Vec<Vec<f64>> = table.lines().skip(1).map(numbers).collect();
+        for kind in if exchanges { &["0", "1"][..] } else { &["0"][..] } {
+            let Outcome { code, stdout, .. } = run(&folder, &[*kind, "1.5", "0.25", "1000"]);
+            assert_eq!(code, 0, "{name}: {stdout}");
+            let (motion, rest): (Vec<&str>, Vec<&str>) =
+                stdout.lines().partition(|line| line.starts_with(|c: char| c.is_ascii_digit()));
+            assert_eq!(motion.len(), rows.len(), "{stdout}");
+            for (found, expected) in motion.into_iter().map(numbers).zip(&rows) {
+                for (a, b) in found.iter().zip(expected) {
+                    assert!((a - b).abs() <= 1e-9 * (1.0 + b.abs()), "{name}, {kind}: {found:?}, not {expected:?}");
+                }
+            }
+            if name == "gate" && *kind == "1" {
+                let events: usize = rest[0].strip_prefix("events ").unwrap().parse().unwrap();
+                assert!(events >= 5, "{events}");
+            }
+        }
+    }
+}
+
+#[test]
+fn libraries_are_compiled_where_there_is_a_compiler() {
+    let workshop = Workshop::new();
+    let Outcome { code, stderr, .. } =
+        workshop.mbs(&["fmu", "pendulum.mbs", "--compiler", "no-such-compiler", "--out", "a.fmu"]);
+    assert_eq!(code, 0);
+    let words = "warning: there is no C compiler `no-such-compiler`; the FMU has sources only\n";
+    assert!(stderr == words || !cfg!(target_os = "linux"), "{stderr}");
+    assert!(entries(&workshop, "a.fmu").iter().all(|(name, _)| !name.starts_with("binaries")));
+    if cfg!(all(target_os = "linux", target_arch = "x86_64")) {
+        std::fs::remove_file(workshop.path("a.fmu")).unwrap();
+        let report = workshop.bad(&["fmu", "pendulum.mbs", "--compiler", "false", "--out", "a.fmu"]);
+        assert!(report.starts_with("error: cannot compile the FMU: `false` fails"), "{report}");
+        if Command::new("cc").arg("--version").output().is_ok() {
+            workshop.good(&["fmu", "pendulum.mbs", "--fmi", "2", "--out", "a.fmu"]);
+            let library = entries(&workshop, "a.fmu").remove(1);
+            assert!(library.0 == "binaries/linux64/pendulum.so" && library.1.starts_with(b"\x7fELF"));
+            let first = std::fs::read(workshop.path("a.fmu")).unwrap();
+            workshop.good(&["fmu", "pendulum.mbs", "--fmi", "2", "--out", "a.fmu"]);
+            assert!(first == std::fs::read(workshop.path("a.fmu")).unwrap(), "the same bytes");
+        }
+    }
+}
+
+#[test]
+fn what_is_no_fmu_is_refused() {
+    let workshop = Workshop::new();
+    let report = workshop.bad(&["fmu", "pendulum.mbs", "--out", "pendulum.mbs"]);
+    assert!(report.contains("--out pendulum.mbs would overwrite a file in use"), "{report}");
+    let report = workshop.bad(&["fmu", "pendulum.mbs", "--state", "[{\"q\": [0]}]", "--out", "a.fmu"]);
+    assert_eq!(report, "error: an FMU starts from one state, found an array\n");
+    let report =
+        workshop.bad(&["fmu", "pendulum.mbs", "--state", "{\"q\": [0], \"params\": {\"m\": -1}}", "--out", "a.fmu"]);
+    assert!(report.contains("must not be negative"), "{report}");
+    for tolerance in ["0", "NaN", "-1", "1"] {
+        assert_eq!(workshop.mbs(&["fmu", "pendulum.mbs", "--tolerance", tolerance, "--out", "a.fmu"]).code, 2);
+    }
+    assert_eq!(workshop.mbs(&["fmu", "pendulum.mbs", "--fmi", "1", "--out", "a.fmu"]).code, 2);
+}
+
+/// FMPy: the interpreter is MBS_PYTHON, or python3.
+fn python() -> Option<String> {
+    let python = std::env::var("MBS_PYTHON").unwrap_or_else(|_| "python3".to_string());
+    let there = Command::new(&python).args(["-c", "import fmpy"]).output().is_ok_and(|output| output.status.success());
+    if !there {
+        println!("skipped: fmpy, `{python} -c 'import fmpy'` fails");
+    }
+    there.then_some(python)
+}
+
+#[test]
+fn fmpy_validates_and_simulates() {
+    let Some(python) = python() else { return };
+    let workshop = Workshop::new();
+    workshop.write("validate.py", include_str!("../fmu/validate.py"));
+    workshop.write("gate.mbs", include_str!("../fmu/gate.mbs"));
+    workshop.write(
+        "cases.json",
+        "[{\"model\": \"pendulum.mbs\", \"state\": {\"theta\": 1}, \"t_end\": 1, \"dt\": 0.1},
+          {\"model\": \"gate.mbs\", \"state\": {\"q\": [0, 0.1], \"qd\": [1.5, 0], \"u\": [0.1]}, \"t_end\": 1, \"dt\": 0.1, \"events\": 3, \"substeps\": 400}]",
+    );
+    let output = Command::new(python)
+        .args(["validate.py", env!("CARGO_BIN_EXE_mbs"), ".", "cases.json"])
+        .env("MBS_CACHE_DIR", "")
+        .current_dir(workshop.path("."))
+        .output()
+        .unwrap();
+    let Outcome { code, stdout, stderr } = Outcome::of(output);
+    assert_eq!(code, 0, "{stdout}{stderr}");
+    assert_eq!(stdout.lines().count(), 4, "{stdout}");
+}
+
+/// The program of docs/fmu.md.
+#[test]
+fn the_manual_has_a_program_that_runs() {
+    let Some(python) = python() else { return };
+    let workshop = Workshop::new();
+    workshop.write("cart_pole.mbs", include_str!("../mechanisms/cart_pole.mbs"));
+    workshop.write("example.py", include_str!("../fmu/example.py"));
+    workshop.good(&["fmu", "cart_pole.mbs", "--state", "{\"theta\": 0.2}", "--out", "cart_pole.fmu"]);
+    let output = Command::new(python).arg("example.py").current_dir(workshop.path(".")).output().unwrap();
+    let Outcome { code, stdout, stderr } = Outcome::of(output);
+    assert_eq!(code, 0, "{stderr}");
+    let state = "{\"theta\": 0.2, \"params\": {\"m_bob\": 0.2}}";
+    let table = workshop.good(&["simulate", "cart_pole.mbs", "--state", state, "--t-end", "2", "--dt", "0.5"]);
+    let numbers = |line: &str, by: char| line.split(by).map(|x| x.parse().unwrap()).collect::<Vec<f64>>();
+    let found: Vec<Vec<f64>> = stdout.lines().map(|line| numbers(line, ' ')).collect();
+    let expected = table.lines().skip(1).map(|line| numbers(line, ','));
+    assert_eq!(found.len(), 5, "{stdout}");
+    for (found, expected) in found.iter().zip(expected) {
+        let [t, x, theta, _, _, energy] = expected[..] else { panic!("{table}") };
+        for (a, b) in found.iter().zip([t, x, theta, energy]) {
+            assert!((a - b).abs() < 3e-9 * (1.0 + b.abs()), "{found:?}, not {expected:?}");
+        }
+    }
+}
