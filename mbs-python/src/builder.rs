@@ -1,10 +1,12 @@
 //! Calls that Python has recorded, made anew on the builder: Python's values are only numbers of calls.
 
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
+use std::sync::{Mutex, PoisonError};
 
 use mbs_derive::builder::{
     Mechanism, Pose, Scalar, Value, Vector, angular_velocity, particle, quantity, rigid_body, time,
 };
+use mbs_derive::source::Place;
 use pyo3::prelude::*;
 use pyo3::types::{PyList, PyTuple};
 
@@ -16,21 +18,38 @@ struct Call {
     operands: Vec<usize>,
     numbers: Vec<f64>,
     words: Vec<String>,
+    place: Place,
+}
+
+/// The name of a file of Python, kept for good: there are as many as there are files that write mechanisms.
+fn kept(file: &str) -> &'static str {
+    static FILES: Mutex<BTreeSet<&'static str>> = Mutex::new(BTreeSet::new());
+    let mut files = FILES.lock().unwrap_or_else(PoisonError::into_inner);
+    if let Some(known) = files.get(file) {
+        return known;
+    }
+    let new: &'static str = Box::leak(file.to_string().into_boxed_str());
+    files.insert(new);
+    new
 }
 
 /// Recorded calls; the value of each is known by its number.
 pub(crate) struct Calls(Vec<Call>);
 
-/// From a list of `(name, operands, numbers, words)`; operands are numbers of earlier calls.
+/// As Python records a call: name, operands, numbers, words, and file, line and column.
+type Recorded = (String, Vec<usize>, Vec<f64>, Vec<String>, (String, u32, u32));
+
+/// From a list of them; operands are numbers of earlier calls.
 pub(crate) fn read(list: &Bound<'_, PyList>) -> PyResult<Calls> {
     let mut calls = Vec::with_capacity(list.len());
     for (number, item) in list.iter().enumerate() {
         let item = item.cast_into::<PyTuple>().map_err(|_| refused("a call is a tuple"))?;
-        let (name, operands, numbers, words): (String, Vec<usize>, Vec<f64>, Vec<String>) = item.extract()?;
+        let (name, operands, numbers, words, (file, line, column)): Recorded = item.extract()?;
+        let place = Place { file: kept(&file), line, column };
         if operands.iter().any(|&operand| operand >= number) {
             return Err(refused(format!("call {number}, {name}: an operand comes after it")));
         }
-        calls.push(Call { name, operands, numbers, words });
+        calls.push(Call { name, operands, numbers, words, place });
     }
     Ok(Calls(calls))
 }
@@ -42,13 +61,15 @@ impl Calls {
     }
 
     fn mechanism(&self) -> PyResult<Mechanism> {
-        let Some(Call { name, words, .. }) = self.0.first() else { return Err(refused("there are no calls")) };
+        let Some(Call { name, words, place, .. }) = self.0.first() else { return Err(refused("there are no calls")) };
         let ("mechanism", [own, doc]) = (name.as_str(), words.as_slice()) else {
             return Err(refused("the first call is `mechanism`"));
         };
         let mut uses = vec![0_usize; self.0.len()];
         self.0.iter().flat_map(|call| &call.operands).for_each(|&operand| uses[operand] += 1);
-        let mut replay = Replay { mechanism: Mechanism::new(own, doc), values: HashMap::new(), uses };
+        let mut mechanism = Mechanism::new(own, doc);
+        mechanism.at(*place);
+        let mut replay = Replay { mechanism, values: HashMap::new(), uses };
         for (number, call) in self.0.iter().enumerate().skip(1) {
             if let Some(value) = replay.made(call)? {
                 replay.values.insert(number, value);
@@ -65,6 +86,17 @@ enum Made {
     Vector(Vector),
     Pose(Pose),
     Array(Vec<Scalar>),
+}
+
+impl Made {
+    fn at(self, place: Place) -> Self {
+        match self {
+            Made::Scalar(value) => Made::Scalar(value.at(place)),
+            Made::Vector(value) => Made::Vector(value.at(place)),
+            Made::Pose(value) => Made::Pose(value.at(place)),
+            Made::Array(values) => Made::Array(values),
+        }
+    }
 }
 
 struct Replay {
@@ -131,10 +163,11 @@ impl Replay {
         let values: Vec<Made> = call.operands.iter().map(|&i| self.operand(i)).collect::<PyResult<_>>()?;
         let numbers = call.numbers.iter();
         let mut given = Given { call, values: values.into_iter(), words: call.words.iter(), numbers };
+        self.mechanism.at(call.place);
         match self.stated(&mut given)? {
             Some(Made::Array(all)) if all.is_empty() => Ok(None),
             Some(made) => Ok(Some(made)),
-            None => computed(&mut given).map(Some),
+            None => computed(&mut given).map(|made| Some(made.at(call.place))),
         }
     }
 

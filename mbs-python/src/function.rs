@@ -109,25 +109,20 @@ impl Function {
         let batch = self.batch(&inputs, found.is_some())?;
         let count = size(&batch, &self.name)?;
         let mut copies: Vec<Vec<f64>> = Vec::new();
-        for (argument, input) in self.arguments.iter().zip(&inputs) {
-            let (leading, n) = (leading(argument, input), argument.count());
-            let is_shared = input.values().len() == n;
-            let is_whole = leading == batch;
-            copies.push(if is_shared || is_whole { Vec::new() } else { spread(input.values(), leading, &batch, n) });
+        if !batch.is_empty() {
+            for (argument, input) in self.arguments.iter().zip(&inputs) {
+                let (leading, n) = (leading(argument, input), argument.count());
+                let is_as_it_is = input.values().len() == n || leading == batch;
+                copies.push(if is_as_it_is { Vec::new() } else { spread(input.values(), leading, &batch, n) });
+            }
         }
-        let operands: Vec<(&[f64], usize)> = self
-            .arguments
-            .iter()
-            .zip(inputs.iter().zip(&copies))
-            .map(|(argument, (input, copy))| {
-                let n = argument.count();
-                match (copy.is_empty(), input.values().len() == n) {
-                    (false, _) => (copy.as_slice(), n),
-                    (true, true) => (input.values(), 0),
-                    (true, false) => (input.values(), n),
-                }
-            })
-            .collect();
+        let mut operands: Vec<(&[f64], usize)> = Vec::with_capacity(inputs.len());
+        for (i, (input, argument)) in inputs.iter().zip(&self.arguments).enumerate() {
+            let copy = copies.get(i).filter(|copy| !copy.is_empty());
+            let is_stepped = copy.is_some() || input.values().len() != argument.count();
+            let values = copy.map_or(input.values(), Vec::as_slice);
+            operands.push((values, if is_stepped { argument.count() } else { 0 }));
+        }
         let shape = |axes: &Vec<usize>| [batch.as_slice(), axes].concat();
         let mut outputs: Vec<_> = self.results.iter().map(|(axes, _)| array::zeros(py, &shape(axes))).collect();
         let mut results: Vec<&mut [f64]> = outputs.iter_mut().map(|output| output.values()).collect();

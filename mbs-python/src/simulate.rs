@@ -130,7 +130,9 @@ impl Equations {
         {
             self.error.borrow_mut().get_or_insert(error);
         }
-        match self.error.borrow().is_some() {
+        // Not in the condition: what is borrowed there stays borrowed.
+        let has_failed = self.error.borrow().is_some();
+        match has_failed {
             true => qdd.fill(f64::NAN),
             false => self.put(FunctionKind::ForwardDynamics, t, q, qd, qdd),
         }

@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
+import itertools
+import sys
 from collections.abc import Iterator, Sequence
 from typing import Any, TypeVar
 
 import numpy as np
 
-Call = tuple[str, list[int], list[float], list[str]]
+Place = tuple[str, int, int]
+Call = tuple[str, list[int], list[float], list[str], Place]
 
 
 class _Value:
     """One recorded call and the values that it is given."""
 
-    __slots__ = ("_name", "_operands", "_numbers", "_words")
+    __slots__ = ("_name", "_operands", "_numbers", "_words", "_made")
     __array_ufunc__ = None  # NumPy's operators leave it to ours
 
     def __init__(
@@ -23,6 +26,19 @@ class _Value:
         self._operands = tuple(operands)
         self._numbers = tuple(_number(name, number) for number in numbers)
         self._words = tuple(_word(name, word) for word in words)
+        frame = sys._getframe(1)
+        while frame.f_globals.get("__name__") == __name__ and frame.f_back is not None:
+            frame = frame.f_back
+        self._made = (frame.f_code, frame.f_lasti, frame.f_lineno)
+
+    def _place(self) -> Place:
+        """Where it was written, as reports name it."""
+        code, instruction, line = self._made
+        column: int | None = 0
+        if hasattr(code, "co_positions"):
+            positions = itertools.islice(code.co_positions(), instruction // 2, None)
+            line, _, column, _ = next(positions, (line, line, 0, 0))
+        return code.co_filename, line or 1, (column or 0) + 1
 
     def __bool__(self) -> bool:
         raise TypeError("its value is not known before the motion; mbs.below chooses between two values")
@@ -387,7 +403,7 @@ class Mechanism:
                 continue
             numbers[id(value)] = len(calls)
             operands = [numbers[id(operand)] for operand in value._operands]
-            calls.append((value._name, operands, list(value._numbers), list(value._words)))
+            calls.append((value._name, operands, list(value._numbers), list(value._words), value._place()))
             waiting.pop()
         return calls
 

@@ -354,8 +354,8 @@ class Model:
             _number("max_step", max_step),
             _count("max_steps", max_steps),
         )
-        start = [self._state("q", q), self._state("qd", np.zeros(self.dof) if qd is None else qd)]
-        found = _mbs.simulate(self._core, *start, span, times, how, u, prescribed, declared, bool(project))
+        start, rates = self._state("q", q), self._state("qd", np.zeros(self.dof) if qd is None else qd)
+        found = _mbs.simulate(self._core, start, rates, span, times, how, u, prescribed, declared, bool(project))
         units = [(name, v["unit"]) for v in self._info["coordinates"] for name in v["components"]]
         happened = [EventTime(*event) for event in found.pop("events")]
         return Trajectory(**found, events=happened, coordinates=units)
@@ -547,7 +547,7 @@ def _method(number: int, function: dict[str, Any]) -> Callable[..., Any]:
     result = [f"- {part or 'result'}: {_shape(kind, shape)}" for part, kind, shape in function["results"]]
     how = "compiled" if function["compiled"] else "interpreted"
     method.__doc__ = "\n".join([function["docs"], "", "Shapes, with any leading axes:", "", *shapes, *result, "", f"It is {how}."])
-    return method  # type: ignore[no-any-return]
+    return method
 
 
 def _shape(kind: str, shape: list[int]) -> str:
