@@ -29,7 +29,10 @@ def python(threads):
     q, qd, u = np.random.default_rng(1).uniform(-1, 1, (3, states, 6))
     mbs.set_threads(threads)
     given = {"forward_dynamics": (q, qd, u), "inverse_dynamics": (q, qd, u), "mass_matrix": (q,)}
-    return {n: min(timeit.repeat(lambda n=n: getattr(arm, n)(*given[n]), number=1, repeat=60)) / states * 1e9 for n in FUNCTIONS}
+    return {
+        n: min(timeit.repeat(lambda n=n: getattr(arm, n)(*given[n]), number=1, repeat=60)) / states * 1e9
+        for n in FUNCTIONS
+    }
 
 
 def main():
@@ -37,12 +40,14 @@ def main():
         turns = [(rust(threads), python(threads)) for _ in range(5)]
         for name in FUNCTIONS:
             a, b = (min(turn[i][name] for turn in turns) for i in (0, 1))
-            print(f"{name}, {threads} threads: Rust {a:.1f} ns, Python {b:.1f} ns a state, throughput {a / b:.0%} of Rust's")
+            print(
+                f"{name}, {threads} threads: Rust {a:.1f} ns, Python {b:.1f} ns a state, throughput {a / b:.0%} of Rust's"
+            )
     pendulum = mbs.compile(HERE.parents[1] / "models" / "mechanisms" / "pendulum.mbs")
     q, qd, u = np.array([0.3]), np.array([0.1]), np.array([0.0])
     for name, args in [("forward_dynamics", (q, qd, u)), ("potential_energy", (q,))]:
         f, n = getattr(pendulum, name), 20_000
-        best = min(timeit.repeat(lambda: [f(*args) for _ in range(n)], number=1, repeat=15)) / n
+        best = min(timeit.repeat("f(*args)", number=n, repeat=15, globals={"f": f, "args": args})) / n
         print(f"pendulum, {name} of one state: {best * 1e6:.2f} µs")
 
 

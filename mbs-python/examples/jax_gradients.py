@@ -87,7 +87,9 @@ def main():
         speed = 0.95 * speed - 5.0 * gradient
         torques = torques + speed
     assert last < 0.01 * first, (first, last)
-    print(f"the gradient through 25 steps agrees with differences; cost from {first:.4f} to {last:.6f} in 200 steps of descent")
+    print(
+        f"the gradient through 25 steps agrees with differences; cost from {first:.4f} to {last:.6f} in 200 steps of descent"
+    )
 
 
 if __name__ == "__main__":

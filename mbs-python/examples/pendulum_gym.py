@@ -24,7 +24,9 @@ mechanism Rod {
 class SwingUp(gymnasium.Env):
     """Observation: cosine, sine, rate; action: torque within 2 N m."""
 
-    observation_space = gymnasium.spaces.Box(-np.array([1.0, 1.0, 8.0], np.float32), np.array([1.0, 1.0, 8.0], np.float32))
+    observation_space = gymnasium.spaces.Box(
+        -np.array([1.0, 1.0, 8.0], np.float32), np.array([1.0, 1.0, 8.0], np.float32)
+    )
     action_space = gymnasium.spaces.Box(-2.0, 2.0, (1,), np.float32)
     dt, substeps = 0.05, 5
 
@@ -79,10 +81,14 @@ def main():
     assert observation[0] > 0.99, observation
     # Without torque the energy stays.
     environment.reset(seed=2)
-    energy = environment.rod.kinetic_energy(environment.q, environment.qd) + environment.rod.potential_energy(environment.q)
+    energy = environment.rod.kinetic_energy(environment.q, environment.qd) + environment.rod.potential_energy(
+        environment.q
+    )
     for _ in range(20):
         environment.step([0.0])
-    after = environment.rod.kinetic_energy(environment.q, environment.qd) + environment.rod.potential_energy(environment.q)
+    after = environment.rod.kinetic_energy(environment.q, environment.qd) + environment.rod.potential_energy(
+        environment.q
+    )
     assert abs(after - energy) < 1e-4 or abs(environment.qd[0]) == 8.0
     print(f"upright after 20 s, cosine {observation[0]:.4f}, return {total:.1f}")
 

@@ -41,10 +41,14 @@ def main():
     start[pole] += 0.2
     motion = cart.simulate(start, rest, t=12.0, u=control, times=np.linspace(0, 12, 121), rtol=1e-8)
     assert np.abs(motion.end[1] - upright).max() < 1e-2, motion.end
-    free = cart.simulate(start, rest, t=3.0, events=[mbs.Event(lambda t, q, qd: abs(q[pole] - upright[pole]) - np.pi / 2, terminal=True)])
+    free = cart.simulate(
+        start, rest, t=3.0, events=[mbs.Event(lambda t, q, qd: abs(q[pole] - upright[pole]) - np.pi / 2, terminal=True)]
+    )
     assert free.stopped
-    print(f"without control the pole falls to the side in {free.end[0]:.3f} s; held, it is upright to "
-          f"{np.abs(motion.end[1] - upright).max():.1e} after 12 s, with at most {np.abs(motion['x']).max():.3f} m of the cart")
+    print(
+        f"without control the pole falls to the side in {free.end[0]:.3f} s; held, it is upright to "
+        f"{np.abs(motion.end[1] - upright).max():.1e} after 12 s, with at most {np.abs(motion['x']).max():.3f} m of the cart"
+    )
 
 
 if __name__ == "__main__":

@@ -5,14 +5,16 @@ import mbs
 import numpy as np
 import torch
 
-PENDULUM = mbs.compile("""
+PENDULUM = mbs.compile(
+    """
 /// A point on a massless rod.
 mechanism Pendulum {
     param m: kg = 1; param l: m = 1; param g: m/s^2 = 9.81;
     coord theta: rad; input tau: N*m;
     kinetic += 1/2*m*l^2*dt(theta)^2; potential -= m*g*l*cos(theta); force theta += tau;
 }
-""".replace("potential -= m", "potential += -m"))
+""".replace("potential -= m", "potential += -m")
+)
 
 
 class Accelerations(torch.autograd.Function):
@@ -24,7 +26,9 @@ class Accelerations(torch.autograd.Function):
     @staticmethod
     def backward(ctx, gradient):
         slopes = PENDULUM.linearize(*(a.detach().numpy() for a in ctx.saved_tensors))
-        return tuple(torch.einsum("...i,...ij->...j", gradient, torch.from_numpy(np.ascontiguousarray(s))) for s in slopes)
+        return tuple(
+            torch.einsum("...i,...ij->...j", gradient, torch.from_numpy(np.ascontiguousarray(s))) for s in slopes
+        )
 
 
 def main():

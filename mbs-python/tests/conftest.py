@@ -45,7 +45,7 @@ def model(name, backend="auto"):
 def states(model, count, seed):
     """Arguments of every function by name, `count` of each."""
     random = np.random.default_rng(seed)
-    sizes = {shape: name for shape, name in []}
+    sizes = {}
     for function in model._info["functions"]:
         for name, shape in function["arguments"]:
             sizes.setdefault(name, tuple(shape))

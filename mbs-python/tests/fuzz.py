@@ -36,10 +36,15 @@ class Cases:
     def __init__(self):
         self.models = [mbs.compile(folder(name)) for name in NAMES]
         self.models += [mbs.compile(folder(name), backend="interpreter") for name in ["pendulum", "four_bar"]]
-        self.texts = [p.read_text() for f in ["models/mechanisms", "tests/mechanisms"] for p in sorted((ROOT / f).glob("*.mbs"))]
+        self.texts = [
+            p.read_text() for f in ["models/mechanisms", "tests/mechanisms"] for p in sorted((ROOT / f).glob("*.mbs"))
+        ]
         self.texts = [text for text in self.texts if len(text) < 2500 and "import" not in text]
-        self.texts += [p.read_text(errors="replace") for p in sorted((ROOT / "tests" / "bad").glob("**/*.mbs"))
-                       if p.stat().st_size < 1500]
+        self.texts += [
+            p.read_text(errors="replace")
+            for p in sorted((ROOT / "tests" / "bad").glob("**/*.mbs"))
+            if p.stat().st_size < 1500
+        ]
 
     def run(self, seed, number):
         r = random.Random(f"{seed}-{number}")
@@ -66,7 +71,9 @@ class Cases:
                 values.flat[r.randrange(values.size)] = r.choice([np.nan, np.inf, -np.inf])
             return values
         if kind == 11:
-            return g.uniform(-2, 2, (*batch, *shape)).astype(r.choice(["f4", "f2", "i1", "u8", "?", ">f8", "g", "c16", "O", "U5", "S3"]))
+            return g.uniform(-2, 2, (*batch, *shape)).astype(
+                r.choice(["f4", "f2", "i1", "u8", "?", ">f8", "g", "c16", "O", "U5", "S3"])
+            )
         if kind == 12:
             return np.asfortranarray(g.uniform(-2, 2, (*batch, *shape)))
         if kind == 13:
@@ -74,7 +81,9 @@ class Cases:
         if kind == 14:
             return np.broadcast_to(g.uniform(-1, 1, shape), (4, *shape))
         if kind == 15:
-            return g.uniform(-2, 2, tuple(2 * n for n in (*batch, *shape)))[tuple(slice(None, None, r.choice([2, -2])) for _ in (*batch, *shape))]
+            return g.uniform(-2, 2, tuple(2 * n for n in (*batch, *shape)))[
+                tuple(slice(None, None, r.choice([2, -2])) for _ in (*batch, *shape))
+            ]
         if kind == 16:
             return np.ma.masked_array(g.uniform(-1, 1, (*batch, *shape)))
         if kind == 17:
@@ -83,8 +92,37 @@ class Cases:
             return g.uniform(1e300, 1.7e308, (*batch, *shape))
         if kind == 19:
             return g.uniform(0, 1e-310, (*batch, *shape))
-        return r.choice([None, "", "1", b"1", 1, 1.5, -0.0, 1e400, 10**400, True, [], (), {}, {"q": 1}, object(), [None], [[1], [1, 2]],
-                         np.float64(3), np.array(2.0), range(6), iter([1]), lambda *_: 1, float("nan"), 1j, "\ud800", np.zeros((0, 0)), type])
+        return r.choice(
+            [
+                None,
+                "",
+                "1",
+                b"1",
+                1,
+                1.5,
+                -0.0,
+                1e400,
+                10**400,
+                True,
+                [],
+                (),
+                {},
+                {"q": 1},
+                object(),
+                [None],
+                [[1], [1, 2]],
+                np.float64(3),
+                np.array(2.0),
+                range(6),
+                iter([1]),
+                lambda *_: 1,
+                float("nan"),
+                1j,
+                "\ud800",
+                np.zeros((0, 0)),
+                type,
+            ]
+        )
 
     # ---- kinds of cases
 
@@ -94,7 +132,11 @@ class Cases:
         args = [self.value(r, shape) for _, shape in function["arguments"]]
         if r.random() < 0.05:
             args = args[: r.randrange(len(args) + 1)] + [self.value(r)] * r.randrange(3)
-        call = model.functions[function["name"]] if r.random() < 0.7 else model._functions[model._info["functions"].index(function)]
+        call = (
+            model.functions[function["name"]]
+            if r.random() < 0.7
+            else model._functions[model._info["functions"].index(function)]
+        )
         if r.random() < 0.1:
             call(**{r.choice(["q", "qd", "u", "t", "x"]): self.value(r, (model.dof,)) for _ in range(r.randrange(4))})
         else:
@@ -112,24 +154,59 @@ class Cases:
                 else:
                     setattr(model.params, str(name), self.value(r, ()))
             except MEANT:
-                assert all(np.array_equal(before[n], model.params[n]) for n in model.params), "a refused parameter was set"
+                assert all(np.array_equal(before[n], model.params[n]) for n in model.params), (
+                    "a refused parameter was set"
+                )
         assert all(np.all(np.isfinite(model.params[n])) for n in model.params)
 
     def simulate(self, r):
         model = r.choice(self.models)
         n = model.dof
-        given = {"q": np.random.default_rng(r.randrange(2**32)).uniform(-1, 1, n), "t": r.choice([0.01, (0, 0.02), 0.0, -0.01])}
+        given = {
+            "q": np.random.default_rng(r.randrange(2**32)).uniform(-1, 1, n),
+            "t": r.choice([0.01, (0, 0.02), 0.0, -0.01]),
+        }
         given["max_steps"] = 200
         for _ in range(r.randrange(3)):
-            name = r.choice(["q", "qd", "t", "times", "u", "prescribed", "events", "method", "rtol", "atol", "step", "max_step", "project"])
+            name = r.choice(
+                [
+                    "q",
+                    "qd",
+                    "t",
+                    "times",
+                    "u",
+                    "prescribed",
+                    "events",
+                    "method",
+                    "rtol",
+                    "atol",
+                    "step",
+                    "max_step",
+                    "project",
+                ]
+            )
             given[name] = {
-                "method": r.choice(["dop853", "dopri5", "rk4", "gauss_legendre4", "stormer_verlet", "semi_implicit_euler", "", None]),
+                "method": r.choice(
+                    ["dop853", "dopri5", "rk4", "gauss_legendre4", "stormer_verlet", "semi_implicit_euler", "", None]
+                ),
                 "times": r.choice([[0.0, 0.005], [], [0.0] * 3, [1.0, 0.0], self.value(r, (3,))]),
-                "events": r.choice([[], [mbs.Event(lambda t, q, qd: q[0])], [mbs.Event(lambda *_: "x")], [mbs.Event(lambda t, q, qd: q[0], action=lambda *_: 3)], 3,
-                                    [mbs.Event(lambda t, q, qd: t - 0.005, terminal=True)]]),
+                "events": r.choice(
+                    [
+                        [],
+                        [mbs.Event(lambda t, q, qd: q[0])],
+                        [mbs.Event(lambda *_: "x")],
+                        [mbs.Event(lambda t, q, qd: q[0], action=lambda *_: 3)],
+                        3,
+                        [mbs.Event(lambda t, q, qd: t - 0.005, terminal=True)],
+                    ]
+                ),
                 "step": r.choice([None, 1e-3, 0.0, -1.0, np.nan, "x"]),
-                "u": r.choice([self.value(r, (len(model.inputs),)), lambda t, q, qd: self.value(r, (len(model.inputs),))]),
-                "prescribed": r.choice([self.value(r, (len(model.prescribed), 3)), lambda t: np.zeros((len(model.prescribed), 3))]),
+                "u": r.choice(
+                    [self.value(r, (len(model.inputs),)), lambda t, q, qd: self.value(r, (len(model.inputs),))]
+                ),
+                "prescribed": r.choice(
+                    [self.value(r, (len(model.prescribed), 3)), lambda t: np.zeros((len(model.prescribed), 3))]
+                ),
             }.get(name, self.value(r, (n,) if name in ("q", "qd") else ()))
         if isinstance(given["t"], float) and abs(given["t"]) > 1:
             given["t"] = 0.01
@@ -142,12 +219,38 @@ class Cases:
             i, j = sorted(r.randrange(len(text) + 1) for _ in range(2))
             j = min(j, i + 40)
             k = r.randrange(len(other) + 1)
-            text = r.choice([
-                text[:i] + text[j:],
-                text[:i] + other[k:k + 30] + text[i:],
-                text[:i] + text[i:j] * 2 + text[j:],
-                text[:i] + r.choice(["{", "}", "(", ")", "[0]", "^", "-", "\0", "é", "\ud800", "1e999", "dt(", "if ", "for i in 0..3 {", ";", "/*", "\"", "0/0", "sqrt(-1)"]) + text[j:],
-            ])
+            text = r.choice(
+                [
+                    text[:i] + text[j:],
+                    text[:i] + other[k : k + 30] + text[i:],
+                    text[:i] + text[i:j] * 2 + text[j:],
+                    text[:i]
+                    + r.choice(
+                        [
+                            "{",
+                            "}",
+                            "(",
+                            ")",
+                            "[0]",
+                            "^",
+                            "-",
+                            "\0",
+                            "é",
+                            "\ud800",
+                            "1e999",
+                            "dt(",
+                            "if ",
+                            "for i in 0..3 {",
+                            ";",
+                            "/*",
+                            '"',
+                            "0/0",
+                            "sqrt(-1)",
+                        ]
+                    )
+                    + text[j:],
+                ]
+            )
         if "{" not in text:
             text += "{"
         model = mbs.compile(text, backend="interpreter")
@@ -158,13 +261,58 @@ class Cases:
     def builder(self, r):
         m = mbs.Mechanism(r.choice(["A", "A", "A", "1", "", "x y", "\n", "Mechanism"]))
         x, y = m.coord("x", "m"), m.coord(r.choice(["y", "x", "dt", "let", ""]), r.choice(["m", "rad", "apples", ""]))
-        pool = [x, y, mbs.quantity(2.0, r.choice(["kg", "N/m", "?", "m"])), mbs.vector(x, 0, 0), mbs.world(), 2, 0.0, float("nan"), "x", None, mbs.time(), (1, 2, 3)]
-        one = [mbs.sin, mbs.dt, mbs.sqrt, mbs.ln, mbs.translation, mbs.angular_velocity, lambda v: -v, lambda v: v.x, lambda v: v.dt(), lambda v: v.norm()]
-        two = [lambda a, b: a + b, lambda a, b: a * b, lambda a, b: a / b, lambda a, b: a**b, mbs.atan2, mbs.particle, mbs.rotation, lambda a, b: a.cross(b), lambda a, b: a.point(b)]
+        pool = [
+            x,
+            y,
+            mbs.quantity(2.0, r.choice(["kg", "N/m", "?", "m"])),
+            mbs.vector(x, 0, 0),
+            mbs.world(),
+            2,
+            0.0,
+            float("nan"),
+            "x",
+            None,
+            mbs.time(),
+            (1, 2, 3),
+        ]
+        one = [
+            mbs.sin,
+            mbs.dt,
+            mbs.sqrt,
+            mbs.ln,
+            mbs.translation,
+            mbs.angular_velocity,
+            lambda v: -v,
+            lambda v: v.x,
+            lambda v: v.dt(),
+            lambda v: v.norm(),
+        ]
+        two = [
+            lambda a, b: a + b,
+            lambda a, b: a * b,
+            lambda a, b: a / b,
+            lambda a, b: a**b,
+            mbs.atan2,
+            mbs.particle,
+            mbs.rotation,
+            lambda a, b: a.cross(b),
+            lambda a, b: a.point(b),
+        ]
         for _ in range(r.randrange(1, 25)):
             try:
-                pool.append(r.choice(one)(r.choice(pool)) if r.random() < 0.5 else r.choice(two)(r.choice(pool), r.choice(pool)))
-                say = [m.kinetic, m.potential, m.dissipation, m.gravity, lambda v: m.output("o", v), lambda v: m.constraint("c", v, 0), lambda v: m.force(x, v), lambda v: m.reaction("r", v)]
+                pool.append(
+                    r.choice(one)(r.choice(pool)) if r.random() < 0.5 else r.choice(two)(r.choice(pool), r.choice(pool))
+                )
+                say = [
+                    m.kinetic,
+                    m.potential,
+                    m.dissipation,
+                    m.gravity,
+                    lambda v: m.output("o", v),
+                    lambda v: m.constraint("c", v, 0),
+                    lambda v: m.force(x, v),
+                    lambda v: m.reaction("r", v),
+                ]
                 if r.random() < 0.3:
                     r.choice(say)(r.choice(pool))
             except MEANT + (ZeroDivisionError, OverflowError):
@@ -174,9 +322,20 @@ class Cases:
 
     def face(self, r):
         model = r.choice(self.models)
-        r.choice([repr, str, lambda m: m._repr_latex_(), lambda m: m._repr_html_(), lambda m: m.units, lambda m: getattr(m, r.choice(["", "x", "params", "q", "__x__"])),
-                  lambda m: m.with_params(self.value(r)), lambda m: m.state_space(*[self.value(r, (m.dof,))] * r.randrange(5)),
-                  lambda m: mbs.compile(self.value(r), backend=r.choice(["c", "x", None, 3])), lambda m: mbs.set_threads(r.choice([0, 1, 2, 3, -1, 10**30, "1", None]))])(model)
+        r.choice(
+            [
+                repr,
+                str,
+                lambda m: m._repr_latex_(),
+                lambda m: m._repr_html_(),
+                lambda m: m.units,
+                lambda m: getattr(m, r.choice(["", "x", "params", "q", "__x__"])),
+                lambda m: m.with_params(self.value(r)),
+                lambda m: m.state_space(*[self.value(r, (m.dof,))] * r.randrange(5)),
+                lambda m: mbs.compile(self.value(r), backend=r.choice(["c", "x", None, 3])),
+                lambda m: mbs.set_threads(r.choice([0, 1, 2, 3, -1, 10**30, "1", None])),
+            ]
+        )(model)
 
 
 def cases(seed, until, first, only, log):
@@ -221,7 +380,18 @@ def main():
             print(cases(arguments.seed, until, arguments.first, arguments.only, log), "cases, none of them a crash")
         return
     with tempfile.NamedTemporaryFile("r", prefix="mbs-fuzz-") as log:
-        line = [sys.executable, __file__, "--child", log.name, "--seed", arguments.seed, "--first", arguments.first, "--minutes", arguments.minutes]
+        line = [
+            sys.executable,
+            __file__,
+            "--child",
+            log.name,
+            "--seed",
+            arguments.seed,
+            "--first",
+            arguments.first,
+            "--minutes",
+            arguments.minutes,
+        ]
         code = subprocess.run([str(word) for word in line]).returncode
         if code != 0:
             sys.exit(f"the process ended with {code} in case {log.read().strip()} of seed {arguments.seed}")

@@ -2,6 +2,7 @@
 
 import importlib.util
 import inspect
+import pathlib
 import pydoc
 import subprocess
 import sys
@@ -14,7 +15,11 @@ from conftest import ROOT, model
 def test_help_has_units_and_documentation():
     own = model("pendulum")
     text = pydoc.plain(pydoc.render_doc(own))
-    for words in ["A point mass on a massless rod", "`theta` [rad] Angle from straight down.", "forward_dynamics(self, q, qd, u)"]:
+    for words in [
+        "A point mass on a massless rod",
+        "`theta` [rad] Angle from straight down.",
+        "forward_dynamics(self, q, qd, u)",
+    ]:
         assert words in text
     text = pydoc.plain(pydoc.render_doc(own.mass_matrix))
     assert "mass_matrix(q)" in text and "M" in text and "(..., 1, 1)" in text
@@ -36,24 +41,20 @@ def test_notebooks_show_equations_and_tables():
 
 
 def test_declared_markup_is_escaped():
-    own = mbs.compile("/// <script>alert(1)</script>\nmechanism A { coord x: m; kinetic += 1 kg*dt(x)^2; }", backend="interpreter")
+    own = mbs.compile(
+        "/// <script>alert(1)</script>\nmechanism A { coord x: m; kinetic += 1 kg*dt(x)^2; }", backend="interpreter"
+    )
     assert "<script>" not in own._repr_html_()
 
 
 def test_there_are_types():
     package = importlib.util.find_spec("mbs").submodule_search_locations[0]
-    assert all(pathlib_exists(f"{package}/{name}") for name in ["py.typed", "_mbs.pyi"])
+    assert all((pathlib.Path(package) / name).exists() for name in ["py.typed", "_mbs.pyi"])
     if importlib.util.find_spec("mypy") is None:
         pytest.skip("mypy is not installed")
     line = [sys.executable, "-m", "mypy", "--strict", "--no-warn-return-any", "--no-incremental", package]
     run = subprocess.run(line, capture_output=True, text=True, cwd=ROOT)
     assert run.returncode == 0, run.stdout
-
-
-def pathlib_exists(path):
-    import pathlib
-
-    return pathlib.Path(path).exists()
 
 
 def test_all_that_is_named_is_there():

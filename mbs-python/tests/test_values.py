@@ -77,7 +77,7 @@ def test_values_are_those_of_the_command_line(name, tmp_path):
         pytest.skip("there is no `mbs`: cargo build -p mbs-cli, or MBS_CLI=path")
     own = model(name)
     given = states(own, 3, seed=4)
-    wanted = [f["name"] for f in own._info["functions"] if ("multipliers", ) not in [(a,) for a, _ in f["arguments"]]]
+    wanted = [name for name in own.functions if "multipliers" not in takes(own, name)]
     for i in range(3):
         state = {key: values[i].tolist() for key, values in given.items() if key not in ("prescribed", "multipliers")}
         if "prescribed" in given:
@@ -91,7 +91,10 @@ def test_values_are_those_of_the_command_line(name, tmp_path):
             if function == "conserved":
                 continue  # printed by name
             if function == "linearize":
-                value = {part: value[part] for part in own.linearize(*(a[i] for a in arguments(own, function, given)))._fields}
+                value = {
+                    part: value[part]
+                    for part in own.linearize(*(a[i] for a in arguments(own, function, given)))._fields
+                }
             found = parts(own.functions[function](*(arg[i] for arg in arguments(own, function, given))))
             flat = np.concatenate([part.ravel() for part in found])
             expected = np.array(shapely(value), float)
@@ -99,16 +102,21 @@ def test_values_are_those_of_the_command_line(name, tmp_path):
             assert np.array_equal(np.where(np.isfinite(flat), flat, np.nan), expected, equal_nan=True), function
 
 
+def takes(model, name):
+    return [argument for argument, _ in next(f for f in model._info["functions"] if f["name"] == name)["arguments"]]
+
+
 def test_multipliers_are_those_of_the_motion_where_none_are_given():
     own = model("four_bar_with_reactions")
     given = states(own, 5, seed=5)
-    function = next(f for f in own._info["functions"] if any(a == "multipliers" for a, _ in f["arguments"]))
-    names = [a for a, _ in function["arguments"]]
-    args = {a: given[a] for a in names if a != "multipliers"}
-    of_motion = own.functions["multipliers"](*arguments(own, "multipliers", given))
-    if set(a for a, _ in next(f for f in own._info["functions"] if f["name"] == "multipliers")["arguments"]) <= set(args):
-        found = parts(own.functions[function["name"]](**args))
-        assert all(map(same_bits, found, parts(own.functions[function["name"]](**args, multipliers=of_motion))))
+    function = next(name for name in own.functions if "multipliers" in takes(own, name))
+    args = {name: given[name] for name in takes(own, function) if name != "multipliers"}
+    # What the motion depends on and the function does not is zero.
+    zeros = {name: np.zeros_like(values) for name, values in given.items()}
+    of_motion = own.multipliers(*({**zeros, **args}[name] for name in takes(own, "multipliers")))
+    found = parts(own.functions[function](**args))
+    assert all(map(same_bits, found, parts(own.functions[function](**args, multipliers=of_motion))))
+    assert not all(map(same_bits, found, parts(own.functions[function](**args, multipliers=2 * of_motion))))
 
 
 def test_the_pendulum_by_hand():
@@ -140,11 +148,11 @@ def test_jacobians_against_differences():
 
 def test_poses_and_wrenches_have_names():
     own = model("arm6")
-    pose = own.functions[next(n for n in own.functions if isinstance(own.functions[n], object) and "pose" in kind(own, n))](
-        np.zeros((4, 6))
-    )
+    pose = own.functions[next(name for name in own.functions if "pose" in kind(own, name))](np.zeros((4, 6)))
     assert isinstance(pose, mbs.PoseResult) and pose.position.shape == (4, 3) and pose.rotation.shape == (4, 3, 3)
-    np.testing.assert_allclose(pose.rotation @ pose.rotation.swapaxes(-1, -2), np.broadcast_to(np.eye(3), (4, 3, 3)), atol=1e-14)
+    np.testing.assert_allclose(
+        pose.rotation @ pose.rotation.swapaxes(-1, -2), np.broadcast_to(np.eye(3), (4, 3, 3)), atol=1e-14
+    )
     arm = model("arm_with_reactions")
     name = next(n for n in arm.functions if "wrench" in kind(arm, n))
     wrench = arm.functions[name](*(a[0] for a in arguments(arm, name, states(arm, 1, 8))))

@@ -22,7 +22,9 @@ class Core:
     def from_file(path: str | PathLike[str], freeze: list[str], backend: str) -> Core: ...
     @staticmethod
     def from_calls(
-        calls: list[tuple[str, list[int], list[float], list[str], tuple[str, int, int]]], freeze: list[str], backend: str
+        calls: list[tuple[str, list[int], list[float], list[str], tuple[str, int, int]]],
+        freeze: list[str],
+        backend: str,
     ) -> Core: ...
     def function(self, number: int) -> Function: ...
     @property

@@ -546,7 +546,9 @@ def _method(number: int, function: dict[str, Any]) -> Callable[..., Any]:
     shapes = [f"- `{name}`: (..., {', '.join(map(str, shape))})" for name, shape in function["arguments"] if shape]
     result = [f"- {part or 'result'}: {_shape(kind, shape)}" for part, kind, shape in function["results"]]
     how = "compiled" if function["compiled"] else "interpreted"
-    method.__doc__ = "\n".join([function["docs"], "", "Shapes, with any leading axes:", "", *shapes, *result, "", f"It is {how}."])
+    method.__doc__ = "\n".join(
+        [function["docs"], "", "Shapes, with any leading axes:", "", *shapes, *result, "", f"It is {how}."]
+    )
     return method
 
 
