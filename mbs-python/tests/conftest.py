@@ -17,7 +17,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 FOLDERS = [ROOT / "models" / "mechanisms", ROOT / "tests" / "mechanisms"]
 
 #: One of each kind: a chain, friction and input, prescribed motions, branches, tables, loops, unit quaternions,
-#: reactions with and without loops, velocities that are constrained, matrices of parameters and many bodies.
+#: reactions with and without loops, velocities that are constrained.
 NAMES = [
     "arm6",
     "pendulum",
@@ -29,7 +29,6 @@ NAMES = [
     "arm_with_reactions",
     "four_bar_with_reactions",
     "chaplygin_sleigh",
-    "tree_robot",
 ]
 
 
