@@ -1,6 +1,7 @@
 """What functions take, and what they refuse by name."""
 
 import copy
+import pickle
 import threading
 
 import mbs
@@ -162,7 +163,19 @@ def test_names_of_python_are_no_trouble():
 def test_copies_are_models():
     own = model("pendulum")
     assert own.with_params().params is not own.params
-    assert copy.copy(own).mass_matrix([0.0]) == own.mass_matrix([0.0])
+    for other in [copy.copy(own), copy.deepcopy(own)]:
+        other.params.m = 3.0
+        assert own.params.m == 1.0 and other.mass_matrix([0.0]) == 3 * own.mass_matrix([0.0])
+
+
+def test_models_travel_to_other_processes():
+    mechanism = mbs.Mechanism("Mass")
+    x, m = mechanism.coord("x", "m"), mechanism.param("m", "kg", 1.0)
+    mechanism.kinetic(m * x.dt() ** 2 / 2)
+    for own in [model("pendulum").with_params(m=2.5), mbs.compile(mechanism, params={"m": 4.0})]:
+        other = pickle.loads(pickle.dumps(own))
+        assert dict(other.params) == dict(own.params)
+        assert same_bits(other.mass_matrix([0.3]), own.mass_matrix([0.3]))
 
 
 def test_many_threads_of_python_at_once():

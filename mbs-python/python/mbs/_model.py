@@ -304,6 +304,8 @@ class Model:
         return [f["name"] for f in self._info["functions"] if not f["compiled"]]
 
     _methods: dict[str, str] = {}
+    #: What it was compiled from, for copies in other processes.
+    _source: tuple[Any, ...] = ()
 
     # ---- parameters
 
@@ -312,6 +314,16 @@ class Model:
         other = type(self)(self._core.copy(), self._info)
         other.params.update(values, **named)
         return other
+
+    def __copy__(self) -> Model:
+        return self.with_params()
+
+    def __deepcopy__(self, memo: object) -> Model:
+        return self.with_params()
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Another process derives it anew, and finds the compiled code."""
+        return _restored, (type(self)._source, self._core.parameters)
 
     # ---- motions
 
@@ -489,22 +501,36 @@ def compile(  # noqa: A001 - mbs.compile
     if isinstance(freeze, str):
         raise ValueError(f"freeze: a sequence of names is expected, found {freeze!r}")
     frozen = [str(name) for name in freeze]
+    source: tuple[Any, ...]
     if isinstance(model, Mechanism):
-        core = _mbs.Core.from_calls(model._recorded(), frozen, backend)
+        source = ("from_calls", model._recorded(), frozen, backend)
     elif isinstance(model, str) and "{" in model:
-        core = _mbs.Core.from_text(_checked(model), "<text>", frozen, backend)
+        source = ("from_text", _checked(model), "<text>", frozen, backend)
     elif isinstance(model, (str, os.PathLike)):
         path = os.fspath(model)
         if not isinstance(path, str) or "\0" in path:
             raise ValueError(f"model: {model!r} is no path")
-        core = _mbs.Core.from_file(_checked(path), frozen, backend)
+        source = ("from_file", _checked(path), frozen, backend)
     else:
         raise ValueError(f"model: a path, a text or a mbs.Mechanism is expected, found {type(model).__name__}")
-    info = core.info
-    made = _class(info)(core, info)
+    made = _made(source)
     if params:
         made.params.update(params)
     return made
+
+
+def _made(source: tuple[Any, ...]) -> Model:
+    core: _mbs.Core = getattr(_mbs.Core, source[0])(*source[1:])
+    info = core.info
+    own = _class(info)
+    own._source = source
+    return own(core, info)
+
+
+def _restored(source: tuple[Any, ...], parameters: Floats) -> Model:
+    model = _made(source)
+    model._core.set_parameters(parameters)
+    return model
 
 
 def _checked(text: str) -> str:
