@@ -11,9 +11,9 @@ PENDULUM = mbs.compile(
 mechanism Pendulum {
     param m: kg = 1; param l: m = 1; param g: m/s^2 = 9.81;
     coord theta: rad; input tau: N*m;
-    kinetic += 1/2*m*l^2*dt(theta)^2; potential -= m*g*l*cos(theta); force theta += tau;
+    kinetic += 1/2*m*l^2*dt(theta)^2; potential += -m*g*l*cos(theta); force theta += tau;
 }
-""".replace("potential -= m", "potential += -m")
+"""
 )
 
 

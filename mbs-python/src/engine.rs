@@ -137,7 +137,11 @@ impl Engine {
                 match argument.name {
                     "t" => state.t = given[0],
                     "prescribed" => {
-                        state.prescribed.iter_mut().zip(given.chunks(3)).for_each(|(signal, x)| signal.copy_from_slice(x));
+                        state
+                            .prescribed
+                            .iter_mut()
+                            .zip(given.chunks(3))
+                            .for_each(|(signal, x)| signal.copy_from_slice(x));
                     }
                     "q" => state.q.copy_from_slice(given),
                     "qd" => state.qd.copy_from_slice(given),

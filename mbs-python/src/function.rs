@@ -130,7 +130,11 @@ impl Function {
         let engine = &self.engine;
         let mut run = || engine.evaluate(self.number, &values, &operands, count, &mut results);
         // Letting go of the interpreter costs more than a short function.
-        if count > 16 || !engine.is_compiled(self.number) { py.detach(run) } else { run() }
+        if count > 16 || !engine.is_compiled(self.number) {
+            py.detach(run)
+        } else {
+            run()
+        }
         Ok(outputs.into_iter().map(array::Output::finished).collect())
     }
 

@@ -25,7 +25,12 @@ use pyo3::prelude::*;
 
 mod errors {
     #![allow(missing_docs)] // the macro has no place for them
-    pyo3::create_exception!(mbs, ModelError, pyo3::exceptions::PyValueError, "A model is wrong: where, and what to write instead.");
+    pyo3::create_exception!(
+        mbs,
+        ModelError,
+        pyo3::exceptions::PyValueError,
+        "A model is wrong: where, and what to write instead."
+    );
     pyo3::create_exception!(mbs, SimulationError, pyo3::exceptions::PyRuntimeError, "A motion cannot be continued.");
 }
 pub(crate) use errors::{ModelError, SimulationError};

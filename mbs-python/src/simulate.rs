@@ -286,14 +286,15 @@ impl Equations {
             }
             Ok(ControlFlow::Continue(()))
         };
-        let accelerations =
-            |t: f64, q: &Vec<f64>, qd: &Vec<f64>, qdd: &mut Vec<f64>| self.accelerations(t, q, qd, qdd);
+        let accelerations = |t: f64, q: &Vec<f64>, qd: &Vec<f64>, qdd: &mut Vec<f64>| self.accelerations(t, q, qd, qdd);
         let outcome = integrated(settings, accelerations, (t, t_end), &mut moving, &mut events, observer);
         self.raise()?;
         let summary = outcome.map_err(|error| {
             let (q, qd) = (&moving.q, &moving.qd);
             match error.time() {
-                Some(_) => SimulationError::new_err(format!("the integration stopped: {error}, at q = {q:?}, qd = {qd:?}")),
+                Some(_) => {
+                    SimulationError::new_err(format!("the integration stopped: {error}, at q = {q:?}, qd = {qd:?}"))
+                }
                 None => refused(error.to_string()),
             }
         })?;
@@ -340,7 +341,8 @@ impl Equations {
                 let pair = answer.cast::<PyTuple>().ok().filter(|pair| pair.len() == 2);
                 let pair = pair.ok_or_else(|| refused("action: it returns None, a word, or a pair (q, qd)"))?;
                 let shape = [state.q.len()];
-                let (q, qd) = (read("action q", &pair.get_item(0)?, &shape)?, read("action qd", &pair.get_item(1)?, &shape)?);
+                let (q, qd) =
+                    (read("action q", &pair.get_item(0)?, &shape)?, read("action qd", &pair.get_item(1)?, &shape)?);
                 (state.q, state.qd) = (q, qd);
                 Ok(Response::Continue)
             })
