@@ -13,20 +13,12 @@ use mbs_derive::{Digest, emit, variable::component_names};
 
 use crate::engine::{Arguments, entries};
 
-/// Bits are those of the interpreter: products and sums are not contracted; `errno` is not set. GCC's functions are long
-/// and wait for memory less where it schedules them with an eye on registers: arm6 takes 190 ns in place of 220; Clang
-/// does so by itself and passes over the words.
-const FLAGS: [&str; 9] = [
-    "-std=c99",
-    "-O2",
-    "-ffp-contract=off",
-    "-fno-math-errno",
-    "-fschedule-insns",
-    "-fsched-pressure",
-    "-fPIC",
-    "-shared",
-    "-w",
-];
+/// Bits are those of the interpreter: products and sums are not contracted; `errno` is not set.
+const FLAGS: [&str; 7] = ["-std=c99", "-O2", "-ffp-contract=off", "-fno-math-errno", "-fPIC", "-shared", "-w"];
+
+/// GCC's long functions wait for memory less where they are scheduled with an eye on registers: arm6 takes 190 ns in
+/// place of 220. Clang does so by itself and refuses the words.
+const OF_GCC: [&str; 2] = ["-fschedule-insns", "-fsched-pressure"];
 
 /// `(mechanism, states, arguments, their strides, results)`
 type Loop = unsafe extern "C" fn(*const c_void, usize, *const *const f64, *const usize, *const *mut f64);
@@ -57,7 +49,7 @@ impl Library {
             }
         }
         let path = path.ok_or_else(|| match reasons.is_empty() {
-            true => "there is no C compiler: clang, cc, gcc, or what MBS_CC names".to_string(),
+            true => "there is no C compiler: cc, gcc, clang, or what MBS_CC names".to_string(),
             false => reasons.join("; "),
         })?;
         // SAFETY: it was made from `text` alone, which runs nothing when it is loaded.
@@ -172,10 +164,10 @@ fn looped(derivation: &Derivation, number: usize, prefix: &str, function: &str) 
     )
 }
 
-/// What `MBS_CC`, which may be empty for none, or `CC` names; else what is in the path, that which compiles fastest first.
+/// What `MBS_CC`, which may be empty for none, or `CC` names; else what is in the path.
 fn compilers() -> Vec<PathBuf> {
     let named = ["MBS_CC", "CC"].into_iter().find_map(env::var_os);
-    let candidates = named.map_or_else(|| ["clang", "cc", "gcc"].map(OsString::from).to_vec(), |name| vec![name]);
+    let candidates = named.map_or_else(|| ["cc", "gcc", "clang"].map(OsString::from).to_vec(), |name| vec![name]);
     let folders: Vec<PathBuf> = env::var_os("PATH").map(|path| env::split_paths(&path).collect()).unwrap_or_default();
     let found = |name: OsString| {
         let path = PathBuf::from(&name);
@@ -189,7 +181,7 @@ fn compilers() -> Vec<PathBuf> {
 fn made(text: &str, compiler: &Path) -> Result<PathBuf, String> {
     static CALLS: AtomicUsize = AtomicUsize::new(0);
     let stamp = fs::metadata(compiler).and_then(|file| file.modified()).map(|time| format!("{time:?}"));
-    let program = format!("{} {:?} {FLAGS:?} {}", compiler.display(), stamp.ok(), env!("CARGO_PKG_VERSION"));
+    let program = format!("{} {:?} {FLAGS:?} {OF_GCC:?} {}", compiler.display(), stamp.ok(), env!("CARGO_PKG_VERSION"));
     let name = Digest::of([text.as_bytes(), program.as_bytes()]).to_string();
     let (folder, own) = (folder()?, format!("{}-{}", std::process::id(), CALLS.fetch_add(1, Ordering::Relaxed)));
     let library = folder.join(format!("{name}.so"));
@@ -201,7 +193,14 @@ fn made(text: &str, compiler: &Path) -> Result<PathBuf, String> {
     let [unfinished_code, unfinished] = ["c", "so"].map(|kind| folder.join(format!("{name}-{own}.{kind}")));
     let wrong = |error: std::io::Error| format!("{}: {error}", folder.display());
     fs::write(&unfinished_code, text).map_err(wrong)?;
-    let run = Command::new(compiler).args(FLAGS).arg(&unfinished_code).arg("-o").arg(&unfinished).arg("-lm").output();
+    let compiled = |more: &[&str]| {
+        let mut command = Command::new(compiler);
+        command.args(FLAGS).args(more).arg(&unfinished_code).arg("-o").arg(&unfinished).arg("-lm").output()
+    };
+    let run = match compiled(&OF_GCC) {
+        Ok(run) if !run.status.success() => compiled(&[]),
+        run => run,
+    };
     let run = run.map_err(|error| format!("{}: {error}", compiler.display()));
     let made = run.and_then(|run| match run.status.success() {
         true => fs::rename(&unfinished, &library).and_then(|()| fs::rename(&unfinished_code, &code)).map_err(wrong),
