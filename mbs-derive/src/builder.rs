@@ -34,9 +34,9 @@ use crate::parse;
 use crate::parse::syntax::{
     Comparison, Declaration, EnergyTerm, Expression, ExpressionKind, Name, Quantity, Statement, StatementKind, Unit,
 };
-use crate::source::Sources;
+use crate::source::{Place, Sources};
 use crate::span::Span;
-use term::{Call, Kind, Node, Term};
+use term::{Kind, Node, Term};
 
 pub use term::{Pose, Scalar, Value, Vector, angular_velocity, particle, quantity, rigid_body, time};
 
@@ -45,7 +45,9 @@ pub use term::{Pose, Scalar, Value, Vector, angular_velocity, particle, quantity
 pub struct Mechanism {
     name: String,
     /// Where it was begun.
-    begun: Call,
+    begun: Place,
+    /// Where statements are said to be made, if that is not where they are.
+    at: Option<Place>,
     docs: Vec<String>,
     /// The documentation of what is declared next.
     next: Vec<String>,
@@ -56,8 +58,8 @@ pub struct Mechanism {
     /// How many values each call has given names to.
     taken: BTreeMap<(u32, u32), usize>,
     /// The calls that spans count.
-    calls: Vec<Call>,
-    numbers: HashMap<Call, usize>,
+    calls: Vec<Place>,
+    numbers: HashMap<Place, usize>,
     errors: Diagnostics,
 }
 
@@ -65,10 +67,11 @@ impl Mechanism {
     /// A mechanism without statements; `doc` is its documentation in the generated code, as `///` before `mechanism`.
     #[track_caller]
     pub fn new(name: &str, doc: &str) -> Self {
-        let begun = Location::caller();
+        let begun = Place::from(Location::caller());
         let mut mechanism = Mechanism {
             name: name.to_string(),
             begun,
+            at: None,
             docs: lines(doc),
             next: Vec::new(),
             dimensionless: false,
@@ -96,24 +99,44 @@ impl Mechanism {
         self.next.extend(lines(text));
     }
 
+    /// Reports say of the statements that follow that they were made there, for those who write mechanisms in another
+    /// language; values are moved by [`Scalar::at`] and its like.
+    ///
+    /// ```
+    /// use mbs_derive::{builder::Mechanism, source::Place};
+    /// let mut wrong = Mechanism::new("Wrong", "");
+    /// wrong.at(Place { file: "model.py", line: 7, column: 3 });
+    /// let x = wrong.coord("x", "m");
+    /// wrong.potential(&x);
+    /// let error = wrong.generate(&Default::default()).unwrap_err();
+    /// assert!(error.render_in(&wrong.sources()).contains("--> model.py:7:3"));
+    /// ```
+    pub fn at(&mut self, place: Place) {
+        self.at = Some(place);
+    }
+
+    fn here(&self, made: &'static Location<'static>) -> Place {
+        self.at.unwrap_or_else(|| made.into())
+    }
+
     // ---- declarations
 
     /// `param name: unit = default;`
     #[track_caller]
     pub fn param(&mut self, name: &str, unit: &str, default: f64) -> Scalar {
-        self.parameter(name, unit, &[default], false, None, Location::caller()).remove(0)
+        self.parameter(name, unit, &[default], false, None, self.here(Location::caller())).remove(0)
     }
 
     /// `param name: unit = default, positive;`: refused at run time where it is not.
     #[track_caller]
     pub fn positive(&mut self, name: &str, unit: &str, default: f64) -> Scalar {
-        self.parameter(name, unit, &[default], true, None, Location::caller()).remove(0)
+        self.parameter(name, unit, &[default], true, None, self.here(Location::caller())).remove(0)
     }
 
     /// `param name[n]: unit = [defaults];`
     #[track_caller]
     pub fn params(&mut self, name: &str, unit: &str, defaults: &[f64]) -> Vec<Scalar> {
-        self.parameter(name, unit, defaults, false, Some(defaults.len()), Location::caller())
+        self.parameter(name, unit, defaults, false, Some(defaults.len()), self.here(Location::caller()))
     }
 
     fn parameter(
@@ -123,7 +146,7 @@ impl Mechanism {
         defaults: &[f64],
         positive: bool,
         length: Option<usize>,
-        call: Call,
+        call: Place,
     ) -> Vec<Scalar> {
         let place = self.place(call);
         let mut values: Vec<_> = defaults.iter().map(|&default| self.number(default, &place)).collect();
@@ -138,38 +161,38 @@ impl Mechanism {
     /// `coord name: unit;`
     #[track_caller]
     pub fn coord(&mut self, name: &str, unit: &str) -> Scalar {
-        self.declare("coord", name, unit, None, None, None, Location::caller()).remove(0)
+        self.declare("coord", name, unit, None, None, None, self.here(Location::caller())).remove(0)
     }
 
     /// `coord name[n]: unit;`
     #[track_caller]
     pub fn coords(&mut self, name: &str, n: usize, unit: &str) -> Vec<Scalar> {
-        self.declare("coord", name, unit, Some(n), None, None, Location::caller())
+        self.declare("coord", name, unit, Some(n), None, None, self.here(Location::caller()))
     }
 
     /// `input name: unit;`
     #[track_caller]
     pub fn input(&mut self, name: &str, unit: &str) -> Scalar {
-        self.declare("input", name, unit, None, None, None, Location::caller()).remove(0)
+        self.declare("input", name, unit, None, None, None, self.here(Location::caller())).remove(0)
     }
 
     /// `input name[n]: unit;`
     #[track_caller]
     pub fn inputs(&mut self, name: &str, n: usize, unit: &str) -> Vec<Scalar> {
-        self.declare("input", name, unit, Some(n), None, None, Location::caller())
+        self.declare("input", name, unit, Some(n), None, None, self.here(Location::caller()))
     }
 
     /// `prescribed name: unit;`: a motion that is given at run time, with its first and second derivative.
     #[track_caller]
     pub fn signal(&mut self, name: &str, unit: &str) -> Scalar {
-        self.declare("prescribed", name, unit, None, None, None, Location::caller()).remove(0)
+        self.declare("prescribed", name, unit, None, None, None, self.here(Location::caller())).remove(0)
     }
 
     /// `prescribed name: unit = formula;`: a motion that is a formula of the [`time`].
     #[track_caller]
     pub fn prescribed(&mut self, name: &str, unit: &str, formula: impl Into<Scalar>) -> Scalar {
-        let formula = self.value(formula.into().0, Location::caller());
-        self.declare("prescribed", name, unit, None, Some(formula), None, Location::caller()).remove(0)
+        let formula = self.value(formula.into().0, self.here(Location::caller()));
+        self.declare("prescribed", name, unit, None, Some(formula), None, self.here(Location::caller())).remove(0)
     }
 
     /// One parse of the declaration as text says whether name and unit are good.
@@ -181,7 +204,7 @@ impl Mechanism {
         length: Option<usize>,
         value: Option<Expression>,
         positive: Option<Span>,
-        call: Call,
+        call: Place,
     ) -> Vec<Scalar> {
         let place = self.place(call);
         let docs = std::mem::take(&mut self.next);
@@ -210,28 +233,28 @@ impl Mechanism {
     /// `kinetic += energy;`
     #[track_caller]
     pub fn kinetic(&mut self, energy: impl Into<Scalar>) {
-        self.energy(EnergyTerm::Kinetic, energy.into(), Location::caller());
+        self.energy(EnergyTerm::Kinetic, energy.into(), self.here(Location::caller()));
     }
 
     /// `potential += energy;`
     #[track_caller]
     pub fn potential(&mut self, energy: impl Into<Scalar>) {
-        self.energy(EnergyTerm::Potential, energy.into(), Location::caller());
+        self.energy(EnergyTerm::Potential, energy.into(), self.here(Location::caller()));
     }
 
     /// `dissipation += power;`: Rayleigh's function.
     #[track_caller]
     pub fn dissipation(&mut self, power: impl Into<Scalar>) {
-        self.energy(EnergyTerm::Dissipation, power.into(), Location::caller());
+        self.energy(EnergyTerm::Dissipation, power.into(), self.here(Location::caller()));
     }
 
     /// `lagrangian += energy;`: a term of L that is neither T nor −V.
     #[track_caller]
     pub fn lagrangian(&mut self, energy: impl Into<Scalar>) {
-        self.energy(EnergyTerm::Lagrangian, energy.into(), Location::caller());
+        self.energy(EnergyTerm::Lagrangian, energy.into(), self.here(Location::caller()));
     }
 
-    fn energy(&mut self, term: EnergyTerm, value: Scalar, call: Call) {
+    fn energy(&mut self, term: EnergyTerm, value: Scalar, call: Place) {
         let value = self.value(value.0, call);
         self.state(StatementKind::Energy { term, value }, call);
     }
@@ -239,7 +262,7 @@ impl Mechanism {
     /// `gravity acceleration;`: the uniform field that all bodies weigh in.
     #[track_caller]
     pub fn gravity(&mut self, acceleration: impl Into<Vector>) {
-        let call = Location::caller();
+        let call = self.here(Location::caller());
         let acceleration = self.value(acceleration.into().0, call);
         self.state(StatementKind::Gravity { acceleration }, call);
     }
@@ -247,7 +270,7 @@ impl Mechanism {
     /// `force coordinate += force;`: a generalized force, as it acts on the mechanism.
     #[track_caller]
     pub fn force(&mut self, coordinate: &Scalar, force: impl Into<Scalar>) {
-        let call = Location::caller();
+        let call = self.here(Location::caller());
         let (place, value) = (self.place(call), self.value(force.into().0, call));
         let (name, index) = match &coordinate.0.0.kind {
             Kind::Name(name) => (name, None),
@@ -264,7 +287,7 @@ impl Mechanism {
     /// `force at point += force;`, in N.
     #[track_caller]
     pub fn force_at(&mut self, point: impl Into<Vector>, force: impl Into<Vector>) {
-        let call = Location::caller();
+        let call = self.here(Location::caller());
         let (point, value) = (self.value(point.into().0, call), self.value(force.into().0, call));
         self.state(StatementKind::ForceAt { point, value }, call);
     }
@@ -272,7 +295,7 @@ impl Mechanism {
     /// `torque on pose += torque;`, in N·m.
     #[track_caller]
     pub fn torque_on(&mut self, pose: &Pose, torque: impl Into<Vector>) {
-        let call = Location::caller();
+        let call = self.here(Location::caller());
         let (pose, value) = (self.value(pose.0.clone(), call), self.value(torque.into().0, call));
         self.state(StatementKind::TorqueOn { pose, value }, call);
     }
@@ -282,7 +305,7 @@ impl Mechanism {
     /// `constraint name: left = right;`: holonomic where no velocity occurs, else linear in the velocities.
     #[track_caller]
     pub fn constraint<V: Value>(&mut self, name: &str, left: &V, right: &V) {
-        let call = Location::caller();
+        let call = self.here(Location::caller());
         let (left, right) = (self.value(left.term(), call), self.value(right.term(), call));
         let (place, docs) = (self.place(call), std::mem::take(&mut self.next));
         if self.one(&format!("constraint {name}: x = 0;"), name, &place).is_some() {
@@ -294,7 +317,7 @@ impl Mechanism {
     /// `output name = value;`: its value, velocity and Jacobian are generated.
     #[track_caller]
     pub fn output<V: Value>(&mut self, name: &str, value: &V) {
-        let call = Location::caller();
+        let call = self.here(Location::caller());
         let value = self.value(value.term(), call);
         let (place, docs) = (self.place(call), std::mem::take(&mut self.next));
         if self.one(&format!("output {name} = 1;"), name, &place).is_some() {
@@ -307,7 +330,7 @@ impl Mechanism {
     /// the pose that is returned.
     #[track_caller]
     pub fn reaction(&mut self, name: &str, pose: impl Into<Pose>) -> Pose {
-        let call = Location::caller();
+        let call = self.here(Location::caller());
         let (place, value) = (self.place(call), self.value(pose.into().0, call));
         let (docs, local) = (std::mem::take(&mut self.next), self.fresh(call));
         self.push(StatementKind::Let { mutable: false, name: named(&local, &place), value }, &place);
@@ -337,10 +360,10 @@ impl Mechanism {
 
     /// Where reports say that its calls are.
     pub fn sources(&self) -> Sources {
-        Sources::of_calls(self.begun.file(), self.calls.clone())
+        Sources::of_calls(self.begun.file, self.calls.clone())
     }
 
-    fn state(&mut self, kind: StatementKind, call: Call) {
+    fn state(&mut self, kind: StatementKind, call: Place) {
         let place = self.place(call);
         self.push(kind, &place);
     }
@@ -349,7 +372,7 @@ impl Mechanism {
         self.statements.push(Statement { kind, span: place.clone() });
     }
 
-    fn place(&mut self, call: Call) -> Span {
+    fn place(&mut self, call: Place) -> Span {
         let next = self.calls.len();
         let number = *self.numbers.entry(call).or_insert(next);
         if number == next {
@@ -376,8 +399,8 @@ impl Mechanism {
     }
 
     /// A name that the value of a call has in messages.
-    fn fresh(&mut self, call: Call) -> String {
-        let (line, column) = (call.line(), call.column());
+    fn fresh(&mut self, call: Place) -> String {
+        let (line, column) = (call.line, call.column);
         let count = self.taken.entry((line, column)).or_insert(0);
         *count += 1;
         if *count == 1 { format!("at_{line}_{column}") } else { format!("at_{line}_{column}_{count}") }
@@ -385,7 +408,7 @@ impl Mechanism {
 
     /// The value as the expression of a statement. What may be used again, because somebody holds it, is a `let`
     /// before.
-    fn value(&mut self, root: Term, call: Call) -> Expression {
+    fn value(&mut self, root: Term, call: Place) -> Expression {
         let mut done: HashMap<*const Node, Expression> = HashMap::new();
         let mut waiting = vec![(&root, false)];
         while let Some((term, is_ready)) = waiting.pop() {

@@ -97,6 +97,24 @@ pub(crate) fn outline(derivation: &Derivation, source: &str, options: &Options) 
     printed(&file, source)
 }
 
+/// What the generated functions are called, without the escapes of a language, and what their documentation says, line
+/// by line; in the order of the derivation.
+///
+/// ```
+/// use mbs_derive::{Analysis, expr::Graph, source::Sources};
+/// let text = "mechanism Spring { param k: N/m = 4; coord x: m; kinetic += 1 kg*dt(x)^2/2; potential += k*x^2/2; }";
+/// let graph = Graph::verbatim();
+/// let analysis = Analysis::of(&Sources::new("spring.mbs", text), &graph).unwrap();
+/// let functions = mbs_derive::emit::documented(analysis.programs());
+/// assert!(functions.iter().any(|(name, docs)| name == "mass_matrix" && docs[0].contains("M")));
+/// ```
+pub fn documented(derivation: &Derivation) -> Vec<(String, Vec<String>)> {
+    let names = name::Names::of(derivation, true).functions;
+    let plain = |name: String| name.strip_prefix("r#").map_or(name.clone(), str::to_string);
+    let functions = names.into_iter().zip(&derivation.functions);
+    functions.map(|(name, function)| (plain(name), doc::function(derivation, function))).collect()
+}
+
 fn file(derivation: &Derivation, options: &Options) -> syn::File {
     syn::parse2(item::module(derivation, options)).expect("the emitted tokens are Rust")
 }

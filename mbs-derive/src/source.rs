@@ -15,6 +15,7 @@
 //! ```
 
 use std::collections::BTreeMap;
+use std::fmt;
 use std::panic::Location;
 use std::path::{Component, Path};
 
@@ -47,7 +48,31 @@ pub struct Sources {
     /// The number of the file with this path, in its plain form.
     numbers: BTreeMap<String, usize>,
     /// In place of texts, the calls of a build script that wrote the mechanism: a span counts them.
-    calls: Vec<&'static Location<'static>>,
+    calls: Vec<Place>,
+}
+
+/// Where a call was made that a mechanism is written by.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Place {
+    /// As reports call it.
+    pub file: &'static str,
+    /// From 1.
+    pub line: u32,
+    /// From 1.
+    pub column: u32,
+}
+
+impl From<&'static Location<'static>> for Place {
+    fn from(location: &'static Location<'static>) -> Self {
+        Place { file: location.file(), line: location.line(), column: location.column() }
+    }
+}
+
+/// As reports name it.
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}:{}:{}", self.file, self.line, self.column)
+    }
 }
 
 /// One file.
@@ -79,12 +104,12 @@ impl Sources {
     }
 
     /// No text, but the calls that a mechanism was written by, in a file of this name.
-    pub(crate) fn of_calls(name: &str, calls: Vec<&'static Location<'static>>) -> Self {
+    pub(crate) fn of_calls(name: &str, calls: Vec<Place>) -> Self {
         Sources { calls, ..Sources::new(name, "") }
     }
 
     /// The call that a place is, where there is no text.
-    pub(crate) fn call(&self, span: &Span) -> Option<&'static Location<'static>> {
+    pub(crate) fn call(&self, span: &Span) -> Option<Place> {
         self.calls.get(span.start).copied()
     }
 

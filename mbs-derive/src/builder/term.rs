@@ -6,9 +6,7 @@ use std::panic::Location;
 use std::rc::Rc;
 
 use crate::parse::syntax::BinaryOperator;
-
-/// Where a call was made.
-pub(super) type Call = &'static Location<'static>;
+use crate::source::Place;
 
 /// One call; shared, because values are used many times.
 #[derive(Clone, Debug)]
@@ -19,7 +17,7 @@ pub(super) struct Node {
     pub(super) kind: Kind,
     pub(super) operands: Vec<Term>,
     /// Leaves stand where they are used.
-    pub(super) call: Option<Call>,
+    pub(super) call: Option<Place>,
     /// Calls within calls, since the last one that is kept.
     depth: usize,
 }
@@ -51,7 +49,20 @@ impl Term {
     #[track_caller]
     fn call(kind: Kind, operands: Vec<Term>) -> Self {
         let depth = 1 + operands.iter().map(|operand| operand.0.depth % MAX_DEPTH).max().unwrap_or(0);
-        Term(Rc::new(Node { kind, operands, call: Some(Location::caller()), depth }))
+        Term(Rc::new(Node { kind, operands, call: Some(Location::caller().into()), depth }))
+    }
+
+    /// As if the call had been made there; what others hold already stays as it is.
+    fn at(mut self, place: Place) -> Self {
+        let Some(node) = Rc::get_mut(&mut self.0) else { return self };
+        let Some(made) = node.call else { return self };
+        node.call = Some(place);
+        // What the same call has made on the way.
+        for operand in mem::take(&mut node.operands) {
+            let is_own = operand.0.call == Some(made) && Rc::strong_count(&operand.0) == 1;
+            node.operands.push(if is_own { operand.at(place) } else { operand });
+        }
+        self
     }
 
     pub(super) fn is_leaf(&self) -> bool {
@@ -92,6 +103,15 @@ macro_rules! values {
         impl Written for $value {
             fn term(&self) -> Term {
                 self.0.clone()
+            }
+        }
+
+        impl $value {
+            /// As if it had been made at another place, for those who write mechanisms in another language: reports
+            /// name that place. What is held by others, too, stays as it is.
+            #[must_use]
+            pub fn at(self, place: Place) -> Self {
+                $value(self.0.at(place))
             }
         }
 
