@@ -30,7 +30,7 @@ mod solution;
 mod text;
 mod traits;
 
-use crate::optimise::Derivation;
+use crate::optimise::{Derivation, Function};
 pub use c::c;
 
 /// What is generated.
@@ -110,6 +110,21 @@ fn spaced(text: &str) -> String {
         after_item = line.trim_start() == "}";
     }
     spaced
+}
+
+/// What the generated code's documentation says of one of the mechanism's functions, a line each: what it computes, its
+/// shape and units, and last its operation counts.
+///
+/// ```
+/// use mbs_derive::{Analysis, emit, expr::Graph, source::Sources};
+/// let text = "mechanism Spring { param k: N/m = 4; coord x: m; kinetic += 1 kg*dt(x)^2/2; potential += k*x^2/2; }";
+/// let graph = Graph::verbatim();
+/// let analysis = Analysis::of(&Sources::new("spring.mbs", text), &graph).unwrap();
+/// let lines = emit::documentation(analysis.programs(), analysis.programs().named("inverse_dynamics").unwrap());
+/// assert_eq!(lines.last().unwrap(), "Operations: 1 addition, 1 multiplication.");
+/// ```
+pub fn documentation(derivation: &Derivation, function: &Function) -> Vec<String> {
+    doc::function(derivation, function)
 }
 
 /// The name of the struct: the mechanism's, escaped where that is a keyword of Rust.
