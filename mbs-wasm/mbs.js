@@ -177,9 +177,9 @@ class Mbs {
     return new Model(this.#machine, { name, text, files });
   }
 
-  /** How much memory the generator has taken so far, in bytes. */
-  get memory() {
-    return this.#machine.instance.exports.memory.buffer.byteLength;
+  /** The memory that the generator has taken so far. */
+  get memoryBuffer() {
+    return this.#machine.instance.exports.memory.buffer;
   }
 }
 
