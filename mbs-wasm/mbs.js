@@ -70,70 +70,83 @@ async function compiled(source) {
 
 /** An instance of the WebAssembly, and a new one after it has trapped. */
 class Machine {
+  #module;
+  #exports = null;
+
   constructor(module) {
-    this.module = module;
+    this.#module = module;
     this.epoch = 0;
     this.drive = null;
-    this.start();
+    this.exports;
   }
 
-  start() {
-    const drive = (...given) => (this.drive && instance === this.instance ? this.drive(memory.buffer, ...given) : 0);
-    const instance = new WebAssembly.Instance(this.module, { mbs: { drive } });
-    const memory = instance.exports.memory;
-    this.instance = instance;
-    this.epoch += 1;
+  /** What the present instance exports. */
+  get exports() {
+    if (this.#exports === null) {
+      const drive = (...given) => (this.drive && exports === this.#exports ? this.drive(exports, ...given) : 0);
+      const { exports } = new WebAssembly.Instance(this.#module, { mbs: { drive } });
+      this.#exports = exports;
+      this.epoch += 1;
+    }
+    return this.#exports;
   }
 
   /** Calls an export; a text that it answers comes back, errors are thrown. */
   call(name, ...given) {
-    const { exports } = this.instance;
-    let status;
+    const status = this.guarded((exports) => exports[name](...given));
+    const text = this.guarded((exports) => {
+      const length = exports.text_length();
+      return new TextDecoder().decode(new Uint8Array(exports.memory.buffer, exports.text(length), length));
+    });
+    if (status !== 0) throw failure(JSON.parse(text));
+    return text;
+  }
+
+  /** What traps leaves nothing behind that could be relied on: the next call finds a new instance. */
+  guarded(call) {
+    const { exports } = this;
     try {
-      status = exports[name](...given);
+      return call(exports);
     } catch (trap) {
-      throw this.trapped(exports, trap);
+      if (this.#exports === exports) this.#exports = null;
+      const error = new InternalError(`${trap.message}${told(exports)}`);
+      error.cause = trap;
+      throw error;
     }
-    if (status !== 0) throw failure(JSON.parse(this.text(exports)));
-    return this.text(exports);
-  }
-
-  trapped(exports, trap) {
-    let told = "";
-    try {
-      const answer = JSON.parse(this.text(exports));
-      if (answer.kind === "internal") told = `: ${answer.message}`;
-    } catch {
-      // There was no time to say anything.
-    }
-    this.start();
-    const error = new InternalError(`${trap.message}${told}`);
-    error.cause = trap;
-    return error;
-  }
-
-  text(exports = this.instance.exports) {
-    const length = exports.text_length();
-    return new TextDecoder().decode(new Uint8Array(exports.memory.buffer, exports.text(length), length));
   }
 
   write(text) {
     const bytes = new TextEncoder().encode(text);
-    const { exports } = this.instance;
-    const place = exports.text(bytes.length);
-    new Uint8Array(exports.memory.buffer, place, bytes.length).set(bytes);
+    this.guarded((exports) => {
+      const place = exports.text(bytes.length);
+      new Uint8Array(exports.memory.buffer, place, bytes.length).set(bytes);
+    });
   }
 
   writeNumbers(numbers) {
-    const { exports } = this.instance;
-    const place = exports.numbers(numbers.length);
-    new Float64Array(exports.memory.buffer, place, numbers.length).set(numbers);
+    this.guarded((exports) => {
+      const place = exports.numbers(numbers.length);
+      new Float64Array(exports.memory.buffer, place, numbers.length).set(numbers);
+    });
   }
 
   numbers() {
-    const { exports } = this.instance;
-    const length = exports.numbers_length();
-    return new Float64Array(exports.memory.buffer, exports.numbers(length), length).slice();
+    return this.guarded((exports) => {
+      const length = exports.numbers_length();
+      return new Float64Array(exports.memory.buffer, exports.numbers(length), length).slice();
+    });
+  }
+}
+
+/** What a panic has left behind. */
+function told(exports) {
+  try {
+    const length = exports.text_length();
+    const bytes = new Uint8Array(exports.memory.buffer, exports.text(length), length);
+    const answer = JSON.parse(new TextDecoder().decode(bytes));
+    return answer.kind === "internal" ? `: ${answer.message}` : "";
+  } catch {
+    return ""; // there was no time to say anything
   }
 }
 
@@ -151,7 +164,7 @@ function failure(error) {
 }
 
 const released = new FinalizationRegistry(({ machine, epoch, number }) => {
-  if (machine.epoch === epoch) machine.instance.exports.release(number);
+  if (machine.epoch === epoch) machine.exports.release(number);
 });
 
 /** The generator. */
@@ -179,7 +192,7 @@ class Mbs {
 
   /** The memory that the generator has taken so far. */
   get memoryBuffer() {
-    return this.#machine.instance.exports.memory.buffer;
+    return this.#machine.exports.memory.buffer;
   }
 }
 
@@ -218,6 +231,7 @@ class Model {
   /** The number of the model; after a trap it is compiled anew. */
   get #number() {
     if (this.#place === null) throw new InputError("this model has been released");
+    this.#machine.exports; // a new instance, if the last one has trapped
     if (this.#place.epoch !== this.#machine.epoch) this.#compile();
     return this.#place.number;
   }
@@ -226,7 +240,7 @@ class Model {
   free() {
     if (this.#place === null) return;
     released.unregister(this.#token);
-    if (this.#place.epoch === this.#machine.epoch) this.#machine.instance.exports.release(this.#place.number);
+    if (this.#place.epoch === this.#machine.epoch) this.#machine.exports.release(this.#place.number);
     this.#place = null;
   }
 
@@ -317,13 +331,11 @@ class Model {
     const outer = machine.drive;
     const n = this.coordinateNames.length;
     let thrown = null;
-    machine.drive = (buffer, t, q, qd, u, inputs, prescribed) => {
+    machine.drive = ({ memory }, t, q, qd, u, inputs, prescribed) => {
       if (thrown !== null) return 0;
-      const at = (place) => new Float64Array(buffer, place, n).slice();
+      const at = (place) => new Float64Array(memory.buffer, place, n).slice();
       try {
         const given = drive(t, at(q), at(qd), inputs);
-        // The memory may have grown meanwhile.
-        const { memory } = machine.instance.exports;
         if (inputs > 0) new Float64Array(memory.buffer, u, inputs).set(given.u);
         new Float64Array(memory.buffer, prescribed, given.prescribed.length).set(given.prescribed);
         return 1;
@@ -375,6 +387,7 @@ class Model {
     const { t_end, method = "dop853", tolerance = 1e-10, project = true, redundant = "refuse" } = options;
     const { atol = tolerance / 100, hold = [], events = [] } = options;
     finite("t_end", t_end);
+    if (!Number.isFinite(t_end - t)) throw new InputError(`t_end: from ${t} to ${t_end} is too long a time to be a number`);
     const { dt = t_end > t ? (t_end - t) / 1000 : 1 } = options;
     const choice = (name, value, choices) => {
       if (!choices.includes(value)) throw new InputError(`${name}: it is one of ${choices.join(", ")}, found ${kind(value)}`);
