@@ -11,7 +11,9 @@ function step(span, intervals) {
 }
 
 function ticks(low, high, intervals) {
-  const width = step(high - low || 1, intervals);
+  let width = step(high - low || 1, intervals);
+  const few = (width) => Math.floor(high / width) - Math.ceil(low / width) < 2;
+  for (let more = intervals + 1; few(width) && more < 12; more++) width = step(high - low || 1, more);
   const count = Math.floor(high / width + 1e-9) - Math.ceil(low / width - 1e-9) + 1;
   return Array.from({ length: Math.max(0, count) }, (_, i) => (Math.ceil(low / width - 1e-9) + i) * width);
 }

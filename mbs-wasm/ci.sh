@@ -1,0 +1,22 @@
+#!/usr/bin/env bash
+# Builds the WebAssembly and runs its tests; what is not there is skipped by name. `ci.sh build` builds it alone.
+set -euo pipefail
+cd "$(dirname "$0")"
+target=wasm32-unknown-unknown
+
+rustup target list --installed 2> /dev/null | grep -qx "$target" || rustup target add "$target" > /dev/null 2>&1 ||
+  { echo "skipped: mbs-wasm, the target $target is not installed"; exit 0; }
+[ "${1:-}" = build ] || cargo fmt --check
+cargo build --locked --release --lib --target "$target"
+cp "${CARGO_TARGET_DIR:-target}/$target/release/mbs_wasm.wasm" mbs_wasm.wasm
+echo "mbs_wasm.wasm: $(wc -c < mbs_wasm.wasm) bytes, $(gzip -9 -c mbs_wasm.wasm | wc -c) compressed"
+[ "${1:-}" != build ] || exit 0
+
+cargo clippy --locked --release --lib --target "$target" -- -D warnings
+node --version 2> /dev/null | grep -qE '^v(2[0-9]|[3-9][0-9])' || { echo "skipped: tests of mbs-wasm, there is no node 20"; exit 0; }
+cargo build --locked --profile native --bin native
+export MBS_NATIVE="${CARGO_TARGET_DIR:-target}/native/native"
+if [ -z "${MBS:-}" ]; then
+  for mbs in "${CARGO_TARGET_DIR:-../target}"/{release,debug}/mbs; do [ -x "$mbs" ] && export MBS="$mbs" && break; done
+fi
+node --test tests/*.test.mjs
