@@ -4,7 +4,7 @@
 const GREEK = "alpha α beta β gamma γ delta δ epsilon ϵ varepsilon ε zeta ζ eta η theta θ vartheta ϑ iota ι kappa κ lambda λ mu μ nu ν xi ξ pi π rho ρ sigma σ tau τ upsilon υ phi ϕ varphi φ chi χ psi ψ omega ω Gamma Γ Delta Δ Theta Θ Lambda Λ Xi Ξ Pi Π Sigma Σ Upsilon Υ Phi Φ Psi Ψ Omega Ω partial ∂";
 const OPERATORS = "cdot · times × pm ± le ≤ ge ≥ lor ∨ land ∧ dots … circ ∘ lnot ¬";
 const FUNCTIONS = "sin cos tan arcsin arccos arctan sinh cosh tanh exp ln sec max min";
-const ACCENTS = { dot: "˙", ddot: "¨", hat: "^", bar: "¯", tilde: "~" };
+const ACCENTS = { dot: ".", ddot: "..", hat: "^", bar: "¯", tilde: "~" };
 const STYLES = { mathbf: "bold", boldsymbol: "bold-italic", mathrm: "normal", mathsf: "normal", operatorname: "normal" };
 const table = (words) => Object.fromEntries(words.split(" ").reduce((pairs, word, i, all) => (i % 2 ? pairs : [...pairs, [word, all[i + 1]]]), []));
 const [greek, operators, functions] = [table(GREEK), table(OPERATORS), new Set(FUNCTIONS.split(" "))];
@@ -95,14 +95,29 @@ class Reader {
     }
     if (/^\d/.test(token)) return `<mn>${token}</mn>`;
     if (/^[a-zA-Z]$/.test(token)) return identifier(token, style ?? "italic");
+    if (token === "-") return this.minus();
     if (!token.startsWith("\\")) return operator(token);
     const name = token.slice(1);
     if (name in greek) return identifier(greek[name], style ?? "italic");
     if (name in operators) return operator(operators[name]);
-    if (functions.has(name)) return `<mi>${name}</mi><mo>&#x2061;</mo>`;
+    if (functions.has(name)) return this.called(name);
     if (name in STYLES) return this.argument(STYLES[name]);
-    if (name in ACCENTS) return `<mover accent="true">${this.argument()}<mo stretchy="false">${ACCENTS[name]}</mo></mover>`;
+    if (name in ACCENTS) return `<mover>${this.argument()}<mo stretchy="false" class="accent">${ACCENTS[name]}</mo></mover>`;
     return this.special(name);
+  }
+
+  /** A function's name, with a little room to both sides. */
+  called(name) {
+    const room = '<mspace width="0.14em"></mspace>';
+    const isBracketed = ["(", "\\left", "\\bigl", "^"].includes(this.peek());
+    return this.scripts(`<mrow>${room}<mi>${name}</mi></mrow>`) + (isBracketed ? "" : room);
+  }
+
+  /** A sign where nothing stands before it, an operation elsewhere. */
+  minus() {
+    const before = this.tokens[this.next - 2];
+    const isSign = before === undefined || ["=", "(", "[", "{", "&", "\\\\", ",", "<", "\\le"].includes(before);
+    return isSign ? '<mo form="prefix">−</mo>' : '<mo form="infix">−</mo>';
   }
 
   /** `\frac12` is a half. */
@@ -122,11 +137,16 @@ class Reader {
         return `<msqrt>${this.argument()}</msqrt>`;
       case "text":
         return `<mtext>${escape(this.words())}</mtext>`;
-      case "left":
-      case "right":
+      case "left": {
+        const open = fence(this.take(), "prefix", true);
+        const inside = this.row(() => this.peek() === "\\right");
+        this.take("\\right");
+        return `<mrow>${open}${inside}${fence(this.take(), "postfix", true)}</mrow>`;
+      }
       case "bigl":
+        return fence(this.take(), "prefix", false);
       case "bigr":
-        return operator(this.take());
+        return fence(this.take(), "postfix", false);
       case "begin":
         return this.environment();
       case ",":
@@ -176,14 +196,20 @@ class Reader {
     while (this.take() !== "}");
     const lines = rows.map((row) => `<mtr>${row.map((cell) => `<mtd>${cell}</mtd>`).join("")}</mtr>`).join("");
     const [open, close, kind] = { bmatrix: ["[", "]", "matrix"], cases: ["{", "", "cases"] }[name] ?? ["", "", name];
-    const fence = (sign) => (sign === "" ? "" : `<mo fence="true" stretchy="true">${sign}</mo>`);
-    return `<mrow>${fence(open)}<mtable class="${kind}">${lines}</mtable>${fence(close)}</mrow>`;
+    const [before, after] = [fence(open, "prefix", true), fence(close, "postfix", true)];
+    return `<mrow>${before}<mtable class="${kind}">${lines}</mtable>${after}</mrow>`;
   }
 }
 
 function operator(sign) {
-  if (sign === "-") return "<mo>−</mo>";
-  return `<mo>${escape(sign)}</mo>`;
+  if ("([".includes(sign)) return fence(sign, "prefix", false);
+  if (")]".includes(sign)) return fence(sign, "postfix", false);
+  return sign === "/" ? '<mo lspace="0" rspace="0">/</mo>' : `<mo>${escape(sign)}</mo>`;
+}
+
+function fence(sign, form, stretchy) {
+  if (sign === "" || sign === ".") return "";
+  return `<mo form="${form}" fence="true" stretchy="${stretchy}">${escape(sign)}</mo>`;
 }
 
 /** Letters in a style that MathML Core keeps: italics by themselves, bold by mathematical letters. */
