@@ -2,7 +2,7 @@
 
 import { examples, folder } from "./examples.js";
 import { escape, page as pageOfLatex } from "./mathml.js";
-import { Plot, number } from "./plot.js";
+import { Path, Plot, number } from "./plot.js";
 
 const $ = (id) => document.getElementById(id);
 const METHODS = ["dop853", "dopri5", "rk4", "gauss-legendre4", "stormer-verlet", "semi-implicit-euler"];
@@ -70,6 +70,7 @@ let model = null;
 let values = null; // of the sliders: params, q, qd, u
 let texts = {}; // printed, by language
 let plots = [];
+let path = null;
 
 // The editor
 
@@ -124,7 +125,7 @@ async function compile() {
     const { proof, warnings } = model;
     paintEditor(warnings);
     const summary = `derived and proved at ${proof.states} states in ${compiled.seconds.toFixed(2)} s`;
-    showReport(warnings, `<p class="good">${escape(model.name)}: ${model.coordinateNames.length} coordinates, ${summary}</p>`);
+    showReport(warnings, `<p class="good">${escape(model.name)}: ${model.coordinateNames.length} ${model.coordinateNames.length === 1 ? "coordinate" : "coordinates"}, ${summary}</p>`);
     $("results").style.opacity = 1;
     makeControls(before);
     paintOperations();
@@ -273,8 +274,10 @@ function showMotion(answer = shown) {
   panels.push({ title: "energy T + V less that at the start, in J", curves: [{ name: "energy", values: drift }] });
   while (plots.length < panels.length) plots.push(new Plot($("canvases")));
   plots.forEach((plot, i) => (plot.root.hidden = i >= panels.length));
-  const height = Math.max(150, Math.min(300, 430 / (panels.length - 1)));
+  const height = Math.max(150, Math.min(220, 400 / (panels.length - 1)));
   panels.forEach((panel, i) => plots[i].show({ ...panel, t: motion.t, height: i === panels.length - 1 ? 150 : height }));
+
+  showPath(motion);
 
   const most = drift.reduce((most, x) => Math.max(most, Math.abs(x)), 0);
   const scale = Math.max(...["kinetic_energy", "potential_energy"].map((name) => motion.columns[name].reduce((most, x) => Math.max(most, Math.abs(x)), 0)));
@@ -285,6 +288,16 @@ function showMotion(answer = shown) {
     scale > 0 ? `, <strong>${number(most / scale, 3)}</strong> of the largest T or V` : ""
   }${isFree ? "; without friction and inputs it should be none" : "; friction, inputs and time take part in it"}. ${accepted} steps, ${rejected} rejected,
   ${evaluations} accelerations in ${(1000 * seconds).toFixed(0)} ms.${assembled ? " The start was moved onto the constraints." : ""}`;
+}
+
+/** The path of the first output that is a place. */
+function showPath({ columns, units }) {
+  const isPlace = ({ units }) => units?.length === 3 && units.every((unit) => unit === "m");
+  const output = Object.values(model.functions).find(isPlace);
+  const names = output ? [0, 1, 2].map((i) => `${output.name}_${i}`) : [];
+  path ??= new Path($("path"));
+  path.root.hidden = names.length === 0 || names.some((name) => !(name in columns));
+  if (!path.root.hidden) path.show({ title: output.name, unit: units[names[0]], axes: names.map((name) => columns[name]), height: 260 });
 }
 
 // Equations, code, operations
@@ -386,7 +399,7 @@ $("download").onclick = () => {
   URL.revokeObjectURL(link.href);
 };
 document.querySelectorAll('[role="tab"]').forEach((button) => (button.onclick = () => choose(button.dataset.tab)));
-matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => plots.forEach((plot) => plot.draw()));
+matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => [...plots, path].forEach((plot) => plot?.draw()));
 const wanted = new URLSearchParams(location.search);
 choose(wanted.get("tab") ?? "motion");
 const first = Math.max(0, examples.findIndex(({ file }) => file === wanted.get("example")));

@@ -143,3 +143,72 @@ export class Plot {
     g.fillText(`${number(this.t[this.at], 5)} s`, x(this.t[this.at]) + (g.textAlign === "left" ? 5 : -5), MARGIN.top + 3);
   }
 }
+
+/** The path of a point, seen along the axis in which it moves least; both scales are the same. */
+export class Path {
+  constructor(parent) {
+    this.root = document.createElement("div");
+    this.root.className = "plot";
+    this.canvas = document.createElement("canvas");
+    this.root.append(this.canvas);
+    parent.append(this.root);
+    new ResizeObserver(() => this.draw()).observe(this.root);
+  }
+
+  /** A point whose coordinates are three lists of numbers. */
+  show({ title, unit, axes, height }) {
+    const spans = axes.map((values) => {
+      const [low, up] = values.reduce(([low, up], x) => [Math.min(low, x), Math.max(up, x)], [Infinity, -Infinity]);
+      return { low, span: up - low };
+    });
+    const least = spans.map(({ span }) => span).reduce((least, span, i, all) => (span < all[least] ? i : least), 0);
+    const seen = [0, 1, 2].filter((axis) => axis !== least);
+    Object.assign(this, { title, unit, height, seen, curves: seen.map((axis) => axes[axis]), spans: seen.map((axis) => spans[axis]) });
+    this.draw();
+  }
+
+  draw() {
+    if (!this.curves || this.root.clientWidth === 0) return;
+    const [full, high, ratio] = [this.root.clientWidth, this.height, devicePixelRatio || 1];
+    this.canvas.style.height = `${high}px`;
+    this.canvas.width = Math.round(full * ratio);
+    this.canvas.height = Math.round(high * ratio);
+    const g = this.canvas.getContext("2d");
+    g.scale(ratio, ratio);
+    g.strokeStyle = g.fillStyle = getComputedStyle(this.root).color;
+    const [width, inner] = [full - MARGIN.left - MARGIN.right, high - MARGIN.top - MARGIN.bottom];
+    const scale = 0.94 * Math.min(width / (this.spans[0].span || 1e-9), inner / (this.spans[1].span || 1e-9));
+    const middle = this.spans.map(({ low, span }) => low + span / 2);
+    const x = (value) => MARGIN.left + width / 2 + scale * (value - middle[0]);
+    const y = (value) => MARGIN.top + inner / 2 - scale * (value - middle[1]);
+    g.font = "600 12px system-ui, 'DejaVu Sans', sans-serif";
+    g.textBaseline = "top";
+    g.fillText(`${this.title}: ${"xyz"[this.seen[1]]} over ${"xyz"[this.seen[0]]}`, MARGIN.left, 3);
+
+    // A bar tells the scale.
+    const bar = step(width / scale / 2.5, 1);
+    g.font = "11px system-ui, 'DejaVu Sans', sans-serif";
+    g.globalAlpha = 0.65;
+    g.fillRect(full - MARGIN.right - bar * scale, high - MARGIN.bottom + 10, bar * scale, 2);
+    g.textAlign = "right";
+    g.fillText(`${number(bar)} ${this.unit}`, full - MARGIN.right - bar * scale - 8, high - MARGIN.bottom + 5);
+    g.globalAlpha = 1;
+
+    const [a, b] = this.curves;
+    g.strokeStyle = COLOURS[2];
+    g.lineWidth = 1.2;
+    g.globalAlpha = 0.85;
+    g.beginPath();
+    a.forEach((value, k) => (k === 0 ? g.moveTo(x(value), y(b[k])) : g.lineTo(x(value), y(b[k]))));
+    g.stroke();
+    g.globalAlpha = 1;
+    const dot = (k, colour) => {
+      g.fillStyle = colour;
+      g.beginPath();
+      g.arc(x(a[k]), y(b[k]), 4, 0, 2 * Math.PI);
+      g.fill();
+    };
+    dot(0, COLOURS[8]);
+    dot(a.length - 1, COLOURS[1]);
+  }
+}
