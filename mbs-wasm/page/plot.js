@@ -186,7 +186,7 @@ export class Path {
     g.fillText(`${this.title}: ${"xyz"[this.seen[1]]} over ${"xyz"[this.seen[0]]}`, MARGIN.left, 3);
 
     // A bar tells the scale.
-    const bar = step(width / scale / 2.5, 1);
+    const bar = step(width / scale / 5, 1);
     g.font = "11px system-ui, 'DejaVu Sans', sans-serif";
     g.globalAlpha = 0.65;
     g.fillRect(full - MARGIN.right - bar * scale, high - MARGIN.bottom + 10, bar * scale, 2);
