@@ -15,8 +15,10 @@ echo "mbs_wasm.wasm: $(wc -c < mbs_wasm.wasm) bytes, $(gzip -9 -c mbs_wasm.wasm 
 cargo clippy --locked --release --lib --target "$target" -- -D warnings
 node --version 2> /dev/null | grep -qE '^v(2[0-9]|[3-9][0-9])' || { echo "skipped: tests of mbs-wasm, there is no node 20"; exit 0; }
 cargo build --locked --profile native --bin native
-export MBS_NATIVE="${CARGO_TARGET_DIR:-target}/native/native"
-if [ -z "${MBS:-}" ]; then
-  for mbs in "${CARGO_TARGET_DIR:-../target}"/{release,debug}/mbs; do [ -x "$mbs" ] && export MBS="$mbs" && break; done
-fi
+MBS_NATIVE="$(realpath "${CARGO_TARGET_DIR:-target}/native/native")"
+MBS="$(realpath "${MBS:-${CARGO_TARGET_DIR:-../target}/release/mbs}")"
+export MBS_NATIVE MBS
+[ -x "$MBS" ] || echo "skipped: code beside that of the program mbs, $MBS is not built"
+command -v "${CHROMIUM:-chromium}" chromium-browser google-chrome > /dev/null 2>&1 ||
+  echo "skipped: the page in a browser, there is no Chromium"
 node --test tests/*.test.mjs

@@ -8,7 +8,7 @@
 //! - [`report`]: what is wrong, as JSON;
 //! - `session`: what the page calls, and the only place that is not safe Rust by the compiler's own account.
 //!
-//! The binding is seven functions of plain C over two buffers, one of text and one of numbers: `mbs.js` is written by
+//! The binding is nine functions of plain C over two buffers, one of text and one of numbers: `mbs.js` is written by
 //! hand around it. `wasm-bindgen` would add a crate, a program of the same version, and generated JavaScript, for the
 //! same two kinds of things that pass: JSON and doubles.
 

@@ -90,11 +90,9 @@ impl Motion {
         settings: &Settings,
         drive: Option<&Drive<'_>>,
     ) -> Result<Self, Failure> {
-        let names = columns::columns(model.derivation()).into_iter().map(|column| column.name).collect();
-        let times = times(start.state.t, settings)?;
-        if times.len() as f64 * model.description()["columns"].as_array().map_or(1, Vec::len) as f64 > MOST {
-            return Err(Failure::of_input(format!("{} rows are more than are kept: `dt` is too short", times.len())));
-        }
+        let columns = columns::columns(model.derivation()).into_iter();
+        let names: Vec<String> = columns.map(|column| column.name).collect();
+        let times = times(start.state.t, settings, names.len())?;
         let equations = Equations::new(model, start, drive);
         let redundant_rows = if settings.redundant { RedundantRows::LeaveOut } else { RedundantRows::Refuse };
         let run = Run { equations: &equations, settings, names, redundant_rows };
@@ -102,8 +100,8 @@ impl Motion {
     }
 }
 
-/// From the start in steps of `dt` to the end time, both included.
-fn times(start: f64, settings: &Settings) -> Result<Vec<f64>, Failure> {
+/// From the start in steps of `dt` to the end time, both included, for rows of so many numbers.
+fn times(start: f64, settings: &Settings, width: usize) -> Result<Vec<f64>, Failure> {
     let (end, step) = (settings.t_end, settings.dt);
     let is_positive = |x: f64| x > 0.0 && x.is_finite();
     if !(end >= start && (end - start).is_finite()) {
@@ -119,8 +117,8 @@ fn times(start: f64, settings: &Settings) -> Result<Vec<f64>, Failure> {
     }
     // A last row that would differ from the one before by rounding alone is left out.
     let count = ((end - start) / step - 1e-9).ceil().max(1.0);
-    if count > MOST {
-        return Err(Failure::of_input(format!("dt: {step:?} gives {count:e} rows")));
+    if count * width as f64 > MOST {
+        return Err(Failure::of_input(format!("dt: {step:?} gives {count:e} rows, more than are kept")));
     }
     let mut times: Vec<f64> = (0..count as usize).map(|i| start + i as f64 * step).collect();
     times.push(end);

@@ -1,4 +1,4 @@
-//! What the page calls: seven functions over two buffers, one of text and one of numbers.
+//! What the page calls: nine functions over two buffers, one of text and one of numbers.
 //!
 //! The page asks for room with `text(bytes)` or `numbers(count)`, writes there, and calls one of the others; what that
 //! answers stands in the same buffers afterwards. Text is JSON in UTF-8, or what was printed. A call returns 0, or 1
