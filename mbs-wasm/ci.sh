@@ -22,4 +22,4 @@ export MBS_NATIVE MBS
 [ -x "$MBS" ] || echo "skipped: code beside that of the program mbs, $MBS is not built"
 command -v "${CHROMIUM:-chromium}" chromium-browser google-chrome > /dev/null 2>&1 ||
   echo "skipped: the page in a browser, there is no Chromium"
-node --test tests/*.test.mjs
+node --test --test-reporter=spec tests/*.test.mjs
