@@ -109,7 +109,7 @@ pub(crate) fn outline(derivation: &Derivation, source: &str, options: &Options) 
 /// assert!(functions.iter().any(|(name, docs)| name == "mass_matrix" && docs[0].contains("M")));
 /// ```
 pub fn documented(derivation: &Derivation) -> Vec<(String, Vec<String>)> {
-    let names = name::Names::of(derivation, true).functions;
+    let names = name::Names::of(derivation, true, Trigonometry::default()).functions;
     let plain = |name: String| name.strip_prefix("r#").map_or(name.clone(), str::to_string);
     let functions = names.into_iter().zip(&derivation.functions);
     functions.map(|(name, function)| (plain(name), doc::function(derivation, function))).collect()

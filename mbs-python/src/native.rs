@@ -129,7 +129,7 @@ fn source(derivation: &Derivation) -> Option<(String, Vec<Option<String>>)> {
     for (number, (name, _)) in emit::documented(derivation).iter().enumerate() {
         let is_taken = ["parameters", "default_parameters"].contains(&name.as_str());
         let function = format!("{prefix}_{name}{}", if is_taken { "_2" } else { "" });
-        let kinds = ["void", "mbs_real"].map(|kind| format!("static inline {kind} {function}("));
+        let kinds = ["void", "mbs_real"].map(|kind| format!("MBS_FN {kind} {function}("));
         if !kinds.iter().any(|head| text.contains(head)) {
             names.push(None);
             continue;
