@@ -158,6 +158,7 @@ fn describe(derivation: &Derivation) -> Value {
     let constraints = rows.map(|((name, [unit, multiplier_unit]), holonomic)| {
         json!({ "name": name, "unit": unit, "multiplier_unit": multiplier_unit, "holonomic": holonomic })
     });
+    let documented = emit::documented(derivation).into_iter();
     json!({
         "name": derivation.name,
         "docs": text_of(&derivation.docs),

@@ -456,7 +456,7 @@ fn the_manual_has_programs_that_run() {
         write_manual(folder.path(), Language::Cpp, "main.cpp", manual("cpp"));
         compiled("c++", &["-std=c++17", "main.cpp", "-o", "main"], folder.path());
         let slopes = pendulum.linearize(&q, &[0.0; 2]);
-        prints(format!("{a:.12} {b:.12} {:.12}\n", slopes.by_q[0][1]));
+        prints(format!("{a:.12} {b:.12} {:.12}\n", slopes.q[0][1]));
     }
 }
 

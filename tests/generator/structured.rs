@@ -269,7 +269,7 @@ fn flops(derivation: &Derivation, function: FunctionKind) -> f64 {
 /// The chain of `n` links, and how many nodes of expressions it takes to derive it.
 fn chain(n: usize) -> (Derivation, f64) {
     let source = source("n_chain").replace("const n = 5;", &format!("const n = {n};"));
-    let (sources, graph) = (Sources::new("chain.mbs", source), Graph::verbatim());
+    let (sources, graph) = (Sources::new("chain.mbs", &source), Graph::verbatim());
     let analysis = Analysis::of(&sources, &graph).unwrap_or_else(|e| panic!("{}", e.render_in(&sources)));
     let derivation = analysis.programs().clone();
     assert_eq!(derivation.dof(), n, "the chain's length is a constant of its file");

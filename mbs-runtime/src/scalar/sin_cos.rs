@@ -48,7 +48,7 @@ const BLOCK: usize = 8;
 const LOCKSTEP: bool = cfg!(any(target_feature = "sse2", target_feature = "neon", target_feature = "simd128"));
 
 macro_rules! polynomials {
-    ($name:ident: $float:ty, $bits:ty; reach $reach:literal, turns $turns:literal, magic $magic:literal,
+    ($name:ident: $float:ty, $bits:ty; reach $reach:literal, turns $turns:expr, magic $magic:literal,
      parts $parts:expr, sine $sine:expr, cosine $cosine:expr) => {
         pub(super) mod $name {
             use super::{BLOCK, LOCKSTEP};
@@ -118,11 +118,15 @@ macro_rules! polynomials {
                 (sines, cosines)
             }
 
+            fn is_beyond(angle: $float) -> bool {
+                angle.is_nan() || angle.abs() > REACH
+            }
+
             /// What is too large for the polynomials, infinite or NaN.
             #[cold]
             #[inline(never)]
             fn beyond(angles: &[$float], sines: &mut [$float], cosines: &mut [$float]) {
-                for (i, &angle) in angles.iter().enumerate().filter(|(_, angle)| !(angle.abs() <= REACH)) {
+                for (i, &angle) in angles.iter().enumerate().filter(|(_, angle)| is_beyond(**angle)) {
                     (sines[i], cosines[i]) = Scalar::sin_cos(angle);
                 }
             }
@@ -177,7 +181,7 @@ macro_rules! polynomials {
 
 polynomials!(double: f64, u64;
 reach 1e5,
-turns 0.6366197723675814,
+turns core::f64::consts::FRAC_2_PI,
 magic 6755399441055744.0,
 parts [1.5707963267341256, 6.077100506303966e-11, 2.0222662487959506e-21],
 sine [
@@ -203,7 +207,7 @@ polynomials!(single: f32, u32;
     magic 12582912.0,
     parts [1.5707703, 2.6063062e-5, 6.0771006e-11],
     sine [-0.16666655, 0.008332189, -0.00019518285],
-    cosine [0.041666647, -0.0013887309, 2.4432327e-5]);
+    cosine [0.041666647, -0.001388731, 2.4432327e-5]);
 
 #[cfg(test)]
 mod tests {
@@ -214,7 +218,7 @@ mod tests {
         ($float:ty, $polynomials:ident, $sum:expr) => {
             |x: $float| -> ($float, $float) {
                 use super::$polynomials::*;
-                if !(x.abs() <= REACH) {
+                if x.is_nan() || x.abs() > REACH {
                     return (Scalar::sin(x), Scalar::cos(x));
                 }
                 let k = (x * TURNS + MAGIC) - MAGIC;

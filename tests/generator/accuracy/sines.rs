@@ -50,7 +50,7 @@ fn sines_of_doubles_are_within_a_unit() {
     let tiny = [5e-324, 1e-310, f64::MIN_POSITIVE, 1e-200, 1e-30, 1e-16, 1e-9, 1e-8, 1e-5];
     check(tiny.into_iter().flat_map(|x| [x, -x]), 53, 0.85);
     // The next angle is the library's.
-    check([1e5, 1e5.next_up(), -1e5.next_up(), 1e9, 1e22, 1.7e308].into_iter(), 53, 1.0);
+    check([1e5, 1e5_f64.next_up(), -1e5_f64.next_up(), 1e9, 1e22, 1.7e308].into_iter(), 53, 1.0);
 }
 
 #[test]

@@ -58,7 +58,14 @@ pub fn interface(derivation: &Derivation, source: &str) -> Interface {
     let prefix = super::prefix(&snake_case(&derivation.name));
     let functions = item::selected(&told, Options::default().functions.as_deref());
     let name = |number: usize| format!("{prefix}_{}", plain(&names.functions[number]));
-    let header = Header { derivation: &told, names: &names, prefix: prefix.clone(), functions, dialect: Dialect::C, uses_library: false };
+    let header = Header {
+        derivation: &told,
+        names: &names,
+        prefix: prefix.clone(),
+        functions,
+        dialect: Dialect::C,
+        uses_library: false,
+    };
     Interface {
         header: header.written(source),
         functions: (0..derivation.functions.len()).map(name).collect(),
