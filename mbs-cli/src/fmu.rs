@@ -129,7 +129,7 @@ fn packed(
     derivation: &Derivation,
     point: &Point,
 ) -> Result<Vec<u8>, Failure> {
-    let mut interface = emit::c_interface(derivation, sources.portable_name());
+    let mut interface = emit::Interface::of(derivation, sources.portable_name());
     let header = std::mem::take(&mut interface.header);
     let model = Model { derivation, interface: &interface, point, tolerance: arguments.tolerance };
     let variables = variable::variables(derivation, point, interface.switches);

@@ -20,10 +20,10 @@ use std::io;
 use std::ops::Range;
 use std::path::Path;
 
-use mbs_derive::diagnostic::{Diagnostics, nearest};
+use mbs_derive::diagnostic::{Diagnostic, Diagnostics};
 use mbs_derive::expr::Number;
 use mbs_derive::interpret::{State, Violation};
-use mbs_derive::model::in_si;
+use mbs_derive::model::Unit;
 use mbs_derive::optimise::Derivation;
 use mbs_derive::variable::Variable;
 use mbs_derive::variable::component_names;
@@ -285,7 +285,7 @@ impl Reader<'_> {
             let rates = names.iter().flat_map(|name| SUFFIXES.map(|suffix| format!("{name}{suffix}")));
             let inputs = component_names(&self.derivation.inputs);
             let known: Vec<String> = KEYS.into_iter().map(String::from).chain(rates).chain(inputs).collect();
-            let near = nearest(key, known.iter().map(String::as_str));
+            let near = Diagnostic::nearest(key, known.iter().map(String::as_str));
             let known = if near.is_some() { known } else { KEYS.map(String::from).to_vec() };
             let hint = hint(key, &known, "keys");
             self.error(format!("unknown key {}{hint}", Value::from(key.as_str())));
@@ -395,7 +395,7 @@ impl Reader<'_> {
     fn number(&mut self, key: &str, json: &Value, unit: &str) -> f64 {
         let is_word = |text: &str| text.parse::<f64>().is_ok_and(|number| !number.is_finite());
         match json {
-            Value::String(text) if !is_word(text) => in_si(text, unit).unwrap_or_else(|reason| {
+            Value::String(text) if !is_word(text) => Unit(unit).in_si(text).unwrap_or_else(|reason| {
                 self.error(format!("{key} is {json}: {reason}"));
                 0.0
             }),
@@ -515,7 +515,7 @@ fn expected(names: &[String]) -> String {
 
 /// What to write instead of an unknown name.
 pub(crate) fn hint(name: &str, known: &[String], what: &str) -> String {
-    match nearest(name, known.iter().map(String::as_str)) {
+    match Diagnostic::nearest(name, known.iter().map(String::as_str)) {
         Some(near) => format!("; did you mean {}?", Value::from(near)),
         None if known.is_empty() => format!("; the mechanism has no {what}"),
         None => format!("; the {what} are {}", abridged(known)),

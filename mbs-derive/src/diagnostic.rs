@@ -56,6 +56,21 @@ pub struct Note {
 }
 
 impl Diagnostic {
+    /// The candidate that `name` was probably meant to be, if any is close: case aside, at most one slip in three
+    /// letters.
+    ///
+    /// A slip is a letter too many, one missing, one wrong, or two neighbours exchanged. The first of equally close
+    /// candidates is taken.
+    ///
+    /// ```
+    /// # use mbs_derive::diagnostic::Diagnostic;
+    /// assert_eq!(Diagnostic::nearest("lenght", ["mass", "length"]), Some("length"));
+    /// assert_eq!(Diagnostic::nearest("theta", ["mass", "length"]), None);
+    /// ```
+    pub fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+        nearest(name, candidates)
+    }
+
     /// Adds what to write instead.
     pub fn help(&mut self, help: impl Into<String>) -> &mut Self {
         self.help = Some(help.into());
@@ -351,17 +366,8 @@ fn columns(text: &[char]) -> usize {
     text.iter().filter(|c| !matches!(c, '\u{300}'..='\u{36f}')).count()
 }
 
-/// The candidate that `name` was probably meant to be, if any is close: case aside, at most one slip in three letters.
-///
-/// A slip is a letter too many, one missing, one wrong, or two neighbours exchanged. The first of equally close
-/// candidates is taken.
-///
-/// ```
-/// # use mbs_derive::diagnostic::nearest;
-/// assert_eq!(nearest("lenght", ["mass", "length"]), Some("length"));
-/// assert_eq!(nearest("theta", ["mass", "length"]), None);
-/// ```
-pub fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+/// [`Diagnostic::nearest`].
+pub(crate) fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let name: Vec<char> = name.chars().flat_map(char::to_lowercase).collect();
     let allowed = name.len().max(3) / 3;
     let close = candidates.into_iter().filter_map(|candidate| {

@@ -9,6 +9,7 @@
 //! - `angles`: which sines and cosines one call computes;
 //! - `text`: its text;
 //! - `expression`: how values are written: order of operands, parentheses, fused multiply–add;
+//! - `statement`: what a body is made of;
 //! - `segment`: long bodies in blocks;
 //! - `name`: identifiers, from the declaration where they can be;
 //! - `outline`: a long module without its function bodies, for review;
@@ -33,12 +34,13 @@ mod script;
 mod segment;
 mod shape;
 mod solution;
+mod statement;
 mod text;
 mod traits;
 
-pub use crate::expr::Trigonometry;
+pub use crate::expr::sin_cos::Trigonometry;
 use crate::optimise::Derivation;
-pub use c::{Interface, c, interface as c_interface};
+pub use c::Interface;
 pub use language::Language;
 
 /// What is generated.
@@ -95,24 +97,6 @@ pub(crate) fn outline(derivation: &Derivation, source: &str, options: &Options) 
     outline::leave_out_forwarders(&mut file.items);
     outline::leave_out_bodies(&mut file.items);
     printed(&file, source)
-}
-
-/// What the generated functions are called, without the escapes of a language, and what their documentation says, line
-/// by line; in the order of the derivation.
-///
-/// ```
-/// use mbs_derive::{Analysis, expr::Graph, source::Sources};
-/// let text = "mechanism Spring { param k: N/m = 4; coord x: m; kinetic += 1 kg*dt(x)^2/2; potential += k*x^2/2; }";
-/// let graph = Graph::verbatim();
-/// let analysis = Analysis::of(&Sources::new("spring.mbs", text), &graph).unwrap();
-/// let functions = mbs_derive::emit::documented(analysis.programs());
-/// assert!(functions.iter().any(|(name, docs)| name == "mass_matrix" && docs[0].contains("M")));
-/// ```
-pub fn documented(derivation: &Derivation) -> Vec<(String, Vec<String>)> {
-    let names = name::Names::of(derivation, true, Trigonometry::default()).functions;
-    let plain = |name: String| name.strip_prefix("r#").map_or(name.clone(), str::to_string);
-    let functions = names.into_iter().zip(&derivation.functions);
-    functions.map(|(name, function)| (plain(name), doc::function(derivation, function))).collect()
 }
 
 fn file(derivation: &Derivation, options: &Options) -> syn::File {
@@ -348,12 +332,21 @@ mod tests {
             let sum = x + x.sqrt();
             x.sin() * sum.cos() + sum.sin() * x.sin().cos()
         });
-        let together = "let ([sin_x, sin_x_plus_sqrt_x], [_, cos_x_plus_sqrt_x]) = T::sin_cos_all([x, x + x.sqrt()]);";
-        check(&text, &[together, "let (_, [cos_sin_x]) = T::sin_cos_all([sin_x]);"]);
+        let together = [
+            "let ([sin_sqrt_x_plus_x, sin_x], [cos_sqrt_x_plus_x, _]) = T::sin_cos_all([",
+            "x.sqrt() + x,",
+            "x,",
+            "]);",
+            "let (_, [cos_sin_x]) = T::sin_cos_all([sin_x]);",
+        ];
+        check(&text, &together);
         // Of different sides none is computed for the other, and what is certain does not wait for them.
         let text = pushed(|x, zero| x.graph().select(zero.less(x), x.sin(), (x + x).sin()) + (3 * x).cos());
-        check(&text, &["let (_, [cos_three_x]) = T::sin_cos_all([three * x]);"]);
+        check(&text, &["let (_, [cos_3_x]) = T::sin_cos_all([three * x]);"]);
         assert_eq!(text.matches("sin_cos_all").count(), 3, "{text}");
+        // The angle of the second is the sine that the first call is for.
+        let text = pushed(|x, _| x.sin() + x.sin().cos());
+        check(&text, &["let ([sin_x], _) = T::sin_cos_all([x]);", "let (_, [cos_sin_x]) = T::sin_cos_all([sin_x]);"]);
     }
 
     #[test]

@@ -35,7 +35,7 @@ pub(crate) use check::{requirement, sample};
 pub(crate) use frame::{Edge, FrameId};
 pub(crate) use lagrangian::{Body, Constraint, PointForce, Reaction};
 pub use lagrangian::{ConstraintKind, Lagrangian, OutputValue};
-pub use statement::given::{base_exponents, in_si, is_of};
+pub use statement::given::Unit;
 
 /// What a declaration means, in the verbatim `graph`, and warnings about it.
 ///

@@ -76,7 +76,7 @@ impl Core {
         if let (Backend::C, Some(reason)) = (backend, &reason) {
             return Err(PyRuntimeError::new_err(format!("not compiled: {reason}")));
         }
-        let functions = emit::documented(&derivation);
+        let functions = emit::Language::documented(&derivation);
         let about = About { functions, warnings, latex, reason, proved_at: proof.states };
         let parameters = &derivation.parameters;
         let defaults = parameters.iter().flat_map(|p| &p.defaults).copied().map(Number::to_f64).collect();

@@ -112,7 +112,7 @@ const MOST: usize = 8;
 
 /// The header, with a loop over states for each function of it, and their names.
 fn source(derivation: &Derivation) -> Option<(String, Vec<Option<String>>)> {
-    let mut text = emit::c(derivation, "Python", &Default::default());
+    let mut text = emit::Language::C.write(derivation, "Python", &Default::default());
     let prefix = text.split_once("_parameters {").and_then(|(before, _)| before.rsplit("typedef struct ").next())?;
     let prefix = prefix.to_string();
     let parameters = component_names(&derivation.parameters).len();
@@ -126,7 +126,7 @@ fn source(derivation: &Derivation) -> Option<(String, Vec<Option<String>>)> {
     let _ = writeln!(text, "    {prefix} mbs_new = {prefix}_new(&mbs_params);");
     text += "    memcpy(mbs_own, &mbs_new, sizeof mbs_new);\n}\n";
     let mut names = Vec::new();
-    for (number, (name, _)) in emit::documented(derivation).iter().enumerate() {
+    for (number, (name, _)) in emit::Language::documented(derivation).iter().enumerate() {
         let is_taken = ["parameters", "default_parameters"].contains(&name.as_str());
         let function = format!("{prefix}_{name}{}", if is_taken { "_2" } else { "" });
         let kinds = ["void", "mbs_real"].map(|kind| format!("MBS_FN {kind} {function}("));

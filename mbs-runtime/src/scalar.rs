@@ -5,8 +5,8 @@
 //! [`Real`], a scalar with an order and a value as `f64`.
 //!
 //! The elementary functions of `f32` and `f64` come from the standard library with the feature `std`, from the libm
-//! crate with the feature `libm` alone, and with neither of them `f32` and `f64` are not scalars. Generated code has its
-//! sines and cosines from [`Scalar::sin_cos_all`], which needs the library for large angles only.
+//! crate with the feature `libm` alone, and with neither of them `f32` and `f64` are not scalars. Generated code has
+//! its sines and cosines from [`Scalar::sin_cos_all`], which needs the library for large angles only.
 
 use core::fmt::Debug;
 use core::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};

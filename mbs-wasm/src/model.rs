@@ -86,7 +86,7 @@ impl Model {
         let (derivation, name, options) = (&self.derivation, self.sources.portable_name(), emit::Options::default());
         match language {
             "rust" => Ok(emit::rust(derivation, name, &options)),
-            "c" => Ok(emit::c(derivation, name, &options)),
+            "c" => Ok(emit::Language::C.write(derivation, name, &options)),
             "review" => Ok(derivation.review(name)),
             "latex" => {
                 let graph = Graph::verbatim();
@@ -158,7 +158,7 @@ fn describe(derivation: &Derivation) -> Value {
     let constraints = rows.map(|((name, [unit, multiplier_unit]), holonomic)| {
         json!({ "name": name, "unit": unit, "multiplier_unit": multiplier_unit, "holonomic": holonomic })
     });
-    let documented = emit::documented(derivation).into_iter();
+    let documented = emit::Language::documented(derivation).into_iter();
     json!({
         "name": derivation.name,
         "docs": text_of(&derivation.docs),

@@ -13,7 +13,7 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 
 use mbs_derive::Analysis;
-use mbs_derive::emit::{self, Language, Options};
+use mbs_derive::emit::{Language, Options};
 use mbs_derive::expr::Graph;
 use mbs_derive::interpret::{Interpreter, State, Violation};
 use mbs_derive::optimise::{Argument, Derivation, Function, Shape};
@@ -283,8 +283,8 @@ fn every_function_gives_the_bits_of_its_program() {
     let mut compared = 0;
     for (number, (name, text)) in mechanisms().enumerate() {
         analysed(name, text, |of| {
-            let header = emit::c(of, name, &Options::default());
-            assert_eq!(header, emit::c(of, name, &Options::default()));
+            let header = Language::C.write(of, name, &Options::default());
+            assert_eq!(header, Language::C.write(of, name, &Options::default()));
             let file = |ending: &str| format!("{name}.{ending}");
             std::fs::write(folder.path().join(file("h")), &header).expect("written");
             std::fs::write(folder.path().join(file("c")), main_of(of, name, &header)).expect("written");
@@ -406,7 +406,7 @@ fn names_of_the_library_are_no_trouble() {
                 kinetic += exp/2*(dt(double)^2 + dt(y0)^2) + exp/4*sin(double/(1 m))*dt(double)*dt(y0) + (q + NAN)*dt(y0)^2; \
                 potential += reciprocals*(double^2 + y0^2)/2; output result = double; output NULL = y0; output parameters = y0*double; }";
     let folder = tempfile::tempdir().expect("a folder");
-    let header = analysed("round.mbs", text, |of| emit::c(of, "round.mbs", &Options::default()));
+    let header = analysed("round.mbs", text, |of| Language::C.write(of, "round.mbs", &Options::default()));
     std::fs::write(folder.path().join("round.h"), header).expect("written");
     std::fs::write(folder.path().join("main.c"), "#include \"round.h\"\nint main(void) { return 0; }\n")
         .expect("written");

@@ -1,5 +1,5 @@
-//! JavaScript, Python and MATLAB: every function of every mechanism, run in node, NumPy and Octave, gives the bits of the
-//! proved program with the runtime's own sine and cosine, and what else their libraries may differ by.
+//! JavaScript, Python and MATLAB: every function of every mechanism, run in node, NumPy and Octave, gives the bits of
+//! the proved program with the runtime's own sine and cosine, and what else their libraries may differ by.
 //!
 //! What is not there is skipped, which the output says.
 

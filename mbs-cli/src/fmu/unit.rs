@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use mbs_derive::model::base_exponents;
+use mbs_derive::model::Unit;
 
 use super::xml::attribute;
 
@@ -60,8 +60,8 @@ fn plain(unit: &str) -> String {
 /// Of kg, m, s, A, K, mol, cd and rad. Angles are plain numbers here, not in FMI: they are counted as if rad were cd.
 fn exponents(unit: &str) -> Option<[i16; 8]> {
     const CANDELA: usize = 6;
-    let [kg, m, s, ampere, kelvin, mol, cd] = base_exponents(unit)?;
-    let rad = base_exponents(&unit.replace("rad", "cd"))?[CANDELA] - cd;
+    let [kg, m, s, ampere, kelvin, mol, cd] = Unit(unit).base_exponents()?;
+    let rad = Unit(&unit.replace("rad", "cd")).base_exponents()?[CANDELA] - cd;
     Some([kg, m, s, ampere, kelvin, mol, cd, rad])
 }
 

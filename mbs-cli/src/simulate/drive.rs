@@ -13,7 +13,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use mbs_derive::interpret::State;
-use mbs_derive::model::{in_si, is_of};
+use mbs_derive::model::Unit;
 use mbs_derive::optimise::{Derivation, Function, FunctionKind};
 use mbs_derive::parse;
 use mbs_derive::parse::{Statement, StatementKind};
@@ -270,7 +270,7 @@ fn formula(derivation: &Derivation, index: usize, name: &str) -> Result<usize, F
         return Err(refused("an input is one number".to_string()));
     }
     let found = &derivation.output_units[output][0];
-    if !is_of(found, unit) {
+    if !Unit(unit).is_shown_as(found) {
         return Err(refused(format!("it is in {unit}, the formula is in {found}")));
     }
     if function.program.uses(|symbol| matches!(symbol, mbs_derive::expr::Symbol::Input(_))) {
@@ -366,7 +366,7 @@ impl Columns {
         let scale = |column: usize, unit: &str| match headings[column] {
             (_, None) => Ok(1.0),
             (name, Some(own)) => {
-                in_si(&format!("1 {own}"), unit).map_err(|reason| format!("column `{name}`: {reason}"))
+                Unit(unit).in_si(&format!("1 {own}")).map_err(|reason| format!("column `{name}`: {reason}"))
             }
         };
         Ok(Columns { values, scales: [scale(0, "s")?, scale(values, wanted.unit)?] })

@@ -12,6 +12,7 @@ use crate::optimise::{Instruction, Program, Value};
 use super::angles::{Angles, Wanted};
 use super::expression::Tree;
 use super::name::{Names, Scope};
+pub(super) use super::statement::{Angle, Block, Component, Statement};
 
 /// Operations and characters that one expression has at most.
 const LONGEST: (usize, usize) = (6, 60);
@@ -33,83 +34,6 @@ pub(super) const FAMILIAR: [(f64, &str); 8] = [
 
 /// A name counts for this many characters at most.
 const WIDEST: usize = 6;
-
-/// A component of a result.
-#[derive(Clone, Debug)]
-pub(super) enum Component {
-    /// The program's result with this number, and a name that it would have as a local; empty for none.
-    Result(usize, String),
-    /// 0
-    Zero,
-}
-
-/// A step of a body.
-#[derive(Clone, Debug)]
-pub(super) enum Statement {
-    /// `let local = tree;`
-    Let(usize, Tree),
-    /// `let ([sin_a, sin_b], [cos_a, cos_b]) = T::sin_cos_all([a, b]);`, of the library `let (sin, cos) = a.sin_cos();`
-    SinCos(Vec<Angle>),
-    /// `let [value, _, second] = TABLE_0.derivatives(x);`, of the orders that are read.
-    Spline {
-        /// Its number in [`Names`].
-        table: usize,
-        orders: Vec<usize>,
-        locals: Vec<usize>,
-        x: Tree,
-    },
-    /// `let local = T::select(condition, || …, || …);`, of several locals `let [a, b] = T::select_each(…);`
-    Branch(Vec<usize>, Tree, [Block; 2]),
-    /// `let local: &dyn Fn() -> T = &|| …; let local = LazyCell::new(local);`
-    OnDemand(usize, Block),
-}
-
-impl Statement {
-    /// The expressions in it.
-    pub(super) fn trees(&self) -> Vec<&Tree> {
-        match self {
-            Statement::Let(_, tree) | Statement::Spline { x: tree, .. } => vec![tree],
-            Statement::SinCos(angles) => angles.iter().map(|angle| &angle.tree).collect(),
-            Statement::Branch(_, condition, [then, otherwise]) => {
-                std::iter::once(condition).chain(then.trees()).chain(otherwise.trees()).collect()
-            }
-            Statement::OnDemand(_, block) => block.trees(),
-        }
-    }
-
-    /// The locals that it binds.
-    pub(super) fn binds(&self) -> Vec<usize> {
-        match self {
-            Statement::Let(local, _) | Statement::OnDemand(local, _) => vec![*local],
-            Statement::SinCos(angles) => {
-                angles.iter().flat_map(|angle| angle.sin.into_iter().chain(angle.cos)).collect()
-            }
-            Statement::Branch(locals, ..) | Statement::Spline { locals, .. } => locals.clone(),
-        }
-    }
-}
-
-/// An angle, and the locals that its sine and cosine are bound to, as far as they are read.
-#[derive(Clone, Debug)]
-pub(super) struct Angle {
-    pub(super) tree: Tree,
-    pub(super) sin: Option<usize>,
-    pub(super) cos: Option<usize>,
-}
-
-/// Statements, and what comes of them.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Block {
-    pub(super) statements: Vec<Statement>,
-    pub(super) results: Vec<Tree>,
-}
-
-impl Block {
-    /// The expressions in it, blocks within it included.
-    pub(super) fn trees(&self) -> Vec<&Tree> {
-        self.statements.iter().flat_map(Statement::trees).chain(&self.results).collect()
-    }
-}
 
 /// A body before it is printed.
 #[derive(Clone, Debug)]
@@ -437,7 +361,10 @@ impl<'p, 'n> Writer<'p, 'n> {
         let (region, known) = (self.region, &self.known);
         let (group, before) = match self.body.names.trigonometry {
             Trigonometry::Library => (self.angles.of(value).into_iter().collect(), BTreeSet::new()),
-            Trigonometry::Polynomials => self.angles.together(self.program, value, |value| known[value.index()]),
+            Trigonometry::Polynomials => {
+                // The one that is asked for is not known yet, though it is being written.
+                self.angles.together(self.program, value, |other| other != value && known[other.index()])
+            }
         };
         before.into_iter().for_each(|value| self.write_value(value.index()));
         self.region = region;

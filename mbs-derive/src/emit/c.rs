@@ -30,7 +30,7 @@ use super::body::{Angle, Block, Statement};
 use super::name::{Names, snake_case};
 use super::{Options, Trigonometry, doc, item};
 use expression::{Printer, constant, prefix};
-pub use interface::{Interface, interface};
+pub use interface::Interface;
 
 /// What a header is written in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -52,10 +52,11 @@ pub(super) enum Dialect {
 /// let text = "mechanism Spring { param k: N/m = 4; coord x: m; kinetic += 1 kg*dt(x)^2/2; potential += k*x^2/2; }";
 /// let graph = Graph::verbatim();
 /// let analysis = Analysis::of(&Sources::new("spring.mbs", text), &graph).unwrap();
-/// let header = mbs_derive::emit::c(analysis.programs(), "spring.mbs", &Default::default());
+/// use mbs_derive::emit::Language;
+/// let header = Language::C.write(analysis.programs(), "spring.mbs", &Default::default());
 /// assert!(header.contains("MBS_FN mbs_real spring_potential_energy(const spring *self, const mbs_real q[1])"));
 /// ```
-pub fn c(derivation: &Derivation, source: &str, options: &Options) -> String {
+pub(super) fn c(derivation: &Derivation, source: &str, options: &Options) -> String {
     written(derivation, source, options, Dialect::C)
 }
 

@@ -3,8 +3,8 @@
 use crate::optimise::Derivation;
 
 use super::c::{Dialect, c, written};
-use super::name::snake_case;
-use super::{Options, rust, script};
+use super::name::{Names, snake_case};
+use super::{Options, Trigonometry, doc, rust, script};
 
 /// A language that a mechanism is written in.
 ///
@@ -60,8 +60,8 @@ impl Language {
         }
     }
 
-    /// The file of a mechanism: its name in snake case, which Python and MATLAB must be able to import, and the ending of
-    /// the language.
+    /// The file of a mechanism: its name in snake case, which Python and MATLAB must be able to import, and the ending
+    /// of the language.
     #[must_use]
     pub fn file_name(self, derivation: &Derivation) -> String {
         let ending = match self {
@@ -96,5 +96,23 @@ impl Language {
             Language::Js => script::js::js(derivation, source, options),
             Language::Matlab => script::matlab::matlab(derivation, source, options),
         }
+    }
+
+    /// What the generated functions are called, without the escapes of a language, and what their documentation says,
+    /// line by line; in the order of the derivation.
+    ///
+    /// ```
+    /// use mbs_derive::{Analysis, expr::Graph, source::Sources};
+    /// let text = "mechanism Spring { param k: N/m = 4; coord x: m; potential += k*x^2/2; kinetic += 1 kg*dt(x)^2; }";
+    /// let graph = Graph::verbatim();
+    /// let analysis = Analysis::of(&Sources::new("spring.mbs", text), &graph).unwrap();
+    /// let functions = mbs_derive::emit::Language::documented(analysis.programs());
+    /// assert!(functions.iter().any(|(name, docs)| name == "mass_matrix" && docs[0].contains("M")));
+    /// ```
+    pub fn documented(derivation: &Derivation) -> Vec<(String, Vec<String>)> {
+        let names = Names::of(derivation, true, Trigonometry::default()).functions;
+        let plain = |name: String| name.strip_prefix("r#").map_or(name.clone(), str::to_string);
+        let functions = names.into_iter().zip(&derivation.functions);
+        functions.map(|(name, function)| (plain(name), doc::function(derivation, function))).collect()
     }
 }

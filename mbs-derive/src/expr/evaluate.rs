@@ -386,7 +386,7 @@ fn strictly<V: Value>(step: &Node, v: impl Fn(Id) -> V) -> Option<V> {
 }
 
 /// The values of `roots` where each symbol has the value that `point` gives it.
-pub fn evaluate<V: Value>(roots: &[Expr<'_>], point: impl Fn(Symbol) -> V) -> Vec<V> {
+pub(crate) fn evaluate<V: Value>(roots: &[Expr<'_>], point: impl Fn(Symbol) -> V) -> Vec<V> {
     Tape::new(roots).run(point)
 }
 

@@ -18,7 +18,7 @@ fn errors<T: Real>(x: T, digits: i32) -> [f64; 2] {
     [(Function::Sin, sin), (Function::Cos, cos)].map(|(function, found)| {
         forgetting(|| {
             let exact = Exact::constant(x.to_f64()).call(function);
-            let unit = 2f64.powi(Scalar::exponent(exact.to_f64()) - digits + 1);
+            let unit = 2f64.powf(f64::from(Scalar::exponent(exact.to_f64()) - digits + 1));
             exact.distance(Exact::constant(found.to_f64())) / unit
         })
     })

@@ -86,11 +86,17 @@ impl Scalar for Watched {
     }
 
     functions! {
-        sin waves; cos waves; sqrt roots; ln logarithms;
+        sqrt roots; ln logarithms;
         tan others; asin others; acos others; atan others; sinh others; cosh others; tanh others; exp others;
         abs others; signum others;
     }
 
+    fn sin(self) -> Self {
+        Watched::count(f64::sin_cos_all([self.0]).0[0], |tally| &mut tally.waves)
+    }
+    fn cos(self) -> Self {
+        Watched::count(f64::sin_cos_all([self.0]).1[0], |tally| &mut tally.waves)
+    }
     fn sin_cos(self) -> (Self, Self) {
         (Scalar::sin(self), Scalar::cos(self))
     }

@@ -12,8 +12,7 @@ use super::expression::Printer;
 use super::function::plain;
 use super::{Dialect, Header, Names, block, snake_case};
 
-/// A header like that of [`c`](super::c) for those who integrate from event to event, how it calls things, and C that is
-/// to follow it.
+/// A header of C for those who integrate from event to event, how it calls things, and C that is to follow it.
 ///
 /// Forward dynamics compares what it is told: behind the inputs u has a number for each comparison, negative where the
 /// left side is less. So the equations stay smooth until an event changes that number, however far a step of an
@@ -24,7 +23,7 @@ use super::{Dialect, Header, Names, block, snake_case};
 /// let text = "mechanism Spring { param k: N/m = 4; coord x: m; kinetic += 1 kg*dt(x)^2/2; potential += k*x^2/2; }";
 /// let graph = Graph::verbatim();
 /// let analysis = Analysis::of(&Sources::new("spring.mbs", text), &graph).unwrap();
-/// let interface = mbs_derive::emit::c_interface(analysis.programs(), "spring.mbs");
+/// let interface = mbs_derive::emit::Interface::of(analysis.programs(), "spring.mbs");
 /// assert_eq!((interface.prefix.as_str(), interface.parameters.as_slice()), ("spring", ["k".to_string()].as_slice()));
 /// assert_eq!(interface.functions[0], "spring_kinetic_energy");
 /// ```
@@ -42,38 +41,40 @@ pub struct Interface {
     pub comparisons: usize,
     /// How many numbers `mbs_fmu_switches` gives: those of comparisons, then those of signs.
     pub switches: usize,
-    /// `mbs_fmu_switches(self, t, prescribed, q, qd, u, result)`: of every comparison the left side less the right one, and
-    /// the argument of every sign; where a difference is zero, the least number with the sign of the side that is taken
-    /// there.
+    /// `mbs_fmu_switches(self, t, prescribed, q, qd, u, result)`: of every comparison the left side less the right one,
+    /// and the argument of every sign; where a difference is zero, the least number with the sign of the side that is
+    /// taken there.
     pub definitions: String,
 }
 
-/// The [`Interface`] of a mechanism; `source` is what the header's first line calls the declaration.
-pub fn interface(derivation: &Derivation, source: &str) -> Interface {
-    let dynamics = derivation.function(FunctionKind::ForwardDynamics).map(|function| &function.program);
-    let dynamics = dynamics.cloned().unwrap_or_default();
-    let sides = Sides::of(&dynamics);
-    let told = sides.told(derivation);
-    let names = Names::of(&told, true, Options::default().trigonometry);
-    let prefix = super::prefix(&snake_case(&derivation.name));
-    let functions = item::selected(&told, Options::default().functions.as_deref());
-    let name = |number: usize| format!("{prefix}_{}", plain(&names.functions[number]));
-    let header = Header {
-        derivation: &told,
-        names: &names,
-        prefix: prefix.clone(),
-        functions,
-        dialect: Dialect::C,
-        uses_library: false,
-    };
-    Interface {
-        header: header.written(source),
-        functions: (0..derivation.functions.len()).map(name).collect(),
-        parameters: (0..variable::count(&derivation.parameters)).map(|i| header.field(i)).collect(),
-        comparisons: sides.comparisons.len(),
-        switches: sides.comparisons.len() + sides.signs.len(),
-        definitions: header.switches(&dynamics, &sides),
-        prefix,
+impl Interface {
+    /// Of a mechanism; `source` is what the header's first line calls the declaration.
+    pub fn of(derivation: &Derivation, source: &str) -> Interface {
+        let dynamics = derivation.function(FunctionKind::ForwardDynamics).map(|function| &function.program);
+        let dynamics = dynamics.cloned().unwrap_or_default();
+        let sides = Sides::of(&dynamics);
+        let told = sides.told(derivation);
+        let names = Names::of(&told, true, Options::default().trigonometry);
+        let prefix = super::prefix(&snake_case(&derivation.name));
+        let functions = item::selected(&told, Options::default().functions.as_deref());
+        let name = |number: usize| format!("{prefix}_{}", plain(&names.functions[number]));
+        let header = Header {
+            derivation: &told,
+            names: &names,
+            prefix: prefix.clone(),
+            functions,
+            dialect: Dialect::C,
+            uses_library: false,
+        };
+        Interface {
+            header: header.written(source),
+            functions: (0..derivation.functions.len()).map(name).collect(),
+            parameters: (0..variable::count(&derivation.parameters)).map(|i| header.field(i)).collect(),
+            comparisons: sides.comparisons.len(),
+            switches: sides.comparisons.len() + sides.signs.len(),
+            definitions: header.switches(&dynamics, &sides),
+            prefix,
+        }
     }
 }
 
@@ -205,7 +206,7 @@ mod tests {
         let text = "mechanism Stop { param k: N/m = 4; param edge: m = 1; coord x: m; kinetic += 1 kg*dt(x)^2/2; \
                     force x += if x < edge { 0 } else { -k*(x - edge) } - k*edge*signum(dt(x)); }";
         let sources = crate::source::Sources::new("stop.mbs", text);
-        let interface = interface(crate::Analysis::of(&sources, &graph).unwrap().programs(), "stop.mbs");
+        let interface = Interface::of(crate::Analysis::of(&sources, &graph).unwrap().programs(), "stop.mbs");
         assert_eq!((interface.comparisons, interface.switches), (1, 2), "{}", interface.definitions);
         assert!(interface.definitions.contains("result[0] = (x) - (edge);"), "{}", interface.definitions);
         let (_, dynamics) = interface.header.split_once("stop_forward_dynamics(").unwrap();

@@ -6,61 +6,67 @@ use crate::parse;
 use crate::parse::syntax::StatementKind;
 use crate::source::Sources;
 
-/// The value in SI units of a number with a unit, `20 deg`, whose dimension is that of `unit`.
-///
-/// ```
-/// use mbs_derive::model::in_si;
-/// assert_eq!(in_si("90 km/h", "m/s"), Ok(25.0));
-/// assert!(in_si("20 deg", "m").is_err());
-/// ```
-///
-/// # Errors
-/// As the end of a sentence: it is not a number with a unit, its unit is not known, or of another dimension.
-pub fn in_si(text: &str, unit: &str) -> Result<f64, String> {
-    let (number, own) = split(text).ok_or("write a number and its unit, as in \"20 deg\"")?;
-    let (wanted, found) = (of_unit(unit)?, of_unit(own)?);
-    if wanted.dimension != found.dimension {
-        let wanted = if wanted.dimension == Dimension::ONE {
-            "an angle or a plain number".to_string()
-        } else {
-            in_words(wanted.dimension)
-        };
-        return Err(format!("its unit `{own}` does not fit, {wanted} is wanted"));
-    }
-    let value = Number::parse_decimal(number.trim_start_matches(['+', '-'])).ok_or("the number is too long")?;
-    let value = (value * found.scale).to_f64();
-    Ok(if number.starts_with('-') { -value } else { value })
-}
+/// A unit as a declaration writes it: `N*m`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Unit<'a>(pub &'a str);
 
-/// Whether a unit as documentation writes it, `kg·m²/s²`, is one of those that `unit` stands for.
-///
-/// ```
-/// use mbs_derive::model::is_of;
-/// assert!(is_of("kg·m²/s²", "N*m") && !is_of("kg·m²/s²", "N"));
-/// ```
-pub fn is_of(shown: &str, unit: &str) -> bool {
-    let mut plain = String::new();
-    let mut raised = false;
-    for c in shown.chars() {
-        let digit = "⁰¹²³⁴⁵⁶⁷⁸⁹".chars().position(|known| known == c);
-        match (digit, c) {
-            (Some(digit), _) => plain += &format!("{}{digit}", if raised { "" } else { "^" }),
-            (None, '·') => plain.push('*'),
-            (None, c) => plain.push(c),
+impl Unit<'_> {
+    /// The value in SI units of a number with a unit, `20 deg`, whose dimension is that of this unit.
+    ///
+    /// ```
+    /// use mbs_derive::model::Unit;
+    /// assert_eq!(Unit("m/s").in_si("90 km/h"), Ok(25.0));
+    /// assert!(Unit("m").in_si("20 deg").is_err());
+    /// ```
+    ///
+    /// # Errors
+    /// As the end of a sentence: it is not a number with a unit, its unit is not known, or of another dimension.
+    pub fn in_si(self, text: &str) -> Result<f64, String> {
+        let (number, own) = split(text).ok_or("write a number and its unit, as in \"20 deg\"")?;
+        let (wanted, found) = (of_unit(self.0)?, of_unit(own)?);
+        if wanted.dimension != found.dimension {
+            let wanted = if wanted.dimension == Dimension::ONE {
+                "an angle or a plain number".to_string()
+            } else {
+                in_words(wanted.dimension)
+            };
+            return Err(format!("its unit `{own}` does not fit, {wanted} is wanted"));
         }
-        raised = digit.is_some();
+        let value = Number::parse_decimal(number.trim_start_matches(['+', '-'])).ok_or("the number is too long")?;
+        let value = (value * found.scale).to_f64();
+        Ok(if number.starts_with('-') { -value } else { value })
     }
-    of_unit(&plain).is_ok_and(|found| of_unit(unit).is_ok_and(|wanted| wanted.dimension == found.dimension))
-}
 
-/// The exponents of kg, m, s, A, K, mol and cd in a unit; `None` where it is none, or they are not whole.
-///
-/// ```
-/// use mbs_derive::model::base_exponents;
-/// assert_eq!(base_exponents("N*m*s/rad"), Some([1, 2, -1, 0, 0, 0, 0]));
-/// ```
-pub fn base_exponents(unit: &str) -> Option<[i16; 7]> {
-    of_unit(unit).ok()?.dimension.whole()
+    /// Whether a unit as documentation writes it, `kg·m²/s²`, is one of those that this one stands for.
+    ///
+    /// ```
+    /// use mbs_derive::model::Unit;
+    /// assert!(Unit("N*m").is_shown_as("kg·m²/s²") && !Unit("N").is_shown_as("kg·m²/s²"));
+    /// ```
+    pub fn is_shown_as(self, shown: &str) -> bool {
+        let mut plain = String::new();
+        let mut raised = false;
+        for c in shown.chars() {
+            let digit = "⁰¹²³⁴⁵⁶⁷⁸⁹".chars().position(|known| known == c);
+            match (digit, c) {
+                (Some(digit), _) => plain += &format!("{}{digit}", if raised { "" } else { "^" }),
+                (None, '·') => plain.push('*'),
+                (None, c) => plain.push(c),
+            }
+            raised = digit.is_some();
+        }
+        of_unit(&plain).is_ok_and(|found| of_unit(self.0).is_ok_and(|wanted| wanted.dimension == found.dimension))
+    }
+
+    /// The exponents of kg, m, s, A, K, mol and cd in the unit; `None` where it is none, or they are not whole.
+    ///
+    /// ```
+    /// use mbs_derive::model::Unit;
+    /// assert_eq!(Unit("N*m*s/rad").base_exponents(), Some([1, 2, -1, 0, 0, 0, 0]));
+    /// ```
+    pub fn base_exponents(self) -> Option<[i16; 7]> {
+        of_unit(self.0).ok()?.dimension.whole()
+    }
 }
 
 fn in_words(dimension: Dimension) -> String {
@@ -104,7 +110,7 @@ mod tests {
 
     #[test]
     fn numbers_with_units() {
-        let check = |text: &str, unit: &str, expected: f64| assert_eq!(in_si(text, unit), Ok(expected), "{text}");
+        let check = |text: &str, unit: &str, expected: f64| assert_eq!(Unit(unit).in_si(text), Ok(expected), "{text}");
         check("20 deg", "rad", 20f64.to_radians());
         check("-20deg", "rad", -20f64.to_radians());
         check("2.5e-1 mm", "m", 2.5e-4);
@@ -116,14 +122,17 @@ mod tests {
 
     #[test]
     fn units_of_documentation() {
-        assert!(is_of("kg·m²/s²", "N*m") && is_of("1", "rad") && is_of("m/s¹²", "m/s^12"));
-        assert!(!is_of("kg·m²/s²", "N") && !is_of("nonsense", "N"));
+        assert!(
+            Unit("N*m").is_shown_as("kg·m²/s²") && Unit("rad").is_shown_as("1") && Unit("m/s^12").is_shown_as("m/s¹²")
+        );
+        assert!(!Unit("N").is_shown_as("kg·m²/s²") && !Unit("N").is_shown_as("nonsense"));
     }
 
     #[test]
     fn what_is_none() {
-        let check =
-            |text: &str, unit: &str, expected: &str| assert_eq!(in_si(text, unit).unwrap_err(), expected, "{text}");
+        let check = |text: &str, unit: &str, expected: &str| {
+            assert_eq!(Unit(unit).in_si(text).unwrap_err(), expected, "{text}")
+        };
         let form = "write a number and its unit, as in \"20 deg\"";
         for text in ["", "deg", "20", "NaN deg", "inf m", "1e999 m", "nan", "infinity m"] {
             check(text, "rad", form);
@@ -132,6 +141,6 @@ mod tests {
         check("20 m", "rad", "its unit `m` does not fit, an angle or a plain number is wanted");
         check("20 m; 3", "m", "`m; 3` is not a unit");
         check("20 m = 3", "m", "`m = 3` is not a unit");
-        assert!(in_si("2 furlong", "m").unwrap_err().starts_with("`furlong` is not a unit; "));
+        assert!(Unit("m").in_si("2 furlong").unwrap_err().starts_with("`furlong` is not a unit; "));
     }
 }
