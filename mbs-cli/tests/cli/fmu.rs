@@ -189,23 +189,24 @@ fn motions_are_those_of_the_program() {
         "{\"q\": [0.4, 0.9], \"u\": [0.3], \"prescribed\": {\"slide\": [0, 0.1, 0.6], \"spin\": [1.5, 0, 0]}}";
     let slides = ["--signal", "slide=0.1*t + 0.3*t^2", "--signal", "spin=1.5"];
     // Of a signal that model exchange is told nothing of it stays as it is: co-simulation alone.
-    let cases: [([&str; 2], [&str; 2], &[&str], bool); 3] = [
+    let none: &[&str] = &[];
+    let cases = [
         (
             ["gate", include_str!("../fmu/gate.mbs")],
             ["{\"q\": [0, 0.1], \"qd\": [1.5, 0], \"u\": [0.1]}"; 2],
-            &[],
+            none,
             true,
         ),
         (
             ["turning", include_str!("../fmu/turning.mbs")],
             [signals, "{\"q\": [0.4, 0.9], \"u\": [0.3]}"],
-            &slides,
+            slides.as_slice(),
             false,
         ),
         (
             ["cartesian_pendulum", include_str!("../mechanisms/cartesian_pendulum.mbs")],
             ["{\"q\": [0.6, -0.8]}"; 2],
-            &[],
+            none,
             true,
         ),
     ];

@@ -188,13 +188,12 @@ fn a_short_rail_leaves_the_greatest_scale() {
 fn standoffs_that_may_be_anything_are_those_in_reach() {
     let mut experiment = guided();
     experiment.sampling = 0.05;
-    let near = experiment.plan(0.1).expect("a plan");
+    // What is nearest to its end does not depend on the stand-off there: many are equally good.
+    let near = experiment.plan(0.1).and_then(|plan| Ok(plan.clearance()?)).expect("a plan in reach");
     for standoffs in [[-1e9, 1e9], [f64::MIN, f64::MAX], [-100.0, 3.0]] {
         let wide = Experiment { standoffs, ..experiment.clone() };
-        let found = wide.plan(0.1).expect("a plan");
-        let [here, there] = [&near, &found].map(|plan| (plan.standoff(), plan.clearance().expect("in reach")));
-        println!("XX {here:?} {there:?}");
-        assert!((here.0 - there.0).abs() < 2e-4, "{standoffs:?}: {there:?}, not {here:?}");
+        let found = wide.plan(0.1).and_then(|plan| Ok(plan.clearance()?)).expect("a plan in reach");
+        assert!((found - near).abs() < 1e-12, "{standoffs:?}: {found}, not {near}");
     }
     let far = Experiment { standoffs: [10.0, 1e9], ..experiment };
     let found = far.plan(0.1).expect_err("out of reach");
