@@ -344,7 +344,7 @@ def cases(seed, until, first, only, log):
     """How many were gone through; every one is written down before it is tried."""
     own, number = Cases(), first
     warnings.simplefilter("ignore")
-    while time.monotonic() < until if only is None else number == first:
+    while (time.monotonic() < until or number < first + 40) if only is None else number == first:
         number = number if only is None else only
         if log:
             log.seek(0)

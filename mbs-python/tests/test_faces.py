@@ -9,7 +9,7 @@ import sys
 
 import mbs
 import pytest
-from conftest import ROOT, model
+from conftest import model
 
 
 def test_help_has_units_and_documentation():
@@ -47,13 +47,13 @@ def test_declared_markup_is_escaped():
     assert "<script>" not in own._repr_html_()
 
 
-def test_there_are_types():
+def test_there_are_types(tmp_path):
     package = importlib.util.find_spec("mbs").submodule_search_locations[0]
     assert all((pathlib.Path(package) / name).exists() for name in ["py.typed", "_mbs.pyi"])
     if importlib.util.find_spec("mypy") is None:
         pytest.skip("mypy is not installed")
-    line = [sys.executable, "-m", "mypy", "--strict", "--no-warn-return-any", "--no-incremental", package]
-    run = subprocess.run(line, capture_output=True, text=True, cwd=ROOT)
+    line = [sys.executable, "-m", "mypy", "--strict", "--no-warn-return-any", "--no-incremental", "-p", "mbs"]
+    run = subprocess.run(line, capture_output=True, text=True, cwd=tmp_path)
     assert run.returncode == 0, run.stdout
 
 
