@@ -1,6 +1,6 @@
 //! `mbs fmu`: a mechanism for the tools that speak FMI.
 //!
-//! - [`variable`]: its variables, their units ([`unit`]) and dependencies;
+//! - [`variable`]: its variables, their units ([`unit`](mod@unit)) and dependencies;
 //! - [`description`]: modelDescription.xml, and [`xml`];
 //! - [`model`]: model.h, by which the sources know the mechanism;
 //! - `fmi2.c`, `fmi3.c` and the headers beside them: the functions of the standards, the same for all mechanisms;
