@@ -27,7 +27,7 @@ pub(crate) fn round_step(rough: f64) -> f64 {
 }
 
 impl Scale {
-    /// With at most this many intervals, and so many more that there are two ticks.
+    /// With at most this many intervals, or as many more as two ticks need.
     pub(crate) fn new(range: Range<f64>, count: f64) -> Self {
         let range = if range.start < range.end { range } else { range.start - 0.5..range.start + 0.5 };
         let mut scale = Scale { step: round_step((range.end - range.start) / count.max(1.0)), range };

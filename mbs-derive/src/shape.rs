@@ -50,6 +50,33 @@ impl Shape {
             Shape::Poses(n) => 12 * n,
         }
     }
+
+    /// The names of the components of a value with this name and shape, in the order of its values, symmetric matrices
+    /// in full: `tip_0`, `inertia_0_1`, `hand_position_0`, `hand_rotation_0_0`.
+    ///
+    /// ```
+    /// use mbs_derive::optimise::Shape;
+    /// assert_eq!(Shape::Vector(2).components("tip"), ["tip_0", "tip_1"]);
+    /// ```
+    pub fn components(self, name: &str) -> Vec<String> {
+        let of_each = |count: usize, shape: Shape| -> Vec<String> {
+            (0..count).flat_map(|i| shape.components(&format!("{name}_{i}"))).collect()
+        };
+        let parts = |parts: [(&str, Shape); 2]| -> Vec<String> {
+            parts.into_iter().flat_map(|(part, shape)| shape.components(&format!("{name}_{part}"))).collect()
+        };
+        match self {
+            Shape::Scalar => vec![name.to_string()],
+            Shape::Vector(n) => of_each(n, Shape::Scalar),
+            Shape::Matrix(rows, columns) => of_each(rows, Shape::Vector(columns)),
+            Shape::Symmetric(n) => of_each(n, Shape::Vector(n)),
+            Shape::Matrices(n, rows, columns) => of_each(n, Shape::Matrix(rows, columns)),
+            Shape::Pose => parts([("position", Shape::Vector(3)), ("rotation", Shape::Matrix(3, 3))]),
+            Shape::Poses(n) => of_each(n, Shape::Pose),
+            Shape::Wrench => parts([("force", Shape::Vector(3)), ("moment", Shape::Vector(3))]),
+            Shape::Wrenches(n) => of_each(n, Shape::Wrench),
+        }
+    }
 }
 
 /// As documentation says it.

@@ -3,7 +3,7 @@
 const COLOURS = ["#2f7fd0", "#e06c34", "#2ba05a", "#b64fc0", "#c9a227", "#d1495b", "#26a5a5", "#7a6ff0", "#7d8a3a", "#9b6a4f"];
 const MARGIN = { left: 58, right: 12, top: 22, bottom: 24 };
 
-/** 1, 2 or 5 times a power of ten: about so many intervals. */
+/** 1, 2 or 5 times a power of ten: about this many intervals. */
 function step(span, intervals) {
   const raw = span / intervals;
   const power = 10 ** Math.floor(Math.log10(raw));

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use mbs_derive::optimise::{Derivation, Function, FunctionKind, Shape};
+use mbs_derive::optimise::{Derivation, Function, FunctionKind};
 use mbs_derive::variable::Variable;
 
 /// A column.
@@ -33,7 +33,7 @@ pub(crate) fn columns(derivation: &Derivation) -> Vec<Column> {
     }
     for function in outputs(derivation) {
         let units = output_of(derivation, function).map(|number| &derivation.output_units[number]);
-        let names = function.results.iter().flat_map(|part| components(&function.name, part.shape));
+        let names = function.results.iter().flat_map(|part| part.shape.components(&function.name));
         for (i, name) in names.enumerate() {
             columns.push(&name, units.and_then(|units| units.get(i)).map_or("1", String::as_str));
         }
@@ -77,26 +77,5 @@ fn rate_unit(variable: &Variable, per: &str) -> String {
         "" => format!("1{per}"),
         unit if unit.contains('/') => format!("({unit}){per}"),
         unit => format!("{unit}{per}"),
-    }
-}
-
-/// The names of the components of a value.
-fn components(name: &str, shape: Shape) -> Vec<String> {
-    let of_each = |count: usize, shape: Shape| -> Vec<String> {
-        (0..count).flat_map(|i| components(&format!("{name}_{i}"), shape)).collect()
-    };
-    let parts = |parts: [(&str, Shape); 2]| -> Vec<String> {
-        parts.into_iter().flat_map(|(part, shape)| components(&format!("{name}_{part}"), shape)).collect()
-    };
-    match shape {
-        Shape::Scalar => vec![name.to_string()],
-        Shape::Vector(n) => of_each(n, Shape::Scalar),
-        Shape::Matrix(rows, columns) => of_each(rows, Shape::Vector(columns)),
-        Shape::Symmetric(n) => of_each(n, Shape::Vector(n)),
-        Shape::Matrices(n, rows, columns) => of_each(n, Shape::Matrix(rows, columns)),
-        Shape::Pose => parts([("position", Shape::Vector(3)), ("rotation", Shape::Matrix(3, 3))]),
-        Shape::Poses(n) => of_each(n, Shape::Pose),
-        Shape::Wrench => parts([("force", Shape::Vector(3)), ("moment", Shape::Vector(3))]),
-        Shape::Wrenches(n) => of_each(n, Shape::Wrench),
     }
 }

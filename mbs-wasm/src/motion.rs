@@ -76,7 +76,7 @@ pub struct Motion {
     pub summary: Value,
 }
 
-/// At most so many numbers are recorded: a quarter of a gigabyte.
+/// At most this many numbers are recorded: a quarter of a gigabyte.
 const MOST: f64 = (1 << 25) as f64;
 
 impl Motion {
@@ -100,7 +100,7 @@ impl Motion {
     }
 }
 
-/// From the start in steps of `dt` to the end time, both included, for rows of so many numbers.
+/// From the start in steps of `dt` to the end time, both included, for rows of `width` numbers.
 fn times(start: f64, settings: &Settings, width: usize) -> Result<Vec<f64>, Failure> {
     let (end, step) = (settings.t_end, settings.dt);
     let is_positive = |x: f64| x > 0.0 && x.is_finite();

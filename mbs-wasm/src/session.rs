@@ -22,7 +22,7 @@ use crate::report::Failure;
 
 #[link(wasm_import_module = "mbs")]
 unsafe extern "C" {
-    /// Inputs, so many, and prescribed motions at `(t, q, q̇)`, written by the page; 0 where it could not.
+    /// This many inputs, and prescribed motions at `(t, q, q̇)`, written by the page; 0 where it could not.
     safe fn drive(t: f64, q: *const f64, qd: *const f64, u: *mut f64, inputs: usize, prescribed: *mut f64) -> i32;
 }
 
@@ -32,7 +32,7 @@ thread_local! {
     static MODELS: RefCell<Vec<Option<Rc<Model>>>> = const { RefCell::new(Vec::new()) };
 }
 
-/// Room for so many bytes of text.
+/// Room for this many bytes of text.
 #[unsafe(no_mangle)]
 pub(crate) extern "C" fn text(bytes: usize) -> *mut u8 {
     prepare();
@@ -48,7 +48,7 @@ pub(crate) extern "C" fn text_length() -> usize {
     TEXT.with_borrow(Vec::len)
 }
 
-/// Room for so many numbers.
+/// Room for this many numbers.
 #[unsafe(no_mangle)]
 pub(crate) extern "C" fn numbers(count: usize) -> *mut f64 {
     NUMBERS.with_borrow_mut(|numbers| {

@@ -16,10 +16,11 @@ use mbs_derive::Analysis;
 use mbs_derive::emit::{Language, Options};
 use mbs_derive::expr::Graph;
 use mbs_derive::interpret::{Interpreter, State, Violation};
-use mbs_derive::optimise::{Argument, Derivation, Function, Shape};
+use mbs_derive::optimise::{Derivation, Function, Shape};
 use mbs_derive::source::Sources;
-use mbs_derive::variable::Variable;
 use mbs_tests::random::Random;
+
+use crate::call::{arguments, entries, takes};
 
 use crate::accuracy::states::{Point, on_the_constraints};
 use own::Own;
@@ -74,44 +75,6 @@ fn mechanisms() -> impl Iterator<Item = (&'static str, &'static str)> {
 fn compiled(compiler: &str, arguments: &[&str], folder: &Path) {
     let output = Command::new(compiler).args(arguments).args(WARNINGS).current_dir(folder).output().expect("it runs");
     assert!(output.status.success(), "{arguments:?}\n{}", String::from_utf8_lossy(&output.stderr));
-}
-
-fn count(variables: &[Variable]) -> usize {
-    variables.iter().map(Variable::count).sum()
-}
-
-/// Names and lengths of the arguments of all functions, as `main` reads them.
-fn arguments(of: &Derivation) -> [(&'static str, usize); 7] {
-    [
-        ("t", 1),
-        ("prescribed", 3 * count(&of.prescribed)),
-        ("q", of.dof()),
-        ("qd", of.dof()),
-        ("qdd", of.dof()),
-        ("u", count(&of.inputs)),
-        ("multipliers", of.constraints.len()),
-    ]
-}
-
-fn takes(of: &Derivation, function: &Function, name: &str) -> bool {
-    let argument = match name {
-        "t" => return of.depends_on_time,
-        "prescribed" => return !of.prescribed.is_empty(),
-        "q" => Argument::Q,
-        "qd" => Argument::Qd,
-        "qdd" => Argument::Qdd,
-        "u" => Argument::U,
-        _ => Argument::Multipliers,
-    };
-    function.arguments.contains(&argument)
-}
-
-/// How many numbers a part of a result is.
-fn entries(shape: Shape) -> usize {
-    match shape {
-        Shape::Symmetric(n) => n * n,
-        other => other.count(),
-    }
 }
 
 /// A program that reads parameters and says what is wrong with them, or reads states as bits and writes the bits of all

@@ -3,6 +3,7 @@
 mod accuracy;
 mod architecture;
 mod c_header;
+mod call;
 mod determinism;
 mod downstream;
 mod emitted;

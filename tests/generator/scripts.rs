@@ -11,11 +11,12 @@ use mbs_derive::Analysis;
 use mbs_derive::emit::{Language, Options};
 use mbs_derive::expr::{Binary, Function as Elementary, Graph, Value};
 use mbs_derive::interpret::{Interpreter, State};
-use mbs_derive::optimise::{Argument, Derivation, Function, Instruction, Program, Shape};
+use mbs_derive::optimise::{Derivation, Function, Instruction, Program};
 use mbs_derive::source::Sources;
-use mbs_derive::variable::Variable;
 use mbs_runtime::Scalar;
 use mbs_tests::random::Random;
+
+use crate::call::{arguments, entries, takes};
 
 /// States of each mechanism, and those of them that Octave gets, which reads every line anew. `MBS_STATES=100` asks for
 /// as many in all languages.
@@ -113,36 +114,6 @@ fn run(program: &str, arguments: &[&str], folder: &Path) -> String {
     String::from_utf8(output.stdout).expect("text")
 }
 
-fn count(variables: &[Variable]) -> usize {
-    variables.iter().map(Variable::count).sum()
-}
-
-/// Names and lengths of the arguments of all functions, as files of states have them.
-fn arguments(of: &Derivation) -> [(&'static str, usize); 7] {
-    [
-        ("t", 1),
-        ("prescribed", 3 * count(&of.prescribed)),
-        ("q", of.dof()),
-        ("qd", of.dof()),
-        ("qdd", of.dof()),
-        ("u", count(&of.inputs)),
-        ("multipliers", of.constraints.len()),
-    ]
-}
-
-fn takes(of: &Derivation, function: &Function, name: &str) -> bool {
-    let argument = match name {
-        "t" => return of.depends_on_time,
-        "prescribed" => return !of.prescribed.is_empty(),
-        "q" => Argument::Q,
-        "qd" => Argument::Qd,
-        "qdd" => Argument::Qdd,
-        "u" => Argument::U,
-        _ => Argument::Multipliers,
-    };
-    function.arguments.contains(&argument)
-}
-
 /// Those that take a state, as the language calls them.
 fn functions(language: Language, text: &str) -> Vec<String> {
     let (class, begin, end) = match language {
@@ -220,7 +191,7 @@ impl Case {
         )
     }
 
-    /// What each function gives at the first so many states, and how far other libraries may be from that.
+    /// What each function gives at the first states, this many, and how far other libraries may be from that.
     fn wanted(&self, states: usize) -> Vec<(f64, f64)> {
         let defaults = self.of.parameters.iter().flat_map(|p| &p.defaults);
         let defaults: Vec<Own> = defaults.map(|value| Own(value.to_f64())).collect();
@@ -344,14 +315,6 @@ fn compare(language: &str, case: &Case, found: &[f64], wanted: &[(f64, f64)], st
         }
     }
     place
-}
-
-/// How many numbers a part of a result is.
-fn entries(shape: Shape) -> usize {
-    match shape {
-        Shape::Symmetric(n) => n * n,
-        other => other.count(),
-    }
 }
 
 /// A mechanism in a language, in a folder.

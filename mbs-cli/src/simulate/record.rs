@@ -1,6 +1,6 @@
 //! What is recorded of a motion besides its standard columns, where it is asked for.
 
-use mbs_derive::optimise::{Derivation, Function, FunctionKind, Shape};
+use mbs_derive::optimise::{Derivation, Function, FunctionKind};
 use mbs_derive::variable::Variable;
 use mbs_runtime::ConstraintError;
 
@@ -137,29 +137,8 @@ fn is_reaction(function: &Function) -> bool {
 
 /// `tip`, `tip_0` …, `tip_0_1` …; of a pose `hand_position_0` …, `hand_rotation_0_0` …; with the unit of each.
 pub(crate) fn of_output(function: &Function, units: &[String]) -> Vec<Column> {
-    let names = function.results.iter().flat_map(|part| components(&function.name, part.shape));
+    let names = function.results.iter().flat_map(|part| part.shape.components(&function.name));
     names.zip(units).map(|(name, unit)| Column::new("outputs", &name, unit)).collect()
-}
-
-/// The names of the components of a value.
-fn components(name: &str, shape: Shape) -> Vec<String> {
-    let of_each = |count: usize, shape: Shape| -> Vec<String> {
-        (0..count).flat_map(|i| components(&format!("{name}_{i}"), shape)).collect()
-    };
-    let parts = |parts: [(&str, Shape); 2]| -> Vec<String> {
-        parts.into_iter().flat_map(|(part, shape)| components(&format!("{name}_{part}"), shape)).collect()
-    };
-    match shape {
-        Shape::Scalar => vec![name.to_string()],
-        Shape::Vector(n) => of_each(n, Shape::Scalar),
-        Shape::Matrix(rows, columns) => of_each(rows, Shape::Vector(columns)),
-        Shape::Symmetric(n) => of_each(n, Shape::Vector(n)),
-        Shape::Matrices(n, rows, columns) => of_each(n, Shape::Matrix(rows, columns)),
-        Shape::Pose => parts([("position", Shape::Vector(3)), ("rotation", Shape::Matrix(3, 3))]),
-        Shape::Poses(n) => of_each(n, Shape::Pose),
-        Shape::Wrench => parts([("force", Shape::Vector(3)), ("moment", Shape::Vector(3))]),
-        Shape::Wrenches(n) => of_each(n, Shape::Wrench),
-    }
 }
 
 fn of_wrench(joint: &str) -> Vec<Column> {

@@ -80,7 +80,7 @@ function mbs_parameters(defaults, given) {
 }
 
 
-/** A flat array as rows of so many numbers. */
+/** A flat array as rows of this many numbers. */
 function mbs_rows(values, columns) {
   const rows = [];
   for (let first = 0; first < values.length; first += columns) {
@@ -741,7 +741,7 @@ function mbs_state_sizes(q, qd, kinds, inputs) {
 }
 
 
-/** Derivatives of a constrained motion, flat parts of so many columns: of right sides part by part, row by row. */
+/** Derivatives of a constrained motion, flat parts of these many columns: of right sides part by part, row by row. */
 function mbs_slopes(system, right_sides, widths, motion, sizes) {
   const { n, k } = system;
   const columns = [];
