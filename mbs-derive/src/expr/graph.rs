@@ -151,11 +151,11 @@ impl Node {
 /// An arena in which equal expressions are one node.
 ///
 /// ```
-/// use mbs_derive::expr::{Graph, Symbol, evaluate};
+/// use mbs_derive::expr::{Graph, Symbol, Tape};
 /// let graph = Graph::new();
 /// let x = graph.symbol(Symbol::Coordinate(0));
 /// let sum = x * x + x * x;
-/// assert_eq!(evaluate(&[sum], |_| 3.0), [18.0]);
+/// assert_eq!(Tape::new(&[sum]).run(|_| 3.0), [18.0]);
 /// ```
 pub struct Graph {
     arena: RefCell<Arena>,
