@@ -5,13 +5,14 @@ use crate::derive::{self, Route};
 use crate::diagnostic::Diagnostics;
 use crate::emit::{self, Language, Options};
 use crate::expr::Graph;
+use crate::generated::{Error, Generated};
 use crate::latex;
-use crate::model::Lagrangian;
+use crate::model::{self, Lagrangian};
 use crate::optimise::{self, Derivation, Operations};
+use crate::parse::{self, syntax::Declaration};
 use crate::source::Sources;
 use crate::variable;
 use crate::verify::Proof;
-use crate::{Error, Generated, declared_from, resolved};
 
 /// What is derived from one mechanism, of a text or of calls; the Programs are not proved before they are printed.
 ///
@@ -161,4 +162,83 @@ impl Mechanism {
     pub fn generate(&self, options: &Options) -> Result<Generated, Error> {
         Analysis::written(self, &Graph::verbatim(), &options.freeze)?.rust(options)
     }
+}
+
+/// The text of a mechanism that imports nothing → a module of Rust, proved.
+///
+/// `file_name` is what the module's first line and the reports call the source.
+///
+/// ```
+/// let text = "mechanism Spring { param k: N/m = 4; coord x: m; kinetic += 1 kg*dt(x)^2/2; potential += k*x^2/2; }";
+/// let module = mbs_derive::generate("spring.mbs", text, &Default::default()).unwrap();
+/// assert_eq!((module.name.as_str(), module.dof, module.inputs), ("Spring", 1, 0));
+/// assert!(module.code.contains("pub fn mass_matrix"));
+/// ```
+///
+/// # Errors
+/// [`Error::Declaration`] if the text is not a mechanism, [`Error::Proof`] if the derived code disagrees with the
+/// energies, [`Error::UnknownFunction`] if the options ask for a function that there is not.
+pub fn generate(file_name: &str, source: &str, options: &Options) -> Result<Generated, Error> {
+    generated(&Sources::new(file_name, source), options)
+}
+
+pub(crate) fn generated(sources: &Sources, options: &Options) -> Result<Generated, Error> {
+    Analysis::frozen(sources, &Graph::verbatim(), &options.freeze)?.rust(options)
+}
+
+/// `parse` and `model`: the text of a mechanism that imports nothing → its Lagrangian, and warnings. The parameters
+/// named in `freeze` become constants.
+///
+/// ```
+/// let graph = mbs_derive::expr::Graph::verbatim();
+/// let text = "mechanism Spring { param k: N/m = 4; coord x: m; kinetic += 1 kg*dt(x)^2/2; potential += k*x^2/2; }";
+/// let (lagrangian, warnings) = mbs_derive::declared(text, &graph, &[]).unwrap();
+/// assert_eq!((lagrangian.dof(), warnings.iter().count()), (1, 0));
+/// ```
+///
+/// # Errors
+/// All mistakes of the first pass that finds any.
+pub fn declared<'g>(
+    source: &str,
+    graph: &'g Graph,
+    freeze: &[String],
+) -> Result<(Lagrangian<'g>, Diagnostics), Diagnostics> {
+    declared_from(&Sources::new("", source), graph, freeze)
+}
+
+/// `parse` and `model`: the texts of a mechanism and of all that it imports → its Lagrangian, and warnings. The
+/// parameters named in `freeze` become constants.
+///
+/// # Errors
+/// All mistakes of the first pass that finds any.
+fn declared_from<'g>(
+    sources: &Sources,
+    graph: &'g Graph,
+    freeze: &[String],
+) -> Result<(Lagrangian<'g>, Diagnostics), Diagnostics> {
+    resolved(parse::declaration_of(sources)?, graph, freeze)
+}
+
+/// `model`, with the parameters named in `freeze` as constants.
+fn resolved<'g>(
+    mut declaration: Declaration,
+    graph: &'g Graph,
+    freeze: &[String],
+) -> Result<(Lagrangian<'g>, Diagnostics), Diagnostics> {
+    declaration.freeze(freeze)?;
+    model::resolve(&declaration, graph)
+}
+
+/// `derive` and `optimise`: a Lagrangian → its Programs, not yet proved.
+///
+/// ```
+/// let graph = mbs_derive::expr::Graph::verbatim();
+/// let text = "mechanism Spring { param k: N/m = 4; coord x: m; kinetic += 1 kg*dt(x)^2/2; potential += k*x^2/2; }";
+/// let (lagrangian, _) = mbs_derive::declared(text, &graph, &[]).unwrap();
+/// let derivation = mbs_derive::derived(&lagrangian);
+/// assert_eq!(derivation.named("inverse_dynamics").unwrap().operations.flops(), 2); // q̈ + k x
+/// ```
+pub fn derived(lagrangian: &Lagrangian<'_>) -> Derivation {
+    let graph = Graph::new();
+    optimise::straight_line(lagrangian, &derive::routes(lagrangian, &graph))
 }

@@ -12,12 +12,14 @@ use std::fs::{self, File};
 use std::io::{self, ErrorKind, Read};
 use std::path::{Path, PathBuf};
 
+use crate::analysis::{self, Analysis};
 use crate::builder::Mechanism;
 use crate::diagnostic::nearest;
 use crate::emit::{Language, Options, Trigonometry};
 use crate::expr::Graph;
+use crate::generated::Generated;
+use crate::parse;
 use crate::source::{MAX_BYTES, Sources, Unreadable};
-use crate::{Analysis, Generated, parse};
 pub use digest::Digest;
 use kept::Kept;
 
@@ -201,7 +203,7 @@ impl Config {
         let kept = folder.and_then(|folder| Kept::new(&folder, &sources, &self.options));
         let generated = match kept.as_ref().and_then(Kept::read) {
             Some(generated) => generated,
-            None => crate::generated(&sources, &self.options).map_err(|e| e.render_in(&sources))?,
+            None => analysis::generated(&sources, &self.options).map_err(|e| e.render_in(&sources))?,
         };
         tell(&generated.warnings);
         Ok(Made { generated, sources, kept })

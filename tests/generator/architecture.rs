@@ -55,13 +55,52 @@ fn code(source: &str) -> String {
 fn is_for_tests(file: &Path) -> bool {
     let module = file.file_stem().expect("a name").to_string_lossy().into_owned();
     let parents = [file.with_file_name("mod.rs"), file.parent().expect("a folder").with_extension("rs")];
-    parents
-        .iter()
-        .filter_map(|parent| std::fs::read_to_string(parent).ok())
-        .any(|text| text.contains(&format!("#[cfg(test)]\nmod {module};")))
+    parents.iter().filter_map(|parent| std::fs::read_to_string(parent).ok()).any(|text| {
+        ["", "pub(crate) "].iter().any(|public| text.contains(&format!("#[cfg(test)]\n{public}mod {module};")))
+    })
 }
 
-/// Which folders of mbs-derive use which, by their paths from the crate's root.
+/// What the paths of a group lead to first: `a` and `b` of `{a, b::c}`, and `a` of `a::b`.
+fn first_names(path: &str) -> Vec<&str> {
+    let word = |text: &'_ str| text.find(|c: char| !c.is_alphanumeric() && c != '_').unwrap_or(text.len());
+    let Some(group) = path.strip_prefix('{') else { return vec![&path[..word(path)]] };
+    let (mut depth, mut names, mut begins) = (1, Vec::new(), true);
+    for (at, c) in group.char_indices() {
+        match c {
+            '{' => depth += 1,
+            '}' if depth == 1 => break,
+            '}' => depth -= 1,
+            ',' => begins = depth == 1,
+            _ if begins && !c.is_whitespace() => {
+                names.push(&group[at..at + word(&group[at..])]);
+                begins = false;
+            }
+            _ => {}
+        }
+    }
+    names
+}
+
+#[test]
+fn groups_are_read() {
+    assert_eq!(first_names("a_1::b;"), ["a_1"]);
+    assert_eq!(first_names("{a, b::c};"), ["a", "b"]);
+    assert_eq!(first_names("{\n    a::{self, x, y::{z}}, c as d,\n    E,\n};\nuse f::{g}"), ["a", "c", "E"]);
+}
+
+/// What `lib.rs` gives another name at the root: from the name to the module that it stands in.
+fn names_at_the_root(lib: &str) -> BTreeMap<String, String> {
+    let uses = lib.split("pub use ").skip(1).map(|rest| rest.split(';').next().unwrap_or_default());
+    let all = |path: &str| {
+        let (module, names) = path.split_once("::").expect("a path");
+        let names = if names.starts_with('{') { first_names(names) } else { names.rsplit("::").take(1).collect() };
+        names.into_iter().map(|name| (name.to_string(), module.to_string())).collect::<Vec<_>>()
+    };
+    uses.flat_map(all).collect()
+}
+
+/// Which folders of mbs-derive use which, by their paths from the crate's root: through groups and by the names that
+/// `lib.rs` exports, too.
 fn arrows_in_the_generator() -> Arrows {
     let root = Path::new(ROOT).join("mbs-derive/src");
     let modules: BTreeSet<String> = std::fs::read_dir(&root)
@@ -69,19 +108,31 @@ fn arrows_in_the_generator() -> Arrows {
         .map(|entry| entry.expect("an entry").path().file_stem().expect("a name").to_string_lossy().into_owned())
         .filter(|name| name != "lib")
         .collect();
+    let exported = names_at_the_root(&code(&read(&root.join("lib.rs"))));
     let mut arrows: Arrows = modules.iter().map(|module| (module.clone(), BTreeSet::new())).collect();
     for file in sources(&root).into_iter().filter(|file| !is_for_tests(file)) {
         let inside = file.strip_prefix(&root).expect("below the root").with_extension("");
         let user = inside.iter().next().expect("a name").to_string_lossy().into_owned();
         let Some(used) = arrows.get_mut(&user) else { continue };
-        for path in code(&read(&file)).split("crate::").skip(1) {
-            let name: String = path.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect();
-            if name != user && modules.contains(&name) {
-                used.insert(name);
+        for name in code(&read(&file)).split("crate::").skip(1).flat_map(first_names) {
+            let module = if modules.contains(name) { Some(name) } else { exported.get(name).map(String::as_str) };
+            let module = module.unwrap_or_else(|| panic!("{}: `{name}` is no module", file.display()));
+            if module != user {
+                used.insert(module.to_string());
             }
         }
     }
     arrows
+}
+
+/// `lib.rs` names modules and exports, and has nothing of its own: what stood there would hide who uses whom.
+#[test]
+fn the_root_of_the_generator_is_a_list() {
+    let lib = code(&read(&Path::new(ROOT).join("mbs-derive/src/lib.rs")));
+    let statements = lib.split(';').map(str::trim).filter(|statement| !statement.is_empty());
+    let other: Vec<_> =
+        statements.filter(|s| !["mod ", "pub mod ", "pub use "].iter().any(|word| s.starts_with(word))).collect();
+    assert!(other.is_empty(), "{other:?}");
 }
 
 /// Which members of the workspace depend on which, those for tests and builds included.

@@ -11,8 +11,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use super::digest::Digest;
-use crate::Generated;
 use crate::emit::Options;
+use crate::generated::Generated;
 use crate::source::Sources;
 
 /// Where the record of a mechanism is, and of what request.
