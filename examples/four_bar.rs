@@ -68,8 +68,8 @@ fn swing(bars: &FourBar<f64>, start: State<[f64; 3]>) -> Result<(f64, f64), Inte
     let mut state = start;
     let mut returns = |_, _: &mut State<[f64; 3]>| Response::Stop;
     let mut back = [Event::new(&|_, s: &State<[f64; 3]>| s.qd[CRANK]).falling().with_action(&mut returns)];
-    let projector = Projector::new([0.0; MEMORY]);
-    let method = Projected { method: Dop853::new(1e-10, 1e-12), constraints: bars, projector };
+    let drift = Projector::new([0.0; MEMORY]).onto(bars);
+    let method = Projected { method: Dop853::new(1e-10, 1e-12), drift };
     let mut open = 0.0_f64;
     let motion = accelerations(bars, |_, _, _| [0.0]);
     let summary = method.integrate_with_events(motion, 0.0, 10.0, &mut state, &mut back, |step| {

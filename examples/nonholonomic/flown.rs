@@ -3,15 +3,15 @@
 use std::ops::ControlFlow;
 
 use mbs_examples::Failure;
-use mbs_runtime::{Constraints, Dop853, Integrator, Mechanism, Projected, Projector, State, accelerations};
+use mbs_runtime::{Constraints, Dop853, Integrator, Mechanism, Onto, Projected, Projector, State, accelerations};
 use serde_json::{Value, json};
 
 /// Memory for five coordinates and two rows, the most of the three mechanisms.
 const MEMORY: usize = Projector::<f64, [f64; 0]>::size(5, 2);
 
 /// DOP853 with its steps on the constraints.
-pub(crate) fn projected<C>(constraints: &C) -> Projected<'_, Dop853, C, f64, [f64; MEMORY]> {
-    Projected { method: Dop853::new(1e-13, 1e-14), constraints, projector: Projector::new([0.0; MEMORY]) }
+pub(crate) fn projected<C>(constraints: &C) -> Projected<Dop853, Onto<'_, C, f64, [f64; MEMORY]>> {
+    Projected { method: Dop853::new(1e-13, 1e-14), drift: Projector::new([0.0; MEMORY]).onto(constraints) }
 }
 
 /// Integrated, and by its closed form.

@@ -113,20 +113,20 @@ impl Config {
 
     /// Derives serde's traits for `Params`, through the feature `serde` of mbs-runtime.
     pub fn serde(mut self, serde: bool) -> Self {
-        self.options.serde = serde;
+        self.options = self.options.serde(serde);
         self
     }
 
     /// Makes parameters constants with their declared defaults: shorter code, a smaller `Params`.
     pub fn freeze<S: Into<String>>(mut self, parameters: impl IntoIterator<Item = S>) -> Self {
-        self.options.freeze.extend(parameters.into_iter().map(Into::into));
+        self.options = self.options.freeze(parameters);
         self
     }
 
     /// Generates only these functions (and what they call). The trait `Mechanism` is implemented only where all that it
     /// needs is among them.
     pub fn functions<S: Into<String>>(mut self, names: impl IntoIterator<Item = S>) -> Self {
-        self.options.functions.get_or_insert_default().extend(names.into_iter().map(Into::into));
+        self.options = self.options.functions(names);
         self
     }
 
@@ -137,14 +137,14 @@ impl Config {
     /// Config::new().languages([Language::C]).out_dir("generated").compile("mechanisms/cart_pole.mbs");
     /// ```
     pub fn languages(mut self, languages: impl IntoIterator<Item = Language>) -> Self {
-        self.options.languages.extend(languages);
+        self.options = self.options.languages(languages);
         self
     }
 
     /// Chooses between sines and cosines by polynomials, all at once, which is the default, and those of the standard
     /// library.
     pub fn trigonometry(mut self, trigonometry: Trigonometry) -> Self {
-        self.options.trigonometry = trigonometry;
+        self.options = self.options.trigonometry(trigonometry);
         self
     }
 

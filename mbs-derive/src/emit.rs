@@ -47,11 +47,12 @@ pub use language::Language;
 ///
 /// ```
 /// let text = "mechanism Spring { param k: N/m = 4; coord x: m; kinetic += 1 kg*dt(x)^2/2; potential += k*x^2/2; }";
-/// let options = mbs_derive::emit::Options { freeze: vec!["k".to_string()], ..Default::default() };
+/// let options = mbs_derive::emit::Options::default().freeze(["k"]);
 /// let module = mbs_derive::generate("spring.mbs", text, &options).unwrap();
 /// assert!(!module.code.contains("pub k: T"));
 /// ```
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct Options {
     /// Derive serde's traits for the parameters, through `::mbs_runtime::serde`. serde knows arrays of up to 32.
     pub serde: bool,
@@ -66,6 +67,50 @@ pub struct Options {
     pub trigonometry: Trigonometry,
     /// Languages that the mechanism is written in besides Rust; carried out where files are made.
     pub languages: Vec<Language>,
+}
+
+impl Options {
+    /// Derives serde's traits for the parameters, or does not.
+    #[must_use]
+    pub fn serde(mut self, serde: bool) -> Self {
+        self.serde = serde;
+        self
+    }
+
+    /// Makes these parameters constants, too.
+    #[must_use]
+    pub fn freeze<S: Into<String>>(mut self, parameters: impl IntoIterator<Item = S>) -> Self {
+        self.freeze.extend(parameters.into_iter().map(Into::into));
+        self
+    }
+
+    /// Generates these functions alone, with those that they call, added to those that were named before.
+    #[must_use]
+    pub fn functions<S: Into<String>>(mut self, names: impl IntoIterator<Item = S>) -> Self {
+        self.functions.get_or_insert_default().extend(names.into_iter().map(Into::into));
+        self
+    }
+
+    /// Writes `a * b + c`, or `a.mul_add(b, c)`.
+    #[must_use]
+    pub fn infix(mut self, infix: bool) -> Self {
+        self.infix = infix;
+        self
+    }
+
+    /// Chooses the sines and cosines.
+    #[must_use]
+    pub fn trigonometry(mut self, trigonometry: Trigonometry) -> Self {
+        self.trigonometry = trigonometry;
+        self
+    }
+
+    /// Writes the mechanism in these languages as well.
+    #[must_use]
+    pub fn languages(mut self, languages: impl IntoIterator<Item = Language>) -> Self {
+        self.languages.extend(languages);
+        self
+    }
 }
 
 /// The module of a mechanism, formatted, to be included where items may stand.

@@ -149,6 +149,7 @@ fn remains(choice: Expr<'_>) -> bool {
 
 /// Why there is no proof.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum Failure {
     /// The energies are finite at so few of the sampled states that nothing can be said.
     TooFewStates {

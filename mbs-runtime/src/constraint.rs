@@ -102,6 +102,7 @@ pub struct Projector<T, S> {
 
 /// What is done about rows of A that depend on others.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum RedundantRows {
     /// [`ConstraintError::Redundant`] names the row.
     #[default]

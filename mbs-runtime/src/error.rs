@@ -203,11 +203,20 @@ impl<E: Error + 'static> Error for IntegrationError<E> {
 /// A mass matrix that is not positive definite: a massless coordinate, coordinates that are singular in this place
 /// (the poles of Euler angles), or an argument that is not finite.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct SingularMassMatrix {
     /// The pivot of the factorization that is not positive beyond rounding, in the units of the mass matrix.
     pub pivot: f64,
     /// Its row, counted from 0: the first coordinate without inertia of its own.
     pub index: usize,
+}
+
+impl SingularMassMatrix {
+    /// That this pivot, in the row of this coordinate, is not positive.
+    #[must_use]
+    pub const fn new(pivot: f64, index: usize) -> Self {
+        Self { pivot, index }
+    }
 }
 
 impl fmt::Display for SingularMassMatrix {
@@ -340,6 +349,7 @@ impl Error for ReductionError {}
 
 /// A row of another length than the trajectory holds, or tables of different lengths.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct DimensionMismatch {
     /// The length it should have.
     pub expected: usize,

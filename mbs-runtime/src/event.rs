@@ -54,6 +54,7 @@ pub enum Direction {
 
 /// How the integration goes on after an event.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Response {
     /// Goes on; from the state that the action left if it changed it.
     Continue,

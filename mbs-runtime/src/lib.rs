@@ -175,7 +175,7 @@ pub use event::{Direction, Event, Response};
 pub use integrator::dop853::Dop853;
 pub use integrator::dopri5::Dopri5;
 pub use integrator::gauss_legendre::GaussLegendre4;
-pub use integrator::projected::Projected;
+pub use integrator::projected::{Drift, Onto, Projected};
 pub use integrator::rk4::{Rk4, Rk4Stepper};
 pub use integrator::semi_implicit_euler::SemiImplicitEuler;
 pub use integrator::verlet::StormerVerlet;

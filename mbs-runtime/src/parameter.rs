@@ -9,10 +9,11 @@ use crate::scalar::{Mask, Scalar};
 ///
 /// ```
 /// use mbs_runtime::{ParameterCondition, ParameterError};
-/// let error = ParameterError { quantity: "m", value: -1.0, condition: ParameterCondition::NotNegative };
+/// let error = ParameterError::new("m", -1.0, ParameterCondition::NotNegative);
 /// assert_eq!(error.to_string(), "`m` must not be negative, it is -1.0");
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct ParameterError<T = f64> {
     /// The parameter by its name, or what is made of parameters as the declaration has it: `m1 - m2`.
     pub quantity: &'static str,
@@ -39,6 +40,14 @@ pub enum ParameterCondition {
     SemiDefinite,
     /// The inertia is that of a body: its principal moments are `0 ≤ a ≤ b ≤ c ≤ a + b`, to a thousandth.
     InertiaOfABody,
+}
+
+impl<T> ParameterError<T> {
+    /// That this quantity of this value does not satisfy the condition.
+    #[must_use]
+    pub const fn new(quantity: &'static str, value: T, condition: ParameterCondition) -> Self {
+        Self { quantity, value, condition }
+    }
 }
 
 impl<T: fmt::Debug> fmt::Display for ParameterError<T> {

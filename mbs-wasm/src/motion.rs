@@ -195,8 +195,8 @@ impl Run<'_> {
             ($method:expr) => {{
                 let method = $method;
                 if is_projected {
-                    let (constraints, projector) = (self.equations, self.equations.projector(self.redundant_rows));
-                    self.by(&Projected { method, constraints, projector }, times, moving, rows, happened)
+                    let drift = self.equations.projector(self.redundant_rows).onto(self.equations);
+                    self.by(&Projected { method, drift }, times, moving, rows, happened)
                 } else {
                     self.by(&method, times, moving, rows, happened)
                 }

@@ -23,8 +23,7 @@ fn misuse_does_not_compile() {
         trybuild::TestCases::new().compile_fail("tests/ui/*.rs");
         return;
     }
-    let functions = ["mass_matrix", "forward_dynamics"].map(String::from).to_vec();
-    let options = Options { functions: Some(functions), ..Options::default() };
+    let options = Options::default().functions(["mass_matrix", "forward_dynamics"]);
     let generated = generate("trolley.mbs", include_str!("../ui/trolley.mbs"), &options).expect("a mechanism");
     let manifest = "[lib]\nname = \"trolley\"\n\n[dependencies]\nmbs-runtime = { path = \"../mbs/mbs-runtime\" }\n";
     let crate_ = Downstream::new("trolley", manifest);

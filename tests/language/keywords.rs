@@ -30,7 +30,7 @@ fn names_are_escaped_in_code() {
 #[test]
 fn names_are_as_declared_in_json() {
     let source = include_str!("../mechanisms/keywords.mbs");
-    let options = Options { serde: true, ..Options::default() };
+    let options = Options::default().serde(true);
     let code = mbs_derive::generate("keywords.mbs", source, &options).expect("as compiled").code;
     for (name, field) in [("type", "r#type"), ("self", "self__2"), ("Self", "Self_"), ("gen", "r#gen")] {
         let renamed = code.lines().skip_while(|line| line.trim() != format!("#[serde(rename = \"{name}\")]")).nth(1);

@@ -24,7 +24,7 @@ fn masses_and_lengths() {
     let refused = |params: cart_pole::Params| cart_pole::CartPole::try_new(params).unwrap_err();
     let default = cart_pole::Params::default();
     let error = refused(cart_pole::Params { m_bob: -0.1, ..default });
-    let expected = ParameterError { quantity: "m_bob", value: -0.1, condition: ParameterCondition::NotNegative };
+    let expected = ParameterError::new("m_bob", -0.1, ParameterCondition::NotNegative);
     assert_eq!(error, expected);
     assert_eq!(error.to_string(), "`m_bob` must not be negative, it is -0.1");
     let error = refused(cart_pole::Params { length: -0.5, ..default });

@@ -5,7 +5,8 @@
 use std::ops::ControlFlow;
 
 use mbs_runtime::{
-    Constraints, Dop853, Event, Integrator, Mechanism, Projected, Projector, Response, State, accelerations, ldlt_solve,
+    Constraints, Dop853, Event, Integrator, Mechanism, Onto, Projected, Projector, Response, State, accelerations,
+    ldlt_solve,
 };
 use mbs_tests::mechanisms::bouncing_pendulum::{self, BouncingPendulum};
 use mbs_tests::mechanisms::cartesian_pendulum::CartesianPendulum;
@@ -14,9 +15,9 @@ use mbs_tests::mechanisms::slider_crank::{self, SliderCrank};
 use mbs_tests::reference;
 
 /// The method with its steps on the constraints.
-fn projected<C>(method: Dop853, constraints: &C) -> Projected<'_, Dop853, C, f64, [f64; 128]> {
+fn projected<C>(method: Dop853, constraints: &C) -> Projected<Dop853, Onto<'_, C, f64, [f64; 128]>> {
     // Room for three coordinates and two rows, with some to spare.
-    Projected { method, constraints, projector: Projector::new([0.0; 128]) }
+    Projected { method, drift: Projector::new([0.0; 128]).onto(constraints) }
 }
 
 /// Largest `|φ|` and `|A q̇ + b|` of a state.

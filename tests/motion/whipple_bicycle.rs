@@ -246,7 +246,7 @@ fn it_rights_itself() {
     };
     let (initial, lean) = (energy(&state), state.qd[ROLL]);
     let mut drift = 0.0_f64;
-    Projected { method: Dop853::new(1e-10, 1e-12), constraints: &bicycle, projector }
+    Projected { method: Dop853::new(1e-10, 1e-12), drift: projector.onto(&bicycle) }
         .integrate(accelerations(&bicycle, |_, _, _| [0.0; 2]), 0.0, 5.0, &mut state, |step| {
             drift = drift.max((energy(step.previous_state()) / initial - 1.0).abs());
             ControlFlow::Continue(())

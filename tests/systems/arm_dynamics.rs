@@ -341,5 +341,6 @@ fn gains_must_be_positive() {
     }
     let mut damping = [2.0; 6];
     damping[3] = -2.0;
-    assert_eq!(ComputedTorque::new([1.0; 6], damping), Err(InvalidGain { coordinate: 3, gain: -2.0 }));
+    let found = ComputedTorque::new([1.0; 6], damping);
+    assert!(matches!(found, Err(InvalidGain { coordinate: 3, gain: -2.0, .. })), "{found:?}");
 }

@@ -207,8 +207,8 @@ impl<'a, 'd> Run<'a, 'd> {
         match (drift, redundant_rows) {
             _ if self.equations.rows() == 0 => Solver::closed(self.equations),
             (Drift::Baumgarte(gains), _) => Solver::numerical(self.equations, redundant_rows, gains),
-            (_, RedundantRows::LeaveOut) => Solver::numerical(self.equations, redundant_rows, [0.0; 2]),
             (_, RedundantRows::Refuse) => Solver::closed(self.equations),
+            _ => Solver::numerical(self.equations, redundant_rows, [0.0; 2]),
         }
     }
 

@@ -122,6 +122,7 @@ pub struct AdaptiveControl<const N: usize, const P: usize> {
 
 /// A gain of [`AdaptiveControl`] that is not positive, or not finite.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum InvalidAdaptiveGain {
     /// An entry of Λ.
     Convergence {

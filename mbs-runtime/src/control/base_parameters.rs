@@ -16,6 +16,7 @@ pub struct RegressorStack<const P: usize> {
 
 /// A regressor with an entry that is infinite or NaN was taken in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct NotFiniteRegressor {
     /// The parameter whose column it is, counted from 0.
     pub parameter: usize,

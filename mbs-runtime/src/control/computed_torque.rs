@@ -33,6 +33,7 @@ pub struct ComputedTorque<const N: usize> {
 
 /// A gain that is not positive, or not finite.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct InvalidGain {
     /// The coordinate, counted from 0.
     pub coordinate: usize,

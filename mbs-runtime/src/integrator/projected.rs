@@ -7,7 +7,7 @@ use core::ops::ControlFlow;
 
 use super::{Acceleration, Integrator, Observer, Step, Summary};
 use crate::constraint::{Constraints, Projector};
-use crate::error::IntegrationError;
+use crate::error::{ConstraintError, IntegrationError};
 use crate::event::{Event, Watch};
 use crate::scalar::Real;
 use crate::state::{Coordinates, State};
@@ -20,36 +20,64 @@ use crate::state::{Coordinates, State};
 /// functions of events see the method's own interpolant. An observer that replaces the state, or an event that changes
 /// it, answers for the constraints itself.
 ///
-/// | field         | meaning                                                                                       |
-/// |---------------|-----------------------------------------------------------------------------------------------|
-/// | `method`      | makes the steps                                                                               |
-/// | `constraints` | a mechanism, or whatever knows `φ`, `A`, `A q̇ + b` and `M`                                     |
-/// | `projector`   | brings states back; its memory is cloned once in each integration                             |
+/// | field    | meaning                                                                                          |
+/// |----------|--------------------------------------------------------------------------------------------------|
+/// | `method` | makes the steps                                                                                  |
+/// | `drift`  | takes away what they drift: [`Projector::onto`] a mechanism, or whatever knows `φ`, `A`, `A q̇ + b` |
+/// |          | and `M`; cloned once in each integration                                                         |
 ///
 /// ```text
-/// let projector = Projector::new([0.0; Projector::<f64, [f64; 0]>::size(3, 2)]);
-/// let method = Projected { method: Dop853::new(1e-10, 1e-12), constraints: &four_bar, projector };
+/// let drift = Projector::new([0.0; Projector::<f64, [f64; 0]>::size(3, 2)]).onto(&four_bar);
+/// let method = Projected { method: Dop853::new(1e-10, 1e-12), drift };
 /// method.integrate(accelerations(&four_bar, |_, _, _| [0.0]), 0.0, 10.0, &mut state, |_| ControlFlow::Continue(()))?;
 /// ```
 ///
 /// The manual, `docs/integrators.md`, has a whole example.
 #[derive(Clone, Debug)]
-pub struct Projected<'a, I, C, T, S> {
+pub struct Projected<I, D> {
     /// Makes the steps.
     pub method: I,
-    /// What the ends of the steps have to satisfy.
-    pub constraints: &'a C,
-    /// Brings them there.
-    pub projector: Projector<T, S>,
+    /// Brings their ends back.
+    pub drift: D,
 }
 
-impl<T, I, C, S> Integrator<T> for Projected<'_, I, C, T, S>
-where
-    T: Real,
-    I: Integrator<T>,
-    C: Constraints<T>,
-    S: AsMut<[T]> + Clone,
-{
+/// Takes away what a motion has drifted from where it has to be: [`Onto`] constraints, or a rule of one's own, such as
+/// a quaternion's norm.
+pub trait Drift<T: Real>: Clone {
+    /// Brings the state back; where that is not possible it stays as it was.
+    ///
+    /// # Errors
+    /// [`ConstraintError`]: there is no such state nearby.
+    fn remove<V: Coordinates<Scalar = T>>(&mut self, t: f64, state: &mut State<V>) -> Result<(), ConstraintError>;
+}
+
+/// The projection of states onto constraints, as [`Projector::onto`] makes it.
+#[derive(Debug)]
+pub struct Onto<'a, C, T, S> {
+    constraints: &'a C,
+    projector: Projector<T, S>,
+}
+
+impl<C, T: Clone, S: Clone> Clone for Onto<'_, C, T, S> {
+    fn clone(&self) -> Self {
+        Onto { constraints: self.constraints, projector: self.projector.clone() }
+    }
+}
+
+impl<T, S> Projector<T, S> {
+    /// Projects onto these constraints, for [`Projected`].
+    pub const fn onto<C>(self, constraints: &C) -> Onto<'_, C, T, S> {
+        Onto { constraints, projector: self }
+    }
+}
+
+impl<T: Real, C: Constraints<T>, S: AsMut<[T]> + Clone> Drift<T> for Onto<'_, C, T, S> {
+    fn remove<V: Coordinates<Scalar = T>>(&mut self, t: f64, state: &mut State<V>) -> Result<(), ConstraintError> {
+        self.projector.project(self.constraints, t, state)
+    }
+}
+
+impl<T: Real, I: Integrator<T>, D: Drift<T>> Integrator<T> for Projected<I, D> {
     /// # Errors
     /// [`IntegrationError::Constraint`] where no state near the end of a step satisfies the constraints; otherwise
     /// those of the method.
@@ -65,9 +93,9 @@ where
         V: Coordinates<Scalar = T>,
         F: Acceleration<V>,
     {
-        let (mut projector, mut end) = (self.projector.clone(), state.clone());
+        let (mut drift, mut end) = (self.drift.clone(), state.clone());
         self.method.run(acceleration, t, t_end, state, |step: &mut dyn Step<V>| {
-            Closed::observe(step, self.constraints, &mut projector, &mut end, &mut observer)
+            Closed::observe(step, &mut drift, &mut end, &mut observer)
         })
     }
 
@@ -84,38 +112,35 @@ where
         V: Coordinates<Scalar = T>,
         F: Acceleration<V>,
     {
-        let (mut projector, mut end) = (self.projector.clone(), state.clone());
+        let (mut drift, mut end) = (self.drift.clone(), state.clone());
         let mut watch = Watch::new(events, state);
-        let mut closed =
-            |step: &mut dyn Step<V>| Closed::observe(step, self.constraints, &mut projector, &mut end, &mut observer);
+        let mut closed = |step: &mut dyn Step<V>| Closed::observe(step, &mut drift, &mut end, &mut observer);
         self.method.run(acceleration, t, t_end, state, |step: &mut dyn Step<V>| watch.observe(step, &mut closed))
     }
 }
 
 /// A step whose end, and whatever is asked for before it, is on the constraints.
-struct Closed<'a, V, C, T, S> {
+struct Closed<'a, V, D> {
     whole: &'a mut dyn Step<V>,
-    constraints: &'a C,
-    projector: &'a mut Projector<T, S>,
+    drift: &'a mut D,
     end: &'a State<V>,
     /// Whether the observer goes on from a state of its own.
     replaced: bool,
     fault: Option<IntegrationError>,
 }
 
-impl<T: Real, V: Coordinates<Scalar = T>, C: Constraints<T>, S: AsMut<[T]>> Closed<'_, V, C, T, S> {
+impl<T: Real, V: Coordinates<Scalar = T>, D: Drift<T>> Closed<'_, V, D> {
     /// Projects the end of the step, shows it to the observer, and goes on from there.
     fn observe<E>(
         step: &mut dyn Step<V>,
-        constraints: &C,
-        projector: &mut Projector<T, S>,
+        drift: &mut D,
         end: &mut State<V>,
         observer: &mut impl Observer<V, E>,
     ) -> Result<ControlFlow<f64>, IntegrationError<E>> {
         let time = step.time();
         end.copy_from(step.state());
-        projector.project(constraints, time, end).map_err(|error| IntegrationError::Constraint { time, error })?;
-        let mut closed = Closed { whole: step, constraints, projector, end, replaced: false, fault: None };
+        drift.remove(time, end).map_err(|error| IntegrationError::Constraint { time, error })?;
+        let mut closed = Closed { whole: step, drift, end, replaced: false, fault: None };
         let answer = observer(&mut closed);
         let replaced = closed.replaced;
         if !replaced
@@ -131,7 +156,7 @@ impl<T: Real, V: Coordinates<Scalar = T>, C: Constraints<T>, S: AsMut<[T]>> Clos
     }
 }
 
-impl<T: Real, V: Coordinates<Scalar = T>, C: Constraints<T>, S: AsMut<[T]>> Step<V> for Closed<'_, V, C, T, S> {
+impl<T: Real, V: Coordinates<Scalar = T>, D: Drift<T>> Step<V> for Closed<'_, V, D> {
     fn previous_time(&self) -> f64 {
         self.whole.previous_time()
     }
@@ -157,7 +182,7 @@ impl<T: Real, V: Coordinates<Scalar = T>, C: Constraints<T>, S: AsMut<[T]>> Step
         if t == self.whole.previous_time() {
             return Ok(());
         }
-        self.projector.project(self.constraints, t, state).map_err(|error| {
+        self.drift.remove(t, state).map_err(|error| {
             let error = IntegrationError::Constraint { time: t, error };
             self.fault = Some(error);
             error

@@ -311,7 +311,7 @@ fn motions_without_inertia_are_refused_in_all_components() {
 #[test]
 fn what_is_wrong_is_said() {
     let massless = try_constrained_solve([[1.0, 0.0], [0.0, 0.0]], [[1.0, 0.0]], [0.0; 2], [0.0]);
-    assert_eq!(massless, Err(ConstraintError::SingularMassMatrix(SingularMassMatrix { pivot: 0.0, index: 1 })));
+    assert_eq!(massless, Err(ConstraintError::SingularMassMatrix(SingularMassMatrix::new(0.0, 1))));
     let against = try_constrained_solve([[1.0]], [[1.0], [4.0]], [0.0], [1.0, 0.0]);
     assert_eq!(against, Err(ConstraintError::Contradiction { row: 1, residual: -4.0 }));
     for (m, a, f, c) in [(f64::NAN, 1.0, 1.0, 1.0), (1.0, f64::INFINITY, 1.0, 1.0), (1.0, 1.0, f64::NAN, 1.0)] {

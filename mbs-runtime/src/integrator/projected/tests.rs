@@ -6,7 +6,8 @@ use core::ops::ControlFlow;
 use std::vec::Vec;
 
 use crate::{
-    ConstraintError, Constraints, Dop853, Event, IntegrationError, Integrator, Projected, Projector, Response, State,
+    ConstraintError, Constraints, Coordinates, Dop853, Drift, Event, IntegrationError, Integrator, Onto, Projected,
+    Projector, Response, State, Step,
 };
 
 const G: f64 = 9.80665;
@@ -57,8 +58,8 @@ fn energy(state: &State<[f64; 2]>) -> f64 {
 }
 
 /// The method with its steps on the constraints.
-fn projected<C>(method: Dop853, constraints: &C) -> Projected<'_, Dop853, C, f64, [f64; 64]> {
-    Projected { method, constraints, projector: Projector::new([0.0; 64]) }
+fn projected<C>(method: Dop853, constraints: &C) -> Projected<Dop853, Onto<'_, C, f64, [f64; 64]>> {
+    Projected { method, drift: Projector::new([0.0; 64]).onto(constraints) }
 }
 
 #[test]
@@ -77,6 +78,39 @@ fn the_pendulum_stays_on_its_circle() {
     assert_eq!(summary.time, 1000.0);
     assert!(open.max(length_error(&state.q).abs()) <= 1e-15, "{open:e}");
     assert!(drift <= 5e-9, "{drift:e}");
+}
+
+/// A rule of one's own: a length of 1, and no velocity along it.
+#[derive(Clone)]
+struct UnitLength;
+
+impl Drift<f64> for UnitLength {
+    fn remove<V: Coordinates<Scalar = f64>>(&mut self, _: f64, state: &mut State<V>) -> Result<(), ConstraintError> {
+        let length = state.q.as_slice().iter().map(|x| x * x).sum::<f64>().sqrt();
+        if length == 0.0 {
+            return Err(ConstraintError::Open { row: 0, residual: -0.5 });
+        }
+        state.q.as_mut_slice().iter_mut().for_each(|x| *x /= length);
+        let along: f64 = state.q.as_slice().iter().zip(state.qd.as_slice()).map(|(x, v)| x * v).sum();
+        state.qd.as_mut_slice().iter_mut().zip(state.q.as_slice()).for_each(|(v, x)| *v -= along * x);
+        Ok(())
+    }
+}
+
+/// Where all directions weigh the same, the nearest state on the circle is the one along the radius.
+#[test]
+fn a_rule_of_ones_own_does_as_the_projection() {
+    let go_on = |_: &mut dyn Step<[f64; 2]>| ControlFlow::Continue(());
+    let [mut state, mut expected] = [raised(), raised()];
+    let method = Projected { method: Dop853::new(1e-11, 1e-13), drift: UnitLength };
+    method.integrate(swing, 0.0, 20.0, &mut state, go_on).unwrap();
+    projected(Dop853::new(1e-11, 1e-13), &Circle).integrate(swing, 0.0, 20.0, &mut expected, go_on).unwrap();
+    assert!((0..2).all(|i| (state.q[i] - expected.q[i]).abs() < 1e-9), "{state:?}, {expected:?}");
+    assert!(length_error(&state.q).abs() <= 1e-15);
+    // Nothing is near the origin: it stops there.
+    let still = |_: f64, _: &[f64; 2], _: &[f64; 2], qdd: &mut [f64; 2]| *qdd = [0.0; 2];
+    let result = method.integrate(still, 0.0, 1.0, &mut State::new([0.0; 2], [0.0; 2]), go_on);
+    assert!(matches!(result, Err(IntegrationError::Constraint { error: ConstraintError::Open { row: 0, .. }, .. })));
 }
 
 #[test]

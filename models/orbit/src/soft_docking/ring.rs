@@ -264,8 +264,8 @@ pub(super) fn advance(
 ) -> Result<Summary, IntegrationError> {
     let motion =
         |_: f64, q: &[f64; 14], qd: &[f64; 14], qdd: &mut [f64; 14]| *qdd = bodies.forward_dynamics(q, qd, inputs);
-    let projector = Projector::new([0.0; MEMORY]);
-    let method = Projected { method: Dop853::new(1e-11, 1e-12), constraints: bodies, projector };
+    let drift = Projector::new([0.0; MEMORY]).onto(bodies);
+    let method = Projected { method: Dop853::new(1e-11, 1e-12), drift };
     method.integrate_with_events(motion, t, end, state, events, |_| ControlFlow::Continue(()))
 }
 
