@@ -21,7 +21,7 @@ use serde_json::{Value, json};
 const ASSUMED: [&str; 2] = ["gravity", "assistive."];
 /// Yaw of shoulder and elbow, elevation of both links at the start \[°\].
 const START: [f64; 4] = [20.0, 90.0, 0.0, -40.0];
-/// \[s\]
+/// How long it takes \[s\].
 const DURATION: f64 = 4.0;
 const SAMPLES: usize = 400;
 /// A push: when it begins and how long it lasts \[s\], its greatest force in the axes of the base \[N\].

@@ -6,7 +6,7 @@
 //!
 //! The members are simulated in parallel; each has its own random numbers, so that the digest of all results is the
 //! same for any number of threads. `--members N` says how many there are, `--threads N` by how many threads. `--out
-//! DIR` writes all results as CSV.
+//! DIR` writes all results as CSV, and their histograms (SVG and PNG).
 
 use mbs_examples::{print, println};
 use std::time::Instant;
@@ -34,7 +34,7 @@ struct Options {
     threads: Option<u32>,
 }
 
-/// Of the controller and of RK4 \[s\].
+/// The period of the controller and of RK4 \[s\].
 const PERIOD: f64 = 1.0 / 500.0;
 
 /// Standard deviations of what is scattered.
@@ -43,14 +43,14 @@ mod scatter {
     pub(super) const MASS: f64 = 0.02;
     pub(super) const INERTIA: f64 = 0.03;
     pub(super) const DRAG: f64 = 0.1;
-    /// Of each component of a steady wind \[m/s\]; the vertical one is a tenth of it.
+    /// The deviation of each component of a steady wind \[m/s\]; the vertical one is a tenth of it.
     pub(super) const WIND: f64 = 1.5;
-    /// Of the first state \[m\], \[rad\], \[m/s\], \[rad/s\].
+    /// The deviations of the first state \[m\], \[rad\], \[m/s\], \[rad/s\].
     pub(super) const POSITION: f64 = 0.3;
     pub(super) const ANGLE: f64 = 0.035;
     pub(super) const VELOCITY: f64 = 0.2;
     pub(super) const RATE: f64 = 0.05;
-    /// Of what the sensors say, white \[m\], \[rad\], \[m/s\], \[rad/s\].
+    /// The deviations of what the sensors say, white \[m\], \[rad\], \[m/s\], \[rad/s\].
     pub(super) const SEEN_POSITION: f64 = 0.005;
     pub(super) const SEEN_ANGLE: f64 = 0.001;
     pub(super) const SEEN_VELOCITY: f64 = 0.01;
@@ -173,7 +173,7 @@ fn results(end: &Touchdown) -> [f64; 3] {
     [end.time, end.relative_velocity, end.horizontal_offset]
 }
 
-/// Of a sample.
+/// Mean and deviation of a sample.
 #[derive(Clone, Copy)]
 struct Statistics {
     count: usize,
@@ -189,7 +189,7 @@ impl Statistics {
         Statistics { count, mean, deviation: (squares / (count as f64 - 1.0)).sqrt() }
     }
 
-    /// Of the mean, by the normal distribution.
+    /// The confidence interval of the mean, by the normal distribution.
     fn confidence(&self) -> [f64; 2] {
         let half = 1.959_963_984_540_054 * self.deviation / (self.count as f64).sqrt();
         [self.mean - half, self.mean + half]

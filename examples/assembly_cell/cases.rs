@@ -65,7 +65,7 @@ pub(crate) struct Run {
     pub(crate) friction: f64,
     pub(crate) samples: Vec<Sample>,
     pub(crate) outcome: Outcome,
-    /// Of a single contact \[N\]; of the wrist, down and to the side \[N\].
+    /// The greatest force of a single contact \[N\]; that of the wrist, down and to the side \[N\].
     pub(crate) contact_force: f64,
     pub(crate) push: f64,
     pub(crate) side_force: f64,

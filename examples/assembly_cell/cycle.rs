@@ -9,7 +9,7 @@ pub(crate) const LENGTH: f64 = 0.10;
 /// Where the tip stands in the feeder, and where the mouth of the hole is believed to be \[m\].
 const FEEDER: [f64; 3] = [0.35, 0.0, 0.75];
 pub(crate) const MOUTH: [f64; 3] = [0.55, 0.0, 0.75];
-/// The peg is carried so much higher, and stops so far above the mouth \[m\].
+/// How much higher the peg is carried, and how far above the mouth it stops \[m\].
 const CLEAR: f64 = 0.05;
 const ABOVE: f64 = 0.004;
 /// Durations of lifting, carrying, lowering \[s\].

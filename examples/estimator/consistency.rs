@@ -10,7 +10,7 @@ use crate::monte_carlo::{LOOK, Run};
 /// An average over landings at one time.
 #[derive(Clone, Copy)]
 pub(crate) struct Look {
-    /// \[s\]
+    /// The time \[s\].
     pub(crate) time: f64,
     /// The average of a normalized square, of a degree of freedom.
     pub(crate) mean: f64,

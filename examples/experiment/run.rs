@@ -123,7 +123,7 @@ impl<'a> Run<'a> {
         Ok(Run { case, attitude, experiment, scale, broken, next, outcome, others: Vec::new() })
     }
 
-    /// The same, with others.
+    /// The run, with others to compare.
     pub(crate) fn compared(self) -> Result<Self, Failure> {
         let others = (1..=COMPARED.1).map(|k| other(self.experiment, f64::from(k) * COMPARED.0));
         let others = others.collect::<Result<Vec<_>, _>>()?.into_iter().flatten().collect();

@@ -8,7 +8,7 @@ use mbs_runtime::Pose;
 
 use crate::solid::{Point, Solid, THIN, plane_arc, upright};
 
-/// Of Table 1 \[°\].
+/// The angles of Table 1 \[°\].
 const ANGLES: JointVector = [45.0, 30.0, 30.0, -45.0, 30.0, 0.0];
 /// Of what the arm is made of.
 const STEEL: Color = Color(176, 186, 198);

@@ -72,7 +72,7 @@ pub(crate) fn orbits() -> Result<Vec<Figure>, Failure> {
     ])
 }
 
-/// Of lengths \[m\].
+/// The unit of lengths \[m\].
 const UNIT: f64 = 7e6;
 
 /// A station on its orbit and a body about it.

@@ -111,5 +111,5 @@ pub(crate) fn plane_arc([x, y]: [f64; 2], radius: f64, [from, to]: [f64; 2]) -> 
     (0..=144).map(at).collect()
 }
 
-/// Of auxiliary lines.
+/// The stroke of auxiliary lines.
 pub(crate) const THIN: Stroke = Stroke::new(BLACK, 1.0);

@@ -93,7 +93,7 @@ impl Law {
 struct Swell {
     amplitude: f64,
     frequency: f64,
-    /// \[rad\]
+    /// The phase \[rad\].
     phase: f64,
 }
 

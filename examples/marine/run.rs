@@ -48,7 +48,7 @@ pub(crate) struct Weather {
     /// Mean wind in metres per second.
     #[arg(long, value_name = "M/S", default_value_t = 12.0, allow_negative_numbers = true)]
     wind: f64,
-    /// Of the random numbers.
+    /// Seed of the random numbers.
     #[arg(long, value_name = "N", default_value_t = 1973)]
     seed: u64,
 }

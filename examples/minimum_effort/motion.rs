@@ -14,7 +14,7 @@ use super::*;
 /// 5° within their ranges \[°\].
 pub(crate) const START: JointVector = [20.0, -80.0, 10.0, 10.0, 20.0, 10.0];
 pub(crate) const STOP: JointVector = [50.0, -10.0, 55.0, 80.0, 60.0, 100.0];
-/// \[s\]
+/// How long it takes \[s\].
 pub(crate) const DURATION: f64 = 3.0;
 /// Of the finest motion; the coarser ones have a half and a quarter of them.
 const INTERVALS: usize = 80;

@@ -77,7 +77,7 @@ fn times(motion: &Motion, step: f64) -> impl Iterator<Item = f64> {
     (0..=last).map(move |k| f64::from(k) * step)
 }
 
-/// Of every case.
+/// The tables of every case.
 pub(crate) fn tables(platform: &Platform) -> Result<Vec<Table>, Failure> {
     let loaded = platform.with_payload(f64::from(PAYLOAD_OF_TABLE_4))?;
     let row = |motion: &Motion, parameter: Parameter| -> Result<(Parameter, Vec<Largest>), Failure> {

@@ -7,9 +7,9 @@ use mbs_platform::{HOME, Motion, Platform};
 use mbs_runtime::control::ComputedTorque;
 use mbs_runtime::{Dop853, IntegrationError, Integrator, State};
 
-/// Of the errors \[rad/s\].
+/// The natural frequency of the errors \[rad/s\].
 const NATURAL_FREQUENCY: f64 = 8.0;
-/// \[s\]
+/// How long it takes \[s\].
 pub(crate) const DURATION: f64 = 4.0;
 
 /// How the platform follows.

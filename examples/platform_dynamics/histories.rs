@@ -28,9 +28,9 @@ pub(crate) struct History {
     /// Counted from 1.
     pub(crate) number: usize,
     pub(crate) name: &'static str,
-    /// \[kg\]
+    /// The payload \[kg\].
     pub(crate) payload: u32,
-    /// \[s\]
+    /// The times \[s\].
     pub(crate) times: Vec<f64>,
     pub(crate) legs: Vec<LegState>,
 }

@@ -13,7 +13,7 @@ pub struct Arguments<O: clap::Args = ()> {
     /// Where figures and tables go; none are written without.
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// Of this example.
+    /// The options of this example.
     #[command(flatten)]
     pub options: O,
 }

@@ -16,7 +16,7 @@ pub fn create_folder(folder: &Path) -> Result<(), Failure> {
 }
 
 /// Writes `name.svg` and `name.png`, with a note below the title that says what of `docs/thesis/assumed.md` the figure
-/// rests on, and so much higher; `keys` are those of the page, none where everything is known.
+/// rests on, and higher by that note; `keys` are those of the page, none where everything is known.
 ///
 /// # Errors
 /// What drawing or the file system refuses.

@@ -27,7 +27,7 @@ pub(crate) struct Flight {
     /// Of the value, greatest at the accepted steps.
     pub(crate) energy_drift: f64,
     pub(crate) momentum_drift: f64,
-    /// \[m\]
+    /// The barycentre drift \[m\].
     pub(crate) barycentre_drift: f64,
     /// Over a whole revolution.
     pub(crate) path: Vec<Moment>,

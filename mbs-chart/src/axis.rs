@@ -6,7 +6,7 @@ use crate::font::Typeface;
 use crate::scene::{Anchor, Rect, Scene, Text};
 use crate::style::{BLACK, GRID, Stroke, ZERO};
 
-/// Of an em \[px\]: numbers at ticks, what axes say.
+/// The size of an em \[px\]: numbers at ticks, what axes say.
 pub(crate) const TICK_SIZE: f64 = 12.5;
 pub(crate) const LABEL_SIZE: f64 = 14.0;
 /// Under a chart: its ticks' numbers, and what the axis says \[px\].
@@ -65,7 +65,7 @@ impl Scale {
         text.replace('-', "−")
     }
 
-    /// Of the widest number \[px\].
+    /// The width of the widest number \[px\].
     pub(crate) fn number_width(&self, face: &Typeface) -> f64 {
         self.ticks().into_iter().map(|value| face.width(&self.number(value), TICK_SIZE)).fold(0.0, f64::max)
     }

@@ -8,7 +8,7 @@ use crate::legend::{Legend, ROW};
 use crate::scene::{Anchor, Rect, Scene, Text};
 use crate::style::stroke;
 
-/// Of words at points \[px\].
+/// The size of words at points \[px\].
 const MARK_SIZE: f64 = 12.5;
 /// A line has at most this many points; beyond that a bucket of points is drawn by its extremes.
 const POINTS: usize = 4000;

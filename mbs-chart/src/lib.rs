@@ -190,7 +190,7 @@ const LEAST: f64 = 20.0;
 /// Between panels side by side \[px\].
 const GAP: f64 = 16.0;
 
-/// Panels from top to bottom, each with at least so much above and below its chart \[px\].
+/// Panels from top to bottom, each with room above and below its chart, at least `least` \[px\].
 fn stack<'a>(panels: &'a [Panel], scene: &mut Scene<'a>, area: Rect, least: [f64; 2]) -> Result<(), CannotDraw> {
     let face = scene.face;
     let prepared = prepared(panels);

@@ -10,7 +10,7 @@ use crate::style::{BLACK, stroke};
 
 /// Left of the axis: its numbers \[px\].
 pub(crate) const LEFT: f64 = 76.0;
-/// Of words at points \[px\].
+/// The size of words at points \[px\].
 const MARK_SIZE: f64 = 12.5;
 
 /// Some paths on common axes of one scale.

@@ -59,7 +59,7 @@ pub(crate) struct Run {
 pub(crate) struct Text {
     pub(crate) at: [f64; 2],
     pub(crate) runs: Vec<Run>,
-    /// Of an em \[px\].
+    /// The size of an em \[px\].
     pub(crate) size: f64,
     pub(crate) anchor: Anchor,
     pub(crate) color: Color,
@@ -106,7 +106,7 @@ impl Text {
         self.runs.iter().map(|run| face.width(&run.text, self.em(run))).sum()
     }
 
-    /// Of a run.
+    /// The size of an em in a run.
     pub(crate) fn em(&self, run: &Run) -> f64 {
         if run.is_index { INDEX * self.size } else { self.size }
     }

@@ -4,7 +4,7 @@ use crate::font::Typeface;
 use crate::scene::{Anchor, Rect, Scene, Text};
 use crate::style::{BLACK, Color, SOLID, Stroke};
 
-/// Of words, unless said \[px\].
+/// The size of words, unless said \[px\].
 const SIZE: f64 = 15.0;
 /// Of arrows: length and half the width of the head \[px\].
 const HEAD: [f64; 2] = [10.0, 3.6];

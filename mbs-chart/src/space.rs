@@ -31,7 +31,7 @@ pub struct SpaceLine {
 
 /// Ticks on an axis, about.
 const TICKS: f64 = 5.0;
-/// Of shadows.
+/// The color of shadows.
 const SHADOW: Color = Color(178, 178, 178);
 
 /// Around the values, at least a quarter as long as `longest`, from tick to tick.
@@ -49,7 +49,7 @@ fn scale(values: impl Iterator<Item = f64> + Clone, longest: f64) -> Scale {
 /// From the box to the screen.
 struct View {
     scale: f64,
-    /// Of the screen's origin.
+    /// The place of the box's origin on the screen.
     shift: [f64; 2],
 }
 

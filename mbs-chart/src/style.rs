@@ -4,11 +4,11 @@
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Color(pub u8, pub u8, pub u8);
 
-/// Of axes and texts.
+/// The color of axes and texts.
 pub const BLACK: Color = Color(0, 0, 0);
-/// Of what is behind.
+/// The color of what is behind.
 pub const GRAY: Color = Color(130, 130, 130);
-/// Of areas.
+/// The color of areas.
 pub const LIGHT: Color = Color(232, 236, 241);
 /// The first of the colours that everybody can tell apart: Okabe and Ito, *Color universal design*, 2008.
 pub const BLUE: Color = Color(0, 114, 178);
@@ -35,9 +35,9 @@ pub type Dash = &'static [f64];
 pub const SOLID: Dash = &[];
 /// Of hidden edges and of what is only thought of.
 pub const DASHED: Dash = &[7.0, 4.0];
-/// Of auxiliary lines.
+/// The dashes of auxiliary lines.
 pub const DOTTED: Dash = &[2.0, 3.0];
-/// Of axes.
+/// The dashes of axes.
 pub const DASH_DOT: Dash = &[10.0, 3.0, 2.0, 3.0];
 
 /// So that lines differ without colours, too.

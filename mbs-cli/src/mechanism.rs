@@ -77,7 +77,7 @@ pub(crate) fn proved(sources: &Sources, cache: &Cache) -> Result<Mechanism, Fail
     Ok(mechanism)
 }
 
-/// Likewise, before warnings are reported.
+/// Reads, derives and proves, before warnings are reported.
 fn proved_quietly(sources: &Sources, cache: &Cache) -> Result<Mechanism, Failure> {
     cache.or_make(Digest::of_request(MECHANISM, sources), || {
         derived_and(sources, |_| ()).map(|derived| derived.mechanism)

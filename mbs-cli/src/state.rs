@@ -258,7 +258,7 @@ fn of(variables: &[Variable], name: &str) -> Option<(Range<usize>, bool)> {
     Some((component..component + 1, false))
 }
 
-/// The components of some variables, differentiated with respect to time so often.
+/// The components of some variables, differentiated with respect to time `derivatives` times.
 fn slots(variables: &[Variable], derivatives: usize) -> Vec<Slot> {
     let slot = |unit: &str, name: String| Slot { name, unit: format!("({unit}){}", "/s".repeat(derivatives)) };
     variables.iter().flat_map(|v| v.component_names().into_iter().map(|name| slot(&v.unit, name))).collect()

@@ -236,7 +236,8 @@ fn resolved<'g>(
 /// let text = "mechanism Spring { param k: N/m = 4; coord x: m; kinetic += 1 kg*dt(x)^2/2; potential += k*x^2/2; }";
 /// let (lagrangian, _) = mbs_derive::declared(text, &graph, &[]).unwrap();
 /// let derivation = mbs_derive::derived(&lagrangian);
-/// assert_eq!(derivation.named("inverse_dynamics").unwrap().operations.flops(), 2); // q̈ + k x
+/// let torques = derivation.function(mbs_derive::optimise::FunctionKind::InverseDynamics).unwrap();
+/// assert_eq!(torques.operations.flops(), 2); // q̈ + k x
 /// ```
 pub fn derived(lagrangian: &Lagrangian<'_>) -> Derivation {
     let graph = Graph::new();

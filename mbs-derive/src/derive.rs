@@ -82,7 +82,7 @@ pub(crate) fn routes<'g>(lagrangian: &Lagrangian<'_>, graph: &'g Graph) -> Vec<E
     derived_by(lagrangian, graph, &[Route::Plain, Route::Textbook, Route::Structured])
 }
 
-/// The same, and routes that are there for comparison only.
+/// The equations by every route, those that are there for comparison only included.
 pub(crate) fn all_routes<'g>(lagrangian: &Lagrangian<'_>, graph: &'g Graph) -> Vec<Equations<'g>> {
     derived_by(lagrangian, graph, &Route::ALL)
 }

@@ -29,7 +29,7 @@ pub(crate) struct Symbols {
 pub enum Route {
     /// The energies differentiated.
     Plain,
-    /// The same in multiple-angle normal form.
+    /// By differentiation of the energies, in multiple-angle normal form.
     Textbook,
     /// Bodies on their tree of frames by sweeps, all else plainly.
     Structured,

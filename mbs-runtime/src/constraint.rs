@@ -114,7 +114,7 @@ pub enum RedundantRows {
 
 /// Newton's method converges quadratically near the constraints; from afar it is given some time.
 const MOST_ITERATIONS: usize = 100;
-/// So often a step of Newton's method may be halved.
+/// How often a step of Newton's method is halved at most.
 const MOST_HALVINGS: usize = 10;
 
 impl<T: Real, S: AsMut<[T]>> Projector<T, S> {

@@ -123,7 +123,7 @@ impl<E> IntegrationError<E> {
         }
     }
 
-    /// The same, of another kind where the right-hand side or the observer stopped: `f` makes it.
+    /// The error with another reason where the right-hand side or the observer stopped: `f` makes it.
     pub fn map<G>(self, f: impl FnOnce(E) -> G) -> IntegrationError<G> {
         use IntegrationError as To;
         match self {
@@ -298,7 +298,7 @@ pub enum ReductionError {
     },
     /// The constraints tie the speed to the others that are named.
     DependentSpeed {
-        /// Of which coordinate.
+        /// The coordinate that the speed is of.
         index: usize,
     },
     /// The coordinate is not named, and does not follow from those that are.
@@ -308,7 +308,7 @@ pub enum ReductionError {
     },
     /// The speed is not named, and does not follow from those that are.
     FreeSpeed {
-        /// Of which coordinate.
+        /// The coordinate that the speed is of.
         index: usize,
     },
     /// The row of the constraints depends on the others in this state alone: a singular one.

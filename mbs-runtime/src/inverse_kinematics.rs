@@ -92,7 +92,7 @@ pub enum NotReached<const N: usize> {
     /// Nothing near these coordinates is nearer to the target: it is out of reach, or the search ended in a local
     /// minimum.
     Stationary(Approach<N>),
-    /// The same, and coordinates are held by their limits.
+    /// Nothing near these coordinates is nearer to the target, and some are held by their limits.
     AtLimits {
         /// The best coordinates.
         best: Approach<N>,

@@ -252,6 +252,74 @@ fn comments_are_as_wide_as_code() {
     assert!(wide.is_empty(), "wider than 120 columns: {wide:#?}");
 }
 
+/// The documentation of items, a block each, its first paragraph in one line.
+fn docs(text: &str) -> Vec<String> {
+    let doc =
+        |line: &'_ str| line.trim_start().strip_prefix("///").or(line.trim_start().strip_prefix("//!")).map(str::trim);
+    let mut docs = vec![Vec::new()];
+    for line in text.lines() {
+        match doc(line) {
+            Some(line) => docs.last_mut().expect("begun").push(line),
+            None => docs.push(Vec::new()),
+        }
+    }
+    docs.iter().filter(|doc| !doc.is_empty()).map(|doc| doc.join(" ")).collect()
+}
+
+/// What is wrong with a doc comment that does not stand alone: it speaks of what stands before it, or of nothing.
+fn hangs(doc: &str) -> Option<&'static str> {
+    let words: Vec<&str> = doc.split(' ').collect();
+    let unit = doc.starts_with("\\[") && doc.trim_end_matches('.').ends_with("\\]") && !doc[2..].contains("\\[");
+    let refers = ["of", "with", "for", "as", "but", "less", "about", "in", "by", "at", "beside", "from", "and"];
+    let is_same = words.starts_with(&["The", "same"]) && words.get(2).is_none_or(|word| refers.contains(word));
+    let of_what = words[0] == "Of" && words.iter().take_while(|word| !word.starts_with("\\[")).count() <= 4;
+    if unit {
+        Some("a unit is no sentence")
+    } else if is_same || ["The same,", "The same.", "Likewise", "From both"].iter().any(|begin| doc.starts_with(begin))
+    {
+        Some("say what it is, not that it is the same")
+    } else if of_what && words[words.len() - 1].ends_with(['.', ']']) {
+        Some("say what it is, not of what")
+    } else if ["o much", "o many", "o often"].iter().any(|end| {
+        ["s", "S"].iter().any(|so| {
+            let words = format!(" {so}{end}");
+            format!(" {doc} ")
+                .match_indices(&words)
+                .any(|(at, _)| !doc[at + words.len() - 1..].starts_with(char::is_alphabetic))
+        })
+    }) {
+        Some("say how much, how many or how often")
+    } else {
+        None
+    }
+}
+
+#[test]
+fn doc_comments_stand_alone() {
+    for wrong in [
+        "Likewise, by name.",
+        "The same of D.",
+        "The same.",
+        "Of the ports.",
+        "\\[m\\]",
+        "Moves it so much.",
+        "So often.",
+    ] {
+        assert!(hangs(wrong).is_some(), "{wrong}");
+    }
+    for right in ["The same edge is the same link.", "Of each row the first entry.", "The time \\[s\\].", "Also many."]
+    {
+        assert_eq!(hangs(right), None, "{right}");
+    }
+    for file in written_by_hand() {
+        for doc in docs(&read(&file)) {
+            if let Some(reason) = hangs(&doc) {
+                panic!("{}: {reason}: {doc}", file.display());
+            }
+        }
+    }
+}
+
 /// A stranger finds what CONTRIBUTING.md sends them to.
 #[test]
 fn the_files_that_contributing_names_exist() {

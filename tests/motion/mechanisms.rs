@@ -15,7 +15,7 @@ use mbs_tests::reference::{
     restricted_three_body, rolling_coin, shaken_pendulum, slider_crank, turntable,
 };
 
-/// Of the largest entry.
+/// The error that is let pass, of the largest entry.
 const TOLERANCE: f64 = 1e-9;
 
 /// Beyond this condition the accelerations of two ways to solve differ by more than the tolerance.

@@ -14,5 +14,5 @@ pub(crate) fn table2_ends() -> [[f64; 6]; 2] {
         .map(|q: [f64; 6]| q.map(f64::to_radians))
 }
 
-/// \[s\]
+/// How long it takes \[s\].
 pub(crate) const DURATION: f64 = 50.0;

@@ -36,7 +36,7 @@ fn cell(wrist_centre: f64, friction: f64, clearance: f64) -> Cell {
     }
 }
 
-/// With the tip at `x` and so much over the edge, down at a constant speed for `time`; dampers are weak and it is slow.
+/// With the tip at `x` and `over` above the edge, down at a constant speed for `time`; dampers are weak and it is slow.
 fn lowered(cell: &Cell, x: f64, over: f64, speed: f64, time: f64) -> State<Numbers> {
     let flange = [x, 0.0, MOUTH[1] + LENGTH + over];
     let wanted = |t: f64| -> Wanted { [[x, 0.0, flange[2] - speed * t], [0.0, 0.0, -speed], [0.0; 3]] };

@@ -136,7 +136,7 @@ fn a_platform_that_only_heaves_is_the_deck_of_the_thesis() {
 /// A deck that drifts steadily, seen from a frame that drifts with it.
 struct Drifting<D> {
     deck: D,
-    /// \[m/s\]
+    /// The velocity \[m/s\].
     velocity: [f64; 3],
 }
 
@@ -277,7 +277,7 @@ fn the_vehicle_floats_on_its_ground_effect() {
     }
 }
 
-/// The same as [`HeavingDeck`], but late by the error that computed torque lets die from rest: `e = ė₀ t exp(−ω t)`.
+/// The deck of [`HeavingDeck`], but late by the error that computed torque lets die from rest: `e = ė₀ t exp(−ω t)`.
 struct Late {
     deck: HeavingDeck<4>,
     natural_frequency: f64,

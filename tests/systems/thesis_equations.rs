@@ -17,7 +17,7 @@ fn along<const N: usize>(values: &[f64; N], rates: &[f64; N]) -> [Dual<f64>; N] 
     std::array::from_fn(|i| Dual { value: values[i], derivative: rates[i] })
 }
 
-/// The page of the chapter shows these numbers, in this order, with so many decimals.
+/// The page of the chapter shows these numbers, in this order, with this many decimals.
 #[track_caller]
 fn assert_shown(chapter: u32, numbers: &[f64], decimals: usize) {
     let shown: Vec<String> = numbers.iter().map(|x| format!("{x:.decimals$}").replace('-', "−")).collect();

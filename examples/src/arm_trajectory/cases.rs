@@ -11,7 +11,7 @@ use mbs_arm::{Arm, JointVector, jacobian};
 /// Table 2 of the thesis \[°\].
 const START: JointVector = [20.0, 10.0, 10.0, 10.0, 20.0, 10.0];
 const STOP: JointVector = [50.0, 90.0, 120.0, 80.0, 60.0, 100.0];
-/// \[s\]
+/// How long it takes \[s\].
 pub const DURATION: f64 = 50.0;
 /// In tables and figures, every tenth of a second.
 const SAMPLES: usize = 500;
@@ -56,11 +56,11 @@ pub struct Sample {
     pub t: f64,
     /// Angles and velocities of the joints \[rad, rad/s\].
     pub state: JointState<6>,
-    /// Of the joints \[N·m\].
+    /// The torque of the joints \[N·m\].
     pub torque: JointVector,
-    /// Of the flange \[m\].
+    /// The position of the flange \[m\].
     pub position: [f64; 3],
-    /// Of the Jacobian \[m³\].
+    /// The determinant of the Jacobian \[m³\].
     pub determinant: f64,
 }
 

@@ -34,7 +34,7 @@ pub fn write(folder: &Path, platform: &Platform) -> Result<(), Failure> {
 
 /// A figure of the thesis, before it is drawn.
 pub struct Drawing {
-    /// Of its files.
+    /// The name of its files.
     pub name: String,
     /// Above its panels.
     pub title: String,

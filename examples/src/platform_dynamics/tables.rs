@@ -3,7 +3,7 @@
 use crate::Failure;
 use mbs_platform::{LegVector, Motion, Platform};
 
-/// \[kg\]
+/// The payloads \[kg\].
 pub const PAYLOADS: [u32; 3] = [0, 300, 1250];
 /// Of the motion of table 4 \[kg\].
 pub const PAYLOAD_OF_TABLE_4: u32 = 300;
@@ -30,13 +30,13 @@ impl Samples {
 
 /// What the legs do along a motion, one row a sample.
 pub struct Run {
-    /// \[kg\]
+    /// The payload \[kg\].
     pub payload: u32,
-    /// \[m\]
+    /// The lengths \[m\].
     pub lengths: Vec<LegVector>,
-    /// \[N\]
+    /// The forces \[N\].
     pub forces: Vec<LegVector>,
-    /// \[N\]
+    /// The forces without actuators \[N\].
     pub forces_without_actuators: Vec<LegVector>,
 }
 

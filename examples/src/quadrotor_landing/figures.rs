@@ -94,7 +94,7 @@ fn forces(flight: &Flight, legs: &[(f64, LegState)]) -> Vec<Panel> {
 /// The name of a line, and its value at a moment.
 pub type Series = (&'static str, fn(&Moment) -> f64);
 
-/// Of the vehicle \[°\].
+/// The angles of the vehicle \[°\].
 pub const ANGLES: [Series; 3] = [
     ("roll φ", |m| m.state.q[3].to_degrees()),
     ("pitch θ", |m| m.state.q[4].to_degrees()),

@@ -73,14 +73,14 @@ impl Kind {
 /// Height over the deck at which an unguided descent has landed, assumed \[m\].
 pub const TOLERANCE: f64 = 0.01;
 
-/// Of the rotors, assumed \[m\]: a thrust coefficient of 0.011 at hover.
+/// The radius of the rotors, assumed \[m\]: a thrust coefficient of 0.011 at hover.
 pub const ROTOR_RADIUS: f64 = 0.4;
 
 /// What happens at one moment.
 pub struct Moment {
     /// When \[s\].
     pub t: f64,
-    /// Of the vehicle.
+    /// The state of the vehicle.
     pub state: State<[f64; 6]>,
     /// Elevation of the deck \[m\].
     pub platform: f64,

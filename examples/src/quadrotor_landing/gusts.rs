@@ -53,7 +53,7 @@ pub struct Gust {
 
 /// Many landings of a case in gusts, the first one with its way.
 pub struct InGusts {
-    /// Of the thesis.
+    /// The case of the thesis.
     pub case: &'static str,
     /// Of the first landing, every 10 ms.
     pub moments: Vec<Gust>,

@@ -18,14 +18,14 @@ use serde_json::{Value, json};
 
 use super::flight::{KEPT, over_base};
 
-/// Of both controllers \[s\].
+/// The period of both controllers \[s\].
 const PERIOD: f64 = 0.002;
 /// Of the errors of the platform \[rad/s\].
 const NATURAL_FREQUENCY: f64 = 8.0;
 /// The motions are looked at for so long, the period of the heaves of the thesis, this often \[s\].
 const DURATION: f64 = 40.0;
 const STEP: f64 = 0.02;
-/// Of middles \[m\].
+/// The resolution of middles \[m\].
 const RESOLUTION: f64 = 1e-3;
 
 /// The platform with nothing on it yet.
@@ -40,7 +40,7 @@ pub fn admissible<const K: usize>(platform: &Platform, motion: &Superposition<K>
 
 /// A landing on the driven platform and the same one on an exact deck.
 pub struct Comparison<const K: usize> {
-    /// Of the motion.
+    /// The scale of the motion.
     pub scale: f64,
     /// The motion, over the base.
     pub motion: Superposition<K>,

@@ -19,7 +19,7 @@ pub struct Case {
     pub name: &'static str,
     /// The orbit about which it moves.
     pub station: Station,
-    /// Of the station \[kg\]; zero where it attracts nothing.
+    /// The mass of the station \[kg\]; zero where it attracts nothing.
     pub mass: f64,
     /// Metres and metres per second.
     pub start: State<[f64; 3]>,

@@ -19,8 +19,8 @@ const LANDINGS: [(&str, &str, [f64; 3]); 4] = [
     ("II", "small_angle", [13.253_187_511_549_939, -0.198_488_290_675_218_9, 3.673_239_971_465_485e-5]),
 ];
 
-/// The same of descents that follow the platform's elevation itself, down to 1 cm:
-/// `I_direct_zd_eq_zp_tol_1cm_exact` and its twin.
+/// Landings of descents that follow the platform's elevation itself, down to 1 cm: `I_direct_zd_eq_zp_tol_1cm_exact`
+/// and its twin.
 const UNGUIDED: [(&str, [f64; 3]); 2] = [
     ("I", [3.118_381_781_435_118, -0.053_729_426_163_125_37, 0.032_867_561_905_870_04]),
     ("II", [3.190_676_895_328_071, -0.060_882_583_368_030_54, 0.099_941_829_697_004_71]),

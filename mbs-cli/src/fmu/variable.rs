@@ -21,7 +21,7 @@ pub(super) enum Role {
     Output,
     /// Computed, but not connected to others.
     Local,
-    /// Of a comparison.
+    /// Which side of a comparison holds.
     Switch,
 }
 

@@ -60,7 +60,7 @@ fn generated(interpreter: &Interpreter<'_>, state: &State, number: usize) -> Opt
     Some([by_q, by_qd, by_u])
 }
 
-/// The same by dual numbers, for every component.
+/// The derivatives by dual numbers, for every component.
 fn by_duals(derivation: &Derivation, function: &Function, point: &Point) -> [Vec<f64>; 3] {
     let fixed = |values: &[f64]| values.iter().map(|&x| Dual::fixed(x)).collect::<Vec<Dual<f64>>>();
     let interpreter = Interpreter::with_parameters(derivation, fixed(&point.parameters));

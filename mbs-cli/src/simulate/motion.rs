@@ -52,7 +52,7 @@ impl Settings {
 /// A motion, row by row.
 #[derive(Debug)]
 pub(crate) struct Motion {
-    /// Of the mechanism.
+    /// The mechanism's name.
     pub(crate) name: String,
     /// What stands behind the time.
     pub(crate) columns: Vec<Column>,

@@ -14,16 +14,16 @@ use super::carried;
 /// What V says of one frame: the factors of its origin's coordinates and of the moments, per axis of the world.
 #[derive(Clone, Copy, Debug)]
 struct Weight<'g> {
-    /// Of the places' world components.
+    /// The factor of the places' world components.
     force: Vector<'g>,
-    /// Of the places' coordinates in the frame, per axis.
+    /// The factors of the places' coordinates in the frame, per axis.
     moments: [Vector<'g>; 3],
 }
 
 /// What T says of one frame.
 #[derive(Clone, Debug)]
 struct Masses<'g> {
-    /// Of each body.
+    /// The mass of each body.
     single: Vec<Expr<'g>>,
     /// m
     sum: Expr<'g>,

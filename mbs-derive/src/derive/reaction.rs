@@ -93,7 +93,7 @@ impl<'g> Reactions<'g> {
         sub(&add(&sub(&rate(&momentum), &position_gradient), &dissipation), &force)
     }
 
-    /// The same by Newton–Euler; what is no body plainly.
+    /// Forces on the auxiliary coordinates by Newton–Euler; those of what is no body plainly.
     fn structured(&self, masses: Masses) -> Option<Vec<Expr<'g>>> {
         let lifted = self.lifted.as_ref()?;
         let bodies = tree::net_forces(lifted, masses, &self.symbols, self.auxiliary.first);

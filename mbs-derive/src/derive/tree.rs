@@ -191,7 +191,7 @@ impl<'g> Tree<'g> {
         self.swept_back(self.resisted(self.inertial(Accelerations::Given)))
     }
 
-    /// The same less Q of the loads, in one sweep.
+    /// `M q̈ + C q̇ + G + ∂D/∂q̇ − Q` with Q of the loads, in one sweep.
     fn net_forces(&self, accelerations: Accelerations) -> Vec<Expr<'g>> {
         self.swept_back(less(self.resisted(self.inertial(accelerations)), self.applied()))
     }

@@ -37,9 +37,9 @@ pub use interface::Interface;
 pub(super) enum Dialect {
     /// C99, which is C++ and, in functions of host and device, CUDA and HIP as well.
     C,
-    /// The same with a class of C++17.
+    /// A header of C99 with a class of C++17.
     Cpp,
-    /// The same with kernels over many states, for CUDA and HIP.
+    /// A header of C99 with kernels over many states, for CUDA and HIP.
     Cuda,
     /// OpenCL C with kernels over many states.
     OpenCl,

@@ -22,7 +22,8 @@ pub(super) fn attributes(lines: &[String]) -> TokenStream {
     quote!(#(#[doc = #lines])*)
 }
 
-/// Of a mechanism's struct: what was declared, the equation, coordinates, inputs, operation counts.
+/// What the documentation of a mechanism's struct says: what was declared, the equation, coordinates, inputs, operation
+/// counts.
 pub(super) fn mechanism(derivation: &Derivation, functions: &[&Function]) -> Vec<String> {
     let mut lines = declared(&derivation.docs);
     if lines.is_empty() {
@@ -43,7 +44,7 @@ pub(super) fn mechanism(derivation: &Derivation, functions: &[&Function]) -> Vec
     lines
 }
 
-/// Of a module: its mechanism, and the key to its locals where there is one.
+/// What the documentation of a module says: its mechanism, and the key to its locals where there is one.
 pub(super) fn module(derivation: &Derivation, module: &str, mechanism: &str) -> Vec<String> {
     let mut lines = vec![format!("The mechanism [`{mechanism}`]({module}::{mechanism}).")];
     let programs = derivation.functions.iter().map(|function| &function.program).chain([&derivation.constructor]);
@@ -121,7 +122,7 @@ fn variables(kind: &str, variables: &[Variable]) -> Vec<String> {
     head.into_iter().chain(variables.iter().map(row)).collect()
 }
 
-/// Of a field of `Params`.
+/// What the documentation of a field of `Params` says.
 pub(super) fn parameter(variable: &Variable) -> Vec<String> {
     let mut lines = declared(&variable.docs);
     let default = match (variable.length, variable.defaults.first()) {
@@ -136,7 +137,7 @@ pub(super) fn parameter(variable: &Variable) -> Vec<String> {
     lines
 }
 
-/// Of `Params::check`.
+/// What the documentation of `Params::check` says.
 pub(super) fn requirements(derivation: &Derivation) -> Vec<String> {
     let mut lines = vec!["Whether the mechanism can have these parameters: all of them finite.".to_string()];
     if !derivation.requirements.is_empty() {
@@ -195,7 +196,7 @@ fn force_units(derivation: &Derivation) -> Option<String> {
     Some(rows.collect::<Vec<_>>().join(", "))
 }
 
-/// Of a generated function.
+/// What the documentation of a generated function says.
 pub(super) fn function(derivation: &Derivation, function: &Function) -> Vec<String> {
     let (entry, about) = (function.kind.entry(), about(derivation, function));
     let mut lines = vec![(entry.doc)(&about)];

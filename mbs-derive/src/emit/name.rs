@@ -130,7 +130,7 @@ impl Scope {
         name
     }
 
-    /// Likewise of names that users of the code write: those that need no escape are as they are, whatever comes
+    /// Distinct names for what users of the code write: those that need no escape are as they are, whatever comes
     /// before.
     fn unique_escaped<'a>(&mut self, wishes: impl Iterator<Item = &'a str> + Clone) -> Vec<String> {
         let is_plain = |wish: &&str| escaped(wish) == **wish;

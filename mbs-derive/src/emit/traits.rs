@@ -11,7 +11,7 @@ use super::item::{Emitter, selected};
 use super::name::ident;
 use super::{Options, doc};
 
-/// Whether the module implements the trait `Mechanism`.
+/// Whether the module implements the trait `Mechanism`, and with it all that this rests on.
 pub(super) fn implements_mechanism(derivation: &Derivation, options: &Options) -> bool {
     of_trait(derivation, &selected(derivation, options.functions.as_deref())).is_some()
 }

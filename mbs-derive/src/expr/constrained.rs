@@ -257,7 +257,7 @@ impl<V: Value> NullSpace<V> {
         columns.iter().enumerate().map(solution).collect()
     }
 
-    /// The same for one column, whatever rows ask for that depend on others.
+    /// The solution for one column, whatever rows ask for that depend on others.
     pub(super) fn solve_independent_rows(&self, column: &[V]) -> Option<Vec<V>> {
         let (force, target) = self.scaled_right_side(column);
         self.unscaled_solution(&self.motion(&force, &target), &force)

@@ -114,7 +114,7 @@ impl<S: Value> Value for Dual<S> {
             *column = x.into_iter().zip(rate).map(|(x, rate)| Dual::new(x, rate)).collect();
         }
     }
-    /// Likewise, in the basis of the values.
+    /// Solutions with their derivatives, in the basis of the values.
     fn constrained_columns<'a>(n: usize, mass: Vec<Self>, jacobian: Vec<Self>, vectors: &[usize]) -> Solutions<'a, Self>
     where
         Self: 'a,

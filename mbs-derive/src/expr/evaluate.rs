@@ -86,7 +86,7 @@ pub trait Value: Copy {
         let none = Terms { sizes: Vec::new(), motion: Vec::new(), scales: Vec::new() };
         Box::new(move |column| solve(&[column.to_vec()], &none).remove(0))
     }
-    /// The same for several columns.
+    /// What [`constrained`](Self::constrained) gives, for several columns.
     fn constrained_columns<'a>(n: usize, mass: Vec<Self>, jacobian: Vec<Self>, vectors: &[usize]) -> Solutions<'a, Self>
     where
         Self: 'a,
@@ -245,7 +245,8 @@ impl Tape {
         self.run_deciding(point, |_, holds| holds)
     }
 
-    /// The same, with comparisons that come out as `decide` says: of their positions, and of how they would come out.
+    /// The values of the roots, with comparisons that come out as `decide` says: of their positions, and of how they
+    /// would come out.
     pub(crate) fn run_deciding<V: Value>(
         &self,
         point: impl Fn(Symbol) -> V,

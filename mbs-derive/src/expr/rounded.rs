@@ -30,7 +30,7 @@ impl Rounded {
         Rounded { value, error: 0.0 }
     }
 
-    /// The result of an operation whose operands bring in so much error.
+    /// The result of an operation whose operands bring in the error `inherited`.
     fn of(value: f64, inherited: f64) -> Self {
         Rounded { value, error: inherited + value.abs() * f64::EPSILON + FLOOR }
     }

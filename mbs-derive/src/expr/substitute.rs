@@ -13,7 +13,7 @@ pub(crate) fn substitute<'g>(roots: &[Expr<'g>], replacement: impl Fn(Symbol) ->
     roots.first().map_or(Vec::new(), |first| substitute_into(first.graph(), roots, replacement))
 }
 
-/// The same, copied into another graph.
+/// The expressions with each symbol replaced, copied into another graph.
 pub(crate) fn substitute_into<'g>(
     graph: &'g Graph,
     roots: &[Expr<'_>],

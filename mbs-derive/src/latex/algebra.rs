@@ -33,7 +33,7 @@ pub(super) struct Algebra<'g> {
     pub(super) abbreviates: bool,
     /// Whether sums stay as they are derived, now.
     pub(super) is_recursive: bool,
-    /// The same of what is written the other way: multiplied out or by recursion.
+    /// Sums, atoms and conditions of what is written the other way: multiplied out or by recursion.
     others: Caches,
     pub(super) recursion: Recursion,
 }

@@ -341,7 +341,7 @@ impl<'g> Lagrangian<'g> {
         energy
     }
 
-    /// The same as a node of its own, which neither another call nor an energy that is written out has.
+    /// A body's kinetic energy as a node of its own, which neither another call nor an energy that is written out has.
     pub(in crate::model) fn declared_energy_of(&mut self, body: &Body<'g>) -> Expr<'g> {
         let energy = self.kinetic_energy_of(body).distinct();
         self.landmarks.note_body(energy, *body);

@@ -11,11 +11,11 @@ use super::{ResultPart, Shape};
 /// What a program costs. Negations are free, a subtraction is an addition, a sine and a cosine of one angle are one.
 ///
 /// ```
-/// use mbs_derive::{Analysis, expr::Graph, source::Sources};
+/// use mbs_derive::{Analysis, expr::Graph, optimise::FunctionKind, source::Sources};
 /// let text = "mechanism Spring { param k: N/m = 4; coord x: m; kinetic += 1 kg*dt(x)^2/2; potential += k*x^2/2; }";
 /// let graph = Graph::verbatim();
 /// let analysis = Analysis::of(&Sources::new("spring.mbs", text), &graph).unwrap();
-/// let mass_matrix = analysis.programs().named("mass_matrix").unwrap();
+/// let mass_matrix = analysis.programs().function(FunctionKind::MassMatrix).unwrap();
 /// assert_eq!(mass_matrix.operations.flops(), 0); // a constant
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -366,7 +366,7 @@ mechanism Pendulum {
         kinetic += 1/2*m[i]*dt(q)^2;
         for j in 0.0..1 {
         }
-        /// Of each.
+        /// Each tip.
         output tip[i] = p[i], jacobian_rate;
         constraint rod[i]: p[i] = x;
         reaction joint[i] at r[i][0];
@@ -386,7 +386,7 @@ mechanism Pendulum {
     force q[n + 1] += -tau;
     force at tip += [0, 0, tau];
     torque on link*rot_z(q) += [0, 0, tau];
-    /// Of fixed length.
+    /// The rod's length is fixed.
     constraint rod: x^2 + y^2 = l^2;
     /// The tip.
     output tip = [q, 0, -q.x];

@@ -35,7 +35,7 @@ impl Group {
         Rounded::exact(1.0 + (round * 0.618_033_988_749_894_9).fract())
     }
 
-    /// The same of the symbol that a column belongs to, 0 for others.
+    /// What the symbol that a column belongs to counts, 0 for others.
     pub(super) fn weight_of(self, other: Symbol, symbol: fn(u32) -> Symbol) -> Rounded {
         let number = match other {
             Symbol::Coordinate(i) | Symbol::Velocity(i) | Symbol::Input(i) => i,

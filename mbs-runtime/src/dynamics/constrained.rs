@@ -56,8 +56,9 @@ pub fn constrained_solve<T: Scalar, const N: usize, const K: usize>(
     (accelerations.map(|[q]| q), multipliers.map(|[l]| l))
 }
 
-/// The same where rows are the components of vectors: those with the same number in `vectors` share a unit, and a row
-/// that moves the same coordinates less than another of its vector is known no better than that.
+/// Solves `M q̈ = f + Aᵀ λ`, `A q̈ = c` where rows are the components of vectors: those with the same number in
+/// `vectors` share a unit, and a row that moves the same coordinates less than another of its vector is known no better
+/// than that.
 ///
 /// So a component that vanishes for the vectors of a hinge that are nearly parallel to an axis is one of a vector of
 /// order one, not an equation of its own; in what [`constrained_solve`] makes least, `aₖ` is then the greatest

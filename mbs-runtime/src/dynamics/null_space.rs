@@ -42,8 +42,8 @@ pub(crate) struct NullSpace<T, const N: usize, const K: usize> {
     scales: Scales<N, K>,
     /// M, scaled, both triangles.
     mass: [[T; N]; N],
-    /// The same in the order of `columns`; exchanges of independent coordinates are kept in the rows of dependent ones
-    /// alone.
+    /// M, scaled, in the order of `columns`; exchanges of independent coordinates are kept in the rows of dependent
+    /// ones alone.
     ordered: [[T; N]; N],
     /// A, scaled.
     slopes: [[T; N]; K],
@@ -151,7 +151,7 @@ struct Rows<T, const K: usize> {
     greatest: [T; K],
     /// What is not greater is rounding.
     least: [T; K],
-    /// The same beside the entry taken.
+    /// The greatest magnitude beside the entry taken.
     beside: [T; K],
 }
 

@@ -53,7 +53,7 @@ pub(crate) struct Scales<const N: usize, const K: usize> {
     pub(crate) rows: [i32; K],
     /// By which power of two the greatest entry of a row is less than that of its vector.
     pub(crate) small: [i32; K],
-    /// Of M.
+    /// The power of two that M is scaled by.
     pub(crate) mass: i32,
 }
 

@@ -25,7 +25,7 @@ impl Random {
     fn number(&mut self) -> f64 {
         (self.bits() >> 11) as f64 / (1u64 << 52) as f64 - 1.0
     }
-    /// Of `0..n`.
+    /// A number of `0..n`.
     fn below(&mut self, n: usize) -> usize {
         (self.bits() % n as u64) as usize
     }

@@ -42,7 +42,7 @@ pub(crate) fn scattered(deviation: f64, normal: &mut impl Normal) -> Vector3<f64
 /// Where the IMU is, and the attitude of the body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pose {
-    /// \[m\]
+    /// The place \[m\].
     pub place: Vector3<f64>,
     /// From axes of the body to the world's.
     pub attitude: UnitQuaternion<f64>,

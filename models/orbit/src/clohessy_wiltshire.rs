@@ -28,13 +28,13 @@ pub enum TargetingError {
     /// some other times, the first 1.406 of a revolution.
     #[error("no velocity fixes the place in the orbital plane after {time} s")]
     SingularInPlane {
-        /// \[s\]
+        /// The time \[s\].
         time: f64,
     },
     /// After half revolutions the place across the orbital plane does not depend on the velocity.
     #[error("no velocity fixes the place across the orbital plane after {time} s")]
     SingularAcross {
-        /// \[s\]
+        /// The time \[s\].
         time: f64,
     },
     /// Numbers on the way are too large or too small for `f64`.

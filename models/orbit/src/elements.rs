@@ -90,7 +90,7 @@ fn positive_angle(angle: f64) -> f64 {
 }
 
 impl Elements {
-    /// Of a state \[m, m/s\] about a centre with μ \[m³/s²\].
+    /// The elements of a state \[m, m/s\] about a centre with μ \[m³/s²\].
     ///
     /// ```text
     /// e cos ν = p/r − 1,   e sin ν = √(p/μ) ṙ

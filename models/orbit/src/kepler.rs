@@ -256,7 +256,7 @@ impl Conic {
     }
 }
 
-/// Of a whole number.
+/// Whether a whole number is odd.
 #[inline]
 pub(super) fn is_odd(whole: f64) -> bool {
     2.0 * rounded(0.5 * whole) != whole

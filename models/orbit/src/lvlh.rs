@@ -23,7 +23,7 @@ use super::vector::{StateVector, Vector, combined, cross, dot, minus, norm, plus
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[error("no frame goes round with a station at {:?} with the velocity {:?}", .state.position, .state.velocity)]
 pub struct FrameError {
-    /// Of the station.
+    /// The state of the station.
     pub state: StateVector,
 }
 

@@ -349,7 +349,7 @@ pub struct PhaseReport {
     pub delta_v: f64,
     /// How many.
     pub burns: u32,
-    /// \[s\]
+    /// The duration \[s\].
     pub duration: f64,
     /// In the station's frame, before the next phase begins \[m, m/s\].
     pub end: StateVector,
@@ -371,7 +371,7 @@ pub struct Report {
     pub keep_out_violations: u32,
     /// How often it left the corridor between the beginning of the approach and contact.
     pub corridor_violations: u32,
-    /// Of the orbits.
+    /// The warnings about the orbits.
     pub warnings: Warnings,
 }
 

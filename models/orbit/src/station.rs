@@ -96,7 +96,7 @@ impl Station {
         if rate > 0.0 && rate.is_finite() && period > 0.0 { Ok(station) } else { Err(StationError::OutOfRange) }
     }
 
-    /// The same, with a mass that attracts as a point \[kg\].
+    /// The station with a mass that attracts as a point \[kg\].
     ///
     /// # Errors
     /// [`StationError::Invalid`].

@@ -138,7 +138,7 @@ const LIMIT: u32 = 64;
 const CLOSE: f64 = 1e-5;
 
 impl Shape {
-    /// Of an ellipse.
+    /// The ellipse as seen from its other apsis.
     #[inline]
     pub(super) fn seen_from_the_other_apsis(&self) -> Self {
         Self { q: (1.0 + self.e) / self.alpha, e: -self.e, ..*self }

@@ -38,7 +38,7 @@ pub enum TransitionError {
     /// No velocity fixes the place after this time.
     #[error("no velocity fixes the place after {time} s")]
     Singular {
-        /// \[s\]
+        /// The time \[s\].
         time: f64,
     },
     /// A component of a place is not finite.

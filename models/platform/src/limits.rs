@@ -242,7 +242,7 @@ pub enum NotSurveyed {
     /// A sample has no legs or no forces.
     #[error("t = {time:.3} s: {error}")]
     Pose {
-        /// Of which moment \[s\].
+        /// The moment \[s\].
         time: f64,
         /// Why.
         error: PoseError,

@@ -20,11 +20,11 @@ pub trait PlatformMotion {
 /// `q_i(t) = mean_i + sine_i sin(ω_i t) + cosine_i cos(ω_i t)`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Motion<T = f64> {
-    /// \[m, rad\]
+    /// The mean \[m, rad\].
     pub mean: Coordinates<T>,
-    /// \[m, rad\]
+    /// The amplitude of the sine \[m, rad\].
     pub sine: Coordinates<T>,
-    /// \[m, rad\]
+    /// The amplitude of the cosine \[m, rad\].
     pub cosine: Coordinates<T>,
     /// `ω_i` \[rad/s\]
     pub frequency: Coordinates<T>,
@@ -174,7 +174,7 @@ impl<const K: usize> Superposition<K> {
         core::array::from_fn(|i| self.0.iter().map(|motion| motion.mean[i]).sum())
     }
 
-    /// The same about another mean \[m, rad\].
+    /// The motion about another mean \[m, rad\].
     #[must_use]
     pub fn about(&self, mean: &Coordinates) -> Self {
         let mut motions = self.0.map(|motion| Motion { mean: [0.0; 6], ..motion });

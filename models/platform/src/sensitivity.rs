@@ -184,7 +184,7 @@ impl Parameter {
         }
     }
 
-    /// Adds so much to it, in these parameters or this motion.
+    /// Adds `amount` to it, in these parameters or this motion.
     ///
     /// # Panics
     /// If there is none of this number.
@@ -317,7 +317,7 @@ impl Platform {
     }
 }
 
-/// The same in dual numbers, all of them constant.
+/// The motion in dual numbers, all of them constant.
 fn lifted_motion(&Motion { mean, sine, cosine, frequency }: &Motion) -> Motion<Dual<f64>> {
     let [mean, sine, cosine, frequency] = [mean, sine, cosine, frequency].map(|row| row.map(Dual::constant));
     Motion { mean, sine, cosine, frequency }

@@ -60,7 +60,7 @@ mechanism TurntableWithPin {
     output by_components = hypot(puck.x - anchor.x, puck.y - anchor.y);
 }";
 
-/// The same by sines and cosines.
+/// The puck on a turntable, typed by sines and cosines.
 const TURNTABLE_TYPED: &str = "
 mechanism TurntableTyped {
     param m: kg = 1;

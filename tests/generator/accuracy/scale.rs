@@ -23,7 +23,7 @@ pub(crate) struct Scale {
 pub(crate) struct Units {
     /// 1/√Mᵢᵢ
     pub(crate) coordinates: Vec<f64>,
-    /// Of the multipliers.
+    /// The units of the multipliers.
     pub(crate) multipliers: Vec<f64>,
     /// The condition of M in them, of the bordered matrix with constraints; infinite where it is singular.
     pub(crate) condition: f64,

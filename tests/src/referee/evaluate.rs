@@ -28,7 +28,7 @@ pub(super) struct State<S> {
 }
 
 impl<S: Copy> State<S> {
-    /// The same in other numbers.
+    /// The state in other numbers.
     pub(super) fn map<R>(&self, f: &mut impl FnMut(S) -> R) -> State<R> {
         let State { t, q, qd, qdd, u, prescribed, parameters } = self;
         let mut all = |values: &[S]| values.iter().map(|&x| f(x)).collect::<Vec<R>>();

@@ -75,7 +75,7 @@ fn tangent(values: &mut [f64], q: &[f64], quaternions: &[usize]) {
     }
 }
 
-/// The same for the columns of a square matrix.
+/// Exchanges the rows and the columns of a square matrix.
 fn transpose(values: &mut Vec<f64>, n: usize) {
     if values.len() == n * n {
         *values = (0..n).flat_map(|j| (0..n).map(move |i| (i, j))).map(|(i, j)| values[i * n + j]).collect();

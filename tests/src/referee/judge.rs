@@ -45,7 +45,7 @@ pub enum Fault {
     NotUnderstood(String),
     /// A number is wrong.
     Wrong {
-        /// Of which function.
+        /// The function that the value is of.
         function: String,
         /// Which number of which function at which state, and what it should be.
         report: String,
@@ -368,7 +368,7 @@ impl Court<'_> {
         State { t, q, qd, qdd, u, prescribed, parameters }
     }
 
-    /// The same for the interpreter, which is given the signals without a formula only.
+    /// The state for the interpreter, which is given the signals without a formula only.
     fn given(&self, state: &State<f64>) -> interpret::State {
         let State { t, q, qd, qdd, u, prescribed, .. } = state.clone();
         let signals = self.derivation.prescribed.iter().flat_map(|variable| {

@@ -87,8 +87,8 @@ pub(super) struct Equations<S> {
 pub(super) struct Written {
     trace: Trace,
     lines: Lines,
-    /// The same with other roundings of the axes that vectors are turned into and back, if they are rounded: what two
-    /// ways to the same force differ by does not cancel.
+    /// The calculation with other roundings of the axes that vectors are turned into and back, if they are rounded:
+    /// what two ways to the same force differ by does not cancel.
     again: Option<(Trace, Lines)>,
     /// How many coordinates there are, with those of joints.
     coordinates: usize,

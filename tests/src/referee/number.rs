@@ -63,7 +63,7 @@ pub(super) trait Real:
     fn abs(self) -> Self {
         self * self.signum()
     }
-    /// An integer power, by multiplying so often.
+    /// An integer power, by repeated multiplication.
     fn powi(self, n: i64) -> Self {
         let power = (0..n.unsigned_abs()).fold(Self::of(1.0), |power, _| power * self);
         if n < 0 { Self::of(1.0) / power } else { power }

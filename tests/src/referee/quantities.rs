@@ -59,9 +59,9 @@ const HELD: f64 = 1e-9;
 /// Elsewhere they do so exactly, or not.
 const ANYWHERE: f64 = 1e-20;
 
-/// A pivot that is less than this by each coordinate may be none. Rounding leaves so much of an inertia of 1 that is a
-/// sum of `N` terms: `N ε`, of which the runtime takes 16 (`dynamics/null_space.rs`), and elimination in
-/// another order finds more or less of it by what it lets entries grow to, which is less than 1000 / 16.
+/// A pivot that is less than this by each coordinate may be none. Rounding leaves `N ε` of an inertia of 1
+/// that is a sum of `N` terms, of which the runtime takes 16 (`dynamics/null_space.rs`), and elimination in another
+/// order finds more or less of it by what it lets entries grow to, which is less than 1000 / 16.
 const WITHOUT_INERTIA: f64 = 1000.0 * f64::EPSILON;
 
 /// A derivative of all equations in one direction.

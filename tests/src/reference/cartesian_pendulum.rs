@@ -31,7 +31,7 @@ impl CartesianPendulum {
     }
 }
 
-/// Of two positive numbers.
+/// The arithmetic–geometric mean of two positive numbers.
 pub fn arithmetic_geometric_mean(mut a: f64, mut b: f64) -> f64 {
     // It converges quadratically: six turns are enough for any two numbers within a factor of a thousand.
     for _ in 0..8 {

@@ -47,7 +47,7 @@ impl ForceElement {
         ForceElement::of(term, landmarks, Symbol::Coordinate)
     }
 
-    /// The same of a term of D.
+    /// What a term of D says, if it is a damper between places.
     pub(crate) fn damper<'v>(term: Expr<'v>, landmarks: &Landmarks<'v>) -> Option<(Self, Vec<Place<'v>>)> {
         ForceElement::of(term, landmarks, Symbol::Velocity)
     }

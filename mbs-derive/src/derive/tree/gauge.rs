@@ -100,9 +100,9 @@ pub(super) struct Turned<'g> {
     pub(super) linkage: Linkage<'g>,
     /// Their masses.
     pub(super) inertias: Vec<Inertia<'g>>,
-    /// Of each old link the new one.
+    /// The new link of each old one.
     numbers: Vec<usize>,
-    /// Of each old link.
+    /// How each old link was turned.
     gauges: Vec<Option<Gauge>>,
 }
 

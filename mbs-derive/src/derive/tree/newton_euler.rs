@@ -165,7 +165,7 @@ fn inertial<'g>(inertia: &Inertia<'g>, motion: &Motion<'g>) -> Wrench<'g> {
     Wrench::new(force, couple + inertia.first.cross(motion.acceleration))
 }
 
-/// The same but for the moment `h × a`.
+/// What it takes to move these masses so, but for the moment `h × a`.
 fn spinning<'g>(inertia: &Inertia<'g>, motion: &Motion<'g>) -> Wrench<'g> {
     let Motion { acceleration: a, spin, .. } = motion;
     Wrench::new(a.scale(inertia.mass) + spin.matrix * inertia.first, spin.couple(&inertia.second))

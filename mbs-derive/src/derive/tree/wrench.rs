@@ -53,7 +53,7 @@ impl<'g> Wrench<'g> {
         }
     }
 
-    /// The same about the parent's origin, in its axes.
+    /// The wrench about the parent's origin, in its axes.
     pub(super) fn across(self, edge: &Edge<'g>) -> Self {
         let Wrench { force, couple, .. } = self;
         // `n + t × f`

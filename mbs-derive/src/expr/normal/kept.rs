@@ -102,8 +102,8 @@ impl Kept {
         self.sums.borrow().get(&id).is_some_and(|terms| terms.are_turned)
     }
 
-    /// The same, with those of which sines and cosines may cancel multiplied out, if there are any: what costs more by
-    /// itself may cost less in what is derived from it.
+    /// These sums, with those of which sines and cosines may cancel multiplied out, if there are any: what costs more
+    /// by itself may cost less in what is derived from it.
     pub(crate) fn turned_sums_multiplied_out(&self) -> Option<Self> {
         (self.ways().len() > 1).then(|| Kept { expands_turned: true, ..self.clone() })
     }

@@ -234,7 +234,7 @@ impl Line {
         }
     }
 
-    /// The same, with the errors of its rounding.
+    /// A symbol's value and rate, with the errors of its rounding.
     pub(in crate::model) fn rounded(&self, velocity: &dyn Fn(u32) -> Rounded, symbol: Symbol) -> Dual<Rounded> {
         let Dual { value, derivative } = self.with_velocity(&|i| velocity(i).value, symbol);
         Dual::new(Rounded::exact(value), Rounded::exact(derivative))

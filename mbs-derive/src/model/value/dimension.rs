@@ -168,7 +168,7 @@ pub(in crate::model) fn lacking(wanted: Dimension, found: Dimension) -> String {
     }
 }
 
-/// The same of the second of two things, where it is a power of one base unit: others say nothing about what was meant.
+/// What the second of two things lacks, where it is a power of one base unit: others say nothing about what was meant.
 pub(in crate::model) fn second_lacks(first: Dimension, second: Dimension) -> String {
     lacks_power(first, second, "the second")
 }

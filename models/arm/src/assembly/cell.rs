@@ -19,7 +19,7 @@ pub type Numbers = [f64; NUMBERS];
 pub struct Wrist {
     /// K_x (in y the same), K_z \[N/m\], K_θ \[N·m/rad\].
     pub stiffness: [f64; 3],
-    /// \[N·s/m, N·s/m, N·m·s/rad\]
+    /// The damping \[N·s/m, N·s/m, N·m·s/rad\].
     pub damping: [f64; 3],
     /// L_g: height of the centre over the tip \[m\].
     pub centre: f64,
@@ -55,7 +55,7 @@ pub struct Cell {
     pub hole: Hole,
     /// Between them.
     pub contact: Contact,
-    /// Of the drives.
+    /// Stiffness and damping by the drives.
     pub control: Impedance,
 }
 
@@ -65,9 +65,9 @@ pub struct Cell {
 pub struct Unreachable {
     /// From the first axis \[m\].
     pub distance: f64,
-    /// \[m\]
+    /// The least distance that is reached \[m\].
     pub least: f64,
-    /// \[m\]
+    /// The greatest distance that is reached \[m\].
     pub greatest: f64,
 }
 

@@ -22,7 +22,7 @@ pub type Plane = [f64; 2];
 pub struct Peg {
     /// r \[m\]
     pub radius: f64,
-    /// Of all of it \[kg\].
+    /// The mass of all of it \[kg\].
     pub mass: f64,
     /// About its mass centre, across the axis \[kg·m²\].
     pub inertia: f64,

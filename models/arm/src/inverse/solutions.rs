@@ -21,7 +21,7 @@ pub struct Solutions {
 /// Why none of the configurations of a pose is within the ranges of the joints.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum OutsideLimits {
-    /// The ranges are no ranges.
+    /// The limits that were given are none, for the reason inside.
     #[error(transparent)]
     Limits(#[from] InvalidLimits),
     /// All configurations have an angle that no turn brings into its range.

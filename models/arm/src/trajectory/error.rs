@@ -52,7 +52,7 @@ pub enum TrajectoryError {
     NonFinite {
         /// Which of them.
         quantity: Quantity,
-        /// Of which joint.
+        /// The joint, counted from 0.
         joint: usize,
     },
     /// A time does not lie after the one before it, or is not finite.
@@ -86,7 +86,7 @@ pub enum TrajectoryError {
     InvalidLimit {
         /// What is limited.
         quantity: Quantity,
-        /// Of which joint.
+        /// The joint, counted from 0.
         joint: usize,
         /// The limit given.
         value: f64,

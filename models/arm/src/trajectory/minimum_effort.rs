@@ -84,7 +84,7 @@ pub struct Transfer<const N: usize, const U: usize> {
     pub start: [[f64; N]; 2],
     /// Those at the stop.
     pub stop: [[f64; N]; 2],
-    /// \[s\]
+    /// The duration \[s\].
     pub duration: f64,
     /// The inputs F that count as full effort \[N·m\].
     pub scale: [f64; U],
@@ -120,7 +120,7 @@ pub struct MinimumEffort<const N: usize, const U: usize> {
 
 /// The parameter of the first barrier.
 const BARRIER: f64 = 1e-3;
-/// The same, from the solution of a problem nearby.
+/// The barrier to begin with, from the solution of a problem nearby.
 const WARM_BARRIER: f64 = 1e-5;
 
 /// The motion of a transfer that minimizes `∫ Σ (uᵢ/Fᵢ)² dt`, on a number of equal intervals.

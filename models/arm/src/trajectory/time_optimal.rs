@@ -28,7 +28,7 @@ use super::{JointPath, JointState, Motion, PathPoint, Quantity, RateLimits, Traj
 /// Symmetric limits of every joint; infinite where there is none.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MotorLimits<const N: usize> {
-    /// Of speed and acceleration.
+    /// The limits of speed and acceleration.
     pub rates: RateLimits<N>,
     /// The largest torque, either way \[N·m\].
     pub torque: [f64; N],

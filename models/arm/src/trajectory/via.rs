@@ -90,9 +90,9 @@ struct Boundary<const P: usize> {
     start: [f64; 3],
     /// Velocity at the stop.
     stop: f64,
-    /// Of each piece.
+    /// The angle that each piece covers \[rad\].
     way: [f64; P],
-    /// Of each piece \[s\].
+    /// The duration of each piece \[s\].
     length: [f64; P],
 }
 

@@ -8,7 +8,7 @@ use mbs_runtime::Scalar;
 
 /// 97.5 % of a normal distribution are below this: the two-sided bound of 95 %.
 pub const NORMAL_95: f64 = 1.959_963_984_540_054;
-/// The same for 99 %.
+/// 99.5 % of a normal distribution are below this: the two-sided bound of 99 %.
 pub const NORMAL_99: f64 = 2.575_829_303_548_901;
 
 /// The χ² of n degrees of freedom, 10 at least, that is exceeded as often as a normal deviate z exceeds `normal`; off

@@ -53,11 +53,11 @@ pub struct Filter {
 /// Standard deviations of the first state, each of three axes alike.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Uncertainty {
-    /// \[m\]
+    /// The place \[m\].
     pub place: f64,
-    /// \[m/s\]
+    /// The velocity \[m/s\].
     pub velocity: f64,
-    /// \[rad\]
+    /// The attitude \[rad\].
     pub attitude: f64,
 }
 

@@ -26,9 +26,9 @@ use super::rail_arm::RailVector;
 /// What is no farther than a radius from a segment.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Capsule {
-    /// Of the segment \[m\].
+    /// The ends of the segment \[m\].
     pub ends: [[f64; 3]; 2],
-    /// \[m\]
+    /// The radius \[m\].
     pub radius: f64,
 }
 
@@ -89,9 +89,9 @@ impl fmt::Display for Body {
 /// Radii of the capsules \[m\], and the length of the vehicle's arms.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Shapes {
-    /// Of the arm's base.
+    /// The radius of the arm's base.
     pub base: f64,
-    /// Of link 2.
+    /// The radius of link 2.
     pub upper_arm: f64,
     /// Of links 3 and 4.
     pub forearm: f64,
@@ -101,7 +101,7 @@ pub struct Shapes {
     pub vehicle: [f64; 2],
     /// Half the thickness of the deck.
     pub deck: f64,
-    /// Of a leg.
+    /// The radius of a leg.
     pub leg: f64,
 }
 

@@ -79,7 +79,7 @@ impl Landed {
 /// Everything at a moment at which the controllers act.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Meeting {
-    /// \[s\]
+    /// The time \[s\].
     pub time: f64,
     /// The axes of the arm.
     pub arm: State<RailVector>,

@@ -10,7 +10,7 @@ use mbs_platform::limits::LegState;
 /// Everything at one moment.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Moment {
-    /// \[s\]
+    /// The time \[s\].
     pub time: f64,
     /// What the flange is to do.
     pub flange: FlangeMotion,
@@ -33,7 +33,7 @@ pub struct Moment {
 pub struct Seen {
     /// In its unit, or as a part of a limit.
     pub value: f64,
-    /// \[s\]
+    /// The time \[s\].
     pub time: f64,
 }
 

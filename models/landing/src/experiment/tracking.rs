@@ -89,7 +89,7 @@ impl Tracking {
 /// What the controller sees and does at the beginning of a period.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Look {
-    /// \[s\]
+    /// The time \[s\].
     pub time: f64,
     /// What the axes are to do.
     pub wanted: JointState<7>,
@@ -107,7 +107,7 @@ pub struct Look {
 /// turned over.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Contact {
-    /// \[s\]
+    /// The time \[s\].
     pub time: f64,
     /// From the middle of the deck to the flange \[m\]; the third is 0 up to rounding.
     pub position: [f64; 3],

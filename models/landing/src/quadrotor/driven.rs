@@ -59,7 +59,7 @@ impl TrackingError {
 /// What is the case at a moment at which both controllers act.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DrivenMoment {
-    /// \[s\]
+    /// The time \[s\].
     pub time: f64,
     /// The quadrotor.
     pub vehicle: State<[f64; 6]>,
@@ -91,7 +91,7 @@ pub struct DrivenTouchdown {
 /// What both controllers hold for one period.
 struct Held {
     rotors: RotorSpeeds,
-    /// \[N\]
+    /// The forces \[N\].
     forces: LegVector,
 }
 

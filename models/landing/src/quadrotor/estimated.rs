@@ -23,7 +23,7 @@ use mbs_platform::jacobian::angular_rates;
 /// What is the case at a moment at which the controller acts.
 #[derive(Clone, Copy, Debug)]
 pub struct EstimatedMoment<'a> {
-    /// \[s\]
+    /// The time \[s\].
     pub time: f64,
     /// The vehicle.
     pub vehicle: &'a State<[f64; 6]>,

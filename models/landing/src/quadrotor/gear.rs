@@ -45,7 +45,7 @@ pub struct Gear {
     pub stiffness: f64,
     /// p, at least 1.
     pub exponent: f64,
-    /// Of a leg.
+    /// The damping of a leg.
     pub damping: Damping,
     /// μ
     pub friction: f64,
@@ -74,13 +74,13 @@ const CORNERS: [[f64; 2]; 4] = [[1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0], [1.0, -1.
 /// Where a vehicle is, how it is turned, how it moves: in world axes, of its mass centre.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RigidMotion {
-    /// \[m\]
+    /// The position \[m\].
     pub position: Vector3<f64>,
     /// From body axes to those of the world.
     pub rotation: Matrix3<f64>,
-    /// \[m/s\]
+    /// The velocity \[m/s\].
     pub velocity: Vector3<f64>,
-    /// \[rad/s\]
+    /// The angular velocity \[rad/s\].
     pub angular_velocity: Vector3<f64>,
 }
 
@@ -101,7 +101,7 @@ pub struct Contact {
     pub deck_moment: Vector3<f64>,
     /// In the legs \[J\].
     pub stored: f64,
-    /// \[W\]
+    /// The power that is dissipated \[W\].
     pub dissipated: f64,
 }
 

@@ -24,7 +24,7 @@ pub struct GroundEffect {
     least_height: f64,
 }
 
-/// Of the formula's height \[radii\]: there thrust has no bound.
+/// The height at which the thrust of the formula has no bound \[radii\].
 const UNBOUNDED: f64 = 0.25;
 
 /// The least height that counts where none is given \[radii\].

@@ -87,7 +87,7 @@ pub struct Landing<D = HeavingDeck<4>> {
 /// How often the way is looked at for its extremes \[s\].
 const SAMPLING: f64 = 0.002;
 
-/// So often a landing is looked at, or a sampled controller acts, at most.
+/// How often a landing is looked at, or a sampled controller acts, at most.
 pub const MOST_MOMENTS: u32 = 10_000_000;
 
 impl Landing {

@@ -25,15 +25,15 @@ const INPUTS: usize = 4;
 /// diagonal.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Weights {
-    /// Of each position \[m\].
+    /// The deviation of each position \[m\].
     pub position: f64,
-    /// Of each angle \[rad\].
+    /// The deviation of each angle \[rad\].
     pub angle: f64,
-    /// Of each velocity \[m/s\].
+    /// The deviation of each velocity \[m/s\].
     pub velocity: f64,
     /// Of each rate of an angle \[rad/s\].
     pub rate: f64,
-    /// Of each rotor's speed \[rad/s\].
+    /// The deviation of each rotor's speed \[rad/s\].
     pub rotor_speed: f64,
 }
 

@@ -75,7 +75,7 @@ impl Standing {
 /// Where everything is at the beginning.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Start {
-    /// \[s\]
+    /// The time \[s\].
     pub time: f64,
     /// Position and unit quaternion.
     pub vehicle: State<[f64; 7]>,
@@ -96,7 +96,7 @@ impl Start {
 /// What is the case at a moment.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Moment {
-    /// \[s\]
+    /// The time \[s\].
     pub time: f64,
     /// The vehicle.
     pub vehicle: State<[f64; 7]>,

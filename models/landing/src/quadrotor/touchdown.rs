@@ -10,7 +10,7 @@ use super::mixer::RotorSpeeds;
 /// How a landing ended.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Touchdown {
-    /// \[s\]
+    /// The time \[s\].
     pub time: f64,
     /// Along the normal of the deck, against the point of it that is touched: `ż − ż_p` on a level one, negative
     /// \[m/s\].

@@ -57,9 +57,9 @@ pub struct ImuSample {
 /// What an IMU adds to the true values, slowly changing.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Biases {
-    /// \[rad/s\]
+    /// The angular velocity by the gyro \[rad/s\].
     pub gyro: Vector3<f64>,
-    /// \[m/s²\]
+    /// The specific force by the accelerometer \[m/s²\].
     pub accelerometer: Vector3<f64>,
 }
 

@@ -39,9 +39,9 @@ pub enum MissionError {
     /// No plan of phasing arrives: within the longest wait, above the lowest altitude.
     #[error("no plan gets behind the station that waits at most {longest_wait} s and stays {lowest_altitude} m up")]
     NoPhasing {
-        /// \[s\]
+        /// The longest wait \[s\].
         longest_wait: f64,
-        /// \[m\]
+        /// The lowest altitude \[m\].
         lowest_altitude: f64,
     },
     /// A correction of phasing was not found.
@@ -77,7 +77,7 @@ pub enum MissionError {
     /// The vehicle has not come to the port in thrice the time that it should have taken.
     #[error("no contact until t = {time} s, {distance} m before the port")]
     NoContact {
-        /// \[s\]
+        /// The time \[s\].
         time: f64,
         /// Distance to go \[m\].
         distance: f64,

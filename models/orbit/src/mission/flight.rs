@@ -14,9 +14,9 @@ use super::phasing::{Phasing, Plan};
 use super::safety::{Zone, Zones};
 use super::{Burn, LinearModel, Mission, Moment, Phase, PhaseReport, Report};
 
-/// Far from the sphere the way is looked at so often \[s\].
+/// How often the way is looked at far from the sphere \[s\].
 const SPARSE: f64 = 20.0;
-/// Near to it at most so often \[s\].
+/// How often the way is looked at near to the sphere, at most \[s\].
 const DENSE: f64 = 0.5;
 /// How often the time of contact is halved: to less than the resolution of the clock.
 const HALVINGS: u32 = 60;

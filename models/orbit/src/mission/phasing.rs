@@ -32,7 +32,7 @@ pub struct Phasing {
     pub longest_wait: f64,
     /// No arc comes nearer to the centre \[m\].
     pub lowest: f64,
-    /// A plan may miss the point by so much \[m\].
+    /// How far a plan may miss the point \[m\].
     pub tolerance: f64,
 }
 

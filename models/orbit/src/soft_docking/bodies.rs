@@ -11,7 +11,7 @@ pub type Quaternion = [f64; 4];
 /// A rigid body in the axes of the orbit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Body {
-    /// Of its mass centre \[m\].
+    /// The position of its mass centre \[m\].
     pub position: Vector,
     /// As seen in these axes \[m/s\].
     pub velocity: Vector,
@@ -150,7 +150,7 @@ impl Misalignment {
         hypot(self.velocity[1], self.velocity[2])
     }
 
-    /// Of the angular velocity \[rad/s\].
+    /// The magnitude of the angular velocity \[rad/s\].
     #[must_use]
     pub fn turning(&self) -> f64 {
         norm(&self.spin)

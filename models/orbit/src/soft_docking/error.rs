@@ -23,7 +23,7 @@ pub enum SoftDockingError {
     /// The ports did not meet in time.
     #[error("no contact up to t = {time} s, the ports are {distance} m apart")]
     NoContact {
-        /// \[s\]
+        /// The time \[s\].
         time: f64,
         /// Along the approach \[m\].
         distance: f64,
@@ -31,7 +31,7 @@ pub enum SoftDockingError {
     /// The propellant took all of the mass.
     #[error("no mass is left at t = {time} s")]
     NoMass {
-        /// \[s\]
+        /// The time \[s\].
         time: f64,
     },
 }

@@ -24,7 +24,7 @@ use crate::vector::{StateVector, Vector, cross, dot, minus, norm, scaled};
 /// What a main engine does.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Engine {
-    /// \[N\]
+    /// The thrust \[N\].
     pub thrust: f64,
     /// Effective velocity of the exhaust \[m/s\].
     pub exhaust_velocity: f64,
@@ -35,7 +35,7 @@ pub struct Engine {
 pub struct Vehicle {
     /// Inertial \[m, m/s\].
     pub state: StateVector,
-    /// \[kg\]
+    /// The mass \[kg\].
     pub mass: f64,
 }
 
@@ -92,16 +92,16 @@ impl Engine {
 /// From one circle to a higher one: two impulses half an ellipse apart, flown by burns that last.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Raise {
-    /// Of the two impulses \[m/s\].
+    /// The changes of velocity of the two impulses \[m/s\].
     pub delta_v: [f64; 2],
-    /// Of the two burns \[s\].
+    /// The durations of the two burns \[s\].
     pub durations: [f64; 2],
     /// What the first burn lacks of its change of velocity: less the impulse at the same place that leads to the same
     /// energy \[m/s\].
     pub gravity_loss: f64,
     /// By how much the orbit in the end is lower than the circle: at its periapsis, at its apoapsis \[m\].
     pub too_low: [f64; 2],
-    /// \[kg\]
+    /// The propellant \[kg\].
     pub propellant: f64,
 }
 

@@ -50,7 +50,7 @@ pub struct SoftDocking {
     pub start: Start,
     /// Speeds at the beginning and at touch \[m/s\].
     pub speeds: [f64; 2],
-    /// Of the attitude.
+    /// What controls the attitude.
     pub attitude: AttitudeControl,
     /// Of the place, with the same law \[rad/s, 1\].
     pub place: [f64; 2],
@@ -71,11 +71,11 @@ pub struct SoftDocking {
 /// The way, once a period.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Moment {
-    /// \[s\]
+    /// The time \[s\].
     pub time: f64,
-    /// Of both.
+    /// The states of both bodies.
     pub pair: Pair,
-    /// Of the ports.
+    /// The misalignment of the ports.
     pub ports: Misalignment,
     /// The depth that the reference asks for \[m\].
     pub wanted: f64,
@@ -94,11 +94,11 @@ pub struct Moment {
 pub struct Report {
     /// Touch and after.
     pub contact: Contact,
-    /// \[kg\]
+    /// The propellant \[kg\].
     pub propellant: f64,
     /// Pulses of all jets.
     pub pulses: u32,
-    /// Of all jets \[N·s\].
+    /// The impulse of all jets \[N·s\].
     pub impulse: f64,
     /// The greatest force of plumes on the station \[N\].
     pub plume_force: f64,

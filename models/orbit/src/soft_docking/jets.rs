@@ -46,7 +46,7 @@ pub struct Jet {
 pub struct JetSet {
     /// Where they are.
     pub jets: [Jet; JETS],
-    /// Of each \[N\].
+    /// The thrust of each jet \[N\].
     pub thrust: f64,
     /// Effective velocity of the exhaust: specific impulse × 9.80665 m/s² \[m/s\].
     pub exhaust_velocity: f64,

@@ -149,11 +149,11 @@ pub struct Contact {
 /// What the ring looks like on the way.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pressing {
-    /// \[s\]
+    /// The time \[s\].
     pub time: f64,
-    /// Of both.
+    /// The states of both bodies.
     pub pair: Pair,
-    /// Of the ports.
+    /// The misalignment of the ports.
     pub ports: Misalignment,
     /// Of the ring on the chaser \[N\].
     pub force: f64,

@@ -18,11 +18,11 @@ pub const STATES: usize = 8;
 /// diagonal.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Weights {
-    /// Of heave \[m\], roll, pitch and yaw \[rad\].
+    /// The deviation of heave \[m\], roll, pitch and yaw \[rad\].
     pub position: Four,
-    /// Of their rates.
+    /// The deviation of their rates.
     pub rate: Four,
-    /// Of the thrusters \[N\].
+    /// The deviation of the thrusters \[N\].
     pub thrust: Thrust,
 }
 

@@ -110,7 +110,7 @@ pub struct Excitation<const N: usize> {
 }
 
 impl<const N: usize> Excitation<N> {
-    /// Of this sea.
+    /// What this sea does to a hull.
     #[must_use]
     pub fn new(hull: &Hull, sea: &Sea<N>) -> Self {
         Self { waves: sea.waves.map(|wave| (wave.frequency, wave.phase, Response::to(hull, &wave))) }

@@ -40,7 +40,7 @@ pub struct AtSea<const N: usize, const G: usize> {
 /// A moment of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Moment {
-    /// \[s\]
+    /// The time \[s\].
     pub time: f64,
     /// (z, φ, θ, ψ) \[m, rad\].
     pub q: Four,

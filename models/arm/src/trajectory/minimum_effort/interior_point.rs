@@ -97,7 +97,7 @@ where
 struct Local<const N: usize, const U: usize> {
     slopes: Vec<Slopes<N, U>>,
     defects: Vec<f64>,
-    /// Of the objective.
+    /// The gradient of the objective.
     gradient: Vec<f64>,
 }
 

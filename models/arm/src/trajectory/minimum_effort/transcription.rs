@@ -16,7 +16,7 @@ pub(super) struct Layout {
 }
 
 impl Layout {
-    /// Of a point.
+    /// How many numbers a point has.
     pub(super) fn size(self) -> usize {
         2 * self.coordinates + self.inputs
     }

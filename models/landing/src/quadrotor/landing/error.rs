@@ -96,7 +96,7 @@ pub enum LandingError {
         time: f64,
         /// Determinant of the Jacobian of its legs by coordinates then \[m³\].
         determinant: f64,
-        /// The same at the beginning \[m³\], of the other sign.
+        /// The determinant at the beginning \[m³\], of the other sign.
         before: f64,
     },
     /// Nothing can keep the limits of a driven platform.

@@ -68,7 +68,7 @@ pub struct Descent {
     pub touchdown: f64,
     /// κ \[1/s\]
     pub slowing: f64,
-    /// The same of the limit that is kept on the way, which is `v_max + κ_max h` \[1/s\].
+    /// The slowing of the limit that is kept on the way, which is `v_max + κ_max h` \[1/s\].
     pub limit: f64,
 }
 

@@ -42,11 +42,11 @@ pub enum PredictiveError {
     /// A quadratic program was not solved.
     #[error("a quadratic program was not solved in {iterations} iterations, its residuals are {primal} and {dual}")]
     Quadratic {
-        /// Of the interior-point method.
+        /// The iterations of the interior-point method.
         iterations: u32,
-        /// Of its equations.
+        /// The residual of its equations.
         primal: f64,
-        /// Of its stationarity.
+        /// The residual of its stationarity.
         dual: f64,
     },
     /// No regulator gives the cost of what comes after the horizon.

@@ -21,7 +21,7 @@ use crate::quadrotor::zero_order_hold::ZeroOrderHold;
 /// A moment of a flight.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Moment {
-    /// \[s\]
+    /// The time \[s\].
     pub time: f64,
     /// The vehicle.
     pub state: State<[f64; 6]>,

@@ -52,7 +52,7 @@ pub struct TouchdownLimits {
     pub horizontal_speed: f64,
     /// From the point that is landed on \[m\].
     pub offset: f64,
-    /// \[rad\]
+    /// The tilt \[rad\].
     pub tilt: f64,
     /// Of the rates of the angles \[rad/s\].
     pub rate: f64,

@@ -19,7 +19,7 @@ pub struct Options {
     pub broken: f64,
     /// What half the square of a correction costs at first; it is halved while they are taken whole.
     pub damping: f64,
-    /// Of the interior-point method.
+    /// The accuracy of the interior-point method.
     pub accuracy: f64,
     /// The residual of an optimum.
     pub tolerance: f64,

@@ -11,7 +11,7 @@ use crate::quadrotor::driven::Drive;
 /// What feet do to a deck, in world axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Load {
-    /// \[N\]
+    /// The force \[N\].
     pub force: Vector3<f64>,
     /// About the point that is to be landed on \[N·m\].
     pub moment: Vector3<f64>,

@@ -30,12 +30,12 @@ impl Default for Still {
 pub enum Ending {
     /// It stands, and has done so since this time \[s\].
     Rest {
-        /// \[s\]
+        /// Since when \[s\].
         since: f64,
     },
     /// It tipped over at this time \[s\].
     TippedOver {
-        /// \[s\]
+        /// The time \[s\].
         time: f64,
     },
     /// It still slides when the time is over: feet on the deck move along it faster than they creep.
