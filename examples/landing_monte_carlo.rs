@@ -12,6 +12,7 @@ use mbs_examples::{print, println};
 use std::time::Instant;
 
 use indicatif::{ProgressBar, ProgressStyle};
+use mbs_chart::{Figure, Line, Panel};
 use mbs_examples::{Failure, arguments::Arguments, assumed, output};
 use mbs_landing::quadrotor::heave::Heave;
 use mbs_landing::quadrotor::landing::{Landing, LandingError, Plant};
@@ -91,6 +92,7 @@ fn main() -> Result<(), Failure> {
             end.as_ref().ok().map(|end| [&[member as f64][..], &results(end)].concat())
         };
         output::write_table(folder, "landings", &header, landings.iter().enumerate().filter_map(row))?;
+        output::write_figure(folder, "landings", &figure(&touchdowns), &[assumed::LANDING, &ASSUMED].concat())?;
     }
     let [time, velocity, offset] =
         [0, 1, 2].map(|i| Statistics::of(&touchdowns.iter().map(|end| results(end)[i]).collect::<Vec<_>>()));
@@ -125,6 +127,39 @@ fn main() -> Result<(), Failure> {
         print!("{}", assumed::text(&[assumed::LANDING, &ASSUMED].concat()));
     }
     Ok(())
+}
+
+/// What is measured at a touchdown, with its unit.
+const RESULTS: [&str; 3] = ["touchdown time [s]", "relative velocity [m/s]", "horizontal offset [m]"];
+
+/// How many landings ended where, for each result.
+fn figure(touchdowns: &[&Touchdown]) -> Figure {
+    let panel = |(i, name): (usize, &&str)| {
+        let values: Vec<f64> = touchdowns.iter().map(|end| results(end)[i]).collect();
+        let (edges, counts) = histogram(&values);
+        let outline = edges.windows(2).zip(&counts).flat_map(|(edges, &count)| {
+            let count = count as f64;
+            [(edges[0], count), (edges[1], count)]
+        });
+        let [first, last] = [edges[0], edges[edges.len() - 1]];
+        let outline = [(first, 0.0)].into_iter().chain(outline).chain([(last, 0.0)]).collect();
+        Panel::curves([name, "landings"], first..last, vec![Line::new("", outline)])
+    };
+    let title = format!("{} landings", touchdowns.len());
+    Figure { title, size: (1000, 1000), panels: RESULTS.iter().enumerate().map(panel).collect() }
+}
+
+/// The edges of bins of equal width, and how many values are in each: as many bins as the root of the values, but 60 at
+/// most.
+fn histogram(values: &[f64]) -> (Vec<f64>, Vec<usize>) {
+    let bins = ((values.len() as f64).sqrt() as usize).clamp(1, 60);
+    let (low, high) =
+        values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &x| (low.min(x), high.max(x)));
+    // Where all are equal there is one bin that holds them.
+    let width = if high > low { (high - low) / bins as f64 } else { 1.0 };
+    let mut counts = vec![0; bins];
+    values.iter().for_each(|x| counts[(((x - low) / width) as usize).min(bins - 1)] += 1);
+    ((0..=bins).map(|k| low + width * k as f64).collect(), counts)
 }
 
 /// Normal deviates of one member.

@@ -7,8 +7,8 @@ use mbs_landing::experiment::plan::Attitude;
 use mbs_landing::experiment::tracking::{LINK_EXCESS, MODULE_EXCESS, Tracked};
 use serde_json::{Value, json};
 
-use crate::assumed;
-use crate::run::{Outcome, Run};
+use super::assumed;
+use super::run::{Outcome, Run};
 
 /// One object: the landing from above, and within it that from afar.
 pub(crate) fn to_json(above: &Run<'_>, inbound: &Run<'_>) -> Value {
@@ -203,8 +203,8 @@ mod tests {
     use mbs_landing::quadrotor::heave::Heave;
     use mbs_landing::quadrotor::landing::{Landing, Plant};
 
+    use super::super::run::Case;
     use super::*;
-    use crate::run::Case;
 
     #[test]
     fn a_simulation_that_fails_says_why() {

@@ -29,7 +29,7 @@ pub(crate) struct Flown<const N: usize> {
 impl<const N: usize> Flown<N> {
     /// From the first state of the closed form, in `steps` equal parts of `duration`.
     pub(crate) fn of<const U: usize>(
-        mechanism: &(impl Mechanism<N, U, Scalar = f64> + Constraints<f64>),
+        mechanism: &(impl Mechanism<N, U, Scalar = f64, Time = f64> + Constraints<f64>),
         duration: f64,
         steps: u32,
         exact: impl Fn(f64) -> State<[f64; N]>,

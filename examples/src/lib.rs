@@ -9,6 +9,7 @@ pub mod output;
 pub mod platform_dynamics;
 pub mod quadrotor_landing;
 pub mod relative_motion;
+pub mod work_precision;
 
 use std::error::Error;
 use std::fmt;

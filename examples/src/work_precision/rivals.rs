@@ -4,8 +4,8 @@ use differential_equations::prelude::{ExplicitRungeKutta, IVP, ODE};
 use ode_solvers::Vector4;
 use ode_solvers::dop_shared::OutputType;
 
-use crate::problems::{Force, Problem};
-use crate::{Failure, Point};
+use super::problems::{Force, Problem};
+use super::{Failure, Point};
 
 /// `(q, q̇)` as a system of first order.
 struct FirstOrder<F>(F);

@@ -3,6 +3,17 @@
 use crate::support::{good, json, keys, numbers, run};
 use serde_json::Value;
 
+// Parts of the program with tests of their own.
+#[allow(dead_code, reason = "the program uses the rest")]
+#[path = "../../experiment/assumed.rs"]
+mod assumed;
+#[allow(dead_code, reason = "the program uses the rest")]
+#[path = "../../experiment/run.rs"]
+mod run;
+#[allow(dead_code, reason = "the program uses the rest")]
+#[path = "../../experiment/summary.rs"]
+mod summary;
+
 const PROGRAM: &str = env!("CARGO_BIN_EXE_experiment");
 
 fn number(value: &Value) -> f64 {

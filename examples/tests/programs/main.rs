@@ -8,6 +8,7 @@ mod docking;
 mod elastic_arm;
 mod estimator;
 mod experiment;
+mod four_bar;
 mod gallery;
 mod landing_maps;
 mod marine;
