@@ -17,7 +17,7 @@ use crate::builder::Mechanism;
 use crate::diagnostic::nearest;
 use crate::emit::{Language, Options, Trigonometry};
 use crate::expr::Graph;
-use crate::generated::Generated;
+use crate::generated::{Error, Generated};
 use crate::parse;
 use crate::source::{MAX_BYTES, Sources, Unreadable};
 pub use digest::Digest;
@@ -123,8 +123,8 @@ impl Config {
         self
     }
 
-    /// Generates only these functions (and what they call). The trait `Mechanism` is implemented only where all that it
-    /// needs is among them.
+    /// Generates only these functions (and what they call). Of the runtime's traits those are
+    /// implemented all of whose functions are among them.
     pub fn functions<S: Into<String>>(mut self, names: impl IntoIterator<Item = S>) -> Self {
         self.options = self.options.functions(names);
         self
@@ -176,8 +176,8 @@ impl Config {
     /// Generates every `.mbs` file of a folder, sorted by name, and `mechanisms.rs`, which includes them all, lists
     /// their texts in `SOURCES` and `GENERATED`, and hands every mechanism to a macro of your choice:
     /// `for_each_mechanism!(callback)` becomes `callback! { cart_pole CartPole 2 1; … }`, module, type, number of
-    /// coordinates and of inputs. Mechanisms with motions given at run time do not implement the trait `Mechanism` and
-    /// are left out there. Files without a mechanism, which hold `const` and `fn` to be imported, are only looked
+    /// coordinates and of inputs; those that do not implement the trait `Mechanism`, for want of functions, are left
+    /// out. Files without a mechanism, which hold `const` and `fn` to be imported, are only looked
     /// through.
     ///
     /// `include!(concat!(env!("OUT_DIR"), "/mechanisms.rs"));`
@@ -192,21 +192,37 @@ impl Config {
     }
 
     fn write_mechanism(&self, mechanism: &Mechanism) -> Result<(), String> {
-        let generated = mechanism.generate(&self.options).map_err(|e| e.render_in(&mechanism.sources()))?;
-        tell(&generated.warnings);
-        self.write_files(&generated, &[])
+        let sources = mechanism.sources();
+        let declaration = mechanism.declaration().map_err(|e| e.render_in(&sources))?;
+        let folder = self.folder_of_records()?;
+        let kept = folder.and_then(|folder| Kept::written(&folder, &declaration, &sources, &self.options));
+        let made = self.made(sources, kept, |_| mechanism.generate(&self.options))?;
+        self.write_module(&made, &[])
     }
 
     fn make(&self, sources: Sources) -> Result<Made, String> {
-        // Beside code that is checked in nothing is kept.
-        let folder = self.out_dir.is_none().then(|| self.folder()).transpose()?;
-        let kept = folder.and_then(|folder| Kept::new(&folder, &sources, &self.options));
+        let kept = self.folder_of_records()?.and_then(|folder| Kept::new(&folder, &sources, &self.options));
+        self.made(sources, kept, |sources| analysis::generated(sources, &self.options))
+    }
+
+    /// What is kept of an earlier run, or what is generated now.
+    fn made(
+        &self,
+        sources: Sources,
+        kept: Option<Kept>,
+        generate: impl FnOnce(&Sources) -> Result<Generated, Error>,
+    ) -> Result<Made, String> {
         let generated = match kept.as_ref().and_then(Kept::read) {
             Some(generated) => generated,
-            None => analysis::generated(&sources, &self.options).map_err(|e| e.render_in(&sources))?,
+            None => generate(&sources).map_err(|e| e.render_in(&sources))?,
         };
         tell(&generated.warnings);
         Ok(Made { generated, sources, kept })
+    }
+
+    /// Beside code that is checked in nothing is kept.
+    fn folder_of_records(&self) -> Result<Option<PathBuf>, String> {
+        self.out_dir.is_none().then(|| self.folder()).transpose()
     }
 
     /// Nothing is written before everything has been generated.

@@ -73,7 +73,7 @@ catalogue! {
             roots: |e, _| Roots::of(Shape::Scalar, vec![e.lagrange.kinetic_energy]),
             doc: |about| format!("Kinetic energy `T`{}.", about.in_joules()),
             notes: |_| Vec::new(),
-            of_trait: Some(Trait::Mechanism),
+            of_trait: Some(Trait::Energies),
             claim: Claim::Energies,
         }
         /// V
@@ -83,7 +83,7 @@ catalogue! {
             roots: |e, _| Roots::of(Shape::Scalar, vec![e.lagrange.potential_energy]),
             doc: |about| format!("Potential energy `V`{}.", about.in_joules()),
             notes: |_| Vec::new(),
-            of_trait: Some(Trait::Mechanism),
+            of_trait: Some(Trait::Energies),
             claim: Claim::Energies,
         }
         /// `p = ∂L/∂q̇`
@@ -188,7 +188,7 @@ catalogue! {
                 ),
             },
             notes: |about| about.where_singular(),
-            of_trait: Some(Trait::Mechanism),
+            of_trait: Some(Trait::Dynamics),
             claim: Claim::ForwardDynamics,
         }
         /// `∂q̈/∂q`, `∂q̈/∂q̇`, `∂q̈/∂u`
@@ -203,7 +203,7 @@ catalogue! {
             },
             doc: |_| "Derivatives `∂q̈/∂q`, `∂q̈/∂q̇`, `∂q̈/∂u` of forward dynamics.".to_string(),
             notes: |about| about.where_singular(),
-            of_trait: Some(Trait::Mechanism),
+            of_trait: Some(Trait::Linearized),
             claim: Claim::Linearization,
         }
         /// `∂q̈/∂parameters`

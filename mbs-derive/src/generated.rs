@@ -17,11 +17,11 @@ pub struct Generated {
     pub dof: usize,
     /// Number of inputs.
     pub inputs: usize,
-    /// Whether the module implements `mbs_runtime::Mechanism`; not where motions are given at run time.
+    /// Whether the module implements `mbs_runtime::Mechanism`; not where only some functions were asked for.
     pub implements_mechanism: bool,
     /// The module's text.
     pub code: String,
-    /// The same in the other languages that were asked for: the name of a file, and its text.
+    /// The module in the other languages that were asked for: the name of a file, and its text.
     pub others: Vec<(String, String)>,
     /// Warnings, rendered with the source underlined; empty where there are none.
     pub warnings: String,

@@ -24,8 +24,9 @@
 //!
 //! # From a mechanism to a motion
 //!
-//! A generated module implements [`Mechanism`]; an [`Integrator`] carries its [`State`] through time. Generated or, as
-//! here, by hand, for a pendulum of length `l` that hangs down at `q = 0`, turned by a torque `u`:
+//! A generated module implements [`Mechanism`], that is [`Dynamics`], [`Energies`], [`Linearized`] and the rest of the
+//! equations; an [`Integrator`] carries its [`State`] through time. Generated or, as here, by hand, for a pendulum of
+//! length `l` that hangs down at `q = 0`, turned by a torque `u`:
 //!
 //! ```
 //! use core::ops::ControlFlow;
@@ -37,57 +38,31 @@
 //!     g: T,
 //! }
 //!
-//! impl<T: Scalar> Mechanism<1, 1> for Pendulum<T> {
+//! impl<T: Scalar> Dynamics<1, 1> for Pendulum<T> {
 //!     type Scalar = T;
+//!     type Time = T;
 //!     const NAME: &'static str = "Pendulum";
 //!     const COORDINATES: [&'static str; 1] = ["theta"];
 //!     const INPUTS: [&'static str; 1] = ["torque"];
 //!
-//!     fn kinetic_energy(&self, t: T, q: &[T; 1], qd: &[T; 1]) -> T {
-//!         T::from_f64(0.5) * qd[0] * self.momentum(t, q, qd)[0]
+//!     fn forward_dynamics(&self, _: T, q: &[T; 1], _: &[T; 1], u: &[T; 1]) -> [T; 1] {
+//!         [u[0] / (self.m * self.l * self.l) - self.g / self.l * q[0].sin()]
+//!     }
+//! }
+//!
+//! impl<T: Scalar> Energies<1, 1> for Pendulum<T> {
+//!     fn kinetic_energy(&self, _: T, _: &[T; 1], qd: &[T; 1]) -> T {
+//!         T::from_f64(0.5) * self.m * self.l * self.l * qd[0] * qd[0]
 //!     }
 //!     fn potential_energy(&self, _: T, q: &[T; 1]) -> T {
 //!         -self.m * self.g * self.l * q[0].cos()
 //!     }
-//!     fn momentum(&self, t: T, q: &[T; 1], qd: &[T; 1]) -> [T; 1] {
-//!         [self.mass_matrix(t, q)[0][0] * qd[0]]
-//!     }
-//!     fn mass_matrix(&self, _: T, _: &[T; 1]) -> [[T; 1]; 1] {
-//!         [[self.m * self.l * self.l]]
-//!     }
-//!     fn coriolis_matrix(&self, _: T, _: &[T; 1], _: &[T; 1]) -> [[T; 1]; 1] {
-//!         [[T::zero()]]
-//!     }
-//!     fn gravity(&self, _: T, q: &[T; 1]) -> [T; 1] {
-//!         [self.m * self.g * self.l * q[0].sin()]
-//!     }
-//!     fn bias(&self, t: T, q: &[T; 1], _: &[T; 1]) -> [T; 1] {
-//!         self.gravity(t, q)
-//!     }
-//!     fn dissipation_force(&self, _: T, _: &[T; 1], _: &[T; 1]) -> [T; 1] {
-//!         [T::zero()]
-//!     }
-//!     fn generalized_force(&self, _: T, _: &[T; 1], _: &[T; 1], u: &[T; 1]) -> [T; 1] {
-//!         *u
-//!     }
-//!     fn inverse_dynamics(&self, t: T, q: &[T; 1], qd: &[T; 1], qdd: &[T; 1]) -> [T; 1] {
-//!         [self.mass_matrix(t, q)[0][0] * qdd[0] + self.bias(t, q, qd)[0]]
-//!     }
-//!     fn forward_dynamics(&self, t: T, q: &[T; 1], qd: &[T; 1], u: &[T; 1]) -> [T; 1] {
-//!         ldlt_solve(self.mass_matrix(t, q), [u[0] - self.bias(t, q, qd)[0]])
-//!     }
-//!     fn linearize(&self, t: T, q: &[T; 1], _: &[T; 1], _: &[T; 1]) -> Linearization<T, 1, 1> {
-//!         let m = self.mass_matrix(t, q)[0][0];
-//!         Linearization { q: [[-self.g / self.l * q[0].cos()]], qd: [[T::zero()]], u: [[T::one() / m]] }
-//!     }
-//!     fn inverse_dynamics_jacobian(
-//!         &self,
-//!         _: T,
-//!         q: &[T; 1],
-//!         _: &[T; 1],
-//!         _: &[T; 1],
-//!     ) -> InverseDynamicsJacobian<T, 1> {
-//!         InverseDynamicsJacobian { q: [[self.m * self.g * self.l * q[0].cos()]], qd: [[T::zero()]] }
+//! }
+//!
+//! impl<T: Scalar> Linearized<1, 1> for Pendulum<T> {
+//!     fn linearize(&self, _: T, q: &[T; 1], _: &[T; 1], _: &[T; 1]) -> Linearization<T, 1, 1> {
+//!         let u = T::one() / (self.m * self.l * self.l);
+//!         Linearization { q: [[-self.g / self.l * q[0].cos()]], qd: [[T::zero()]], u: [[u]] }
 //!     }
 //! }
 //!
@@ -182,7 +157,10 @@ pub use integrator::verlet::StormerVerlet;
 pub use integrator::{Acceleration, Integrator, Observer, Outcome, Step, Summary};
 #[cfg(feature = "nalgebra")]
 pub use matrix::{to_matrix, to_rows, to_vector};
-pub use mechanism::{InverseDynamicsJacobian, Linearization, Mechanism, Pose, Wrench, accelerations};
+pub use mechanism::{
+    Dynamics, Energies, Instant, InverseDynamicsJacobian, Linearization, Linearized, Mechanism, Pose, Wrench,
+    accelerations, prescribed_accelerations,
+};
 pub use parameter::{ParameterCondition, ParameterError};
 pub use scalar::{Mask, Real, Scalar};
 pub use spline::Spline;

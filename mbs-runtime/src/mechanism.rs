@@ -2,26 +2,68 @@
 
 use crate::scalar::Scalar;
 
-/// A mechanism with `N` coordinates and `U` inputs:
+/// When equations are evaluated: the time, or the time with the motions that are prescribed at it.
 ///
-/// ```text
-/// M(q, t) q̈ + C(q, q̇, t) q̇ + G(q, t) + ∂D/∂q̇ = Q(q, q̇, u, t)
 /// ```
+/// use mbs_runtime::Instant;
+/// let prescribed = [[0.0, 2.0, 0.0]; 1]; // value, rate, rate of the rate
+/// assert_eq!((0.5_f64.time(), (0.5, prescribed).time()), (0.5, 0.5));
+/// assert_eq!(<(f64, [[f64; 3]; 1])>::at(0.5, |_| [0.0, 2.0, 0.0]), (0.5, prescribed));
+/// ```
+pub trait Instant<T>: Copy {
+    /// How many motions are prescribed, arrays flattened.
+    const SIGNALS: usize;
+
+    /// The time \[s\].
+    fn time(&self) -> T;
+
+    /// At this time, with what `signal` gives for each prescribed motion: its value, its first and its second
+    /// derivative by time.
+    fn at(t: T, signal: impl FnMut(usize) -> [T; 3]) -> Self;
+}
+
+impl<T: Scalar> Instant<T> for T {
+    const SIGNALS: usize = 0;
+
+    fn time(&self) -> T {
+        *self
+    }
+
+    fn at(t: T, _: impl FnMut(usize) -> [T; 3]) -> T {
+        t
+    }
+}
+
+impl<T: Scalar, const S: usize> Instant<T> for (T, [[T; 3]; S]) {
+    const SIGNALS: usize = S;
+
+    fn time(&self) -> T {
+        self.0
+    }
+
+    fn at(t: T, signal: impl FnMut(usize) -> [T; 3]) -> Self {
+        (t, core::array::from_fn(signal))
+    }
+}
+
+/// How `N` coordinates accelerate under `U` inputs: what a motion needs.
 ///
 /// | argument         | meaning                                | shape | unit                           |
 /// |------------------|----------------------------------------|-------|--------------------------------|
-/// | `t`              | time                                   |       | s                              |
+/// | `t`              | time, with what is prescribed at it    |       | s                              |
 /// | `q`, `qd`, `qdd` | coordinates, velocities, accelerations | `N`   | as declared, per s, per s²     |
 /// | `u`              | inputs                                 | `U`   | as declared                    |
 ///
-/// Forces are conjugate to the coordinates: N for a coordinate in m, N·m for one in rad. Matrices are arrays of rows,
-/// `m[row][column]`. Functions are algebra: they give infinity or NaN where the equations do (a singular mass matrix),
-/// and never panic.
+/// Functions, those of [`Energies`], [`Linearized`] and [`Mechanism`] too, are algebra: they give infinity or NaN where
+/// the equations do (a singular mass matrix), and never panic. A generated module implements what it has the functions
+/// of, all four unless only some functions were asked for.
 ///
 /// The [front page](crate) implements it by hand for a pendulum.
-pub trait Mechanism<const N: usize, const U: usize> {
+pub trait Dynamics<const N: usize, const U: usize> {
     /// The numbers it is evaluated in.
     type Scalar: Scalar;
+    /// What the equations depend on beside state and inputs: the time, `(time, signals)` where motions are prescribed.
+    type Time: Instant<Self::Scalar>;
 
     /// The mechanism's name as declared.
     const NAME: &'static str;
@@ -30,35 +72,68 @@ pub trait Mechanism<const N: usize, const U: usize> {
     /// The names of the inputs, flattened in the same way.
     const INPUTS: [&'static str; U];
 
+    /// Accelerations `q̈ = M⁻¹ (Q − C q̇ − G − ∂D/∂q̇)`.
+    fn forward_dynamics(
+        &self,
+        t: Self::Time,
+        q: &[Self::Scalar; N],
+        qd: &[Self::Scalar; N],
+        u: &[Self::Scalar; U],
+    ) -> [Self::Scalar; N];
+}
+
+/// The energies of a mechanism with `N` coordinates: what a motion is measured by.
+pub trait Energies<const N: usize, const U: usize>: Dynamics<N, U> {
     /// Kinetic energy `T` \[J\].
-    fn kinetic_energy(&self, t: Self::Scalar, q: &[Self::Scalar; N], qd: &[Self::Scalar; N]) -> Self::Scalar;
+    fn kinetic_energy(&self, t: Self::Time, q: &[Self::Scalar; N], qd: &[Self::Scalar; N]) -> Self::Scalar;
 
     /// Potential energy `V` \[J\].
-    fn potential_energy(&self, t: Self::Scalar, q: &[Self::Scalar; N]) -> Self::Scalar;
+    fn potential_energy(&self, t: Self::Time, q: &[Self::Scalar; N]) -> Self::Scalar;
+}
 
+/// The derivatives of the accelerations: what vibrations and regulators are made of.
+pub trait Linearized<const N: usize, const U: usize>: Dynamics<N, U> {
+    /// Derivatives of [`forward_dynamics`](Dynamics::forward_dynamics) at this state.
+    fn linearize(
+        &self,
+        t: Self::Time,
+        q: &[Self::Scalar; N],
+        qd: &[Self::Scalar; N],
+        u: &[Self::Scalar; U],
+    ) -> Linearization<Self::Scalar, N, U>;
+}
+
+/// A mechanism with `N` coordinates and `U` inputs, all of its equations:
+///
+/// ```text
+/// M(q, t) q̈ + C(q, q̇, t) q̇ + G(q, t) + ∂D/∂q̇ = Q(q, q̇, u, t)
+/// ```
+///
+/// Arguments are those of [`Dynamics`]. Forces are conjugate to the coordinates: N for a coordinate in m, N·m for one in
+/// rad. Matrices are arrays of rows, `m[row][column]`.
+pub trait Mechanism<const N: usize, const U: usize>: Energies<N, U> + Linearized<N, U> {
     /// Generalized momenta `p = ∂L/∂q̇` \[force · s\].
-    fn momentum(&self, t: Self::Scalar, q: &[Self::Scalar; N], qd: &[Self::Scalar; N]) -> [Self::Scalar; N];
+    fn momentum(&self, t: Self::Time, q: &[Self::Scalar; N], qd: &[Self::Scalar; N]) -> [Self::Scalar; N];
 
     /// Mass matrix `M = ∂²L/∂q̇²`, symmetric, both triangles filled \[force per acceleration\].
-    fn mass_matrix(&self, t: Self::Scalar, q: &[Self::Scalar; N]) -> [[Self::Scalar; N]; N];
+    fn mass_matrix(&self, t: Self::Time, q: &[Self::Scalar; N]) -> [[Self::Scalar; N]; N];
 
     /// Coriolis matrix `C` in Christoffel's form: `Ṁ + ∂M/∂t − 2C` is skew-symmetric \[force per velocity\].
-    fn coriolis_matrix(&self, t: Self::Scalar, q: &[Self::Scalar; N], qd: &[Self::Scalar; N])
-    -> [[Self::Scalar; N]; N];
+    fn coriolis_matrix(&self, t: Self::Time, q: &[Self::Scalar; N], qd: &[Self::Scalar; N]) -> [[Self::Scalar; N]; N];
 
     /// Gravity and other forces of position `G = −∂L₀/∂q + ∂a/∂t`, which is `∂V/∂q` in the plain case \[force\].
-    fn gravity(&self, t: Self::Scalar, q: &[Self::Scalar; N]) -> [Self::Scalar; N];
+    fn gravity(&self, t: Self::Time, q: &[Self::Scalar; N]) -> [Self::Scalar; N];
 
     /// Bias `h = C q̇ + G`, without forming `C` \[force\].
-    fn bias(&self, t: Self::Scalar, q: &[Self::Scalar; N], qd: &[Self::Scalar; N]) -> [Self::Scalar; N];
+    fn bias(&self, t: Self::Time, q: &[Self::Scalar; N], qd: &[Self::Scalar; N]) -> [Self::Scalar; N];
 
     /// `∂D/∂q̇`, the force that Rayleigh's dissipation function takes from the motion, on the side of `M q̈` \[force\].
-    fn dissipation_force(&self, t: Self::Scalar, q: &[Self::Scalar; N], qd: &[Self::Scalar; N]) -> [Self::Scalar; N];
+    fn dissipation_force(&self, t: Self::Time, q: &[Self::Scalar; N], qd: &[Self::Scalar; N]) -> [Self::Scalar; N];
 
     /// Generalized force `Q` of the inputs and of the declared forces \[force\].
     fn generalized_force(
         &self,
-        t: Self::Scalar,
+        t: Self::Time,
         q: &[Self::Scalar; N],
         qd: &[Self::Scalar; N],
         u: &[Self::Scalar; U],
@@ -68,34 +143,16 @@ pub trait Mechanism<const N: usize, const U: usize> {
     /// \[force\].
     fn inverse_dynamics(
         &self,
-        t: Self::Scalar,
+        t: Self::Time,
         q: &[Self::Scalar; N],
         qd: &[Self::Scalar; N],
         qdd: &[Self::Scalar; N],
     ) -> [Self::Scalar; N];
 
-    /// Accelerations `q̈ = M⁻¹ (Q − C q̇ − G − ∂D/∂q̇)`.
-    fn forward_dynamics(
-        &self,
-        t: Self::Scalar,
-        q: &[Self::Scalar; N],
-        qd: &[Self::Scalar; N],
-        u: &[Self::Scalar; U],
-    ) -> [Self::Scalar; N];
-
-    /// Derivatives of [`forward_dynamics`](Self::forward_dynamics) at this state.
-    fn linearize(
-        &self,
-        t: Self::Scalar,
-        q: &[Self::Scalar; N],
-        qd: &[Self::Scalar; N],
-        u: &[Self::Scalar; U],
-    ) -> Linearization<Self::Scalar, N, U>;
-
     /// Derivatives of [`inverse_dynamics`](Self::inverse_dynamics) at this state; the one by `q̈` is `M`.
     fn inverse_dynamics_jacobian(
         &self,
-        t: Self::Scalar,
+        t: Self::Time,
         q: &[Self::Scalar; N],
         qd: &[Self::Scalar; N],
         qdd: &[Self::Scalar; N],
@@ -106,16 +163,35 @@ pub trait Mechanism<const N: usize, const U: usize> {
 ///
 /// `control(t, q, q̇)` gives the inputs `u`; `|_, _, _| []` where there are none.
 #[allow(clippy::type_complexity)] // it is the signature of a closure, and cannot be named otherwise
-pub fn accelerations<M, const N: usize, const U: usize>(
+pub fn accelerations<T, M, const N: usize, const U: usize>(
     mechanism: &M,
-    mut control: impl FnMut(M::Scalar, &[M::Scalar; N], &[M::Scalar; N]) -> [M::Scalar; U],
-) -> impl FnMut(M::Scalar, &[M::Scalar; N], &[M::Scalar; N], &mut [M::Scalar; N])
+    control: impl FnMut(T, &[T; N], &[T; N]) -> [T; U],
+) -> impl FnMut(T, &[T; N], &[T; N], &mut [T; N])
 where
-    M: Mechanism<N, U>,
+    T: Scalar,
+    M: Dynamics<N, U, Scalar = T, Time = T>,
+{
+    prescribed_accelerations(mechanism, |t| t, control)
+}
+
+/// The accelerations of `mechanism` under `control` and the motions that `instant` prescribes, in the form that an
+/// [`Integrator`](crate::Integrator) takes.
+///
+/// `instant(t)` gives the time and, for each prescribed motion, its value and its first and second derivative by time:
+/// `|t| (t, [[0.1 * t.sin(), 0.1 * t.cos(), -0.1 * t.sin()]])`.
+#[allow(clippy::type_complexity)] // as above
+pub fn prescribed_accelerations<T, M, const N: usize, const U: usize>(
+    mechanism: &M,
+    mut instant: impl FnMut(T) -> M::Time,
+    mut control: impl FnMut(T, &[T; N], &[T; N]) -> [T; U],
+) -> impl FnMut(T, &[T; N], &[T; N], &mut [T; N])
+where
+    T: Scalar,
+    M: Dynamics<N, U, Scalar = T>,
 {
     move |t, q, qd, qdd| {
         let u = control(t, q, qd);
-        *qdd = mechanism.forward_dynamics(t, q, qd, &u);
+        *qdd = mechanism.forward_dynamics(instant(t), q, qd, &u);
     }
 }
 
@@ -164,14 +240,14 @@ impl<T: Scalar> Pose<T> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Wrench<T> {
-    /// \[N\]
+    /// The force \[N\].
     pub force: [T; 3],
-    /// \[N·m\]
+    /// The moment \[N·m\].
     pub moment: [T; 3],
 }
 
 impl<T: Scalar> Wrench<T> {
-    /// The same about the point `x` of the same axes: `moment − x × force`.
+    /// The wrench about the point `x` of the same axes: `moment − x × force`.
     #[must_use]
     pub fn about(&self, x: [T; 3]) -> Self {
         let (f, m) = (self.force, self.moment);

@@ -193,9 +193,9 @@ macro_rules! run {
     ($($module:ident $name:ident $n:literal $u:literal;)*) => {$(
         #[test]
         fn $module() {
-            use mbs_runtime::Mechanism;
+            use mbs_runtime::Dynamics;
             let mechanism = promise::$module::$name::<f64>::default();
-            let q = Mechanism::forward_dynamics(&mechanism, 0.0, &[0.3; $n], &[0.1; $n], &[0.2; $u]);
+            let q = Dynamics::forward_dynamics(&mechanism, 0.0, &[0.3; $n], &[0.1; $n], &[0.2; $u]);
             assert!(q.iter().all(|x| x.is_finite()));
         }
     )*};

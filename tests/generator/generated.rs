@@ -7,9 +7,9 @@
 use std::fs;
 use std::path::Path;
 
-use mbs_derive::expr::Graph;
-use mbs_derive::optimise::{Derivation, FunctionKind};
-use mbs_derive::{declared, derived, emit, generate};
+use mbs_derive::optimise::FunctionKind;
+use mbs_derive::{emit, generate};
+use mbs_tests::derivation;
 
 #[test]
 fn modules() {
@@ -73,11 +73,6 @@ fn the_readme_tells_the_operation_counts() {
     }
     let readme = include_str!("../../README.md");
     assert!(readme.contains(&table), "the README should say\n\n{table}");
-}
-
-fn derivation(source: &str) -> Derivation {
-    let graph = Graph::verbatim();
-    derived(&declared(source, &graph, &[]).expect("a mechanism of the repository").0)
 }
 
 fn snapshot(name: &str, text: &str) {

@@ -1,14 +1,13 @@
 //! What every mechanism satisfies at random states, straight arms and exact zeros among them, in the compiled code; and
 //! that the compiled code is what the interpreter runs.
 
-use mbs_derive::expr::Graph;
 use mbs_derive::interpret::{self, Interpreter};
-use mbs_derive::optimise::{Derivation, FunctionKind};
-use mbs_derive::{declared, derived};
-use mbs_runtime::{Dual, Mechanism};
+use mbs_derive::optimise::FunctionKind;
+use mbs_runtime::{Dual, Dynamics, Energies, Instant, Linearized, Mechanism, Scalar};
 use mbs_tests::compare::error;
 use mbs_tests::mechanisms as written;
 use mbs_tests::random::{Random, State, states};
+use mbs_tests::{derivation, source};
 
 macro_rules! check {
     ($source:ident, $($module:ident $name:ident $n:literal $u:literal;)*) => {$(
@@ -18,17 +17,17 @@ macro_rules! check {
 
             #[test]
             fn equations_fit_together() {
-                identities::<$n, $u>(stringify!($module), &$name::default());
+                identities(stringify!($module), &$name::default());
             }
 
             #[test]
             fn derivatives_are_those_of_dual_numbers() {
-                derivatives::<$n, $u>(stringify!($module), &$name::default(), &$name::default());
+                derivatives(stringify!($module), &$name::default(), &$name::default());
             }
 
             #[test]
             fn compiled_code_is_what_the_interpreter_runs() {
-                compiled_is_interpreted::<$n, $u>(stringify!($module), &$name::default());
+                compiled_is_interpreted(stringify!($module), &$name::default());
             }
         }
     )*};
@@ -41,7 +40,53 @@ macro_rules! check_written {
 }
 mbs_models::for_each_mechanism!(check_models);
 mbs_tests::for_each_mechanism!(check_written);
-check!(mbs_models, marine_platform MarinePlatform 4 10;);
+check!(mbs_models, marine_platform MarinePlatform 4 10; assistive_arm AssistiveArm 4 7;);
+
+/// Those of which only the functions of motions are generated.
+macro_rules! check_motions {
+    ($($module:ident $name:ident)*) => {$(
+        #[test]
+        fn $module() {
+            use mbs_models::$module::$name;
+            motions(&$name::default(), &$name::default());
+        }
+    )*};
+}
+check_motions!(irb7600_elastic Irb7600Elastic stewart_platform_elastic StewartPlatformElastic);
+
+/// `T(q̇) = T(−q̇) ≥ 0`, which nothing moves that is declared in these, and the derivatives of the accelerations.
+fn motions<const N: usize, const U: usize>(
+    mechanism: &(impl Energies<N, U, Scalar = f64> + Linearized<N, U, Scalar = f64>),
+    dual: &impl Dynamics<N, U, Scalar = Dual<f64>>,
+) {
+    let mut random = Random::new(17);
+    for State { q, qd, .. } in states(4, 6) {
+        let [forth, back] = [qd, qd.map(|rate| -rate)].map(|qd| mechanism.kinetic_energy(instant(T), &q, &qd));
+        assert!(forth >= 0.0);
+        close("T(q̇) = T(−q̇)", &[forth], &[back], &[]);
+        slopes(mechanism, dual, &q, &qd, &random.array::<U>(-5.0..5.0));
+    }
+}
+
+/// The time at which mechanisms are looked at.
+const T: f64 = 0.7;
+
+/// A motion that is prescribed: its value, its rate, and the rate's rate.
+fn signal<S: Scalar>(t: S, number: usize) -> [S; 3] {
+    let [offset, amplitude, rate] = [2.0 + number as f64, 0.4, 1.3 + 0.2 * number as f64].map(S::from_f64);
+    let (sin, cos) = (rate * t).sin_cos();
+    [offset + amplitude * sin, amplitude * rate * cos, -amplitude * rate * rate * sin]
+}
+
+/// A time, with the motions that are prescribed at it.
+fn instant<S: Scalar, I: Instant<S>>(t: S) -> I {
+    I::at(t, |number| signal(t, number))
+}
+
+/// All of them.
+fn signals(count: usize) -> Vec<[f64; 3]> {
+    (0..count).map(|number| signal(T, number)).collect()
+}
 
 /// States at which the potential is finite, which of those of a mechanism are nearly all: bodies that attract each
 /// other do not meet.
@@ -51,19 +96,19 @@ fn regular_states<const N: usize, const U: usize>(
     count: usize,
 ) -> Vec<State<N>> {
     let mut states = states(seed, count);
-    states.retain(|state| mechanism.potential_energy(0.7, &state.q).is_finite());
+    states.retain(|state| mechanism.potential_energy(instant(T), &state.q).is_finite());
     assert!(2 * states.len() > count, "{}", states.len());
     states
 }
 
 /// `M` symmetric and positive semidefinite, `p − p(0) = M q̇`, `T(q̇) + T(−q̇) − 2 T(0) = q̇ᵀ M q̇`, `C q̇ + G = h`,
 /// `M q̈ + h + ∂D/∂q̇ = τ`, and at the accelerations of forward dynamics `τ = Q + Aᵀλ` and `A q̈ + γ = 0`.
-fn identities<const N: usize, const U: usize>(module: &str, mechanism: &impl Mechanism<N, U, Scalar = f64>) {
-    let derivation = derivation_of(module);
-    let constraints = Constraints(Interpreter::new(&derivation));
+fn identities<M: Mechanism<N, U, Scalar = f64>, const N: usize, const U: usize>(module: &str, mechanism: &M) {
+    let derivation = derivation(source(module));
+    let constraints = Constraints(Interpreter::new(&derivation), signals(M::Time::SIGNALS));
     let mut random = Random::new(7);
     for State { q, qd, qdd } in regular_states(mechanism, 1, 60) {
-        let (t, u) = (0.7, random.array::<U>(-5.0..5.0));
+        let (t, u) = (instant(T), random.array::<U>(-5.0..5.0));
         let m = mechanism.mass_matrix(t, &q);
         for i in 0..N {
             for j in 0..i {
@@ -89,7 +134,7 @@ fn identities<const N: usize, const U: usize>(module: &str, mechanism: &impl Mec
         let m_qdd = times(&m, &qdd);
         close("M q̈ + h + ∂D/∂q̇ = τ", &sum(&sum(&m_qdd, &h), &d), &tau, &[&m_qdd, &h]);
 
-        let at = constraints.at(t, &q, &qd, &u);
+        let at = constraints.at(&q, &qd, &u);
         let accelerations = mechanism.forward_dynamics(t, &q, &qd, &u);
         if accelerations.iter().all(|a| a.is_finite()) && well_conditioned(&m) && at.independent() {
             let (force, reaction) = (mechanism.generalized_force(t, &q, &qd, &u), at.force());
@@ -105,51 +150,74 @@ fn identities<const N: usize, const U: usize>(module: &str, mechanism: &impl Mec
 }
 
 /// `linearize` and `inverse_dynamics_jacobian` against the same generated code run on dual numbers.
-fn derivatives<const N: usize, const U: usize>(
+fn derivatives<M: Mechanism<N, U, Scalar = f64>, const N: usize, const U: usize>(
     module: &str,
-    mechanism: &impl Mechanism<N, U, Scalar = f64>,
+    mechanism: &M,
     dual: &impl Mechanism<N, U, Scalar = Dual<f64>>,
 ) {
-    let derivation = derivation_of(module);
-    let constraints = Constraints(Interpreter::new(&derivation));
+    let derivation = derivation(source(module));
+    let constraints = Constraints(Interpreter::new(&derivation), signals(M::Time::SIGNALS));
     let mut random = Random::new(11);
     for State { q, qd, qdd } in regular_states(mechanism, 2, 12) {
-        let (t, u) = (0.7, random.array::<U>(-5.0..5.0));
+        let (t, u) = (instant(T), random.array::<U>(-5.0..5.0));
         let fixed = |x: f64| Dual::constant(x);
-        let at = constraints.at(t, &q, &qd, &u);
+        let at = constraints.at(&q, &qd, &u);
         skewness_and_balance(mechanism, dual, &State { q, qd, qdd }, &u, &at);
         let jacobian = mechanism.inverse_dynamics_jacobian(t, &q, &qd, &qdd);
-        let linearization = mechanism.linearize(t, &q, &qd, &u);
-        // Terms as large as q̈ add up to its derivatives: ∂q̈/∂x holds M⁻¹ ∂M/∂x q̈.
-        let accelerations = mechanism.forward_dynamics(t, &q, &qd, &u);
-        let regular = well_conditioned(&mechanism.mass_matrix(t, &q)) && at.independent();
         for j in 0..N {
-            for (of_tau, of_qdd, in_velocity) in
-                [(&jacobian.q, &linearization.q, false), (&jacobian.qd, &linearization.qd, true)]
-            {
-                let (mut dq, mut dqd) = (q.map(fixed), qd.map(fixed));
-                if in_velocity {
-                    dqd[j].derivative = 1.0
-                } else {
-                    dq[j].derivative = 1.0
-                }
-                let tau = dual.inverse_dynamics(fixed(t), &dq, &dqd, &qdd.map(fixed)).map(|x| x.derivative);
+            for (of_tau, in_velocity) in [(&jacobian.q, false), (&jacobian.qd, true)] {
+                let (dq, dqd) = varied(&q, &qd, j, in_velocity);
+                let tau = dual.inverse_dynamics(instant(fixed(T)), &dq, &dqd, &qdd.map(fixed)).map(|x| x.derivative);
                 close("∂τ/∂x", &of_tau.map(|row| row[j]), &tau, &[&of_tau.concat()]);
-                if regular {
-                    let qdd = dual.forward_dynamics(fixed(t), &dq, &dqd, &u.map(fixed)).map(|x| x.derivative);
-                    close("∂q̈/∂x", &of_qdd.map(|row| row[j]), &qdd, &[&of_qdd.concat(), &accelerations]);
-                }
             }
         }
-        for j in 0..U {
-            let mut du = u.map(fixed);
-            du[j].derivative = 1.0;
-            let qdd = dual.forward_dynamics(fixed(t), &q.map(fixed), &qd.map(fixed), &du).map(|x| x.derivative);
-            if regular {
-                close("∂q̈/∂u", &linearization.u.map(|row| row[j]), &qdd, &[&linearization.u.concat()]);
-            }
+        if well_conditioned(&mechanism.mass_matrix(t, &q)) && at.independent() {
+            slopes(mechanism, dual, &q, &qd, &u);
         }
     }
+}
+
+/// `linearize` against forward dynamics on dual numbers.
+fn slopes<const N: usize, const U: usize>(
+    mechanism: &impl Linearized<N, U, Scalar = f64>,
+    dual: &impl Dynamics<N, U, Scalar = Dual<f64>>,
+    q: &[f64; N],
+    qd: &[f64; N],
+    u: &[f64; U],
+) {
+    let linearization = mechanism.linearize(instant(T), q, qd, u);
+    // Terms as large as q̈ add up to its derivatives: ∂q̈/∂x holds M⁻¹ ∂M/∂x q̈.
+    let accelerations = mechanism.forward_dynamics(instant(T), q, qd, u);
+    let now = instant(Dual::constant(T));
+    for j in 0..N {
+        for (of_qdd, in_velocity) in [(&linearization.q, false), (&linearization.qd, true)] {
+            let (dq, dqd) = varied(q, qd, j, in_velocity);
+            let qdd = dual.forward_dynamics(now, &dq, &dqd, &u.map(Dual::constant)).map(|x| x.derivative);
+            close("∂q̈/∂x", &of_qdd.map(|row| row[j]), &qdd, &[&of_qdd.concat(), &accelerations]);
+        }
+    }
+    for j in 0..U {
+        let mut du = u.map(Dual::constant);
+        du[j].derivative = 1.0;
+        let qdd = dual.forward_dynamics(now, &q.map(Dual::constant), &qd.map(Dual::constant), &du);
+        close("∂q̈/∂u", &linearization.u.map(|row| row[j]), &qdd.map(|x| x.derivative), &[&linearization.u.concat()]);
+    }
+}
+
+/// A state in which one coordinate, or one velocity, varies.
+fn varied<const N: usize>(
+    q: &[f64; N],
+    qd: &[f64; N],
+    number: usize,
+    in_velocity: bool,
+) -> ([Dual<f64>; N], [Dual<f64>; N]) {
+    let [mut dq, mut dqd] = [q, qd].map(|x| x.map(Dual::constant));
+    if in_velocity {
+        dqd[number].derivative = 1.0
+    } else {
+        dq[number].derivative = 1.0
+    }
+    (dq, dqd)
 }
 
 /// `Ṁ + ∂M/∂t − 2 C` skew-symmetric and `d/dt (T₂ − T₀ + V) = q̇·(Q − ∂D/∂q̇ + Aᵀλ) − ∂L/∂t`. Terms of L beside T and V
@@ -161,8 +229,8 @@ fn skewness_and_balance<const N: usize, const U: usize>(
     u: &[f64; U],
     constraints: &Rows<N>,
 ) {
-    let t = 0.7;
-    let now = Dual::variable(t);
+    let t = instant(T);
+    let now = instant(Dual::variable(T));
     let along = |x: &[f64; N], rate: &[f64; N]| -> [Dual<f64>; N] {
         std::array::from_fn(|i| Dual { value: x[i], derivative: rate[i] })
     };
@@ -192,8 +260,8 @@ fn skewness_and_balance<const N: usize, const U: usize>(
     }
 }
 
-/// The functions of the constraints, which the trait has not.
-struct Constraints<'d>(Interpreter<'d>);
+/// The functions of the constraints, which the trait has not, and the motions that are prescribed.
+struct Constraints<'d>(Interpreter<'d>, Vec<[f64; 3]>);
 
 /// Constraints at one state.
 struct Rows<const N: usize> {
@@ -206,9 +274,9 @@ struct Rows<const N: usize> {
 }
 
 impl Constraints<'_> {
-    fn at<const N: usize>(&self, t: f64, q: &[f64; N], qd: &[f64; N], u: &[f64]) -> Rows<N> {
+    fn at<const N: usize>(&self, q: &[f64; N], qd: &[f64; N], u: &[f64]) -> Rows<N> {
         let [q, qd, u] = [q.as_slice(), qd, u].map(<[f64]>::to_vec);
-        let state = interpret::State { t, q, qd, qdd: vec![0.0; N], u, prescribed: Vec::new() };
+        let state = interpret::State { t: T, q, qd, qdd: vec![0.0; N], u, prescribed: self.1.clone() };
         let call = |kind| self.0.rows(kind, &state);
         let rows =
             call(FunctionKind::ConstraintJacobian).chunks(N).map(|row| std::array::from_fn(|i| row[i])).collect();
@@ -231,22 +299,22 @@ impl<const N: usize> Rows<N> {
 }
 
 /// Bit for bit; to 1e-12 where the target has a fused multiply–add.
-fn compiled_is_interpreted<const N: usize, const U: usize>(
+fn compiled_is_interpreted<M: Mechanism<N, U, Scalar = f64>, const N: usize, const U: usize>(
     module: &str,
-    mechanism: &impl Mechanism<N, U, Scalar = f64>,
+    mechanism: &M,
 ) {
-    let derivation = derivation_of(module);
+    let derivation = derivation(source(module));
     let interpreter = Interpreter::new(&derivation);
     let mut random = Random::new(13);
     for State { q, qd, qdd } in states::<N>(3, 30) {
-        let (t, u) = (0.7, random.array::<U>(-5.0..5.0));
+        let (t, u) = (instant(T), random.array::<U>(-5.0..5.0));
         let state = interpret::State {
-            t,
+            t: T,
             q: q.to_vec(),
             qd: qd.to_vec(),
             qdd: qdd.to_vec(),
             u: u.to_vec(),
-            prescribed: Vec::new(),
+            prescribed: signals(M::Time::SIGNALS),
         };
         let same = |kind: FunctionKind, compiled: &[f64]| {
             let (name, interpreted) =
@@ -278,15 +346,6 @@ fn compiled_is_interpreted<const N: usize, const U: usize>(
         let jacobian = mechanism.inverse_dynamics_jacobian(t, &q, &qd, &qdd);
         same(FunctionKind::InverseDynamicsJacobian, &[jacobian.q.concat(), jacobian.qd.concat()].concat());
     }
-}
-
-fn derivation_of(module: &str) -> Derivation {
-    let apart = [("marine_platform", mbs_models::MARINE_PLATFORM)];
-    let mut sources = mbs_models::SOURCES.iter().chain(mbs_tests::mechanisms::SOURCES).chain(&apart);
-    let (_, source) = sources.find(|(name, _)| *name == module).expect("a file of this name");
-    let graph = Graph::verbatim();
-    let (lagrangian, _) = declared(source, &graph, &[]).expect("a mechanism of the repository");
-    derived(&lagrangian)
 }
 
 /// To 1e-10 of the largest of the terms that are added up: rounding errors of some thousand operations, and of the

@@ -1,9 +1,7 @@
 //! Generated code costs no more than the formulas of a mechanics text typed by hand: both are counted.
 
-use mbs_derive::expr::Graph;
 use mbs_derive::interpret::{Interpreter, State as Arguments};
-use mbs_derive::optimise::{Derivation, FunctionKind};
-use mbs_derive::{declared, derived};
+use mbs_derive::optimise::FunctionKind;
 use mbs_runtime::{Mechanism, Scalar};
 use mbs_tests::by_hand::ByHand;
 use mbs_tests::by_hand::cart_pole::CartPole;
@@ -14,6 +12,7 @@ use mbs_tests::by_hand::spherical_pendulum::SphericalPendulum;
 use mbs_tests::compare::assert_close;
 use mbs_tests::counting::{Counted, Counts, counted};
 use mbs_tests::random::{State, states};
+use mbs_tests::{derivation, source};
 
 const FUNCTIONS: [FunctionKind; 6] = [
     FunctionKind::MassMatrix,
@@ -23,16 +22,6 @@ const FUNCTIONS: [FunctionKind; 6] = [
     FunctionKind::InverseDynamics,
     FunctionKind::ForwardDynamics,
 ];
-
-fn derivation(source: &str) -> Derivation {
-    let graph = Graph::verbatim();
-    let (lagrangian, _) = declared(source, &graph, &[]).unwrap_or_else(|e| panic!("{}", e.render("", source)));
-    derived(&lagrangian)
-}
-
-fn source(module: &str) -> &'static str {
-    mbs_models::SOURCES.iter().find(|(name, _)| *name == module).expect("a mechanism of the repository").1
-}
 
 /// The results of a function by hand and what it cost.
 fn by_hand<const N: usize, const U: usize>(
@@ -119,7 +108,10 @@ fn furuta_pendulum_costs_no_more_than_by_hand() {
 /// What the programs are said to cost is what running the generated code costs.
 #[test]
 fn the_counts_of_the_programs_are_those_of_the_code() {
-    fn check<const N: usize, const U: usize>(module: &str, generated: impl Mechanism<N, U, Scalar = Counted>) {
+    fn check<const N: usize, const U: usize>(
+        module: &str,
+        generated: impl Mechanism<N, U, Scalar = Counted, Time = Counted>,
+    ) {
         let derivation = derivation(source(module));
         let State { q, qd, qdd } = states::<N>(11, 1)[0];
         let ([q, qd, qdd], t, u) = ([q, qd, qdd].map(|x| x.map(Counted)), Counted::zero(), [Counted(0.7); U]);

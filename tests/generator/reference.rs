@@ -16,7 +16,7 @@ const TOLERANCE: f64 = 1e-11;
 
 /// M, C, G, T, V, h, ∂D/∂q̇ and inverse dynamics, at states of every posture.
 fn check<const N: usize, const U: usize>(
-    generated: &impl Mechanism<N, U, Scalar = f64>,
+    generated: &impl Mechanism<N, U, Scalar = f64, Time = f64>,
     reference: &impl EquationsOfMotion<N>,
 ) {
     let t = 0.0;
@@ -85,7 +85,7 @@ fn the_arms_are_the_textbook_ones() {
 }
 
 /// Newton–Euler, composite bodies and articulated bodies, to 1e-9 of the largest entry.
-fn check_arm(generated: &impl Mechanism<6, 6, Scalar = f64>, arm: &SerialArm<6>) {
+fn check_arm(generated: &impl Mechanism<6, 6, Scalar = f64, Time = f64>, arm: &SerialArm<6>) {
     let t = 0.0;
     for State { q, qd, qdd } in states::<6>(9, 120) {
         let torques = arm.newton_euler(&q, &qd, &qdd);

@@ -7,7 +7,6 @@
 mod watched;
 
 use mbs_derive::declared;
-use mbs_derive::derived;
 use mbs_derive::expr::{self, Graph, Rounded, Symbol, Tape, Value};
 use mbs_derive::interpret::{self, Interpreter};
 use mbs_derive::model::OutputValue;
@@ -18,7 +17,7 @@ use mbs_tests::compare::assert_close;
 use mbs_tests::mechanisms::branches::Branches;
 use mbs_tests::mechanisms::long_branches::LongBranches;
 use mbs_tests::mechanisms::switched_spring::{Params, SwitchedSpring};
-use mbs_tests::named;
+use mbs_tests::{derivation, named, source};
 use watched::{Tally, Watched};
 
 /// `q`, `q̇`, `q̈` and `u`.
@@ -90,17 +89,6 @@ fn arguments<S>((q, qd, qdd, u): &Arguments<f64>, from: impl Fn(f64) -> S) -> Ar
 fn state<V: Value>((q, qd, qdd, u): &Arguments<V>) -> interpret::State<V> {
     let [q, qd, qdd] = [q, qd, qdd].map(|values| values.to_vec());
     interpret::State { t: V::constant(0.0), q, qd, qdd, u: u.to_vec(), prescribed: Vec::new() }
-}
-
-fn source() -> &'static str {
-    let mut sources = mbs_tests::mechanisms::SOURCES.iter();
-    sources.find(|(name, _)| *name == "branches").map(|(_, source)| *source).expect("a file of that name")
-}
-
-fn derivation() -> Derivation {
-    let graph = Graph::verbatim();
-    let (lagrangian, _) = declared(source(), &graph, &[]).expect("a mechanism");
-    derived(&lagrangian)
 }
 
 fn interpreter<V: Value>(derivation: &Derivation) -> Interpreter<'_, V> {
@@ -183,7 +171,7 @@ fn values_and_derivatives_are_those_of_the_side_taken() {
 
 #[test]
 fn what_is_executed_is_defined_and_needed() {
-    let derivation = derivation();
+    let derivation = derivation(source("branches"));
     let interpreter = interpreter::<Watched>(&derivation);
     let mut taken: Vec<Tally> = Vec::new();
     for arguments_ in states() {
@@ -318,10 +306,10 @@ fn comparisons(x: f64, y: f64) -> Vec<f64> {
 
 #[test]
 fn comparisons_are_those_of_ieee_754() {
-    let derivation = derivation();
+    let derivation = derivation(source("branches"));
     let (doubles, duals) = (interpreter::<f64>(&derivation), interpreter::<expr::Dual<Rounded>>(&derivation));
     let graph = Graph::verbatim();
-    let (lagrangian, _) = declared(source(), &graph, &[]).expect("a mechanism");
+    let (lagrangian, _) = declared(source("branches"), &graph, &[]).expect("a mechanism");
     let declared = lagrangian.outputs.iter().find(|output| output.name == "comparisons").map(|output| &output.value);
     let Some(OutputValue::Array(declared)) = declared else { panic!("an array is declared") };
     let bits = |values: &[f64]| values.iter().map(|v| if v.is_nan() { 1 } else { v.to_bits() }).collect::<Vec<_>>();

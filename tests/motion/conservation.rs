@@ -16,7 +16,7 @@ use mbs_tests::reference;
 
 /// The state after `t_end` without inputs; `observe` sees it at every accepted step.
 fn run<const N: usize, const U: usize>(
-    mechanism: &impl Mechanism<N, U, Scalar = f64>,
+    mechanism: &impl Mechanism<N, U, Scalar = f64, Time = f64>,
     start: State<[f64; N]>,
     t_end: f64,
     mut observe: impl FnMut(&State<[f64; N]>),
@@ -33,7 +33,7 @@ fn run<const N: usize, const U: usize>(
 
 /// Largest change of `T + V` over the largest T, at the accepted steps of a run.
 fn energy_drift<const N: usize, const U: usize>(
-    mechanism: &impl Mechanism<N, U, Scalar = f64>,
+    mechanism: &impl Mechanism<N, U, Scalar = f64, Time = f64>,
     start: State<[f64; N]>,
     t_end: f64,
 ) -> f64 {

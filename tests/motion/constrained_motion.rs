@@ -43,7 +43,7 @@ struct Drift {
 
 /// Runs with projection, without inputs; `floor` is the least V that there can be.
 fn run<const N: usize, const U: usize>(
-    mechanism: &(impl Mechanism<N, U, Scalar = f64> + Constraints<f64>),
+    mechanism: &(impl Mechanism<N, U, Scalar = f64, Time = f64> + Constraints<f64>),
     method: Dop853,
     [start, end]: [f64; 2],
     state: &mut State<[f64; N]>,

@@ -43,7 +43,7 @@ struct Constraints<const N: usize> {
 
 /// As the trait has it, at a time and inputs.
 fn found<const N: usize, const U: usize>(
-    mechanism: &impl Mechanism<N, U, Scalar = f64>,
+    mechanism: &impl Mechanism<N, U, Scalar = f64, Time = f64>,
     t: f64,
     (q, qd): (&[f64; N], &[f64; N]),
     u: &[f64; U],

@@ -10,10 +10,10 @@ use mbs_derive::{declared, derived};
 use mbs_runtime::Wrench;
 use mbs_tests::compare::assert_close;
 use mbs_tests::mechanisms as written;
-use mbs_tests::named;
 use mbs_tests::random::{Random, State, positive, states};
 use mbs_tests::reference::arms::arm6;
 use mbs_tests::reference::four_bar::FourBar;
+use mbs_tests::{named, source};
 use nalgebra::{Rotation3, Vector3};
 
 const TOLERANCE: f64 = 1e-9;
@@ -24,11 +24,6 @@ fn derivation(source: &str) -> Derivation {
     let derivation = derived(&lagrangian);
     Proof::of(&lagrangian, &derivation).unwrap_or_else(|e| panic!("{source}\n{e}"));
     derivation
-}
-
-fn source(module: &str) -> &'static str {
-    let mut all = mbs_models::SOURCES.iter().chain(mbs_tests::mechanisms::SOURCES);
-    all.find(|(name, _)| *name == module).expect("a mechanism of the repository").1
 }
 
 /// Force and moment in the axes that the rotation is from.
@@ -90,8 +85,8 @@ fn reactions_cost_nothing_but_themselves() {
 #[test]
 fn budget_of_the_arm() {
     let arm = derivation(source("arm_with_reactions"));
-    let [joints, torques] =
-        ["joint", "inverse_dynamics"].map(|name| arm.named(name).expect("it is generated").operations.flops());
+    let joints = arm.named("joint").expect("it is declared").operations.flops();
+    let torques = arm.function(FunctionKind::InverseDynamics).expect("it is generated").operations.flops();
     assert!(joints <= 650 && 10 * joints < 14 * torques, "{joints} and {torques}");
 }
 

@@ -12,7 +12,7 @@
 use std::ops::ControlFlow;
 
 use mbs_runtime::{
-    Constraints, Dop853, Integrator, Linearization, Mechanism, Projected, Projector, ReducedLinearization, Reduction,
+    Constraints, Dop853, Energies, Integrator, Linearization, Projected, Projector, ReducedLinearization, Reduction,
     ReductionError, State, accelerations, to_matrix,
 };
 use mbs_tests::compare::assert_close;
@@ -242,7 +242,7 @@ fn it_rights_itself() {
     let mut projector = Projector::new(vec![0.0; Projector::<f64, Vec<f64>>::size(8, 5)]);
     projector.project(&bicycle, 0.0, &mut state).expect("near upright");
     let energy = |s: &State<[f64; 8]>| {
-        Mechanism::kinetic_energy(&bicycle, 0.0, &s.q, &s.qd) + Mechanism::potential_energy(&bicycle, 0.0, &s.q)
+        Energies::kinetic_energy(&bicycle, 0.0, &s.q, &s.qd) + Energies::potential_energy(&bicycle, 0.0, &s.q)
     };
     let (initial, lean) = (energy(&state), state.qd[ROLL]);
     let mut drift = 0.0_f64;

@@ -25,8 +25,33 @@ pub mod referee;
 pub mod reference;
 pub mod robustness;
 
-use mbs_derive::expr::Value;
+use mbs_derive::expr::{Graph, Value};
 use mbs_derive::interpret::{Interpreter, State};
+use mbs_derive::optimise::Derivation;
+use mbs_derive::{declared, derived};
+
+/// The text of a mechanism of the repository, by its module.
+///
+/// # Panics
+/// If there is none.
+pub fn source(module: &str) -> &'static str {
+    let apart = [
+        ("marine_platform", mbs_models::MARINE_PLATFORM),
+        ("assistive_arm", include_str!("../../models/mechanisms/elastic/assistive_arm.mbs")),
+    ];
+    let mut all = mbs_models::SOURCES.iter().chain(mechanisms::SOURCES).chain(&apart);
+    all.find(|(name, _)| *name == module).unwrap_or_else(|| panic!("no mechanism {module}")).1
+}
+
+/// The programs of a mechanism, not proved.
+///
+/// # Panics
+/// With the report if the text is none.
+pub fn derivation(source: &str) -> Derivation {
+    let graph = Graph::verbatim();
+    let (lagrangian, _) = declared(source, &graph, &[]).unwrap_or_else(|e| panic!("{}", e.render("case.mbs", source)));
+    derived(&lagrangian)
+}
 
 /// The results of a function that the text of a mechanism has named: an output's or a reaction's.
 pub fn named<V: Value>(interpreter: &Interpreter<'_, V>, name: &str, state: &State<V>) -> Option<Vec<V>> {

@@ -22,7 +22,7 @@
 //! `docs/json.md` says what it all means.
 
 use mbs_derive::expr::{Spline, Symbol};
-use mbs_derive::optimise::{Argument, Completion, Derivation, Function, Instruction, Program, Shape};
+use mbs_derive::optimise::{Completion, Derivation, Function, Instruction, Program, Shape};
 use mbs_derive::variable::Variable;
 use serde_json::{Map, Value, json};
 
@@ -63,7 +63,7 @@ fn parameter(variable: &Variable) -> Value {
 }
 
 fn of_function(derivation: &Derivation, function: &Function) -> Value {
-    let arguments: Vec<&str> = function.arguments.iter().map(|&a| argument(a)).collect();
+    let arguments: Vec<&str> = function.arguments.iter().map(|a| a.name()).collect();
     let returns: Vec<Value> =
         function.results.iter().map(|part| json!({ "name": part.name, "shape": shape(part.shape) })).collect();
     let completion = match function.completion {
@@ -104,16 +104,6 @@ pub(super) fn spline_numbers(derivation: &Derivation, program: &Program) -> Vec<
     let all = derivation.splines();
     let number = |spline: &Spline| all.iter().position(|known| *known == spline).expect("one of all splines");
     program.splines.iter().map(number).collect()
-}
-
-fn argument(argument: Argument) -> &'static str {
-    match argument {
-        Argument::Q => "q",
-        Argument::Qd => "qd",
-        Argument::Qdd => "qdd",
-        Argument::U => "u",
-        Argument::Multipliers => "multipliers",
-    }
 }
 
 fn shape(shape: Shape) -> Value {

@@ -13,6 +13,7 @@ use std::path::{Path, PathBuf};
 use super::digest::Digest;
 use crate::emit::Options;
 use crate::generated::Generated;
+use crate::parse::syntax::Declaration;
 use crate::source::Sources;
 
 /// Where the record of a mechanism is, and of what request.
@@ -26,11 +27,27 @@ impl Kept {
     /// In `OUT_DIR`, under the name of the mechanism's file and a digest of its path. `None` where the program cannot
     /// tell itself from another version.
     pub(super) fn new(folder: &Path, sources: &Sources, options: &Options) -> Option<Self> {
+        Self::of(folder, "", &format!("{options:?}"), sources)
+    }
+
+    /// The record of a mechanism that calls have written, in place of a text and beside others of the same script.
+    pub(super) fn written(
+        folder: &Path,
+        declaration: &Declaration,
+        sources: &Sources,
+        options: &Options,
+    ) -> Option<Self> {
+        Self::of(folder, &declaration.name.text, &format!("{options:?}\n{declaration:?}"), sources)
+    }
+
+    fn of(folder: &Path, name: &str, request: &str, sources: &Sources) -> Option<Self> {
         Digest::of_this_program()?;
         let path = &sources.main().name;
         let stem = Path::new(path).file_stem().unwrap_or_default().display();
-        let file = format!("{stem}.{}", Digest::of([path.as_bytes()]));
-        Some(Kept { folder: folder.into(), file, request: Digest::of_request(&format!("{options:?}"), sources) })
+        let parts = [path.as_bytes(), name.as_bytes()];
+        // A file's digest is that of its path alone.
+        let file = format!("{stem}.{}", Digest::of(parts.into_iter().take(1 + usize::from(!name.is_empty()))));
+        Some(Kept { folder: folder.into(), file, request: Digest::of_request(request, sources) })
     }
 
     /// What was made, if the request is the same and both files are whole.
@@ -78,6 +95,25 @@ fn sum_of(content: &str, code: &str, others: &[(String, String)]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn mechanisms_of_calls_are_kept_one_by_one() {
+        let mechanism = |name: &str, unit: &str| {
+            let mut mechanism = crate::builder::Mechanism::new(name, "");
+            mechanism.coord("x", unit);
+            mechanism
+        };
+        let kept = |mechanism: crate::builder::Mechanism| {
+            let (declaration, sources) = (mechanism.declaration().unwrap(), mechanism.sources());
+            Kept::written(Path::new("out"), &declaration, &sources, &Options::default()).unwrap()
+        };
+        let [one, other, longer] =
+            [("One", "m"), ("Other", "m"), ("One", "rad")].map(|(name, unit)| kept(mechanism(name, unit)));
+        assert_ne!(one.file, other.file);
+        assert_eq!(one.file, longer.file);
+        assert_ne!(one.request.to_string(), longer.request.to_string());
+        assert_eq!(one.request.to_string(), kept(mechanism("One", "m")).request.to_string());
+    }
 
     #[test]
     fn only_what_is_whole_and_of_the_same_request_is_taken() {

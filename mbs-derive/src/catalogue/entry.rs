@@ -38,6 +38,19 @@ pub enum Argument {
     Multipliers,
 }
 
+impl Argument {
+    /// What it is called in generated code and in reports.
+    pub fn name(self) -> &'static str {
+        match self {
+            Argument::Q => "q",
+            Argument::Qd => "qd",
+            Argument::Qdd => "qdd",
+            Argument::U => "u",
+            Argument::Multipliers => "multipliers",
+        }
+    }
+}
+
 /// What is still to be done with a program's values.
 ///
 /// A solution is one step, whatever it takes: its meaning is the solution of its system. Right sides come part by part,
@@ -53,7 +66,7 @@ pub enum Completion {
     /// They are the lower triangle of M, the rows of A, and then right sides f and c; the results are q̈ of `M q̈ − Aᵀ
     /// λ = f`, `A q̈ = c`, found by the runtime's `constrained_solve`.
     SolveConstrained,
-    /// Likewise, but the results are λ.
+    /// The system of `SolveConstrained`, of which λ are the results.
     SolveMultipliers,
 }
 
@@ -72,8 +85,38 @@ impl Completion {
 /// A trait of the runtime.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Trait {
+    /// `Dynamics`
+    Dynamics,
+    /// `Energies`
+    Energies,
+    /// `Linearized`
+    Linearized,
     /// `Mechanism`
     Mechanism,
+}
+
+impl Trait {
+    /// Each after those that it rests on.
+    pub(crate) const ALL: [Trait; 4] = [Trait::Dynamics, Trait::Energies, Trait::Linearized, Trait::Mechanism];
+
+    /// Its name in the runtime.
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Trait::Dynamics => "Dynamics",
+            Trait::Energies => "Energies",
+            Trait::Linearized => "Linearized",
+            Trait::Mechanism => "Mechanism",
+        }
+    }
+
+    /// The traits that it extends.
+    pub(crate) fn rests_on(self) -> &'static [Trait] {
+        match self {
+            Trait::Dynamics => &[],
+            Trait::Energies | Trait::Linearized => &[Trait::Dynamics],
+            Trait::Mechanism => &[Trait::Dynamics, Trait::Energies, Trait::Linearized],
+        }
+    }
 }
 
 /// What is proved at a state, in this order: a claim rests on those before it.

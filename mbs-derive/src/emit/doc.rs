@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use proc_macro2::TokenStream;
 use quote::quote;
 
-use crate::catalogue::{About, Argument, FunctionKind};
+use crate::catalogue::{About, FunctionKind};
 use crate::expr::Symbol;
 use crate::model::requirement::{Condition, Requirement};
 use crate::optimise::{Derivation, Function, Operations};
@@ -245,17 +245,6 @@ fn operations(count: Operations) -> String {
     let named = kinds.into_iter().filter(|(n, _)| *n > 0);
     let parts: Vec<String> = named.map(|(n, name)| format!("{n} {name}{}", if n == 1 { "" } else { "s" })).collect();
     if parts.is_empty() { "Operations: none.".to_string() } else { format!("Operations: {}.", parts.join(", ")) }
-}
-
-/// The name of an argument.
-pub(super) fn argument(argument: Argument) -> &'static str {
-    match argument {
-        Argument::Q => "q",
-        Argument::Qd => "qd",
-        Argument::Qdd => "qdd",
-        Argument::U => "u",
-        Argument::Multipliers => "multipliers",
-    }
 }
 
 #[cfg(test)]

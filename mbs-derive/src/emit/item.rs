@@ -13,7 +13,7 @@ use super::expression::literal;
 use super::name::{Names, Scope, ident, identifier, table};
 use super::shape::{components, shape_type, shaped};
 use super::text::Text;
-use super::{Options, doc, module_name, parameter, segment};
+use super::{Options, doc, module_name, parameter, segment, traits};
 
 /// The whole module.
 pub(super) fn module(derivation: &Derivation, options: &Options) -> TokenStream {
@@ -27,7 +27,7 @@ pub(super) fn module(derivation: &Derivation, options: &Options) -> TokenStream 
     let tables = emitter.tables();
     let mechanism = emitter.mechanism();
     let methods = emitter.methods();
-    let implementation = emitter.implementation();
+    let implementation = emitter.implementations();
     let constraints = emitter.constraints();
     let constants = emitter.constants();
     quote! {
@@ -103,7 +103,12 @@ impl<'d> Emitter<'d> {
     fn mechanism(&self) -> TokenStream {
         let name = ident(&self.names.mechanism);
         let functions: Vec<&Function> = self.functions.iter().map(|(_, f)| *f).collect();
-        let docs = doc::attributes(&doc::mechanism(self.derivation, &functions));
+        let mut docs = doc::mechanism(self.derivation, &functions);
+        let traits = traits::names(self.derivation, &self.functions);
+        if !traits.is_empty() {
+            docs.extend([String::new(), format!("Implements `{}` of mbs-runtime.", traits.join("`, `"))]);
+        }
+        let docs = doc::attributes(&docs);
         let hoisted = self.hoisted().into_iter().map(|k| ident(&self.names.hoisted[k]));
         quote! {
             #docs
@@ -227,9 +232,8 @@ impl<'d> Emitter<'d> {
     /// Names and types of a function's arguments.
     pub(super) fn arguments(&self, function: &Function) -> Vec<(proc_macro2::Ident, TokenStream)> {
         let time = self.derivation.depends_on_time.then(|| (ident("t"), quote!(T)));
-        let signals: usize = self.derivation.prescribed.iter().map(Variable::count).sum();
-        let signals_length = Literal::usize_unsuffixed(signals);
-        let prescribed = (signals > 0).then(|| (ident("prescribed"), quote!(&[[T; 3]; #signals_length])));
+        let signals_length = Literal::usize_unsuffixed(self.signals());
+        let prescribed = (self.signals() > 0).then(|| (ident("prescribed"), quote!(&[[T; 3]; #signals_length])));
         let state = function.arguments.iter().filter_map(|&argument| {
             let n = match argument {
                 Argument::Q | Argument::Qd | Argument::Qdd => self.derivation.dof(),
@@ -237,9 +241,14 @@ impl<'d> Emitter<'d> {
                 Argument::Multipliers => self.derivation.constraints.len(),
             };
             let length = Literal::usize_unsuffixed(n);
-            (argument != Argument::U || n > 0).then(|| (ident(doc::argument(argument)), quote!(&[T; #length])))
+            (argument != Argument::U || n > 0).then(|| (ident(argument.name()), quote!(&[T; #length])))
         });
         time.into_iter().chain(prescribed).chain(state).collect()
+    }
+
+    /// How many motions are prescribed, arrays flattened.
+    pub(super) fn signals(&self) -> usize {
+        self.derivation.prescribed.iter().map(Variable::count).sum()
     }
 
     pub(super) fn inputs(&self) -> usize {

@@ -21,13 +21,12 @@ pub(super) fn leave_out_bodies(items: &mut [syn::Item]) {
     }
 }
 
-/// Leaves out the functions of mbs-runtime's traits.
-pub(super) fn leave_out_forwarders(items: &mut [syn::Item]) {
+/// Leaves out the implementations of mbs-runtime's traits: the documentation of the mechanism names these.
+pub(super) fn leave_out_forwarders(items: &mut Vec<syn::Item>) {
+    items.retain(|item| !matches!(item, syn::Item::Impl(block) if is_of_the_runtime(block)));
     for item in items {
-        match item {
-            syn::Item::Mod(syn::ItemMod { content: Some((_, items)), .. }) => leave_out_forwarders(items),
-            syn::Item::Impl(block) if is_of_the_runtime(block) => block.items.clear(),
-            _ => {}
+        if let syn::Item::Mod(syn::ItemMod { content: Some((_, items)), .. }) = item {
+            leave_out_forwarders(items);
         }
     }
 }

@@ -276,7 +276,7 @@ impl<'d> Walk<'d> {
                 Argument::U => variable::count(&self.derivation.inputs),
                 Argument::Multipliers => self.derivation.constraints.len(),
             };
-            (count > 0).then_some((doc::argument(argument), Some(count)))
+            (count > 0).then_some((argument.name(), Some(count)))
         });
         time.into_iter().chain(prescribed).chain(state).collect()
     }

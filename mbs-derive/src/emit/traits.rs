@@ -7,60 +7,111 @@ use crate::catalogue::{Argument, FunctionKind, Trait};
 use crate::optimise::{Derivation, Function};
 use crate::variable::component_names;
 
+use super::Options;
 use super::item::{Emitter, selected};
 use super::name::ident;
-use super::{Options, doc};
 
 /// Whether the module implements the trait `Mechanism`, and with it all that this rests on.
 pub(super) fn implements_mechanism(derivation: &Derivation, options: &Options) -> bool {
-    of_trait(derivation, &selected(derivation, options.functions.as_deref())).is_some()
+    implemented(&selected(derivation, options.functions.as_deref())).iter().any(|(of, _)| *of == Trait::Mechanism)
 }
 
-/// The functions of the trait, where all of them are generated and none takes more than the trait gives.
-fn of_trait<'f, 'd>(
+/// The traits of the runtime all of whose functions are generated, each with these and after those that it rests on.
+fn implemented<'f, 'd>(functions: &'f [(usize, &'d Function)]) -> Vec<(Trait, Vec<&'f (usize, &'d Function)>)> {
+    let find = |kind: FunctionKind| functions.iter().find(|(_, f)| f.kind == kind);
+    let mut implemented: Vec<(Trait, Vec<_>)> = Vec::new();
+    for of in Trait::ALL {
+        let is_there = |other: &Trait| implemented.iter().any(|(of, _)| of == other);
+        let found = FunctionKind::of_trait(of).map(find).collect::<Option<Vec<_>>>();
+        if let Some(found) = found.filter(|_| of.rests_on().iter().all(is_there)) {
+            implemented.push((of, found));
+        }
+    }
+    implemented
+}
+
+/// The names of the traits of the runtime that the module implements.
+pub(super) fn names(derivation: &Derivation, functions: &[(usize, &Function)]) -> Vec<&'static str> {
+    let by_use = implemented(functions).into_iter().map(|(of, _)| of.name());
+    by_use.chain(constrained(derivation, functions).map(|_| "Constraints")).collect()
+}
+
+/// The functions that `Constraints` is made of, where motions are not prescribed, of which it does not know.
+fn constrained<'f, 'd>(
     derivation: &Derivation,
     functions: &'f [(usize, &'d Function)],
-) -> Option<Vec<&'f (usize, &'d Function)>> {
-    let find = |kind: FunctionKind| functions.iter().find(|(_, f)| f.kind == kind);
-    let found = || FunctionKind::of_trait(Trait::Mechanism).map(find).collect::<Option<Vec<_>>>();
-    derivation.prescribed.is_empty().then(found).flatten()
+) -> Option<[&'f (usize, &'d Function); 4]> {
+    let find = |kind| functions.iter().find(|(_, function)| function.kind == kind);
+    let found = [
+        find(FunctionKind::MassMatrix)?,
+        find(FunctionKind::Constraint)?,
+        find(FunctionKind::ConstraintRate)?,
+        find(FunctionKind::ConstraintJacobian)?,
+    ];
+    derivation.prescribed.is_empty().then_some(found)
 }
 
 impl Emitter<'_> {
-    /// The trait, where it can be implemented.
-    pub(super) fn implementation(&self) -> TokenStream {
-        let Some(functions) = of_trait(self.derivation, &self.functions) else { return TokenStream::new() };
-        let (n, u) = (self.derivation.dof(), self.inputs());
-        let name = ident(&self.names.mechanism);
+    /// The traits by use that can be implemented.
+    pub(super) fn implementations(&self) -> TokenStream {
+        let traits = implemented(&self.functions);
+        let traits = traits.iter().map(|(of, functions)| self.implementation(*of, functions));
+        quote!(#(#traits)*)
+    }
+
+    fn implementation(&self, of: Trait, functions: &[&(usize, &Function)]) -> TokenStream {
+        let (name, of_runtime) = (ident(&self.names.mechanism), ident(of.name()));
+        let [n, u] = [self.derivation.dof(), self.inputs()].map(Literal::usize_unsuffixed);
+        let items = (of == Trait::Dynamics).then(|| self.declared());
+        let functions = functions.iter().map(|function| self.forwarded(function));
+        quote! {
+            impl<T: ::mbs_runtime::Scalar> ::mbs_runtime::#of_runtime<#n, #u> for #name<T> {
+                #items
+                #(#functions)*
+            }
+        }
+    }
+
+    /// The types and names of `Dynamics`.
+    fn declared(&self) -> TokenStream {
         let declared = &self.derivation.name;
         let coordinates = component_names(&self.derivation.coordinates);
         let inputs = component_names(&self.derivation.inputs);
-        let [n_literal, u_literal] = [n, u].map(Literal::usize_unsuffixed);
-        let forwards = functions.into_iter().map(|(number, function)| {
-            let trait_function = ident(function.kind.name());
-            let inherent = ident(&self.names.functions[*number]);
-            let arguments = function.arguments.iter().map(|&argument| {
-                let length = if argument == Argument::U { &u_literal } else { &n_literal };
-                let name = ident(doc::argument(argument));
-                quote!(#name: &[T; #length])
-            });
-            let passed = self.arguments(function).into_iter().map(|(name, _)| name);
-            let result = self.result_type(function);
-            quote! {
-                fn #trait_function(&self, t: T, #(#arguments),*) -> #result {
-                    self.#inherent(#(#passed),*)
-                }
+        let [n, u] = [self.derivation.dof(), self.inputs()].map(Literal::usize_unsuffixed);
+        let time = match self.signals() {
+            0 => quote!(T),
+            signals => {
+                let signals = Literal::usize_unsuffixed(signals);
+                quote!((T, [[T; 3]; #signals]))
             }
-        });
+        };
         quote! {
-            impl<T: ::mbs_runtime::Scalar> ::mbs_runtime::Mechanism<#n_literal, #u_literal> for #name<T> {
-                type Scalar = T;
+            type Scalar = T;
+            type Time = #time;
 
-                const NAME: &'static str = #declared;
-                const COORDINATES: [&'static str; #n_literal] = [#(#coordinates),*];
-                const INPUTS: [&'static str; #u_literal] = [#(#inputs),*];
+            const NAME: &'static str = #declared;
+            const COORDINATES: [&'static str; #n] = [#(#coordinates),*];
+            const INPUTS: [&'static str; #u] = [#(#inputs),*];
+        }
+    }
 
-                #(#forwards)*
+    /// The function of a trait, which calls the mechanism's own.
+    fn forwarded(&self, (number, function): &(usize, &Function)) -> TokenStream {
+        let (trait_function, inherent) = (ident(function.kind.name()), ident(&self.names.functions[*number]));
+        let arguments = function.arguments.iter().map(|&argument| {
+            let length = if argument == Argument::U { self.inputs() } else { self.derivation.dof() };
+            let (name, length) = (ident(argument.name()), Literal::usize_unsuffixed(length));
+            quote!(#name: &[T; #length])
+        });
+        let time = if self.signals() > 0 { quote!((t, prescribed)) } else { quote!(t) };
+        let passed = self.arguments(function).into_iter().map(|(name, _)| match name == "prescribed" {
+            true => quote!(&#name),
+            false => quote!(#name),
+        });
+        let result = self.result_type(function);
+        quote! {
+            fn #trait_function(&self, #time: Self::Time, #(#arguments),*) -> #result {
+                self.#inherent(#(#passed),*)
             }
         }
     }
@@ -68,18 +119,7 @@ impl Emitter<'_> {
     /// What the runtime's `Projector` asks for, where it can be implemented.
     pub(super) fn constraints(&self) -> TokenStream {
         let derivation = self.derivation;
-        let find = |kind| self.functions.iter().find(|(_, function)| function.kind == kind);
-        let found = [
-            FunctionKind::MassMatrix,
-            FunctionKind::Constraint,
-            FunctionKind::ConstraintRate,
-            FunctionKind::ConstraintJacobian,
-        ]
-        .map(find);
-        let [Some(mass_matrix), Some(position), Some(rate), Some(jacobian)] = found else { return TokenStream::new() };
-        if !derivation.prescribed.is_empty() {
-            return TokenStream::new();
-        }
+        let Some(found) = constrained(derivation, &self.functions) else { return TokenStream::new() };
         let [n, rows] = [derivation.dof(), derivation.constraints.len()].map(Literal::usize_unsuffixed);
         let name = ident(&self.names.mechanism);
         let holonomic = &derivation.holonomic;
@@ -88,7 +128,7 @@ impl Emitter<'_> {
             let passed = self.arguments(function).into_iter().map(|(name, _)| name);
             quote!(self.#inherent(#(#passed),*))
         };
-        let [mass_matrix, position, rate, jacobian] = [mass_matrix, position, rate, jacobian].map(call);
+        let [mass_matrix, position, rate, jacobian] = found.map(call);
         let sized = |slice: &str| {
             let (slice, expected) = (ident(slice), format!("{} coordinates", derivation.dof()));
             quote!(let #slice = #slice.first_chunk::<#n>().expect(#expected);)

@@ -71,7 +71,7 @@ impl<const N: usize> Sliding<N> {
     /// `M(q) q̈_r + C(q, q̇) q̇_r + G(q) + ∂D/∂q̇` \[N, N·m\] of a mechanism; with `q̇_r = q̇` and `q̈_r = q̈` its
     /// inverse dynamics.
     #[must_use]
-    pub fn forces_of<M: Mechanism<N, U, Scalar = f64>, const U: usize>(
+    pub fn forces_of<M: Mechanism<N, U, Scalar = f64, Time = f64>, const U: usize>(
         &self,
         mechanism: &M,
         t: f64,

@@ -434,13 +434,13 @@ mod tests {
 
     /// Each node of a long sum is looked at once, not once for each sum that it is part of.
     #[test]
-    fn long_displacements_take_time_in_proportion() {
+    fn long_displacements_take_work_in_proportion() {
         let graph = Graph::new();
         let l = graph.symbol(Symbol::Parameter(0));
         let sum = (1..20_000).fold(graph.symbol(Symbol::Coordinate(0)), |sum, i| sum + i * l);
-        let start = std::time::Instant::now();
+        let before = graph.len();
         assert!(linkage(&[(0, Edge::revolute(0, sum))]).is_linear());
         assert_eq!(Affine::of(sum).variable, graph.symbol(Symbol::Coordinate(0)));
-        assert!(start.elapsed().as_secs() < 5, "{:?}", start.elapsed());
+        assert!(graph.len() <= 2 * before, "{} nodes of {before}", graph.len());
     }
 }

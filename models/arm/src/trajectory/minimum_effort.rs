@@ -136,7 +136,7 @@ const WARM_BARRIER: f64 = 1e-5;
 /// - [`TrajectoryError::InvalidLimit`], [`TrajectoryError::Invalid`] and [`TrajectoryError::NonFinite`] for what is
 ///   given.
 pub fn minimum_effort<const N: usize, const U: usize>(
-    mechanism: &impl Mechanism<N, U, Scalar = Dual<f64>>,
+    mechanism: &impl Mechanism<N, U, Scalar = Dual<f64>, Time = Dual<f64>>,
     transfer: &Transfer<N, U>,
     intervals: usize,
     guess: Option<&MinimumEffort<N, U>>,
@@ -258,7 +258,7 @@ impl<const N: usize, const U: usize> Transfer<N, U> {
 impl<const N: usize, const U: usize> MinimumEffort<N, U> {
     fn new<M>(problem: &Transcription<'_, M, N, U>, iterate: Iterate, residual: Residual, iterations: usize) -> Self
     where
-        M: Mechanism<N, U, Scalar = Dual<f64>>,
+        M: Mechanism<N, U, Scalar = Dual<f64>, Time = Dual<f64>>,
     {
         let (duration, z) = (problem.duration, &iterate.z);
         let points = (0..=problem.layout.last()).map(|j| {

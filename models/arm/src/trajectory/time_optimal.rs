@@ -63,7 +63,7 @@ const ROUNDS: usize = 12;
 ///   [`TrajectoryError::VelocityForce`] for what is given.
 pub fn retime<const N: usize, const U: usize, P: JointPath<N>>(
     path: P,
-    mechanism: &impl Mechanism<N, U, Scalar = f64>,
+    mechanism: &impl Mechanism<N, U, Scalar = f64, Time = f64>,
     limits: &MotorLimits<N>,
     intervals: usize,
 ) -> Result<TimeOptimal<N, P>, TrajectoryError> {
@@ -202,7 +202,7 @@ struct Load<const N: usize> {
 impl<const N: usize> Load<N> {
     fn new<const U: usize>(
         path: &impl JointPath<N>,
-        mechanism: &impl Mechanism<N, U, Scalar = f64>,
+        mechanism: &impl Mechanism<N, U, Scalar = f64, Time = f64>,
         s: f64,
     ) -> Result<Self, TrajectoryError> {
         let PathPoint { q, tangent, curvature } = path.point(s)?;

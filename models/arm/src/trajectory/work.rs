@@ -18,7 +18,7 @@ pub struct Integral {
 /// # Errors
 /// [`TrajectoryError::NotConverged`] where a torque is infinite or NaN.
 pub fn energy<const N: usize, const U: usize>(
-    mechanism: &impl Mechanism<N, U, Scalar = f64>,
+    mechanism: &impl Mechanism<N, U, Scalar = f64, Time = f64>,
     motion: &impl Motion<N>,
 ) -> Result<Integral, TrajectoryError> {
     integrate(motion, |_, state, torque| dot(|i| (torque[i] * state.qd[i]).abs(), N), mechanism)
@@ -29,7 +29,7 @@ pub fn energy<const N: usize, const U: usize>(
 /// # Errors
 /// As [`energy`].
 pub fn net_work<const N: usize, const U: usize>(
-    mechanism: &impl Mechanism<N, U, Scalar = f64>,
+    mechanism: &impl Mechanism<N, U, Scalar = f64, Time = f64>,
     motion: &impl Motion<N>,
 ) -> Result<Integral, TrajectoryError> {
     integrate(motion, |_, state, torque| dot(|i| torque[i] * state.qd[i], N), mechanism)
@@ -40,7 +40,7 @@ pub fn net_work<const N: usize, const U: usize>(
 /// # Errors
 /// As [`energy`].
 pub fn effort<const N: usize, const U: usize>(
-    mechanism: &impl Mechanism<N, U, Scalar = f64>,
+    mechanism: &impl Mechanism<N, U, Scalar = f64, Time = f64>,
     motion: &impl Motion<N>,
 ) -> Result<Integral, TrajectoryError> {
     integrate(motion, |_, _, torque| dot(|i| torque[i] * torque[i], N), mechanism)
@@ -61,7 +61,7 @@ const DEPTH: usize = 48;
 fn integrate<const N: usize, const U: usize>(
     motion: &impl Motion<N>,
     integrand: impl Fn(f64, &JointState<N>, &[f64; N]) -> f64,
-    mechanism: &impl Mechanism<N, U, Scalar = f64>,
+    mechanism: &impl Mechanism<N, U, Scalar = f64, Time = f64>,
 ) -> Result<Integral, TrajectoryError> {
     let duration = motion.duration();
     let at = |t: f64| {

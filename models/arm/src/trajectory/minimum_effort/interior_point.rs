@@ -72,7 +72,7 @@ pub(super) fn solve<M, const N: usize, const U: usize>(
     barrier: f64,
 ) -> Result<(Iterate, Residual, usize), (Residual, usize)>
 where
-    M: Mechanism<N, U, Scalar = Dual<f64>>,
+    M: Mechanism<N, U, Scalar = Dual<f64>, Time = Dual<f64>>,
 {
     let mut search = Search { problem, bounds, penalty: 0.0, shift: 0.0 };
     let (mut at, mut barrier) = (start, barrier);
@@ -104,7 +104,7 @@ struct Local<const N: usize, const U: usize> {
 impl<const N: usize, const U: usize> Local<N, U> {
     fn new<M>(problem: &Transcription<'_, M, N, U>, at: &Iterate) -> Self
     where
-        M: Mechanism<N, U, Scalar = Dual<f64>>,
+        M: Mechanism<N, U, Scalar = Dual<f64>, Time = Dual<f64>>,
     {
         let layout = problem.layout;
         let mut gradient = std::vec![0.0; at.z.len()];
@@ -137,7 +137,7 @@ struct Search<'a, M, const N: usize, const U: usize> {
 
 impl<M, const N: usize, const U: usize> Search<'_, M, N, U>
 where
-    M: Mechanism<N, U, Scalar = Dual<f64>>,
+    M: Mechanism<N, U, Scalar = Dual<f64>, Time = Dual<f64>>,
 {
     fn is_free(&self, i: usize) -> bool {
         self.problem.layout.is_variable(i) && self.bounds.lower[i] < self.bounds.upper[i]

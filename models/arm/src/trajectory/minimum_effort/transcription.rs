@@ -71,7 +71,7 @@ type State<const N: usize, const U: usize> = (Dual<f64>, [Dual<f64>; N], [Dual<f
 
 impl<M, const N: usize, const U: usize> Transcription<'_, M, N, U>
 where
-    M: Mechanism<N, U, Scalar = Dual<f64>>,
+    M: Mechanism<N, U, Scalar = Dual<f64>, Time = Dual<f64>>,
 {
     /// `dw/ds = T² q̈` at a point.
     pub(super) fn accelerations(&self, z: &[f64], j: usize) -> [f64; N] {
