@@ -41,6 +41,18 @@ use term::{Kind, Node, Term};
 pub use term::{Pose, Scalar, Value, Vector, angular_velocity, particle, quantity, rigid_body, time};
 
 /// A mechanism that is being written, statement by statement.
+///
+/// ```
+/// use mbs_derive::builder::Mechanism;
+/// let mut trolley = Mechanism::new("Trolley", "A mass on a rail, pushed.");
+/// let m = trolley.param("m", "kg", 2.0);
+/// let x = trolley.coord("x", "m");
+/// let push = trolley.input("push", "N");
+/// trolley.kinetic(m * x.dt().pow(2.0) / 2.0);
+/// trolley.force(&x, push);
+/// let module = trolley.generate(&Default::default()).unwrap();
+/// assert_eq!((module.dof, module.inputs), (1, 1));
+/// ```
 #[derive(Debug)]
 pub struct Mechanism {
     name: String,

@@ -50,6 +50,14 @@ pub const STATES: usize = 20;
 pub(crate) const TOLERANCE: f64 = 1e-9;
 
 /// What was proved.
+///
+/// ```
+/// use mbs_derive::{Analysis, expr::Graph, source::Sources};
+/// let text = "mechanism Spring { param k: N/m = 4; coord x: m; kinetic += 1 kg*dt(x)^2/2; potential += k*x^2/2; }";
+/// let graph = Graph::verbatim();
+/// let proof = Analysis::of(&Sources::new("spring.mbs", text), &graph).unwrap().prove().unwrap();
+/// assert!(proof.states >= mbs_derive::verify::STATES && proof.singular == 0);
+/// ```
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Proof {
     /// At how many states, those with exact zeros included.

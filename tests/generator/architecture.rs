@@ -320,6 +320,25 @@ fn doc_comments_stand_alone() {
     }
 }
 
+/// Who doubts a reference value makes it again.
+#[test]
+fn a_script_stands_beside_every_reference() {
+    let folder = Path::new(ROOT).join("tests/data");
+    // The arm on which operation counts are quoted is given, not computed. What stands in `experiment.json` is of a
+    // program that flew the guided landing by itself: a second program of that size is what it is compared with.
+    let given = ["arm6", "experiment"];
+    let entries = std::fs::read_dir(&folder).expect("tests/data").map(|entry| entry.expect("an entry").path());
+    let references: Vec<PathBuf> = entries.filter(|path| path.extension().is_some_and(|end| end == "json")).collect();
+    assert!(references.len() > 7, "{references:?}");
+    for reference in references {
+        let name = reference.file_stem().expect("a name").to_string_lossy().into_owned();
+        let script = reference.with_extension("py");
+        assert_eq!(script.exists(), !given.contains(&name.as_str()), "{name}");
+        let makes = |text: &str| text.starts_with(&format!("\"\"\"Makes {name}.json: "));
+        assert!(!script.exists() || makes(&read(&script)), "{} says what it makes", script.display());
+    }
+}
+
 /// A stranger finds what CONTRIBUTING.md sends them to.
 #[test]
 fn the_files_that_contributing_names_exist() {

@@ -65,9 +65,8 @@ fn kinematics_has_the_thesis_values() {
         ("singular_values", &jacobian["singular_values"], 1e-12),
         ("mass_matrix", &dynamics["M_kg_m2"], 1e-12),
         ("gravity", &dynamics["gravity_vector_N_m"], 1e-12),
-        // The reference differs from Newton–Euler by 2e-9.
-        ("coriolis", &dynamics["coriolis_vector_N_m"], 1e-9),
-        ("torque", &dynamics["tau_rnea_N_m"], 1e-12),
+        ("coriolis", &dynamics["coriolis_vector_N_m"], 1e-12),
+        ("torque", &dynamics["tau_N_m"], 1e-12),
     ] {
         assert_close(&found[key], expected, tolerance);
     }

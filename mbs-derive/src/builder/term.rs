@@ -441,6 +441,15 @@ pub fn time() -> Scalar {
 }
 
 /// `0.3 kg`: a number with its unit, in place.
+///
+/// ```
+/// use mbs_derive::builder::{Mechanism, quantity};
+/// let mut spring = Mechanism::new("Spring", "A mass of half a kilogram on a spring.");
+/// let x = spring.coord("x", "m");
+/// spring.kinetic(quantity(0.25, "kg") * x.dt().pow(2.0));
+/// spring.potential(quantity(2.0, "N/m") * x.pow(2.0));
+/// assert!(spring.generate(&Default::default()).is_ok());
+/// ```
 pub fn quantity(number: f64, unit: &str) -> Scalar {
     Scalar(Term::leaf(Kind::Quantity(number, unit.to_string())))
 }
@@ -452,6 +461,16 @@ pub fn angular_velocity(pose: &Pose) -> Vector {
 }
 
 /// `particle(mass, position)`: ½ m v², a kinetic energy.
+///
+/// ```
+/// use mbs_derive::builder::{Mechanism, Vector, particle};
+/// let mut thrown = Mechanism::new("Thrown", "A stone in a plane.");
+/// let [m, g] = [("m", "kg", 0.3), ("g", "m/s^2", 9.81)].map(|(name, unit, value)| thrown.param(name, unit, value));
+/// let [x, z] = ["x", "z"].map(|name| thrown.coord(name, "m"));
+/// thrown.kinetic(particle(&m, Vector::new(&x, 0.0, &z)));
+/// thrown.potential(m * g * z);
+/// assert_eq!(thrown.generate(&Default::default()).unwrap().dof, 2);
+/// ```
 #[track_caller]
 pub fn particle(mass: impl Into<Scalar>, position: impl Into<Vector>) -> Scalar {
     Scalar(Term::call(Kind::Call("particle"), vec![mass.into().0, position.into().0]))

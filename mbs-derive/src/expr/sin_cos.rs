@@ -1,6 +1,15 @@
 //! Sine and cosine as `mbs_runtime::Scalar::sin_cos_all` computes them, to the bit.
 
 /// Which sines and cosines are computed. On one target and with one choice the bits never vary.
+///
+/// ```
+/// use mbs_derive::emit::{Options, Trigonometry};
+/// let text = "mechanism Swing { param j: kg*m^2 = 1; param w: J = 2; coord q: rad; kinetic += j*dt(q)^2/2; \
+///             potential -= w*cos(q); }";
+/// let code = |options: Options| mbs_derive::generate("swing.mbs", text, &options).unwrap().code;
+/// assert!(code(Options::default()).contains("sin_cos_all"));
+/// assert!(!code(Options::default().trigonometry(Trigonometry::Library)).contains("sin_cos_all"));
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Trigonometry {
     /// Those of `mbs_runtime::Scalar::sin_cos_all`: all angles of a function that are known together in one call, by

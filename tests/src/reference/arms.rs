@@ -1,7 +1,7 @@
 //! Two serial arms, and the values that a third party computed for one of them.
 //!
 //! `tests/data/arm6.json` is the arm on which operation counts are quoted: general inertias, nothing vanishes.
-//! `tests/data/serial.json` is cut from the thesis' reference values: pose, Jacobian and dynamics of the IRB 7600 at
+//! `tests/data/serial.json` has pose, Jacobian and dynamics of the IRB 7600 at
 //! the thesis' table 1, by a separate program.
 
 use super::rigid_body::{Link, SerialArm};
@@ -65,13 +65,13 @@ pub struct ThesisValues {
     pub jacobian: [[f64; 6]; 6],
     /// `M`, in kg·m².
     pub mass_matrix: [[f64; 6]; 6],
-    /// `C`, by finite differences of `M`: good to some 3e-9.
+    /// `C`, in kg·m²/s.
     pub coriolis_matrix: [[f64; 6]; 6],
-    /// `C q̇`, in N·m, from the same `C`.
+    /// `C q̇`, in N·m.
     pub coriolis: [f64; 6],
     /// `G`, in N·m.
     pub gravity: [f64; 6],
-    /// `M q̈ + C q̇ + G`, in N·m, by Newton–Euler: the file's `tau_N_m` is from that `C`, and 2e-9 off.
+    /// `M q̈ + C q̇ + G`, in N·m.
     pub torques: [f64; 6],
 }
 
@@ -94,7 +94,7 @@ pub fn thesis_values() -> ThesisValues {
         coriolis_matrix: rows(&dynamics["C_christoffel"]),
         coriolis: numbers(&dynamics["coriolis_vector_N_m"]),
         gravity: numbers(&dynamics["gravity_vector_N_m"]),
-        torques: numbers(&dynamics["tau_rnea_N_m"]),
+        torques: numbers(&dynamics["tau_N_m"]),
     }
 }
 
