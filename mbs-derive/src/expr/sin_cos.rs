@@ -5,7 +5,7 @@
 /// ```
 /// use mbs_derive::emit::{Options, Trigonometry};
 /// let text = "mechanism Swing { param j: kg*m^2 = 1; param w: J = 2; coord q: rad; kinetic += j*dt(q)^2/2; \
-///             potential -= w*cos(q); }";
+///             potential += -w*cos(q); }";
 /// let code = |options: Options| mbs_derive::generate("swing.mbs", text, &options).unwrap().code;
 /// assert!(code(Options::default()).contains("sin_cos_all"));
 /// assert!(!code(Options::default().trigonometry(Trigonometry::Library)).contains("sin_cos_all"));
