@@ -62,7 +62,7 @@ fn is_for_tests(file: &Path) -> bool {
 
 /// What the paths of a group lead to first: `a` and `b` of `{a, b::c}`, and `a` of `a::b`.
 fn first_names(path: &str) -> Vec<&str> {
-    let word = |text: &'_ str| text.find(|c: char| !c.is_alphanumeric() && c != '_').unwrap_or(text.len());
+    let word = |text: &str| text.find(|c: char| !c.is_alphanumeric() && c != '_').unwrap_or(text.len());
     let Some(group) = path.strip_prefix('{') else { return vec![&path[..word(path)]] };
     let (mut depth, mut names, mut begins) = (1, Vec::new(), true);
     for (at, c) in group.char_indices() {
@@ -254,11 +254,10 @@ fn comments_are_as_wide_as_code() {
 
 /// The documentation of items, a block each, its first paragraph in one line.
 fn docs(text: &str) -> Vec<String> {
-    let doc =
-        |line: &'_ str| line.trim_start().strip_prefix("///").or(line.trim_start().strip_prefix("//!")).map(str::trim);
     let mut docs = vec![Vec::new()];
     for line in text.lines() {
-        match doc(line) {
+        let line = line.trim_start();
+        match line.strip_prefix("///").or(line.strip_prefix("//!")).map(str::trim) {
             Some(line) => docs.last_mut().expect("begun").push(line),
             None => docs.push(Vec::new()),
         }
