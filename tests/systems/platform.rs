@@ -22,7 +22,7 @@ use mbs_tests::compare::assert_close;
 use mbs_tests::random::Random;
 use serde_json::Value;
 
-/// Relative; the reference was computed to 1e-14 or so.
+/// Relative; the reference is exact to its last digit but one.
 const TOLERANCE: f64 = 1e-9;
 
 fn reference() -> Value {
