@@ -5,11 +5,10 @@
 By the equilibrium of the restricted problem, Kepler's equation and the motions of orbit_relative.py, in 30 digits and more.
 """
 
-import json
-
 import orbit_relative
 from mpmath import cos, findroot, mp, mpf, sin, sqrt
 from orbit_relative import CIRCLE, CIRCULAR, attracted, circle, exact, floats, hill, period, relative
+from rows import written
 
 RATIOS = {"earth_moon": mpf("0.0121505856"), "arenstorf": mpf("0.012277471")}
 DISPLACEMENT = mpf("1e-9")  # km, along x
@@ -52,7 +51,7 @@ between, _ = kepler(g * (earth + moon), mpf("384400000"), mpf(950), mpf(864000))
 exactly, linearly = (
     relative(circle, exact(CIRCULAR["near_radial"]), period(CIRCLE))[0], hill(exact(CIRCULAR["near_radial"]), period(CIRCLE))
 )
-print(json.dumps({
+print(written({
     "source": "Computed by orbit.py",
     # Along the axis where it is greatest.
     "hcw_difference_m": float(1000 * max(abs(x - y) for x, y in zip(exactly, linearly))),
@@ -67,4 +66,4 @@ print(json.dumps({
         "body1_m": floats(-moon / (earth + moon) * x for x in between + (mpf(0),)),
         "body2_m": floats(earth / (earth + moon) * x for x in between + (mpf(0),)),
     },
-}, indent=1))
+}))

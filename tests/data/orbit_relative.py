@@ -9,9 +9,8 @@ difference, which is Tschauner's and Hempel's, or Clohessy's and Wiltshire's clo
 attracts as a point, Gragg's extrapolation in 30 digits.
 """
 
-import json
-
 from mpmath import cos, mp, mpf, pi, sin, sqrt
+from rows import written
 
 MU = mpf("398600.4418")
 ATTRACTION = mpf("6.6743e-11") * 420_000 / 10**9  # km^3/s^2
@@ -202,4 +201,4 @@ if __name__ == "__main__":
             position, velocity = attracted(exact(CIRCULAR[name]), t)
             metres = {"position_m": floats(1000 * x for x in position), "velocity_m_s": floats(1000 * x for x in velocity)}
             with_mass.append({"case": name, "t_s": float(t)} | metres)
-    print(json.dumps(found | {"relative_with_station_mass": with_mass}, indent=1))
+    print(written(found | {"relative_with_station_mass": with_mass}))

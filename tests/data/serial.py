@@ -5,10 +5,9 @@
 From the energies: M by the Jacobians of the mass centres, C by Christoffel's symbols, G by the heights, in 50 digits.
 """
 
-import json
-
 from arm import CENTRES, GRAVITY, INERTIAS, MASSES, coriolis_matrix, exact, frames, gravity, jacobians, mass_matrix, numbers
 from mpmath import eigsy, matrix, mp, radians, svd_r
+from rows import written
 
 TABLE_1 = (45, 30, 30, -45, 30, 0)
 RATES, ACCELERATIONS = (0.3, -0.2, 0.4, -0.5, 0.6, -0.7), (0.1, 0.2, -0.3, 0.4, -0.5, 0.6)
@@ -21,7 +20,7 @@ jacobian = mp.zeros(6, 6)
 jacobian[:3, :], jacobian[3:, :] = linear, angular
 m, c, g = mass_matrix(q), coriolis_matrix(q, qd), gravity(q)
 
-print(json.dumps({
+print(written({
     "dynamics_table1": {
         "gravity_m_s2": float(GRAVITY),
         "link_mass_kg": MASSES,
@@ -49,4 +48,4 @@ print(json.dumps({
         "det": float(mp.det(jacobian)),
         "singular_values": numbers(svd_r(jacobian, compute_uv=False)),
     },
-}, indent=1))
+}))

@@ -6,11 +6,11 @@ From the places of mass centres and joints alone: M by their Jacobians, C by Chr
 forces of the legs by virtual work; derivatives by differences far below the digits that are written.
 """
 
-import json
 import math
 
 import numpy
 from mpmath import cos, lu_solve, matrix, mp, mpf, pi, radians, sin, sqrt, svd_r
+from rows import written
 
 mp.dps = 80
 GRAVITY, BASE, PLATFORM, HALF = mpf("9.80665"), mpf("1.2"), mpf("0.9"), 12
@@ -263,7 +263,7 @@ def general(t, actuators):
 home, known = [mpf(0), mpf(0), HOME] + NONE[:3], decimal("0.05", "-0.04", "1.15", "0.1", "-0.08", "0.2")
 values = svd_r(jacobian(home), compute_uv=False)
 determinants = surveyed(table_4((10, 0, 20), 0))[3]
-print(json.dumps({
+print(written({
     "source": "Computed by stewart.py; m, N, kg, s, rad",
     "table3": {
         f"payload_{payload}_act_{actuators}": sampled(TABLE_3, weights(payload, actuators))
@@ -282,4 +282,4 @@ print(json.dumps({
     "spherical_leg": spherical(),
     "general": [general(t, actuators) for t in ("0.3", "1.1", "2.7") for actuators in (False, True)],
     "eq_4_18": {"with_actuators": matrices(weights(300, True)), "without_actuators": matrices(weights(300, False))},
-}, indent=1))
+}))

@@ -5,12 +5,12 @@
 Coefficients are solved for as fractions; torques are Newton's and Euler's, link by link, in doubles.
 """
 
-import json
 from fractions import Fraction
 from math import cos, radians, sin
 
 import arm
 from mpmath import mp, polyroots
+from rows import written
 
 START, STOP, END, KNOT = (20, 10, 10, 10, 20, 10), (50, 90, 120, 80, 60, 100), 50, 25
 SAMPLES, STEPS = range(0, END + 1, 5), 20_000
@@ -196,4 +196,4 @@ def case(velocity):
     }
 
 
-print(json.dumps({name: case(velocity) for name, velocity in CASES.items()}, indent=1))
+print(written({name: case(velocity) for name, velocity in CASES.items()}))
