@@ -21,12 +21,13 @@ struct Run {
     shown: String,
 }
 
-/// `sh` has a command a line, `console` those behind `$` with what they print below.
+/// `sh` has a command a line, `console` those behind `$` with what they print below; `\` at its end goes on.
 fn runs(block: &Block) -> Vec<Run> {
     let mut found: Vec<Run> = Vec::new();
     for (line, text) in (block.line..).zip(block.text.lines()) {
         let command = if block.kind == "sh" { Some(text) } else { text.strip_prefix("$ ") };
         match (command, found.last_mut()) {
+            (_, Some(run)) if run.command.ends_with('\\') => run.command.extend(["\n", text]),
             (Some(command), _) => found.push(Run { line, command: command.to_string(), shown: String::new() }),
             (None, Some(run)) => run.shown.extend([text, "\n"]),
             (None, None) => panic!("line {line}: {text} is printed by no command"),
@@ -77,7 +78,7 @@ fn commands_of_the_book_print_what_it_shows() {
                 page.name
             );
             let output = Command::new("sh")
-                .args(["-c", &format!("{command} 2>&1")])
+                .args(["-c", &format!("{{ {command}\n}} 2>&1")])
                 .current_dir(&folder)
                 .env("PATH", path.join(std::ffi::OsStr::new(":")))
                 .env("MBS_CACHE_DIR", cache.path())
