@@ -25,14 +25,16 @@ pub(crate) struct Block {
     pub(crate) text: String,
 }
 
-/// The pages of the book in its order, those of `SUMMARY.md`; `None` where there is no such book.
+/// The pages of the book in its order, those of `SUMMARY.md`, without chapters that are not written, `[Title]()`; `None`
+/// where there is no such book.
 pub(crate) fn pages(docs: &Path) -> Option<Vec<Page>> {
     let summary = fs::read_to_string(docs.join("SUMMARY.md")).ok()?;
     let page = |name: String| {
         let text = fs::read_to_string(docs.join(&name)).unwrap_or_else(|error| panic!("docs/{name}: {error}"));
         Page { name, text }
     };
-    Some(links(&summary).into_iter().map(|(_, target)| page(target)).collect())
+    let targets = links(&summary).into_iter().map(|(_, target)| target);
+    Some(targets.filter(|target| !target.is_empty()).map(page).collect())
 }
 
 /// Files of a folder and the folders in it that end with `.md`.
