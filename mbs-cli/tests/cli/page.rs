@@ -25,7 +25,7 @@ pub(crate) struct Block {
     pub(crate) text: String,
 }
 
-/// The pages of the book in its order, those of `SUMMARY.md`, without chapters that are not written, `[Title]()`; `None`
+/// The pages of the book in the order of `SUMMARY.md`, but for those that are not written yet, `[Title]()`; `None`
 /// where there is no such book.
 pub(crate) fn pages(docs: &Path) -> Option<Vec<Page>> {
     let summary = fs::read_to_string(docs.join("SUMMARY.md")).ok()?;
