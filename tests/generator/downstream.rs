@@ -47,7 +47,7 @@ impl Downstream {
         fs::write(path, text).expect("a temporary folder");
     }
 
-    fn cargo(&self, arguments: &[&str]) -> Output {
+    pub(crate) fn cargo(&self, arguments: &[&str]) -> Output {
         let mut cargo = Command::new(env!("CARGO"));
         cargo.args(arguments).env("INSTA_UPDATE", "new").env("INSTA_WORKSPACE_ROOT", self.folder.path());
         self.within(&mut cargo).output().expect("cargo runs")

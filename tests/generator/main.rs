@@ -2,6 +2,7 @@
 
 mod accuracy;
 mod architecture;
+mod book;
 mod c_header;
 mod call;
 mod determinism;

@@ -10,10 +10,20 @@
 //! - [`mutants`]: changes of the source that tests must notice;
 //! - [`mechanisms`]: generated from `mechanisms/*.mbs`, which were written from the manual alone.
 
-/// The examples of the manual of the integrators.
+/// The examples of the book in Rust.
 #[cfg(doctest)]
-#[doc = include_str!("../../docs/integrators.md")]
-pub mod integrators {}
+pub mod book {
+    #[doc = include_str!("../../docs/integrators.md")]
+    pub mod integrators {}
+    #[doc = include_str!("../../docs/mathematics/constraints.md")]
+    pub mod constraints {}
+    #[doc = include_str!("../../docs/mathematics/coriolis.md")]
+    pub mod coriolis {}
+    #[doc = include_str!("../../docs/mathematics/lanes.md")]
+    pub mod lanes {}
+    #[doc = include_str!("../../docs/moving_frames.md")]
+    pub mod moving_frames {}
+}
 
 pub mod by_hand;
 pub mod compare;

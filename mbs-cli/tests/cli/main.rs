@@ -1,5 +1,6 @@
 //! The program `mbs` as outside programs call it: what it prints, what it writes, how it ends.
 
+mod book;
 mod cache;
 mod check;
 mod constrained;
@@ -12,6 +13,7 @@ mod import;
 mod linearize;
 mod motion;
 mod ops;
+mod page;
 mod parameters;
 mod simulate;
 
