@@ -26,7 +26,7 @@ use std::ops::Range;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::thread;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use lsp_server::{ErrorCode, Message, Notification, Request, RequestId, Response};
 use lsp_types::{
@@ -129,6 +129,8 @@ struct Server {
     /// What the editor shows.
     shown: BTreeMap<String, Vec<Problem>>,
     edition: u64,
+    /// When nothing will have been typed for a moment.
+    quiet: Instant,
     is_initialized: bool,
     is_shut_down: bool,
     jobs: Sender<Job>,
@@ -143,6 +145,7 @@ impl Server {
             changed: BTreeSet::new(),
             shown: BTreeMap::new(),
             edition: 0,
+            quiet: Instant::now(),
             is_initialized: false,
             is_shut_down: false,
             jobs: channel().0,
@@ -164,7 +167,7 @@ impl Server {
                         Ok(event) => event,
                         Err(_) => return false,
                     },
-                    Some(job) => match happening.recv_timeout(PAUSE) {
+                    Some(job) => match happening.recv_timeout(self.quiet.saturating_duration_since(Instant::now())) {
                         Ok(event) => event,
                         Err(RecvTimeoutError::Timeout) => {
                             self.derive(&job);
@@ -275,6 +278,7 @@ impl Server {
     /// A text has changed: what imports it is looked at again.
     fn touch(&mut self, name: &str) {
         self.edition += 1;
+        self.quiet = Instant::now() + PAUSE;
         for other in self.documents.names() {
             let imports = self.states.get(&other).is_none_or(|state| state.problems.contains_key(name));
             if other == name || imports {

@@ -127,7 +127,9 @@ impl View<'_> {
             let same =
                 |other: &&Symbol| other.name == name && other.kind.space() == symbol.kind.space() && meets(other);
             if let Some(other) = file.outline.symbols.iter().find(same) {
-                return Err(format!("`{name}` is already the name of a {}", other.kind.described()));
+                let what = other.kind.described();
+                let article = if what.starts_with(['a', 'i', 'o']) { "an" } else { "a" };
+                return Err(format!("`{name}` is already {article} {what}"));
             }
         }
         let mut changes: BTreeMap<String, Vec<TextEdit>> = BTreeMap::new();

@@ -253,7 +253,8 @@ impl<'s> Layout<'s> {
         };
         let within = is_first && i > 0 && self.blocks.contains(&(i - 1)) && self.opens(i - 1);
         let is_blank = remark.breaks > 1 && !within && (self.begins(i) || i == self.tokens.len());
-        self.lines.push(Line { is_behind_blank: is_blank && !self.lines.is_empty(), ..Line::new(indent, remark.text) });
+        let is_behind_blank = is_blank && !self.lines.is_empty();
+        self.lines.push(Line { is_behind_blank, is_remark: true, ..Line::new(indent, remark.text) });
     }
 
     fn token(&mut self, i: usize, breaks: usize, behind_remark_of_line: Option<bool>) {
@@ -286,7 +287,7 @@ impl<'s> Layout<'s> {
             let indent = self.continued(i);
             self.lines.push(Line::new(indent, text));
         } else {
-            let is_spaced = i > 0 && (behind_remark_of_line.is_some() || self.is_spaced(i));
+            let is_spaced = behind_remark_of_line.is_some() || i > 0 && self.is_spaced(i);
             let addition = self.addition(i);
             let line = self.lines.last_mut().expect("a line is there");
             if is_spaced {
@@ -295,6 +296,7 @@ impl<'s> Layout<'s> {
             line.addition =
                 line.addition.take().or(addition.map(|addition| Addition { at: line.text.len(), ..addition }));
             line.text += &text;
+            line.is_remark = false;
         }
         if self.begins(i) {
             self.brackets.clear();

@@ -9,6 +9,8 @@ pub(super) struct Line {
     /// What stands on it; a comment of several lines has line breaks in it.
     pub(super) text: String,
     pub(super) is_behind_blank: bool,
+    /// Nothing but a comment.
+    pub(super) is_remark: bool,
     /// The `+=` of its statement, if the statement begins on this line.
     pub(super) addition: Option<Addition>,
     /// The comment behind it.
@@ -38,7 +40,7 @@ pub(super) struct Comment {
 
 impl Line {
     pub(super) fn new(indent: usize, text: String) -> Self {
-        Line { indent, text, is_behind_blank: false, addition: None, comment: None }
+        Line { indent, text, is_behind_blank: false, is_remark: false, addition: None, comment: None }
     }
 
     /// How many characters the last line of its text has.
@@ -52,8 +54,9 @@ impl Line {
 
 /// The text of all lines: neighbours whose `+=` or comments were in one column have them in one column.
 pub(super) fn aligned(mut lines: Vec<Line>) -> String {
+    // A comment between them is about the second.
     let additions = |line: &Line| line.addition.as_ref().map(|addition| (line.indent, addition.column));
-    for run in runs(&lines, additions) {
+    for run in runs(&lines, additions, |line| line.is_remark) {
         let run = &mut lines[run];
         let before = |line: &Line| line.addition.as_ref().map_or(0, |a| line.text[..a.at].chars().count());
         let is_padded = |line: &Line| line.addition.as_ref().is_some_and(|addition| addition.is_padded);
@@ -69,7 +72,7 @@ pub(super) fn aligned(mut lines: Vec<Line>) -> String {
         }
     }
     let comments = |line: &Line| line.comment.as_ref().map(|comment| comment.column);
-    for run in runs(&lines, comments) {
+    for run in runs(&lines, comments, |_| false) {
         let run = &mut lines[run];
         let widest = run.iter().map(Line::width).max().unwrap_or(0);
         let nearest = run.iter().filter_map(|line| line.comment.as_ref()).map(|comment| comment.gap).min().unwrap_or(1);
@@ -92,18 +95,28 @@ pub(super) fn aligned(mut lines: Vec<Line>) -> String {
     text
 }
 
-/// Neighbouring lines that have something in common; lines without it are in none.
-fn runs<T: PartialEq>(lines: &[Line], common: impl Fn(&Line) -> Option<T>) -> Vec<Range<usize>> {
-    let mut runs: Vec<Range<usize>> = Vec::new();
+/// Neighbouring lines that have something in common, first and last; lines that are passed over may stand in between.
+fn runs<T: PartialEq>(
+    lines: &[Line],
+    common: impl Fn(&Line) -> Option<T>,
+    is_passed: impl Fn(&Line) -> bool,
+) -> Vec<Range<usize>> {
+    let mut runs: Vec<(Range<usize>, T)> = Vec::new();
+    // Where the next line must stand to go on with the last run.
+    let mut next = 0;
     for (i, line) in lines.iter().enumerate() {
-        let Some(own) = common(line) else { continue };
-        let goes_on = |run: &&mut Range<usize>| {
-            run.end == i && !line.is_behind_blank && common(&lines[i - 1]).is_some_and(|other| other == own)
-        };
-        match runs.last_mut().filter(goes_on) {
-            Some(run) => run.end += 1,
-            None => runs.push(i..i + 1),
+        let is_near = next == i && !line.is_behind_blank;
+        match common(line) {
+            Some(own) => {
+                match runs.last_mut().filter(|(_, other)| is_near && *other == own) {
+                    Some((run, _)) => run.end = i + 1,
+                    None => runs.push((i..i + 1, own)),
+                }
+                next = i + 1;
+            }
+            None if is_near && is_passed(line) => next = i + 1,
+            None => {}
         }
     }
-    runs
+    runs.into_iter().map(|(run, _)| run).collect()
 }
