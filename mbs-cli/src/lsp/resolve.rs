@@ -275,17 +275,45 @@ mod tests {
         check("a*|m; x", "main.mbs: for m");
         check("x = |a; }", "main.mbs: let a = a*m;");
         check("|half(x)", "lib.mbs: fn half(x) = x/2;");
-        check("half(|x)", "main.mbs: fn f(x, y) = half(x) + ");
+        check("half(|x)", "main.mbs: fn f(x, y) = half(x) + m");
         check("+ |m*y", "main.mbs: param m: kg = 1;");
-        check("|link arm", "lib.mbs: part link(m, pose) { let ");
+        check("|link arm", "lib.mbs: part link(m, pose) { let");
         check("|arm.end", "main.mbs: link arm(m, world);");
         check("arm.|end", "lib.mbs: let end = pose*rot_z(pi)");
-        check("arm.|tip", "lib.mbs: output tip = end.origin");
+        check("arm.|tip", "lib.mbs: output tip = end.origin(");
         check("{ |a } else", "main.mbs: let a = m*g + stretch[0]");
         check("output |a", "main.mbs: output a = a;");
         check("output a = |a", "main.mbs: let a = m*g + stretch[0]");
         check("0.3 |s", "nothing");
         check("0.3 s*|m", "nothing");
+    }
+
+    /// Each name in turn: a use that is missed is not declared any more, one too many is an error, too.
+    #[test]
+    fn renamed_mechanisms_are_as_good() {
+        let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/mechanisms");
+        let mut paths: Vec<_> = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
+        paths.retain(|path| path.extension().is_some_and(|extension| extension == "mbs"));
+        paths.sort();
+        let mut renamed = 0;
+        for path in paths {
+            let text = std::fs::read_to_string(&path).unwrap();
+            let sources = Sources::new("a.mbs", &text);
+            let files = Files::of(&sources);
+            let problems = |text: &str| Sources::new("a.mbs", text).surveyed().0.iter().count();
+            let before = problems(&text);
+            for symbol in 0..files.0[0].outline.symbols.len() {
+                let mut other = text.clone();
+                let places = references(&Documents::default(), &files, (0, symbol)).remove("a.mbs").unwrap();
+                for place in places.into_iter().rev() {
+                    other.replace_range(place, "zz_new");
+                }
+                let name = &files.0[0].outline.symbols[symbol].name;
+                assert_eq!(problems(&other), before, "{}: `{name}`\n{other}", path.display());
+                renamed += 1;
+            }
+        }
+        assert!(renamed > 100, "{renamed}");
     }
 
     #[test]
