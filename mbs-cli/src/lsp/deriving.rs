@@ -64,8 +64,10 @@ fn derived(job: &Job) -> (Vec<Diagnostic>, Vec<(String, usize)>) {
         Ok(proof) => analysis.warnings(Some(&proof)),
         Err(Error::Declaration(errors)) => errors,
         Err(error) => {
+            // About the mechanism as a whole.
+            let name = mbs_derive::parse::declaration_of(&job.sources).map_or(0..0, |read| read.name.span.clone());
             let mut errors = Diagnostics::default();
-            errors.error(0..0, error.to_string());
+            errors.error(name, error.to_string());
             errors
         }
     };
