@@ -405,7 +405,6 @@ impl Reader<'_> {
             }
             let token = &self.text[self.span(self.at)];
             match token {
-                ";" if open.is_empty() => return,
                 // Nothing goes on over the end of a statement.
                 ";" => return,
                 "{" if needed == 0 => {
