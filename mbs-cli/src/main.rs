@@ -8,6 +8,7 @@
 //! - [`eval`]: every function's value at given states;
 //! - [`linearize`]: the linear system about a state, its poles, what inputs reach;
 //! - [`simulate`]: a motion as a table and as a figure;
+//! - [`mod@format`]: files in one style; `lsp`, a feature: what editors ask;
 //! - [`fmu`]: the mechanism for tools that speak FMI.
 //!
 //! What they share: [`mechanism`] runs the generator's passes on a file, [`cache`] keeps what they gave, [`state`]
@@ -25,7 +26,10 @@ mod eval;
 mod failure;
 mod files;
 mod fmu;
+mod format;
 mod linearize;
+#[cfg(feature = "lsp")]
+mod lsp;
 mod mechanism;
 mod ops;
 mod output;
@@ -62,6 +66,9 @@ enum Command {
     Linearize(linearize::Arguments),
     Simulate(simulate::Arguments),
     Fmu(fmu::Arguments),
+    Fmt(format::Arguments),
+    #[cfg(feature = "lsp")]
+    Lsp(lsp::Arguments),
 }
 
 fn main() -> ExitCode {
@@ -85,6 +92,9 @@ fn run(command: Command, cache: &Cache) -> Result<(), Failure> {
         Command::Linearize(arguments) => linearize::run(&arguments, cache),
         Command::Simulate(arguments) => simulate::run(&arguments, cache),
         Command::Fmu(arguments) => fmu::run(&arguments, cache),
+        Command::Fmt(arguments) => format::run(&arguments),
+        #[cfg(feature = "lsp")]
+        Command::Lsp(arguments) => lsp::run(&arguments),
     }
 }
 

@@ -18,6 +18,7 @@
 //! ```
 
 mod nearest;
+mod replacement;
 
 use std::fmt;
 

@@ -28,7 +28,7 @@
 //! - `span`, `state`, [`variable`], [`numeric`]: what several passes need, and no mechanics;
 //! - [`diagnostic`]: what is wrong with a declaration, where, and what to write instead;
 //! - [`source`]: the files of a mechanism: its own, and those that it imports;
-//! - `review`: a mechanism as people review it;
+//! - `review`: a mechanism as people review it; `survey`: what an editor asks while a text is being written;
 //! - `cargo`: build scripts, the only input and output.
 
 mod analysis;
@@ -52,6 +52,7 @@ mod shape;
 pub mod source;
 mod span;
 mod state;
+mod survey;
 pub mod variable;
 pub mod verify;
 

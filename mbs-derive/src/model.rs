@@ -25,9 +25,12 @@ mod value;
 
 use crate::diagnostic::Diagnostics;
 use crate::expr::Graph;
-use crate::parse::syntax::Declaration;
+use crate::parse::StatementKind;
+use crate::parse::syntax::{Declaration, Span};
 use names::function;
 use statement::reaction::Hold;
+use value::builtin::{self, Builtin};
+use value::dimension::{NamedUnit, UNITS};
 use value::evaluate::Resolver;
 
 pub(crate) use check::moments;
@@ -61,6 +64,33 @@ pub(crate) fn resolve<'g>(
         resolver.lagrangian.released = Some(Box::new(lagrangian));
     }
     Ok((resolver.lagrangian, resolver.report.errors))
+}
+
+/// What is wrong with a declaration or doubtful in it, and what its names stand for, in words, by their places: also
+/// where it is wrong. With `is_whole` the mechanism as a whole is checked, too.
+pub(crate) fn surveyed(declaration: &Declaration, is_whole: bool) -> (Diagnostics, Vec<(Span, String)>) {
+    let (graph, library) = (Graph::verbatim(), function::library());
+    let mut resolver = gone_through(declaration, &library, &graph, Hold::of(declaration));
+    if is_whole && !resolver.report.errors.has_errors() {
+        resolver.check(&declaration.name);
+    }
+    (resolver.report.errors, resolver.names.meanings.into_values().collect())
+}
+
+/// Kind, name, and form or meaning of all words that a text may be made of besides names of its own.
+pub(crate) fn words() -> Vec<(&'static str, String, String)> {
+    let builtin = |kind, table: &'static [Builtin]| table.iter().map(move |f| (kind, f.name.into(), f.form().into()));
+    let unit = |unit: &NamedUnit| ("unit", unit.name.to_string(), unit.in_words());
+    let library = function::library();
+    let of_library = library.statements.iter().filter_map(|statement| match &statement.kind {
+        StatementKind::Function { name, parameters, .. } => {
+            let parameters: Vec<&str> = parameters.iter().map(|parameter| parameter.text.as_str()).collect();
+            Some(("function", name.text.clone(), format!("{}({})", name.text, parameters.join(", "))))
+        }
+        _ => None,
+    });
+    let functions = builtin("function", builtin::FUNCTIONS).chain(of_library);
+    functions.chain(builtin("method", builtin::METHODS)).chain(UNITS.iter().map(unit)).collect()
 }
 
 /// The statements in order.

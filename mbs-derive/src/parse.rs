@@ -15,7 +15,7 @@
 //!   `else`, comparisons;
 //! - `reader`: tokens and refusals, what all of these are written with;
 //! - `keyword`: the words that cannot be names;
-//! - `display`: the declaration as text again.
+//! - `display`: the declaration as text again; `format`: a file in one style.
 
 mod condition;
 mod contextual;
@@ -23,6 +23,7 @@ mod csv;
 mod display;
 mod encoding;
 mod expression;
+mod format;
 mod freeze;
 mod grammar;
 mod import;
@@ -36,6 +37,8 @@ mod reader;
 mod shift;
 mod statement;
 pub(crate) mod syntax;
+
+use std::ops::Range;
 
 use crate::diagnostic::Diagnostics;
 use crate::source::{Sources, Unreadable};
@@ -81,6 +84,41 @@ impl Sources {
     pub fn gather(name: &str, text: &str, read: impl FnMut(&str) -> Result<Vec<u8>, Unreadable>) -> Self {
         Sources::followed(name, text, imports, read)
     }
+
+    /// The text of the first file in the one style that files are written in; comments stay.
+    ///
+    /// ```
+    /// # use mbs_derive::source::Sources;
+    /// let text = "mechanism A { coord x:m; // along the rail\nkinetic+=dt(x)^2*1kg/2; }";
+    /// let formatted = Sources::new("a.mbs", text).formatted().unwrap();
+    /// assert_eq!(
+    ///     formatted,
+    ///     "mechanism A {\n    coord x: m; // along the rail\n    kinetic += dt(x)^2*1kg/2;\n}\n"
+    /// );
+    /// ```
+    ///
+    /// # Errors
+    /// What in it is not the model language; what it imports and what its names mean is not looked at.
+    pub fn formatted(&self) -> Result<String, Diagnostics> {
+        format::formatted(self.main().text.as_deref().unwrap_or_default())
+    }
+
+    /// Where the names, numbers, signs and documentation comments of the first file stand, as far as it can be cut into
+    /// these, and what of it cannot.
+    pub fn tokens(&self) -> (Vec<Range<usize>>, Diagnostics) {
+        let (tokens, errors) = lexer::cut(self.main().text.as_deref().unwrap_or_default());
+        (tokens.into_iter().map(lexer::Token::span).collect(), errors)
+    }
+}
+
+/// What can be read of a text with all that it imports, and whether that is a mechanism; what is wrong with it.
+pub(crate) fn readable(sources: &Sources) -> (Option<Declaration>, bool, Diagnostics) {
+    import::readable(sources)
+}
+
+/// The keywords, and the names that every mechanism knows: kind, word, what it is.
+pub(crate) fn words() -> impl Iterator<Item = (&'static str, &'static str, &'static str)> {
+    keyword::words()
 }
 
 /// The paths that a text imports, as they are written; what is wrong with other imports [`declaration_of`] will say.

@@ -2,6 +2,8 @@
 
 mod branches;
 mod diagnostics;
+mod editors;
+mod format;
 mod keywords;
 mod loops;
 mod manual;

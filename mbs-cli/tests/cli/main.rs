@@ -8,9 +8,12 @@ mod derive;
 mod eval;
 mod files;
 mod fmu;
+mod format;
 mod graph;
 mod import;
 mod linearize;
+#[cfg(feature = "lsp")]
+mod lsp;
 mod motion;
 mod ops;
 mod page;

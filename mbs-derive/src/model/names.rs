@@ -3,13 +3,15 @@
 //! - [`scope`]: blocks, from the innermost outwards; [`element`]: arrays that loops fill; [`family`]: declarations with
 //!   an index;
 //! - [`function`]: functions written in the language; [`part`]: statements that are used many times;
-//! - [`import`]: what imported files declare; [`local`]: what local names stand for, for printing on paper.
+//! - [`import`]: what imported files declare; [`local`]: what local names stand for, for printing on paper;
+//!   [`meaning`]: the same in a few words, for editors.
 
 pub(in crate::model) mod element;
 pub(in crate::model) mod family;
 pub(in crate::model) mod function;
 pub(in crate::model) mod import;
 pub(crate) mod local;
+pub(in crate::model) mod meaning;
 pub(in crate::model) mod part;
 pub(in crate::model) mod scope;
 
@@ -17,6 +19,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use crate::parse::syntax::Expression;
 use function::Function;
+use meaning::Meanings;
 use part::Parts;
 use scope::Scope;
 
@@ -36,6 +39,8 @@ pub(in crate::model) struct Names<'d, 'g> {
     pub(in crate::model) parts: Parts<'d, 'g>,
     /// The name that is being defined.
     pub(in crate::model) defining: Option<&'d str>,
+    /// What names stand for, in words.
+    pub(in crate::model) meanings: Meanings,
 }
 
 impl Names<'_, '_> {
@@ -48,6 +53,7 @@ impl Names<'_, '_> {
             called: BTreeSet::new(),
             parts: Parts::default(),
             defining: None,
+            meanings: Meanings::new(),
         }
     }
 }

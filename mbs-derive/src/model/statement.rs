@@ -166,6 +166,9 @@ impl<'d, 'g> Resolver<'d, 'g> {
     /// Gives a name its meaning in the innermost block; `None` where its declaration was wrong.
     pub(in crate::model) fn declare(&mut self, name: &Name, origin: Origin, value: Option<Value<'g>>) -> Resolved<()> {
         let (text, span) = (&name.text, name.span.clone());
+        if let Some(value) = &value {
+            self.note_meaning(&span, value);
+        }
         if crate::model::value::builtin::CONSTANTS.contains(&text.as_str()) {
             return Err(self.refuse(&span, format!("`{text}` is built in"), "choose another name"));
         }

@@ -12,7 +12,7 @@ use std::vec;
 
 use super::grammar::{self, File};
 use super::reader::{Parsed, Reader, Refused};
-use super::syntax::{Declaration, Import, Span, Statement, StatementKind};
+use super::syntax::{Declaration, Import, Name, Span, Statement, StatementKind};
 use super::{MAX_TOKENS, csv, lexer};
 use crate::diagnostic::Diagnostics;
 use crate::source::{Sources, is_table};
@@ -169,6 +169,11 @@ impl<'s> Reader<'s> {
     }
 }
 
+/// Whether a text can be cut into tokens and is meant to be imported.
+pub(super) fn begins_as_shared(source: &str) -> bool {
+    grammar::asked(source, Reader::begins_as_shared).unwrap_or(false)
+}
+
 // ---- all files together
 
 /// The mechanism with all that it imports.
@@ -197,6 +202,25 @@ pub(super) fn shared(sources: &Sources) -> Option<Result<Vec<Statement>, Diagnos
         statements.extend(own);
     }
     Some(errors.finish(statements))
+}
+
+/// What can be read of a mechanism, or else of a file to be imported as a mechanism that has nothing of its own;
+/// whether it is a mechanism; what is wrong with it.
+pub(super) fn readable(sources: &Sources) -> (Option<Declaration>, bool, Diagnostics) {
+    let text = sources.main().text.as_deref().unwrap_or_default();
+    if !begins_as_shared(text) {
+        let File { imports, content, tokens, errors } = grammar::mechanism(text);
+        let (imported, errors) = Walk::new(sources, State::Mechanism, tokens, errors).all(imports.clone());
+        return (content.map(|declaration| Declaration { imports, imported, ..declaration }), true, errors);
+    }
+    let File { imports, content, tokens, errors } = grammar::shared(text);
+    let (mut imported, errors) = Walk::new(sources, State::Open, tokens, errors).all(imports.clone());
+    if let Some(Shared::Declarations(own)) = content {
+        imported.extend(own);
+    }
+    let name = Name { text: "Shared".to_string(), span: 0..0 };
+    let (docs, statements) = (Vec::new(), Vec::new());
+    (Some(Declaration { dimensionless: false, imports, imported, name, docs, statements }), false, errors)
 }
 
 /// How far a file has got.

@@ -27,9 +27,18 @@ pub(super) const CONTEXTUAL: [&str; 2] = ["gravity", "part"];
 /// Parts of statements.
 const PARTS: [&str; 6] = ["mechanism", "import", "mut", "in", "if", "else"];
 
+/// Words that have a meaning behind others alone.
+const BEHIND: [&str; 4] = ["at", "on", "positive", "jacobian_rate"];
+
 /// Names that every mechanism knows from the start.
 const BUILT_IN: [(&str, &str); 4] =
     [("t", "the time"), ("world", "the frame at rest"), ("pi", "the number π"), ("deg", "the degree")];
+
+/// All keywords, and the names that every mechanism knows, with what they are.
+pub(super) fn words() -> impl Iterator<Item = (&'static str, &'static str, &'static str)> {
+    let keywords = STATEMENTS.into_iter().chain(CONTEXTUAL).chain(PARTS).chain(BEHIND);
+    keywords.map(|word| ("keyword", word, "")).chain(BUILT_IN.into_iter().map(|(word, what)| ("constant", word, what)))
+}
 
 /// What `word` is, if it is a keyword, as the end of a sentence: `param` is "a keyword of the language".
 pub(super) fn keyword(word: &str) -> Option<&'static str> {

@@ -48,6 +48,12 @@ impl Token {
 /// # Errors
 /// What in it is no token of the language, and brackets that do not match.
 pub(super) fn tokens(source: &str) -> Result<Vec<Token>, Diagnostics> {
+    let (tokens, errors) = cut(source);
+    errors.finish(tokens)
+}
+
+/// Cuts a text into tokens as far as that can be done; the rest are errors.
+pub(super) fn cut(source: &str) -> (Vec<Token>, Diagnostics) {
     let (tokens, errors) = (Vec::new(), Diagnostics::default());
     let mut lexer = Lexer { source, at: 0, tokens, open: Vec::new(), counted: (0, 0), errors };
     if source.len() > MAX_BYTES {
@@ -55,7 +61,7 @@ pub(super) fn tokens(source: &str) -> Result<Vec<Token>, Diagnostics> {
     } else {
         lexer.file();
     }
-    lexer.errors.finish(lexer.tokens)
+    (lexer.tokens, lexer.errors)
 }
 
 struct Lexer<'s> {

@@ -228,7 +228,12 @@ impl<'d, 'g> Resolver<'d, 'g> {
         let value = self.expression(function.body);
         self.report.calls.pop();
         self.names.scope.leave();
-        value.inspect(|value| self.remember_call(&function.name.text, numbers, value))
+        value.inspect(|value| {
+            if function.home != Home::Library {
+                self.note_meaning(&function.name.span, value);
+            }
+            self.remember_call(&function.name.text, numbers, value);
+        })
     }
 }
 

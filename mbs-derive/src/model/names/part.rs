@@ -245,6 +245,9 @@ impl<'d, 'g> Resolver<'d, 'g> {
 
     fn declare_instance(&mut self, name: &Name, number: Option<usize>, instance: Option<Instance<'g>>) {
         let instance = instance.map(|instance| Value::Part(Rc::new(instance)));
+        if let Some(instance) = &instance {
+            self.note_meaning(&name.span, instance);
+        }
         let known = self.names.scope.in_body(&name.text).and_then(|known| match known.value.take() {
             Some(Value::Array(array)) => Some(array.values().to_vec()),
             _ => None,

@@ -42,6 +42,9 @@ impl<'d, 'g> Resolver<'d, 'g> {
     ) -> Resolved<()> {
         let number = self.number_of(index, MAX_LENGTH);
         let value = self.argument(value);
+        if let Ok(value) = &value {
+            self.note_meaning(&name.span, &value.value);
+        }
         let number = number?;
         let position = self.noted_output(docs, name, number)?;
         if let (Ok(value), None) = (&value, number) {

@@ -37,6 +37,13 @@ pub(in crate::model) struct Call<'c, 'g> {
     pub(in crate::model) span: &'c Span,
 }
 
+impl Builtin {
+    /// As it is called.
+    pub(in crate::model) fn form(&self) -> &'static str {
+        self.form
+    }
+}
+
 const fn entry(name: &'static str, form: &'static str, arguments: &'static [usize], apply: Apply) -> Builtin {
     Builtin { name, form, arguments, apply }
 }

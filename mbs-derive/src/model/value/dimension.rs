@@ -284,6 +284,14 @@ impl NamedUnit {
         UNITS.iter().find(|unit| unit.name == name)
     }
 
+    /// `1000 kg`, `kg·m/s²`.
+    pub(in crate::model) fn in_words(&self) -> String {
+        let dimension = Dimension::integers(self.exponents);
+        let scale = self.scale();
+        let base = if self.coherent == "rad" { "rad".to_string() } else { dimension.to_string() };
+        if scale.is_one() { base } else { format!("{} {base}", scale.to_f64()) }
+    }
+
     /// How many coherent units it is, exactly.
     fn scale(&self) -> Number {
         let (numerator, denominator, pi) = self.multiple;
