@@ -8,10 +8,12 @@
 //! - [`eval`]: every function's value at given states;
 //! - [`linearize`]: the linear system about a state, its poles, what inputs reach;
 //! - [`simulate`]: a motion as a table and as a figure;
-//! - [`fmu`]: the mechanism for tools that speak FMI.
+//! - [`fmu`]: the mechanism for tools that speak FMI;
+//! - [`mod@report`]: all of it on one page, moving.
 //!
 //! What they share: [`mechanism`] runs the generator's passes on a file, [`cache`] keeps what they gave, [`state`]
-//! reads states, [`mod@equations`] evaluates them along a motion, [`output`] writes, [`files`] sees that nothing that
+//! reads states, [`mod@equations`] evaluates them along a motion, [`scene`] says what there
+//! is to see of them, [`output`] writes, [`files`] sees that nothing that
 //! was read is overwritten, and [`failure`] is how a command ends early.
 //!
 //! Exit codes: 0 fine, 1 the model or the input is bad, 2 wrong usage. Results go to standard output or to the files
@@ -29,6 +31,8 @@ mod linearize;
 mod mechanism;
 mod ops;
 mod output;
+mod report;
+mod scene;
 mod simulate;
 mod state;
 
@@ -62,6 +66,7 @@ enum Command {
     Linearize(linearize::Arguments),
     Simulate(simulate::Arguments),
     Fmu(fmu::Arguments),
+    Report(report::Arguments),
 }
 
 fn main() -> ExitCode {
@@ -85,6 +90,7 @@ fn run(command: Command, cache: &Cache) -> Result<(), Failure> {
         Command::Linearize(arguments) => linearize::run(&arguments, cache),
         Command::Simulate(arguments) => simulate::run(&arguments, cache),
         Command::Fmu(arguments) => fmu::run(&arguments, cache),
+        Command::Report(arguments) => report::run(&arguments, cache),
     }
 }
 

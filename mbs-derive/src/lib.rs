@@ -28,6 +28,7 @@
 //! - `span`, `state`, [`variable`], [`numeric`]: what several passes need, and no mechanics;
 //! - [`diagnostic`]: what is wrong with a declaration, where, and what to write instead;
 //! - [`source`]: the files of a mechanism: its own, and those that it imports;
+//! - `scene`: what there is to see of a mechanism;
 //! - `review`: a mechanism as people review it;
 //! - `cargo`: build scripts, the only input and output.
 
@@ -47,6 +48,7 @@ pub mod numeric;
 pub mod optimise;
 pub mod parse;
 mod review;
+mod scene;
 mod shape;
 pub mod source;
 mod span;

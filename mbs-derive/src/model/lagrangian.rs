@@ -232,6 +232,9 @@ pub struct Lagrangian<'g> {
     pub landmarks: Landmarks<'g>,
     /// Where in the text choices stand, `if` and functions with a corner, by their numbers in the graph.
     pub choices: BTreeMap<Id, Choice>,
+    /// Vectors with the dimension of a length that local names and functions of whole numbers stand for, places among
+    /// them: the name (`joint_0` of `joint(0)`), the frame, and the coordinates in it. What a picture is drawn from.
+    pub named_lengths: Vec<(String, FrameId, Vector<'g>)>,
     /// What local names and functions stand for.
     pub(crate) locals: Vec<Local<'g>>,
 }
@@ -260,6 +263,7 @@ impl<'g> Lagrangian<'g> {
             frames: Frames::new(graph),
             landmarks: Landmarks::default(),
             choices: BTreeMap::new(),
+            named_lengths: Vec::new(),
             locals: Vec::new(),
         }
     }
