@@ -4,7 +4,7 @@
 //! In reading order:
 //!
 //! - `frame`: the tree of frames, each with its pose and its twist;
-//! - `lagrangian`: the result, and the calls that it is written by;
+//! - `lagrangian`: the result, and the calls that it is written by; `picture`: what there is to draw;
 //! - `landmark`: what some of its expressions stand for in space;
 //! - `names`: what names stand for: variables, functions, parts, arrays, what is imported;
 //! - `value`: what expressions stand for: numbers with dimensions, vectors, points and poses with frames;
@@ -19,6 +19,7 @@ pub(crate) mod landmark;
 #[cfg(test)]
 pub(crate) mod manual;
 mod names;
+mod picture;
 mod report;
 mod statement;
 mod value;
@@ -27,6 +28,7 @@ use crate::diagnostic::Diagnostics;
 use crate::expr::Graph;
 use crate::parse::syntax::Declaration;
 use names::function;
+use statement::drawing::has_shapes;
 use statement::reaction::Hold;
 use value::evaluate::Resolver;
 
@@ -46,7 +48,14 @@ pub(crate) fn resolve<'g>(
     graph: &'g Graph,
 ) -> Result<(Lagrangian<'g>, Diagnostics), Diagnostics> {
     let library = function::library();
-    let mut resolver = gone_through(declaration, &library, graph, Hold::of(declaration));
+    let mut resolver = gone_through(declaration, &library, graph, Hold::of(declaration), false);
+    if has_shapes(declaration) {
+        let drawn = gone_through(declaration, &library, graph, Hold::of(declaration), true);
+        if drawn.report.errors.has_errors() {
+            return Err(drawn.report.errors);
+        }
+        resolver.lagrangian.drawn = Some(Box::new(drawn.lagrangian));
+    }
     if !resolver.report.errors.has_errors() {
         resolver.check(&declaration.name);
     }
@@ -54,7 +63,7 @@ pub(crate) fn resolve<'g>(
         return Err(resolver.report.errors);
     }
     if let Some(hold) = resolver.released() {
-        let Resolver { lagrangian, report, .. } = gone_through(declaration, &library, graph, hold);
+        let Resolver { lagrangian, report, .. } = gone_through(declaration, &library, graph, hold, false);
         if report.errors.has_errors() {
             return Err(report.errors);
         }
@@ -63,14 +72,16 @@ pub(crate) fn resolve<'g>(
     Ok((resolver.lagrangian, resolver.report.errors))
 }
 
-/// The statements in order.
+/// The statements in order; `draws` says whether shapes are among them.
 fn gone_through<'d, 'g>(
     declaration: &'d Declaration,
     library: &'d Declaration,
     graph: &'g Graph,
     hold: Hold<'g>,
+    draws: bool,
 ) -> Resolver<'d, 'g> {
     let mut resolver = Resolver::new(graph, &declaration.name.text, declaration.dimensionless, hold);
+    resolver.draws = draws;
     resolver.lagrangian.docs = declaration.docs.clone();
     resolver.provide(&library.statements);
     resolver.import(&declaration.imported);
