@@ -1,4 +1,8 @@
 //! What there is to see of a mechanism, and where it is at a state: for pictures of all kinds.
+//!
+//! - [`mesh`]: triangles of files.
+
+pub(crate) mod mesh;
 
 use mbs_derive::Analysis;
 use mbs_derive::interpret::{Interpreter, State};
@@ -12,12 +16,36 @@ pub(crate) struct Scene {
     /// The programs of frames, bodies and places.
     pub(crate) derivation: Derivation,
     pub(crate) frames: usize,
-    /// Of each body the number of its frame, and whether it is a rigid body.
-    pub(crate) bodies: Vec<(usize, bool)>,
+    pub(crate) bodies: Vec<OfBody>,
+    pub(crate) shapes: Vec<OfShape>,
     /// Names, empty where there is none.
     pub(crate) places: Vec<String>,
     pub(crate) links: Vec<[usize; 2]>,
     pub(crate) traced: Vec<usize>,
+}
+
+/// A body of a scene.
+#[derive(Serialize, Deserialize)]
+pub(crate) struct OfBody {
+    /// The number of its frame.
+    pub(crate) frame: usize,
+    /// Whether it is a rigid body, no particle.
+    pub(crate) is_rigid: bool,
+    /// Whether shapes show it.
+    pub(crate) has_shape: bool,
+}
+
+/// A shape of a scene.
+#[derive(Serialize, Deserialize)]
+pub(crate) struct OfShape {
+    /// `box`, `cylinder`, `sphere` or `mesh`.
+    pub(crate) kind: String,
+    /// The file of a mesh, as written.
+    pub(crate) file: Option<String>,
+    /// Where the statement begins.
+    pub(crate) place: usize,
+    /// The number of its frame.
+    pub(crate) frame: usize,
 }
 
 /// A body at a state.
@@ -37,6 +65,17 @@ pub(crate) struct Body {
 pub(crate) struct Sight {
     pub(crate) bodies: Vec<Body>,
     pub(crate) places: Vec<Vector3<f64>>,
+    pub(crate) shapes: Vec<Shape>,
+}
+
+/// A shape at a state.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Shape {
+    /// The origin of its frame.
+    pub(crate) centre: Vector3<f64>,
+    pub(crate) attitude: UnitQuaternion<f64>,
+    /// As declared; of a cylinder radius and length, of a mesh factors.
+    pub(crate) sizes: Vector3<f64>,
 }
 
 /// Numbers of a body: mass, mass centre, inertia.
@@ -48,10 +87,22 @@ const FRAME: usize = 12;
 impl Scene {
     pub(crate) fn of(analysis: &Analysis<'_>) -> Self {
         let scene = analysis.scene();
+        let bodies = scene.bodies.iter();
+        let shapes = scene.shapes.into_iter();
         Scene {
             derivation: scene.derivation,
             frames: scene.frames,
-            bodies: scene.bodies,
+            bodies: bodies
+                .map(|body| OfBody { frame: body.frame, is_rigid: body.is_rigid, has_shape: body.has_shape })
+                .collect(),
+            shapes: shapes
+                .map(|shape| OfShape {
+                    kind: shape.kind.to_string(),
+                    file: shape.file,
+                    place: shape.place,
+                    frame: shape.frame,
+                })
+                .collect(),
             places: scene.places,
             links: scene.links,
             traced: scene.traced,
@@ -68,15 +119,22 @@ impl Scene {
         let values = |name: &str| {
             self.derivation.named(name).map_or(Vec::new(), |function| interpreter.evaluate(function, state))
         };
-        let [frames, bodies, places] = ["frames", "bodies", "places"].map(values);
+        let [frames, bodies, places, sizes] = ["frames", "bodies", "places", "shapes"].map(values);
         let vector = |numbers: &[f64]| Vector3::new(numbers[0], numbers[1], numbers[2]);
-        let body = |(own, (frame, _)): (&[f64], &(usize, bool))| {
-            let frame = &frames[FRAME * frame..FRAME * (frame + 1)];
-            let rotation = Matrix3::from_row_slice(&frame[3..]);
+        let pose = |number: usize| {
+            let frame = &frames[FRAME * number..FRAME * (number + 1)];
+            (vector(frame), Matrix3::from_row_slice(&frame[3..]))
+        };
+        let shape = |(own, shape): (&[f64], &OfShape)| {
+            let (centre, rotation) = pose(shape.frame);
+            Shape { centre, attitude: attitude(rotation), sizes: vector(own) }
+        };
+        let body = |(own, body): (&[f64], &OfBody)| {
+            let (origin, rotation) = pose(body.frame);
             let [xx, yy, zz, xy, xz, yz] = [4, 5, 6, 7, 8, 9].map(|i| own[i]);
             Body {
                 mass: own[0],
-                centre: vector(frame) + rotation * vector(&own[1..]),
+                centre: origin + rotation * vector(&own[1..]),
                 attitude: attitude(rotation),
                 inertia: Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz),
             }
@@ -84,6 +142,7 @@ impl Scene {
         Sight {
             bodies: bodies.chunks_exact(BODY).zip(&self.bodies).map(body).collect(),
             places: places.chunks_exact(3).map(vector).collect(),
+            shapes: sizes.chunks_exact(3).zip(&self.shapes).map(shape).collect(),
         }
     }
 }

@@ -30,6 +30,7 @@ use std::path::PathBuf;
 use clap::ValueEnum;
 use mbs_chart::Format;
 use mbs_derive::optimise::Derivation;
+use mbs_derive::source::Sources;
 use mbs_derive::variable::component_names;
 
 use drive::{Drive, Drives};
@@ -43,7 +44,7 @@ use crate::failure::Failure;
 use crate::files::Files;
 use crate::mechanism;
 use crate::output::{self, Staged};
-use crate::scene::Scene;
+use crate::scene::{Scene, mesh};
 use crate::state::{self, Point, Request};
 
 /// Integrate a mechanism's equations of motion from a state; parameters stay as they are, and so do inputs and
@@ -173,14 +174,22 @@ pub(crate) fn run(arguments: &Arguments, cache: &Cache) -> Result<(), Failure> {
         Some(_) => {
             let driven = drives.resolved(&derivation, (times[0], times[times.len() - 1]))?;
             let equations = Equations::new(&derivation, &point)?.with_driven(driven);
-            Some(animation(&mechanism::scene(&sources, cache)?, &equations, &point, &motion))
+            Some(animation(&mechanism::scene(&sources, cache)?, &sources, &equations, &point, &motion))
         }
     };
     deliver(&motion, animation, arguments)
 }
 
 /// The motion as glTF.
-fn animation(scene: &Scene, equations: &Equations<'_>, point: &Point, motion: &Motion) -> Vec<u8> {
+fn animation(
+    scene: &Scene,
+    sources: &Sources,
+    equations: &Equations<'_>,
+    point: &Point,
+    motion: &Motion,
+) -> Vec<u8> {
+    let (meshes, missing) = mesh::meshes(scene, sources);
+    output::report(&missing);
     let duration = motion.rows.last().map_or(0.0, |last| last.t) - motion.rows.first().map_or(0.0, |first| first.t);
     if let Some(factor) = gltf::slowdown(duration) {
         output::report(&format!("warning: the animation takes 10 s, the motion {factor:.3} times as long\n"));
@@ -190,7 +199,7 @@ fn animation(scene: &Scene, equations: &Equations<'_>, point: &Point, motion: &M
         let row = &motion.rows[row];
         equations.state(row.t, &row.values[..n], &row.values[n..2 * n])
     };
-    gltf::glb(&motion.name, scene, &point.parameters, motion, state)
+    gltf::glb((scene, &meshes), &point.parameters, motion, state)
 }
 
 /// No output is a file that was read, or another output.

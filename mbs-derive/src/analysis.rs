@@ -153,7 +153,7 @@ impl<'g> Analysis<'g> {
         latex::page(&self.lagrangian, &derive::routes(&self.lagrangian, &graph))
     }
 
-    /// Bodies, frames, places and lines as functions of the coordinates: what a picture is drawn from.
+    /// Bodies, shapes, frames, places and lines as functions of the coordinates: what a picture is drawn from.
     ///
     /// ```
     /// use mbs_derive::{Analysis, expr::Graph, source::Sources};

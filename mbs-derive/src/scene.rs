@@ -10,7 +10,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use crate::expr::{Expr, Id, Node, Vector};
 use crate::interpret::{Interpreter, State};
 use crate::model::frame::{Edge, FrameId};
-use crate::model::lagrangian::{Body, Output};
+use crate::model::lagrangian::{Body, Drawing, Output};
 use crate::model::{Lagrangian, OutputValue};
 use crate::numeric::Random;
 use crate::optimise::{self, Derivation};
@@ -26,13 +26,15 @@ const STATES: usize = 4;
 #[derive(Clone, Debug)]
 pub struct Scene {
     /// Programs of the outputs `frames` (position and rotation of each), `bodies` (mass, mass centre in the body's
-    /// frame, inertia about it there: xx, yy, zz, xy, xz, yz) and `places` (x, y, z in the world); of none where the
-    /// list is empty.
+    /// frame, inertia about it there: xx, yy, zz, xy, xz, yz), `places` (x, y, z in the world) and `shapes` (three
+    /// sizes each, as declared, the rest zero); of none where the list is empty.
     pub derivation: Derivation,
     /// How many frames; each stands behind the one it is attached to.
     pub frames: usize,
-    /// Of each body the number of its frame, and whether it is a rigid body, no particle.
-    pub bodies: Vec<(usize, bool)>,
+    /// What has inertia.
+    pub bodies: Vec<SceneBody>,
+    /// What bodies look like, as declared.
+    pub shapes: Vec<SceneShape>,
     /// Names of the places; empty of those that have none.
     pub places: Vec<String>,
     /// Pairs of places with a line between them.
@@ -41,11 +43,38 @@ pub struct Scene {
     pub traced: Vec<usize>,
 }
 
+/// A body of a scene.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SceneBody {
+    /// The number of its frame.
+    pub frame: usize,
+    /// Whether it is a rigid body, no particle.
+    pub is_rigid: bool,
+    /// Whether shapes are fixed to it, which show it.
+    pub has_shape: bool,
+}
+
+/// A shape of a scene.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct SceneShape {
+    /// `box`, `cylinder`, `sphere` or `mesh`.
+    pub kind: &'static str,
+    /// The file of a mesh, from the folder of the file that the statement stands in.
+    pub file: Option<String>,
+    /// Where the statement begins, among the texts of all files.
+    pub place: usize,
+    /// The number of its frame.
+    pub frame: usize,
+}
+
 impl Scene {
     /// Of a mechanism.
-    pub(crate) fn of(lagrangian: &Lagrangian<'_>) -> Self {
-        let (bodies, _) = lagrangian.bodies();
-        let frames = frames(lagrangian, &bodies);
+    pub(crate) fn of(declared: &Lagrangian<'_>) -> Self {
+        // Its first outputs are those that were declared; frames of shapes are among its frames.
+        let lagrangian = &declared.pictured();
+        let declared_outputs = &lagrangian.outputs[..declared.outputs.len()];
+        let (bodies, drawings) = (lagrangian.bodies().0, lagrangian.drawings());
+        let frames = frames(lagrangian, &bodies, declared_outputs);
         let number = |id: FrameId| frames.iter().position(|frame| *frame == id).unwrap_or_default();
         let mut finder = Finder::new(lagrangian);
         let origins: Vec<usize> =
@@ -65,7 +94,7 @@ impl Scene {
             finder.join(centre);
             traced.insert(centre);
         }
-        for output in &lagrangian.outputs {
+        for output in declared_outputs {
             for (name, position) in seen_in(lagrangian, output) {
                 let own = finder.place(position, &name);
                 finder.join(own);
@@ -79,10 +108,23 @@ impl Scene {
         let traced = traced.into_iter().filter(|&place| !finder.is_fixed(finder.places[place].1)).collect();
         let derivation = programs(lagrangian, &frames, &bodies, &finder.places);
         let links = finder.shown_links(&derivation, origins[0]);
+        let shown: BTreeSet<FrameId> = drawings.iter().map(|drawing| carrier(lagrangian, drawing.frame)).collect();
+        let of_body = |body: &Body<'_>| SceneBody {
+            frame: number(body.frame),
+            is_rigid: body.inertia.is_some(),
+            has_shape: shown.contains(&carrier(lagrangian, body.frame)),
+        };
+        let of_drawing = |drawing: &Drawing<'_>| SceneShape {
+            kind: drawing.kind,
+            file: drawing.file.clone(),
+            place: drawing.place.start,
+            frame: number(drawing.frame),
+        };
         Scene {
             derivation,
             frames: frames.len(),
-            bodies: bodies.iter().map(|body| (number(body.frame), body.inertia.is_some())).collect(),
+            bodies: bodies.iter().map(of_body).collect(),
+            shapes: drawings.iter().map(of_drawing).collect(),
             places: finder.places.into_iter().map(|(name, _)| name).collect(),
             links,
             traced,
@@ -90,11 +132,32 @@ impl Scene {
     }
 }
 
-/// The frames of bodies and outputs, and those that they hang from, the world first.
-fn frames(lagrangian: &Lagrangian<'_>, bodies: &[Body<'_>]) -> Vec<FrameId> {
-    let outputs = lagrangian.outputs.iter().flat_map(|output| output.value.frames().iter().copied());
+/// The frame that a frame does not move in, as near to the world as can be.
+fn carrier(lagrangian: &Lagrangian<'_>, frame: FrameId) -> FrameId {
+    let graph = lagrangian.graph;
+    let is_fixed = |values: &[Expr<'_>]| values.iter().all(|value| graph.is_parametric(value.id()));
+    let mut at = frame;
+    while let Some(parent) = lagrangian.frames.get(at).parent {
+        let stays = match lagrangian.frames.get(at).edge {
+            Some(Edge::Rotation { angle, .. }) => is_fixed(&[angle]),
+            Some(Edge::Quaternion(e)) => is_fixed(&e),
+            Some(Edge::Translation(shift)) => is_fixed(&shift.0),
+            None => true,
+        };
+        if !stays {
+            return at;
+        }
+        at = parent;
+    }
+    at
+}
+
+/// The frames of bodies, shapes and outputs, and those that they hang from, the world first.
+fn frames(lagrangian: &Lagrangian<'_>, bodies: &[Body<'_>], outputs: &[Output<'_>]) -> Vec<FrameId> {
+    let outputs = outputs.iter().flat_map(|output| output.value.frames().iter().copied());
+    let drawings = lagrangian.drawings().iter().map(|drawing| drawing.frame);
     let mut frames = BTreeSet::from([FrameId::WORLD]);
-    for leaf in bodies.iter().map(|body| body.frame).chain(outputs) {
+    for leaf in bodies.iter().map(|body| body.frame).chain(drawings).chain(outputs) {
         let ancestors = std::iter::successors(Some(leaf), |id| lagrangian.frames.get(*id).parent);
         frames.extend(ancestors);
     }
@@ -125,7 +188,7 @@ fn seen_in<'g>(lagrangian: &Lagrangian<'g>, output: &Output<'g>) -> Vec<(String,
     positions.into_iter().enumerate().map(|(i, position)| (name(i), position)).collect()
 }
 
-/// The programs of frames, bodies and places.
+/// The programs of frames, bodies, places and shapes.
 fn programs<'g>(
     lagrangian: &Lagrangian<'g>,
     frames: &[FrameId],
@@ -140,26 +203,26 @@ fn programs<'g>(
         });
         [&[body.mass], &body.com.0[..], &inertia].concat()
     };
+    let sizes = |drawing: &Drawing<'g>| [0, 1, 2].map(|i| drawing.sizes.get(i).copied().unwrap_or(zero));
     let numbers = |numbers: Vec<Expr<'g>>| (!numbers.is_empty()).then_some(OutputValue::Array(numbers));
     let values = [
         ("frames", Some(OutputValue::Poses(frames.to_vec()))),
         ("bodies", numbers(bodies.iter().flat_map(of_body).collect())),
         ("places", numbers(places.iter().flat_map(|(_, position)| position.0).collect())),
+        ("shapes", numbers(lagrangian.drawings().iter().flat_map(sizes).collect())),
     ];
     let output = |(name, value): (&str, Option<OutputValue<'g>>)| {
         let (name, docs, units) = (name.to_string(), Vec::new(), Vec::new());
         value.map(|value| Output { name, docs, units, value, jacobian_rate: false })
     };
-    let outputs = values.into_iter().filter_map(output).collect();
-    optimise::of_outputs(&Lagrangian {
-        outputs,
-        coordinates: lagrangian.coordinates.clone(),
-        parameters: lagrangian.parameters.clone(),
-        inputs: lagrangian.inputs.clone(),
-        prescribed: lagrangian.prescribed.clone(),
-        frames: lagrangian.frames.clone(),
-        ..Lagrangian::new(lagrangian.graph, &lagrangian.name)
-    })
+    let mut seen = Lagrangian::new(lagrangian.graph, &lagrangian.name);
+    seen.outputs = values.into_iter().filter_map(output).collect();
+    seen.coordinates = lagrangian.coordinates.clone();
+    seen.parameters = lagrangian.parameters.clone();
+    seen.inputs = lagrangian.inputs.clone();
+    seen.prescribed = lagrangian.prescribed.clone();
+    seen.frames = lagrangian.frames.clone();
+    optimise::of_outputs(&seen)
 }
 
 /// Gathers places and lines.
@@ -434,12 +497,32 @@ mod tests {
         let graph = Graph::verbatim();
         let (lagrangian, _) = crate::declared(text, &graph, &[]).unwrap();
         let scene = Scene::of(&lagrangian);
-        assert_eq!((scene.frames, &scene.bodies[..]), (4, &[(3, true)][..]));
+        let body = SceneBody { frame: 3, is_rigid: true, has_shape: false };
+        assert_eq!((scene.frames, &scene.bodies[..]), (4, &[body][..]));
         let found = links(text, &[0.0, 0.0]);
         assert_eq!(found, [[[0.0; 3], [1.0, 0.0, 0.0]], [[1.0, 0.0, 0.0], [1.0, 1.0, 0.0]]]);
         let state = State { q: vec![0.0, 0.0], ..State::default() };
         let bodies = Interpreter::new(&scene.derivation).evaluate(scene.derivation.named("bodies").unwrap(), &state);
         assert_eq!(bodies, [1.0, 0.0, 1.0, 0.0, 1.0, 1.0, 1.0, 0.0, 0.0, 0.0]);
+    }
+
+    #[test]
+    fn shapes_show_the_bodies_that_they_are_fixed_to() {
+        let text = "mechanism A { param m: kg = 1; param r: m = 0.5; coord a: rad; coord b: rad; const l: m = 1;
+            let upper = rot_y(a); let lower = upper * translation([l, 0, 0]) * rot_y(b);
+            kinetic += rigid_body(m, [0, 0, 0], diag(1, 1, 1)*m*l^2, upper);
+            kinetic += rigid_body(m, [0, 0, 0], diag(1, 1, 1)*m*l^2, lower);
+            shape lower * translation([0, 0, l]) += cylinder(r, l); }";
+        let graph = Graph::verbatim();
+        let (lagrangian, _) = crate::declared(text, &graph, &[]).unwrap();
+        let scene = Scene::of(&lagrangian);
+        assert_eq!(scene.bodies.iter().map(|body| body.has_shape).collect::<Vec<_>>(), [false, true]);
+        let [shape] = &scene.shapes[..] else { panic!("{:?}", scene.shapes) };
+        assert_eq!((shape.kind, shape.file.as_deref()), ("cylinder", None));
+        assert!(text[shape.place..].starts_with("shape lower"));
+        let state = State { q: vec![0.0, 0.0], ..State::default() };
+        let sizes = Interpreter::new(&scene.derivation).evaluate(scene.derivation.named("shapes").unwrap(), &state);
+        assert_eq!(sizes, [0.5, 1.0, 0.0]);
     }
 
     #[test]

@@ -1,11 +1,14 @@
 //! What the scripts of the page are told: names, units, functions with their arguments, what there is to see.
 
+use std::collections::BTreeMap;
+
 use mbs_derive::emit::Language;
 use mbs_derive::optimise::{Argument, Derivation, Function, FunctionKind};
 use mbs_derive::variable::Variable;
 use serde_json::{Map, Value, json};
 
 use super::Parts;
+use crate::scene::mesh::Triangles;
 use crate::state::Point;
 
 /// What the motion is computed and judged by.
@@ -33,9 +36,14 @@ pub(super) fn called(derivation: &Derivation) -> Vec<String> {
 }
 
 /// All of it.
-pub(super) fn about(parts: &Parts, start: &Point, end: f64) -> Value {
+pub(super) fn about(parts: &Parts, meshes: &BTreeMap<usize, Triangles>, start: &Point, end: f64) -> Value {
     let (derivation, scene) = (&parts.mechanism.derivation, &parts.scene);
-    let bodies = scene.bodies.iter().map(|(frame, is_rigid)| json!({ "frame": frame, "rigid": is_rigid }));
+    let bodies = scene.bodies.iter().map(|body| {
+        json!({ "frame": body.frame, "rigid": body.is_rigid, "shaped": body.has_shape })
+    });
+    let shapes = scene.shapes.iter().enumerate().map(|(number, shape)| {
+        json!({ "kind": shape.kind, "frame": shape.frame, "triangles": meshes.get(&number) })
+    });
     json!({
         "name": derivation.name,
         "coordinates": variables(&derivation.coordinates),
@@ -52,6 +60,7 @@ pub(super) fn about(parts: &Parts, start: &Point, end: f64) -> Value {
             "functions": functions(&scene.derivation, |_| true),
             "frames": scene.frames,
             "bodies": bodies.collect::<Vec<_>>(),
+            "shapes": shapes.collect::<Vec<_>>(),
             "places": scene.places,
             "links": scene.links,
             "traced": scene.traced,

@@ -2,7 +2,7 @@
 
 import { Model, Motion } from "./motion.js";
 import { Phase, Plot, number } from "./plot.js";
-import { add, ellipsoid, solid, turned } from "./solid.js";
+import { add, ellipsoid, pose, solid, turned } from "./solid.js";
 import { View, colour } from "./view.js";
 
 const SAMPLES = 1000;
@@ -355,6 +355,7 @@ class Page {
     for (const [a, b] of scene.links) view.rod(places[a], places[b], rod, [...this.theme.faint.slice(0, 3), 1]);
     for (const place of new Set(scene.links.flat())) view.ball(places[place], rod * 1.5, [...this.theme.faint.slice(0, 3), 1]);
     this.paintBodies(frames, bodies, size);
+    this.paintShapes(frames, see("shapes"));
     const axes = [colour("#d43f3f"), colour("#2e9e4f"), colour("#3b6fd4")];
     frames.slice(1).forEach((frame) => view.axes(frame, size * 0.13, axes, 1));
     view.axes({ position: [0, 0, 0], rotation: [[1, 0, 0], [0, 1, 0], [0, 0, 1]] }, size * 0.2, axes, 0.75);
@@ -380,7 +381,8 @@ class Page {
     const { view, about } = this;
     const masses = about.scene.bodies.map((_, i) => numbers[10 * i]);
     const heaviest = Math.max(...masses, 0);
-    about.scene.bodies.forEach(({ frame, rigid }, i) => {
+    about.scene.bodies.forEach(({ frame, rigid, shaped }, i) => {
+      if (shaped) return;
       const [mass, ...rest] = numbers.slice(10 * i, 10 * i + 10);
       const rgba = colour(BODIES[i % BODIES.length]);
       const { position, rotation } = frames[frame];
@@ -396,6 +398,22 @@ class Page {
       const columns = [0, 1, 2].map((k) => turned(rotation, [0, 1, 2].map((j) => shape.vectors[j][k])));
       const vectors = [0, 1, 2].map((j) => columns.map((column) => column[j]));
       view.solid("sphere", solid(place, { axes: shape.axes, vectors }, 0.012 * size), [...rgba.slice(0, 3), 0.94]);
+    });
+  }
+
+  paintShapes(frames, numbers) {
+    const { view, about } = this;
+    this.meshes ??= about.scene.shapes.map(({ triangles }) => triangles && view.triangles(triangles));
+    about.scene.shapes.forEach(({ kind, frame }, i) => {
+      const [x, y, z] = numbers.slice(3 * i, 3 * i + 3);
+      const rgba = colour(BODIES[i % BODIES.length]);
+      const at = pose(frames[frame]);
+      const forms = { box: [x / 2, y / 2, z / 2], cylinder: [x, x, y], sphere: [x, x, x], mesh: [x, y, z] };
+      const scaled = at.map((value, k) => (k < 12 ? value * forms[kind][Math.floor(k / 4)] : value));
+      if (kind === "mesh" && !this.meshes[i]) return;
+      // Cylinders stand about their middles.
+      if (kind === "cylinder") for (let k = 0; k < 3; k++) scaled[12 + k] -= scaled[8 + k] / 2;
+      view.solid(kind === "mesh" ? this.meshes[i] : kind, scaled, rgba);
     });
   }
 

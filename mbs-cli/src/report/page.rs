@@ -11,6 +11,8 @@ use super::{Parts, accuracy, in_script, module};
 use crate::check::freedom;
 use crate::check::plural;
 use crate::failure::Failure;
+use crate::output;
+use crate::scene::mesh;
 use crate::state::Point;
 
 const PAGE: &str = include_str!("page.html");
@@ -32,6 +34,8 @@ const MOST_EQUATIONS: usize = 1_200_000;
 
 /// All of it; the motion begins at `start` and takes `seconds`.
 pub(super) fn page(sources: &Sources, parts: &Parts, start: &Point, seconds: f64) -> Result<String, Failure> {
+    let (meshes, missing) = mesh::meshes(&parts.scene, sources);
+    output::report(&missing);
     let derivation = &parts.mechanism.derivation;
     let sections = [
         ("declaration", "Declaration", declaration(sources, derivation)),
@@ -68,7 +72,7 @@ pub(super) fn page(sources: &Sources, parts: &Parts, start: &Point, seconds: f64
         ("contents", &format!("<a href=\"#motion\">Motion</a>\n{contents}")),
         ("sections", &body),
         ("footer", &footer),
-        ("about", &in_script(&about(parts, start, seconds))),
+        ("about", &in_script(&about(parts, &meshes, start, seconds))),
         ("script", &ended_nowhere(&script)),
     ]))
 }
