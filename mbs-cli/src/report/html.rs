@@ -5,22 +5,35 @@ pub(super) fn escaped(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 
-/// A text with its `code`.
+/// A text with its `code` and its *emphasis*.
 pub(super) fn prose(text: &str) -> String {
-    let parts = text.split('`').enumerate();
-    let count = text.matches('`').count();
-    let marked = parts.map(|(i, part)| match (i % 2, i < count) {
-        (1, true) => format!("<code>{}</code>", escaped(part)),
-        // The last one of an odd number is a character.
-        (1, false) => format!("`{}", escaped(part)),
-        _ => escaped(part),
-    });
-    marked.collect()
+    let mut html = String::new();
+    let mut rest = text;
+    while let Some(start) = rest.find(['`', '*']) {
+        let (before, from) = rest.split_at(start);
+        let (mark, inside) = from.split_at(1);
+        html += &escaped(before);
+        let begins = mark == "`" || before.is_empty() || before.ends_with([' ', '(', '\n']);
+        let end = inside.find(mark).filter(|&end| begins && end > 0 && !inside.starts_with(' '));
+        rest = match end {
+            Some(end) => {
+                let tag = if mark == "`" { "code" } else { "em" };
+                html += &format!("<{tag}>{}</{tag}>", escaped(&inside[..end]));
+                &inside[end + 1..]
+            }
+            None => {
+                html += mark;
+                inside
+            }
+        };
+    }
+    html + &escaped(rest)
 }
 
 /// Doc comments, whose empty lines begin paragraphs.
 pub(super) fn paragraphs(docs: &[String]) -> String {
-    let text: Vec<&str> = docs.iter().flat_map(|doc| doc.lines()).map(str::trim).collect();
+    // An empty doc comment is an empty line.
+    let text: Vec<&str> = docs.iter().flat_map(|doc| doc.split('\n')).map(str::trim).collect();
     let text = text.join("\n");
     let paragraphs = text.split("\n\n").map(str::trim).filter(|paragraph| !paragraph.is_empty());
     paragraphs.map(|paragraph| format!("<p>{}</p>\n", prose(paragraph))).collect()
@@ -100,6 +113,7 @@ mod tests {
     fn code_is_marked_and_characters_mean_themselves() {
         assert_eq!(prose("a `b<c` d"), "a <code>b&lt;c</code> d");
         assert_eq!(prose("it`s <b>"), "it`s &lt;b&gt;");
+        assert_eq!(prose("(*A book*) 2*3 and *4"), "(<em>A book</em>) 2*3 and *4");
         assert_eq!(paragraphs(&["one".into(), "".into(), "two".into()]), "<p>one</p>\n<p>two</p>\n");
     }
 }

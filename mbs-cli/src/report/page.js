@@ -22,6 +22,10 @@ class Page {
     Object.assign(this, { about, model, time: about.start.t, playing: false, frames: 0, shown: null });
     this.values = {};
     this.plots = [];
+    // Messages are not held back as timers are.
+    const { port1, port2 } = new MessageChannel();
+    port1.onmessage = () => this.compute();
+    this.pump = port2;
     this.paths = [];
   }
 
@@ -135,9 +139,7 @@ class Page {
     this.fitted = false;
     this.columns = new Map();
     this.time = Math.min(this.time, end);
-    // So much that there is something to see at once.
-    this.motion.advance(12);
-    this.follow();
+    this.compute();
   }
 
   /** Places along what is known of the motion. */
@@ -150,16 +152,18 @@ class Page {
     }
   }
 
-  /** Goes on with the motion; whether there was something to do. */
+  /** Goes on with the motion in pieces, between which frames are drawn. */
   compute() {
     const { motion } = this;
     if (motion.done && this.fitted) return;
-    motion.advance(this.playing ? 7 : 12);
+    motion.advance(8);
     this.follow();
-    if (!motion.done && performance.now() - (this.lastPaint ?? 0) < 150) return;
-    this.lastPaint = performance.now();
-    if (motion.done) this.finish();
-    this.paintPlots();
+    if (motion.done || performance.now() - (this.lastPaint ?? 0) > 250) {
+      if (motion.done) this.finish();
+      this.paintPlots();
+      this.lastPaint = performance.now();
+    }
+    if (!motion.done) this.pump.postMessage(null);
   }
 
   finish() {
@@ -298,7 +302,6 @@ class Page {
     const passed = Math.min(0.1, (now - (this.last ?? now)) / 1000);
     this.last = now;
     if (this.motion === undefined) return;
-    this.compute();
     if (this.playing) {
       const { motion } = this;
       const known = motion.samples.at(-1).t;

@@ -52,10 +52,10 @@ fn coordinates(derivation: &Derivation, length: f64) -> Vec<f64> {
         for i in 0..variable.count() {
             let number = q.len() as f64;
             q.push(match variable.unit.as_str() {
-                "rad" => 0.5 + 0.7 / (1.0 + number),
+                "rad" => (100.0 * (0.5 + 0.7 / (1.0 + number))).round() / 100.0,
                 "1" if is_quaternion => f64::from(u8::from(i == 0)),
                 "1" => 0.3,
-                _ => length * (1.0 + 0.37 * number),
+                _ => length * (100.0 + 37.0 * number) / 100.0,
             });
         }
     }

@@ -1,6 +1,6 @@
 // The picture: plain WebGL, one shader for solids and one for lines. Axes are those of the world, z is up.
 
-import { add, between, cross, identity, length, lookAt, multiply, perspective, pose, scale, sub, unit } from "./solid.js";
+import { add, between, cross, dot, identity, length, lookAt, multiply, perspective, pose, scale, sub, unit } from "./solid.js";
 
 const SOLID = `
   attribute vec3 place; attribute vec3 normal;
@@ -200,7 +200,11 @@ export class View {
     const spans = high.map((x, i) => x - low[i]);
     this.centre = low.map((x, i) => (x + high[i]) / 2);
     this.radius = length(spans) / 2 || 1;
-    if (this.touched) return;
+    if (!this.touched) this.turnTo(spans);
+    this.reach = this.needed(places);
+  }
+
+  turnTo(spans) {
     const flat = 0.02 * Math.max(...spans);
     if (spans[1] <= flat && spans[2] > flat) [this.azimuth, this.elevation] = [-Math.PI / 2 + 0.25, 0.18];
     else if (spans[2] <= flat && spans[0] > flat) [this.azimuth, this.elevation] = [-Math.PI / 2 + 0.2, 1.0];
@@ -208,15 +212,28 @@ export class View {
     else [this.azimuth, this.elevation] = [-1.0, 0.4];
   }
 
+  /** How far away all of these places are seen. */
+  needed(places) {
+    const { right, above, away } = this.camera();
+    const high = Math.tan(ANGLE / 2);
+    const wide = high * Math.max(0.2, this.canvas.clientWidth / Math.max(1, this.canvas.clientHeight));
+    const far = places.map((place) => {
+      const way = sub(place, this.centre);
+      return dot(way, away) + Math.max(Math.abs(dot(way, above)) / high, Math.abs(dot(way, right)) / wide);
+    });
+    const least = (0.6 * this.radius) / high;
+    return 1.12 * far.reduce((most, x) => (x > most ? x : most), least) + 0.1 * this.radius;
+  }
+
   distance() {
-    return ((1.08 * this.radius) / Math.sin(ANGLE / 2)) * this.zoom;
+    return (this.reach ?? this.radius / Math.sin(ANGLE / 2)) * this.zoom;
   }
 
   camera() {
     const { azimuth, elevation } = this;
     const away = [Math.cos(elevation) * Math.cos(azimuth), Math.cos(elevation) * Math.sin(azimuth), Math.sin(elevation)];
     const right = unit(cross([0, 0, 1], away));
-    return { eye: add(this.centre, scale(away, this.distance())), right, above: cross(away, right) };
+    return { eye: add(this.centre, scale(away, this.distance())), right, above: cross(away, right), away };
   }
 
   begin(paper) {

@@ -39,16 +39,17 @@ export async function scriptsOf(html, name) {
 
 /** The state of a page as `--state` takes it. */
 export function stateOf({ parameters, prescribed, start }) {
-  const shaped = (variables, values, each = (value) => value) =>
+  const shaped = (variables, values) =>
     Object.fromEntries(
       variables.map(({ name, first, names, lengths }) => {
-        const own = values.slice(first, first + names.length).map(each);
+        const own = values.slice(first, first + names.length);
         const rows = () => Array.from({ length: lengths[0] }, (_, i) => own.slice(i * lengths[1], (i + 1) * lengths[1]));
         return [name, lengths.length === 0 ? own[0] : lengths.length === 1 ? own : rows()];
       }),
     );
   const { t, q, qd, u } = start;
-  return { t, q, qd, u, params: shaped(parameters, start.parameters), prescribed: shaped(prescribed, start.prescribed) };
+  const signals = prescribed.flatMap(({ names }) => names).map((name, i) => [name, start.prescribed[i]]);
+  return { t, q, qd, u, params: shaped(parameters, start.parameters), prescribed: Object.fromEntries(signals) };
 }
 
 /** All numbers of a value, in order. */
