@@ -181,13 +181,7 @@ pub(crate) fn run(arguments: &Arguments, cache: &Cache) -> Result<(), Failure> {
 }
 
 /// The motion as glTF.
-fn animation(
-    scene: &Scene,
-    sources: &Sources,
-    equations: &Equations<'_>,
-    point: &Point,
-    motion: &Motion,
-) -> Vec<u8> {
+fn animation(scene: &Scene, sources: &Sources, equations: &Equations<'_>, point: &Point, motion: &Motion) -> Vec<u8> {
     let (meshes, missing) = mesh::meshes(scene, sources);
     output::report(&missing);
     let duration = motion.rows.last().map_or(0.0, |last| last.t) - motion.rows.first().map_or(0.0, |first| first.t);

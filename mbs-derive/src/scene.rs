@@ -181,7 +181,9 @@ fn seen_in<'g>(lagrangian: &Lagrangian<'g>, output: &Output<'g>) -> Vec<(String,
                 _ => Vec::new(),
             }
         }
-        OutputValue::Array(_) | OutputValue::Scalar(_) | OutputValue::Matrix(_) | OutputValue::Matrices(_) => Vec::new(),
+        OutputValue::Array(_) | OutputValue::Scalar(_) | OutputValue::Matrix(_) | OutputValue::Matrices(_) => {
+            Vec::new()
+        }
     };
     let several = positions.len() > 1;
     let name = |i: usize| if several { format!("{}_{i}", output.name) } else { output.name.clone() };
@@ -402,7 +404,12 @@ impl<'l, 'g> Finder<'l, 'g> {
         };
         let rigid = self.supposed.iter().filter(|link| keeps(link));
         let mut links: Vec<[usize; 2]> = self.links.iter().chain(rigid).copied().collect();
-        links.retain(|[a, b]| a != b && !(self.is_fixed(self.places[*a].1) && self.is_fixed(self.places[*b].1) && (*a != world && *b != world)));
+        links.retain(|[a, b]| {
+            a != b
+                && !(self.is_fixed(self.places[*a].1)
+                    && self.is_fixed(self.places[*b].1)
+                    && (*a != world && *b != world))
+        });
         links.iter_mut().for_each(|link| link.sort_unstable());
         links.sort_unstable();
         links.dedup();
@@ -475,8 +482,13 @@ mod tests {
             kinetic += 1/2*m*l^2*dt(b)^2;
             constraint closure: knee + along(a + b) = base + along(b); }";
         let found = links(text, &[0.0, 0.0]);
-        for wanted in [[[0.0; 3], [1.0, 0.0, 0.0]], [[1.0, 0.0, 0.0], [2.0, 0.0, 0.0]], [[3.0, 0.0, 0.0], [4.0, 0.0, 0.0]]] {
-            assert!(found.iter().any(|link| *link == wanted || *link == [wanted[1], wanted[0]]), "{wanted:?} {found:?}");
+        for wanted in
+            [[[0.0; 3], [1.0, 0.0, 0.0]], [[1.0, 0.0, 0.0], [2.0, 0.0, 0.0]], [[3.0, 0.0, 0.0], [4.0, 0.0, 0.0]]]
+        {
+            assert!(
+                found.iter().any(|link| *link == wanted || *link == [wanted[1], wanted[0]]),
+                "{wanted:?} {found:?}"
+            );
         }
         let text = "mechanism A { param m: kg = 1; coord x: m; coord y: m; const d: m = 3;
             fn joint(i) = [x + i*d, y, 0]; fn foot(i) = [i*d, 0, -d]; fn leg(i) = joint(i) - foot(i);

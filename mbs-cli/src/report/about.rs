@@ -8,7 +8,7 @@ use mbs_derive::variable::Variable;
 use serde_json::{Map, Value, json};
 
 use super::Parts;
-use crate::scene::mesh::Triangles;
+use crate::scene::mesh::{self, Triangles};
 use crate::state::Point;
 
 /// What the motion is computed and judged by.
@@ -26,7 +26,8 @@ const NEEDED: [FunctionKind; 9] = [
 
 /// Whether the page calls it.
 fn is_called(function: &Function) -> bool {
-    let is_empty = function.kind == FunctionKind::Conserved && function.results.iter().all(|part| part.shape.count() == 0);
+    let is_empty =
+        function.kind == FunctionKind::Conserved && function.results.iter().all(|part| part.shape.count() == 0);
     (NEEDED.contains(&function.kind) && !is_empty) || matches!(function.kind, FunctionKind::Output(_))
 }
 
@@ -38,12 +39,15 @@ pub(super) fn called(derivation: &Derivation) -> Vec<String> {
 /// All of it.
 pub(super) fn about(parts: &Parts, meshes: &BTreeMap<usize, Triangles>, start: &Point, end: f64) -> Value {
     let (derivation, scene) = (&parts.mechanism.derivation, &parts.scene);
-    let bodies = scene.bodies.iter().map(|body| {
-        json!({ "frame": body.frame, "rigid": body.is_rigid, "shaped": body.has_shape })
-    });
-    let shapes = scene.shapes.iter().enumerate().map(|(number, shape)| {
-        json!({ "kind": shape.kind, "frame": shape.frame, "triangles": meshes.get(&number) })
-    });
+    let has_meshes = mesh::are_all(scene, meshes);
+    let bodies = scene
+        .bodies
+        .iter()
+        .map(|body| json!({ "frame": body.frame, "rigid": body.is_rigid, "shaped": body.has_shape && has_meshes }));
+    let shapes =
+        scene.shapes.iter().enumerate().map(
+            |(number, shape)| json!({ "kind": shape.kind, "frame": shape.frame, "triangles": meshes.get(&number) }),
+        );
     json!({
         "name": derivation.name,
         "coordinates": variables(&derivation.coordinates),

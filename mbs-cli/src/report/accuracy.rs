@@ -7,8 +7,8 @@ use mbs_runtime::RedundantRows;
 
 use crate::failure::Failure;
 use crate::simulate::drive::Driven;
-use crate::simulate::motion::{Drift, Motion, Settings};
 use crate::simulate::method::{Accuracy, Method};
+use crate::simulate::motion::{Drift, Motion, Settings};
 use crate::simulate::record::Recorder;
 use crate::state::Point;
 

@@ -50,7 +50,10 @@ pub(super) fn table(head: &[String], rows: &[Vec<String>], numbers: usize) -> St
         row.iter().enumerate().map(|(i, cell)| format!("<{tag}{}>{cell}</{tag}>", class(i))).collect()
     };
     let body: String = rows.iter().map(|row| format!("<tr>{}</tr>\n", cells(row, "td"))).collect();
-    format!("<div class=\"wide\"><table>\n<thead><tr>{}</tr></thead>\n<tbody>\n{body}</tbody></table></div>\n", cells(head, "th"))
+    format!(
+        "<div class=\"wide\"><table>\n<thead><tr>{}</tr></thead>\n<tbody>\n{body}</tbody></table></div>\n",
+        cells(head, "th")
+    )
 }
 
 /// A section of the page with its heading.

@@ -170,6 +170,7 @@ class Page {
     const { motion, about } = this;
     this.fitted = true;
     const seen = this.paths.filter((_, i) => i % 5 === 0).flatMap((places) => this.around(places));
+    motion.samples.filter((_, i) => i % 50 === 0).forEach((sample) => seen.push(...this.corners(sample)));
     this.view?.fit(seen.length > 0 ? seen : [[-1, -1, -1], [1, 1, 1]]);
     const { accepted, evaluations } = motion.integrator?.summary ?? { accepted: 0, evaluations: 0 };
     if (motion.error !== null) return this.say(`The motion ends: ${motion.error.message}`, true);
@@ -180,7 +181,29 @@ class Page {
     this.say(`${accepted} steps, ${evaluations} accelerations; energy changes by ${number(change, 2)} J at most${residual}.`);
   }
 
-  /** Places, and the corners of what is about them. */
+  /** The corners of boxes about bodies and shapes. */
+  corners({ t, q, qd }) {
+    const { about, model } = this;
+    const see = (name) => (name in about.scene.functions ? model.see(name, t, q, qd) : []);
+    const [frames, bodies, shapes] = [see("frames"), see("bodies"), see("shapes")];
+    const boxed = ([x, y, z], r) => [-r, r].flatMap((a) => [-r, r].flatMap((b) => [-r, r].map((c) => [x + a, y + b, z + c])));
+    const ofBody = ({ frame, rigid, shaped }, i) => {
+      const [mass, ...rest] = bodies.slice(10 * i, 10 * i + 10);
+      const shape = rigid && !shaped ? ellipsoid(mass, rest.slice(3)) : undefined;
+      if (shape === undefined) return [];
+      const { position, rotation } = frames[frame];
+      return boxed(add(position, turned(rotation, rest.slice(0, 3))), 0.8 * Math.max(...shape.axes));
+    };
+    const ofShape = ({ kind, frame, triangles }, i) => {
+      const sizes = shapes.slice(3 * i, 3 * i + 3);
+      const reach = (triangles ?? []).flat(2).reduce((most, x) => Math.max(most, Math.abs(x)), 0);
+      const size = kind === "mesh" ? reach * Math.max(...sizes) : Math.max(...sizes) * (kind === "box" ? 0.5 : 1);
+      return boxed(frames[frame].position, 0.8 * size);
+    };
+    return [...about.scene.bodies.flatMap(ofBody), ...about.scene.shapes.flatMap(ofShape)];
+  }
+
+  /** Flat numbers as places. */
   around(places) {
     const all = [];
     for (let i = 0; i < places.length; i += 3) all.push(places.slice(i, i + 3));

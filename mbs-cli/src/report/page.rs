@@ -46,8 +46,7 @@ pub(super) fn page(sources: &Sources, parts: &Parts, start: &Point, seconds: f64
         ("accuracy", "Accuracy", accuracy(derivation, start, seconds)),
         ("proof", "Proof", proof(parts)),
     ];
-    let contents: String =
-        sections.iter().map(|(id, title, _)| format!("<a href=\"#{id}\">{title}</a>\n")).collect();
+    let contents: String = sections.iter().map(|(id, title, _)| format!("<a href=\"#{id}\">{title}</a>\n")).collect();
     let body: String = sections.iter().map(|(id, title, body)| section(id, title, body)).collect();
     let name = sources.portable_name();
     let scene = &parts.scene.derivation;
@@ -59,11 +58,8 @@ pub(super) fn page(sources: &Sources, parts: &Parts, start: &Point, seconds: f64
         module(scene, name, see),
         bundle(&SCRIPTS),
     );
-    let footer = format!(
-        "Written by mbs {} from {}. This page asks for no other file.",
-        env!("CARGO_PKG_VERSION"),
-        code(name)
-    );
+    let footer =
+        format!("Written by mbs {} from {}. This page asks for no other file.", env!("CARGO_PKG_VERSION"), code(name));
     Ok(filled(&[
         ("title", &escaped(&derivation.name)),
         ("style", STYLE),
@@ -125,7 +121,10 @@ fn declaration(sources: &Sources, derivation: &Derivation) -> String {
         let rows: Vec<Vec<String>> = variables.iter().map(|variable| row(variable, has_values)).collect();
         html += &format!("<h3>{title}</h3>\n{}", table(&head, &rows, usize::MAX));
     }
-    html + &format!("<h3>As entered</h3>\n<p class=\"note\">Energies, forces and constraints are marked.</p>\n{}", entered(sources))
+    html + &format!(
+        "<h3>As entered</h3>\n<p class=\"note\">Energies, forces and constraints are marked.</p>\n{}",
+        entered(sources)
+    )
 }
 
 fn row(variable: &Variable, has_value: bool) -> Vec<String> {
@@ -161,8 +160,11 @@ fn entered(sources: &Sources) -> String {
         format!("<span{class}>{}</span>", escaped(line))
     });
     let others = sources.names().skip(1).map(code).collect::<Vec<_>>();
-    let others =
-        if others.is_empty() { String::new() } else { format!("<p class=\"note\">It imports {}.</p>\n", others.join(", ")) };
+    let others = if others.is_empty() {
+        String::new()
+    } else {
+        format!("<p class=\"note\">It imports {}.</p>\n", others.join(", "))
+    };
     format!("<pre id=\"declared\">{}</pre>\n{others}", lines.collect::<Vec<_>>().join(""))
 }
 
@@ -170,7 +172,9 @@ fn entered(sources: &Sources) -> String {
 fn equations(html: &str) -> String {
     let start = html.find("<table class=\"symbols\">").and_then(|start| {
         let mut end = start;
-        while let Some(next) = html[end..].strip_prefix("<table class=\"symbols\">").and_then(|rest| rest.find("</table>\n")) {
+        while let Some(next) =
+            html[end..].strip_prefix("<table class=\"symbols\">").and_then(|rest| rest.find("</table>\n"))
+        {
             end += "<table class=\"symbols\">".len() + next + "</table>\n".len();
         }
         Some(end)
@@ -270,7 +274,9 @@ fn accuracy(derivation: &Derivation, start: &Point, seconds: f64) -> String {
     };
     let kept = accuracy::kept(derivation, &motion);
     let [change, scale] = kept.energy;
-    let mut html = format!("<p>Along the motion above, by DOP853 with tolerances of 10<sup>−10</sup> and 10<sup>−12</sup>, T + V ");
+    let mut html = format!(
+        "<p>Along the motion above, by DOP853 with tolerances of 10<sup>−10</sup> and 10<sup>−12</sup>, T + V "
+    );
     html += &match (derivation.conserved.iter().any(|name| name == "energy_integral"), scale > 0.0) {
         (true, true) => format!("stays within {} J, {} of the largest of T and V.", size(change), size(change / scale)),
         _ => format!("changes by {} J at most.", size(change)),
@@ -281,10 +287,8 @@ fn accuracy(derivation: &Derivation, start: &Point, seconds: f64) -> String {
     html += "</p>\n<p>What rounding may do to each function at 21 states of it: a running error bound in doubles, relative to \
              the largest component, of the state for which it is largest.</p>\n";
     let bounds = accuracy::bounds(derivation, start, &motion);
-    let rows: Vec<Vec<String>> = bounds
-        .iter()
-        .map(|bound| vec![code(&bound.function), bound.relative.map_or("–".to_string(), size)])
-        .collect();
+    let rows: Vec<Vec<String>> =
+        bounds.iter().map(|bound| vec![code(&bound.function), bound.relative.map_or("–".to_string(), size)]).collect();
     html + &table(&["function".to_string(), "relative error, at most".to_string()], &rows, 1)
 }
 
@@ -339,7 +343,10 @@ mod tests {
     #[test]
     fn long_equations_are_cut_and_it_is_said() {
         let line = format!("<tr><td>{}</td></tr>\n", "x".repeat(1000));
-        let html = format!("<h3>A</h3>\n<table class=\"symbols\">\n</table>\n<h4>M</h4>\n<table class=\"align\">\n{}</table>\n", line.repeat(1300));
+        let html = format!(
+            "<h3>A</h3>\n<table class=\"symbols\">\n</table>\n<h4>M</h4>\n<table class=\"align\">\n{}</table>\n",
+            line.repeat(1300)
+        );
         let cut = equations(&html);
         assert!(cut.len() < MOST_EQUATIONS + 2000, "{}", cut.len());
         assert!(cut.contains("lines of these equations; ") && !cut.contains("<h3>"), "{}", &cut[..300]);

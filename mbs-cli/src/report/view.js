@@ -8,7 +8,7 @@ const SOLID = `
   varying vec3 n; varying vec3 p;
   void main() {
     vec4 at = model * vec4(place, 1.0);
-    n = mat3(model[0].xyz / flatten.x, model[1].xyz / flatten.y, model[2].xyz / flatten.z) * normal;
+    n = normalize(mat3(model[0].xyz / flatten.x, model[1].xyz / flatten.y, model[2].xyz / flatten.z) * normal);
     p = at.xyz;
     gl_Position = lens * at;
   }`;

@@ -16,6 +16,11 @@ const MOST_TRIANGLES: usize = 60_000;
 /// Corners of triangles, in the units of the file.
 pub(crate) type Triangles = Vec<[[f32; 3]; 3]>;
 
+/// Whether all meshes of a scene are there: else bodies are drawn by their inertias, beside the shapes that there are.
+pub(crate) fn are_all(scene: &Scene, meshes: &BTreeMap<usize, Triangles>) -> bool {
+    scene.shapes.iter().filter(|shape| shape.file.is_some()).count() == meshes.len()
+}
+
 /// The meshes of a scene by the numbers of their shapes, and a line for each that is not there.
 pub(crate) fn meshes(scene: &Scene, sources: &Sources) -> (BTreeMap<usize, Triangles>, String) {
     let (mut found, mut warnings, mut count) = (BTreeMap::new(), String::new(), 0);

@@ -14,7 +14,7 @@ use nalgebra::{Unit, UnitQuaternion, Vector3};
 use serde_json::{Value, json};
 
 use super::motion::Motion;
-use crate::scene::mesh::Triangles;
+use crate::scene::mesh::{self, Triangles};
 use crate::scene::{Body, Scene, Shape, Sight, ellipsoid};
 
 /// Durations in seconds that are shown as they are, and what the others are shown in.
@@ -70,7 +70,7 @@ pub(crate) fn glb(
     let heaviest = sights[0].bodies.iter().fold(0.0_f64, |most, body| most.max(body.mass));
     for (number, first) in sights[0].bodies.iter().enumerate() {
         let Some(shape) = shape(first, size, heaviest) else { continue };
-        if scene.bodies[number].has_shape {
+        if scene.bodies[number].has_shape && mesh::are_all(scene, meshes) {
             continue;
         }
         let track: Vec<Key> = sights.iter().map(|sight| key_of(&sight.bodies[number])).collect();
@@ -79,14 +79,14 @@ pub(crate) fn glb(
     }
     for (number, of) in scene.shapes.iter().enumerate() {
         let own = sights[0].shapes[number];
-        let own_mesh = meshes.get(&number).filter(|triangles| !triangles.is_empty());
+        let own_mesh = meshes.get(&number).map(facets).filter(|mesh| !mesh.indices.is_empty());
         let [x, y, z] = [0, 1, 2].map(|i| own.sizes[i]);
         let (form, scale) = match (of.kind.as_str(), own_mesh) {
             ("box", _) => (file.form("box", cube), [x / 2.0, y / 2.0, z / 2.0]),
             // About its middle.
             ("cylinder", _) => (file.form("centred", || centred(cylinder())), [x, x, y]),
             ("sphere", _) => (sphere, [x; 3]),
-            (_, Some(triangles)) => (file.mesh(&facets(triangles)), [x, y, z]),
+            (_, Some(mesh)) => (file.mesh(&mesh), [x, y, z]),
             (_, None) => continue,
         };
         let track: Vec<Key> = sights.iter().map(|sight| key_of_shape(&sight.shapes[number])).collect();
@@ -120,7 +120,8 @@ fn keys(motion: &Motion) -> Vec<(usize, f32)> {
 
 /// Half the diagonal of the box of all places, or 1.
 fn extent(sights: &[Sight]) -> f64 {
-    let places = sights.iter().flat_map(|sight| sight.bodies.iter().map(|body| body.centre).chain(sight.places.iter().copied()));
+    let places =
+        sights.iter().flat_map(|sight| sight.bodies.iter().map(|body| body.centre).chain(sight.places.iter().copied()));
     let (mut low, mut high) = (Vector3::repeat(f64::INFINITY), Vector3::repeat(f64::NEG_INFINITY));
     for place in places.filter(|place| place.iter().all(|x| x.is_finite())) {
         (low, high) = (low.inf(&place), high.sup(&place));
@@ -174,9 +175,15 @@ fn between(from: Vector3<f64>, to: Vector3<f64>, radius: f64) -> Key {
     let turn = Unit::try_new(way, 0.0)
         .and_then(|along| UnitQuaternion::rotation_between_axis(&Vector3::z_axis(), &along))
         // Straight down.
-        .unwrap_or_else(|| UnitQuaternion::from_axis_angle(&Vector3::x_axis(), if way.z < 0.0 { f64::from(PI) } else { 0.0 }));
+        .unwrap_or_else(|| {
+            UnitQuaternion::from_axis_angle(&Vector3::x_axis(), if way.z < 0.0 { f64::from(PI) } else { 0.0 })
+        });
     let length = way.norm().max(1e-9 * radius);
-    Key { translation: floats(&from), rotation: quaternion(&turn), scale: floats(&Vector3::new(radius, radius, length)) }
+    Key {
+        translation: floats(&from),
+        rotation: quaternion(&turn),
+        scale: floats(&Vector3::new(radius, radius, length)),
+    }
 }
 
 /// Triangles with normals.

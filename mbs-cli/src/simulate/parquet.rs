@@ -58,7 +58,8 @@ mod tests {
         let mut file = tempfile::tempfile().unwrap();
         std::io::Write::write_all(&mut file, &table(&motion, true).unwrap()).unwrap();
         let reader = SerializedFileReader::new(file).unwrap();
-        let names: Vec<&str> = reader.metadata().file_metadata().schema().get_fields().iter().map(|f| f.name()).collect();
+        let names: Vec<&str> =
+            reader.metadata().file_metadata().schema().get_fields().iter().map(|f| f.name()).collect();
         assert_eq!(names, ["t_s", "x_m", "x_dot_m_s"]);
         let rows: Vec<_> = reader.get_row_iter(None).unwrap().map(Result::unwrap).collect();
         assert_eq!(rows.len(), 3);

@@ -24,7 +24,7 @@ const SHOWN = [
     end: 4,
   }],
   ["models/mechanisms/stewart_platform.mbs", {
-    state: { q: [0.1, 0, 1.1, 0.1, 0.15, 0.2], u: [1060, 1060, 1060, 1060, 1060, 1060] }, end: 2,
+    state: { q: [0.1, 0, 1.1, 0.1, 0.15, 0.2], u: [1300, 1300, 1300, 1300, 1300, 1300] }, end: 0.5,
   }],
   ["models/mechanisms/two_body.mbs", {
     state: { q: [0, 0, 0, 3.844e8, 0, 0], qd: [0, -12.5, 0, 0, 1018, 0] }, end: 2360000,

@@ -192,12 +192,8 @@ fn plain(text: &str) -> String {
 
 /// The character that a command stands for, and what is behind it.
 fn character(text: &str) -> (&str, &str) {
-    const NAMED: [(&str, &str); 4] = [
-        ("\\textbackslash{}", "\\"),
-        ("\\textasciitilde{}", "∼"),
-        ("\\textasciicircum{}", "^"),
-        ("\\dots{}", "…"),
-    ];
+    const NAMED: [(&str, &str); 4] =
+        [("\\textbackslash{}", "\\"), ("\\textasciitilde{}", "∼"), ("\\textasciicircum{}", "^"), ("\\dots{}", "…")];
     if let Some((name, letter)) = NAMED.into_iter().find(|(name, _)| text.starts_with(name)) {
         return (letter, &text[name.len()..]);
     }
@@ -228,7 +224,8 @@ mod tests {
                      \\begin{align*}\n  T &= 1 \\\\\n  &\\quad + x\n\\end{align*}}\nToo long -- \\texttt{a\\_b}.\n\n\
                      \\end{document}\n";
         let html = html(latex);
-        let open = "<h3>A_B</h3>\n<p>A <em>bob</em>, <math><mrow><msub><mi>m</mi><mn>1</mn></msub></mrow></math>.</p>\n";
+        let open =
+            "<h3>A_B</h3>\n<p>A <em>bob</em>, <math><mrow><msub><mi>m</mi><mn>1</mn></msub></mrow></math>.</p>\n";
         assert!(html.starts_with(open), "{html}");
         assert!(html.contains("<tr><th>symbol</th><th>unit</th></tr>"), "{html}");
         assert!(html.contains("<td>kg &amp; more</td>"), "{html}");

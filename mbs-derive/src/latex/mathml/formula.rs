@@ -335,7 +335,9 @@ mod tests {
 
     #[test]
     fn anything_else_stays_as_it_was_written() {
-        for latex in ["\\unknown{x}", "{x", "x}", "\\frac{1}", "\\begin{pmatrix}a\\end{pmatrix}", "\\left(x", "a & b", "\\"] {
+        for latex in
+            ["\\unknown{x}", "{x", "x}", "\\frac{1}", "\\begin{pmatrix}a\\end{pmatrix}", "\\left(x", "a & b", "\\"]
+        {
             let html = formula(latex);
             assert_eq!(html, format!("<code>{}</code>", escaped(latex)), "{latex}");
         }

@@ -2,8 +2,8 @@
 
 use crate::expr::{Expr, Node, Number, Vector};
 use crate::model::frame::FrameId;
-use crate::model::value::dimension::Dimension;
 use crate::model::value::Value;
+use crate::model::value::dimension::Dimension;
 use crate::model::value::evaluate::{Argument, Resolver};
 
 /// A number that a name of the text stands for: `leg(0).x`, or `length` in the first turn of a loop.
