@@ -20,7 +20,7 @@ const SHADED = `
     if (dot(up, p) > 0.0) up = -up;
     float key = max(dot(up, normalize(vec3(0.35, 0.7, 0.6))), 0.0);
     float back = max(dot(up, normalize(vec3(-0.6, -0.1, 0.4))), 0.0);
-    float light = mix(0.42 + 0.52 * key + 0.14 * back, 1.0, glow);
+    float light = mix(0.56 + 0.42 * key + 0.12 * back, 1.0, glow);
     gl_FragColor = vec4(colour.rgb * light, colour.a);
   }`;
 const LINE = `
