@@ -2,9 +2,9 @@
 //!
 //! - [`mod@page`]: the page, section by section; [`html`]: its elements;
 //! - [`about`]: what the scripts are told;
-//! - [`start`]: a state to begin with, where none is given; [`accuracy`]: what rounding does along the motion from there;
-//! - `report/page.html`, `style.css`, `*.js`: the page's own parts, modules that are written one after the other into one
-//!   script. `dop853.js`, `projection.js` and `motion.js` are tested in node against `mbs simulate`.
+//! - [`start`]: a state to begin with, where none is given; [`accuracy`]: what rounding does along the motion from it;
+//! - `report/page.html`, `style.css`, `*.js`: the page's own parts, modules that are written one after the other into
+//!   one script. `dop853.js`, `projection.js` and `motion.js` are tested in node against `mbs simulate`.
 
 mod about;
 mod accuracy;
@@ -30,8 +30,8 @@ use crate::output;
 use crate::scene::Scene;
 use crate::state::{self, Point, Request};
 
-/// Write a page about a mechanism: its declaration, typeset equations, costs, accuracy and proof, and the mechanism itself,
-/// moving, with sliders for parameters and state.
+/// Write a page about a mechanism: its declaration, typeset equations, costs, accuracy and proof, and the mechanism
+/// itself, moving, with sliders for parameters and state.
 ///
 /// The page is one file without network: it opens from a disk, in any browser. Its motion is computed in it, by the
 /// emitted JavaScript.
@@ -46,8 +46,8 @@ pub(crate) struct Arguments {
     /// Write to a file instead of standard output.
     #[arg(long, value_name = "FILE.html")]
     out: Option<PathBuf>,
-    /// The state from which it moves at first: a file, `-` for standard input, or JSON itself, {"q": […], "qd": […], "u":
-    /// […], "params": {…}}, all but q optional. One that moves is chosen if not given.
+    /// The state from which it moves at first: a file, `-` for standard input, or JSON itself, {"q": […], "qd": […],
+    /// "u": […], "params": {…}}, all but q optional. One that moves is chosen if not given.
     #[arg(long, value_name = "STATE.json")]
     state: Option<String>,
     /// Seconds from there.

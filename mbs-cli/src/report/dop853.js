@@ -1,8 +1,8 @@
-// Dormand and Prince's method of order 8(5,3), as `mbs_runtime::Dop853` has it: the same operations in the same order, so
-// that a motion in the page is the one that `mbs simulate` writes.
+// Dormand and Prince's method of order 8(5,3), as `mbs_runtime::Dop853` has it: the same operations in the same
+// order, so that a motion in the page is the one that `mbs simulate` writes.
 //
-// Source: E. Hairer, S. P. Nørsett, G. Wanner, Solving Ordinary Differential Equations I, 2nd ed. 1993, II.4 to II.6, and
-// their code DOP853; coefficients as in `mbs-runtime/src/integrator/dop853/tableau.rs`.
+// Source: E. Hairer, S. P. Nørsett, G. Wanner, Solving Ordinary Differential Equations I, 2nd ed. 1993, II.4 to II.6,
+// and their code DOP853; coefficients as in `mbs-runtime/src/integrator/dop853/tableau.rs`.
 
 /** When the stages are, in steps; 12 is the end of the step, 13 to 15 serve the dense output. */
 const NODES = [

@@ -20,15 +20,17 @@ export class Model {
   /** Parameters, flat. */
   setParameters(values) {
     this.parameters = Array.from(values);
-    const shaped = {};
-    for (const { name, first, names, lengths } of this.about.parameters) {
+    const shaped = [];
+    for (const { first, names, lengths } of this.about.parameters) {
       const own = this.parameters.slice(first, first + names.length);
       const [, columns] = lengths;
       const rows = () => Array.from({ length: lengths[0] }, (_, i) => own.slice(i * columns, (i + 1) * columns));
-      shaped[name] = lengths.length === 0 ? own[0] : lengths.length === 1 ? own : rows();
+      shaped.push(lengths.length === 0 ? own[0] : lengths.length === 1 ? own : rows());
     }
-    this.mechanism = new this.Mechanism(shaped);
-    this.scene = new this.Scene(shaped);
+    // Fields are in the order of the declaration; their names are not always those.
+    const of = (Class) => new Class(Object.fromEntries(Object.keys(Class.defaults()).map((field, i) => [field, shaped[i]])));
+    this.mechanism = of(this.Mechanism);
+    this.scene = of(this.Scene);
   }
 
   /** A function of the mechanism at a state. */

@@ -1,6 +1,6 @@
 // Curves on a canvas: over time, and one over the other.
 
-/** Told apart by people who see fewer colours, too, on light and on dark paper (after P. Tol, *Colour schemes*, 2021). */
+/** Told apart by people who see fewer colours, on light and on dark paper (after P. Tol, *Colour schemes*, 2021). */
 export const COLOURS = ["#4477aa", "#ee6677", "#228833", "#aa8811", "#3399bb", "#aa3377", "#88888c", "#ee8866", "#44aa99", "#8866cc"];
 const MARGIN = { left: 62, right: 14, top: 24, bottom: 26 };
 const FONT = "system-ui, 'DejaVu Sans', sans-serif";

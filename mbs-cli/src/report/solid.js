@@ -77,7 +77,7 @@ export function principal(matrix) {
   return { values: [a[0][0], a[1][1], a[2][2]], vectors: v };
 }
 
-/** Half axes of the uniform ellipsoid with this mass and inertia: `a² = 5 (I₂ + I₃ − I₁)/2m`; none where it has none. */
+/** Half axes of the uniform ellipsoid with this mass and inertia, `a² = 5 (I₂ + I₃ − I₁)/2m`; none of points. */
 export function ellipsoid(mass, [xx, yy, zz, xy, xz, yz]) {
   const { values, vectors } = principal([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]);
   const sum = values[0] + values[1] + values[2];
@@ -86,7 +86,7 @@ export function ellipsoid(mass, [xx, yy, zz, xy, xz, yz]) {
   return { axes, vectors };
 }
 
-/** The place in the frame, the axes and the size of an ellipsoid as a matrix; thin ones have at least this half axis. */
+/** Place, axes and size of an ellipsoid as a matrix; thin ones have at least this half axis. */
 export function solid(centre, { axes, vectors }, least) {
   const column = (i) => scale([vectors[0][i], vectors[1][i], vectors[2][i]], Math.max(axes[i], least));
   return placed([column(0), column(1), column(2)], centre);

@@ -1,8 +1,8 @@
-//! The motion as an animated glTF 2.0 binary: bodies by their shapes or as inertia ellipsoids, points as balls, lines as
-//! rods.
+//! The motion as an animated glTF 2.0 binary: bodies by their shapes or as inertia ellipsoids, points as balls, lines
+//! as rods.
 //!
-//! Axes are turned so that z is up on the screen, too; lengths are in metres and times in seconds, but motions of more than
-//! two minutes, or of less than a tenth of a second, are shown in ten seconds.
+//! Axes are turned so that z is up on the screen, too; lengths are in metres and times in seconds, but motions of more
+//! than two minutes, or of less than a tenth of a second, are shown in ten seconds.
 //!
 //! Source: Khronos Group, *glTF 2.0 Specification*, ISO/IEC 12113:2022.
 
