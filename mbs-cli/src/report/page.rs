@@ -170,16 +170,12 @@ fn entered(sources: &Sources) -> String {
 
 /// Without the title, the documentation and the table of symbols, which stand above; no longer than anybody reads.
 fn equations(html: &str) -> String {
-    let start = html.find("<table class=\"symbols\">").and_then(|start| {
-        let mut end = start;
-        while let Some(next) =
-            html[end..].strip_prefix("<table class=\"symbols\">").and_then(|rest| rest.find("</table>\n"))
-        {
-            end += "<table class=\"symbols\">".len() + next + "</table>\n".len();
-        }
-        Some(end)
-    });
-    let html = &html[start.unwrap_or(0)..];
+    const TABLE: [&str; 2] = ["<table class=\"symbols\">", "</table>\n"];
+    let mut html = html.find(TABLE[0]).map_or(html, |start| &html[start..]);
+    // One table behind the other.
+    while let Some((_, rest)) = html.strip_prefix(TABLE[0]).and_then(|rest| rest.split_once(TABLE[1])) {
+        html = rest;
+    }
     let (mut text, mut left_out) = (String::new(), 0);
     for piece in html.split_inclusive('\n') {
         let is_line = piece.starts_with("<tr><td>");
@@ -274,9 +270,9 @@ fn accuracy(derivation: &Derivation, start: &Point, seconds: f64) -> String {
     };
     let kept = accuracy::kept(derivation, &motion);
     let [change, scale] = kept.energy;
-    let mut html = format!(
+    let mut html =
         "<p>Along the motion above, by DOP853 with tolerances of 10<sup>−10</sup> and 10<sup>−12</sup>, T + V "
-    );
+            .to_string();
     html += &match (derivation.conserved.iter().any(|name| name == "energy_integral"), scale > 0.0) {
         (true, true) => format!("stays within {} J, {} of the largest of T and V.", size(change), size(change / scale)),
         _ => format!("changes by {} J at most.", size(change)),
