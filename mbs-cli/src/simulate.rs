@@ -34,7 +34,7 @@ use mbs_derive::source::Sources;
 use mbs_derive::variable::component_names;
 
 use drive::{Drive, Drives};
-use method::{Accuracy, Method};
+use method::{Accuracy, MOST_STEPS, Method};
 use motion::{Drift, Motion, Settings};
 use record::{Record, Recorder};
 
@@ -158,6 +158,7 @@ pub(crate) fn run(arguments: &Arguments, cache: &Cache) -> Result<(), Failure> {
             relative: arguments.rtol.unwrap_or(1e-10),
             absolute: arguments.atol.unwrap_or(1e-12),
             step: times.get(1).map_or(1.0, |second| second - times[0]),
+            most_steps: MOST_STEPS,
         },
         drift: arguments.project,
         redundant_rows: arguments.redundant.into(),

@@ -25,6 +25,9 @@ pub(super) struct Bound {
     pub(super) relative: Option<f64>,
 }
 
+/// Motions of more steps are not waited for; pages give up after as many.
+const MOST_STEPS: usize = 50_000;
+
 /// What a motion keeps.
 pub(super) struct Kept {
     /// By how much T + V changes at most, and of T or V the largest.
@@ -39,7 +42,7 @@ pub(super) fn motion(derivation: &Derivation, start: &Point, seconds: f64) -> Re
     let times: Vec<f64> = (0..=ROWS).map(|i| t + seconds * i as f64 / ROWS as f64).collect();
     let settings = Settings {
         method: Method::Dop853,
-        accuracy: Accuracy { relative: 1e-10, absolute: 1e-12, step: seconds / ROWS as f64 },
+        accuracy: Accuracy { relative: 1e-10, absolute: 1e-12, step: seconds / ROWS as f64, most_steps: MOST_STEPS },
         drift: Drift::Projected,
         redundant_rows: RedundantRows::LeaveOut,
         held: vec![false; derivation.dof()],

@@ -124,9 +124,9 @@ function combine(out, base, h, row, slopes) {
 
 /** Steps with error control along `q̈ = acceleration(t, q, q̇)`. */
 export class Dop853 {
-  constructor(acceleration, t, q, qd, { rtol = 1e-10, atol = 1e-12 } = {}) {
+  constructor(acceleration, t, q, qd, { rtol = 1e-10, atol = 1e-12, mostSteps = 50_000 } = {}) {
     const n = q.length;
-    Object.assign(this, { acceleration, t, rtol, atol, q: Array.from(q), qd: Array.from(qd), known: false });
+    Object.assign(this, { acceleration, t, rtol, atol, mostSteps, q: Array.from(q), qd: Array.from(qd), known: false });
     this.v = Array.from({ length: 16 }, () => zeros(n));
     this.a = Array.from({ length: 16 }, () => zeros(n));
     this.parts = null;
@@ -222,7 +222,8 @@ export class Dop853 {
     const old = { q: this.q, qd: this.qd };
     let rejected = false;
     for (;;) {
-      if (this.summary.accepted + this.summary.rejected >= 1e6) throw new Error(`a million steps lead to t = ${this.t} s`);
+      const { accepted, rejected: refused } = this.summary;
+      if (accepted + refused >= this.mostSteps) throw new Error(`${this.mostSteps} steps lead to t = ${this.t} s only`);
       const shortest = Math.max(16 * EPSILON * Math.abs(this.t), 2.2250738585072014e-308);
       const length = Math.max(this.length, shortest);
       const remaining = Math.abs(end - this.t);

@@ -11,6 +11,9 @@ import { aboutOf, flat, mbs, page, repository, scriptsOf, stateOf } from "./supp
 const FOLDERS = ["models/mechanisms", "tests/mechanisms"];
 const TOLERANCE = 1e-12;
 
+/** Where the state that is chosen by itself leads nowhere soon: a coin that does not roll falls flat. */
+const STATES = { "tests/mechanisms/rolling_coin.mbs": { q: [0, 0, 0, 0.2, 0], qd: [0.2, 0, 2, 0, 16.7] } };
+
 /** Those that need no table beside them and are mechanisms by themselves. */
 const mechanisms = FOLDERS.flatMap((folder) =>
   readdirSync(join(repository, folder)).filter((file) => file.endsWith(".mbs")).map((file) => `${folder}/${file}`),
@@ -39,7 +42,7 @@ const end = (about) => (about.start.q.some((x) => Math.abs(x) > 1e5) ? 1000 : 0.
 
 for (const path of mechanisms) {
   test(path, async () => {
-    const { html } = page(path, { end: 1 });
+    const { html } = page(path, { end: 1, state: STATES[path] });
     const about = aboutOf(html);
     const { Mechanism, Scene, Model, Motion } = await scriptsOf(html, path);
     const model = new Model(about, Mechanism, Scene);
