@@ -1,8 +1,22 @@
 #!/usr/bin/env bash
-# Builds the WebAssembly and runs its tests; what is not there is skipped by name. `ci.sh build` builds it alone.
+# Builds the WebAssembly and runs its tests; what is not there is skipped by name. `ci.sh build` builds it alone;
+# `ci.sh site FOLDER` puts the playground with all that it asks for into a folder that any file server serves.
 set -euo pipefail
-cd "$(dirname "$0")"
 target=wasm32-unknown-unknown
+
+if [ "${1:-}" = site ]; then
+  folder="$(realpath "${2:?ci.sh site FOLDER}")"
+  cd "$(dirname "$0")/.."
+  [ -f mbs-wasm/mbs_wasm.wasm ] || mbs-wasm/ci.sh build
+  # The same places as here, so that the same addresses lead there.
+  for file in docs/playground/* models/mechanisms/*.mbs mbs-cli/src/report/plot.js mbs-wasm/mbs.js mbs-wasm/mbs_wasm.wasm; do
+    mkdir -p "$folder/$(dirname "$file")"
+    cp "$file" "$folder/$file"
+  done
+  echo '<!doctype html><meta http-equiv="refresh" content="0; url=docs/playground/"><title>mbs</title>' > "$folder/index.html"
+  exit 0
+fi
+cd "$(dirname "$0")"
 
 rustup target list --installed 2> /dev/null | grep -qx "$target" || rustup target add "$target" > /dev/null 2>&1 ||
   { echo "skipped: mbs-wasm, the target $target is not installed"; exit 0; }

@@ -191,7 +191,7 @@ export interface Model {
   warnings: Diagnostic[];
   /** The warnings for people. */
   report: string;
-  emit(language: "rust" | "c" | "latex" | "review"): string;
+  emit(language: "rust" | "c" | "latex" | "mathml" | "review"): string;
   rust(): string;
   latex(): string;
   ops(): Record<string, Operations>;

@@ -246,8 +246,8 @@ class Model {
 
   /**
    * The model as code or as a page.
-   * @param {"rust" | "c" | "latex" | "review"} language
-   * @returns {string} what `mbs derive --emit` prints
+   * @param {"rust" | "c" | "latex" | "mathml" | "review"} language
+   * @returns {string} what `mbs derive --emit` prints; `"mathml"` is the LaTeX as HTML
    */
   emit(language) {
     const number = this.#number;

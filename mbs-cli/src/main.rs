@@ -9,10 +9,12 @@
 //! - [`linearize`]: the linear system about a state, its poles, what inputs reach;
 //! - [`simulate`]: a motion as a table and as a figure;
 //! - [`mod@format`]: files in one style; `lsp`, a feature: what editors ask;
-//! - [`fmu`]: the mechanism for tools that speak FMI.
+//! - [`fmu`]: the mechanism for tools that speak FMI;
+//! - [`mod@report`]: all of it on one page, moving.
 //!
 //! What they share: [`mechanism`] runs the generator's passes on a file, [`cache`] keeps what they gave, [`state`]
-//! reads states, [`mod@equations`] evaluates them along a motion, [`output`] writes, [`files`] sees that nothing that
+//! reads states, [`mod@equations`] evaluates them along a motion, [`scene`] says what there
+//! is to see of them, [`output`] writes, [`files`] sees that nothing that
 //! was read is overwritten, and [`failure`] is how a command ends early.
 //!
 //! Exit codes: 0 fine, 1 the model or the input is bad, 2 wrong usage. Results go to standard output or to the files
@@ -33,6 +35,8 @@ mod lsp;
 mod mechanism;
 mod ops;
 mod output;
+mod report;
+mod scene;
 mod simulate;
 mod state;
 
@@ -69,6 +73,7 @@ enum Command {
     Fmt(format::Arguments),
     #[cfg(feature = "lsp")]
     Lsp(lsp::Arguments),
+    Report(report::Arguments),
 }
 
 fn main() -> ExitCode {
@@ -95,6 +100,7 @@ fn run(command: Command, cache: &Cache) -> Result<(), Failure> {
         Command::Fmt(arguments) => format::run(&arguments),
         #[cfg(feature = "lsp")]
         Command::Lsp(arguments) => lsp::run(&arguments),
+        Command::Report(arguments) => report::run(&arguments, cache),
     }
 }
 

@@ -13,6 +13,7 @@ use crate::cache::Cache;
 use crate::failure::Failure;
 use crate::files::Files;
 use crate::output;
+use crate::scene::Scene;
 
 /// A mechanism whose programs are proved.
 #[derive(Serialize, Deserialize)]
@@ -27,6 +28,13 @@ pub(crate) struct Mechanism {
     pub(crate) singular_at: usize,
     /// What standard error says of it.
     warnings: String,
+}
+
+impl Mechanism {
+    /// What standard error says of it.
+    pub(crate) fn warnings(&self) -> &str {
+        &self.warnings
+    }
 }
 
 /// A mechanism as it was just derived.
@@ -48,6 +56,9 @@ struct Code {
 
 /// What a [`Mechanism`] is kept as.
 pub(crate) const MECHANISM: &str = "mechanism";
+
+/// What a [`Scene`] is kept as.
+pub(crate) const SCENE: &str = "scene";
 
 /// Reads a mechanism and what it imports, and notes the files.
 pub(crate) fn open(path: &Path, files: &mut Files) -> Result<Sources, Failure> {
@@ -105,6 +116,15 @@ pub(crate) fn latex(what: &str, sources: &Sources, cache: &Cache) -> Result<Stri
     })
 }
 
+/// What there is to see of a mechanism.
+pub(crate) fn scene(sources: &Sources, cache: &Cache) -> Result<Scene, Failure> {
+    cache.or_make(Digest::of_request(SCENE, sources), || {
+        let graph = Graph::verbatim();
+        let analysis = Analysis::of(sources, &graph);
+        analysis.map(|analysis| Scene::of(&analysis)).map_err(|error| Failure::rendered(error.render_in(sources)))
+    })
+}
+
 fn kept(
     what: &str,
     sources: &Sources,
@@ -123,7 +143,8 @@ pub(crate) fn proved_and<T>(sources: &Sources, also: impl Fn(&Analysis<'_>) -> T
     Ok(derived)
 }
 
-fn derived_and<T>(sources: &Sources, also: impl Fn(&Analysis<'_>) -> T) -> Result<Derived<T>, Failure> {
+/// Likewise, before warnings are reported.
+pub(crate) fn derived_and<T>(sources: &Sources, also: impl Fn(&Analysis<'_>) -> T) -> Result<Derived<T>, Failure> {
     let refused = |error: Error| Failure::rendered(error.render_in(sources));
 
     let start = Instant::now();

@@ -1,6 +1,6 @@
 //! `mbs ops`: what one call of each function costs.
 
-mod explanation;
+pub(crate) mod explanation;
 
 use std::path::PathBuf;
 

@@ -7,7 +7,8 @@
 //! - [`record`]: what is recorded besides; [`mod@column`]: names and units;
 //! - [`progress`]: the progress bar;
 //! - [`table`][]: CSV;
-//! - [`figure`]: SVG and PNG.
+//! - [`figure`]: SVG and PNG;
+//! - [`gltf`]: an animation; `parquet`: the table for programs, a feature.
 
 pub(crate) mod assembly;
 mod collapse;
@@ -15,8 +16,11 @@ pub(crate) mod column;
 mod curve;
 pub(crate) mod drive;
 mod figure;
-mod method;
-mod motion;
+mod gltf;
+pub(crate) mod method;
+pub(crate) mod motion;
+#[cfg(feature = "parquet")]
+mod parquet;
 mod progress;
 pub(crate) mod record;
 mod table;
@@ -26,19 +30,21 @@ use std::path::PathBuf;
 use clap::ValueEnum;
 use mbs_chart::Format;
 use mbs_derive::optimise::Derivation;
+use mbs_derive::source::Sources;
 use mbs_derive::variable::component_names;
 
 use drive::{Drive, Drives};
-use method::{Accuracy, Method};
+use method::{Accuracy, MOST_STEPS, Method};
 use motion::{Drift, Motion, Settings};
 use record::{Record, Recorder};
 
 use crate::cache::Cache;
-use crate::equations::Redundant;
+use crate::equations::{Equations, Redundant};
 use crate::failure::Failure;
 use crate::files::Files;
 use crate::mechanism;
 use crate::output::{self, Staged};
+use crate::scene::{Scene, mesh};
 use crate::state::{self, Point, Request};
 
 /// Integrate a mechanism's equations of motion from a state; parameters stay as they are, and so do inputs and
@@ -103,6 +109,14 @@ pub(crate) struct Arguments {
     /// Draw coordinates, velocities, energies and what is recorded over time, a panel for each unit.
     #[arg(long, value_name = "FILE.svg|FILE.png", value_parser = figure_path)]
     plot: Option<(PathBuf, Format)>,
+    /// Write the moving bodies as an animated glTF 2.0 binary, for any viewer: inertia ellipsoids, points, and lines
+    /// between what is joined.
+    #[arg(long, value_name = "FILE.glb")]
+    gltf: Option<PathBuf>,
+    /// Write the table as Apache Parquet, too: a column of doubles for each of the CSV's.
+    #[cfg(feature = "parquet")]
+    #[arg(long, value_name = "FILE.parquet")]
+    parquet: Option<PathBuf>,
 }
 
 /// Integrates, then writes.
@@ -113,6 +127,9 @@ pub(crate) fn run(arguments: &Arguments, cache: &Cache) -> Result<(), Failure> {
     drives.note(&mut files);
     let sources = drives.declared(sources)?;
     mechanism::note(mechanism::MECHANISM, &sources, cache, &mut files);
+    if arguments.gltf.is_some() {
+        mechanism::note(mechanism::SCENE, &sources, cache, &mut files);
+    }
     check_outputs(arguments, &mut files)?;
     let derivation = mechanism::proved(&sources, cache)?.derivation;
     let point = match state::read(&arguments.state, &derivation, &drives.signal_names())? {
@@ -141,6 +158,7 @@ pub(crate) fn run(arguments: &Arguments, cache: &Cache) -> Result<(), Failure> {
             relative: arguments.rtol.unwrap_or(1e-10),
             absolute: arguments.atol.unwrap_or(1e-12),
             step: times.get(1).map_or(1.0, |second| second - times[0]),
+            most_steps: MOST_STEPS,
         },
         drift: arguments.project,
         redundant_rows: arguments.redundant.into(),
@@ -152,7 +170,31 @@ pub(crate) fn run(arguments: &Arguments, cache: &Cache) -> Result<(), Failure> {
         output::report(&format!("warning: {} has no {} to record\n", derivation.name, without.join(", ")));
     }
     let motion = Motion::integrate(&derivation, &point, &times, &settings, driven, &recorder)?;
-    deliver(&motion, arguments)
+    let animation = match &arguments.gltf {
+        None => None,
+        Some(_) => {
+            let driven = drives.resolved(&derivation, (times[0], times[times.len() - 1]))?;
+            let equations = Equations::new(&derivation, &point)?.with_driven(driven);
+            Some(animation(&mechanism::scene(&sources, cache)?, &sources, &equations, &point, &motion))
+        }
+    };
+    deliver(&motion, animation, arguments)
+}
+
+/// The motion as glTF.
+fn animation(scene: &Scene, sources: &Sources, equations: &Equations<'_>, point: &Point, motion: &Motion) -> Vec<u8> {
+    let (meshes, missing) = mesh::meshes(scene, sources);
+    output::report(&missing);
+    let duration = motion.rows.last().map_or(0.0, |last| last.t) - motion.rows.first().map_or(0.0, |first| first.t);
+    if let Some(factor) = gltf::slowdown(duration) {
+        output::report(&format!("warning: the animation takes 10 s, the motion {factor:.3} times as long\n"));
+    }
+    let n = point.state.q.len();
+    let state = |row: usize| {
+        let row = &motion.rows[row];
+        equations.state(row.t, &row.values[..n], &row.values[n..2 * n])
+    };
+    gltf::glb((scene, &meshes), &point.parameters, motion, state)
 }
 
 /// No output is a file that was read, or another output.
@@ -163,6 +205,13 @@ fn check_outputs(arguments: &Arguments, files: &mut Files) -> Result<(), Failure
     }
     if let Some((plot, _)) = &arguments.plot {
         files.writes("--plot", plot)?;
+    }
+    if let Some(gltf) = &arguments.gltf {
+        files.writes("--gltf", gltf)?;
+    }
+    #[cfg(feature = "parquet")]
+    if let Some(parquet) = &arguments.parquet {
+        files.writes("--parquet", parquet)?;
     }
     Ok(())
 }
@@ -203,7 +252,7 @@ fn held(names: &[String], derivation: &Derivation) -> Result<Vec<bool>, Failure>
 }
 
 /// Files bear their names only after all have been written.
-fn deliver(motion: &Motion, arguments: &Arguments) -> Result<(), Failure> {
+fn deliver(motion: &Motion, animation: Option<Vec<u8>>, arguments: &Arguments) -> Result<(), Failure> {
     let csv = table::csv(motion, arguments.units);
     let mut staged = Vec::new();
     if let Some(path) = &arguments.csv {
@@ -211,6 +260,13 @@ fn deliver(motion: &Motion, arguments: &Arguments) -> Result<(), Failure> {
     }
     if let Some((path, format)) = &arguments.plot {
         staged.push(Staged::new(path, &figure::draw(motion, *format)?)?);
+    }
+    if let (Some(path), Some(animation)) = (&arguments.gltf, animation) {
+        staged.push(Staged::new(path, &animation)?);
+    }
+    #[cfg(feature = "parquet")]
+    if let Some(path) = &arguments.parquet {
+        staged.push(Staged::new(path, &parquet::table(motion, arguments.units)?)?);
     }
     staged.into_iter().try_for_each(Staged::commit)?;
     match arguments.csv {

@@ -10,6 +10,7 @@ use crate::latex;
 use crate::model::{self, Lagrangian};
 use crate::optimise::{self, Derivation, Operations};
 use crate::parse::{self, syntax::Declaration};
+use crate::scene::Scene;
 use crate::source::Sources;
 use crate::variable;
 use crate::verify::Proof;
@@ -151,6 +152,34 @@ impl<'g> Analysis<'g> {
     pub fn latex(&self) -> String {
         let graph = Graph::new();
         latex::page(&self.lagrangian, &derive::routes(&self.lagrangian, &graph))
+    }
+
+    /// Bodies, shapes, frames, places and lines as functions of the coordinates: what a picture is drawn from.
+    ///
+    /// ```
+    /// use mbs_derive::{Analysis, expr::Graph, source::Sources};
+    /// let text = "mechanism Ball { param m: kg = 1; coord r[3]: m; kinetic += particle(m, [r[0], r[1], r[2]]); }";
+    /// let graph = Graph::verbatim();
+    /// let analysis = Analysis::of(&Sources::new("ball.mbs", text), &graph).unwrap();
+    /// assert_eq!((analysis.scene().bodies.len(), analysis.scene().traced.len()), (1, 1));
+    /// ```
+    pub fn scene(&self) -> Scene {
+        Scene::of(&self.lagrangian)
+    }
+
+    /// What [`latex`](Self::latex) writes, as HTML with MathML, which browsers set: headings `h3`, `h4`, paragraphs, and tables of the classes
+    /// `symbols` and `align`; the latter have a row for each line of a formula.
+    ///
+    /// ```
+    /// use mbs_derive::{Analysis, expr::Graph, source::Sources};
+    /// let text = "mechanism Spring { param k: N/m = 4; coord x: m; potential += k*x^2/2; kinetic += 1 kg*dt(x)^2; }";
+    /// let graph = Graph::verbatim();
+    /// let analysis = Analysis::of(&Sources::new("spring.mbs", text), &graph).unwrap();
+    /// assert!(analysis.mathml().starts_with("<h3>Spring</h3>"));
+    /// assert!(analysis.mathml().contains("<mfrac>"));
+    /// ```
+    pub fn mathml(&self) -> String {
+        latex::mathml::html(&self.latex())
     }
 }
 

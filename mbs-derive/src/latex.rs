@@ -16,13 +16,15 @@
 //! - `layout`: lines and their widths;
 //! - `notation`: names of symbols, units;
 //! - `number`: numbers;
-//! - `prose`: doc comments.
+//! - `prose`: doc comments;
+//! - `mathml`: the page as HTML with MathML.
 
 mod algebra;
 mod angle;
 mod atom;
 mod condition;
 mod layout;
+pub(crate) mod mathml;
 mod notation;
 mod number;
 mod page;

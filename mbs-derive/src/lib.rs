@@ -28,6 +28,7 @@
 //! - `span`, `state`, [`variable`], [`numeric`]: what several passes need, and no mechanics;
 //! - [`diagnostic`]: what is wrong with a declaration, where, and what to write instead;
 //! - [`source`]: the files of a mechanism: its own, and those that it imports;
+//! - `scene`: what there is to see of a mechanism;
 //! - `review`: a mechanism as people review it; `survey`: what an editor asks while a text is being written;
 //! - `cargo`: build scripts, the only input and output.
 
@@ -48,6 +49,7 @@ pub mod numeric;
 pub mod optimise;
 pub mod parse;
 mod review;
+mod scene;
 mod shape;
 pub mod source;
 mod span;

@@ -4,7 +4,7 @@
 //! In reading order:
 //!
 //! - `frame`: the tree of frames, each with its pose and its twist;
-//! - `lagrangian`: the result, and the calls that it is written by;
+//! - `lagrangian`: the result, and the calls that it is written by; `picture`: what there is to draw;
 //! - `landmark`: what some of its expressions stand for in space;
 //! - `names`: what names stand for: variables, functions, parts, arrays, what is imported;
 //! - `value`: what expressions stand for: numbers with dimensions, vectors, points and poses with frames;
@@ -19,6 +19,7 @@ pub(crate) mod landmark;
 #[cfg(test)]
 pub(crate) mod manual;
 mod names;
+mod picture;
 mod report;
 mod statement;
 mod value;
@@ -28,6 +29,7 @@ use crate::expr::Graph;
 use crate::parse::StatementKind;
 use crate::parse::syntax::{Declaration, Span};
 use names::function;
+use statement::drawing::has_shapes;
 use statement::reaction::Hold;
 use value::builtin::{self, Builtin};
 use value::dimension::{NamedUnit, UNITS};
@@ -49,7 +51,14 @@ pub(crate) fn resolve<'g>(
     graph: &'g Graph,
 ) -> Result<(Lagrangian<'g>, Diagnostics), Diagnostics> {
     let library = function::library();
-    let mut resolver = gone_through(declaration, &library, graph, Hold::of(declaration));
+    let mut resolver = gone_through(declaration, &library, graph, Hold::of(declaration), false);
+    if has_shapes(declaration) {
+        let drawn = gone_through(declaration, &library, graph, Hold::of(declaration), true);
+        if drawn.report.errors.has_errors() {
+            return Err(drawn.report.errors);
+        }
+        resolver.lagrangian.drawn = Some(Box::new(drawn.lagrangian));
+    }
     if !resolver.report.errors.has_errors() {
         resolver.check(&declaration.name);
     }
@@ -57,7 +66,7 @@ pub(crate) fn resolve<'g>(
         return Err(resolver.report.errors);
     }
     if let Some(hold) = resolver.released() {
-        let Resolver { lagrangian, report, .. } = gone_through(declaration, &library, graph, hold);
+        let Resolver { lagrangian, report, .. } = gone_through(declaration, &library, graph, hold, false);
         if report.errors.has_errors() {
             return Err(report.errors);
         }
@@ -93,14 +102,16 @@ pub(crate) fn words() -> Vec<(&'static str, String, String)> {
     functions.chain(builtin("method", builtin::METHODS)).chain(UNITS.iter().map(unit)).collect()
 }
 
-/// The statements in order.
+/// The statements in order; `draws` says whether shapes are among them.
 fn gone_through<'d, 'g>(
     declaration: &'d Declaration,
     library: &'d Declaration,
     graph: &'g Graph,
     hold: Hold<'g>,
+    draws: bool,
 ) -> Resolver<'d, 'g> {
     let mut resolver = Resolver::new(graph, &declaration.name.text, declaration.dimensionless, hold);
+    resolver.draws = draws;
     resolver.lagrangian.docs = declaration.docs.clone();
     resolver.provide(&library.statements);
     resolver.import(&declaration.imported);

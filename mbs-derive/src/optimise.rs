@@ -141,6 +141,51 @@ pub(crate) fn straight_line(lagrangian: &Lagrangian<'_>, routes: &[Equations<'_>
     }
 }
 
+/// The programs of the values of the outputs, and of nothing else: no function of the mechanism is there.
+pub(crate) fn of_outputs(lagrangian: &Lagrangian<'_>) -> Derivation {
+    let graph = Graph::new();
+    let roots = derive::output::values(lagrangian, &graph).into_iter().filter_map(|(of, value)| Roots::of(of, value));
+    let roots: Vec<Roots<'_>> = roots.collect();
+    let hoisting = Hoisting::of(roots.iter().map(|roots| roots.values.as_slice()), &mut Forms::default());
+    let named = lagrangian.outputs.iter().zip(roots).enumerate();
+    let functions: Vec<Function> = named
+        .map(|(number, (output, roots))| {
+            let (kind, program) = (FunctionKind::Output(number), lower::program(&roots.values, &hoisting));
+            Function {
+                name: output.name.clone(),
+                kind,
+                arguments: kind.arguments(&roots),
+                results: roots.results,
+                operations: cost::operations(&program),
+                program,
+                completion: Completion::None,
+                route: Route::Plain,
+            }
+        })
+        .collect();
+    let depends_on_time = functions.iter().any(|f| f.program.uses(|symbol| symbol == Symbol::Time));
+    Derivation {
+        name: lagrangian.name.clone(),
+        docs: Vec::new(),
+        coordinates: lagrangian.coordinates.clone(),
+        parameters: lagrangian.parameters.clone(),
+        inputs: lagrangian.inputs.clone(),
+        prescribed: lagrangian.prescribed.clone(),
+        constraints: Vec::new(),
+        constraint_vectors: Vec::new(),
+        holonomic: Vec::new(),
+        constraint_units: Vec::new(),
+        reactions: Vec::new(),
+        conserved: Vec::new(),
+        output_units: lagrangian.outputs.iter().map(|output| output.units.clone()).collect(),
+        depends_on_time,
+        constructor: hoisting.constructor,
+        requirements: Vec::new(),
+        required: Program::default(),
+        functions,
+    }
+}
+
 /// The functions by each route, without sums that vanish: of all of them at once, since they have most nodes in common.
 /// Accelerations and their derivatives keep them: they are differences of equations, and what these have in common has
 /// to round alike, where a coordinate has 1e-8 of the inertia of another.

@@ -88,12 +88,16 @@ impl Model {
             "rust" => Ok(emit::rust(derivation, name, &options)),
             "c" => Ok(emit::Language::C.write(derivation, name, &options)),
             "review" => Ok(derivation.review(name)),
-            "latex" => {
+            "latex" | "mathml" => {
                 let graph = Graph::verbatim();
                 let analysis = Analysis::of(&self.sources, &graph);
-                analysis.map(|analysis| analysis.latex()).map_err(|error| Failure::of_model(&error, &self.sources))
+                let analysis = analysis.map_err(|error| Failure::of_model(&error, &self.sources))?;
+                Ok(if language == "latex" { analysis.latex() } else { analysis.mathml() })
             }
-            _ => Err(Failure::of_input(format!("there is no language `{language}`; there are rust, c, latex, review"))),
+            _ => {
+                let languages = "rust, c, latex, mathml, review";
+                Err(Failure::of_input(format!("there is no language `{language}`; there are {languages}")))
+            }
         }
     }
 

@@ -29,10 +29,12 @@ export function serve(folder) {
 
 /** A window with one page. */
 export class Window {
-  static async open(url, { width = 1500, height = 950, dark = false } = {}) {
+  /** `webgl`: pictures in three dimensions are drawn, by the processor. */
+  static async open(url, { width = 1500, height = 950, dark = false, webgl = false } = {}) {
     const window = new Window();
     window.profile = mkdtempSync(join(tmpdir(), "mbs-page-"));
-    const options = ["--headless=new", "--no-sandbox", "--disable-gpu", "--remote-debugging-pipe", `--user-data-dir=${window.profile}`];
+    const drawing = webgl ? ["--use-angle=swiftshader", "--enable-unsafe-swiftshader"] : ["--disable-gpu"];
+    const options = ["--headless=new", "--no-sandbox", ...drawing, "--remote-debugging-pipe", `--user-data-dir=${window.profile}`];
     window.process = spawn(browser(), options, { stdio: ["ignore", "ignore", "ignore", "pipe", "pipe"] });
     window.waiting = new Map();
     window.problems = [];
@@ -85,8 +87,11 @@ export class Window {
     }
   }
 
-  async screenshot() {
-    return Buffer.from((await this.send("Page.captureScreenshot", { format: "png" })).data, "base64");
+  /** What is seen; with `whole` all of the page. */
+  async screenshot(whole = false) {
+    const options = { format: "png", captureBeyondViewport: whole };
+    if (whole) options.clip = { ...(await this.send("Page.getLayoutMetrics")).cssContentSize, scale: 1 };
+    return Buffer.from((await this.send("Page.captureScreenshot", options)).data, "base64");
   }
 
   async close() {

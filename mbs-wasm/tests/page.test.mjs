@@ -2,13 +2,14 @@
 // MBS_SHOTS=FOLDER keeps pictures of it.
 
 import assert from "node:assert/strict";
-import { writeFileSync } from "node:fs";
+import { execFileSync } from "node:child_process";
+import { mkdtempSync, rmSync, writeFileSync } from "node:fs";
+import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
 
 import { load } from "../mbs.js";
-import { page } from "../page/mathml.js";
-import { examples } from "../page/examples.js";
+import { examples } from "../../docs/playground/examples.js";
 import { Window, browser, serve } from "./browser.mjs";
 import { mechanism, mechanisms, repository } from "./support.mjs";
 
@@ -18,7 +19,7 @@ before(async () => (server = await serve(repository)));
 after(() => server.close());
 
 async function opened(query, use) {
-  const window = await Window.open(`http://127.0.0.1:${server.address().port}/mbs-wasm/page/${query}`);
+  const window = await Window.open(`http://127.0.0.1:${server.address().port}/docs/playground/${query}`);
   try {
     await window.until('document.getElementById("energy").textContent.includes("accelerations")');
     await use(window);
@@ -99,13 +100,13 @@ test("every example of the menu can be compiled and moves", async () => {
 /** Among them every command that mbs writes occurs. */
 const written = /^(arm6|arm6_params|branches|cart_with_five_links|cr3bp|four_bar|furuta_pendulum|heavy_top|irb7600|measured_slider|moving_frame|n_pendulum|quadrotor_euler|relative_isotropic|slow_frame)\.mbs$/;
 
-test("LaTeX that mbs writes becomes sound HTML", async () => {
+test("equations as MathML are sound HTML", async () => {
   const mbs = await load();
   const chosen = mechanisms().filter(({ name }) => written.test(name));
   assert.equal(chosen.length, 15);
   for (const { name, text, files } of chosen) {
     const model = mbs.compile(text, { name, files });
-    const html = page(model.latex());
+    const html = model.emit("mathml");
     model.free();
     assert.doesNotMatch(html, /\\[a-zA-Z]|\$/, name);
     const open = [];
@@ -114,5 +115,23 @@ test("LaTeX that mbs writes becomes sound HTML", async () => {
       else assert.equal(open.pop(), tag, name);
     }
     assert.deepEqual(open, [], name);
+  }
+});
+
+test("the folder that ci.sh makes works by itself", { skip }, async () => {
+  const folder = mkdtempSync(join(tmpdir(), "mbs-site-"));
+  const own = await serve(folder);
+  try {
+    execFileSync(join(repository, "mbs-wasm/ci.sh"), ["site", folder]);
+    const window = await Window.open(`http://127.0.0.1:${own.address().port}/`);
+    try {
+      await window.until('document.getElementById("energy")?.textContent.includes("accelerations")');
+      assert.deepEqual(window.problems, []);
+    } finally {
+      await window.close();
+    }
+  } finally {
+    own.close();
+    rmSync(folder, { recursive: true });
   }
 });

@@ -18,7 +18,7 @@ const SIZES: [f64; 3] = [1.0, 1e-2, 1e-4];
 
 /// `2 constraint rows: 1 degree of freedom`, with default parameters; empty without constraints. The rank is the least
 /// that is found: where there are several ways to close a loop, the one that moves the most is meant.
-pub(super) fn summary(derivation: &Derivation) -> Result<String, Failure> {
+pub(crate) fn summary(derivation: &Derivation) -> Result<String, Failure> {
     let (coordinates, rows) = (derivation.dof(), derivation.constraints.len());
     if rows == 0 {
         return Ok(String::new());

@@ -31,7 +31,12 @@ pub(crate) struct Accuracy {
     pub(crate) relative: f64,
     pub(crate) absolute: f64,
     pub(crate) step: f64,
+    /// After how many steps those with error control give up.
+    pub(crate) most_steps: usize,
 }
+
+/// As the runtime's own.
+pub(crate) const MOST_STEPS: usize = 1_000_000;
 
 impl Method {
     /// Whether it chooses its steps by an estimate of their errors.
@@ -53,10 +58,16 @@ impl Method {
         state: &mut State<Vec<f64>>,
         observer: impl FnMut(&mut dyn Step<Vec<f64>>) -> Result<ControlFlow<f64>, String>,
     ) -> Result<Summary, IntegrationError<String>> {
-        let Accuracy { relative, absolute, step } = accuracy;
+        let Accuracy { relative, absolute, step, most_steps } = accuracy;
         match self {
-            Method::Dop853 => Dop853::new(relative, absolute).integrate(accelerations, t, t_end, state, observer),
-            Method::Dopri5 => Dopri5::new(relative, absolute).integrate(accelerations, t, t_end, state, observer),
+            Method::Dop853 => {
+                let method = Dop853::new(relative, absolute).with_max_steps(most_steps);
+                method.integrate(accelerations, t, t_end, state, observer)
+            }
+            Method::Dopri5 => {
+                let method = Dopri5::new(relative, absolute).with_max_steps(most_steps);
+                method.integrate(accelerations, t, t_end, state, observer)
+            }
             Method::Rk4 => Rk4::new(step).integrate(accelerations, t, t_end, state, observer),
             Method::GaussLegendre4 => GaussLegendre4::new(step).integrate(accelerations, t, t_end, state, observer),
             Method::StormerVerlet => StormerVerlet::new(step).integrate(accelerations, t, t_end, state, observer),

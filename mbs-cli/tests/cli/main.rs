@@ -18,6 +18,7 @@ mod motion;
 mod ops;
 mod page;
 mod parameters;
+mod report;
 mod simulate;
 
 use std::path::{Path, PathBuf};

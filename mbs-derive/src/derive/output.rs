@@ -45,6 +45,15 @@ pub(crate) fn outputs<'g>(
         .collect()
 }
 
+/// The values of all outputs with their shapes.
+pub(crate) fn values<'g>(lagrangian: &Lagrangian<'_>, graph: &'g Graph) -> Vec<(Shape, Vec<Expr<'g>>)> {
+    let value = |value: &OutputValue<'_>| {
+        let components = value.components(&lagrangian.frames);
+        (shape(value), carry_out(&components, graph, |symbol| time_derivative(symbol, graph)))
+    };
+    lagrangian.outputs.iter().map(|output| value(&output.value)).collect()
+}
+
 fn shape(value: &OutputValue<'_>) -> Shape {
     let columns = |rows: &[Vec<Expr<'_>>]| rows.first().map_or(0, Vec::len);
     match value {

@@ -356,7 +356,9 @@ impl<'d, 'g> Resolver<'d, 'g> {
 
     /// Parameters and inputs that nothing depends on are probably forgotten somewhere.
     fn check_use(&mut self) {
-        let used = self.symbols(self.everything());
+        let mut roots = self.everything();
+        roots.extend(self.lagrangian.drawn_expressions());
+        let used = self.symbols(roots);
         let unused = |variables: &[Variable], symbol: fn(u32) -> Symbol| {
             let of = |variable: &&Variable| {
                 let mut numbers = variable.first..variable.first + variable.count();

@@ -175,6 +175,25 @@ pub struct Output<'g> {
     pub jacobian_rate: bool,
 }
 
+/// What a body looks like: `shape pose += box([x, y, z]);`.
+#[derive(Clone, Debug)]
+pub struct Drawing<'g> {
+    /// `box`, `cylinder`, `sphere` or `mesh`.
+    pub kind: &'static str,
+    /// The file of a mesh, as written: from the folder of the file that the statement stands in.
+    pub file: Option<String>,
+    /// In m: the edges of a box; radius and length of a cylinder along z; the radius of a sphere. Of a mesh the
+    /// factors along its axes. Constant in time.
+    pub sizes: Vec<Expr<'g>>,
+    /// The frame that it is fixed in, with its centre at the origin; a mesh as its file has it. One of
+    /// [`pictured`](Lagrangian::pictured).
+    pub frame: FrameId,
+    /// The pose as written.
+    pub on: String,
+    /// Where the statement stands.
+    pub place: Range<usize>,
+}
+
 /// Where a choice between two sides stands in the text.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Choice {
@@ -232,8 +251,15 @@ pub struct Lagrangian<'g> {
     pub landmarks: Landmarks<'g>,
     /// Where in the text choices stand, `if` and functions with a corner, by their numbers in the graph.
     pub choices: BTreeMap<Id, Choice>,
+    /// Vectors with the dimension of a length that local names and functions of whole numbers stand for, places among
+    /// them: the name (`joint_0` of `joint(0)`), the frame, and the coordinates in it. What a picture is drawn from.
+    pub named_lengths: Vec<(String, FrameId, Vector<'g>)>,
     /// What local names and functions stand for.
     pub(crate) locals: Vec<Local<'g>>,
+    /// What bodies look like; only where shapes are drawn.
+    pub(in crate::model) drawings: Vec<Drawing<'g>>,
+    /// The mechanism once more, with its shapes drawn, where there are any: frames that they alone need are in it.
+    pub(in crate::model) drawn: Option<Box<Lagrangian<'g>>>,
 }
 
 impl<'g> Lagrangian<'g> {
@@ -260,7 +286,10 @@ impl<'g> Lagrangian<'g> {
             frames: Frames::new(graph),
             landmarks: Landmarks::default(),
             choices: BTreeMap::new(),
+            named_lengths: Vec::new(),
             locals: Vec::new(),
+            drawings: Vec::new(),
+            drawn: None,
         }
     }
 

@@ -6,6 +6,7 @@ use std::path::Path;
 use crate::model::names::function::{MAX_CALLS, library};
 use crate::model::statement::MAX_TURNS;
 use crate::model::statement::declare::MAX_COORDINATES;
+use crate::model::statement::drawing::MAX_SHAPES;
 use crate::model::statement::reaction::MAX_JOINTS;
 use crate::model::value::builtin::{FUNCTIONS, METHODS};
 use crate::model::value::dimension::UNITS;
@@ -116,6 +117,7 @@ fn limits_are_those_of_the_manual() {
     limit("nesting", spaced(MAX_DEPTH));
     limit("coordinates", spaced(MAX_COORDINATES));
     limit("joints", spaced(MAX_JOINTS));
+    limit("shapes", spaced(MAX_SHAPES));
     limit("loops", spaced(MAX_TURNS));
     limit("calls", spaced(MAX_CALLS));
     limit("nodes", spaced(MAX_NODES));

@@ -4,11 +4,12 @@
 //!   units;
 //! - [`energy`]: energies, generalized forces; [`body`]: bodies; [`gravity`]: the field that all bodies weigh in;
 //! - [`point_force`]: forces at points, torques; [`constraint`]: constraints; [`output`]: outputs;
-//! - [`reaction`]: joints whose wrenches are asked for, held and let go.
+//! - [`reaction`]: joints whose wrenches are asked for, held and let go; [`drawing`]: what bodies look like.
 
 pub(in crate::model) mod body;
 pub(in crate::model) mod constraint;
 pub(in crate::model) mod declare;
+pub(in crate::model) mod drawing;
 pub(in crate::model) mod energy;
 pub(crate) mod given;
 pub(in crate::model) mod gravity;
@@ -58,6 +59,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
                 | StatementKind::Constraint { .. }
                 | StatementKind::Force { .. }
                 | StatementKind::Output { .. }
+                | StatementKind::Shape { .. }
                 | StatementKind::For { .. }
                 | StatementKind::If { .. } => continue,
             };
@@ -129,6 +131,9 @@ impl<'d, 'g> Resolver<'d, 'g> {
             }
             StatementKind::Output { docs, name, index, value, jacobian_rate } => {
                 self.output(docs, &self.path(name), index.as_ref(), value, jacobian_rate.as_ref())
+            }
+            StatementKind::Shape { pose, kind, file, sizes } => {
+                self.shape(pose, kind, file.as_deref(), sizes, &statement.span)
             }
             StatementKind::For { variable, start, end, body } => self.repeat(variable, start, end, body),
             StatementKind::If { branches, otherwise } => self.choose(branches, otherwise),

@@ -1,8 +1,9 @@
 //! Statements that begin with a word that may be a name, too: `gravity = …;` gives a `let mut` a new value.
 
-use super::keyword::CONTEXTUAL;
+use super::keyword::{CONTEXTUAL, SHAPES};
 use super::reader::{Parsed, Reader};
-use super::syntax::{Statement, StatementKind};
+use super::syntax::{Name, Statement, StatementKind};
+use crate::diagnostic::nearest;
 
 impl Reader<'_> {
     /// `gravity := "gravity" expression`
@@ -13,6 +14,49 @@ impl Reader<'_> {
             return Err(self.refuse(self.next(), "gravity is declared once, not added to", help));
         }
         Ok(StatementKind::Gravity { acceleration: self.expression()? })
+    }
+}
+
+impl Reader<'_> {
+    /// `shape := "shape" expression "+=" name "(" path? ("," expression)* ")"`
+    pub(super) fn shape(&mut self) -> Parsed<StatementKind> {
+        const FORM: &str = "write `shape pose += box([x, y, z]);`, `cylinder(radius, length)`, `sphere(radius)` or \
+                            `mesh(\"file.stl\")`";
+        let start = self.next().start;
+        self.eat_word("shape");
+        if self.sign().is_some() {
+            return Err(self.unexpected("a pose behind `shape`", FORM));
+        }
+        let pose = self.expression()?;
+        self.adds(start)?;
+        let Some(kind) = self.word() else { return Err(self.unexpected("a shape", FORM)) };
+        let here = self.next();
+        if !SHAPES.contains(&kind) {
+            let help = nearest(kind, SHAPES).map_or(FORM.to_string(), |meant| format!("did you mean `{meant}`?"));
+            return Err(self.refuse(here, format!("`{kind}` is no shape"), help));
+        }
+        let kind = Name { text: kind.to_string(), span: here };
+        self.skip();
+        if !self.opens('(') {
+            return Err(self.unexpected("a `(`", FORM));
+        }
+        self.open()?;
+        let file = self.path().map(str::to_string);
+        if kind.text == "mesh" && file.is_none() {
+            return Err(self.unexpected("the path of a file in quotation marks", FORM));
+        }
+        if file.is_some() && !self.is_at_end() && self.eat(",").is_none() {
+            return Err(self.unexpected("`,` or `)`", FORM));
+        }
+        let mut sizes = Vec::new();
+        while !self.is_at_end() {
+            sizes.push(self.expression()?);
+            if !self.is_at_end() && self.eat(",").is_none() {
+                return Err(self.stray());
+            }
+        }
+        self.close();
+        Ok(StatementKind::Shape { pose, kind, file, sizes })
     }
 }
 
@@ -97,6 +141,38 @@ mod tests {
             "+=: gravity is declared once, not added to; write `gravity [0, 0, -g];`: it acts on all bodies, so there is one",
         );
         refused("gravty [0, 0, -g];", "gravty: `gravty` begins no statement; did you mean `gravity`?");
+    }
+
+    #[test]
+    fn shapes_are_statements_and_names() {
+        let StatementKind::Shape { pose, kind, file, sizes } = statement("shape link*tilt += cylinder(r, 2*l);") else {
+            panic!()
+        };
+        let sizes: Vec<_> = sizes.iter().map(prefix).collect();
+        assert_eq!((prefix(&pose).as_str(), kind.text.as_str(), file), ("(* link tilt)", "cylinder", None));
+        assert_eq!(sizes, ["r", "(* 2 l)"]);
+        let StatementKind::Shape { file, sizes, .. } = statement("shape a[1] += mesh( \"b/c d.stl\" , 1e-3,);") else {
+            panic!()
+        };
+        assert_eq!((file.as_deref(), sizes.len()), (Some("b/c d.stl"), 1));
+        assert!(matches!(statement("let shape = 1;"), StatementKind::Let { .. }));
+        assert!(matches!(statement("shape[1] = 2;"), StatementKind::Assign { .. }));
+        assert!(matches!(statement("let mesh = mesh(1);"), StatementKind::Let { .. }));
+        let form = "write `shape pose += box([x, y, z]);`, `cylinder(radius, length)`, `sphere(radius)` or \
+                    `mesh(\"file.stl\")`";
+        refused("shape link += cone(1);", &format!("cone: `cone` is no shape; {form}"));
+        refused("shape link += spere(1);", "spere: `spere` is no shape; did you mean `sphere`?");
+        refused("shape link += 3;", &format!("3: expected a shape, found `3`; {form}"));
+        refused("shape link += box;", &format!(";: expected a `(`, found `;`; {form}"));
+        refused("shape += box(1);", &format!("+=: expected a pose behind `shape`, found `+=`; {form}"));
+        refused(
+            "shape link = box(1);",
+            "=: `shape link` is a sum that statements add to, `=` does not; write `shape link += …;`",
+        );
+        let path = "expected the path of a file in quotation marks, found";
+        refused("shape link += mesh(link);", &format!("link: {path} `link`; {form}"));
+        refused("shape link += mesh(\"a.stl\" 2);", &format!("2: expected `,` or `)`, found `2`; {form}"));
+        refused("shape link += mesh(\"a.stl);", "\": this quotation mark is never closed; write `\"` behind the path");
     }
 
     #[test]

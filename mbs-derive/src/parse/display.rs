@@ -94,6 +94,11 @@ fn lines(f: &mut Formatter<'_>, statement: &Statement, depth: usize) -> fmt::Res
             indices(f, index.as_slice())?;
             writeln!(f, " = {value}{};", if jacobian_rate.is_some() { ", jacobian_rate" } else { "" })
         }
+        StatementKind::Shape { pose, kind, file, sizes } => {
+            let file = file.iter().map(|path| format!("\"{path}\""));
+            let sizes: Vec<String> = file.chain(sizes.iter().map(Expression::to_string)).collect();
+            writeln!(f, "{indent}shape {pose} += {}({});", kind.text, sizes.join(", "))
+        }
         StatementKind::For { variable, start, end, body } => {
             writeln!(f, "{indent}for {} in {start}..{end} {{", variable.text)?;
             body.iter().try_for_each(|statement| lines(f, statement, depth + 1))?;
@@ -386,6 +391,8 @@ mechanism Pendulum {
     force q[n + 1] += -tau;
     force at tip += [0, 0, tau];
     torque on link*rot_z(q) += [0, 0, tau];
+    shape link*rot_z(1) += box([1, 2, w]);
+    shape p[0] += mesh(\"../meshes/link 1.stl\", 1e-3);
     /// The rod's length is fixed.
     constraint rod: x^2 + y^2 = l^2;
     /// The tip.

@@ -4,8 +4,8 @@
 //! file        := (inner | doc | import)* "mechanism" name "{" statement* "}"
 //! inner       := "#![dimensionless]"
 //! statement   := doc* (param | coord | input | prescribed | const | fn | let | assignment | energy | force | force_at
-//!                | torque | gravity | reaction | constraint | output | instance) ";" | doc* (for | choice
-//!                | part)
+//!                | torque | gravity | reaction | constraint | output | shape | instance) ";" | doc* (for
+//!                | choice | part)
 //! ```
 //!
 //! A function that cannot go on notes why in `errors` and answers [`Refused`]; [`Reader::statements`] goes on with the
@@ -238,6 +238,7 @@ impl Reader<'_> {
             "constraint" => self.constraint(docs)?,
             "output" => self.output(docs)?,
             "gravity" if !self.is_assignment() => self.gravity()?,
+            "shape" if !self.is_assignment() => self.shape()?,
             "else" => {
                 return Err(self.refuse(here, "an `else` without its `if`", "write `if n == 1 { … } else { … }`"));
             }
@@ -266,7 +267,7 @@ impl Reader<'_> {
         let span = self.next();
         let forms = "a statement begins with `param`, `coord`, `input`, `prescribed`, `const`, `fn`, `let`, `kinetic`, \
                      `potential`, `dissipation`, `lagrangian`, `force`, `torque`, `gravity`, `reaction`, `constraint`, \
-                     `output`, `part`, `for` or `if`, or is an assignment `x = …;`";
+                     `output`, `shape`, `part`, `for` or `if`, or is an assignment `x = …;`";
         match self.word() {
             Some("mechanism") => {
                 self.refuse(span, "a mechanism stands within a mechanism", "write it in a file of its own")

@@ -22,7 +22,10 @@ pub(super) const STATEMENTS: [&str; 17] = [
 ];
 
 /// What else a statement begins with, words that may be names all the same: what stands behind them tells.
-pub(super) const CONTEXTUAL: [&str; 2] = ["gravity", "part"];
+pub(super) const CONTEXTUAL: [&str; 3] = ["gravity", "part", "shape"];
+
+/// What `shape pose +=` adds; words that may be names all the same.
+pub(super) const SHAPES: [&str; 4] = ["box", "cylinder", "sphere", "mesh"];
 
 /// Parts of statements.
 const PARTS: [&str; 6] = ["mechanism", "import", "mut", "in", "if", "else"];

@@ -16,7 +16,7 @@ pub(super) enum Kind {
     Word,
     /// Digits and what is written against them: `1.5e-3`, `2kg`, `0x10`.
     Number,
-    /// The path behind `import`, with its quotation marks.
+    /// The path behind `import` or in `mesh(…)`, with its quotation marks.
     Path,
     /// A comment of documentation.
     Doc,
@@ -190,10 +190,11 @@ impl<'s> Lexer<'s> {
         }
     }
 
-    /// Whether the word before this place is `import`.
+    /// Whether a path is expected here: before this place stands `import` or `mesh(`.
     fn imports(&self) -> bool {
-        let before = self.source[..self.at].trim_end().strip_suffix("import");
-        before.is_some_and(|before| !before.ends_with(continues_word))
+        let before = self.source[..self.at].trim_end();
+        let mesh = || before.strip_suffix('(').and_then(|before| before.trim_end().strip_suffix("mesh"));
+        before.strip_suffix("import").or_else(mesh).is_some_and(|before| !before.ends_with(continues_word))
     }
 
     /// What is quoted behind `import`, on one line and without what only some systems write in a path.
@@ -220,7 +221,10 @@ impl<'s> Lexer<'s> {
             let place = self.at..self.at + quoted.len() + 2;
             let shown = if quoted.contains(['"', '\\']) { "file.mbs" } else { quoted };
             let error = self.errors.error(place.clone(), "a path stands in double quotation marks");
-            error.help(format!("write `import \"{shown}\";`"));
+            error.help(match self.source[..place.start].trim_end().ends_with('(') {
+                true => format!("write `mesh(\"{shown}\")`"),
+                false => format!("write `import \"{shown}\";`"),
+            });
             self.at = place.end;
             return;
         }

@@ -75,6 +75,10 @@ fn statement(statement: &mut Statement, start: usize) {
             index.iter_mut().chain([value]).for_each(|e| expression(e, start));
             jacobian_rate.iter_mut().for_each(|place| span(place, start));
         }
+        StatementKind::Shape { pose, kind, file: _, sizes } => {
+            name(kind, start);
+            sizes.iter_mut().chain([pose]).for_each(|e| expression(e, start));
+        }
         StatementKind::For { variable, start: first, end, body } => {
             name(variable, start);
             [first, end].into_iter().for_each(|e| expression(e, start));

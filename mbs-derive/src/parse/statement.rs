@@ -182,7 +182,7 @@ impl Reader<'_> {
     }
 
     /// The `+=` behind the sum that begins at `start`.
-    fn adds(&mut self, start: usize) -> Parsed<()> {
+    pub(super) fn adds(&mut self, start: usize) -> Parsed<()> {
         let (target, here) = (&self.source[start..self.last], self.next());
         if self.eat("+=").is_some() {
             return Ok(());

@@ -194,6 +194,17 @@ pub enum StatementKind {
         /// Where the time derivative of its Jacobian is asked for, if it is.
         jacobian_rate: Option<Span>,
     },
+    /// `shape pose += box([x, y, z]);` and its like: what a body looks like, for drawing alone.
+    Shape {
+        /// The frame that it is fixed in.
+        pose: Expression,
+        /// `box`, `cylinder`, `sphere` or `mesh`.
+        kind: Name,
+        /// The file of a mesh, as written.
+        file: Option<String>,
+        /// Its sizes.
+        sizes: Vec<Expression>,
+    },
     /// `for i in 0..6 { … }`
     For {
         /// The loop variable.

@@ -428,6 +428,19 @@ impl Reader {
                 }
                 Ok(Statement::Output { name, index, value })
             }
+            // What a body looks like moves nothing: a choice of no statement.
+            "shape" if !self.is("=") && !self.is("[") => {
+                self.expression()?;
+                self.expect("+=")?;
+                self.name()?;
+                self.expect("(")?;
+                if let Token::Text(_) = self.peek() {
+                    self.next();
+                    self.accept(",");
+                }
+                self.arguments(")")?;
+                Ok(Statement::Choice { blocks: Vec::new() })
+            }
             "gravity" if !self.is("=") => Ok(Statement::Gravity { value: self.expression()? }),
             _ if matches!(self.peek(), Token::Name(_)) => {
                 let (name, index) = (self.name()?, self.index()?);

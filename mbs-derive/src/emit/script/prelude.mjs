@@ -212,7 +212,11 @@ function mbs_most(values) {
 
 
 function mbs_range(first, end) {
-  return Array.from({ length: Math.max(end - first, 0) }, (_, i) => first + i);
+  const numbers = [];
+  for (let i = first; i < end; i++) {
+    numbers.push(i);
+  }
+  return numbers;
 }
 
 

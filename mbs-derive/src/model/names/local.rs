@@ -1,7 +1,9 @@
 //! What local names and functions of a mechanism stand for: on paper intermediate results are called so.
 
-use crate::expr::{Expr, Node, Number};
+use crate::expr::{Expr, Node, Number, Vector};
+use crate::model::frame::FrameId;
 use crate::model::value::Value;
+use crate::model::value::dimension::Dimension;
 use crate::model::value::evaluate::{Argument, Resolver};
 
 /// A number that a name of the text stands for: `leg(0).x`, or `length` in the first turn of a loop.
@@ -19,6 +21,27 @@ pub(crate) struct Local<'g> {
 
 const AXES: [&str; 3] = ["x", "y", "z"];
 
+/// A place, or a vector between two of them, and the frame whose coordinates these are.
+fn length<'g>(value: &Value<'g>) -> Option<(FrameId, Vector<'g>)> {
+    let fits = |expr: Expr<'g>, dimension| expr.is_zero() || dimension == Dimension::LENGTH;
+    match value {
+        Value::Point(point) => Some((point.frame, point.coordinates)),
+        Value::Vector(vector) => {
+            let is_seen = vector.dimension == Dimension::LENGTH && vector.frame == FrameId::WORLD;
+            is_seen.then_some((vector.frame, vector.components))
+        }
+        Value::Array(array) => {
+            let number = |value: &Value<'g>| match value {
+                Value::Scalar(scalar) if fits(scalar.expr, scalar.dimension) => Some(scalar.expr),
+                _ => None,
+            };
+            let [x, y, z] = array.values() else { return None };
+            Some((FrameId::WORLD, Vector([number(x)?, number(y)?, number(z)?])))
+        }
+        Value::Scalar(_) | Value::Matrix(_) | Value::Pose(_) | Value::Part(_) => None,
+    }
+}
+
 impl<'g> Resolver<'_, 'g> {
     /// Remembers what a local name stands for.
     pub(in crate::model) fn remember(&mut self, name: &str, numbers: Vec<i64>, value: &Value<'g>) {
@@ -35,6 +58,10 @@ impl<'g> Resolver<'_, 'g> {
             }
             Value::Matrix(_) | Value::Pose(_) | Value::Part(_) | Value::Array(_) => Vec::new(),
         };
+        if let Some((frame, vector)) = length(value) {
+            let name: String = numbers.iter().fold(name.to_string(), |name, number| format!("{name}_{number}"));
+            self.lagrangian.named_lengths.push((name, frame, vector));
+        }
         for (axis, value) in components {
             let local = Local { name: name.to_string(), numbers: numbers.clone(), axis, value };
             self.lagrangian.locals.push(local);

@@ -60,6 +60,8 @@ pub(in crate::model) struct Resolver<'d, 'g> {
     pub(in crate::model) found: Found<'g>,
     /// Whether joints whose wrenches are asked for are held.
     pub(in crate::model) hold: Hold<'g>,
+    /// Whether shapes are drawn, or passed over.
+    pub(in crate::model) draws: bool,
     pub(in crate::model) dimensionless: bool,
     /// The dimension of what the statement at hand declares, where it is an energy, a power or a force.
     pub(in crate::model) wanted: Option<Dimension>,
@@ -78,6 +80,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
             effort: Effort::default(),
             found: Found::default(),
             hold,
+            draws: false,
             dimensionless,
             wanted: None,
         }

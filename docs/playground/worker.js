@@ -1,6 +1,6 @@
 // The generator beside the page: whatever it takes, the page answers. One model at a time.
 
-import { ModelError, load } from "../mbs.js";
+import { ModelError, load } from "../../mbs-wasm/mbs.js";
 
 const mbs = load();
 let model = null;

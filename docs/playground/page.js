@@ -1,10 +1,10 @@
 // The page: an editor, what the generator says of the text, and the motion.
 
 import { examples, folder } from "./examples.js";
-import { escape, page as pageOfLatex } from "./mathml.js";
-import { Path, Plot, number } from "./plot.js";
+import { Phase, Plot, number } from "../../mbs-cli/src/report/plot.js";
 
 const $ = (id) => document.getElementById(id);
+const escape = (text) => text.replace(/[&<>"]/g, (c) => ({ "&": "&amp;", "<": "&lt;", ">": "&gt;", '"': "&quot;" })[c]);
 const METHODS = ["dop853", "dopri5", "rk4", "gauss-legendre4", "stormer-verlet", "semi-implicit-euler"];
 
 /** Calls the generator; of several calls of one kind that wait, the last is made. */
@@ -290,21 +290,26 @@ function showMotion(answer = shown) {
   ${evaluations} accelerations in ${(1000 * seconds).toFixed(0)} ms.${assembled ? " The start was moved onto the constraints." : ""}`;
 }
 
-/** The path of the first output that is a place. */
+/** The path of the first output that is a place, seen along the axis in which it moves least. */
 function showPath({ columns, units }) {
   const isPlace = ({ units }) => units?.length === 3 && units.every((unit) => unit === "m");
   const output = Object.values(model.functions).find(isPlace);
   const names = output ? [0, 1, 2].map((i) => `${output.name}_${i}`) : [];
-  path ??= new Path($("path"));
+  path ??= new Phase($("path"));
   path.root.hidden = names.length === 0 || names.some((name) => !(name in columns));
-  if (!path.root.hidden) path.show({ title: output.name, unit: units[names[0]], axes: names.map((name) => columns[name]), height: 260 });
+  if (path.root.hidden) return;
+  const span = (name) => columns[name].reduce(([low, high], x) => [Math.min(low, x), Math.max(high, x)], [Infinity, -Infinity]);
+  const spans = names.map(span).map(([low, high]) => high - low);
+  const least = spans.indexOf(Math.min(...spans));
+  const [x, y] = names.filter((_, i) => i !== least).map((name) => ({ name, unit: units[name], values: columns[name] }));
+  path.show({ x, y, height: 260, equal: true });
 }
 
 // Equations, code, operations
 
 async function paintTexts() {
   const tab = document.querySelector('[aria-selected="true"]').dataset.tab;
-  const language = tab === "equations" ? "latex" : $("language").value;
+  const language = tab === "equations" ? "mathml" : $("language").value;
   if (model === null || !["equations", "code"].includes(tab)) return;
   if (!(language in texts)) {
     $("state").textContent = "writing …";
@@ -319,8 +324,8 @@ async function paintTexts() {
     $("size").textContent = `${text.split("\n").length} lines, ${(text.length / 1024).toFixed(0)} KiB`;
   } else if ($("equations").dataset.of !== text) {
     $("equations").dataset.of = text;
-    const short = text.length < 400_000;
-    $("equations").innerHTML = short ? pageOfLatex(text) : "<p>These equations are too long for a page: see the LaTeX under Code.</p>";
+    const short = text.length < 4_000_000;
+    $("equations").innerHTML = short ? text : "<p>These equations are too long for a page: see the LaTeX under Code.</p>";
   }
 }
 
