@@ -183,7 +183,7 @@ fn syntax_error(name: &str, text: &str, error: &serde_json::Error) -> Failure {
     let line_start: usize = text.split_inclusive('\n').take(error.line().saturating_sub(1)).map(str::len).sum();
     let place = line_start + error.column().saturating_sub(1);
     let mut diagnostics = Diagnostics::default();
-    diagnostics.error(place..place + 1, format!("unreadable JSON: {message}"));
+    diagnostics.data(place..place + 1, format!("unreadable JSON: {message}"));
     Failure::rendered(diagnostics.render(name, text))
 }
 

@@ -3,6 +3,7 @@
 use super::keyword::CONTEXTUAL;
 use super::reader::{Parsed, Reader};
 use super::syntax::{Statement, StatementKind};
+use crate::diagnostic::Code;
 
 impl Reader<'_> {
     /// `gravity := "gravity" expression`
@@ -10,7 +11,7 @@ impl Reader<'_> {
         self.eat_word("gravity");
         if self.peek("+=") {
             let help = "write `gravity [0, 0, -g];`: it acts on all bodies, so there is one";
-            return Err(self.refuse(self.next(), "gravity is declared once, not added to", help));
+            return Err(self.refuse(Code::WrongSign, self.next(), "gravity is declared once, not added to", help));
         }
         Ok(StatementKind::Gravity { acceleration: self.expression()? })
     }
@@ -24,7 +25,7 @@ impl Reader<'_> {
         let name = self.declared_name("part")?;
         if CONTEXTUAL.contains(&name.text.as_str()) {
             let message = format!("`{}` cannot name a part: it begins a statement of its own", name.text);
-            return Err(self.refuse(name.span, message, "choose another name"));
+            return Err(self.refuse(Code::ReservedName, name.span, message, "choose another name"));
         }
         let form = format!("write `part {}(x, y) {{ … }}`", name.text);
         let parameters = self.names_in_brackets("part", &form)?;

@@ -3,6 +3,7 @@
 
 use std::collections::BTreeSet;
 
+use crate::diagnostic::Code;
 use crate::model::frame::{Edge, FrameId};
 use crate::model::value::constant::Dependence;
 use crate::model::value::evaluate::{Argument, Resolved, Resolver};
@@ -34,7 +35,7 @@ impl<'g> Resolver<'_, 'g> {
             format!("this mass centre depends on {names}, which the pose depends on, too: it would be moved twice");
         let help = "a mass centre is written in the axes of its pose, such as `[0, 0, -l]`; where it moves in them, move the \
                     pose: `rigid_body(m, [0, 0, 0], i, pose * translation([…]))`";
-        Err(self.refuse(span, message, help))
+        Err(self.refuse(Code::MovedTwice, span, message, help))
     }
 
     /// The inertia of a body is constant in the axes of its pose; in those of the room it turns with the pose.
@@ -57,7 +58,7 @@ impl<'g> Resolver<'_, 'g> {
             format!("this inertia depends on {}, as the pose does: it would be turned twice", self.names_of(&shared));
         let help =
             "an inertia is written in the axes of its pose, in which it is constant: `inertia(xx, yy, zz, xy, xz, yz)`";
-        Err(self.refuse(span, message, help))
+        Err(self.refuse(Code::MovedTwice, span, message, help))
     }
 
     /// Two coordinates that are components of the mass centre in a pose that only turns: a pose that was forgotten to
@@ -112,7 +113,7 @@ impl<'g> Resolver<'_, 'g> {
         if self.report.has_said(&place, &message) {
             return;
         }
-        let warning = self.report.errors.warning(place, message).help(help);
+        let warning = self.report.errors.warning(Code::MassCentreOfTheRoom, place, message).help(help);
         for (call, what) in calls {
             warning.note(call, what);
         }
