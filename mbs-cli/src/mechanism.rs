@@ -12,6 +12,7 @@ use serde::{Deserialize, Serialize};
 use crate::cache::Cache;
 use crate::failure::Failure;
 use crate::files::Files;
+use crate::message::Messages;
 use crate::output;
 
 /// A mechanism whose programs are proved.
@@ -26,7 +27,7 @@ pub(crate) struct Mechanism {
     /// At how many of them some motion has no inertia.
     pub(crate) singular_at: usize,
     /// What standard error says of it.
-    warnings: String,
+    warnings: Messages,
 }
 
 /// A mechanism as it was just derived.
@@ -43,7 +44,7 @@ pub(crate) struct Derived<T> {
 #[derive(Serialize, Deserialize)]
 struct Code {
     text: String,
-    warnings: String,
+    warnings: Messages,
 }
 
 /// What a [`Mechanism`] is kept as.
@@ -51,7 +52,7 @@ pub(crate) const MECHANISM: &str = "mechanism";
 
 /// Reads a mechanism and what it imports, and notes the files.
 pub(crate) fn open(path: &Path, files: &mut Files) -> Result<Sources, Failure> {
-    let sources = mbs_derive::read(path).map_err(Failure::rendered)?;
+    let sources = mbs_derive::read(path).map_err(|report| Failure::from(Messages::of_file(report)))?;
     for (number, name) in sources.names().enumerate() {
         files.reads(if number == 0 { "the mechanism" } else { "the import" }, Path::new(name));
     }
@@ -124,7 +125,7 @@ pub(crate) fn proved_and<T>(sources: &Sources, also: impl Fn(&Analysis<'_>) -> T
 }
 
 fn derived_and<T>(sources: &Sources, also: impl Fn(&Analysis<'_>) -> T) -> Result<Derived<T>, Failure> {
-    let refused = |error: Error| Failure::rendered(error.render_in(sources));
+    let refused = |error: Error| Failure::from(Messages::of_error(&error, sources));
 
     let start = Instant::now();
     let graph = Graph::verbatim();
@@ -137,7 +138,7 @@ fn derived_and<T>(sources: &Sources, also: impl Fn(&Analysis<'_>) -> T) -> Resul
         bodies: analysis.lagrangian().bodies().0.len(),
         proved_at: proof.states,
         singular_at: proof.singular,
-        warnings: analysis.warnings(Some(&proof)).render_in(sources),
+        warnings: Messages::of(&analysis.warnings(Some(&proof)), sources),
         derivation: analysis.into_programs(),
     };
     Ok(Derived { mechanism, derive_seconds, also })

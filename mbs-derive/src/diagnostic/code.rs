@@ -173,6 +173,7 @@ codes! {
     NoInertia = 916,
     DependentInertia = 917,
     NeverUsed = 918,
+    VectorForAPlace = 919,
 
     // Constraints.
     SidesOfOneShape = 1001,
