@@ -35,8 +35,7 @@ pub(crate) fn run(arguments: &Arguments, mut command: clap::Command) -> Result<(
     let mut pages = vec![("mbs.1".to_string(), rendered(command.clone()).map_err(|error| cannot(&error))?)];
     for sub in command.get_subcommands().filter(|sub| sub.get_name() != "help") {
         let name = format!("mbs-{}", sub.get_name());
-        let page = rendered(sub.clone().name(name.clone())).map_err(|error| cannot(&error))?;
-        pages.push((format!("{name}.1"), page));
+        pages.push((format!("{name}.1"), rendered(sub.clone()).map_err(|error| cannot(&error))?));
     }
     let mut files = Files::default();
     let mut staged = Vec::new();

@@ -44,24 +44,26 @@ pub(crate) fn run(arguments: &Arguments, cache: &Cache) -> Result<(), Failure> {
         if let Err(failure) = outcome {
             output::report(failure.messages());
         }
-        seen = loop {
-            thread::sleep(Duration::from_millis(arguments.every));
-            let now = read(arguments);
-            if differ(&seen, &now) {
-                break now;
-            }
-        };
+        seen = changed(arguments, seen);
+    }
+}
+
+/// Waits for other texts, and until they stay as they are: an editor may not have written all of them yet.
+fn changed(arguments: &Arguments, seen: Result<Sources, String>) -> Result<Sources, String> {
+    let mut last = seen.clone();
+    loop {
+        thread::sleep(Duration::from_millis(arguments.every));
+        let now = read(arguments);
+        if now == last && now != seen {
+            return now;
+        }
+        last = now;
     }
 }
 
 /// The texts, or the report on a file that cannot be read.
 fn read(arguments: &Arguments) -> Result<Sources, String> {
     mbs_derive::read(&arguments.file)
-}
-
-/// Whether anything that a check depends on is another one: texts, names, or what cannot be read.
-fn differ(before: &Result<Sources, String>, now: &Result<Sources, String>) -> bool {
-    before != now
 }
 
 fn checked(sources: &Result<Sources, String>, cache: &Cache) -> Result<(), Failure> {

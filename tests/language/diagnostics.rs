@@ -157,7 +157,7 @@ fn deep_nesting_is_refused_before_it_overflows() {
     ];
     for body in bodies {
         let text = report("deep.mbs", &format!("mechanism Deep {{ coord x: m; {body} }}"));
-        assert!(text.starts_with("error: "), "{text}");
+        assert!(text.starts_with("error[MBS"), "{text}");
     }
 }
 
