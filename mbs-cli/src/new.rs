@@ -8,6 +8,7 @@ mod checkout;
 mod name;
 mod template;
 
+use std::fmt::Display;
 use std::fs;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
@@ -49,6 +50,7 @@ pub(crate) struct Arguments {
 /// Writes the crate whole, or nothing.
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let name = name::of(&arguments.folder)?;
+    let is_there = is_empty_folder(&arguments.folder)?;
     let checkout = match &arguments.path {
         Some(path) => Some(Checkout::given(path)?),
         None => Checkout::found(),
@@ -57,7 +59,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let dependencies = |package: &str| checkout::dependency(checkout.as_ref(), &arguments.folder, package);
     let mut files = template.files(&name, dependencies);
     files.push(snapshot(template)?);
-    place(&arguments.folder, &files)?;
+    place(&arguments.folder, is_there, &files)?;
     let from = match &checkout {
         Some(checkout) => format!("mbs of {}", checkout.root().display()),
         None => format!("mbs {} of the registry", env!("CARGO_PKG_VERSION")),
@@ -97,36 +99,43 @@ fn snapshot(template: Template) -> Result<(String, String), Failure> {
     Ok((format!("tests/snapshots/review__{mechanism}.snap"), text))
 }
 
-/// Writes all files into a folder beside, which then takes the name: there is never half a crate.
-fn place(folder: &Path, files: &[(String, String)]) -> Result<(), Failure> {
-    let cannot =
-        |error: &dyn std::fmt::Display| Failure::new(format_args!("cannot make {}: {error}", folder.display()));
-    let is_there = match fs::symlink_metadata(folder) {
-        Ok(there) if !there.is_dir() => return Err(cannot(&"there is a file of this name")),
-        Ok(_) if fs::read_dir(folder).map_err(|error| cannot(&error))?.next().is_some() => {
-            return Err(cannot(&"the folder is not empty"));
+/// Whether there is an empty folder; it is a failure if there is anything else.
+fn is_empty_folder(folder: &Path) -> Result<bool, Failure> {
+    match fs::symlink_metadata(folder) {
+        Ok(there) if !there.is_dir() => Err(cannot(folder, "there is a file of this name")),
+        Ok(_) if fs::read_dir(folder).map_err(|error| cannot(folder, error))?.next().is_some() => {
+            Err(cannot(folder, "the folder is not empty"))
         }
-        Ok(_) => true,
-        Err(error) if error.kind() == ErrorKind::NotFound => false,
-        Err(error) => return Err(cannot(&error)),
-    };
+        Ok(_) => Ok(true),
+        Err(error) if error.kind() == ErrorKind::NotFound => Ok(false),
+        Err(error) => Err(cannot(folder, error)),
+    }
+}
+
+fn cannot(folder: &Path, why: impl Display) -> Failure {
+    Failure::new(format_args!("cannot make {}: {why}", folder.display()))
+}
+
+/// Writes all files into a folder beside, which then takes the name: there is never half a crate.
+fn place(folder: &Path, is_there: bool, files: &[(String, String)]) -> Result<(), Failure> {
+    let cannot = |error: std::io::Error| cannot(folder, error);
     let parent = folder.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let mut builder = tempfile::Builder::new();
     builder.prefix(".mbs-").suffix(".tmp");
     // As any new folder, under the user's mask; temporary ones are closed to others by default.
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o777));
-    let beside = builder.tempdir_in(parent).map_err(|error| cannot(&error))?;
+    let beside = builder.tempdir_in(parent).map_err(cannot)?;
     for (file, text) in files {
         let path = beside.path().join(file);
         let written = path.parent().map_or(Ok(()), fs::create_dir_all).and_then(|()| fs::write(&path, text));
-        written.map_err(|error| cannot(&error))?;
+        written.map_err(cannot)?;
     }
     if is_there {
-        fs::remove_dir(folder).map_err(|error| cannot(&error))?;
+        fs::remove_dir(folder).map_err(cannot)?;
     }
     // Renamed, it is no longer temporary; else it is removed when it is dropped.
-    fs::rename(beside.path(), folder).map_err(|error| cannot(&error))?;
+    fs::rename(beside.path(), folder).map_err(cannot)?;
     let _ = beside.keep();
     Ok(())
 }

@@ -34,7 +34,7 @@ fn every_command_refuses_what_check_refuses() {
     let report = workshop.bad(&["check", "bad.mbs"]);
     assert!(report.contains("bad.mbs:"), "{report}");
     assert_eq!(workshop.bad(&["derive", "bad.mbs", "--out", "bad.rs"]), report);
-    assert_eq!(workshop.bad(&["ops", "bad.mbs", "--json"]), report);
+    assert_eq!(workshop.bad(&["ops", "bad.mbs"]), report);
     assert_eq!(workshop.bad(&["eval", "bad.mbs", state[0], state[1]]), report);
     let simulate = ["simulate", "bad.mbs", state[0], state[1], "--t-end", "1", "--csv", "bad.csv"];
     assert_eq!(workshop.bad(&simulate), report);

@@ -60,7 +60,11 @@ impl<'d, 'g> Resolver<'d, 'g> {
         help: String,
         first: Span,
     ) -> Refused {
-        self.report.errors.error(Code::OutOfSight, span.clone(), message).help(help).note(first, "it is declared here");
+        self.report
+            .errors
+            .error(Code::DeclaredTwice, span.clone(), message)
+            .help(help)
+            .note(first, "it is declared here");
         Refused
     }
 }
