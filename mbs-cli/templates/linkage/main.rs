@@ -60,7 +60,7 @@ fn main() -> Result<(), Box<dyn Error>> {
                 flat(hinge),
                 [linkage.params().ground, 0.0],
             ];
-            frames.push(vec![vec![flat(middle)], bars]);
+            frames.push(vec![vec![flat(middle); 2], bars]);
         },
     )?;
     std::fs::write("motion.csv", table)?;

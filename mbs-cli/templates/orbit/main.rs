@@ -47,7 +47,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         |t, state| {
             let [earth_x, earth_y, _, x, y, _] = state.q;
             table += &format!("{t},{x},{y},{}\n", (x - earth_x).hypot(y - earth_y));
-            frames.push(vec![vec![[x, y]], vec![[earth_x, earth_y]]]);
+            frames.push(vec![vec![[x, y]; 2], vec![[earth_x, earth_y]; 2]]);
         },
     )?;
     std::fs::write("motion.csv", table)?;
