@@ -15,7 +15,7 @@ const STIFFNESS: [f64; 3] = [60.0, 120.0, 40.0];
 const DAMPING: [f64; 3] = [15.0, 25.0, 6.0];
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let arm = Arm::new(Params::default());
+    let arm = Arm::<f64>::new(Params::default());
     let goal: [f64; 3] = [0.6, 0.9, -1.4];
     // Gravity is held by the model; what is left behaves like springs to the goal, and dampers.
     let control = |_t: f64, q: &[f64; 3], qd: &[f64; 3]| {

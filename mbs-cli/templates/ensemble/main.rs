@@ -59,7 +59,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 
 /// The motion of one member, always the same: angle, and place of the bob.
 fn run(number: u64, times: &[f64]) -> Result<Vec<[f64; 3]>, IntegrationError> {
-    let nominal = Params::default();
+    let nominal = Params::<f64>::default();
     let mut random = Random(number);
     let pendulum = Ensemble::new(Params {
         mass: nominal.mass * random.near_one(),

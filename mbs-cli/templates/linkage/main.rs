@@ -14,7 +14,7 @@ use linkage::{Linkage, Params};
 const MEMORY: usize = Projector::<f64, [f64; 0]>::size(3, 2);
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let linkage = Linkage::new(Params::default());
+    let linkage = Linkage::<f64>::new(Params::default());
     // The motor turns the crank at 5 rad/s.
     let motor = |_t: f64, _q: &[f64; 3], qd: &[f64; 3]| [2.0 * (5.0 - qd[0])];
 

@@ -15,7 +15,7 @@ const SPEED: f64 = 1082.0;
 const SHARE: f64 = 7.342e22 / (7.342e22 + 5.9722e24);
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let orbit = Orbit::new(Params::default());
+    let orbit = Orbit::<f64>::new(Params::default());
     let free = |_t: f64, _q: &[f64; 6], _qd: &[f64; 6]| [];
     // The barycentre rests at the origin.
     let q = [

@@ -14,7 +14,7 @@ use vehicle::{Params, Vehicle};
 const MEMORY: usize = Projector::<f64, [f64; 0]>::size(4, 2);
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let car = Vehicle::new(Params::default());
+    let car = Vehicle::<f64>::new(Params::default());
     // A driver who keeps 6 m/s and turns the wheel to and fro.
     let driver = |t: f64, q: &[f64; 4], qd: &[f64; 4]| {
         let speed = qd[0] * q[2].cos() + qd[1] * q[2].sin();
