@@ -149,6 +149,8 @@ export interface Place {
 
 export interface Diagnostic extends Place {
   severity: "error" | "warning";
+  /** Its cause, as `mbs explain` knows it: `MBS0401`. */
+  code: string;
   message: string;
   /** What to write instead. */
   help: string | null;

@@ -1,18 +1,23 @@
 //! `mbs check`: is the declaration good, and can its equations be proved.
 
-pub(crate) mod freedom;
+mod freedom;
 
 use std::path::PathBuf;
 
 use mbs_derive::variable::Variable;
 use mbs_derive::variable::component_names;
+use serde_json::{Value, json};
+
+pub(crate) use freedom::Freedom;
 
 use crate::cache::Cache;
 use crate::failure::Failure;
+use crate::mechanism::Mechanism;
 use crate::{mechanism, output};
 
 /// Check a mechanism: its declaration, its physical dimensions, and the proof of its equations.
 #[derive(clap::Args)]
+#[command(after_help = "Example:\n  mbs check pendulum.mbs")]
 pub(crate) struct Arguments {
     /// The mechanism.
     #[arg(value_name = "FILE.mbs")]
@@ -22,21 +27,45 @@ pub(crate) struct Arguments {
 /// Prints one line about a mechanism that is good.
 pub(crate) fn run(arguments: &Arguments, cache: &Cache) -> Result<(), Failure> {
     let mechanism = mechanism::read(&arguments.file, cache)?;
+    let freedom = Freedom::of(&mechanism.derivation)?;
+    output::answer(|| object(&mechanism, &freedom), || summary(&mechanism, &freedom))
+}
+
+/// What a mechanism is, in numbers and names.
+pub(crate) fn object(mechanism: &Mechanism, freedom: &Freedom) -> Value {
+    let derivation = &mechanism.derivation;
+    let names = |variables: &[Variable]| -> Value { component_names(variables).into() };
+    json!({
+        "mechanism": derivation.name,
+        "coordinates": names(&derivation.coordinates),
+        "inputs": names(&derivation.inputs),
+        "prescribed": names(&derivation.prescribed),
+        "parameters": names(&derivation.parameters),
+        "bodies": mechanism.bodies,
+        "constraint_rows": freedom.rows,
+        "degrees_of_freedom": freedom.count(),
+        "proved_at": mechanism.proved_at,
+        "singular_at": mechanism.singular_at,
+    })
+}
+
+/// Likewise, in a line.
+pub(crate) fn summary(mechanism: &Mechanism, freedom: &Freedom) -> String {
     let derivation = &mechanism.derivation;
     let singular = match mechanism.singular_at {
         0 => String::new(),
         count => format!(", at {count} of which some motion has no inertia"),
     };
-    output::print(&format!(
+    format!(
         "{}: {}, {}, {}, {}{}; proved at {}{singular}\n",
         derivation.name,
         counted(&derivation.coordinates, "coordinate"),
         counted(&derivation.inputs, "input"),
         counted(&derivation.parameters, "parameter"),
         plural(mechanism.bodies, "body", "bodies"),
-        freedom::summary(derivation)?,
+        freedom.summary(),
         plural(mechanism.proved_at, "state", "states"),
-    ))
+    )
 }
 
 /// `2 coordinates (x, theta)`; long lists are cut.

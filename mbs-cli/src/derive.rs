@@ -11,6 +11,7 @@ use std::path::PathBuf;
 use mbs_derive::emit::{Language, Options};
 use mbs_derive::optimise::Derivation;
 use mbs_derive::source::Sources;
+use serde_json::json;
 
 use crate::cache::Cache;
 use crate::failure::Failure;
@@ -19,6 +20,7 @@ use crate::{mechanism, output};
 
 /// Derive and prove the equations of motion, and print them as code.
 #[derive(clap::Args)]
+#[command(after_help = "Example:\n  mbs derive pendulum.mbs --emit c --out pendulum.h")]
 pub(crate) struct Arguments {
     /// The mechanism.
     #[arg(value_name = "FILE.mbs")]
@@ -111,8 +113,9 @@ pub(crate) fn run(arguments: &Arguments, cache: &Cache) -> Result<(), Failure> {
         Emit::Json => mechanism::code(what, &sources, cache, json::programs)?,
     };
     match &arguments.out {
-        None => output::print(&text),
-        Some(path) => output::write(path, text.as_bytes()),
+        None if arguments.emit == Emit::Json => output::print(&text),
+        None => output::answer(|| json!({ "emit": what, "text": text }), || text.clone()),
+        Some(path) => output::write(path, text.as_bytes()).and_then(|()| output::wrote(&[path])),
     }
 }
 

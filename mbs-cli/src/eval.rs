@@ -18,6 +18,7 @@ use crate::{mechanism, output};
 ///
 /// It is algebra at the given state: what is singular there is printed as null, with a warning.
 #[derive(clap::Args)]
+#[command(after_help = "Example:\n  mbs eval pendulum.mbs --state '{\"theta\": 0.5}' --only mass_matrix,gravity")]
 pub(crate) struct Arguments {
     /// The mechanism.
     #[arg(value_name = "FILE.mbs")]
@@ -43,7 +44,7 @@ pub(crate) fn run(arguments: &Arguments, cache: &Cache) -> Result<(), Failure> {
     let derivation = mechanism::read(&arguments.file, cache)?.derivation;
     check_names(&arguments.only, &derivation)?;
     if arguments.redundant.is_some() && derivation.constraints.is_empty() {
-        output::report(&format!("warning: {} has no constraints, --redundant does nothing\n", derivation.name));
+        output::warn(format_args!("{} has no constraints, --redundant does nothing", derivation.name));
     }
     let evaluation = |point: &Point, place: &str| {
         let all = evaluation(&derivation, point, Moving::of(&derivation, point, arguments.redundant)?);
@@ -284,7 +285,7 @@ fn warn_of_nulls(evaluation: &Value, place: &str) {
     let names: Vec<&str> = entries.filter(|(_, value)| holds_null(value)).map(|(name, _)| name.as_str()).collect();
     if !names.is_empty() {
         let names = names.join(", ");
-        output::report(&format!("warning: infinite or NaN at {place}, printed as null: {names}\n"));
+        output::warn(format_args!("infinite or NaN at {place}, printed as null: {names}"));
     }
 }
 

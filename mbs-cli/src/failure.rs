@@ -2,33 +2,33 @@
 
 use std::fmt::Display;
 
+use mbs_derive::diagnostic::Severity;
+
+use crate::message::Messages;
+
 /// The model or the input is bad: what standard error shall say.
 #[derive(Debug)]
-pub(crate) struct Failure(String);
+pub(crate) struct Failure(Messages);
 
 impl Failure {
     /// A message without a place in a model's source: lower case, no full stop.
     pub(crate) fn new(message: impl Display) -> Self {
-        Failure(format!("error: {message}\n"))
+        Failure(Messages::plain(Severity::Error, message))
     }
 
-    /// Several messages, all to be seen at once. More than twenty are not read anyway.
+    /// Several messages, all to be seen at once.
     pub(crate) fn several(messages: &[String]) -> Self {
-        const SHOWN: usize = 20;
-        let mut report: String = messages.iter().take(SHOWN).map(|message| format!("error: {message}\n")).collect();
-        if messages.len() > SHOWN {
-            report += &format!("… and {} more\n", messages.len() - SHOWN);
-        }
-        Failure(report)
+        Failure(Messages::several(Severity::Error, messages))
     }
 
-    /// A finished report, as the generator renders it.
-    pub(crate) fn rendered(report: String) -> Self {
-        Failure(report)
-    }
-
-    /// The text for standard error.
-    pub(crate) fn report(&self) -> &str {
+    /// What standard error says.
+    pub(crate) fn messages(&self) -> &Messages {
         &self.0
+    }
+}
+
+impl From<Messages> for Failure {
+    fn from(messages: Messages) -> Self {
+        Failure(messages)
     }
 }

@@ -41,6 +41,7 @@ use model::Model;
 /// Derive and prove the equations of motion, and pack them as an FMU: model exchange and co-simulation, with sources of
 /// C and, where there is a C compiler, a shared library for this machine.
 #[derive(clap::Args)]
+#[command(after_help = "Example:\n  mbs fmu pendulum.mbs --out pendulum.fmu --sources-only")]
 pub(crate) struct Arguments {
     /// The mechanism.
     #[arg(value_name = "FILE.mbs")]
@@ -98,7 +99,8 @@ pub(crate) fn run(arguments: &Arguments, cache: &Cache) -> Result<(), Failure> {
     let derivation = mechanism::proved(&sources, cache)?.derivation;
     let point = start(arguments, &derivation)?;
     let archive = packed(arguments, &sources, &derivation, &point)?;
-    output::write(&arguments.out, &archive)
+    output::write(&arguments.out, &archive)?;
+    output::wrote(&[&arguments.out])
 }
 
 /// The start values, brought onto the constraints.

@@ -28,6 +28,7 @@ use self::system::System;
 /// units, angles in radians. Where accelerations are not zero at the state, it is linearized about the motion through
 /// it.
 #[derive(clap::Args)]
+#[command(after_help = "Example:\n  mbs linearize pendulum.mbs --state '{\"theta\": 0.1}' --trim theta")]
 pub(crate) struct Arguments {
     /// The mechanism.
     #[arg(value_name = "FILE.mbs")]
@@ -46,9 +47,6 @@ pub(crate) struct Arguments {
     /// The sampled system instead, with inputs held this long, in s.
     #[arg(long, value_name = "T")]
     sample_time: Option<f64>,
-    /// JSON instead of a text.
-    #[arg(long)]
-    json: bool,
 }
 
 /// Prints the linear system.
@@ -72,7 +70,7 @@ pub(crate) fn run(arguments: &Arguments, cache: &Cache) -> Result<(), Failure> {
         system = system.sampled(time)?;
     }
     let report = Report::new(&derivation, &point, &system, arguments.sample_time)?;
-    output::print(&if arguments.json { output::json(&report.json()) } else { report.text() })
+    output::answer(|| report.json(), || report.text())
 }
 
 /// Which names these are, each once.

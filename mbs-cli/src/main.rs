@@ -8,23 +8,29 @@
 //! - [`eval`]: every function's value at given states;
 //! - [`linearize`]: the linear system about a state, its poles, what inputs reach;
 //! - [`simulate`]: a motion as a table and as a figure;
-//! - [`mod@format`]: files in one style; `lsp`, a feature: what editors ask;
 //! - [`fmu`]: the mechanism for tools that speak FMI;
-//! - [`mod@report`]: all of it on one page, moving.
+//! - [`mod@report`]: all of it on one page, moving;
+//! - [`new`]: a crate around a mechanism;
+//! - [`mod@format`]: files in one style; `lsp`, a feature: what editors ask;
+//! - [`explain`]: the page of a diagnostic;
+//! - [`watch`]: `check` on every change;
+//! - [`completions`], [`man`]: for the shell.
 //!
 //! What they share: [`mechanism`] runs the generator's passes on a file, [`cache`] keeps what they gave, [`state`]
-//! reads states, [`mod@equations`] evaluates them along a motion, [`scene`] says what there
-//! is to see of them, [`output`] writes, [`files`] sees that nothing that
-//! was read is overwritten, and [`failure`] is how a command ends early.
+//! reads states, [`mod@equations`] evaluates them along a motion, [`scene`] says what there is to see of them,
+//! [`output`] writes, [`message`] is what standard error says, [`files`] sees that nothing that was read is
+//! overwritten, and [`failure`] is how a command ends early.
 //!
 //! Exit codes: 0 fine, 1 the model or the input is bad, 2 wrong usage. Results go to standard output or to the files
 //! asked for, once everything has succeeded; errors, warnings and the progress bar go to standard error.
 
 mod cache;
 mod check;
+mod completions;
 mod derive;
 mod equations;
 mod eval;
+mod explain;
 mod failure;
 mod files;
 mod fmu;
@@ -32,17 +38,21 @@ mod format;
 mod linearize;
 #[cfg(feature = "lsp")]
 mod lsp;
+mod man;
 mod mechanism;
+mod message;
+mod new;
 mod ops;
 mod output;
 mod report;
 mod scene;
 mod simulate;
 mod state;
+mod watch;
 
 use std::process::ExitCode;
 
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, Parser, Subcommand};
 
 use cache::Cache;
 use failure::Failure;
@@ -51,12 +61,16 @@ use failure::Failure;
 ///
 /// Exit codes: 0 fine, 1 the model or the input is bad, 2 wrong usage.
 #[derive(Parser)]
-#[command(name = "mbs", version)]
+#[command(name = "mbs", version, after_help = "`mbs COMMAND --help` has options and an example.")]
 struct Arguments {
     /// Derive and prove the mechanism in any case. Else what an earlier call has derived from the same texts is taken
     /// from the user's cache folder, or from MBS_CACHE_DIR.
     #[arg(long, global = true)]
     no_cache: bool,
+    /// Print results as JSON on standard output, and messages on standard error, an object a line: severity, message;
+    /// code, help, file, line and column where it is about a text.
+    #[arg(long, global = true)]
+    json: bool,
     #[command(subcommand)]
     command: Command,
 }
@@ -74,15 +88,23 @@ enum Command {
     #[cfg(feature = "lsp")]
     Lsp(lsp::Arguments),
     Report(report::Arguments),
+    New(new::Arguments),
+    Explain(explain::Arguments),
+    Watch(watch::Arguments),
+    Completions(completions::Arguments),
+    Man(man::Arguments),
 }
 
 fn main() -> ExitCode {
     let arguments = Arguments::parse();
+    if arguments.json {
+        output::speak_json();
+    }
     let cache = if arguments.no_cache { Cache::none() } else { Cache::of_user() };
     match run(arguments.command, &cache) {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
-            output::report(failure.report());
+            output::report(failure.messages());
             ExitCode::from(1)
         }
     }
@@ -101,6 +123,11 @@ fn run(command: Command, cache: &Cache) -> Result<(), Failure> {
         #[cfg(feature = "lsp")]
         Command::Lsp(arguments) => lsp::run(&arguments),
         Command::Report(arguments) => report::run(&arguments, cache),
+        Command::New(arguments) => new::run(&arguments),
+        Command::Explain(arguments) => explain::run(&arguments),
+        Command::Watch(arguments) => watch::run(&arguments, cache),
+        Command::Completions(arguments) => completions::run(&arguments, Arguments::command()),
+        Command::Man(arguments) => man::run(&arguments, Arguments::command()),
     }
 }
 

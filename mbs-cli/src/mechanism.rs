@@ -12,6 +12,7 @@ use serde::{Deserialize, Serialize};
 use crate::cache::Cache;
 use crate::failure::Failure;
 use crate::files::Files;
+use crate::message::Messages;
 use crate::output;
 use crate::scene::Scene;
 
@@ -27,7 +28,7 @@ pub(crate) struct Mechanism {
     /// At how many of them some motion has no inertia.
     pub(crate) singular_at: usize,
     /// What standard error says of it.
-    warnings: String,
+    warnings: Messages,
 }
 
 impl Mechanism {
@@ -51,7 +52,7 @@ pub(crate) struct Derived<T> {
 #[derive(Serialize, Deserialize)]
 struct Code {
     text: String,
-    warnings: String,
+    warnings: Messages,
 }
 
 /// What a [`Mechanism`] is kept as.
@@ -62,7 +63,7 @@ pub(crate) const SCENE: &str = "scene";
 
 /// Reads a mechanism and what it imports, and notes the files.
 pub(crate) fn open(path: &Path, files: &mut Files) -> Result<Sources, Failure> {
-    let sources = mbs_derive::read(path).map_err(Failure::rendered)?;
+    let sources = mbs_derive::read(path).map_err(|report| Failure::from(Messages::of_file(report)))?;
     for (number, name) in sources.names().enumerate() {
         files.reads(if number == 0 { "the mechanism" } else { "the import" }, Path::new(name));
     }
@@ -143,9 +144,9 @@ pub(crate) fn proved_and<T>(sources: &Sources, also: impl Fn(&Analysis<'_>) -> T
     Ok(derived)
 }
 
-/// Likewise, before warnings are reported.
+/// Derived and proved, with what `also` takes from the analysis, before warnings are reported.
 pub(crate) fn derived_and<T>(sources: &Sources, also: impl Fn(&Analysis<'_>) -> T) -> Result<Derived<T>, Failure> {
-    let refused = |error: Error| Failure::rendered(error.render_in(sources));
+    let refused = |error: Error| Failure::from(Messages::of_error(&error, sources));
 
     let start = Instant::now();
     let graph = Graph::verbatim();
@@ -158,7 +159,7 @@ pub(crate) fn derived_and<T>(sources: &Sources, also: impl Fn(&Analysis<'_>) -> 
         bodies: analysis.lagrangian().bodies().0.len(),
         proved_at: proof.states,
         singular_at: proof.singular,
-        warnings: analysis.warnings(Some(&proof)).render_in(sources),
+        warnings: Messages::of(&analysis.warnings(Some(&proof)), sources),
         derivation: analysis.into_programs(),
     };
     Ok(Derived { mechanism, derive_seconds, also })

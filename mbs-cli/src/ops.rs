@@ -19,13 +19,11 @@ use explanation::Explanation;
 /// add + mul. Of the mass matrix the lower triangle is computed. What depends on parameters alone is computed once,
 /// when the mechanism is made, and not counted. The mechanism is derived in any case, never taken from the cache.
 #[derive(clap::Args)]
+#[command(after_help = "Example:\n  mbs ops pendulum.mbs --explain")]
 pub(crate) struct Arguments {
     /// The mechanism.
     #[arg(value_name = "FILE.mbs")]
     file: PathBuf,
-    /// Print one JSON object instead of a table.
-    #[arg(long)]
-    json: bool,
     /// Also tell which route each function took, what it would cost by the others, and what regrouping of masses saved.
     #[arg(long)]
     explain: bool,
@@ -35,7 +33,7 @@ pub(crate) struct Arguments {
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let sources = mechanism::open(&arguments.file, &mut Files::default())?;
     let derived = mechanism::proved_and(&sources, |analysis| arguments.explain.then(|| Explanation::of(analysis)))?;
-    output::print(&match (arguments.json, &derived.also) {
+    output::print(&match (output::is_json(), &derived.also) {
         (true, _) => output::json(&object(&derived)),
         (false, None) => table(&derived),
         (false, Some(explanation)) => format!("{}\n{}", table(&derived), explanation.table()),

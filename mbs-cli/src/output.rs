@@ -1,18 +1,85 @@
-//! Where results go: standard output, or files that are either whole or not there.
+//! Where results go: standard output, or files that are either whole or not there; and what standard error says.
 
+use std::fmt::Display;
 use std::fs;
 use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
 
+use mbs_derive::diagnostic::Severity;
 use serde_json::Value;
 use tempfile::NamedTempFile;
 
 use crate::failure::Failure;
 use crate::files;
+use crate::message::Messages;
 
-/// Writes a report to standard error; there is nobody to tell if that fails.
-pub(crate) fn report(text: &str) {
-    let _ = io::stderr().write_all(text.as_bytes());
+/// Whether the option `--json` was given. It is about everything that is written, so it is known everywhere.
+static JSON: AtomicBool = AtomicBool::new(false);
+
+/// From now on results and messages are JSON.
+pub(crate) fn speak_json() {
+    JSON.store(true, Ordering::Relaxed);
+}
+
+/// Whether results are JSON.
+pub(crate) fn is_json() -> bool {
+    JSON.load(Ordering::Relaxed)
+}
+
+/// Writes messages to standard error; there is nobody to tell if that fails. As JSON, an object a line; else with
+/// colours, if it is a terminal and `NO_COLOR` is not set.
+pub(crate) fn report(messages: &Messages) {
+    let _ = if is_json() {
+        let lines: String = messages.json().iter().map(|message| format!("{message}\n")).collect();
+        io::stderr().write_all(lines.as_bytes())
+    } else {
+        anstream::stderr().write_all(painted(messages.text()).as_bytes())
+    };
+}
+
+/// Warns of something that has no place in a text.
+pub(crate) fn warn(message: impl Display) {
+    report(&Messages::plain(Severity::Warning, message));
+}
+
+/// Errors red, warnings yellow, notes and places blue; terminals without colours are not shown the codes.
+fn painted(report: &str) -> String {
+    const PLAIN: &str = "\u{1b}[0m";
+    let mut colour = "\u{1b}[1;31m";
+    let mut line = |line: &str| {
+        let word: String = line.chars().take_while(char::is_ascii_lowercase).collect();
+        let title = line[word.len()..].find(": ").map(|end| word.len() + end);
+        match (word.as_str(), title) {
+            ("error" | "warning" | "note", Some(end)) => {
+                colour = match word.as_str() {
+                    "error" => "\u{1b}[1;31m",
+                    "warning" => "\u{1b}[1;33m",
+                    _ => "\u{1b}[1;34m",
+                };
+                format!("{colour}{}{PLAIN}{}", &line[..end], &line[end..])
+            }
+            _ if line.trim_start().starts_with("--> ") => format!("\u{1b}[34m{}{PLAIN}", line.trim_end()) + "\n",
+            _ => match line.split_once(" | ") {
+                Some((gutter, marks)) if marks.trim().chars().all(|c| c == '^') && !marks.trim().is_empty() => {
+                    format!("{gutter} | {colour}{}{PLAIN}\n", marks.trim_end())
+                }
+                _ => line.to_string(),
+            },
+        }
+    };
+    report.split_inclusive('\n').map(&mut line).collect()
+}
+
+/// Prints a result: as JSON if that was asked for, else as text.
+pub(crate) fn answer(object: impl FnOnce() -> Value, text: impl FnOnce() -> String) -> Result<(), Failure> {
+    print(&if is_json() { json(&object()) } else { text() })
+}
+
+/// Tells which files were written, if JSON was asked for; people see them.
+pub(crate) fn wrote(paths: &[&Path]) -> Result<(), Failure> {
+    let names: Vec<String> = paths.iter().map(|path| path.display().to_string()).collect();
+    if is_json() { print(&json(&serde_json::json!({ "written": names }))) } else { Ok(()) }
 }
 
 /// Writes a result to standard output. A reader that has seen enough (`mbs … | head`) is no error.

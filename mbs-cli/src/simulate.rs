@@ -25,7 +25,7 @@ mod progress;
 pub(crate) mod record;
 mod table;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::ValueEnum;
 use mbs_chart::Format;
@@ -55,6 +55,9 @@ use crate::state::{self, Point, Request};
 /// is left of the rows, `residual_<row>`, follow; the motion starts from the nearest state that satisfies them and is
 /// kept on them.
 #[derive(clap::Args)]
+#[command(
+    after_help = "Example:\n  mbs simulate pendulum.mbs --state '{\"theta\": 0.5}' --t-end 10 --csv motion.csv --plot motion.svg"
+)]
 pub(crate) struct Arguments {
     /// The mechanism.
     #[arg(value_name = "FILE.mbs")]
@@ -148,9 +151,7 @@ pub(crate) fn run(arguments: &Arguments, cache: &Cache) -> Result<(), Failure> {
         !driven.gives_signal(i) && (*rate != 0.0 || *acceleration != 0.0)
     };
     if point.state.prescribed.iter().enumerate().any(contradicts) {
-        output::report(
-            "warning: prescribed signals stay as given: a value that stays contradicts a rate that is not zero\n",
-        );
+        output::warn("prescribed signals stay as given: a value that stays contradicts a rate that is not zero");
     }
     let settings = Settings {
         method: arguments.method,
@@ -167,7 +168,7 @@ pub(crate) fn run(arguments: &Arguments, cache: &Cache) -> Result<(), Failure> {
     let recorder = Recorder::new(&derivation, &arguments.record);
     let without = recorder.empty_handed();
     if !without.is_empty() {
-        output::report(&format!("warning: {} has no {} to record\n", derivation.name, without.join(", ")));
+        output::warn(format_args!("{} has no {} to record", derivation.name, without.join(", ")));
     }
     let motion = Motion::integrate(&derivation, &point, &times, &settings, driven, &recorder)?;
     let animation = match &arguments.gltf {
@@ -221,16 +222,16 @@ fn warn_of_idle_options(arguments: &Arguments, derivation: &Derivation) {
     if !arguments.method.has_error_control() && (arguments.rtol.is_some() || arguments.atol.is_some()) {
         let method = arguments.method.to_possible_value();
         let name = method.as_ref().map_or("this method", |value| value.get_name());
-        output::report(&format!("warning: {name} has no error control, --rtol and --atol do nothing\n"));
+        output::warn(format_args!("{name} has no error control, --rtol and --atol do nothing"));
     }
     let is_held = !arguments.hold.is_empty();
     if derivation.constraints.is_empty()
         && (is_held || arguments.project != Drift::Projected || arguments.redundant != Redundant::Refuse)
     {
         let name = &derivation.name;
-        output::report(&format!("warning: {name} has no constraints, --project, --redundant and --hold do nothing\n"));
+        output::warn(format_args!("{name} has no constraints, --project, --redundant and --hold do nothing"));
     } else if is_held && arguments.project == Drift::Left {
-        output::report("warning: with --project none the first state stays as given, --hold does nothing\n");
+        output::warn("with --project none the first state stays as given, --hold does nothing");
     }
 }
 
@@ -269,9 +270,13 @@ fn deliver(motion: &Motion, animation: Option<Vec<u8>>, arguments: &Arguments) -
         staged.push(Staged::new(path, &parquet::table(motion, arguments.units)?)?);
     }
     staged.into_iter().try_for_each(Staged::commit)?;
-    match arguments.csv {
-        None => output::print(&csv),
-        Some(_) => Ok(()),
+    let written: Vec<&Path> = [arguments.csv.as_deref(), arguments.plot.as_ref().map(|(path, _)| path.as_path())]
+        .into_iter()
+        .flatten()
+        .collect();
+    match &arguments.csv {
+        None => output::answer(|| table::object(motion, arguments.units, &written), || csv),
+        Some(_) => output::wrote(&written),
     }
 }
 

@@ -25,6 +25,7 @@ use mbs_derive::expr::Number;
 use mbs_derive::interpret::{State, Violation};
 use mbs_derive::model::Unit;
 use mbs_derive::optimise::Derivation;
+use mbs_derive::source::Sources;
 use mbs_derive::variable::Variable;
 use mbs_derive::variable::component_names;
 use serde::de::{Deserialize, Deserializer, Error, MapAccess, SeqAccess, Visitor};
@@ -33,6 +34,7 @@ use serde_json::{Map, Value};
 use crate::check::{abridged, plural};
 use crate::failure::Failure;
 use crate::files::Files;
+use crate::message::Messages;
 use crate::output;
 
 /// What a state file asks for.
@@ -183,8 +185,8 @@ fn syntax_error(name: &str, text: &str, error: &serde_json::Error) -> Failure {
     let line_start: usize = text.split_inclusive('\n').take(error.line().saturating_sub(1)).map(str::len).sum();
     let place = line_start + error.column().saturating_sub(1);
     let mut diagnostics = Diagnostics::default();
-    diagnostics.error(place..place + 1, format!("unreadable JSON: {message}"));
-    Failure::rendered(diagnostics.render(name, text))
+    diagnostics.data(place..place + 1, format!("unreadable JSON: {message}"));
+    Messages::of(&diagnostics, &Sources::new(name, text)).into()
 }
 
 fn request(name: &str, json: &Value, derivation: &Derivation, given: &[String]) -> Result<Request, Failure> {
@@ -210,8 +212,8 @@ fn request(name: &str, json: &Value, derivation: &Derivation, given: &[String]) 
     if !left_out.is_empty() {
         let signals: Vec<String> = left_out.into_iter().map(|i| names[i].clone()).collect();
         let many = matches!(request, Request::Many(_));
-        output::report(&format!(
-            "warning: {name}: \"prescribed\" does not give {}{}: zero, at rest\n",
+        output::warn(format_args!(
+            "{name}: \"prescribed\" does not give {}{}: zero, at rest",
             abridged(&signals),
             if many { " in all states" } else { "" }
         ));
@@ -219,9 +221,9 @@ fn request(name: &str, json: &Value, derivation: &Derivation, given: &[String]) 
     for i in plain {
         let Variable { name: parameter, unit, declared_unit, .. } = &derivation.parameters[i];
         let declared = declared_unit.as_deref().unwrap_or_default();
-        output::report(&format!(
-            "warning: {name}: \"params\".\"{parameter}\" is declared in {declared}; a plain number is in {unit}, write it with its \
-             unit, \"20 {declared}\"\n"
+        output::warn(format_args!(
+            "{name}: \"params\".\"{parameter}\" is declared in {declared}; a plain number is in {unit}, write it with its \
+             unit, \"20 {declared}\""
         ));
     }
     Ok(request)

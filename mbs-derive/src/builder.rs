@@ -29,7 +29,7 @@ use std::collections::{BTreeMap, HashMap};
 use std::panic::Location;
 use std::rc::Rc;
 
-use crate::diagnostic::Diagnostics;
+use crate::diagnostic::{Code, Diagnostics};
 use crate::parse;
 use crate::parse::syntax::{
     Comparison, Declaration, EnergyTerm, Expression, ExpressionKind, Name, Quantity, Statement, StatementKind, Unit,
@@ -96,7 +96,7 @@ impl Mechanism {
         };
         let place = mechanism.place(begun);
         if mechanism.parsed(&format!("mechanism {name} {{ }}"), &place).is_some_and(|read| read.name.text != name) {
-            mechanism.errors.error(place, format!("`{name}` is no name"));
+            mechanism.errors.error(Code::NotAName, place, format!("`{name}` is no name"));
         }
         mechanism
     }
@@ -288,7 +288,11 @@ impl Mechanism {
             Kind::Name(name) => (name, None),
             Kind::Element(name, i) => (name, Some(expression(ExpressionKind::Number(i.to_string()), &place))),
             _ => {
-                let error = self.errors.error(place, "a generalized force acts on a coordinate, this is a formula");
+                let error = self.errors.error(
+                    Code::ForceTarget,
+                    place,
+                    "a generalized force acts on a coordinate, this is a formula",
+                );
                 error.help("give `force` what `coord` or `coords` returned; forces on places are `force_at`");
                 return;
             }
@@ -404,7 +408,7 @@ impl Mechanism {
         match (read.pop(), read.is_empty()) {
             (Some(statement), true) if name.bytes().all(|c| c.is_ascii_alphanumeric() || c == b'_') => Some(statement),
             _ => {
-                self.errors.error(place.clone(), format!("`{name}` is no name, or its unit is none"));
+                self.errors.error(Code::NotAName, place.clone(), format!("`{name}` is no name, or its unit is none"));
                 None
             }
         }
@@ -477,7 +481,7 @@ impl Mechanism {
     /// The shortest decimal of a number, which is what it stands for exactly.
     fn decimal(&mut self, number: f64, unit: Option<Unit>, place: &Span) -> Expression {
         if !number.is_finite() {
-            self.errors.error(place.clone(), format!("{number} is not finite"));
+            self.errors.error(Code::NotANumber, place.clone(), format!("{number} is not finite"));
         }
         let text = format!("{:?}", number.abs());
         let text = text.strip_suffix(".0").unwrap_or(&text).to_string();

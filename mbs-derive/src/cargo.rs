@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 
 use crate::analysis::{self, Analysis};
 use crate::builder::Mechanism;
-use crate::diagnostic::nearest;
+use crate::diagnostic::{Code, nearest};
 use crate::emit::{Language, Options, Trigonometry};
 use crate::expr::Graph;
 use crate::generated::{Error, Generated};
@@ -367,7 +367,7 @@ pub fn read(file: &Path) -> Result<Sources, String> {
     let name = file.to_string_lossy();
     let bytes = bytes(file).map_err(|error| format!("error: cannot read {name}: {error}\n"))?;
     if bytes.len() > MAX_BYTES {
-        return Err(format!("error: this file is larger than 64 MiB\n --> {name}:1:1\n"));
+        return Err(format!("error[{}]: this file is larger than 64 MiB\n --> {name}:1:1\n", Code::TooLong));
     }
     let text = parse::text(&name, bytes)?;
     Ok(Sources::gather(&name, &text, import))
@@ -440,12 +440,18 @@ fn directives(report: &str) -> Vec<String> {
     let directive = |line| {
         let (of_block, text) = ["error", "warning"]
             .into_iter()
-            .find_map(|name| Some((name, str::strip_prefix(line, name)?.strip_prefix(": ")?)))
-            .unwrap_or((severity, line));
+            .find_map(|name| Some((name, title(str::strip_prefix(line, name)?)?)))
+            .unwrap_or((severity, line.to_string()));
         severity = of_block;
         format!("cargo::{severity}={text}")
     };
     report.lines().filter(|line| !line.is_empty()).map(directive).collect()
+}
+
+/// What stands behind `error` or `warning` where a message begins: `[MBS0101] …`, or without a code.
+fn title(rest: &str) -> Option<String> {
+    let coded = || rest.strip_prefix('[')?.split_once("]: ").map(|(code, text)| format!("[{code}] {text}"));
+    rest.strip_prefix(": ").map(str::to_string).or_else(coded)
 }
 
 #[cfg(test)]
@@ -454,8 +460,8 @@ mod tests {
 
     #[test]
     fn cargo_says_once_what_is_an_error_and_what_a_warning() {
-        let report = "error: no `x`\n --> m.mbs:1:1\n  = help: declare it\n\nwarning: an angle\n --> m.mbs:2:1\n\n… and 3 more\n";
-        let expected = "cargo::error=no `x`\ncargo::error= --> m.mbs:1:1\ncargo::error=  = help: declare it\n\
+        let report = "error[MBS0501]: no `x`\n --> m.mbs:1:1\n  = help: declare it\n\nwarning: an angle\n --> m.mbs:2:1\n\n… and 3 more\n";
+        let expected = "cargo::error=[MBS0501] no `x`\ncargo::error= --> m.mbs:1:1\ncargo::error=  = help: declare it\n\
                         cargo::warning=an angle\ncargo::warning= --> m.mbs:2:1\ncargo::warning=… and 3 more";
         assert_eq!(directives(report).join("\n"), expected);
     }

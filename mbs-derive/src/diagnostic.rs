@@ -1,22 +1,23 @@
 //! What is wrong with a declaration, where, and what to write instead.
 //!
-//! A pass collects its errors in a [`Diagnostics`] and stops at its end if there are any:
+//! A pass collects its errors in a [`Diagnostics`] and stops at its end if there are any. Each has a code, which `mbs
+//! explain` has a page for:
 //!
 //! ```
-//! # use mbs_derive::diagnostic::Diagnostics;
-//! let source = "param length = 1.0;\n";
-//! let mut errors = Diagnostics::default();
-//! errors.error(0..12, "`param length` needs a unit").help("write `param length: m = …;`");
-//! assert_eq!(errors.render("arm.mbs", source), "\
-//! error: `param length` needs a unit
-//!  --> arm.mbs:1:1
+//! let source = "mechanism Arm { param length = 1.0; }";
+//! let error = mbs_derive::generate("arm.mbs", source, &Default::default()).unwrap_err();
+//! assert_eq!(error.render("arm.mbs", source), "\
+//! error[MBS0401]: `length` needs a unit
+//!  --> arm.mbs:1:23
 //!   |
-//! 1 | param length = 1.0;
-//!   | ^^^^^^^^^^^^
-//!   = help: write `param length: m = …;`
+//! 1 | mechanism Arm { param length = 1.0; }
+//!   |                       ^^^^^^
+//!   = help: write `param length: m = …`, `1` for a pure number
 //! ");
 //! ```
 
+mod code;
+mod excerpt;
 mod nearest;
 mod replacement;
 
@@ -25,6 +26,8 @@ use std::fmt;
 use crate::source::Sources;
 use crate::span::Span;
 
+pub(crate) use code::Code;
+use excerpt::{Excerpt, excerpt};
 pub(crate) use nearest::nearest;
 
 /// How bad it is.
@@ -41,6 +44,8 @@ pub enum Severity {
 pub struct Diagnostic {
     /// Error or warning.
     pub severity: Severity,
+    /// Its cause.
+    code: Code,
     /// What is wrong, lower case, no full stop.
     pub message: String,
     /// The text that it is about.
@@ -74,6 +79,22 @@ impl Diagnostic {
     /// ```
     pub fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
         nearest(name, candidates)
+    }
+
+    /// Its cause, as `mbs explain` knows it: `MBS0401`.
+    ///
+    /// ```
+    /// let graph = mbs_derive::expr::Graph::verbatim();
+    /// let errors = mbs_derive::declared("mechanism Arm { param length = 1.0; }", &graph, &[]).unwrap_err();
+    /// assert_eq!(errors.iter().next().unwrap().code(), "MBS0401");
+    /// ```
+    pub fn code(&self) -> String {
+        self.code.to_string()
+    }
+
+    /// All codes that there are, by number.
+    pub fn codes() -> impl Iterator<Item = String> {
+        Code::ALL.iter().map(Code::to_string)
     }
 
     /// Adds what to write instead.
@@ -115,18 +136,31 @@ impl Diagnostics {
     const KEPT: usize = 1000;
 
     /// Notes an error and returns it, so that a help can be added.
-    pub fn error(&mut self, span: Span, message: impl Into<String>) -> &mut Diagnostic {
-        self.insert(Severity::Error, span, message.into())
+    pub(crate) fn error(&mut self, code: Code, span: Span, message: impl Into<String>) -> &mut Diagnostic {
+        self.insert(Severity::Error, code, span, message.into())
+    }
+
+    /// Notes an error in data that are given beside a mechanism, such as a state, and returns it, so that a help can be
+    /// added.
+    ///
+    /// ```
+    /// # use mbs_derive::diagnostic::Diagnostics;
+    /// let mut errors = Diagnostics::default();
+    /// errors.data(1..2, "unreadable JSON: expected a key");
+    /// assert!(errors.render("state.json", "{q}").starts_with("error[MBS0310]: unreadable JSON"));
+    /// ```
+    pub fn data(&mut self, span: Span, message: impl Into<String>) -> &mut Diagnostic {
+        self.error(Code::Data, span, message)
     }
 
     /// Notes a warning and returns it, so that a help can be added.
-    pub fn warning(&mut self, span: Span, message: impl Into<String>) -> &mut Diagnostic {
-        self.insert(Severity::Warning, span, message.into())
+    pub(crate) fn warning(&mut self, code: Code, span: Span, message: impl Into<String>) -> &mut Diagnostic {
+        self.insert(Severity::Warning, code, span, message.into())
     }
 
-    fn insert(&mut self, severity: Severity, span: Span, message: String) -> &mut Diagnostic {
+    fn insert(&mut self, severity: Severity, code: Code, span: Span, message: String) -> &mut Diagnostic {
         let place = self.messages.partition_point(|m| m.span.start <= span.start);
-        let message = Diagnostic { severity, message, span, help: None, notes: Vec::new() };
+        let message = Diagnostic { severity, code, message, span, help: None, notes: Vec::new() };
         let failed = self.has_errors();
         self.errors += usize::from(severity == Severity::Error);
         if self.messages.len() >= Self::KEPT && (failed || severity == Severity::Warning) {
@@ -172,8 +206,8 @@ impl Diagnostics {
 
     /// Takes the messages of another pass, or about another file.
     pub fn append(&mut self, other: Diagnostics) {
-        for Diagnostic { severity, message, span, help, notes } in other.messages {
-            let taken = self.insert(severity, span, message);
+        for Diagnostic { severity, code, message, span, help, notes } in other.messages {
+            let taken = self.insert(severity, code, span, message);
             (taken.help, taken.notes) = (help, notes);
         }
     }
@@ -229,10 +263,10 @@ impl fmt::Display for Severity {
     }
 }
 
-/// One line without a place: `error: …; help: …`. [`Diagnostics::render`] shows the place.
+/// One line without a place: `error[MBS0401]: …; help: …`. [`Diagnostics::render`] shows the place.
 impl fmt::Display for Diagnostic {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}: {}", self.severity, self.message)?;
+        write!(f, "{}[{}]: {}", self.severity, self.code, self.message)?;
         match &self.help {
             Some(help) => write!(f, "; help: {help}"),
             None => Ok(()),
@@ -256,7 +290,7 @@ impl fmt::Display for Diagnostics {
 impl std::error::Error for Diagnostics {}
 
 fn block(message: &Diagnostic, sources: &Sources) -> String {
-    let title = format!("{}: {}", message.severity, abridged(&message.message));
+    let title = format!("{}[{}]: {}", message.severity, message.code, abridged(&message.message));
     let (mut block, gutter) = marked(&title, &message.span, sources);
     if let Some(help) = &message.help {
         block += &format!("{gutter} = help: {}\n", abridged(help).replace('\n', &format!("\n{gutter}         ")));
@@ -291,93 +325,14 @@ fn marked(title: &str, span: &Span, sources: &Sources) -> (String, String) {
     (block, gutter)
 }
 
-/// The line that a span begins on, ready to be printed.
-struct Excerpt {
-    /// Counted from 1.
-    line: usize,
-    /// Counted from 1, in characters.
-    column: usize,
-    /// The line, or the part of it around the span.
-    text: String,
-    /// Columns of `text` before the span.
-    indent: usize,
-    /// Columns of the span, at least one.
-    width: usize,
-}
-
-/// Columns shown of a line; of a longer one the part around the span is shown.
-const WIDTH: usize = 120;
-
-fn excerpt(source: &str, span: &Span) -> Excerpt {
-    let start = boundary(source, span.start);
-    let end = boundary(source, span.end).max(start);
-    let line_start = source[..start].rfind('\n').map_or(0, |newline| newline + 1);
-    let line_end = source[start..].find('\n').map_or(source.len(), |newline| start + newline);
-    // Of a line of megabytes no more than can be shown is looked at.
-    let far = 8 * WIDTH;
-    let end = boundary(source, end.min(line_end).min(start + far));
-    let marked = source[start..end].trim_end();
-    let marked_end = start + marked.len();
-    let shown_end = boundary(source, line_end.min(marked_end + far));
-
-    let before = source[boundary(source, line_start.max(start.saturating_sub(far)))..start].chars().flat_map(printable);
-    let mut shown: Vec<char> = before.collect();
-    let from = shown.len();
-    shown.extend(marked.chars().flat_map(printable));
-    let to = shown.len();
-    shown.extend(source[marked_end..shown_end].trim_end().chars().flat_map(printable));
-
-    let first = if shown.len() <= WIDTH { 0 } else { window(shown.len(), from, to) };
-    let last = shown.len().min(first + WIDTH);
-    let left = if first > 0 { "…" } else { "" };
-    let right = if last < shown.len() { "…" } else { "" };
-    Excerpt {
-        line: source[..line_start].matches('\n').count() + 1,
-        column: source[line_start..start].chars().count() + 1,
-        text: format!("{left}{}{right}", String::from_iter(&shown[first..last])),
-        indent: left.chars().count() + columns(&shown[first..from]),
-        width: columns(&shown[from..to.min(last)]).max(1),
-    }
-}
-
-/// The nearest place at or before `offset` where a character begins.
-fn boundary(source: &str, offset: usize) -> usize {
-    let mut offset = offset.min(source.len());
-    while !source.is_char_boundary(offset) {
-        offset -= 1;
-    }
-    offset
-}
-
-/// A tab as four spaces; what would disturb a terminal as a replacement character.
-fn printable(c: char) -> impl Iterator<Item = char> {
-    let bidirectional = matches!(c, '\u{200e}'..='\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
-    let (c, count) = match c {
-        '\t' => (' ', 4),
-        c if c.is_control() || bidirectional => (char::REPLACEMENT_CHARACTER, 1),
-        c => (c, 1),
-    };
-    std::iter::repeat_n(c, count)
-}
-
-/// Where to begin so that `from..to` stands in the middle of `WIDTH` columns, or its head where it is longer.
-fn window(length: usize, from: usize, to: usize) -> usize {
-    let margin = WIDTH.saturating_sub(to - from) / 2;
-    from.saturating_sub(margin.max(WIDTH / 10)).min(length - WIDTH)
-}
-
-/// Columns that characters take on a terminal: combining marks (q̇) take none.
-fn columns(text: &[char]) -> usize {
-    text.iter().filter(|c| !matches!(c, '\u{300}'..='\u{36f}')).count()
-}
-
 #[cfg(test)]
 mod tests {
+    use super::excerpt::WIDTH;
     use super::*;
 
     fn rendered(source: &str, span: Span) -> String {
         let mut errors = Diagnostics::default();
-        errors.error(span, "wrong");
+        errors.error(Code::Unexpected, span, "wrong");
         errors.render("a.mbs", source)
     }
 
@@ -395,10 +350,14 @@ mod tests {
         let source = format!("{}{line}\n}}\n", "\n".repeat(8));
         let mut errors = Diagnostics::default();
         errors
-            .error(8 + 11..8 + 34, "kinetic energy must be an energy (kg·m²/s²), this term is kg·m/s")
+            .error(
+                Code::EnergyDimension,
+                8 + 11..8 + 34,
+                "kinetic energy must be an energy (kg·m²/s²), this term is kg·m/s",
+            )
             .help("a speed enters squared: did you mean `1/2 * m * (l * dt(theta))^2`?");
         let expected = "\
-error: kinetic energy must be an energy (kg·m²/s²), this term is kg·m/s
+error[MBS0801]: kinetic energy must be an energy (kg·m²/s²), this term is kg·m/s
  --> mechanisms/pendulum.mbs:9:12
   |
 9 | kinetic += 1/2 * m * l * dt(theta);
@@ -411,18 +370,18 @@ error: kinetic energy must be an energy (kg·m²/s²), this term is kg·m/s
     #[test]
     fn gutter_is_as_wide_as_the_line_number() {
         let source = format!("{}x", "\n".repeat(99));
-        let expected = "error: wrong\n   --> a.mbs:100:1\n    |\n100 | x\n    | ^\n";
+        let expected = "error[MBS0201]: wrong\n   --> a.mbs:100:1\n    |\n100 | x\n    | ^\n";
         assert_eq!(rendered(&source, 99..100), expected);
     }
 
     #[test]
     fn messages_come_in_source_order_with_a_line_between() {
         let mut errors = Diagnostics::default();
-        errors.error(2..3, "second");
-        errors.warning(0..1, "first").help("one\ntwo");
-        errors.error(2..3, "third");
+        errors.error(Code::Unexpected, 2..3, "second");
+        errors.warning(Code::Unused, 0..1, "first").help("one\ntwo");
+        errors.error(Code::Unexpected, 2..3, "third");
         let expected = "\
-warning: first
+warning[MBS0514]: first
  --> a.mbs:1:1
   |
 1 | a b
@@ -430,28 +389,31 @@ warning: first
   = help: one
           two
 
-error: second
+error[MBS0201]: second
  --> a.mbs:1:3
   |
 1 | a b
   |   ^
 
-error: third
+error[MBS0201]: third
  --> a.mbs:1:3
   |
 1 | a b
   |   ^
 ";
         assert_eq!(errors.render("a.mbs", "a b"), expected);
-        assert_eq!(errors.to_string(), "warning: first; help: one\ntwo\nerror: second\nerror: third");
+        assert_eq!(
+            errors.to_string(),
+            "warning[MBS0514]: first; help: one\ntwo\nerror[MBS0201]: second\nerror[MBS0201]: third"
+        );
     }
 
     #[test]
     fn notes_show_other_places() {
         let mut errors = Diagnostics::default();
-        errors.error(0..1, "wrong").help("right").note(4..5, "here too");
+        errors.error(Code::Unexpected, 0..1, "wrong").help("right").note(4..5, "here too");
         let expected = "\
-error: wrong
+error[MBS0201]: wrong
  --> a.mbs:1:1
   |
 1 | a b
@@ -470,10 +432,10 @@ note: here too
     fn twenty_messages_are_enough() {
         let mut errors = Diagnostics::default();
         for i in 0..23 {
-            errors.error(i..i + 1, format!("number {i}"));
+            errors.error(Code::Unexpected, i..i + 1, format!("number {i}"));
         }
         let report = errors.render("a.mbs", &"x".repeat(23));
-        assert_eq!(report.matches("error: ").count(), 20);
+        assert_eq!(report.matches("error[MBS0201]: ").count(), 20);
         assert!(report.ends_with("\n\n… and 3 more\n"), "{report}");
     }
 
@@ -481,23 +443,23 @@ note: here too
     fn warnings_hide_no_error() {
         let mut errors = Diagnostics::default();
         for i in 0..30 {
-            errors.warning(i..i + 1, "odd");
+            errors.warning(Code::Unused, i..i + 1, "odd");
         }
-        errors.error(30..31, "wrong");
+        errors.error(Code::Unexpected, 30..31, "wrong");
         let report = errors.render("a.mbs", &"x".repeat(31));
-        assert_eq!(report.matches("warning: odd").count(), 19);
-        assert!(report.ends_with("^\n\n… and 11 more\n") && report.contains("error: wrong"), "{report}");
+        assert_eq!(report.matches("warning[MBS0514]: odd").count(), 19);
+        assert!(report.ends_with("^\n\n… and 11 more\n") && report.contains("error[MBS0201]: wrong"), "{report}");
     }
 
     #[test]
     fn a_million_messages_take_no_memory_without_end() {
         let mut errors = Diagnostics::default();
         for i in 0..Diagnostics::KEPT {
-            errors.warning(i..i + 1, "odd");
+            errors.warning(Code::Unused, i..i + 1, "odd");
         }
         assert!(!errors.is_full() && !errors.has_errors());
         for i in 0..100_000 {
-            errors.error(i..i + 1, "wrong").help("right");
+            errors.error(Code::Unexpected, i..i + 1, "wrong").help("right");
         }
         assert!(errors.has_errors());
         assert_eq!(errors.iter().count(), Diagnostics::KEPT + 1);
@@ -507,7 +469,7 @@ note: here too
     #[test]
     fn columns_count_characters() {
         // Two Greek letters of two bytes each stand before the `x`.
-        assert_eq!(rendered("θω x", 5..6), "error: wrong\n --> a.mbs:1:4\n  |\n1 | θω x\n  |    ^\n");
+        assert_eq!(rendered("θω x", 5..6), "error[MBS0201]: wrong\n --> a.mbs:1:4\n  |\n1 | θω x\n  |    ^\n");
         assert_eq!(excerpt_lines("q\u{307}*x", 4..5), ("q\u{307}*x".into(), "  ^".into()));
     }
 
@@ -525,10 +487,10 @@ note: here too
 
     #[test]
     fn end_of_file_is_a_place() {
-        assert_eq!(rendered("", 0..0), "error: wrong\n --> a.mbs:1:1\n  |\n1 |\n  | ^\n");
-        assert_eq!(rendered("ab", 2..2), "error: wrong\n --> a.mbs:1:3\n  |\n1 | ab\n  |   ^\n");
-        assert_eq!(rendered("ab\n", 3..3), "error: wrong\n --> a.mbs:2:1\n  |\n2 |\n  | ^\n");
-        assert_eq!(rendered("ab\n", 2..3), "error: wrong\n --> a.mbs:1:3\n  |\n1 | ab\n  |   ^\n");
+        assert_eq!(rendered("", 0..0), "error[MBS0201]: wrong\n --> a.mbs:1:1\n  |\n1 |\n  | ^\n");
+        assert_eq!(rendered("ab", 2..2), "error[MBS0201]: wrong\n --> a.mbs:1:3\n  |\n1 | ab\n  |   ^\n");
+        assert_eq!(rendered("ab\n", 3..3), "error[MBS0201]: wrong\n --> a.mbs:2:1\n  |\n2 |\n  | ^\n");
+        assert_eq!(rendered("ab\n", 2..3), "error[MBS0201]: wrong\n --> a.mbs:1:3\n  |\n1 | ab\n  |   ^\n");
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use crate::diagnostic::Diagnostics;
+use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::source::Sources;
 use crate::verify::Failure;
 
@@ -62,8 +62,24 @@ impl Error {
         match self {
             Error::Declaration(diagnostics) => diagnostics.render_in(sources),
             Error::Proof(_) | Error::UnknownFunction { .. } => {
-                format!("error: {self}\n --> {}:1:1\n", sources.main().name)
+                let codes: String = self.codes().iter().map(|code| format!("[{code}]")).collect();
+                format!("error{codes}: {self}\n --> {}:1:1\n", sources.main().name)
             }
+        }
+    }
+
+    /// The code of each message, as `mbs explain` knows it.
+    ///
+    /// ```
+    /// let text = "mechanism Spring { coord x: m; potential += x^2; }";
+    /// let error = mbs_derive::generate("spring.mbs", text, &Default::default()).unwrap_err();
+    /// assert_eq!(error.codes(), ["MBS0801", "MBS0916"]);
+    /// ```
+    pub fn codes(&self) -> Vec<String> {
+        match self {
+            Error::Declaration(diagnostics) => diagnostics.iter().map(Diagnostic::code).collect(),
+            Error::Proof(failure) => vec![failure.code().to_string()],
+            Error::UnknownFunction { .. } => vec![Code::UnknownRequest.to_string()],
         }
     }
 }

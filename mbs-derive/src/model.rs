@@ -79,7 +79,7 @@ pub(crate) fn resolve<'g>(
 /// where it is wrong. With `is_whole` the mechanism as a whole is checked, too.
 pub(crate) fn surveyed(declaration: &Declaration, is_whole: bool) -> (Diagnostics, Vec<(Span, String)>) {
     let (graph, library) = (Graph::verbatim(), function::library());
-    let mut resolver = gone_through(declaration, &library, &graph, Hold::of(declaration));
+    let mut resolver = gone_through(declaration, &library, &graph, Hold::of(declaration), true);
     if is_whole && !resolver.report.errors.has_errors() {
         resolver.check(&declaration.name);
     }

@@ -12,7 +12,7 @@
 //! - `contextual`: statements that begin with a word that may be a name, too;
 //! - `quantity`: what a declaration declares: names, units, values;
 //! - `expression`: operators, calls, arrays; `number`: numbers; `in_place`: numbers with units; `condition`: `if` and
-//!   `else`, comparisons;
+//!   `else`, comparisons; `misplaced`: what stands where no value does;
 //! - `reader`: tokens and refusals, what all of these are written with;
 //! - `keyword`: the words that cannot be names;
 //! - `display`: the declaration as text again; `format`: a file in one style.
@@ -31,6 +31,7 @@ mod in_place;
 mod keyword;
 mod lexer;
 mod lookalike;
+mod misplaced;
 mod number;
 mod quantity;
 mod reader;

@@ -29,7 +29,7 @@ mod witness;
 use std::fmt;
 
 use crate::derive::time_derivative;
-use crate::diagnostic::Diagnostics;
+use crate::diagnostic::{Code, Diagnostics};
 use crate::expr::{Expr, Graph, Id, Node, Rounded, carry_out};
 use crate::interpret::State;
 use crate::model::Lagrangian;
@@ -143,7 +143,7 @@ impl Proof {
                 }
                 false => "is the limit in the right unit? what never happens can be left out",
             };
-            warnings.warning(choice.place.clone(), message).help(help);
+            warnings.warning(Code::NotProved, choice.place.clone(), message).help(help);
         }
     }
 }
@@ -191,6 +191,17 @@ pub enum Failure {
         /// With which parameters.
         parameters: Vec<f64>,
     },
+}
+
+impl Failure {
+    pub(crate) fn code(&self) -> Code {
+        match self {
+            Failure::TooFewStates { .. } => Code::TooFewStates,
+            Failure::NegativeInertia { .. } => Code::NegativeSomewhere,
+            Failure::Overflow { .. } => Code::Overflow,
+            Failure::Disagreement { .. } => Code::Disagreement,
+        }
+    }
 }
 
 impl fmt::Display for Failure {

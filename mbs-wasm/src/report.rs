@@ -43,6 +43,7 @@ pub(crate) fn diagnostics(diagnostics: &Diagnostics, sources: &Sources) -> Vec<V
 fn diagnostic(message: &Diagnostic, sources: &Sources) -> Value {
     let mut value = place(&message.span, sources);
     value["severity"] = json!(message.severity.to_string());
+    value["code"] = json!(message.code());
     value["message"] = json!(message.message);
     value["help"] = json!(message.help);
     let notes = message.notes.iter().map(|note| {

@@ -36,7 +36,7 @@ test("every wrong declaration of the repository has its report", () => {
       error = thrown;
     }
     assert.ok(error instanceof ModelError, `${name}: ${error.stack}`);
-    assert.match(error.report, /^error: |\nerror: /);
+    assert.match(error.report, /^error\[MBS\d{4}\]: |\nerror\[MBS\d{4}\]: /);
     for (const { file, line, column, length, start, end, message, severity } of error.diagnostics) {
       assert.ok(message.length > 0 && ["error", "warning"].includes(severity));
       if (file !== name) continue;

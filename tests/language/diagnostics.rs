@@ -52,7 +52,11 @@ fn wrong_declarations_earn_helpful_reports() {
     for (name, _) in files {
         // What a build script would say; cargo runs tests in the folder of their crate.
         let sources = mbs_derive::read(Path::new(&format!("bad/{name}.mbs")));
-        snapshot(&name, &sources.map_or_else(|report| report, |sources| report_of(&sources)));
+        let report = sources.map_or_else(|report| report, |sources| report_of(&sources));
+        let titles = report.lines().filter(|line| line.starts_with("error") || line.starts_with("warning"));
+        let coded = |title: &str| title.split_once("[MBS").is_some_and(|(_, rest)| rest.as_bytes().get(4) == Some(&b']'));
+        assert!(titles.clone().count() > 0 && titles.clone().all(coded), "{name}: {report}");
+        snapshot(&name, &report);
     }
 }
 
@@ -157,7 +161,7 @@ fn deep_nesting_is_refused_before_it_overflows() {
     ];
     for body in bodies {
         let text = report("deep.mbs", &format!("mechanism Deep {{ coord x: m; {body} }}"));
-        assert!(text.starts_with("error: "), "{text}");
+        assert!(text.starts_with("error[MBS"), "{text}");
     }
 }
 

@@ -15,7 +15,7 @@ fn code(statements: &str) -> String {
     let generated = mbs_derive::generate("a.mbs", &source, &Options::default());
     let generated = generated.unwrap_or_else(|error| panic!("{}", error.render("a.mbs", &source)));
     // What the mechanism does not use is the only thing that it is warned of.
-    let warnings = generated.warnings.matches("warning: ").count();
+    let warnings = generated.warnings.matches("warning[MBS").count();
     assert_eq!(warnings, generated.warnings.matches("` is not used").count(), "{}", generated.warnings);
     generated.code
 }

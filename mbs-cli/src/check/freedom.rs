@@ -16,13 +16,51 @@ const GUESSES: usize = 6;
 /// Mechanisms are as large as a machine, or as small as a watch; angles and plain numbers are of the order of 1.
 const SIZES: [f64; 3] = [1.0, 1e-2, 1e-4];
 
-/// `2 constraint rows: 1 degree of freedom`, with default parameters; empty without constraints. The rank is the least
-/// that is found: where there are several ways to close a loop, the one that moves the most is meant.
-pub(crate) fn summary(derivation: &Derivation) -> Result<String, Failure> {
-    let (coordinates, rows) = (derivation.dof(), derivation.constraints.len());
-    if rows == 0 {
-        return Ok(String::new());
+/// How many motions there are, with default parameters.
+pub(crate) struct Freedom {
+    coordinates: usize,
+    /// Rows of all constraints.
+    pub(crate) rows: usize,
+    /// The least rank that is found: where there are several ways to close a loop, the one that moves the most is
+    /// meant. None where no state was found that satisfies them.
+    rank: Option<usize>,
+}
+
+impl Freedom {
+    /// Counted, and tried near the origin.
+    pub(crate) fn of(derivation: &Derivation) -> Result<Self, Failure> {
+        let (coordinates, rows) = (derivation.dof(), derivation.constraints.len());
+        let rank = if rows == 0 { Some(0) } else { rank(derivation)? };
+        Ok(Freedom { coordinates, rows, rank })
     }
+
+    /// Degrees of freedom.
+    pub(crate) fn count(&self) -> Option<usize> {
+        self.rank.map(|rank| self.coordinates - rank)
+    }
+
+    /// `, 2 constraint rows: 1 degree of freedom`; empty without constraints.
+    pub(crate) fn summary(&self) -> String {
+        let Freedom { coordinates, rows, rank } = *self;
+        if rows == 0 {
+            return String::new();
+        }
+        let count = plural(rows, "constraint row", "constraint rows");
+        let free = |rank: usize| plural(coordinates - rank, "degree of freedom", "degrees of freedom");
+        match rank {
+            None => format!(", {count} that no state near the origin was found to satisfy"),
+            Some(rank) if rank == rows => format!(", {count}: {}", free(rank)),
+            Some(rank) => {
+                let counted = coordinates as i64 - rows as i64;
+                format!(", {count} of rank {rank}: {} (Grübler counts {counted})", free(rank))
+            }
+        }
+    }
+}
+
+/// The least rank of the constraints at the states that guesses of several sizes lead to.
+fn rank(derivation: &Derivation) -> Result<Option<usize>, Failure> {
+    let coordinates = derivation.dof();
     let defaults = derivation.parameters.iter().flat_map(|p| &p.defaults).copied().map(Number::to_f64);
     let state = State {
         q: vec![0.0; coordinates],
@@ -47,13 +85,5 @@ pub(crate) fn summary(derivation: &Derivation) -> Result<String, Failure> {
         projector.project(&equations, 0.0, &mut motion).ok()?;
         projector.rank(&equations, 0.0, &motion.q, |_| ()).ok()
     });
-    let count = plural(rows, "constraint row", "constraint rows");
-    let free = |rank: usize| plural(coordinates - rank, "degree of freedom", "degrees of freedom");
-    Ok(match ranks.min() {
-        None => format!(", {count} that no state near the origin was found to satisfy"),
-        Some(rank) if rank == rows => format!(", {count}: {}", free(rank)),
-        Some(rank) => {
-            format!(", {count} of rank {rank}: {} (Grübler counts {})", free(rank), coordinates as i64 - rows as i64)
-        }
-    })
+    Ok(ranks.min())
 }

@@ -33,7 +33,7 @@ pub(super) fn compiled(
     identifier: &str,
 ) -> Result<Option<(String, Vec<u8>)>, Failure> {
     let without = |why: &str| {
-        output::report(&format!("warning: {why}; the FMU has sources only\n"));
+        output::warn(format_args!("{why}; the FMU has sources only"));
         Ok(None)
     };
     let Some(platform) = platform(fmi) else {

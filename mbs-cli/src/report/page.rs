@@ -8,7 +8,7 @@ use serde_json::Value;
 use super::about::{about, called};
 use super::html::{code, escaped, number, paragraphs, prose, section, size, table};
 use super::{Parts, accuracy, in_script, module};
-use crate::check::freedom;
+use crate::check::Freedom;
 use crate::check::plural;
 use crate::failure::Failure;
 use crate::output;
@@ -202,7 +202,7 @@ fn constraints(derivation: &Derivation) -> Result<String, Failure> {
         let names = plural(coordinates, "coordinate", "coordinates");
         return Ok(format!("<p>There are no constraints: {degrees}, as many as {names}.</p>\n"));
     }
-    let summary = freedom::summary(derivation)?;
+    let summary = Freedom::of(derivation)?.summary();
     let head = ["row", "kind", "unit", "unit of its multiplier"].map(str::to_string);
     let rows = derivation.constraints.iter().zip(&derivation.holonomic).zip(&derivation.constraint_units);
     let rows: Vec<Vec<String>> = rows

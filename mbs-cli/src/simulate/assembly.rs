@@ -33,8 +33,8 @@ pub(crate) fn assemble(
         }
     }
     if !changes.is_empty() {
-        output::report(&format!(
-            "warning: the state does not satisfy the constraints; the motion starts from {}\n",
+        output::warn(format_args!(
+            "the state does not satisfy the constraints; the motion starts from {}",
             changes.join(", ")
         ));
     }
@@ -85,7 +85,7 @@ pub(crate) fn leave_open(
         }
     }
     if !open.is_empty() {
-        output::report(&format!("warning: the motion starts off the constraints: {}\n", abridged(&open)));
+        output::warn(format_args!("the motion starts off the constraints: {}", abridged(&open)));
     }
     Ok(())
 }

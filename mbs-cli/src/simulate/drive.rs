@@ -24,6 +24,7 @@ use super::curve::Curve;
 use crate::equations::Equations;
 use crate::failure::Failure;
 use crate::files::Files;
+use crate::message::Messages;
 use crate::state::hint;
 
 /// `name=formula` or `name=@file`.
@@ -283,8 +284,7 @@ fn formula(derivation: &Derivation, index: usize, name: &str) -> Result<usize, F
 fn check_formula(option: &str, name: &str, formula: &str) -> Result<(), Failure> {
     let text = format!("mechanism Formula {{ let value = {formula}; }}");
     let sources = Sources::new(&format!("{option} {name}"), &text);
-    let declaration =
-        parse::declaration_of(&sources).map_err(|errors| Failure::rendered(errors.render_in(&sources)))?;
+    let declaration = parse::declaration_of(&sources).map_err(|errors| Messages::of(&errors, &sources))?;
     match declaration.statements.len() {
         1 => Ok(()),
         _ => Err(Failure::new(format_args!("{option} {name}: a formula is one expression, without `;`"))),

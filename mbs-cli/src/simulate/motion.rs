@@ -85,9 +85,7 @@ impl Motion {
     ) -> Result<Motion, Failure> {
         let equations = Equations::new(derivation, start)?.with_driven(driven);
         if settings.method.is_for_separable() && equations.depends_on_velocities() {
-            output::report(
-                "warning: accelerations depend on velocities: the method is of order 1 and not symplectic here\n",
-            );
+            output::warn("accelerations depend on velocities: the method is of order 1 and not symplectic here");
         }
         let (rows, _) = Run { equations: &equations, settings, recorder }.rows(times)?;
         let columns = [standard_columns(derivation), recorder.columns()].concat();

@@ -59,7 +59,7 @@ fn a_second_call_says_the_same_and_derives_nothing() {
     let cached = Cached::new();
     for call in CALLS {
         let plain = cached.workshop.mbs(call);
-        assert!(plain.code == 0 && plain.stderr.contains("warning: "), "{plain:?}");
+        assert!(plain.code == 0 && plain.stderr.contains("warning[MBS"), "{plain:?}");
         assert_eq!(cached.mbs(call), plain, "{call:?}");
     }
     let entries = cached.entries();

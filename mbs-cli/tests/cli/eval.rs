@@ -252,7 +252,7 @@ fn broken_files_are_refused_at_their_place() {
     workshop.write("broken.json", "{\"q\": [1, 2],\n \"qd\": [1 2]}");
     let report = workshop.bad(&["eval", "chain.mbs", "--state", "broken.json"]);
     let expected = "\
-error: unreadable JSON: expected `,` or `]`
+error[MBS0310]: unreadable JSON: expected `,` or `]`
  --> broken.json:2:11
   |
 2 |  \"qd\": [1 2]}
@@ -262,7 +262,7 @@ error: unreadable JSON: expected `,` or `]`
     workshop.write("twice.json", "{\"q\": [1, 2], \"params\": {\"k\": 1,\n \"m\": [1, 2], \"k\": 2}}");
     let report = workshop.bad(&["eval", "chain.mbs", "--state", "twice.json"]);
     let expected = "\
-error: unreadable JSON: the key \"k\" stands here twice
+error[MBS0310]: unreadable JSON: the key \"k\" stands here twice
  --> twice.json:2:17
   |
 2 |  \"m\": [1, 2], \"k\": 2}}
@@ -273,7 +273,7 @@ error: unreadable JSON: the key \"k\" stands here twice
     assert!(report.contains("the key \"q\" stands here twice"), "{report}");
     workshop.write("huge.json", "{\"q\": [1, 1e999]}");
     let report = workshop.bad(&["eval", "chain.mbs", "--state", "huge.json"]);
-    assert!(report.starts_with("error: unreadable JSON: number out of range\n --> huge.json:1:"), "{report}");
+    assert!(report.starts_with("error[MBS0310]: unreadable JSON: number out of range\n --> huge.json:1:"), "{report}");
     workshop.write("binary.json", b"\xff\xfe");
     assert_eq!(
         workshop.bad(&["eval", "chain.mbs", "--state", "binary.json"]),

@@ -57,25 +57,29 @@ fn mistakes_are_shown_in_their_file() {
 #[test]
 fn files_that_cannot_be_imported_are_reported_at_the_import() {
     let workshop = workshop();
-    let check = |reason: &str, help: &str| {
+    let check = |code: &str, reason: &str, help: &str| {
         let report = workshop.bad(&["check", "own.mbs"]);
-        let title = format!("error: cannot import `gravity.mbs`: {reason}\n --> shared/rods.mbs:1:1\n");
+        let title = format!("error[{code}]: cannot import `gravity.mbs`: {reason}\n --> shared/rods.mbs:1:1\n");
         assert!(report.starts_with(&title) && report.contains(&format!("= help: {help}")), "{report}");
     };
     workshop.write("shared/gravity.mbs", b"const a = 1; // caf\xe9\n");
-    check("line 1, column 20 of it is not UTF-8 text", "save it as UTF-8");
+    check("MBS0301", "line 1, column 20 of it is not UTF-8 text", "save it as UTF-8");
     workshop.write("shared/gravity.mbs", crate::PENDULUM);
-    check("it is a mechanism", "move the `const` and `fn`");
+    check("MBS0303", "it is a mechanism", "move the `const` and `fn`");
     std::fs::remove_file(workshop.path("shared/gravity.mbs")).unwrap();
-    check("there is no file `shared/gravity.mbs`", "paths are seen from the folder of the file");
+    check("MBS0301", "there is no file `shared/gravity.mbs`", "paths are seen from the folder of the file");
     workshop.write("shared/gravety.mbs", "");
-    check("there is no file `shared/gravity.mbs`", "did you mean `gravety.mbs`, which is in that folder?");
+    check("MBS0301", "there is no file `shared/gravity.mbs`", "did you mean `gravety.mbs`, which is in that folder?");
     std::fs::create_dir(workshop.path("shared/gravity.mbs")).unwrap();
-    check("it is a folder", "import its files one by one");
+    check("MBS0301", "it is a folder", "import its files one by one");
     std::fs::remove_dir(workshop.path("shared/gravity.mbs")).unwrap();
     let large = std::fs::File::create(workshop.path("shared/gravity.mbs")).unwrap();
     large.set_len(1 << 40).unwrap();
-    check("the files of this mechanism are larger than 64 MiB together", "import constants and functions, not data");
+    check(
+        "MBS0301",
+        "the files of this mechanism are larger than 64 MiB together",
+        "import constants and functions, not data",
+    );
 }
 
 /// Each column is an array of constants, in the unit of its header; the force is between the second and the third line.

@@ -10,16 +10,19 @@ mod files;
 mod fmu;
 mod format;
 mod graph;
+mod help;
 mod import;
 mod linearize;
 #[cfg(feature = "lsp")]
 mod lsp;
 mod motion;
+mod new;
 mod ops;
 mod page;
 mod parameters;
 mod report;
 mod simulate;
+mod watch;
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
@@ -184,7 +187,7 @@ fn unreadable_mechanisms_end_with_1() {
         assert!(workshop.bad(&[command, "missing.mbs"]).starts_with("error: cannot read missing.mbs: "));
         assert!(workshop.bad(&[command, "folder.mbs"]).starts_with("error: cannot read folder.mbs: "));
         let report = workshop.bad(&[command, "latin1.mbs"]);
-        assert!(report.starts_with("error: this is not UTF-8 text\n --> latin1.mbs:1:14\n"), "{report}");
+        assert!(report.starts_with("error[MBS0101]: this is not UTF-8 text\n --> latin1.mbs:1:14\n"), "{report}");
         assert!(report.ends_with("this byte was probably meant as `é`\n"), "{report}");
         assert!(!workshop.bad(&[command, "/dev/null"]).is_empty());
     }

@@ -133,7 +133,7 @@ fn wrong_formulas_are_refused() {
     };
     let still = ["--signal", "wall=a*sin(t/(1*t))"];
     bad(&["--input", "push=k*t"], &["--input push: it is in N, the formula is in "]);
-    bad(&["--input", "push=2*", still[0], still[1]], &["error: "]);
+    bad(&["--input", "push=2*", still[0], still[1]], &["error[MBS0201]: "]);
     bad(&["--input", "push=k*x; force x += push"], &["a formula is one expression"]);
     bad(&["--input", "push=k*y"], &["`y`"]);
     bad(&["--input", "push=push/2"], &["a formula does not depend on inputs"]);

@@ -72,7 +72,7 @@ fn reports_name_the_call() {
     let line = line!() + 1;
     let report = refused(|a, m, x| a.potential(m + x));
     let place = format!("builder/tests.rs:{line}:");
-    assert!(report.starts_with("error: ") && report.contains(&place) && report.contains("kg"), "{report}");
+    assert!(report.starts_with("error[MBS") && report.contains(&place) && report.contains("kg"), "{report}");
     // What the text says of the same mistake.
     let text = "mechanism A { param m: kg = 1; coord x: m; potential += m + x; kinetic += m*dt(x)^2/2; }";
     let told = generate("a.mbs", text, &Options::default()).unwrap_err().render("a.mbs", text);
@@ -83,13 +83,13 @@ fn reports_name_the_call() {
 fn what_is_no_declaration_is_refused() {
     let check = |report: String, part: &str| assert!(report.contains(part), "{report}");
     check(refused(|a, _, _| drop(a.param("for", "m", 1.0))), "`for`");
-    check(refused(|a, _, _| drop(a.param("l", "metre/", 1.0))), "error: ");
-    check(refused(|a, _, _| drop(a.param("l", "m = 1; coord y: m", 1.0))), "error: ");
+    check(refused(|a, _, _| drop(a.param("l", "metre/", 1.0))), "error[MBS");
+    check(refused(|a, _, _| drop(a.param("l", "m = 1; coord y: m", 1.0))), "error[MBS");
     check(refused(|a, _, _| drop(a.param("l", "m", f64::NAN))), "NaN is not finite");
     check(refused(|a, _, x| a.force(&(x + x), 1.0)), "acts on a coordinate");
-    check(refused(|a, _, x| a.output("dt of", x)), "error: ");
+    check(refused(|a, _, x| a.output("dt of", x)), "error[MBS");
     check(refused(|a, _, _| drop(a.coord("x", "m"))), "`x` is already a coordinate");
-    check(refused(|a, _, x| a.kinetic(x.dt().pow(3.0))), "error: ");
+    check(refused(|a, _, x| a.kinetic(x.dt().pow(3.0))), "error[MBS");
 }
 
 /// Neither the depth of what calls build nor the length of sums meets a limit of the stack or of the language.

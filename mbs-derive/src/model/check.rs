@@ -23,6 +23,7 @@ pub(in crate::model) mod velocity;
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use crate::diagnostic::Code;
 use crate::expr::{Expr, Matrix, Node, Symbol, evaluate};
 use crate::model::check::degree::Problem;
 use crate::model::check::moments::{Impossible, principal_moments};
@@ -92,10 +93,15 @@ impl<'d, 'g> Resolver<'d, 'g> {
         self.check_bodies();
         if self.lagrangian.dof() == 0 {
             let message = format!("`{}` has no coordinates", name.text);
-            self.refuse(&name.span, message, "declare one: `coord theta: rad;`");
+            self.refuse(Code::NoCoordinates, &name.span, message, "declare one: `coord theta: rad;`");
         } else if self.lagrangian.kinetic.is_empty() && self.lagrangian.lagrangian.is_empty() {
             let message = format!("`{}` has no kinetic energy", name.text);
-            self.refuse(&name.span, message, "write `kinetic += 1/2 * m * dt(x)^2;` or `kinetic += particle(m, r);`");
+            self.refuse(
+                Code::NoKineticEnergy,
+                &name.span,
+                message,
+                "write `kinetic += 1/2 * m * dt(x)^2;` or `kinetic += particle(m, r);`",
+            );
         } else {
             self.check_inertia();
         }
@@ -133,7 +139,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
                 .in_components(&problem)
                 .unwrap_or_else(|| (problem.message(&self.lagrangian), problem.help(&self.lagrangian)));
             let place = place.unwrap_or_else(|| Place { span: name.span.clone(), calls: Vec::new() });
-            self.report.refuse_at(&place, message, help);
+            self.report.refuse_at(problem.code(), &place, message, help);
         }
     }
 
@@ -190,7 +196,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
         }
         for (name, component, other) in doubles {
             let message = format!("`{name}` and `{other}` both have a component called `{component}`");
-            self.refuse(&self.span_of(&name), message, "choose another name");
+            self.refuse(Code::NameClash, &self.span_of(&name), message, "choose another name");
         }
         self.check_columns();
     }
@@ -217,7 +223,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
         let taken: Vec<_> = coordinates.iter().filter_map(|c| Some((c.name.clone(), taken(c)?))).collect();
         for (name, (component, what)) in taken {
             let message = format!("`{component}` is what {what} is called in the table of a motion");
-            self.refuse(&self.span_of(&name), message, "choose another name for the coordinate");
+            self.refuse(Code::NameClash, &self.span_of(&name), message, "choose another name for the coordinate");
         }
     }
 
@@ -260,12 +266,22 @@ impl<'d, 'g> Resolver<'d, 'g> {
             None => "this is so by the default values of the parameters",
         };
         if mass < 0.0 {
-            self.report.refuse_at(&body.mass_place, format!("a mass is not negative, this is {mass} kg"), by_default);
+            self.report.refuse_at(
+                Code::NegativeMass,
+                &body.mass_place,
+                format!("a mass is not negative, this is {mass} kg"),
+                by_default,
+            );
             self.note_declaration(body);
         }
         if mass == 0.0 && inertia.iter().all(|&entry| entry == 0.0) {
             let help = if by_default.is_empty() { "leave it out" } else { by_default };
-            self.report.refuse_at(&body.mass_place, "a body without mass and inertia has no kinetic energy", help);
+            self.report.refuse_at(
+                Code::NoMass,
+                &body.mass_place,
+                "a body without mass and inertia has no kinetic energy",
+                help,
+            );
             self.note_declaration(body);
         }
     }
@@ -285,14 +301,19 @@ impl<'d, 'g> Resolver<'d, 'g> {
         match Impossible::of(moments) {
             Some(Impossible::Negative) => {
                 let help = format!("{shown}; are the products of inertia too large for the diagonal?");
-                self.report.refuse_at(place, "an inertia has no negative principal moment", help);
+                self.report.refuse_at(
+                    Code::ImpossibleInertia,
+                    place,
+                    "an inertia has no negative principal moment",
+                    help,
+                );
             }
             Some(Impossible::Unequal) => {
                 let message = "no body has this inertia: a principal moment is greater than the sum of the other two";
                 let help = format!(
                     "{shown}; where a body turns about one axis only, any two others will do, such as equal ones"
                 );
-                self.report.refuse_at(place, message, help);
+                self.report.refuse_at(Code::ImpossibleInertia, place, message, help);
             }
             None => {}
         }
@@ -331,12 +352,12 @@ impl<'d, 'g> Resolver<'d, 'g> {
         for (name, component) in massless {
             let numbers = self.lagrangian.coordinates.iter().find(|c| c.name == name);
             let mut numbers = numbers.map_or(0..0, |c| c.first..c.first + c.count());
-            let message = match numbers.any(|i| used.contains(&Symbol::Coordinate(i as u32))) {
-                true => format!("`{component}` has no inertia: its rate is in no kinetic energy"),
-                false => format!("the coordinate `{name}` is never used"),
+            let (code, message) = match numbers.any(|i| used.contains(&Symbol::Coordinate(i as u32))) {
+                true => (Code::NoInertia, format!("`{component}` has no inertia: its rate is in no kinetic energy")),
+                false => (Code::NeverUsed, format!("the coordinate `{name}` is never used")),
             };
             let help = format!("write `kinetic += …` with `dt({name})`, or leave it out");
-            self.refuse(&self.span_of(&name), message, help);
+            self.refuse(code, &self.span_of(&name), message, help);
         }
     }
 
@@ -370,7 +391,8 @@ impl<'d, 'g> Resolver<'d, 'g> {
         let inputs = unused(&self.lagrangian.inputs, Symbol::Input);
         let prescribed = unused(&self.lagrangian.prescribed, |i| Symbol::Prescribed(i, 0));
         for name in parameters.into_iter().chain(inputs).chain(prescribed) {
-            let warning = self.report.errors.warning(self.span_of(&name), format!("`{name}` is not used"));
+            let warning =
+                self.report.errors.warning(Code::Unused, self.span_of(&name), format!("`{name}` is not used"));
             warning.help("it is in no energy, force, constraint or output");
         }
     }

@@ -2,7 +2,7 @@
 
 use std::collections::HashSet;
 
-use crate::diagnostic::{Diagnostic, Diagnostics};
+use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::model::check::Place;
 use crate::model::names::function::{Call, Home};
 use crate::model::value::evaluate::Refused;
@@ -27,6 +27,7 @@ impl Report {
     /// Notes an error, once: in a function together with the calls that led there.
     pub(in crate::model) fn refuse(
         &mut self,
+        code: Code,
         span: &Span,
         message: impl Into<String>,
         help: impl Into<String>,
@@ -37,7 +38,7 @@ impl Report {
             message = format!("in `{}`: {message}", call.name);
         }
         if self.said.insert((place.start, place.end, message.clone())) {
-            let error = self.errors.error(place, message);
+            let error = self.errors.error(code, place, message);
             if !help.is_empty() {
                 error.help(help);
             }
@@ -54,11 +55,17 @@ impl Report {
     }
 
     /// Notes an error about what was built before, with the calls that had led there.
-    pub(in crate::model) fn refuse_at(&mut self, at: &Place, message: impl Into<String>, help: impl Into<String>) {
+    pub(in crate::model) fn refuse_at(
+        &mut self,
+        code: Code,
+        at: &Place,
+        message: impl Into<String>,
+        help: impl Into<String>,
+    ) {
         let (message, help) = (message.into(), help.into());
         let same: Vec<usize> = at.calls.iter().map(|(call, _)| call.start).collect();
         if self.said.insert((at.span.start, at.span.end, format!("{message} {same:?}"))) {
-            let error = self.errors.error(at.span.clone(), message);
+            let error = self.errors.error(code, at.span.clone(), message);
             if !help.is_empty() {
                 error.help(help);
             }
@@ -69,8 +76,8 @@ impl Report {
     }
 
     /// Notes a warning about what was built before, with the calls that had led there.
-    pub(in crate::model) fn warn_at(&mut self, at: &Place, message: impl Into<String>) -> &mut Diagnostic {
-        let warning = self.errors.warning(at.span.clone(), message);
+    pub(in crate::model) fn warn_at(&mut self, code: Code, at: &Place, message: impl Into<String>) -> &mut Diagnostic {
+        let warning = self.errors.warning(code, at.span.clone(), message);
         for (call, what) in &at.calls {
             warning.note(call.clone(), what);
         }

@@ -17,6 +17,7 @@ pub(in crate::model) mod output;
 pub(in crate::model) mod point_force;
 pub(in crate::model) mod reaction;
 
+use crate::diagnostic::Code;
 use crate::model::names::function::Home;
 use crate::model::names::scope::{Binding, Origin};
 use crate::model::value::evaluate::{Argument, Refused, Resolved, Resolver};
@@ -112,7 +113,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
             StatementKind::Gravity { acceleration } if self.is_in_a_loop() => {
                 let help = "one statement acts on all bodies, wherever they stand: move it out of the loop";
                 let _ = self.argument(acceleration);
-                Err(self.refuse(&statement.span, "`gravity` cannot stand in a loop", help))
+                Err(self.refuse(Code::NotHere, &statement.span, "`gravity` cannot stand in a loop", help))
             }
             StatementKind::Gravity { .. } if self.names.scope.is_in_part() => {
                 Err(self.not_in_a_part("gravity", &statement.span))
@@ -157,7 +158,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
                 ("an `if`", "declare it before the `if`; how many there are may depend on a constant: `q[n]`")
             }
         };
-        Err(self.refuse(span, format!("`{keyword}` cannot stand in {block}"), help))
+        Err(self.refuse(Code::NotHere, span, format!("`{keyword}` cannot stand in {block}"), help))
     }
 
     /// The value that a name is given, by an expression that must not come back to the name.
@@ -175,7 +176,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
             self.note_meaning(&span, value);
         }
         if crate::model::value::builtin::CONSTANTS.contains(&text.as_str()) {
-            return Err(self.refuse(&span, format!("`{text}` is built in"), "choose another name"));
+            return Err(self.refuse(Code::BuiltIn, &span, format!("`{text}` is built in"), "choose another name"));
         }
         let function = self
             .names
@@ -203,7 +204,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
                     Some(first) if self.names.scope.is_outermost() => {
                         Err(self.refuse_twice(&span, message, help, first))
                     }
-                    _ => Err(self.refuse(&span, message, help)),
+                    _ => Err(self.refuse(Code::DeclaredTwice, &span, message, help)),
                 }
             }
         }
@@ -213,15 +214,20 @@ impl<'d, 'g> Resolver<'d, 'g> {
         let value = self.argument(value);
         let Some(binding) = self.names.scope.get(&name.text) else {
             let message = format!("`{}` is not declared", name.text);
-            return Err(self.refuse(&name.span, message, format!("write `let {} = …;`", name.text)));
+            return Err(self.refuse(Code::Undeclared, &name.span, message, format!("write `let {} = …;`", name.text)));
         };
         if binding.elements.is_some() {
             let message = format!("the elements of `{}` are given their values one by one", name.text);
-            return Err(self.refuse(&name.span, message, format!("write `{}[i] = …;`", name.text)));
+            return Err(self.refuse(Code::NoElements, &name.span, message, format!("write `{}[i] = …;`", name.text)));
         }
         if binding.origin != Origin::Mutable {
             let message = format!("`{}` is {}: it keeps its value", name.text, binding.origin.described());
-            return Err(self.refuse(&name.span, message, "only what is declared by `let mut` takes a new one"));
+            return Err(self.refuse(
+                Code::KeepsItsValue,
+                &name.span,
+                message,
+                "only what is declared by `let mut` takes a new one",
+            ));
         }
         if let (Some(old), Ok(new)) = (binding.value.clone(), &value) {
             self.check_assignment(&name.text, old, new)?;
@@ -242,14 +248,14 @@ impl<'d, 'g> Resolver<'d, 'g> {
     ) -> Resolved<()> {
         if old.shape() != new.value.shape() {
             let message = format!("`{name}` is {}, this is {}", old.described(), new.value.described());
-            return Err(self.refuse(&new.span, message, "use another name for it"));
+            return Err(self.refuse(Code::OtherKind, &new.span, message, "use another name for it"));
         }
         if old.shape() == Shape::Number {
             let old = self.scalar(&Argument { value: old, span: new.span.clone() })?;
             let found = self.scalar(new)?;
             if shared(old.fit(), found.fit()).is_none() {
                 let message = format!("`{name}` is {}, this is {}", old.dimension, found.dimension);
-                return Err(self.refuse(&new.span, message, "use another name for it"));
+                return Err(self.refuse(Code::OtherKind, &new.span, message, "use another name for it"));
             }
         }
         Ok(())
@@ -302,6 +308,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
             if self.effort.turns > MAX_TURNS {
                 let message = format!("the loops of this mechanism take more than {MAX_TURNS} turns");
                 return Err(self.refuse(
+                    Code::TooMuch,
                     &(start.span.start..end.span.end),
                     message,
                     "is the range meant to be so long?",
@@ -340,7 +347,12 @@ impl<'d, 'g> Resolver<'d, 'g> {
     fn block(&mut self, body: &'d [Statement], place: &Span) -> bool {
         self.effort.depth_of_blocks += 1;
         let complete = if self.effort.depth_of_blocks > MAX_BLOCKS {
-            self.refuse(place, format!("loops are nested deeper than {MAX_BLOCKS} levels"), "`if` counts, too");
+            self.refuse(
+                Code::TooDeep,
+                place,
+                format!("loops are nested deeper than {MAX_BLOCKS} levels"),
+                "`if` counts, too",
+            );
             false
         } else {
             self.statements(body)

@@ -2,6 +2,7 @@
 
 use super::reader::{Parsed, Reader, Refused};
 use super::syntax::{Expression, ExpressionKind, Statement, StatementKind};
+use crate::diagnostic::Code;
 
 const FORM: &str = "write `if x < 0 { a } else { b }`";
 
@@ -85,7 +86,12 @@ impl Reader<'_> {
     fn stray_in_condition(&mut self) -> Refused {
         if self.peek("=") {
             let here = self.next();
-            return self.refuse(here, "`=` is not a comparison", "write `==`, of constants, `<`, `<=`, `>` or `>=`");
+            return self.refuse(
+                Code::ConditionForm,
+                here,
+                "`=` is not a comparison",
+                "write `==`, of constants, `<`, `<=`, `>` or `>=`",
+            );
         }
         self.stray()
     }
@@ -93,14 +99,19 @@ impl Reader<'_> {
     fn stray_in_branch(&mut self) -> Refused {
         if self.peek(";") {
             let here = self.next();
-            return self.refuse(here, "a branch is one value", "leave the `;` out: `if x < 0 { a } else { b }`");
+            return self.refuse(
+                Code::ConditionForm,
+                here,
+                "a branch is one value",
+                "leave the `;` out: `if x < 0 { a } else { b }`",
+            );
         }
         self.stray()
     }
 
     pub(super) fn chained_comparison(&mut self) -> Refused {
         let here = self.last - 1..self.last;
-        self.refuse(here, "a comparison has two sides", "write `a < b && b < c`")
+        self.refuse(Code::ConditionForm, here, "a comparison has two sides", "write `a < b && b < c`")
     }
 }
 

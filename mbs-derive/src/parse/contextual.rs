@@ -3,7 +3,7 @@
 use super::keyword::{CONTEXTUAL, SHAPES};
 use super::reader::{Parsed, Reader};
 use super::syntax::{Name, Statement, StatementKind};
-use crate::diagnostic::nearest;
+use crate::diagnostic::{Code, nearest};
 
 impl Reader<'_> {
     /// `gravity := "gravity" expression`
@@ -11,7 +11,7 @@ impl Reader<'_> {
         self.eat_word("gravity");
         if self.peek("+=") {
             let help = "write `gravity [0, 0, -g];`: it acts on all bodies, so there is one";
-            return Err(self.refuse(self.next(), "gravity is declared once, not added to", help));
+            return Err(self.refuse(Code::WrongSign, self.next(), "gravity is declared once, not added to", help));
         }
         Ok(StatementKind::Gravity { acceleration: self.expression()? })
     }
@@ -33,7 +33,7 @@ impl Reader<'_> {
         let here = self.next();
         if !SHAPES.contains(&kind) {
             let help = nearest(kind, SHAPES).map_or(FORM.to_string(), |meant| format!("did you mean `{meant}`?"));
-            return Err(self.refuse(here, format!("`{kind}` is no shape"), help));
+            return Err(self.refuse(Code::UnknownShape, here, format!("`{kind}` is no shape"), help));
         }
         let kind = Name { text: kind.to_string(), span: here };
         self.skip();
@@ -68,7 +68,7 @@ impl Reader<'_> {
         let name = self.declared_name("part")?;
         if CONTEXTUAL.contains(&name.text.as_str()) {
             let message = format!("`{}` cannot name a part: it begins a statement of its own", name.text);
-            return Err(self.refuse(name.span, message, "choose another name"));
+            return Err(self.refuse(Code::ReservedName, name.span, message, "choose another name"));
         }
         let form = format!("write `part {}(x, y) {{ … }}`", name.text);
         let parameters = self.names_in_brackets("part", &form)?;

@@ -12,7 +12,7 @@ use super::grammar::{self, File};
 use super::import::Shared;
 use super::number::no_number;
 use super::syntax::{Expression, ExpressionKind, Quantity, Span, Statement, StatementKind};
-use crate::diagnostic::Diagnostics;
+use crate::diagnostic::{Code, Diagnostics};
 
 const COMMAS: &str = "columns are separated by commas, and decimals have a point";
 
@@ -24,7 +24,7 @@ pub(super) fn read(text: &str) -> File<Shared> {
     let mut lines = lines(text);
     let Some(header) = lines.next() else {
         errors
-            .error(0..0, "this table is empty")
+            .error(Code::TableForm, 0..0, "this table is empty")
             .help("its first line has the names of its columns: `stretch [mm], pull [N]`");
         return File { imports: Vec::new(), content: None, tokens, errors };
     };
@@ -39,14 +39,18 @@ pub(super) fn read(text: &str) -> File<Shared> {
         let are_numbers = numbers.iter().all(Option::is_some);
         if numbers.len() != columns.len() && are_numbers && !errors.is_full() {
             let message = format!("{} in this line, {} in the first", counted(numbers.len()), counted(columns.len()));
-            errors.error(line, message).help("each line has a number for each column, with commas between them");
+            errors
+                .error(Code::TableForm, line, message)
+                .help("each line has a number for each column, with commas between them");
         }
         for (column, number) in values.iter_mut().zip(numbers) {
             column.extend(number);
         }
     }
     if count == 0 {
-        errors.error(header.clone(), "this table has no line of numbers").help("write them below the names");
+        errors
+            .error(Code::TableForm, header.clone(), "this table has no line of numbers")
+            .help("write them below the names");
     }
     let declared = columns.into_iter().zip(values).filter_map(|(column, values)| Some(constant(column?, values)));
     File { imports: Vec::new(), content: Some(Shared::Declarations(declared.collect())), tokens, errors }
@@ -101,7 +105,7 @@ fn column(text: &str, cell: &Span, tokens: &mut usize, errors: &mut Diagnostics)
             true => COMMAS,
             false => FORM,
         };
-        errors.error(cell.clone(), "this is not the name of a column").help(help);
+        errors.error(Code::TableForm, cell.clone(), "this is not the name of a column").help(help);
         return None;
     }
     let declared = match unit {
@@ -137,7 +141,7 @@ fn number(text: &str, cell: Span, errors: &mut Diagnostics) -> Option<Expression
             false => "write `0.3`, `-1.5e-3`; the unit stands in the first line, behind the name",
         };
         if !errors.is_full() {
-            errors.error(cell, message).help(help);
+            errors.error(Code::TableNumber, cell, message).help(help);
         }
         return None;
     }
@@ -149,7 +153,7 @@ fn number(text: &str, cell: Span, errors: &mut Diagnostics) -> Option<Expression
         decimal = format!("{decimal}e{exponent}");
     }
     if let Some((message, help)) = no_number(written, &decimal, "") {
-        errors.error(cell, message).help(help);
+        errors.error(Code::TableNumber, cell, message).help(help);
         return None;
     }
     let unsigned = Expression { kind: ExpressionKind::Number(decimal), span: cell.clone() };

@@ -1,6 +1,6 @@
 //! Bytes → text.
 
-use crate::diagnostic::Diagnostics;
+use crate::diagnostic::{Code, Diagnostics};
 
 /// The text of a file.
 ///
@@ -13,7 +13,9 @@ pub fn text(file_name: &str, bytes: Vec<u8>) -> Result<String, String> {
         let mut errors = Diagnostics::default();
         // Up to the first wrong byte both texts are the same.
         let shown = String::from_utf8_lossy(&bytes);
-        errors.error(at..at + char::REPLACEMENT_CHARACTER.len_utf8(), "this is not UTF-8 text").help(help(&bytes, at));
+        errors
+            .error(Code::NotText, at..at + char::REPLACEMENT_CHARACTER.len_utf8(), "this is not UTF-8 text")
+            .help(help(&bytes, at));
         errors.render(file_name, &shown)
     })
 }
@@ -35,7 +37,7 @@ mod tests {
     #[test]
     fn wrong_bytes_are_shown_where_they_stand() {
         assert_eq!(text("a.mbs", b"mechanism".to_vec()).as_deref(), Ok("mechanism"));
-        let expected = "error: this is not UTF-8 text\n --> a.mbs:2:5\n  |\n2 | // 3\u{fffd}\n  |     ^\n  \
+        let expected = "error[MBS0101]: this is not UTF-8 text\n --> a.mbs:2:5\n  |\n2 | // 3\u{fffd}\n  |     ^\n  \
                         = help: save the file as UTF-8; this byte was probably meant as `°`\n";
         assert_eq!(text("a.mbs", b"\n// 3\xb0\n".to_vec()), Err(expected.to_string()));
         assert!(text("a.mbs", b"\xff\xfem\0".to_vec()).unwrap_err().contains("UTF-16"));

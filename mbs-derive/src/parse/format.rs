@@ -147,6 +147,7 @@ impl<'s> Layout<'s> {
                 | StatementKind::Instance { .. }
                 | StatementKind::Reaction { .. }
                 | StatementKind::Constraint { .. }
+                | StatementKind::Shape { .. }
                 | StatementKind::Output { .. } => {}
             }
         }

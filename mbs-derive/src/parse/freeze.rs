@@ -1,6 +1,6 @@
 //! Parameters made constants: a build script's choice, carried out on the declaration.
 
-use crate::diagnostic::{Diagnostics, nearest};
+use crate::diagnostic::{Code, Diagnostics, nearest};
 
 use super::syntax::{Declaration, Name, StatementKind};
 
@@ -39,9 +39,11 @@ impl Declaration {
         let parameters: Vec<&Name> = self.parameters().collect();
         let near = nearest(name, parameters.iter().map(|parameter| parameter.text.as_str()));
         match (declared, parameters.iter().find(|parameter| Some(parameter.text.as_str()) == near)) {
-            (Some(declared), _) => errors.error(declared.span.clone(), message).help("only a `param` can be frozen"),
+            (Some(declared), _) => {
+                errors.error(Code::Frozen, declared.span.clone(), message).help("only a `param` can be frozen")
+            }
             (None, Some(near)) => {
-                errors.error(near.span.clone(), message).help(format!("did you mean `{}`?", near.text))
+                errors.error(Code::Frozen, near.span.clone(), message).help(format!("did you mean `{}`?", near.text))
             }
             (None, None) => {
                 let names: Vec<String> = parameters.iter().take(12).map(|p| format!("`{}`", p.text)).collect();
@@ -50,7 +52,7 @@ impl Declaration {
                 } else {
                     format!("the parameters are {}", names.join(", "))
                 };
-                errors.error(self.name.span.clone(), message).help(help)
+                errors.error(Code::Frozen, self.name.span.clone(), message).help(help)
             }
         };
     }

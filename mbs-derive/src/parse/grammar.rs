@@ -17,7 +17,7 @@ use super::lexer;
 use super::quantity::{CONST, INPUT, PARAM, PRESCRIBED};
 use super::reader::{Parsed, Reader, Refused};
 use super::syntax::{Declaration, EnergyTerm, Import, Quantity, Span, Statement, StatementKind};
-use crate::diagnostic::{Diagnostics, nearest};
+use crate::diagnostic::{Code, Diagnostics, nearest};
 
 /// One file, read by itself.
 pub(super) struct File<T> {
@@ -123,7 +123,9 @@ impl Reader<'_> {
         }
         let (span, form) = (self.next(), "write `mechanism Name { … }`");
         match self.word() {
-            None if self.is_at_end() => Err(self.refuse(span, "this file declares no mechanism", form)),
+            None if self.is_at_end() => {
+                Err(self.refuse(Code::NoMechanism, span, "this file declares no mechanism", form))
+            }
             Some(text) if STATEMENTS.contains(&text) => {
                 let message = format!("`{text}` stands outside a mechanism");
                 let help = match text {
@@ -133,7 +135,7 @@ impl Reader<'_> {
                     }
                     _ => "move it between the braces of `mechanism Name { … }`",
                 };
-                Err(self.refuse(span, message, help))
+                Err(self.refuse(Code::OutsideTheMechanism, span, message, help))
             }
             _ => Err(self.unexpected("`mechanism`", form)),
         }
@@ -158,7 +160,7 @@ impl Reader<'_> {
                 (self.next(), "text stands after the mechanism", help)
             }
         };
-        self.errors.error(span, message).help(help);
+        self.errors.error(Code::OutsideTheMechanism, span, message).help(help);
         while !self.is_at_end() {
             self.skip();
         }
@@ -240,7 +242,12 @@ impl Reader<'_> {
             "gravity" if !self.is_assignment() => self.gravity()?,
             "shape" if !self.is_assignment() => self.shape()?,
             "else" => {
-                return Err(self.refuse(here, "an `else` without its `if`", "write `if n == 1 { … } else { … }`"));
+                return Err(self.refuse(
+                    Code::ConditionForm,
+                    here,
+                    "an `else` without its `if`",
+                    "write `if n == 1 { … } else { … }`",
+                ));
             }
             "import" => return Err(self.late_import(here)),
             _ if !CONTEXTUAL.contains(&text) && self.begins_instance() => self.instance()?,
@@ -256,7 +263,9 @@ impl Reader<'_> {
         if self.eat(";").is_some() {
             Ok(())
         } else if self.is_at_end() || keyword || self.begins_line() {
-            self.errors.error(self.last..self.last, "a `;` is missing").help("end the statement with `;`");
+            self.errors
+                .error(Code::MissingSemicolon, self.last..self.last, "a `;` is missing")
+                .help("end the statement with `;`");
             Ok(())
         } else {
             Err(self.stray())
@@ -269,17 +278,22 @@ impl Reader<'_> {
                      `potential`, `dissipation`, `lagrangian`, `force`, `torque`, `gravity`, `reaction`, `constraint`, \
                      `output`, `shape`, `part`, `for` or `if`, or is an assignment `x = …;`";
         match self.word() {
-            Some("mechanism") => {
-                self.refuse(span, "a mechanism stands within a mechanism", "write it in a file of its own")
-            }
+            Some("mechanism") => self.refuse(
+                Code::OutsideTheMechanism,
+                span,
+                "a mechanism stands within a mechanism",
+                "write it in a file of its own",
+            ),
             Some(text) => {
                 let help = match nearest(text, STATEMENTS.into_iter().chain(CONTEXTUAL)) {
                     Some(keyword) => format!("did you mean `{keyword}`?"),
                     None => forms.to_string(),
                 };
-                self.refuse(span, format!("`{text}` begins no statement"), help)
+                self.refuse(Code::UnknownStatement, span, format!("`{text}` begins no statement"), help)
             }
-            None if self.peek(";") => self.refuse(span, "this `;` ends nothing", "leave it out"),
+            None if self.peek(";") => {
+                self.refuse(Code::MissingSemicolon, span, "this `;` ends nothing", "leave it out")
+            }
             None => self.unexpected("a statement", forms),
         }
     }
@@ -478,7 +492,7 @@ extra
                     assert!(source.get(message.span.clone()).is_some(), "{source:?} {message:?}");
                     assert!(message.help.is_some() && !message.message.ends_with('.'), "{source:?} {message:?}");
                 }
-                assert!(errors.render("a.mbs", source).contains("error: "));
+                assert!(errors.render("a.mbs", source).contains("error[MBS"));
             }
         }
     }

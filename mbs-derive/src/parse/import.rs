@@ -14,7 +14,7 @@ use super::grammar::{self, File};
 use super::reader::{Parsed, Reader, Refused};
 use super::syntax::{Declaration, Import, Name, Span, Statement, StatementKind};
 use super::{MAX_TOKENS, csv, lexer};
-use crate::diagnostic::Diagnostics;
+use crate::diagnostic::{Code, Diagnostics};
 use crate::source::{Sources, is_table};
 
 // ---- the statement
@@ -83,12 +83,14 @@ impl Reader<'_> {
         };
         match problem(path) {
             Some((message, help)) => {
-                self.errors.error(here, message).help(help);
+                self.errors.error(Code::ImportPath, here, message).help(help);
             }
             None => self.imports.push(Import { path: path.to_string(), span: start..self.last }),
         }
         if self.eat(";").is_none() {
-            self.errors.error(self.last..self.last, "a `;` is missing").help("end the import with `;`");
+            self.errors
+                .error(Code::MissingSemicolon, self.last..self.last, "a `;` is missing")
+                .help("end the import with `;`");
         }
         Ok(())
     }
@@ -99,7 +101,12 @@ impl Reader<'_> {
     }
 
     pub(super) fn late_import(&mut self, here: Span) -> Refused {
-        self.refuse(here, "imports stand at the top of a file", "move it there, before all that is declared")
+        self.refuse(
+            Code::ImportTooLate,
+            here,
+            "imports stand at the top of a file",
+            "move it there, before all that is declared",
+        )
     }
 }
 
@@ -124,7 +131,7 @@ impl Reader<'_> {
         }
         let head = self.head();
         if let Some(attribute) = head.dimensionless {
-            let error = self.errors.error(attribute, "this attribute belongs to a mechanism");
+            let error = self.errors.error(Code::Attribute, attribute, "this attribute belongs to a mechanism");
             error.help("leave it out: the mechanism that imports this file decides");
         }
         let statements = self.statements();
@@ -137,7 +144,7 @@ impl Reader<'_> {
                 let keyword: String = text.chars().take_while(|c| c.is_ascii_alphanumeric() || *c == '_').collect();
                 let message = format!("`{keyword}` stands in a file without a mechanism");
                 let help = "files that are imported hold `const`, `fn` and `part` only: move it to the mechanism";
-                self.errors.error(statement.span.clone(), message).help(help);
+                self.errors.error(Code::ImportOfAMechanism, statement.span.clone(), message).help(help);
             }
         }
         Ok(Shared::Declarations(statements))
@@ -281,7 +288,7 @@ impl<'s> Walk<'s> {
     fn follow(&mut self, path: &[Open], from: usize, import: &Import) -> Option<Open> {
         let Some(file) = self.sources.imported(from, &import.path) else {
             let help = "files are read by `mbs`, by `mbs_derive::compile`, and by `Sources::gather`";
-            self.refuse(import, "this text was read without its files", help);
+            self.refuse(Code::ImportUnreadable, import, "this text was read without its files", help);
             return None;
         };
         match self.states[file] {
@@ -303,7 +310,7 @@ impl<'s> Walk<'s> {
         let text = match &file.text {
             Ok(text) => text,
             Err(unreadable) => {
-                self.refuse(import, &unreadable.reason, &unreadable.help);
+                self.refuse(Code::ImportUnreadable, import, &unreadable.reason, &unreadable.help);
                 return None;
             }
         };
@@ -312,7 +319,7 @@ impl<'s> Walk<'s> {
         if self.tokens > MAX_TOKENS {
             self.states[number] = State::Done;
             let reason = format!("with it the mechanism is longer than {MAX_TOKENS} names, numbers and signs");
-            self.refuse(import, &reason, "import constants and functions, not data");
+            self.refuse(Code::TooLong, import, &reason, "import constants and functions, not data");
             return None;
         }
         read.shift(file.start);
@@ -334,13 +341,13 @@ impl<'s> Walk<'s> {
         }
     }
 
-    fn refuse(&mut self, import: &Import, reason: &str, help: &str) {
-        self.errors.error(import.span.clone(), format!("cannot import `{}`: {reason}", import.path)).help(help);
+    fn refuse(&mut self, code: Code, import: &Import, reason: &str, help: &str) {
+        self.errors.error(code, import.span.clone(), format!("cannot import `{}`: {reason}", import.path)).help(help);
     }
 
     fn no_mechanism(&mut self, import: &Import) {
         let help = "move the `const` and `fn` that both need to a file without a mechanism, and import that";
-        self.refuse(import, "it is a mechanism", help);
+        self.refuse(Code::ImportOfAMechanism, import, "it is a mechanism", help);
     }
 
     /// The file is being read already.
@@ -349,7 +356,7 @@ impl<'s> Walk<'s> {
         let circle = path[begin..].iter().map(|open| open.file).chain([file]);
         let names: Vec<&str> = circle.map(|file| self.sources.file(file).name.as_str()).collect();
         let reason = format!("the files import each other: {}", names.join(" → "));
-        self.refuse(import, &reason, "move what both need to a third file, and import that in both");
+        self.refuse(Code::ImportCycle, import, &reason, "move what both need to a third file, and import that in both");
     }
 }
 

@@ -12,6 +12,7 @@
 
 use super::reader::{Parsed, Reader, Refused};
 use super::syntax::{BinaryOperator, Expression, ExpressionKind, Name, Span, Unit, UnitFactor};
+use crate::diagnostic::Code;
 
 /// The names of all units, those of one quantity together.
 pub(crate) const UNITS: [&[&str]; 20] = [
@@ -134,21 +135,26 @@ impl Reader<'_> {
         let text = self.source[quantity.span.clone()].to_string();
         if operator == BinaryOperator::Pow {
             let help = "write the power in brackets, and `*` before a quantity";
-            return self.refuse(quantity.span.clone(), "an exponent is a plain number", help);
+            return self.refuse(Code::QuantityOrProduct, quantity.span.clone(), "an exponent is a plain number", help);
         }
         let product = text.split_whitespace().collect::<Vec<_>>().join("*");
         let help = format!(
             "write `/({text})` to divide by it, `/{product}` where that is a name; a fraction of a unit is a decimal: `0.5 kg`, \
              not `1/2 kg`"
         );
-        self.refuse(quantity.span.clone(), format!("does the unit of `/{text}` belong to the divisor?"), help)
+        self.refuse(
+            Code::QuantityOrProduct,
+            quantity.span.clone(),
+            format!("does the unit of `/{text}` belong to the divisor?"),
+            help,
+        )
     }
 
     /// `2 m ^2`, which is neither `2 m^2` nor `(2 m)^2`.
     pub(super) fn power_of_a_quantity(&mut self, quantity: &Expression) -> Refused {
         let (text, here): (_, Span) = (self.source[quantity.span.clone()].to_string(), self.last - 1..self.last);
         let help = format!("write `({text})^2`, or `{text}^2` without white space for a power of the unit");
-        self.refuse(here, "is this a power of the unit, or of the quantity?", help)
+        self.refuse(Code::QuantityOrProduct, here, "is this a power of the unit, or of the quantity?", help)
     }
 }
 

@@ -6,7 +6,7 @@
 use super::lookalike::{is_lookalike, meant, transliterated};
 use super::syntax::Span;
 use super::{MAX_DEPTH, MAX_TOKENS};
-use crate::diagnostic::Diagnostics;
+use crate::diagnostic::{Code, Diagnostics};
 use crate::source::MAX_BYTES;
 
 /// What a token is.
@@ -57,7 +57,7 @@ pub(super) fn cut(source: &str) -> (Vec<Token>, Diagnostics) {
     let (tokens, errors) = (Vec::new(), Diagnostics::default());
     let mut lexer = Lexer { source, at: 0, tokens, open: Vec::new(), counted: (0, 0), errors };
     if source.len() > MAX_BYTES {
-        lexer.errors.error(0..0, "this file is larger than 64 MiB").help("write one mechanism a file");
+        lexer.errors.error(Code::TooLong, 0..0, "this file is larger than 64 MiB").help("write one mechanism a file");
     } else {
         lexer.file();
     }
@@ -81,7 +81,8 @@ impl<'s> Lexer<'s> {
         self.at += if self.source.starts_with('\u{feff}') { '\u{feff}'.len_utf8() } else { 0 };
         if let Some(at) = self.source.find('\r').filter(|_| !self.source.contains('\n')) {
             // A `//` would reach to the end of the file.
-            let error = self.errors.error(at..at + 1, "the lines of this file end with carriage returns alone");
+            let error =
+                self.errors.error(Code::LineEnds, at..at + 1, "the lines of this file end with carriage returns alone");
             error.help("save it with line feeds, `\\n` or `\\r\\n`");
             return;
         }
@@ -131,7 +132,7 @@ impl<'s> Lexer<'s> {
         let start = self.tokens[MAX_TOKENS].span().start;
         let message = format!("this file is longer than {MAX_TOKENS} names, numbers and signs");
         self.errors
-            .error(start..start + 1, message)
+            .error(Code::TooLong, start..start + 1, message)
             .help("write sums as loops, and leave tables to the program that uses them");
     }
 
@@ -147,7 +148,7 @@ impl<'s> Lexer<'s> {
 
     fn block_comment(&mut self) {
         let Some(length) = block_comment_length(self.rest().as_bytes()) else {
-            let error = self.errors.error(self.at..self.at + 2, "this comment is never closed");
+            let error = self.errors.error(Code::Unclosed, self.at..self.at + 2, "this comment is never closed");
             error.help("write `*/` where it ends");
             return self.give_up();
         };
@@ -168,7 +169,9 @@ impl<'s> Lexer<'s> {
     fn documentation(&mut self, text: &str) {
         if let Some((i, _)) = text.match_indices('\r').find(|(i, _)| !text[i + 1..].starts_with('\n')) {
             let message = "a carriage return without a line feed stands in this documentation comment";
-            self.errors.error(self.at + i..self.at + i + 1, message).help("end its lines with `\\n` or `\\r\\n`");
+            self.errors
+                .error(Code::LineEnds, self.at + i..self.at + i + 1, message)
+                .help("end its lines with `\\n` or `\\r\\n`");
         }
         self.push(Kind::Doc, text.len());
     }
@@ -184,7 +187,7 @@ impl<'s> Lexer<'s> {
             }
             None => ("this quotation mark is never closed", "leave it out: quoted text has no meaning in a mechanism"),
         };
-        self.errors.error(start..self.at, message).help(help);
+        self.errors.error(Code::QuotedText, start..self.at, message).help(help);
         if length.is_none() {
             self.give_up();
         }
@@ -201,13 +204,14 @@ impl<'s> Lexer<'s> {
     fn path(&mut self) {
         let line = self.rest()[1..].split('\n').next().unwrap_or_default();
         let Some(length) = line.find('"') else {
-            let error = self.errors.error(self.at..self.at + 1, "this quotation mark is never closed");
+            let error = self.errors.error(Code::Unclosed, self.at..self.at + 1, "this quotation mark is never closed");
             error.help("write `\"` behind the path");
             return self.at += 1 + line.len();
         };
         let start = self.at + 1;
         for (i, c) in line[..length].char_indices().filter(|(_, c)| *c == '\\' || c.is_control()) {
-            let error = self.errors.error(start + i..start + i + c.len_utf8(), "this cannot stand in a path");
+            let error =
+                self.errors.error(Code::ImportPath, start + i..start + i + c.len_utf8(), "this cannot stand in a path");
             error.help(if c == '\\' { "write `/` between folders" } else { "leave it out" });
         }
         self.push(Kind::Path, length + 2);
@@ -220,7 +224,7 @@ impl<'s> Lexer<'s> {
         if closed && self.imports() {
             let place = self.at..self.at + quoted.len() + 2;
             let shown = if quoted.contains(['"', '\\']) { "file.mbs" } else { quoted };
-            let error = self.errors.error(place.clone(), "a path stands in double quotation marks");
+            let error = self.errors.error(Code::ImportPath, place.clone(), "a path stands in double quotation marks");
             error.help(match self.source[..place.start].trim_end().ends_with('(') {
                 true => format!("write `mesh(\"{shown}\")`"),
                 false => format!("write `import \"{shown}\";`"),
@@ -231,13 +235,18 @@ impl<'s> Lexer<'s> {
         if closed && (quoted.chars().count() == 1 || quoted.starts_with('\\')) {
             return self.quotation(self.at, 1, "'", true);
         }
-        let error = self.errors.error(self.at..self.at + 1, "`'` has no meaning in a mechanism");
+        let error =
+            self.errors.error(Code::ForeignCharacter, self.at..self.at + 1, "`'` has no meaning in a mechanism");
         error.help("write `dt(x)` for the time derivative of `x`");
         self.at += 1;
     }
 
     fn too_deep(&mut self) {
-        let error = self.errors.error(self.at..self.at + 1, format!("this is nested deeper than {MAX_DEPTH} levels"));
+        let error = self.errors.error(
+            Code::TooDeep,
+            self.at..self.at + 1,
+            format!("this is nested deeper than {MAX_DEPTH} levels"),
+        );
         error.help("name the inner values with `let`");
     }
 
@@ -268,12 +277,12 @@ impl<'s> Lexer<'s> {
             (_, Some(innermost)) if braces.is_none_or(|i| i + 1 < self.open.len()) => {
                 let (open, place) = (self.bracket(innermost), self.place(here));
                 let start = self.tokens[innermost].span();
-                let error = self.errors.error(start, format!("this `{open}` is closed by a `{close}`"));
+                let error = self.errors.error(Code::Brackets, start, format!("this `{open}` is closed by a `{close}`"));
                 error.help(format!("write `{}` instead of the `{close}` {place}", closer(open)));
                 self.open.pop();
             }
             _ => {
-                let error = self.errors.error(here..here + 1, format!("this `{close}` closes nothing"));
+                let error = self.errors.error(Code::Brackets, here..here + 1, format!("this `{close}` closes nothing"));
                 error.help("leave it out, or write what it is to close");
             }
         }
@@ -297,7 +306,7 @@ impl<'s> Lexer<'s> {
 
     fn report_unclosed(&mut self, open: usize, before: &str) {
         let (bracket, here) = (self.bracket(open), self.tokens[open].span());
-        let error = self.errors.error(here, format!("this `{bracket}` is not closed"));
+        let error = self.errors.error(Code::Brackets, here, format!("this `{bracket}` is not closed"));
         error.help(format!("write `{}` before {before}", closer(bracket)));
     }
 
@@ -348,7 +357,11 @@ impl<'s> Lexer<'s> {
         let length = if raw { 2 + length(&behind[1..]) } else { word.len() };
         self.push(Kind::Word, length);
         if !word.is_ascii() {
-            let error = self.errors.error(start..self.at, "names are made of ASCII letters, digits and `_`");
+            let error = self.errors.error(
+                Code::ForeignCharacter,
+                start..self.at,
+                "names are made of ASCII letters, digits and `_`",
+            );
             error.help(match transliterated(word) {
                 Some(ascii) => format!("write `{ascii}`"),
                 None => "write it in Latin letters without accents".to_string(),
@@ -366,12 +379,17 @@ impl<'s> Lexer<'s> {
     fn stranger(&mut self, c: char) {
         let span = self.at..self.at + c.len_utf8();
         if c == '\0' {
-            let error = self.errors.error(span, "this is not the text of a mechanism: a zero byte stands here");
+            let error =
+                self.errors.error(Code::NotText, span, "this is not the text of a mechanism: a zero byte stands here");
             error.help("is it the right file, saved as UTF-8?");
             return self.give_up();
         }
         let shown = if c.is_control() { format!("U+{:04X}", u32::from(c)) } else { c.to_string() };
-        let error = self.errors.error(span, format!("the character `{shown}` has no meaning in a mechanism"));
+        let error = self.errors.error(
+            Code::ForeignCharacter,
+            span,
+            format!("the character `{shown}` has no meaning in a mechanism"),
+        );
         match meant(c) {
             Some(ascii) => error.help(format!("write `{ascii}`")),
             None => error.help("leave it out"),

@@ -3,6 +3,7 @@
 use super::in_place::is_unit;
 use super::reader::{Parsed, Reader};
 use super::syntax::Expression;
+use crate::diagnostic::Code;
 
 impl Reader<'_> {
     /// `number := digits "." | digits ("." digits)? (("e" | "E") ("+" | "-")? digits)?`, as large as an `f64` can be;
@@ -14,7 +15,7 @@ impl Reader<'_> {
         let decimal = digits[..decimal_length(&digits)].to_string();
         let suffix = &digits[decimal.len()..];
         if let Some((message, help)) = no_number(text, &decimal, suffix) {
-            return Err(self.refuse(span, message, help));
+            return Err(self.refuse(Code::NumberForm, span, message, help));
         }
         self.number_or_quantity(span.start, decimal, suffix)
     }

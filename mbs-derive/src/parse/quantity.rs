@@ -3,6 +3,7 @@
 use super::keyword::taken;
 use super::reader::{Parsed, Reader};
 use super::syntax::{Expression, Name, Quantity, Span, Unit, UnitFactor};
+use crate::diagnostic::Code;
 
 /// What one kind of [`Quantity`] must have.
 pub(super) struct Form {
@@ -46,7 +47,7 @@ impl Reader<'_> {
         let columns = self.index()?;
         if columns.is_some() && form.keyword != "param" {
             let help = "what else has rows is an array of arrays: `const a[2]: m = [[1, 2], [3, 4]];`";
-            return Err(self.refuse(here, "only a `param` has two indices", help));
+            return Err(self.refuse(Code::IndexForm, here, "only a `param` has two indices", help));
         }
         let declared = start..self.last;
         let unit = self.quantity_unit(form, &declared)?;
@@ -76,11 +77,11 @@ impl Reader<'_> {
         match form.needs_unit {
             Some(example) if ends => {
                 let help = format!("write `{text}: {example};`, `1` for a pure number");
-                Err(self.refuse(declared.clone(), format!("`{text}` needs a unit"), help))
+                Err(self.refuse(Code::MissingUnit, declared.clone(), format!("`{text}` needs a unit"), help))
             }
             None if ends && colon => {
                 let help = format!("write `{text}: m = …;`, or leave the `:` out");
-                Err(self.refuse(declared.clone(), format!("`{text}` has a `:` but no unit"), help))
+                Err(self.refuse(Code::MissingUnit, declared.clone(), format!("`{text}` has a `:` but no unit"), help))
             }
             None if ends => Ok(None),
             _ if colon => self.unit().map(Some),
@@ -92,12 +93,15 @@ impl Reader<'_> {
         let (text, keyword) = (&self.source[declared.clone()], form.keyword);
         let here = self.next();
         match (&form.value, self.eat("=").is_some()) {
-            (FormValue::Absent(why), true) => {
-                Err(self.refuse(here, format!("`{text}` cannot have a value"), format!("leave it out: {why}")))
-            }
+            (FormValue::Absent(why), true) => Err(self.refuse(
+                Code::ValueOfACoordinate,
+                here,
+                format!("`{text}` cannot have a value"),
+                format!("leave it out: {why}"),
+            )),
             (FormValue::Needed, false) if self.is_at_end() || self.peek(";") => {
                 let help = format!("write `{text} = …;`, or make it a `param`");
-                Err(self.refuse(declared.clone(), format!("this `{keyword}` needs a value"), help))
+                Err(self.refuse(Code::MissingValue, declared.clone(), format!("this `{keyword}` needs a value"), help))
             }
             (_, true) => self.expression().map(Some),
             (_, false) => Ok(None),
@@ -110,7 +114,12 @@ impl Reader<'_> {
         self.unit_product(1, &mut factors)?;
         if !self.begins_line() && self.word().is_some() {
             let (span, found) = (self.next(), self.found());
-            return Err(self.refuse(span, format!("a `*` is missing before the unit {found}"), "write it as in `N*m`"));
+            return Err(self.refuse(
+                Code::UnitForm,
+                span,
+                format!("a `*` is missing before the unit {found}"),
+                "write it as in `N*m`",
+            ));
         }
         if self.number_at(self.at) {
             return Err(self.unexpected("`=` or `;`", "write a value behind `=`"));
@@ -140,7 +149,7 @@ impl Reader<'_> {
             let help = "numbers belong to the value; write a root as `m^(1/2)`";
             return match number {
                 "1" => Ok(()),
-                _ => Err(self.refuse(span, format!("`{number}` is not a unit"), help)),
+                _ => Err(self.refuse(Code::UnitForm, span, format!("`{number}` is not a unit"), help)),
             };
         }
         if self.opens('(') {
@@ -151,9 +160,12 @@ impl Reader<'_> {
             }
             self.close();
             return match self.eat("^") {
-                Some(span) => {
-                    Err(self.refuse(span, "a unit in parentheses has no power", "write the power of each unit"))
-                }
+                Some(span) => Err(self.refuse(
+                    Code::UnitForm,
+                    span,
+                    "a unit in parentheses has no power",
+                    "write the power of each unit",
+                )),
                 None => Ok(()),
             };
         }
@@ -179,7 +191,12 @@ impl Reader<'_> {
         let slash = self.eat("/").is_some();
         let (span, denominator) = (self.next(), if slash { self.whole()? } else { 1 });
         if denominator == 0 {
-            return Err(self.refuse(span, "this exponent divides by zero", "write a fraction such as `m^(1/2)`"));
+            return Err(self.refuse(
+                Code::UnitForm,
+                span,
+                "this exponent divides by zero",
+                "write a fraction such as `m^(1/2)`",
+            ));
         }
         if !self.is_at_end() {
             return Err(self.unexpected("`)`", "write a fraction such as `m^(1/2)`"));
@@ -200,7 +217,7 @@ impl Reader<'_> {
         match self.literal() {
             Some(text) => match text.parse() {
                 Ok(number @ 0..=100) => Ok(number),
-                _ => Err(self.refuse(span, format!("`{text}` cannot be the exponent of a unit"), help)),
+                _ => Err(self.refuse(Code::UnitForm, span, format!("`{text}` cannot be the exponent of a unit"), help)),
             },
             None => Err(self.unexpected("the exponent of a unit", help)),
         }
@@ -212,7 +229,12 @@ impl Reader<'_> {
         match taken(&name.text) {
             Some(what) => {
                 let help = format!("choose another name, such as `{}_`", name.text);
-                Err(self.refuse(name.span.clone(), format!("`{}` cannot be declared: it is {what}", name.text), help))
+                Err(self.refuse(
+                    Code::ReservedName,
+                    name.span.clone(),
+                    format!("`{}` cannot be declared: it is {what}", name.text),
+                    help,
+                ))
             }
             None => Ok(name),
         }
@@ -227,10 +249,15 @@ impl Reader<'_> {
         let span = self.last - text.len()..self.last;
         if let Some(plain) = text.strip_prefix("r#") {
             let help = format!("write `{plain}{}`", if taken(plain).is_some() { "_" } else { "" });
-            return Err(self.refuse(span, format!("`{text}` is not a name"), help));
+            return Err(self.refuse(Code::NotAName, span, format!("`{text}` is not a name"), help));
         }
         if !text.contains(|c: char| c.is_ascii_alphabetic()) {
-            return Err(self.refuse(span, format!("`{text}` is not a name"), "a name has at least one letter"));
+            return Err(self.refuse(
+                Code::NotAName,
+                span,
+                format!("`{text}` is not a name"),
+                "a name has at least one letter",
+            ));
         }
         Ok(Name { text: text.to_string(), span })
     }

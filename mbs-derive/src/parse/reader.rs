@@ -3,7 +3,7 @@
 use super::MAX_DEPTH;
 use super::lexer::{Kind, Token};
 use super::syntax::{Import, Span};
-use crate::diagnostic::Diagnostics;
+use crate::diagnostic::{Code, Diagnostics};
 
 /// The construct is given up; why has been noted in `errors`.
 pub(super) struct Refused;
@@ -195,19 +195,25 @@ impl<'s> Reader<'s> {
             return Ok(());
         }
         let message = format!("this is nested deeper than {MAX_DEPTH} levels");
-        Err(self.refuse(here.clone(), message, "name the inner values with `let`"))
+        Err(self.refuse(Code::TooDeep, here.clone(), message, "name the inner values with `let`"))
     }
 }
 
 impl Reader<'_> {
-    pub(super) fn refuse(&mut self, span: Span, message: impl Into<String>, help: impl Into<String>) -> Refused {
-        self.errors.error(span, message).help(help);
+    pub(super) fn refuse(
+        &mut self,
+        code: Code,
+        span: Span,
+        message: impl Into<String>,
+        help: impl Into<String>,
+    ) -> Refused {
+        self.errors.error(code, span, message).help(help);
         Refused
     }
 
     pub(super) fn unexpected(&mut self, expected: &str, help: &str) -> Refused {
         let (span, found) = (self.next(), self.found());
-        self.refuse(span, format!("expected {expected}, found {found}"), help)
+        self.refuse(Code::Unexpected, span, format!("expected {expected}, found {found}"), help)
     }
 
     /// What stands next, for a message.
@@ -234,11 +240,14 @@ impl Reader<'_> {
                 Some((span, lines)) => {
                     let text = &self.source[span.clone()];
                     if text.starts_with("//!") || text.starts_with("/*!") {
-                        let error = self.errors.error(span, "this documents the whole file");
+                        let error = self.errors.error(Code::Documentation, span, "this documents the whole file");
                         error.help("write `///`, or move it to the top of the file");
                     } else if trails && text.starts_with("///") {
-                        let error =
-                            self.errors.error(span, "this would document what follows, not what stands before it");
+                        let error = self.errors.error(
+                            Code::Documentation,
+                            span,
+                            "this would document what follows, not what stands before it",
+                        );
                         error.help("write it on the line before, or as a comment after `//`");
                     } else {
                         docs.extend(lines);
@@ -247,7 +256,12 @@ impl Reader<'_> {
                 None => {
                     self.inner_attribute()?;
                     let message = "an attribute of the file stands within the mechanism";
-                    return Err(self.refuse(start..self.last, message, "move it to the top of the file"));
+                    return Err(self.refuse(
+                        Code::Attribute,
+                        start..self.last,
+                        message,
+                        "move it to the top of the file",
+                    ));
                 }
             }
         }
@@ -269,7 +283,7 @@ impl Reader<'_> {
             "#[dimensionless]" => ("this attribute is about the whole file", "write `#![dimensionless]`"),
             _ => ("this attribute is not known", "the only one is `#![dimensionless]`"),
         };
-        Err(self.refuse(span, message, help))
+        Err(self.refuse(Code::Attribute, span, message, help))
     }
 
     /// One comment of documentation.

@@ -3,7 +3,7 @@
 use super::quantity::COORD;
 use super::reader::{Parsed, Reader, Refused};
 use super::syntax::{Comparison, EnergyTerm, Expression, ExpressionKind, Name, Span, Statement, StatementKind};
-use crate::diagnostic::nearest;
+use crate::diagnostic::{Code, nearest};
 
 impl Reader<'_> {
     /// `coord := quantity`, of any name but `at`.
@@ -11,7 +11,12 @@ impl Reader<'_> {
         let quantity = self.quantity(docs, &COORD)?;
         if quantity.name.text == "at" {
             let help = "choose another name: `force at …` is a force on a point";
-            return Err(self.refuse(quantity.name.span, "a coordinate cannot be called `at`", help));
+            return Err(self.refuse(
+                Code::ReservedName,
+                quantity.name.span,
+                "a coordinate cannot be called `at`",
+                help,
+            ));
         }
         Ok(StatementKind::Coord(quantity))
     }
@@ -26,7 +31,7 @@ impl Reader<'_> {
         }
         let parameters = self.names_in_brackets("fn", &form)?;
         if self.opens('{') {
-            return Err(self.refuse(self.next(), "a function is one formula", form));
+            return Err(self.refuse(Code::FunctionForm, self.next(), "a function is one formula", form));
         }
         self.equals(&form)?;
         Ok(StatementKind::Function { name, parameters, body: self.expression()? })
@@ -53,7 +58,7 @@ impl Reader<'_> {
         let name = self.declared_name(if mutable { "mut" } else { "let" })?;
         if let Some(colon) = self.eat(":") {
             let help = format!("write `let {} = …;`: the unit follows from the value", name.text);
-            return Err(self.refuse(colon, "a `let` declares no unit", help));
+            return Err(self.refuse(Code::LetForm, colon, "a `let` declares no unit", help));
         }
         let lengths = self.indices()?;
         if !lengths.is_empty() {
@@ -69,7 +74,7 @@ impl Reader<'_> {
     fn no_length(&mut self, name: &str) -> Refused {
         let help =
             format!("write `let {name} = …;`, or `let {name}[n];` and give each element its value: `{name}[i] = …;`");
-        self.refuse(self.next(), "a `let` with a value has the length of the value", help)
+        self.refuse(Code::LetForm, self.next(), "a `let` with a value has the length of the value", help)
     }
 
     /// `assignment := name ("[" expression "]")* "=" expression`
@@ -92,7 +97,7 @@ impl Reader<'_> {
                     }
                 };
                 let message = format!("`{text}` is not an energy, `{sign}` cannot change it");
-                Err(self.refuse(self.next(), message, help))
+                Err(self.refuse(Code::WrongSign, self.next(), message, help))
             }
             _ => Err(self.no_statement()),
         }
@@ -120,7 +125,7 @@ impl Reader<'_> {
         let index = self.index()?;
         if self.word().is_some_and(|text| text == "at") {
             let help = "the point comes first: `force at point += F;`";
-            return Err(self.refuse(self.next(), "a force at a point begins with `force at`", help));
+            return Err(self.refuse(Code::ForceForm, self.next(), "a force at a point begins with `force at`", help));
         }
         self.adds(start)?;
         Ok(StatementKind::Force { coordinate, index, value: self.expression()? })
@@ -157,7 +162,12 @@ impl Reader<'_> {
             }
             None => {
                 let help = "name the pose, and build on the name: `let joint = …; reaction name at joint;`";
-                Err(self.refuse(pose.span.clone(), "a reaction is that of a pose with a name", help))
+                Err(self.refuse(
+                    Code::ReactionOfAName,
+                    pose.span.clone(),
+                    "a reaction is that of a pose with a name",
+                    help,
+                ))
             }
         }
     }
@@ -175,7 +185,7 @@ impl Reader<'_> {
         if let ExpressionKind::Compare(Comparison::Equal, a, b) = &left.kind {
             let signs = a.span.end..b.span.start;
             let start = signs.start + self.source[signs.clone()].find("==").unwrap_or_default();
-            return Err(self.refuse(start..start + 2, "an equation is written with `=`", form));
+            return Err(self.refuse(Code::WrongSign, start..start + 2, "an equation is written with `=`", form));
         }
         self.equals(form)?;
         Ok(StatementKind::Constraint { docs, name, index, left, right: self.expression()? })
@@ -200,7 +210,7 @@ impl Reader<'_> {
         match self.sign() {
             Some(found @ ("=" | "-=" | "*=" | "/=" | "+")) => {
                 let message = format!("`{target}` is a sum that statements add to, `{found}` does not");
-                Err(self.refuse(here, message, help))
+                Err(self.refuse(Code::WrongSign, here, message, help))
             }
             _ => Err(self.unexpected("`+=`", &help)),
         }
@@ -253,7 +263,12 @@ impl Reader<'_> {
         }
         let start = self.expression()?;
         if let Some(dots) = self.eat("..=") {
-            return Err(self.refuse(dots, "a range ends before its end", "write `0..n + 1` for the numbers 0 to n"));
+            return Err(self.refuse(
+                Code::RangeForm,
+                dots,
+                "a range ends before its end",
+                "write `0..n + 1` for the numbers 0 to n",
+            ));
         }
         if self.eat("..").is_none() {
             return Err(self.unexpected("`..`", form));

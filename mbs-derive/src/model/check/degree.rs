@@ -8,6 +8,7 @@
 
 use std::fmt;
 
+use crate::diagnostic::Code;
 use crate::expr::{Dual, Expr, Number, Residue, Rounded, Symbol, Tape, Value, generic};
 use crate::numeric::Random;
 use crate::state::State;
@@ -48,6 +49,21 @@ pub(crate) enum Problem {
 }
 
 impl Problem {
+    /// Its code.
+    pub(crate) fn code(&self) -> Code {
+        match self {
+            Problem::KineticNotQuadratic(_) | Problem::LagrangianNotQuadratic(_) => Code::NotQuadratic,
+            Problem::PotentialDependsOnVelocity(_) => Code::VelocityInPotential,
+            Problem::NoInertia(_) => Code::NoInertia,
+            Problem::DependentInertia(_) => Code::DependentInertia,
+            Problem::NegativeInertia(_) | Problem::NegativeKinetic(_) => Code::NegativeEnergy,
+            Problem::NeverFinite => Code::NeverFinite,
+            Problem::ConstraintNotLinear(_) => Code::ConstraintNotLinear,
+            Problem::DependentConstraint(..) => Code::DependentConstraint,
+            Problem::DegenerateConstraint(_) => Code::DegenerateConstraint,
+        }
+    }
+
     /// In words, with the coordinates' names; lower case, no full stop.
     pub(crate) fn message(&self, lagrangian: &Lagrangian<'_>) -> String {
         let names = component_names(&lagrangian.coordinates);

@@ -3,6 +3,7 @@
 
 use std::collections::BTreeSet;
 
+use crate::diagnostic::Code;
 use crate::model::frame::{Edge, FrameId};
 use crate::model::value::constant::Dependence;
 use crate::model::value::evaluate::{Argument, Resolved, Resolver};
@@ -34,7 +35,7 @@ impl<'g> Resolver<'_, 'g> {
             format!("this mass centre depends on {names}, which the pose depends on, too: it would be moved twice");
         let help = "a mass centre is written in the axes of its pose, such as `[0, 0, -l]`; where it moves in them, move the \
                     pose: `rigid_body(m, [0, 0, 0], i, pose * translation([…]))`";
-        Err(self.refuse(span, message, help))
+        Err(self.refuse(Code::MovedTwice, span, message, help))
     }
 
     /// The inertia of a body is constant in the axes of its pose; in those of the room it turns with the pose.
@@ -57,7 +58,7 @@ impl<'g> Resolver<'_, 'g> {
             format!("this inertia depends on {}, as the pose does: it would be turned twice", self.names_of(&shared));
         let help =
             "an inertia is written in the axes of its pose, in which it is constant: `inertia(xx, yy, zz, xy, xz, yz)`";
-        Err(self.refuse(span, message, help))
+        Err(self.refuse(Code::MovedTwice, span, message, help))
     }
 
     /// Two coordinates that are components of the mass centre in a pose that only turns: a pose that was forgotten to
@@ -80,7 +81,7 @@ impl<'g> Resolver<'_, 'g> {
         let message = format!("this mass centre moves by {names} in the axes of its pose, which turn");
         let help = "where these are coordinates of the room, write `translation([x, y, z]) * pose` and the mass centre in the \
                     axes of the pose; where they are meant so, `pose * translation([x, y, z])`";
-        self.warn_once(span, message, help);
+        self.warn_once(Code::MassCentreOfTheRoom, span, message, help);
     }
 
     /// The coordinates, not auxiliary ones of joints, that some expressions depend on.
@@ -107,12 +108,12 @@ impl<'g> Resolver<'_, 'g> {
     }
 
     /// What is probably not meant, once for each place.
-    fn warn_once(&mut self, span: &Span, message: String, help: &str) {
+    fn warn_once(&mut self, code: Code, span: &Span, message: String, help: &str) {
         let (place, calls) = self.report.place(span);
         if self.report.has_said(&place, &message) {
             return;
         }
-        let warning = self.report.errors.warning(place, message).help(help);
+        let warning = self.report.errors.warning(code, place, message).help(help);
         for (call, what) in calls {
             warning.note(call, what);
         }
@@ -142,7 +143,7 @@ impl<'g> Resolver<'_, 'g> {
                        that of the pose";
         let help = "the place with these components in the pose is `pose.point([x, y, z])`; where the origin of the world is \
                     meant, write `translation(v).origin()`";
-        self.warn_once(&place.span, message.to_string(), help);
+        self.warn_once(Code::VectorForAPlace, &place.span, message.to_string(), help);
     }
 
     /// The moment of a force about the origin of the world is not its moment about that of a pose.
@@ -161,7 +162,7 @@ impl<'g> Resolver<'_, 'g> {
             let message = "this arm is a place, counted from the origin of the world, not from that of the pose";
             let help = "write `force at point += F;`, which turns the body as well, or the arm from the pose: \
                         `(point - pose.origin()).cross(F)`";
-            self.warn_once(&span, message.to_string(), help);
+            self.warn_once(Code::VectorForAPlace, &span, message.to_string(), help);
         }
     }
 

@@ -3,6 +3,7 @@
 //!
 //! Signs are tried at random states, with the default parameters and no inputs.
 
+use crate::diagnostic::Code;
 use crate::expr::{Dual, Expr, Graph, Node, Number, Symbol, Tape, carry_out};
 use crate::model::check::sample::default_parameters;
 use crate::model::check::singular::along_the_motion;
@@ -21,19 +22,19 @@ impl<'d, 'g> Resolver<'d, 'g> {
         let samples = Samples::new(&self.lagrangian);
         for term in samples.never_positive(&self.lagrangian.kinetic) {
             let place = self.found.places.kinetic[term].clone();
-            let warning = self.report.warn_at(&place, "this kinetic energy is never positive");
+            let warning = self.report.warn_at(Code::NeverPositive, &place, "this kinetic energy is never positive");
             warning.help("is its sign right? springs and weights are `potential += …`");
         }
         for term in samples.driving_dissipation(&self.lagrangian) {
             let message = "this dissipation brings energy in: somewhere its force acts along the motion";
             let place = self.found.places.dissipation[term].clone();
-            let warning = self.report.warn_at(&place, message);
+            let warning = self.report.warn_at(Code::BringsEnergyIn, &place, message);
             warning.help("D is positive and enters as the force `-∂D/∂q̇`: write `dissipation += 1/2 * b * dt(x)^2;`");
         }
         for force in samples.driving_forces(&self.lagrangian) {
             let message = "this force always acts along the motion: it brings energy in";
             let place = self.found.places.forces[force].clone();
-            let warning = self.report.warn_at(&place, message);
+            let warning = self.report.warn_at(Code::BringsEnergyIn, &place, message);
             warning.help("forces are written as they act on the mechanism, friction against the motion: `-b*dt(x)`");
         }
     }
@@ -57,7 +58,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
             let (place, calls) = self.report.place(span);
             if !self.report.has_said(&place, "degrees") {
                 let message = format!("this angle is in radians: {value} rad are {turns} turns");
-                let warning = self.report.errors.warning(place, message);
+                let warning = self.report.errors.warning(Code::AngleInDegrees, place, message);
                 warning.help(format!("for degrees write `{value}*deg`"));
                 for (call, what) in calls {
                     warning.note(call, what);

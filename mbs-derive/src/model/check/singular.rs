@@ -12,6 +12,7 @@ mod corner;
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use crate::diagnostic::Code;
 use crate::expr::evaluate::holds;
 use crate::expr::{Binary, Expr, Function, Graph, HalfInteger, Id, Node, Rounded, Symbol, Tape, Value as _, carry_out};
 use crate::model::check::sample::default_parameters;
@@ -172,7 +173,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
         }
         for (site, message) in found.into_values() {
             let Site { expr, span, calls } = &sites[site];
-            let warning = self.report.errors.warning(span.clone(), message).help(help(expr.node()));
+            let warning = self.report.errors.warning(Code::NoDerivative, span.clone(), message).help(help(expr.node()));
             for (call, what) in calls {
                 warning.note(call.clone(), what);
             }

@@ -3,6 +3,7 @@
 //! An element has a value from the statement `p[i] = …;` on, and takes one only (with `let mut` new ones of the same
 //! shape and dimension); what has no value yet cannot be read, neither by itself nor with the whole array.
 
+use crate::diagnostic::Code;
 use crate::model::names::scope::{Binding, Origin};
 use crate::model::value::evaluate::{Argument, Refused, Resolved, Resolver};
 use crate::model::value::{Array, Value};
@@ -78,7 +79,9 @@ impl<'d, 'g> Resolver<'d, 'g> {
                     self.spend(count);
                     Ok(Elements { lengths, values: vec![Element::Empty; count] })
                 }
-                None => Err(self.refuse(&name.span, "this array is too large or nested too deeply", "")),
+                None => {
+                    Err(self.refuse(Code::ArraySize, &name.span, "this array is too large or nested too deeply", ""))
+                }
             }
         });
         self.declare(name, origin, None)?;
@@ -98,7 +101,12 @@ impl<'d, 'g> Resolver<'d, 'g> {
         let argument = self.argument(value);
         let Some(binding) = self.names.scope.get(&name.text) else {
             let message = format!("`{}` is not declared", name.text);
-            return Err(self.refuse(&name.span, message, format!("write `let {}[n];` before it", name.text)));
+            return Err(self.refuse(
+                Code::Undeclared,
+                &name.span,
+                message,
+                format!("write `let {}[n];` before it", name.text),
+            ));
         };
         if binding.elements.is_none() {
             return self.assign_component(binding.clone(), name, indices, argument);
@@ -134,12 +142,12 @@ impl<'d, 'g> Resolver<'d, 'g> {
         if first == *place {
             let message = format!("several turns of the loop give `{shown}` a value");
             let help = format!("write `let mut {name}[n];` where elements are to take new values");
-            return self.refuse(place, message, help);
+            return self.refuse(Code::ElementGivenAgain, place, message, help);
         }
         let help = format!("each element takes one; write `let mut {name}[n];` where they are to take new ones");
         self.report
             .errors
-            .error(place.clone(), format!("`{shown}` has a value already"))
+            .error(Code::ElementGivenAgain, place.clone(), format!("`{shown}` has a value already"))
             .help(help)
             .note(first, "given here");
         Refused
@@ -159,7 +167,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
         if binding.origin != Origin::Mutable {
             let message = format!("`{}` is {}: it keeps its value", name.text, binding.origin.described());
             let help = "only the elements of what is declared by `let x[n];` or `let mut` take values";
-            return Err(self.refuse(&name.span, message, help));
+            return Err(self.refuse(Code::KeepsItsValue, &name.span, message, help));
         }
         let (new, old) = (value?, binding.value.ok_or(Refused)?);
         let changed = self.with_element(name, old, indices, new, &mut Vec::new())?;
@@ -183,7 +191,12 @@ impl<'d, 'g> Resolver<'d, 'g> {
         };
         let Value::Array(array) = old else {
             let message = format!("`{shown}` is {}: it has no elements of its own", old.described());
-            return Err(self.refuse(&index.span, message, format!("write `{} = …;` for all of it", name.text)));
+            return Err(self.refuse(
+                Code::NoElements,
+                &index.span,
+                message,
+                format!("write `{} = …;` for all of it", name.text),
+            ));
         };
         self.spend(array.values().len());
         let argument = self.argument(index)?;
@@ -200,7 +213,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
         if lengths.len() != indices.len() {
             let form = format!("{}{}", name.text, "[i]".repeat(lengths.len()));
             let message = format!("an element of `{}` has {}", name.text, counted(lengths.len()));
-            return Err(self.refuse(&name.span, message, format!("write `{form} = …;`")));
+            return Err(self.refuse(Code::NoElements, &name.span, message, format!("write `{form} = …;`")));
         }
         let numbers: Vec<_> =
             indices.iter().zip(lengths).map(|(index, length)| self.number_below(index, length)).collect();
@@ -270,7 +283,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
             Some(Element::Empty) if !self.report.gave_up => {
                 let shown = shown(name, numbers);
                 let help = format!("give it one before: `{shown} = …;`");
-                Err(self.refuse(span, format!("`{shown}` has no value yet"), help))
+                Err(self.refuse(Code::ElementWithoutValue, span, format!("`{shown}` has no value yet"), help))
             }
             Some(Element::Empty | Element::Wrong) | None => Err(Refused),
         }

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use crate::diagnostic::Code;
 use crate::model::value::evaluate::{Refused, Resolved, Resolver};
 use crate::parse::syntax::{Expression, Name, Span};
 
@@ -58,7 +59,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
             (Some(first), None) if first == name.span => {
                 let message = format!("each turn of the loop declares {} `{text}`", with_article(what));
                 let help = format!("give it an index: `{what} {text}[i]`, which runs from 0");
-                Err(self.refuse(&name.span, message, help))
+                Err(self.refuse(Code::IndexInALoop, &name.span, message, help))
             }
             (Some(first), None) => {
                 let message = format!("there is already {} `{text}`", with_article(what));
@@ -66,7 +67,12 @@ impl<'d, 'g> Resolver<'d, 'g> {
             }
             (Some(first), Some(i)) if first == name.span => {
                 let message = format!("several turns of the loop declare {} `{text}[{i}]`", with_article(what));
-                Err(self.refuse(&name.span, message, "give it an index that is another one in each turn"))
+                Err(self.refuse(
+                    Code::IndexInALoop,
+                    &name.span,
+                    message,
+                    "give it an index that is another one in each turn",
+                ))
             }
             (Some(first), Some(i)) => {
                 let message = format!("there is already {} `{text}[{i}]`", with_article(what));
@@ -82,7 +88,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
             Some(_) if self.report.gave_up => Err(Refused),
             Some(missing) => {
                 let message = format!("there is no {what} `{}[{missing}]`", family.name.text);
-                Err(self.refuse(&family.name.span, message, "indices run from 0 on, without gaps"))
+                Err(self.refuse(Code::IndexWithGaps, &family.name.span, message, "indices run from 0 on, without gaps"))
             }
             None => Ok(()),
         }

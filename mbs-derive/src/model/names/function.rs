@@ -5,6 +5,7 @@
 
 use std::collections::BTreeSet;
 
+use crate::diagnostic::Code;
 use crate::model::names::scope::{Binding, Origin};
 use crate::model::value::Value;
 use crate::model::value::builtin;
@@ -89,13 +90,18 @@ impl<'d, 'g> Resolver<'d, 'g> {
     /// A function of the mechanism or of an imported file; it may take the name of one of the library.
     pub(in crate::model) fn function(&mut self, name: &'d Name, parameters: &'d [Name], body: &'d Expression) {
         if builtin::form_of_function(&name.text).is_some() && !builtin::REPLACEABLE.contains(&name.text.as_str()) {
-            self.refuse(&name.span, format!("the function `{}` is built in", name.text), "choose another name");
+            self.refuse(
+                Code::BuiltIn,
+                &name.span,
+                format!("the function `{}` is built in", name.text),
+                "choose another name",
+            );
             return;
         }
         for (i, parameter) in parameters.iter().enumerate() {
             if parameters[..i].iter().any(|other| other.text == parameter.text) {
                 let message = format!("`{}` has two arguments called `{}`", name.text, parameter.text);
-                self.refuse(&parameter.span, message, "choose another name");
+                self.refuse(Code::ArgumentsAlike, &parameter.span, message, "choose another name");
             }
         }
         let own = self.names.functions.get(name.text.as_str()).filter(|known| known.home != Home::Library);
@@ -125,7 +131,12 @@ impl<'d, 'g> Resolver<'d, 'g> {
             }
             let message = format!("`{name}` calls itself: {} → {name}", circle.join(" → "));
             let place = self.names.functions[name].name.span.clone();
-            self.refuse(&place, message, "a function is a formula: repeat with a `for` loop and a `let mut`");
+            self.refuse(
+                Code::Recursion,
+                &place,
+                message,
+                "a function is a formula: repeat with a `for` loop and a `let mut`",
+            );
         }
     }
 
@@ -165,7 +176,8 @@ impl<'d, 'g> Resolver<'d, 'g> {
         let unused: Vec<&'d Name> =
             self.names.functions.values().filter(unused).map(|function| function.name).collect();
         for name in unused {
-            let warning = self.report.errors.warning(name.span.clone(), format!("`{}` is never called", name.text));
+            let warning =
+                self.report.errors.warning(Code::Unused, name.span.clone(), format!("`{}` is never called", name.text));
             warning.help("so it has not been checked");
         }
     }
@@ -198,12 +210,12 @@ impl<'d, 'g> Resolver<'d, 'g> {
                 if wanted == 1 { "argument" } else { "arguments" },
                 if found == 1 { "is" } else { "are" }
             );
-            return Err(self.refuse(&name.span, message, format!("write `{}`", function.form())));
+            return Err(self.refuse(Code::ArgumentCount, &name.span, message, format!("write `{}`", function.form())));
         }
         self.effort.calls_so_far += 1;
         if self.effort.calls_so_far > MAX_CALLS {
             let message = format!("the functions of this mechanism are called more than {MAX_CALLS} times");
-            return Err(self.refuse(span, message, "name values that are used twice with `let`"));
+            return Err(self.refuse(Code::TooMuch, span, message, "name values that are used twice with `let`"));
         }
         self.body(function, arguments, span)
     }
@@ -306,7 +318,7 @@ mod tests {
                       fn inner(a) = a + x;\nfn outer(b) = 2*inner(b);\noutput r = outer(m);\n}";
         let report = resolved(source, |result| result.unwrap_err().render("a.mbs", source));
         let expected = "\
-error: a sum needs equal dimensions, this term is m, not kg
+error[MBS0703]: a sum needs equal dimensions, this term is m, not kg
  --> a.mbs:5:19
   |
 5 | fn inner(a) = a + x;

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::diagnostic::nearest;
+use crate::diagnostic::{Code, nearest};
 use crate::model::names::function::{Function, Home};
 use crate::model::value::evaluate::{Refused, Resolver};
 use crate::parse::syntax::{Span, Statement};
@@ -39,15 +39,15 @@ impl<'d, 'g> Resolver<'d, 'g> {
         match (own, nearest(name, seen)) {
             (Some(origin), _) => {
                 let message = format!("`{name}` is {}: an imported file does not see it", origin.described());
-                self.refuse(span, message, "give it to the function as an argument")
+                self.refuse(Code::OutOfSight, span, message, "give it to the function as an argument")
             }
             (None, Some(near)) => {
                 let help = format!("did you mean `{near}`?");
-                self.refuse(span, format!("`{name}` is not declared"), help)
+                self.refuse(Code::Undeclared, span, format!("`{name}` is not declared"), help)
             }
             (None, None) => {
                 let help = "an imported file sees arguments, and the constants and functions of imported files";
-                self.refuse(span, format!("`{name}` is not declared"), help)
+                self.refuse(Code::Undeclared, span, format!("`{name}` is not declared"), help)
             }
         }
     }
@@ -60,7 +60,11 @@ impl<'d, 'g> Resolver<'d, 'g> {
         help: String,
         first: Span,
     ) -> Refused {
-        self.report.errors.error(span.clone(), message).help(help).note(first, "it is declared here");
+        self.report
+            .errors
+            .error(Code::DeclaredTwice, span.clone(), message)
+            .help(help)
+            .note(first, "it is declared here");
         Refused
     }
 }

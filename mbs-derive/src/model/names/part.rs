@@ -7,7 +7,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::rc::Rc;
 
-use crate::diagnostic::nearest;
+use crate::diagnostic::{Code, nearest};
 use crate::model::names::function::{Call, Home};
 use crate::model::names::scope::{Binding, Origin};
 use crate::model::value::evaluate::{Argument, Refused, Resolved, Resolver};
@@ -62,7 +62,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
         for (i, parameter) in parameters.iter().enumerate() {
             if parameters[..i].iter().any(|other| other.text == parameter.text) {
                 let message = format!("`{}` has two arguments called `{}`", name.text, parameter.text);
-                self.refuse(&parameter.span, message, "choose another name");
+                self.refuse(Code::ArgumentsAlike, &parameter.span, message, "choose another name");
             }
         }
         let part = Part { name, parameters, body, home: self.home() };
@@ -80,8 +80,11 @@ impl<'d, 'g> Resolver<'d, 'g> {
         let unused = parts.known.values().filter(|p| p.home == Home::Mechanism && !parts.used.contains(&*p.name.text));
         let unused: Vec<&'d Name> = unused.map(|part| part.name).collect();
         for name in unused {
-            let warning =
-                self.report.errors.warning(name.span.clone(), format!("the part `{}` is never used", name.text));
+            let warning = self.report.errors.warning(
+                Code::Unused,
+                name.span.clone(),
+                format!("the part `{}` is never used", name.text),
+            );
             warning.help("so it has not been checked");
         }
     }
@@ -93,7 +96,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
             "fn" | "part" => "move it to where the part itself is declared",
             _ => "declare it in the mechanism, and give it to the part as an argument",
         };
-        self.refuse(span, format!("`{keyword}` cannot stand in a part"), help)
+        self.refuse(Code::NotHere, span, format!("`{keyword}` cannot stand in a part"), help)
     }
 }
 
@@ -135,7 +138,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
             Some(meant) => format!("did you mean `{meant}`?"),
             None => format!("declare it: `part {}(m, pose) {{ … }}`", name.text),
         };
-        Err(self.refuse(&name.span, format!("there is no part `{}`", name.text), help))
+        Err(self.refuse(Code::UnknownPart, &name.span, format!("there is no part `{}`", name.text), help))
     }
 
     /// The number of the instance, where it has an index; names and indices stand for one instance each.
@@ -149,7 +152,12 @@ impl<'d, 'g> Resolver<'d, 'g> {
             (Some((Origin::Part, _, None)), Some(_)) => return Err(Refused),
             (Some((Origin::Part, ..)), None) if in_loop => {
                 let message = format!("each turn of the loop builds a part `{}`", name.text);
-                return Err(self.refuse(&name.span, message, format!("give it an index: `{}[i]`", name.text)));
+                return Err(self.refuse(
+                    Code::IndexInALoop,
+                    &name.span,
+                    message,
+                    format!("give it an index: `{}[i]`", name.text),
+                ));
             }
             (Some((origin, first, _)), _) => {
                 let message = format!("`{}` is already {}", name.text, origin.described());
@@ -161,7 +169,12 @@ impl<'d, 'g> Resolver<'d, 'g> {
         let number = self.integer(&index, "an index")?;
         if usize::try_from(number) != Ok(built) {
             let message = format!("the next part of `{}` is number {built}, this is {number}", name.text);
-            return Err(self.refuse(&index.span, message, "indices run from 0 on, one after the other"));
+            return Err(self.refuse(
+                Code::IndexWithGaps,
+                &index.span,
+                message,
+                "indices run from 0 on, one after the other",
+            ));
         }
         Ok(Some(built))
     }
@@ -207,23 +220,23 @@ impl<'d, 'g> Resolver<'d, 'g> {
             let noun = if wanted == 1 { "argument" } else { "arguments" };
             let verb = if given == 1 { "is" } else { "are" };
             let message = format!("the part `{}` takes {wanted} {noun}, {given} {verb} given", part.text);
-            return Err(self.refuse(&part.span, message, format!("write `{}`", found.form())));
+            return Err(self.refuse(Code::ArgumentCount, &part.span, message, format!("write `{}`", found.form())));
         }
         let same = |call: &&Call| call.is_part && call.name == part.text;
         if self.report.calls.iter().any(|call| same(&call)) {
             let path: Vec<&str> =
                 self.report.calls.iter().filter(|call| call.is_part).map(|call| call.name.as_str()).collect();
             let message = format!("the part `{}` is built of itself: {} → {}", part.text, path.join(" → "), part.text);
-            return Err(self.refuse(span, message, "repeat with a `for` loop"));
+            return Err(self.refuse(Code::Recursion, span, message, "repeat with a `for` loop"));
         }
         self.names.parts.built += 1;
         if self.names.parts.built > MAX_PARTS {
             let message = format!("this mechanism has more than {MAX_PARTS} parts");
-            return Err(self.refuse(span, message, "do parts or loops repeat more than was meant?"));
+            return Err(self.refuse(Code::TooMuch, span, message, "do parts or loops repeat more than was meant?"));
         }
         if self.effort.depth_of_blocks >= MAX_DEPTH {
             let message = format!("parts and loops are nested deeper than {MAX_DEPTH} levels");
-            return Err(self.refuse(span, message, ""));
+            return Err(self.refuse(Code::TooDeep, span, message, ""));
         }
         Ok(())
     }
@@ -300,7 +313,12 @@ impl<'g> Resolver<'_, 'g> {
             None if instance.values.is_empty() => "it declares no `let` and no `output`".to_string(),
             None => format!("it has {}", names.map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ")),
         };
-        Err(self.refuse(&field.span, format!("a part `{}` has no `{}`", instance.part, field.text), help))
+        Err(self.refuse(
+            Code::NoComponent,
+            &field.span,
+            format!("a part `{}` has no `{}`", instance.part, field.text),
+            help,
+        ))
     }
 
     /// A part where something else is wanted.
@@ -310,7 +328,7 @@ impl<'g> Resolver<'_, 'g> {
             _ => None,
         };
         let help = format!("name what is meant of it: `{}`", name.map_or("part.name".into(), |n| format!("part.{n}")));
-        self.refuse(&part.span, "this is a part", help)
+        self.refuse(Code::NotAValue, &part.span, "this is a part", help)
     }
 }
 

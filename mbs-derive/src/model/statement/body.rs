@@ -1,5 +1,6 @@
 //! `particle` and `rigid_body`: bodies with their kinetic energies.
 
+use crate::diagnostic::Code;
 use crate::expr::{Expr, Matrix, Vector, Verdict, vanishes};
 use crate::model::check::Physical;
 use crate::model::frame::{Edge, FrameId};
@@ -80,7 +81,12 @@ impl<'d, 'g> Resolver<'d, 'g> {
             && !(self.same_axes(rows, frame) && self.same_axes(columns, frame))
         {
             let help = "write its entries in the axes of this pose: `inertia(xx, yy, zz, xy, xz, yz)`";
-            return Err(self.refuse(&argument.span, "this inertia is in the axes of another pose", help));
+            return Err(self.refuse(
+                Code::OtherAxes,
+                &argument.span,
+                "this inertia is in the axes of another pose",
+                help,
+            ));
         }
         let Tensor { entries: Matrix(rows), .. } = tensor;
         self.check_dimension(tensor.fit(), "an inertia", Dimension::INERTIA, &argument.span)?;
@@ -95,7 +101,12 @@ impl<'d, 'g> Resolver<'d, 'g> {
                 || vanishes(a - b) == Verdict::Holds;
             if !equal {
                 let message = format!("an inertia is symmetric, here the entries [{i}][{j}] and [{j}][{i}] differ");
-                return Err(self.refuse(&argument.span, message, "write `inertia(xx, yy, zz, xy, xz, yz)`"));
+                return Err(self.refuse(
+                    Code::InertiaNotSymmetric,
+                    &argument.span,
+                    message,
+                    "write `inertia(xx, yy, zz, xy, xz, yz)`",
+                ));
             }
         }
         // The same on both sides to the letter.
@@ -114,7 +125,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
         if moves {
             let message = format!("{what} must be constant in time");
             let help = "for anything else write the kinetic energy out: `1/2 * m * dt(r).norm_squared()`";
-            return Err(self.refuse(span, message, help));
+            return Err(self.refuse(Code::MassThatChanges, span, message, help));
         }
         Ok(())
     }

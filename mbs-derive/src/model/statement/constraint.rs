@@ -5,6 +5,7 @@
 
 use std::collections::BTreeMap;
 
+use crate::diagnostic::Code;
 use crate::expr::{Dual, Expr, Graph, Node, Number, Rounded, Symbol, Tape, Verdict, carry_out, degree_is_at_most};
 use crate::model::check::closure::closes;
 use crate::model::check::sample::default_parameters;
@@ -85,7 +86,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
                         false => format!("the constraints `{one}` and `{other}` both have a row called `{row}`"),
                     };
                     let place = self.found.places.constraints[number].clone();
-                    self.report.refuse_at(&place, message, "choose another name");
+                    self.report.refuse_at(Code::NameClash, &place, message, "choose another name");
                 }
             }
         }
@@ -121,7 +122,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
         if a.len() != b.len() || left.value.shape() != right.value.shape() {
             let (left, right) = (left.value.described(), right.value.described());
             let message = format!("both sides of a constraint are of one shape, these are {left} and {right}");
-            return Err(self.refuse(span, message, "or one side is `0`"));
+            return Err(self.refuse(Code::SidesOfOneShape, span, message, "or one side is `0`"));
         }
         let mut rows = Vec::new();
         for (a, b) in a.into_iter().zip(b) {
@@ -140,7 +141,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
             in_words(a.0),
             in_words(b.0)
         );
-        Err(self.refuse(span, message, second_lacks(a.0, b.0)))
+        Err(self.refuse(Code::SidesOfOneDimension, span, message, second_lacks(a.0, b.0)))
     }
 
     /// Its numbers, in world axes.
@@ -153,7 +154,12 @@ impl<'d, 'g> Resolver<'d, 'g> {
             }
             Shape::Pose => {
                 let help = "constrain its place `pose.origin()`, or angles";
-                Err(self.refuse(&side.span, "a constraint is made of numbers, this is a pose", help))
+                Err(self.refuse(
+                    Code::SidesOfOneShape,
+                    &side.span,
+                    "a constraint is made of numbers, this is a pose",
+                    help,
+                ))
             }
             Shape::Part => Err(self.no_value_of_a_part(side)),
             Shape::Matrix | Shape::Array => {
@@ -197,7 +203,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
         for row in &rows {
             if self.known.facts.dependence(*row).on(Dependence::INPUT) {
                 let help = "a motion given from outside is a `prescribed` signal: its derivatives are known";
-                return Err(self.refuse(span, "a constraint cannot depend on an input", help));
+                return Err(self.refuse(Code::InputInConstraint, span, "a constraint cannot depend on an input", help));
             }
         }
         let simple = Graph::new();
@@ -209,18 +215,23 @@ impl<'d, 'g> Resolver<'d, 'g> {
             match simplified.as_constant() {
                 _ if vanishes => continue,
                 Some(_) => {
-                    return Err(self.refuse(span, "this constraint never holds", "no coordinate is in it"));
+                    return Err(self.refuse(
+                        Code::ConstrainsNothing,
+                        span,
+                        "this constraint never holds",
+                        "no coordinate is in it",
+                    ));
                 }
                 None => effective.push(*row),
             }
             if simplified.as_constant().is_none() && !(moves(simplified) && depends_on_motion(*row)) {
                 let help = "it is made of constants, parameters, signals and time alone";
-                return Err(self.refuse(span, "this constrains no coordinate", help));
+                return Err(self.refuse(Code::ConstrainsNothing, span, "this constrains no coordinate", help));
             }
         }
         self.found.effective_rows.push(are_effective);
         if effective.is_empty() {
-            return Err(self.refuse(span, "this constraint always holds", "leave it out"));
+            return Err(self.refuse(Code::ConstrainsNothing, span, "this constraint always holds", "leave it out"));
         }
         Ok(effective)
     }
@@ -253,7 +264,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
             found.push((place.clone(), message, "leave some out, or check signs and defaults".to_string()));
         }
         for (place, message, help) in found {
-            self.report.warn_at(&place, message).help(help);
+            self.report.warn_at(Code::NeverClosed, &place, message).help(help);
         }
     }
 
@@ -264,13 +275,13 @@ impl<'d, 'g> Resolver<'d, 'g> {
                 let message = "a constraint on positions cannot hold the rate of a motion that is given at run time";
                 let help = "its second derivative would need the third one of that motion: declare the rate as a \
                             `prescribed` signal of its own";
-                Err(self.refuse(span, message, help))
+                Err(self.refuse(Code::RateInConstraint, span, message, help))
             }
             0 => Ok(ConstraintKind::Holonomic),
             all if all == rows.len() => Ok(ConstraintKind::Pfaffian),
             _ => {
                 let message = "some rows of this constraint are about positions, others about velocities";
-                Err(self.refuse(span, message, "write two constraints"))
+                Err(self.refuse(Code::RateInConstraint, span, message, "write two constraints"))
             }
         }
     }

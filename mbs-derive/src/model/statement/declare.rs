@@ -1,5 +1,6 @@
 //! `param`, `coord`, `input`, `prescribed` and `const`: quantities with units.
 
+use crate::diagnostic::Code;
 use crate::model::value::constant::Dependence;
 use crate::model::value::dimension::{Dimension, Measure, measure};
 use crate::model::value::evaluate::{Argument, Resolved, Resolver};
@@ -54,7 +55,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
         let wrong = parameter.defaults.iter().map(|value| value.to_f64()).find(|value| *value <= 0.0);
         if let (Some(span), Some(value)) = (&quantity.positive, wrong) {
             let message = format!("`{}` is declared positive, its default is {value}", quantity.name.text);
-            let _ = self.refuse(span, message, "leave `positive` out, or choose another default");
+            let _ = self.refuse(Code::NotPositive, span, message, "leave `positive` out, or choose another default");
         }
     }
 
@@ -84,7 +85,8 @@ impl<'d, 'g> Resolver<'d, 'g> {
         };
         if first + length.unwrap_or(1) > MAX_COORDINATES {
             let message = format!("a mechanism has at most {MAX_COORDINATES} coordinates");
-            let _ = self.refuse(&quantity.name.span, message, "derive a part of it, or fewer elements");
+            let _ =
+                self.refuse(Code::ArraySize, &quantity.name.span, message, "derive a part of it, or fewer elements");
             return self.declare(&quantity.name, Origin::Coordinate(first), None);
         }
         let symbols = self.lagrangian.coordinate(&quantity.name.text, &measure.si, length);
@@ -139,7 +141,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
         if !measure.scale.is_one() {
             let at = quantity.unit.as_ref().map_or(&quantity.name.span, |unit| &unit.span);
             let help = format!("write `prescribed {name}: {} = …;`", measure.si);
-            return Err(self.refuse(at, format!("`{name}` is a formula, in SI units"), help));
+            return Err(self.refuse(Code::GivenInSi, at, format!("`{name}` is a formula, in SI units"), help));
         }
         let elements = match (value, length) {
             (Value::Scalar(_), length) => vec![value.clone(); length.unwrap_or(1)],
@@ -150,7 +152,12 @@ impl<'d, 'g> Resolver<'d, 'g> {
             }
             (other, None) => {
                 let message = format!("`{name}` is one number, this is {}", other.described());
-                return Err(self.refuse(span, message, "write `let` for anything else, or declare a length: `[3]`"));
+                return Err(self.refuse(
+                    Code::OneNumber,
+                    span,
+                    message,
+                    "write `let` for anything else, or declare a length: `[3]`",
+                ));
             }
         };
         let mut values = Vec::new();
@@ -161,7 +168,12 @@ impl<'d, 'g> Resolver<'d, 'g> {
             if self.known.facts.dependence(expr).on(moved) {
                 let help =
                     "a prescribed motion is a formula of `t`, constants and parameters; write `let` for anything else";
-                return Err(self.refuse(span, "a prescribed motion does not depend on coordinates or inputs", help));
+                return Err(self.refuse(
+                    Code::PrescribedByState,
+                    span,
+                    "a prescribed motion does not depend on coordinates or inputs",
+                    help,
+                ));
             }
             values.push(Value::Scalar(Scalar::new(expr, self.dimension(measure.dimension))));
         }
@@ -220,7 +232,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
             n @ 1..=MAX_LENGTH => Ok(n as usize),
             n => {
                 let message = format!("an array has from 1 to {MAX_LENGTH} elements, not {n}");
-                Err(self.refuse(&length.span, message, ""))
+                Err(self.refuse(Code::ArraySize, &length.span, message, ""))
             }
         }
     }
@@ -235,7 +247,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
             Some(total @ 1..=MAX_LENGTH) => Ok(Some(total as usize)),
             _ => {
                 let message = format!("a matrix has from 1 to {MAX_LENGTH} numbers");
-                Err(self.refuse(&columns.span, message, ""))
+                Err(self.refuse(Code::ArraySize, &columns.span, message, ""))
             }
         }
     }
@@ -267,14 +279,16 @@ impl<'d, 'g> Resolver<'d, 'g> {
             return Ok(());
         }
         let message = format!("{rows} rows of {columns} are declared, this is {}", value.described());
-        Err(self.refuse(span, message, "one value without brackets stands for all entries"))
+        Err(self.refuse(Code::CountOfValues, span, message, "one value without brackets stands for all entries"))
     }
 
     fn measure_if_any(&mut self, quantity: &Quantity) -> Resolved<Option<Measure>> {
         let Some(unit) = &quantity.unit else { return Ok(None) };
         match measure(unit) {
             Ok(measure) => Ok(Some(measure)),
-            Err(error) => Err(self.refuse(&error.span, error.message, error.help.unwrap_or_default())),
+            Err(error) => {
+                Err(self.refuse(Code::UnknownUnit, &error.span, error.message, error.help.unwrap_or_default()))
+            }
         }
     }
 
@@ -284,7 +298,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
         }
         let name = &quantity.name.text;
         let help = format!("write `{keyword} {name}: m`, `1` for a plain number");
-        Err(self.refuse(&quantity.name.span, format!("`{name}` needs a unit"), help))
+        Err(self.refuse(Code::MissingUnit, &quantity.name.span, format!("`{name}` needs a unit"), help))
     }
 
     /// States and inputs are given at run time, in SI units: no other may be declared.
@@ -296,7 +310,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
         let name = &quantity.name.text;
         let span = quantity.unit.as_ref().map_or(&quantity.name.span, |unit| &unit.span);
         let message = format!("`{name}` is given at run time, in SI units");
-        Err(self.refuse(span, message, format!("write `{keyword} {name}: {};`", measure.si)))
+        Err(self.refuse(Code::GivenInSi, span, message, format!("write `{keyword} {name}: {};`", measure.si)))
     }
 }
 
@@ -314,7 +328,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
         let Some(expression) = &quantity.value else {
             let message = format!("the parameter `{}` needs a default", name.text);
             let help = "parameters can be set at run time; the default is what they are until then";
-            return Err(self.refuse(&name.span, message, help));
+            return Err(self.refuse(Code::MissingValue, &name.span, message, help));
         };
         let value = self.definition(name, expression)?;
         let (measure, length) = (measure.ok_or(crate::model::value::evaluate::Refused)?, length?);
@@ -337,7 +351,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
             (Value::Array(array), None) => {
                 let message = format!("`{}` is one number, this is {}", name.text, value.described());
                 let help = format!("write `param {}[{}]`", name.text, array.values().len());
-                Err(self.refuse(&expression.span, message, help))
+                Err(self.refuse(Code::OneNumber, &expression.span, message, help))
             }
             (_, length) => scalar(self, &value).map(|number| vec![number; length.unwrap_or(1)]),
         }
@@ -351,7 +365,12 @@ impl<'d, 'g> Resolver<'d, 'g> {
     ) -> Resolved<Value<'g>> {
         let Some(expression) = &quantity.value else {
             let message = format!("the constant `{}` needs a value", quantity.name.text);
-            return Err(self.refuse(&quantity.name.span, message, "write `= …`, or make it a `param`"));
+            return Err(self.refuse(
+                Code::MissingValue,
+                &quantity.name.span,
+                message,
+                "write `= …`, or make it a `param`",
+            ));
         };
         let value = self.definition(&quantity.name, expression)?;
         let measure = measure?.map(|measure| self.measure_of(expression, &measure)).transpose()?;
@@ -382,7 +401,12 @@ impl<'d, 'g> Resolver<'d, 'g> {
             found if found == length => Ok(()),
             found => {
                 let message = format!("this array has {found} elements, {length} are declared");
-                Err(self.refuse(span, message, "one value without brackets stands for all elements"))
+                Err(self.refuse(
+                    Code::CountOfValues,
+                    span,
+                    message,
+                    "one value without brackets stands for all elements",
+                ))
             }
         }
     }
@@ -426,7 +450,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
             }
             Value::Pose(_) | Value::Part(_) => {
                 let message = format!("{what} is made of numbers, this is {}", value.described());
-                Err(self.refuse(span, message, "write `let` for anything else"))
+                Err(self.refuse(Code::OneNumber, span, message, "write `let` for anything else"))
             }
         }
     }
@@ -440,7 +464,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
     ) -> Resolved<Scalar<'g>> {
         let Some(number) = self.known.facts.constant(expr) else {
             let help = "it is made of numbers, `pi` and other constants; what is made of parameters is a `let`";
-            return Err(self.refuse(span, format!("{what} must be known at build time"), help));
+            return Err(self.refuse(Code::KnownAtBuildTime, span, format!("{what} must be known at build time"), help));
         };
         let Some(measure) = measure else {
             return Ok(Scalar::new(self.graph.constant(number), dimension));
@@ -448,14 +472,24 @@ impl<'d, 'g> Resolver<'d, 'g> {
         let wanted = self.dimension(measure.dimension);
         if dimension != Dimension::ONE && dimension != wanted {
             let message = format!("{} is declared, this is {}", in_words(wanted), in_words(dimension));
-            return Err(self.refuse(span, message, "a plain number is taken in the declared unit"));
+            return Err(self.refuse(
+                Code::OtherThanDeclared,
+                span,
+                message,
+                "a plain number is taken in the declared unit",
+            ));
         }
         let plain = dimension == Dimension::ONE || self.dimensionless;
         let in_radians =
             matches!((number, measure.scale), (Number::Exact { pi: 1.., .. }, Number::Exact { pi: 1.., .. }));
         if plain && in_radians {
             let help = "declare it in `rad`, or write the number of degrees alone";
-            return Err(self.refuse(span, "this angle is in radians already, as its `pi` or `deg` shows", help));
+            return Err(self.refuse(
+                Code::RadiansAlready,
+                span,
+                "this angle is in radians already, as its `pi` or `deg` shows",
+                help,
+            ));
         }
         if measure.si == "rad" && measure.scale.is_one() {
             self.warn_of_degrees(number, span);
@@ -463,7 +497,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
         let converted = if plain { number * measure.scale } else { number };
         if converted.is_zero() && !number.is_zero() {
             let message = format!("in {} this is nearer to zero than an `f64` can be", measure.si);
-            return Err(self.refuse(span, message, "choose other units, or check the exponent"));
+            return Err(self.refuse(Code::OutOfRange, span, message, "choose other units, or check the exponent"));
         }
         let number = converted;
         Ok(Scalar::new(self.graph.constant(number), wanted))

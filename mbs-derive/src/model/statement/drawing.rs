@@ -3,6 +3,7 @@
 //! No pass of mechanics reads it: statements are gone through once without shapes, which is the mechanism, and once
 //! more with them, where there are any. Frames and expressions that shapes alone need are those of the second time.
 
+use crate::diagnostic::Code;
 use crate::expr::{Expr, Symbol, evaluate};
 use crate::model::check::sample::default_parameters;
 use crate::model::lagrangian::Drawing;
@@ -57,7 +58,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
         let frame = frame?;
         if self.lagrangian.drawings.len() == MAX_SHAPES {
             let message = format!("this mechanism has more than {MAX_SHAPES} shapes");
-            return Err(self.refuse(statement, message, "draw fewer, or a mesh of many"));
+            return Err(self.refuse(Code::TooMuch, statement, message, "draw fewer, or a mesh of many"));
         }
         let (place, _) = self.report.place(statement);
         let (on, file) = (pose.to_string(), file.map(str::to_string));
@@ -124,7 +125,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
             "mesh" => format!("a mesh has a file and one scale, {} are given", given.len()),
             text => format!("a {text} has {number}, {} are given", given.len()),
         };
-        Err(self.refuse(&kind.span, message, form))
+        Err(self.refuse(Code::ArgumentCount, &kind.span, message, form))
     }
 
     /// Sizes are made of constants and parameters, and greater than zero by their defaults.
@@ -132,7 +133,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
         let all = sizes.iter().map(|&e| self.known.facts.dependence(e)).fold(Dependence::default(), Dependence::or);
         if all.moves() || all.on(Dependence::RATE) {
             let help = "sizes are made of constants and parameters; what moves is the pose";
-            return Err(self.refuse(span, format!("{what} does not change in time"), help));
+            return Err(self.refuse(Code::SizeOfAShape, span, format!("{what} does not change in time"), help));
         }
         let defaults = default_parameters(&self.lagrangian);
         let values = evaluate(&sizes, |symbol| match symbol {
@@ -142,7 +143,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
         match values.into_iter().find(|value| !(*value > 0.0 && value.is_finite())) {
             Some(value) => {
                 let message = format!("{what} is greater than zero, this is {}", format!("{value} {unit}").trim_end());
-                Err(self.refuse(span, message, ""))
+                Err(self.refuse(Code::SizeOfAShape, span, message, ""))
             }
             None => Ok(sizes),
         }

@@ -1,6 +1,6 @@
 //! `kinetic += …` and its like, and generalized forces.
 
-use crate::diagnostic::nearest;
+use crate::diagnostic::{Code, nearest};
 use crate::expr::{Expr, Node, Symbol};
 use crate::model::names::scope::Origin;
 use crate::model::value::constant::Dependence;
@@ -35,7 +35,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
         if shared((wanted, false), scalar.fit()).is_none() {
             let message = format!("{name} must be {kind} ({wanted}), this term is {}", in_words(scalar.dimension));
             let help = self.missing_factor(expression, wanted, scalar.dimension);
-            return Err(self.refuse(&expression.span, message, help));
+            return Err(self.refuse(Code::EnergyDimension, &expression.span, message, help));
         }
         self.check_dependence(term, scalar.expr, expression)?;
         let place = self.report.here(&expression.span);
@@ -79,7 +79,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
             _ => format!("its square is a number: `{text}.norm_squared()`"),
         };
         let message = format!("{} is a number, this is a vector", term.described().0);
-        self.refuse(&place.span, message, help)
+        self.refuse(Code::EnergyShape, &place.span, message, help)
     }
 
     /// The momenta `∂L/∂q̇` are differentiated in time: what enters L must have a known rate.
@@ -87,11 +87,21 @@ impl<'d, 'g> Resolver<'d, 'g> {
         let dependence = self.known.facts.dependence(expr);
         if dependence.on(Dependence::INPUT) && term != EnergyTerm::Dissipation {
             let help = "inputs act through forces: `force q += u;`";
-            return Err(self.refuse(&expression.span, "an energy cannot depend on an input", help));
+            return Err(self.refuse(
+                Code::InputInEnergy,
+                &expression.span,
+                "an energy cannot depend on an input",
+                help,
+            ));
         }
         if dependence.on(Dependence::VELOCITY) && term == EnergyTerm::Potential {
             let help = "a velocity-dependent potential U is a term of the Lagrangian: `lagrangian += -U;`";
-            return Err(self.refuse(&expression.span, "potential energy cannot depend on velocities", help));
+            return Err(self.refuse(
+                Code::VelocityInPotential,
+                &expression.span,
+                "potential energy cannot depend on velocities",
+                help,
+            ));
         }
         Ok(())
     }
@@ -236,6 +246,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
             let message =
                 format!("`{}` has {} components, this is {}", name.text, targets.len(), value.value.described());
             return Err(self.refuse(
+                Code::ForceShape,
                 &value.span,
                 message,
                 format!("write `force {}[i] += …;` for one component", name.text),
@@ -259,7 +270,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
                 Dimension::ONE => format!("{lacking}; a force on an angle is a torque, in N*m"),
                 _ => lacking,
             };
-            return Err(self.refuse(&value.span, message, help));
+            return Err(self.refuse(Code::ForceDimension, &value.span, message, help));
         }
         let force = scalar.expr;
         self.lagrangian.forces.push((target.number, force));
@@ -281,7 +292,12 @@ impl<'d, 'g> Resolver<'d, 'g> {
                     names => format!("the coordinates are {}", names.join(", ")),
                 },
             };
-            return Err(self.refuse(&name.span, format!("there is no coordinate `{}`", name.text), help));
+            return Err(self.refuse(
+                Code::ForceTarget,
+                &name.span,
+                format!("there is no coordinate `{}`", name.text),
+                help,
+            ));
         };
         // A part is given coordinates as arguments.
         if !matches!(binding.origin, Origin::Coordinate(_) | Origin::Argument) {
@@ -290,7 +306,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
                 Some(coordinate) => format!("a force acts on a coordinate: `force {coordinate} += …;`"),
                 None => "a force acts on a coordinate".to_string(),
             };
-            return Err(self.refuse(&name.span, message, help));
+            return Err(self.refuse(Code::ForceTarget, &name.span, message, help));
         }
         let value = binding.value.clone().ok_or(crate::model::value::evaluate::Refused)?;
         let array = Argument { value, span: name.span.clone() };
@@ -302,7 +318,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
             (None, _) => 0..components.len(),
             (Some(index), Value::Scalar(_)) => {
                 let message = format!("`{}` is one coordinate, it has no index", name.text);
-                return Err(self.refuse(&index?.span, message, "leave the index out"));
+                return Err(self.refuse(Code::ForceTarget, &index?.span, message, "leave the index out"));
             }
             (Some(index), _) => {
                 let number = self.index(&index?, components.len())?;
@@ -316,7 +332,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
                 let Node::Symbol(Symbol::Coordinate(number)) = coordinate.expr.node() else {
                     let message = format!("`{}` is no coordinate here", name.text);
                     let help = "a force acts on a coordinate: give the part one, or write `force at` and `torque on`";
-                    return Err(self.refuse(&name.span, message, help));
+                    return Err(self.refuse(Code::ForceTarget, &name.span, message, help));
                 };
                 let name = if single { name.text.clone() } else { format!("{}[{i}]", name.text) };
                 Ok(Target { number: number as usize, name, dimension: coordinate.dimension })

@@ -6,6 +6,7 @@
 
 use std::collections::BTreeMap;
 
+use crate::diagnostic::Code;
 use crate::expr::{Expr, Graph, Id, Node, Symbol, Vector, carry_out, evaluate};
 use crate::model::check::Place;
 use crate::model::check::sample::default_parameters;
@@ -40,7 +41,7 @@ impl<'g> Resolver<'_, 'g> {
         }
         if value.value.shape() == Shape::Number {
             let help = "write `gravity [0, 0, -g];` where z points up";
-            return Err(self.refuse(&value.span, "gravity is a vector, this is a number", help));
+            return Err(self.refuse(Code::GravityShape, &value.span, "gravity is a vector, this is a number", help));
         }
         let vector = self.vector(&value)?;
         self.check_dimension(vector.fit(), "gravity", Dimension::ACCELERATION, &value.span)?;
@@ -59,7 +60,7 @@ impl<'g> Resolver<'_, 'g> {
         };
         let help = "its vector is made of constants and parameters; for any other field write the potential energies: \
                     `potential += -m*a.dot(r);`";
-        Err(self.refuse(span, message, help))
+        Err(self.refuse(Code::GravityThatChanges, span, message, help))
     }
 
     /// Adds the potential energies of all bodies; the last that is done with the statements.
@@ -119,7 +120,12 @@ impl<'g> Resolver<'_, 'g> {
         for place in found {
             let help = "gravity acts on each `particle` and `rigid_body` that is a term of `kinetic +=`, with a factor that \
                         is constant in time; without the `gravity` statement, write the potential energies";
-            self.report.refuse_at(&place, "gravity does not find the body in this energy", help);
+            self.report.refuse_at(
+                Code::GravityOfHiddenBody,
+                &place,
+                "gravity does not find the body in this energy",
+                help,
+            );
         }
     }
 }
@@ -139,7 +145,7 @@ impl<'g> Resolver<'_, 'g> {
         let (written, weights) =
             self.lagrangian.potential.split_at(self.lagrangian.potential.len() - self.found.weights.added);
         if weights.is_empty() && self.declared_bodies().is_empty() {
-            let warning = self.report.errors.warning(statement, "gravity acts on nothing");
+            let warning = self.report.errors.warning(Code::GravityOnNothing, statement, "gravity acts on nothing");
             warning.help("it acts on every `particle` and `rigid_body` in `kinetic +=`, and there is none");
             return;
         }
@@ -147,7 +153,7 @@ impl<'g> Resolver<'_, 'g> {
         for term in doubles {
             let message = "this is gravity once more: the `gravity` statement adds the weight of every body";
             let place = self.found.places.potential[term].clone();
-            let warning = self.report.warn_at(&place, message);
+            let warning = self.report.warn_at(Code::GravityTwice, &place, message);
             warning.help("leave one of them out").note(statement.clone(), "gravity is declared here");
         }
     }

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use crate::catalogue::{names, names_of_output};
+use crate::diagnostic::Code;
 use crate::expr::Expr;
 use crate::model::lagrangian::{Output, OutputValue};
 use crate::model::names::family::Family;
@@ -82,7 +83,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
             let name = family.name.text.clone();
             if requests > 0 && requests < elements.len() {
                 let message = format!("`jacobian_rate` is asked for by some elements of `{name}`, not by all");
-                self.refuse(&family.name.span, message, "write it in each of their statements");
+                self.refuse(Code::JacobianRate, &family.name.span, message, "write it in each of their statements");
             }
             let complete = self.complete(&family, "output").is_ok();
             let Ok(mut elements) = elements.into_values().collect::<Resolved<Vec<_>>>() else { continue };
@@ -115,14 +116,19 @@ impl<'d, 'g> Resolver<'d, 'g> {
             (false, false) => return Ok(()),
         };
         let message = format!("`{name}` depends on {what}: its Jacobian has no rate that is a function of the state");
-        Err(self.refuse(request, message, "leave it out; positions and attitudes have one"))
+        Err(self.refuse(Code::JacobianRate, request, message, "leave it out; positions and attitudes have one"))
     }
 
     /// `what` is put out under this name; functions of every mechanism are called otherwise.
     pub(in crate::model) fn check_is_free(&mut self, name: &Name, functions: &[String], what: &str) -> Resolved<()> {
         if functions.iter().any(|f| METHODS.into_iter().chain(names()).any(|known| known == f)) {
             let message = format!("`{}` is a function of every mechanism", name.text);
-            return Err(self.refuse(&name.span, message, format!("choose another name for this {what}")));
+            return Err(self.refuse(
+                Code::BuiltIn,
+                &name.span,
+                message,
+                format!("choose another name for this {what}"),
+            ));
         }
         Ok(())
     }
@@ -135,7 +141,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
             let other = &output.family.name.text;
             let message =
                 format!("there is already an output `{other}`, with its `{other}_velocity` and `{other}_jacobian`");
-            return Err(self.refuse(&name.span, message, "choose another name"));
+            return Err(self.refuse(Code::NameClash, &name.span, message, "choose another name"));
         }
         if let Some(joint) = self.found.joints.iter().find(|joint| functions(text).contains(&joint.family.name.text)) {
             let (message, first) =
@@ -206,21 +212,24 @@ impl<'d, 'g> Resolver<'d, 'g> {
         let help = "write several outputs";
         if deeper {
             let message = "an output is a number, a vector, a matrix or a pose, rows of numbers, or an array of these";
-            Err(self.refuse(span, message, help))
+            Err(self.refuse(Code::OutputShape, span, message, help))
         } else if numbers.len() == count {
             Ok(OutputValue::Array(numbers))
         } else if rows.len() == count {
             match same_rows(&rows) {
                 true => Ok(OutputValue::Matrix(rows)),
-                false => Err(self.refuse(span, "the rows of an output have equal lengths", help)),
+                false => Err(self.refuse(Code::OutputShape, span, "the rows of an output have equal lengths", help)),
             }
         } else if matrices.len() == count {
             let first = &matrices[0];
             match matrices.iter().all(|m| m.len() == first.len() && m[0].len() == first[0].len()) {
                 true => Ok(OutputValue::Matrices(matrices)),
-                false => {
-                    Err(self.refuse(span, "the matrices of an output have equal numbers of rows and columns", help))
-                }
+                false => Err(self.refuse(
+                    Code::OutputShape,
+                    span,
+                    "the matrices of an output have equal numbers of rows and columns",
+                    help,
+                )),
             }
         } else if poses.len() == count {
             Ok(OutputValue::Poses(poses))
@@ -234,7 +243,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
             let mut met = kinds.into_iter().filter(|(none, _)| !none).map(|(_, kind)| kind);
             let (one, other) = (met.next().unwrap_or_default(), met.next().unwrap_or_default());
             let message = format!("some elements of this output are {one}, others are {other}");
-            Err(self.refuse(span, message, "write several outputs, or elements of one shape"))
+            Err(self.refuse(Code::OutputShape, span, message, "write several outputs, or elements of one shape"))
         }
     }
 }

@@ -1,5 +1,6 @@
 //! `force at …` and `torque on …`: kept with the velocity that they do work on, and generalized by `derive`.
 
+use crate::diagnostic::Code;
 use crate::expr::{Matrix, Vector};
 use crate::model::frame::FrameId;
 use crate::model::lagrangian::{Application, PointForce};
@@ -36,7 +37,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
         self.lagrangian.landmarks.note_motion(components, Motion::Turning { tensor, frame });
         if !self.is_moved(&components) && !self.may_be_released() {
             let message = "no coordinate turns this pose: a torque does no work here";
-            return Err(self.refuse(&pose.span, message, "leave the torque out"));
+            return Err(self.refuse(Code::NoWork, &pose.span, message, "leave the torque out"));
         }
         Ok(Free { components, frame, dimension: Dimension::ANGULAR_VELOCITY })
     }
@@ -70,7 +71,12 @@ impl<'d, 'g> Resolver<'d, 'g> {
         if self.is_moved(&components) || self.may_be_released() {
             return Ok(());
         }
-        Err(self.refuse(span, "no coordinate moves this point: a force does no work here", "leave the force out"))
+        Err(self.refuse(
+            Code::NoWork,
+            span,
+            "no coordinate moves this point: a force does no work here",
+            "leave the force out",
+        ))
     }
 
     fn does_work(

@@ -12,6 +12,7 @@
 //! whose generalized forces, where all of them are zero, are the force and the moment at the joint.
 
 use crate::catalogue::names_of_output;
+use crate::diagnostic::Code;
 use crate::expr::{Expr, Graph, Symbol, Vector};
 use crate::model::frame::Edge;
 use crate::model::lagrangian::{AUXILIARY, Reaction};
@@ -104,7 +105,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
             (false, []) => Ok(None),
             (false, _) => {
                 let help = "name the pose, and build on the name: `let joint = …; reaction name at joint;`";
-                Err(self.refuse(&pose.span, "a reaction is that of a pose with a name", help))
+                Err(self.refuse(Code::ReactionOfAName, &pose.span, "a reaction is that of a pose with a name", help))
             }
         }
     }
@@ -125,12 +126,16 @@ impl<'d, 'g> Resolver<'d, 'g> {
         };
         if self.names.scope.get(&pose.text).is_none() {
             let help = "name a pose that is made of it: `let base = world; reaction name at base;`";
-            return Err(self.refuse(&pose.span, format!("`{}` is built in", pose.text), help));
+            return Err(self.refuse(Code::ReactionOfAName, &pose.span, format!("`{}` is built in", pose.text), help));
         }
         if let Some(place) = used {
             let message = format!("something was built on `{shown}` before this reaction: it would not count");
             let help = format!("move the statement up, right behind the one that gives `{shown}` its value");
-            self.report.errors.error(pose.span.clone(), message).help(help).note(place, "it is used here");
+            self.report
+                .errors
+                .error(Code::ReactionTooLate, pose.span.clone(), message)
+                .help(help)
+                .note(place, "it is used here");
             return Err(Refused);
         }
         // Asking for the reaction builds nothing on it.
@@ -165,7 +170,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
         let mut outputs = self.found.outputs.iter().map(|output| &output.family.name.text);
         if let Some(output) = outputs.find(|output| names_of_output(output).contains(&name.text)) {
             let message = format!("there is already an output `{output}` with a function of this name");
-            return Err(self.refuse(&name.span, message, "choose another name"));
+            return Err(self.refuse(Code::NameClash, &name.span, message, "choose another name"));
         }
         self.check_is_free(name, std::slice::from_ref(&name.text), "reaction")
     }
@@ -182,11 +187,11 @@ impl<'d, 'g> Resolver<'d, 'g> {
             let same = |other: &&Reaction| other.component_names().iter().any(|known| names.contains(known));
             if let Some(other) = reactions.iter().find(same) {
                 let message = format!("`{}` and `{}` both have a joint of one name", reaction.name, other.name);
-                self.refuse(&name.span, message, "choose another name");
+                self.refuse(Code::NameClash, &name.span, message, "choose another name");
             }
             if total > MAX_JOINTS && reactions.is_empty() {
                 let message = format!("a mechanism has at most {MAX_JOINTS} reactions, these are {total}");
-                self.refuse(&name.span, message, "ask for fewer");
+                self.refuse(Code::TooMuch, &name.span, message, "ask for fewer");
             }
             reactions.push(reaction);
         }

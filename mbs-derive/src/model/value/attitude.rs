@@ -1,5 +1,6 @@
 //! Axes of parameters, and arrays given for several arguments.
 
+use crate::diagnostic::Code;
 use crate::expr::{Expr, Graph, Symbol, Vector, carry_out, evaluate};
 use crate::model::check::sample::default_parameters;
 use crate::model::frame::FrameId;
@@ -21,7 +22,12 @@ impl<'g> Resolver<'_, 'g> {
         let length = self.at_defaults(squared);
         if length.is_nan() || length <= 0.0 {
             let message = "an axis must have a direction, by the default values of the parameters this is zero";
-            return Err(self.refuse(&axis.span, message, "choose another default, such as `[0, 0, 1]`"));
+            return Err(self.refuse(
+                Code::AxisWithoutDirection,
+                &axis.span,
+                message,
+                "choose another default, such as `[0, 0, 1]`",
+            ));
         }
         Ok(Some(vector.components.scale(1 / squared.sqrt())))
     }
@@ -47,7 +53,12 @@ impl<'g> Resolver<'_, 'g> {
         let numbers = self.numbers_given(whole).filter(|numbers| numbers.len() == count);
         match numbers {
             Some(numbers) => Ok(Some(numbers)),
-            None => Err(self.refuse(&whole.span, message, format!("this is {}", whole.value.described()))),
+            None => Err(self.refuse(
+                Code::InertiaForm,
+                &whole.span,
+                message,
+                format!("this is {}", whole.value.described()),
+            )),
         }
     }
 
@@ -58,7 +69,12 @@ impl<'g> Resolver<'_, 'g> {
             Some(numbers) => Ok(Some(numbers)),
             None => {
                 let message = "an inertia is an array of 3 or 6 numbers, or a matrix";
-                Err(self.refuse(&whole.span, message, format!("this is {}", whole.value.described())))
+                Err(self.refuse(
+                    Code::InertiaForm,
+                    &whole.span,
+                    message,
+                    format!("this is {}", whole.value.described()),
+                ))
             }
         }
     }

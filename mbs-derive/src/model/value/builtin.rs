@@ -1,6 +1,6 @@
 //! The functions and methods of the language: two tables, then one Rust function an entry.
 
-use crate::diagnostic::nearest;
+use crate::diagnostic::{Code, nearest};
 use crate::expr::{Binary, Expr, Function, HalfInteger, Matrix, Number, Vector};
 use crate::model::frame::{Edge, FrameId};
 use crate::model::landmark::Motion;
@@ -178,16 +178,26 @@ fn wrong_count(resolver: &mut Resolver<'_, '_>, builtin: &Builtin, name: &Name, 
     let (wanted, found) = (counts.join(" or "), found - less);
     let message =
         format!("`{}` takes {wanted} {noun}, {found} {} given", builtin.name, if found == 1 { "is" } else { "are" });
-    resolver.refuse(&name.span, message, format!("write `{}`", builtin.form))
+    resolver.refuse(Code::ArgumentCount, &name.span, message, format!("write `{}`", builtin.form))
 }
 
 fn unknown_function(resolver: &mut Resolver<'_, '_>, name: &Name) -> Refused {
     let text = &name.text;
     if let Some(form) = form_of_method(text) {
-        return resolver.refuse(&name.span, format!("`{text}` is a method"), format!("write `{form}`"));
+        return resolver.refuse(
+            Code::UnknownFunction,
+            &name.span,
+            format!("`{text}` is a method"),
+            format!("write `{form}`"),
+        );
     }
     if resolver.names.scope.get(text).is_some() || CONSTANTS.contains(&text.as_str()) {
-        return resolver.refuse(&name.span, format!("`{text}` is not a function"), "write `*` for a product");
+        return resolver.refuse(
+            Code::UnknownFunction,
+            &name.span,
+            format!("`{text}` is not a function"),
+            "write `*` for a product",
+        );
     }
     let in_sight = resolver.functions_in_sight();
     let own = in_sight.keys().copied();
@@ -204,7 +214,7 @@ fn unknown_function(resolver: &mut Resolver<'_, '_>, name: &Name) -> Refused {
         }
         (None, None) => format!("the functions are {}", list(FUNCTIONS)),
     };
-    resolver.refuse(&name.span, format!("there is no function `{text}`"), help)
+    resolver.refuse(Code::UnknownFunction, &name.span, format!("there is no function `{text}`"), help)
 }
 
 fn unknown_method(resolver: &mut Resolver<'_, '_>, name: &Name) -> Refused {
@@ -214,7 +224,7 @@ fn unknown_method(resolver: &mut Resolver<'_, '_>, name: &Name) -> Refused {
         (None, Some(meant)) => format!("did you mean `{}`?", form_of_method(meant).unwrap_or(meant)),
         (None, None) => format!("the methods are {}", list(METHODS)),
     };
-    resolver.refuse(&name.span, format!("there is no method `{text}`"), help)
+    resolver.refuse(Code::UnknownFunction, &name.span, format!("there is no method `{text}`"), help)
 }
 
 /// What other languages call it, and how it is written here.
@@ -282,7 +292,7 @@ fn pair<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) -> Resolved<(E
         Some(dimension) => Ok((a.expr, b.expr, dimension)),
         None => {
             let message = format!("the arguments need equal dimensions, these are {} and {}", a.dimension, b.dimension);
-            Err(resolver.refuse(call.span, message, ""))
+            Err(resolver.refuse(Code::UnequalDimensions, call.span, message, ""))
         }
     }
 }
@@ -423,7 +433,7 @@ fn quaternion<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) -> Resol
     let squared = numbers.map(|numbers| numbers.iter().map(|n| n * n).sum::<f64>());
     if let Some(squared) = squared.filter(|squared| (squared - 1.0).abs() > 1e-9) {
         let message = format!("a rotation is a quaternion of length 1, this has length {}", squared.sqrt());
-        return Err(resolver.refuse(call.span, message, "divide its components by its length"));
+        return Err(resolver.refuse(Code::QuaternionLength, call.span, message, "divide its components by its length"));
     }
     pose([resolver.edge(Edge::Quaternion(parts), call.span)?])
 }
@@ -441,20 +451,25 @@ fn constant_axis<'g>(resolver: &mut Resolver<'_, 'g>, axis: &Argument<'g>) -> Re
     let vector = resolver.vector(axis)?;
     if vector.frame != FrameId::WORLD {
         let message = "an axis is given in the axes of the pose that is turned";
-        return Err(resolver.refuse(&axis.span, message, "write its components: `[x, y, z]`"));
+        return Err(resolver.refuse(Code::OtherAxes, &axis.span, message, "write its components: `[x, y, z]`"));
     }
     let mut numbers = [Number::ZERO; 3];
     for (number, component) in numbers.iter_mut().zip(vector.components.0) {
         let Some(value) = resolver.known.facts.constant(component) else {
             let help = "compose rotations about constant axes: `rot_z(a) * rot_x(b)`";
-            return Err(resolver.refuse(&axis.span, "an axis must be constant", help));
+            return Err(resolver.refuse(Code::AxisThatTurns, &axis.span, "an axis must be constant", help));
         };
         *number = value;
     }
     let squared = numbers.iter().map(|&n| n * n).reduce(|a, b| a + b).unwrap_or(Number::ZERO);
     match squared.power(HalfInteger::halves(-1).to_halves()) {
         Some(inverse) if squared.to_f64() > 0.0 => Ok(numbers.map(|n| n * inverse)),
-        _ => Err(resolver.refuse(&axis.span, "an axis must have a direction, this is zero", "")),
+        _ => Err(resolver.refuse(
+            Code::AxisWithoutDirection,
+            &axis.span,
+            "an axis must have a direction, this is zero",
+            "",
+        )),
     }
 }
 
@@ -532,7 +547,7 @@ fn entries<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) -> Resolved
         let Some(dimension) = shared(common, entry.fit()) else {
             let message =
                 format!("the entries of a matrix share one dimension, these are {} and {}", common.0, entry.dimension);
-            return Err(resolver.refuse(&argument.span, message, ""));
+            return Err(resolver.refuse(Code::UnequalDimensions, &argument.span, message, ""));
         };
         common = (dimension, common.1 && entry.fit().1);
         exprs.push(entry.expr);

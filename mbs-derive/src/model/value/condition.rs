@@ -4,6 +4,7 @@
 //! turn. Known is as well how things compare that are equal for all values, as `l/l` and 1: rounding must not choose
 //! between branches, one way here and the other way there.
 
+use crate::diagnostic::Code;
 use crate::expr::{Condition, Expr, Id, Matrix, Node, Vector};
 use crate::model::lagrangian::Choice;
 use crate::model::value::evaluate::{Argument, Refused, Resolved, Resolver};
@@ -55,7 +56,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
                     true => "while it moves a value is chosen: `let f = if a < b { … } else { … };`, `kinetic += if …`",
                 };
                 let message = "statements are chosen at build time, and this is not known then";
-                Err(self.refuse(&condition.span, message, help))
+                Err(self.refuse(Code::ChosenAtBuildTime, &condition.span, message, help))
             }
         }
     }
@@ -75,7 +76,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
     /// A condition where a value is wanted.
     pub(in crate::model) fn no_value(&mut self, expression: &Expression) -> Refused {
         let help = "conditions stand behind `if`: `if x < 0 { a } else { b }`";
-        self.refuse(&expression.span, "a condition is not a value", help)
+        self.refuse(Code::ConditionAsValue, &expression.span, "a condition is not a value", help)
     }
 }
 
@@ -122,7 +123,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
                 let value = self.argument(expression)?;
                 let message = format!("a condition compares two numbers, this is {}", value.value.described());
                 let help = "write `a < b`, `a <= b`, `a > b` or `a >= b`; of constants `a == b` or `a != b` as well";
-                Err(self.refuse(&expression.span, message, help))
+                Err(self.refuse(Code::ConditionAsValue, &expression.span, message, help))
             }
         }
     }
@@ -142,7 +143,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
         if shared(a.fit(), b.fit()).is_none() {
             let (a, b) = (in_words(a.dimension), in_words(b.dimension));
             let message = format!("a comparison needs equal dimensions, these are {a} and {b}");
-            return Err(self.refuse(span, message, ""));
+            return Err(self.refuse(Code::UnequalDimensions, span, message, ""));
         }
         match comparison {
             Comparison::Less => Ok(self.less(a.expr, b.expr)),
@@ -162,10 +163,20 @@ impl<'d, 'g> Resolver<'d, 'g> {
         let dependence = self.known.facts.dependence(a).or(self.known.facts.dependence(b));
         if dependence.moves() {
             let message = "`==` and `!=` compare constants: in a motion they hold for no time, or for all but none";
-            return Err(self.refuse(span, message, "write `<`, `<=`, `>` or `>=`; an equation is a `constraint`"));
+            return Err(self.refuse(
+                Code::EqualityInMotion,
+                span,
+                message,
+                "write `<`, `<=`, `>` or `>=`; an equation is a `constraint`",
+            ));
         }
         let message = "`==` and `!=` compare constants, what parameters are is known at run time only";
-        Err(self.refuse(span, message, "declare it as `const name = …;`, or write `<`, `<=`, `>` or `>=`"))
+        Err(self.refuse(
+            Code::EqualityInMotion,
+            span,
+            message,
+            "declare it as `const name = …;`, or write `<`, `<=`, `>` or `>=`",
+        ))
     }
 
     fn less(&mut self, a: Expr<'g>, b: Expr<'g>) -> Truth<'g> {
@@ -222,7 +233,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
             }
             (Shape::Pose, Shape::Pose) => {
                 let help = "choose between angles and lengths, and make the pose of them";
-                Err(self.refuse(span, "a pose cannot depend on a condition", help))
+                Err(self.refuse(Code::BranchShapes, span, "a pose cannot depend on a condition", help))
             }
             _ => Err(self.different(yes, no, span)),
         }
@@ -262,13 +273,13 @@ impl<'d, 'g> Resolver<'d, 'g> {
         shared(a, b).ok_or_else(|| {
             let message =
                 format!("both branches need equal dimensions, these are {} and {}", in_words(a.0), in_words(b.0));
-            self.refuse(span, message, "")
+            self.refuse(Code::UnequalDimensions, span, message, "")
         })
     }
 
     fn different(&mut self, yes: &Argument<'g>, no: &Argument<'g>, span: &Span) -> Refused {
         let (yes, no) = (yes.value.described(), no.value.described());
-        self.refuse(span, format!("both branches are of one shape, these are {yes} and {no}"), "")
+        self.refuse(Code::BranchShapes, span, format!("both branches are of one shape, these are {yes} and {no}"), "")
     }
 
     /// `if a < b { a } else { b }`
@@ -294,7 +305,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
         let (x, y) = (x?, y?);
         if shared(x.fit(), y.fit()).is_none() {
             let message = format!("the arguments need equal dimensions, these are {} and {}", x.dimension, y.dimension);
-            return Err(self.refuse(span, message, ""));
+            return Err(self.refuse(Code::UnequalDimensions, span, message, ""));
         }
         match self.less(x.expr, y.expr) {
             Truth::Known(true) => Ok(yes.value.clone()),

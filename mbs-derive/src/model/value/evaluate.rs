@@ -5,7 +5,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::diagnostic::nearest;
+use crate::diagnostic::{Code, nearest};
 use crate::expr::{Expr, Graph, Node, Number, Symbol, Vector};
 use crate::model::check::Found;
 use crate::model::check::singular::Sites;
@@ -89,11 +89,12 @@ impl<'d, 'g> Resolver<'d, 'g> {
     /// Notes an error, once: in a function together with the calls that led there.
     pub(in crate::model) fn refuse(
         &mut self,
+        code: Code,
         span: &Span,
         message: impl Into<String>,
         help: impl Into<String>,
     ) -> Refused {
-        self.report.refuse(span, message, help)
+        self.report.refuse(code, span, message, help)
     }
 
     /// Whether the mechanism has outgrown its limit; says so once.
@@ -101,12 +102,17 @@ impl<'d, 'g> Resolver<'d, 'g> {
         if !self.effort.exhausted && self.graph.len() > MAX_NODES {
             self.effort.exhausted = true;
             let message = format!("the expressions of this mechanism grow beyond {MAX_NODES} nodes");
-            self.refuse(span, message, "do loops repeat more than was meant, or do values double in each turn?");
+            self.refuse(
+                Code::TooMuch,
+                span,
+                message,
+                "do loops repeat more than was meant, or do values double in each turn?",
+            );
         }
         if !self.effort.exhausted && self.effort.steps > MAX_STEPS {
             self.effort.exhausted = true;
             let message = format!("this mechanism takes more than {MAX_STEPS} steps to evaluate");
-            self.refuse(span, message, "do loops or functions repeat more than was meant?");
+            self.refuse(Code::TooMuch, span, message, "do loops or functions repeat more than was meant?");
         }
         self.effort.exhausted
     }
@@ -123,7 +129,8 @@ impl<'d, 'g> Resolver<'d, 'g> {
 
     /// A dimension that may have run away.
     pub(in crate::model) fn bounded(&mut self, dimension: Option<Dimension>, span: &Span) -> Resolved<Dimension> {
-        dimension.ok_or_else(|| self.refuse(span, "the exponents of this dimension are out of range", ""))
+        dimension
+            .ok_or_else(|| self.refuse(Code::OutOfRange, span, "the exponents of this dimension are out of range", ""))
     }
 }
 
@@ -162,7 +169,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
                 true => "name the inner values with `let`",
                 false => "the calls within calls count too",
             };
-            return Err(self.refuse(span, message, help));
+            return Err(self.refuse(Code::TooDeep, span, message, help));
         }
         self.effort.depth += 1;
         Ok(())
@@ -203,7 +210,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
         let value = self.binary(operator, Argument { value: left, span: place }, right, &span)?;
         if factors && self.is_zero_constant(&value) {
             let message = "this is not zero, but nearer to it than an `f64` can be";
-            return Err(self.refuse(&span, message, "choose other units, or check the exponents"));
+            return Err(self.refuse(Code::OutOfRange, &span, message, "choose other units, or check the exponents"));
         }
         self.watch(&value, &span);
         self.defined(value, &span)
@@ -311,17 +318,17 @@ impl<'d, 'g> Resolver<'d, 'g> {
     fn number(&mut self, text: &str, span: &Span) -> Resolved<Value<'g>> {
         match Number::parse_decimal(text) {
             Some(value) => Ok(Value::Scalar(Scalar::plain(self.graph.constant(value)))),
-            None => Err(self.refuse(span, format!("`{text}` is not a number"), "")),
+            None => Err(self.refuse(Code::NotANumber, span, format!("`{text}` is not a number"), "")),
         }
     }
 
     pub(in crate::model) fn array(&mut self, values: Vec<Value<'g>>, span: &Span) -> Resolved<Value<'g>> {
         if values.is_empty() {
-            return Err(self.refuse(span, "an array has at least one element", ""));
+            return Err(self.refuse(Code::ArraySize, span, "an array has at least one element", ""));
         }
         match Array::new(values) {
             Some(array) => Ok(Value::Array(array)),
-            None => Err(self.refuse(span, "this array is too large or nested too deeply", "")),
+            None => Err(self.refuse(Code::ArraySize, span, "this array is too large or nested too deeply", "")),
         }
     }
 
@@ -329,7 +336,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
     fn defined(&mut self, value: Value<'g>, span: &Span) -> Resolved<Value<'g>> {
         match value {
             Value::Scalar(scalar) if self.known.facts.dependence(scalar.expr).on(Dependence::UNDEFINED) => {
-                Err(self.refuse(span, "this is not a finite real number", ""))
+                Err(self.refuse(Code::NotFinite, span, "this is not a finite real number", ""))
             }
             value => Ok(value),
         }
@@ -371,36 +378,46 @@ impl<'d, 'g> Resolver<'d, 'g> {
             let message = format!("`{name}` is {}: a {who} does not see it", origin.described());
             let help =
                 format!("give it to the {who} as an argument; coordinates, parameters, inputs and constants it sees");
-            return self.refuse(span, message, help);
+            return self.refuse(Code::OutOfSight, span, message, help);
         }
         if let Some(cycle) = self.cycle(name) {
             let message = format!("`{name}` is defined by itself: {}", cycle.join(" → "));
-            return self.refuse(span, message, "a `let mut` can take a new value made of its old one: `x = x + …;`");
+            return self.refuse(
+                Code::DefinedByItself,
+                span,
+                message,
+                "a `let mut` can take a new value made of its old one: `x = x + …;`",
+            );
         }
         if self.names.definitions.contains_key(name) {
             let message = format!("`{name}` is declared further down");
-            return self.refuse(span, message, "names are known from their declaration on: move it up");
+            return self.refuse(
+                Code::DeclaredLater,
+                span,
+                message,
+                "names are known from their declaration on: move it up",
+            );
         }
         if self.found.joints.iter().any(|joint| joint.family.name.text == name) {
             let message = format!("`{name}` is a reaction: it follows from the accelerations, and is no value here");
             let help = "state the load by what causes it, such as `mu*m*g`, or make it an input";
-            return self.refuse(span, message, help);
+            return self.refuse(Code::NotAValue, span, message, help);
         }
         let own = self.names.functions.get(name).map(Function::form);
         if let Some(form) = own.or(builtin::form_of_function(name).map(str::to_string)) {
-            return self.refuse(span, format!("`{name}` is a function"), format!("write `{form}`"));
+            return self.refuse(Code::NotAValue, span, format!("`{name}` is a function"), format!("write `{form}`"));
         }
         let known: Vec<&str> = self.names.scope.names().map(|(name, _)| name).chain(CONSTANTS).collect();
         let rate_of = ["_dot", "_d", "d"].iter().find_map(|end| name.strip_suffix(end).filter(|x| known.contains(x)));
         if let Some(variable) = rate_of {
             let help = format!("the rate of `{variable}` is `dt({variable})`");
-            return self.refuse(span, format!("`{name}` is not declared"), help);
+            return self.refuse(Code::Undeclared, span, format!("`{name}` is not declared"), help);
         }
         let help = match nearest(name, known) {
             Some(meant) => format!("did you mean `{meant}`?"),
             None => format!("declare it: `param {name}: m = …;` or `let {name} = …;`"),
         };
-        self.refuse(span, format!("`{name}` is not declared"), help)
+        self.refuse(Code::Undeclared, span, format!("`{name}` is not declared"), help)
     }
 
     /// From the name that is being defined through `name` back to it, where its definition leads there.
@@ -454,7 +471,12 @@ impl<'d, 'g> Resolver<'d, 'g> {
                 Some(form) => format!("write `{form}`"),
                 None => "vectors and points have `.x`, `.y` and `.z`, along the axes of the world".to_string(),
             };
-            return Err(self.refuse(&field.span, format!("there is no component `{}`", field.text), help));
+            return Err(self.refuse(
+                Code::NoComponent,
+                &field.span,
+                format!("there is no component `{}`", field.text),
+                help,
+            ));
         };
         if let Value::Point(point) = value.value {
             let expr = self.world_component(point, axis);
@@ -519,6 +541,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
             other => {
                 let message = format!("{} has no elements", other.described());
                 Err(self.refuse(
+                    Code::NoElements,
                     &array.span,
                     message,
                     "arrays are declared with their length: `param mass[6]: kg = 1;`",
@@ -534,7 +557,12 @@ impl<'d, 'g> Resolver<'d, 'g> {
             Ok(number) if number < length => Ok(number),
             _ => {
                 let message = format!("the index {value} is out of range: there are {length} elements");
-                Err(self.refuse(&index.span, message, format!("indices run from 0 to {}", length - 1)))
+                Err(self.refuse(
+                    Code::IndexOutOfRange,
+                    &index.span,
+                    message,
+                    format!("indices run from 0 to {}", length - 1),
+                ))
             }
         }
     }
@@ -551,7 +579,12 @@ impl<'d, 'g> Resolver<'d, 'g> {
                     }
                     _ => "it is made of numbers, constants and loop variables",
                 };
-                Err(self.refuse(&argument.span, format!("{what} must be a constant integer"), help))
+                Err(self.refuse(
+                    Code::KnownAtBuildTime,
+                    &argument.span,
+                    format!("{what} must be a constant integer"),
+                    help,
+                ))
             }
         }
     }

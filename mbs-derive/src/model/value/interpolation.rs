@@ -15,6 +15,7 @@
 //!
 //! the last two go on along the tangents at their ends.
 
+use crate::diagnostic::Code;
 use crate::expr::{Expr, Number, Spline};
 use crate::model::value::builtin::Call;
 use crate::model::value::constant::Dependence;
@@ -80,11 +81,11 @@ fn samples<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>, least: usiz
     if shared((along, false), found.fit()).is_none() {
         let message =
             format!("the places of this table are {}, this is {}", in_words(along), in_words(found.dimension));
-        return Err(resolver.refuse(&x.span, message, ""));
+        return Err(resolver.refuse(Code::UnequalDimensions, &x.span, message, ""));
     }
     if places.len() != values.len() {
         let message = format!("this table has {} places and {} values", places.len(), values.len());
-        return Err(resolver.refuse(&ys.span, message, "each place has a value"));
+        return Err(resolver.refuse(Code::TablePlaces, &ys.span, message, "each place has a value"));
     }
     let is_constant = values.iter().all(|&value| resolver.known.facts.constant(value).is_some());
     let most = if is_constant { MAX_SAMPLES } else { MAX_PARAMETRIC };
@@ -92,14 +93,19 @@ fn samples<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>, least: usiz
         let kind = if is_constant { "" } else { " with parameters in its values" };
         let message = format!("a table of this kind{kind} has from {least} to {most} samples, not {}", places.len());
         let help = if places.len() < least { "" } else { "leave out samples where the curve is nearly straight" };
-        return Err(resolver.refuse(&xs.span, message, help));
+        return Err(resolver.refuse(Code::TablePlaces, &xs.span, message, help));
     }
     let places = increasing(resolver, &places, xs)?;
     for &value in &values {
         let dependence = resolver.known.facts.dependence(value);
         if dependence.moves() || dependence.on(Dependence::RATE) {
             let message = "the values of a table are constants and parameters";
-            return Err(resolver.refuse(&ys.span, message, "multiply the table by what changes, or add it"));
+            return Err(resolver.refuse(
+                Code::TableValues,
+                &ys.span,
+                message,
+                "multiply the table by what changes, or add it",
+            ));
         }
     }
     let xs = places.iter().map(|&place| resolver.graph.constant(place)).collect();
@@ -116,7 +122,7 @@ fn numbers<'g>(resolver: &mut Resolver<'_, 'g>, array: &Argument<'g>) -> Resolve
         let Some(dimension) = shared(common, number.fit()) else {
             let message =
                 format!("the numbers of a table share one dimension, these are {} and {}", common.0, number.dimension);
-            return Err(resolver.refuse(&array.span, message, ""));
+            return Err(resolver.refuse(Code::UnequalDimensions, &array.span, message, ""));
         };
         common = (dimension, common.1 && number.fit().1);
         exprs.push(number.expr);
@@ -128,14 +134,24 @@ fn increasing<'g>(resolver: &mut Resolver<'_, 'g>, places: &[Expr<'g>], xs: &Arg
     let known: Option<Vec<Number>> = places.iter().map(|&place| resolver.known.facts.constant(place)).collect();
     let Some(known) = known else {
         let help = "the values may be parameters; places are numbers and constants";
-        return Err(resolver.refuse(&xs.span, "the places of a table are known at build time", help));
+        return Err(resolver.refuse(
+            Code::TablePlaces,
+            &xs.span,
+            "the places of a table are known at build time",
+            help,
+        ));
     };
     match known.windows(2).position(|two| two[0].to_f64() >= two[1].to_f64()) {
         None => Ok(known),
         Some(k) => {
             let (a, b) = (known[k].to_f64(), known[k + 1].to_f64());
             let message = format!("the places of a table increase, here {b} follows {a}");
-            Err(resolver.refuse(&xs.span, message, "put the samples in order, and leave out double ones"))
+            Err(resolver.refuse(
+                Code::TablePlaces,
+                &xs.span,
+                message,
+                "put the samples in order, and leave out double ones",
+            ))
         }
     }
 }

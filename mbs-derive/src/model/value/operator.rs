@@ -1,5 +1,6 @@
 //! `+ - * / ^` and the sign, on every pair of values that has one.
 
+use crate::diagnostic::Code;
 use crate::expr::{Binary, Expr, HalfInteger, Matrix, Number, Vector};
 use crate::model::frame::FrameId;
 use crate::model::landmark::Motion;
@@ -54,7 +55,12 @@ impl<'d, 'g> Resolver<'d, 'g> {
                 let a = self.matrix(&a)?;
                 Ok(Value::matrix(Tensor { entries: Matrix(a.entries.0.map(|row| row.map(|x| -x))), ..a }))
             }
-            Shape::Pose => Err(self.refuse(&a.span, "a pose has no sign", "the inverse of a pose is `pose.inverse()`")),
+            Shape::Pose => Err(self.refuse(
+                Code::NoOperator,
+                &a.span,
+                "a pose has no sign",
+                "the inverse of a pose is `pose.inverse()`",
+            )),
             Shape::Part => Err(self.no_value_of_a_part(&a)),
             Shape::Array => Err(self.no_array_arithmetic(&a)),
         }
@@ -62,7 +68,12 @@ impl<'d, 'g> Resolver<'d, 'g> {
 
     fn no_array_arithmetic(&mut self, a: &Argument<'g>) -> Refused {
         let message = format!("{} cannot be calculated with as a whole", a.value.described());
-        self.refuse(&a.span, message, "only vectors can, arrays of three numbers: use its elements, `a[0]`")
+        self.refuse(
+            Code::NoOperator,
+            &a.span,
+            message,
+            "only vectors can, arrays of three numbers: use its elements, `a[0]`",
+        )
     }
 
     fn no_operator(&mut self, sign: &str, left: &Argument<'g>, right: &Argument<'g>, span: &Span) -> Refused {
@@ -84,7 +95,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
             ("/", _, Shape::Vector) => "divide by its length, `v.norm()`",
             _ => "",
         };
-        self.refuse(span, message, help)
+        self.refuse(Code::NoOperator, span, message, help)
     }
 }
 
@@ -166,7 +177,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
     fn odd_term(&mut self, odd: &Term, fitting: &Term) {
         let (found, wanted) = (in_words(odd.dimension), in_words(fitting.dimension));
         let message = format!("a sum needs equal dimensions, this term is {found}, not {wanted}");
-        self.refuse(&odd.span, message, lacks_power(fitting.dimension, odd.dimension, "it"));
+        self.refuse(Code::UnlikeTerms, &odd.span, message, lacks_power(fitting.dimension, odd.dimension, "it"));
         // Of a library function only the call is shown.
         if self.report.calls.iter().all(|call| call.home != Home::Library) {
             self.report.errors.note(&odd.span, &fitting.span, &format!("this is {wanted}"));
@@ -198,7 +209,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
     fn common(&mut self, a: (Dimension, bool), b: (Dimension, bool), span: &Span) -> Resolved<Dimension> {
         shared(a, b).ok_or_else(|| {
             let message = format!("a sum needs equal dimensions, these are {} and {}", in_words(a.0), in_words(b.0));
-            self.refuse(span, message, second_lacks(a.0, b.0))
+            self.refuse(Code::UnlikeTerms, span, message, second_lacks(a.0, b.0))
         })
     }
 
@@ -312,7 +323,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
                 let message =
                     "this matrix does not say in which axes its entries are, and the vector is in those of a pose";
                 let help = "write `(pose * matrix) * v` for entries in the axes of the pose, `(world * matrix) * v` for those of the world";
-                return Err(self.refuse(span, message, help));
+                return Err(self.refuse(Code::MatrixWithoutAxes, span, message, help));
             }
         };
         let turned = self.in_axes(v, columns);
@@ -389,7 +400,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
         }
         let divisor = self.scalar(&b)?;
         if self.known.facts.constant(divisor.expr).is_some_and(Number::is_zero) {
-            return Err(self.refuse(&b.span, "division by zero", ""));
+            return Err(self.refuse(Code::NotFinite, &b.span, "division by zero", ""));
         }
         let inverse = Scalar {
             expr: divisor.expr.power(HalfInteger::MINUS_ONE),
@@ -416,7 +427,12 @@ impl<'d, 'g> Resolver<'d, 'g> {
         let dimension = self.dimension_of_power(base.dimension, constant, &b.span)?;
         if self.known.facts.constant(base.expr).is_some_and(Number::is_negative) {
             let message = "a negative number has no power with this exponent";
-            return Err(self.refuse(&a.span, message, "integers and halves are exponents for any base"));
+            return Err(self.refuse(
+                Code::NotFinite,
+                &a.span,
+                message,
+                "integers and halves are exponents for any base",
+            ));
         }
         Ok(Value::Scalar(Scalar::new(base.expr.call2(Binary::Powf, exponent), dimension)))
     }
@@ -435,10 +451,15 @@ impl<'d, 'g> Resolver<'d, 'g> {
                 let message = format!("{base} to the power of {numerator}/{denominator} is no dimension");
                 let help = "the exponents of a dimension are small fractions: divide the base by a quantity of its \
                             dimension to make it a plain number";
-                return self.refuse(span, message, help);
+                return self.refuse(Code::PowerOfAQuantity, span, message, help);
             }
             let message = format!("a power of {base} needs a constant exponent, such as 2, -1 or 1/3");
-            self.refuse(span, message, "divide the base by a quantity of its dimension to make it a plain number")
+            self.refuse(
+                Code::PowerOfAQuantity,
+                span,
+                message,
+                "divide the base by a quantity of its dimension to make it a plain number",
+            )
         })
     }
 
@@ -452,10 +473,10 @@ impl<'d, 'g> Resolver<'d, 'g> {
     ) -> Resolved<Value<'g>> {
         if numerator.abs() > LARGEST_EXPONENT * denominator {
             let message = format!("an exponent is at most {LARGEST_EXPONENT}");
-            return Err(self.refuse(at_exponent, message, "`exp(n * ln(x))` takes any"));
+            return Err(self.refuse(Code::OutOfRange, at_exponent, message, "`exp(n * ln(x))` takes any"));
         }
         if numerator < 0 && self.known.facts.constant(base.expr).is_some_and(Number::is_zero) {
-            return Err(self.refuse(at_base, "division by zero", ""));
+            return Err(self.refuse(Code::NotFinite, at_base, "division by zero", ""));
         }
         let (n, d) = (numerator as i32, denominator as i32);
         let dimension = self.bounded(base.dimension.power(n, d), span)?;
@@ -505,7 +526,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
             }
             Value::Pose(_) => {
                 let help = "its velocities are `angular_velocity(pose)` and `dt(pose.origin())`";
-                Err(self.refuse(&a.span, "a pose has no time derivative", help))
+                Err(self.refuse(Code::NoRate, &a.span, "a pose has no time derivative", help))
             }
             Value::Part(_) => Err(self.no_value_of_a_part(a)),
         }
@@ -535,11 +556,16 @@ impl<'d, 'g> Resolver<'d, 'g> {
         let dependence = self.known.facts.dependence(expr);
         if dependence.on(Dependence::RATE) {
             let help = "energies and forces are made of positions and velocities, inertia is kinetic energy";
-            return Err(self.refuse(span, "accelerations cannot enter: this is a time derivative already", help));
+            return Err(self.refuse(
+                Code::NoRate,
+                span,
+                "accelerations cannot enter: this is a time derivative already",
+                help,
+            ));
         }
         if dependence.on(Dependence::INPUT) {
             let help = "make it a coordinate or a formula of `t`";
-            return Err(self.refuse(span, "the rate of an input is not known", help));
+            return Err(self.refuse(Code::NoRate, span, "the rate of an input is not known", help));
         }
         Ok(())
     }

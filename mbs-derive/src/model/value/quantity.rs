@@ -1,5 +1,6 @@
 //! Quantities in place, `0.3 kg`: their values, and names of the mechanism that might have been meant for their units.
 
+use crate::diagnostic::Code;
 use crate::expr::Number;
 use crate::model::names::scope::Origin;
 use crate::model::value::dimension::{Dimension, measure};
@@ -23,15 +24,17 @@ impl<'d, 'g> Resolver<'d, 'g> {
         }
         let measure = match measure(unit) {
             Ok(measure) => measure,
-            Err(error) => return Err(self.refuse(&error.span, error.message, error.help.unwrap_or_default())),
+            Err(error) => {
+                return Err(self.refuse(Code::UnknownUnit, &error.span, error.message, error.help.unwrap_or_default()));
+            }
         };
         let Some(number) = Number::parse_decimal(decimal) else {
-            return Err(self.refuse(span, format!("`{decimal}` is not a number"), ""));
+            return Err(self.refuse(Code::NotANumber, span, format!("`{decimal}` is not a number"), ""));
         };
         let value = number * measure.scale;
         if value.is_zero() != number.is_zero() || !value.to_f64().is_finite() {
             let message = format!("in {} this is beyond the range of an `f64`", measure.si);
-            return Err(self.refuse(span, message, "choose another unit"));
+            return Err(self.refuse(Code::OutOfRange, span, message, "choose another unit"));
         }
         Ok(Value::Scalar(Scalar::new(self.graph.constant(value), self.dimension(measure.dimension))))
     }
@@ -43,7 +46,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
         if text == "t" && self.dimensionless {
             // Otherwise a mass and a time are told apart by their dimensions.
             let help = format!("write `{decimal}*t` with the time, `{decimal}*1000 kg` for tonnes");
-            return Err(self.refuse(span, "`t` is a unit and the time", help));
+            return Err(self.refuse(Code::UnitOrName, span, "`t` is a unit and the time", help));
         }
         let Some((origin, declared)) = self.meaning(text) else { return Ok(()) };
         let of_unit = measure(&Unit { factors: vec![plain(text, span)], span: span.clone() });
@@ -64,7 +67,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
                 origin.described().replacen("a ", "the ", 1).replacen("an ", "the ", 1)
             ),
         };
-        Err(self.refuse(span, message, help))
+        Err(self.refuse(Code::UnitOrName, span, message, help))
     }
 
     /// How a number of this name came to be, and its dimension.
@@ -104,7 +107,12 @@ impl<'d, 'g> Resolver<'d, 'g> {
     /// An angle with a unit of its own beside what has none.
     pub(in crate::model) fn mixed_angles(&mut self, span: &Span) -> Refused {
         let message = "an angle with its unit stands beside numbers without one";
-        self.refuse(span, message, "give each its unit, as in `[30 deg, 0.5 rad]`, or declare it in `rad`")
+        self.refuse(
+            Code::AngleBesideNumbers,
+            span,
+            message,
+            "give each its unit, as in `[30 deg, 0.5 rad]`, or declare it in `rad`",
+        )
     }
 }
 

@@ -1,5 +1,6 @@
 //! What values are used as: numbers, vectors, matrices, frames; in which axes.
 
+use crate::diagnostic::Code;
 use crate::expr::{Expr, Matrix, Number, Vector};
 use crate::model::frame::{Edge, FrameId};
 use crate::model::landmark::Motion;
@@ -25,7 +26,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
             (Shape::Pose, _) => "poses are made by `rot_z(angle)`, `translation([x, y, z])`, `dh(theta, d, a, alpha)`",
             _ => "",
         };
-        self.refuse(&argument.span, message, help)
+        self.refuse(Code::WrongShape, &argument.span, message, help)
     }
 
     pub(in crate::model) fn scalar(&mut self, argument: &Argument<'g>) -> Resolved<Scalar<'g>> {
@@ -66,7 +67,12 @@ impl<'d, 'g> Resolver<'d, 'g> {
             }
             _ => String::new(),
         };
-        Err(self.refuse(span, format!("{what} must be {}, this is {}", in_words(wanted), in_words(found.0)), help))
+        Err(self.refuse(
+            Code::WrongDimension,
+            span,
+            format!("{what} must be {}, this is {}", in_words(wanted), in_words(found.0)),
+            help,
+        ))
     }
 
     /// A vector in any axes; a point stands for its place in the world.
@@ -92,7 +98,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
             *expr = number.expr;
             let Some(dimension) = shared(common, number.fit()) else {
                 let message = format!("{what} share one dimension, these are {} and {}", common.0, number.dimension);
-                return Err(self.refuse(span, message, ""));
+                return Err(self.refuse(Code::UnequalDimensions, span, message, ""));
             };
             common = (dimension, common.1 && number.expr.is_zero());
         }
@@ -110,7 +116,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
                     *row = self.in_world(found).0;
                     let Some(dimension) = shared(common, found.fit()) else {
                         let message = "the entries of a matrix share one dimension";
-                        return Err(self.refuse(&argument.span, message, ""));
+                        return Err(self.refuse(Code::UnequalDimensions, &argument.span, message, ""));
                     };
                     common = (dimension, common.1 && found.fit().1);
                 }
@@ -257,7 +263,12 @@ impl<'d, 'g> Resolver<'d, 'g> {
             return Ok(Free { frame, ..vector });
         }
         let message = format!("{what} belongs to another pose");
-        Err(self.refuse(&argument.span, message, "write its components in the axes of this pose: `[x, y, z]`"))
+        Err(self.refuse(
+            Code::OtherAxes,
+            &argument.span,
+            message,
+            "write its components in the axes of this pose: `[x, y, z]`",
+        ))
     }
 
     /// An edge of a pose; `None` where it does nothing.
@@ -271,11 +282,11 @@ impl<'d, 'g> Resolver<'d, 'g> {
             motion.iter().map(|e| self.known.facts.dependence(*e)).fold(Dependence::default(), Dependence::or);
         if dependence.on(Dependence::INPUT) {
             let help = "the rate of an input is not known: make it a coordinate or a formula of `t`";
-            return Err(self.refuse(span, "a pose cannot depend on an input", help));
+            return Err(self.refuse(Code::PoseThatJumps, span, "a pose cannot depend on an input", help));
         }
         if dependence.on(Dependence::RATE) {
             let help = "its own velocity would be an acceleration";
-            return Err(self.refuse(span, "a pose cannot depend on a time derivative", help));
+            return Err(self.refuse(Code::PoseThatJumps, span, "a pose cannot depend on a time derivative", help));
         }
         // A quaternion is still where its vector part is zero.
         let moving = if let Edge::Quaternion(_) = edge { &motion[1..] } else { &motion[..] };
