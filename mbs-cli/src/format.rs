@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use mbs_derive::source::Sources;
 
 use crate::failure::Failure;
+use crate::message::Messages;
 use crate::output::{self, Staged};
 
 /// Write mechanisms, and files that they import, in one style: indentation, spaces, blank lines. Comments stay.
@@ -24,12 +25,13 @@ pub(crate) struct Arguments {
 
 /// Formats each file by itself: one that cannot be read is reported and left alone, the others are formatted.
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let mut reports = String::new();
+    let mut reports = Messages::default();
     for path in &arguments.files {
         match formatted(path) {
             Ok(text) if arguments.check => {
                 if text.is_changed {
-                    reports += &format!("error: {} is not formatted; `mbs fmt` does it\n", text.name);
+                    let message = format_args!("{} is not formatted; `mbs fmt` does it", text.name);
+                    reports.append(Failure::new(message).messages());
                 }
             }
             Ok(text) => {
@@ -38,12 +40,14 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
                     false if text.is_changed => write(path, &text.formatted),
                     false => Ok(()),
                 };
-                reports += written.as_ref().err().map_or("", Failure::report);
+                if let Err(failure) = written {
+                    reports.append(failure.messages());
+                }
             }
-            Err(failure) => reports += failure.report(),
+            Err(failure) => reports.append(failure.messages()),
         }
     }
-    if reports.is_empty() { Ok(()) } else { Err(Failure::rendered(reports)) }
+    if reports.is_empty() { Ok(()) } else { Err(reports.into()) }
 }
 
 struct Text {
@@ -61,9 +65,9 @@ fn formatted(path: &Path) -> Result<Text, Failure> {
     let mut bytes = Vec::new();
     let read = if is_standard_input { io::stdin().lock().read_to_end(&mut bytes) } else { read(path, &mut bytes) };
     read.map_err(|error| Failure::new(format_args!("cannot read {name}: {error}")))?;
-    let text = mbs_derive::parse::text(&name, bytes).map_err(Failure::rendered)?;
+    let text = mbs_derive::parse::text(&name, bytes).map_err(|report| Failure::from(Messages::of_file(report)))?;
     let sources = Sources::new(&name, &text);
-    let formatted = sources.formatted().map_err(|errors| Failure::rendered(errors.render_in(&sources)))?;
+    let formatted = sources.formatted().map_err(|errors| Failure::from(Messages::of(&errors, &sources)))?;
     if !says_the_same(&text, &formatted) {
         return Err(Failure::new(format_args!(
             "{name} is left alone: a bug of `mbs fmt` would have changed what it says"

@@ -33,7 +33,7 @@ pub(crate) struct Mechanism {
 
 impl Mechanism {
     /// What standard error says of it.
-    pub(crate) fn warnings(&self) -> &str {
+    pub(crate) fn warnings(&self) -> &Messages {
         &self.warnings
     }
 }
@@ -122,7 +122,8 @@ pub(crate) fn scene(sources: &Sources, cache: &Cache) -> Result<Scene, Failure> 
     cache.or_make(Digest::of_request(SCENE, sources), || {
         let graph = Graph::verbatim();
         let analysis = Analysis::of(sources, &graph);
-        analysis.map(|analysis| Scene::of(&analysis)).map_err(|error| Failure::rendered(error.render_in(sources)))
+        let scene = analysis.map(|analysis| Scene::of(&analysis));
+        scene.map_err(|error| Failure::from(Messages::of_error(&error, sources)))
     })
 }
 

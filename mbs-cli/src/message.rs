@@ -90,6 +90,17 @@ impl Messages {
         Messages { text, items: messages.iter().map(|message| Message::plain(severity, message.clone())).collect() }
     }
 
+    /// These, and behind them others.
+    pub(crate) fn append(&mut self, other: &Messages) {
+        self.text += &other.text;
+        self.items.extend_from_slice(&other.items);
+    }
+
+    /// Whether there is nothing to say.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.items.is_empty()
+    }
+
     /// As people read it.
     pub(crate) fn text(&self) -> &str {
         &self.text

@@ -116,7 +116,7 @@ fn one(argument: &str, derivation: &Derivation) -> Result<Point, Failure> {
 
 /// A module of JavaScript with these functions alone, as an expression: its class.
 fn module(derivation: &Derivation, source: &str, functions: Vec<String>) -> String {
-    let options = Options { functions: Some(functions), ..Options::default() };
+    let options = Options::default().functions(functions);
     let module = Language::Js.write(derivation, source, &options);
     // The class is the last of what the module has, and the only thing that it exports.
     format!("(() => {{\n{}\n}})()", module.trim_end().replace("\nexport class ", "\nreturn class "))

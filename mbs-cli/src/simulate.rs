@@ -185,10 +185,10 @@ pub(crate) fn run(arguments: &Arguments, cache: &Cache) -> Result<(), Failure> {
 /// The motion as glTF.
 fn animation(scene: &Scene, sources: &Sources, equations: &Equations<'_>, point: &Point, motion: &Motion) -> Vec<u8> {
     let (meshes, missing) = mesh::meshes(scene, sources);
-    output::report(&missing);
+    missing.iter().for_each(output::warn);
     let duration = motion.rows.last().map_or(0.0, |last| last.t) - motion.rows.first().map_or(0.0, |first| first.t);
     if let Some(factor) = gltf::slowdown(duration) {
-        output::report(&format!("warning: the animation takes 10 s, the motion {factor:.3} times as long\n"));
+        output::warn(format_args!("the animation takes 10 s, the motion {factor:.3} times as long"));
     }
     let n = point.state.q.len();
     let state = |row: usize| {

@@ -1,6 +1,7 @@
 //! What a generation comes to: a module, or the reason why there is none.
 
 use std::fmt;
+use std::ops::Range;
 
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::source::Sources;
@@ -66,6 +67,18 @@ impl Error {
                 format!("error{codes}: {self}\n --> {}:1:1\n", sources.main().name)
             }
         }
+    }
+
+    /// Its messages; those that are about the mechanism as a whole at `span`.
+    pub fn at(&self, span: Range<usize>) -> Diagnostics {
+        let code = match self {
+            Error::Declaration(diagnostics) => return diagnostics.clone(),
+            Error::Proof(failure) => failure.code(),
+            Error::UnknownFunction { .. } => Code::UnknownRequest,
+        };
+        let mut diagnostics = Diagnostics::default();
+        diagnostics.error(code, span, self.to_string());
+        diagnostics
     }
 
     /// The code of each message, as `mbs explain` knows it.

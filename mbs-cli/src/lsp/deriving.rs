@@ -4,10 +4,10 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::thread;
 
-use mbs_derive::diagnostic::{Diagnostic, Diagnostics};
+use mbs_derive::Analysis;
+use mbs_derive::diagnostic::Diagnostic;
 use mbs_derive::expr::Graph;
 use mbs_derive::source::Sources;
-use mbs_derive::{Analysis, Error};
 
 use super::Event;
 
@@ -62,13 +62,10 @@ fn derived(job: &Job) -> (Vec<Diagnostic>, Vec<(String, usize)>) {
     let costs = functions.map(|function| (function.name.clone(), function.operations.flops())).collect();
     let found = match analysis.prove() {
         Ok(proof) => analysis.warnings(Some(&proof)),
-        Err(Error::Declaration(errors)) => errors,
         Err(error) => {
             // About the mechanism as a whole.
             let name = mbs_derive::parse::declaration_of(&job.sources).map_or(0..0, |read| read.name.span.clone());
-            let mut errors = Diagnostics::default();
-            errors.error(name, error.to_string());
-            errors
+            error.at(name)
         }
     };
     (found.iter().cloned().collect(), costs)

@@ -35,7 +35,7 @@ const MOST_EQUATIONS: usize = 1_200_000;
 /// All of it; the motion begins at `start` and takes `seconds`.
 pub(super) fn page(sources: &Sources, parts: &Parts, start: &Point, seconds: f64) -> Result<String, Failure> {
     let (meshes, missing) = mesh::meshes(&parts.scene, sources);
-    output::report(&missing);
+    missing.iter().for_each(output::warn);
     let derivation = &parts.mechanism.derivation;
     let sections = [
         ("declaration", "Declaration", declaration(sources, derivation)),
@@ -264,7 +264,7 @@ fn accuracy(derivation: &Derivation, start: &Point, seconds: f64) -> String {
         Err(failure) => {
             return format!(
                 "<p>It was to be looked at along the motion above, which ends early: {}</p>\n",
-                escaped(failure.report().trim().trim_start_matches("error: "))
+                escaped(failure.messages().text().trim().trim_start_matches("error: "))
             );
         }
     };
@@ -294,7 +294,7 @@ fn proof(parts: &Parts) -> String {
         0 => String::new(),
         count => format!(" At {count} of them some motion has no inertia; there accelerations are not compared."),
     };
-    let warnings = match mechanism.warnings().trim() {
+    let warnings = match mechanism.warnings().text().trim() {
         "" => String::new(),
         warnings => format!("<pre>{}</pre>\n", escaped(warnings)),
     };

@@ -21,9 +21,9 @@ pub(crate) fn are_all(scene: &Scene, meshes: &BTreeMap<usize, Triangles>) -> boo
     scene.shapes.iter().filter(|shape| shape.file.is_some()).count() == meshes.len()
 }
 
-/// The meshes of a scene by the numbers of their shapes, and a line for each that is not there.
-pub(crate) fn meshes(scene: &Scene, sources: &Sources) -> (BTreeMap<usize, Triangles>, String) {
-    let (mut found, mut warnings, mut count) = (BTreeMap::new(), String::new(), 0);
+/// The meshes of a scene by the numbers of their shapes, and a warning for each that is not there.
+pub(crate) fn meshes(scene: &Scene, sources: &Sources) -> (BTreeMap<usize, Triangles>, Vec<String>) {
+    let (mut found, mut warnings, mut count) = (BTreeMap::new(), Vec::new(), 0);
     for (number, shape) in scene.shapes.iter().enumerate() {
         let Some(file) = &shape.file else { continue };
         let (of, text, at) = sources.locate(&(shape.place..shape.place));
@@ -40,7 +40,7 @@ pub(crate) fn meshes(scene: &Scene, sources: &Sources) -> (BTreeMap<usize, Trian
                 found.insert(number, triangles);
             }
             Err(reason) => {
-                warnings += &format!("warning: the mesh {} is not drawn: {reason}\n --> {of}:{line}\n", path.display());
+                warnings.push(format!("{of}:{line}: the mesh {} is not drawn: {reason}", path.display()));
             }
         }
     }
