@@ -61,7 +61,8 @@ pub(super) fn problems<'d>(
             related_information: (!notes.is_empty()).then_some(notes),
             ..Shown::default()
         };
-        let own = Diagnostic { span, ..diagnostic.clone() };
+        let mut own = diagnostic.clone();
+        own.span = span;
         let fix = own.replacement(&file.text.text);
         let fix = fix.map(|(place, text)| TextEdit { range: file.text.range(&place), new_text: text });
         by_file.entry(file.name.clone()).or_default().push(Problem { shown, fix });
