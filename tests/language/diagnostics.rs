@@ -54,7 +54,8 @@ fn wrong_declarations_earn_helpful_reports() {
         let sources = mbs_derive::read(Path::new(&format!("bad/{name}.mbs")));
         let report = sources.map_or_else(|report| report, |sources| report_of(&sources));
         let titles = report.lines().filter(|line| line.starts_with("error") || line.starts_with("warning"));
-        let coded = |title: &str| title.split_once("[MBS").is_some_and(|(_, rest)| rest.as_bytes().get(4) == Some(&b']'));
+        let coded =
+            |title: &str| title.split_once("[MBS").is_some_and(|(_, rest)| rest.as_bytes().get(4) == Some(&b']'));
         assert!(titles.clone().count() > 0 && titles.clone().all(coded), "{name}: {report}");
         snapshot(&name, &report);
     }

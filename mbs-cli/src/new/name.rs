@@ -12,7 +12,7 @@ const KEYWORDS: [&str; 52] = [
     "try", "type", "typeof", "union", "unsafe", "unsized", "use", "virtual", "where", "while", "yield",
 ];
 
-/// Crates and folders of the compiler and of cargo, files that Windows has everywhere, and what the new crate depends on.
+/// Crates and folders of the compiler and of cargo, files that Windows has everywhere, what the new crate depends on.
 const TAKEN: [&str; 26] = [
     "alloc",
     "aux",

@@ -1,5 +1,5 @@
-//! What the program says of itself: help with examples that run, completions, manual pages, pages of diagnostics; and how
-//! it says it: colours, JSON, exit codes.
+//! What the program says of itself: help with examples that run, completions, manual pages, pages of diagnostics; and
+//! how it says it: colours, JSON, exit codes.
 
 use std::process::{Command, Stdio};
 
