@@ -143,7 +143,7 @@ fn figure(touchdowns: &[&Touchdown]) -> Figure {
         });
         let [first, last] = [edges[0], edges[edges.len() - 1]];
         let outline = [(first, 0.0)].into_iter().chain(outline).chain([(last, 0.0)]).collect();
-        Panel::curves([name, "landings"], first..last, vec![Line::new("", outline)])
+        Panel::curves([*name, "landings"], first..last, vec![Line::new("", outline)])
     };
     let title = format!("{} landings", touchdowns.len());
     Figure { title, size: (1000, 1000), panels: RESULTS.iter().enumerate().map(panel).collect() }

@@ -143,8 +143,10 @@ mod tests {
         let text = short.review("oscillator.mbs");
         assert!(text.contains("[m * x_ddot + k * x]") && !text.contains("mul_add"), "{text}");
         assert!(
-            text.contains("    impl<T: ::mbs_runtime::Scalar> ::mbs_runtime::Mechanism<1, 1> for Oscillator<T> {}\n")
+            text.contains("    /// Implements `Dynamics`, `Energies`, `Linearized`, `Mechanism` of mbs-runtime.\n"),
+            "{text}"
         );
+        assert!(!text.contains("::mbs_runtime::Mechanism"), "{text}");
     }
 
     /// What is shown is what the functions give, and long bodies are digests.

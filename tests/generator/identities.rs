@@ -104,7 +104,7 @@ fn regular_states<const N: usize, const U: usize>(
 /// `M` symmetric and positive semidefinite, `p − p(0) = M q̇`, `T(q̇) + T(−q̇) − 2 T(0) = q̇ᵀ M q̇`, `C q̇ + G = h`,
 /// `M q̈ + h + ∂D/∂q̇ = τ`, and at the accelerations of forward dynamics `τ = Q + Aᵀλ` and `A q̈ + γ = 0`.
 fn identities<M: Mechanism<N, U, Scalar = f64>, const N: usize, const U: usize>(module: &str, mechanism: &M) {
-    let derivation = derivation(source(module));
+    let derivation = derivation(source(mbs_models::SOURCES, module));
     let constraints = Constraints(Interpreter::new(&derivation), signals(M::Time::SIGNALS));
     let mut random = Random::new(7);
     for State { q, qd, qdd } in regular_states(mechanism, 1, 60) {
@@ -155,7 +155,7 @@ fn derivatives<M: Mechanism<N, U, Scalar = f64>, const N: usize, const U: usize>
     mechanism: &M,
     dual: &impl Mechanism<N, U, Scalar = Dual<f64>>,
 ) {
-    let derivation = derivation(source(module));
+    let derivation = derivation(source(mbs_models::SOURCES, module));
     let constraints = Constraints(Interpreter::new(&derivation), signals(M::Time::SIGNALS));
     let mut random = Random::new(11);
     for State { q, qd, qdd } in regular_states(mechanism, 2, 12) {
@@ -303,7 +303,7 @@ fn compiled_is_interpreted<M: Mechanism<N, U, Scalar = f64>, const N: usize, con
     module: &str,
     mechanism: &M,
 ) {
-    let derivation = derivation(source(module));
+    let derivation = derivation(source(mbs_models::SOURCES, module));
     let interpreter = Interpreter::new(&derivation);
     let mut random = Random::new(13);
     for State { q, qd, qdd } in states::<N>(3, 30) {

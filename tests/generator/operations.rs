@@ -82,27 +82,27 @@ fn check<const N: usize, const U: usize, const P: usize, H: ByHand<Counted, N, U
 
 #[test]
 fn cart_pole_costs_no_more_than_by_hand() {
-    check(source("cart_pole"), CartPole::new);
+    check(source(mbs_models::SOURCES, "cart_pole"), CartPole::new);
 }
 
 #[test]
 fn double_pendulum_costs_no_more_than_by_hand() {
-    check(source("double_pendulum"), DoublePendulum::new);
+    check(source(mbs_models::SOURCES, "double_pendulum"), DoublePendulum::new);
 }
 
 #[test]
 fn spherical_pendulum_costs_no_more_than_by_hand() {
-    check(source("spherical_pendulum"), SphericalPendulum::new);
+    check(source(mbs_models::SOURCES, "spherical_pendulum"), SphericalPendulum::new);
 }
 
 #[test]
 fn heavy_top_costs_no_more_than_by_hand() {
-    check(source("heavy_top"), HeavyTop::new);
+    check(source(mbs_models::SOURCES, "heavy_top"), HeavyTop::new);
 }
 
 #[test]
 fn furuta_pendulum_costs_no_more_than_by_hand() {
-    check(source("furuta_pendulum"), FurutaPendulum::new);
+    check(source(mbs_models::SOURCES, "furuta_pendulum"), FurutaPendulum::new);
 }
 
 /// What the programs are said to cost is what running the generated code costs.
@@ -112,7 +112,7 @@ fn the_counts_of_the_programs_are_those_of_the_code() {
         module: &str,
         generated: impl Mechanism<N, U, Scalar = Counted, Time = Counted>,
     ) {
-        let derivation = derivation(source(module));
+        let derivation = derivation(source(mbs_models::SOURCES, module));
         let State { q, qd, qdd } = states::<N>(11, 1)[0];
         let ([q, qd, qdd], t, u) = ([q, qd, qdd].map(|x| x.map(Counted)), Counted::zero(), [Counted(0.7); U]);
         for (kind, (_, counts)) in [

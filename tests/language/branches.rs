@@ -171,7 +171,7 @@ fn values_and_derivatives_are_those_of_the_side_taken() {
 
 #[test]
 fn what_is_executed_is_defined_and_needed() {
-    let derivation = derivation(source("branches"));
+    let derivation = derivation(source(mbs_models::SOURCES, "branches"));
     let interpreter = interpreter::<Watched>(&derivation);
     let mut taken: Vec<Tally> = Vec::new();
     for arguments_ in states() {
@@ -306,10 +306,10 @@ fn comparisons(x: f64, y: f64) -> Vec<f64> {
 
 #[test]
 fn comparisons_are_those_of_ieee_754() {
-    let derivation = derivation(source("branches"));
+    let derivation = derivation(source(mbs_models::SOURCES, "branches"));
     let (doubles, duals) = (interpreter::<f64>(&derivation), interpreter::<expr::Dual<Rounded>>(&derivation));
     let graph = Graph::verbatim();
-    let (lagrangian, _) = declared(source("branches"), &graph, &[]).expect("a mechanism");
+    let (lagrangian, _) = declared(source(mbs_models::SOURCES, "branches"), &graph, &[]).expect("a mechanism");
     let declared = lagrangian.outputs.iter().find(|output| output.name == "comparisons").map(|output| &output.value);
     let Some(OutputValue::Array(declared)) = declared else { panic!("an array is declared") };
     let bits = |values: &[f64]| values.iter().map(|v| if v.is_nan() { 1 } else { v.to_bits() }).collect::<Vec<_>>();

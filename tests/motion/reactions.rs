@@ -61,7 +61,7 @@ fn the_arm_has_the_joint_wrenches_of_newton_and_euler() {
 #[test]
 fn reactions_cost_nothing_but_themselves() {
     for module in ["arm_with_reactions", "four_bar_with_reactions", "sprung_trolley"] {
-        let source = source(module);
+        let source = source(mbs_models::SOURCES, module);
         let is_reaction = |line: &&str| line.trim_start().starts_with("reaction ");
         let without: Vec<&str> = source.lines().filter(|line| !is_reaction(line)).collect();
         let (with, without) = (derivation(source), derivation(&without.join("\n")));
@@ -75,7 +75,10 @@ fn reactions_cost_nothing_but_themselves() {
     }
     // The arm of the benchmark, its poses named.
     let operations = |derivation: &Derivation, name: &str| derivation.named(name).map(|f| f.operations);
-    let (arm, with) = (derivation(source("arm6")), derivation(source("arm_with_reactions")));
+    let (arm, with) = (
+        derivation(source(mbs_models::SOURCES, "arm6")),
+        derivation(source(mbs_models::SOURCES, "arm_with_reactions")),
+    );
     for function in &arm.functions {
         assert_eq!(Some(function.operations), operations(&with, &function.name), "{}", function.name);
     }
@@ -84,7 +87,7 @@ fn reactions_cost_nothing_but_themselves() {
 /// All six wrenches, of which inverse dynamics is a part, for less than a third more.
 #[test]
 fn budget_of_the_arm() {
-    let arm = derivation(source("arm_with_reactions"));
+    let arm = derivation(source(mbs_models::SOURCES, "arm_with_reactions"));
     let joints = arm.named("joint").expect("it is declared").operations.flops();
     let torques = arm.function(FunctionKind::InverseDynamics).expect("it is generated").operations.flops();
     assert!(joints <= 650 && 10 * joints < 14 * torques, "{joints} and {torques}");
@@ -283,7 +286,8 @@ fn a_free_body_needs_no_reaction() {
 fn all_routes_agree() {
     for module in ["arm_with_reactions", "four_bar_with_reactions", "sprung_trolley", "hanging_masses"] {
         let verbatim = Graph::verbatim();
-        let (lagrangian, _) = declared(source(module), &verbatim, &[]).expect("a mechanism of the repository");
+        let (lagrangian, _) =
+            declared(source(mbs_models::SOURCES, module), &verbatim, &[]).expect("a mechanism of the repository");
         let routes: Vec<_> = Route::ALL
             .into_iter()
             .flat_map(|route| by_route(&lagrangian, route).into_iter().map(move |alone| (route, alone)))
@@ -309,7 +313,8 @@ fn all_routes_agree() {
 #[test]
 fn a_wrong_reaction_is_found_out() {
     let graph = Graph::verbatim();
-    let (lagrangian, _) = declared(source("four_bar_with_reactions"), &graph, &[]).expect("a mechanism");
+    let (lagrangian, _) =
+        declared(source(mbs_models::SOURCES, "four_bar_with_reactions"), &graph, &[]).expect("a mechanism");
     let mut derivation = derived(&lagrangian);
     let knee = derivation.functions.iter_mut().find(|f| f.name == "knee").expect("it is generated");
     let mut results = knee.program.results.iter().map(|value| value.index());

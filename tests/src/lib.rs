@@ -40,16 +40,17 @@ use mbs_derive::interpret::{Interpreter, State};
 use mbs_derive::optimise::Derivation;
 use mbs_derive::{declared, derived};
 
-/// The text of a mechanism of the repository, by its module.
+/// The text of a mechanism, by its module: of `models`, which are mbs-models' `SOURCES`, of those beside them, or of
+/// [`mechanisms`].
 ///
 /// # Panics
 /// If there is none.
-pub fn source(module: &str) -> &'static str {
+pub fn source(models: &[(&'static str, &'static str)], module: &str) -> &'static str {
     let apart = [
-        ("marine_platform", mbs_models::MARINE_PLATFORM),
+        ("marine_platform", include_str!("../../models/mechanisms/marine/marine_platform.mbs")),
         ("assistive_arm", include_str!("../../models/mechanisms/elastic/assistive_arm.mbs")),
     ];
-    let mut all = mbs_models::SOURCES.iter().chain(mechanisms::SOURCES).chain(&apart);
+    let mut all = models.iter().chain(mechanisms::SOURCES).chain(&apart);
     all.find(|(name, _)| *name == module).unwrap_or_else(|| panic!("no mechanism {module}")).1
 }
 
