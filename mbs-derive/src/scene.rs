@@ -167,7 +167,12 @@ fn frames(lagrangian: &Lagrangian<'_>, bodies: &[Body<'_>], outputs: &[Output<'_
 /// A place in a frame, in world axes.
 fn in_world<'g>(lagrangian: &Lagrangian<'g>, frame: FrameId, coordinates: Vector<'g>) -> Vector<'g> {
     let at = lagrangian.frames.get(frame);
-    if frame == FrameId::WORLD { coordinates } else { at.position + at.rotation * coordinates }
+    // The origin itself is written as the frame has it: what it is a sum of is seen.
+    match frame == FrameId::WORLD {
+        true => coordinates,
+        false if coordinates == Vector::zero(lagrangian.graph) => at.position,
+        false => at.position + at.rotation * coordinates,
+    }
 }
 
 /// The places that an output shows.
