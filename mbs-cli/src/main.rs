@@ -82,7 +82,7 @@ enum Command {
     Ops(ops::Arguments),
     Eval(eval::Arguments),
     Linearize(linearize::Arguments),
-    Simulate(simulate::Arguments),
+    Simulate(Box<simulate::Arguments>),
     Fmu(fmu::Arguments),
     Fmt(format::Arguments),
     #[cfg(feature = "lsp")]

@@ -167,7 +167,12 @@ fn frames(lagrangian: &Lagrangian<'_>, bodies: &[Body<'_>], outputs: &[Output<'_
 /// A place in a frame, in world axes.
 fn in_world<'g>(lagrangian: &Lagrangian<'g>, frame: FrameId, coordinates: Vector<'g>) -> Vector<'g> {
     let at = lagrangian.frames.get(frame);
-    if frame == FrameId::WORLD { coordinates } else { at.position + at.rotation * coordinates }
+    // The origin itself is written as the frame has it: what it is a sum of is seen.
+    match frame == FrameId::WORLD {
+        true => coordinates,
+        false if coordinates == Vector::zero(lagrangian.graph) => at.position,
+        false => at.position + at.rotation * coordinates,
+    }
 }
 
 /// The places that an output shows.
@@ -244,6 +249,26 @@ fn key(vector: Vector<'_>) -> [Id; 3] {
     vector.0.map(Expr::id)
 }
 
+/// How deep sums with zero and products with one are looked through: a rotation about nothing is three of each.
+const LOOKED_THROUGH: usize = 8;
+
+/// The same without sums with zero and products with zero or one, as poses of frames that do not turn have them.
+fn peeled(value: Expr<'_>, depth: usize) -> Expr<'_> {
+    let graph = value.graph();
+    let (Node::Add(a, b) | Node::Mul(a, b)) = value.node() else { return value };
+    if depth == 0 {
+        return value;
+    }
+    let [a, b] = [a, b].map(|operand| peeled(graph.expr(operand), depth - 1));
+    match value.node() {
+        Node::Add(..) if a.is_zero() => b,
+        Node::Add(..) if b.is_zero() => a,
+        Node::Mul(..) if a.is_zero() || b.is_one() => a,
+        Node::Mul(..) if b.is_zero() || a.is_one() => b,
+        _ => value,
+    }
+}
+
 /// The operands of a sum or of a difference.
 fn operands<'g>(value: Expr<'g>, of_sum: bool) -> Option<(Expr<'g>, Expr<'g>)> {
     let graph = value.graph();
@@ -264,6 +289,7 @@ impl<'l, 'g> Finder<'l, 'g> {
 
     /// The number of a place; the first name that it is given stays.
     fn place(&mut self, position: Vector<'g>, name: &str) -> usize {
+        let position = position.map(|component| peeled(component, LOOKED_THROUGH));
         let number = *self.numbers.entry(key(position)).or_insert_with(|| {
             self.places.push((String::new(), position));
             self.places.len() - 1

@@ -379,7 +379,7 @@ class Page {
     this.paintGround(places);
     const rod = size * 0.014;
     for (const [a, b] of scene.links) view.rod(places[a], places[b], rod, [...this.theme.faint.slice(0, 3), 1]);
-    for (const place of new Set(scene.links.flat())) view.ball(places[place], rod * 1.5, [...this.theme.faint.slice(0, 3), 1]);
+    for (const place of new Set(scene.links.flat())) view.ball(places[place], rod * 1.5, [...this.theme.faint.slice(0, 3), 1], "dot");
     this.paintBodies(frames, bodies, size);
     this.paintShapes(frames, see("shapes"));
     const axes = [colour("#d43f3f"), colour("#2e9e4f"), colour("#3b6fd4")];
@@ -423,7 +423,7 @@ class Page {
       }
       const columns = [0, 1, 2].map((k) => turned(rotation, [0, 1, 2].map((j) => shape.vectors[j][k])));
       const vectors = [0, 1, 2].map((j) => columns.map((column) => column[j]));
-      view.solid("sphere", solid(place, { axes: shape.axes, vectors }, 0.012 * size), [...rgba.slice(0, 3), 0.94]);
+      view.solid("sphere", solid(place, { axes: shape.axes, vectors }, 0.012 * size), rgba);
     });
   }
 

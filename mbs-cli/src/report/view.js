@@ -90,17 +90,27 @@ export function colour(text, alpha = 1) {
   return [...bytes.map((byte) => Number(byte) / 255), alpha];
 }
 
+/** Whether there is no graphics card, so that smooth edges would cost most of the time of a frame. */
+function isDrawnByProcessor() {
+  const gl = document.createElement("canvas").getContext("webgl");
+  const info = gl?.getExtension("WEBGL_debug_renderer_info");
+  const name = info ? gl.getParameter(info.UNMASKED_RENDERER_WEBGL) : "";
+  gl?.getExtension("WEBGL_lose_context")?.loseContext();
+  return /swiftshader|llvmpipe|software/i.test(name);
+}
+
 /** A canvas with a camera that goes round a centre. */
 export class View {
   /** Throws where there is no WebGL. */
   constructor(canvas) {
     this.canvas = canvas;
-    const gl = canvas.getContext("webgl", { antialias: true, alpha: false });
+    const gl = canvas.getContext("webgl", { antialias: !isDrawnByProcessor(), alpha: false });
     if (gl === null) throw new Error("this browser has no WebGL");
     this.gl = gl;
     this.solids = this.program(SOLID, SHADED, ["place", "normal"], ["model", "lens", "flatten", "colour", "glow"]);
     this.lines = this.program(LINE, PLAIN, ["place", "age"], ["both", "colour"]);
-    this.meshes = { sphere: this.mesh(sphere(20, 32)), cylinder: this.mesh(cylinder(20)), box: this.mesh(box()) };
+    const meshes = { sphere: sphere(20, 32), dot: sphere(8, 12), cylinder: cylinder(16), box: box() };
+    this.meshes = Object.fromEntries(Object.entries(meshes).map(([name, numbers]) => [name, this.mesh(numbers)]));
     this.strip = gl.createBuffer();
     Object.assign(this, { centre: [0, 0, 0], radius: 1, azimuth: -1.1, elevation: 0.35, zoom: 1, touched: false });
     this.listen();
@@ -245,7 +255,6 @@ export class View {
     gl.clearColor(...paper);
     gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
     gl.enable(gl.DEPTH_TEST);
-    gl.enable(gl.BLEND);
     gl.blendFuncSeparate(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA, gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
     const far = this.distance() + 20 * this.radius;
     // A narrow picture shows as much across as a wide one shows up.
@@ -259,6 +268,8 @@ export class View {
   solid(mesh, model, rgba, glow = 0) {
     const { gl, solids } = this;
     const { buffer, count } = typeof mesh === "string" ? this.meshes[mesh] : mesh;
+    if (rgba[3] < 1) gl.enable(gl.BLEND);
+    else gl.disable(gl.BLEND);
     gl.useProgram(solids.program);
     gl.bindBuffer(gl.ARRAY_BUFFER, buffer);
     gl.enableVertexAttribArray(0);
@@ -281,6 +292,7 @@ export class View {
   line(numbers, rgba, isStrip = true) {
     const { gl, lines } = this;
     if (numbers.length < 8) return;
+    gl.enable(gl.BLEND);
     gl.useProgram(lines.program);
     gl.bindBuffer(gl.ARRAY_BUFFER, this.strip);
     gl.bufferData(gl.ARRAY_BUFFER, numbers instanceof Float32Array ? numbers : new Float32Array(numbers), gl.STREAM_DRAW);
@@ -323,11 +335,11 @@ export class View {
   }
 
   /** A ball. */
-  ball(place, radius, rgba) {
+  ball(place, radius, rgba, mesh = "sphere") {
     const at = identity();
     [at[0], at[5], at[10]] = [radius, radius, radius];
     [at[12], at[13], at[14]] = place;
-    this.solid("sphere", at, rgba);
+    this.solid(mesh, at, rgba);
   }
 
   /** A rod. */

@@ -143,10 +143,17 @@ fn a_page_says_what_the_mechanism_is() {
 #[test]
 fn the_scripts_are_told_what_there_is() {
     let workshop = workshop();
-    let html = workshop.good(&["report", "drawn.mbs", "--state", r#"{"q": [0.25, 1], "u": [2]}"#, "--t-end", "3"]);
+    let html = workshop.good(&[
+        "report",
+        "drawn.mbs",
+        "--state",
+        r#"{"q": [0.25, 1.0471975511965976], "u": [2]}"#,
+        "--t-end",
+        "3",
+    ]);
     let about = about(&html);
     assert_eq!(about["end"], 3.0);
-    assert_eq!(about["start"]["q"], serde_json::json!([0.25, 1.0]));
+    assert_eq!(about["start"]["q"], serde_json::json!([0.25, 1.0471975511965976]));
     assert_eq!(about["start"]["u"], serde_json::json!([2.0]));
     assert_eq!(about["coordinates"][1]["names"], serde_json::json!(["theta"]));
     assert_eq!(about["constraints"], serde_json::json!(["height"]));
