@@ -81,10 +81,20 @@ macro_rules! lanes {
             }
 
             #[cfg(any(feature = "std", feature = "libm"))]
-            #[inline]
+            #[inline(always)]
             fn sin_cos(self) -> (Self, Self) {
-                let (sines, cosines) = super::sin_cos::$polynomials::all(self.to_array());
+                let (sines, cosines) = super::sin_cos::$polynomials::lanes(self.to_array());
                 (sines.into(), cosines.into())
+            }
+
+            // Without `map`, whose closures copy vectors through memory.
+            #[inline(always)]
+            fn sin_cos_all<const N: usize>(angles: [Self; N]) -> ([Self; N], [Self; N]) {
+                let (mut sines, mut cosines) = ([Self::zero(); N], [Self::zero(); N]);
+                for i in 0..N {
+                    (sines[i], cosines[i]) = Scalar::sin_cos(angles[i]);
+                }
+                (sines, cosines)
             }
 
             #[cfg(not(any(feature = "std", feature = "libm")))]
