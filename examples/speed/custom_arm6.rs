@@ -8,7 +8,8 @@
 //! | [`mass_matrix`] | 263 | composite bodies |
 //! | [`forward_dynamics`] | 893, 6 divisions | both, and `M = L D Lᵀ` |
 //!
-//! Sines and cosines come besides: five pairs.
+//! Sines and cosines come besides: five pairs. The code is compiled three times, each time for the numbers and with the
+//! sines of the module around it: [`super::super::custom_newton_euler`], `custom_vector_sines`, `custom_lanes`.
 //!
 //! # Source
 //!
@@ -35,10 +36,11 @@
 #[path = "custom_arm6/composite_bodies.rs"]
 mod composite_bodies;
 
+use super::{Number, sin_cos};
 use composite_bodies::{mass_matrix_at, solve};
 
 /// `M q̈ + C q̇ + G`.
-pub(crate) fn inverse_dynamics(q: &[f64; 6], qd: &[f64; 6], qdd: &[f64; 6]) -> [f64; 6] {
+pub(crate) fn inverse_dynamics(q: &[Number; 6], qd: &[Number; 6], qdd: &[Number; 6]) -> [Number; 6] {
     let [(s2, c2), (s3, c3), (s4, c4), (s5, c5), (s6, c6)] = angles(q);
     let [qd1, qd2, qd3, qd4, qd5, qd6] = *qd;
     let [qdd1, qdd2, qdd3, qdd4, qdd5, qdd6] = *qdd;
@@ -275,12 +277,12 @@ pub(crate) fn inverse_dynamics(q: &[f64; 6], qd: &[f64; 6], qdd: &[f64; 6]) -> [
 }
 
 /// `C q̇ + G`.
-pub(crate) fn bias(q: &[f64; 6], qd: &[f64; 6]) -> [f64; 6] {
+pub(crate) fn bias(q: &[Number; 6], qd: &[Number; 6]) -> [Number; 6] {
     bias_at(&angles(q), qd)
 }
 
 /// `M`, both triangles.
-pub(crate) fn mass_matrix(q: &[f64; 6]) -> [[f64; 6]; 6] {
+pub(crate) fn mass_matrix(q: &[Number; 6]) -> [[Number; 6]; 6] {
     let [m11, m21, m22, m31, m32, m33, m41, m42, m43, m44, m51, m52, m53, m54, m55, m61, m62, m63, m64, m65, m66] =
         mass_matrix_at(&angles(q));
     [
@@ -294,18 +296,18 @@ pub(crate) fn mass_matrix(q: &[f64; 6]) -> [[f64; 6]; 6] {
 }
 
 /// `M⁻¹ (τ − C q̇ − G)`.
-pub(crate) fn forward_dynamics(q: &[f64; 6], qd: &[f64; 6], tau: &[f64; 6]) -> [f64; 6] {
+pub(crate) fn forward_dynamics(q: &[Number; 6], qd: &[Number; 6], tau: &[Number; 6]) -> [Number; 6] {
     let angles = angles(q);
     let h = bias_at(&angles, qd);
     solve(&mass_matrix_at(&angles), &std::array::from_fn(|i| tau[i] - h[i]))
 }
 
 /// Sines and cosines of all joints but the first, which is upright.
-fn angles(q: &[f64; 6]) -> [(f64, f64); 5] {
-    std::array::from_fn(|i| q[i + 1].sin_cos())
+fn angles(q: &[Number; 6]) -> [(Number, Number); 5] {
+    sin_cos([q[1], q[2], q[3], q[4], q[5]])
 }
 
-fn bias_at(angles: &[(f64, f64); 5], qd: &[f64; 6]) -> [f64; 6] {
+fn bias_at(angles: &[(Number, Number); 5], qd: &[Number; 6]) -> [Number; 6] {
     let [(s2, c2), (s3, c3), (s4, c4), (s5, c5), (s6, c6)] = *angles;
     let [qd1, qd2, qd3, qd4, qd5, qd6] = *qd;
     let w1zz = qd1 * qd1;

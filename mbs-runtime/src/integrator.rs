@@ -49,6 +49,8 @@ mod adaptive;
 mod compensation;
 pub(crate) mod dop853;
 pub(crate) mod dopri5;
+#[cfg(feature = "std")]
+pub(crate) mod ensemble;
 mod fixed;
 pub(crate) mod gauss_legendre;
 mod hermite;

@@ -95,7 +95,8 @@
 //! | `libm`  | mathematics of the libm crate, for `no_std`; where both are on, `std` computes                    |
 //! | `nalgebra` | matrices, vectors and isometries of nalgebra from arrays and poses; its vectors as coordinates |
 //! | `serde` | states, poses, wrenches and trajectories serialize; `mbs_runtime::serde` for generated parameters |
-//! | `wide`  | `wide::f64x4` and `wide::f32x8` are scalars; `mbs_runtime::wide`                                  |
+//! | `wide`  | `wide::f64x2` to `f64x8` and `wide::f32x4` to `f32x16` are scalars; `mbs_runtime::wide`           |
+//! | `rayon` | blocks of an `Ensemble` on all cores                                                              |
 //!
 //! Without `std` and `libm` the crate compiles, but `f32` and `f64` are no scalars. There is no allocation but in
 //! `Trajectory` and where `Vec`s are coordinates, and no unsafe code.
@@ -149,6 +150,8 @@ pub use error::{ConstraintError, DimensionMismatch, IntegrationError, ReductionE
 pub use event::{Direction, Event, Response};
 pub use integrator::dop853::Dop853;
 pub use integrator::dopri5::Dopri5;
+#[cfg(feature = "std")]
+pub use integrator::ensemble::{Ensemble, EnsembleIntegrator, Lanes, Members, Packed};
 pub use integrator::gauss_legendre::GaussLegendre4;
 pub use integrator::projected::{Drift, Onto, Projected};
 pub use integrator::rk4::{Rk4, Rk4Stepper};

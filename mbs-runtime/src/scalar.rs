@@ -1,7 +1,7 @@
 //! The numbers that equations of motion are evaluated in.
 //!
-//! Generated code is generic over [`Scalar`]: `f64` and `f32`, lanes of them ([`wide`](https://docs.rs/wide), feature
-//! `wide`), and [`Dual`](crate::Dual) numbers over any of these. What controls errors or writes results needs
+//! Generated code is generic over [`Scalar`]: `f64` and `f32`, two to sixteen lanes of them
+//! ([`wide`](https://docs.rs/wide), feature `wide`), and [`Dual`](crate::Dual) numbers over any of these. What controls errors or writes results needs
 //! [`Real`], a scalar with an order and a value as `f64`.
 //!
 //! The elementary functions of `f32` and `f64` come from the standard library with the feature `std`, from the libm
@@ -191,6 +191,12 @@ pub trait Scalar:
     /// A NaN or an infinity in a lane that is not chosen leaves no trace.
     fn blend(mask: Self::Mask, then: Self, otherwise: Self) -> Self;
 
+    /// The larger of the two, and NaN where one of them is NaN (`f64::max` would drop it).
+    #[inline]
+    fn maximum(self, other: Self) -> Self {
+        Self::blend(other.less(self) | !self.equal(self), self, other)
+    }
+
     /// `then()` where `mask` is true, `otherwise()` elsewhere; a side that no lane takes is not evaluated.
     #[inline]
     fn select(mask: Self::Mask, then: impl FnOnce() -> Self, otherwise: impl FnOnce() -> Self) -> Self {
@@ -250,12 +256,6 @@ pub trait Real: Scalar<Mask = bool> + PartialOrd {
 
     /// The same number as `f64`.
     fn to_f64(self) -> f64;
-
-    /// The larger of the two, and NaN where one of them is NaN (`f64::max` would drop it).
-    #[inline]
-    fn maximum(self, other: Self) -> Self {
-        if self > other || self.is_nan() { self } else { other }
-    }
 
     /// True for NaN alone.
     #[inline]

@@ -1,7 +1,10 @@
 //! The mass matrix by composite bodies, and the equations that it is the matrix of; names as in the module above.
 
+use super::super::number;
+use super::Number;
+
 /// The lower triangle of `M`, row by row.
-pub(super) fn mass_matrix_at(angles: &[(f64, f64); 5]) -> [f64; 21] {
+pub(super) fn mass_matrix_at(angles: &[(Number, Number); 5]) -> [Number; 21] {
     let [(s2, c2), (s3, c3), (s4, c4), (s5, c5), (s6, c6)] = *angles;
     let f65p = 0.0075 * c6 - 0.005 * s6;
     let f65q = 0.0075 * s6 + 0.005 * c6;
@@ -135,31 +138,50 @@ pub(super) fn mass_matrix_at(angles: &[(f64, f64); 5]) -> [f64; 21] {
     let k2x = 0.82 * f21q;
     let j1zz = 94.690734 + jyy2 + k2x;
     [
-        j1zz, -n21q, j2zz, -n31q, n32z, j3zz, n41z, n42z, -n43q, j4zz, n51z, n52z, n53z, n54q, j5zz, n61z, n62z, n63z,
-        n64q, -n65q, 0.0038485,
+        j1zz,
+        -n21q,
+        j2zz,
+        -n31q,
+        n32z,
+        j3zz,
+        n41z,
+        n42z,
+        -n43q,
+        j4zz,
+        n51z,
+        n52z,
+        n53z,
+        n54q,
+        j5zz,
+        n61z,
+        n62z,
+        n63z,
+        n64q,
+        -n65q,
+        number(0.0038485),
     ]
 }
 
 /// `M x = t` by `M = L D Lᵀ`.
-pub(super) fn solve(m: &[f64; 21], t: &[f64; 6]) -> [f64; 6] {
+pub(super) fn solve(m: &[Number; 21], t: &[Number; 6]) -> [Number; 6] {
     let [m11, m21, m22, m31, m32, m33, m41, m42, m43, m44, m51, m52, m53, m54, m55, m61, m62, m63, m64, m65, m66] = *m;
     let [t1, t2, t3, t4, t5, t6] = *t;
-    let i1 = m11.recip();
+    let i1 = 1.0 / m11;
     let l21 = m21 * i1;
     let d2 = m22 - m21 * l21;
-    let i2 = d2.recip();
+    let i2 = 1.0 / d2;
     let l31 = m31 * i1;
     let y32 = m32 - m31 * l21;
     let l32 = y32 * i2;
     let d3 = m33 - m31 * l31 - y32 * l32;
-    let i3 = d3.recip();
+    let i3 = 1.0 / d3;
     let l41 = m41 * i1;
     let y42 = m42 - m41 * l21;
     let l42 = y42 * i2;
     let y43 = m43 - m41 * l31 - y42 * l32;
     let l43 = y43 * i3;
     let d4 = m44 - m41 * l41 - y42 * l42 - y43 * l43;
-    let i4 = d4.recip();
+    let i4 = 1.0 / d4;
     let l51 = m51 * i1;
     let y52 = m52 - m51 * l21;
     let l52 = y52 * i2;
@@ -168,7 +190,7 @@ pub(super) fn solve(m: &[f64; 21], t: &[f64; 6]) -> [f64; 6] {
     let y54 = m54 - m51 * l41 - y52 * l42 - y53 * l43;
     let l54 = y54 * i4;
     let d5 = m55 - m51 * l51 - y52 * l52 - y53 * l53 - y54 * l54;
-    let i5 = d5.recip();
+    let i5 = 1.0 / d5;
     let l61 = m61 * i1;
     let y62 = m62 - m61 * l21;
     let l62 = y62 * i2;
@@ -179,7 +201,7 @@ pub(super) fn solve(m: &[f64; 21], t: &[f64; 6]) -> [f64; 6] {
     let y65 = m65 - m61 * l51 - y62 * l52 - y63 * l53 - y64 * l54;
     let l65 = y65 * i5;
     let d6 = m66 - m61 * l61 - y62 * l62 - y63 * l63 - y64 * l64 - y65 * l65;
-    let i6 = d6.recip();
+    let i6 = 1.0 / d6;
     let x2 = t2 - l21 * t1;
     let x3 = t3 - l31 * t1 - l32 * x2;
     let x4 = t4 - l41 * t1 - l42 * x2 - l43 * x3;

@@ -34,7 +34,7 @@ pub(super) struct Control {
 }
 
 impl Control {
-    fn check(&self) -> Result<(), IntegrationError> {
+    pub(super) fn check(&self) -> Result<(), IntegrationError> {
         let positive = |x: f64| x > 0.0 && x.is_finite();
         if !(positive(self.rtol) && positive(self.atol)) {
             return Err(IntegrationError::InvalidTolerance { relative: self.rtol, absolute: self.atol });
@@ -116,52 +116,118 @@ where
     }
     let direction = if t_end > t { 1.0 } else { -1.0 };
     run.ready().map_err(|fault| fault.at(t, 0.0))?;
-    let mut step = control.first_step.unwrap_or_else(|| {
+    let first = control.first_step.unwrap_or_else(|| {
         let longest = (t_end - t).abs().min(control.max_step);
         run.method.initial_step(&mut run.system, t, direction, longest, run.state)
     });
-    // The error of the last accepted step, and whether this step was rejected before.
-    let (mut previous, mut rejected) = (1e-4, false);
+    let mut pace = Pace::new(first);
     loop {
-        let start = run.summary.time;
-        if run.summary.accepted + run.summary.rejected == control.max_steps {
-            return Err(IntegrationError::TooManySteps { time: start, steps: control.max_steps });
-        }
-        let shortest = control.shortest::<T>(start);
-        step = step.min(control.max_step).max(shortest);
-        let remaining = (t_end - start).abs();
-        // A rest of less than a hundredth of a step is worth no step of its own.
-        let last = 1.01 * step >= remaining && remaining <= (1.0 + 1e-9) * control.max_step;
-        let (end, length) = if last { (t_end, remaining) } else { (start + direction * step, step) };
-
-        let error = match run.advance(end - start) {
+        let attempt = pace.attempt::<T, _>(control, &run.summary, t_end)?;
+        let error = match run.advance(attempt.end - run.summary.time) {
             Ok(error) if error <= T::one() => error,
             refused => {
-                let (fault, factor) = match refused {
-                    Ok(error) => (Fault::Inaccurate, control.factor(error, 1.0)),
-                    Err(fault) => (fault, control.factors[0]),
-                };
-                if length <= shortest {
-                    return Err(fault.at(start, length));
-                }
-                run.summary.rejected += 1;
-                rejected = true;
-                step = length * factor.min(SAFETY);
+                pace.refuse(control, &attempt, &mut run.summary, refused)?;
                 continue;
             }
         };
-
-        let next = run.accept(end)?;
-        let factor = control.factor(error, previous);
-        let proposed = length * if rejected { factor.min(1.0) } else { factor };
-        // A last step that was cut short says little about the next one.
-        step = if last { proposed.max(step) } else { proposed };
-        (previous, rejected) = (error.to_f64().max(1e-4), false);
-        run.summary.next_step = step.min(control.max_step);
+        let next = run.accept(attempt.end)?;
+        run.summary.next_step = pace.accept(control, &attempt, error);
         if next == Next::Stop || run.summary.time == t_end {
             return Ok(run.summary);
         }
-        run.ready().map_err(|fault| fault.at(run.summary.time, step))?;
+        run.ready().map_err(|fault| fault.at(run.summary.time, pace.step))?;
+    }
+}
+
+/// The step control of one motion: from its last errors, how long the next step is.
+#[derive(Clone, Copy)]
+pub(super) struct Pace {
+    /// The length of the next step, positive \[s\].
+    step: f64,
+    /// The error of the last accepted step.
+    previous: f64,
+    /// Whether the step before was rejected.
+    rejected: bool,
+}
+
+/// A step that is tried.
+#[derive(Clone, Copy)]
+pub(super) struct Attempt {
+    /// Where it ends \[s\].
+    pub(super) end: f64,
+    /// Its length, positive \[s\].
+    length: f64,
+    /// The shortest step that may be tried here \[s\].
+    shortest: f64,
+    /// Whether it ends where the integration does.
+    last: bool,
+}
+
+impl Attempt {
+    /// Before the first attempt.
+    #[cfg(feature = "std")]
+    pub(super) fn none() -> Self {
+        Self { end: 0.0, length: 0.0, shortest: 0.0, last: false }
+    }
+}
+
+impl Pace {
+    /// Before the first step, of this length.
+    pub(super) fn new(step: f64) -> Self {
+        Self { step, previous: 1e-4, rejected: false }
+    }
+
+    /// The next step from `summary.time` on the way to `t_end`.
+    pub(super) fn attempt<T: Real, E>(
+        &mut self,
+        control: &Control,
+        summary: &Summary,
+        t_end: f64,
+    ) -> Result<Attempt, IntegrationError<E>> {
+        let start = summary.time;
+        if summary.accepted + summary.rejected == control.max_steps {
+            return Err(IntegrationError::TooManySteps { time: start, steps: control.max_steps });
+        }
+        let shortest = control.shortest::<T>(start);
+        let step = self.step.min(control.max_step).max(shortest);
+        self.step = step;
+        let remaining = (t_end - start).abs();
+        // A rest of less than a hundredth of a step is worth no step of its own.
+        let last = 1.01 * step >= remaining && remaining <= (1.0 + 1e-9) * control.max_step;
+        let direction = if t_end > start { 1.0 } else { -1.0 };
+        let (end, length) = if last { (t_end, remaining) } else { (start + direction * step, step) };
+        Ok(Attempt { end, length, shortest, last })
+    }
+
+    /// After an attempt that was not accepted: with too large an error, or a fault.
+    pub(super) fn refuse<T: Real, E>(
+        &mut self,
+        control: &Control,
+        attempt: &Attempt,
+        summary: &mut Summary,
+        refused: Result<T, Fault<E>>,
+    ) -> Result<(), IntegrationError<E>> {
+        let (fault, factor) = match refused {
+            Ok(error) => (Fault::Inaccurate, control.factor(error, 1.0)),
+            Err(fault) => (fault, control.factors[0]),
+        };
+        if attempt.length <= attempt.shortest {
+            return Err(fault.at(summary.time, attempt.length));
+        }
+        summary.rejected += 1;
+        self.rejected = true;
+        self.step = attempt.length * factor.min(SAFETY);
+        Ok(())
+    }
+
+    /// After an accepted step with this error; a good length for whoever goes on \[s\].
+    pub(super) fn accept<T: Real>(&mut self, control: &Control, attempt: &Attempt, error: T) -> f64 {
+        let factor = control.factor(error, self.previous);
+        let proposed = attempt.length * if self.rejected { factor.min(1.0) } else { factor };
+        // A last step that was cut short says little about the next one.
+        self.step = if attempt.last { proposed.max(self.step) } else { proposed };
+        (self.previous, self.rejected) = (error.to_f64().max(1e-4), false);
+        self.step.min(control.max_step)
     }
 }
 
@@ -177,7 +243,7 @@ pub(super) struct Stages<V: Coordinates, const S: usize> {
     atol: V::Scalar,
 }
 
-impl<V: Coordinates<Scalar: Real>, const S: usize> Stages<V, S> {
+impl<V: Coordinates, const S: usize> Stages<V, S> {
     pub(super) fn new(like: &State<V>, control: &Control) -> Self {
         Self {
             v: core::array::from_fn(|_| like.q.clone()),
@@ -205,20 +271,19 @@ impl<V: Coordinates<Scalar: Real>, const S: usize> Stages<V, S> {
         self.a.swap(0, end);
     }
 
-    /// Stage `s` at the time `t`: `y₀ + h Σ a[s][j] k[j]` and the acceleration there.
+    /// Stage `s`: `y₀ + h Σ a[s][j] k[j]` and the acceleration there.
     #[inline(always)] // as `combine`
-    pub(super) fn stage<F: Acceleration<V>, const N: usize>(
+    pub(super) fn stage<E, const N: usize>(
         &mut self,
-        system: &mut System<F>,
-        t: f64,
+        evaluate: impl FnOnce(&V, &V, &mut V) -> Result<(), E>,
         h: V::Scalar,
         old: &State<V>,
         s: usize,
         row: &[Weight; N],
-    ) -> Result<(), Fault<F::Error>> {
+    ) -> Result<(), E> {
         combine(&mut self.q, &old.q, h, row, &self.v);
         combine(&mut self.v[s], &old.qd, h, row, &self.a);
-        system.evaluate(t, &self.q, &self.v[s], &mut self.a[s])
+        evaluate(&self.q, &self.v[s], &mut self.a[s])
     }
 
     /// The end of the step: `y₀ + h Σ b[j] k[j]`.
@@ -263,45 +328,31 @@ impl<V: Coordinates<Scalar: Real>, const S: usize> Stages<V, S> {
         sums
     }
 
-    /// Hairer's choice of the first step of a method of the order `order` (section II.4), positive \[s\].
-    ///
-    /// One explicit Euler step, a hundredth of `|y|/|y'|` long, estimates the second derivative; then the step is such
-    /// that `hᵖ max(|y'|, |y''|) = 1/100`, in the norm of the tolerances.
-    pub(super) fn initial_step<F: Acceleration<V>>(
-        &mut self,
-        system: &mut System<F>,
-        t: f64,
-        direction: f64,
-        longest: f64,
-        state: &State<V>,
-        order: f64,
-    ) -> f64 {
-        let small = V::Scalar::from_f64(1e-5);
-        let (d0, d1) = (self.norm(state, &state.q, &state.qd), self.norm(state, &self.v[0], &self.a[0]));
-        let guess = if d0 < small || d1 < small { 1e-6 } else { 0.01 * (d0 / d1).to_f64() };
-        // Infinite norms (of f32) make NaN here, and `min` drops it.
-        let guess = guess.min(longest);
+    /// The sizes of the state and of its slopes, in the norm of the tolerances.
+    pub(super) fn sizes(&self, state: &State<V>) -> (V::Scalar, V::Scalar) {
+        (self.norm(state, &state.q, &state.qd), self.norm(state, &self.v[0], &self.a[0]))
+    }
 
-        let h = V::Scalar::from_f64(direction * guess);
+    /// Where an explicit Euler step of the length `h` leads: coordinates, and velocities as those of stage 1.
+    pub(super) fn euler_step(&mut self, h: V::Scalar, state: &State<V>) {
         combine(&mut self.q, &state.q, h, &[(0, 1.0)], &self.v);
         combine(&mut self.v[1], &state.qd, h, &[(0, 1.0)], &self.a);
-        if system.evaluate(t + direction * guess, &self.q, &self.v[1], &mut self.a[1]).is_err() {
-            return guess;
-        }
+    }
+
+    /// Coordinates and velocities after [`euler_step`](Self::euler_step), and the place of the acceleration there.
+    pub(super) fn at_euler_step(&mut self) -> (&V, &V, &mut V) {
+        (&self.q, &self.v[1], &mut self.a[1])
+    }
+
+    /// The size of the second derivative, from the slopes at both ends of an Euler step of the length `h`.
+    pub(super) fn bend(&mut self, h: V::Scalar, state: &State<V>) -> V::Scalar {
         for stages in [&mut self.v, &mut self.a] {
             let (first, rest) = stages.split_at_mut(1);
             for (x, x0) in rest[0].as_mut_slice().iter_mut().zip(first[0].as_slice()) {
                 *x = *x - *x0;
             }
         }
-        let d2 = self.norm(state, &self.v[1], &self.a[1]) / h.abs();
-        let steepest = d1.maximum(d2);
-        let step = if steepest <= V::Scalar::from_f64(1e-15) {
-            (guess * 1e-3).max(1e-6)
-        } else {
-            (V::Scalar::from_f64(0.01) / steepest).powf(V::Scalar::from_f64(1.0 / order)).to_f64()
-        };
-        step.min(100.0 * guess).min(longest)
+        self.norm(state, &self.v[1], &self.a[1]) / h.abs()
     }
 
     /// The root mean square of `(x, y)` in units of the tolerance at `state`.
@@ -316,6 +367,52 @@ impl<V: Coordinates<Scalar: Real>, const S: usize> Stages<V, S> {
         let count = (2 * x.as_slice().len()).max(1);
         (sum / V::Scalar::from_f64(count as f64)).sqrt()
     }
+}
+
+impl<V: Coordinates<Scalar: Real>, const S: usize> Stages<V, S> {
+    /// Hairer's choice of the first step of a method of the order `order` (section II.4), positive \[s\].
+    ///
+    /// One explicit Euler step, a hundredth of `|y|/|y'|` long, estimates the second derivative; then the step is such
+    /// that `hᵖ max(|y'|, |y''|) = 1/100`, in the norm of the tolerances.
+    pub(super) fn initial_step<F: Acceleration<V>>(
+        &mut self,
+        system: &mut System<F>,
+        t: f64,
+        direction: f64,
+        longest: f64,
+        state: &State<V>,
+        order: f64,
+    ) -> f64 {
+        let (d0, d1) = self.sizes(state);
+        let guess = first_guess(d0, d1, longest);
+        let h = V::Scalar::from_f64(direction * guess);
+        self.euler_step(h, state);
+        let (q, qd, qdd) = self.at_euler_step();
+        if system.evaluate(t + direction * guess, q, qd, qdd).is_err() {
+            return guess;
+        }
+        let d2 = self.bend(h, state);
+        first_step(d1, d2, order, guess, longest)
+    }
+}
+
+/// The length of the Euler step by which the second derivative is estimated \[s\]: a hundredth of `|y|/|y'|`.
+pub(super) fn first_guess<T: Real>(d0: T, d1: T, longest: f64) -> f64 {
+    let small = T::from_f64(1e-5);
+    let guess = if d0 < small || d1 < small { 1e-6 } else { 0.01 * (d0 / d1).to_f64() };
+    // Infinite norms (of f32) make NaN here, and `min` drops it.
+    guess.min(longest)
+}
+
+/// The length of the first step \[s\]: `hᵖ max(|y'|, |y''|) = 1/100`.
+pub(super) fn first_step<T: Real>(d1: T, d2: T, order: f64, guess: f64, longest: f64) -> f64 {
+    let steepest = d1.maximum(d2);
+    let step = if steepest <= T::from_f64(1e-15) {
+        (guess * 1e-3).max(1e-6)
+    } else {
+        (T::from_f64(0.01) / steepest).powf(T::from_f64(1.0 / order)).to_f64()
+    };
+    step.min(100.0 * guess).min(longest)
 }
 
 /// `base + Σ (h weight) · slope`: what waits for the last slope is a product and two sums.

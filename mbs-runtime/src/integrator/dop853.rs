@@ -9,7 +9,7 @@
 //! is taken in the same norm over `q` and `q̇` together; the mass of details for Fortran's `IOUT`, stiffness and `NRD`
 //! is left out.
 
-use super::adaptive::{self, Control, Pair, Stages, Weight, weighted};
+use super::adaptive::{self, Control, Pair, Stages, weighted};
 use super::run::{Fault, Method, Span, System};
 use super::{Acceleration, Integrator, Observer, Summary};
 use crate::error::IntegrationError;
@@ -18,12 +18,13 @@ use crate::state::{Coordinates, State};
 
 mod tableau;
 
-use tableau::{A1, A2, A3, A4, A5, A6, A7, A8, A9, A10, A11, A13, A14, A15, B, D4, D5, D6, D7, E3, E5, NODES};
+pub(super) use tableau::NODES;
+use tableau::{A1, A2, A3, A4, A5, A6, A7, A8, A9, A10, A11, A13, A14, A15, B, D4, D5, D6, D7, E3, E5};
 
 /// The stages of a step, those of the dense output included.
 const STAGES: usize = 16;
 /// The stage at the end of the step, which is the first one of the next.
-const END: usize = 12;
+pub(super) const END: usize = 12;
 
 /// Dormand and Prince's method of order 8 with error control: twelve evaluations a step, smooth problems, tight
 /// tolerances.
@@ -72,7 +73,7 @@ impl Dop853 {
         Self { rtol, atol, first_step: None, min_step: 0.0, max_step, max_steps: 1_000_000, beta: 0.0 }
     }
 
-    fn control(&self) -> Control {
+    pub(super) fn control(&self) -> Control {
         let Self { rtol, atol, first_step, min_step, max_step, max_steps, beta } = *self;
         let alpha = 1.0 / 8.0 - 0.2 * beta;
         Control { rtol, atol, first_step, min_step, max_step, max_steps, beta, alpha, factors: [1.0 / 3.0, 6.0] }
@@ -105,43 +106,61 @@ impl<T: Real> Integrator<T> for Dop853 {
         F: Acceleration<V>,
     {
         let control = self.control();
-        let work = Work { stages: Stages::new(state, &control), parts: core::array::from_fn(|_| state.clone()) };
+        let work = Work { sweep: Sweep::new(state, &control), parts: core::array::from_fn(|_| state.clone()) };
         adaptive::integrate(&control, work, acceleration, t, t_end, state, observer)
+    }
+}
+
+/// What a step works in.
+pub(super) struct Sweep<V: Coordinates> {
+    pub(super) stages: Stages<V, STAGES>,
+}
+
+impl<V: Coordinates> Sweep<V> {
+    pub(super) fn new(like: &State<V>, control: &Control) -> Self {
+        Self { stages: Stages::new(like, control) }
+    }
+
+    /// Stages 1 to 11 of a step of the length `h`, and its end; `at(s, q, q̇, q̈)` is the acceleration of stage `s`.
+    #[inline(always)] // the rows are constants: with them in sight the sums unroll
+    pub(super) fn step<E>(
+        &mut self,
+        mut at: impl FnMut(usize, &V, &V, &mut V) -> Result<(), E>,
+        h: V::Scalar,
+        old: &State<V>,
+        new: &mut State<V>,
+    ) -> Result<(), E> {
+        self.stages.stage(|q, qd, qdd| at(1, q, qd, qdd), h, old, 1, &A1)?;
+        self.stages.stage(|q, qd, qdd| at(2, q, qd, qdd), h, old, 2, &A2)?;
+        self.stages.stage(|q, qd, qdd| at(3, q, qd, qdd), h, old, 3, &A3)?;
+        self.stages.stage(|q, qd, qdd| at(4, q, qd, qdd), h, old, 4, &A4)?;
+        self.stages.stage(|q, qd, qdd| at(5, q, qd, qdd), h, old, 5, &A5)?;
+        self.stages.stage(|q, qd, qdd| at(6, q, qd, qdd), h, old, 6, &A6)?;
+        self.stages.stage(|q, qd, qdd| at(7, q, qd, qdd), h, old, 7, &A7)?;
+        self.stages.stage(|q, qd, qdd| at(8, q, qd, qdd), h, old, 8, &A8)?;
+        self.stages.stage(|q, qd, qdd| at(9, q, qd, qdd), h, old, 9, &A9)?;
+        self.stages.stage(|q, qd, qdd| at(10, q, qd, qdd), h, old, 10, &A10)?;
+        self.stages.stage(|q, qd, qdd| at(11, q, qd, qdd), h, old, 11, &A11)?;
+        self.stages.finish(h, old, &B, new);
+        Ok(())
+    }
+
+    /// The error of the step in units of the tolerance: of order 5, damped where the one of order 3 is larger.
+    #[inline(always)]
+    pub(super) fn error(&self, h: V::Scalar, old: &State<V>, new: &State<V>) -> V::Scalar {
+        let [fifth, third] = self.stages.squares([&E5, &E3], old, new);
+        let damped = fifth + V::Scalar::from_f64(0.01) * third;
+        let count = V::Scalar::from_f64(2.0 * old.q.as_slice().len() as f64);
+        let error = h.abs() * fifth / (damped * count).sqrt();
+        V::Scalar::blend(damped.equal(V::Scalar::zero()), damped, error)
     }
 }
 
 /// What the steps of one integration work in.
 struct Work<V: Coordinates> {
-    stages: Stages<V, STAGES>,
+    sweep: Sweep<V>,
     /// The parts of the dense output, `r₁` to `r₇`.
     parts: [State<V>; 7],
-}
-
-impl<V: Coordinates<Scalar: Real>> Work<V> {
-    /// Stage `s` of the step of the length `length`.
-    #[inline(always)] // the row is a constant: with it in sight the sums unroll
-    fn stage<F: Acceleration<V>, const N: usize>(
-        &mut self,
-        system: &mut System<F>,
-        t: f64,
-        length: f64,
-        old: &State<V>,
-        s: usize,
-        row: &[Weight; N],
-    ) -> Result<(), Fault<F::Error>> {
-        self.stages.stage(system, t + NODES[s] * length, V::Scalar::from_f64(length), old, s, row)
-    }
-
-    /// The error of the step in units of the tolerance: of order 5, damped where the one of order 3 is larger.
-    fn error(&self, h: V::Scalar, old: &State<V>, new: &State<V>) -> V::Scalar {
-        let [fifth, third] = self.stages.squares([&E5, &E3], old, new);
-        let damped = fifth + V::Scalar::from_f64(0.01) * third;
-        if damped == V::Scalar::zero() {
-            return damped;
-        }
-        let count = V::Scalar::from_f64(2.0 * old.q.as_slice().len() as f64);
-        h.abs() * fifth / (damped * count).sqrt()
-    }
 }
 
 impl<V: Coordinates<Scalar: Real>> Method<V> for Work<V> {
@@ -153,7 +172,7 @@ impl<V: Coordinates<Scalar: Real>> Method<V> for Work<V> {
         t: f64,
         state: &State<V>,
     ) -> Result<(), Fault<F::Error>> {
-        self.stages.begin(system, t, state)
+        self.sweep.stages.begin(system, t, state)
     }
 
     fn proceed<F: Acceleration<V>>(
@@ -163,7 +182,7 @@ impl<V: Coordinates<Scalar: Real>> Method<V> for Work<V> {
         _: &State<V>,
         _: bool,
     ) -> Result<(), Fault<F::Error>> {
-        self.stages.proceed(END);
+        self.sweep.stages.proceed(END);
         Ok(())
     }
 
@@ -176,26 +195,15 @@ impl<V: Coordinates<Scalar: Real>> Method<V> for Work<V> {
         old: &State<V>,
         new: &mut State<V>,
     ) -> Result<V::Scalar, Fault<F::Error>> {
-        self.stage(system, t, length, old, 1, &A1)?;
-        self.stage(system, t, length, old, 2, &A2)?;
-        self.stage(system, t, length, old, 3, &A3)?;
-        self.stage(system, t, length, old, 4, &A4)?;
-        self.stage(system, t, length, old, 5, &A5)?;
-        self.stage(system, t, length, old, 6, &A6)?;
-        self.stage(system, t, length, old, 7, &A7)?;
-        self.stage(system, t, length, old, 8, &A8)?;
-        self.stage(system, t, length, old, 9, &A9)?;
-        self.stage(system, t, length, old, 10, &A10)?;
-        self.stage(system, t, length, old, 11, &A11)?;
         let h = V::Scalar::from_f64(length);
-        self.stages.finish(h, old, &B, new);
-        let error = self.error(h, old, new);
+        self.sweep.step(|s, q, qd, qdd| system.evaluate(t + NODES[s] * length, q, qd, qdd), h, old, new)?;
+        let error = self.sweep.error(h, old, new);
         // An error that overflows, under absurd tolerances, is a large one: the step is rejected and shortened.
         if !new.is_finite() {
             return Err(Fault::NonFinite);
         }
         if error <= V::Scalar::one() {
-            self.stages.end(system, t + length, new, END)?;
+            self.sweep.stages.end(system, t + length, new, END)?;
         }
         Ok(error)
     }
@@ -208,13 +216,15 @@ impl<V: Coordinates<Scalar: Real>> Method<V> for Work<V> {
     ) -> Result<(), Fault<F::Error>> {
         let Span { start, end, old, new } = *span;
         let length = end - start;
-        self.stage(system, start, length, old, 13, &A13)?;
-        self.stage(system, start, length, old, 14, &A14)?;
-        self.stage(system, start, length, old, 15, &A15)?;
         let h = V::Scalar::from_f64(length);
+        let stages = &mut self.sweep.stages;
+        let mut at = |s: usize, q: &V, qd: &V, qdd: &mut V| system.evaluate(start + NODES[s] * length, q, qd, qdd);
+        stages.stage(|q, qd, qdd| at(13, q, qd, qdd), h, old, 13, &A13)?;
+        stages.stage(|q, qd, qdd| at(14, q, qd, qdd), h, old, 14, &A14)?;
+        stages.stage(|q, qd, qdd| at(15, q, qd, qdd), h, old, 15, &A15)?;
         for (slopes, y0, y1, part) in [
-            (&self.stages.v, &old.q, &new.q, (|state| &mut state.q) as fn(&mut State<V>) -> &mut V),
-            (&self.stages.a, &old.qd, &new.qd, |state| &mut state.qd),
+            (&stages.v, &old.q, &new.q, (|state| &mut state.q) as fn(&mut State<V>) -> &mut V),
+            (&stages.a, &old.qd, &new.qd, |state| &mut state.qd),
         ] {
             let (y0, y1) = (y0.as_slice(), y1.as_slice());
             let parts = self.parts.each_mut().map(|state| part(state).as_mut_slice());
@@ -258,7 +268,7 @@ impl<V: Coordinates<Scalar: Real>> Pair<V> for Work<V> {
         longest: f64,
         state: &State<V>,
     ) -> f64 {
-        self.stages.initial_step(system, t, direction, longest, state, 8.0)
+        self.sweep.stages.initial_step(system, t, direction, longest, state, 8.0)
     }
 }
 

@@ -191,11 +191,12 @@ impl<V: Coordinates<Scalar: Real>> Method<V> for Work<V> {
         new: &mut State<V>,
     ) -> Result<V::Scalar, Fault<F::Error>> {
         let h = V::Scalar::from_f64(length);
-        self.stages.stage(system, t + NODES[1] * length, h, old, 1, &A1)?;
-        self.stages.stage(system, t + NODES[2] * length, h, old, 2, &A2)?;
-        self.stages.stage(system, t + NODES[3] * length, h, old, 3, &A3)?;
-        self.stages.stage(system, t + NODES[4] * length, h, old, 4, &A4)?;
-        self.stages.stage(system, t + NODES[5] * length, h, old, 5, &A5)?;
+        let mut at = |s: usize, q: &V, qd: &V, qdd: &mut V| system.evaluate(t + NODES[s] * length, q, qd, qdd);
+        self.stages.stage(|q, qd, qdd| at(1, q, qd, qdd), h, old, 1, &A1)?;
+        self.stages.stage(|q, qd, qdd| at(2, q, qd, qdd), h, old, 2, &A2)?;
+        self.stages.stage(|q, qd, qdd| at(3, q, qd, qdd), h, old, 3, &A3)?;
+        self.stages.stage(|q, qd, qdd| at(4, q, qd, qdd), h, old, 4, &A4)?;
+        self.stages.stage(|q, qd, qdd| at(5, q, qd, qdd), h, old, 5, &A5)?;
         self.stages.finish(h, old, &B, new);
         if !new.is_finite() {
             return Err(Fault::NonFinite);

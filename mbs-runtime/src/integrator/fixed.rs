@@ -7,7 +7,7 @@ use crate::scalar::Scalar;
 use crate::state::{Coordinates, State};
 
 /// How many steps it takes from `t` to `t_end`.
-fn count(t: f64, t_end: f64, step: f64, allowed: usize) -> Option<usize> {
+pub(super) fn count(t: f64, t_end: f64, step: f64, allowed: usize) -> Option<usize> {
     // 0.3/0.1 is not 3: what is beyond a whole number by rounding alone makes no step of its own.
     let duration = (t_end - t).abs();
     let ratio = duration / step * (1.0 - 4.0 * f64::EPSILON);

@@ -124,6 +124,24 @@ impl<V: Coordinates> Rk4Stepper<V> {
         Ok(())
     }
 
+    /// A step of the length `h` from `old` to `new`, by right-hand sides that do not refuse.
+    #[cfg(feature = "std")]
+    pub(super) fn step_with(
+        &mut self,
+        h: V::Scalar,
+        old: &State<V>,
+        new: &mut State<V>,
+        mut evaluate: impl FnMut(usize, &V, &V, &mut V),
+    ) {
+        evaluate(0, &old.q, &old.qd, &mut self.k[0]);
+        let Ok(()) = self.stages::<core::convert::Infallible>(h, old, |stage, q, qd, qdd| {
+            evaluate(stage, q, qd, qdd);
+            Ok(())
+        });
+        new.copy_from(old);
+        self.finish(h, new);
+    }
+
     /// Stages 1 to 3 from stage 0.
     #[inline]
     fn stages<E>(

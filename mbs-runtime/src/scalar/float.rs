@@ -170,7 +170,7 @@ mod tests {
     #[test]
     fn the_maximum_keeps_a_nan() {
         assert_eq!(1.0.maximum(2.0), 2.0);
-        assert!(Real::maximum(1.0, f64::NAN).is_nan());
-        assert!(Real::maximum(f64::NAN, 1.0).is_nan());
+        assert!(Scalar::maximum(1.0, f64::NAN).is_nan());
+        assert!(Scalar::maximum(f64::NAN, 1.0).is_nan());
     }
 }

@@ -1,10 +1,10 @@
-//! SIMD lanes: four `f64` or eight `f32` that go through the same equations together.
+//! SIMD lanes: two to eight `f64` or four to sixteen `f32` that go through the same equations together.
 //!
-//! Sine and cosine are those of [`Scalar::sin_cos_all`], lane by lane the bits of one number; without `std` and `libm`,
-//! and all other elementary functions, are those of the crate `wide`: vectorised, and up to a few units in the last
-//! place away from those of the standard library, its sines and cosines much further at multiples of π/4.
+//! With `std` or `libm` every lane has the bits that one number has: sines and cosines are those of
+//! [`Scalar::sin_cos_all`], vectorised, and the other elementary functions are the number's own, one lane after the
+//! other. Without both they are those of the crate `wide`: vectorised, up to a few units in the last place away.
 
-use wide::{f32x8, f64x4};
+use wide::{f32x4, f32x8, f32x16, f64x2, f64x4, f64x8};
 
 use super::{Mask, Scalar};
 use crate::dynamics::Terms;
@@ -64,7 +64,11 @@ macro_rules! lanes {
                 <$lanes>::splat(value as $float)
             }
 
-            lanes!(@unary $lanes: tan asin acos atan sinh cosh tanh exp ln sqrt abs);
+            #[cfg(any(feature = "std", feature = "libm"))]
+            lanes!(@each $lanes, $float: tan asin acos atan sinh cosh tanh exp ln);
+            #[cfg(not(any(feature = "std", feature = "libm")))]
+            lanes!(@unary $lanes: tan asin acos atan sinh cosh tanh exp ln);
+            lanes!(@unary $lanes: sqrt abs);
 
             #[inline]
             fn sin(self) -> Self {
@@ -77,10 +81,20 @@ macro_rules! lanes {
             }
 
             #[cfg(any(feature = "std", feature = "libm"))]
-            #[inline]
+            #[inline(always)]
             fn sin_cos(self) -> (Self, Self) {
-                let (sines, cosines) = super::sin_cos::$polynomials::all(self.to_array());
+                let (sines, cosines) = super::sin_cos::$polynomials::lanes(self.to_array());
                 (sines.into(), cosines.into())
+            }
+
+            // Without `map`, whose closures copy vectors through memory.
+            #[inline(always)]
+            fn sin_cos_all<const N: usize>(angles: [Self; N]) -> ([Self; N], [Self; N]) {
+                let (mut sines, mut cosines) = ([Self::zero(); N], [Self::zero(); N]);
+                for i in 0..N {
+                    (sines[i], cosines[i]) = Scalar::sin_cos(angles[i]);
+                }
+                (sines, cosines)
             }
 
             #[cfg(not(any(feature = "std", feature = "libm")))]
@@ -89,15 +103,10 @@ macro_rules! lanes {
                 <$lanes>::sin_cos(self)
             }
 
-            #[inline]
-            fn atan2(self, x: Self) -> Self {
-                <$lanes>::atan2(self, x)
-            }
-
-            #[inline]
-            fn powf(self, exponent: Self) -> Self {
-                <$lanes>::powf_simd(self, exponent)
-            }
+            #[cfg(any(feature = "std", feature = "libm"))]
+            lanes!(@each_two $lanes, $float: atan2 powf);
+            #[cfg(not(any(feature = "std", feature = "libm")))]
+            lanes!(@two $lanes: atan2 = atan2, powf = powf_simd);
 
             #[inline]
             fn signum(self) -> Self {
@@ -148,38 +157,83 @@ macro_rules! lanes {
             }
         )+
     };
+    (@two $lanes:ty: $($name:ident = $vectorised:ident),+) => {
+        $(
+            #[inline]
+            fn $name(self, other: Self) -> Self {
+                <$lanes>::$vectorised(self, other)
+            }
+        )+
+    };
+    (@each $lanes:ty, $float:ty: $($name:ident)+) => {
+        $(
+            #[inline]
+            fn $name(self) -> Self {
+                self.to_array().map(<$float as Scalar>::$name).into()
+            }
+        )+
+    };
+    (@each_two $lanes:ty, $float:ty: $($name:ident)+) => {
+        $(
+            #[inline]
+            fn $name(self, other: Self) -> Self {
+                let (x, y) = (self.to_array(), other.to_array());
+                <$lanes>::from(core::array::from_fn(|i| <$float as Scalar>::$name(x[i], y[i])))
+            }
+        )+
+    };
 }
 
+lanes!(f64x2, f64, double);
 lanes!(f64x4, f64, double);
+lanes!(f64x8, f64, double);
+lanes!(f32x4, f32, single);
 lanes!(f32x8, f32, single);
+lanes!(f32x16, f32, single);
 
 #[cfg(all(test, any(feature = "std", feature = "libm")))]
 mod tests {
     use super::*;
 
-    const X: [f64; 4] = [0.3, -0.7, 0.999, -0.05];
-
-    /// The largest relative error of `lanes` against `scalar`, in units of `f64::EPSILON`.
-    fn error(lanes: fn(f64x4) -> f64x4, scalar: fn(f64) -> f64, scale: f64, shift: f64) -> f64 {
-        let x = X.map(|x| scale * x + shift);
-        let values = lanes(f64x4::from(x)).to_array();
-        (0..4).map(|i| ((values[i] - scalar(x[i])) / scalar(x[i])).abs() / f64::EPSILON).fold(0.0, f64::max)
+    /// Every lane has the bits of one number, wherever the other lanes are.
+    macro_rules! same_bits {
+        ($lanes:ty, $float:ty; $($name:ident * $scale:literal + $shift:literal),+ $(,)?) => {{
+            const COUNT: usize = size_of::<$lanes>() / size_of::<$float>();
+            for k in 0..200 {
+                // Between -1 and 1.
+                let x: [$float; COUNT] = core::array::from_fn(|i| ((37 * k + 113 * i) % 2001) as $float * 1e-3 - 1.0);
+                $({
+                    let x = x.map(|x| $scale * x + $shift);
+                    let lanes = Scalar::$name(<$lanes>::from(x)).to_array();
+                    let alone = x.map(|x| <$float as Scalar>::$name(x));
+                    assert_eq!(lanes.map(<$float>::to_bits), alone.map(<$float>::to_bits), "{} {x:?}", stringify!($name));
+                })+
+                let (y, z) = (<$lanes>::from(x), <$lanes>::from(x.map(|x| 0.3 - 2.0 * x)));
+                let angles = Scalar::atan2(y, z).to_array();
+                let powers = Scalar::powf(y * y, z).to_array();
+                let (sines, cosines) = <$lanes as Scalar>::sin_cos_all([y]);
+                for i in 0..COUNT {
+                    let (y, z) = (x[i], 0.3 - 2.0 * x[i]);
+                    assert_eq!(angles[i].to_bits(), Scalar::atan2(y, z).to_bits());
+                    assert_eq!(powers[i].to_bits(), Scalar::powf(y * y, z).to_bits());
+                    let ([sin], [cos]) = <$float as Scalar>::sin_cos_all([y]);
+                    assert_eq!(sines[0].to_array()[i].to_bits(), sin.to_bits());
+                    assert_eq!(cosines[0].to_array()[i].to_bits(), cos.to_bits());
+                }
+            }
+        }};
     }
 
     #[test]
-    fn functions_agree_with_those_of_one_number() {
-        macro_rules! check {
-            ($($name:ident * $scale:literal + $shift:literal),+ $(,)?) => {
-                $(
-                    let e = error(Scalar::$name, Scalar::$name, $scale, $shift);
-                    // The polynomials of wide are good to a few units; more is a wrong function.
-                    assert!(e < 16.0, "{}: {e}", stringify!($name));
-                )+
-            };
+    fn every_lane_has_the_bits_of_one_number() {
+        macro_rules! all {
+            ($($lanes:ident $float:ident),+) => {$(
+                same_bits!($lanes, $float; tan * 1.5 + 0.0, asin * 1.0 + 0.0, acos * 0.9 + 0.0, atan * 5.0 + 0.0,
+                    sinh * 2.0 + 0.0, cosh * 2.0 + 0.0, tanh * 2.0 + 0.0, exp * 3.0 + 0.0, ln * 1.0 + 4.0,
+                    sqrt * 1.0 + 4.0, abs * 1.0 + 0.0);
+            )+};
         }
-        check!(sin * 3.0 + 0.0, cos * 1.5 + 0.0, tan * 1.5 + 0.0, asin * 1.0 + 0.0, acos * 0.9 + 0.0);
-        check!(atan * 5.0 + 0.0, sinh * 2.0 + 0.0, cosh * 2.0 + 0.0, tanh * 2.0 + 0.0, exp * 3.0 + 0.0);
-        check!(ln * 1.0 + 4.0, sqrt * 1.0 + 4.0, abs * 1.0 + 0.0);
+        all!(f64x2 f64, f64x4 f64, f64x8 f64, f32x4 f32, f32x8 f32, f32x16 f32);
     }
 
     #[test]

@@ -107,7 +107,7 @@ macro_rules! polynomials {
 
             /// In lockstep.
             #[inline(always)]
-            pub(in crate::scalar) fn block<const N: usize>(angles: [$float; N]) -> ([$float; N], [$float; N]) {
+            fn block<const N: usize>(angles: [$float; N]) -> ([$float; N], [$float; N]) {
                 let (mut sines, mut cosines) = ([0.0; N], [0.0; N]);
                 for i in 0..N {
                     (sines[i], cosines[i]) = within_reach(angles[i]);
@@ -144,6 +144,13 @@ macro_rules! polynomials {
                 let (sines, cosines) = self::block::<M>(core::array::from_fn(|i| angles[start + i]));
                 results[0][start..start + M].copy_from_slice(&sines);
                 results[1][start..start + M].copy_from_slice(&cosines);
+            }
+
+            /// As many as a vector has.
+            #[cfg(feature = "wide")]
+            #[inline(always)]
+            pub(in crate::scalar) fn lanes<const N: usize>(angles: [$float; N]) -> ([$float; N], [$float; N]) {
+                if LOCKSTEP { self::block(angles) } else { all(angles) }
             }
 
             /// In blocks of sizes that compilers turn into vector instructions.

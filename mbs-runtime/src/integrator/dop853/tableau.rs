@@ -13,7 +13,7 @@
 use crate::integrator::adaptive::Weight;
 
 /// The nodes `c` of the stages.
-pub(super) const NODES: [f64; 16] = [
+pub(in crate::integrator) const NODES: [f64; 16] = [
     0.0,
     0.0526001519587677318785587544488,
     0.0789002279381515978178381316732,
