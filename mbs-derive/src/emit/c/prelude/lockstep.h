@@ -9,20 +9,20 @@
     { \
         mbs_real x[n], s[n], c[n]; \
         int are_near = 1; \
-        for (int i = 0; i < n; i++) { \
+        for (int i = 0; i < (n); i++) { \
             x[i] = angles[i]; \
         } \
-        for (int i = 0; i < n; i++) { \
+        for (int i = 0; i < (n); i++) { \
             mbs_sin_cos_near(x[i], s + i, c + i); \
         } \
-        for (int i = 0; i < n; i++) { \
+        for (int i = 0; i < (n); i++) { \
             are_near &= mbs_abs(x[i]) <= MBS_REACH; \
         } \
-        for (int i = 0; i < n; i++) { \
+        for (int i = 0; i < (n); i++) { \
             sines[i] = s[i]; \
             cosines[i] = c[i]; \
         } \
-        for (int i = 0; !are_near && i < n; i++) { \
+        for (int i = 0; !are_near && i < (n); i++) { \
             mbs_sin_cos(x[i], sines + i, cosines + i); \
         } \
     }
