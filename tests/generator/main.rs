@@ -2,8 +2,6 @@
 
 mod accuracy;
 mod architecture;
-mod c_header;
-mod call;
 mod determinism;
 mod downstream;
 mod emitted;
@@ -15,7 +13,6 @@ mod proof;
 mod readable;
 mod reference;
 mod robustness;
-mod scripts;
 mod structured;
 mod textbook;
 mod ui;

@@ -6,21 +6,22 @@ use std::fmt::Write as _;
 use std::path::Path;
 use std::process::Command;
 
-use mbs_derive::emit::{Language, Options};
-use mbs_derive::expr::{Binary, Rounded};
-use mbs_derive::interpret::{Interpreter, State};
-use mbs_derive::optimise::{Derivation, Function, Instruction, Program};
-use mbs_tests::random::Random;
+use mbs_derive::emit::{Language, Options, Trigonometry};
+use mbs_derive::optimise::{Function, FunctionKind};
+use mbs_printers::call::{arguments, entries, takes};
+use mbs_printers::case::{ALL, Case};
+use mbs_printers::depth;
+use mbs_printers::tools::each;
 
-use super::{
-    analysed, arguments, bits, entries, has, interpreted, mechanisms, numbers, printed, same, states, takes, want,
-};
+use super::{bits, has, numbers, printed};
+use crate::elementary;
 
-const STATES: usize = 24;
+/// States of a run that is not complete.
+const FEW: usize = 24;
 
-/// Branches and tables, motions that are given, constraints with reactions, attitudes. They are few because a device
-/// takes seconds to compile a mechanism.
-const MECHANISMS: [&str; 4] = ["branches", "shaken_pendulum", "four_bar_with_reactions", "quadrotor_quaternion"];
+/// Branches and tables, motions that are given, constraints with reactions, attitudes: what is run where not all was
+/// asked for, because a device takes seconds to compile a mechanism.
+const SOME: [&str; 4] = ["branches", "shaken_pendulum", "four_bar_with_reactions", "quadrotor_quaternion"];
 
 /// The program that runs kernels, where there is a device for it.
 fn host(folder: &Path) -> bool {
@@ -48,17 +49,6 @@ fn host(folder: &Path) -> bool {
     true
 }
 
-/// Whether nothing but `+ − × ÷ √`, sines and cosines occur.
-fn is_exact(program: &Program) -> bool {
-    use mbs_derive::expr::Function as F;
-    let is_exact = |instruction: &Instruction| match instruction {
-        Instruction::Call(function, _) => matches!(function, F::Sin | F::Cos | F::Abs | F::Signum),
-        Instruction::Call2(Binary::Atan2 | Binary::Powf, ..) => false,
-        _ => true,
-    };
-    program.instructions.iter().all(is_exact)
-}
-
 /// Number k of state i is at `k*states + i`.
 fn columns(states: &[Vec<f64>]) -> Vec<f64> {
     let count = states.first().map_or(0, Vec::len);
@@ -71,22 +61,30 @@ fn kernels_give_the_bits_of_their_programs() {
     if !host(folder.path()) {
         return;
     }
-    let mut random = Random::new(19);
-    let (mut exact, mut close) = (0, 0);
-    for (name, text) in mechanisms().filter(|(name, _)| MECHANISMS.contains(name)) {
-        analysed(name, text, |of| {
-            let header = Language::Opencl.write(of, name, &Options::default());
-            std::fs::write(folder.path().join("kernels.cl"), &header).expect("written");
-            let counts = compare(of, name, &header, folder.path(), &mut random);
-            exact += counts[0];
-            close += counts[1];
+    let states = if depth::is_complete() { depth::STATES } else { FEW };
+    let cases = ALL.iter().filter(|case| depth::is_complete() || SOME.contains(&case.name.as_str()));
+    let compared = each(cases, |case| {
+        let ways = [Trigonometry::Polynomials, Trigonometry::Library];
+        // The library's where it is quick: the kernels differ in two functions of the prelude alone.
+        let is_short = case.of.dof() < 4;
+        let ways = &ways[..if is_short { 2 } else { 1 }];
+        let counts = ways.iter().map(|&trigonometry| {
+            let found = ran(case, trigonometry, states, folder.path());
+            case.compare("OpenCL", &found, &case.wanted(trigonometry, states), states)
         });
-    }
+        counts.fold([0, 0], |[a, b], [c, d]| [a + c, b + d])
+    });
+    let [exact, close] = compared.iter().fold([0, 0], |[a, b], [c, d]| [a + c, b + d]);
+    println!("{} mechanisms, {exact} numbers with the same bits, {close} within their bounds", compared.len());
     assert!(exact > 10_000 && close > 100, "{exact} {close}");
 }
 
-fn compare(of: &Derivation, name: &str, header: &str, folder: &Path, random: &mut Random) -> [usize; 2] {
-    let states = states(of, STATES, random);
+/// What all kernels give, in the order of the programs: function by function, state by state.
+fn ran(case: &Case, trigonometry: Trigonometry, states: usize, folder: &Path) -> Vec<f64> {
+    let (of, name) = (&case.of, &case.name);
+    let header = Language::Opencl.write(of, name, &Options { trigonometry, ..Options::default() });
+    let file = format!("{name}_{trigonometry:?}.cl");
+    std::fs::write(folder.join(&file), &header).expect("written");
     let kernels: Vec<&str> = header.lines().filter_map(|line| line.strip_prefix("MBS_KERNEL ")).collect();
     let kernels: Vec<&str> = kernels.iter().filter_map(|line| line.split('(').next()).collect();
     let number = |ending: &str| {
@@ -97,13 +95,17 @@ fn compare(of: &Derivation, name: &str, header: &str, folder: &Path, random: &mu
     let defaults: Vec<f64> = of.parameters.iter().flat_map(|p| &p.defaults).map(|value| value.to_f64()).collect();
     let defaults = if defaults.is_empty() { vec![0.0] } else { defaults };
     let mut given = format!("new {parameters} {length} {} {}", kernels[0], bits(&defaults));
+    let outputs = |function: &Function| -> Vec<usize> {
+        function.results.iter().map(|part| entries(part.shape)).filter(|n| *n > 0).collect()
+    };
+    assert_eq!(kernels.len(), of.functions.len() + 1, "{name}");
     for (function, kernel) in of.functions.iter().zip(&kernels[1..]) {
         let inputs: Vec<(&str, usize)> =
             arguments(of).into_iter().filter(|(name, n)| *n > 0 && takes(of, function, name)).collect();
-        let outputs: Vec<usize> = function.results.iter().map(|part| entries(part.shape)).filter(|n| *n > 0).collect();
-        let _ = write!(given, "\nrun {STATES} {} {} {kernel} ", inputs.len(), outputs.len());
+        let outputs = outputs(function);
+        let _ = write!(given, "\nrun {states} {} {} {kernel} ", inputs.len(), outputs.len());
         for (argument, count) in inputs {
-            let all: Vec<Vec<f64>> = states
+            let all: Vec<Vec<f64>> = case.states[..states]
                 .iter()
                 .map(|(state, multipliers)| match argument {
                     "t" => vec![state.t],
@@ -121,104 +123,29 @@ fn compare(of: &Derivation, name: &str, header: &str, folder: &Path, random: &mu
             let _ = write!(given, "{count} ");
         });
     }
-    let printed = printed(&folder.join("host"), &["kernels.cl", ""], given);
+    let printed = printed(&folder.join("host"), &[&file, ""], given);
     assert_eq!(printed.lines().count(), of.functions.len(), "{name}");
-    let mut counts = [0, 0];
-    for (function, line) in of.functions.iter().zip(printed.lines()) {
-        let found = numbers(line.split_whitespace());
-        for (i, (state, multipliers)) in states.iter().enumerate() {
-            let own: Vec<f64> = found.iter().copied().skip(i).step_by(STATES).collect();
-            counts[usize::from(!agree(of, function, (state, multipliers.as_slice()), &own, name))] += own.len();
-        }
+    let mut found = Vec::new();
+    for line in printed.lines() {
+        // Number k of state i is at `k*states + i`.
+        let columns = numbers(line.split_whitespace());
+        (0..states).for_each(|i| found.extend(columns.iter().copied().skip(i).step_by(states)));
     }
-    counts
+    found
 }
 
-/// To the bit, or where other functions of the library occur within the running error; which of them.
-fn agree(
-    of: &Derivation,
-    function: &Function,
-    (state, multipliers): (&State, &[f64]),
-    found: &[f64],
-    name: &str,
-) -> bool {
-    let want = want(&interpreted(of), function, state, multipliers);
-    let is_exact = of.functions.iter().all(|f| is_exact(&f.program)) && is_exact(&of.constructor);
-    let bounds = (!is_exact).then(|| bounds(of, function, state, multipliers));
-    assert_eq!(found.len(), want.len(), "{name}, {}", function.name);
-    for (i, (&found, &want)) in found.iter().zip(&want).enumerate() {
-        let is_close = bounds.as_ref().is_some_and(|bounds| (found - want).abs() <= bounds[i]);
-        assert!(same(found, want) || is_close, "{name}, {}[{i}]: {found:e}, not {want:e}", function.name);
-    }
-    is_exact
-}
-
-/// How far rounding may carry each result; twice, because both have been carried.
-fn bounds(of: &Derivation, function: &Function, state: &State, multipliers: &[f64]) -> Vec<f64> {
-    let exact = |values: &[f64]| values.iter().copied().map(Rounded::exact).collect::<Vec<_>>();
-    let parameters = of.parameters.iter().flat_map(|p| &p.defaults).map(|value| Rounded::exact(value.to_f64()));
-    let state = State {
-        t: Rounded::exact(state.t),
-        prescribed: state.prescribed.iter().map(|signal| signal.map(Rounded::exact)).collect(),
-        q: exact(&state.q),
-        qd: exact(&state.qd),
-        qdd: exact(&state.qdd),
-        u: exact(&state.u),
-    };
-    let results =
-        Interpreter::with_parameters(of, parameters.collect()).evaluate_with(function, &state, &exact(multipliers));
-    results.iter().map(|result| 2.0 * result.error).collect()
-}
-
-/// Each function of the header that is not the runtime's own, within 4 ulp of the host's.
+/// Every function that the language of mechanisms has.
 #[test]
 fn the_device_s_functions_are_within_4_ulp() {
     let folder = tempfile::tempdir().expect("a folder");
     if !host(folder.path()) {
         return;
     }
-    type Elementary = (&'static str, fn(f64) -> f64, [f64; 2]);
-    let functions: [Elementary; 12] = [
-        ("tan", f64::tan, [-1.5, 1.5]),
-        ("asin", f64::asin, [-1.0, 1.0]),
-        ("acos", f64::acos, [-1.0, 1.0]),
-        ("atan", f64::atan, [-9.0, 9.0]),
-        ("sinh", f64::sinh, [-9.0, 9.0]),
-        ("cosh", f64::cosh, [-9.0, 9.0]),
-        ("tanh", f64::tanh, [-9.0, 9.0]),
-        ("exp", f64::exp, [-30.0, 30.0]),
-        ("ln", f64::ln, [1e-3, 1e3]),
-        ("sqrt", f64::sqrt, [0.0, 1e3]),
-        ("sin", f64::sin, [-1e5, 1e5]),
-        ("cos", f64::cos, [-1e5, 1e5]),
-    ];
-    let (_, text) = mechanisms().find(|(name, _)| *name == "pendulum").expect("it is shipped");
-    let mut program = analysed("pendulum", text, |of| Language::Opencl.write(of, "pendulum", &Options::default()));
-    let mut given = "new 1 1 none 0".to_string();
-    program += "__kernel void none(__global const mbs_real *params, __global mbs_real *self) { *self = *params; }\n";
-    let head = "(unsigned int n, __global const void *self, __global const mbs_real *x, __global mbs_real *y)";
-    let mut random = Random::new(20);
-    let count = 1000;
-    let mut arguments = Vec::new();
-    for (name, _, [low, high]) in functions {
-        let _ = writeln!(
-            program,
-            "__kernel void test_{name}{head} {{ const size_t i = get_global_id(0); y[i] = mbs_{name}(x[i]); }}"
-        );
-        let x: Vec<f64> = (0..count).map(|_| random.uniform(low..high)).collect();
-        let _ = write!(given, "\nrun {count} 1 1 test_{name} 1 {} 1", bits(&x));
-        arguments.push(x);
+    let (case, wanted) = elementary::case();
+    for trigonometry in [Trigonometry::Polynomials, Trigonometry::Library] {
+        let found = ran(&case, trigonometry, depth::STATES, folder.path());
+        case.compare("OpenCL", &found, &wanted(&case, trigonometry), depth::STATES);
     }
-    std::fs::write(folder.path().join("functions.cl"), program).expect("written");
-    let printed = printed(&folder.path().join("host"), &["functions.cl", ""], given);
-    for (((name, function, _), x), line) in functions.iter().zip(&arguments).zip(printed.lines()) {
-        for (&x, found) in x.iter().zip(numbers(line.split_whitespace())) {
-            let want = function(x);
-            let ulp = f64::from_bits(want.abs().to_bits() + 1) - want.abs();
-            assert!((found - want).abs() <= 4.0 * ulp, "{name}({x}) = {found}, not {want}");
-        }
-    }
-    assert_eq!(printed.lines().count(), functions.len());
 }
 
 /// The program of docs/c.md for a host in Python.
@@ -232,7 +159,8 @@ fn the_manual_s_host_runs() {
     let folder = tempfile::tempdir().expect("a folder");
     super::write_manual(folder.path(), Language::Opencl, "main.py", super::manual("python"));
     let output = Command::new("python3").arg("main.py").current_dir(folder.path()).output().expect("it runs");
-    let [a, b] = super::pendulum().forward_dynamics(&[0.3; 2], &[0.0; 2]);
+    let accelerations = super::pendulum(FunctionKind::ForwardDynamics, [0.3; 2]);
+    let (a, b) = (accelerations[0], accelerations[1]);
     let found: Vec<f64> =
         String::from_utf8_lossy(&output.stdout).split_whitespace().map(|x| x.parse().expect("a number")).collect();
     assert!(found.len() == 2 && (found[0] - a).abs() < 1e-11 && (found[1] - b).abs() < 1e-11, "{output:?}");
