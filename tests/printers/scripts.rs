@@ -117,11 +117,13 @@ fn every_function_gives_the_bits_of_its_program_in_every_language() {
         return;
     }
     let cases: Vec<&Case> = ALL.iter().collect();
-    let states = [states_of_scripts(), states_of_octave()];
-    for trigonometry in [Trigonometry::Polynomials, Trigonometry::Library] {
+    // Octave takes minutes for a hundred states: the library's sines are compared at ten.
+    let ways = [(Trigonometry::Polynomials, states_of_octave()), (Trigonometry::Library, states_of_octave().min(10))];
+    for (trigonometry, states_of_octave) in ways {
         if trigonometry == Trigonometry::Library && !is_complete() {
             continue;
         }
+        let states = [states_of_scripts(), states_of_octave];
         let [same, close] = compared(&cases, trigonometry, states, |case, n| case.wanted(trigonometry, n));
         println!("{trigonometry:?}: {same} numbers with the same bits, {close} within their bounds");
         assert!(same > 50_000, "{same} {close}");
