@@ -10,10 +10,9 @@ use mbs_derive::source::Place;
 use pyo3::prelude::*;
 use pyo3::types::{PyList, PyTuple};
 
-use crate::refused;
+use crate::{guarded, refused};
 
 /// A recorded call: its name, the values that it is given, numbers, words, how often its own value is used.
-#[derive(Clone, PartialEq)]
 struct Call {
     name: String,
     operands: Vec<usize>,
@@ -35,7 +34,6 @@ fn kept(file: &str) -> &'static str {
 }
 
 /// Recorded calls; the value of each is known by its number.
-#[derive(Clone, PartialEq)]
 pub(crate) struct Calls(Vec<Call>);
 
 /// As Python records a call: name, operands, numbers, words, and file, line and column.
@@ -57,8 +55,12 @@ pub(crate) fn read(list: &Bound<'_, PyList>) -> PyResult<Calls> {
 }
 
 impl Calls {
-    /// The mechanism that they make; values of the builder stay on one thread.
-    pub(crate) fn mechanism(&self) -> PyResult<Mechanism> {
+    /// What `work` makes of the mechanism, without Python: values of the builder stay on one thread.
+    pub(crate) fn py_free<T: Send>(&self, work: impl FnOnce(Mechanism) -> PyResult<T> + Send) -> PyResult<T> {
+        Python::attach(|py| py.detach(|| guarded(|| self.mechanism().and_then(work))))
+    }
+
+    fn mechanism(&self) -> PyResult<Mechanism> {
         let Some(Call { name, words, place, .. }) = self.0.first() else { return Err(refused("there are no calls")) };
         let ("mechanism", [own, doc]) = (name.as_str(), words.as_slice()) else {
             return Err(refused("the first call is `mechanism`"));

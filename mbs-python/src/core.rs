@@ -2,17 +2,18 @@
 
 use std::sync::{Arc, RwLock};
 
-use mbs_derive::expr::Number;
+use mbs_derive::builder::Mechanism;
+use mbs_derive::expr::{Graph, Number};
 use mbs_derive::interpret::Violation;
 use mbs_derive::optimise::{Derivation, Shape};
 use mbs_derive::source::Sources;
 use mbs_derive::variable::{Variable, component_names};
+use mbs_derive::{Analysis, Error, emit};
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 
 use crate::array::{self, Input};
-use crate::derived::{Derived, Request, Written};
 use crate::engine::{Engine, Values};
 use crate::function::{self, Function};
 use crate::native::Library;
@@ -26,20 +27,48 @@ pub(crate) struct Core {
     about: Arc<About>,
 }
 
-/// What was said of it when it was derived and compiled.
+/// What was said of it when it was derived.
 struct About {
-    derived: Arc<Derived>,
+    /// Names of the functions, and what their documentation says.
+    functions: Vec<(String, Vec<String>)>,
+    warnings: String,
+    latex: String,
     /// Why it is not compiled.
     reason: Option<String>,
+    proved_at: usize,
+}
+
+/// What a mechanism is written as.
+enum Written {
+    Text(Sources),
+    Calls(Box<Mechanism>),
+}
+
+impl Written {
+    fn sources(&self) -> Sources {
+        match self {
+            Written::Text(sources) => sources.clone(),
+            Written::Calls(mechanism) => mechanism.sources(),
+        }
+    }
 }
 
 impl Core {
-    fn of(request: Request, backend: Backend) -> PyResult<Self> {
-        let derived = Derived::of(request)?;
-        let derivation = &derived.derivation;
+    fn of(written: &Written, freeze: &[String], backend: Backend) -> Result<Self, PyErr> {
+        let graph = Graph::verbatim();
+        let wrong = |error: Error| ModelError::new_err(error.render_in(&written.sources()));
+        let analysis = match written {
+            Written::Text(sources) => Analysis::frozen(sources, &graph, freeze),
+            Written::Calls(mechanism) => Analysis::written(mechanism, &graph, freeze),
+        };
+        let analysis = analysis.map_err(wrong)?;
+        let proof = analysis.prove().map_err(wrong)?;
+        let warnings = analysis.warnings(Some(&proof)).render_in(&written.sources());
+        let latex = analysis.latex();
+        let derivation = analysis.into_programs();
         let (library, reason) = match backend {
             Backend::Interpreter => (None, Some("the interpreter was asked for".to_string())),
-            Backend::Auto | Backend::C => match Library::of(derivation) {
+            Backend::Auto | Backend::C => match Library::of(&derivation) {
                 Ok(library) => (Some(library), None),
                 Err(reason) => (None, Some(reason)),
             },
@@ -47,15 +76,17 @@ impl Core {
         if let (Backend::C, Some(reason)) = (backend, &reason) {
             return Err(PyRuntimeError::new_err(format!("not compiled: {reason}")));
         }
-        let defaults = derivation.parameters.iter().flat_map(|p| &p.defaults).copied().map(Number::to_f64).collect();
-        let engine = Engine::new(Arc::clone(&derived), library);
+        let functions = emit::Language::documented(&derivation);
+        let about = About { functions, warnings, latex, reason, proved_at: proof.states };
+        let parameters = &derivation.parameters;
+        let defaults = parameters.iter().flat_map(|p| &p.defaults).copied().map(Number::to_f64).collect();
+        let engine = Engine::new(derivation, library);
         let values = engine.values(defaults);
-        let about = Arc::new(About { derived, reason });
-        Ok(Core { engine: Arc::new(engine), values: Arc::new(RwLock::new(Arc::new(values))), about })
+        Ok(Core { engine: Arc::new(engine), values: Arc::new(RwLock::new(Arc::new(values))), about: Arc::new(about) })
     }
 
     pub(crate) fn derivation(&self) -> &Derivation {
-        self.engine.derivation()
+        &self.engine.derivation
     }
 
     pub(crate) fn current(&self) -> Arc<Values> {
@@ -85,8 +116,7 @@ impl Core {
     #[staticmethod]
     fn from_text(py: Python<'_>, text: &str, name: &str, freeze: Vec<String>, backend: &str) -> PyResult<Self> {
         let backend = self::backend(backend)?;
-        let written = Written::Text(Sources::new(name, text));
-        py.detach(|| guarded(|| Core::of(Request { written, freeze }, backend)))
+        py.detach(|| guarded(|| Core::of(&Written::Text(Sources::new(name, text)), &freeze, backend)))
     }
 
     /// From a file, and those that it imports.
@@ -96,23 +126,22 @@ impl Core {
         py.detach(|| {
             guarded(|| {
                 let sources = mbs_derive::read(&path).map_err(ModelError::new_err)?;
-                Core::of(Request { written: Written::Text(sources), freeze }, backend)
+                Core::of(&Written::Text(sources), &freeze, backend)
             })
         })
     }
 
     /// From recorded calls of the builder's Python face.
     #[staticmethod]
-    fn from_calls(py: Python<'_>, calls: &Bound<'_, PyList>, freeze: Vec<String>, backend: &str) -> PyResult<Self> {
+    fn from_calls(calls: &Bound<'_, PyList>, freeze: Vec<String>, backend: &str) -> PyResult<Self> {
         let backend = self::backend(backend)?;
-        let written = Written::Calls(builder::read(calls)?);
-        py.detach(|| guarded(|| Core::of(Request { written, freeze }, backend)))
+        let calls = builder::read(calls)?;
+        calls.py_free(|mechanism| Core::of(&Written::Calls(Box::new(mechanism)), &freeze, backend))
     }
 
     /// The function with this number.
     fn function(&self, number: usize) -> PyResult<Function> {
-        let (name, _) =
-            self.about.derived.functions.get(number).ok_or_else(|| refused(format!("no function {number}")))?;
+        let (name, _) = self.about.functions.get(number).ok_or_else(|| refused(format!("no function {number}")))?;
         Ok(Function::new(&self.engine, &self.values, number, name))
     }
 
@@ -168,12 +197,12 @@ impl Core {
         info.set_item("constraint_units", derivation.constraint_units.iter().map(|[a, b]| (a, b)).collect::<Vec<_>>())?;
         info.set_item("conserved", &derivation.conserved)?;
         info.set_item("depends_on_time", derivation.depends_on_time)?;
-        info.set_item("warnings", &about.derived.warnings)?;
-        info.set_item("latex", &about.derived.latex)?;
+        info.set_item("warnings", &about.warnings)?;
+        info.set_item("latex", &about.latex)?;
         info.set_item("not_compiled", &about.reason)?;
-        info.set_item("proved_at", about.derived.proved_at)?;
+        info.set_item("proved_at", about.proved_at)?;
         let functions = PyList::empty(py);
-        for (number, (name, docs)) in about.derived.functions.iter().enumerate() {
+        for (number, (name, docs)) in about.functions.iter().enumerate() {
             let (function, entry) = (&derivation.functions[number], PyDict::new(py));
             let arguments = function::arguments(derivation, number);
             entry.set_item("name", name)?;

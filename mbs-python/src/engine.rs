@@ -1,6 +1,5 @@
 //! One function at many states: compiled where it is, else interpreted; on several threads where that pays.
 
-use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread;
 
@@ -8,7 +7,6 @@ use mbs_derive::interpret::{Interpreter, State};
 use mbs_derive::optimise::{Derivation, Shape};
 use pyo3::prelude::*;
 
-use crate::derived::Derived;
 use crate::function::Argument;
 use crate::native::Library;
 use crate::refused;
@@ -47,20 +45,16 @@ pub(crate) struct Values {
 
 /// Programs, and compiled code of them where there is some.
 pub(crate) struct Engine {
-    derived: Arc<Derived>,
+    pub(crate) derivation: Derivation,
     pub(crate) library: Option<Library>,
     arguments: Vec<Vec<Argument>>,
 }
 
 impl Engine {
-    pub(crate) fn new(derived: Arc<Derived>, library: Option<Library>) -> Self {
-        let numbers = 0..derived.derivation.functions.len();
-        let arguments = numbers.map(|number| crate::function::arguments(&derived.derivation, number)).collect();
-        Engine { derived, library, arguments }
-    }
-
-    pub(crate) fn derivation(&self) -> &Derivation {
-        &self.derived.derivation
+    pub(crate) fn new(derivation: Derivation, library: Option<Library>) -> Self {
+        let numbers = 0..derivation.functions.len();
+        let arguments = numbers.map(|number| crate::function::arguments(&derivation, number)).collect();
+        Engine { derivation, library, arguments }
     }
 
     /// With these parameters, which have been looked at.
@@ -109,14 +103,14 @@ impl Engine {
         if count < 2 {
             return 1;
         }
-        let function = &self.derivation().functions[number];
+        let function = &self.derivation.functions[number];
         let cost = if self.is_compiled(number) { 1 } else { 30 };
         let work = count.saturating_mul(cost * (function.program.instructions.len() + 10));
         threads().min(work / LEAST).min(count)
     }
 
     fn sizes(&self, number: usize) -> Vec<usize> {
-        self.derivation().functions[number].results.iter().map(|part| entries(part.shape)).collect()
+        self.derivation.functions[number].results.iter().map(|part| entries(part.shape)).collect()
     }
 
     fn run(
@@ -132,7 +126,7 @@ impl Engine {
         if compiled.is_some_and(|library| library.run(number, &values.own, arguments, first, count, results)) {
             return;
         }
-        let (derivation, function) = (self.derivation(), &self.derivation().functions[number]);
+        let (derivation, function) = (&self.derivation, &self.derivation.functions[number]);
         let interpreter = Interpreter::with_parameters(derivation, values.parameters.clone());
         let sizes = self.sizes(number);
         let mut state = self.state();
@@ -169,7 +163,7 @@ impl Engine {
     fn state(&self) -> State {
         let count = |variables: &[mbs_derive::variable::Variable]| variables.iter().map(|v| v.count()).sum();
         let zeros = |n: usize| vec![0.0; n];
-        let (n, derivation) = (self.derivation().dof(), self.derivation());
+        let (n, derivation) = (self.derivation.dof(), &self.derivation);
         let prescribed = vec![[0.0; 3]; count(&derivation.prescribed)];
         State { t: 0.0, q: zeros(n), qd: zeros(n), qdd: zeros(n), u: zeros(count(&derivation.inputs)), prescribed }
     }

@@ -72,7 +72,7 @@ pub(crate) struct Function {
 
 impl Function {
     pub(crate) fn new(engine: &Arc<Engine>, values: &Arc<RwLock<Arc<Values>>>, number: usize, name: &str) -> Self {
-        let (derivation, arguments) = (engine.derivation(), arguments(engine.derivation(), number));
+        let (derivation, arguments) = (&engine.derivation, arguments(&engine.derivation, number));
         let results = derivation.functions[number].results.iter();
         let results = results.map(|part| (axes(part.shape), entries(part.shape))).collect();
         let of_motion = derivation.functions.iter().position(|f| f.kind == FunctionKind::Multipliers);
@@ -193,7 +193,7 @@ impl Function {
 
     fn __repr__(&self) -> String {
         let how = if self.engine.is_compiled(self.number) { "compiled" } else { "interpreted" };
-        format!("<{how} function {} of {}>", self.name, self.engine.derivation().name)
+        format!("<{how} function {} of {}>", self.name, self.engine.derivation.name)
     }
 
     /// Whether a C compiler has made it.

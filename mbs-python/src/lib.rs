@@ -1,7 +1,6 @@
 //! The extension module `mbs._mbs`: mechanisms derived, proved, compiled and simulated for Python.
 //!
 //! - [`core`]: a mechanism from its text, file or calls, and its parameters;
-//! - [`derived`]: programs that are derived and proved, kept for the next call;
 //! - [`builder`]: calls recorded by Python, made anew on `mbs_derive::builder`;
 //! - [`native`]: functions compiled by a C compiler at run time, and kept; unsafe, because it calls them;
 //! - [`engine`]: one function at one state or many, compiled or interpreted, on several threads;
@@ -14,7 +13,6 @@
 mod array;
 mod builder;
 mod core;
-mod derived;
 mod engine;
 mod function;
 mod native;

@@ -87,7 +87,7 @@ struct Equations {
 
 impl Equations {
     fn number(&self, kind: FunctionKind) -> usize {
-        let functions = &self.engine.derivation().functions;
+        let functions = &self.engine.derivation.functions;
         functions.iter().position(|f| f.kind == kind).expect("a function that every mechanism of its kind has")
     }
 
@@ -95,7 +95,7 @@ impl Equations {
     fn put(&self, kind: FunctionKind, t: f64, q: &[f64], qd: &[f64], result: &mut [f64]) {
         let number = self.number(kind);
         let (mut u, mut prescribed, zeros) = (Vec::new(), Vec::new(), vec![0.0; q.len()]);
-        let wanted = function::arguments(self.engine.derivation(), number);
+        let wanted = function::arguments(&self.engine.derivation, number);
         let wants = |name: &str| wanted.iter().any(|argument| argument.name == name);
         let u_given = if wants("u") { self.u.at(t, Some((q, qd)), &mut u) } else { Ok(()) };
         let given = u_given.and_then(|()| match wants("prescribed") {
@@ -139,7 +139,7 @@ impl Equations {
     }
 
     fn rows(&self) -> usize {
-        self.engine.derivation().constraints.len()
+        self.engine.derivation.constraints.len()
     }
 
     /// What a call of Python gives, or `none` and a note of the error.
@@ -160,7 +160,7 @@ impl Constraints<f64> for Equations {
     }
 
     fn is_holonomic(&self, row: usize) -> bool {
-        self.engine.derivation().holonomic[row]
+        self.engine.derivation.holonomic[row]
     }
 
     fn mass_matrix(&self, t: f64, q: &[f64], m: &mut [f64]) {
