@@ -8,7 +8,7 @@ mod json;
 
 use std::path::PathBuf;
 
-use mbs_derive::emit::{Language, Options};
+use mbs_derive::emit::{Language, Options, Trigonometry};
 use mbs_derive::optimise::Derivation;
 use mbs_derive::source::Sources;
 use serde_json::json;
@@ -32,9 +32,29 @@ pub(crate) struct Arguments {
     /// operation counts and digests, and what every function gives at three states.
     #[arg(long, conflicts_with = "emit")]
     review: bool,
+    /// Which sines and cosines the code computes.
+    #[arg(long, value_enum, value_name = "WHOSE", default_value_t = Sines::Polynomials, conflicts_with = "review")]
+    trigonometry: Sines,
     /// Write to a file instead of standard output.
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+enum Sines {
+    /// Those of mbs-runtime: the same bits in every language and on every machine
+    Polynomials,
+    /// Those of the language's library; bits depend on it
+    Library,
+}
+
+impl From<Sines> for Trigonometry {
+    fn from(sines: Sines) -> Self {
+        match sines {
+            Sines::Polynomials => Trigonometry::Polynomials,
+            Sines::Library => Trigonometry::Library,
+        }
+    }
 }
 
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -99,7 +119,16 @@ impl clap::ValueEnum for Emit {
 pub(crate) fn run(arguments: &Arguments, cache: &Cache) -> Result<(), Failure> {
     let mut files = Files::default();
     let sources = mechanism::open(&arguments.file, &mut files)?;
-    let what = if arguments.review { "review" } else { arguments.emit.name() };
+    let what = match arguments.trigonometry {
+        _ if arguments.review => "review".to_string(),
+        Sines::Polynomials => arguments.emit.name().to_string(),
+        Sines::Library if matches!(arguments.emit, Emit::Code(_)) => format!("{} library", arguments.emit.name()),
+        Sines::Library => {
+            let message = format!("`--emit {}` computes no sines: leave `--trigonometry` out", arguments.emit.name());
+            return Err(Failure::new(message));
+        }
+    };
+    let what = what.as_str();
     if let Some(out) = &arguments.out {
         [what, mechanism::MECHANISM].iter().for_each(|what| mechanism::note(what, &sources, cache, &mut files));
         files.writes("--out", out)?;
@@ -107,7 +136,9 @@ pub(crate) fn run(arguments: &Arguments, cache: &Cache) -> Result<(), Failure> {
     let text = match arguments.emit {
         _ if arguments.review => mechanism::code(what, &sources, cache, |derivation| reviewed(derivation, &sources))?,
         Emit::Code(language) => {
-            mechanism::code(what, &sources, cache, |derivation| written(language, derivation, &sources))?
+            let options = Options { trigonometry: arguments.trigonometry.into(), ..Options::default() };
+            let written = |derivation: &Derivation| language.write(derivation, sources.portable_name(), &options);
+            mechanism::code(what, &sources, cache, written)?
         }
         Emit::Latex => mechanism::latex(what, &sources, cache)?,
         Emit::Json => mechanism::code(what, &sources, cache, json::programs)?,
@@ -117,10 +148,6 @@ pub(crate) fn run(arguments: &Arguments, cache: &Cache) -> Result<(), Failure> {
         None => output::answer(|| json!({ "emit": what, "text": text }), || text.clone()),
         Some(path) => output::write(path, text.as_bytes()).and_then(|()| output::wrote(&[path])),
     }
-}
-
-fn written(language: Language, derivation: &Derivation, sources: &Sources) -> String {
-    language.write(derivation, sources.portable_name(), &Options::default())
 }
 
 fn reviewed(derivation: &Derivation, sources: &Sources) -> String {

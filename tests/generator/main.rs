@@ -3,8 +3,6 @@
 mod accuracy;
 mod architecture;
 mod book;
-mod c_header;
-mod call;
 mod determinism;
 mod downstream;
 mod emitted;
@@ -16,7 +14,6 @@ mod proof;
 mod readable;
 mod reference;
 mod robustness;
-mod scripts;
 mod structured;
 mod textbook;
 mod ui;

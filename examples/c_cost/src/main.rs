@@ -29,11 +29,43 @@ pub(crate) struct State {
     pub(crate) w: [f64; N],
 }
 
-unsafe extern "C" {
-    fn c_new();
-    fn c_inverse_dynamics(q: *const f64, qd: *const f64, qdd: *const f64, result: *mut f64);
-    fn c_mass_matrix(q: *const f64, result: *mut f64);
-    fn c_forward_dynamics(q: *const f64, qd: *const f64, u: *const f64, result: *mut f64);
+/// Functions of C as one compiler made them.
+struct Build {
+    name: &'static str,
+    new: unsafe extern "C" fn(),
+    inverse_dynamics: unsafe extern "C" fn(*const f64, *const f64, *const f64, *mut f64),
+    mass_matrix: unsafe extern "C" fn(*const f64, *mut f64),
+    forward_dynamics: unsafe extern "C" fn(*const f64, *const f64, *const f64, *mut f64),
+}
+
+macro_rules! builds {
+    ($($cfg:ident, $name:literal: $new:ident $inverse_dynamics:ident $mass_matrix:ident $forward_dynamics:ident;)*) => {
+        $(#[cfg($cfg)]
+        unsafe extern "C" {
+            fn $new();
+            fn $inverse_dynamics(q: *const f64, qd: *const f64, qdd: *const f64, result: *mut f64);
+            fn $mass_matrix(q: *const f64, result: *mut f64);
+            fn $forward_dynamics(q: *const f64, qd: *const f64, u: *const f64, result: *mut f64);
+        })*
+
+        /// Those whose compiler was there when this was built.
+        const BUILDS: &[Build] = &[$(
+            #[cfg($cfg)]
+            Build {
+                name: $name,
+                new: $new,
+                inverse_dynamics: $inverse_dynamics,
+                mass_matrix: $mass_matrix,
+                forward_dynamics: $forward_dynamics,
+            },
+        )*];
+    };
+}
+
+builds! {
+    gcc_o2, "gcc -O2": gcc_o2_new gcc_o2_inverse_dynamics gcc_o2_mass_matrix gcc_o2_forward_dynamics;
+    gcc_o3, "gcc -O3": gcc_o3_new gcc_o3_inverse_dynamics gcc_o3_mass_matrix gcc_o3_forward_dynamics;
+    clang_o2, "clang -O2": clang_o2_new clang_o2_inverse_dynamics clang_o2_mass_matrix clang_o2_forward_dynamics;
 }
 
 /// States of a sequence without pattern, between −2 and 2.
@@ -47,77 +79,80 @@ pub(crate) fn states(count: usize) -> Vec<State> {
     (0..count).map(|_| State { q: numbers(), qd: numbers(), w: numbers() }).collect()
 }
 
+/// Writes the results at a state.
+type Way<'a, const M: usize> = &'a dyn Fn(&State, &mut [f64; M]);
+
 /// The least time for one call of each \[ns\], in turn.
-fn least(states: &[State], ways: [&dyn Fn(&State) -> f64; 2]) -> [f64; 2] {
-    let mut least = [f64::INFINITY; 2];
+fn least<const M: usize>(states: &[State], ways: &[Way<'_, M>]) -> Vec<f64> {
+    let mut least = vec![f64::INFINITY; ways.len()];
+    let mut result = [0.0; M];
     for _ in 0..ROUNDS {
         for (least, way) in least.iter_mut().zip(ways) {
             let start = Instant::now();
-            states.iter().for_each(|state| {
-                black_box(way(black_box(state)));
-            });
+            for state in states {
+                way(black_box(state), &mut result);
+                black_box(&result);
+            }
             *least = least.min(start.elapsed().as_secs_f64() * 1e9 / states.len() as f64);
         }
     }
     least
 }
 
-fn main() {
-    // SAFETY: it writes a variable of its own, before anything reads it.
-    unsafe { c_new() };
-    let arm: Arm6 = Arm6::new(Params::default());
-    let states = states(STATES);
-    type Way<'a, const M: usize> = (&'a str, &'a dyn Fn(&State) -> [f64; M], &'a dyn Fn(&State) -> [f64; M]);
-
-    fn report<const M: usize>(states: &[State], (name, rust, c): Way<'_, M>) {
-        let mut worst = 0.0_f64;
-        let mut equal = 0;
+/// Compares the results of Rust, which is first, and of every build of C, and says what they cost.
+fn report<const M: usize>(states: &[State], name: &str, ways: &[Way<'_, M>]) {
+    let times = least(states, ways);
+    println!("{name:16} {:7.1} ns in Rust", times[0]);
+    for ((build, way), time) in BUILDS.iter().zip(&ways[1..]).zip(&times[1..]) {
+        let (mut equal, mut worst) = (0, 0.0_f64);
         for state in states {
-            let (a, b) = (rust(state), c(state));
+            let (mut a, mut b) = ([0.0; M], [0.0; M]);
+            ways[0](state, &mut a);
+            way(state, &mut b);
             let size = a.iter().fold(1.0, |size: f64, x| size.max(x.abs()));
             equal += usize::from(a.map(f64::to_bits) == b.map(f64::to_bits));
             worst = a.iter().zip(&b).fold(worst, |worst, (a, b)| worst.max((a - b).abs() / size));
         }
         assert!(worst < 1e-9, "{name}: {worst}");
-        let sum = |x: [f64; M]| x.iter().sum();
-        let [own, other] = least(states, [&|state| sum(rust(state)), &|state| sum(c(state))]);
-        let share = 100.0 * equal as f64 / states.len() as f64;
-        println!("{name:18} {own:7.1} ns in Rust, {other:7.1} ns in C: {:.3}; {share:.0} % the same bits", other / own);
+        let (ratio, share) = (time / times[0], 100.0 * equal as f64 / states.len() as f64);
+        println!("  {:14} {time:7.1} ns in C: {ratio:.3} of Rust's; {share:.0} % the same bits", build.name);
     }
+}
+
+fn main() {
+    // SAFETY: each writes a variable of its own, before anything reads it.
+    BUILDS.iter().for_each(|build| unsafe { (build.new)() });
+    let arm: Arm6 = Arm6::new(Params::default());
+    let states = states(STATES);
 
     // SAFETY of all calls: pointers to as many numbers as the functions read and write.
-    report::<6>(
-        &states,
-        ("inverse_dynamics", &|s| arm.inverse_dynamics(&s.q, &s.qd, &s.w), &|s| {
-            let mut result = [0.0; 6];
-            unsafe { c_inverse_dynamics(s.q.as_ptr(), s.qd.as_ptr(), s.w.as_ptr(), result.as_mut_ptr()) };
-            result
-        }),
-    );
-    report::<36>(
-        &states,
-        (
-            "mass_matrix",
-            &|s| {
-                let mut all = [0.0; 36];
-                all.copy_from_slice(arm.mass_matrix(&s.q).as_flattened());
-                all
-            },
-            &|s| {
-                let mut result = [0.0; 36];
-                unsafe { c_mass_matrix(s.q.as_ptr(), result.as_mut_ptr()) };
-                result
-            },
-        ),
-    );
-    report::<6>(
-        &states,
-        ("forward_dynamics", &|s| arm.forward_dynamics(&s.q, &s.qd, &s.w), &|s| {
-            let mut result = [0.0; 6];
-            unsafe { c_forward_dynamics(s.q.as_ptr(), s.qd.as_ptr(), s.w.as_ptr(), result.as_mut_ptr()) };
-            result
-        }),
-    );
+    let inverse_dynamics = BUILDS.iter().map(|build| {
+        |s: &State, result: &mut [f64; 6]| unsafe {
+            (build.inverse_dynamics)(s.q.as_ptr(), s.qd.as_ptr(), s.w.as_ptr(), result.as_mut_ptr());
+        }
+    });
+    let mass_matrix = BUILDS.iter().map(|build| {
+        |s: &State, result: &mut [f64; 36]| unsafe { (build.mass_matrix)(s.q.as_ptr(), result.as_mut_ptr()) }
+    });
+    let forward_dynamics = BUILDS.iter().map(|build| {
+        |s: &State, result: &mut [f64; 6]| unsafe {
+            (build.forward_dynamics)(s.q.as_ptr(), s.qd.as_ptr(), s.w.as_ptr(), result.as_mut_ptr());
+        }
+    });
+    let (inverse_dynamics, mass_matrix, forward_dynamics): (Vec<_>, Vec<_>, Vec<_>) =
+        (inverse_dynamics.collect(), mass_matrix.collect(), forward_dynamics.collect());
+
+    let mut ways: Vec<Way<'_, 6>> = vec![&|s, result| *result = arm.inverse_dynamics(&s.q, &s.qd, &s.w)];
+    ways.extend(inverse_dynamics.iter().map(|way| way as Way<'_, 6>));
+    report(&states, "inverse_dynamics", &ways);
+
+    let mut ways: Vec<Way<'_, 36>> = vec![&|s, result| result.copy_from_slice(arm.mass_matrix(&s.q).as_flattened())];
+    ways.extend(mass_matrix.iter().map(|way| way as Way<'_, 36>));
+    report(&states, "mass_matrix", &ways);
+
+    let mut ways: Vec<Way<'_, 6>> = vec![&|s, result| *result = arm.forward_dynamics(&s.q, &s.qd, &s.w)];
+    ways.extend(forward_dynamics.iter().map(|way| way as Way<'_, 6>));
+    report(&states, "forward_dynamics", &ways);
     #[cfg(feature = "opencl")]
     device::report(&arm);
 }

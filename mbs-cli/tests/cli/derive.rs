@@ -26,6 +26,20 @@ fn rust_names_its_source() {
     assert!(code.contains("struct Pendulum"), "{code}");
 }
 
+/// Kept apart from the code with the runtime's own.
+#[test]
+fn sines_may_be_those_of_the_library() {
+    let workshop = Workshop::new();
+    let own = workshop.good(&["derive", "pendulum.mbs", "--emit", "js"]);
+    assert_eq!(workshop.good(&["derive", "pendulum.mbs", "--emit", "js", "--trigonometry", "polynomials"]), own);
+    let library = workshop.good(&["derive", "pendulum.mbs", "--emit", "js", "--trigonometry", "library"]);
+    assert!(library.contains("Math.sin(theta)") && !own.contains("Math.sin(theta)"), "{library}");
+    let header = workshop.good(&["derive", "pendulum.mbs", "--emit", "c", "--trigonometry", "library"]);
+    assert!(header.contains("#define MBS_LIBRARY_TRIGONOMETRY"), "{header}");
+    let report = workshop.bad(&["derive", "pendulum.mbs", "--emit", "latex", "--trigonometry", "library"]);
+    assert_eq!(report, "error: `--emit latex` computes no sines: leave `--trigonometry` out\n");
+}
+
 #[test]
 fn json_holds_every_program() {
     let workshop = Workshop::new();

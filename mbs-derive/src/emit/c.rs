@@ -181,25 +181,14 @@ fn block(block: &Block, printer: &Printer<'_, '_>, depth: usize) -> String {
             Statement::Let(local, tree) => {
                 let _ = writeln!(text, "{indent}const mbs_real {} = {};", name(local), printer.tree(tree));
             }
+            Statement::SinCos(angles) if angles.len() > 1 && !printer.header.has_kernels() => {
+                text += &lockstep(angles, printer, &indent);
+            }
             Statement::SinCos(angles) => {
-                for Angle { tree, sin, cos } in angles {
-                    let angle = printer.tree(tree);
-                    match [sin, cos].map(|local| local.as_ref().map(name)) {
-                        [Some(sin), Some(cos)] => {
-                            let _ = writeln!(text, "{indent}mbs_real {sin}, {cos};");
-                            let _ = writeln!(text, "{indent}mbs_sin_cos({angle}, &{sin}, &{cos});");
-                        }
-                        [sin, cos] => {
-                            for (function, local) in [("mbs_sin", sin), ("mbs_cos", cos)] {
-                                let line = |local| format!("{indent}const mbs_real {local} = {function}({angle});\n");
-                                text += &local.map(line).unwrap_or_default();
-                            }
-                        }
-                    }
-                }
+                angles.iter().for_each(|angle| text += &one_angle(angle, printer, &indent));
             }
             Statement::Spline { table, orders, locals, x } => {
-                let (table, x) = ((printer.table)(*table), printer.tree(x));
+                let (table, x) = (printer.header.table(*table), printer.tree(x));
                 for (order, local) in orders.iter().zip(locals) {
                     let _ = writeln!(text, "{indent}const mbs_real {} = {table}({order}, {x});", name(local));
                 }
@@ -221,6 +210,42 @@ fn block(block: &Block, printer: &Printer<'_, '_>, depth: usize) -> String {
                 let _ =
                     writeln!(text, "{indent}const mbs_real {} = {};", name(local), printer.tree(&wanted.results[0]));
             }
+        }
+    }
+    text
+}
+
+/// Sines and cosines that are wanted of one angle.
+fn one_angle(Angle { tree, sin, cos }: &Angle, printer: &Printer<'_, '_>, indent: &str) -> String {
+    let angle = printer.tree(tree);
+    let name = |local: &usize| printer.local(*local);
+    match [sin, cos].map(|local| local.as_ref().map(name)) {
+        [Some(sin), Some(cos)] => {
+            let declared = format!("{indent}mbs_real {sin}, {cos};\n");
+            declared + &format!("{indent}mbs_sin_cos({angle}, &{sin}, &{cos});\n")
+        }
+        [sin, cos] => {
+            let line = |(function, local)| format!("{indent}const mbs_real {local} = {function}({angle});\n");
+            let wanted = [("mbs_sin", sin), ("mbs_cos", cos)].into_iter();
+            wanted.filter_map(|(function, local)| Some(line((function, local?)))).collect()
+        }
+    }
+}
+
+/// Sines and cosines of several angles by one call, which compilers turn into vector instructions. Kernels have no use
+/// for that: their work items are in lockstep themselves.
+fn lockstep(angles: &[Angle], printer: &Printer<'_, '_>, indent: &str) -> String {
+    let count = angles.len();
+    let first = angles.iter().find_map(|angle| angle.sin.or(angle.cos)).unwrap_or_default();
+    let [given, sines, cosines] = ["angles", "sines", "cosines"].map(|name| format!("mbs_{name}_{first}"));
+    let trees: Vec<String> = angles.iter().map(|angle| printer.tree(&angle.tree)).collect();
+    let mut text = format!("{indent}const mbs_real {given}[{count}] = {{{}}};\n", trees.join(", "));
+    let _ = writeln!(text, "{indent}mbs_real {sines}[{count}], {cosines}[{count}];");
+    let _ = writeln!(text, "{indent}mbs_sin_cos_all({count}, {given}, {sines}, {cosines});");
+    for (i, angle) in angles.iter().enumerate() {
+        for (local, values) in [(angle.sin, &sines), (angle.cos, &cosines)] {
+            let line = |local| format!("{indent}const mbs_real {} = {values}[{i}];\n", printer.local(local));
+            text += &local.map(line).unwrap_or_default();
         }
     }
     text

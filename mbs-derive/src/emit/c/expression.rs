@@ -2,6 +2,7 @@
 
 use super::super::body::Body;
 use super::super::expression::{Tree, unfused};
+use super::Header;
 
 /// Keywords of C and C++, and what functions of a header have names for: a local or a field of such a name gets
 /// another.
@@ -367,8 +368,7 @@ pub(super) fn constant(value: f64) -> String {
 /// A body's leaves as C.
 pub(super) struct Printer<'b, 'n> {
     pub(super) body: &'b Body<'n>,
-    /// What the table with a number is called.
-    pub(super) table: &'b dyn Fn(usize) -> String,
+    pub(super) header: &'b Header<'n>,
     /// What is before a field of the mechanism.
     pub(super) own: &'static str,
 }

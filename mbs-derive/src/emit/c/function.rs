@@ -101,7 +101,7 @@ impl Header<'_> {
     pub(super) fn statements(&self, function: &Function) -> (String, Vec<String>) {
         let components = shape::components(self.derivation, function);
         let body = Body::new(&function.program, &components, self.names, self.names.function_scope());
-        let printer = Printer { body: &body, table: &|number| self.table(number), own: "self->" };
+        let printer = Printer { body: &body, header: self, own: "self->" };
         let text = self.symbols(&body, "self->params.") + &block(&body.block, &printer, 1);
         (text, body.block.results.iter().map(|tree| printer.tree(tree)).collect())
     }

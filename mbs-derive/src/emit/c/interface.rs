@@ -179,7 +179,7 @@ impl Header<'_> {
         }
         let all: Vec<Component> = (0..of.results.len()).map(|i| Component::Result(i, String::new())).collect();
         let body = Body::new(&of, &all, self.names, self.names.function_scope());
-        let printer = Printer { body: &body, table: &|number| self.table(number), own: "self->" };
+        let printer = Printer { body: &body, header: self, own: "self->" };
         text += &self.symbols(&body, "self->params.");
         text += &block(&body.block, &printer, 1);
         let values: Vec<String> = body.block.results.iter().map(|tree| printer.tree(tree)).collect();

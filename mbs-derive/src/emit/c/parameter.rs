@@ -95,7 +95,7 @@ impl Header<'_> {
             return String::new();
         }
         let body = Body::new(program, &components, self.names, self.names.constructor_scope());
-        let printer = Printer { body: &body, table: &|number| self.table(number), own: "self." };
+        let printer = Printer { body: &body, header: self, own: "self." };
         let mut text = String::from("    if (error) {\n        return error;\n    }\n");
         text += &self.symbols(&body, "params->");
         text += &block(&body.block, &printer, 1);
@@ -124,7 +124,7 @@ impl Header<'_> {
         let mut text = comment(&[docs], "");
         let _ = writeln!(text, "MBS_FN {prefix} {prefix}_new(const {prefix}_parameters *params)\n{{");
         let _ = writeln!(text, "    {prefix} self;");
-        let printer = Printer { body: &body, table: &|number| self.table(number), own: "self." };
+        let printer = Printer { body: &body, header: self, own: "self." };
         text += &self.symbols(&body, "params->");
         text += &block(&body.block, &printer, 1);
         text += "    self.params = *params;\n";

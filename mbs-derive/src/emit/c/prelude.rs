@@ -19,6 +19,7 @@ pub(super) fn text(header: &Header<'_>) -> String {
         (header.uses_library, "#ifndef MBS_LIBRARY_TRIGONOMETRY\n#define MBS_LIBRARY_TRIGONOMETRY\n#endif\n"),
         (true, include_str!("prelude/numbers.h")),
         (true, include_str!("prelude/sin_cos.h")),
+        (!header.has_kernels(), include_str!("prelude/lockstep.h")),
         (true, include_str!("prelude/check.h")),
         (checks_inertia, include_str!("prelude/check_inertia.h")),
         (solves, include_str!("prelude/ldlt.h")),

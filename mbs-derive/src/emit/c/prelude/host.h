@@ -1,5 +1,6 @@
 #include <math.h>
 #include <stddef.h>
+#include <string.h>
 
 #ifndef MBS_PRELUDE
 #define MBS_PRELUDE
@@ -12,3 +13,18 @@
 #define MBS_TEXT
 typedef long long mbs_long;
 
+
+/* The bits of a double. */
+typedef unsigned long long mbs_bits;
+MBS_FN mbs_bits mbs_to_bits(double x)
+{
+    mbs_bits bits;
+    memcpy(&bits, &x, sizeof bits);
+    return bits;
+}
+MBS_FN double mbs_from_bits(mbs_bits bits)
+{
+    double x;
+    memcpy(&x, &bits, sizeof x);
+    return x;
+}

@@ -13,3 +13,8 @@
 #define MBS_TEXT __constant
 typedef long mbs_long;
 
+
+/* The bits of a double. */
+typedef ulong mbs_bits;
+#define mbs_to_bits(x) as_ulong(x)
+#define mbs_from_bits(bits) as_double(bits)

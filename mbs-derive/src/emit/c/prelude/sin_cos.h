@@ -9,15 +9,13 @@ MBS_FN void mbs_sin_cos(mbs_real x, mbs_real *sine, mbs_real *cosine)
     *cosine = mbs_cos(x);
 }
 #else
-MBS_FN void mbs_sin_cos(mbs_real x, mbs_real *sine, mbs_real *cosine)
+/* Up to 1e5: x = k pi/2 + y - e, with pi/2 in three parts; the summand rounds to an integer, whose last bits those of
+   `shifted` are: an odd one swaps, the next one changes signs. */
+#define MBS_REACH 1e5
+MBS_FN void mbs_sin_cos_near(mbs_real x, mbs_real *sine, mbs_real *cosine)
 {
-    if (!(mbs_abs(x) <= 1e5)) {
-        *sine = sin(x);
-        *cosine = cos(x);
-        return;
-    }
-    /* x = k pi/2 + y - e, with pi/2 in three parts; the summand rounds to an integer. */
-    const mbs_real k = (x * 0.6366197723675814 + 6755399441055744.0) - 6755399441055744.0;
+    const mbs_real shifted = x * 0.6366197723675814 + 6755399441055744.0;
+    const mbs_real k = shifted - 6755399441055744.0;
     const mbs_real r = x - k * 1.5707963267341256;
     const mbs_real w = k * 6.077100506303966e-11;
     const mbs_real h = r - w;
@@ -34,13 +32,22 @@ MBS_FN void mbs_sin_cos(mbs_real x, mbs_real *sine, mbs_real *cosine)
                        (z2 * z2) * (2.087570523233725e-9 + z * -1.1358739381498488e-11);
     const mbs_real halved = 0.5 * z;
     const mbs_real one = 1.0 - halved;
-    const mbs_real s = y - (e * one - (z * y) * p);
-    const mbs_real c = one + (((1.0 - one) - halved) + ((z * z) * q + y * e));
-    const int quadrant = (int)k;
-    const mbs_real first = quadrant & 1 ? c : s;
-    const mbs_real second = quadrant & 1 ? s : c;
-    *sine = quadrant & 2 ? -first : first;
-    *cosine = (quadrant + 1) & 2 ? -second : second;
+    const mbs_bits s = mbs_to_bits(y - (e * one - (z * y) * p));
+    const mbs_bits c = mbs_to_bits(one + (((1.0 - one) - halved) + ((z * z) * q + y * e)));
+    const mbs_bits n = mbs_to_bits(shifted);
+    const mbs_bits swapped = (s ^ c) & (0 - (n & 1));
+    *sine = mbs_from_bits(s ^ swapped ^ ((n & 2) << 62));
+    *cosine = mbs_from_bits(c ^ swapped ^ (((n + 1) & 2) << 62));
+}
+
+MBS_FN void mbs_sin_cos(mbs_real x, mbs_real *sine, mbs_real *cosine)
+{
+    if (mbs_abs(x) <= MBS_REACH) {
+        mbs_sin_cos_near(x, sine, cosine);
+    } else {
+        *sine = sin(x);
+        *cosine = cos(x);
+    }
 }
 
 MBS_FN mbs_real mbs_sin(mbs_real x)
@@ -58,4 +65,3 @@ MBS_FN mbs_real mbs_cos(mbs_real x)
 }
 #endif
 #endif /* MBS_PRELUDE */
-

@@ -8,7 +8,7 @@ fn count(variables: &[Variable]) -> usize {
 }
 
 /// Names and lengths of the arguments of all functions, in the order in which a state is written down.
-pub(crate) fn arguments(of: &Derivation) -> [(&'static str, usize); 7] {
+pub fn arguments(of: &Derivation) -> [(&'static str, usize); 7] {
     [
         ("t", 1),
         ("prescribed", 3 * count(&of.prescribed)),
@@ -21,7 +21,7 @@ pub(crate) fn arguments(of: &Derivation) -> [(&'static str, usize); 7] {
 }
 
 /// Whether a function takes the argument of this name.
-pub(crate) fn takes(of: &Derivation, function: &Function, name: &str) -> bool {
+pub fn takes(of: &Derivation, function: &Function, name: &str) -> bool {
     let argument = match name {
         "t" => return of.depends_on_time,
         "prescribed" => return !of.prescribed.is_empty(),
@@ -35,7 +35,7 @@ pub(crate) fn takes(of: &Derivation, function: &Function, name: &str) -> bool {
 }
 
 /// How many numbers a part of a result is.
-pub(crate) fn entries(shape: Shape) -> usize {
+pub fn entries(shape: Shape) -> usize {
     match shape {
         Shape::Symmetric(n) => n * n,
         other => other.count(),
