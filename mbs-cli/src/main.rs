@@ -8,7 +8,8 @@
 //! - [`eval`]: every function's value at given states;
 //! - [`linearize`]: the linear system about a state, its poles, what inputs reach;
 //! - [`simulate`]: a motion as a table and as a figure;
-//! - [`fmu`]: the mechanism for tools that speak FMI.
+//! - [`fmu`]: the mechanism for tools that speak FMI;
+//! - [`import`]: robots of other formats as mechanisms.
 //!
 //! What they share: [`mechanism`] runs the generator's passes on a file, [`cache`] keeps what they gave, [`state`]
 //! reads states, [`mod@equations`] evaluates them along a motion, [`output`] writes, [`files`] sees that nothing that
@@ -25,6 +26,7 @@ mod eval;
 mod failure;
 mod files;
 mod fmu;
+mod import;
 mod linearize;
 mod mechanism;
 mod ops;
@@ -62,6 +64,7 @@ enum Command {
     Linearize(linearize::Arguments),
     Simulate(simulate::Arguments),
     Fmu(fmu::Arguments),
+    Import(import::Arguments),
 }
 
 fn main() -> ExitCode {
@@ -85,6 +88,7 @@ fn run(command: Command, cache: &Cache) -> Result<(), Failure> {
         Command::Linearize(arguments) => linearize::run(&arguments, cache),
         Command::Simulate(arguments) => simulate::run(&arguments, cache),
         Command::Fmu(arguments) => fmu::run(&arguments, cache),
+        Command::Import(arguments) => import::run(&arguments),
     }
 }
 

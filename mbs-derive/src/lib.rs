@@ -28,6 +28,7 @@
 //! - `span`, `state`, [`variable`], [`numeric`]: what several passes need, and no mechanics;
 //! - [`diagnostic`]: what is wrong with a declaration, where, and what to write instead;
 //! - [`source`]: the files of a mechanism: its own, and those that it imports;
+//! - `import`: robots of other formats, as texts of the language (feature `import`);
 //! - `review`: a mechanism as people review it;
 //! - `cargo`: build scripts, the only input and output.
 
@@ -40,6 +41,8 @@ pub mod diagnostic;
 pub mod emit;
 mod equations;
 pub mod expr;
+#[cfg(feature = "import")]
+mod import;
 pub mod interpret;
 mod latex;
 pub mod model;

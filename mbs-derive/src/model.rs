@@ -32,7 +32,6 @@ use statement::drawing::has_shapes;
 use statement::reaction::Hold;
 use value::evaluate::Resolver;
 
-pub(crate) use check::moments;
 pub(crate) use check::{requirement, sample};
 pub(crate) use frame::{Edge, FrameId};
 pub(crate) use lagrangian::{Body, Constraint, PointForce, Reaction};

@@ -2,6 +2,7 @@
 
 mod branches;
 mod diagnostics;
+mod import;
 mod keywords;
 mod loops;
 mod manual;

@@ -13,6 +13,7 @@ mod linearize;
 mod motion;
 mod ops;
 mod parameters;
+mod robot;
 mod simulate;
 
 use std::path::{Path, PathBuf};

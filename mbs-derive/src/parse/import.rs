@@ -5,13 +5,15 @@
 //! shared := ("//!" doc | import)* (doc* (const | fn) ";")*
 //! ```
 //!
-//! A file whose name ends with `.csv` is a table, whose columns are constants. A file counts once, wherever it is
+//! A file whose name ends with `.csv` is a table, whose columns are constants; one that ends with `.urdf`, `.sdf` or
+//! `.xml` is a robot, whose statements are the mechanism's. A file counts once, wherever it is
 //! imported, and what it imports comes before what it declares.
 
 use std::vec;
 
 use super::grammar::{self, File};
 use super::reader::{Parsed, Reader, Refused};
+use super::robot::is_robot;
 use super::syntax::{Declaration, Import, Span, Statement, StatementKind};
 use super::{MAX_TOKENS, csv, lexer};
 use crate::diagnostic::Diagnostics;
@@ -178,9 +180,13 @@ impl<'s> Reader<'s> {
 pub(super) fn declaration(sources: &Sources) -> Result<Declaration, Diagnostics> {
     let text = sources.main().text.as_deref().unwrap_or_default();
     let File { imports, content, tokens, errors } = grammar::mechanism(text);
-    let (imported, errors) = Walk::new(sources, State::Mechanism, tokens, errors).all(imports.clone());
+    let (imported, mut statements, errors) = Walk::new(sources, State::Mechanism, tokens, errors).all(imports.clone());
     match content {
-        Some(declaration) => errors.finish(Declaration { imports, imported, ..declaration }),
+        Some(mut declaration) => {
+            let of_robots = statements.len();
+            statements.append(&mut declaration.statements);
+            errors.finish(Declaration { imports, imported, statements, of_robots, ..declaration })
+        }
         None => Err(errors),
     }
 }
@@ -192,7 +198,7 @@ pub(super) fn shared(sources: &Sources) -> Option<Result<Vec<Statement>, Diagnos
         return None;
     }
     let File { imports, content, tokens, errors } = grammar::shared(text);
-    let (mut statements, errors) = Walk::new(sources, State::Open, tokens, errors).all(imports);
+    let (mut statements, _, errors) = Walk::new(sources, State::Open, tokens, errors).all(imports);
     if let Some(Shared::Declarations(own)) = content {
         statements.extend(own);
     }
@@ -214,6 +220,8 @@ struct Walk<'s> {
     sources: &'s Sources,
     states: Vec<State>,
     statements: Vec<Statement>,
+    /// Of robots that the mechanism imports.
+    of_robots: Vec<Statement>,
     /// In all files that were read.
     tokens: usize,
     errors: Diagnostics,
@@ -231,11 +239,12 @@ impl<'s> Walk<'s> {
     fn new(sources: &'s Sources, first: State, tokens: usize, errors: Diagnostics) -> Self {
         let mut states = vec![State::Unread; sources.count()];
         states[0] = first;
-        Walk { sources, states, statements: Vec::new(), tokens, errors }
+        Walk { sources, states, statements: Vec::new(), of_robots: Vec::new(), tokens, errors }
     }
 
-    /// What the first file imports, in an order in which names are known before they are used.
-    fn all(mut self, imports: Vec<Import>) -> (Vec<Statement>, Diagnostics) {
+    /// What the first file imports, in an order in which names are known before they are used: of shared files, of
+    /// robots.
+    fn all(mut self, imports: Vec<Import>) -> (Vec<Statement>, Vec<Statement>, Diagnostics) {
         let mut path = vec![Open { file: 0, imports: imports.into_iter(), statements: Vec::new() }];
         while let Some(open) = path.last_mut() {
             let from = open.file;
@@ -251,7 +260,7 @@ impl<'s> Walk<'s> {
                 }
             }
         }
-        (self.statements, self.errors)
+        (self.statements, self.of_robots, self.errors)
     }
 
     fn follow(&mut self, path: &[Open], from: usize, import: &Import) -> Option<Open> {
@@ -261,6 +270,10 @@ impl<'s> Walk<'s> {
             return None;
         };
         match self.states[file] {
+            State::Unread if is_robot(&self.sources.file(file).name) => {
+                self.robot(file, from, import);
+                None
+            }
             State::Unread => self.open(file, import),
             State::Open => {
                 self.circle(path, file, import);
@@ -308,6 +321,29 @@ impl<'s> Walk<'s> {
                 Some(Open { file: number, imports: read.imports.into_iter(), statements })
             }
         }
+    }
+
+    /// The statements of a robot are the mechanism's own.
+    fn robot(&mut self, number: usize, from: usize, import: &Import) {
+        let file = self.sources.file(number);
+        self.states[number] = State::Done;
+        let text = match &file.text {
+            Ok(text) => text,
+            Err(unreadable) => return self.refuse(import, &unreadable.reason, &unreadable.help),
+        };
+        if self.states[from] != State::Mechanism {
+            let help = "import it in the file of a mechanism: its coordinates are the mechanism's";
+            return self.refuse(import, "it is a robot, this is a file of shared declarations", help);
+        }
+        let mut read = grammar::mechanism(text);
+        self.tokens += read.tokens;
+        if self.tokens > MAX_TOKENS {
+            let reason = format!("with it the mechanism is longer than {MAX_TOKENS} names, numbers and signs");
+            return self.refuse(import, &reason, "import a smaller robot");
+        }
+        read.shift(file.start);
+        self.errors.append(read.errors);
+        self.of_robots.extend(read.content.into_iter().flat_map(|declaration| declaration.statements));
     }
 
     fn refuse(&mut self, import: &Import, reason: &str, help: &str) {
