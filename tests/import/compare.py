@@ -232,7 +232,7 @@ class Mujoco:
 
     def order(self):
         """Whether mj_fullM takes the data before its result."""
-        return "mjData" in (self.mujoco.mj_fullM.__doc__ or "").split("dst")[0]
+        return "MjData" in (self.mujoco.mj_fullM.__doc__ or "").split("dst")[0]
 
 
 # ---- comparison

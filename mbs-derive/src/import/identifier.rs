@@ -34,18 +34,24 @@ impl Identifiers {
         Identifiers { taken: TAKEN.into_iter().map(str::to_string).collect(), changed: Vec::new() }
     }
 
-    /// A name that nothing has, for what the file calls `name`; behind it, `suffixes` are taken as well.
+    /// A name that nothing has, for what the file calls `name`, with `kind` behind it where it is taken; with `suffixes`
+    /// it is taken as well.
     pub(super) fn claim(
         &mut self,
         what: &str,
         name: &str,
+        kind: &str,
         suffixes: &[&str],
         is_word: impl Fn(&str) -> bool,
     ) -> String {
         let plain = plain(name);
         let mut number = 1;
         let found = loop {
-            let candidate = if number == 1 { plain.clone() } else { format!("{plain}_{number}") };
+            let candidate = match number {
+                1 => plain.clone(),
+                2 if !kind.is_empty() => format!("{plain}_{kind}"),
+                n => format!("{plain}_{n}"),
+            };
             let all = || std::iter::once(candidate.clone()).chain(suffixes.iter().map(|s| format!("{candidate}{s}")));
             if !is_word(&candidate) && all().all(|name| !self.taken.contains(&name)) {
                 self.taken.extend(all());
@@ -96,7 +102,7 @@ mod tests {
     #[test]
     fn names_are_made_of_letters_and_unique() {
         let mut names = Identifiers::new();
-        let mut claim = |name: &str| names.claim("the link", name, &["_mass"], |word| word == "for");
+        let mut claim = |name: &str| names.claim("the link", name, "", &["_mass"], |word| word == "for");
         let expected = [
             ("base link", "base_link"),
             ("base-link", "base_link_2"),

@@ -29,6 +29,14 @@ struct Model<'a, 'i> {
 
 /// A robot; what is wrong is noted.
 pub(super) fn robot(root: Node<'_, '_>, reader: &mut Reader) -> Option<Robot> {
+    let version = root.attribute("version").and_then(|version| version.trim().parse::<f64>().ok());
+    // 1.10 and 1.11 are later ones.
+    let is_old = version.is_some_and(|version| version < 1.5)
+        && !root.attribute("version").is_some_and(|v| v.starts_with("1.1"));
+    if is_old {
+        let message = "versions of SDF before 1.5, which state axes in the frame of the model, are not imported";
+        reader.refuse(place(root, "version"), message, "`gz sdf -p model.sdf` writes the current one");
+    }
     let world = child(root, "world");
     let mut models: Vec<Node<'_, '_>> = children(root, "model").collect();
     models.extend(world.into_iter().flat_map(|world| children(world, "model")));

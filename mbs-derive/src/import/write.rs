@@ -40,14 +40,14 @@ pub(super) fn text(
     let (mut names, mut joints) = (Names::new(), BTreeMap::new());
     for (i, body) in robot.bodies.iter().enumerate() {
         for (k, joint) in body.joints.iter().enumerate() {
-            let name = identifiers.claim("the joint", &joint.name, suffixes(joint), is_word);
+            let name = identifiers.claim("the joint", &joint.name, "joint", suffixes(joint), is_word);
             names.insert((i, k), name.clone());
             joints.insert(joint.name.clone(), (name, joint.kind));
         }
     }
     let mut bodies: Vec<(String, bool)> = Vec::new();
     for body in &robot.bodies {
-        let name = identifiers.claim("the link", &body.name, &SUFFIXES_OF_LINKS, is_word);
+        let name = identifiers.claim("the link", &body.name, "link", &SUFFIXES_OF_LINKS, is_word);
         let moves = !body.joints.is_empty() || body.parent.is_some_and(|parent| bodies[parent].1);
         bodies.push((name, moves));
     }

@@ -23,7 +23,7 @@ impl Writer<'_> {
             | Coupling::Spring { name, .. }) = coupling;
             let suffixes =
                 ["_0", "_1", "_2", "_3", "_4", "_first", "_second", "_turn", "_stiffness", "_damping", "_rest"];
-            let name = identifiers.claim("the coupling", name, &suffixes, is_word);
+            let name = identifiers.claim("the coupling", name, "coupling", &suffixes, is_word);
             line!(self, "");
             self.coupling(&name, coupling, reader);
         }
