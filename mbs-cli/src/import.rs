@@ -34,6 +34,10 @@ pub(crate) struct Arguments {
     /// Attitudes by yaw, pitch and roll, which are singular at a pitch of 90°, not by unit quaternions.
     #[arg(long)]
     angles: bool,
+    /// Take inertias that no body has as they are, with a warning: a negative principal moment, or one greater than the sum
+    /// of the other two.
+    #[arg(long)]
+    any_inertia: bool,
 }
 
 /// Prints or writes the mechanism.
@@ -48,7 +52,8 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let robot = Sources::robot(&name, &xml)
         .parameters(arguments.parameters)
         .floating(arguments.floating)
-        .angles(arguments.angles);
+        .angles(arguments.angles)
+        .any_inertia(arguments.any_inertia);
     let folder = |path: &Path| {
         path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new(".")).to_path_buf()
     };

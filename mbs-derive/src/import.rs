@@ -28,6 +28,8 @@ pub(crate) struct Options<'o> {
     pub(crate) angles: bool,
     /// A base that no joint holds moves freely.
     pub(crate) floating: bool,
+    /// Inertias that no body has are told, and taken.
+    pub(crate) any_inertia: bool,
     /// Words that cannot be names.
     pub(crate) is_word: fn(&str) -> bool,
     /// Where the mesh of this path is, seen from the folder of the text; `None` where it is not.
@@ -63,7 +65,7 @@ pub(crate) fn mechanism(file: &str, xml: &str, options: &Options<'_>) -> Result<
     if options.floating {
         robot.set_free();
     }
-    robot.check(&mut reader);
+    robot.check(options.any_inertia, &mut reader);
     if reader.errors.has_errors() {
         return Err(reader.errors);
     }

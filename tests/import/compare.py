@@ -39,6 +39,8 @@ ROBOTS = [
     ("ANYmal B", "anymal_b_simple_description/robots/anymal.urdf", False),
     ("ANYmal B, free", "anymal_b_simple_description/robots/anymal.urdf", True),
     ("Go2", "go2_description/urdf/go2.urdf", False),
+    ("G1", "g1_description/urdf/g1_29dof_rev_1_0.urdf", False),
+    ("Alex, hands", "alex_description/urdf/alex_sake_hands.urdf", False),
     ("Talos arm", "talos_data/robots/talos_left_arm.urdf", False),
     ("Talos", "talos_data/robots/talos_reduced.urdf", False),
 ]
@@ -218,8 +220,9 @@ class Mujoco:
             mujoco.mj_forward(model, data)
             m = np.zeros((model.nv, model.nv))
             mujoco.mj_fullM(model, data, m) if self.order() else mujoco.mj_fullM(model, m, data.qM)
-            bias = data.qfrc_bias.copy()
-            passive = data.qfrc_passive.copy()
+            # Springs are part of V here, dampers of D.
+            bias = data.qfrc_bias - data.qfrc_spring
+            spring, loss = data.qfrc_spring.copy(), -data.qfrc_damper
             residuals = {}
             for row in range(data.nefc):
                 if data.efc_type[row] == mujoco.mjtConstraint.mjCNSTR_EQUALITY:
@@ -228,7 +231,7 @@ class Mujoco:
             data.qvel[:] = 0
             mujoco.mj_forward(model, data)
             self.residuals = residuals
-            yield state, v, m, bias, data.qfrc_bias.copy(), -passive
+            yield state, v, m, bias, data.qfrc_bias - spring, loss
 
     def order(self):
         """Whether mj_fullM takes the data before its result."""
@@ -311,7 +314,7 @@ def large(mbs, out, only):
             mechanism = os.path.join(folder, "robot.mbs")
             begin = time.time()
             try:
-                run(mbs, "import", path, "--out", mechanism, *(["--floating"] if free else []))
+                run(mbs, "import", path, "--out", mechanism, "--any-inertia", *(["--floating"] if free else []))
                 imported = time.time()
                 run(mbs, "--no-cache", "derive", mechanism)
                 derived = time.time()

@@ -96,6 +96,6 @@ fn meshes_are_found_in_folders_above() {
     workshop.write("crane_description/urdf/crane.urdf", mesh("../meshes/mast.stl"));
     let outcome = workshop.mbs(&["import", "crane_description/urdf/crane.urdf"]);
     assert_eq!(outcome.code, 0);
-    let expected = "warning: the mesh `../meshes/mast.stl` of the link `boom` is not drawn\n --> crane_description/urdf/crane.urdf:11:";
+    let expected = "warning: the mesh `../meshes/mast.stl` of the link `boom` is not drawn\n  --> crane_description/urdf/crane.urdf:11:";
     assert!(outcome.stderr.starts_with(expected), "{}", outcome.stderr);
 }

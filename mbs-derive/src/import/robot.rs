@@ -148,6 +148,15 @@ pub(super) enum Coupling {
     Spring { name: String, terms: Vec<(f64, String)>, stiffness: f64, rest: f64, damping: f64 },
 }
 
+impl Inertial {
+    /// Whether a body can have it.
+    pub(super) fn is_possible(&self) -> bool {
+        let [xx, yy, zz, xy, xz, yz] = self.inertia;
+        let moments = principal_moments(&[xx, xy, xz, xy, yy, yz, xz, yz, zz]);
+        moments.is_none_or(|moments| Impossible::of(moments).is_none())
+    }
+}
+
 impl Robot {
     /// What stands in the world, and no joint holds, moves freely.
     pub(super) fn set_free(&mut self) {
@@ -158,10 +167,10 @@ impl Robot {
     }
 
     /// What must hold of every robot, whatever its format.
-    pub(super) fn check(&self, reader: &mut Reader) {
+    pub(super) fn check(&self, any_inertia: bool, reader: &mut Reader) {
         for body in &self.bodies {
             if let Some(inertial) = &body.inertial {
-                check_inertial(&body.name, inertial, reader);
+                check_inertial(&body.name, inertial, any_inertia, reader);
             }
         }
         self.check_moving_masses(reader);
@@ -205,24 +214,26 @@ impl Robot {
 }
 
 /// Positive, and such that a body can have it.
-fn check_inertial(name: &str, inertial: &Inertial, reader: &mut Reader) {
+fn check_inertial(name: &str, inertial: &Inertial, any_inertia: bool, reader: &mut Reader) {
     let Inertial { mass, inertia: [xx, yy, zz, xy, xz, yz], span, .. } = inertial;
     if *mass < 0.0 {
         reader.refuse(span.clone(), format!("the mass of the link `{name}` is negative: {mass} kg"), "");
     }
     let Some(moments) = principal_moments(&[*xx, *xy, *xz, *xy, *yy, *yz, *xz, *yz, *zz]) else { return };
     let [a, b, c] = moments;
+    let problem = match Impossible::of(moments) {
+        Some(Impossible::Negative) => Some(format!("the inertia of the link `{name}` has a negative principal moment")),
+        Some(Impossible::Unequal) => Some(format!(
+            "no body has the inertia of the link `{name}`: a principal moment is greater than the sum of the other two"
+        )),
+        None => None,
+    };
     let shown = format!("its principal moments are {a:.4e}, {b:.4e} and {c:.4e} kg·m²");
-    match Impossible::of(moments) {
-        Some(Impossible::Negative) => {
-            let message = format!("the inertia of the link `{name}` has a negative principal moment");
-            reader.refuse(span.clone(), message, &shown);
-        }
-        Some(Impossible::Unequal) => {
-            let message = format!(
-                "no body has the inertia of the link `{name}`: a principal moment is greater than the sum of the other two"
-            );
-            reader.refuse(span.clone(), message, &shown);
+    match problem {
+        Some(message) if any_inertia => reader.warn(span.clone(), message, &shown),
+        Some(message) => {
+            let help = format!("{shown}; `mbs import --any-inertia` takes it as it is");
+            reader.refuse(span.clone(), message, &help);
         }
         None if *mass > 0.0 && c / mass > 100.0 => {
             let message = format!("the inertia of the link `{name}` is that of a body of more than ten metres");

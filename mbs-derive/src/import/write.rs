@@ -74,7 +74,7 @@ fn suffixes(joint: &Joint) -> &'static [&'static str] {
     }
 }
 
-const SUFFIXES_OF_LINKS: [&str; 6] = ["_mass", "_com", "_inertia", "_at", "_back_at", "_point"];
+const SUFFIXES_OF_LINKS: [&str; 6] = ["_mass", "_com", "_inertia", "_at", "_back_at", "_turning"];
 
 macro_rules! line {
     ($writer:expr, $($arguments:tt)*) => {
@@ -392,7 +392,14 @@ impl Writer<'_> {
             shown.len(),
             listed(&shown)
         );
-        line!(self, "    kinetic += rigid_body({name}_mass, {name}_com, inertia({name}_inertia), {name});");
+        if inertial.is_possible() {
+            line!(self, "    kinetic += rigid_body({name}_mass, {name}_com, inertia({name}_inertia), {name});");
+        } else {
+            line!(self, "    // No body has this inertia: by its motion, which asks nothing of it.");
+            line!(self, "    kinetic += particle({name}_mass, {name}.point({name}_com));");
+            line!(self, "    let {name}_turning = angular_velocity({name});");
+            line!(self, "    kinetic += 1/2*{name}_turning.dot(({name}*inertia({name}_inertia))*{name}_turning);");
+        }
     }
 
     /// What acts along a joint.

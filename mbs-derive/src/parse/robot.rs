@@ -61,6 +61,7 @@ pub struct Robot<'a> {
     parameters: bool,
     angles: bool,
     floating: bool,
+    any_inertia: bool,
 }
 
 #[cfg(feature = "import")]
@@ -79,7 +80,7 @@ impl Sources {
     /// assert!(text.contains("let rod = stand * rot_y(hinge);") && warnings.iter().count() == 0);
     /// ```
     pub fn robot<'a>(file: &'a str, xml: &'a str) -> Robot<'a> {
-        Robot { file, xml, parameters: false, angles: false, floating: false }
+        Robot { file, xml, parameters: false, angles: false, floating: false, any_inertia: false }
     }
 }
 
@@ -100,6 +101,11 @@ impl Robot<'_> {
         Self { floating, ..self }
     }
 
+    /// Whether inertias that no body has are taken, with a warning, in place of an error.
+    pub fn any_inertia(self, any_inertia: bool) -> Self {
+        Self { any_inertia, ..self }
+    }
+
     /// The text of the mechanism, and warnings, whose places are in the robot's file. `find` says where a mesh is, as
     /// seen from the folder of the text.
     ///
@@ -107,7 +113,8 @@ impl Robot<'_> {
     /// What is wrong with the file.
     pub fn text(&self, find: &dyn Fn(&str) -> Option<String>) -> Result<(String, Diagnostics), Diagnostics> {
         let is_word = |word: &str| super::keyword::taken(word).is_some() || super::keyword::CONTEXTUAL.contains(&word);
-        let Robot { file, xml, parameters, angles, floating } = *self;
-        crate::import::mechanism(file, xml, &crate::import::Options { parameters, angles, floating, is_word, find })
+        let Robot { file, xml, parameters, angles, floating, any_inertia } = *self;
+        let options = crate::import::Options { parameters, angles, floating, any_inertia, is_word, find };
+        crate::import::mechanism(file, xml, &options)
     }
 }
