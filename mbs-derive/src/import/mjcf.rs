@@ -13,7 +13,7 @@ use std::collections::BTreeMap;
 
 use roxmltree::Node;
 
-use super::pose::{Pose, of_quaternion, product, transposed, turned, turned_inertia};
+use super::pose::{Pose, of_quaternion, transposed, turned, turned_inertia};
 use super::robot::{Body, Inertial, Joint, Kind, Robot};
 use super::urdf::together;
 use super::xml::{Reader, child, children, place, tag};
@@ -367,5 +367,5 @@ fn of_axes([a, b, c, d, e, f]: [f64; 6]) -> Option<Pose> {
 
 /// A pose by place and quaternion.
 fn of_place_and_quaternion(shift: [f64; 3], quaternion: [f64; 4]) -> Pose {
-    Pose::of_turn(shift, product(&super::pose::STRAIGHT, &of_quaternion(quaternion)))
+    Pose::of_turn(shift, of_quaternion(quaternion))
 }

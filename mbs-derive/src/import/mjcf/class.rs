@@ -154,13 +154,9 @@ impl<'a, 'i> Settings<'a, 'i> {
         }
         let class = node.attribute("class").unwrap_or(class);
         let chain = self.classes.get(class).into_iter().flatten().rev();
-        let stated = chain.filter_map(|default| {
-            default
-                .children()
-                .filter(|child| child.tag_name().name() == element && child.has_attribute(attribute))
-                .last()
-        });
-        stated.into_iter().next().unwrap_or(node)
+        let states = |child: &Node<'a, 'i>| child.tag_name().name() == element && child.has_attribute(attribute);
+        let mut stated = chain.filter_map(|default| default.children().rfind(states));
+        stated.next().unwrap_or(node)
     }
 
     /// Place and attitude of an element.

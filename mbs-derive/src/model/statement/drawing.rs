@@ -96,7 +96,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
             None => Ok(vec![self.graph.integer(1); 3]),
             Some(argument) if argument.value.shape() == Shape::Number => {
                 let factor = self.of_dimension(argument, what, Dimension::ONE)?;
-                Ok(self.checked(vec![factor; 3], what, "", &argument.span)?)
+                self.checked(vec![factor; 3], what, "", &argument.span)
             }
             Some(argument) => {
                 let vector = self.vector(argument)?;
