@@ -28,14 +28,14 @@ pub(crate) struct Arguments {
     /// Masses, mass centres and inertias as parameters, which may change at run time, not as constants.
     #[arg(long)]
     parameters: bool,
-    /// A base that no joint holds moves freely; else it stands in the world. Free bodies of MJCF and SDF are free anyway.
+    /// A base that no joint holds moves freely; else it stands in the world. Free bodies of MJCF and SDF are free.
     #[arg(long)]
     floating: bool,
     /// Attitudes by yaw, pitch and roll, which are singular at a pitch of 90°, not by unit quaternions.
     #[arg(long)]
     angles: bool,
-    /// Take inertias that no body has as they are, with a warning: a negative principal moment, or one greater than the sum
-    /// of the other two.
+    /// Take inertias that no body has as they are, with a warning: a negative principal moment, or one greater than
+    /// the sum of the other two.
     #[arg(long)]
     any_inertia: bool,
 }
@@ -84,8 +84,8 @@ fn bytes(path: &Path) -> Result<Vec<u8>, Failure> {
     read().map_err(|error: std::io::Error| Failure::new(format_args!("cannot read {}: {error}", path.display())))
 }
 
-/// Where a mesh is, seen from the folder `to`: its path is one from the folder `from`, or `package://name/path`, which is
-/// looked for in the folders above.
+/// Where a mesh is, seen from the folder `to`: its path is one from the folder `from`, or `package://name/path`, which
+/// is looked for in the folders above.
 fn find(from: &Path, to: &Path, mesh: &str) -> Option<String> {
     let from = from.canonicalize().ok()?;
     let in_package = ["package://", "model://"].iter().find_map(|scheme| mesh.strip_prefix(scheme));

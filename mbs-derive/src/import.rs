@@ -1,7 +1,7 @@
 //! Robots of other formats as texts of the model language: URDF, SDF, and MuJoCo's MJCF.
 //!
-//! A file is read with the place of every element, becomes a `Robot`, bodies on joints, whatever its format, and that is
-//! written. In reading order:
+//! A file is read with the place of every element, becomes a `Robot`, bodies on joints, whatever its format, and that
+//! is written. In reading order:
 //!
 //! - `xml`: elements and attributes with their places; `urdf`, `sdf`, `mjcf`: what they mean;
 //! - `robot`: what all formats say, and what must hold of it; `pose`: places and attitudes as numbers;

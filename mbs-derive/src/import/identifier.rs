@@ -34,8 +34,8 @@ impl Identifiers {
         Identifiers { taken: TAKEN.into_iter().map(str::to_string).collect(), changed: Vec::new() }
     }
 
-    /// A name that nothing has, for what the file calls `name`, with `kind` behind it where it is taken; with `suffixes`
-    /// it is taken as well.
+    /// A name that nothing has, for what the file calls `name`, with `kind` behind it where it is taken; with
+    /// `suffixes` behind it, it is taken as well.
     pub(super) fn claim(
         &mut self,
         what: &str,
