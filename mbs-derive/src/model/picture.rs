@@ -36,6 +36,7 @@ impl<'g> Lagrangian<'g> {
     pub fn pictured(&self) -> Lagrangian<'g> {
         let mut picture = self.drawn.as_deref().unwrap_or(self).clone();
         picture.reactions.clear();
+        picture.released = None;
         let is_taken = |begin: String| {
             let mut rests = picture.outputs.iter().filter_map(|output| output.name.strip_prefix(begin.as_str()));
             rests.any(|rest| rest.starts_with(|c: char| c.is_ascii_digit()))
