@@ -136,7 +136,7 @@ pub(crate) fn run(arguments: &Arguments, cache: &Cache) -> Result<(), Failure> {
     let text = match arguments.emit {
         _ if arguments.review => mechanism::code(what, &sources, cache, |derivation| reviewed(derivation, &sources))?,
         Emit::Code(language) => {
-            let options = Options { trigonometry: arguments.trigonometry.into(), ..Options::default() };
+            let options = Options::default().trigonometry(arguments.trigonometry.into());
             let written = |derivation: &Derivation| language.write(derivation, sources.portable_name(), &options);
             mechanism::code(what, &sources, cache, written)?
         }

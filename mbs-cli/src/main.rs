@@ -14,6 +14,7 @@
 //! - [`mod@format`]: files in one style; `lsp`, a feature: what editors ask;
 //! - [`explain`]: the page of a diagnostic;
 //! - [`watch`]: `check` on every change;
+//! - [`import`]: robots of other formats as mechanisms;
 //! - [`completions`], [`man`]: for the shell.
 //!
 //! What they share: [`mechanism`] runs the generator's passes on a file, [`cache`] keeps what they gave, [`state`]
@@ -35,6 +36,7 @@ mod failure;
 mod files;
 mod fmu;
 mod format;
+mod import;
 mod linearize;
 #[cfg(feature = "lsp")]
 mod lsp;
@@ -93,6 +95,7 @@ enum Command {
     Watch(watch::Arguments),
     Completions(completions::Arguments),
     Man(man::Arguments),
+    Import(import::Arguments),
 }
 
 fn main() -> ExitCode {
@@ -128,6 +131,7 @@ fn run(command: Command, cache: &Cache) -> Result<(), Failure> {
         Command::Watch(arguments) => watch::run(&arguments, cache),
         Command::Completions(arguments) => completions::run(&arguments, Arguments::command()),
         Command::Man(arguments) => man::run(&arguments, Arguments::command()),
+        Command::Import(arguments) => import::run(&arguments),
     }
 }
 

@@ -371,6 +371,7 @@ impl Mechanism {
             name: named(&self.name, &(0..1)),
             docs: self.docs.clone(),
             statements: self.statements.clone(),
+            of_robots: 0,
         })
     }
 

@@ -28,6 +28,7 @@
 //! - `span`, `state`, [`variable`], [`numeric`]: what several passes need, and no mechanics;
 //! - [`diagnostic`]: what is wrong with a declaration, where, and what to write instead;
 //! - [`source`]: the files of a mechanism: its own, and those that it imports;
+//! - `import`: robots of other formats, as texts of the language (feature `import`);
 //! - `scene`: what there is to see of a mechanism;
 //! - `review`: a mechanism as people review it; `survey`: what an editor asks while a text is being written;
 //! - `cargo`: build scripts, the only input and output.
@@ -42,6 +43,8 @@ pub mod emit;
 mod equations;
 pub mod expr;
 mod generated;
+#[cfg(feature = "import")]
+mod import;
 pub mod interpret;
 mod latex;
 pub mod model;

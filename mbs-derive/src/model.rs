@@ -35,7 +35,6 @@ use value::builtin::{self, Builtin};
 use value::dimension::{NamedUnit, UNITS};
 use value::evaluate::Resolver;
 
-pub(crate) use check::moments;
 pub(crate) use check::{requirement, sample};
 pub(crate) use frame::{Edge, FrameId};
 pub(crate) use lagrangian::{Body, Constraint, PointForce, Reaction};

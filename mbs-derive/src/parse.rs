@@ -4,7 +4,8 @@
 //! them. In reading order:
 //!
 //! - `syntax`: the declaration as it was written, what the next pass is given;
-//! - `import`: the files that are imported, and all files together; `csv`: tables among them; `shift`: their places;
+//! - `import`: the files that are imported, and all files together; `csv`: tables among them; `robot`:
+//!   robots; `shift`: their places;
 //! - `encoding`: bytes → text;
 //! - `lexer`: text → tokens, with comments, brackets and characters checked; `lookalike`: characters that were meant as
 //!   others;
@@ -35,6 +36,7 @@ mod misplaced;
 mod number;
 mod quantity;
 mod reader;
+mod robot;
 mod shift;
 mod statement;
 pub(crate) mod syntax;
@@ -82,8 +84,9 @@ pub(crate) fn shared(sources: &Sources) -> Option<Result<Vec<Statement>, Diagnos
 
 impl Sources {
     /// A text, and what it imports, directly or not: `read` is given the name of each file once and answers its bytes.
-    pub fn gather(name: &str, text: &str, read: impl FnMut(&str) -> Result<Vec<u8>, Unreadable>) -> Self {
-        Sources::followed(name, text, imports, read)
+    /// Of robots, such as `robot.urdf`, the texts of their mechanisms are kept.
+    pub fn gather(name: &str, text: &str, mut read: impl FnMut(&str) -> Result<Vec<u8>, Unreadable>) -> Self {
+        Sources::followed(name, text, imports, |file| read(file).and_then(|bytes| robot::as_text(file, bytes)))
     }
 
     /// The text of the first file in the one style that files are written in; comments stay.

@@ -4,6 +4,7 @@ mod branches;
 mod diagnostics;
 mod editors;
 mod format;
+mod import;
 mod keywords;
 mod loops;
 mod manual;

@@ -91,6 +91,8 @@ impl Drives<'_> {
         // What is wrong with the declaration itself is said where it is derived.
         let Ok(declaration) = parse::declaration_of(&sources) else { return Ok(sources) };
         let text = sources.main().text.clone().unwrap_or_default();
+        // Those of a robot that it imports stand in a file of their own.
+        let own = &declaration.statements[declaration.of_robots..];
         let mut insertions: Vec<(usize, String)> = Vec::new();
         let mut constants = format!("const {SECOND}: s = 1; ");
         for drive in self.signals {
@@ -122,18 +124,18 @@ impl Drives<'_> {
                 }
             }
         }
-        let end = declaration.statements.last().map_or(0, |statement| statement.span.end);
+        let end = own.last().map_or_else(|| text.rfind('}').unwrap_or(0), |statement| statement.span.end);
         let mut added = String::new();
         for drive in self.inputs {
             let Source::Formula(formula) = &drive.source else { continue };
             check_formula("--input", &drive.name, formula)?;
-            added += &outputs_in(formula, &text, &declaration.statements, &added);
+            added += &outputs_in(formula, &text, own, &added);
             let unit = unit_of_input(&declaration.statements, &drive.name).unwrap_or("1".to_string());
             constants += &unit_constant(&drive.name, &unit);
             added += &format!(" output {} = {};", formula_name(&drive.name), in_si_units(formula, &drive.name));
         }
         insertions.push((end, added));
-        insertions.push((declaration.statements.first().map_or(end, |statement| statement.span.start), constants));
+        insertions.push((own.first().map_or(end, |statement| statement.span.start), constants));
         insertions.sort_by_key(|(place, _)| std::cmp::Reverse(*place));
         let mut changed = text;
         for (place, addition) in insertions {

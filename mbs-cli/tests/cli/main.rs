@@ -21,6 +21,7 @@ mod ops;
 mod page;
 mod parameters;
 mod report;
+mod robot;
 mod simulate;
 mod watch;
 

@@ -3,8 +3,8 @@
 use crate::expr::{Expr, Graph, Matrix, Vector, evaluate};
 use crate::model::lagrangian::Application;
 use crate::model::landmark::Place;
-use crate::model::moments::{Impossible, principal_moments};
 use crate::model::{Body, Edge, FrameId, Lagrangian, PointForce};
+use crate::numeric::moments::{Impossible, principal_moments};
 
 use super::gravity;
 use super::tree::force_element::{Anchor, ForceElement, Held};

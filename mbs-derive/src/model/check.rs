@@ -1,7 +1,6 @@
 //! What must hold of the finished mechanism, and what it was probably not meant to do. In reading order:
 //!
-//! - [`degree`]: what must hold of the energies; [`velocity`]: their degree; [`inertia`]: of every motion; [`moments`]:
-//!   of a body;
+//! - [`degree`]: what must hold of the energies; [`velocity`]: their degree; [`inertia`]: of every motion;
 //! - [`rank`]: the rows of constraints; [`closure`]: whether constraints can hold together;
 //! - [`singular`], [`sign`]: what it was probably not meant to do; [`misplaced`]: places counted from another origin
 //!   than meant;
@@ -11,7 +10,6 @@ pub(in crate::model) mod closure;
 pub(super) mod degree;
 pub(in crate::model) mod inertia;
 pub(in crate::model) mod misplaced;
-pub(crate) mod moments;
 pub(in crate::model) mod rank;
 pub(crate) mod requirement;
 pub(crate) mod sample;
@@ -26,7 +24,6 @@ use std::collections::{BTreeMap, BTreeSet};
 use crate::diagnostic::Code;
 use crate::expr::{Expr, Matrix, Node, Symbol, evaluate};
 use crate::model::check::degree::Problem;
-use crate::model::check::moments::{Impossible, principal_moments};
 use crate::model::check::sample::default_parameters;
 use crate::model::lagrangian::Constraint;
 use crate::model::names::family::Family;
@@ -34,6 +31,7 @@ use crate::model::statement::gravity::Weights;
 use crate::model::statement::output::Outputs;
 use crate::model::statement::reaction::Joint;
 use crate::model::value::evaluate::Resolver;
+use crate::numeric::moments::{Impossible, principal_moments};
 use crate::parse::syntax::{Name, Span};
 use crate::variable::Variable;
 

@@ -36,9 +36,10 @@ impl<'g> Lagrangian<'g> {
     pub fn pictured(&self) -> Lagrangian<'g> {
         let mut picture = self.drawn.as_deref().unwrap_or(self).clone();
         picture.reactions.clear();
+        picture.released = None;
         let is_taken = |begin: String| {
-            let rests = picture.outputs.iter().filter_map(|output| output.name.strip_prefix(begin.as_str()));
-            rests.into_iter().any(|rest| rest.starts_with(|c: char| c.is_ascii_digit()))
+            let mut rests = picture.outputs.iter().filter_map(|output| output.name.strip_prefix(begin.as_str()));
+            rests.any(|rest| rest.starts_with(|c: char| c.is_ascii_digit()))
         };
         let mut prefix = String::new();
         while is_taken(format!("{prefix}shape_")) || is_taken(format!("{prefix}body_")) {

@@ -196,7 +196,7 @@ mod tests {
             "if a < b { x; }",
             "x: `x` begins no statement; a statement begins with `param`, `coord`, `input`, \
                  `prescribed`, `const`, `fn`, `let`, `kinetic`, `potential`, `dissipation`, `lagrangian`, `force`, `torque`, \
-                 `gravity`, `reaction`, `constraint`, `output`, `part`, `for` or `if`, or is an assignment `x = …;`",
+                 `gravity`, `reaction`, `constraint`, `output`, `shape`, `part`, `for` or `if`, or is an assignment `x = …;`",
         );
         // Both are statements of their own.
         let source = "mechanism A { if a < b { } for i in 0..2 { } if c < d { } let x = 1; }";

@@ -15,7 +15,7 @@ impl Display for Declaration {
         self.imports.iter().try_for_each(|import| writeln!(f, "import \"{}\";", import.path))?;
         docs(f, &self.docs, 0)?;
         writeln!(f, "mechanism {} {{", self.name.text)?;
-        self.statements.iter().try_for_each(|statement| lines(f, statement, 1))?;
+        self.statements.iter().skip(self.of_robots).try_for_each(|statement| lines(f, statement, 1))?;
         writeln!(f, "}}")
     }
 }

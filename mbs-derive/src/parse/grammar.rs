@@ -95,7 +95,7 @@ impl Reader<'_> {
         self.close();
         self.end_of_file();
         let (dimensionless, imports, imported) = (dimensionless.is_some(), Vec::new(), Vec::new());
-        Ok(Declaration { dimensionless, imports, imported, name: name?, docs, statements })
+        Ok(Declaration { dimensionless, imports, imported, name: name?, docs, statements, of_robots: 0 })
     }
 
     /// Documentation, `#![…]` and imports, in any order.

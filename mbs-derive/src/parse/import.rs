@@ -5,13 +5,15 @@
 //! shared := ("//!" doc | import)* (doc* (const | fn) ";")*
 //! ```
 //!
-//! A file whose name ends with `.csv` is a table, whose columns are constants. A file counts once, wherever it is
+//! A file whose name ends with `.csv` is a table, whose columns are constants; one that ends with `.urdf`, `.sdf` or
+//! `.xml` is a robot, whose statements are the mechanism's. A file counts once, wherever it is
 //! imported, and what it imports comes before what it declares.
 
 use std::vec;
 
 use super::grammar::{self, File};
 use super::reader::{Parsed, Reader, Refused};
+use super::robot::is_robot;
 use super::syntax::{Declaration, Import, Name, Span, Statement, StatementKind};
 use super::{MAX_TOKENS, csv, lexer};
 use crate::diagnostic::{Code, Diagnostics};
@@ -190,9 +192,13 @@ pub(super) fn begins_as_shared(source: &str) -> bool {
 pub(super) fn declaration(sources: &Sources) -> Result<Declaration, Diagnostics> {
     let text = sources.main().text.as_deref().unwrap_or_default();
     let File { imports, content, tokens, errors } = grammar::mechanism(text);
-    let (imported, errors) = Walk::new(sources, State::Mechanism, tokens, errors).all(imports.clone());
+    let (imported, mut statements, errors) = Walk::new(sources, State::Mechanism, tokens, errors).all(imports.clone());
     match content {
-        Some(declaration) => errors.finish(Declaration { imports, imported, ..declaration }),
+        Some(mut declaration) => {
+            let of_robots = statements.len();
+            statements.append(&mut declaration.statements);
+            errors.finish(Declaration { imports, imported, statements, of_robots, ..declaration })
+        }
         None => Err(errors),
     }
 }
@@ -204,7 +210,7 @@ pub(super) fn shared(sources: &Sources) -> Option<Result<Vec<Statement>, Diagnos
         return None;
     }
     let File { imports, content, tokens, errors } = grammar::shared(text);
-    let (mut statements, errors) = Walk::new(sources, State::Open, tokens, errors).all(imports);
+    let (mut statements, _, errors) = Walk::new(sources, State::Open, tokens, errors).all(imports);
     if let Some(Shared::Declarations(own)) = content {
         statements.extend(own);
     }
@@ -217,17 +223,22 @@ pub(super) fn readable(sources: &Sources) -> (Option<Declaration>, bool, Diagnos
     let text = sources.main().text.as_deref().unwrap_or_default();
     if !begins_as_shared(text) {
         let File { imports, content, tokens, errors } = grammar::mechanism(text);
-        let (imported, errors) = Walk::new(sources, State::Mechanism, tokens, errors).all(imports.clone());
-        return (content.map(|declaration| Declaration { imports, imported, ..declaration }), true, errors);
+        let (imported, mut statements, errors) = Walk::new(sources, State::Mechanism, tokens, errors).all(imports.clone());
+        let whole = |declaration: Declaration| {
+            let of_robots = statements.len();
+            statements.extend(declaration.statements);
+            Declaration { imports, imported, statements, of_robots, ..declaration }
+        };
+        return (content.map(whole), true, errors);
     }
     let File { imports, content, tokens, errors } = grammar::shared(text);
-    let (mut imported, errors) = Walk::new(sources, State::Open, tokens, errors).all(imports.clone());
+    let (mut imported, _, errors) = Walk::new(sources, State::Open, tokens, errors).all(imports.clone());
     if let Some(Shared::Declarations(own)) = content {
         imported.extend(own);
     }
     let name = Name { text: "Shared".to_string(), span: 0..0 };
     let (docs, statements) = (Vec::new(), Vec::new());
-    (Some(Declaration { dimensionless: false, imports, imported, name, docs, statements }), false, errors)
+    (Some(Declaration { dimensionless: false, imports, imported, name, docs, statements, of_robots: 0 }), false, errors)
 }
 
 /// How far a file has got.
@@ -245,6 +256,8 @@ struct Walk<'s> {
     sources: &'s Sources,
     states: Vec<State>,
     statements: Vec<Statement>,
+    /// Of robots that the mechanism imports.
+    of_robots: Vec<Statement>,
     /// In all files that were read.
     tokens: usize,
     errors: Diagnostics,
@@ -262,11 +275,12 @@ impl<'s> Walk<'s> {
     fn new(sources: &'s Sources, first: State, tokens: usize, errors: Diagnostics) -> Self {
         let mut states = vec![State::Unread; sources.count()];
         states[0] = first;
-        Walk { sources, states, statements: Vec::new(), tokens, errors }
+        Walk { sources, states, statements: Vec::new(), of_robots: Vec::new(), tokens, errors }
     }
 
-    /// What the first file imports, in an order in which names are known before they are used.
-    fn all(mut self, imports: Vec<Import>) -> (Vec<Statement>, Diagnostics) {
+    /// What the first file imports, in an order in which names are known before they are used: of shared files, of
+    /// robots.
+    fn all(mut self, imports: Vec<Import>) -> (Vec<Statement>, Vec<Statement>, Diagnostics) {
         let mut path = vec![Open { file: 0, imports: imports.into_iter(), statements: Vec::new() }];
         while let Some(open) = path.last_mut() {
             let from = open.file;
@@ -282,7 +296,7 @@ impl<'s> Walk<'s> {
                 }
             }
         }
-        (self.statements, self.errors)
+        (self.statements, self.of_robots, self.errors)
     }
 
     fn follow(&mut self, path: &[Open], from: usize, import: &Import) -> Option<Open> {
@@ -292,6 +306,10 @@ impl<'s> Walk<'s> {
             return None;
         };
         match self.states[file] {
+            State::Unread if is_robot(&self.sources.file(file).name) => {
+                self.robot(file, from, import);
+                None
+            }
             State::Unread => self.open(file, import),
             State::Open => {
                 self.circle(path, file, import);
@@ -339,6 +357,29 @@ impl<'s> Walk<'s> {
                 Some(Open { file: number, imports: read.imports.into_iter(), statements })
             }
         }
+    }
+
+    /// The statements of a robot are the mechanism's own.
+    fn robot(&mut self, number: usize, from: usize, import: &Import) {
+        let file = self.sources.file(number);
+        self.states[number] = State::Done;
+        let text = match &file.text {
+            Ok(text) => text,
+            Err(unreadable) => return self.refuse(Code::ImportUnreadable, import, &unreadable.reason, &unreadable.help),
+        };
+        if self.states[from] != State::Mechanism {
+            let help = "import it in the file of a mechanism: its coordinates are the mechanism's";
+            return self.refuse(Code::ImportOfAMechanism, import, "it is a robot, this is a file of shared declarations", help);
+        }
+        let mut read = grammar::mechanism(text);
+        self.tokens += read.tokens;
+        if self.tokens > MAX_TOKENS {
+            let reason = format!("with it the mechanism is longer than {MAX_TOKENS} names, numbers and signs");
+            return self.refuse(Code::TooLong, import, &reason, "import a smaller robot");
+        }
+        read.shift(file.start);
+        self.errors.append(read.errors);
+        self.of_robots.extend(read.content.into_iter().flat_map(|declaration| declaration.statements));
     }
 
     fn refuse(&mut self, code: Code, import: &Import, reason: &str, help: &str) {

@@ -2,7 +2,7 @@
 
 use super::grammar::File;
 use super::import::Shared;
-use super::syntax::{Expression, ExpressionKind, Name, Quantity, Span, Statement, StatementKind, Unit};
+use super::syntax::{Declaration, Expression, ExpressionKind, Name, Quantity, Span, Statement, StatementKind, Unit};
 
 impl File<Shared> {
     /// Adds `start` to every place.
@@ -13,6 +13,17 @@ impl File<Shared> {
         }
         if let Some(Shared::Declarations(statements)) = &mut self.content {
             statements.iter_mut().for_each(|s| statement(s, start));
+        }
+    }
+}
+
+impl File<Declaration> {
+    /// Adds `start` to every place.
+    pub(super) fn shift(&mut self, start: usize) {
+        self.errors.shift(start);
+        if let Some(declaration) = &mut self.content {
+            name(&mut declaration.name, start);
+            declaration.statements.iter_mut().for_each(|s| statement(s, start));
         }
     }
 }

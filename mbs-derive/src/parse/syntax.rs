@@ -35,8 +35,10 @@ pub struct Declaration {
     pub name: Name,
     /// Doc comments before `mechanism`, one line each, markers and the first space removed.
     pub docs: Vec<String>,
-    /// What stands between the braces.
+    /// What stands between the braces, behind the statements of robots that it imports.
     pub statements: Vec<Statement>,
+    /// How many of them, the first ones, are those of robots.
+    pub of_robots: usize,
 }
 
 /// One statement of a mechanism.

@@ -13,9 +13,9 @@ use std::collections::BTreeMap;
 
 use crate::expr::display::infix;
 use crate::expr::{Binary, Expr, Function, Graph, Id, Matrix, Node, Symbol, carry_out, evaluate};
-use crate::model::check::moments::{Impossible, principal_moments};
 use crate::model::check::sample::default_parameters;
 use crate::model::lagrangian::{Body, Lagrangian};
+use crate::numeric::moments::{Impossible, principal_moments};
 use crate::variable::component_names;
 
 /// What must hold.

@@ -97,7 +97,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
             None => Ok(vec![self.graph.integer(1); 3]),
             Some(argument) if argument.value.shape() == Shape::Number => {
                 let factor = self.of_dimension(argument, what, Dimension::ONE)?;
-                Ok(self.checked(vec![factor; 3], what, "", &argument.span)?)
+                self.checked(vec![factor; 3], what, "", &argument.span)
             }
             Some(argument) => {
                 let vector = self.vector(argument)?;
@@ -218,15 +218,18 @@ mod tests {
     #[test]
     fn sizes_are_lengths_that_stay() {
         let on = |shape: &str| format!("let body = translation([x, 0, 0]); shape body += {shape};");
-        refused(&on("sphere(m)"), "m: the radius of a sphere must be a length (m), this is a mass (kg)");
+        refused(&on("sphere(m)"), "m: the radius of a sphere must be m, this is kg");
         refused(
             &on("box([1, 1, 1])"),
-            "[1, 1, 1]: the size of a box must be a length (m), this is a plain number; a number has no unit unless it is \
+            "[1, 1, 1]: the size of a box must be m, this is a plain number; a number has no unit unless it is \
              written behind it: `0.3 kg`, `9.81 m/s^2`",
         );
-        refused(&on("cylinder(l, -l)"), "-l: the length of a cylinder is greater than zero, this is -2 m");
+        refused(&on("cylinder(l, -l)"), "-l: the length of a cylinder is greater than zero, this is -3 m");
         refused(&on("box([l, 0 m, l])"), "[l, 0 m, l]: the edge of a box is greater than zero, this is 0 m");
-        refused(&on("mesh(\"a.stl\", l)"), "l: the scale of a mesh must be a plain number, this is a length (m)");
+        refused(
+            &on("mesh(\"a.stl\", l)"),
+            "l: the scale of a mesh must be a plain number, this is m; divide by a quantity of the same dimension",
+        );
         refused(&on("mesh(\"a.stl\", -1)"), "-1: the scale of a mesh is greater than zero, this is -1");
         refused(
             &on("sphere(l + x)"),
@@ -241,7 +244,7 @@ mod tests {
         );
         refused(
             "shape [x, 0, 0] += sphere(l);",
-            "[x, 0, 0]: a pose is expected here, this is a vector; poses are made by `rot_z(angle)`, \
+            "[x, 0, 0]: expected a pose, found a vector; poses are made by `rot_z(angle)`, \
              `translation([x, y, z])`, `dh(theta, d, a, alpha)`",
         );
     }

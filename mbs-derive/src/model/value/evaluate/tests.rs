@@ -145,7 +145,7 @@ fn declaration(value: Expression) -> Declaration {
     let kind = StatementKind::Energy { term: EnergyTerm::Kinetic, value };
     let statements = vec![Statement { kind, span: 0..0 }];
     let (imports, imported) = (Vec::new(), Vec::new());
-    Declaration { dimensionless: false, imports, imported, name, docs: Vec::new(), statements }
+    Declaration { dimensionless: false, imports, imported, name, docs: Vec::new(), statements, of_robots: 0 }
 }
 
 /// Built by hand, past the parser.

@@ -1,0 +1,371 @@
+//! MJCF, the format of MuJoCo.
+//!
+//! - `class`: defaults, settings of the compiler, attitudes; `geom`: what geoms weigh and look like;
+//! - `equality`: constraints and tendons.
+//!
+//! Source: MuJoCo documentation, *XML reference*, and its `src/user/` for what the documentation leaves open.
+
+mod class;
+mod equality;
+mod geom;
+
+use std::collections::BTreeMap;
+
+use roxmltree::Node;
+
+use super::pose::{Pose, of_quaternion, transposed, turned, turned_inertia};
+use super::robot::{Body, Inertial, Joint, Kind, Robot};
+use super::urdf::together;
+use super::xml::{Reader, child, children, place, tag};
+use class::Settings;
+
+/// A file while it is read.
+struct File<'a, 'i, 'r> {
+    settings: Settings<'a, 'i>,
+    robot: Robot,
+    /// Bodies by their names.
+    bodies: BTreeMap<String, usize>,
+    joints: BTreeMap<String, ()>,
+    /// Of each site its body and where it is.
+    sites: BTreeMap<String, (Option<usize>, Pose)>,
+    reader: &'r mut Reader,
+}
+
+/// What is open around an element.
+#[derive(Clone)]
+struct Around {
+    body: Option<usize>,
+    /// The class of what names none.
+    class: String,
+    /// Frames of the file within the body.
+    frame: Pose,
+}
+
+/// A robot; what is wrong is noted.
+pub(super) fn robot<'a, 'i>(root: Node<'a, 'i>, reader: &mut Reader) -> Option<Robot> {
+    for node in root.descendants().filter(Node::is_element) {
+        let name = node.tag_name().name();
+        let help = match name {
+            "include" => "paste the file in, or save the model from MuJoCo by `mj_saveLastXML`",
+            "replicate" | "attach" => "save the model from MuJoCo by `mj_saveLastXML`, which writes it out",
+            "composite" | "flexcomp" | "flex" | "deformable" => {
+                "import the rigid bodies, and write the rest as energies"
+            }
+            "plugin" if node.parent().is_some_and(|parent| parent.tag_name().name() == "body") => {
+                "write it as energies"
+            }
+            _ => continue,
+        };
+        reader.refuse(tag(node), format!("`{name}` is not imported"), help);
+    }
+    let settings = Settings::of(root, reader);
+    if reader.errors.has_errors() {
+        return None;
+    }
+    let name = root.attribute("model").unwrap_or("MuJoCo model").to_string();
+    let mut file = File {
+        robot: Robot { name, gravity: settings.gravity, ..Robot::default() },
+        settings,
+        bodies: BTreeMap::new(),
+        joints: BTreeMap::new(),
+        sites: BTreeMap::new(),
+        reader,
+    };
+    let around = Around { body: None, class: file.settings.main.clone(), frame: Pose::default() };
+    let mut waiting: Vec<(Node<'a, 'i>, Around)> = Vec::new();
+    let worlds: Vec<Node<'a, 'i>> = children(root, "worldbody").collect();
+    for world in worlds.into_iter().rev() {
+        file.contents(world, &around, &mut waiting);
+    }
+    waiting.reverse();
+    let mut stack = waiting;
+    // The last one is next, so that bodies stand in the order of the file, each behind its parent.
+    while let Some((node, around)) = stack.pop() {
+        let mut below = Vec::new();
+        file.body(node, &around, &mut below);
+        stack.extend(below.into_iter().rev());
+    }
+    file.equalities(root);
+    let left_out: Vec<&str> = ["actuator", "sensor", "contact", "keyframe", "custom", "extension", "size", "visual"]
+        .into_iter()
+        .filter(|name| child(root, name).is_some())
+        .collect();
+    if !left_out.is_empty() {
+        file.robot.notes.push(format!(
+            "Left out: {}. Every joint has an input, whatever drives it in the file.",
+            left_out.join(", ")
+        ));
+    }
+    Some(file.robot)
+}
+
+impl<'a, 'i> File<'a, 'i, '_> {
+    /// Bodies in an element, with what is around them, and what else stands in it: geoms and sites of the world.
+    fn contents(&mut self, node: Node<'a, 'i>, around: &Around, bodies: &mut Vec<(Node<'a, 'i>, Around)>) {
+        let mut waiting = vec![(node, around.clone())];
+        while let Some((node, around)) = waiting.pop() {
+            let mut inner = Vec::new();
+            for element in node.children().filter(Node::is_element) {
+                match element.tag_name().name() {
+                    "body" => bodies.push((element, around.clone())),
+                    "frame" => {
+                        let class = element.attribute("childclass").unwrap_or(&around.class).to_string();
+                        let pose = self.settings.pose(element, &around.class, "frame", self.reader);
+                        inner.push((element, Around { body: around.body, class, frame: around.frame.then(&pose) }));
+                    }
+                    "site" => {
+                        let pose = self.settings.pose(element, &around.class, "site", self.reader);
+                        if let Some(name) = element.attribute("name") {
+                            self.sites.insert(name.to_string(), (around.body, around.frame.then(&pose)));
+                        }
+                    }
+                    _ => {}
+                }
+            }
+            waiting.extend(inner.into_iter().rev());
+        }
+    }
+
+    fn body(&mut self, node: Node<'a, 'i>, around: &Around, below: &mut Vec<(Node<'a, 'i>, Around)>) {
+        let number = self.robot.bodies.len();
+        let name = node.attribute("name").map_or_else(|| format!("body_{}", number + 1), str::to_string);
+        if self.bodies.insert(name.clone(), number).is_some() {
+            self.reader.refuse(place(node, "name"), format!("a second body is called `{name}`"), "names are unique");
+        }
+        let class = node.attribute("childclass").unwrap_or(&around.class).to_string();
+        self.settings.check_class(node, "childclass", self.reader);
+        let pose = around.frame.then(&self.settings.pose(node, &around.class, "body", self.reader));
+        let mut body = Body {
+            name: name.clone(),
+            parent: around.body,
+            pose,
+            joints: Vec::new(),
+            fixed_by: None,
+            inertial: None,
+            shapes: Vec::new(),
+            notes: Vec::new(),
+            span: tag(node),
+        };
+        if node.attribute("mocap") == Some("true") {
+            body.notes.push("A mocap body: it stands where the file has it.".to_string());
+        }
+        if let Some(lifted) = self.reader.number(node, "gravcomp", "`gravcomp`").filter(|lifted| *lifted != 0.0) {
+            let message = format!("the body `{name}` is lifted by `gravcomp` of {lifted}, which is not imported");
+            self.reader.refuse(
+                place(node, "gravcomp"),
+                message,
+                "leave it out, and write it as a force beside the import",
+            );
+        }
+        let inside = Around { body: Some(number), class, frame: Pose::default() };
+        let mut masses = Vec::new();
+        let mut waiting = vec![(node, inside.clone())];
+        while let Some((element, around)) = waiting.pop() {
+            let mut inner = Vec::new();
+            for element in element.children().filter(Node::is_element) {
+                match element.tag_name().name() {
+                    "joint" | "freejoint" => self.joint(element, &around, &mut body),
+                    "geom" => masses.extend(self.geom(element, &around, &mut body)),
+                    "frame" => {
+                        let class = element.attribute("childclass").unwrap_or(&around.class).to_string();
+                        let pose = self.settings.pose(element, &around.class, "frame", self.reader);
+                        inner.push((element, Around { body: around.body, class, frame: around.frame.then(&pose) }));
+                    }
+                    _ => {}
+                }
+            }
+            waiting.extend(inner.into_iter().rev());
+        }
+        body.inertial = self.inertial(node, &name, masses);
+        if body.joints.len() > 1 && body.joints.iter().any(|joint| joint.kind == Kind::Free) {
+            self.reader.refuse(
+                tag(node),
+                format!("the body `{name}` has a free joint beside others"),
+                "a free joint stands alone",
+            );
+        }
+        if around.body.is_some() && body.joints.iter().any(|joint| joint.kind == Kind::Free) {
+            self.reader.refuse(
+                tag(node),
+                format!("the body `{name}` hangs on another one by a free joint"),
+                "free bodies stand in the world",
+            );
+        }
+        self.robot.bodies.push(body);
+        self.contents(node, &inside, below);
+    }
+
+    /// What the body weighs: as stated, or by its geoms.
+    fn inertial(
+        &mut self,
+        node: Node<'a, 'i>,
+        name: &str,
+        masses: Vec<(Option<Inertial>, Node<'a, 'i>)>,
+    ) -> Option<Inertial> {
+        let stated = child(node, "inertial");
+        let by_geoms = match self.settings.inertia_from_geom.as_str() {
+            "true" => true,
+            "false" => false,
+            _ => stated.is_none(),
+        };
+        let found = if by_geoms {
+            let mut known = Vec::new();
+            for (mass, geom) in masses {
+                match mass {
+                    Some(mass) => known.push(mass),
+                    None => {
+                        let message = format!("the body `{name}` has the mass of a mesh, which is not known here");
+                        let help =
+                            "write an `<inertial>` for the body, or save the model from MuJoCo by `mj_saveLastXML`";
+                        self.reader.refuse(tag(geom), message, help);
+                        return None;
+                    }
+                }
+            }
+            together(&known)
+        } else {
+            stated.and_then(|inertial| self.stated(inertial, name))
+        };
+        found.map(|inertial| self.bounded(inertial))
+    }
+
+    fn bounded(&self, mut inertial: Inertial) -> Inertial {
+        let Settings { bound_mass, bound_inertia, .. } = self.settings;
+        inertial.mass = inertial.mass.max(bound_mass);
+        if bound_inertia > 0.0 {
+            (0..3).for_each(|i| inertial.inertia[i] = inertial.inertia[i].max(bound_inertia));
+        }
+        inertial
+    }
+
+    fn stated(&mut self, node: Node<'a, 'i>, name: &str) -> Option<Inertial> {
+        let of = format!("the inertial of the body `{name}`");
+        let pose = self.settings.pose(node, "", "inertial", self.reader);
+        self.reader.wanted(node, "mass", &of)?;
+        let mass = self.reader.number(node, "mass", &format!("the mass of the body `{name}`"))?;
+        let what = format!("the inertia of the body `{name}`");
+        let entries = match (node.attribute("fullinertia"), node.attribute("diaginertia")) {
+            (Some(_), _) => self.reader.array::<6>(node, "fullinertia", &what)?,
+            (None, Some(_)) => {
+                let [xx, yy, zz] = self.reader.array(node, "diaginertia", &what)?;
+                [xx, yy, zz, 0.0, 0.0, 0.0]
+            }
+            (None, None) => {
+                self.reader.refuse(tag(node), format!("{of} has no inertia"), "write `diaginertia` or `fullinertia`");
+                return None;
+            }
+        };
+        Some(Inertial { mass, com: pose.shift, inertia: turned_inertia(&pose.turn, entries), span: tag(node) })
+    }
+
+    fn joint(&mut self, node: Node<'a, 'i>, around: &Around, body: &mut Body) {
+        let is_free = node.tag_name().name() == "freejoint";
+        let class = node.attribute("class").unwrap_or(&around.class).to_string();
+        self.settings.check_class(node, "class", self.reader);
+        let (settings, reader) = (&self.settings, &mut *self.reader);
+        let holder = |name: &str| if is_free { node } else { settings.holder(node, "joint", &class, name) };
+        let name = node.attribute("name").map_or_else(
+            || {
+                if body.joints.is_empty() {
+                    format!("{}_joint", body.name)
+                } else {
+                    format!("{}_joint_{}", body.name, body.joints.len() + 1)
+                }
+            },
+            str::to_string,
+        );
+        let word = if is_free { "free" } else { holder("type").attribute("type").unwrap_or("hinge") };
+        let kind = match word {
+            "hinge" => Kind::Hinge,
+            "slide" => Kind::Slide,
+            "ball" => Kind::Ball,
+            "free" => Kind::Free,
+            _ => {
+                let message = format!("the joint `{name}` is of an unknown kind, `{word}`");
+                reader.refuse(place(node, "type"), message, "there are `hinge`, `slide`, `ball` and `free`");
+                return;
+            }
+        };
+        if self.joints.insert(name.clone(), ()).is_some() {
+            reader.refuse(place(node, "name"), format!("a second joint is called `{name}`"), "names are unique");
+        }
+        let mut joint = Joint::new(&name, kind, word, tag(node));
+        let of = |what: &str| format!("{what} of the joint `{name}`");
+        if kind != Kind::Free {
+            joint.anchor = reader.array(holder("pos"), "pos", &of("the place")).unwrap_or_default();
+            joint.anchor = around.frame.point(joint.anchor);
+            joint.axis = reader.array(holder("axis"), "axis", &of("the axis")).unwrap_or([0.0, 0.0, 1.0]);
+            joint.axis = turned(&around.frame.turn, joint.axis);
+        }
+        let angle = if kind == Kind::Hinge { settings.angle } else { 1.0 };
+        let mut first = |name: &str, what: &str| {
+            let holder = holder(name);
+            let numbers = reader.numbers(holder.attribute(name)?, place(holder, name), &of(what))?;
+            if numbers.iter().skip(1).any(|&number| number != 0.0) {
+                reader.refuse(
+                    place(holder, name),
+                    format!("{} is not linear", of(what)),
+                    "write it as an energy beside the import",
+                );
+            }
+            numbers.first().copied()
+        };
+        joint.damping = first("damping", "the damping").unwrap_or(0.0);
+        joint.stiffness = first("stiffness", "the stiffness").unwrap_or(0.0);
+        joint.armature = first("armature", "the armature").unwrap_or(0.0);
+        joint.friction = first("frictionloss", "the friction").unwrap_or(0.0);
+        joint.zero = first("ref", "`ref`").unwrap_or(0.0) * angle;
+        joint.rest = first("springref", "`springref`").unwrap_or(0.0) * angle;
+        if [joint.damping, joint.stiffness, joint.armature, joint.friction].iter().any(|&number| number < 0.0) {
+            reader.refuse(
+                tag(node),
+                format!("the joint `{name}` has negative damping, stiffness, armature or friction"),
+                "",
+            );
+        }
+        if kind != Kind::Free
+            && let Some([low, high]) = reader.array::<2>(holder("range"), "range", &of("the range"))
+            && holder("limited").attribute("limited") != Some("false")
+        {
+            let angle = if kind == Kind::Slide { 1.0 } else { settings.angle };
+            let way = if kind == Kind::Slide { "m" } else { "rad" };
+            joint.limits = format!("from {} to {} {way}", low * angle, high * angle);
+        }
+        body.joints.push(joint);
+    }
+}
+
+/// A turn by three angles about axes `xyz`, about those that turn along, or `XYZ`, about those that stay.
+fn of_euler(sequence: &str, angles: [f64; 3]) -> Pose {
+    let mut pose = Pose::default();
+    for (axis, angle) in sequence.chars().zip(angles) {
+        let number = match axis.to_ascii_lowercase() {
+            'x' => 0,
+            'y' => 1,
+            _ => 2,
+        };
+        let mut rpy = [0.0; 3];
+        rpy[number] = angle;
+        let turn = Pose::of_rpy([0.0; 3], rpy);
+        pose = if axis.is_ascii_lowercase() { pose.then(&turn) } else { turn.then(&pose) };
+    }
+    pose
+}
+
+/// A turn by the axes that x and y are turned to.
+fn of_axes([a, b, c, d, e, f]: [f64; 6]) -> Option<Pose> {
+    let length = super::pose::norm(&[a, b, c]);
+    let x = [a, b, c].map(|v| v / length);
+    let along = d * x[0] + e * x[1] + f * x[2];
+    let rest = [d - along * x[0], e - along * x[1], f - along * x[2]];
+    let size = super::pose::norm(&rest);
+    let y = rest.map(|v| v / size);
+    let z = [x[1] * y[2] - x[2] * y[1], x[2] * y[0] - x[0] * y[2], x[0] * y[1] - x[1] * y[0]];
+    let turn = transposed(&[x, y, z]);
+    (length > 1e-12 && size > 1e-12).then(|| Pose::of_turn([0.0; 3], turn))
+}
+
+/// A pose by place and quaternion.
+fn of_place_and_quaternion(shift: [f64; 3], quaternion: [f64; 4]) -> Pose {
+    Pose::of_turn(shift, of_quaternion(quaternion))
+}

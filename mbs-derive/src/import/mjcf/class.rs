@@ -1,0 +1,213 @@
+//! Defaults by classes, settings of the compiler, and attitudes, of which the format has five ways.
+
+use std::collections::BTreeMap;
+
+use roxmltree::Node;
+
+use super::super::pose::{Pose, about, from_z, norm};
+use super::super::xml::{Reader, children, place, tag};
+use super::{of_axes, of_euler, of_place_and_quaternion};
+
+/// What the whole file says of its elements.
+pub(super) struct Settings<'a, 'i> {
+    /// Radians of the file's unit of angles.
+    pub(super) angle: f64,
+    euler_sequence: String,
+    pub(super) inertia_from_geom: String,
+    pub(super) groups: [f64; 2],
+    pub(super) bound_mass: f64,
+    pub(super) bound_inertia: f64,
+    pub(super) gravity: [f64; 3],
+    pub(super) mesh_folder: String,
+    /// The class of elements that name none.
+    pub(super) main: String,
+    /// Of each class its elements `default`, the outermost first.
+    classes: BTreeMap<String, Vec<Node<'a, 'i>>>,
+    /// Of each mesh its element.
+    pub(super) meshes: BTreeMap<String, Node<'a, 'i>>,
+}
+
+impl<'a, 'i> Settings<'a, 'i> {
+    pub(super) fn of(root: Node<'a, 'i>, reader: &mut Reader) -> Self {
+        let mut settings = Settings {
+            angle: std::f64::consts::PI / 180.0,
+            euler_sequence: "xyz".to_string(),
+            inertia_from_geom: "auto".to_string(),
+            groups: [0.0, 5.0],
+            bound_mass: 0.0,
+            bound_inertia: 0.0,
+            gravity: [0.0, 0.0, -9.81],
+            mesh_folder: String::new(),
+            main: "main".to_string(),
+            classes: BTreeMap::new(),
+            meshes: BTreeMap::new(),
+        };
+        let compilers: Vec<_> = children(root, "compiler").collect();
+        compilers.into_iter().for_each(|compiler| settings.compiler(compiler, reader));
+        for option in children(root, "option").collect::<Vec<_>>() {
+            if let Some(gravity) = reader.array(option, "gravity", "gravity") {
+                settings.gravity = gravity;
+            }
+            for fluid in ["density", "viscosity"] {
+                if reader.number(option, fluid, fluid).is_some_and(|number| number != 0.0) {
+                    let message = format!("forces of a medium, by `{fluid}`, are not imported");
+                    reader.refuse(place(option, fluid), message, "leave it out, and write them beside the import");
+                }
+            }
+            if children(option, "flag").any(|flag| flag.attribute("gravity") == Some("disable")) {
+                settings.gravity = [0.0; 3];
+            }
+        }
+        settings.read_classes(root, reader);
+        for asset in children(root, "asset").collect::<Vec<_>>() {
+            for mesh in children(asset, "mesh") {
+                let file = mesh.attribute("file").unwrap_or_default();
+                let stem = file.rsplit('/').next().unwrap_or(file);
+                let stem = stem.rsplit_once('.').map_or(stem, |(stem, _)| stem);
+                settings.meshes.insert(mesh.attribute("name").unwrap_or(stem).to_string(), mesh);
+            }
+        }
+        settings
+    }
+
+    fn compiler(&mut self, node: Node<'a, 'i>, reader: &mut Reader) {
+        match node.attribute("angle") {
+            Some("radian") => self.angle = 1.0,
+            Some("degree") => self.angle = std::f64::consts::PI / 180.0,
+            Some(other) => reader.refuse(
+                place(node, "angle"),
+                format!("`{other}` is no unit of angles"),
+                "there are `degree` and `radian`",
+            ),
+            None => {}
+        }
+        if node.attribute("coordinate").is_some_and(|word| word != "local") {
+            let help = "MuJoCo has given them up: save the model by an older one, which writes local ones";
+            reader.refuse(place(node, "coordinate"), "global coordinates are not imported", help);
+        }
+        if let Some(sequence) = node.attribute("eulerseq") {
+            let good = sequence.len() == 3 && sequence.chars().all(|c| "xyzXYZ".contains(c));
+            match good {
+                true => self.euler_sequence = sequence.to_string(),
+                false => reader.refuse(
+                    place(node, "eulerseq"),
+                    format!("`{sequence}` is no sequence of axes"),
+                    "write three of `xyzXYZ`",
+                ),
+            }
+        }
+        if let Some(word) = node.attribute("inertiafromgeom") {
+            self.inertia_from_geom = word.to_string();
+        }
+        if let Some(groups) = reader.array(node, "inertiagrouprange", "`inertiagrouprange`") {
+            self.groups = groups;
+        }
+        self.bound_mass = reader.number(node, "boundmass", "`boundmass`").unwrap_or(self.bound_mass);
+        self.bound_inertia = reader.number(node, "boundinertia", "`boundinertia`").unwrap_or(self.bound_inertia);
+        if reader.number(node, "settotalmass", "`settotalmass`").is_some_and(|mass| mass > 0.0) {
+            let help = "save the model from MuJoCo by `mj_saveLastXML`, which writes the masses";
+            reader.refuse(place(node, "settotalmass"), "`settotalmass` is not imported", help);
+        }
+        if node.attribute("balanceinertia") == Some("true") {
+            let help = "save the model from MuJoCo by `mj_saveLastXML`, which writes the inertias";
+            reader.refuse(place(node, "balanceinertia"), "`balanceinertia` is not imported", help);
+        }
+        if let Some(folder) = node.attribute("meshdir").or(node.attribute("assetdir")) {
+            self.mesh_folder = folder.trim_end_matches('/').to_string();
+        }
+    }
+
+    fn read_classes(&mut self, root: Node<'a, 'i>, reader: &mut Reader) {
+        let mut waiting: Vec<(Node<'a, 'i>, Vec<Node<'a, 'i>>)> =
+            children(root, "default").map(|node| (node, Vec::new())).collect();
+        if let Some((first, _)) = waiting.first() {
+            self.main = first.attribute("class").unwrap_or("main").to_string();
+        }
+        self.classes.insert(self.main.clone(), Vec::new());
+        while let Some((node, mut chain)) = waiting.pop() {
+            let is_outermost = chain.is_empty();
+            chain.push(node);
+            let class = match node.attribute("class") {
+                Some(class) => class.to_string(),
+                None if is_outermost => self.main.clone(),
+                None => {
+                    reader.refuse(tag(node), "this class of defaults has no name", "write `<default class=\"…\">`");
+                    continue;
+                }
+            };
+            waiting.extend(children(node, "default").map(|inner| (inner, chain.clone())));
+            self.classes.entry(class).or_default().extend(chain);
+        }
+    }
+
+    /// The class that an attribute of an element names is there.
+    pub(super) fn check_class(&self, node: Node<'_, '_>, attribute: &str, reader: &mut Reader) {
+        if let Some(class) = node.attribute(attribute).filter(|class| !self.classes.contains_key(*class)) {
+            reader.refuse(place(node, attribute), format!("there is no class `{class}` of defaults"), "");
+        }
+    }
+
+    /// Where an attribute of an element is stated: by itself, or by the innermost default of its class.
+    pub(super) fn holder(&self, node: Node<'a, 'i>, element: &str, class: &str, attribute: &str) -> Node<'a, 'i> {
+        if node.has_attribute(attribute) {
+            return node;
+        }
+        let class = node.attribute("class").unwrap_or(class);
+        let chain = self.classes.get(class).into_iter().flatten().rev();
+        let states = |child: &Node<'a, 'i>| child.tag_name().name() == element && child.has_attribute(attribute);
+        let mut stated = chain.filter_map(|default| default.children().rfind(states));
+        stated.next().unwrap_or(node)
+    }
+
+    /// Place and attitude of an element.
+    pub(super) fn pose(&self, node: Node<'a, 'i>, class: &str, element: &str, reader: &mut Reader) -> Pose {
+        let holder = |name: &str| self.holder(node, element, class, name);
+        let name = node.attribute("name").unwrap_or("");
+        let of = |what: &str| {
+            if name.is_empty() {
+                format!("the {what} of this {element}")
+            } else {
+                format!("the {what} of the {element} `{name}`")
+            }
+        };
+        let shift = reader.array(holder("pos"), "pos", &of("place")).unwrap_or_default();
+        let attitude = self.attitude(&holder, &of("attitude"), reader);
+        Pose { shift, ..attitude.unwrap_or_default() }
+    }
+
+    fn attitude(&self, holder: &dyn Fn(&str) -> Node<'a, 'i>, what: &str, reader: &mut Reader) -> Option<Pose> {
+        let zero = |node: Node<'_, '_>, name: &str, reader: &mut Reader| {
+            reader.refuse(place(node, name), format!("{what} has no direction"), "");
+            None
+        };
+        let stated = |name: &str| Some(holder(name)).filter(|node| node.has_attribute(name));
+        if let Some(node) = stated("quat") {
+            let quaternion: [f64; 4] = reader.array(node, "quat", what)?;
+            if norm(&quaternion) < 1e-12 {
+                return zero(node, "quat", reader);
+            }
+            return Some(of_place_and_quaternion([0.0; 3], quaternion));
+        }
+        if let Some(node) = stated("axisangle") {
+            let [x, y, z, angle] = reader.array(node, "axisangle", what)?;
+            if norm(&[x, y, z]) < 1e-12 {
+                return zero(node, "axisangle", reader);
+            }
+            return Some(Pose::of_turn([0.0; 3], about([x, y, z], angle * self.angle)));
+        }
+        if let Some(node) = stated("xyaxes") {
+            let axes = reader.array(node, "xyaxes", what)?;
+            return of_axes(axes).or_else(|| zero(node, "xyaxes", reader));
+        }
+        if let Some(node) = stated("zaxis") {
+            let axis: [f64; 3] = reader.array(node, "zaxis", what)?;
+            if norm(&axis) < 1e-12 {
+                return zero(node, "zaxis", reader);
+            }
+            return Some(Pose::of_turn([0.0; 3], from_z(axis)));
+        }
+        let node = stated("euler")?;
+        let angles: [f64; 3] = reader.array(node, "euler", what)?;
+        Some(of_euler(&self.euler_sequence, angles.map(|angle| angle * self.angle)))
+    }
+}

@@ -1,0 +1,238 @@
+//! Equality constraints, and tendons along sums of coordinates.
+
+use std::collections::BTreeMap;
+
+use roxmltree::Node;
+
+use super::super::pose::{Pose, norm};
+use super::super::robot::Coupling;
+use super::super::write::{at_rest, carried};
+use super::super::xml::{children, place, tag};
+use super::{File, of_place_and_quaternion};
+
+/// Coordinates and their factors.
+type Terms = Vec<(f64, String)>;
+
+impl<'a, 'i> File<'a, 'i, '_> {
+    pub(super) fn equalities(&mut self, root: Node<'a, 'i>) {
+        let tendons = self.tendons(root);
+        let mut count = 0;
+        for equality in
+            children(root, "equality").flat_map(|node| node.children().filter(Node::is_element)).collect::<Vec<_>>()
+        {
+            count += 1;
+            let kind = equality.tag_name().name();
+            let name = equality.attribute("name").map_or_else(|| format!("{kind}_{count}"), str::to_string);
+            if equality.attribute("active") == Some("false") {
+                self.robot.notes.push(format!("The equality `{name}` is not active, and left out."));
+                continue;
+            }
+            match kind {
+                "connect" => self.connect(equality, name),
+                "weld" => self.weld(equality, name),
+                "joint" => self.coupled_joints(equality, name),
+                "tendon" => self.coupled_tendons(equality, name, &tendons),
+                _ => self.reader.refuse(
+                    tag(equality),
+                    format!("the equality `{kind}` is not imported"),
+                    "write it as a constraint beside the import",
+                ),
+            }
+        }
+    }
+
+    /// The body that an attribute names; the world where it names none.
+    fn end(&mut self, node: Node<'a, 'i>, attribute: &str) -> Option<Option<usize>> {
+        match node.attribute(attribute) {
+            None | Some("world") => Some(None),
+            Some(name) => match self.bodies.get(name) {
+                Some(&number) => Some(Some(number)),
+                None => {
+                    self.reader.refuse(place(node, attribute), format!("there is no body `{name}`"), "");
+                    None
+                }
+            },
+        }
+    }
+
+    /// The two sites of a constraint that is stated by sites.
+    fn between_sites(&mut self, node: Node<'a, 'i>) -> Option<[(Option<usize>, Pose); 2]> {
+        let mut site = |attribute: &str| {
+            let name = node.attribute(attribute)?;
+            let found = self.sites.get(name).copied();
+            if found.is_none() {
+                self.reader.refuse(place(node, attribute), format!("there is no site `{name}`"), "");
+            }
+            found
+        };
+        let (first, second) = (site("site1"), site("site2"));
+        Some([first?, second?])
+    }
+
+    fn connect(&mut self, node: Node<'a, 'i>, name: String) {
+        if node.has_attribute("site1") {
+            let Some([(a, p), (b, q)]) = self.between_sites(node) else { return };
+            self.robot.couplings.push(Coupling::Points { name, bodies: [a, b], points: [p.shift, q.shift] });
+            return;
+        }
+        let (Some(a), Some(b)) = (self.end(node, "body1"), self.end(node, "body2")) else { return };
+        if self.reader.wanted(node, "anchor", &format!("the equality `{name}`")).is_none() {
+            return;
+        }
+        let Some(anchor) = self.reader.array(node, "anchor", &format!("the anchor of `{name}`")) else { return };
+        let other = carried(&self.robot, a, anchor, b);
+        self.robot.couplings.push(Coupling::Points { name, bodies: [a, b], points: [anchor, other] });
+    }
+
+    fn weld(&mut self, node: Node<'a, 'i>, name: String) {
+        if node.has_attribute("site1") {
+            let Some([(a, p), (b, q)]) = self.between_sites(node) else { return };
+            self.robot.couplings.push(Coupling::Frames { name, bodies: [a, b], poses: [p, q] });
+            return;
+        }
+        let (Some(a), Some(b)) = (self.end(node, "body1"), self.end(node, "body2")) else { return };
+        let stated: Option<[f64; 7]> = self.reader.array(node, "relpose", &format!("`relpose` of `{name}`"));
+        let relative = match stated {
+            Some([x, y, z, rest @ ..]) if norm(&rest) > 1e-12 => of_place_and_quaternion([x, y, z], rest),
+            _ => at_rest(&self.robot, a).inverse().then(&at_rest(&self.robot, b)),
+        };
+        self.robot.couplings.push(Coupling::Frames { name, bodies: [a, b], poses: [relative, Pose::default()] });
+    }
+
+    fn powers(&mut self, node: Node<'a, 'i>, name: &str) -> Option<[f64; 5]> {
+        let Some(text) = node.attribute("polycoef") else { return Some([0.0, 1.0, 0.0, 0.0, 0.0]) };
+        let numbers = self.reader.numbers(text, place(node, "polycoef"), &format!("`polycoef` of `{name}`"))?;
+        // What is not stated keeps its default.
+        Some(std::array::from_fn(|k| numbers.get(k).copied().unwrap_or(if k == 1 { 1.0 } else { 0.0 })))
+    }
+
+    fn named_joint(&mut self, node: Node<'a, 'i>, attribute: &str) -> Option<String> {
+        let name = node.attribute(attribute)?;
+        if !self.joints.contains_key(name) {
+            self.reader.refuse(place(node, attribute), format!("there is no joint `{name}`"), "");
+            return None;
+        }
+        Some(name.to_string())
+    }
+
+    fn coupled_joints(&mut self, node: Node<'a, 'i>, name: String) {
+        let Some(powers) = self.powers(node, &name) else { return };
+        if self.reader.wanted(node, "joint1", &format!("the equality `{name}`")).is_none() {
+            return;
+        }
+        let Some(first) = self.named_joint(node, "joint1") else { return };
+        let second = self.named_joint(node, "joint2");
+        if second.is_none() && node.has_attribute("joint2") {
+            return;
+        }
+        self.robot.couplings.push(Coupling::Joints { name, first, second, powers });
+    }
+
+    fn coupled_tendons(&mut self, node: Node<'a, 'i>, name: String, tendons: &BTreeMap<String, Option<Terms>>) {
+        let Some(powers) = self.powers(node, &name) else { return };
+        let mut terms = Terms::new();
+        for (attribute, factor) in [("tendon1", 1.0), ("tendon2", -powers[1])] {
+            let Some(tendon) = node.attribute(attribute) else { continue };
+            match tendons.get(tendon) {
+                Some(Some(own)) => {
+                    terms.extend(own.iter().map(|(coefficient, joint)| (factor * coefficient, joint.clone())))
+                }
+                Some(None) => {
+                    let message =
+                        format!("the equality `{name}` is about the spatial tendon `{tendon}`, which is not imported");
+                    return self.reader.refuse(
+                        place(node, attribute),
+                        message,
+                        "write it as a constraint beside the import",
+                    );
+                }
+                None => {
+                    return self.reader.refuse(place(node, attribute), format!("there is no tendon `{tendon}`"), "");
+                }
+            }
+        }
+        if node.has_attribute("tendon2") && powers[2..].iter().any(|&power| power != 0.0) {
+            let message = format!("the equality `{name}` couples tendons by more than a factor");
+            return self.reader.refuse(place(node, "polycoef"), message, "write it as a constraint beside the import");
+        }
+        if terms.is_empty() {
+            return self.reader.refuse(tag(node), format!("the equality `{name}` has no `tendon1`"), "");
+        }
+        self.robot.couplings.push(Coupling::Sum { name, terms, offset: powers[0] });
+    }
+
+    /// All tendons; of spatial ones no terms.
+    fn tendons(&mut self, root: Node<'a, 'i>) -> BTreeMap<String, Option<Terms>> {
+        let mut all = BTreeMap::new();
+        for node in
+            children(root, "tendon").flat_map(|node| node.children().filter(Node::is_element)).collect::<Vec<_>>()
+        {
+            let kind = node.tag_name().name();
+            let name = node.attribute("name").map_or_else(|| format!("tendon_{}", all.len() + 1), str::to_string);
+            let class = self.settings.main.clone();
+            let [stiffness, damping, armature, friction] =
+                ["stiffness", "damping", "armature", "frictionloss"].map(|what| {
+                    let holder = self.settings.holder(node, "tendon", &class, what);
+                    self.reader.number(holder, what, &format!("`{what}` of the tendon `{name}`")).unwrap_or(0.0)
+                });
+            if friction != 0.0 {
+                self.robot.notes.push(format!("Dry friction of the tendon `{name}` is left out."));
+            }
+            if armature != 0.0 || kind != "fixed" && (stiffness != 0.0 || damping != 0.0) {
+                let message = format!("the tendon `{name}` has forces that are not imported");
+                self.reader.refuse(
+                    tag(node),
+                    message,
+                    "only springs and dampers of `fixed` tendons are: write the others as energies",
+                );
+                continue;
+            }
+            if kind != "fixed" {
+                self.robot.notes.push(format!("The tendon `{name}`, without a force of its own, is left out."));
+                all.insert(name, None);
+                continue;
+            }
+            let mut terms = Terms::new();
+            for joint in children(node, "joint").collect::<Vec<_>>() {
+                let coefficient = self.reader.number(joint, "coef", &format!("a factor of the tendon `{name}`"));
+                if let (Some(coefficient), Some(of)) = (coefficient, self.named_joint(joint, "joint")) {
+                    terms.push((coefficient, of));
+                }
+            }
+            if stiffness != 0.0 || damping != 0.0 {
+                let rest = self.rest(node, &name, &terms);
+                let spring =
+                    Coupling::Spring { name: format!("{name}_spring"), terms: terms.clone(), stiffness, rest, damping };
+                self.robot.couplings.push(spring);
+            }
+            all.insert(name, Some(terms));
+        }
+        all
+    }
+
+    /// Where the spring of a tendon is relaxed: as stated, or where the bodies are at their poses.
+    fn rest(&mut self, node: Node<'a, 'i>, name: &str, terms: &Terms) -> f64 {
+        let holder = self.settings.holder(node, "tendon", &self.settings.main.clone(), "springlength");
+        let stated = holder.attribute("springlength").and_then(|text| {
+            self.reader.numbers(text, place(holder, "springlength"), &format!("`springlength` of the tendon `{name}`"))
+        });
+        match stated.as_deref() {
+            Some([one]) | Some([one, _]) if *one >= 0.0 => {
+                if let Some([low, high]) = stated.as_deref()
+                    && low != high
+                {
+                    let message = format!("the spring of the tendon `{name}` has a dead zone, which is not imported");
+                    self.reader.refuse(place(holder, "springlength"), message, "");
+                }
+                *one
+            }
+            _ => {
+                let zero = |joint: &str| {
+                    let joints = self.robot.bodies.iter().flat_map(|body| &body.joints);
+                    joints.filter(|other| other.name == joint).map(|other| other.zero).next().unwrap_or(0.0)
+                };
+                terms.iter().map(|(factor, joint)| factor * zero(joint)).sum()
+            }
+        }
+    }
+}

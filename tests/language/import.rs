@@ -1,0 +1,487 @@
+//! Robots of other formats: against Pinocchio and MuJoCo, whose numbers `tests/import/compare.py` has written; what is
+//! wrong with files; files that are damaged.
+
+use mbs_derive::Analysis;
+use mbs_derive::expr::Graph;
+use mbs_derive::interpret::{Interpreter, State};
+use mbs_derive::source::{Sources, Unreadable};
+use serde_json::Value;
+
+const ARM_URDF: &str = include_str!("../import/robots/arm.urdf");
+const ARM_SDF: &str = include_str!("../import/robots/arm.sdf");
+const ROVER: &str = include_str!("../import/robots/rover.urdf");
+const DRONE: &str = include_str!("../import/robots/drone.urdf");
+const WALKER: &str = include_str!("../import/robots/walker.xml");
+const LINKAGE: &str = include_str!("../import/robots/linkage.xml");
+
+const ROBOTS: [(&str, &str); 6] = [
+    ("arm.urdf", ARM_URDF),
+    ("arm.sdf", ARM_SDF),
+    ("rover.urdf", ROVER),
+    ("drone.urdf", DRONE),
+    ("walker.xml", WALKER),
+    ("linkage.xml", LINKAGE),
+];
+
+/// Written in the language.
+fn text(file: &str, xml: &str) -> String {
+    match Sources::robot(file, xml).text(&|path| Some(path.to_string())) {
+        Ok((text, _)) => text,
+        Err(errors) => panic!("{}", errors.render(file, xml)),
+    }
+}
+
+/// Derived, without a warning.
+fn analysed<'g>(name: &str, text: &str, graph: &'g Graph) -> Analysis<'g> {
+    let sources = Sources::gather(name, text, |file| {
+        let robot = ROBOTS.iter().find(|(name, _)| *name == file);
+        robot.map(|(_, xml)| xml.as_bytes().to_vec()).ok_or_else(|| Unreadable::new("it is not there", ""))
+    });
+    let analysis =
+        Analysis::of(&sources, graph).unwrap_or_else(|error| panic!("{}\n{text}", error.render_in(&sources)));
+    assert_eq!(analysis.warnings(None).render_in(&sources), "", "{text}");
+    analysis
+}
+
+/// What a function gives at a state.
+fn called(analysis: &Analysis<'_>, name: &str, state: &State) -> Vec<f64> {
+    let derivation = analysis.programs();
+    let function = derivation.named(name).unwrap_or_else(|| panic!("there is no {name}"));
+    Interpreter::new(derivation).evaluate(function, state)
+}
+
+fn numbers(value: &Value) -> Vec<f64> {
+    match value {
+        Value::Array(values) => values.iter().flat_map(numbers).collect(),
+        number => vec![number.as_f64().unwrap()],
+    }
+}
+
+#[track_caller]
+fn near(what: &str, found: &[f64], expected: &[f64]) {
+    assert_eq!(found.len(), expected.len(), "{what}");
+    let scale = expected.iter().fold(1e-12, |largest: f64, value| largest.max(value.abs()));
+    let off = found.iter().zip(expected).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    assert!(off <= 1e-9 * scale, "{what}: off by {off:e} of {scale}\n{found:?}\n{expected:?}");
+}
+
+#[test]
+fn robots_move_as_pinocchio_and_mujoco_have_it() {
+    let reference: Value = serde_json::from_str(include_str!("../import/reference.json")).unwrap();
+    let robots = reference["robots"].as_array().unwrap();
+    assert_eq!(robots.len(), 5);
+    for robot in robots {
+        let file = robot["file"].as_str().unwrap();
+        let (_, xml) = ROBOTS.into_iter().find(|(name, _)| *name == file).unwrap();
+        let (graph, text) = (Graph::verbatim(), text(file, xml));
+        let analysis = analysed("robot.mbs", &text, &graph);
+        let coordinates: Vec<String> =
+            analysis.programs().coordinates.iter().flat_map(|variable| variable.component_names()).collect();
+        assert_eq!(Value::from(coordinates), robot["coordinates"], "{file}");
+        for entry in robot["states"].as_array().unwrap() {
+            let inputs = analysis.programs().inputs.iter().map(|input| input.count()).sum();
+            let (q, qd) = (numbers(&entry["q"]), numbers(&entry["qd"]));
+            let state = State { qdd: vec![0.0; q.len()], q, qd, u: vec![0.0; inputs], ..State::default() };
+            for name in ["mass_matrix", "bias", "gravity"].into_iter().filter(|name| !entry[*name].is_null()) {
+                near(&format!("{name} of {file}"), &called(&analysis, name, &state), &numbers(&entry[name]));
+            }
+            if !entry["qdd"].is_null() {
+                let found = called(&analysis, "forward_dynamics", &state);
+                near(&format!("accelerations of {file}"), &found, &numbers(&entry["qdd"]));
+            }
+            if let Some(residuals) = entry["residuals"].as_object() {
+                // In the plane of the linkage the row across it vanishes, in MuJoCo it is 0.
+                let expected: Vec<f64> =
+                    ["loop", "geared", "tied"].iter().flat_map(|name| numbers(&residuals[*name])).collect();
+                let expected: Vec<f64> = expected.into_iter().filter(|residual| residual.abs() > 1e-12).collect();
+                near(&format!("constraints of {file}"), &called(&analysis, "constraint", &state), &expected);
+            }
+        }
+    }
+}
+
+/// The same arm in two formats, and with its masses as parameters.
+#[test]
+fn formats_agree() {
+    let state =
+        State { q: vec![0.3, -0.7, 0.5, 0.08], qd: vec![0.4, 1.1, -0.6, 0.2], u: vec![0.0; 4], ..State::default() };
+    let graph = Graph::verbatim();
+    let arm = analysed("robot.mbs", &text("arm.urdf", ARM_URDF), &graph);
+    let parameters = Sources::robot("arm.urdf", ARM_URDF).parameters(true).text(&|_| None).unwrap().0;
+    assert!(parameters.contains("    param turntable_mass: kg = 7.3;\n"), "{parameters}");
+    for text in [text("arm.sdf", ARM_SDF), parameters] {
+        let graph = Graph::verbatim();
+        let other = analysed("robot.mbs", &text, &graph);
+        for name in ["mass_matrix", "bias", "gravity", "forward_dynamics"] {
+            near(name, &called(&other, name, &state), &called(&arm, name, &state));
+        }
+    }
+}
+
+/// By angles and by quaternions a body flies alike.
+#[test]
+fn attitudes_by_angles_are_those_by_quaternions() {
+    let angles = Sources::robot("drone.urdf", DRONE).angles(true).text(&|_| None).unwrap().0;
+    assert!(
+        angles.contains("rot_z(flight_attitude[0]) * rot_y(flight_attitude[1]) * rot_x(flight_attitude[2])"),
+        "{angles}"
+    );
+    let (graph, other) = (Graph::verbatim(), Graph::verbatim());
+    let by_angles = analysed("robot.mbs", &angles, &graph);
+    let by_quaternion = analysed("robot.mbs", &text("drone.urdf", DRONE), &other);
+    let (half_sine, half_cosine) = 0.35f64.sin_cos();
+    // Turned about z by 0.7 rad, at 0.9 rad/s.
+    let state = State {
+        q: vec![0.1, 0.2, 0.3, 0.7, 0.0, 0.0, 0.5],
+        qd: vec![0.0, 0.0, 0.0, 0.9, 0.0, 0.0, 0.3],
+        u: vec![0.0],
+        ..State::default()
+    };
+    let rates = [-0.45 * half_sine, 0.0, 0.0, 0.45 * half_cosine];
+    let of_quaternion = State {
+        q: [vec![0.1, 0.2, 0.3, half_cosine, 0.0, 0.0, half_sine], vec![0.5]].concat(),
+        qd: [vec![0.0; 3], rates.to_vec(), vec![0.3]].concat(),
+        u: vec![0.0],
+        ..State::default()
+    };
+    let energy = |analysis: &Analysis<'_>, state: &State| called(analysis, "kinetic_energy", state);
+    near("energy", &energy(&by_angles, &state), &energy(&by_quaternion, &of_quaternion));
+    let (a, b) =
+        (called(&by_angles, "forward_dynamics", &state), called(&by_quaternion, "forward_dynamics", &of_quaternion));
+    near("accelerations", &[&a[..3], &a[6..]].concat(), &[&b[..3], &b[7..]].concat());
+}
+
+const WITH_A_SPRING: &str = "\
+import \"arm.urdf\";
+
+/// The arm, held by a spring and driven by a controller.
+mechanism HeldArm {
+    param k: N/m = 300;
+    let hook = tool.point([0.05 m, 0, 0]);
+    potential += spring(k, (hook - [0.3 m, 0, 1 m]).norm(), 0);
+    force elbow += -2 N*m*elbow;
+    output tip = hook;
+}
+";
+
+/// `import \"arm.urdf\";` is what `mbs import` writes, and what stands beside it is added.
+#[test]
+fn robots_are_imported_in_memory() {
+    let (graph, other) = (Graph::verbatim(), Graph::verbatim());
+    let held = analysed("held.mbs", WITH_A_SPRING, &graph);
+    let (head, written) = WITH_A_SPRING.split_once("mechanism HeldArm {").unwrap();
+    let arm = text("arm.urdf", ARM_URDF);
+    let (_, statements) = arm.split_once("mechanism SkewArm {").unwrap();
+    let whole = format!(
+        "{}mechanism HeldArm {{{}{written}",
+        head.replace("import \"arm.urdf\";", ""),
+        statements.trim_end().trim_end_matches('}')
+    );
+    let pasted = analysed("pasted.mbs", &whole, &other);
+    let state =
+        State { q: vec![0.3, -0.7, 0.5, 0.08], qd: vec![0.4, 1.1, -0.6, 0.2], u: vec![1.0; 4], ..State::default() };
+    for name in ["mass_matrix", "gravity", "forward_dynamics", "tip"] {
+        assert_eq!(called(&held, name, &state), called(&pasted, name, &state), "{name}");
+    }
+    assert_eq!(held.lagrangian().drawings().len(), 4);
+}
+
+#[test]
+fn names_kinds_limits_and_shapes_are_kept() {
+    let arm = text("arm.urdf", ARM_URDF);
+    for line in [
+        "// Imported from arm.urdf, URDF. Lengths are in m, angles in rad, masses in kg.\n",
+        "// the link `upper-arm` is `upper_arm`.\n",
+        "mechanism SkewArm {\n",
+        "    /// Joint `shoulder`, revolute, from `turntable` to `upper-arm`; from -1.9 to 2.1 rad, at most 120 N·m, 2.5 rad/s.\n",
+        "    coord shoulder: rad;\n    input shoulder_torque: N*m;\n",
+        "    // It does not move: its 12 kg are in no energy.\n",
+        "    shape base += cylinder(0.15 m, 0.1 m);\n",
+        "    let upper_arm = turntable * translation(shoulder_at) * rot_x(-90 deg) * rotation([0.1, 0.2, 0.97], shoulder);\n",
+        "    let forearm = upper_arm * translation(elbow_at) * rpy(0.3, -0.5, 0.2) * rot_y(-elbow);\n",
+        "    dissipation += 1/2*feed_damping*dt(feed)^2;\n",
+        "    // Dry friction of 0.2 N*m is left out",
+        "    // Link `tool`, fixed by `flange`.\n",
+    ] {
+        assert!(arm.contains(line), "{line}\nis not in\n{arm}");
+    }
+    let rover = text("rover.urdf", ROVER);
+    assert!(
+        rover.contains("    let right_finger = right_finger_ratio*left_finger + right_finger_offset;\n"),
+        "{rover}"
+    );
+    assert!(rover.contains("translation([drive_x, drive_y, 0]) * rot_z(drive_angle)"), "{rover}");
+    let free = Sources::robot("drone.urdf", ROVER).floating(true).text(&|_| None).unwrap().0;
+    assert!(free.contains("    coord floor_joint_place[3]: m;\n"), "{free}");
+}
+
+// ---- what is wrong with files
+
+/// A robot of one hinge, in which something is replaced.
+fn hinge(from: &str, to: &str) -> String {
+    let good = r#"<robot name="r">
+  <link name="stand"/>
+  <link name="rod">
+    <inertial><origin xyz="0 0 -0.5"/><mass value="2"/>
+      <inertia ixx="0.2" iyy="0.2" izz="0.01" ixy="0" ixz="0" iyz="0"/></inertial>
+    <visual><geometry><mesh filename="rod.stl"/></geometry></visual>
+  </link>
+  <joint name="hinge" type="continuous"><parent link="stand"/><child link="rod"/><axis xyz="0 1 0"/></joint>
+</robot>"#;
+    assert!(good.contains(from), "{from}");
+    good.replacen(from, to, 1)
+}
+
+#[track_caller]
+fn refused(file: &str, xml: &str, expected: &str) {
+    let errors = Sources::robot(file, xml).text(&|_| Some("x.stl".to_string())).expect_err("a mistake");
+    let report = errors.render(file, xml);
+    let lines: Vec<&str> = report.lines().take(2).collect();
+    assert_eq!(lines.join("\n"), expected, "{report}");
+}
+
+#[test]
+fn mistakes_are_reported_with_file_line_and_link() {
+    let check = |from: &str, to: &str, expected: &str| refused("r.urdf", &hinge(from, to), expected);
+    check("value=\"2\"", "value=\"-2\"", "error: the mass of the link `rod` is negative: -2 kg\n --> r.urdf:4:5");
+    check("value=\"2\"", "value=\"NaN\"", "error: the mass of the link `rod` is not finite: `NaN`\n --> r.urdf:4:45");
+    check("value=\"2\"", "value=\"2 kg\"", "error: the mass of the link `rod` is not a number: `kg`\n --> r.urdf:4:45");
+    check(
+        "izz=\"0.01\"",
+        "izz=\"0.5\"",
+        "error: no body has the inertia of the link `rod`: a principal moment is greater than the sum of the other two\n --> r.urdf:4:5",
+    );
+    check(
+        "ixy=\"0\"",
+        "ixy=\"0.4\"",
+        "error: the inertia of the link `rod` has a negative principal moment\n --> r.urdf:4:5",
+    );
+    check("izz=\"0.01\" ", "", "error: the inertia of the link `rod` has no `izz`\n --> r.urdf:5:7");
+    check("<mass value=\"2\"/>", "", "error: the inertial of the link `rod` has no mass\n --> r.urdf:4:5");
+    check("link name=\"rod\"", "link name=\"stand\"", "error: a second link is called `stand`\n --> r.urdf:3:9");
+    check(
+        "child link=\"rod\"",
+        "child link=\"rode\"",
+        "error: the child of the joint `hinge` is the link `rode`, which is not there\n --> r.urdf:8:70",
+    );
+    check(
+        "parent link=\"stand\"",
+        "parent link=\"rod\"",
+        "error: the joints lead in a circle: the link `rod` hangs on itself\n --> r.urdf:3:3",
+    );
+    check(
+        "  <joint",
+        "  <link name=\"other\"/>\n  <joint",
+        "error: there are two roots: neither `stand` nor `other` is the child of a joint\n --> r.urdf:8:3",
+    );
+    check("continuous", "helical", "error: the joint `hinge` is of an unknown kind, `helical`\n --> r.urdf:8:23");
+    check("xyz=\"0 1 0\"", "xyz=\"0 0 0\"", "error: the axis of the joint `hinge` has no direction\n --> r.urdf:8:3");
+    check(
+        "xyz=\"0 1 0\"",
+        "xyz=\"0 1\"",
+        "error: the axis of the joint `hinge` is 3 numbers, 2 are given\n --> r.urdf:8:88",
+    );
+    check("continuous", "fixed", "error: no joint of the robot `r` moves\n --> r.urdf:2:3");
+    check(
+        "value=\"2\"",
+        "value=\"${mass}\"",
+        "error: the mass of the link `rod` is not a number: `${mass}`\n --> r.urdf:4:45",
+    );
+    check(
+        "<link name=\"stand\"/>",
+        "<link name=\"stand\">",
+        "error: this is not XML: expected 'link' tag, not 'robot'\n --> r.urdf:9:1",
+    );
+    check(
+        "<robot name=\"r\">",
+        "<robot name=\"r\" xmlns:xacro=\"http://www.ros.org/wiki/xacro\"><xacro:leg/>",
+        "error: this file is xacro: `leg` is not expanded\n --> r.urdf:1:61",
+    );
+    check(
+        "<robot name=\"r\">",
+        "<robots>",
+        "error: this is not XML: expected 'robots' tag, not 'robot'\n --> r.urdf:9:1",
+    );
+    // Nothing behind the hinge weighs anything.
+    let massless = "<robot name=\"r\"><link name=\"a\"/>\n<link name=\"b\"/><joint name=\"j\" type=\"revolute\"><parent link=\"a\"/><child link=\"b\"/></joint></robot>";
+    refused(
+        "r.urdf",
+        massless,
+        "error: the link `b` moves by the joint `j`, and neither it nor what hangs on it has mass\n --> r.urdf:2:1",
+    );
+    let circle = hinge(
+        "</robot>",
+        "<joint name=\"back\" type=\"fixed\"><parent link=\"rod\"/><child link=\"stand\"/></joint></robot>",
+    );
+    refused("r.urdf", &circle, "error: the joints lead in a circle: the link `stand` hangs on itself\n --> r.urdf:2:3");
+    refused("r.urdf", "<html/>", "error: `html` is no robot\n --> r.urdf:1:1");
+    let mimic = hinge("</joint>", "<mimic joint=\"hinge\"/></joint>");
+    refused("r.urdf", &mimic, "error: no joint of the robot `r` moves\n --> r.urdf:2:3");
+}
+
+#[test]
+fn mistakes_of_other_formats_are_reported_too() {
+    let model = |body: &str| format!("<mujoco>\n<worldbody>\n<body name=\"a\">{body}</body>\n</worldbody>\n</mujoco>");
+    let check = |body: &str, expected: &str| refused("m.xml", &model(body), expected);
+    let joint = "<joint name=\"j\"/>";
+    check(
+        &format!("{joint}<geom type=\"mesh\" mesh=\"m\"/>"),
+        "error: the body `a` has the mass of a mesh, which is not known here\n --> m.xml:3:33",
+    );
+    check(
+        &format!("{joint}<geom size=\"0.1 x\"/>"),
+        "error: the size of a geom of the body `a` is not a number: `x`\n --> m.xml:3:39",
+    );
+    check(
+        "<joint name=\"j\" type=\"screw\"/><geom size=\"1\"/>",
+        "error: the joint `j` is of an unknown kind, `screw`\n --> m.xml:3:32",
+    );
+    check(&format!("{joint}{joint}<geom size=\"1\"/>"), "error: a second joint is called `j`\n --> m.xml:3:40");
+    check("<joint class=\"no\"/><geom size=\"1\"/>", "error: there is no class `no` of defaults\n --> m.xml:3:23");
+    check("<include file=\"b.xml\"/>", "error: `include` is not imported\n --> m.xml:3:16");
+    check(
+        joint,
+        "error: the link `a` moves by the joint `j`, and neither it nor what hangs on it has mass\n --> m.xml:3:1",
+    );
+    check(
+        "<freejoint/><body><freejoint/><geom size=\"1\"/></body>",
+        "error: the body `body_2` hangs on another one by a free joint\n --> m.xml:3:28",
+    );
+    let sdf =
+        |inside: &str| format!("<sdf version=\"1.9\"><model name=\"m\">\n<link name=\"l\"/>{inside}</model></sdf>");
+    refused(
+        "m.sdf",
+        &sdf("<joint name=\"j\" type=\"screw\"><parent>world</parent><child>l</child></joint>"),
+        "error: the joint `j` is of a kind that is not imported, `screw`\n --> m.sdf:2:33",
+    );
+    refused(
+        "m.sdf",
+        &sdf("<joint name=\"j\" type=\"fixed\"><parent>x</parent><child>l</child></joint>"),
+        "error: the parent of the joint `j` is the link `x`, which is not there\n --> m.sdf:2:46",
+    );
+    refused(
+        "m.sdf",
+        &sdf(""),
+        "error: the link `l` moves by the joint `l_free`, and neither it nor what hangs on it has mass\n --> m.sdf:2:1",
+    );
+    refused("m.sdf", "<sdf/>", "error: there is no model in this file\n --> m.sdf:1:1");
+}
+
+/// On request an inertia that no body has is taken, with a warning, and T is what it says.
+#[test]
+fn any_inertia_is_taken_on_request() {
+    let xml = hinge("izz=\"0.01\"", "izz=\"0.5\"");
+    let (text, warnings) = Sources::robot("r.urdf", &xml).any_inertia(true).text(&|_| None).unwrap();
+    assert!(warnings.render("r.urdf", &xml).contains("warning: no body has the inertia of the link `rod`"));
+    let graph = Graph::verbatim();
+    let state = State { q: vec![0.3], qd: vec![1.0], u: vec![0.0], ..State::default() };
+    near("M", &called(&analysed("r.mbs", &text, &graph), "mass_matrix", &state), &[0.2 + 2.0 * 0.25]);
+}
+
+/// A mesh that is not there is no mistake, but told, and not drawn.
+#[test]
+fn missing_meshes_are_told() {
+    let xml = hinge("<robot", "<robot");
+    let (text, warnings) = Sources::robot("r.urdf", &xml).text(&|_| None).unwrap();
+    assert!(
+        warnings
+            .render("r.urdf", &xml)
+            .starts_with("warning: the mesh `rod.stl` of the link `rod` is not drawn\n --> r.urdf:6:29\n")
+    );
+    assert!(!text.contains("shape"), "{text}");
+}
+
+/// A mistake in a robot that a mechanism imports is shown at the import, with its place.
+#[test]
+fn mistakes_in_imported_robots_are_shown_at_the_import() {
+    let bad = hinge("value=\"2\"", "value=\"-2\"");
+    let source = "import \"r.urdf\";\nmechanism A { }\n";
+    let sources = Sources::gather("a.mbs", source, |_| Ok(bad.clone().into_bytes()));
+    let graph = Graph::verbatim();
+    let report = Analysis::of(&sources, &graph).err().unwrap().render_in(&sources);
+    let expected =
+        "error: cannot import `r.urdf`: r.urdf:4:5: the mass of the link `rod` is negative: -2 kg\n --> a.mbs:1:1\n";
+    assert!(report.starts_with(expected), "{report}");
+    // In a file of shared declarations there is no place for coordinates.
+    let sources = Sources::gather("a.mbs", "import \"b.mbs\";\nmechanism A { }\n", |file| match file {
+        "b.mbs" => Ok(b"import \"r.urdf\"; const n = 1;".to_vec()),
+        _ => Ok(hinge("<robot", "<robot").into_bytes()),
+    });
+    let report = Analysis::of(&sources, &graph).err().unwrap().render_in(&sources);
+    assert!(
+        report.starts_with("error: cannot import `r.urdf`: it is a robot, this is a file of shared declarations\n"),
+        "{report}"
+    );
+}
+
+/// Whatever is done to a file, it is read or refused, with a place in it; what is read is a text of the language.
+#[test]
+fn damaged_files_are_answered() {
+    let mut random = 0x9e37_79b9_7f4a_7c15u64;
+    let mut below = |n: usize| {
+        random ^= random << 13;
+        random ^= random >> 7;
+        random ^= random << 17;
+        (random % n as u64) as usize
+    };
+    let pieces = [
+        "",
+        " ",
+        "<",
+        ">",
+        "/",
+        "\"",
+        "nan",
+        "-1",
+        "1e400",
+        "0",
+        "θ",
+        "link",
+        "</link>",
+        "<joint/>",
+        "name=\"\"",
+        "&lt;",
+        "<!--",
+        "\u{0}",
+        "base",
+        "world",
+        "90 deg",
+        "${a}",
+        "joint",
+        "1e-320",
+    ];
+    let (mut read, mut refused) = (0, 0);
+    for round in 0..3000 {
+        let (file, xml) = ROBOTS[round % ROBOTS.len()];
+        let mut damaged = xml.to_string();
+        for _ in 0..=below(3) {
+            let ends: Vec<usize> = damaged.char_indices().map(|(at, _)| at).chain([damaged.len()]).collect();
+            let start = below(ends.len());
+            let end = (start + [0, 1, 3, 20, 200][below(5)]).min(ends.len() - 1);
+            damaged.replace_range(ends[start]..ends[end], pieces[below(pieces.len())]);
+        }
+        match Sources::robot(file, &damaged).text(&|path| Some(path.to_string())) {
+            Ok((text, _)) => {
+                read += 1;
+                let graph = Graph::verbatim();
+                // Too little may be left for a mechanism, but it can be read.
+                if let Err(errors) = mbs_derive::parse::declaration_of(&Sources::new(file, &text)) {
+                    panic!("{}\n{damaged}", errors.render(file, &text));
+                }
+                let _ = mbs_derive::declared(&text, &graph, &[]);
+            }
+            Err(errors) => {
+                refused += 1;
+                assert!(errors.has_errors());
+                for error in errors.iter() {
+                    assert!(damaged.get(error.span.clone()).is_some(), "{error:?}");
+                }
+                assert!(
+                    errors.render(file, &damaged).starts_with("error: ")
+                        || errors.error_count() < errors.iter().count()
+                );
+            }
+        }
+    }
+    assert!(read > 100 && refused > 1000, "{read} read, {refused} refused");
+}
