@@ -11,9 +11,8 @@ use crate::message::Messages;
 use crate::output::{self, Staged};
 
 /// Write mechanisms, and files that they import, in one style: indentation, spaces, blank lines. Comments stay.
-///
-/// Example: mbs fmt --check models/mechanisms/pendulum.mbs
 #[derive(clap::Args)]
+#[command(after_help = "Example:\n  mbs fmt pendulum.mbs")]
 pub(crate) struct Arguments {
     /// The files, which are replaced whole or not at all; `-` reads standard input and writes standard output.
     #[arg(value_name = "FILE.mbs", required = true)]

@@ -36,9 +36,7 @@ use crate::state::{self, Point, Request};
 /// The page is one file without network: it opens from a disk, in any browser. Its motion is computed in it, by the
 /// emitted JavaScript.
 #[derive(clap::Args)]
-#[command(
-    after_help = "Example: mbs report models/mechanisms/double_pendulum.mbs --state '{\"q\": [2, 2.5]}' --out report.html"
-)]
+#[command(after_help = "Example:\n  mbs report pendulum.mbs --state '{\"theta\": 0.5}' --out report.html")]
 pub(crate) struct Arguments {
     /// The mechanism.
     #[arg(value_name = "FILE.mbs")]

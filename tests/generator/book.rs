@@ -23,17 +23,19 @@ mod page;
 const ROOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/..");
 
 /// Pages whose blocks of a kind have a test of their own, which names the page.
-const ELSEWHERE: [(&str, &str, &str); 11] = [
+const ELSEWHERE: [(&str, &str, &str); 13] = [
     ("language.md", "mbs", "tests/language/manual.rs"),
-    ("c.md", "c", "tests/generator/c_header.rs"),
-    ("c.md", "cpp", "tests/generator/c_header.rs"),
-    ("c.md", "cuda", "tests/generator/c_header/cuda.rs"),
-    ("c.md", "python", "tests/generator/c_header/opencl.rs"),
-    ("javascript.md", "js", "tests/generator/scripts.rs"),
-    ("numpy.md", "python", "tests/generator/scripts.rs"),
-    ("matlab.md", "matlab", "tests/generator/scripts.rs"),
+    ("c.md", "c", "tests/printers/c_header.rs"),
+    ("c.md", "cpp", "tests/printers/c_header.rs"),
+    ("c.md", "cuda", "tests/printers/c_header/cuda.rs"),
+    ("c.md", "python", "tests/printers/c_header/opencl.rs"),
+    ("javascript.md", "js", "tests/printers/scripts.rs"),
+    ("numpy.md", "python", "tests/printers/scripts.rs"),
+    ("matlab.md", "matlab", "tests/printers/scripts.rs"),
     ("python.md", "python", "mbs-python/tests/test_pages.py"),
     ("fmu.md", "python", "tests/systems/fmu_manual.rs"),
+    ("import.md", "xml", "mbs-cli/tests/cli/robot.rs"),
+    ("import.md", "mbs", "mbs-cli/tests/cli/robot.rs"),
     ("webassembly.md", "js", "mbs-wasm/tests/manual.test.mjs"),
 ];
 

@@ -179,7 +179,7 @@ struct Way<'w> {
 
 /// Compiles the header of a mechanism and a program for it, runs it at all states; its name and what it gave.
 fn ran(case: &Case, way: &Way<'_>, folder: &Path) -> (String, Vec<f64>) {
-    let options = Options { trigonometry: way.trigonometry, ..Options::default() };
+    let options = Options::default().trigonometry(way.trigonometry);
     let name = format!("{}_{}_{:?}", case.name, way.compiler.replace('+', "p"), way.trigonometry);
     let header = Language::C.write(&case.of, &case.name, &options);
     assert_eq!(header, Language::C.write(&case.of, &case.name, &options));

@@ -35,7 +35,7 @@ fn functions(language: Language, text: &str) -> Vec<String> {
 /// Writes the code of a mechanism, and its states; its entry of the list.
 fn written(case: &Case, trigonometry: Trigonometry, states: [usize; 2], folder: &Path) -> String {
     let of = &case.of;
-    let options = Options { trigonometry, ..Options::default() };
+    let options = Options::default().trigonometry(trigonometry);
     let called = RUNS.map(|(language, ..)| {
         let text = language.write(of, &case.name, &options);
         assert_eq!(text, language.write(of, &case.name, &options));

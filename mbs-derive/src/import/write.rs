@@ -284,7 +284,7 @@ impl Writer<'_> {
             fixed = Pose { shift: joint.anchor.map(|c| -c), ..Pose::default() };
         }
         pose += &self.fixed(&format!("{name}{}", if body.joints.is_empty() { "" } else { "_back" }), &fixed);
-        if pose.starts_with("world * ") { pose["world * ".len()..].to_string() } else { pose }
+        pose.strip_prefix("world * ").map(str::to_string).unwrap_or(pose)
     }
 
     /// A shift and a turn as factors.

@@ -223,7 +223,8 @@ pub(super) fn readable(sources: &Sources) -> (Option<Declaration>, bool, Diagnos
     let text = sources.main().text.as_deref().unwrap_or_default();
     if !begins_as_shared(text) {
         let File { imports, content, tokens, errors } = grammar::mechanism(text);
-        let (imported, mut statements, errors) = Walk::new(sources, State::Mechanism, tokens, errors).all(imports.clone());
+        let (imported, mut statements, errors) =
+            Walk::new(sources, State::Mechanism, tokens, errors).all(imports.clone());
         let whole = |declaration: Declaration| {
             let of_robots = statements.len();
             statements.extend(declaration.statements);
@@ -365,11 +366,18 @@ impl<'s> Walk<'s> {
         self.states[number] = State::Done;
         let text = match &file.text {
             Ok(text) => text,
-            Err(unreadable) => return self.refuse(Code::ImportUnreadable, import, &unreadable.reason, &unreadable.help),
+            Err(unreadable) => {
+                return self.refuse(Code::ImportUnreadable, import, &unreadable.reason, &unreadable.help);
+            }
         };
         if self.states[from] != State::Mechanism {
             let help = "import it in the file of a mechanism: its coordinates are the mechanism's";
-            return self.refuse(Code::ImportOfAMechanism, import, "it is a robot, this is a file of shared declarations", help);
+            return self.refuse(
+                Code::ImportOfAMechanism,
+                import,
+                "it is a robot, this is a file of shared declarations",
+                help,
+            );
         }
         let mut read = grammar::mechanism(text);
         self.tokens += read.tokens;

@@ -58,8 +58,11 @@ impl<L: Lanes, const N: usize> Ensemble<L, N> {
     pub fn new(states: impl IntoIterator<Item = State<[L::Real; N]>>) -> Self {
         let states: Vec<_> = states.into_iter().collect();
         let blocks = members_of::<L>(states.len()).map(|members| {
-            let pack = |number: &dyn Fn(&State<[L::Real; N]>) -> L::Real| members.pack(|i| number(&states[i]));
-            State::new(core::array::from_fn(|i| pack(&|s| s.q[i])), core::array::from_fn(|i| pack(&|s| s.qd[i])))
+            let pack = |number: &dyn Fn(usize) -> L::Real| members.pack(number);
+            State::new(
+                core::array::from_fn(|i| pack(&|member| states[member].q[i])),
+                core::array::from_fn(|i| pack(&|member| states[member].qd[i])),
+            )
         });
         Self { blocks: blocks.collect(), len: states.len() }
     }
@@ -216,6 +219,7 @@ impl Watch {
 
 /// `sum + Σ (x − x)`: zero in the lanes where all numbers are finite, NaN in the others.
 #[inline]
+#[allow(clippy::eq_op)] // of what is not finite it is not zero
 fn rest_of<L: Lanes, const N: usize>(sum: L, numbers: &[L; N]) -> L {
     numbers.iter().fold(sum, |sum, &x| sum + (x - x))
 }

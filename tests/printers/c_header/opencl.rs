@@ -82,7 +82,7 @@ fn kernels_give_the_bits_of_their_programs() {
 /// What all kernels give, in the order of the programs: function by function, state by state.
 fn ran(case: &Case, trigonometry: Trigonometry, states: usize, folder: &Path) -> Vec<f64> {
     let (of, name) = (&case.of, &case.name);
-    let header = Language::Opencl.write(of, name, &Options { trigonometry, ..Options::default() });
+    let header = Language::Opencl.write(of, name, &Options::default().trigonometry(trigonometry));
     let file = format!("{name}_{trigonometry:?}.cl");
     std::fs::write(folder.join(&file), &header).expect("written");
     let kernels: Vec<&str> = header.lines().filter_map(|line| line.strip_prefix("MBS_KERNEL ")).collect();

@@ -16,11 +16,8 @@ type Terms = Vec<(f64, String)>;
 impl<'a, 'i> File<'a, 'i, '_> {
     pub(super) fn equalities(&mut self, root: Node<'a, 'i>) {
         let tendons = self.tendons(root);
-        let mut count = 0;
-        for equality in
-            children(root, "equality").flat_map(|node| node.children().filter(Node::is_element)).collect::<Vec<_>>()
-        {
-            count += 1;
+        let all = children(root, "equality").flat_map(|node| node.children().filter(Node::is_element));
+        for (count, equality) in (1..).zip(all.collect::<Vec<_>>()) {
             let kind = equality.tag_name().name();
             let name = equality.attribute("name").map_or_else(|| format!("{kind}_{count}"), str::to_string);
             if equality.attribute("active") == Some("false") {
