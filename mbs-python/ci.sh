@@ -16,20 +16,9 @@ environment="$CARGO_TARGET_DIR/venv"
   || skip "pip installs no packages here"
 # shellcheck disable=SC1091
 . "$environment/bin/activate"
-# What examples need besides; they are skipped, by name, without it.
-pip install --quiet --disable-pip-version-check jax gymnasium \
-  || echo "skipped: jax and gymnasium, pip does not install them here"
 rm -rf "$CARGO_TARGET_DIR/wheels"
 maturin build --release --locked --quiet --out "$CARGO_TARGET_DIR/wheels"
 pip install --quiet --disable-pip-version-check --force-reinstall --no-deps "$CARGO_TARGET_DIR"/wheels/mbs-*.whl
 ruff check --quiet .
 # `-rs` names what was skipped, and why; the package that is tested is the one installed.
 python -m pytest -q -rs -p no:cacheprovider tests
-
-# The torch of PyPI is half a gigabyte and wants CUDA's libraries, which are some more; Debian's needs none of them.
-if /usr/bin/python3 -c 'import torch, numpy, ensurepip' 2> /dev/null; then
-  /usr/bin/python3 -m venv --system-site-packages --clear "$CARGO_TARGET_DIR/torch"
-  "$CARGO_TARGET_DIR/torch/bin/python" -m pip install --quiet --disable-pip-version-check --no-deps \
-    "$CARGO_TARGET_DIR"/wheels/mbs-*.whl
-  "$CARGO_TARGET_DIR/torch/bin/python" examples/torch_gradients.py
-else echo "skipped: examples/torch_gradients.py, Debian's python3-torch is not installed"; fi
