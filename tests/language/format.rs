@@ -40,8 +40,8 @@ fn tokens(text: &str) -> Vec<String> {
 /// All that is neither a token nor white space, in order.
 fn comments(text: &str) -> String {
     let (mut found, mut end) = (String::new(), 0);
-    let end = text.len()..text.len();
-    for span in Sources::new("", text).tokens().0.into_iter().chain(std::iter::once(end)) {
+    let last = text.len()..text.len();
+    for span in Sources::new("", text).tokens().0.into_iter().chain(std::iter::once(last)) {
         found.extend(
             text[end..span.start].chars().filter(|c| !c.is_whitespace() && !"\u{200e}\u{200f}\u{feff}".contains(*c)),
         );

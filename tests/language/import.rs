@@ -243,80 +243,108 @@ fn refused(file: &str, xml: &str, expected: &str) {
 #[test]
 fn mistakes_are_reported_with_file_line_and_link() {
     let check = |from: &str, to: &str, expected: &str| refused("r.urdf", &hinge(from, to), expected);
-    check("value=\"2\"", "value=\"-2\"", "error: the mass of the link `rod` is negative: -2 kg\n --> r.urdf:4:5");
-    check("value=\"2\"", "value=\"NaN\"", "error: the mass of the link `rod` is not finite: `NaN`\n --> r.urdf:4:45");
-    check("value=\"2\"", "value=\"2 kg\"", "error: the mass of the link `rod` is not a number: `kg`\n --> r.urdf:4:45");
+    check(
+        "value=\"2\"",
+        "value=\"-2\"",
+        "error[MBS0310]: the mass of the link `rod` is negative: -2 kg\n --> r.urdf:4:5",
+    );
+    check(
+        "value=\"2\"",
+        "value=\"NaN\"",
+        "error[MBS0310]: the mass of the link `rod` is not finite: `NaN`\n --> r.urdf:4:45",
+    );
+    check(
+        "value=\"2\"",
+        "value=\"2 kg\"",
+        "error[MBS0310]: the mass of the link `rod` is not a number: `kg`\n --> r.urdf:4:45",
+    );
     check(
         "izz=\"0.01\"",
         "izz=\"0.5\"",
-        "error: no body has the inertia of the link `rod`: a principal moment is greater than the sum of the other two\n --> r.urdf:4:5",
+        "error[MBS0310]: no body has the inertia of the link `rod`: a principal moment is greater than the sum of the other two\n --> r.urdf:4:5",
     );
     check(
         "ixy=\"0\"",
         "ixy=\"0.4\"",
-        "error: the inertia of the link `rod` has a negative principal moment\n --> r.urdf:4:5",
+        "error[MBS0310]: the inertia of the link `rod` has a negative principal moment\n --> r.urdf:4:5",
     );
-    check("izz=\"0.01\" ", "", "error: the inertia of the link `rod` has no `izz`\n --> r.urdf:5:7");
-    check("<mass value=\"2\"/>", "", "error: the inertial of the link `rod` has no mass\n --> r.urdf:4:5");
-    check("link name=\"rod\"", "link name=\"stand\"", "error: a second link is called `stand`\n --> r.urdf:3:9");
+    check("izz=\"0.01\" ", "", "error[MBS0310]: the inertia of the link `rod` has no `izz`\n --> r.urdf:5:7");
+    check("<mass value=\"2\"/>", "", "error[MBS0310]: the inertial of the link `rod` has no mass\n --> r.urdf:4:5");
+    check(
+        "link name=\"rod\"",
+        "link name=\"stand\"",
+        "error[MBS0310]: a second link is called `stand`\n --> r.urdf:3:9",
+    );
     check(
         "child link=\"rod\"",
         "child link=\"rode\"",
-        "error: the child of the joint `hinge` is the link `rode`, which is not there\n --> r.urdf:8:70",
+        "error[MBS0310]: the child of the joint `hinge` is the link `rode`, which is not there\n --> r.urdf:8:70",
     );
     check(
         "parent link=\"stand\"",
         "parent link=\"rod\"",
-        "error: the joints lead in a circle: the link `rod` hangs on itself\n --> r.urdf:3:3",
+        "error[MBS0310]: the joints lead in a circle: the link `rod` hangs on itself\n --> r.urdf:3:3",
     );
     check(
         "  <joint",
         "  <link name=\"other\"/>\n  <joint",
-        "error: there are two roots: neither `stand` nor `other` is the child of a joint\n --> r.urdf:8:3",
+        "error[MBS0310]: there are two roots: neither `stand` nor `other` is the child of a joint\n --> r.urdf:8:3",
     );
-    check("continuous", "helical", "error: the joint `hinge` is of an unknown kind, `helical`\n --> r.urdf:8:23");
-    check("xyz=\"0 1 0\"", "xyz=\"0 0 0\"", "error: the axis of the joint `hinge` has no direction\n --> r.urdf:8:3");
+    check(
+        "continuous",
+        "helical",
+        "error[MBS0310]: the joint `hinge` is of an unknown kind, `helical`\n --> r.urdf:8:23",
+    );
+    check(
+        "xyz=\"0 1 0\"",
+        "xyz=\"0 0 0\"",
+        "error[MBS0310]: the axis of the joint `hinge` has no direction\n --> r.urdf:8:3",
+    );
     check(
         "xyz=\"0 1 0\"",
         "xyz=\"0 1\"",
-        "error: the axis of the joint `hinge` is 3 numbers, 2 are given\n --> r.urdf:8:88",
+        "error[MBS0310]: the axis of the joint `hinge` is 3 numbers, 2 are given\n --> r.urdf:8:88",
     );
-    check("continuous", "fixed", "error: no joint of the robot `r` moves\n --> r.urdf:2:3");
+    check("continuous", "fixed", "error[MBS0310]: no joint of the robot `r` moves\n --> r.urdf:2:3");
     check(
         "value=\"2\"",
         "value=\"${mass}\"",
-        "error: the mass of the link `rod` is not a number: `${mass}`\n --> r.urdf:4:45",
+        "error[MBS0310]: the mass of the link `rod` is not a number: `${mass}`\n --> r.urdf:4:45",
     );
     check(
         "<link name=\"stand\"/>",
         "<link name=\"stand\">",
-        "error: this is not XML: expected 'link' tag, not 'robot'\n --> r.urdf:9:1",
+        "error[MBS0310]: this is not XML: expected 'link' tag, not 'robot'\n --> r.urdf:9:1",
     );
     check(
         "<robot name=\"r\">",
         "<robot name=\"r\" xmlns:xacro=\"http://www.ros.org/wiki/xacro\"><xacro:leg/>",
-        "error: this file is xacro: `leg` is not expanded\n --> r.urdf:1:61",
+        "error[MBS0310]: this file is xacro: `leg` is not expanded\n --> r.urdf:1:61",
     );
     check(
         "<robot name=\"r\">",
         "<robots>",
-        "error: this is not XML: expected 'robots' tag, not 'robot'\n --> r.urdf:9:1",
+        "error[MBS0310]: this is not XML: expected 'robots' tag, not 'robot'\n --> r.urdf:9:1",
     );
     // Nothing behind the hinge weighs anything.
     let massless = "<robot name=\"r\"><link name=\"a\"/>\n<link name=\"b\"/><joint name=\"j\" type=\"revolute\"><parent link=\"a\"/><child link=\"b\"/></joint></robot>";
     refused(
         "r.urdf",
         massless,
-        "error: the link `b` moves by the joint `j`, and neither it nor what hangs on it has mass\n --> r.urdf:2:1",
+        "error[MBS0310]: the link `b` moves by the joint `j`, and neither it nor what hangs on it has mass\n --> r.urdf:2:1",
     );
     let circle = hinge(
         "</robot>",
         "<joint name=\"back\" type=\"fixed\"><parent link=\"rod\"/><child link=\"stand\"/></joint></robot>",
     );
-    refused("r.urdf", &circle, "error: the joints lead in a circle: the link `stand` hangs on itself\n --> r.urdf:2:3");
-    refused("r.urdf", "<html/>", "error: `html` is no robot\n --> r.urdf:1:1");
+    refused(
+        "r.urdf",
+        &circle,
+        "error[MBS0310]: the joints lead in a circle: the link `stand` hangs on itself\n --> r.urdf:2:3",
+    );
+    refused("r.urdf", "<html/>", "error[MBS0310]: `html` is no robot\n --> r.urdf:1:1");
     let mimic = hinge("</joint>", "<mimic joint=\"hinge\"/></joint>");
-    refused("r.urdf", &mimic, "error: no joint of the robot `r` moves\n --> r.urdf:2:3");
+    refused("r.urdf", &mimic, "error[MBS0310]: no joint of the robot `r` moves\n --> r.urdf:2:3");
 }
 
 #[test]
@@ -326,45 +354,51 @@ fn mistakes_of_other_formats_are_reported_too() {
     let joint = "<joint name=\"j\"/>";
     check(
         &format!("{joint}<geom type=\"mesh\" mesh=\"m\"/>"),
-        "error: the body `a` has the mass of a mesh, which is not known here\n --> m.xml:3:33",
+        "error[MBS0310]: the body `a` has the mass of a mesh, which is not known here\n --> m.xml:3:33",
     );
     check(
         &format!("{joint}<geom size=\"0.1 x\"/>"),
-        "error: the size of a geom of the body `a` is not a number: `x`\n --> m.xml:3:39",
+        "error[MBS0310]: the size of a geom of the body `a` is not a number: `x`\n --> m.xml:3:39",
     );
     check(
         "<joint name=\"j\" type=\"screw\"/><geom size=\"1\"/>",
-        "error: the joint `j` is of an unknown kind, `screw`\n --> m.xml:3:32",
+        "error[MBS0310]: the joint `j` is of an unknown kind, `screw`\n --> m.xml:3:32",
     );
-    check(&format!("{joint}{joint}<geom size=\"1\"/>"), "error: a second joint is called `j`\n --> m.xml:3:40");
-    check("<joint class=\"no\"/><geom size=\"1\"/>", "error: there is no class `no` of defaults\n --> m.xml:3:23");
-    check("<include file=\"b.xml\"/>", "error: `include` is not imported\n --> m.xml:3:16");
+    check(
+        &format!("{joint}{joint}<geom size=\"1\"/>"),
+        "error[MBS0310]: a second joint is called `j`\n --> m.xml:3:40",
+    );
+    check(
+        "<joint class=\"no\"/><geom size=\"1\"/>",
+        "error[MBS0310]: there is no class `no` of defaults\n --> m.xml:3:23",
+    );
+    check("<include file=\"b.xml\"/>", "error[MBS0310]: `include` is not imported\n --> m.xml:3:16");
     check(
         joint,
-        "error: the link `a` moves by the joint `j`, and neither it nor what hangs on it has mass\n --> m.xml:3:1",
+        "error[MBS0310]: the link `a` moves by the joint `j`, and neither it nor what hangs on it has mass\n --> m.xml:3:1",
     );
     check(
         "<freejoint/><body><freejoint/><geom size=\"1\"/></body>",
-        "error: the body `body_2` hangs on another one by a free joint\n --> m.xml:3:28",
+        "error[MBS0310]: the body `body_2` hangs on another one by a free joint\n --> m.xml:3:28",
     );
     let sdf =
         |inside: &str| format!("<sdf version=\"1.9\"><model name=\"m\">\n<link name=\"l\"/>{inside}</model></sdf>");
     refused(
         "m.sdf",
         &sdf("<joint name=\"j\" type=\"screw\"><parent>world</parent><child>l</child></joint>"),
-        "error: the joint `j` is of a kind that is not imported, `screw`\n --> m.sdf:2:33",
+        "error[MBS0310]: the joint `j` is of a kind that is not imported, `screw`\n --> m.sdf:2:33",
     );
     refused(
         "m.sdf",
         &sdf("<joint name=\"j\" type=\"fixed\"><parent>x</parent><child>l</child></joint>"),
-        "error: the parent of the joint `j` is the link `x`, which is not there\n --> m.sdf:2:46",
+        "error[MBS0310]: the parent of the joint `j` is the link `x`, which is not there\n --> m.sdf:2:46",
     );
     refused(
         "m.sdf",
         &sdf(""),
-        "error: the link `l` moves by the joint `l_free`, and neither it nor what hangs on it has mass\n --> m.sdf:2:1",
+        "error[MBS0310]: the link `l` moves by the joint `l_free`, and neither it nor what hangs on it has mass\n --> m.sdf:2:1",
     );
-    refused("m.sdf", "<sdf/>", "error: there is no model in this file\n --> m.sdf:1:1");
+    refused("m.sdf", "<sdf/>", "error[MBS0310]: there is no model in this file\n --> m.sdf:1:1");
 }
 
 /// On request an inertia that no body has is taken, with a warning, and T is what it says.
@@ -372,7 +406,7 @@ fn mistakes_of_other_formats_are_reported_too() {
 fn any_inertia_is_taken_on_request() {
     let xml = hinge("izz=\"0.01\"", "izz=\"0.5\"");
     let (text, warnings) = Sources::robot("r.urdf", &xml).any_inertia(true).text(&|_| None).unwrap();
-    assert!(warnings.render("r.urdf", &xml).contains("warning: no body has the inertia of the link `rod`"));
+    assert!(warnings.render("r.urdf", &xml).contains("warning[MBS0310]: no body has the inertia of the link `rod`"));
     let graph = Graph::verbatim();
     let state = State { q: vec![0.3], qd: vec![1.0], u: vec![0.0], ..State::default() };
     near("M", &called(&analysed("r.mbs", &text, &graph), "mass_matrix", &state), &[0.2 + 2.0 * 0.25]);
@@ -386,7 +420,7 @@ fn missing_meshes_are_told() {
     assert!(
         warnings
             .render("r.urdf", &xml)
-            .starts_with("warning: the mesh `rod.stl` of the link `rod` is not drawn\n --> r.urdf:6:29\n")
+            .starts_with("warning[MBS0310]: the mesh `rod.stl` of the link `rod` is not drawn\n --> r.urdf:6:29\n")
     );
     assert!(!text.contains("shape"), "{text}");
 }
@@ -399,8 +433,7 @@ fn mistakes_in_imported_robots_are_shown_at_the_import() {
     let sources = Sources::gather("a.mbs", source, |_| Ok(bad.clone().into_bytes()));
     let graph = Graph::verbatim();
     let report = Analysis::of(&sources, &graph).err().unwrap().render_in(&sources);
-    let expected =
-        "error: cannot import `r.urdf`: r.urdf:4:5: the mass of the link `rod` is negative: -2 kg\n --> a.mbs:1:1\n";
+    let expected = "error[MBS0310]: cannot import `r.urdf`: r.urdf:4:5: the mass of the link `rod` is negative: -2 kg\n --> a.mbs:1:1\n";
     assert!(report.starts_with(expected), "{report}");
     // In a file of shared declarations there is no place for coordinates.
     let sources = Sources::gather("a.mbs", "import \"b.mbs\";\nmechanism A { }\n", |file| match file {
@@ -409,7 +442,9 @@ fn mistakes_in_imported_robots_are_shown_at_the_import() {
     });
     let report = Analysis::of(&sources, &graph).err().unwrap().render_in(&sources);
     assert!(
-        report.starts_with("error: cannot import `r.urdf`: it is a robot, this is a file of shared declarations\n"),
+        report.starts_with(
+            "error[MBS0310]: cannot import `r.urdf`: it is a robot, this is a file of shared declarations\n"
+        ),
         "{report}"
     );
 }
@@ -477,7 +512,7 @@ fn damaged_files_are_answered() {
                     assert!(damaged.get(error.span.clone()).is_some(), "{error:?}");
                 }
                 assert!(
-                    errors.render(file, &damaged).starts_with("error: ")
+                    errors.render(file, &damaged).starts_with("error[MBS0310]: ")
                         || errors.error_count() < errors.iter().count()
                 );
             }
