@@ -53,6 +53,7 @@ module.exports = grammar({
         $.torque_statement,
         $.gravity_statement,
         $.reaction_statement,
+        $.shape_statement,
         $.constraint_statement,
         $.output_statement,
         $.part_statement,
@@ -141,6 +142,17 @@ module.exports = grammar({
     gravity_statement: ($) => seq('gravity', field('acceleration', $._expression), ';'),
     reaction_statement: ($) =>
       seq('reaction', field('name', $.identifier), optional($._index), 'at', field('pose', $._expression), ';'),
+    shape_statement: ($) =>
+      seq(
+        'shape',
+        field('pose', $._expression),
+        '+=',
+        field('kind', $.identifier),
+        '(',
+        optional(choice($.path, seq(optional(seq($.path, ',')), $._expression, repeat(seq(',', $._expression))))),
+        ')',
+        ';',
+      ),
     constraint_statement: ($) =>
       seq(
         'constraint',

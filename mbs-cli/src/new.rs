@@ -120,6 +120,7 @@ fn cannot(folder: &Path, why: impl Display) -> Failure {
 fn place(folder: &Path, is_there: bool, files: &[(String, String)]) -> Result<(), Failure> {
     let cannot = |error: std::io::Error| cannot(folder, error);
     let parent = folder.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    fs::create_dir_all(parent).map_err(cannot)?;
     let mut builder = tempfile::Builder::new();
     builder.prefix(".mbs-").suffix(".tmp");
     // As any new folder, under the user's mask; temporary ones are closed to others by default.

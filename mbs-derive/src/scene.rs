@@ -68,7 +68,7 @@ pub struct SceneShape {
 }
 
 impl Scene {
-    /// Of a mechanism.
+    /// What there is to see of a mechanism.
     pub(crate) fn of(declared: &Lagrangian<'_>) -> Self {
         // Its first outputs are those that were declared; frames of shapes are among its frames.
         let lagrangian = &declared.pictured();

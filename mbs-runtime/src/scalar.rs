@@ -1,8 +1,8 @@
 //! The numbers that equations of motion are evaluated in.
 //!
 //! Generated code is generic over [`Scalar`]: `f64` and `f32`, two to sixteen lanes of them
-//! ([`wide`](https://docs.rs/wide), feature `wide`), and [`Dual`](crate::Dual) numbers over any of these. What controls errors or writes results needs
-//! [`Real`], a scalar with an order and a value as `f64`.
+//! ([`wide`](https://docs.rs/wide), feature `wide`), and [`Dual`](crate::Dual) numbers over any of these. What controls
+//! errors or writes results needs [`Real`], a scalar with an order and a value as `f64`.
 //!
 //! The elementary functions of `f32` and `f64` come from the standard library with the feature `std`, from the libm
 //! crate with the feature `libm` alone, and with neither of them `f32` and `f64` are not scalars. Generated code has

@@ -433,7 +433,7 @@ fn mistakes_in_imported_robots_are_shown_at_the_import() {
     let sources = Sources::gather("a.mbs", source, |_| Ok(bad.clone().into_bytes()));
     let graph = Graph::verbatim();
     let report = Analysis::of(&sources, &graph).err().unwrap().render_in(&sources);
-    let expected = "error[MBS0310]: cannot import `r.urdf`: r.urdf:4:5: the mass of the link `rod` is negative: -2 kg\n --> a.mbs:1:1\n";
+    let expected = "error[MBS0301]: cannot import `r.urdf`: r.urdf:4:5: the mass of the link `rod` is negative: -2 kg\n --> a.mbs:1:1\n";
     assert!(report.starts_with(expected), "{report}");
     // In a file of shared declarations there is no place for coordinates.
     let sources = Sources::gather("a.mbs", "import \"b.mbs\";\nmechanism A { }\n", |file| match file {
@@ -443,7 +443,7 @@ fn mistakes_in_imported_robots_are_shown_at_the_import() {
     let report = Analysis::of(&sources, &graph).err().unwrap().render_in(&sources);
     assert!(
         report.starts_with(
-            "error[MBS0310]: cannot import `r.urdf`: it is a robot, this is a file of shared declarations\n"
+            "error[MBS0303]: cannot import `r.urdf`: it is a robot, this is a file of shared declarations\n"
         ),
         "{report}"
     );

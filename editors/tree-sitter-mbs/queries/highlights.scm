@@ -9,7 +9,7 @@
 
 [
   "param" "coord" "input" "prescribed" "const" "let" "mut" "fn" "part" "mechanism" "import"
-  "kinetic" "potential" "dissipation" "lagrangian" "force" "torque" "gravity" "reaction" "constraint" "output"
+  "kinetic" "potential" "dissipation" "lagrangian" "force" "torque" "gravity" "reaction" "shape" "constraint" "output"
   "at" "on" "positive" "jacobian_rate"
 ] @keyword
 ["for" "in"] @keyword.repeat

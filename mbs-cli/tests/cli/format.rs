@@ -99,5 +99,5 @@ fn links_and_permissions_stay() {
 fn wrong_usage_is_told() {
     let workshop = Workshop::new();
     assert_eq!(workshop.mbs(&["fmt"]).code, 2);
-    assert!(workshop.good(&["fmt", "--help"]).contains("mbs fmt --check"));
+    assert!(workshop.good(&["fmt", "--help"]).contains("mbs fmt pendulum.mbs"));
 }

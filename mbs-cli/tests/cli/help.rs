@@ -86,9 +86,16 @@ fn examples_of_the_help_run() {
             assert_eq!((code, stderr.as_str()), (0, ""), "{line}: {stdout}");
         }
     }
-    for file in
-        ["pendulum.h", "motion.csv", "motion.svg", "pendulum.fmu", "report.html", "arm.mbs", "pendulum/Cargo.toml"]
-    {
+    for file in [
+        "pendulum.h",
+        "motion.csv",
+        "motion.svg",
+        "pendulum.fmu",
+        "report.html",
+        "arm.mbs",
+        "pendulum/Cargo.toml",
+        "robots/picker/Cargo.toml",
+    ] {
         assert!(workshop.path(file).exists(), "no example has written {file}");
     }
 }

@@ -92,7 +92,8 @@ fn meshes_are_found_in_folders_above() {
         std::fs::create_dir_all(workshop.path(folder)).unwrap();
     }
     let mesh = |path: &str| {
-        let (before, rest) = block("crane.urdf").split_once("<cylinder").unwrap();
+        let crane = block("crane.urdf");
+        let (before, rest) = crane.split_once("<cylinder").unwrap();
         let (_, after) = rest.split_once("/>").unwrap();
         format!("{before}<mesh filename=\"{path}\" scale=\"0.001 0.001 0.001\"/>{after}")
     };

@@ -42,7 +42,9 @@ type Outcome = Result<Summary, IntegrationError>;
 /// });
 /// assert!(outcomes.iter().all(Result::is_ok));
 /// // Where each of them is now.
-/// let heights = pendulums.map(|members, state| members.pack::<f64>(|member| lengths[member]) * (1.0 - state.q[0].cos()));
+/// let heights = pendulums.map(|members, state| {
+///     members.pack::<f64>(|member| lengths[member]) * (1.0 - state.q[0].cos())
+/// });
 /// assert_eq!(heights.len(), 100);
 /// ```
 #[derive(Clone, Debug, PartialEq)]
@@ -87,7 +89,8 @@ impl<L: Lanes, const N: usize> Ensemble<L, N> {
         })
     }
 
-    /// What `function` gives for each member: any generated function of states in lanes, a number, a vector or a matrix.
+    /// What `function` gives for each member: any generated function of states in lanes, a number, a vector or a
+    /// matrix.
     ///
     /// ```
     /// use mbs_runtime::{Ensemble, State};

@@ -532,8 +532,7 @@ fn angular_velocity<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) ->
     let components = resolver.lagrangian.frames.get(frame).angular_velocity;
     let tensor = Matrix::identity(resolver.graph);
     resolver.lagrangian.landmarks.note_motion(components, Motion::Turning { tensor, frame });
-    let dimension = resolver.dimension(Dimension::ANGULAR_VELOCITY);
-    Ok(Value::Vector(Free { components, frame, dimension }))
+    Ok(Value::Vector(Free { components, frame, dimension: resolver.dimension(Dimension::ANGULAR_VELOCITY) }))
 }
 
 // ---- matrices and bodies
@@ -574,9 +573,8 @@ fn inertia<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) -> Resolved
     let (entries, dimension) = entries(resolver, &Call { arguments, span: call.span })?;
     match *entries.as_slice() {
         [x, y, z] => Ok(Value::matrix(Tensor::plain(Matrix::diagonal([x, y, z]), dimension))),
-        [xx, yy, zz, xy, xz, yz] => {
-            let entries = Matrix([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]);
-            Ok(Value::matrix(Tensor::plain(entries, dimension)))
+        [a, b, c, ab, ac, bc] => {
+            Ok(Value::matrix(Tensor::plain(Matrix([[a, ab, ac], [ab, b, bc], [ac, bc, c]]), dimension)))
         }
         _ => Err(Refused),
     }
