@@ -109,8 +109,8 @@ pub trait Linearized<const N: usize, const U: usize>: Dynamics<N, U> {
 /// M(q, t) q̈ + C(q, q̇, t) q̇ + G(q, t) + ∂D/∂q̇ = Q(q, q̇, u, t)
 /// ```
 ///
-/// Arguments are those of [`Dynamics`]. Forces are conjugate to the coordinates: N for a coordinate in m, N·m for one in
-/// rad. Matrices are arrays of rows, `m[row][column]`.
+/// Arguments are those of [`Dynamics`]. Forces are conjugate to the coordinates: N for a coordinate in m, N·m for one
+/// in rad. Matrices are arrays of rows, `m[row][column]`.
 pub trait Mechanism<const N: usize, const U: usize>: Energies<N, U> + Linearized<N, U> {
     /// Generalized momenta `p = ∂L/∂q̇` \[force · s\].
     fn momentum(&self, t: Self::Time, q: &[Self::Scalar; N], qd: &[Self::Scalar; N]) -> [Self::Scalar; N];

@@ -34,7 +34,8 @@ impl BodyParameters {
     /// The names of the ten numbers, in the order of [`to_array`](Self::to_array).
     pub const NAMES: [&str; 10] = ["m", "h_x", "h_y", "h_z", "L_xx", "L_yy", "L_zz", "L_xy", "L_xz", "L_yz"];
 
-    /// The parameters of a mass \[kg\], its centre \[m\], and the inertia about it, entries xx, yy, zz, xy, xz, yz \[kg·m²\].
+    /// The parameters of a mass \[kg\], its centre \[m\], and the inertia about it, entries xx, yy, zz, xy, xz, yz
+    /// \[kg·m²\].
     #[must_use]
     pub fn about_center(mass: f64, center: [f64; 3], inertia: [f64; 6]) -> Self {
         let of_a_point = point(mass, center);
