@@ -109,7 +109,7 @@ fn nothing_is_half_written_and_nothing_overwritten() {
     for (name, why) in [
         ("taken", "there is a file of this name"),
         ("full", "the folder is not empty"),
-        ("missing/robot", ""),
+        ("pendulum.mbs/robot", ""),
         ("2r", "it begins with a letter"),
         ("my robot", "it is made of ASCII letters"),
         ("self", "it is a keyword of Rust"),
