@@ -167,8 +167,8 @@ impl<'g> Analysis<'g> {
         Scene::of(&self.lagrangian)
     }
 
-    /// What [`latex`](Self::latex) writes, as HTML with MathML, which browsers set: headings `h3`, `h4`, paragraphs, and
-    /// tables of the classes `symbols` and `align`; the latter have a row for each line of a formula.
+    /// What [`latex`](Self::latex) writes, as HTML with MathML, which browsers set: headings `h3`, `h4`, paragraphs,
+    /// and tables of the classes `symbols` and `align`; the latter have a row for each line of a formula.
     ///
     /// ```
     /// use mbs_derive::{Analysis, expr::Graph, source::Sources};

@@ -63,7 +63,7 @@ lanes!(f64x2 of f64, f64x4 of f64, f64x8 of f64, f32x4 of f32, f32x8 of f32, f32
 
 /// A number, a vector or a matrix in lanes.
 pub trait Packed<L: Lanes> {
-    /// The same of one lane.
+    /// A number, a vector or a matrix of one lane.
     type Each;
 
     /// What one lane has of it.
