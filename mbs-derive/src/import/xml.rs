@@ -192,12 +192,12 @@ mod tests {
         };
         check(
             "<robot>\n  <link>\n</robot>",
-            "error: this is not XML: expected 'link' tag, not 'robot'\n --> robot.urdf:3:1",
+            "error[MBS0310]: this is not XML: expected 'link' tag, not 'robot'\n --> robot.urdf:3:1",
         );
-        check("", "error: this is not XML: ");
-        check("<a b='1' b='2'/>", "error: this is not XML: attribute 'b'");
-        check(&"<a>".repeat(100_000), "error: elements are nested deeper than 500 levels");
-        check("<!DOCTYPE a [<!ENTITY b 'c'>]><a>&b;</a>", "error: this is not XML: ");
+        check("", "error[MBS0310]: this is not XML: ");
+        check("<a b='1' b='2'/>", "error[MBS0310]: this is not XML: attribute 'b'");
+        check(&"<a>".repeat(100_000), "error[MBS0310]: elements are nested deeper than 500 levels");
+        check("<!DOCTYPE a [<!ENTITY b 'c'>]><a>&b;</a>", "error[MBS0310]: this is not XML: ");
     }
 
     #[test]
