@@ -49,7 +49,7 @@ pub(crate) fn object(mechanism: &Mechanism, freedom: &Freedom) -> Value {
     })
 }
 
-/// Likewise, in a line.
+/// What a mechanism is, in a line.
 pub(crate) fn summary(mechanism: &Mechanism, freedom: &Freedom) -> String {
     let derivation = &mechanism.derivation;
     let singular = match mechanism.singular_at {

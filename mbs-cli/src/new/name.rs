@@ -12,7 +12,8 @@ const KEYWORDS: [&str; 52] = [
     "try", "type", "typeof", "union", "unsafe", "unsized", "use", "virtual", "where", "while", "yield",
 ];
 
-/// Crates and folders of the compiler and of cargo, files that Windows has everywhere, what the new crate depends on.
+/// Names that a crate cannot have: crates and folders of the compiler and of cargo, reserved file names of Windows,
+/// crates that the new one depends on.
 const TAKEN: [&str; 26] = [
     "alloc",
     "aux",

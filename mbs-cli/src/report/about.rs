@@ -36,7 +36,7 @@ pub(super) fn called(derivation: &Derivation) -> Vec<String> {
     derivation.functions.iter().filter(|function| is_called(function)).map(|function| function.name.clone()).collect()
 }
 
-/// All of it.
+/// What the page's scripts know of the mechanism, its meshes and its motion.
 pub(super) fn about(parts: &Parts, meshes: &BTreeMap<usize, Triangles>, start: &Point, end: f64) -> Value {
     let (derivation, scene) = (&parts.mechanism.derivation, &parts.scene);
     let has_meshes = mesh::are_all(scene, meshes);

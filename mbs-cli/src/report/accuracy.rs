@@ -12,7 +12,7 @@ use crate::simulate::motion::{Drift, Motion, Settings};
 use crate::simulate::record::Recorder;
 use crate::state::Point;
 
-/// At so many equal intervals of the motion rounding is looked at.
+/// The number of equal intervals of the motion at whose ends rounding is looked at.
 const INTERVALS: usize = 20;
 
 /// Rows of the motion.

@@ -44,7 +44,7 @@ fn point(derivation: &Derivation, q: Vec<f64>) -> Point {
     Point { state, accelerations_are_given: false, parameters: defaults.collect() }
 }
 
-/// Angles of half a radian or more, attitudes that are none, lengths about this.
+/// Coordinates to begin a motion at: angles of half a radian or more, quaternions of no turn, lengths from `length` on.
 fn coordinates(derivation: &Derivation, length: f64) -> Vec<f64> {
     let mut q = Vec::new();
     for variable in &derivation.coordinates {

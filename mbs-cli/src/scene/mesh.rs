@@ -62,7 +62,7 @@ fn triangles(bytes: &[u8]) -> Result<Triangles, String> {
     if triangles.iter().flatten().flatten().all(|x| x.is_finite()) {
         Ok(triangles)
     } else {
-        Err("it has corners that are no numbers".to_string())
+        Err("it has corners that are NaN or not finite".to_string())
     }
 }
 

@@ -329,7 +329,7 @@ impl File {
         self.views.len() - 1
     }
 
-    /// Floats, so many for each element, with their bounds.
+    /// An accessor of floats, `width` of them for each element, with their bounds.
     fn numbers(&mut self, values: &[f32], width: usize, kind: &str, target: Option<u32>) -> usize {
         let bytes: Vec<u8> = values.iter().flat_map(|value| value.to_le_bytes()).collect();
         let view = self.view(&bytes, target);

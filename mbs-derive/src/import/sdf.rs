@@ -16,7 +16,7 @@ use super::xml::{Reader, child, children, place, tag};
 /// Gravity of a world that states none, m/s².
 const GRAVITY: [f64; 3] = [0.0, 0.0, -9.8];
 
-/// Limits from here on are none.
+/// A limit of this size or more is no limit: SDF writes 1e16 where a joint goes on for ever.
 const ENDLESS: f64 = 1e15;
 
 /// A model, its links in the frame of the model.
@@ -78,13 +78,7 @@ pub(super) fn robot(root: Node<'_, '_>, reader: &mut Reader) -> Option<Robot> {
 impl<'a, 'i> Model<'a, 'i> {
     fn of(model: Node<'a, 'i>, reader: &mut Reader) -> Option<Self> {
         let links: Vec<Node<'a, 'i>> = children(model, "link").collect();
-        let mut names = BTreeMap::new();
-        for (i, link) in links.iter().enumerate() {
-            let Some(name) = reader.wanted(*link, "name", "this link") else { continue };
-            if names.insert(name, i).is_some() {
-                reader.refuse(place(*link, "name"), format!("a second link is called `{name}`"), "names are unique");
-            }
-        }
+        let names = reader.named_links(&links);
         if links.is_empty() {
             reader.refuse(tag(model), "the model has no links", "write `<link name=\"…\">…</link>`");
         }

@@ -19,13 +19,7 @@ pub(super) fn robot(root: Node<'_, '_>, reader: &mut Reader) -> Option<Robot> {
     let name = root.attribute("name").unwrap_or("robot").to_string();
     let links: Vec<Node<'_, '_>> = children(root, "link").collect();
     let joints: Vec<Node<'_, '_>> = children(root, "joint").collect();
-    let mut numbers = BTreeMap::new();
-    for (i, link) in links.iter().enumerate() {
-        let Some(name) = reader.wanted(*link, "name", "this link") else { continue };
-        if numbers.insert(name, i).is_some() {
-            reader.refuse(place(*link, "name"), format!("a second link is called `{name}`"), "names are unique");
-        }
-    }
+    let numbers = reader.named_links(&links);
     if links.is_empty() {
         reader.refuse(tag(root), format!("the robot `{name}` has no links"), "write `<link name=\"base\">…</link>`");
     }

@@ -1,5 +1,7 @@
 //! XML with places: elements and attributes, and what is said of them.
 
+use std::collections::BTreeMap;
+
 use roxmltree::{Document, Node, ParsingOptions};
 
 use crate::diagnostic::{Code, Diagnostics};
@@ -123,7 +125,19 @@ impl Reader {
         found
     }
 
-    /// The numbers of a text; one that is none, or not finite, is told with what it was meant for.
+    /// The places of links among `links` by their names; two of one name are refused.
+    pub(super) fn named_links<'a>(&mut self, links: &[Node<'a, '_>]) -> BTreeMap<&'a str, usize> {
+        let mut places = BTreeMap::new();
+        for (i, link) in links.iter().enumerate() {
+            let Some(name) = self.wanted(*link, "name", "this link") else { continue };
+            if places.insert(name, i).is_some() {
+                self.refuse(place(*link, "name"), format!("a second link is called `{name}`"), "names are unique");
+            }
+        }
+        places
+    }
+
+    /// The numbers of a text; one that is NaN, not finite or not written as a number is reported with what it was meant for.
     pub(super) fn numbers(&mut self, text: &str, span: Span, what: &str) -> Option<Vec<f64>> {
         let mut numbers = Vec::new();
         for word in text.split([' ', '\t', '\n', '\r']).filter(|word| !word.is_empty()) {

@@ -15,7 +15,7 @@ fn drawn_kepler<T: Scalar>(t: T, q: &[T; 2], _: &[T; 2], qdd: &mut [T; 2]) {
     *qdd = [-q[0] / cubed, T::from_f64(1e-3) * t.tanh() * q[1] - q[1] / cubed];
 }
 
-/// Orbits of growing eccentricity, a fall into the centre, and numbers that are none.
+/// Orbits of growing eccentricity, a fall into the centre, and a start that is NaN.
 fn starts<R: Real>() -> Vec<State<[R; 2]>> {
     let mut starts: Vec<State<[f64; 2]>> = (0..11)
         .map(|i| {
