@@ -20,20 +20,21 @@ impl EnsembleIntegrator for Rk4 {
     {
         let fine = check(t, t_end, state, outcomes);
         let mut watch = Watch { fine, evaluations: [0; super::MOST] };
-        let refused = if self.step.is_nan() || self.step <= 0.0 {
-            Some(IntegrationError::InvalidStep { step: self.step })
+        let steps = if self.step.is_nan() || self.step <= 0.0 {
+            Err(IntegrationError::InvalidStep { step: self.step })
+        } else if t == t_end {
+            Ok(0)
         } else {
-            None
+            let too_many = IntegrationError::TooManySteps { time: t, steps: self.max_steps };
+            fixed::count(t, t_end, self.step, self.max_steps).ok_or(too_many)
         };
-        let steps = if t == t_end { Some(0) } else { fixed::count(t, t_end, self.step, self.max_steps) };
-        let refused =
-            refused.or(steps.is_none().then_some(IntegrationError::TooManySteps { time: t, steps: self.max_steps }));
-        if let Some(error) = refused {
-            let good = outcomes.iter_mut().zip(fine).filter(|(_, fine)| *fine);
-            good.for_each(|(outcome, _)| *outcome = Err(error));
-            return;
-        }
-        let steps = steps.unwrap_or(0);
+        let steps = match steps {
+            Ok(steps) => steps,
+            Err(error) => {
+                let good = outcomes.iter_mut().zip(fine).filter(|(_, fine)| *fine);
+                return good.for_each(|(outcome, _)| *outcome = Err(error));
+            }
+        };
         let h = (t_end - t) / steps as f64;
         let mut stepper = Rk4Stepper::new(state);
         let mut new = *state;
