@@ -1,6 +1,6 @@
 //! `mbs derive`: the generated code.
 //!
-//! - [`json`]: the programs as data;
+//! - [`mod@json`]: the programs as data;
 //! - [`graph`]: the graph of all of them as data.
 
 mod graph;

@@ -187,7 +187,7 @@ impl Mechanism {
     /// A module of Rust, proved.
     ///
     /// # Errors
-    /// As [`generate`](crate::generate); `error.render_in(&mechanism.sources())` is the report for people.
+    /// As [`generate`]; `error.render_in(&mechanism.sources())` is the report for people.
     pub fn generate(&self, options: &Options) -> Result<Generated, Error> {
         Analysis::written(self, &Graph::verbatim(), &options.freeze)?.rust(options)
     }
