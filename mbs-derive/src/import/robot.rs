@@ -48,7 +48,7 @@ impl Body {
                 Form::Sphere(radius) => found.push(*radius),
             }
         }
-        for Inertial { mass, com, inertia, .. } in &self.inertial {
+        if let Some(Inertial { mass, com, inertia, .. }) = &self.inertial {
             found.push(*mass);
             found.extend(com.iter().chain(inertia));
         }
