@@ -8,7 +8,7 @@
 //! - [`progress`]: the progress bar;
 //! - [`table`][]: CSV;
 //! - [`figure`]: SVG and PNG;
-//! - [`gltf`]: an animation; `parquet`: the table for programs, a feature.
+//! - [`gltf`]: an animation; `mcap`: a recording for viewers of logs, `parquet`: the table for programs, features.
 
 pub(crate) mod assembly;
 mod collapse;
@@ -17,6 +17,8 @@ mod curve;
 pub(crate) mod drive;
 mod figure;
 mod gltf;
+#[cfg(feature = "mcap")]
+mod mcap;
 pub(crate) mod method;
 pub(crate) mod motion;
 #[cfg(feature = "parquet")]
@@ -29,6 +31,7 @@ use std::path::{Path, PathBuf};
 
 use clap::ValueEnum;
 use mbs_chart::Format;
+use mbs_derive::interpret::State;
 use mbs_derive::optimise::Derivation;
 use mbs_derive::source::Sources;
 use mbs_derive::variable::component_names;
@@ -120,6 +123,21 @@ pub(crate) struct Arguments {
     #[cfg(feature = "parquet")]
     #[arg(long, value_name = "FILE.parquet")]
     parquet: Option<PathBuf>,
+    /// Write the table and the frames of bodies as an MCAP recording, for viewers of robots' logs.
+    #[cfg(feature = "mcap")]
+    #[arg(long, value_name = "FILE.mcap")]
+    mcap: Option<PathBuf>,
+}
+
+impl Arguments {
+    /// Whether bodies are seen in what is written.
+    fn shows_bodies(&self) -> bool {
+        #[cfg(feature = "mcap")]
+        if self.mcap.is_some() {
+            return true;
+        }
+        self.gltf.is_some()
+    }
 }
 
 /// Integrates, then writes.
@@ -130,7 +148,7 @@ pub(crate) fn run(arguments: &Arguments, cache: &Cache) -> Result<(), Failure> {
     drives.note(&mut files);
     let sources = drives.declared(sources)?;
     mechanism::note(mechanism::MECHANISM, &sources, cache, &mut files);
-    if arguments.gltf.is_some() {
+    if arguments.shows_bodies() {
         mechanism::note(mechanism::SCENE, &sources, cache, &mut files);
     }
     check_outputs(arguments, &mut files)?;
@@ -171,15 +189,27 @@ pub(crate) fn run(arguments: &Arguments, cache: &Cache) -> Result<(), Failure> {
         output::warn(format_args!("{} has no {} to record", derivation.name, without.join(", ")));
     }
     let motion = Motion::integrate(&derivation, &point, &times, &settings, driven, &recorder)?;
-    let animation = match &arguments.gltf {
-        None => None,
-        Some(_) => {
-            let driven = drives.resolved(&derivation, (times[0], times[times.len() - 1]))?;
-            let equations = Equations::new(&derivation, &point)?.with_driven(driven);
-            Some(animation(&mechanism::scene(&sources, cache)?, &sources, &equations, &point, &motion))
+    let mut others: Vec<(&Path, Vec<u8>)> = Vec::new();
+    #[cfg(feature = "parquet")]
+    if let Some(path) = &arguments.parquet {
+        others.push((path, parquet::table(&motion, arguments.units)?));
+    }
+    if arguments.shows_bodies() {
+        let driven = drives.resolved(&derivation, (times[0], times[times.len() - 1]))?;
+        let equations = Equations::new(&derivation, &point)?.with_driven(driven);
+        let scene = mechanism::scene(&sources, cache)?;
+        if let Some(path) = &arguments.gltf {
+            others.push((path, animation(&scene, &sources, &equations, &point, &motion)));
         }
-    };
-    deliver(&motion, animation, arguments)
+        #[cfg(feature = "mcap")]
+        if let Some(path) = &arguments.mcap {
+            let interpreter = scene.interpreter(&point.parameters);
+            let states = (0..motion.rows.len()).map(|row| state_of(&equations, &point, &motion, row));
+            let sights: Vec<_> = states.map(|state| scene.at(&interpreter, &state)).collect();
+            others.push((path, mcap::recording(&motion, &sights, arguments.units)?));
+        }
+    }
+    deliver(&motion, &others, arguments)
 }
 
 /// The motion as glTF.
@@ -190,12 +220,13 @@ fn animation(scene: &Scene, sources: &Sources, equations: &Equations<'_>, point:
     if let Some(factor) = gltf::slowdown(duration) {
         output::warn(format_args!("the animation takes 10 s, the motion {factor:.3} times as long"));
     }
-    let n = point.state.q.len();
-    let state = |row: usize| {
-        let row = &motion.rows[row];
-        equations.state(row.t, &row.values[..n], &row.values[n..2 * n])
-    };
-    gltf::glb((scene, &meshes), &point.parameters, motion, state)
+    gltf::glb((scene, &meshes), &point.parameters, motion, |row| state_of(equations, point, motion, row))
+}
+
+/// The state of a row.
+fn state_of(equations: &Equations<'_>, point: &Point, motion: &Motion, row: usize) -> State {
+    let (n, row) = (point.state.q.len(), &motion.rows[row]);
+    equations.state(row.t, &row.values[..n], &row.values[n..2 * n])
 }
 
 /// No output is a file that was read, or another output.
@@ -213,6 +244,10 @@ fn check_outputs(arguments: &Arguments, files: &mut Files) -> Result<(), Failure
     #[cfg(feature = "parquet")]
     if let Some(parquet) = &arguments.parquet {
         files.writes("--parquet", parquet)?;
+    }
+    #[cfg(feature = "mcap")]
+    if let Some(mcap) = &arguments.mcap {
+        files.writes("--mcap", mcap)?;
     }
     Ok(())
 }
@@ -253,7 +288,7 @@ fn held(names: &[String], derivation: &Derivation) -> Result<Vec<bool>, Failure>
 }
 
 /// Files bear their names only after all have been written.
-fn deliver(motion: &Motion, animation: Option<Vec<u8>>, arguments: &Arguments) -> Result<(), Failure> {
+fn deliver(motion: &Motion, others: &[(&Path, Vec<u8>)], arguments: &Arguments) -> Result<(), Failure> {
     let csv = table::csv(motion, arguments.units);
     let mut staged = Vec::new();
     if let Some(path) = &arguments.csv {
@@ -262,18 +297,13 @@ fn deliver(motion: &Motion, animation: Option<Vec<u8>>, arguments: &Arguments) -
     if let Some((path, format)) = &arguments.plot {
         staged.push(Staged::new(path, &figure::draw(motion, *format)?)?);
     }
-    if let (Some(path), Some(animation)) = (&arguments.gltf, animation) {
-        staged.push(Staged::new(path, &animation)?);
-    }
-    #[cfg(feature = "parquet")]
-    if let Some(path) = &arguments.parquet {
-        staged.push(Staged::new(path, &parquet::table(motion, arguments.units)?)?);
+    for (path, bytes) in others {
+        staged.push(Staged::new(path, bytes)?);
     }
     staged.into_iter().try_for_each(Staged::commit)?;
-    let written: Vec<&Path> = [arguments.csv.as_deref(), arguments.plot.as_ref().map(|(path, _)| path.as_path())]
-        .into_iter()
-        .flatten()
-        .collect();
+    let plot = arguments.plot.as_ref().map(|(path, _)| path.as_path());
+    let named = [arguments.csv.as_deref(), plot].into_iter().flatten();
+    let written: Vec<&Path> = named.chain(others.iter().map(|(path, _)| *path)).collect();
     match &arguments.csv {
         None => output::answer(|| table::object(motion, arguments.units, &written), || csv),
         Some(_) => output::wrote(&written),
