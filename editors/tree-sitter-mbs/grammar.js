@@ -17,6 +17,7 @@ module.exports = grammar({
   conflicts: ($) => [
     // `gravity [0, 0, -g];` is a field, `gravity[0] = 1;` gives an element its value.
     [$.gravity_statement, $._assignable],
+    [$.shape_statement, $._assignable],
   ],
 
   rules: {
@@ -120,7 +121,7 @@ module.exports = grammar({
       seq('let', optional('mut'), field('name', $.identifier), choice($._value, repeat1($._index)), ';'),
     assignment: ($) => seq(field('name', $._assignable), repeat($._index), $._value, ';'),
     // Words that begin statements of their own and may be names all the same.
-    _assignable: ($) => choice($.identifier, alias('gravity', $.identifier), alias('part', $.identifier)),
+    _assignable: ($) => choice($.identifier, ...['gravity', 'part', 'shape'].map((word) => alias(word, $.identifier))),
 
     // ---- what a mechanism is made of
 

@@ -3,16 +3,17 @@
 use mbs_examples::figures::{Entry, FIGURES, assumptions, file_name};
 
 const STYLE: &str = "\
+:root { color-scheme: light dark }
 body { font-family: 'DejaVu Sans', Verdana, sans-serif; max-width: 62rem; margin: 2rem auto; padding: 0 1rem; \
-line-height: 1.45; color: #1a1a1a }
+line-height: 1.45; color: light-dark(#1a1a1a, #e4e8ec); background: light-dark(#fff, #15181c) }
 h1, h2 { font-weight: 600 }
 figure { margin: 2.5rem 0; padding: 0 }
-img { max-width: 100%; height: auto; border: 1px solid #ddd }
+img { max-width: 100%; height: auto; border: 1px solid light-dark(#ddd, #323942) }
 figcaption { margin-top: .5rem }
 ol { columns: 2; list-style: none; padding: 0; font-size: .85rem }
 li { break-inside: avoid; margin: .2rem 0 }
-.assumed { display: block; color: #555; font-size: .85rem }
-.missing { color: #777 }
+.assumed { display: block; color: light-dark(#555, #98a3ae); font-size: .85rem }
+.missing { color: light-dark(#777, #808a94) }
 ";
 
 /// With those figures that were drawn.

@@ -1,9 +1,10 @@
 //! A scene as scalable vector graphics, in pixels with two decimals.
 
+use std::collections::BTreeSet;
 use std::fmt::Write;
 
 use crate::scene::{Anchor, BASELINE, INDEX_DROP, Scene, Shape, Text};
-use crate::style::{Color, WHITE};
+use crate::style::{BLUE, Color, GREEN, WHITE};
 
 /// Of texts: the font that they are measured with, then what is there.
 const FONTS: &str = "'DejaVu Sans', Verdana, Arial, sans-serif";
@@ -13,7 +14,8 @@ pub(crate) fn write(scene: &Scene<'_>, (width, height): (u32, u32)) -> String {
         "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" \
          viewBox=\"0 0 {width} {height}\" font-family=\"{FONTS}\" fill=\"none\" stroke-linejoin=\"round\" \
          xml:space=\"preserve\">\n\
-         <rect width=\"{width}\" height=\"{height}\" fill=\"{}\"/>\n",
+         {}<rect width=\"{width}\" height=\"{height}\" fill=\"{}\"/>\n",
+        dark(scene),
         hex(WHITE)
     );
     for shape in &scene.shapes {
@@ -21,6 +23,45 @@ pub(crate) fn write(scene: &Scene<'_>, (width, height): (u32, u32)) -> String {
         svg.push('\n');
     }
     svg + "</svg>\n"
+}
+
+/// What is white, grey or black changes places on dark paper, where the reader's system has that; colours stay, but
+/// for two that are too dark there.
+fn dark(scene: &Scene<'_>) -> String {
+    let color = |shape: &Shape| match shape {
+        Shape::Line { stroke, .. } => stroke.color,
+        Shape::Area { fill, .. } | Shape::Dot { fill, .. } => *fill,
+        Shape::Text(text) => text.color,
+    };
+    let used: BTreeSet<[u8; 3]> =
+        scene.shapes.iter().map(color).chain([WHITE]).map(|Color(r, g, b)| [r, g, b]).collect();
+    let rules: Vec<String> = used
+        .into_iter()
+        .filter_map(|[r, g, b]| {
+            let (from, to) = (Color(r, g, b), inverted([r, g, b])?);
+            let (from, to) = (hex(from), hex(to));
+            Some(format!("[fill=\"{from}\"]{{fill:{to}}}[stroke=\"{from}\"]{{stroke:{to}}}"))
+        })
+        .collect();
+    format!("<style>@media (prefers-color-scheme: dark) {{{}}}</style>\n", rules.concat())
+}
+
+/// From white, which becomes the paper of dark pages, to black, which becomes their ink; nothing for most colours.
+fn inverted(color: [u8; 3]) -> Option<Color> {
+    match Color(color[0], color[1], color[2]) {
+        BLUE => return Some(Color(0x3d, 0x9b, 0xd8)),
+        GREEN => return Some(Color(0x2f, 0xc4, 0x98)),
+        _ => {}
+    }
+    let (least, most) = (*color.iter().min()?, *color.iter().max()?);
+    if most - least > 24 {
+        return None;
+    }
+    let [r, g, b] = [(0x15, 0xe4), (0x18, 0xe8), (0x1c, 0xec)].map(|(paper, ink)| {
+        let share = f64::from(u16::from(least) + u16::from(most)) / 510.0;
+        (f64::from(ink) + share * (f64::from(paper) - f64::from(ink))).round() as u8
+    });
+    Some(Color(r, g, b))
 }
 
 fn element(shape: &Shape) -> String {
@@ -94,6 +135,13 @@ fn escaped(text: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn greys_are_inverted_and_colours_kept() {
+        assert_eq!(inverted([255; 3]), Some(Color(0x15, 0x18, 0x1c)));
+        assert_eq!(inverted([0; 3]), Some(Color(0xe4, 0xe8, 0xec)));
+        assert_eq!(inverted([213, 94, 0]), None);
+    }
 
     #[test]
     fn numbers_are_short() {

@@ -7,12 +7,12 @@
 //! let source = "mechanism Arm { param length = 1.0; }";
 //! let error = mbs_derive::generate("arm.mbs", source, &Default::default()).unwrap_err();
 //! assert_eq!(error.render("arm.mbs", source), "\
-//! error[MBS0401]: `length` needs a unit
-//!  --> arm.mbs:1:23
+//! error[MBS0401]: `param length` needs a unit
+//!  --> arm.mbs:1:17
 //!   |
 //! 1 | mechanism Arm { param length = 1.0; }
-//!   |                       ^^^^^^
-//!   = help: write `param length: m = …`, `1` for a pure number
+//!   |                 ^^^^^^^^^^^^
+//!   = help: write `param length: m = …;`, `1` for a pure number
 //! ");
 //! ```
 

@@ -317,13 +317,12 @@ fn doc_comments_stand_alone() {
     {
         assert_eq!(hangs(right), None, "{right}");
     }
+    let mut found = Vec::new();
     for file in written_by_hand() {
-        for doc in docs(&read(&file)) {
-            if let Some(reason) = hangs(&doc) {
-                panic!("{}: {reason}: {doc}", file.display());
-            }
-        }
+        let hanging = docs(&read(&file)).into_iter().filter_map(|doc| Some((hangs(&doc)?, doc)));
+        found.extend(hanging.map(|(reason, doc)| format!("{}: {reason}: {doc}", file.display())));
     }
+    assert!(found.is_empty(), "{}", found.join("\n"));
 }
 
 /// Who doubts a reference value makes it again.

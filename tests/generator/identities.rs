@@ -40,7 +40,7 @@ macro_rules! check_written {
 }
 mbs_models::for_each_mechanism!(check_models);
 mbs_tests::for_each_mechanism!(check_written);
-check!(mbs_models, marine_platform MarinePlatform 4 10;);
+check!(mbs_models, marine_platform MarinePlatform 4 10; assistive_arm AssistiveArm 4 7;);
 
 /// Those of which only the functions of motions are generated.
 macro_rules! check_motions {

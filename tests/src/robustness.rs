@@ -1,12 +1,14 @@
 //! Random models, most of them wrong, and what must hold of every text whatever it says.
 //!
 //! - [`mutation`]: the good models of the repository, damaged token by token;
+//! - [`robot`]: robots of other formats, damaged;
 //! - [`model`]: models written from the grammar, of which most are right;
 //! - [`examine`]: the whole generator run on a text.
 
 pub mod examine;
 pub mod model;
 pub mod mutation;
+pub mod robot;
 
 use std::collections::BTreeMap;
 use std::path::Path;

@@ -144,6 +144,9 @@ test("words are told apart by what stands around them", async () => {
     "/// doc comment.line.documentation", "//// none comment.line.double-slash", "c comment.block", "let storage.type",
   ]);
   await check("for i in 0..6 { }", ["for keyword.control", "0 constant.numeric", ".. keyword.operator.range"]);
+  await check('shape arm += mesh("a b.stl", 2);', [
+    "shape keyword.other.statement", "mesh support.function", '"a b.stl" string.quoted.double', "2 constant.numeric",
+  ]);
   await check("param l: m = 1, positive;", ["positive storage.modifier"]);
 });
 

@@ -293,8 +293,12 @@ class Page {
     this.mark();
   }
 
+  /** The time, in numbers and in plots; it is shown less often than the picture, which is all that must be smooth. */
   mark() {
     const { motion, time } = this;
+    $("time").value = (1000 * (time - motion.start)) / (motion.end - motion.start || 1);
+    $("time").setAttribute("aria-valuetext", `${number(time, 4)} s`);
+    $("clock").textContent = `${time.toFixed(motion.end < 100 ? 2 : 0)} s`;
     this.plots.forEach((plot) => !plot.root.hidden && plot.mark(time));
     const i = Math.min(motion.samples.length - 1, Math.max(0, Math.round((time - motion.start) / motion.dt)));
     this.phase.mark(["horizontal", "vertical"].map((id) => this.column(this.all[$(id).selectedIndex].name)[i]));
@@ -363,10 +367,6 @@ class Page {
     const key = `${this.time} ${motion.samples.length}`;
     if (key === this.shown && motion === this.shownMotion) return;
     [this.shown, this.shownMotion] = [key, motion];
-    const share = (this.time - motion.start) / (motion.end - motion.start || 1);
-    $("time").value = 1000 * share;
-    $("time").setAttribute("aria-valuetext", `${number(this.time, 4)} s`);
-    $("clock").textContent = `${(this.time).toFixed(motion.end < 100 ? 2 : 0)} s`;
     if (view === undefined) return;
     const { t, q, qd } = motion.at(this.time);
     view.begin(this.theme.paper);

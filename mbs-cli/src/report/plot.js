@@ -59,7 +59,12 @@ class Panel {
     this.canvas = document.createElement("canvas");
     this.canvas.setAttribute("role", "img");
     this.canvas.setAttribute("aria-label", label);
-    this.root.append(this.canvas);
+    // What moves is an element above the curves: these are drawn again only where they change.
+    this.marker = document.createElement("div");
+    this.marker.hidden = true;
+    const above = { position: "absolute", top: "0", left: "0", pointerEvents: "none", willChange: "transform" };
+    Object.assign(this.marker.style, above);
+    this.root.append(this.canvas, this.marker);
     parent.append(this.root);
     new ResizeObserver(() => this.draw()).observe(this.root);
   }
@@ -134,11 +139,10 @@ class Panel {
     g.stroke();
   }
 
-  dot(g, x, y, colour) {
-    g.fillStyle = colour;
-    g.beginPath();
-    g.arc(this.x(x), this.y(y), 4, 0, 2 * Math.PI);
-    g.fill();
+  /** Puts the marker's upper left corner there; away without a place. */
+  put(x, y) {
+    this.marker.hidden = !(Number.isFinite(x) && Number.isFinite(y));
+    if (!this.marker.hidden) this.marker.style.transform = `translate(${x}px, ${y}px)`;
   }
 }
 
@@ -150,6 +154,7 @@ export class Plot extends Panel {
     this.legend = document.createElement("div");
     this.legend.className = "legend";
     this.root.append(this.legend);
+    Object.assign(this.marker.style, { width: "1px", background: "currentColor", opacity: "0.5" });
     const time = (event) => {
       const [from, to] = this.span;
       const t = from + ((event.offsetX - MARGIN.left) / this.width) * (to - from);
@@ -178,6 +183,7 @@ export class Plot extends Panel {
       }),
     );
     this.values = Array.from(this.legend.querySelectorAll("b"));
+    this.draw();
     this.mark(this.at ?? null);
   }
 
@@ -189,7 +195,13 @@ export class Plot extends Panel {
     this.values.forEach((value, k) => {
       value.textContent = i < 0 ? "" : number(this.curves[k].values[i], 5);
     });
-    this.draw();
+    this.place();
+  }
+
+  place() {
+    if (this.x === undefined) return;
+    this.marker.style.height = `${this.inner}px`;
+    this.put(this.at === null ? NaN : this.x(this.at), MARGIN.top);
   }
 
   draw() {
@@ -197,14 +209,7 @@ export class Plot extends Panel {
     if (!g) return;
     this.axes(g, this.span, this.limits, this.title, "t / s");
     this.curves.forEach(({ values }, i) => this.curve(g, this.t, values, COLOURS[i % COLOURS.length]));
-    if (this.at === null) return;
-    const x = this.x(this.at);
-    [g.strokeStyle, g.lineWidth, g.globalAlpha] = [this.ink, 1, 0.5];
-    g.beginPath();
-    g.moveTo(x, MARGIN.top);
-    g.lineTo(x, this.height - MARGIN.bottom);
-    g.stroke();
-    g.globalAlpha = 1;
+    this.place();
   }
 }
 
@@ -212,6 +217,7 @@ export class Plot extends Panel {
 export class Phase extends Panel {
   constructor(parent) {
     super(parent, "one quantity over another");
+    Object.assign(this.marker.style, { width: "8px", height: "8px", borderRadius: "4px", background: COLOURS[1] });
   }
 
   /** `x` and `y` are `{ name, unit, values }`; `equal` scales show shapes as they are. */
@@ -226,7 +232,14 @@ export class Phase extends Panel {
   /** A dot at these values; none without. */
   mark(point) {
     this.point = point;
-    this.draw();
+    this.place();
+  }
+
+  place() {
+    if (this.x === undefined) return;
+    const last = this.xs.length - 1;
+    const [x, y] = this.point ?? [this.xs[last], this.ys[last]];
+    this.put(this.x(x) - 4, this.y(y) - 4);
   }
 
   draw() {
@@ -240,8 +253,6 @@ export class Phase extends Panel {
     }
     this.axes(g, horizontal, vertical, this.title, this.across);
     this.curve(g, this.xs, this.ys, COLOURS[0]);
-    const last = this.xs.length - 1;
-    const [x, y] = this.point ?? [this.xs[last], this.ys[last]];
-    if (Number.isFinite(x) && Number.isFinite(y)) this.dot(g, x, y, COLOURS[1]);
+    this.place();
   }
 }

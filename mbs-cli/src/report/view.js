@@ -91,22 +91,31 @@ export function colour(text, alpha = 1) {
 }
 
 /** Whether there is no graphics card, so that smooth edges would cost most of the time of a frame. */
-function isDrawnByProcessor() {
-  const gl = document.createElement("canvas").getContext("webgl");
-  const info = gl?.getExtension("WEBGL_debug_renderer_info");
+function isDrawnByProcessor(gl) {
+  const info = gl.getExtension("WEBGL_debug_renderer_info");
   const name = info ? gl.getParameter(info.UNMASKED_RENDERER_WEBGL) : "";
-  gl?.getExtension("WEBGL_lose_context")?.loseContext();
   return /swiftshader|llvmpipe|software/i.test(name);
+}
+
+/** A canvas to draw on; in place of the given one, of which only one kind of picture can be had, if edges are smooth. */
+function drawable(given) {
+  const rough = given.getContext("webgl", { antialias: false, alpha: false });
+  if (rough === null) throw new Error("this browser has no WebGL");
+  if (isDrawnByProcessor(rough)) return { canvas: given, gl: rough };
+  const canvas = given.cloneNode();
+  const gl = canvas.getContext("webgl", { antialias: true, alpha: false });
+  if (gl === null) return { canvas: given, gl: rough };
+  given.replaceWith(canvas);
+  rough.getExtension("WEBGL_lose_context")?.loseContext();
+  return { canvas, gl };
 }
 
 /** A canvas with a camera that goes round a centre. */
 export class View {
   /** Throws where there is no WebGL. */
   constructor(canvas) {
-    this.canvas = canvas;
-    const gl = canvas.getContext("webgl", { antialias: !isDrawnByProcessor(), alpha: false });
-    if (gl === null) throw new Error("this browser has no WebGL");
-    this.gl = gl;
+    Object.assign(this, drawable(canvas));
+    const { gl } = this;
     this.solids = this.program(SOLID, SHADED, ["place", "normal"], ["model", "lens", "flatten", "colour", "glow"]);
     this.lines = this.program(LINE, PLAIN, ["place", "age"], ["both", "colour"]);
     const meshes = { sphere: sphere(20, 32), dot: sphere(8, 12), cylinder: cylinder(16), box: box() };

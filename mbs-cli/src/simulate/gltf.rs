@@ -193,7 +193,7 @@ struct Mesh {
     indices: Vec<u32>,
 }
 
-/// Of radius 1.
+/// A sphere of radius 1.
 fn sphere() -> Mesh {
     let mut mesh = Mesh { places: Vec::new(), normals: Vec::new(), indices: Vec::new() };
     for i in 0..=RINGS {
@@ -219,7 +219,7 @@ fn sphere() -> Mesh {
     mesh
 }
 
-/// Of radius 1, from z = 0 to z = 1, with its ends.
+/// A cylinder of radius 1, from z = 0 to z = 1, with its ends.
 fn cylinder() -> Mesh {
     let mut mesh = Mesh { places: Vec::new(), normals: Vec::new(), indices: Vec::new() };
     let around = |j: usize| {

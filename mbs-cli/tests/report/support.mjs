@@ -30,7 +30,7 @@ export function aboutOf(html) {
 
 /** The scripts of a page as a module: what it draws is left alone. */
 export async function scriptsOf(html, name) {
-  const [, text] = /<script type="module">\n(.*?)<\/script>/s.exec(html);
+  const [, text] = /<script type="module" async>\n(.*?)<\/script>/s.exec(html);
   const last = text.lastIndexOf("window.report = ");
   const file = join(folder, `${name.replaceAll("/", "_")}.mjs`);
   writeFileSync(file, `${text.slice(0, last)}\nexport { Mechanism, Scene, Model, Motion, project, ellipsoid, principal };\n`);

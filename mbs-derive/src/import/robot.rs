@@ -36,6 +36,29 @@ pub(super) struct Body {
     pub(super) span: Span,
 }
 
+impl Body {
+    /// What is computed from what the file says, and may have overflowed.
+    fn numbers(&self) -> Vec<f64> {
+        let mut found = self.pose.shift.to_vec();
+        for Shape { form, pose } in &self.shapes {
+            found.extend(pose.shift);
+            match form {
+                Form::Box(sizes) | Form::Mesh(_, sizes, _) => found.extend(sizes),
+                Form::Cylinder(radius, length) | Form::Capsule(radius, length) => found.extend([radius, length]),
+                Form::Sphere(radius) => found.push(*radius),
+            }
+        }
+        if let Some(Inertial { mass, com, inertia, .. }) = &self.inertial {
+            found.push(*mass);
+            found.extend(com.iter().chain(inertia));
+        }
+        for joint in &self.joints {
+            found.extend(joint.axis.iter().chain(&joint.anchor).chain([&joint.zero, &joint.damping]));
+        }
+        found
+    }
+}
+
 /// Mass, mass centre in the frame of the body, inertia about it in these axes: `xx yy zz xy xz yz`.
 #[derive(Clone, Debug)]
 pub(super) struct Inertial {
@@ -169,6 +192,10 @@ impl Robot {
     /// What must hold of every robot, whatever its format.
     pub(super) fn check(&self, any_inertia: bool, reader: &mut Reader) {
         for body in &self.bodies {
+            if !body.numbers().iter().all(|number| number.is_finite()) {
+                let message = format!("numbers of the link `{}` are so large that they overflow", body.name);
+                reader.refuse(body.span.clone(), message, "lengths are in m, masses in kg");
+            }
             if let Some(inertial) = &body.inertial {
                 check_inertial(&body.name, inertial, any_inertia, reader);
             }

@@ -106,6 +106,8 @@ fn walk(links: &[Node<'_, '_>], hangs: &[(usize, usize)], reader: &mut Reader) -
         if by[own].is_some() {
             let message = format!("the link `{}` is the child of two joints", name(own));
             reader.refuse(tag(links[own]), message, "close loops by a constraint in a .mbs that imports the file");
+            // Reached from both, a link above them would be walked through without end.
+            continue;
         }
         by[own] = Some((parent, joint));
         below[parent].push(own);

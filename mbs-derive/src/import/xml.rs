@@ -137,7 +137,8 @@ impl Reader {
         places
     }
 
-    /// The numbers of a text; one that is NaN, not finite or not written as a number is reported with what it was meant for.
+    /// The numbers of a text; one that is NaN, not finite or not written as a number is reported with what it was meant
+    /// for.
     pub(super) fn numbers(&mut self, text: &str, span: Span, what: &str) -> Option<Vec<f64>> {
         let mut numbers = Vec::new();
         for word in text.split([' ', '\t', '\n', '\r']).filter(|word| !word.is_empty()) {

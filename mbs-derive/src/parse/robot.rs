@@ -1,7 +1,10 @@
 //! Files of robots: `import "robot.urdf";` reads what `mbs import` writes.
 
+#[cfg(feature = "import")]
 use crate::diagnostic::Diagnostics;
-use crate::source::{Sources, Unreadable};
+#[cfg(feature = "import")]
+use crate::source::Sources;
+use crate::source::Unreadable;
 
 /// Whether a file is a robot: URDF, SDF or MJCF.
 pub(super) fn is_robot(name: &str) -> bool {
