@@ -13,6 +13,7 @@
 //! - `segment`: long bodies in blocks;
 //! - `name`: identifiers, from the declaration where they can be;
 //! - `outline`: a long module without its function bodies, for review;
+//! - `walk`: what all other languages have in common: which statements stand where;
 //! - `c`: the same in C99, C++, CUDA and OpenCL C;
 //! - `script`: the same in languages that are not compiled;
 //! - `language`: the list of languages.
@@ -37,6 +38,7 @@ mod solution;
 mod statement;
 mod text;
 mod traits;
+mod walk;
 
 pub use crate::expr::sin_cos::Trigonometry;
 use crate::optimise::Derivation;

@@ -51,6 +51,19 @@ impl Shape {
         }
     }
 
+    /// How many numbers a function returns in it: those of the program, and symmetric matrices in full.
+    ///
+    /// ```
+    /// use mbs_derive::optimise::Shape;
+    /// assert_eq!((Shape::Symmetric(2).count(), Shape::Symmetric(2).entries()), (3, 4));
+    /// ```
+    pub fn entries(self) -> usize {
+        match self {
+            Shape::Symmetric(n) => n * n,
+            other => other.count(),
+        }
+    }
+
     /// The names of the components of a value with this name and shape, in the order of its values, symmetric matrices
     /// in full: `tip_0`, `inertia_0_1`, `hand_position_0`, `hand_rotation_0_0`.
     ///

@@ -1,6 +1,8 @@
 //! A mechanism: derived, proved, compiled; its parameters; and what there is to say of it.
 
-use std::sync::{Arc, RwLock};
+use std::ffi::OsString;
+use std::path::PathBuf;
+use std::sync::{Arc, Mutex, PoisonError, RwLock};
 
 use mbs_derive::builder::Mechanism;
 use mbs_derive::expr::{Graph, Number};
@@ -16,7 +18,7 @@ use pyo3::types::{PyDict, PyList};
 use crate::array::{self, Input};
 use crate::engine::{Engine, Values};
 use crate::function::{self, Function};
-use crate::native::Library;
+use crate::native::{self, Library};
 use crate::{ModelError, builder, guarded, refused};
 
 /// A mechanism with values for its parameters.
@@ -53,7 +55,48 @@ impl Written {
     }
 }
 
+/// Which mechanism was derived from texts.
+#[derive(PartialEq)]
+struct Derived {
+    sources: Sources,
+    freeze: Vec<String>,
+    backend: Backend,
+    /// Compilers, and the folder of what they make.
+    surroundings: (Vec<PathBuf>, Option<OsString>),
+}
+
+/// The last that were derived in this process, the latest at the end.
+static KEPT: Mutex<Vec<(Derived, Core)>> = Mutex::new(Vec::new());
+
+/// More of them are not kept.
+const MOST_KEPT: usize = 16;
+
 impl Core {
+    /// From texts, unless it is known from before; with the declared parameters.
+    fn of_texts(sources: Sources, freeze: Vec<String>, backend: Backend) -> PyResult<Self> {
+        let wanted = Derived { sources, freeze, backend, surroundings: native::surroundings() };
+        let kept = || KEPT.lock().unwrap_or_else(PoisonError::into_inner);
+        {
+            let mut kept = kept();
+            if let Some(place) = kept.iter().position(|(derived, _)| *derived == wanted) {
+                let latest = kept.remove(place);
+                let core = latest.1.copy();
+                kept.push(latest);
+                return Ok(core);
+            }
+        }
+        let core = Core::of(&Written::Text(wanted.sources.clone()), &wanted.freeze, backend)?;
+        // Where a compiler failed, it is asked again.
+        if core.about.reason.is_none() || backend == Backend::Interpreter {
+            let mut kept = kept();
+            if kept.len() == MOST_KEPT {
+                kept.remove(0);
+            }
+            kept.push((wanted, core.copy()));
+        }
+        Ok(core)
+    }
+
     fn of(written: &Written, freeze: &[String], backend: Backend) -> Result<Self, PyErr> {
         let graph = Graph::verbatim();
         let wrong = |error: Error| ModelError::new_err(error.render_in(&written.sources()));
@@ -94,7 +137,7 @@ impl Core {
     }
 }
 
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, PartialEq)]
 enum Backend {
     Auto,
     C,
@@ -116,7 +159,7 @@ impl Core {
     #[staticmethod]
     fn from_text(py: Python<'_>, text: &str, name: &str, freeze: Vec<String>, backend: &str) -> PyResult<Self> {
         let backend = self::backend(backend)?;
-        py.detach(|| guarded(|| Core::of(&Written::Text(Sources::new(name, text)), &freeze, backend)))
+        py.detach(|| guarded(|| Core::of_texts(Sources::new(name, text), freeze, backend)))
     }
 
     /// From a file, and those that it imports.
@@ -126,7 +169,7 @@ impl Core {
         py.detach(|| {
             guarded(|| {
                 let sources = mbs_derive::read(&path).map_err(ModelError::new_err)?;
-                Core::of(&Written::Text(sources), &freeze, backend)
+                Core::of_texts(sources, freeze, backend)
             })
         })
     }

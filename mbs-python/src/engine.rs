@@ -4,7 +4,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread;
 
 use mbs_derive::interpret::{Interpreter, State};
-use mbs_derive::optimise::{Derivation, Shape};
+use mbs_derive::optimise::Derivation;
 use pyo3::prelude::*;
 
 use crate::function::Argument;
@@ -110,7 +110,7 @@ impl Engine {
     }
 
     fn sizes(&self, number: usize) -> Vec<usize> {
-        self.derivation.functions[number].results.iter().map(|part| entries(part.shape)).collect()
+        self.derivation.functions[number].results.iter().map(|part| part.shape.entries()).collect()
     }
 
     fn run(
@@ -166,13 +166,5 @@ impl Engine {
         let (n, derivation) = (self.derivation.dof(), &self.derivation);
         let prescribed = vec![[0.0; 3]; count(&derivation.prescribed)];
         State { t: 0.0, q: zeros(n), qd: zeros(n), qdd: zeros(n), u: zeros(count(&derivation.inputs)), prescribed }
-    }
-}
-
-/// How many numbers a result of this shape has, symmetric matrices in full.
-pub(crate) fn entries(shape: Shape) -> usize {
-    match shape {
-        Shape::Symmetric(n) => n * n,
-        other => other.count(),
     }
 }

@@ -8,7 +8,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyTuple;
 
 use crate::array::{self, Input};
-use crate::engine::{Engine, Values, entries};
+use crate::engine::{Engine, Values};
 use crate::{guarded, refused};
 
 /// One argument of a function.
@@ -74,7 +74,7 @@ impl Function {
     pub(crate) fn new(engine: &Arc<Engine>, values: &Arc<RwLock<Arc<Values>>>, number: usize, name: &str) -> Self {
         let (derivation, arguments) = (&engine.derivation, arguments(&engine.derivation, number));
         let results = derivation.functions[number].results.iter();
-        let results = results.map(|part| (axes(part.shape), entries(part.shape))).collect();
+        let results = results.map(|part| (axes(part.shape), part.shape.entries())).collect();
         let of_motion = derivation.functions.iter().position(|f| f.kind == FunctionKind::Multipliers);
         let takes = arguments.iter().any(|argument| argument.name == "multipliers");
         let multipliers = of_motion.filter(|_| takes);

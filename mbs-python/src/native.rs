@@ -11,7 +11,7 @@ use std::{env, fs};
 use mbs_derive::optimise::{Derivation, Shape};
 use mbs_derive::{Digest, emit, variable::component_names};
 
-use crate::engine::{Arguments, entries};
+use crate::engine::Arguments;
 
 /// Bits are those of the interpreter: products and sums are not contracted; `errno` is not set.
 const FLAGS: [&str; 7] = ["-std=c99", "-O2", "-ffp-contract=off", "-fno-math-errno", "-fPIC", "-shared", "-w"];
@@ -153,7 +153,7 @@ fn looped(derivation: &Derivation, number: usize, prefix: &str, function: &str) 
     call += &format!("{function}(mbs_self{given}");
     if !is_scalar {
         for (i, part) in parts.iter().enumerate().filter(|(_, part)| part.shape.count() > 0) {
-            call += &format!(", mbs_out[{i}] + mbs_i * {}", entries(part.shape));
+            call += &format!(", mbs_out[{i}] + mbs_i * {}", part.shape.entries());
         }
     }
     format!(
@@ -162,6 +162,11 @@ fn looped(derivation: &Derivation, number: usize, prefix: &str, function: &str) 
          (const {prefix} *)mbs_own;\n    (void)mbs_args;\n    (void)mbs_by;\n    \
          for (size_t mbs_i = 0; mbs_i < mbs_count; mbs_i++) {{\n        {call});\n    }}\n}}\n"
     )
+}
+
+/// What decides how functions are compiled: the compilers, and the folder that is asked for.
+pub(crate) fn surroundings() -> (Vec<PathBuf>, Option<OsString>) {
+    (compilers(), env::var_os("MBS_CACHE_DIR"))
 }
 
 /// What `MBS_CC`, which may be empty for none, or `CC` names; else what is in the path.

@@ -3,6 +3,8 @@
 import os
 import pathlib
 import shutil
+import subprocess
+import sys
 
 import mbs
 import numpy as np
@@ -33,10 +35,42 @@ def test_code_is_compiled_once(folder):
     assert library.stat().st_mtime_ns == before
     mbs.compile(TEXT.format(m=2), backend="c")
     assert len(list(folder.glob("*"))) == 4
-    # A digest says nothing of who wrote the file: the text does.
+    # A digest says nothing of who wrote the file: the text does. Another process has nothing in memory.
     code.write_text("something else")
-    mbs.compile(TEXT.format(m=1), backend="c")
+    script = f"import mbs; mbs.compile({TEXT.format(m=1)!r}, backend='c')"
+    subprocess.run([sys.executable, "-c", script], check=True)
     assert library.stat().st_mtime_ns > before and "kept" in code.read_text()
+
+
+def test_what_was_derived_stays_in_the_process(folder, tmp_path):
+    needs_compiler()
+
+    def emptied():
+        for file in folder.glob("*"):
+            file.unlink()
+
+    text = TEXT.format(m=4)
+    own = mbs.compile(text, backend="c")
+    own.params.m = 9.0
+    emptied()
+    again = mbs.compile(text, backend="c")
+    assert not list(folder.glob("*")), "it was compiled once more"
+    # The declared values, not those that a model was given; each has its own.
+    assert again.params.m == 4.0 and own.params.m == 9.0
+    assert again.potential_energy([0.5]) == own.potential_energy([0.5])
+    # What else decides: frozen parameters, the backend, the folder, the text of a file when it is read.
+    assert "m" not in mbs.compile(text, freeze=["m"], backend="c").units and "m" in again.units
+    assert mbs.compile(text, backend="interpreter").backend == "interpreter"
+    file = tmp_path / "kept.mbs"
+    for m in (5.0, 6.0, 5.0):
+        file.write_text(TEXT.format(m=m))
+        assert mbs.compile(file, backend="interpreter").params.m == m
+    # The last sixteen are kept.
+    for m in range(100, 116):
+        mbs.compile(TEXT.format(m=m), backend="interpreter")
+    emptied()
+    mbs.compile(text, backend="c")
+    assert len(list(folder.glob("*.so"))) == 1
 
 
 @pytest.mark.parametrize(

@@ -15,7 +15,7 @@ use mbs_derive::emit::{Language, Options, Trigonometry};
 use mbs_derive::interpret::{Interpreter, State, Violation};
 use mbs_derive::optimise::{Derivation, FunctionKind, Shape};
 use mbs_derive::source::Sources;
-use mbs_printers::call::{arguments, entries, takes};
+use mbs_printers::call::{arguments, takes};
 use mbs_printers::case::{ALL, Case, named};
 use mbs_printers::depth::{self, STATES};
 use mbs_printers::tools::{self, each, run};
@@ -108,10 +108,10 @@ fn main_of(of: &Derivation, name: &str, header: &str) -> String {
         for part in &function.results {
             if is_number {
                 returned = "out[0] = ";
-            } else if entries(part.shape) > 0 {
+            } else if part.shape.entries() > 0 {
                 given.push(format!("out + {start}"));
             }
-            start += entries(part.shape);
+            start += part.shape.entries();
         }
         let _ = writeln!(text, "for (size_t i = 0; i < count; i++) {{\n{returned}{name}({});", given.join(", "));
         let _ = writeln!(text, "if (fwrite(out, 8, {start}, to) != {start}) return 3;\n}}");

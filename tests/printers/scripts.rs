@@ -71,8 +71,8 @@ fn written(case: &Case, trigonometry: Trigonometry, states: [usize; 2], folder: 
     )
 }
 
-/// Runs all mechanisms in all languages that are there, a process each, and compares at so many states, of Octave at so
-/// many; how many numbers have the same bits, and how many are within their bounds only.
+/// Runs all mechanisms in all languages that are there, a process each, and compares at `states[0]` states, of Octave
+/// at `states[1]`; how many numbers have the same bits, and how many are within their bounds only.
 fn compared(
     cases: &[&Case],
     trigonometry: Trigonometry,

@@ -8,11 +8,11 @@ impl Diagnostic {
     /// in place of another: `source` is the text that the message is about.
     ///
     /// ```
-    /// let text = "mechanism A { param length: m = 1; coord x: m; kinetic += 1 kg*dt(x)^2/2; potential += 1 N*lenght; }";
+    /// let text = "mechanism A { param length: m = 1; coord x: m; kinetic += 1 kg*dt(x)^2; potential += 1 N*lenght; }";
     /// let error = mbs_derive::generate("a.mbs", text, &Default::default()).unwrap_err();
     /// let mbs_derive::Error::Declaration(messages) = error else { unreachable!() };
     /// let unknown = messages.iter().next().unwrap();
-    /// assert_eq!(unknown.replacement(text), Some((91..97, "length".to_string())));
+    /// assert_eq!(unknown.replacement(text), Some((89..95, "length".to_string())));
     /// ```
     pub fn replacement(&self, source: &str) -> Option<(Span, String)> {
         let help = self.help.as_deref()?;

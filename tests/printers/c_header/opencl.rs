@@ -8,7 +8,7 @@ use std::process::Command;
 
 use mbs_derive::emit::{Language, Options, Trigonometry};
 use mbs_derive::optimise::{Function, FunctionKind};
-use mbs_printers::call::{arguments, entries, takes};
+use mbs_printers::call::{arguments, takes};
 use mbs_printers::case::{ALL, Case};
 use mbs_printers::depth;
 use mbs_printers::tools::each;
@@ -96,7 +96,7 @@ fn ran(case: &Case, trigonometry: Trigonometry, states: usize, folder: &Path) ->
     let defaults = if defaults.is_empty() { vec![0.0] } else { defaults };
     let mut given = format!("new {parameters} {length} {} {}", kernels[0], bits(&defaults));
     let outputs = |function: &Function| -> Vec<usize> {
-        function.results.iter().map(|part| entries(part.shape)).filter(|n| *n > 0).collect()
+        function.results.iter().map(|part| part.shape.entries()).filter(|n| *n > 0).collect()
     };
     assert_eq!(kernels.len(), of.functions.len() + 1, "{name}");
     for (function, kernel) in of.functions.iter().zip(&kernels[1..]) {

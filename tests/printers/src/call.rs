@@ -1,6 +1,6 @@
 //! How generated functions are called from another language: which arguments they take, how many numbers each is.
 
-use mbs_derive::optimise::{Argument, Derivation, Function, Shape};
+use mbs_derive::optimise::{Argument, Derivation, Function};
 use mbs_derive::variable::Variable;
 
 fn count(variables: &[Variable]) -> usize {
@@ -32,12 +32,4 @@ pub fn takes(of: &Derivation, function: &Function, name: &str) -> bool {
         _ => Argument::Multipliers,
     };
     function.arguments.contains(&argument)
-}
-
-/// How many numbers a part of a result is.
-pub fn entries(shape: Shape) -> usize {
-    match shape {
-        Shape::Symmetric(n) => n * n,
-        other => other.count(),
-    }
 }

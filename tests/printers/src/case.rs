@@ -12,7 +12,7 @@ use mbs_derive::optimise::{Completion, Derivation, Function, FunctionKind, Instr
 use mbs_derive::source::Sources;
 use nalgebra::{DMatrix, DVector};
 
-use crate::call::{arguments, entries};
+use crate::call::arguments;
 use crate::depth::STATES;
 use crate::random::Random;
 use crate::tools;
@@ -112,7 +112,7 @@ impl Case {
     /// How many numbers a function gives.
     #[must_use]
     pub fn size(function: &Function) -> usize {
-        function.results.iter().map(|part| entries(part.shape)).sum()
+        function.results.iter().map(|part| part.shape.entries()).sum()
     }
 
     /// Results at the first states, and how far those of other languages may be from them.

@@ -8,7 +8,7 @@ use mbs_derive::expr::Graph;
 use mbs_derive::interpret::{Interpreter, State};
 use mbs_derive::model::Lagrangian;
 use mbs_derive::numeric::Random;
-use mbs_derive::optimise::{Derivation, Shape};
+use mbs_derive::optimise::Derivation;
 use mbs_derive::source::Sources;
 use mbs_derive::variable::component_names;
 use mbs_derive::verify::Failure;
@@ -155,20 +155,13 @@ fn evaluated(lagrangian: &Lagrangian<'_>, derivation: &Derivation) -> Result<(),
     for state in [zero(lagrangian), random.state(lagrangian), random.state(lagrangian)] {
         for function in &derivation.functions {
             let found = interpreter.evaluate(function, &state).len();
-            let expected: usize = function.results.iter().map(|part| entries(part.shape)).sum();
+            let expected: usize = function.results.iter().map(|part| part.shape.entries()).sum();
             if found != expected {
                 return Err(format!("{} has {found} values, not {expected}", function.name));
             }
         }
     }
     Ok(())
-}
-
-fn entries(shape: Shape) -> usize {
-    match shape {
-        Shape::Symmetric(n) => n * n,
-        shape => shape.count(),
-    }
 }
 
 fn zero(lagrangian: &Lagrangian<'_>) -> State {

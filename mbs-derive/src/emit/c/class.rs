@@ -2,19 +2,20 @@
 
 use std::fmt::Write;
 
-use super::expression::identifier;
+use super::super::walk::{Routine, block_comment};
 use super::function::{Signature, plain};
-use super::{Header, comment, head};
+use super::name::identifier;
+use super::{Header, head};
 
 impl Header<'_> {
     /// Behind the functions of C, which it calls.
-    pub(super) fn class(&self) -> String {
+    pub(super) fn class(&self, routines: &[&Routine]) -> String {
         let (prefix, name) = (&self.prefix, identifier(&self.derivation.name));
         let mut text = String::from("namespace mbs {\n\n");
-        text += &comment(&["The mechanism: functions take and return `std::array`.".to_string()], "");
+        text += &block_comment(&["The mechanism: functions take and return `std::array`.".to_string()], 0);
         let _ = writeln!(text, "class {name} {{\npublic:\n    using Parameters = ::{prefix}_parameters;\n");
         let docs = format!("Throws `std::invalid_argument` with what {prefix}_check refuses.");
-        text += &comment(&[docs], "    ");
+        text += &block_comment(&[docs], 4);
         let _ = writeln!(text, "    explicit {name}(const Parameters &params = {prefix}_default_parameters())");
         let _ = writeln!(text, "        : mbs_self({prefix}_new(&params))\n    {{");
         text += "        const char *quantity = nullptr;\n        mbs_real value = 0;\n";
@@ -22,9 +23,8 @@ impl Header<'_> {
         text += "            throw std::invalid_argument(std::string(quantity) + \" is \" + std::to_string(value));\n";
         text += "        }\n    }\n\n";
         let _ = writeln!(text, "    const Parameters &params() const {{ return mbs_self.params; }}\n");
-        for (number, function) in &self.functions {
-            let name = identifier(plain(&self.names.functions[*number]).as_str());
-            text += &self.method(&name, &self.signature(*number, function));
+        for routine in routines {
+            text += &self.method(&identifier(&plain(&routine.name)), &self.signature(routine));
         }
         let _ = writeln!(text, "private:\n    ::{prefix} mbs_self;\n}};\n\n}} // namespace mbs\n");
         text
@@ -57,7 +57,7 @@ impl Header<'_> {
                 (format!("    struct {kind} {{\n{fields}    }};\n\n"), kind)
             }
         };
-        let docs = comment(&[format!("See {}.", signature.name)], "    ");
+        let docs = block_comment(&[format!("See {}.", signature.name)], 4);
         let declared = head(&format!("{kind} {name}"), &arguments).replace(")\n{\n", ") const\n{\n");
         let call = format!("{}({})", signature.name, given.join(", "));
         let body = match signature.returns {

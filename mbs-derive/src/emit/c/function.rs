@@ -1,56 +1,57 @@
 //! The functions of a mechanism.
 
-use std::collections::BTreeSet;
-use std::fmt::Write;
-
-use crate::expr::Symbol;
-use crate::optimise::{Argument, Completion, Function, FunctionKind};
 use crate::shape::Shape;
-use crate::variable;
 
-use super::super::body::Body;
-use super::super::expression::Tree;
-use super::super::text::each_leaf;
-use super::super::{doc, item, shape};
-use super::expression::{Printer, identifier};
-use super::{Header, assigned, block, comment, head};
+use super::super::walk::{Argued, Ending, Motion, Routine, block_comment};
+use super::{Header, assigned, head, inside};
 
 /// What a function takes and gives.
 pub(super) struct Signature {
     pub(super) name: String,
     /// Names of arguments, and how many numbers each is; a number has none.
-    pub(super) arguments: Vec<(&'static str, Option<usize>)>,
+    pub(super) arguments: Vec<Argued>,
     /// Names of results, and how many numbers each is; none where a number is returned.
     pub(super) outputs: Vec<(String, usize)>,
     pub(super) returns: bool,
 }
 
 impl Header<'_> {
-    pub(super) fn signature(&self, number: usize, function: &Function) -> Signature {
-        let returns = matches!(function.results.as_slice(), [part] if part.shape == Shape::Scalar);
-        let parts = function.results.iter().filter(|_| !returns).map(|part| {
-            let name = if part.name.is_empty() { "result".to_string() } else { format!("by_{}", part.name) };
-            (name, entries(part.shape))
+    pub(super) fn signature(&self, routine: &Routine) -> Signature {
+        let is_motion = routine.is_motion();
+        let returns = matches!(routine.parts.as_slice(), [(_, Shape::Scalar)]);
+        let parts = routine.parts.iter().filter(|_| !returns).map(|(part, shape)| {
+            let name = match part.as_str() {
+                "" => "result".to_string(),
+                "qdd" if is_motion => "accelerations".to_string(),
+                "multipliers" if is_motion => "forces".to_string(),
+                part => format!("by_{part}"),
+            };
+            (name, shape.entries())
         });
-        let name = format!("{}_{}", self.prefix, plain(&self.names.functions[number]));
         let outputs = parts.filter(|(_, count)| *count > 0).collect();
-        Signature { name, arguments: self.arguments(function), outputs, returns }
+        // One after the other: value, rate and second derivative of each motion.
+        let arguments = routine.arguments.iter().map(|&(name, count)| match name {
+            "prescribed" => (name, count.map(|motions| 3 * motions)),
+            _ => (name, count),
+        });
+        Signature { name: self.name(&routine.name), arguments: arguments.collect(), outputs, returns }
     }
 
-    pub(super) fn function(&self, number: usize, function: &Function) -> String {
-        let signature = self.signature(number, function);
+    pub(super) fn function(&self, routine: &Routine) -> String {
+        let signature = self.signature(routine);
+        let solution = if routine.is_motion() { self.constrained_solution() } else { String::new() };
         let results = signature.outputs.iter().map(|(name, count)| format!("mbs_real {name}[{count}]"));
         let declared: Vec<String> = self.declared(&signature.arguments).chain(results).collect();
         let kind = if signature.returns { "mbs_real" } else { "void" };
-        let mut text = comment(&doc::function(self.derivation, function), "");
+        let mut text = solution + &block_comment(&routine.docs, 0);
         text += &head(&format!("MBS_FN {kind} {}", signature.name), &declared);
         text += &unused(&signature.arguments);
-        text += &self.body(function, &signature);
+        text += &self.body(routine, &signature);
         text + "}\n\n"
     }
 
     /// The mechanism and the arguments as they are declared.
-    pub(super) fn declared(&self, arguments: &[(&'static str, Option<usize>)]) -> impl Iterator<Item = String> {
+    fn declared(&self, arguments: &[Argued]) -> impl Iterator<Item = String> {
         let inputs = arguments.iter().map(|(name, count)| match count {
             None => format!("mbs_real {name}"),
             Some(count) => format!("const mbs_real {name}[{count}]"),
@@ -58,91 +59,53 @@ impl Header<'_> {
         std::iter::once(format!("const {} *self", self.prefix)).chain(inputs)
     }
 
-    pub(super) fn arguments(&self, function: &Function) -> Vec<(&'static str, Option<usize>)> {
-        let signals = variable::count(&self.derivation.prescribed);
-        let time = self.derivation.depends_on_time.then_some(("t", None));
-        let prescribed = (signals > 0).then_some(("prescribed", Some(3 * signals)));
-        let state = function.arguments.iter().filter_map(|&argument| {
-            let count = match argument {
-                Argument::Q | Argument::Qd | Argument::Qdd => self.derivation.dof(),
-                Argument::U => variable::count(&self.derivation.inputs),
-                Argument::Multipliers => self.derivation.constraints.len(),
-            };
-            (count > 0).then_some((argument.name(), Some(count)))
-        });
-        time.into_iter().chain(prescribed).chain(state).collect()
+    fn body(&self, routine: &Routine, signature: &Signature) -> String {
+        let (n, k) = (self.derivation.dof(), self.derivation.constraints.len());
+        let before = match (routine.motion, &routine.ending) {
+            (Motion::Given, _) => String::new(),
+            (Motion::Accelerations, _) => {
+                let dynamics = self.name(&self.walk.forward_dynamics());
+                format!("    mbs_real qdd[{n}];\n{}", call(&dynamics, &signature.arguments, &["qdd"]))
+            }
+            (Motion::Constrained, Ending::OfMotion("qdd")) => {
+                format!("    mbs_real multipliers[{k}];\n{}", self.motion(signature, ["result", "multipliers"]))
+            }
+            (Motion::Constrained, Ending::OfMotion(_)) => {
+                format!("    mbs_real qdd[{n}];\n{}", self.motion(signature, ["qdd", "result"]))
+            }
+            (Motion::Constrained, _) => {
+                let declared = format!("    mbs_real qdd[{n}], multipliers[{k}];\n    (void)multipliers;\n");
+                declared + &self.motion(signature, ["qdd", "multipliers"])
+            }
+        };
+        let after = match &routine.ending {
+            Ending::Values => returned(&routine.values, signature),
+            Ending::Solve => self.solved(&routine.values, &signature.outputs),
+            Ending::Motion => self.constrained(&routine.values),
+            Ending::OfMotion(_) => String::new(),
+            Ending::Slopes(sizes) => self.constrained_slopes(routine, sizes, signature),
+        };
+        before + &inside(&routine.lines) + &after
     }
 
-    fn body(&self, function: &Function, signature: &Signature) -> String {
-        let (arguments, outputs) = (&signature.arguments, &signature.outputs);
-        match (&function.kind, function.completion) {
-            (_, Completion::None) => {
-                let (text, values) = self.statements(function);
-                text + &returned(&values, signature)
-            }
-            (_, Completion::Solve) => {
-                let calls_dynamics = item::calls_forward_dynamics(function);
-                let accelerations = if calls_dynamics { self.accelerations(arguments) } else { String::new() };
-                let (text, values) = self.statements(function);
-                accelerations + &text + &self.solved(&values, outputs)
-            }
-            (FunctionKind::ForwardDynamics, Completion::SolveConstrained) => {
-                let k = self.derivation.constraints.len();
-                format!("    mbs_real multipliers[{k}];\n{}", self.motion(arguments, "result", "multipliers"))
-            }
-            (_, Completion::SolveMultipliers) => {
-                format!("    mbs_real qdd[{}];\n{}", self.derivation.dof(), self.motion(arguments, "qdd", "result"))
-            }
-            (_, Completion::SolveConstrained) => self.constrained_slopes(function, signature),
-        }
+    /// The call that gives accelerations and multipliers.
+    fn motion(&self, signature: &Signature, results: [&str; 2]) -> String {
+        call(&self.name(&self.walk.names.constrained_motion), &signature.arguments, &results)
     }
 
-    /// The statements of a function's program, and its values.
-    pub(super) fn statements(&self, function: &Function) -> (String, Vec<String>) {
-        let components = shape::components(self.derivation, function);
-        let body = Body::new(&function.program, &components, self.names, self.names.function_scope());
-        let printer = Printer { body: &body, header: self, own: "self->" };
-        let text = self.symbols(&body, "self->params.") + &block(&body.block, &printer, 1);
-        (text, body.block.results.iter().map(|tree| printer.tree(tree)).collect())
-    }
-
-    /// The accelerations at which a linearization is evaluated.
-    fn accelerations(&self, arguments: &[(&'static str, Option<usize>)]) -> String {
-        let is_called = |(_, f): &&(usize, &Function)| f.kind == FunctionKind::ForwardDynamics;
-        let (number, _) = self.functions.iter().find(is_called).expect("it was selected");
-        let given: Vec<&str> = std::iter::once("self").chain(arguments.iter().map(|(name, _)| *name)).collect();
-        let name = format!("{}_{}", self.prefix, plain(&self.names.functions[*number]));
-        format!("    mbs_real qdd[{}];\n    {name}({}, qdd);\n", self.derivation.dof(), given.join(", "))
-    }
-
-    /// Locals for the components of arguments and parameters that a body reads.
-    pub(super) fn symbols(&self, body: &Body<'_>, params: &str) -> String {
-        let mut symbols = BTreeSet::new();
-        each_leaf(body.block.trees().into_iter(), &mut |leaf| {
-            if let Tree::Symbol(symbol) = leaf {
-                symbols.insert(*symbol);
-            }
-        });
-        let mut text = String::new();
-        for symbol in symbols {
-            let from = match symbol {
-                Symbol::Time => continue,
-                Symbol::Coordinate(i) => format!("q[{i}]"),
-                Symbol::Velocity(i) => format!("qd[{i}]"),
-                Symbol::Acceleration(i) => format!("qdd[{i}]"),
-                Symbol::Input(i) => format!("u[{i}]"),
-                Symbol::Prescribed(i, order) => format!("prescribed[{}]", 3 * i + u32::from(order)),
-                Symbol::Multiplier(i) => format!("multipliers[{i}]"),
-                Symbol::Parameter(i) => format!("{params}{}", self.field(i as usize)),
-            };
-            let _ = writeln!(text, "    const mbs_real {} = {from};", identifier(self.names.symbol(symbol)));
-        }
-        text
+    /// A function's name, where nothing has to be escaped and the header's own names are taken.
+    pub(super) fn name(&self, function: &str) -> String {
+        format!("{}_{}", self.prefix, plain(function))
     }
 }
 
+fn call(function: &str, arguments: &[Argued], results: &[&str]) -> String {
+    let given: Vec<&str> = arguments.iter().map(|(name, _)| *name).chain(results.iter().copied()).collect();
+    format!("    {function}(self, {});\n", given.join(", "))
+}
+
 /// Compilers are told that an argument may not be read.
-pub(super) fn unused(arguments: &[(&'static str, Option<usize>)]) -> String {
+fn unused(arguments: &[Argued]) -> String {
     let rest: String = arguments.iter().map(|(name, _)| format!("    (void){name};\n")).collect();
     format!("    (void)self;\n{rest}")
 }
@@ -156,15 +119,7 @@ fn returned(values: &[String], signature: &Signature) -> String {
     signature.outputs.iter().map(|(name, count)| assigned(name, values.by_ref().take(*count))).collect()
 }
 
-/// How many numbers a function returns in this shape.
-fn entries(shape: Shape) -> usize {
-    match shape {
-        Shape::Symmetric(n) => n * n,
-        other => other.count(),
-    }
-}
-
-/// The name of a function after the prefix, where nothing has to be escaped and the header's own names are taken.
+/// The name of a function after the prefix.
 pub(super) fn plain(name: &str) -> String {
     let plain = name.strip_prefix("r#").unwrap_or(name);
     let own = ["parameters", "default_parameters", "check", "new", "constrained_solution"];

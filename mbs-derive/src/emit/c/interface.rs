@@ -6,11 +6,10 @@ use crate::expr::{self, Number, Symbol};
 use crate::optimise::{Derivation, FunctionKind, Instruction, Program, Value};
 use crate::variable::{self, Variable};
 
-use super::super::body::{Body, Component};
-use super::super::{Options, item};
-use super::expression::Printer;
-use super::function::plain;
-use super::{Dialect, Header, Names, block, snake_case};
+use super::super::Options;
+use super::super::body::Component;
+use super::super::walk::Walk;
+use super::{Dialect, Header, inside};
 
 /// A header of C for those who integrate from event to event, how it calls things, and C that is to follow it.
 ///
@@ -54,26 +53,15 @@ impl Interface {
         let dynamics = dynamics.cloned().unwrap_or_default();
         let sides = Sides::of(&dynamics);
         let told = sides.told(derivation);
-        let names = Names::of(&told, true, Options::default().trigonometry);
-        let prefix = super::prefix(&snake_case(&derivation.name));
-        let functions = item::selected(&told, Options::default().functions.as_deref());
-        let name = |number: usize| format!("{prefix}_{}", plain(&names.functions[number]));
-        let header = Header {
-            derivation: &told,
-            names: &names,
-            prefix: prefix.clone(),
-            functions,
-            dialect: Dialect::C,
-            uses_library: false,
-        };
+        let header = Header::new(Walk::new(&told, source, &Options::default()), Dialect::C);
         Interface {
-            header: header.written(source),
-            functions: (0..derivation.functions.len()).map(name).collect(),
+            header: header.written(),
+            functions: header.walk.names.functions.iter().map(|function| header.name(function)).collect(),
             parameters: (0..variable::count(&derivation.parameters)).map(|i| header.field(i)).collect(),
             comparisons: sides.comparisons.len(),
             switches: sides.comparisons.len() + sides.signs.len(),
             definitions: header.switches(&dynamics, &sides),
-            prefix,
+            prefix: header.prefix,
         }
     }
 }
@@ -178,11 +166,8 @@ impl Header<'_> {
             let _ = writeln!(text, "    (void){name};");
         }
         let all: Vec<Component> = (0..of.results.len()).map(|i| Component::Result(i, String::new())).collect();
-        let body = Body::new(&of, &all, self.names, self.names.function_scope());
-        let printer = Printer { body: &body, header: self, own: "self->" };
-        text += &self.symbols(&body, "self->params.");
-        text += &block(&body.block, &printer, 1);
-        let values: Vec<String> = body.block.results.iter().map(|tree| printer.tree(tree)).collect();
+        let (lines, values) = self.walk.evaluated(&of, &all, self.walk.names.function_scope(), &self.in_function());
+        text += &inside(&lines);
         let (pairs, signs) = values.split_at(2 * sides.comparisons.len());
         let differences = pairs.chunks(2).zip(&sides.comparisons).map(|(pair, (_, _, equal_too))| {
             (format!("({}) - ({})", pair[0], pair[1]), if *equal_too { "-MBS_TINY" } else { "MBS_TINY" })

@@ -2,12 +2,13 @@
 
 use std::fmt::Write;
 
+use super::super::walk::{Routine, block_comment};
 use super::function::Signature;
-use super::{Header, comment, head};
+use super::{Header, head};
 
 impl Header<'_> {
-    pub(super) fn kernels(&self) -> String {
-        let kernels = self.functions.iter().map(|(number, function)| self.kernel(&self.signature(*number, function)));
+    pub(super) fn kernels(&self, routines: &[&Routine]) -> String {
+        let kernels = routines.iter().map(|routine| self.kernel(&self.signature(routine)));
         self.constructor_kernel() + &kernels.collect::<String>()
     }
 
@@ -16,7 +17,7 @@ impl Header<'_> {
         let prefix = &self.prefix;
         let docs = format!("{prefix}_new, for one work item.");
         let arguments = [format!("MBS_GLOBAL const {prefix}_parameters *params"), format!("MBS_GLOBAL {prefix} *self")];
-        let mut text = comment(&[docs], "");
+        let mut text = block_comment(&[docs], 0);
         text += &head(&format!("MBS_KERNEL {prefix}_new_kernel"), &arguments);
         let _ = writeln!(text, "    const {prefix}_parameters mbs_params = *params;");
         let _ = writeln!(text, "    *self = {prefix}_new(&mbs_params);\n}}\n");
@@ -32,7 +33,7 @@ impl Header<'_> {
         let results = outputs.iter().map(|(name, _)| format!("MBS_GLOBAL mbs_real *{name}"));
         let declared: Vec<String> = start.into_iter().chain(inputs).chain(results).collect();
         let docs = format!("{name} of many states: number k of state i is at `k*states + i`.");
-        let mut text = comment(&[docs], "") + &head(&format!("MBS_KERNEL {name}_kernel"), &declared);
+        let mut text = block_comment(&[docs], 0) + &head(&format!("MBS_KERNEL {name}_kernel"), &declared);
         text += "    const size_t mbs_state = MBS_STATE;\n    if (mbs_state >= states) {\n        return;\n    }\n";
         let _ = writeln!(text, "    const {prefix} mbs_self = *self;");
         let mut given = vec!["&mbs_self".to_string()];

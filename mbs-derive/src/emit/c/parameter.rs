@@ -3,60 +3,55 @@
 use std::fmt::Write;
 
 use crate::model::requirement::Condition;
-use crate::variable::Variable;
 
-use super::super::body::{Body, Component};
+use super::super::body::Component;
 use super::super::doc;
-use super::expression::{Printer, constant, identifier};
-use super::{Header, block, comment, head};
+use super::super::walk::{Syntax, block_comment, defaults};
+use super::name::identifier;
+use super::syntax::constant;
+use super::{Header, head, inside};
 
 impl Header<'_> {
     /// The struct of parameters, their defaults, and the struct of the mechanism.
     pub(super) fn parameters(&self) -> String {
         let (prefix, parameters) = (&self.prefix, &self.derivation.parameters);
-        let mut text = comment(&[format!("Parameters of {}.", self.derivation.name)], "");
+        let mut text = block_comment(&[format!("Parameters of {}.", self.derivation.name)], 0);
         let _ = writeln!(text, "typedef struct {prefix}_parameters {{");
-        for (parameter, field) in parameters.iter().zip(&self.names.fields) {
-            text += &comment(&doc::parameter(parameter), "    ");
+        for (parameter, field) in self.walk.parameters() {
+            text += &block_comment(&doc::parameter(parameter), 4);
             let lengths: String = parameter.lengths().iter().map(|n| format!("[{n}]")).collect();
-            let _ = writeln!(text, "    mbs_real {}{lengths};", identifier(field));
+            let _ = writeln!(text, "    mbs_real {}{lengths};", identifier(&field));
         }
         if parameters.is_empty() {
             text += "    /** There are none. */\n    mbs_real none;\n";
         }
         let _ = writeln!(text, "}} {prefix}_parameters;\n");
 
-        text += &comment(&["The declared parameters.".to_string()], "");
+        text += &block_comment(&["The declared parameters.".to_string()], 0);
         let _ = writeln!(text, "MBS_FN {prefix}_parameters {prefix}_default_parameters(void)\n{{");
         let _ = writeln!(text, "    const {prefix}_parameters params = {{");
         for parameter in parameters {
-            let _ = writeln!(text, "        {},", defaults(parameter));
+            let list = |values: &[String]| format!("{{{}}}", values.join(", "));
+            let _ = writeln!(text, "        {},", defaults(parameter, &constant, &list));
         }
         if parameters.is_empty() {
             text += "        MBS_C(0.0),\n";
         }
         text += "    };\n    return params;\n}\n\n";
 
-        text += &comment(&["Parameters, and what depends on them alone.".to_string()], "");
+        text += &block_comment(&["Parameters, and what depends on them alone.".to_string()], 0);
         let _ = writeln!(text, "typedef struct {prefix} {{\n    {prefix}_parameters params;");
-        for k in self.hoisted() {
-            let _ = writeln!(text, "    mbs_real {};", identifier(&self.names.hoisted[k]));
+        for k in self.walk.hoisted() {
+            let _ = writeln!(text, "    mbs_real {};", identifier(&self.walk.names.hoisted[k]));
         }
         let _ = writeln!(text, "}} {prefix};\n");
         text
     }
 
-    /// Where a parameter's component is within the struct.
+    /// Where a parameter's component is, seen from a pointer to the parameters.
     pub(super) fn field(&self, i: usize) -> String {
-        let parameters = self.derivation.parameters.iter().zip(&self.names.fields);
-        let (parameter, field) =
-            parameters.into_iter().find(|(parameter, _)| parameter.contains(i)).expect("a parameter of this number");
-        let (field, i) = (identifier(field), i - parameter.first);
-        match (parameter.length, parameter.columns) {
-            (None, _) => field,
-            (Some(_), None) => format!("{field}[{i}]"),
-            (Some(_), Some(columns)) => format!("{field}[{}][{}]", i / columns, i % columns),
-        }
+        let field = self.in_constructor().read(&self.walk.parameter(i));
+        field.strip_prefix("params->").map_or(field.clone(), str::to_string)
     }
 
     /// `NAME_check`: what `Params::check` is in Rust.
@@ -69,7 +64,7 @@ impl Header<'_> {
             "0, or what does not hold first, one of MBS_FINITE and so on; `quantity` and `value` receive of what."
                 .to_string(),
         );
-        let mut text = comment(&docs, "");
+        let mut text = block_comment(&docs, 0);
         let arguments = [
             format!("const {prefix}_parameters *params"),
             "MBS_TEXT const char **quantity".to_string(),
@@ -94,12 +89,10 @@ impl Header<'_> {
         if components.is_empty() {
             return String::new();
         }
-        let body = Body::new(program, &components, self.names, self.names.constructor_scope());
-        let printer = Printer { body: &body, header: self, own: "self." };
+        let scope = self.walk.names.constructor_scope();
+        let (lines, values) = self.walk.evaluated(program, &components, scope, &self.in_constructor());
         let mut text = String::from("    if (error) {\n        return error;\n    }\n");
-        text += &self.symbols(&body, "params->");
-        text += &block(&body.block, &printer, 1);
-        let values: Vec<String> = body.block.results.iter().map(|tree| printer.tree(tree)).collect();
+        text += &inside(&lines);
         for (number, (requirement, values)) in self.derivation.conditions(&values).enumerate() {
             let (quantity, condition) = (&requirement.quantity, condition(requirement.condition));
             match values {
@@ -116,36 +109,19 @@ impl Header<'_> {
     }
 
     pub(super) fn constructor(&self) -> String {
-        let (prefix, hoisted) = (&self.prefix, self.hoisted());
-        let components: Vec<Component> =
-            hoisted.iter().map(|&k| Component::Result(k, self.names.hoisted[k].clone())).collect();
-        let body = Body::new(&self.derivation.constructor, &components, self.names, self.names.constructor_scope());
+        let prefix = &self.prefix;
+        let (lines, hoisted) = self.walk.constructor(&self.in_constructor());
         let docs = format!("The mechanism with these parameters, which are not looked at: {prefix}_check does that.");
-        let mut text = comment(&[docs], "");
+        let mut text = block_comment(&[docs], 0);
         let _ = writeln!(text, "MBS_FN {prefix} {prefix}_new(const {prefix}_parameters *params)\n{{");
         let _ = writeln!(text, "    {prefix} self;");
-        let printer = Printer { body: &body, header: self, own: "self." };
-        text += &self.symbols(&body, "params->");
-        text += &block(&body.block, &printer, 1);
+        text += &inside(&lines);
         text += "    self.params = *params;\n";
-        for (&k, tree) in hoisted.iter().zip(&body.block.results) {
-            let _ = writeln!(text, "    self.{} = {};", identifier(&self.names.hoisted[k]), printer.tree(tree));
+        for (name, value) in &hoisted {
+            let _ = writeln!(text, "    self.{} = {value};", identifier(name));
         }
         text += "    return self;\n}\n\n";
         text
-    }
-}
-
-/// A parameter's declared value, as an initializer.
-fn defaults(parameter: &Variable) -> String {
-    let values: Vec<String> = parameter.defaults.iter().map(|value| constant(value.to_f64())).collect();
-    match (parameter.length, parameter.columns) {
-        (None, _) => values[0].clone(),
-        (Some(_), None) => format!("{{{}}}", values.join(", ")),
-        (Some(_), Some(columns)) => {
-            let rows: Vec<String> = values.chunks(columns).map(|row| format!("{{{}}}", row.join(", "))).collect();
-            format!("{{{}}}", rows.join(", "))
-        }
     }
 }
 

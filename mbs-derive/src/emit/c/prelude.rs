@@ -8,22 +8,22 @@ use super::{Dialect, Header};
 
 /// What a header begins with.
 pub(super) fn text(header: &Header<'_>) -> String {
-    let functions = || header.functions.iter().map(|(_, function)| function);
+    let functions = || header.walk.functions.iter().map(|(_, function)| function);
     let solves = functions().any(|function| function.completion == Completion::Solve);
-    let is_constrained = header.constrained_forward_dynamics().is_some();
+    let is_constrained = header.walk.constrained().is_some();
     let checks_inertia = header.derivation.requirements.iter().any(|requirement| requirement.condition.count() > 1);
     let pieces = [
         (header.dialect == Dialect::Cpp, "#include <array>\n#include <stdexcept>\n#include <string>\n"),
         (header.dialect != Dialect::OpenCl, include_str!("prelude/host.h")),
         (header.dialect == Dialect::OpenCl, include_str!("prelude/opencl.h")),
-        (header.uses_library, "#ifndef MBS_LIBRARY_TRIGONOMETRY\n#define MBS_LIBRARY_TRIGONOMETRY\n#endif\n"),
+        (header.walk.library_sines, "#ifndef MBS_LIBRARY_TRIGONOMETRY\n#define MBS_LIBRARY_TRIGONOMETRY\n#endif\n"),
         (true, include_str!("prelude/numbers.h")),
         (true, include_str!("prelude/sin_cos.h")),
         (!header.has_kernels(), include_str!("prelude/lockstep.h")),
         (true, include_str!("prelude/check.h")),
         (checks_inertia, include_str!("prelude/check_inertia.h")),
         (solves, include_str!("prelude/ldlt.h")),
-        (!header.names.splines.is_empty(), include_str!("prelude/spline.h")),
+        (!header.walk.names.splines.is_empty(), include_str!("prelude/spline.h")),
         (is_constrained, include_str!("prelude/scaling.h")),
         (is_constrained, include_str!("prelude/constrained.h")),
         (is_constrained, include_str!("prelude/solution.h")),

@@ -4,11 +4,12 @@ use crate::optimise::Derivation;
 use crate::shape::Shape;
 use crate::variable::component_names;
 
-use super::super::{Options, doc};
-use super::pieces::{needed, uses};
-use super::{
-    Argued, Ending, Motion, Place, Routine, Side, Sizes, Syntax, Walk, defaults, entries, indented, list, plain,
+use super::super::walk::{
+    Argued, Ending, Motion, Place, Routine, Side, Sizes, Syntax, Walk, block_comment, defaults, indented, plain,
 };
+use super::super::{Options, doc};
+use super::list;
+use super::pieces::{needed, uses};
 
 /// What the modules share.
 const SHARED: &str = include_str!("prelude.mjs");
@@ -18,7 +19,7 @@ pub(in crate::emit) fn js(derivation: &Derivation, source: &str, options: &Optio
     let walk = Walk::new(derivation, source, options);
     let class = Js.identifier(&plain(&walk.names.mechanism));
     let text = format!("{}{}", tables(&walk), class_of(&walk, &class));
-    format!("{}\n{}{text}", comment(&walk.docs(), 0), needed(SHARED, "//", &text))
+    format!("{}\n{}{text}", block_comment(&walk.docs(), 0), needed(SHARED, "//", &text))
 }
 
 /// Reserved words, what functions of a class have names for, and what they call.
@@ -72,8 +73,8 @@ impl Syntax for Js {
         format!("const {name} = {value};")
     }
 
-    fn sin_cos(&self, [sin, cos]: [&str; 2], angle: &str) -> String {
-        format!("const [{sin}, {cos}] = mbs_sin_cos({angle});")
+    fn sin_cos(&self, [sin, cos]: [&str; 2], angle: &str) -> Vec<String> {
+        vec![format!("const [{sin}, {cos}] = mbs_sin_cos({angle});")]
     }
 
     fn spline(&self, names: &[String], table: usize, orders: &[usize], x: &str) -> Vec<String> {
@@ -125,12 +126,12 @@ fn class_of(walk: &Walk<'_>, class: &str) -> String {
         |names: Vec<String>| list(&names.iter().map(|name| format!("{name:?}")).collect::<Vec<_>>(), ["[", "]"]);
     let derivation = walk.derivation;
     let summary = format!("The mechanism `{}`: its equations of motion.", derivation.name);
-    let mut text = format!("{}export class {class} {{\n", comment(&[summary], 0));
+    let mut text = format!("{}export class {class} {{\n", block_comment(&[summary], 0));
     for (docs, name, variables) in [
         ("Names of the coordinates, in the order of `q`, `qd`, `qdd`.", "coordinates", &derivation.coordinates),
         ("Names of the inputs, in the order of `u`.", "inputs", &derivation.inputs),
     ] {
-        text += &comment(&[docs.to_string()], 2);
+        text += &block_comment(&[docs.to_string()], 2);
         text += &format!("  static {name} = {};\n\n", names(component_names(variables)));
     }
     text += &constructor(walk, class);
@@ -146,15 +147,15 @@ fn constructor(walk: &Walk<'_>, class: &str) -> String {
     if !hoisted.is_empty() {
         text += "\n";
     }
-    text += &comment(&["The declared parameters.".to_string()], 2);
+    text += &block_comment(&["The declared parameters.".to_string()], 2);
     text += "  static defaults() {\n    return {\n";
     for (parameter, name) in walk.parameters() {
-        text += &comment(&doc::parameter(parameter), 6);
+        text += &block_comment(&doc::parameter(parameter), 6);
         let value = defaults(parameter, &|x| Js.constant(x), &|values| format!("[{}]", values.join(", ")));
         text += &format!("      {}: {value},\n", field(&name));
     }
     text += "    };\n  }\n\n";
-    text += &comment(
+    text += &block_comment(
         &[
             "With these parameters, of which those that are left out are as declared.".to_string(),
             String::new(),
@@ -208,7 +209,7 @@ fn method(walk: &Walk<'_>, routine: &Routine) -> String {
     lines.extend(routine.lines.iter().cloned());
     lines.extend(ending(walk, routine));
     let body: String = indented(&lines, 4).map(|line| line + "\n").collect();
-    format!("{}  {name}({arguments}) {{\n{}  }}\n\n", comment(&docs, 2), body)
+    format!("{}  {name}({arguments}) {{\n{}  }}\n\n", block_comment(&docs, 2), body)
 }
 
 fn ending(walk: &Walk<'_>, routine: &Routine) -> Vec<String> {
@@ -246,7 +247,7 @@ fn ending(walk: &Walk<'_>, routine: &Routine) -> Vec<String> {
             let mut lines = statement(format!("const mass_matrix = {};", flat(masses)));
             lines.push(format!("const reciprocals = mbs_ldlt({n}, mass_matrix);"));
             let parts = routine.parts.iter().map(|(_, shape)| {
-                let (right_side, after) = rest.split_at(entries(*shape));
+                let (right_side, after) = rest.split_at(shape.entries());
                 rest = after;
                 let solve =
                     format!("mbs_ldlt_solve({n}, {}, mass_matrix, reciprocals, {})", width(*shape), flat(right_side));
@@ -348,20 +349,6 @@ fn returned_type(routine: &Routine) -> String {
         parts => {
             let parts: Vec<String> = parts.iter().map(|(name, shape)| format!("{name}: {}", of(*shape))).collect();
             format!("{{ {} }}", parts.join(", "))
-        }
-    }
-}
-
-/// A comment that documentation generators read.
-fn comment(lines: &[String], by: usize) -> String {
-    let indent = " ".repeat(by);
-    let lines: Vec<String> = lines.iter().map(|line| line.replace("*/", "* /")).collect();
-    match lines.as_slice() {
-        [line] => format!("{indent}/** {line} */\n"),
-        lines => {
-            let lines: String =
-                lines.iter().map(|line| format!("{indent} * {line}").trim_end().to_string() + "\n").collect();
-            format!("{indent}/**\n{lines}{indent} */\n")
         }
     }
 }

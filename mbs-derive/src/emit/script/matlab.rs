@@ -6,9 +6,9 @@ use crate::optimise::Derivation;
 use crate::shape::Shape;
 use crate::variable::component_names;
 
+use super::super::walk::{Ending, Motion, Place, Routine, Side, Sizes, Syntax, Walk, defaults, indented, plain};
 use super::super::{Options, doc};
 use super::pieces::{needed, uses};
-use super::{Ending, Motion, Place, Routine, Side, Sizes, Syntax, Walk, defaults, entries, indented, plain};
 
 /// What the files share.
 const SHARED: &str = concat!(include_str!("prelude.m"), "\n\n", include_str!("constrained.m"));
@@ -109,8 +109,8 @@ impl Syntax for Matlab {
         format!("{name} = {value};")
     }
 
-    fn sin_cos(&self, [sin, cos]: [&str; 2], angle: &str) -> String {
-        format!("[{sin}, {cos}] = mbs_sin_cos({angle});")
+    fn sin_cos(&self, [sin, cos]: [&str; 2], angle: &str) -> Vec<String> {
+        vec![format!("[{sin}, {cos}] = mbs_sin_cos({angle});")]
     }
 
     fn spline(&self, names: &[String], table: usize, orders: &[usize], x: &str) -> Vec<String> {
@@ -327,7 +327,7 @@ fn ending(walk: &Walk<'_>, routine: &Routine, results: &[String]) -> Vec<String>
         Ending::Values => {
             let mut values = routine.values.as_slice();
             for (shape, name) in parts() {
-                let (own, rest) = values.split_at(entries(shape));
+                let (own, rest) = values.split_at(shape.entries());
                 values = rest;
                 lines.extend(assigned(name, shape, own));
             }
@@ -337,7 +337,7 @@ fn ending(walk: &Walk<'_>, routine: &Routine, results: &[String]) -> Vec<String>
             lines.extend(assigned("mass_matrix", Shape::Matrix(n, n), masses));
             lines.push("[factors, reciprocals] = mbs_ldlt(mass_matrix);".to_string());
             for (shape, name) in parts() {
-                let (own, after) = rest.split_at(entries(shape));
+                let (own, after) = rest.split_at(shape.entries());
                 rest = after;
                 lines.extend(assigned(name, shape, own));
                 lines.push(format!("{name} = mbs_ldlt_solve(factors, reciprocals, {name});"));

@@ -4,9 +4,10 @@ use crate::optimise::Derivation;
 use crate::shape::Shape;
 use crate::variable::component_names;
 
+use super::super::walk::{Ending, Motion, Place, Routine, Side, Sizes, Syntax, Walk, defaults, indented, plain};
 use super::super::{Options, doc};
+use super::list;
 use super::pieces::{needed, uses};
-use super::{Ending, Motion, Place, Routine, Side, Sizes, Syntax, Walk, defaults, entries, indented, list, plain};
 
 /// What the modules share.
 const SHARED: &str = include_str!("prelude.py");
@@ -77,6 +78,10 @@ impl Syntax for Python {
         "&"
     }
 
+    fn and_is_tight(&self) -> bool {
+        true
+    }
+
     fn not(&self) -> &'static str {
         "~"
     }
@@ -101,8 +106,8 @@ impl Syntax for Python {
         format!("{name} = {value}")
     }
 
-    fn sin_cos(&self, [sin, cos]: [&str; 2], angle: &str) -> String {
-        format!("{sin}, {cos} = mbs_sin_cos({angle})")
+    fn sin_cos(&self, [sin, cos]: [&str; 2], angle: &str) -> Vec<String> {
+        vec![format!("{sin}, {cos} = mbs_sin_cos({angle})")]
     }
 
     fn spline(&self, names: &[String], table: usize, orders: &[usize], x: &str) -> Vec<String> {
@@ -345,7 +350,7 @@ fn ending(walk: &Walk<'_>, routine: &Routine) -> Vec<String> {
         Ending::Values => {
             let mut values = routine.values.as_slice();
             let parts = routine.parts.iter().map(|(_, shape)| {
-                let (own, rest) = values.split_at(entries(*shape));
+                let (own, rest) = values.split_at(shape.entries());
                 values = rest;
                 filled(*shape, &brackets(own))
             });
@@ -358,7 +363,7 @@ fn ending(walk: &Walk<'_>, routine: &Routine) -> Vec<String> {
             let mut lines = statement(format!("mass_matrix = {}", brackets(&rows)));
             lines.push(format!("reciprocals = mbs_ldlt({n}, mass_matrix)"));
             let parts = routine.parts.iter().zip(&widths).map(|((_, shape), width)| {
-                let (own, after) = rest.split_at(entries(*shape));
+                let (own, after) = rest.split_at(shape.entries());
                 rest = after;
                 filled(*shape, &format!("mbs_ldlt_solve({n}, {width}, mass_matrix, reciprocals, {})", brackets(own)))
             });

@@ -17,7 +17,7 @@ enum Precedence {
 
 impl Writer<'_, '_> {
     /// The text of an expression.
-    pub(super) fn print(&self, tree: &Tree) -> String {
+    pub(in crate::emit) fn print(&self, tree: &Tree) -> String {
         self.within(tree, Precedence::Choice)
     }
 
@@ -28,7 +28,10 @@ impl Writer<'_, '_> {
             (own, format!("{} {sign} {}", part(a, own), part(b, right)))
         };
         let (precedence, text) = match tree {
-            Tree::Constant(value) => (if value.is_sign_negative() { Sign } else { Primary }, syntax.constant(*value)),
+            Tree::Constant(value) => {
+                let text = syntax.constant(*value);
+                (if text.starts_with('-') { Sign } else { Primary }, text)
+            }
             Tree::Hoisted(_) => (Primary, syntax.hoisted(self.body.name(tree))),
             Tree::Symbol(_) | Tree::Local(_) => (Primary, syntax.identifier(self.body.name(tree))),
             Tree::Neg(a) => (Sign, format!("-{}", part(a, Primary))),
@@ -38,8 +41,10 @@ impl Writer<'_, '_> {
             Tree::Div(a, b) => binary(a, "/", b, Product, Sign),
             Tree::Less(a, b) => binary(a, "<", b, Comparison, Sum),
             Tree::LessEqual(a, b) => binary(a, "<=", b, Comparison, Sum),
-            // NumPy's binds tighter than a comparison.
-            Tree::And(a, b) => (And, format!("{} {} {}", part(a, Primary), syntax.and(), part(b, Primary))),
+            Tree::And(a, b) if syntax.and_is_tight() => {
+                (And, format!("{} {} {}", part(a, Primary), syntax.and(), part(b, Primary)))
+            }
+            Tree::And(a, b) => binary(a, syntax.and(), b, And, Comparison),
             Tree::Not(a) => (Sign, format!("{}{}", syntax.not(), part(a, Primary))),
             Tree::Select(c, a, b) => {
                 let [c, a, b] = [c, a, b].map(|operand| part(operand, And));

@@ -1,8 +1,4 @@
-//! How values are written in C.
-
-use super::super::body::Body;
-use super::super::expression::{Tree, unfused};
-use super::Header;
+//! Identifiers that C, C++, OpenCL C and CUDA leave to a header.
 
 /// Keywords of C and C++, and what functions of a header have names for: a local or a field of such a name gets
 /// another.
@@ -354,74 +350,4 @@ pub(super) fn identifier(name: &str) -> String {
 /// What names of a mechanism begin with, and its struct is called.
 pub(super) fn prefix(mechanism: &str) -> String {
     if LIBRARY.contains(&mechanism) { format!("c_{mechanism}") } else { identifier(mechanism) }
-}
-
-/// The shortest literal that reads back as a value, of the number type.
-pub(super) fn constant(value: f64) -> String {
-    if value == std::f64::consts::PI {
-        "MBS_C(3.14159265358979323846)".to_string()
-    } else {
-        format!("MBS_C({value:?})")
-    }
-}
-
-/// A body's leaves as C.
-pub(super) struct Printer<'b, 'n> {
-    pub(super) body: &'b Body<'n>,
-    pub(super) header: &'b Header<'n>,
-    /// What is before a field of the mechanism.
-    pub(super) own: &'static str,
-}
-
-/// How tightly an expression holds together.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-enum Precedence {
-    Choice,
-    And,
-    Comparison,
-    Sum,
-    Product,
-    Sign,
-    Primary,
-}
-
-impl Printer<'_, '_> {
-    pub(super) fn local(&self, local: usize) -> String {
-        identifier(&self.body.locals[local])
-    }
-
-    pub(super) fn tree(&self, tree: &Tree) -> String {
-        self.within(tree, Precedence::Choice)
-    }
-
-    fn within(&self, tree: &Tree, least: Precedence) -> String {
-        use Precedence::{And, Choice, Comparison, Primary, Product, Sign, Sum};
-        let binary = |a: &Tree, sign: &str, b: &Tree, own: Precedence, right: Precedence| {
-            (own, format!("{} {sign} {}", self.within(a, own), self.within(b, right)))
-        };
-        let (precedence, text) = match tree {
-            Tree::Constant(value) => (Primary, constant(*value)),
-            Tree::Hoisted(_) => (Primary, format!("{}{}", self.own, identifier(self.body.name(tree)))),
-            Tree::Symbol(_) | Tree::Local(_) => (Primary, identifier(self.body.name(tree))),
-            Tree::Neg(a) => (Sign, format!("-{}", self.within(a, Primary))),
-            Tree::Add(a, b) => binary(a, "+", b, Sum, Product),
-            Tree::Sub(a, b) => binary(a, "-", b, Sum, Product),
-            Tree::Mul(a, b) => binary(a, "*", b, Product, Sign),
-            Tree::Div(a, b) => binary(a, "/", b, Product, Sign),
-            Tree::Less(a, b) => binary(a, "<", b, Comparison, Sum),
-            Tree::LessEqual(a, b) => binary(a, "<=", b, Comparison, Sum),
-            Tree::And(a, b) => binary(a, "&&", b, And, Comparison),
-            Tree::Not(a) => (Sign, format!("!{}", self.within(a, Primary))),
-            Tree::Select(c, a, b) => {
-                let [c, a, b] = [c, a, b].map(|part| self.within(part, And));
-                (Choice, format!("{c} ? {a} : {b}"))
-            }
-            Tree::Method("mul_add", a, rest) => return self.within(&unfused(a, rest), least),
-            Tree::Method(name, a, rest) => {
-                let arguments: Vec<String> = std::iter::once(&**a).chain(rest).map(|part| self.tree(part)).collect();
-                (Primary, format!("mbs_{name}({})", arguments.join(", ")))
-            }
-        };
-        if precedence < least { format!("({text})") } else { text }
-    }
 }

@@ -1,0 +1,448 @@
+//! One walk over a [`Derivation`] for languages that are not Rust: what stands in each function, in which order, with
+//! which names and documentation. A language says how that is written: [`Syntax`].
+//!
+//! - `expression`: values, by infix operators.
+//!
+//! What is computed on demand in Rust is computed at once: it has no effect but time.
+
+mod expression;
+
+use std::collections::BTreeSet;
+
+use crate::expr::{Symbol, Trigonometry};
+use crate::optimise::{Argument, Completion, Derivation, Function, FunctionKind, Program};
+use crate::shape::Shape;
+use crate::variable::{self, Variable};
+
+use super::body::{Angle, Block, Body, Component, Statement};
+use super::expression::Tree;
+use super::name::{Names, Scope, snake_case};
+use super::text::each_leaf;
+use super::{Options, doc, item, shape};
+
+/// How a language is written.
+pub(super) trait Syntax {
+    /// The identifier for a name of Rust.
+    fn identifier(&self, name: &str) -> String;
+    /// The shortest literal that reads back as a value.
+    fn constant(&self, value: f64) -> String;
+    /// A value that depends on parameters alone, in a function.
+    fn hoisted(&self, name: &str) -> String;
+    /// Both conditions.
+    fn and(&self) -> &'static str;
+    /// Whether that binds tighter than a comparison, as NumPy's does.
+    fn and_is_tight(&self) -> bool {
+        false
+    }
+    /// Not the condition.
+    fn not(&self) -> &'static str;
+    /// One of two values that are known.
+    fn select(&self, condition: &str, then: &str, otherwise: &str) -> String;
+    /// A function of the language, by its name on `Scalar`; `own_sin`, `own_cos` give the same bits everywhere.
+    fn call(&self, name: &str, arguments: &[String]) -> String;
+    /// Gives a value a name.
+    fn bind(&self, name: &str, value: &str) -> String;
+    /// Sine and cosine of an angle, by the function that gives the same bits everywhere.
+    fn sin_cos(&self, names: [&str; 2], angle: &str) -> Vec<String>;
+    /// Those of several angles, which one call may compute; `number` is that of no other such call of the function.
+    fn sin_cos_all(&self, angles: &[Wanted], library: bool, number: usize) -> Vec<String> {
+        let _ = number;
+        angles.iter().flat_map(|angle| one_angle(self, angle, library)).collect()
+    }
+    /// Derivatives of these orders of the spline with a number.
+    fn spline(&self, names: &[String], table: usize, orders: &[usize], x: &str) -> Vec<String>;
+    /// Gives values names, of one side or the other.
+    fn branch(&self, names: &[String], condition: &str, sides: [Side; 2]) -> Vec<String>;
+    /// What a function reads.
+    fn read(&self, place: &Place<'_>) -> String;
+}
+
+/// One side of a branch: its lines, and the values.
+pub(super) struct Side {
+    pub(super) lines: Vec<String>,
+    pub(super) values: Vec<String>,
+}
+
+/// An angle, and the names of its sine and cosine, as far as they are read.
+pub(super) struct Wanted {
+    pub(super) angle: String,
+    pub(super) sin: Option<String>,
+    pub(super) cos: Option<String>,
+}
+
+/// Where a function finds a number.
+pub(super) enum Place<'d> {
+    /// The component of an argument.
+    Argument(&'static str, usize),
+    /// The derivative of this order of a prescribed motion.
+    Prescribed(usize, usize),
+    /// The component of a parameter; of a number no indices.
+    Parameter(&'d str, Vec<usize>),
+}
+
+/// An argument of a function: its name, and how many numbers it is; a number has none.
+pub(super) type Argued = (&'static str, Option<usize>);
+
+/// A function, as far as all languages agree.
+pub(super) struct Routine {
+    /// Its name in Rust, without an escape.
+    pub(super) name: String,
+    pub(super) docs: Vec<String>,
+    pub(super) arguments: Vec<Argued>,
+    /// Names of what it returns, empty where it is one thing, and shapes.
+    pub(super) parts: Vec<(String, Shape)>,
+    /// What the program needs before: nothing, or the motion.
+    pub(super) motion: Motion,
+    pub(super) lines: Vec<String>,
+    /// Of the results; of what is solved M, row by row, A, and the right sides.
+    pub(super) values: Vec<String>,
+    pub(super) ending: Ending,
+}
+
+impl Routine {
+    /// Whether it is what all functions with constraints have in common.
+    pub(super) fn is_motion(&self) -> bool {
+        matches!(self.ending, Ending::Motion)
+    }
+}
+
+/// What a program is evaluated at.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Motion {
+    /// What the caller gives.
+    Given,
+    /// `qdd` of forward dynamics.
+    Accelerations,
+    /// `qdd` and `multipliers` of the constrained motion.
+    Constrained,
+}
+
+/// How results come from values.
+pub(super) enum Ending {
+    /// They are the results.
+    Values,
+    /// `M⁻¹` of right sides.
+    Solve,
+    /// The constrained motion: `qdd`, then `multipliers`.
+    Motion,
+    /// One of these, of the constrained motion, without a program.
+    OfMotion(&'static str),
+    /// Derivatives of the constrained motion: how large that is by which each column is one.
+    Slopes(Sizes),
+}
+
+/// How large that is by which columns are derivatives.
+pub(super) enum Sizes {
+    /// Of coordinates of these kinds, of their rates, and of this many inputs.
+    State(Vec<usize>, usize),
+    /// The parameters.
+    Parameters(Vec<String>),
+}
+
+/// A mechanism, to be written.
+pub(super) struct Walk<'d> {
+    pub(super) derivation: &'d Derivation,
+    pub(super) names: Names,
+    pub(super) functions: Vec<(usize, &'d Function)>,
+    pub(super) source: &'d str,
+    /// Whether the language's own sine and cosine are called.
+    pub(super) library_sines: bool,
+}
+
+/// What a body is written with.
+pub(super) struct Writer<'w, 'n> {
+    pub(super) body: &'w Body<'n>,
+    pub(super) syntax: &'w dyn Syntax,
+    pub(super) library_sines: bool,
+}
+
+impl<'d> Walk<'d> {
+    pub(super) fn new(derivation: &'d Derivation, source: &'d str, options: &Options) -> Self {
+        let functions = item::selected(derivation, options.functions.as_deref());
+        Walk {
+            derivation,
+            names: Names::of(derivation, true, options.trigonometry),
+            functions,
+            source,
+            library_sines: options.trigonometry == Trigonometry::Library,
+        }
+    }
+
+    /// The mechanism's name in snake case.
+    pub(super) fn snake_case(&self) -> String {
+        snake_case(&self.derivation.name)
+    }
+
+    /// What stands on top.
+    pub(super) fn docs(&self) -> Vec<String> {
+        let functions: Vec<&Function> = self.functions.iter().map(|(_, f)| *f).collect();
+        let source: String = self.source.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
+        let first = format!("Generated by mbs {} from {source}. Do not edit.", env!("CARGO_PKG_VERSION"));
+        [first, String::new()].into_iter().chain(doc::mechanism(self.derivation, &functions)).collect()
+    }
+
+    /// Parameters with the names of their fields, without escapes.
+    pub(super) fn parameters(&self) -> impl Iterator<Item = (&'d Variable, String)> + '_ {
+        self.derivation.parameters.iter().zip(&self.names.fields).map(|(parameter, field)| (parameter, plain(field)))
+    }
+
+    /// Forward dynamics, where constraints are solved for it.
+    pub(super) fn constrained(&self) -> Option<(usize, &'d Function)> {
+        let is_needed = self.functions.iter().any(|(_, f)| f.completion.is_constrained());
+        let all = || self.derivation.functions.iter().enumerate();
+        is_needed.then(|| all().find(|(_, f)| f.kind == FunctionKind::ForwardDynamics)).flatten()
+    }
+
+    pub(super) fn hoisted(&self) -> Vec<usize> {
+        let functions = self.functions.iter().map(|(_, function)| *function);
+        item::hoisted(self.derivation, functions.chain(self.constrained().map(|(_, function)| function)))
+    }
+
+    /// The lines of the constructor, then names and values of what depends on parameters alone.
+    pub(super) fn constructor(&self, syntax: &dyn Syntax) -> (Vec<String>, Vec<(String, String)>) {
+        let hoisted = self.hoisted();
+        let components: Vec<Component> =
+            hoisted.iter().map(|&k| Component::Result(k, self.names.hoisted[k].clone())).collect();
+        let scope = self.names.constructor_scope();
+        let (lines, values) = self.evaluated(&self.derivation.constructor, &components, scope, syntax);
+        let names = hoisted.iter().map(|&k| self.names.hoisted[k].clone());
+        (lines, names.zip(values).collect())
+    }
+
+    /// The lines that compute a program, and its values.
+    pub(super) fn evaluated(
+        &self,
+        program: &Program,
+        components: &[Component],
+        scope: Scope,
+        syntax: &dyn Syntax,
+    ) -> (Vec<String>, Vec<String>) {
+        let body = Body::new(program, components, &self.names, scope);
+        let writer = Writer { body: &body, syntax, library_sines: self.library_sines };
+        (self.lines(&writer), body.block.results.iter().map(|tree| writer.print(tree)).collect())
+    }
+
+    /// All functions; before those with constraints what they have in common.
+    pub(super) fn routines(&self, syntax: &dyn Syntax) -> Vec<Routine> {
+        let motion = self.constrained().map(|(number, function)| {
+            let mut motion = self.routine(number, function, syntax, true);
+            motion.name = plain(&self.names.constrained_motion);
+            motion.docs = vec!["Accelerations and multipliers.".to_string()];
+            motion.parts = vec![
+                ("qdd".to_string(), Shape::Vector(self.derivation.dof())),
+                ("multipliers".to_string(), Shape::Vector(self.derivation.constraints.len())),
+            ];
+            motion
+        });
+        let functions = self.functions.iter().map(|(number, function)| self.routine(*number, function, syntax, false));
+        motion.into_iter().chain(functions).collect()
+    }
+
+    fn routine(&self, number: usize, function: &Function, syntax: &dyn Syntax, is_motion: bool) -> Routine {
+        let (motion, ending) = match (&function.kind, function.completion) {
+            _ if is_motion => (Motion::Given, Ending::Motion),
+            (_, Completion::None) => (Motion::Given, Ending::Values),
+            (_, Completion::Solve) if item::calls_forward_dynamics(function) => (Motion::Accelerations, Ending::Solve),
+            (_, Completion::Solve) => (Motion::Given, Ending::Solve),
+            (FunctionKind::ForwardDynamics, Completion::SolveConstrained) => {
+                (Motion::Constrained, Ending::OfMotion("qdd"))
+            }
+            (_, Completion::SolveMultipliers) => (Motion::Constrained, Ending::OfMotion("multipliers")),
+            (kind, Completion::SolveConstrained) => (Motion::Constrained, Ending::Slopes(self.sizes(*kind, syntax))),
+        };
+        let (lines, values) = match ending {
+            Ending::OfMotion(_) => (Vec::new(), Vec::new()),
+            Ending::Values | Ending::Solve | Ending::Motion | Ending::Slopes(_) => {
+                let components = shape::components(self.derivation, function);
+                self.evaluated(&function.program, &components, self.names.function_scope(), syntax)
+            }
+        };
+        Routine {
+            name: plain(&self.names.functions[number]),
+            docs: doc::function(self.derivation, function),
+            arguments: self.arguments(function),
+            parts: function.results.iter().map(|part| (part.name.to_string(), part.shape)).collect(),
+            motion,
+            lines,
+            values,
+            ending,
+        }
+    }
+
+    /// The name of forward dynamics.
+    pub(super) fn forward_dynamics(&self) -> String {
+        let number = self.derivation.functions.iter().position(|f| f.kind == FunctionKind::ForwardDynamics);
+        plain(&self.names.functions[number.expect("it was selected")])
+    }
+
+    fn sizes(&self, kind: FunctionKind, syntax: &dyn Syntax) -> Sizes {
+        match kind {
+            FunctionKind::LinearizeParameters => {
+                let all = 0..variable::count(&self.derivation.parameters);
+                Sizes::Parameters(all.map(|i| syntax.read(&self.parameter(i))).collect())
+            }
+            _ => Sizes::State(self.derivation.coordinate_kinds(), variable::count(&self.derivation.inputs)),
+        }
+    }
+
+    /// The number of the vector that each row of A is of.
+    pub(super) fn vectors(&self) -> Vec<String> {
+        self.derivation.constraint_vectors.iter().map(ToString::to_string).collect()
+    }
+
+    pub(super) fn arguments(&self, function: &Function) -> Vec<Argued> {
+        let time = self.derivation.depends_on_time.then_some(("t", None));
+        let signals = variable::count(&self.derivation.prescribed);
+        let prescribed = (signals > 0).then_some(("prescribed", Some(signals)));
+        let state = function.arguments.iter().filter_map(|&argument| {
+            let count = match argument {
+                Argument::Q | Argument::Qd | Argument::Qdd => self.derivation.dof(),
+                Argument::U => variable::count(&self.derivation.inputs),
+                Argument::Multipliers => self.derivation.constraints.len(),
+            };
+            (count > 0).then_some((argument.name(), Some(count)))
+        });
+        time.into_iter().chain(prescribed).chain(state).collect()
+    }
+
+    /// Names for what a body reads, then its statements.
+    fn lines(&self, writer: &Writer<'_, '_>) -> Vec<String> {
+        let Writer { body, syntax, .. } = writer;
+        let mut symbols = BTreeSet::new();
+        each_leaf(body.block.trees().into_iter(), &mut |leaf| {
+            if let Tree::Symbol(symbol) = leaf {
+                symbols.insert(*symbol);
+            }
+        });
+        let mut lines = Vec::new();
+        for symbol in symbols {
+            let place = match symbol {
+                Symbol::Time => continue,
+                Symbol::Coordinate(i) => Place::Argument("q", i as usize),
+                Symbol::Velocity(i) => Place::Argument("qd", i as usize),
+                Symbol::Acceleration(i) => Place::Argument("qdd", i as usize),
+                Symbol::Input(i) => Place::Argument("u", i as usize),
+                Symbol::Multiplier(i) => Place::Argument("multipliers", i as usize),
+                Symbol::Prescribed(i, order) => Place::Prescribed(i as usize, usize::from(order)),
+                Symbol::Parameter(i) => self.parameter(i as usize),
+            };
+            lines.push(syntax.bind(&syntax.identifier(self.names.symbol(symbol)), &syntax.read(&place)));
+        }
+        lines.extend(writer.block(&body.block));
+        lines
+    }
+
+    /// Where a parameter's component is.
+    pub(super) fn parameter(&self, i: usize) -> Place<'_> {
+        let parameters = self.derivation.parameters.iter().zip(&self.names.fields);
+        let (parameter, field) =
+            parameters.into_iter().find(|(parameter, _)| parameter.contains(i)).expect("a parameter of this number");
+        let i = i - parameter.first;
+        let indices = match (parameter.length, parameter.columns) {
+            (None, _) => Vec::new(),
+            (Some(_), None) => vec![i],
+            (Some(_), Some(columns)) => vec![i / columns, i % columns],
+        };
+        Place::Parameter(field.strip_prefix("r#").unwrap_or(field), indices)
+    }
+}
+
+impl Writer<'_, '_> {
+    /// Statements, one or more lines each.
+    fn block(&self, block: &Block) -> Vec<String> {
+        let syntax = self.syntax;
+        let name = |local: &usize| syntax.identifier(&self.body.locals[*local]);
+        let mut lines = Vec::new();
+        for statement in &block.statements {
+            match statement {
+                Statement::Let(local, tree) => lines.push(syntax.bind(&name(local), &self.print(tree))),
+                Statement::SinCos(angles) => {
+                    let number = angles.iter().find_map(|angle| angle.sin.or(angle.cos)).unwrap_or_default();
+                    let wanted = angles.iter().map(|Angle { tree, sin, cos }| {
+                        let [sin, cos] = [sin, cos].map(|local| local.as_ref().map(name));
+                        Wanted { angle: self.print(tree), sin, cos }
+                    });
+                    let wanted: Vec<Wanted> = wanted.collect();
+                    lines.extend(syntax.sin_cos_all(&wanted, self.library_sines, number));
+                }
+                Statement::Spline { table, orders, locals, x } => {
+                    let names: Vec<String> = locals.iter().map(name).collect();
+                    lines.extend(syntax.spline(&names, *table, orders, &self.print(x)));
+                }
+                Statement::Branch(locals, condition, sides) => {
+                    let names: Vec<String> = locals.iter().map(name).collect();
+                    let sides = sides.each_ref().map(|side| Side {
+                        lines: self.block(side),
+                        values: side.results.iter().map(|tree| self.print(tree)).collect(),
+                    });
+                    lines.extend(syntax.branch(&names, &self.print(condition), sides));
+                }
+                Statement::OnDemand(local, wanted) => {
+                    lines.extend(self.block(wanted));
+                    lines.push(syntax.bind(&name(local), &self.print(&wanted.results[0])));
+                }
+            }
+        }
+        lines
+    }
+}
+
+/// Sine and cosine of one angle, as far as they are read.
+pub(super) fn one_angle<S: Syntax + ?Sized>(
+    syntax: &S,
+    Wanted { angle, sin, cos }: &Wanted,
+    library: bool,
+) -> Vec<String> {
+    match [sin, cos] {
+        [Some(sin), Some(cos)] if !library => syntax.sin_cos([sin, cos], angle),
+        locals => {
+            let functions = if library { ["sin", "cos"] } else { ["own_sin", "own_cos"] };
+            let bound = |(function, local): (_, &Option<String>)| {
+                local.as_ref().map(|local| syntax.bind(local, &syntax.call(function, std::slice::from_ref(angle))))
+            };
+            functions.into_iter().zip(locals).filter_map(bound).collect()
+        }
+    }
+}
+
+/// Without the escape of a keyword of Rust.
+pub(super) fn plain(name: &str) -> String {
+    name.strip_prefix("r#").unwrap_or(name).to_string()
+}
+
+/// Farther to the right.
+pub(super) fn indented<'a>(lines: impl IntoIterator<Item = &'a String>, by: usize) -> impl Iterator<Item = String> {
+    let indent = " ".repeat(by);
+    let lines = lines.into_iter();
+    let lines: Vec<String> =
+        lines.map(|line| if line.is_empty() { String::new() } else { format!("{indent}{line}") }).collect();
+    lines.into_iter()
+}
+
+/// A parameter's declared value, with these brackets around lists.
+pub(super) fn defaults(
+    parameter: &Variable,
+    constant: &dyn Fn(f64) -> String,
+    list: &dyn Fn(&[String]) -> String,
+) -> String {
+    let values: Vec<String> = parameter.defaults.iter().map(|value| constant(value.to_f64())).collect();
+    match (parameter.length, parameter.columns) {
+        (None, _) => values[0].clone(),
+        (Some(_), None) => list(&values),
+        (Some(_), Some(columns)) => list(&values.chunks(columns).map(list).collect::<Vec<_>>()),
+    }
+}
+
+/// A comment that documentation generators of C and JavaScript read.
+pub(super) fn block_comment(lines: &[String], by: usize) -> String {
+    let indent = " ".repeat(by);
+    let lines: Vec<String> = lines.iter().map(|line| line.replace("*/", "* /").replace("/*", "/ *")).collect();
+    match lines.as_slice() {
+        [line] => format!("{indent}/** {line} */\n"),
+        lines => {
+            let lines: String =
+                lines.iter().map(|line| format!("{indent} * {line}").trim_end().to_string() + "\n").collect();
+            format!("{indent}/**\n{lines}{indent} */\n")
+        }
+    }
+}
