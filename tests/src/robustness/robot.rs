@@ -98,7 +98,10 @@ fn edited(random: &mut Random, mut text: String) -> String {
     let Some(at) = one(random, &found) else { return text };
     match kind {
         0 => text.replace_range(at, ""),
-        1 => text.insert_str(at.end, &text[at.clone()].to_string()),
+        1 => {
+            let again = text[at.clone()].to_string();
+            text.insert_str(at.end, &again);
+        }
         // A copy of one element stands within, before or behind another one, or in its place.
         2 | 3 => {
             let Some(to) = one(random, &found) else { return text };
