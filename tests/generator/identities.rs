@@ -366,7 +366,10 @@ fn sum<const N: usize>(a: &[f64; N], b: &[f64; N]) -> [f64; N] {
     std::array::from_fn(|i| a[i] + b[i])
 }
 
-/// Whether the accelerations can be trusted: no pivot of M, scaled to a unit diagonal, is below 1e-4.
+/// Whether the accelerations can be trusted: no pivot of M, scaled to a unit diagonal, is below 1e-4, and no inertia is
+/// the square of a cosine that is zero but for rounding, as about the upright of an arm that points along it.
 fn well_conditioned<const N: usize>(m: &[[f64; N]; N]) -> bool {
-    mbs_derive::numeric::eliminate(&m.concat(), N).smallest > 1e-4
+    let largest = (0..N).fold(0.0, |most: f64, i| most.max(m[i][i]));
+    let is_lost = |i: usize| m[i][i] > 0.0 && m[i][i] < 1e-28 * largest;
+    mbs_derive::numeric::eliminate(&m.concat(), N).smallest > 1e-4 && !(0..N).any(is_lost)
 }
