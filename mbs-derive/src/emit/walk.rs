@@ -45,12 +45,11 @@ pub(super) trait Syntax {
     /// Sine and cosine of an angle, by the function that gives the same bits everywhere.
     fn sin_cos(&self, names: [&str; 2], angle: &str) -> Vec<String>;
     /// Those of several angles, which one call may compute; `number` is that of no other such call of the function.
-    fn sin_cos_all(&self, angles: &[Wanted], library: bool, number: usize) -> Vec<String> {
-        let _ = number;
+    fn sin_cos_all(&self, angles: &[Wanted], library: bool, _number: usize) -> Vec<String> {
         angles.iter().flat_map(|angle| one_angle(self, angle, library)).collect()
     }
-    /// Derivatives of these orders of the spline with a number.
-    fn spline(&self, names: &[String], table: usize, orders: &[usize], x: &str) -> Vec<String>;
+    /// The derivative of this order of the spline with a number.
+    fn spline(&self, table: usize, order: usize, x: &str) -> String;
     /// Gives values names, of one side or the other.
     fn branch(&self, names: &[String], condition: &str, sides: [Side; 2]) -> Vec<String>;
     /// What a function reads.
@@ -366,8 +365,10 @@ impl Writer<'_, '_> {
                     lines.extend(syntax.sin_cos_all(&wanted, self.library_sines, number));
                 }
                 Statement::Spline { table, orders, locals, x } => {
-                    let names: Vec<String> = locals.iter().map(name).collect();
-                    lines.extend(syntax.spline(&names, *table, orders, &self.print(x)));
+                    let x = self.print(x);
+                    let bound =
+                        |(local, order): (_, &usize)| syntax.bind(&name(local), &syntax.spline(*table, *order, &x));
+                    lines.extend(locals.iter().zip(orders).map(bound));
                 }
                 Statement::Branch(locals, condition, sides) => {
                     let names: Vec<String> = locals.iter().map(name).collect();
@@ -403,6 +404,23 @@ pub(super) fn one_angle<S: Syntax + ?Sized>(
             functions.into_iter().zip(locals).filter_map(bound).collect()
         }
     }
+}
+
+/// A branch by statements: how it begins, what ends each side, and how far to the right they stand.
+pub(super) fn if_else(
+    mut lines: Vec<String>,
+    names: &[String],
+    sides: &[Side; 2],
+    ends: [&str; 2],
+    by: usize,
+) -> Vec<String> {
+    for (side, end) in sides.iter().zip(ends) {
+        let results = names.iter().zip(&side.values).map(|(name, value)| format!("{name} = {value};"));
+        let within: Vec<String> = side.lines.iter().cloned().chain(results).collect();
+        lines.extend(indented(&within, by));
+        lines.push(end.to_string());
+    }
+    lines
 }
 
 /// Without the escape of a keyword of Rust.

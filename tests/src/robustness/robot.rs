@@ -216,7 +216,7 @@ fn elements(text: &str) -> Vec<Range<usize>> {
     found
 }
 
-/// Zero, tiny, huge, not finite, nearly right angles, and what is no number.
+/// Zero, tiny, huge, not finite, NaN, nearly right angles, and what is not written as a number.
 const NUMBERS: &str = "\
     0|-0|1|-1|2|0.5|1e-3|1e3|1e9|1e300|-1e300|1e308|1e400|1e-300|1e-320|nan|NaN|inf|-Infinity|1.5707963267948966|\
     1.57079632679|3.14159265358979|-1.5708|6.283185307179586|0.70710678118654757|180|90 deg|1 kg|1,5|0x10|1e|+1|\

@@ -1,6 +1,6 @@
 //! How values and statements are written in C.
 
-use super::super::walk::{Place, Side, Syntax, Wanted, indented, one_angle};
+use super::super::walk::{Place, Side, Syntax, Wanted, if_else, one_angle};
 use super::Header;
 use super::name::identifier;
 
@@ -94,20 +94,13 @@ impl Syntax for C<'_, '_> {
         lines
     }
 
-    fn spline(&self, names: &[String], table: usize, orders: &[usize], x: &str) -> Vec<String> {
-        let table = self.header.table(table);
-        let line = |(name, order): (&String, &usize)| self.bind(name, &format!("{table}({order}, {x})"));
-        names.iter().zip(orders).map(line).collect()
+    fn spline(&self, table: usize, order: usize, x: &str) -> String {
+        format!("{}({order}, {x})", self.header.table(table))
     }
 
     fn branch(&self, names: &[String], condition: &str, sides: [Side; 2]) -> Vec<String> {
-        let mut lines = vec![format!("mbs_real {};", names.join(", ")), format!("if ({condition}) {{")];
-        for (side, end) in sides.iter().zip(["} else {", "}"]) {
-            lines.extend(indented(&side.lines, 4));
-            lines.extend(names.iter().zip(&side.values).map(|(name, value)| format!("    {name} = {value};")));
-            lines.push(end.to_string());
-        }
-        lines
+        let begin = vec![format!("mbs_real {};", names.join(", ")), format!("if ({condition}) {{")];
+        if_else(begin, names, &sides, ["} else {", "}"], 4)
     }
 
     fn read(&self, place: &Place<'_>) -> String {

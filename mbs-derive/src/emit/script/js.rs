@@ -5,7 +5,8 @@ use crate::shape::Shape;
 use crate::variable::component_names;
 
 use super::super::walk::{
-    Argued, Ending, Motion, Place, Routine, Side, Sizes, Syntax, Walk, block_comment, defaults, indented, plain,
+    Argued, Ending, Motion, Place, Routine, Side, Sizes, Syntax, Walk, block_comment, defaults, if_else, indented,
+    plain,
 };
 use super::super::{Options, doc};
 use super::list;
@@ -77,21 +78,13 @@ impl Syntax for Js {
         vec![format!("const [{sin}, {cos}] = mbs_sin_cos({angle});")]
     }
 
-    fn spline(&self, names: &[String], table: usize, orders: &[usize], x: &str) -> Vec<String> {
-        let line = |(name, order): (&String, &usize)| {
-            self.bind(name, &format!("mbs_spline(TABLE_{table}_PLACES, TABLE_{table}_ROWS, {order}, {x})"))
-        };
-        names.iter().zip(orders).map(line).collect()
+    fn spline(&self, table: usize, order: usize, x: &str) -> String {
+        format!("mbs_spline(TABLE_{table}_PLACES, TABLE_{table}_ROWS, {order}, {x})")
     }
 
     fn branch(&self, names: &[String], condition: &str, sides: [Side; 2]) -> Vec<String> {
-        let mut lines = vec![format!("let {};", names.join(", ")), format!("if ({condition}) {{")];
-        for (side, end) in sides.iter().zip(["} else {", "}"]) {
-            lines.extend(indented(&side.lines, 2));
-            lines.extend(names.iter().zip(&side.values).map(|(name, value)| format!("  {name} = {value};")));
-            lines.push(end.to_string());
-        }
-        lines
+        let begin = vec![format!("let {};", names.join(", ")), format!("if ({condition}) {{")];
+        if_else(begin, names, &sides, ["} else {", "}"], 2)
     }
 
     fn read(&self, place: &Place<'_>) -> String {

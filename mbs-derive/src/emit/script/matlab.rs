@@ -6,7 +6,7 @@ use crate::optimise::Derivation;
 use crate::shape::Shape;
 use crate::variable::component_names;
 
-use super::super::walk::{Ending, Motion, Place, Routine, Side, Sizes, Syntax, Walk, defaults, indented, plain};
+use super::super::walk::{Ending, Motion, Place, Routine, Side, Sizes, Syntax, Walk, defaults, if_else, plain};
 use super::super::{Options, doc};
 use super::pieces::{needed, uses};
 
@@ -113,21 +113,12 @@ impl Syntax for Matlab {
         vec![format!("[{sin}, {cos}] = mbs_sin_cos({angle});")]
     }
 
-    fn spline(&self, names: &[String], table: usize, orders: &[usize], x: &str) -> Vec<String> {
-        let line = |(name, order): (&String, &usize)| {
-            self.bind(name, &format!("mbs_spline(c.table_{table}_places, c.table_{table}_rows, {order}, {x})"))
-        };
-        names.iter().zip(orders).map(line).collect()
+    fn spline(&self, table: usize, order: usize, x: &str) -> String {
+        format!("mbs_spline(c.table_{table}_places, c.table_{table}_rows, {order}, {x})")
     }
 
     fn branch(&self, names: &[String], condition: &str, sides: [Side; 2]) -> Vec<String> {
-        let mut lines = vec![format!("if {condition}")];
-        for (side, end) in sides.iter().zip(["else", "end"]) {
-            lines.extend(indented(&side.lines, 2));
-            lines.extend(names.iter().zip(&side.values).map(|(name, value)| format!("  {name} = {value};")));
-            lines.push(end.to_string());
-        }
-        lines
+        if_else(vec![format!("if {condition}")], names, &sides, ["else", "end"], 2)
     }
 
     fn read(&self, place: &Place<'_>) -> String {

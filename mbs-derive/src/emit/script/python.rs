@@ -110,11 +110,8 @@ impl Syntax for Python {
         vec![format!("{sin}, {cos} = mbs_sin_cos({angle})")]
     }
 
-    fn spline(&self, names: &[String], table: usize, orders: &[usize], x: &str) -> Vec<String> {
-        let line = |(name, order): (&String, &usize)| {
-            self.bind(name, &format!("mbs_spline(TABLE_{table}_PLACES, TABLE_{table}_ROWS, {order}, {x})"))
-        };
-        names.iter().zip(orders).map(line).collect()
+    fn spline(&self, table: usize, order: usize, x: &str) -> String {
+        format!("mbs_spline(TABLE_{table}_PLACES, TABLE_{table}_ROWS, {order}, {x})")
     }
 
     /// A batch may go both ways.
