@@ -13,7 +13,9 @@ if [ "${1:-}" = site ]; then
     mkdir -p "$folder/$(dirname "$file")"
     cp "$file" "$folder/$file"
   done
-  echo '<!doctype html><meta http-equiv="refresh" content="0; url=docs/playground/"><title>mbs</title>' > "$folder/index.html"
+  # The empty icon keeps browsers from asking for /favicon.ico.
+  echo '<!doctype html><meta http-equiv="refresh" content="0; url=docs/playground/"><link rel="icon" href="data:,"><title>mbs</title>' \
+    > "$folder/index.html"
   exit 0
 fi
 cd "$(dirname "$0")"
