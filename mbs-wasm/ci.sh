@@ -23,16 +23,16 @@ cd "$(dirname "$0")"
 rustup target list --installed 2> /dev/null | grep -qx "$target" || rustup target add "$target" > /dev/null 2>&1 ||
   { echo "skipped: mbs-wasm, the target $target is not installed"; exit 0; }
 [ "${1:-}" = build ] || cargo fmt --check
-cargo build --locked --release --lib --target "$target"
-cp "${CARGO_TARGET_DIR:-target}/$target/release/mbs_wasm.wasm" mbs_wasm.wasm
+cargo build --locked --profile page --lib --target "$target"
+cp "${CARGO_TARGET_DIR:-target}/$target/page/mbs_wasm.wasm" mbs_wasm.wasm
 echo "mbs_wasm.wasm: $(wc -c < mbs_wasm.wasm) bytes, $(gzip -9 -c mbs_wasm.wasm | wc -c) compressed"
 [ "${1:-}" != build ] || exit 0
 
-cargo clippy --locked --release --lib --target "$target" -- -D warnings
+cargo clippy --locked --profile page --lib --target "$target" -- -D warnings
 node --version 2> /dev/null | grep -qE '^v(2[0-9]|[3-9][0-9])' || { echo "skipped: tests of mbs-wasm, there is no node 20"; exit 0; }
-cargo build --locked --profile native --bin native
+cargo build --locked --release --bin native
 absolute() { case "$1" in /*) echo "$1" ;; *) echo "$PWD/$1" ;; esac; }
-MBS_NATIVE="$(absolute "${CARGO_TARGET_DIR:-target}/native/native")"
+MBS_NATIVE="$(absolute "${CARGO_TARGET_DIR:-target}/release/native")"
 MBS="$(absolute "${MBS:-${CARGO_TARGET_DIR:-../target}/release/mbs}")"
 export MBS_NATIVE MBS
 [ -x "$MBS" ] || echo "skipped: code beside that of the program mbs, $MBS is not built"

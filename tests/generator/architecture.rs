@@ -2,6 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
+use std::process::Command;
 
 use mbs_derive::expr::Graph;
 use mbs_derive::{declared, derived};
@@ -193,6 +194,42 @@ fn passes_of_the_generator_look_one_way() {
     let arrows = arrows_in_the_generator();
     hold(&arrows, &allowed("## Arrows"));
     assert_one_way(&arrows);
+}
+
+/// What mbs-derive is made of in a build, each package with its features, as `cargo tree` prints it.
+fn parts_of_the_generator(build: &str) -> BTreeSet<String> {
+    let mut cargo = Command::new(env!("CARGO"));
+    cargo.current_dir(ROOT).args(["tree", "--locked", "--no-dedupe", "--prefix", "depth", "--format", " {p}: {f}"]);
+    let output = cargo.args(build.split_whitespace()).output().expect("cargo starts");
+    assert!(output.status.success(), "cargo tree {build}: {}", String::from_utf8_lossy(&output.stderr));
+    let (mut parts, mut inside) = (BTreeSet::new(), None);
+    for line in String::from_utf8(output.stdout).expect("UTF-8").lines() {
+        let Some((depth, package)) = line.split_once(' ') else { continue };
+        let depth: usize = depth.parse().expect("a depth");
+        inside = inside.filter(|of| depth > *of).or(package.starts_with("mbs-derive ").then_some(depth));
+        if inside.is_some() {
+            parts.insert(package.to_owned());
+        }
+    }
+    parts
+}
+
+/// With another feature of one of its parts it would be compiled again, which takes longer than all else of a build.
+#[test]
+fn one_generator_serves_programs_build_scripts_and_tests() {
+    let workspace = parts_of_the_generator("--workspace -e no-dev");
+    assert!(workspace.len() > 8, "{workspace:?}");
+    let systems = "-p mbs-models -p mbs-arm -p mbs-platform -p mbs-landing -p mbs-orbit";
+    for build in [
+        "--workspace --features mbs-cli/lsp,mbs-cli/parquet",
+        "-p mbs-cli -e no-dev",
+        "-p mbs-examples -e no-dev",
+        "-p mbs-examples --features russell",
+        "-p mbs-tests",
+        &format!("{systems} --no-default-features --features libm -e no-dev"),
+    ] {
+        assert_eq!(parts_of_the_generator(build), workspace, "{build}");
+    }
 }
 
 #[test]

@@ -60,6 +60,7 @@ impl Downstream {
             .current_dir(&self.folder)
             .env("CARGO_TARGET_DIR", target)
             .env("CARGO_NET_OFFLINE", "true")
+            .env("CARGO_PROFILE_DEV_DEBUG", "false") // so that programs and build scripts share one mbs-derive
             .env_remove("CI")
     }
 
