@@ -10,7 +10,7 @@
 //!
 //! Every burn is planned from the state as it is then, so that what the linear model neglects and what thrusters do
 //! wrong is corrected later; what is left at the port is reported. [`coast`] is how the vehicle moves in between,
-//! [`safety`] where it may be, [`error`] why it does not arrive.
+//! [`safety`] where it may be.
 //!
 //! Places and velocities are in the station's frame, [`lvlh`](super::lvlh): x away from the centre, y along the motion,
 //! z normal.
@@ -28,7 +28,6 @@
 //! assumed.
 
 pub mod coast;
-pub mod error;
 mod flight;
 pub mod glideslope;
 pub mod phasing;
@@ -36,14 +35,13 @@ pub mod safety;
 
 use core::f64::consts::PI;
 
-use mbs_models::check;
+use mbs_models::{Error, check};
 use mbs_runtime::Scalar;
 
 use super::elements::Elements;
 use super::vector::{StateVector, Vector, norm, scaled};
 use super::{EARTH_MU, EARTH_RADIUS};
 use coast::Attraction;
-use error::MissionError;
 use glideslope::Glideslope;
 use phasing::Plan;
 use safety::{Zone, Zones};
@@ -238,10 +236,10 @@ impl Mission {
     /// What deserves a look before it is flown.
     ///
     /// # Errors
-    /// [`MissionError::Orbit`] where station or vehicle move along a straight line, or are not given by finite numbers.
-    pub fn warnings(&self) -> Result<Warnings, MissionError> {
-        let below = |state: &StateVector| -> Result<Option<f64>, MissionError> {
-            let elements = Elements::from_state(self.attraction.centre, state).map_err(MissionError::Orbit)?;
+    /// [`Error`] where station or vehicle move along a straight line, or are not given by finite numbers.
+    pub fn warnings(&self) -> Result<Warnings, Error> {
+        let below = |state: &StateVector| -> Result<Option<f64>, Error> {
+            let elements = Elements::from_state(self.attraction.centre, state)?;
             let altitude = elements.periapsis() - self.surface;
             Ok((altitude < 0.0).then_some(altitude))
         };
@@ -254,17 +252,13 @@ impl Mission {
     /// is what they should. `observe` sees the way, the closer the denser.
     ///
     /// # Errors
-    /// [`MissionError`].
-    pub fn fly(
-        &self,
-        thrust: impl FnMut(&Burn) -> Vector,
-        observe: impl FnMut(&Moment),
-    ) -> Result<Report, MissionError> {
+    /// [`Error`].
+    pub fn fly(&self, thrust: impl FnMut(&Burn) -> Vector, observe: impl FnMut(&Moment)) -> Result<Report, Error> {
         self.check()?;
         flight::fly(self, thrust, observe)
     }
 
-    fn check(&self) -> Result<(), MissionError> {
+    fn check(&self) -> Result<(), Error> {
         let positive = [
             ("attraction.centre", self.attraction.centre),
             ("surface", self.surface),
