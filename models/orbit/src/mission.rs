@@ -323,6 +323,26 @@ pub struct Burn {
     pub delta_v: Vector,
 }
 
+/// Errors with which thrusters execute a burn, by standard deviations.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ThrusterErrors {
+    /// Of the size, relative.
+    pub size: f64,
+    /// Of the direction, about each axis \[rad\].
+    pub direction: f64,
+}
+
+impl ThrusterErrors {
+    /// What becomes of a burn \[m/s\]; `normal` gives random numbers of the standard normal distribution, of which it
+    /// takes four.
+    pub fn executed(&self, [x, y, z]: Vector, mut normal: impl FnMut() -> f64) -> Vector {
+        let size = 1.0 + self.size * normal();
+        let [a, b, c] = [(); 3].map(|()| self.direction * normal());
+        // Turned by a small vector.
+        [size * (x + b * z - c * y), size * (y + c * x - a * z), size * (z + a * y - b * x)]
+    }
+}
+
 /// The vehicle on its way.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Moment {

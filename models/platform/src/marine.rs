@@ -26,5 +26,23 @@ pub mod spectrum;
 pub mod thrusters;
 pub mod wind;
 
+use mbs_models::check::{self, Invalid, Must};
+
 /// `(z, φ, θ, ψ)` \[m, rad\], their rates or accelerations; or a force and three moments \[N, N·m\].
 pub type Four = [f64; 4];
+
+/// Random numbers from 0 to below 1, K of them for each of N.
+fn drawn<const K: usize, const N: usize>(
+    number: &'static str,
+    mut uniform: impl FnMut() -> f64,
+) -> Result<[[f64; K]; N], Invalid> {
+    check::positive(number, N as f64)?;
+    let mut drawn = [[0.0; K]; N];
+    for number in drawn.iter_mut().flatten() {
+        *number = uniform();
+        if !(0.0..1.0).contains(number) {
+            return Err(Must::BeWithin([0.0, 1.0]).broken_by("random number", *number));
+        }
+    }
+    Ok(drawn)
+}

@@ -14,9 +14,10 @@
 
 use core::f64::consts::{FRAC_PI_2, PI};
 
-use mbs_models::check::{Invalid, Must, finite};
+use mbs_models::check::{Invalid, finite};
 use mbs_runtime::Scalar;
 
+use super::drawn;
 use super::spectrum::{GRAVITY, Jonswap};
 
 /// The highest frequency, in peak frequencies.
@@ -76,19 +77,10 @@ impl<const N: usize> Sea<N> {
         spectrum: &Jonswap,
         direction: f64,
         spreading: Spreading,
-        mut uniform: impl FnMut() -> f64,
+        uniform: impl FnMut() -> f64,
     ) -> Result<Self, Invalid> {
         finite("direction of the waves", direction)?;
-        if N == 0 {
-            return Err(Must::BePositive.broken_by("number of waves", 0.0));
-        }
-        let mut drawn = [[0.0; 3]; N];
-        for number in drawn.iter_mut().flatten() {
-            *number = uniform();
-            if !(0.0..1.0).contains(number) {
-                return Err(Must::BeWithin([0.0, 1.0]).broken_by("random number", *number));
-            }
-        }
+        let drawn: [[f64; 3]; N] = drawn("number of waves", uniform)?;
         let amplitude = Scalar::sqrt(2.0 * spectrum.variance() / N as f64);
         let mut waves = drawn.map(|[_, beside, turn]| Wave {
             amplitude,
