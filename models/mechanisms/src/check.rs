@@ -138,6 +138,17 @@ pub fn within(parameter: &'static str, values: impl Numbers, range: [f64; 2]) ->
     Must::BeWithin(range).check(parameter, values)
 }
 
+/// Refuses by one check what is given by name, one after the other.
+///
+/// # Errors
+/// [`Invalid`], the first that the check refuses.
+pub fn each(
+    check: fn(&'static str, f64) -> Result<(), Invalid>,
+    parameters: impl IntoIterator<Item = (&'static str, f64)>,
+) -> Result<(), Invalid> {
+    parameters.into_iter().try_for_each(|(parameter, value)| check(parameter, value))
+}
+
 impl fmt::Display for Invalid {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(self.parameter)?;

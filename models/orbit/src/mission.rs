@@ -276,7 +276,7 @@ impl Mission {
             ("corridor_half_angle", self.corridor_half_angle),
         ];
         check::positive("approach_speeds", self.approach_speeds)?;
-        positive.into_iter().try_for_each(|(parameter, value)| check::positive(parameter, value))?;
+        check::each(check::positive, positive)?;
         let not_negative = [
             ("attraction.station", self.attraction.station),
             ("lowest_altitude", self.lowest_altitude),
@@ -285,7 +285,7 @@ impl Mission {
             ("corridor_mouth", self.corridor_mouth),
             ("distance of homing_end", norm(&self.homing_end)),
         ];
-        not_negative.into_iter().try_for_each(|(parameter, value)| check::not_negative(parameter, value))?;
+        check::each(check::not_negative, not_negative)?;
         let [first, last] = self.approach_speeds;
         let approach = Glideslope::new(self.approach_distance - self.docking_distance, first, last)?;
         let docking = Glideslope::new(self.docking_distance, last, last)?;

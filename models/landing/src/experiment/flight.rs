@@ -123,7 +123,7 @@ impl Flight {
             ("approach.last_height", approach.last_height),
             ("t_end", landing.t_end),
         ];
-        positive.into_iter().try_for_each(|(parameter, value)| check::positive(parameter, value))?;
+        check::each(check::positive, positive)?;
         let touchdown = approach.duration + approach.last_height / approach.sink_rate;
         if touchdown > landing.t_end {
             return Err(Failure::NoContact { distance: approach.at(landing.t_end).value }.at_time(landing.t_end));

@@ -85,7 +85,7 @@ impl Latches {
             ("latches.turning", self.turning),
             ("latches.ring", self.ring),
         ];
-        limits.into_iter().try_for_each(|(parameter, value)| check::not_negative(parameter, value))
+        check::each(check::not_negative, limits)
     }
 }
 

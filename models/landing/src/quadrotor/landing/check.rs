@@ -2,7 +2,7 @@
 
 use core::f64::consts::FRAC_PI_2;
 
-use mbs_models::check::{Invalid, Must, finite, positive, within};
+use mbs_models::check::{Invalid, Must, each, finite, positive, within};
 use mbs_models::{Error, Failure};
 use mbs_runtime::{Scalar, State};
 
@@ -145,12 +145,4 @@ fn believed(params: &Params<f64>, mixer: &Mixer) -> Result<(), Invalid> {
         ],
     )?;
     within("controller.mixer.greatest_speed", mixer.greatest_speed, [0.0, f64::INFINITY])
-}
-
-/// All of them, by one check.
-fn each(
-    check: fn(&'static str, f64) -> Result<(), Invalid>,
-    parameters: impl IntoIterator<Item = (&'static str, f64)>,
-) -> Result<(), Invalid> {
-    parameters.into_iter().try_for_each(|(parameter, value)| check(parameter, value))
 }
